@@ -1,0 +1,89 @@
+"""The equations of one robot, traced and compiled at their first use.
+
+Geometry and inertias fold into the code; drive constants are inputs of every function that reads them, so that changing
+them never compiles again.
+"""
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+
+from cutpoint import kernels
+from cutpoint.errors import unknown_name
+from cutpoint.definitions import Machine
+from cutpoint.kernels import Kernel
+from cutpoint.mechanics.elastic import Driven
+from cutpoint.mechanics.system import system_of
+from cutpoint.model import Drive, Mechanism
+from cutpoint.scalars import leaves, rebuild
+
+
+def machine_of(mechanism: Mechanism, drives: Mapping[str, Drive]) -> Machine:
+    """The robot as the equations want it: rigidly geared rotors as armature, drives in the order of their coordinates."""
+    armature = {name: drive.reflected_inertia for name, drive in drives.items() if drive.rotor and not drive.is_elastic}
+    system = system_of(mechanism, armature)
+    segments = {body.joint.name: s for body, s in zip(mechanism.bodies, system.segments, strict=True)}
+    return Machine(system, [Driven(d, segments[name].q.start, segments[name].v.start) for name, d in drives.items()])
+
+
+class Compiled:
+    """Kernels of one robot by name; each is made when first asked for.
+
+    parameters: the drives' numbers, in the order of the drives and of their fields.
+    """
+
+    def __init__(self, mechanism: Mechanism, drives: Mapping[str, Drive], backend: str) -> None:
+        self._mechanism, self._drives, self._backend = mechanism, dict(drives), backend
+        self.machine = machine_of(mechanism, drives)
+        self.parameters = np.array(leaves([*drives.values()]), dtype=float)
+        self._has_armature = any(d.rotor and not d.is_elastic for d in drives.values())
+        self._kernels: dict[Any, Kernel] = {}
+
+    def size_of(self, name: str) -> int:
+        """Length of an input's last axis."""
+        if name.startswith("wrench_"):
+            return 6
+        if name in ("theta", "theta_dot", "motor_torque"):
+            return len(self._drives)
+        return self.machine.system.nq if name == "q" else self.machine.system.nv
+
+    def with_parameters(self, parameters: Sequence[Any]) -> Machine:
+        """The machine with these numbers in its drives."""
+        new = dict(zip(self._drives, rebuild([*self._drives.values()], iter(parameters)), strict=True))
+        if self._has_armature:
+            return machine_of(self._mechanism, new)
+        driven = [replace(old, drive=drive) for old, drive in zip(self.machine.drives, new.values(), strict=True)]
+        return Machine(self.machine.system, driven)
+
+    def needs_parameters(self, reads_drives: bool) -> bool:
+        """Whether a function takes the drives' numbers: one that reads drives does, and all do where rotors are armature."""
+        return bool(self.parameters.size) and (reads_drives or self._has_armature)
+
+    def kernel(
+        self, name: str, definition: Callable[..., Any], inputs: Sequence[str], reads_drives: bool, variant: Any
+    ) -> Kernel:
+        """The kernel of a definition on a Machine and these inputs; `variant` tells apart what the definition closes over."""
+        found = self._kernels.get((name, variant))
+        if found is None:
+            found = self._kernels[name, variant] = self._compile(name, definition, inputs, reads_drives)
+        return found
+
+    def made(self, name: str) -> Kernel:
+        """A kernel that has been made, the latest variant of this name."""
+        by_name = {key[0]: kernel for key, kernel in self._kernels.items()}
+        if name not in by_name:
+            raise unknown_name("compiled function", name, by_name)
+        return by_name[name]
+
+    def _compile(self, name: str, definition: Callable[..., Any], inputs: Sequence[str], reads_drives: bool) -> Kernel:
+        sizes = {x: self.size_of(x) for x in inputs}
+
+        def traced(**given: Any) -> Any:
+            machine = self.with_parameters(given.pop("parameters")) if "parameters" in given else self.machine
+            return definition(machine, **given)
+
+        if self.needs_parameters(reads_drives):
+            sizes["parameters"] = self.parameters.size
+        return kernels.compile(traced, name=name, backend=self._backend, **sizes)

@@ -1,0 +1,135 @@
+"""What a robot can compute, as functions of its machine and of lists of scalars: the bodies of its kernels."""
+
+from collections.abc import Mapping
+from typing import Any, NamedTuple
+
+from cutpoint.mechanics import elastic, kinematics, mass_matrix, power_flow, regressor
+from cutpoint.mechanics import forward_dynamics as forward
+from cutpoint.mechanics import inverse_dynamics as inverse
+from cutpoint.mechanics.elastic import Driven, ElasticAccelerations, ElasticMotion
+from cutpoint.mechanics.harmonic_drive import spring_torque
+from cutpoint.mechanics.spatial import Pose, Vec3, Wrench
+from cutpoint.mechanics.system import System
+
+Scalars = list[Any]
+
+
+class Machine(NamedTuple):
+    """What the equations are written on: the system, and its drives with the coordinates they drive."""
+
+    system: System
+    drives: list[Driven]
+
+
+def inverse_dynamics(m: Machine, q: Scalars, v: Scalars, a: Scalars, **wrenches: Scalars) -> Scalars:
+    return inverse.inverse_dynamics(m.system, q, v, a, _contact(wrenches))
+
+
+def forward_dynamics(m: Machine, q: Scalars, v: Scalars, tau: Scalars, **wrenches: Scalars) -> Scalars:
+    return forward.forward_dynamics(m.system, q, v, tau, _contact(wrenches))
+
+
+def bias_forces(m: Machine, q: Scalars, v: Scalars) -> Scalars:
+    return inverse.inverse_dynamics(m.system, q, v, [0] * m.system.nv)
+
+
+def gravity_forces(m: Machine, q: Scalars) -> Scalars:
+    still = [0] * m.system.nv
+    return inverse.inverse_dynamics(m.system, q, still, still)
+
+
+def coriolis_matrix(m: Machine, q: Scalars, v: Scalars) -> list[Scalars]:
+    still, weight = [0] * m.system.nv, gravity_forces(m, q)
+    columns = []
+    for k in range(m.system.nv):
+        unit = [int(j == k) for j in range(m.system.nv)]
+        tau = inverse.required_inverse_dynamics(m.system, q, v, unit, still)
+        columns.append([t - g for t, g in zip(tau, weight, strict=True)])
+    return transposed(columns)
+
+
+def mass(m: Machine, q: Scalars) -> list[Scalars]:
+    return mass_matrix.mass_matrix(m.system, q)
+
+
+def kinetic_energy(m: Machine, q: Scalars, v: Scalars) -> Any:
+    return mass_matrix.kinetic_energy_of(m.system, q, v)
+
+
+def potential_energy(m: Machine, q: Scalars) -> Any:
+    return mass_matrix.potential_energy_of(m.system, q)
+
+
+def momentum(m: Machine, q: Scalars, v: Scalars) -> Scalars:
+    return [*mass_matrix.momentum_of(m.system, q, v)]
+
+
+def torque_regressor(m: Machine, q: Scalars, v: Scalars, a: Scalars) -> list[Scalars]:
+    return regressor.torque_regressor(m.system, q, v, a)
+
+
+def power_flows(m: Machine, q: Scalars, v: Scalars, a: Scalars) -> Scalars:
+    return power_flow.power_flows(m.system, q, v, a)
+
+
+def coordinate_rates(m: Machine, q: Scalars, v: Scalars) -> Scalars:
+    return kinematics.coordinate_rates(m.system, q, v)
+
+
+def elastic_inverse_dynamics(m: Machine, friction_rates: bool, **motion: Scalars) -> ElasticMotion:
+    return elastic.elastic_inverse_dynamics(m.system, m.drives, **motion, friction_rates=friction_rates)
+
+
+def elastic_forward_dynamics(m: Machine, **state: Scalars) -> ElasticAccelerations:
+    return elastic.elastic_forward_dynamics(m.system, m.drives, **state)
+
+
+def elastic_energy(m: Machine, q: Scalars, theta: Scalars, theta_dot: Scalars) -> Any:
+    return elastic.elastic_energy(m.drives, q, theta, theta_dot)
+
+
+def drive_torque(m: Machine, theta: Scalars, q: Scalars) -> Scalars:
+    """Spring torque of each elastic drive; a rigid one shows none."""
+    return [
+        spring_torque(d.drive, theta_k, q[d.q]) if d.drive.is_elastic else 0.0
+        for d, theta_k in zip(m.drives, theta, strict=True)
+    ]
+
+
+def static_deflection(m: Machine, q: Scalars) -> Scalars:
+    """How far each motor leads its link when nothing moves, rad: the spring's answer to gravity."""
+    weight = gravity_forces(m, q)
+    return [d.drive.compliance.deflection(weight[d.v]) if d.drive.compliance else 0.0 for d in m.drives]
+
+
+def friction_torques(m: Machine, v: Scalars) -> Scalars:
+    """What link-side friction takes at each speed, N m."""
+    return elastic.link_friction(m.system, m.drives, v)
+
+
+def frame_pose(m: Machine, q: Scalars, frame: str) -> list[Scalars]:
+    return matrix_of(kinematics.frame_pose(m.system, q, frame))
+
+
+def jacobian(m: Machine, q: Scalars, frame: str, expressed_in: kinematics.ExpressedIn) -> list[Scalars]:
+    return transposed([[*column] for column in kinematics.jacobian(m.system, q, frame, expressed_in)])
+
+
+def velocity_map(m: Machine, q: Scalars) -> list[Scalars]:
+    rows = kinematics.velocity_map(m.system, q)
+    return [row for body in rows for row in transposed([[*column] for column in body])]
+
+
+def matrix_of(X: Pose) -> list[Scalars]:
+    """A pose as 4 rows of 4."""
+    return [[*row, p] for row, p in zip(X.rotation, X.position, strict=True)] + [[0.0, 0.0, 0.0, 1.0]]
+
+
+def transposed(columns: list[Scalars]) -> list[Scalars]:
+    return [[*row] for row in zip(*columns, strict=True)]
+
+
+def _contact(wrenches: Mapping[str, Scalars]) -> dict[str, Wrench]:
+    """F_e of Xia (2019) eq. (44) is what the robot exerts; users state what is exerted on it."""
+    return {name: Wrench(-Vec3(*F[:3]), -Vec3(*F[3:])) for name, F in wrenches.items()}
+

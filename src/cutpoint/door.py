@@ -1,0 +1,90 @@
+"""What is checked once, where a user hands something in: arrays, drives, configurations."""
+
+from collections.abc import Mapping, Sequence
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from cutpoint.errors import InputError, ModelError, unknown_name
+from cutpoint.model import Drive, Mechanism
+from cutpoint.scalars import leaves
+
+DRIVEN_KINDS = ("revolute", "continuous", "prismatic")
+
+
+def checked_array(function: str, name: str, value: ArrayLike, size: int) -> NDArray[np.float64]:
+    """The value as float64 with a last axis of this size, every number finite.  Raises InputError."""
+    try:
+        array = np.asarray(value, dtype=np.float64)
+    except (TypeError, ValueError) as error:
+        raise InputError(f"{function}: {name} must be numbers of shape (..., {size}): {error}") from None
+    if not array.ndim or array.shape[-1] != size:
+        raise InputError(
+            f"{function}: {name} has shape {array.shape}, its last axis must be {size}", name=name, shape=array.shape
+        )
+    if not np.isfinite(array).all():
+        where = tuple(int(i) for i in np.argwhere(~np.isfinite(array))[0])
+        place = f"{name}[{', '.join(map(str, where))}]"
+        raise InputError(f"{function}: {place} is {array[where]}, every number must be finite", name=name, index=where)
+    return array
+
+
+def driven_joints(mechanism: Mechanism) -> dict[str, int]:
+    """Joints with a drive of their own, by name, with the index of their body: one coordinate, not a follower's."""
+    return {
+        body.joint.name: i
+        for i, body in enumerate(mechanism.bodies)
+        if body.joint.kind in DRIVEN_KINDS and not (mechanism.coupled and body.joint.mimic)
+    }
+
+
+def validated_drives(mechanism: Mechanism, drives: Mapping[str, Drive]) -> dict[str, Drive]:
+    """A drive for every driven joint, in their order.  Raises ModelError or InputError."""
+    joints = driven_joints(mechanism)
+    for name, drive in drives.items():
+        if name not in joints:
+            raise unknown_name("driven joint", name, joints)
+        check_drive(name, drive)
+    return {name: drives.get(name, Drive()) for name in joints}
+
+
+def check_drive(name: str, drive: Drive) -> None:
+    """Numbers finite, ratio not zero, an elastic drive with a rotor; positive where the laws need it."""
+    for number in leaves(drive):
+        if not np.isfinite(number) and number not in leaves(drive.limits):
+            raise ModelError(f"joint {name!r}: its drive holds {number}, every number must be finite", joint=name)
+    if drive.ratio == 0:
+        raise ModelError(f"joint {name!r}: ratio 0 must not be zero: motor turns per joint turn, signed", joint=name)
+    if drive.is_elastic and (drive.rotor is None or drive.rotor.inertia <= 0):
+        raise ModelError(f"joint {name!r}: an elastic drive needs a rotor with a positive inertia, kg m2", joint=name)
+    for law in (drive.compliance, drive.link_friction, drive.motor_friction):
+        _check_law(name, law)
+
+
+def _check_law(name: str, law: object) -> None:
+    """Constants of spring and friction laws: positive where a law divides by them, otherwise not negative."""
+    for constant in ("stiffness", "hardening", "stribeck_velocity", "smoothing"):
+        value = getattr(law, constant, 1.0)
+        if value <= 0:
+            raise ModelError(f"joint {name!r}: {constant} {value} must be positive", joint=name, constant=constant)
+    for constant in ("coulomb", "static", "viscous"):
+        value = getattr(law, constant, 0.0)
+        if value < 0:
+            raise ModelError(f"joint {name!r}: {constant} {value} must not be negative", joint=name, constant=constant)
+
+
+def check_configuration(mechanism: Mechanism, q: Sequence[float]) -> None:
+    """A configuration far beyond limits, as if degrees had been given, is an error; a little beyond is the user's affair.
+
+    q: joint positions in the order of the driven joints, rad (m).
+    """
+    for (name, i), x in zip(driven_joints(mechanism).items(), q, strict=True):
+        joint = mechanism.bodies[i].joint
+        beyond = x > joint.limits.upper or x < joint.limits.lower
+        if joint.kind == "revolute" and beyond and abs(x) > 2 * np.pi:
+            raise InputError(
+                f"joint {name!r}: position {x:g} rad exceeds its limits [{joint.limits.lower:g}, {joint.limits.upper:g}]; "
+                "this looks like degrees: give radians (numpy.radians, or --degrees on the command line)",
+                joint=name,
+                position=x,
+            )

@@ -1,0 +1,94 @@
+"""XML from files that nobody vouches for, as a tree of elements that know their lines.
+
+No document type, no entities, no external references; size, depth and number of elements are capped.
+"""
+
+from collections.abc import Iterator
+from dataclasses import dataclass, field
+from typing import Any, cast
+from xml.etree.ElementTree import ParseError
+
+from defusedxml import DefusedXmlException, DTDForbidden
+from defusedxml.ElementTree import DefusedXMLParser
+
+from cutpoint.errors import ModelError
+
+MAXIMUM_BYTES = 64 * 2**20
+MAXIMUM_DEPTH = 64
+MAXIMUM_ELEMENTS = 200_000
+
+
+@dataclass(frozen=True)
+class Element:
+    """A tag with its attributes and child elements; line counts from 1.  Text between tags is dropped."""
+
+    tag: str
+    attributes: dict[str, str]
+    line: int
+    children: list["Element"] = field(default_factory=list)
+
+    def all(self, tag: str) -> Iterator["Element"]:
+        """Child elements of that tag, in order."""
+        return (child for child in self.children if child.tag == tag)
+
+
+class _Builder:
+    """What the parser calls; it keeps the caps."""
+
+    def __init__(self, place: str) -> None:
+        self.place = place
+        self.expat: Any = None  # set once the parser exists: it knows the current line
+        self.root: Element | None = None
+        self.open: list[Element] = []
+        self.count = 0
+
+    def start(self, tag: str, attributes: dict[str, str]) -> None:
+        element = Element(tag, attributes, self.expat.CurrentLineNumber)
+        self.count += 1
+        if self.count > MAXIMUM_ELEMENTS:
+            raise self._too_much(f"more than {MAXIMUM_ELEMENTS:,} elements", element)
+        if len(self.open) >= MAXIMUM_DEPTH:
+            raise self._too_much(f"elements nested more than {MAXIMUM_DEPTH} deep", element)
+        if self.open:
+            self.open[-1].children.append(element)
+        else:
+            self.root = element
+        self.open.append(element)
+
+    def end(self, tag: str) -> None:
+        self.open.pop()
+
+    def data(self, text: str) -> None:
+        """Text has no meaning in the formats read here."""
+
+    def close(self) -> None:
+        """The tree is kept in `root`."""
+
+    def _too_much(self, what: str, element: Element) -> ModelError:
+        return ModelError(f"XML holds {what}, the most that is read", place=f"{self.place}:{element.line}")
+
+
+def parse_xml(content: bytes | str, place: str) -> Element:
+    """The root element of a document; `place` names the file in messages.
+
+    Raises ModelError: not well formed, a document type or entities, over a cap.
+    """
+    builder = _Builder(place)
+    parser = DefusedXMLParser(target=builder, forbid_dtd=True, forbid_entities=True, forbid_external=True)
+    builder.expat = parser.parser
+    try:
+        parser.feed(content)
+        parser.close()
+        return cast(Element, builder.root)  # a document without a root is not well formed
+    except ParseError as problem:
+        line = problem.position[0]
+        raise ModelError(f"XML is not well formed: {problem}", place=f"{place}:{line}", line=line) from problem
+    except DefusedXmlException as problem:
+        what = "a document type (<!DOCTYPE>)" if isinstance(problem, DTDForbidden) else "entities"
+        line = builder.expat.CurrentLineNumber
+        complaint = f"XML with {what} is not read, for safety; take it out"
+        raise ModelError(complaint, place=f"{place}:{line}", line=line) from problem
+    except (ValueError, LookupError) as problem:
+        if isinstance(problem, ModelError):
+            raise
+        raise ModelError(f"XML cannot be decoded: {problem}", place=place) from problem

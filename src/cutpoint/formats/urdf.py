@@ -1,0 +1,179 @@
+"""URDF and xacro files to a `Mechanism`.
+
+Read: links' inertials; joints' origins, axes, limits, dynamics and mimics.  Everything else (visuals, collisions,
+transmissions, extensions) is passed over; meshes are never opened.
+"""
+
+import warnings
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import Literal
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from cutpoint.errors import InputError, ModelError
+from cutpoint.formats.reading import read_bytes
+from cutpoint.formats.safe_xml import MAXIMUM_BYTES, Element, parse_xml
+from cutpoint.formats.urdf_elements import Reader
+from cutpoint.formats.xacro_expansion import expand
+from cutpoint.model.build import build
+from cutpoint.model.mechanism import STANDARD_GRAVITY, Joint, JointKind, Limits, Link, Mechanism, Mimic
+from cutpoint.model.places import Places, listed
+from cutpoint.model.validation import DEGREES_BEYOND
+
+KINDS: tuple[JointKind, ...] = ("fixed", "revolute", "continuous", "prismatic", "floating")
+X_AXIS = (1.0, 0.0, 0.0)
+"""Axis of a joint that states none."""
+
+
+class MimicWarning(UserWarning):
+    """A file has mimic joints, and they were read as coordinates of their own."""
+
+
+class DegreesWarning(UserWarning):
+    """A file's joint limits look like degrees."""
+
+
+def load_urdf(
+    path: str | Path,
+    *,
+    gravity: ArrayLike = STANDARD_GRAVITY,
+    floating_base: bool = False,
+    lock: Mapping[str, float] | None = None,
+    mimic: Literal["independent", "coupled"] = "independent",
+) -> Mechanism:
+    """The robot of a URDF file, or of a .xacro file if the `xacro` package is installed.
+
+    gravity, floating_base, lock: as `model.build` has them.
+    mimic: whether mimic joints are coordinates of their own (then a `MimicWarning` names them) or follow their leader.
+    Raises ModelError, with file and line, for whatever is wrong in the file.
+    """
+    path = Path(path)
+    content = read_bytes(path, MAXIMUM_BYTES)
+    place = str(path)
+    if path.suffix == ".xacro":
+        parse_xml(content, place)
+        content, place = expand(path), f"{path}, expanded"
+    return parse_urdf(content, place, gravity=gravity, floating_base=floating_base, lock=lock, mimic=mimic)
+
+
+def parse_urdf(
+    content: str | bytes,
+    place: str = "<string>",
+    *,
+    gravity: ArrayLike = STANDARD_GRAVITY,
+    floating_base: bool = False,
+    lock: Mapping[str, float] | None = None,
+    mimic: Literal["independent", "coupled"] = "independent",
+) -> Mechanism:
+    """The robot of a URDF document in memory; `place` names it in messages.  Options and errors as in `load_urdf`."""
+    if mimic not in ("independent", "coupled"):
+        raise InputError(f"mimic {mimic!r} must be 'independent' or 'coupled'", mimic=mimic)
+    robot = parse_xml(content, place)
+    _check_is_urdf(robot, place)
+    joints = [_joint(element, place) for element in robot.all("joint")]
+    mechanism = build(
+        robot.attributes.get("name") or Path(place).stem,
+        [_link(element, place) for element in robot.all("link")],
+        joints,
+        gravity=gravity,
+        floating_base=floating_base,
+        lock=lock,
+        coupled=mimic == "coupled",
+        place=Places(place, {_label(element): element.line for element in robot.children}),
+    )
+    moving = {body.joint.name for body in mechanism.bodies}
+    _warn([joint for joint in joints if joint.name in moving], mechanism.coupled, place)
+    return mechanism
+
+
+def _check_is_urdf(robot: Element, place: str) -> None:
+    at = f"{place}:{robot.line}"
+    if robot.tag != "robot":
+        other = {"mujoco": " (an MJCF file)", "sdf": " (an SDF file)"}.get(robot.tag, "")
+        raise ModelError(f"the root element of a URDF is <robot>, got <{robot.tag}>{other}", place=at)
+    for child in robot.children:
+        if "xacro" in child.tag:
+            raise ModelError("this file has xacro elements; give it the ending .xacro", place=f"{place}:{child.line}")
+
+
+def _label(element: Element) -> str:
+    """How messages name a link or a joint."""
+    return f"{element.tag} {element.attributes.get('name', '').strip()!r}"
+
+
+def _link(element: Element, file: str) -> Link:
+    reader = Reader(element, _label(element), file)
+    name = reader.text("name")
+    inertial = reader.child("inertial")
+    if inertial is None:
+        return Link(name, has_inertia=False)
+    tensor = inertial.needed("inertia")
+    xx, xy, xz, yy, yz, zz = (tensor.number(entry) for entry in ("ixx", "ixy", "ixz", "iyy", "iyz", "izz"))
+    along_principal = np.array([[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]])
+    placement = inertial.origin()
+    rotation = placement[:3, :3]
+    return Link(
+        name, inertial.needed("mass").number("value"), placement[:3, 3], rotation @ along_principal @ rotation.T
+    )
+
+
+def _joint(element: Element, file: str) -> Joint:
+    reader = Reader(element, _label(element), file)
+    name, kind = reader.text("name"), _kind(reader)
+    axis, dynamics, mimic = reader.child("axis"), reader.child("dynamics"), reader.child("mimic")
+    return Joint(
+        name,
+        kind,
+        parent=reader.needed("parent").text("link"),
+        child=reader.needed("child").text("link"),
+        placement=reader.origin(),
+        axis=axis.vector("xyz", X_AXIS) if axis else np.array(X_AXIS),
+        limits=_limits(reader, kind),
+        damping=dynamics.number("damping", 0.0) if dynamics else 0.0,
+        friction=dynamics.number("friction", 0.0) if dynamics else 0.0,
+        mimic=Mimic(mimic.text("joint"), mimic.number("multiplier", 1.0), mimic.number("offset", 0.0))
+        if mimic
+        else None,
+    )
+
+
+def _kind(reader: Reader) -> JointKind:
+    kind = reader.text("type")
+    for known in KINDS:
+        if kind == known:
+            return known
+    raise reader.error(f"type {kind!r} is not supported; those that are: {listed(KINDS)}")
+
+
+def _limits(reader: Reader, kind: JointKind) -> Limits:
+    """As URDF has it: a continuous joint has no position limits, and of two bounds one that is not stated is zero."""
+    limit = reader.child("limit")
+    if limit is None:
+        return Limits()
+    velocity, effort = limit.bound("velocity", np.inf), limit.bound("effort", np.inf)
+    if kind == "continuous" or not {"lower", "upper"} & limit.element.attributes.keys():
+        return Limits(velocity=velocity, effort=effort)
+    return Limits(limit.bound("lower", 0.0), limit.bound("upper", 0.0), velocity, effort)
+
+
+def _warn(joints: Sequence[Joint], coupled: bool, place: str) -> None:
+    """Warn of what is probably not meant, once for the file, at the line that asked for the robot."""
+    mimics = [joint.name for joint in joints if joint.mimic]
+    if mimics and not coupled:
+        text = f"mimic joints {listed(mimics)} are read as coordinates of their own; mimic='coupled' ties them"
+        warnings.warn(f"{text} ({place})", MimicWarning, stacklevel=4)
+    degrees = [joint.name for joint in joints if _looks_like_degrees(joint)]
+    if degrees:
+        text = f"limits of joints {listed(degrees)} look like degrees; URDF angles are radians"
+        warnings.warn(f"{text} ({place})", DegreesWarning, stacklevel=4)
+
+
+def _looks_like_degrees(joint: Joint) -> bool:
+    """Half or whole numbers up to a full circle, beyond what radians of a joint usually are."""
+    bounds = np.array([joint.limits.lower, joint.limits.upper])
+    if joint.kind != "revolute" or not np.isfinite(bounds).all():
+        return False
+    furthest = np.max(np.abs(bounds))
+    return bool(DEGREES_BEYOND < furthest <= 360.0 and np.array_equal(2.0 * bounds, np.round(2.0 * bounds)))

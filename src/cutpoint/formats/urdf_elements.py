@@ -1,0 +1,84 @@
+"""Attributes and single children of URDF elements, read strictly: each error names thing, value, rule and line."""
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+
+from cutpoint.errors import ModelError
+from cutpoint.formats.reading import parse_number
+from cutpoint.formats.safe_xml import Element
+from cutpoint.model.mechanism import Array
+from cutpoint.model.pose import pose, roll_pitch_yaw
+from cutpoint.model.validation import DEGREES_BEYOND
+
+
+@dataclass(frozen=True)
+class Reader:
+    """One element on behalf of the link or joint it belongs to (`thing`)."""
+
+    element: Element
+    thing: str
+    file: str
+
+    def error(self, complaint: str) -> ModelError:
+        return ModelError(f"{self.thing}: {complaint}", place=f"{self.file}:{self.element.line}", thing=self.thing)
+
+    def child(self, tag: str) -> "Reader | None":
+        """The one child of that tag, if there is one."""
+        found = list(self.element.all(tag))
+        if len(found) > 1:
+            raise Reader(found[1], self.thing, self.file).error(f"has {len(found)} <{tag}>; one at most is allowed")
+        return Reader(found[0], self.thing, self.file) if found else None
+
+    def needed(self, tag: str) -> "Reader":
+        found = self.child(tag)
+        if found is None:
+            raise self.error(f"<{self.element.tag}> needs a <{tag}>")
+        return found
+
+    def text(self, attribute: str) -> str:
+        """An attribute that must be there and not be empty, without surrounding blanks."""
+        value = self.element.attributes.get(attribute, "").strip()
+        if not value:
+            raise self.error(f"<{self.element.tag}> needs the attribute {attribute!r}")
+        return value
+
+    def number(self, attribute: str, default: float | None = None) -> float:
+        if default is not None and attribute not in self.element.attributes:
+            return default
+        text = self.text(attribute)
+        value = parse_number(text)
+        if value is None:
+            raise self._not_numbers(attribute, text, "a finite number")
+        return value
+
+    def bound(self, attribute: str, default: float) -> float:
+        """A number that may also be `inf` or `-inf`: no bound."""
+        text = self.element.attributes.get(attribute, "").strip().lower()
+        unbounded = {"inf": math.inf, "+inf": math.inf, "-inf": -math.inf}
+        return unbounded[text] if text in unbounded else self.number(attribute, default)
+
+    def vector(self, attribute: str, default: tuple[float, float, float]) -> Array:
+        """(3,) numbers separated by blanks."""
+        if attribute not in self.element.attributes:
+            return np.array(default)
+        text = self.text(attribute)
+        values = [parse_number(part) for part in text.split()]
+        if len(values) != 3 or None in values:
+            raise self._not_numbers(attribute, text, "three finite numbers")
+        return np.array(values, dtype=np.float64)
+
+    def origin(self) -> Array:
+        """(4, 4) placement of the child <origin>; the identity where there is none."""
+        found = self.child("origin")
+        if found is None:
+            return np.eye(4)
+        angles = found.vector("rpy", (0.0, 0.0, 0.0))
+        if np.max(np.abs(angles)) > DEGREES_BEYOND:
+            text = found.text("rpy")
+            raise found.error(f"<origin> rpy {text!r} looks like degrees; URDF angles are radians")
+        return pose(roll_pitch_yaw(angles), found.vector("xyz", (0.0, 0.0, 0.0)))
+
+    def _not_numbers(self, attribute: str, text: str, rule: str) -> ModelError:
+        return self.error(f"<{self.element.tag}> {attribute} {text!r} must be {rule}")

@@ -1,0 +1,94 @@
+"""The graph's nodes: every operation on a trace's inputs, each written once."""
+
+import itertools
+from typing import Any
+
+from cutpoint.errors import TraceError
+
+PRIMITIVES = {
+    "input": "the number in slot a of the inputs, laid one after another",
+    "add": "a + b",
+    "sub": "a - b",
+    "mul": "a * b",
+    "div": "a / b",
+    "neg": "-a",
+    "sqrt": "square root of a",
+    "fma": "a * b + c, rounded once",
+    "fms": "a * b - c, rounded once",
+    "fnma": "c - a * b, rounded once",
+    "lt": "condition a < b; false where either is not a number",
+    "le": "condition a <= b; false where either is not a number",
+    "and": "condition a and b",
+    "or": "condition a or b",
+    "not": "condition not a",
+    "select": "b where condition a holds, else c; both are evaluated",
+    "bit": "condition: bit b (a Python int, 0 lowest) of the 64-bit pattern of a",
+    "pow2": "2**a, for a whole a in [-1022, 1023]; unspecified elsewhere",
+    "exponent": "the whole n with 2**n <= |a| < 2**(n + 1), for a normal a; unspecified elsewhere",
+}
+"""All that an emitter must know, as op: meaning with args (a, b, c); an argument is a node or a float."""
+
+ELEMENTARY = ("sin", "cos", "tan", "exp", "log", "tanh", "atan")
+"""Functions that a graph may hold until it is lowered to primitives."""
+
+CONDITIONS = frozenset({"lt", "le", "and", "or", "not", "bit"})
+COMMUTATIVE = frozenset({"add", "mul", "and", "or"})
+
+_serials = itertools.count()
+
+
+class Node:
+    """One operation.  `op` is a name of PRIMITIVES or ELEMENTARY; `args` are nodes and floats.
+
+    `serial` orders all nodes by creation: operands come before what uses them.
+    """
+
+    __slots__ = ("args", "op", "serial", "trace")
+
+    op: str
+    args: tuple[Any, ...]
+    serial: int
+    trace: "Trace"
+
+    def __repr__(self) -> str:
+        return f"<{self.op} #{self.serial}>"
+
+
+class Trace:
+    """The table of one trace: equal operations on equal operands are one node."""
+
+    __slots__ = ("_kinds", "_table")
+
+    def __init__(self, real: type[Node], condition: type[Node]) -> None:
+        self._kinds = (real, condition)
+        self._table: dict[tuple[Any, ...], Node] = {}
+
+    def node(self, op: str, *args: Any) -> Any:
+        """The node of this operation, new or as it was first written.
+
+        Raises:
+            TraceError: an operand belongs to another trace, or this trace has ended.
+        """
+        # serials are ints and constants texts, so neither is ever taken for the other; repr tells -0.0 from 0.0
+        key = (op, *[x.serial if isinstance(x, Node) else repr(x) for x in args])
+        found = self._table.get(key)
+        return self._add(key, op, args) if found is None else found
+
+    def _add(self, key: tuple[Any, ...], op: str, args: tuple[Any, ...]) -> Node:
+        if any(isinstance(x, Node) and x.trace is not self for x in args):
+            raise TraceError("numbers of two different traces meet in one operation; pass both as inputs of one function")
+        node = Node.__new__(self._kinds[op in CONDITIONS])
+        node.op, node.args, node.trace, node.serial = op, args, self, next(_serials)
+        self._table[key] = node
+        return node
+
+    def end(self) -> None:
+        """No more operations: what is done with a leaked number from here on is an error."""
+        self._table = _Ended()
+
+
+class _Ended(dict[tuple[Any, ...], Node]):
+    """The table of a trace that is over."""
+
+    def get(self, key: Any, default: Any = None) -> Any:
+        raise TraceError("a traced number was kept and used after its function was traced; return it instead")

@@ -1,0 +1,70 @@
+"""Ports: the named numbers, vectors and arrays that enter and leave a graph."""
+
+import math
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, fields, is_dataclass
+from numbers import Integral
+from typing import Any
+
+import numpy as np
+
+from cutpoint.errors import InputError
+
+Shape = tuple[int, ...]
+
+
+@dataclass(frozen=True)
+class Port:
+    """A named array: () is a scalar, (n,) a vector."""
+
+    name: str
+    shape: Shape
+
+    @property
+    def size(self) -> int:
+        return math.prod(self.shape)
+
+
+def port(name: str, shape: int | Sequence[int]) -> Port:
+    """A port from what a caller gives: an int for a vector, () for a scalar, a tuple for an array."""
+    lengths = (shape,) if isinstance(shape, Integral) else shape
+    if not isinstance(lengths, (tuple, list)) or not all(isinstance(n, Integral) and n >= 0 for n in lengths):
+        raise InputError(f"input {name!r}: shape {shape!r} must be (), a length or a tuple of lengths", name=name)
+    return Port(name, tuple(int(n) for n in lengths))
+
+
+def nest(numbers: Iterator[Any], shape: Shape) -> Any:
+    """The next numbers as a scalar, a list or nested lists of a shape."""
+    return [nest(numbers, shape[1:]) for _ in range(shape[0])] if shape else next(numbers)
+
+
+def flatten(value: Any) -> tuple[Shape, list[Any]]:
+    """Shape and numbers of a nest of lists, tuples, arrays and dataclasses.
+
+    Raises:
+        ValueError: the nest is ragged.
+    """
+    parts = _parts(value)
+    if parts is None:
+        return (), [value]
+    shapes, numbers = zip(*map(flatten, parts), strict=True) if parts else ((), ())
+    if len(set(shapes)) > 1:
+        raise ValueError(f"rows of shapes {', '.join(map(str, dict.fromkeys(shapes)))} do not make one array")
+    shape = (len(parts), *shapes[0]) if parts else (0,)
+    return shape, [x for row in numbers for x in row]
+
+
+def named_parts(value: Any) -> dict[str, Any] | None:
+    """The fields of a dataclass or NamedTuple instance by name; None for anything else."""
+    if is_dataclass(value) and not isinstance(value, type):
+        return {f.name: getattr(value, f.name) for f in fields(value)}
+    return value._asdict() if isinstance(value, tuple) and hasattr(value, "_asdict") else None  # type: ignore[attr-defined]
+
+
+def _parts(value: Any) -> list[Any] | None:
+    if isinstance(value, np.ndarray):
+        return list(value) if value.ndim else [value[()]]
+    if isinstance(value, (list, tuple)):
+        return [*value]
+    named = named_parts(value)
+    return None if named is None else [*named.values()]

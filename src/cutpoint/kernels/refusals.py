@@ -1,0 +1,66 @@
+"""What a traced number cannot do, said at the user's line with what to write instead."""
+
+import sys
+from types import FrameType
+from typing import Any, NoReturn
+
+from cutpoint.errors import TraceError
+
+_NOT_THE_USER = {"cutpoint", "numpy"}
+_OURS = {"sin", "cos", "tan", "exp", "log", "tanh", "sqrt", "maximum", "minimum", "clip", "where"}
+_RENAMED = {"arctan": "atan", "absolute": "absolute", "fabs": "absolute", "fmax": "maximum", "fmin": "minimum"}
+
+
+def user_place() -> str | None:
+    """File and line of the innermost frame that belongs to neither this package nor NumPy."""
+    frame: FrameType | None = sys._getframe(1)
+    while frame is not None:
+        if str(frame.f_globals.get("__name__", "")).partition(".")[0] not in _NOT_THE_USER:
+            return f"{frame.f_code.co_filename}:{frame.f_lineno}"
+        frame = frame.f_back
+    return None
+
+
+def refuse(message: str) -> NoReturn:
+    """Raises TraceError that points at the user's line."""
+    raise TraceError(message, place=user_place())
+
+
+class Refusals:
+    """Python's requests for a truth value, a float or an identity, which a traced number has not got."""
+
+    __slots__ = ()
+
+    def __bool__(self) -> NoReturn:
+        refuse(
+            "a traced number has no truth value yet, so `if`, `and`, `or`, `not`, `min` and `max` cannot be compiled; "
+            "write cutpoint.where(x > 0, yes, no), and `&`, `|`, `~` between conditions"
+        )
+
+    def __float__(self) -> NoReturn:
+        refuse("a traced number has no value yet: use cutpoint.sin, cutpoint.sqrt, ... instead of float() and math's")
+
+    __int__ = __index__ = __complex__ = __float__
+
+    def __eq__(self, other: object) -> NoReturn:
+        refuse("a traced number has no value yet, so == and != have no meaning; compare with < or <=, or use `is`")
+
+    __ne__ = __eq__
+    __hash__ = object.__hash__  # by identity, so that dictionaries and sets still hold traced numbers
+
+    def __mod__(self, other: object) -> NoReturn:
+        refuse("// and % of a traced number cannot be compiled; wrap angles by cutpoint.atan or outside the kernel")
+
+    __rmod__ = __floordiv__ = __rfloordiv__ = __divmod__ = __mod__
+
+
+def refuse_numpy(name: str) -> NoReturn:
+    """Raises TraceError for a NumPy function applied to a traced number."""
+    ours = _RENAMED.get(name, name)
+    remedy = f"use cutpoint.{ours}" if ours in (*_OURS, "atan", "absolute") else "write it with cutpoint's functions"
+    refuse(f"np.{name} cannot be applied to a traced number; {remedy}")
+
+
+def refuse_operand(other: Any) -> NoReturn:
+    """Raises TraceError for an operand that is not a number."""
+    refuse(f"a traced number cannot meet a {type(other).__name__} in one operation; it meets ints, floats and its own")

@@ -1,0 +1,96 @@
+"""Joint accelerations under joint torques, in time proportional to the number of bodies.  Featherstone (2008) chapter 7."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+
+from cutpoint.mechanics.articulated import Articulated, Yield, accelerations
+from cutpoint.mechanics.inverse_dynamics import inverse_dynamics
+from cutpoint.mechanics.mass_matrix import mass_matrix
+from cutpoint.mechanics.rigid_body import net_wrench
+from cutpoint.mechanics.spatial import STILL, Motion, Pose, Wrench
+from cutpoint.mechanics.system import Segment, System
+from cutpoint.model.mechanism import WORLD
+from cutpoint.scalars import Scalar
+
+Scalars = Sequence[Scalar]
+
+
+@dataclass(slots=True, eq=False)
+class Resistance:
+    """A body's pose and velocity, its bias acceleration, and how it and all it carries resist."""
+
+    X: Pose
+    V: Motion
+    bias: Motion
+    M: Articulated
+    P: Wrench
+
+
+def prepare(body: Segment, V_p: Motion, q: Scalars, v: Scalars) -> Resistance:
+    """Velocity of a body, and the wrench that velocity alone costs it.  Featherstone (2008) eqs. (7.46)-(7.49)."""
+    X, zv = body.placement @ body.joint.pose(body.coordinates(q)), body.joint.motion(body.speeds(v))
+    V = X.outward(V_p) + zv
+    return Resistance(X, V, V.cross(zv), Articulated.of(body.inertia), net_wrench(body.inertia, V.angular, V, STILL))
+
+
+def forward_dynamics(
+    system: System, q: Scalars, v: Scalars, tau: Scalars, contact: Mapping[str, Wrench] | None = None
+) -> list[Scalar]:
+    """Accelerations of the coordinates under joint torques tau, N m (N).  Featherstone (2008) section 7.3.
+
+    contact: F_e by frame name, the wrench that the robot exerts on the environment there, in that frame's axes.
+    """
+    if system.has_followers:
+        return _through_mass_matrix(system, q, v, tau, contact)
+    bodies: list[Resistance] = []
+    # outward: velocities, and what they alone cost
+    for body in system.segments:
+        bodies.append(prepare(body, STILL if body.parent == WORLD else bodies[body.parent].V, q, v))
+    for name, F_e in (contact or {}).items():
+        place = system.frames[name]
+        if place.body != WORLD:
+            bodies[place.body].P = bodies[place.body].P + place.pose.inward(F_e)
+    # inward: what a body and all it carries still resist once its joint gives way
+    gave: list[list[Yield]] = []
+    for own, body in zip(reversed(bodies), reversed(system.segments), strict=True):
+        M, P, steps = own.M.give_way(body.joint.free, own.P, tau[body.v], system.armature[body.v])
+        gave.append(steps)
+        if body.parent != WORLD:
+            carrier = bodies[body.parent]
+            carrier.M = carrier.M + M.seen_from_parent(own.X)
+            carrier.P = carrier.P + own.X.inward(P + M * own.bias)
+    # outward: each joint gives way to what its parent's acceleration leaves it
+    A: list[Motion] = []
+    found: list[Scalar] = []
+    for own, body, steps in zip(bodies, system.segments, reversed(gave), strict=True):
+        A_i = own.X.outward(system.base_acceleration if body.parent == WORLD else A[body.parent]) + own.bias
+        a = accelerations(steps, A_i)
+        A.append(A_i + body.joint.motion(a))
+        found += a
+    return found
+
+
+def _through_mass_matrix(
+    system: System, q: Scalars, v: Scalars, tau: Scalars, contact: Mapping[str, Wrench] | None
+) -> list[Scalar]:
+    """M a = tau - bias: coordinates that follow others tie distant joints together, so no tree recursion will do."""
+    bias = inverse_dynamics(system, q, v, [0] * system.nv, contact)
+    return solve_symmetric(mass_matrix(system, q), [t - b for t, b in zip(tau, bias, strict=True)])
+
+
+def solve_symmetric(M: list[list[Scalar]], b: Scalars) -> list[Scalar]:
+    """x with M x = b for a symmetric positive definite M, by L D L^T from the last row up; zeros of a tree stay zeros.
+
+    Featherstone (2008) section 6.5.
+    """
+    n, L, x = len(b), [[*row] for row in M], [*b]
+    for k in reversed(range(n)):
+        for i in reversed(range(k)):
+            share = L[k][i] / L[k][k]
+            for j in range(i + 1):
+                L[i][j] = L[i][j] - share * L[k][j]
+            L[k][i] = share
+            x[i] = x[i] - share * x[k]
+    for k in range(n):
+        x[k] = x[k] / L[k][k] - sum((L[k][i] * x[i] for i in range(k)), 0)
+    return x

@@ -1,0 +1,91 @@
+"""Poses, velocities and Jacobians of frames.  Xia (2019) eqs. (29)-(43)."""
+
+from collections.abc import Sequence
+from typing import Literal
+
+from cutpoint.mechanics.spatial import AT_ORIGIN, STILL, Motion, Pose
+from cutpoint.mechanics.system import System
+from cutpoint.model.mechanism import WORLD
+from cutpoint.scalars import Scalar
+
+Scalars = Sequence[Scalar]
+ExpressedIn = Literal["local", "world", "local_world_aligned"]
+
+
+def joint_poses(system: System, q: Scalars) -> list[Pose]:
+    """Each body's frame in its parent's.  Xia (2019) eqs. (33)-(36)."""
+    return [body.placement @ body.joint.pose(body.coordinates(q)) for body in system.segments]
+
+
+def frame_pose(system: System, q: Scalars, frame: str) -> Pose:
+    """A named frame in the world."""
+    place = system.frames[frame]
+    X, poses = AT_ORIGIN, joint_poses(system, q)
+    for i in system.chain_to(place.body):
+        X = X @ poses[i]
+    return X @ place.pose
+
+
+def jacobian(system: System, q: Scalars, frame: str, expressed_in: ExpressedIn = "local") -> list[Motion]:
+    """Columns of the frame's Jacobian, one for each speed: J_q = [U_O^T z ...].  Xia (2019) eqs. (37)-(38).
+
+    "local": the velocity of the frame in its own axes.  "local_world_aligned": the same velocity along the world's axes.
+    "world": the velocity, along the world's axes, of the point of the frame's body that passes the world's origin.
+    """
+    place = system.frames[frame]
+    columns = [STILL] * system.nv
+    X, poses = place.pose, joint_poses(system, q)
+    # inward: what each joint's own motion means at the frame
+    for i in reversed(system.chain_to(place.body)):
+        body = system.segments[i]
+        gain = body.follower.multiplier if body.follower else 1
+        for k in range(len(body.joint.free)):
+            v = body.v.start + k
+            z = body.joint.motion([gain * int(j == k) for j in range(len(body.joint.free))])
+            columns[v] = columns[v] + X.outward(z)
+        X = poses[i] @ X
+    return [_expressed(column, X, expressed_in) for column in columns]
+
+
+def _expressed(V: Motion, X: Pose, expressed_in: ExpressedIn) -> Motion:
+    if expressed_in == "local":
+        return V
+    turned = Motion(X.rotation @ V.linear, X.rotation @ V.angular)
+    if expressed_in == "local_world_aligned":
+        return turned
+    return Motion(turned.linear + X.position.cross(turned.angular), turned.angular)
+
+
+def world_poses(system: System, q: Scalars) -> list[Pose]:
+    """Every body's frame in the world."""
+    X: list[Pose] = []
+    for body, X_i in zip(system.segments, joint_poses(system, q), strict=True):
+        X.append(X_i if body.parent == WORLD else X[body.parent] @ X_i)
+    return X
+
+
+def body_velocities(system: System, q: Scalars, v: Scalars) -> list[Motion]:
+    """Every body's velocity in its own frame.  Xia (2019) eqs. (29)-(31), (40)."""
+    V: list[Motion] = []
+    for body, X in zip(system.segments, joint_poses(system, q), strict=True):
+        parent = STILL if body.parent == WORLD else V[body.parent]
+        V.append(X.outward(parent) + body.joint.motion(body.speeds(v)))
+    return V
+
+
+def velocity_map(system: System, q: Scalars) -> list[list[Motion]]:
+    """J_ba without its first rows: for each body, how its velocity depends on each speed.  Xia (2019) eqs. (40)-(43).
+
+    With the frame's Jacobian on top it is the paper's J_ba; with the unit rows of the speeds between them, its J_e J_a^-1.
+    """
+    columns = [body_velocities(system, q, [int(j == k) for j in range(system.nv)]) for k in range(system.nv)]
+    return [[column[i] for column in columns] for i in range(len(system.segments))]
+
+
+def coordinate_rates(system: System, q: Scalars, v: Scalars) -> list[Scalar]:
+    """Time derivatives of the coordinates, given the speeds."""
+    rates: list[Scalar] = [0] * system.nq
+    for segment in system.segments:
+        if not segment.follower:
+            rates[segment.q] = segment.joint.rates([*q[segment.q]], [*v[segment.v]])
+    return rates

@@ -1,0 +1,34 @@
+"""Power across the cutting points.  Xia (2019) section II; Zhu (2010) section 2.9."""
+
+from collections.abc import Sequence
+
+from cutpoint.mechanics.inverse_dynamics import bear, motions
+from cutpoint.mechanics.joints import Floating
+from cutpoint.mechanics.rigid_body import net_wrench
+from cutpoint.mechanics.spatial import Motion
+from cutpoint.mechanics.system import System
+from cutpoint.model.mechanism import WORLD
+from cutpoint.scalars import Scalar
+
+Scalars = Sequence[Scalar]
+
+
+def power_flows(system: System, q: Scalars, v: Scalars, a: Scalars) -> list[Scalar]:
+    """Power that passes outward through each cutting point, in the order of the robot's cuts, W.
+
+    At a cut both sides have one velocity V and one wrench F: what leaves one subsystem, V^T F, enters the next.
+    """
+    moved = motions(system, q, v, a)
+    X = [m.X for m in moved]
+    F = bear(system, X, [net_wrench(s.inertia, m.V.angular, m.V, m.A) for s, m in zip(system.segments, moved, strict=True)], {})
+    flows: list[Scalar] = []
+    for segment, m, F_i in zip(system.segments, moved, F, strict=True):
+        if isinstance(segment.joint, Floating):
+            continue
+        # from the carrying link into the joint
+        if segment.parent != WORLD:
+            V_p: Motion = moved[segment.parent].V
+            flows.append(V_p.power(m.X.inward(F_i)))
+        # from the joint into the link that it drives
+        flows.append(m.V.power(F_i))
+    return flows

@@ -1,0 +1,6 @@
+"""What a robot is: bodies, joints, frames and drives.  Immutable data, validated where it is built."""
+
+from cutpoint.model.drive import Compliance, Drive, Friction, Rotor
+from cutpoint.model.mechanism import WORLD, Body, Frame, Joint, Limits, Link, Mechanism, Mimic
+
+__all__ = ["WORLD", "Body", "Compliance", "Drive", "Frame", "Friction", "Joint", "Limits", "Link", "Mechanism", "Mimic", "Rotor"]

@@ -1,0 +1,152 @@
+"""From links and joints as a file lists them to a `Mechanism`: validated, ordered, lumped."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field, replace
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from cutpoint.model.holding import hold
+from cutpoint.model.lumping import NOTHING, MassProperties, lumped, placed
+from cutpoint.model.mechanism import STANDARD_GRAVITY, WORLD, Array, Body, Frame, Joint, Link, Mechanism
+from cutpoint.model.places import Places
+from cutpoint.model.tree import depth_first
+from cutpoint.model.validation import (
+    MOVING,
+    check_all_bear_mass,
+    check_body,
+    check_gravity,
+    check_joint,
+    check_link,
+)
+
+FLOATING_JOINT = "root_joint"
+"""Name of the joint that `floating_base` adds, and `WORLD_LINK` of what carries it."""
+WORLD_LINK = "world"
+
+
+def build(
+    name: str,
+    links: Sequence[Link],
+    joints: Sequence[Joint],
+    *,
+    gravity: ArrayLike = STANDARD_GRAVITY,
+    floating_base: bool = False,
+    lock: Mapping[str, float] | None = None,
+    coupled: bool = False,
+    place: Places | str | Path | None = None,
+) -> Mechanism:
+    """The robot as a tree of moving bodies.
+
+    gravity: acceleration of free fall in the world's frame, (3,), m/s2.
+    floating_base: whether a floating joint, "root_joint", carries the root link; otherwise it is fixed to the world.
+    lock: coordinates (rad or m) at which joints are held fixed, by name.
+    coupled: whether mimic joints follow their leader, or are coordinates of their own.
+    place: the file it all comes from, for messages; a `Places` also knows the lines.
+
+    Fixed links are lumped into the body that carries them (into the world they lose their mass); every link, and every
+    joint whose name no link has, is a frame of the result.  Axes come out with unit length.
+    Raises ModelError for whatever `validation`, `tree` and `holding` find wrong.
+    """
+    places = place if isinstance(place, Places) else Places(place)
+    fall = np.array(gravity, dtype=np.float64)
+    check_gravity(fall, places)
+    for link in links:
+        check_link(link, places)
+    for joint in joints:
+        check_joint(joint, places)
+    root, ordered = depth_first(links, joints, places)
+    ordered = hold([_with_unit_axis(joint) for joint in ordered], lock or {}, coupled, places)
+    carried = [_floating_joint(root, ordered, places), *ordered] if floating_base else ordered
+    tree = _assemble(root, links, carried, floating_base)
+    bodies = tuple(tree.bodies())
+    for body, pieces in zip(bodies, tree.pieces, strict=True):
+        check_body(body, pieces, places)
+        _check_only_the_base_floats(body, places)
+    check_all_bear_mass(bodies, places)
+    return Mechanism(name, bodies, tree.frames([link.name for link in links], carried), _frozen(fall), coupled)
+
+
+@dataclass
+class _Assembly:
+    """Bodies as they grow.
+
+    seats: where each link sits, (index of its body, placement (4, 4) in it).
+    carriers: of each body, its joint, the index of the body that carries it, and the joint's placement there.
+    pieces: the links that give each body its mass.
+    """
+
+    seats: dict[str, tuple[int, Array]]
+    carriers: list[tuple[Joint, int, Array]] = field(default_factory=list)
+    masses: list[MassProperties] = field(default_factory=list)
+    pieces: list[list[str]] = field(default_factory=list)
+
+    def start_body(self, joint: Joint, parent: int, placement: Array) -> None:
+        self.carriers.append((joint, parent, placement))
+        self.masses.append(NOTHING)
+        self.pieces.append([])
+
+    def add(self, link: Link) -> None:
+        """Give a seated link's mass to its body; what sits in the world loses it."""
+        (body, placement), own = self.seats[link.name], _properties(link)
+        if body != WORLD and not own.is_nothing:
+            self.masses[body] = lumped(self.masses[body], placed(placement, own))
+            self.pieces[body].append(link.name)
+
+    def bodies(self) -> list[Body]:
+        return [
+            Body(joint.child, joint, parent, _frozen(placement), own.mass, _frozen(own.com), _frozen(own.inertia))
+            for (joint, parent, placement), own in zip(self.carriers, self.masses, strict=True)
+        ]
+
+    def frames(self, links: Sequence[str], joints: Sequence[Joint]) -> dict[str, Frame]:
+        """One frame for each link, and for each joint whose name is free: a joint's frame is its child's."""
+        seats = {joint.name: self.seats[joint.child] for joint in joints} | {link: self.seats[link] for link in links}
+        return {name: Frame(name, body, _frozen(placement)) for name, (body, placement) in seats.items()}
+
+
+def _assemble(root: str, links: Sequence[Link], joints: Sequence[Joint], floating_base: bool) -> _Assembly:
+    """Go outward over the tree: a moving joint starts a body, a fixed one adds its link to the body that carries it."""
+    by_name = {link.name: link for link in links}
+    tree = _Assembly({WORLD_LINK if floating_base else root: (WORLD, np.eye(4))})
+    for joint in joints:
+        carrier, seat = tree.seats[joint.parent]
+        here = seat @ joint.placement
+        if joint.kind == "fixed":
+            tree.seats[joint.child] = (carrier, here)
+        else:
+            tree.seats[joint.child] = (len(tree.carriers), np.eye(4))
+            tree.start_body(joint, carrier, here)
+        tree.add(by_name[joint.child])
+    return tree
+
+
+def _properties(link: Link) -> MassProperties:
+    return MassProperties(link.mass, link.com, (link.inertia + link.inertia.T) / 2.0)
+
+
+def _with_unit_axis(joint: Joint) -> Joint:
+    if joint.kind not in MOVING:
+        return joint
+    return replace(joint, axis=_frozen(joint.axis / np.linalg.norm(joint.axis)))
+
+
+def _floating_joint(root: str, joints: Sequence[Joint], places: Places) -> Joint:
+    if any(joint.name == FLOATING_JOINT for joint in joints):
+        complaint = "this name is taken by the joint that floating_base adds; rename it"
+        raise places.error(f"joint {FLOATING_JOINT!r}", complaint, joint=FLOATING_JOINT)
+    return Joint(FLOATING_JOINT, "floating", parent=WORLD_LINK, child=root)
+
+
+def _check_only_the_base_floats(body: Body, places: Places) -> None:
+    if body.joint.kind == "floating" and body.parent != WORLD:
+        complaint = f"is floating but carried by moving link {body.joint.parent!r}; only the world may carry it"
+        raise places.error(f"joint {body.joint.name!r}", complaint, joint=body.joint.name)
+
+
+def _frozen(array: Array) -> Array:
+    """A copy that cannot be written to."""
+    copy = np.array(array, dtype=np.float64)
+    copy.flags.writeable = False
+    return copy

@@ -1,0 +1,48 @@
+"""Robots made from robots: a payload in the hand, another mounting."""
+
+from dataclasses import replace
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from cutpoint.errors import ModelError, unknown_name
+from cutpoint.model.lumping import MassProperties, lumped, placed
+from cutpoint.model.mechanism import WORLD, Body, Frame, Link, Mechanism
+from cutpoint.model.places import Places
+from cutpoint.model.pose import is_rigid
+from cutpoint.model.validation import check_body, check_link
+
+
+def with_payload(mechanism: Mechanism, mass: float, com: ArrayLike, inertia: ArrayLike, frame: str) -> Mechanism:
+    """The robot with a piece fixed to a frame: mass (kg), com (3,) (m) and inertia (3, 3) (kg m2, about the com) in it."""
+    if frame not in mechanism.frames:
+        raise unknown_name("frame", frame, mechanism.frames)
+    place, nowhere = mechanism.frames[frame], Places(None)
+    check_link(Link("payload", float(mass), np.asarray(com, float), np.asarray(inertia, float)), nowhere)
+    if place.body == WORLD:
+        raise ModelError(f"payload: frame {frame!r} is fixed to the world; name a frame that moves", frame=frame)
+    piece = placed(place.placement, MassProperties(float(mass), np.asarray(com, float), np.asarray(inertia, float)))
+    carrier = mechanism.bodies[place.body]
+    whole = lumped(MassProperties(carrier.mass, carrier.com, carrier.inertia), piece)
+    body = replace(carrier, mass=whole.mass, com=whole.com, inertia=whole.inertia)
+    check_body(body, [carrier.name, "payload"], nowhere)
+    return _with_body(mechanism, place.body, body)
+
+
+def with_base(mechanism: Mechanism, placement: ArrayLike) -> Mechanism:
+    """The robot mounted elsewhere: placement (4, 4) of its base in the world."""
+    matrix = np.asarray(placement, float)
+    if matrix.shape != (4, 4) or not is_rigid(matrix):
+        raise ModelError("base: placement must be (4, 4), a proper rotation and a translation", placement=matrix)
+    moved = [replace(b, placement=matrix @ b.placement) if b.parent == WORLD else b for b in mechanism.bodies]
+    frames = {
+        name: Frame(name, WORLD, matrix @ f.placement) if f.body == WORLD and name != "world" else f
+        for name, f in mechanism.frames.items()
+    }
+    return replace(mechanism, bodies=tuple(moved), frames=frames)
+
+
+def _with_body(mechanism: Mechanism, index: int, body: Body) -> Mechanism:
+    bodies = [*mechanism.bodies]
+    bodies[index] = body
+    return replace(mechanism, bodies=tuple(bodies))

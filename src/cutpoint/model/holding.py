@@ -1,0 +1,101 @@
+"""Joints that do not move on their own: locked ones, and mimics, which follow a leader."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from cutpoint.model.mechanism import Joint, Mimic
+from cutpoint.model.places import Places, those_that_exist
+from cutpoint.model.pose import pose, rotation_about
+from cutpoint.model.validation import DEGREES_BEYOND, MOVING
+
+LONGEST_CHAIN = 16
+"""Of mimics of mimics, in joints."""
+
+
+def hold(joints: Sequence[Joint], lock: Mapping[str, float], coupled: bool, places: Places) -> list[Joint]:
+    """The joints with locked ones made fixed at their value, and every mimic pointing at the leader of its chain.
+
+    Where followers are coupled, one of a locked leader is locked too.  Where they are not, it is free, and so is one
+    whose leader does not exist.
+    Raises ModelError: unknown name, a joint that cannot be locked, a follower locked apart from its leader, a mimic in
+    a circle or of a joint that does not move.
+    """
+    holder = _Holder({joint.name: joint for joint in joints}, lock, coupled, places)
+    for name, value in lock.items():
+        holder.check_lock(name, value)
+    return [holder.held(joint) for joint in joints]
+
+
+def fixed_at(joint: Joint, value: float) -> Joint:
+    """The joint as a fixed one, at coordinate `value` (rad or m)."""
+    if joint.kind == "prismatic":
+        motion = pose(np.eye(3), value * joint.axis)
+    else:
+        motion = pose(rotation_about(joint.axis, value), np.zeros(3))
+    return replace(joint, kind="fixed", placement=joint.placement @ motion, mimic=None)
+
+
+@dataclass(frozen=True)
+class _Holder:
+    by_name: Mapping[str, Joint]
+    lock: Mapping[str, float]
+    coupled: bool
+    places: Places
+
+    def held(self, joint: Joint) -> Joint:
+        if joint.name in self.lock:
+            return fixed_at(joint, self.lock[joint.name])
+        mimic = None if joint.kind == "fixed" else self.leader(joint)
+        if mimic is None or mimic.joint not in self.lock:
+            return replace(joint, mimic=mimic)
+        if not self.coupled:
+            return replace(joint, mimic=None)
+        return fixed_at(joint, mimic.multiplier * self.lock[mimic.joint] + mimic.offset)
+
+    def leader(self, joint: Joint) -> Mimic | None:
+        """The relation of a joint to the end of its chain: a joint that leads itself, or a locked one."""
+        end, multiplier, offset, passed = joint, 1.0, 0.0, {joint.name}
+        while end.mimic is not None and end.name not in self.lock:
+            step = end.mimic
+            if step.joint not in self.by_name and not self.coupled:
+                return None
+            self.check_step(joint, step, passed)
+            multiplier, offset = multiplier * step.multiplier, multiplier * step.offset + offset
+            end = self.by_name[step.joint]
+            passed.add(end.name)
+        return None if end is joint else Mimic(end.name, multiplier, offset)
+
+    def check_step(self, joint: Joint, step: Mimic, passed: set[str]) -> None:
+        thing = f"joint {joint.name!r}"
+        if step.joint not in self.by_name:
+            there = those_that_exist(step.joint, self.by_name)
+            raise self.places.error(thing, f"mimics joint {step.joint!r}, which does not exist; {there}")
+        if step.joint in passed:
+            raise self.places.error(thing, f"mimics in a circle, through joint {step.joint!r}")
+        if len(passed) > LONGEST_CHAIN:
+            raise self.places.error(thing, f"mimics through more than {LONGEST_CHAIN} joints; name the leader itself")
+        if not np.isfinite([step.multiplier, step.offset]).all():
+            complaint = f"mimic multiplier {step.multiplier!r} and offset {step.offset!r} must be finite"
+            raise self.places.error(thing, complaint)
+        kind = self.by_name[step.joint].kind
+        if kind not in MOVING:
+            raise self.places.error(thing, f"mimics joint {step.joint!r}, which is {kind}; a leader must move")
+
+    def check_lock(self, name: str, value: float) -> None:
+        thing = f"lock of joint {name!r}"
+        joint = self.by_name.get(name)
+        if joint is None:
+            raise self.places.error(thing, f"no joint has this name; {those_that_exist(name, self.by_name)}")
+        if joint.kind not in MOVING:
+            raise self.places.error(thing, f"the joint is {joint.kind}; it must be one of {', '.join(MOVING)}")
+        if not np.isfinite(value):
+            raise self.places.error(thing, f"value {value!r} must be finite")
+        outside = not joint.limits.lower <= value <= joint.limits.upper
+        if joint.kind == "revolute" and outside and abs(value) > DEGREES_BEYOND:
+            radians = f"{value:g} degrees are {np.deg2rad(value):.6g} rad"
+            raise self.places.error(thing, f"value {value!r} rad is far outside its limits; {radians}")
+        if self.coupled and joint.mimic is not None:
+            complaint = f"the joint follows joint {joint.mimic.joint!r}; lock that one, or load with independent mimics"
+            raise self.places.error(thing, complaint)

@@ -1,0 +1,118 @@
+"""What a robot is made of, before any equation: bodies in a tree, the joints that carry them, named frames.
+
+Plain numbers in SI units, immutable.  `build` (see `build.py`) validates and makes them.
+"""
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field, replace
+from typing import Literal
+
+import numpy as np
+from numpy.typing import NDArray
+
+Array = NDArray[np.float64]
+JointKind = Literal["fixed", "revolute", "continuous", "prismatic", "floating"]
+
+WORLD = -1
+"""Index of the world where the index of a body is asked for."""
+
+STANDARD_GRAVITY = (0.0, 0.0, -9.81)
+
+
+@dataclass(frozen=True, eq=False)
+class Link:
+    """A rigid piece as a file describes it.
+
+    mass in kg; com (3,) in m in the link's frame; inertia (3, 3) in kg m2 about the com, along the link's axes.
+    `has_inertia` is False where the file gives none.
+    """
+
+    name: str
+    mass: float = 0.0
+    com: Array = field(default_factory=lambda: np.zeros(3))
+    inertia: Array = field(default_factory=lambda: np.zeros((3, 3)))
+    has_inertia: bool = True
+
+
+@dataclass(frozen=True)
+class Limits:
+    """Bounds of a joint: position (rad or m), speed (rad/s or m/s), effort (N m or N).  Infinite where none is stated."""
+
+    lower: float = -np.inf
+    upper: float = np.inf
+    velocity: float = np.inf
+    effort: float = np.inf
+
+
+@dataclass(frozen=True)
+class Mimic:
+    """A coordinate that follows another: q = multiplier * q[joint] + offset."""
+
+    joint: str
+    multiplier: float = 1.0
+    offset: float = 0.0
+
+
+@dataclass(frozen=True, eq=False)
+class Joint:
+    """How a child link moves on its parent.
+
+    placement (4, 4): the joint's frame, at coordinate zero, in the parent's frame; it is the child's frame too.
+    axis (3,): unit vector in the joint's frame (of no meaning for fixed and floating joints).
+    damping (N m s/rad or N s/m) and friction (N m or N) as a URDF's <dynamics> states them.
+    """
+
+    name: str
+    kind: JointKind
+    parent: str
+    child: str
+    placement: Array = field(default_factory=lambda: np.eye(4))
+    axis: Array = field(default_factory=lambda: np.array([0.0, 0.0, 1.0]))
+    limits: Limits = Limits()
+    damping: float = 0.0
+    friction: float = 0.0
+    mimic: Mimic | None = None
+
+
+@dataclass(frozen=True, eq=False)
+class Body:
+    """A moving link with all that is fixed to it, and the joint that carries it.
+
+    parent: index of the carrying body, or WORLD.  placement (4, 4): the joint's frame in that body's frame.
+    mass, com, inertia: of the lumped body, in its own frame, as in Link.
+    """
+
+    name: str
+    joint: Joint
+    parent: int
+    placement: Array
+    mass: float
+    com: Array
+    inertia: Array
+
+
+@dataclass(frozen=True, eq=False)
+class Frame:
+    """A named place on a body (or in the world, WORLD): placement (4, 4) in the body's frame."""
+
+    name: str
+    body: int
+    placement: Array
+
+
+@dataclass(frozen=True, eq=False)
+class Mechanism:
+    """A robot as a tree of bodies, parents before children, in the file's depth-first order.
+
+    gravity (3,): acceleration of free fall in the world's frame, m/s2.
+    coupled: whether mimic joints follow their leader (True) or are coordinates of their own.
+    """
+
+    name: str
+    bodies: tuple[Body, ...]
+    frames: Mapping[str, Frame]
+    gravity: Array = field(default_factory=lambda: np.array(STANDARD_GRAVITY))
+    coupled: bool = False
+
+    def with_gravity(self, gravity: Array) -> "Mechanism":
+        return replace(self, gravity=gravity)

@@ -1,0 +1,120 @@
+"""The door: what a link, a joint and a lumped body must satisfy before any equation sees them.
+
+Links and joints are checked as the file lists them.  Inertia tensors are checked once lumped, on bodies that move:
+only their sum enters the dynamics, and files spread it over fixed pieces in ways that are wrong one by one and harmless
+together.  Tolerances on principal moments: RELATIVE of the largest one, plus what a radius of gyration of a micrometre
+would give.
+"""
+
+from collections.abc import Sequence
+from typing import get_args
+
+import numpy as np
+
+from cutpoint.model.lumping import MassProperties
+from cutpoint.model.mechanism import Array, Body, Joint, JointKind, Limits, Link
+from cutpoint.model.places import Places, listed, those_that_exist
+from cutpoint.model.pose import is_rigid
+
+RELATIVE = 1e-6
+GYRATION = 1e-6
+"""Radius of gyration, m, below which a tensor is taken for rounding."""
+
+AXIS_MINIMUM = 1e-6
+"""Shorter axes have no direction that can be trusted."""
+
+DEGREES_BEYOND = 4.0 * np.pi
+"""An angle (rad) beyond two turns is more likely to be in degrees."""
+
+MOVING = ("revolute", "continuous", "prismatic")
+
+
+def check_link(link: Link, places: Places) -> None:
+    """Shapes, finite numbers, mass not negative, inertia symmetric."""
+    thing = f"link {link.name!r}"
+    _check_numbers(thing, "mass", link.mass, (), places)
+    _check_numbers(thing, "com", link.com, (3,), places)
+    _check_numbers(thing, "inertia", link.inertia, (3, 3), places)
+    if link.mass < 0.0:
+        raise places.error(thing, f"mass {link.mass!r} kg must not be negative", link=link.name, mass=link.mass)
+    skew = np.max(np.abs(link.inertia - link.inertia.T))
+    if skew > RELATIVE * np.max(np.abs(link.inertia)):
+        complaint = f"inertia must be symmetric; mirrored entries differ by {skew:.3g} kg m2"
+        raise places.error(thing, complaint, link=link.name, inertia=link.inertia)
+
+
+def check_joint(joint: Joint, places: Places) -> None:
+    """A known kind, shapes, finite numbers, rigid placement, an axis with a direction, limits in order."""
+    thing = f"joint {joint.name!r}"
+    if joint.kind not in get_args(JointKind):
+        complaint = f"kind {joint.kind!r} is not supported; {those_that_exist(joint.kind, get_args(JointKind))}"
+        raise places.error(thing, complaint, joint=joint.name, kind=joint.kind)
+    _check_numbers(thing, "placement", joint.placement, (4, 4), places)
+    if not is_rigid(joint.placement):
+        complaint = "placement must be a proper rotation and a translation (R R^T = 1, det R = 1, last row 0 0 0 1)"
+        raise places.error(thing, complaint, joint=joint.name, placement=joint.placement)
+    if joint.kind in MOVING:
+        _check_numbers(thing, "axis", joint.axis, (3,), places)
+        if np.linalg.norm(joint.axis) < AXIS_MINIMUM:
+            raise places.error(thing, f"axis {joint.axis} has no length; give it a direction", joint=joint.name)
+    for what in ("damping", "friction"):
+        value = getattr(joint, what)
+        _check_numbers(thing, what, value, (), places)
+        if value < 0.0:
+            raise places.error(thing, f"{what} {value!r} must not be negative", joint=joint.name)
+    check_limits(thing, joint.limits, places)
+
+
+def check_limits(thing: str, limits: Limits, places: Places) -> None:
+    """No NaN, lower <= upper, speed and effort not negative; infinite is no limit."""
+    for what in ("lower", "upper", "velocity", "effort"):
+        if np.isnan(getattr(limits, what)):
+            raise places.error(thing, f"limit {what} must be a number, got nan", limits=limits)
+    if limits.lower > limits.upper:
+        complaint = f"lower limit {limits.lower!r} must not exceed the upper limit {limits.upper!r}"
+        raise places.error(thing, complaint, limits=limits)
+    for what in ("velocity", "effort"):
+        if getattr(limits, what) < 0.0:
+            raise places.error(thing, f"{what} limit {getattr(limits, what)!r} must not be negative", limits=limits)
+
+
+def check_gravity(gravity: Array, places: Places) -> None:
+    _check_numbers("gravity", "vector", gravity, (3,), places)
+
+
+def check_body(body: Body, pieces: Sequence[str], places: Places) -> None:
+    """A lumped tensor that mass can have: no negative principal moment, none above the sum of the other two."""
+    small, middle, large = np.linalg.eigvalsh(body.inertia)
+    tolerance = RELATIVE * max(large, -small) + GYRATION**2 * body.mass
+    if small < -tolerance:
+        rule = "none must be negative"
+    elif large > small + middle + tolerance:
+        rule = "the largest must not exceed the sum of the others (triangle inequality)"
+    else:
+        return
+    moments = f"principal moments of inertia {small:.4g}, {middle:.4g}, {large:.4g} kg m2"
+    lump = f" (lumped: {listed(pieces)})" if list(pieces) != [body.name] else ""
+    complaint = f"{moments}{lump}: {rule}; check <inertia> and its <origin>"
+    raise places.error(f"link {body.name!r}", complaint, link=body.name, inertia=body.inertia)
+
+
+def check_all_bear_mass(bodies: Sequence[Body], places: Places) -> None:
+    """Every moving body has mass or inertia, or carries something that has: otherwise nothing resists its joint."""
+    bears = [not MassProperties(body.mass, body.com, body.inertia).is_nothing for body in bodies]
+    for index in reversed(range(len(bodies))):
+        if bears[index] and bodies[index].parent >= 0:
+            bears[bodies[index].parent] = True
+    empty = [body for body, has_mass in zip(bodies, bears, strict=True) if not has_mass]
+    if empty:
+        complaint = f"moves with joint {empty[0].joint.name!r} but has no mass and carries none; give it an <inertial>"
+        more = f" (likewise {listed([body.name for body in empty[1:]])})" if len(empty) > 1 else ""
+        raise places.error(f"link {empty[0].name!r}", complaint + more, links=[body.name for body in empty])
+
+
+def _check_numbers(thing: str, what: str, value: float | Array, shape: tuple[int, ...], places: Places) -> None:
+    found = np.asarray(value)
+    if found.shape != shape or found.dtype.kind not in "fiu":
+        complaint = f"{what} must have shape {shape} and hold real numbers, got shape {found.shape} of {found.dtype}"
+        raise places.error(thing, complaint, what=what, value=value)
+    if not np.all(np.isfinite(found)):
+        raise places.error(thing, f"{what} must be finite, got {value}", what=what, value=value)

@@ -1,0 +1,319 @@
+"""A robot: what a user loads, asks and simulates."""
+
+from collections.abc import Mapping, Sequence
+from functools import cached_property, partial
+from typing import Any, Literal, NamedTuple
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from cutpoint import definitions
+from cutpoint.compiled import Compiled
+from cutpoint.door import checked_array, driven_joints, validated_drives
+from cutpoint.errors import InputError, unknown_name
+from cutpoint.model import Drive, Mechanism, changes
+from cutpoint.model.decomposition import Cut, Subsystem, cuts_of, subsystems_of
+
+Array = NDArray[np.float64]
+ExpressedIn = Literal["local", "world", "local_world_aligned"]
+
+
+class ElasticTorques(NamedTuple):
+    """What motors must do for a motion; at the joint's side, one entry a drive (joint_torque: one a speed).
+
+    motor_torque (N m), theta (rad), theta_dot (rad/s), theta_ddot (rad/s2), joint_torque (N m).
+    """
+
+    motor_torque: Array
+    theta: Array
+    theta_dot: Array
+    theta_ddot: Array
+    joint_torque: Array
+
+
+class ElasticAccelerations(NamedTuple):
+    """Accelerations of the links' coordinates, a (..., nv), and of the motors, theta_ddot (..., drives); rad/s2."""
+
+    a: Array
+    theta_ddot: Array
+
+
+class Robot:
+    """A tree of bodies with its drives.  Immutable; its functions compile at their first call.
+
+    Every function takes batches: leading axes broadcast as in NumPy.  Angles in rad, torques in N m, both at the joint's
+    (link) side; prismatic joints in m and N.  q has nq entries, v and a have nv, theta and motor torques one a drive.
+    A wrong shape, or a number that is not finite, raises InputError that names it.
+    """
+
+    def __init__(
+        self,
+        mechanism: Mechanism,
+        drives: Mapping[str, Drive] | None = None,
+        *,
+        backend: Literal["auto", "llvm", "numpy"] = "auto",
+    ) -> None:
+        """drives: by joint name; a joint without one is driven rigidly.  backend: how kernels are compiled."""
+        self.mechanism = mechanism
+        self.drives: Mapping[str, Drive] = validated_drives(mechanism, drives or {})
+        self.backend = backend
+        self._compiled = Compiled(mechanism, self.drives, backend)
+
+    # what it is
+
+    @property
+    def name(self) -> str:
+        return self.mechanism.name
+
+    @property
+    def joints(self) -> tuple[str, ...]:
+        """Names of the driven joints, in the order of q, v and theta (after a floating base's entries)."""
+        return tuple(driven_joints(self.mechanism))
+
+    @property
+    def frames(self) -> tuple[str, ...]:
+        """Names of all frames: bodies, and what was fixed to them."""
+        return tuple(self.mechanism.frames)
+
+    @property
+    def nq(self) -> int:
+        """Number of coordinates."""
+        return self._compiled.machine.system.nq
+
+    @property
+    def nv(self) -> int:
+        """Number of speeds."""
+        return self._compiled.machine.system.nv
+
+    @property
+    def gravity(self) -> Array:
+        """Acceleration of free fall in the world's frame, (3,), m/s2."""
+        return self.mechanism.gravity
+
+    @cached_property
+    def subsystems(self) -> tuple[Subsystem, ...]:
+        """The joints and links that virtual decomposition makes of the robot.  Xia (2019) section III.A."""
+        return subsystems_of(self.mechanism)
+
+    @cached_property
+    def cuts(self) -> tuple[Cut, ...]:
+        """The cutting points between the subsystems.  Xia (2019) section III.A."""
+        return cuts_of(self.mechanism)
+
+    def neutral(self) -> Array:
+        """The configuration with every joint at zero and a floating base unturned, (nq,)."""
+        q = np.zeros(self.nq)
+        for segment in self._compiled.machine.system.segments:
+            if segment.joint.coordinates == 7:
+                q[segment.q.stop - 1] = 1.0
+        return q
+
+    # others like it
+
+    def with_drives(self, drives: Mapping[str, Drive]) -> "Robot":
+        """The same robot, driven otherwise: these joints get these drives, the others keep theirs."""
+        return Robot(self.mechanism, {**self.drives, **drives}, backend=self.backend)
+
+    def with_payload(self, mass: float, com: ArrayLike, inertia: ArrayLike, frame: str) -> "Robot":
+        """With a piece fixed to a frame: mass (kg), com (3,) (m) and inertia (3, 3) (kg m2, about the com) in that frame."""
+        return Robot(changes.with_payload(self.mechanism, mass, com, inertia, frame), self.drives, backend=self.backend)
+
+    def with_gravity(self, gravity: ArrayLike) -> "Robot":
+        """In another field of gravity: acceleration of free fall (3,) in the world's frame, m/s2."""
+        fall = checked_array("with_gravity", "gravity", gravity, 3)
+        return Robot(self.mechanism.with_gravity(fall), self.drives, backend=self.backend)
+
+    def with_base(self, placement: ArrayLike) -> "Robot":
+        """Mounted elsewhere: placement (4, 4) of the base in the world."""
+        return Robot(changes.with_base(self.mechanism, placement), self.drives, backend=self.backend)
+
+    # the rigid robot
+
+    def inverse_dynamics(
+        self, q: ArrayLike, v: ArrayLike, a: ArrayLike, external: Mapping[str, ArrayLike] | None = None
+    ) -> Array:
+        """Joint torques (..., nv) of a motion: M a + bias.  Xia (2019) eqs. (29)-(31), (44)-(47).
+
+        external: wrenches [force; moment] (..., 6) that act on the robot, by frame name, in that frame's axes.  The
+        rotor of a rigid drive counts as armature; friction does not count.
+        """
+        wrenches, frames = self._wrenches(external)
+        return self._call("inverse_dynamics", _on_frames(definitions.inverse_dynamics, frames), frames, q=q, v=v, a=a, **wrenches)
+
+    def forward_dynamics(
+        self, q: ArrayLike, v: ArrayLike, tau: ArrayLike, external: Mapping[str, ArrayLike] | None = None
+    ) -> Array:
+        """Accelerations (..., nv) under joint torques tau (..., nv).  Featherstone (2008) section 7.3.
+
+        external: as in `inverse_dynamics`.
+        """
+        wrenches, frames = self._wrenches(external)
+        function = _on_frames(definitions.forward_dynamics, frames)
+        return self._call("forward_dynamics", function, frames, q=q, v=v, tau=tau, **wrenches)
+
+    def mass_matrix(self, q: ArrayLike) -> Array:
+        """M(q), (..., nv, nv), kg m2.  Featherstone (2008) section 6.2."""
+        return self._call("mass_matrix", definitions.mass, q=q)
+
+    def bias_forces(self, q: ArrayLike, v: ArrayLike) -> Array:
+        """Torques (..., nv) of a motion without acceleration: Coriolis, centrifugal and gravity."""
+        return self._call("bias_forces", definitions.bias_forces, q=q, v=v)
+
+    def gravity_forces(self, q: ArrayLike) -> Array:
+        """Torques (..., nv) that hold the robot still."""
+        return self._call("gravity_forces", definitions.gravity_forces, q=q)
+
+    def coriolis_matrix(self, q: ArrayLike, v: ArrayLike) -> Array:
+        """C(q, v), (..., nv, nv): the sum of the bodies' C(omega), Xia (2019) eq. (61); M' - 2 C is skew symmetric.
+
+        Of the many C with C v = Coriolis and centrifugal torques this is the one of virtual decomposition.
+        """
+        return self._call("coriolis_matrix", definitions.coriolis_matrix, q=q, v=v)
+
+    def regressor(self, q: ArrayLike, v: ArrayLike, a: ArrayLike) -> Array:
+        """Y(q, v, a), (..., nv, 10 n), with torque = Y p for p = `inertial_parameters` (armature is no part of it)."""
+        return self._call("regressor", definitions.torque_regressor, q=q, v=v, a=a)
+
+    @cached_property
+    def inertial_parameters(self) -> Array:
+        """(10 n,): for each body mass, first moment (3), inertia about its frame's origin xx xy xz yy yz zz."""
+        rows = []
+        for body in self.mechanism.bodies:
+            I_o = body.inertia + body.mass * (body.com @ body.com * np.eye(3) - np.outer(body.com, body.com))
+            rows += [body.mass, *(body.mass * body.com), *I_o[np.triu_indices(3)]]
+        return np.array(rows)
+
+    def jacobian(self, q: ArrayLike, frame: str, expressed_in: ExpressedIn = "local") -> Array:
+        """(..., 6, nv): a frame's velocity [linear; angular] for each speed.  Xia (2019) eqs. (37)-(38).
+
+        expressed_in: "local", the frame's own axes; "local_world_aligned", the same velocity along the world's axes;
+        "world", the velocity of the point of the frame's body that passes the world's origin.
+        """
+        if expressed_in not in ("local", "world", "local_world_aligned"):
+            raise unknown_name("way to express a Jacobian", expressed_in, ("local", "world", "local_world_aligned"))
+        function = partial(definitions.jacobian, frame=self._frame(frame), expressed_in=expressed_in)
+        return self._call("jacobian", function, (frame, expressed_in), q=q)
+
+    def frame_pose(self, q: ArrayLike, frame: str) -> Array:
+        """(..., 4, 4): where a frame is in the world."""
+        return self._call("frame_pose", partial(definitions.frame_pose, frame=self._frame(frame)), frame, q=q)
+
+    def velocity_map(self, q: ArrayLike) -> Array:
+        """(..., 6 n, nv): the stacked velocities of all bodies, each in its own joint frame, for each speed.
+
+        The rows below J_q of the paper's J_ba, Xia (2019) eqs. (39)-(43); body frames have their z along the joint.
+        """
+        return self._call("velocity_map", definitions.velocity_map, q=q)
+
+    def kinetic_energy(self, q: ArrayLike, v: ArrayLike) -> Array:
+        """(...,) J, of links and of rigidly geared rotors."""
+        return self._call("kinetic_energy", definitions.kinetic_energy, q=q, v=v)
+
+    def potential_energy(self, q: ArrayLike) -> Array:
+        """(...,) J, of the weight; zero with all centres of mass at the world's origin."""
+        return self._call("potential_energy", definitions.potential_energy, q=q)
+
+    def momentum(self, q: ArrayLike, v: ArrayLike) -> Array:
+        """(..., 6): linear (kg m/s) and angular momentum (kg m2/s) about the world's origin, along its axes."""
+        return self._call("momentum", definitions.momentum, q=q, v=v)
+
+    def power_flows(self, q: ArrayLike, v: ArrayLike, a: ArrayLike) -> Array:
+        """(..., cuts): power that passes outward through each of `cuts`, W.  Zhu (2010) section 2.9."""
+        return self._call("power_flows", definitions.power_flows, q=q, v=v, a=a)
+
+    def coordinate_rates(self, q: ArrayLike, v: ArrayLike) -> Array:
+        """(..., nq): time derivative of q; v itself but for quaternions."""
+        return self._call("coordinate_rates", definitions.coordinate_rates, q=q, v=v)
+
+    # the robot whose joints bend
+
+    def elastic_inverse_dynamics(
+        self, q: ArrayLike, v: ArrayLike, a: ArrayLike, jerk: ArrayLike, snap: ArrayLike, *, friction_rates: bool = False
+    ) -> ElasticTorques:
+        """What the motors must do for a motion with four derivatives.  Xia (2019) eqs. (2), (13)-(28), as corrected.
+
+        Exact in the derivatives.  Friction enters by value; with friction_rates its derivatives pass through the spring
+        too.  A rigid drive's motor moves as its joint does.
+        """
+        function = partial(definitions.elastic_inverse_dynamics, friction_rates=friction_rates)
+        motion = {"q": q, "v": v, "a": a, "jerk": jerk, "snap": snap}
+        return ElasticTorques(*self._call("elastic_inverse_dynamics", function, friction_rates, True, **motion))
+
+    def elastic_forward_dynamics(
+        self, q: ArrayLike, v: ArrayLike, theta: ArrayLike, theta_dot: ArrayLike, motor_torque: ArrayLike
+    ) -> ElasticAccelerations:
+        """Accelerations of links and motors under motor torques, friction included.  Spong (1987)."""
+        state = {"q": q, "v": v, "theta": theta, "theta_dot": theta_dot, "motor_torque": motor_torque}
+        name = "elastic_forward_dynamics"
+        return ElasticAccelerations(*self._call(name, definitions.elastic_forward_dynamics, reads_drives=True, **state))
+
+    def elastic_energy(self, q: ArrayLike, theta: ArrayLike, theta_dot: ArrayLike) -> Array:
+        """(...,) J, in the springs and in the spin of elastic drives' rotors."""
+        return self._call("elastic_energy", definitions.elastic_energy, reads_drives=True, q=q, theta=theta, theta_dot=theta_dot)
+
+    def drive_torque(self, theta: ArrayLike, q: ArrayLike) -> Array:
+        """(..., drives) N m: torque read from the deflection between two encoders.  Xia (2019) eqs. (2)-(3).
+
+        theta is the motor's encoder over ratio, q the link's.  The drive's damping, and what lies beyond the spring, is
+        not seen; a rigid drive shows 0.
+        """
+        return self._call("drive_torque", definitions.drive_torque, reads_drives=True, theta=theta, q=q)
+
+    def static_deflection(self, q: ArrayLike) -> Array:
+        """(..., drives) rad: how far each motor leads its link when gravity is all there is."""
+        return self._call("static_deflection", definitions.static_deflection, reads_drives=True, q=q)
+
+    def friction_torques(self, v: ArrayLike) -> Array:
+        """(..., nv) N m: what link-side friction takes.  Xia (2019) eq. (54)."""
+        return self._call("friction_torques", definitions.friction_torques, reads_drives=True, v=v)
+
+    def to_rotor(self, *, angle: ArrayLike | None = None, torque: ArrayLike | None = None) -> Array:
+        """Joint-side angles (or speeds) or torques (..., drives) as they are at the rotor."""
+        return self._across_gear(angle, torque, 1.0)
+
+    def from_rotor(self, *, angle: ArrayLike | None = None, torque: ArrayLike | None = None) -> Array:
+        """Angles (or speeds) or torques (..., drives) at the rotor as they are at the joint's side."""
+        return self._across_gear(angle, torque, -1.0)
+
+    # how
+
+    def kernel(self, name: str) -> Any:
+        """The compiled kernel behind a function that has been called, for its operations, its graph, its speed."""
+        return self._compiled.made(name)
+
+    def _call(self, name: str, definition: Any, variant: Any = (), reads_drives: bool = False, **given: ArrayLike) -> Any:
+        kernel = self._compiled.kernel(name, definition, [*given], reads_drives, variant)
+        arrays = [checked_array(name, key, x, self._compiled.size_of(key)) for key, x in given.items()]
+        if self._compiled.needs_parameters(reads_drives):
+            arrays.append(self._compiled.parameters)
+        return kernel(*arrays)
+
+    def _frame(self, frame: str) -> str:
+        if frame not in self.mechanism.frames:
+            raise unknown_name("frame", frame, self.mechanism.frames)
+        return frame
+
+    def _wrenches(self, external: Mapping[str, ArrayLike] | None) -> tuple[dict[str, ArrayLike], tuple[str, ...]]:
+        frames = tuple(self._frame(name) for name in external or {})
+        return {f"wrench_{k}": F for k, F in enumerate((external or {}).values())}, frames
+
+    def _across_gear(self, angle: ArrayLike | None, torque: ArrayLike | None, direction: float) -> Array:
+        if (angle is None) == (torque is None):
+            raise InputError("give either angle= or torque=, not both and not neither")
+        ratio = np.array([drive.ratio for drive in self.drives.values()])
+        x = angle if torque is None else torque
+        return np.asarray(x, float) * ratio ** (direction if torque is None else -direction)
+
+    def __repr__(self) -> str:
+        elastic = sum(drive.is_elastic for drive in self.drives.values())
+        return f"<Robot {self.name!r}: {len(self.mechanism.bodies)} bodies, {self.nv} speeds, {elastic} elastic drives>"
+
+
+def _on_frames(definition: Any, frames: Sequence[str]) -> Any:
+    """The definition with its wrenches at these frames."""
+
+    def on_frames(machine: Any, **given: Any) -> Any:
+        wrenches = {frame: given.pop(f"wrench_{k}") for k, frame in enumerate(frames)}
+        return definition(machine, **given, **wrenches)
+
+    return on_frames

@@ -1,0 +1,25 @@
+"""Numbers of every kind, the functions on them, and records of them."""
+
+from cutpoint.scalars.functions import (
+    Scalar,
+    absolute,
+    atan,
+    clip,
+    cos,
+    exp,
+    log,
+    maximum,
+    minimum,
+    sin,
+    sqrt,
+    tan,
+    tanh,
+    where,
+)
+from cutpoint.scalars.jet import Jet
+from cutpoint.scalars.records import leaves, map_leaves, rebuild, with_float_leaves
+
+__all__ = [
+    "Jet", "Scalar", "absolute", "atan", "clip", "cos", "exp", "leaves", "log", "map_leaves", "maximum", "minimum",
+    "rebuild", "sin", "sqrt", "tan", "tanh", "where", "with_float_leaves",
+]  # fmt: skip

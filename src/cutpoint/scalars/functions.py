@@ -1,0 +1,56 @@
+"""Functions that the equations apply to a scalar of any kind.
+
+A scalar is a float, a NumPy array (a batch), a time jet, a SymPy expression or a traced value; it brings + - * / itself.
+Write whole numbers as integers (2 * x, x / 2): they stay exact for SymPy and fold when traced.
+"""
+
+import math
+import sys
+from typing import Any
+
+import numpy as np
+
+Scalar = Any
+"""A number of any kind that offers + - * /; no protocol can say more without naming every kind."""
+
+
+def _apply(name: str, x: Scalar) -> Scalar:
+    if isinstance(x, (int, float)):
+        return getattr(math, name)(x)
+    if isinstance(x, (np.ndarray, np.generic)):
+        return getattr(np, "arctan" if name == "atan" else name)(x)
+    if type(x).__module__.partition(".")[0] == "sympy":
+        return getattr(sys.modules["sympy"], name)(x)
+    return getattr(x, name)()  # a jet or a traced value knows its own
+
+
+def sin(x: Scalar) -> Scalar: return _apply("sin", x)
+def cos(x: Scalar) -> Scalar: return _apply("cos", x)
+def tan(x: Scalar) -> Scalar: return _apply("tan", x)
+def atan(x: Scalar) -> Scalar: return _apply("atan", x)
+def exp(x: Scalar) -> Scalar: return _apply("exp", x)
+def log(x: Scalar) -> Scalar: return _apply("log", x)
+def tanh(x: Scalar) -> Scalar: return _apply("tanh", x)
+def sqrt(x: Scalar) -> Scalar: return _apply("sqrt", x)
+
+
+def where(condition: Any, yes: Scalar, no: Scalar) -> Scalar:
+    """`yes` where the condition holds, else `no`.  Both sides are evaluated: guard the argument, not the result."""
+    if isinstance(condition, (bool, np.bool_)):
+        return yes if condition else no
+    outermost = max((condition, yes, no), key=lambda x: getattr(x, "level", 0))
+    if getattr(outermost, "level", 0):  # a jet of traced values is a jet
+        return outermost.where(condition, yes, no)
+    if type(condition).__module__.partition(".")[0] == "sympy":
+        return sys.modules["sympy"].Piecewise((yes, condition), (no, True))
+    return np.where(condition, yes, no)
+
+
+def absolute(x: Scalar) -> Scalar: return where(x < 0, -x, x)
+def minimum(x: Scalar, y: Scalar) -> Scalar: return where(x < y, x, y)
+def maximum(x: Scalar, y: Scalar) -> Scalar: return where(x > y, x, y)
+
+
+def clip(x: Scalar, low: Scalar, high: Scalar) -> Scalar:
+    """x, or the bound that it exceeds."""
+    return minimum(maximum(x, low), high)

@@ -1,0 +1,76 @@
+"""Arrays of numbers, and what every kind of trajectory asks of them."""
+
+from collections.abc import Sequence
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from cutpoint.errors import InputError
+
+Array = NDArray[np.float64]
+
+
+def joint_name(joints: Sequence[str] | None, index: int) -> str:
+    """How a message calls a joint: by its name, or where there are no names by its index, counted from 0."""
+    return f"joint {joints[index]!r}" if joints else f"joint {index}"
+
+
+def positive(name: str, value: float, unit: str) -> float:
+    """The value as a float, if it is finite and above zero."""
+    if not (np.isfinite(value) and value > 0.0):
+        raise InputError(f"{name} {value} {unit} must be positive and finite", name=name, value=value)
+    return float(value)
+
+
+def numbers(name: str, value: ArrayLike) -> Array:
+    """A copy of the value as an array of float64."""
+    try:
+        return np.array(value, dtype=np.float64)
+    except (TypeError, ValueError) as error:
+        raise InputError(f"{name} must be an array of numbers: {error}", name=name) from error
+
+
+def positions(name: str, value: ArrayLike) -> Array:
+    """One position per joint, (n,), finite; a copy nobody can write to."""
+    found = numbers(name, value)
+    if found.ndim != 1 or found.size == 0:
+        raise InputError(f"{name} has shape {found.shape}: it must be a list of one position per joint", name=name)
+    if not np.isfinite(found).all():
+        index = int(np.argmin(np.isfinite(found)))
+        raise InputError(f"{name} of joint {index} is {found[index]}: it must be finite", name=name, joint=index)
+    found.setflags(write=False)
+    return found
+
+
+def timed_positions(
+    times: ArrayLike, points: ArrayLike, least: int, joints: Sequence[str] | None = None
+) -> tuple[Array, Array]:
+    """Strictly increasing times (N,), counted from the first, and finite positions (N, n), N at least `least`."""
+    t = numbers("times", times)
+    q = numbers("positions", points)
+    _check_shapes(t, q, least, joints)
+    _check_finite(t, q, joints)
+    steps = np.diff(t)
+    if (steps <= 0.0).any():
+        index = int(np.argmax(steps <= 0.0)) + 1
+        raise InputError(f"time {t[index]} s at index {index} must be later than {t[index - 1]} s, the one before it")
+    return t - t[0], q
+
+
+def _check_shapes(t: Array, q: Array, least: int, joints: Sequence[str] | None) -> None:
+    if t.ndim != 1 or q.ndim != 2 or q.shape[0] != t.size or q.shape[1] == 0:
+        raise InputError(f"times of shape {t.shape} and positions of shape {q.shape} must be (N,) and (N, joints)")
+    if t.size < least:
+        raise InputError(f"{t.size} points are too few: at least {least} are needed", count=t.size)
+    if joints is not None and len(joints) != q.shape[1]:
+        raise InputError(f"{len(joints)} joint names must be as many as there are positions, {q.shape[1]}")
+
+
+def _check_finite(t: Array, q: Array, joints: Sequence[str] | None) -> None:
+    if not np.isfinite(t).all():
+        index = int(np.argmin(np.isfinite(t)))
+        raise InputError(f"time at index {index} is {t[index]}: it must be finite", index=index)
+    if not np.isfinite(q).all():
+        row, column = (int(i) for i in np.argwhere(~np.isfinite(q))[0])
+        name = joint_name(joints, column)
+        raise InputError(f"{name}: position {q[row, column]} at index {row} must be finite", joint=name, index=row)

@@ -1,0 +1,136 @@
+"""A motion from a CSV file: its first line names the time and the joints, every other line is one sample."""
+
+import csv
+import math
+from collections.abc import Iterable, Sequence
+from pathlib import Path
+from typing import NamedTuple
+
+import numpy as np
+
+from cutpoint.errors import InputError, unknown_name
+from cutpoint.trajectories.samples import Smoothed, from_samples
+
+UNITS = {"rad": 1.0, "deg": math.pi / 180.0, "m": 1.0}
+"""What a position in each unit is multiplied with to be in rad (m)."""
+
+DEGREES_ABOVE = 4.0 * math.pi
+"""rad: two turns.  A position above it, in a column without a unit, is taken for degrees and refused."""
+
+LARGEST_FILE = 200_000_000
+"""Bytes: more than an hour of seven joints at 1 kHz."""
+
+MOST_COLUMNS = 1000
+
+
+class Column(NamedTuple):
+    """A column of positions as the first line names it."""
+
+    name: str
+    unit: str | None
+
+
+def from_csv(
+    path: str | Path,
+    joints: Sequence[str] | None = None,
+    *,
+    bandwidth: float | None = None,
+    at_rest: bool = True,
+) -> Smoothed:
+    """A smooth motion near the samples of a CSV file; see `from_samples` for the smoothing and the line it prints.
+
+    The first line is `t, shoulder, elbow`, or with units `t [s], shoulder [deg], elbow [rad], lift [m]`.
+
+    Args:
+        path: UTF-8, comma separated.
+        joints: the columns wanted, in the order wanted; by default all of them in the file's order.
+
+    Raises:
+        InputError: what `from_samples` refuses, a header that is none, an unknown unit or joint, a line of another
+            length, a word that is no number, or positions above two turns in a column that does not name its unit.
+    """
+    path = Path(path)
+    size = path.stat().st_size
+    if size > LARGEST_FILE:
+        raise InputError(f"file of {size} bytes must have at most {LARGEST_FILE}", place=path, size=size)
+    try:
+        with path.open(encoding="utf-8-sig", newline="") as lines:
+            columns, rows = _read(lines, path)
+    except (UnicodeDecodeError, csv.Error) as error:
+        raise InputError(f"file is not comma separated UTF-8 text: {error}", place=path) from error
+    names = [column.name for column in columns]
+    wanted = list(names if joints is None else joints)
+    for name in wanted:
+        if name not in names:
+            raise unknown_name("column", name, names, place=path)
+    data = np.array(rows, dtype=np.float64).reshape(-1, 1 + len(columns))
+    positions = data[:, [1 + names.index(name) for name in wanted]]
+    try:
+        return from_samples(data[:, 0], positions, bandwidth=bandwidth, at_rest=at_rest, joints=wanted)
+    except InputError as error:
+        raise InputError(str(error), place=path, **error.evidence) from error
+
+
+def _read(lines: Iterable[str], path: Path) -> tuple[list[Column], list[list[float]]]:
+    """The columns of joints, and rows of time and positions in rad (m)."""
+    reader = csv.reader(lines)
+    columns = _header(next(reader, []), f"{path}:1")
+    rows: list[list[float]] = []
+    for cells in filter(None, reader):
+        place = f"{path}:{reader.line_num}"
+        row = _row(cells, columns, place)
+        if rows and row[0] <= rows[-1][0]:
+            raise InputError(f"time {row[0]} s must be later than {rows[-1][0]} s, the one before it", place=place)
+        rows.append(row)
+    return columns, rows
+
+
+def _header(cells: list[str], place: str) -> list[Column]:
+    found = [_column(cell) for cell in cells[:MOST_COLUMNS]]
+    if not 2 <= len(cells) <= MOST_COLUMNS or found[0].name.lower() not in ("t", "time"):
+        shown = ", ".join(cells[:8])
+        raise InputError(f"first line '{shown}' must name the columns, as in 't, shoulder, elbow'", place=place)
+    if found[0].unit not in (None, "s"):
+        raise InputError(f"time is in {found[0].unit!r}: it must be in 's'", place=place)
+    names = [column.name for column in found]
+    for column in found[1:]:
+        if not column.name or names.count(column.name) > 1:
+            raise InputError(f"column {column.name!r} must have a name of its own", place=place)
+        if column.unit is not None and column.unit not in UNITS:
+            raise unknown_name(f"unit of joint {column.name!r}", column.unit, UNITS, place=place)
+    return found[1:]
+
+
+def _column(cell: str) -> Column:
+    name, bracket, unit = cell.strip().removesuffix("]").partition("[")
+    return Column(name.strip(), unit.strip() if bracket else None)
+
+
+def _row(cells: list[str], columns: list[Column], place: str) -> list[float]:
+    if len(cells) != 1 + len(columns):
+        raise InputError(f"{len(cells)} cells must be {1 + len(columns)}, as in the first line", place=place)
+    time = _number(cells[0], "time", place)
+    return [time, *(_position(cell, column, place) for cell, column in zip(cells[1:], columns, strict=True))]
+
+
+def _position(cell: str, column: Column, place: str) -> float:
+    name = column.name
+    value = _number(cell, f"position of joint {name!r}", place)
+    if column.unit is None and abs(value) > DEGREES_ABOVE:
+        raise InputError(
+            f"joint {name!r}: position {value} looks like degrees; "
+            f"name the unit in the first line, '{name} [deg]' or '{name} [rad]'",
+            place=place,
+            joint=name,
+        )
+    return value * UNITS[column.unit or "rad"]
+
+
+def _number(cell: str, name: str, place: str) -> float:
+    try:
+        value = float(cell)
+    except ValueError:
+        value = math.nan
+    if not math.isfinite(value):
+        raise InputError(f"{name} is {cell.strip()!r}: it must be a finite number", place=place, cell=cell)
+    return value

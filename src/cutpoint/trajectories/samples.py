@@ -1,0 +1,91 @@
+"""A smooth motion near given samples, such as a planner's output or a recording."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from cutpoint.errors import InputError
+from cutpoint.trajectories.arrays import Array, joint_name, timed_positions
+from cutpoint.trajectories.penalty import smoothing_spline
+from cutpoint.trajectories.spline import Spline
+
+DEFAULT_BANDWIDTH = 10.0
+"""Hz: above what an arm's motion holds, below most of what its encoders' noise holds."""
+
+FEWEST_SAMPLES = 4
+
+
+@dataclass(frozen=True)
+class Deviation:
+    """How far a smoothed motion lies from its samples, per joint (n,), rad (m): largest absolute value and RMS."""
+
+    max: Array
+    rms: Array
+
+
+@dataclass(frozen=True, eq=False)
+class Smoothed(Spline):
+    """A spline near samples.  `bandwidth` in Hz; `joints` holds their names, and is empty where none were given."""
+
+    bandwidth: float
+    joints: tuple[str, ...]
+    deviation: Deviation
+
+    def __str__(self) -> str:
+        worst = int(np.argmax(self.deviation.max))
+        rms = float(self.deviation.rms[worst])
+        return (
+            f"smoothed to {self.bandwidth:.3g} Hz: deviates from its samples by at most "
+            f"{self.deviation.max[worst]:.3g} rad (m), {rms:.3g} RMS, at {joint_name(self.joints, worst)}"
+        )
+
+
+def from_samples(
+    t: ArrayLike,
+    q: ArrayLike,
+    *,
+    bandwidth: float | None = None,
+    at_rest: bool = True,
+    joints: Sequence[str] | None = None,
+) -> Smoothed:
+    """A motion with six continuous derivatives near the positions q (N, n), rad (m), at the times t (N,), s.
+
+    Prints one line with its deviation from the samples, which `.deviation` holds per joint.
+
+    Args:
+        t: strictly increasing, evenly spaced or not; the motion's time counts from the first.
+        q: at least 4 samples.
+        bandwidth: Hz.  A component of this frequency is halved, one of a quarter of it keeps all but 2e-5, and noise
+            above it fades.  By default 10 Hz, or a quarter of the mean sampling rate where that is lower.
+        at_rest: whether the motion starts and ends at rest, its first four derivatives zero there.  Otherwise it may
+            start and end with a jump to the standstill that every trajectory holds outside its duration.
+        joints: names, for messages.
+
+    Raises:
+        InputError: too few samples, times that do not increase, numbers that are not finite, shapes that do not match,
+            or a bandwidth above half of the mean sampling rate or below half a period in the whole duration.
+    """
+    times, samples = timed_positions(t, q, FEWEST_SAMPLES, joints)
+    chosen = _bandwidth(bandwidth, times)
+    spline, spacing = smoothing_spline(times, samples, chosen, at_rest)
+    errors = spline(times / spacing) - samples
+    deviation = Deviation(np.abs(errors).max(axis=0), np.sqrt(np.mean(errors**2, axis=0)))
+    smoothed = Smoothed(float(times[-1]), spline, spacing, chosen, tuple(joints or ()), deviation)
+    print(smoothed)
+    return smoothed
+
+
+def _bandwidth(wanted: float | None, times: Array) -> float:
+    duration = float(times[-1])
+    lowest, highest = 0.5 / duration, 0.5 * (times.size - 1) / duration
+    if wanted is None:
+        return float(np.clip(DEFAULT_BANDWIDTH, lowest, highest / 2.0))
+    if not lowest <= wanted <= highest:
+        raise InputError(
+            f"bandwidth {wanted} Hz must lie between {lowest:.3g} Hz, half a period in {duration:.6g} s, "
+            f"and {highest:.6g} Hz, half of the sampling rate",
+            bandwidth=wanted,
+        )
+    return wanted

@@ -1,0 +1,60 @@
+"""What every reference offers: position and its time derivatives at any time, held still outside its duration."""
+
+from abc import ABC, abstractmethod
+from dataclasses import dataclass
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from cutpoint.errors import InputError
+from cutpoint.trajectories.arrays import Array, numbers
+
+
+class Sample(NamedTuple):
+    """A reference at given times, each (..., n): rad, rad/s, ..., rad/s4 (m, m/s, ... on a prismatic joint)."""
+
+    q: Array
+    v: Array
+    a: Array
+    jerk: Array
+    snap: Array
+
+
+@dataclass(frozen=True, eq=False)
+class Trajectory(ABC):
+    """A reference of n joints over the times 0 to `duration`, s.
+
+    Before and after, it holds its first and last position, and all derivatives are zero.  At exactly 0 and `duration`
+    the derivatives are the limits from inside.
+    """
+
+    duration: float
+
+    @property
+    @abstractmethod
+    def size(self) -> int:
+        """Number of joints, n."""
+
+    @abstractmethod
+    def _inside(self, t: Array, order: int) -> Array:
+        """(order + 1, ..., n) at times (...), all of them from 0 to `duration`."""
+
+    def derivatives(self, t: ArrayLike, order: int = 4) -> Array:
+        """Position and its first `order` time derivatives, (order + 1, ..., n), at times t (...), s.
+
+        Raises:
+            InputError: a time is NaN, or the order is negative.
+        """
+        times = numbers("time t", t)
+        if np.isnan(times).any():
+            raise InputError("time t is NaN: it must be a number of seconds", t=t)
+        if order < 0:
+            raise InputError(f"order {order} of the derivatives must be 0 or more", order=order)
+        found = self._inside(np.clip(times, 0.0, self.duration), order)
+        found[1:, (times < 0.0) | (times > self.duration)] = 0.0
+        return found
+
+    def __call__(self, t: ArrayLike) -> Sample:
+        """Position to snap at times t (...), s."""
+        return Sample(*self.derivatives(t, 4))

@@ -1,0 +1,106 @@
+"""Motions from CSV files."""
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from cutpoint.errors import InputError
+from cutpoint.trajectories import csv_file, from_csv, from_samples
+
+TIMES = np.linspace(0.0, 2.0, 101)
+POSITIONS = np.stack([np.sin(TIMES), np.cos(TIMES), TIMES**2], axis=1)
+
+
+def written(folder: Path, header: str, data: np.ndarray = POSITIONS, encoding: str = "utf-8") -> Path:
+    rows = np.column_stack([TIMES, data]).tolist()
+    text = "\n".join([header, *(", ".join(map(repr, row)) for row in rows)]) + "\n"
+    path = folder / "motion.csv"
+    path.write_text(text, encoding=encoding)
+    return path
+
+
+@pytest.mark.parametrize("encoding", ["utf-8", "utf-8-sig"])
+@pytest.mark.parametrize("header", ["t,shoulder,elbow,lift", "Time [s], shoulder [rad], elbow [rad] , lift [m]"])
+def test_a_file_gives_the_motion_of_its_samples(tmp_path: Path, header: str, encoding: str):
+    found = from_csv(written(tmp_path, header, encoding=encoding))
+    assert found.joints == ("shoulder", "elbow", "lift")
+    assert np.array_equal(found(TIMES).q, from_samples(TIMES, POSITIONS)(TIMES).q)
+
+
+def test_degrees_are_converted_where_the_header_says_so(tmp_path: Path):
+    path = written(tmp_path, "t,a [deg],b [rad],c", POSITIONS * [180.0 / np.pi, 10.0, 1.0])
+    assert np.allclose(
+        from_csv(path)(TIMES).q, from_samples(TIMES, POSITIONS * [1, 10, 1])(TIMES).q, rtol=0, atol=1e-12
+    )
+
+
+def test_columns_are_picked_by_name_in_the_order_asked_for(tmp_path: Path):
+    found = from_csv(written(tmp_path, "t,a,b,c"), ["c", "a"], bandwidth=5.0, at_rest=False)
+    same = from_samples(TIMES, POSITIONS[:, [2, 0]], bandwidth=5.0, at_rest=False)
+    assert found.joints == ("c", "a")
+    assert np.array_equal(found(TIMES).q, same(TIMES).q)
+
+
+def test_empty_lines_do_not_count(tmp_path: Path):
+    path = written(tmp_path, "t,a,b,c\n\n")
+    assert from_csv(path).duration == 2.0
+
+
+GOOD = "0,1\n1,2\n2,3\n3,4\n"
+
+
+@pytest.mark.parametrize(
+    ("text", "message"),
+    [
+        ("", r"first line '' must name the columns, as in 't, shoulder, elbow' \(.*motion.csv:1\)"),
+        (GOOD, r"first line '0, 1' must name the columns"),
+        ("elbow,t\n" + GOOD, r"first line 'elbow, t' must name the columns"),
+        ("t\n0\n1\n2\n3\n", r"first line 't' must name the columns"),
+        ("t [ms],elbow\n" + GOOD, r"time is in 'ms': it must be in 's' \(.*motion.csv:1\)"),
+        ("t,elbow [grad]\n" + GOOD, r"no unit of joint 'elbow' is named 'grad'; there are: 'rad', 'deg', 'm'"),
+        ("t,elbow,elbow\n" + GOOD, r"column 'elbow' must have a name of its own"),
+        ("t,elbow,\n" + GOOD, r"column '' must have a name of its own"),
+        ("t" + ",elbow" * 1000 + "\n", r"first line .* must name the columns"),
+        ("t,elbow\n0,1\n1,2,3\n", r"3 cells must be 2, as in the first line \(.*motion.csv:3\)"),
+        (
+            "t,elbow\n0,1\n1,bent\n",
+            r"position of joint 'elbow' is 'bent': it must be a finite .*\(.*motion.csv:3\)",
+        ),
+        ("t,elbow\n0,1\n1,nan\n", r"position of joint 'elbow' is 'nan': it must be a finite number \(.*motion.csv:3\)"),
+        ("t,elbow\n0,1\ninf,1\n", r"time is 'inf': it must be a finite number \(.*motion.csv:3\)"),
+        ("t,elbow\n0,1\n\n2,1\n1,2\n", r"time 1.0 s must be later than 2.0 s, the one before it \(.*motion.csv:5\)"),
+        (
+            "t,elbow\n0,1\n1,90\n",
+            r"joint 'elbow': position 90.0 looks like degrees; .*'elbow \[deg\]'.*motion.csv:3",
+        ),
+        ("t,elbow\n0,1\n1,2\n", r"2 points are too few: at least 4 are needed \(.*motion.csv\)"),
+        ("t,elbow\n", r"0 points are too few"),
+        ("t,elbow\n0," + "1" * 200_000, r"file is not comma separated UTF-8 text: field larger"),
+    ],
+)
+def test_a_wrong_file_is_refused_at_its_line(tmp_path: Path, text: str, message: str):
+    path = tmp_path / "motion.csv"
+    path.write_text(text)
+    with pytest.raises(InputError, match=message):
+        from_csv(path)
+
+
+def test_an_unknown_joint_is_refused_and_the_known_are_listed(tmp_path: Path):
+    with pytest.raises(InputError, match=r"no column is named 'wrist'; there are: 'a', 'b', 'c' \(.*motion.csv\)"):
+        from_csv(written(tmp_path, "t,a,b,c"), ["a", "wrist"])
+
+
+def test_a_file_that_is_no_text_is_refused(tmp_path: Path):
+    path = tmp_path / "motion.csv"
+    path.write_bytes(b"t,a\n\xff\xfe\x00")
+    with pytest.raises(InputError, match=r"file is not comma separated UTF-8 text"):
+        from_csv(path)
+
+
+def test_a_file_too_large_to_read_is_refused(tmp_path: Path):
+    path = tmp_path / "motion.csv"
+    with path.open("wb") as file:
+        file.truncate(csv_file.LARGEST_FILE + 1)
+    with pytest.raises(InputError, match=r"file of 200000001 bytes must have at most 200000000"):
+        from_csv(path)

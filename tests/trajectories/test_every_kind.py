@@ -1,0 +1,92 @@
+"""What holds for every kind of trajectory."""
+
+import pickle
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from cutpoint.errors import InputError
+from cutpoint.trajectories import Trajectory, cycloid, from_samples, quintic, septic, waypoints
+
+START = [0.2, 0.3, -0.7]
+END = [1.5, -0.4, -0.7]
+DURATION = 2.5
+SAMPLED = np.linspace(0.0, DURATION, 60)
+KINDS: dict[str, Trajectory] = {
+    "cycloid": cycloid(END, DURATION, start=START),
+    "quintic": quintic(END, DURATION, start=START),
+    "septic": septic(END, DURATION, start=START),
+    "waypoints": waypoints([0.0, 0.8, 1.4, DURATION], [START, [0.9, 0.1, -0.7], [1.1, 0.2, -0.7], END]),
+    "samples": from_samples(SAMPLED, START + np.sin(SAMPLED)[:, None] * np.subtract(END, START)),
+}
+kinds = pytest.mark.parametrize("trajectory", KINDS.values(), ids=KINDS.keys())
+
+
+@kinds
+@given(u=st.floats(0.0, 1.0))
+def test_each_derivative_is_the_slope_of_the_one_before(trajectory: Trajectory, u: float):
+    # by the mean value theorem a central difference is the derivative at a place at most h away
+    h = 1e-4 * DURATION
+    t = h + u * (DURATION - 2.0 * h)
+    before, after = trajectory.derivatives([t - h, t + h], 6).swapaxes(0, 1)
+    slope = (after - before)[:6] / (2.0 * h)
+    near = np.abs(trajectory.derivatives(np.linspace(t - h, t + h, 9), 7)).max(axis=1)
+    rounding = 1e-12 * np.abs(trajectory.derivatives(SAMPLED, 6)[:6]).max() / h
+    # the fifth derivative of a quintic spline, and the seventh of the smoothed one, may jump
+    orders = 4 if trajectory is KINDS["waypoints"] else 6
+    wrong = np.abs(slope - trajectory.derivatives(t, 6)[1:])
+    assert (wrong <= 1.1 * h * near[2:] + rounding)[:orders].all()
+
+
+@kinds
+@pytest.mark.parametrize("t", [0.7, -1.0, [], [0.0, 1.0, 9.0], [[0.1, 0.2, 0.3], [DURATION, np.inf, -np.inf]]])
+def test_a_batch_of_times_is_each_time_alone(trajectory: Trajectory, t: object):
+    times = np.asarray(t, dtype=float)
+    found = trajectory.derivatives(times, 14)
+    assert found.shape == (15, *times.shape, trajectory.size)
+    for index in np.ndindex(times.shape):
+        assert np.array_equal(found[(slice(None), *index)], trajectory.derivatives(times[index], 14))
+
+
+@kinds
+def test_a_call_gives_position_to_snap(trajectory: Trajectory):
+    sample = trajectory(SAMPLED)
+    assert sample._fields == ("q", "v", "a", "jerk", "snap")
+    assert np.array_equal(np.stack(sample), trajectory.derivatives(SAMPLED, 4))
+
+
+@kinds
+@given(early=st.floats(max_value=-1e-300), late=st.floats(1e-9, 1e300))
+def test_it_stands_still_outside_its_duration(trajectory: Trajectory, early: float, late: float):
+    found = trajectory.derivatives([early, DURATION + late], 9)
+    assert np.array_equal(found[0], trajectory([0.0, DURATION]).q)
+    assert not found[1:].any()
+
+
+@kinds
+def test_a_joint_that_is_told_to_stay_stays(trajectory: Trajectory):
+    found = trajectory.derivatives(SAMPLED, 4)[..., 2]
+    assert np.allclose(found[0], -0.7, rtol=0.0, atol=1e-15)
+    assert not found[1:].any()
+
+
+@kinds
+def test_it_survives_pickling(trajectory: Trajectory):
+    copy = pickle.loads(pickle.dumps(trajectory))
+    assert np.array_equal(copy.derivatives(SAMPLED), trajectory.derivatives(SAMPLED))
+
+
+@kinds
+def test_a_time_that_is_no_number_is_refused(trajectory: Trajectory):
+    with pytest.raises(InputError, match="time t is NaN"):
+        trajectory([0.0, np.nan])
+    with pytest.raises(InputError, match="time t must be an array of numbers"):
+        trajectory("soon")  # pyright: ignore[reportArgumentType]
+
+
+@kinds
+def test_a_negative_order_is_refused(trajectory: Trajectory):
+    with pytest.raises(InputError, match="order -1 of the derivatives must be 0 or more"):
+        trajectory.derivatives(0.0, -1)

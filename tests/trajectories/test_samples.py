@@ -1,0 +1,108 @@
+"""Motions near samples."""
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from cutpoint.errors import InputError
+from cutpoint.trajectories import cycloid, from_samples
+
+TIMES = np.linspace(0.0, 4.0, 801)
+
+
+@pytest.mark.parametrize("frequency", [0.0, 1.0, 2.5, 5.0, 10.0, 20.0])
+def test_it_filters_as_it_says_without_phase(frequency: float):
+    wave = np.stack([np.cos(2 * np.pi * frequency * TIMES), np.sin(2 * np.pi * frequency * TIMES)], axis=1)
+    found = from_samples(TIMES, wave, bandwidth=10.0, at_rest=False)(TIMES).q
+    middle = slice(200, 600)
+    gain = 1.0 / (1.0 + (frequency / 10.0) ** 8)
+    assert np.allclose(found[middle], gain * wave[middle], rtol=0.0, atol=1e-5)
+
+
+@given(
+    coefficients=st.lists(st.floats(-2.0, 2.0), min_size=4, max_size=4),
+    bandwidth=st.floats(0.1, 5.0),
+    seed=st.integers(0, 100),
+)
+def test_a_cubic_is_left_as_it_is_however_uneven_its_samples(coefficients: list[float], bandwidth: float, seed: int):
+    times = np.cumsum(np.random.default_rng(seed).uniform(0.01, 0.1, 200))
+    times -= times[0]
+    cubic = np.polynomial.Polynomial(coefficients)
+    found = from_samples(times, cubic(times)[:, None], bandwidth=bandwidth, at_rest=False)
+    # the equations have a condition of about 1e7; a derivative of degree 7 multiplies by 14 over the knot spacing
+    rounding = 1e-8 * np.abs(coefficients).sum() * (1.0 + times[-1]) ** 3
+    for k in range(4):
+        wrong = found.derivatives(times, 4)[k, :, 0] - cubic.deriv(k)(times)
+        assert np.abs(wrong).max() <= rounding * (14.0 / found.unit) ** k
+
+
+def test_a_slow_motion_keeps_its_derivatives():
+    truth = cycloid([1.0, -0.5], TIMES[-1])
+    found = from_samples(TIMES, truth(TIMES).q)
+    middle = np.linspace(0.5, 3.5, 100)
+    wrong = np.abs(found.derivatives(middle) - truth.derivatives(middle)).max(axis=(1, 2))
+    assert (wrong < [1e-8, 1e-7, 1e-5, 1e-3, 1e-1]).all()
+
+
+def test_noise_above_the_bandwidth_fades():
+    noise = np.random.default_rng(1).normal(scale=1e-3, size=(TIMES.size, 1))
+    found = from_samples(TIMES, noise, bandwidth=2.0)
+    assert found(TIMES).q.std() < 0.3 * noise.std()
+
+
+@pytest.mark.parametrize("count", [4, 5, 9, 801])
+def test_it_starts_and_ends_at_rest_up_to_the_snap(count: int):
+    times = np.linspace(0.0, 2.0, count)
+    found = from_samples(times, np.sin(3.0 * times)[:, None])
+    largest = np.abs(found.derivatives(np.linspace(0.0, 2.0, 500))).max(axis=(1, 2))
+    ends = np.abs(found.derivatives([0.0, 2.0])).max(axis=(1, 2))
+    assert (ends[1:] <= 1e-10 * largest[1:]).all()
+
+
+def test_it_keeps_moving_at_its_ends_if_told_so():
+    found = from_samples(TIMES, TIMES[:, None], at_rest=False)
+    assert np.allclose(found([0.0, 4.0]).v, 1.0, rtol=1e-6)
+
+
+def test_samples_that_count_from_another_time_give_the_same_motion():
+    wave = np.sin(TIMES)[:, None]
+    shifted = from_samples(TIMES + 1024.0, wave)
+    assert shifted.duration == TIMES[-1]
+    assert np.allclose(shifted(TIMES).q, from_samples(TIMES, wave)(TIMES).q, rtol=0.0, atol=1e-10)
+
+
+def test_the_deviation_is_told_and_printed(capsys: pytest.CaptureFixture[str]):
+    wave = np.stack([np.sin(TIMES), np.sin(40.0 * TIMES)], axis=1)
+    found = from_samples(TIMES, wave, joints=["shoulder", "elbow"])
+    errors = found(TIMES).q - wave
+    assert np.allclose(found.deviation.max, np.abs(errors).max(axis=0), rtol=1e-12)
+    assert np.allclose(found.deviation.rms, np.sqrt((errors**2).mean(axis=0)), rtol=1e-12)
+    printed = capsys.readouterr().out
+    assert printed == f"{found}\n"
+    assert printed.startswith("smoothed to 10 Hz: deviates from its samples by at most ")
+    assert f"{found.deviation.max[1]:.3g} rad (m)" in printed
+    assert "joint 'elbow'" in printed
+
+
+@pytest.mark.parametrize(("rate", "chosen"), [(1000.0, 10.0), (20.0, 5.0), (4.0, 1.0)])
+def test_the_default_bandwidth_follows_the_sampling_rate(rate: float, chosen: float):
+    times = np.arange(50) / rate
+    assert from_samples(times, np.zeros((50, 1))).bandwidth == pytest.approx(max(chosen, 0.5 / times[-1]), rel=1e-12)
+
+
+@pytest.mark.parametrize(
+    ("arguments", "message"),
+    [
+        ({"bandwidth": 1000.0}, r"bandwidth 1000.0 Hz must lie between .* and 100 Hz, half of the sampling rate"),
+        ({"bandwidth": 0.1}, r"bandwidth 0.1 Hz must lie between 0.125 Hz, half a period in 4 s"),
+        ({"bandwidth": np.nan}, r"bandwidth nan Hz must lie between"),
+        ({"joints": ["a", "b"]}, r"2 joint names must be as many as there are positions, 1"),
+        ({"t": TIMES[::-1]}, r"time 3.995 s at index 1 must be later than 4.0 s"),
+        ({"q": np.full((801, 1), np.nan), "joints": ["a"]}, r"joint 'a': position nan at index 0 must be finite"),
+        ({"t": TIMES[:3], "q": np.zeros((3, 1))}, r"3 points are too few: at least 4 are needed"),
+    ],
+)
+def test_what_cannot_be_smoothed_is_refused(arguments: dict, message: str):
+    with pytest.raises(InputError, match=message):
+        from_samples(**{"t": TIMES, "q": np.zeros((801, 1)), **arguments})
