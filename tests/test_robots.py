@@ -88,7 +88,7 @@ def test_compliance_follows_the_catalogue_up_to_its_second_torque(drives, joint)
     law = drives["drives"][joint]["compliance"]["flexspline"]
     torque = np.linspace(0, T2, 200)
     catalogue = np.interp(torque, [0, T1, T2], [0, T1 / K1, T1 / K1 + (T2 - T1) / K2])
-    ours = np.arctan(law["softening"] * torque) / (law["softening"] * law["stiffness"])
+    ours = np.arctan(law["hardening"] * torque) / (law["hardening"] * law["stiffness"])
     arc_minute = np.deg2rad(1 / 60)
     assert law["stiffness"] == K1
     assert abs(ours[-1] - catalogue[-1]) < 0.005 * arc_minute

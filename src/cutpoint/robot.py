@@ -12,6 +12,7 @@ from cutpoint.compiled import Compiled
 from cutpoint.door import checked_array, driven_joints, validated_drives
 from cutpoint.errors import InputError, unknown_name
 from cutpoint.model import Drive, Mechanism, changes
+from cutpoint.scalars import structure_of
 from cutpoint.model.decomposition import Cut, Subsystem, cuts_of, subsystems_of
 
 Array = NDArray[np.float64]
@@ -276,6 +277,25 @@ class Robot:
         return self._across_gear(angle, torque, -1.0)
 
     # how
+
+    @property
+    def machine(self) -> definitions.Machine:
+        """The robot as the equations want it, for laws that are traced with it."""
+        return self._compiled.machine
+
+    def machine_with(self, parameters: Sequence[Any]) -> definitions.Machine:
+        """The same with other numbers, of any kind, in its drives: see `drive_parameters`."""
+        return self._compiled.with_parameters(parameters)
+
+    @property
+    def trace_key(self) -> Any:
+        """Equal for robots that one trace serves: the same mechanism, driven through drives of the same structure."""
+        return (id(self.mechanism), self.backend, structure_of(dict(self.drives)))
+
+    @property
+    def drive_parameters(self) -> Array:
+        """All numbers of the drives, (n,), in the order of the drives and of their fields."""
+        return self._compiled.parameters
 
     def kernel(self, name: str) -> Any:
         """The compiled kernel behind a function that has been called, for its operations, its graph, its speed."""

@@ -8,8 +8,10 @@ from pathlib import Path
 
 import numpy as np
 
+from cutpoint.formats import load_drives
 from cutpoint.model.build import build
 from cutpoint.model.mechanism import Array, Joint, Link, Mechanism
+from cutpoint.robot import Robot
 
 _DATA = Path(__file__).parent / "robots_data"
 
@@ -31,6 +33,12 @@ _STRAIGHT = np.eye(3)
 _QUARTER_ABOUT_X = np.array([[1.0, 0.0, 0.0], [0.0, 0.0, -1.0], [0.0, 1.0, 0.0]])
 _ALONG_FOREARM = np.array([[0.0, 0.0, 1.0], [-1.0, 0.0, 0.0], [0.0, -1.0, 0.0]])
 _ORIENTATIONS = (_STRAIGHT, _QUARTER_ABOUT_X, _STRAIGHT, _ALONG_FOREARM, _QUARTER_ABOUT_X, _QUARTER_ABOUT_X.T)
+
+
+def xia2019(as_printed: bool = False) -> Robot:
+    """The paper's arm with the drives of its drive file; as_printed as in `xia2019_mechanism`."""
+    mechanism = xia2019_mechanism(as_printed)
+    return Robot(mechanism, load_drives(XIA2019_DRIVES, mechanism))
 
 
 def xia2019_mechanism(as_printed: bool = False) -> Mechanism:

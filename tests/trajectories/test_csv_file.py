@@ -102,5 +102,12 @@ def test_a_file_too_large_to_read_is_refused(tmp_path: Path):
     path = tmp_path / "motion.csv"
     with path.open("wb") as file:
         file.truncate(csv_file.LARGEST_FILE + 1)
-    with pytest.raises(InputError, match=r"file of 200000001 bytes must have at most 200000000"):
+    with pytest.raises(InputError, match=r"file of 200,000,001 bytes is too large: .* \(.*motion.csv\)"):
         from_csv(path)
+
+
+def test_what_is_no_file_is_refused(tmp_path: Path):
+    with pytest.raises(InputError, match=r"motion.csv' does not exist; give the path of a file"):
+        from_csv(tmp_path / "motion.csv")
+    with pytest.raises(InputError, match=r"is not a regular file; give the path of a file"):
+        from_csv(tmp_path)

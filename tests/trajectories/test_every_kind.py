@@ -20,6 +20,9 @@ KINDS: dict[str, Trajectory] = {
     "septic": septic(END, DURATION, start=START),
     "waypoints": waypoints([0.0, 0.8, 1.4, DURATION], [START, [0.9, 0.1, -0.7], [1.1, 0.2, -0.7], END]),
     "samples": from_samples(SAMPLED, START + np.sin(SAMPLED)[:, None] * np.subtract(END, START)),
+    "samples in motion": from_samples(
+        SAMPLED, START + np.sin(3.0 * SAMPLED)[:, None] * np.subtract(END, START), at_rest=False
+    ),
 }
 kinds = pytest.mark.parametrize("trajectory", KINDS.values(), ids=KINDS.keys())
 
@@ -33,7 +36,9 @@ def test_each_derivative_is_the_slope_of_the_one_before(trajectory: Trajectory, 
     before, after = trajectory.derivatives([t - h, t + h], 6).swapaxes(0, 1)
     slope = (after - before)[:6] / (2.0 * h)
     near = np.abs(trajectory.derivatives(np.linspace(t - h, t + h, 9), 7)).max(axis=1)
-    rounding = 1e-12 * np.abs(trajectory.derivatives(SAMPLED, 6)[:6]).max() / h
+    # each derivative of a spline multiplies rounding by up to twice its degree over its knot spacing
+    steepest = 14.0 / getattr(trajectory, "unit", DURATION)
+    rounding = 1e-15 * steepest ** np.arange(6.0)[:, None] / h
     # the fifth derivative of a quintic spline, and the seventh of the smoothed one, may jump
     orders = 4 if trajectory is KINDS["waypoints"] else 6
     wrong = np.abs(slope - trajectory.derivatives(t, 6)[1:])

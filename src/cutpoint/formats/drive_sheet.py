@@ -6,6 +6,7 @@
 from typing import Annotated, Any, Literal
 
 from pydantic import BaseModel, BeforeValidator, ConfigDict, Field
+from pydantic.config import JsonDict
 
 DEFAULT_SMOOTHING = 0.01
 """Speed, rad/s (m/s), over which dry friction changes sign where nothing is stated."""
@@ -13,7 +14,7 @@ DEFAULT_SMOOTHING = 0.01
 
 def quantity(rotary: str, linear: str, meaning: str, default: Any = ..., **rules: Any) -> Any:
     """A field with its unit on a joint that turns and on one that slides, and rules such as `gt=0`."""
-    units = {"unit": rotary, "linear_unit": linear}
+    units: JsonDict = {"unit": rotary, "linear_unit": linear}
     return Field(default, description=meaning, json_schema_extra=units, **rules)
 
 
@@ -77,8 +78,10 @@ class LinkFrictionSheet(Sheet):
 class MotorFrictionSheet(Sheet):
     """Friction on the rotor's speed, in joint-side units.  Xia (2019) eq. (55), with a viscous part."""
 
-    coulomb: float = quantity("N m", "N", "dry friction: ratio times that at the rotor", 0.0, ge=0)
-    viscous: float = quantity("N m s/rad", "N s/m", "friction per speed: ratio^2 times that at the rotor", 0.0, ge=0)
+    coulomb: float = quantity("N m", "N", "dry friction as felt at the joint: ratio times the rotor's", 0.0, ge=0)
+    viscous: float = quantity(
+        "N m s/rad", "N s/m", "friction per speed as felt at the joint: ratio^2 times the rotor's", 0.0, ge=0
+    )
     smoothing: float = quantity("rad/s", "m/s", "sgn(speed) is tanh(speed / smoothing)", DEFAULT_SMOOTHING, gt=0)
 
 
@@ -106,7 +109,7 @@ def _rigid_is_none(value: Any) -> Any:
 class DriveSheet(Sheet):
     """One joint's drive."""
 
-    ratio: float | None = quantity("rad/rad", "rad/m", "signed motor turns per joint turn; 1 without a gear", None)
+    ratio: float | None = quantity("1", "rad/m", "signed motor turns per joint turn; 1 without a gear", None)
     gear: GearSheet | None = Field(None, description="the ratio by the gear's make; instead of `ratio`")
     rotor: RotorSheet | None = Field(None, description="the motor's turning part; an elastic drive needs it")
     compliance: Annotated[ComplianceSheet | None, BeforeValidator(_rigid_is_none)] = Field(

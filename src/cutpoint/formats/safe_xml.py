@@ -7,6 +7,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass, field
 from typing import Any, cast
 from xml.etree.ElementTree import ParseError
+from xml.parsers.expat import ErrorString
 
 from defusedxml import DefusedXmlException, DTDForbidden
 from defusedxml.ElementTree import DefusedXMLParser
@@ -82,7 +83,9 @@ def parse_xml(content: bytes | str, place: str) -> Element:
         return cast(Element, builder.root)  # a document without a root is not well formed
     except ParseError as problem:
         line = problem.position[0]
-        raise ModelError(f"XML is not well formed: {problem}", place=f"{place}:{line}", line=line) from problem
+        raise ModelError(
+            f"XML is not well formed: {ErrorString(problem.code)}", place=f"{place}:{line}", line=line
+        ) from problem
     except DefusedXmlException as problem:
         what = "a document type (<!DOCTYPE>)" if isinstance(problem, DTDForbidden) else "entities"
         line = builder.expat.CurrentLineNumber

@@ -1,8 +1,8 @@
 """YAML from files that nobody vouches for, as plain values that know their lines.
 
-A small, strict YAML: mappings, lists, texts, numbers, true and false.  No tags, no anchors or aliases, no merge keys, no
-second document, no key twice, no empty values; size, depth and number of values are capped.  Every number is a float,
-written in plain decimals (`1e4` too) or as `.inf`; `yes`, `012:30` and `1_000` are texts.
+A small, strict YAML: mappings, lists, texts, numbers, true and false.  No tags, no anchors or aliases, no merge keys,
+no second document, no key twice, no empty values; size, depth and number of values are capped.  Every number is a
+float, written in plain decimals (`1e4` too) or as `.inf`; `yes`, `12:30` and `1_000` are texts.
 """
 
 import math

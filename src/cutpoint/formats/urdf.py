@@ -144,7 +144,7 @@ def _kind(reader: Reader) -> JointKind:
     for known in KINDS:
         if kind == known:
             return known
-    raise reader.error(f"type {kind!r} is not supported; those that are: {listed(KINDS)}")
+    raise reader.error(f"type {kind!r} is not supported yet; those that are: {listed(KINDS)}")
 
 
 def _limits(reader: Reader, kind: JointKind) -> Limits:

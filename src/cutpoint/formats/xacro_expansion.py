@@ -23,4 +23,4 @@ def expand(path: Path) -> str:
         document: Any = xacro.process_file(str(path))  # the package says a file, but it is a DOM document
         return document.toprettyxml(indent="  ")
     except Exception as problem:  # expressions in the file may raise anything
-        raise ModelError(f"xacro cannot expand this file: {problem}", place=path) from problem
+        raise ModelError(f"xacro cannot expand this file: {' '.join(str(problem).split())}", place=path) from problem

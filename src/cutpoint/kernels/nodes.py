@@ -22,16 +22,18 @@ PRIMITIVES = {
     "or": "condition a or b",
     "not": "condition not a",
     "select": "b where condition a holds, else c; both are evaluated",
-    "bit": "condition: bit b (a Python int, 0 lowest) of the 64-bit pattern of a",
-    "pow2": "2**a, for a whole a in [-1022, 1023]; unspecified elsewhere",
-    "exponent": "the whole n with 2**n <= |a| < 2**(n + 1), for a normal a; unspecified elsewhere",
+    "flip": "c with its sign turned where bit b (a Python int, 0 the lowest) of the 64 bits of a is set, else c",
+    "pick": "c where bit b of the 64 bits of a is set, else d",
+    "pow2": "2**a for a whole a in [-1022, 1023]; unspecified elsewhere",
+    "exponent": "the whole n with 2**n <= a < 2**(n + 1), for a normal a > 0; unspecified elsewhere",
+    "significand": "a / 2**n with that n, in [1, 2); unspecified where n is",
 }
-"""All that an emitter must know, as op: meaning with args (a, b, c); an argument is a node or a float."""
+"""All that an emitter must know, as op: meaning, with args (a, b, c, d); an argument is a node or a float."""
 
 ELEMENTARY = ("sin", "cos", "tan", "exp", "log", "tanh", "atan")
 """Functions that a graph may hold until it is lowered to primitives."""
 
-CONDITIONS = frozenset({"lt", "le", "and", "or", "not", "bit"})
+CONDITIONS = frozenset({"lt", "le", "and", "or", "not"})
 COMMUTATIVE = frozenset({"add", "mul", "and", "or"})
 
 _serials = itertools.count()

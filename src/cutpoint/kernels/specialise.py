@@ -27,7 +27,7 @@ def traced(function: Callable[..., Any], inputs: list[Port]) -> tuple[Graph, str
         for name, value in ({"result": result} if named is None else named).items():
             shape, flat = _flat(function, name, value)
             ports.append(Port(name, shape))
-            numbers += [_checked(function, name, x, trace) for x in flat]
+            numbers += [checked(function, name, x, trace) for x in flat]
     return Graph(tuple(inputs), tuple(ports), tuple(numbers)), None if named is None else type(result).__name__
 
 
@@ -50,7 +50,7 @@ def _flat(function: Callable[..., Any], name: str, value: Any) -> tuple[tuple[in
         raise TraceError(f"{name_of(function)}: output {name!r} is ragged: {error}") from None
 
 
-def _checked(function: Callable[..., Any], name: str, x: Any, trace: Trace) -> Operand:
+def checked(function: Callable[..., Any], name: str, x: Any, trace: Trace) -> Operand:
     """A number that may leave a kernel."""
     if isinstance(x, Traced) and x.trace is trace:
         return x

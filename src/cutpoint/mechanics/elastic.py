@@ -124,18 +124,28 @@ def elastic_forward_dynamics(
     A rigid drive's motor moves with its link: its theta and theta_dot are not read.  disturbance: torques on the links'
     coordinates, one a speed.
     """
+    driving = driving_torques(drives, q, v, theta, theta_dot, motor_torque)
     tau = [*disturbance] if disturbance is not None else [0] * system.nv
-    alpha: list[Scalar] = [None] * len(drives)
-    for k, d in enumerate(drives):
-        drive, v_d = d.drive, v[d.v]
-        if drive.compliance is None:
-            driving = motor_torque[k] - friction_torque(drive.motor_friction, v_d)
-        else:
-            driving = spring_torque(drive, theta[k], q[d.q], theta_dot[k], v_d)
-            alpha[k] = rotor_acceleration(drive, motor_torque[k], driving, theta_dot[k])
-        tau[d.v] = tau[d.v] + driving - friction_torque(drive.link_friction, v_d)
+    for d, tau_d in zip(drives, driving, strict=True):
+        tau[d.v] = tau[d.v] + tau_d - friction_torque(d.drive.link_friction, v[d.v])
     a = forward_dynamics(system, q, v, tau)
-    return ElasticAccelerations(a, [a[d.v] if x is None else x for d, x in zip(drives, alpha, strict=True)])
+    alpha = [
+        rotor_acceleration(d.drive, u, tau_d, w) if d.drive.is_elastic else a[d.v]
+        for d, u, tau_d, w in zip(drives, motor_torque, driving, theta_dot, strict=True)
+    ]
+    return ElasticAccelerations(a, alpha)
+
+
+def driving_torques(
+    drives: Sequence[Driven], q: Scalars, v: Scalars, theta: Scalars, theta_dot: Scalars, motor_torque: Scalars
+) -> list[Scalar]:
+    """What each drive exerts on its link, N m: the spring's torque, or a rigid drive's motor less its own friction."""
+    return [
+        spring_torque(d.drive, theta_d, q[d.q], omega_d, v[d.v])
+        if d.drive.is_elastic
+        else u - friction_torque(d.drive.motor_friction, v[d.v])
+        for d, theta_d, omega_d, u in zip(drives, theta, theta_dot, motor_torque, strict=True)
+    ]
 
 
 def elastic_energy(drives: Sequence[Driven], q: Scalars, theta: Scalars, theta_dot: Scalars) -> Scalar:

@@ -6,7 +6,7 @@ together.  Tolerances on principal moments: RELATIVE of the largest one, plus wh
 would give.
 """
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from typing import get_args
 
 import numpy as np
@@ -25,6 +25,15 @@ AXIS_MINIMUM = 1e-6
 
 DEGREES_BEYOND = 4.0 * np.pi
 """An angle (rad) beyond two turns is more likely to be in degrees."""
+
+TURNING_UNITS = {
+    "position": "rad",
+    "velocity": "rad/s",
+    "effort": "N m",
+    "damping": "N m s/rad",
+    "friction": "N m",
+}
+SLIDING_UNITS = {"position": "m", "velocity": "m/s", "effort": "N", "damping": "N s/m", "friction": "N"}
 
 MOVING = ("revolute", "continuous", "prismatic")
 
@@ -57,25 +66,27 @@ def check_joint(joint: Joint, places: Places) -> None:
         _check_numbers(thing, "axis", joint.axis, (3,), places)
         if np.linalg.norm(joint.axis) < AXIS_MINIMUM:
             raise places.error(thing, f"axis {joint.axis} has no length; give it a direction", joint=joint.name)
+    unit = SLIDING_UNITS if joint.kind == "prismatic" else TURNING_UNITS
     for what in ("damping", "friction"):
         value = getattr(joint, what)
         _check_numbers(thing, what, value, (), places)
         if value < 0.0:
-            raise places.error(thing, f"{what} {value!r} must not be negative", joint=joint.name)
-    check_limits(thing, joint.limits, places)
+            raise places.error(thing, f"{what} {value!r} {unit[what]} must not be negative", joint=joint.name)
+    check_limits(thing, joint.limits, unit, places)
 
 
-def check_limits(thing: str, limits: Limits, places: Places) -> None:
+def check_limits(thing: str, limits: Limits, unit: Mapping[str, str], places: Places) -> None:
     """No NaN, lower <= upper, speed and effort not negative; infinite is no limit."""
     for what in ("lower", "upper", "velocity", "effort"):
         if np.isnan(getattr(limits, what)):
             raise places.error(thing, f"limit {what} must be a number, got nan", limits=limits)
     if limits.lower > limits.upper:
-        complaint = f"lower limit {limits.lower!r} must not exceed the upper limit {limits.upper!r}"
+        complaint = f"lower limit {limits.lower!r} must not exceed upper limit {limits.upper!r} {unit['position']}"
         raise places.error(thing, complaint, limits=limits)
     for what in ("velocity", "effort"):
-        if getattr(limits, what) < 0.0:
-            raise places.error(thing, f"{what} limit {getattr(limits, what)!r} must not be negative", limits=limits)
+        bound = getattr(limits, what)
+        if bound < 0.0:
+            raise places.error(thing, f"{what} limit {bound!r} {unit[what]} must not be negative", limits=limits)
 
 
 def check_gravity(gravity: Array, places: Places) -> None:

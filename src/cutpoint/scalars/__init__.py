@@ -17,9 +17,9 @@ from cutpoint.scalars.functions import (
     where,
 )
 from cutpoint.scalars.jet import Jet
-from cutpoint.scalars.records import leaves, map_leaves, rebuild, with_float_leaves
+from cutpoint.scalars.records import leaves, map_leaves, rebuild, structure_of, with_float_leaves
 
 __all__ = [
     "Jet", "Scalar", "absolute", "atan", "clip", "cos", "exp", "leaves", "log", "map_leaves", "maximum", "minimum",
-    "rebuild", "sin", "sqrt", "tan", "tanh", "where", "with_float_leaves",
+    "rebuild", "sin", "sqrt", "structure_of", "tan", "tanh", "where", "with_float_leaves",
 ]  # fmt: skip

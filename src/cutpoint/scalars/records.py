@@ -1,15 +1,15 @@
 """Records: nests of dataclasses, tuples, lists, dicts and arrays, as a flat list of their numbers and back.
 
-A whole number, a truth value, a text or None is structure, not a number: it stays in the record.
+A whole number, a truth value, a text, or any object that is no number is structure: it stays in the record.
 """
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Hashable, Iterator
 from dataclasses import fields, is_dataclass, replace
 from typing import Any
 
 import numpy as np
 
-_NEVER_NUMBERS = (str, bytes, bool, np.bool_, type(None))
+_NEVER_NUMBERS = (bool, np.bool_)
 _STRUCTURE = (*_NEVER_NUMBERS, int, np.integer)
 
 
@@ -42,9 +42,29 @@ def map_leaves(function: Callable[[Any], Any], record: Any, structure: tuple[typ
     if is_dataclass(record) and not isinstance(record, type):
         names = [f.name for f in fields(record) if f.init]
         return replace(record, **{name: map_leaves(function, getattr(record, name), structure) for name in names})
-    if isinstance(record, structure) or callable(record):
+    if isinstance(record, structure) or not hasattr(type(record), "__neg__"):
         return record
     return function(record)
+
+
+def structure_of(record: Any) -> Hashable:
+    """What is left of a record without its numbers: equal for records that one trace serves.
+
+    An object that is no record counts by its `trace_key`, if it has one, or by its identity.
+    """
+    if isinstance(record, np.ndarray):
+        return (np.ndarray, record.shape)
+    if isinstance(record, (list, tuple)):
+        return (type(record), *(structure_of(part) for part in record))
+    if isinstance(record, dict):
+        return (dict, *((key, structure_of(part)) for key, part in record.items()))
+    if is_dataclass(record) and not isinstance(record, type):
+        return (type(record), *(structure_of(getattr(record, f.name)) for f in fields(record) if f.init))
+    if isinstance(record, (*_STRUCTURE, str, bytes, type(None))):
+        return (type(record), record)
+    if hasattr(type(record), "__neg__"):
+        return float
+    return (type(record), getattr(record, "trace_key", id(record)))
 
 
 def _array(elements: list[Any], shape: tuple[int, ...]) -> np.ndarray:

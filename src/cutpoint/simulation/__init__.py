@@ -1,0 +1,10 @@
+"""Closed loops: plant, sensors, controller and integrator in one compiled step, and the log they leave."""
+
+from cutpoint.simulation.integrator import StiffnessWarning
+from cutpoint.simulation.log import Log
+from cutpoint.simulation.plant import State
+from cutpoint.simulation.runner import UntracedControllerWarning
+from cutpoint.simulation.sensors import Sensors
+from cutpoint.simulation.simulate import simulate
+
+__all__ = ["Log", "Sensors", "State", "StiffnessWarning", "UntracedControllerWarning", "simulate"]

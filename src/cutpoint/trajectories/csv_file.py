@@ -9,6 +9,7 @@ from typing import NamedTuple
 import numpy as np
 
 from cutpoint.errors import InputError, unknown_name
+from cutpoint.files import check_readable
 from cutpoint.trajectories.samples import Smoothed, from_samples
 
 UNITS = {"rad": 1.0, "deg": math.pi / 180.0, "m": 1.0}
@@ -50,9 +51,7 @@ def from_csv(
             length, a word that is no number, or positions above two turns in a column that does not name its unit.
     """
     path = Path(path)
-    size = path.stat().st_size
-    if size > LARGEST_FILE:
-        raise InputError(f"file of {size} bytes must have at most {LARGEST_FILE}", place=path, size=size)
+    check_readable(path, LARGEST_FILE)
     try:
         with path.open(encoding="utf-8-sig", newline="") as lines:
             columns, rows = _read(lines, path)

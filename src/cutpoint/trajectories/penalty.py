@@ -33,10 +33,8 @@ def smoothing_spline(t: Array, q: Array, bandwidth: float, at_rest: bool) -> tup
     stiffness = (2.0 * np.pi * bandwidth * spacing) ** -8
     normal = basis.T @ weights @ basis + stiffness * _snap_squared(knots)
     ends = _ends(knots.size - DEGREE - 1, tied=5 if at_rest else 1)
-    # counted from its first sample, a joint that stays has coefficients that are exactly equal
-    wanted = ends.T @ (basis.T @ (weights @ (q - q[0])))
-    free = solveh_banded(_upper_bands(csr_array(ends.T @ normal @ ends)), wanted)
-    return BSpline(knots, q[0] + ends @ free, DEGREE), spacing
+    free = solveh_banded(_upper_bands(csr_array(ends.T @ normal @ ends)), ends.T @ (basis.T @ (weights @ q)))
+    return BSpline(knots, ends @ free, DEGREE), spacing
 
 
 def _snap_squared(knots: Array) -> csr_array:

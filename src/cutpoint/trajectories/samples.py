@@ -69,10 +69,11 @@ def from_samples(
     """
     times, samples = timed_positions(t, q, FEWEST_SAMPLES, joints)
     chosen = _bandwidth(bandwidth, times)
-    spline, spacing = smoothing_spline(times, samples, chosen, at_rest)
-    errors = spline(times / spacing) - samples
+    moved = samples - samples[0]
+    spline, spacing = smoothing_spline(times, moved, chosen, at_rest)
+    errors = spline(times / spacing) - moved
     deviation = Deviation(np.abs(errors).max(axis=0), np.sqrt(np.mean(errors**2, axis=0)))
-    smoothed = Smoothed(float(times[-1]), spline, spacing, chosen, tuple(joints or ()), deviation)
+    smoothed = Smoothed(float(times[-1]), samples[0], spline, spacing, chosen, tuple(joints or ()), deviation)
     print(smoothed)
     return smoothed
 

@@ -11,11 +11,13 @@ from cutpoint.trajectories.trajectory import Trajectory
 
 @dataclass(frozen=True, eq=False)
 class Spline(Trajectory):
-    """A spline in the time t / unit, its coefficients (m, n); derivatives above its degree are zero.
+    """A start (n,) plus a spline in the time t / unit, its coefficients (m, n); derivatives above its degree are zero.
 
-    The unit, s, keeps the numbers of the spline near one, whatever the times are.
+    The unit, s, keeps the numbers of the spline near one, whatever the times are; the start apart keeps a joint that
+    does not move at exactly zero velocity.
     """
 
+    start: Array
     spline: BSpline
     unit: float
 
@@ -27,4 +29,5 @@ class Spline(Trajectory):
         found = np.zeros((order + 1, *t.shape, self.size))
         for k in range(min(order, self.spline.k) + 1):
             found[k] = self.spline(t / self.unit, nu=k) / self.unit**k
+        found[0] += self.start
         return found

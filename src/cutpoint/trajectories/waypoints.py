@@ -30,11 +30,9 @@ def waypoints(times: ArrayLike, points: ArrayLike) -> Spline:
     unit = float(t[-1] / (t.size - 1))
     u = t / unit
     at_rest = [(k, np.zeros(q.shape[1])) for k in range(1, 5)]
-    # counted from its first point, a joint that stays has coefficients that are exactly equal
-    rise = make_interp_spline(u, q - q[0], k=DEGREE, t=_knots(u), bc_type=(at_rest, at_rest))
-    spline = BSpline(rise.t, q[0] + rise.c, DEGREE)
+    spline = make_interp_spline(u, q - q[0], k=DEGREE, t=_knots(u), bc_type=(at_rest, at_rest))
     _check_swing(spline, u, q)
-    return Spline(float(t[-1]), spline, unit)
+    return Spline(float(t[-1]), q[0], spline, unit)
 
 
 def _knots(u: Array) -> Array:
@@ -49,7 +47,7 @@ def _knots(u: Array) -> Array:
 
 def _check_swing(spline: BSpline, u: Array, q: Array) -> None:
     between = u[:-1, None] + np.diff(u)[:, None] * np.linspace(0.0, 1.0, LOOKS, endpoint=False)
-    reached = spline(between.ravel())
+    reached = q[0] + spline(between.ravel())
     low, high = q.min(axis=0), q.max(axis=0)
     past = np.maximum((reached - high).max(axis=0), (low - reached).max(axis=0))
     calm = past <= (high - low) + 1e-9 * np.abs(q).max()

@@ -1,0 +1,107 @@
+"""A part of a drive file against its sheet: pydantic's complaints in our words, each with its field, value and line."""
+
+import reprlib
+from dataclasses import dataclass
+from typing import Any, TypeVar, get_args
+
+from pydantic import ValidationError
+from pydantic.fields import FieldInfo
+
+from cutpoint.errors import ModelError
+from cutpoint.formats.drive_sheet import Sheet
+from cutpoint.formats.safe_yaml import YamlDocument, YamlPath
+from cutpoint.model.places import listed
+
+S = TypeVar("S", bound=Sheet)
+
+_RULES = {
+    "greater_than": "must be positive",
+    "greater_than_equal": "must not be negative",
+    "finite_number": "must be finite",
+    "float_type": "must be a number",
+    "bool_type": "must be true or false",
+    "list_type": "must be a list of two numbers",
+    "too_short": "must have two entries",
+    "too_long": "must have two entries",
+    "dict_type": "must be a mapping of fields",
+}
+
+
+@dataclass(frozen=True)
+class Section:
+    """What one sheet describes.
+
+    thing: whom messages are about; roots: where its values may stand in the file, the likelier first.
+    slides: whether units are those of a prismatic joint.
+    """
+
+    thing: str
+    document: YamlDocument
+    roots: tuple[YamlPath, ...]
+    slides: bool = False
+
+    def read(self, sheet: type[S], value: Any) -> S:
+        """The values as a sheet.  Raises ModelError for the first that breaks a rule; an unknown key comes first."""
+        try:
+            return sheet.model_validate(value)
+        except ValidationError as problem:
+            details = sorted(problem.errors(include_url=False), key=lambda detail: detail["type"] != "extra_forbidden")
+            raise self._translated(sheet, details[0]) from None
+
+    def error(self, path: YamlPath, complaint: str) -> ModelError:
+        """An error at the line of a field."""
+        place = self.document.place(*((*root, *path) for root in self.roots))
+        return ModelError(f"{self.thing}: {complaint}", place=place, thing=self.thing, field=".".join(path))
+
+    def stated(self, sheet: type[Sheet], path: YamlPath, value: Any) -> str:
+        """`compliance.linear.stiffness -3.0 N m/rad`."""
+        unit = self.unit(field_of(sheet, path))
+        shown = repr(value) if isinstance(value, float) else reprlib.repr(value)
+        return " ".join(filter(None, (".".join(path), shown, unit if isinstance(value, float) else "")))
+
+    def unit(self, field: FieldInfo | None) -> str:
+        """Unit of a field on this joint; empty for what has none."""
+        extra = field.json_schema_extra if field else None
+        unit = str(extra["linear_unit" if self.slides else "unit"]) if isinstance(extra, dict) else "1"
+        return "" if unit == "1" else unit
+
+    def _translated(self, sheet: type[Sheet], detail: Any) -> ModelError:
+        path: YamlPath = tuple(str(part) for part in detail["loc"])
+        kind = detail["type"]
+        owner = sheet_at(sheet, path[:-1])
+        key, within = "".join(path[-1:]), f" in {'.'.join(path[:-1])}" if len(path) > 1 else ""
+        if kind == "extra_forbidden" and owner:
+            known = listed(list(owner.model_fields))
+            return self.error(path, f"unknown key {key!r}{within}; those that exist are {known}")
+        if kind == "missing":
+            unit = self.unit(field_of(sheet, path))
+            return self.error(path, f"{key!r}{f' ({unit})' if unit else ''} is missing{within}")
+        return self.error(path, f"{self.stated(sheet, path, detail['input'])} {self._rule(sheet, path, detail)}")
+
+    def _rule(self, sheet: type[Sheet], path: YamlPath, detail: Any) -> str:
+        nested = sheet_at(sheet, path)
+        if detail["type"] == "model_type" and nested:
+            rigid = "'rigid' or " if path[-1:] == ("compliance",) else ""
+            return f"must be {rigid}a mapping with keys out of {listed(list(nested.model_fields))}"
+        if detail["type"] == "literal_error":
+            return f"must be {detail['ctx']['expected']}"
+        return _RULES[detail["type"]]
+
+
+def sheet_at(sheet: type[Sheet], path: YamlPath) -> type[Sheet] | None:
+    """The sheet that a path of keys leads to."""
+    for key in path:
+        field = sheet.model_fields.get(key)
+        choices = (field.annotation, *get_args(field.annotation)) if field else ()
+        nested = [choice for choice in choices if isinstance(choice, type) and issubclass(choice, Sheet)]
+        if not nested:
+            return None
+        sheet = nested[0]
+    return sheet
+
+
+def field_of(sheet: type[Sheet], path: YamlPath) -> FieldInfo | None:
+    """The field that a path of keys names; for an entry of a list, the list."""
+    path = path[:-1] if path and path[-1].isdigit() else path
+    owner = sheet_at(sheet, path[:-1])
+    return owner.model_fields.get(path[-1]) if owner and path else None

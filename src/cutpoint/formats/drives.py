@@ -1,0 +1,99 @@
+"""Drive files (YAML, version 1): what drives each joint of a robot.  `docs/drive-file.md` describes every field."""
+
+import os
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+import yaml
+
+from cutpoint.formats.drive_entry import to_drive, to_entry
+from cutpoint.formats.drive_section import Section
+from cutpoint.formats.drive_sheet import DEFAULT_SMOOTHING, DriveSheet, FileSheet
+from cutpoint.formats.reading import read_bytes
+from cutpoint.formats.safe_yaml import MAXIMUM_BYTES, parse_yaml
+from cutpoint.mechanics.friction import Coulomb
+from cutpoint.model.drive import Drive
+from cutpoint.model.mechanism import Joint, Mechanism
+from cutpoint.model.places import those_that_exist
+from cutpoint.model.validation import MOVING
+
+VERSION = 1
+
+ALTERNATIVES = (frozenset({"ratio", "gear"}), frozenset({"linear", "flexspline"}))
+"""Fields of which a drive has one: stating it drops the other from the defaults."""
+
+
+def load_drives(path: str | Path, mechanism: Mechanism) -> dict[str, Drive]:
+    """The drives that a file gives to joints of a robot, by joint.
+
+    Raises ModelError, with file and line, for whatever is wrong in the file or does not fit the robot.
+    """
+    path = Path(path)
+    return parse_drives(read_bytes(path, MAXIMUM_BYTES), mechanism, str(path))
+
+
+def parse_drives(content: str | bytes, mechanism: Mechanism, place: str = "<string>") -> dict[str, Drive]:
+    """The drives of a drive file in memory; `place` names it in messages.  Errors as in `load_drives`."""
+    document = parse_yaml(content.encode() if isinstance(content, str) else content, place)
+    whole = Section("drive file", document, ((),))
+    sheet = whole.read(FileSheet, document.value)
+    if sheet.version != VERSION:
+        raise whole.error(("version",), f"version {sheet.version:g} is not known; this cutpoint reads {VERSION}")
+    joints = {body.joint.name: body.joint for body in mechanism.bodies}
+    drives = {}
+    for name, entry in sheet.drives.items():
+        section = Section(f"joint {name!r}", document, (("drives", name), ("defaults",)))
+        joint = _driven(name, joints, mechanism, section)
+        section = Section(section.thing, document, section.roots, slides=joint.kind == "prismatic")
+        drives[name] = to_drive(section.read(DriveSheet, merged(sheet.defaults, entry)), section)
+    return drives
+
+
+def drive_of(joint: Joint) -> Drive:
+    """The drive of a joint that no drive file mentions: rigid, no gear, and the friction that its robot file states."""
+    if joint.damping == 0.0 and joint.friction == 0.0:
+        return Drive()
+    return Drive(link_friction=Coulomb(joint.friction, joint.damping, DEFAULT_SMOOTHING))
+
+
+def dump_drives(drives: Mapping[str, Drive]) -> str:
+    """The text of a drive file that loads back to the same drives."""
+    entries = {name: to_entry(drive) for name, drive in drives.items()}
+    return yaml.safe_dump({"version": VERSION, "drives": entries}, sort_keys=False, allow_unicode=True)
+
+
+def save_drives(path: str | Path, drives: Mapping[str, Drive]) -> None:
+    """Write a drive file, whole or not at all."""
+    path = Path(path)
+    text = dump_drives(drives)
+    draft = path.with_name(f".{path.name}.{os.getpid()}.draft")
+    try:
+        draft.write_text(text, encoding="utf-8")
+        os.replace(draft, path)
+    finally:
+        draft.unlink(missing_ok=True)
+
+
+def merged(base: Mapping[str, Any], over: Mapping[str, Any]) -> dict[str, Any]:
+    """`over` laid on `base`, mapping by mapping; of alternatives, those that `over` does not state are dropped."""
+    replaced = {key for group in ALTERNATIVES if group & over.keys() for key in group - over.keys()}
+    result = {key: value for key, value in base.items() if key not in replaced}
+    for key, value in over.items():
+        both = isinstance(value, dict) and isinstance(result.get(key), dict)
+        result[key] = merged(result[key], value) if both else value
+    return result
+
+
+def _driven(name: str, joints: Mapping[str, Joint], mechanism: Mechanism, section: Section) -> Joint:
+    """The joint of an entry, if a drive can move it."""
+    joint = joints.get(name)
+    if joint is None and name in mechanism.frames:
+        raise section.error((), "it is fixed (or a link), and a drive needs a joint that moves")
+    if joint is None:
+        raise section.error((), f"the robot has no such joint; {those_that_exist(name, joints)}")
+    if joint.kind not in MOVING:
+        raise section.error((), f"it is {joint.kind}; a drive needs one of {', '.join(MOVING)}")
+    if joint.mimic and mechanism.coupled:
+        raise section.error((), f"it follows joint {joint.mimic.joint!r}; give the drive to that one")
+    return joint

@@ -1,0 +1,50 @@
+"""What can run a graph on arrays: LLVM where it is installed, NumPy everywhere."""
+
+from collections.abc import Callable
+from functools import cache
+from typing import Any, Protocol
+
+from cutpoint.errors import InputError, unknown_name
+from cutpoint.kernels.graph import Graph
+from cutpoint.kernels.numpy_backend import NumpyFunction
+
+
+class Function(Protocol):
+    """A graph ready to run."""
+
+    call: Callable[..., Any]
+    """call(*arrays, out=None) with the semantics of a NumPy generalised ufunc."""
+
+
+def chosen(backend: str) -> str:
+    """The backend that a name stands for: "llvm" or "numpy".
+
+    Raises:
+        InputError: there is no such backend, or it is not installed.
+    """
+    if backend not in ("auto", "llvm", "numpy"):
+        raise unknown_name("backend", backend, ("auto", "llvm", "numpy"))
+    if backend == "llvm" and not llvm_is_installed():
+        raise InputError("backend 'llvm' needs llvmlite, which cannot be imported: pip install llvmlite")
+    return "numpy" if backend == "numpy" or not llvm_is_installed() else "llvm"
+
+
+def array_function(graph: Graph, name: str, backend: str) -> Function:
+    """The graph as a function of arrays."""
+    if backend == "numpy":
+        return NumpyFunction(graph)
+    from cutpoint.kernels.empty_ports import AroundEmptyPorts
+    from cutpoint.kernels.gufunc import Gufunc
+
+    if graph.inputs and all(p.size for p in (*graph.inputs, *graph.outputs)):
+        return Gufunc(graph, graph.inputs, graph.outputs, name)
+    return AroundEmptyPorts(graph, name)
+
+
+@cache
+def llvm_is_installed() -> bool:
+    try:
+        from cutpoint.kernels import jit  # noqa: F401
+    except (ImportError, OSError):
+        return False
+    return True

@@ -1,0 +1,57 @@
+"""A NumPy generalised ufunc over a loop in machine code.  All contact with NumPy's C API is here.
+
+NumPy's own machinery then broadcasts, casts, walks strides, releases the GIL and writes to `out`.
+"""
+
+import ctypes
+from collections.abc import Callable, Sequence
+from typing import Any
+
+import numpy as np
+
+from cutpoint.kernels.batch_loop import FUNCTION, batch_loop
+from cutpoint.kernels.graph import Graph
+from cutpoint.kernels.jit import Compiled
+from cutpoint.kernels.lowering import lower
+from cutpoint.kernels.ports import Port
+
+_FROM_FUNC_AND_DATA_AND_SIGNATURE = 31  # its place in NumPy's table of ufunc functions, fixed by the ABI
+_NPY_DOUBLE = 12
+_NO_IDENTITY = -1
+
+
+class Gufunc:
+    """A compiled graph as a NumPy generalised ufunc; owns the code and tables that NumPy only points to."""
+
+    def __init__(self, graph: Graph, inputs: Sequence[Port], outputs: Sequence[Port], name: str) -> None:
+        self._code = Compiled(batch_loop(lower(graph), inputs, outputs), FUNCTION)
+        self._loops = (ctypes.c_void_p * 1)(self._code.address)
+        self._data = (ctypes.c_void_p * 1)(None)
+        self._types = bytes([_NPY_DOUBLE] * (len(inputs) + len(outputs)))
+        self._name = name.encode()
+        self._signature = signature(inputs, outputs).encode()
+        self.call: Callable[..., Any] = _from_func_and_data_and_signature()(
+            self._loops, self._data, self._types, 1, len(inputs), len(outputs), _NO_IDENTITY, self._name, b"", 0,
+            self._signature,
+        )  # fmt: skip
+
+
+def signature(inputs: Sequence[Port], outputs: Sequence[Port]) -> str:
+    """NumPy's text of core dimensions, all of them frozen: (6),(3,4)->()."""
+    left, right = (",".join(f"({','.join(map(str, p.shape))})" for p in ports) for ports in (inputs, outputs))
+    return f"{left}->{right}"
+
+
+def _from_func_and_data_and_signature() -> Callable[..., Any]:
+    pointer, text, number = ctypes.c_void_p, ctypes.c_char_p, ctypes.c_int
+    prototype = ctypes.PYFUNCTYPE(
+        ctypes.py_object, pointer, pointer, text, number, number, number, number, text, text, number, text
+    )
+    return prototype(_ufunc_api()[_FROM_FUNC_AND_DATA_AND_SIGNATURE])
+
+
+def _ufunc_api() -> Any:
+    core = np._core if hasattr(np, "_core") else np.core  # type: ignore[attr-defined]  # NumPy 2, NumPy 1.26
+    get = ctypes.pythonapi.PyCapsule_GetPointer
+    get.restype, get.argtypes = ctypes.c_void_p, [ctypes.py_object, ctypes.c_char_p]
+    return ctypes.cast(get(core.umath._UFUNC_API, None), ctypes.POINTER(ctypes.c_void_p))

@@ -1,0 +1,79 @@
+"""Kernel: a function compiled for arrays, and `compile`, which makes one."""
+
+import time
+from collections import namedtuple
+from collections.abc import Callable
+from typing import Any
+
+from cutpoint.kernels.arguments import explained, in_order
+from cutpoint.kernels.backends import array_function, chosen
+from cutpoint.kernels.graph import Graph
+from cutpoint.kernels.ports import port
+from cutpoint.kernels.specialise import name_of, traced
+
+
+def compile(
+    function: Callable[..., Any], /, *, name: str | None = None, backend: str = "auto", **inputs: int | tuple[int, ...]
+) -> "Kernel":
+    """Compiles a function of scalars into a kernel of arrays.
+
+    The function is called once, by keyword, with traced scalars: a scalar for an input of shape (), a list for an int n,
+    nested lists for a tuple of lengths.  It returns a scalar, a (nested) list of scalars, or a dataclass or NamedTuple
+    of them, whose fields become the kernel's outputs; ints and floats may stand anywhere.
+
+    Args:
+        name: what errors call the kernel; the function's own name if not given.
+        backend: "llvm" for machine code, "numpy", or "auto": LLVM where llvmlite is installed.
+        inputs: name=shape of each input, in the order of the kernel's arguments.
+
+    Raises:
+        TraceError: the function needs a value where there is none yet, as in `if x > 0`.
+        InputError: a shape, the backend, or the function's parameters do not fit.
+    """
+    start = time.perf_counter()
+    graph, record = traced(function, [port(key, shape) for key, shape in inputs.items()])
+    return Kernel(graph, name or name_of(function), backend, record, start)
+
+
+class Kernel:
+    """A function on arrays with NumPy's gufunc semantics: leading axes are a batch and broadcast; `out=` is filled.
+
+    It never warns: overflow, and what comes of numbers that are not finite, show in the results.
+
+    Attributes:
+        name: what errors call it.
+        graph: what it computes.
+        backend: "llvm" or "numpy".
+        compile_seconds: what tracing and compilation took, s.
+    """
+
+    def __init__(self, graph: Graph, name: str, backend: str, record: str | None, start: float) -> None:
+        self.graph, self.name, self.backend = graph, name, chosen(backend)
+        self._function = array_function(graph, name, self.backend)
+        self._record = namedtuple(record, [p.name for p in graph.outputs]) if record else None
+        self.compile_seconds = time.perf_counter() - start
+
+    @property
+    def operations(self) -> dict[str, int]:
+        """How many operations of each kind one call takes, elementary functions counted as one."""
+        return self.graph.operations
+
+    def __call__(self, *arguments: Any, out: Any = None, **named: Any) -> Any:
+        """The outputs for arrays in the order of the inputs, or by name: an array, or a NamedTuple of them.
+
+        Raises:
+            InputError: an argument is missing, unknown, or of a shape or kind that does not fit.
+        """
+        if named or len(arguments) != len(self.graph.inputs):
+            arguments = in_order(self.name, self.graph.inputs, arguments, named)
+        try:
+            result = self._function.call(*arguments, out=out)
+        except (TypeError, ValueError) as error:
+            raise explained(self.name, self.graph, arguments, out, error) from None
+        if self._record is None:
+            return result
+        return self._record(*result) if isinstance(result, tuple) else self._record(result)
+
+    def __repr__(self) -> str:
+        ports = (", ".join(f"{p.name}{list(p.shape)}" for p in side) for side in (self.graph.inputs, self.graph.outputs))
+        return f"<Kernel {self.name}: {' -> '.join(ports)}, {sum(self.operations.values())} operations, {self.backend}>"

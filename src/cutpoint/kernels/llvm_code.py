@@ -1,0 +1,70 @@
+"""Lines of an LLVM function under way: names, memory, counted loops."""
+
+from collections.abc import Iterator
+from contextlib import contextmanager
+from typing import NamedTuple
+
+
+class Loop(NamedTuple):
+    """A counted loop: its index inside, and how often it ran once it is over."""
+
+    index: str
+    done: str
+
+
+class Code:
+    """Lines so far.  Every name is new, so pieces of code may be written one after another without care."""
+
+    def __init__(self) -> None:
+        self.lines: list[str] = []
+        self._count = 0
+
+    def name(self, stem: str = "v") -> str:
+        """A name not used before."""
+        self._count += 1
+        return f"%{stem}{self._count}"
+
+    def let(self, expression: str) -> str:
+        """A new name for the value of an expression."""
+        name = self.name()
+        self.lines.append(f"{name} = {expression}")
+        return name
+
+    def label(self, label: str) -> None:
+        """Control falls into a new block."""
+        self.lines += [f"br label {label}", f"{label[1:]}:"]
+
+    def branch(self, condition: str, yes: str, no: str) -> None:
+        self.lines.append(f"br i1 {condition}, label {yes}, label {no}")
+
+    def open(self, label: str) -> None:
+        """A block that control reaches by a branch elsewhere."""
+        self.lines.append(f"{label[1:]}:")
+
+    def at(self, pointer: str, index: str | int, kind: str = "double") -> str:
+        """The address of an element."""
+        return self.let(f"getelementptr {kind}, ptr {pointer}, i64 {index}")
+
+    def load(self, pointer: str, index: str | int, kind: str = "double") -> str:
+        return self.let(f"load {kind}, ptr {self.at(pointer, index, kind)}")
+
+    def store(self, value: str, pointer: str, index: str | int) -> None:
+        self.lines.append(f"store double {value}, ptr {self.at(pointer, index)}")
+
+    @contextmanager
+    def loop(self, count: str | int, until: str | None = None) -> Iterator[Loop]:
+        """The block, count times; after an iteration that leaves a number other than 0 at `until`, no more."""
+        before, head, body, latch, after = (self.name(x) for x in ("before", "head", "body", "latch", "after"))
+        index, following, done = self.name("i"), self.name("next"), self.name("done")
+        self.label(before)
+        self.label(head)
+        self.lines.append(f"{index} = phi i64 [ 0, {before} ], [ {following}, {latch} ]")
+        self.branch(self.let(f"icmp slt i64 {index}, {count}"), body, after)
+        self.open(body)
+        yield Loop(index, done)
+        self.label(latch)
+        self.lines.append(f"{following} = add i64 {index}, 1")
+        stop = "false" if until is None else self.let(f"fcmp une double {self.load(until, 0)}, 0.0")
+        self.branch(stop, after, head)
+        self.open(after)
+        self.lines.append(f"{done} = phi i64 [ {index}, {head} ], [ {following}, {latch} ]")

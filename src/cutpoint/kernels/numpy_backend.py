@@ -1,0 +1,62 @@
+"""A graph evaluated by NumPy, node by node: where LLVM is missing, and as a second opinion on it."""
+
+import operator
+from collections.abc import Callable, Sequence
+from typing import Any
+
+import numpy as np
+
+from cutpoint.kernels.arguments import as_float64, batch_shape
+from cutpoint.kernels.graph import Graph
+from cutpoint.kernels.nodes import Node
+from cutpoint.kernels.ports import Port
+
+_FUNCTIONS: dict[str, Callable[..., Any]] = {
+    "add": operator.add, "sub": operator.sub, "mul": operator.mul, "div": np.divide, "neg": operator.neg,
+    "sqrt": np.sqrt, "lt": np.less, "le": np.less_equal, "and": np.logical_and, "or": np.logical_or,
+    "not": np.logical_not, "select": np.where, "sin": np.sin, "cos": np.cos, "tan": np.tan, "exp": np.exp,
+    "log": np.log, "tanh": np.tanh, "atan": np.arctan,
+}  # fmt: skip
+"""What a graph holds before it is lowered."""
+
+
+def evaluate(graph: Graph, inputs: Sequence[Any]) -> list[Any]:
+    """The graph's results for a number or an array in each input slot."""
+    values: dict[int, Any] = {}
+
+    def value(x: Any) -> Any:
+        return values[x.serial] if isinstance(x, Node) else x
+
+    with np.errstate(all="ignore"):
+        for x in graph.nodes:
+            values[x.serial] = inputs[x.args[0]] if x.op == "input" else _FUNCTIONS[x.op](*map(value, x.args))
+    return [value(x) for x in graph.results]
+
+
+class NumpyFunction:
+    """A graph as a callable with the semantics of a generalised ufunc."""
+
+    def __init__(self, graph: Graph) -> None:
+        self._graph = graph
+
+    def call(self, *arguments: Any, out: Any = None) -> Any:
+        ports = self._graph.inputs
+        arrays = [as_float64(a) for a in arguments]
+        batch = np.broadcast_shapes(*(batch_shape(p, a) for p, a in zip(ports, arrays, strict=True)))
+        slots = [a[..., *index] for p, a in zip(ports, arrays, strict=True) for index in np.ndindex(p.shape)]
+        results = iter(evaluate(self._graph, slots))
+        values = [_gathered(port, results, batch) for port in self._graph.outputs]
+        if out is not None:
+            targets = out if isinstance(out, tuple) else (out,)
+            for target, value in zip(targets, values, strict=True):
+                np.copyto(target, value, casting="same_kind")
+            values = targets
+        return values[0] if len(values) == 1 else tuple(values)
+
+
+def _gathered(port: Port, results: Any, batch: tuple[int, ...]) -> Any:
+    """The next results as one array, or one float."""
+    array = np.empty((*batch, *port.shape))
+    for index in np.ndindex(port.shape):
+        array[..., *index] = next(results)
+    return array if array.ndim else array[()]

@@ -1,0 +1,63 @@
+"""Program: a nest of loops around traced stages, compiled into one function that steps through memory."""
+
+import time
+from collections.abc import Mapping, Sequence
+
+import numpy as np
+
+from cutpoint.kernels.backends import chosen
+from cutpoint.kernels.program_arrays import check_run
+from cutpoint.kernels.program_numpy import NumpyProgram
+from cutpoint.kernels.program_plan import Plan, plan
+from cutpoint.kernels.stepping import Loop, Region
+
+
+def compile_program(body: Loop, regions: Sequence[Region], backend: str = "auto") -> "Program":
+    """Compiles a nest of loops around stages.
+
+    Args:
+        body: the outermost loop.
+        regions: all memory that stages read and write.
+        backend: "llvm" for machine code, "numpy", or "auto": LLVM where llvmlite is installed.
+
+    Raises:
+        InputError: regions, stages and loops do not fit together.
+        TraceError: a stage needs a value where there is none yet, or returns something else than its regions.
+    """
+    start = time.perf_counter()
+    return Program(plan(body, regions), chosen(backend), start)
+
+
+class Program:
+    """A compiled program; its memory is the caller's.
+
+    Attributes:
+        backend: "llvm" or "numpy".
+        compile_seconds: what tracing and compilation took, s.
+    """
+
+    def __init__(self, plan: Plan, backend: str, start: float) -> None:
+        self._plan, self.backend = plan, backend
+        if backend == "llvm":
+            from cutpoint.kernels.program_llvm import LlvmProgram
+
+            self._runner = LlvmProgram(plan)
+        else:
+            self._runner = NumpyProgram(plan)
+        self.compile_seconds = time.perf_counter() - start
+
+    def run(self, counts: Mapping[str, int], /, **arrays: np.ndarray) -> int:
+        """Runs the program on these arrays, in place, without the GIL.
+
+        Args:
+            counts: the numbers that loops name.
+            arrays: for each region a C-contiguous float64 array: (size,), or (rows, size) where it streams.
+
+        Returns:
+            How many iterations of the outermost loop were done, the one that ended it included.
+
+        Raises:
+            InputError: a count or an array is missing, unknown or does not fit.
+        """
+        check_run(self._plan, counts, arrays)
+        return self._runner.run(counts, arrays)

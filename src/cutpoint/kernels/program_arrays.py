@@ -1,0 +1,70 @@
+"""What a run of a program is given, checked before machine code sees a pointer."""
+
+from collections.abc import Mapping
+from itertools import pairwise
+from typing import Any
+
+import numpy as np
+
+from cutpoint.errors import InputError, unknown_name
+from cutpoint.kernels.program_plan import Plan
+
+
+def check_run(plan: Plan, counts: Mapping[str, int], arrays: Mapping[str, np.ndarray]) -> None:
+    """Counts and arrays are all there and nothing else; arrays fit their regions and share no memory.
+
+    Raises:
+        InputError: naming the count or array, what was found and what it must be.
+    """
+    _check_names("count", counts, plan.counts)
+    for name, count in counts.items():
+        if not isinstance(count, (int, np.integer)) or not 0 <= count < 2**63:
+            raise InputError(f"count {name!r} is {count!r}, it must be a whole number of 0 or more", name=name)
+    _check_names("region", arrays, plan.sizes)
+    for name, array in arrays.items():
+        _check_kind(name, array, written=name in plan.written)
+        _check_size(name, array, plan, counts)
+    _check_apart(plan, arrays)
+
+
+def _check_names(kind: str, given: Mapping[str, Any], expected: Any) -> None:
+    for name in given:
+        if name not in expected:
+            raise unknown_name(kind, name, expected)
+    for name in expected:
+        if name not in given:
+            raise InputError(f"{kind} {name!r} is missing", name=name)
+
+
+def _check_kind(name: str, array: Any, *, written: bool) -> None:
+    if not isinstance(array, np.ndarray) or array.dtype != np.float64 or not array.dtype.isnative:
+        found = array.dtype if isinstance(array, np.ndarray) else type(array).__name__
+        raise InputError(f"region {name!r} must be an array of float64, not {found}", name=name)
+    if not (array.flags.c_contiguous and array.flags.aligned):
+        raise InputError(f"region {name!r} must be C-contiguous and aligned; np.ascontiguousarray makes it so", name=name)
+    if written and not array.flags.writeable:
+        raise InputError(f"region {name!r} is written, but its array is read-only", name=name)
+
+
+def _check_size(name: str, array: np.ndarray, plan: Plan, counts: Mapping[str, int]) -> None:
+    size = plan.sizes[name]
+    if name not in plan.streamed:
+        if array.size != size:
+            raise InputError(f"region {name!r} has {size} slots, its array holds {array.size} numbers", name=name)
+        return
+    rows = max(counts[c] if isinstance(c, str) else c for c in plan.streamed[name])
+    if array.ndim != 2 or array.shape[1] != size or len(array) < rows:
+        raise InputError(
+            f"region {name!r} streams: its array has shape {array.shape}, it must have at least {rows} rows of {size}",
+            name=name,
+        )
+
+
+def _check_apart(plan: Plan, arrays: Mapping[str, np.ndarray]) -> None:
+    """No array overlaps another, unless both are only read."""
+    spans = sorted((a.ctypes.data, a.ctypes.data + a.nbytes, name) for name, a in arrays.items() if a.nbytes)
+    reach, owner = 0, ""
+    for start, end, name in spans:
+        if start < reach and (name in plan.written or owner in plan.written):
+            raise InputError(f"regions {owner!r} and {name!r} share memory", names=(owner, name))
+        reach, owner = max((reach, owner), (end, name))

@@ -1,0 +1,127 @@
+"""A program checked and traced: what its backends run."""
+
+from collections import defaultdict
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any
+
+from cutpoint.errors import InputError, TraceError, unknown_name
+from cutpoint.kernels.graph import Graph
+from cutpoint.kernels.ports import Port
+from cutpoint.kernels.specialise import checked, name_of
+from cutpoint.kernels.stepping import Loop, Region, Stage
+from cutpoint.kernels.tracing import tracing
+
+
+@dataclass(frozen=True, eq=False)
+class Plan:
+    """A program that is known to be sound.
+
+    sizes: of the regions, by name.  graphs: of the stages.  written: regions that some stage writes.
+    streamed: for each region that streams, the counts of the loops it advances with.
+    counts: the names of numbers that a run must state.
+    """
+
+    body: Loop
+    sizes: dict[str, int]
+    graphs: dict[Stage, Graph]
+    written: frozenset[str]
+    streamed: dict[str, list[int | str]]
+    counts: tuple[str, ...]
+
+
+def plan(body: Loop, regions: Sequence[Region]) -> Plan:
+    """Checks and traces a program.
+
+    Raises:
+        InputError: a region is unknown, given twice or of the wrong size, or the nest of loops makes no sense.
+        TraceError: a stage cannot be traced or returns something else than its regions.
+    """
+    sizes = {region.name: region.size for region in regions}
+    if len(sizes) < len(regions) or any(size < 0 for size in sizes.values()):
+        raise InputError(f"regions must have different names and sizes of 0 or more: {[*regions]}")
+    walk = _Walk(sizes)
+    walk.loop(body, frozenset())
+    walk.check_streams()
+    return Plan(body, sizes, walk.graphs, frozenset(walk.written), dict(walk.streamed), tuple(walk.counts))
+
+
+class _Walk:
+    """Collects what is in a nest of loops."""
+
+    def __init__(self, sizes: dict[str, int]) -> None:
+        self.sizes = sizes
+        self.graphs: dict[Stage, Graph] = {}
+        self.written: set[str] = set()
+        self.streamed: dict[str, list[int | str]] = defaultdict(list)
+        self.counts: dict[str, None] = {}
+        self.uses: list[tuple[str, frozenset[str]]] = []
+
+    def loop(self, loop: Loop, advancing: frozenset[str]) -> None:
+        self._check_loop(loop, advancing)
+        if isinstance(loop.count, str):
+            self.counts[loop.count] = None
+        for name in loop.streams:
+            self.streamed[name].append(loop.count)
+        inside = advancing.union(loop.streams)
+        for item in loop.body:
+            if isinstance(item, Loop):
+                self.loop(item, inside)
+            elif isinstance(item, Stage):
+                self._stage(item, inside)
+            else:
+                raise InputError(f"a loop's body holds stages and loops, not a {type(item).__name__}")
+
+    def _check_loop(self, loop: Loop, advancing: frozenset[str]) -> None:
+        if not isinstance(loop, Loop) or not isinstance(loop.count, (int, str)):
+            raise InputError(f"a program is a Loop with a count that is a number or a name, not {loop!r}")
+        if not isinstance(loop.count, str) and loop.count < 0:
+            raise InputError(f"a loop's count {loop.count} must not be negative")
+        until = [] if loop.until is None else [loop.until]
+        self._check_names((*loop.streams, *until), advancing.union(loop.streams))
+        for name in advancing.intersection(loop.streams):
+            raise InputError(f"region {name!r} streams in two loops, one inside the other; it can advance with one")
+        if loop.until is not None and (self.sizes[loop.until] != 1 or loop.until in loop.streams):
+            raise InputError(f"region {loop.until!r} ends a loop, so it must have one slot and not stream in that loop")
+
+    def check_streams(self) -> None:
+        """A region that streams has rows only inside its loop."""
+        for name, advancing in self.uses:
+            if name in self.streamed and name not in advancing:
+                raise InputError(f"region {name!r} streams, so it can only be used inside the loop that it streams in")
+
+    def _stage(self, stage: Stage, advancing: frozenset[str]) -> None:
+        self._check_names((*stage.reads, *stage.writes), advancing)
+        if len(set(stage.writes)) != max(1, len(stage.writes)):
+            raise InputError(f"stage {name_of(stage.function)} must write at least one region, and each but once")
+        self.written.update(stage.writes)
+        if stage not in self.graphs:
+            self.graphs[stage] = stage_graph(stage, self.sizes)
+
+    def _check_names(self, names: Sequence[str], advancing: frozenset[str]) -> None:
+        for name in names:
+            if name not in self.sizes:
+                raise unknown_name("region", name, self.sizes)
+            self.uses.append((name, advancing))
+
+
+def stage_graph(stage: Stage, sizes: dict[str, int]) -> Graph:
+    """The graph of a stage: a vector in for each region read, a vector out for each region written."""
+    inputs, outputs = ([Port(name, (sizes[name],)) for name in names] for names in (stage.reads, stage.writes))
+    with tracing() as trace:
+        slots = iter([trace.node("input", k) for k in range(sum(p.size for p in inputs))])
+        result = stage.function(*[[next(slots) for _ in range(p.size)] for p in inputs])
+        lists = [result] if len(outputs) == 1 else result
+        _check_lists(stage, outputs, lists)
+        numbers = [checked(stage.function, p.name, x, trace) for p, one in zip(outputs, lists, strict=True) for x in one]
+    return Graph(tuple(inputs), tuple(outputs), tuple(numbers))
+
+
+def _check_lists(stage: Stage, outputs: Sequence[Port], lists: Any) -> None:
+    stage_name = name_of(stage.function)
+    if not isinstance(lists, (list, tuple)) or len(lists) != len(outputs):
+        raise TraceError(f"stage {stage_name} must return {len(outputs)} lists, for {', '.join(stage.writes)}")
+    for port, one in zip(outputs, lists, strict=True):
+        found = len(one) if isinstance(one, (list, tuple)) else f"a {type(one).__name__}"
+        if found != port.size:
+            raise TraceError(f"stage {stage_name} returns {found} for region {port.name!r}, which has {port.size} slots")

@@ -1,0 +1,42 @@
+"""What a stepping program is made of: regions of memory, stages that map regions to regions, loops around them."""
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+
+@dataclass(frozen=True)
+class Region:
+    """A named stretch of `size` numbers that the caller provides and that stages read and write."""
+
+    name: str
+    size: int
+
+
+@dataclass(frozen=True, eq=False)
+class Stage:
+    """A pure function from regions to regions.
+
+    function: receives a flat list of scalars for each region in `reads` and returns one for each in `writes` (the list
+    itself if there is but one).  All is read before anything is written.
+    """
+
+    function: Callable[..., Any]
+    reads: Sequence[str]
+    writes: Sequence[str]
+
+
+@dataclass(frozen=True, eq=False)
+class Loop:
+    """Runs its body again and again.
+
+    count: how often; a text names a number that each run states.
+    streams: regions that advance with the loop: their arrays have a row for each iteration, and inside the loop the
+        region is the row of the iteration.  Entered again, the loop begins with the first row.  Outside there is none.
+    until: a region of one slot; after an iteration that leaves it other than 0, the loop is left.
+    """
+
+    count: int | str
+    body: "Sequence[Stage | Loop]"
+    streams: Sequence[str] = ()
+    until: str | None = None

@@ -1,0 +1,161 @@
+"""What a run recorded: named channels with units over time."""
+
+import json
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from cutpoint.errors import InputError, unknown_name
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+Array = NDArray[np.float64]
+Unit = str | tuple[str, ...]
+
+RESERVED = ("time", "header")
+"""Names that a file of ours gives to other things."""
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class Log:
+    """Channels over the same times.
+
+    time: (N,), s, increasing.
+    channels: by name, each (N, n) with a column per joint, or (N,); they may hold NaN, as a run that failed does.
+    units: of every channel, or one unit per joint where they differ (`("rad", "m")`); "" where there is none.
+    joints: their n names, in the order of the columns.
+    meta: anything JSON can say about the run.
+
+    Raises:
+        InputError: times that do not increase, shapes that do not match, a missing unit, or a meta JSON cannot say.
+    """
+
+    time: Array
+    channels: Mapping[str, Array]
+    units: Mapping[str, Unit]
+    joints: tuple[str, ...]
+    meta: Mapping[str, Any] = field(default_factory=dict[str, Any])
+
+    def __post_init__(self) -> None:
+        time = _frozen(self.time)
+        if time.ndim != 1 or not time.size or not np.isfinite(time).all() or (np.diff(time) <= 0.0).any():
+            raise InputError(f"time of shape {time.shape} must be (N,), at least one, finite and increasing")
+        joints = tuple(self.joints)
+        if len(set(joints)) < len(joints) or not all(isinstance(joint, str) for joint in joints):
+            raise InputError(f"joints {joints} must be names, each its own", joints=joints)
+        channels = {name: _frozen(values) for name, values in self.channels.items()}
+        for name, values in channels.items():
+            _check_channel(name, values, time.size, len(joints))
+        object.__setattr__(self, "time", time)
+        object.__setattr__(self, "joints", joints)
+        object.__setattr__(self, "channels", channels)
+        object.__setattr__(self, "units", {name: _unit(name, self.units, len(joints)) for name in channels})
+        object.__setattr__(self, "meta", _as_json(self.meta))
+
+    def __getitem__(self, name: str) -> Array:
+        """A channel, (N, n) or (N,).  An unknown name is an InputError that lists those there are."""
+        if name not in self.channels:
+            raise unknown_name("channel", name, self.channels)
+        return self.channels[name]
+
+    def __contains__(self, name: str) -> bool:
+        return name in self.channels
+
+    def __repr__(self) -> str:
+        shown = ", ".join(f"{name} [{self.units[name]}]" for name in self.channels)
+        return f"Log({self.time.size} samples from {self.time[0]:g} s to {self.time[-1]:g} s: {shown})"
+
+    def columns(self, name: str) -> tuple[tuple[str, str], ...]:
+        """The joint and the unit of each column of a channel; the joint is "" in a channel that has no joints."""
+        unit = self.units[name] if name in self else ""
+        if self[name].ndim == 1:
+            return (("", str(unit)),)
+        units = (unit,) * len(self.joints) if isinstance(unit, str) else unit
+        return tuple(zip(self.joints, units, strict=True))
+
+    def rms(self, name: str) -> Array:
+        """Root mean square over the samples, (n,) or (), in the channel's unit."""
+        return np.sqrt(np.mean(np.square(self[name]), axis=0))
+
+    def max(self, name: str) -> Array:
+        """Largest absolute value, (n,) or (), in the channel's unit."""
+        return np.abs(self[name]).max(axis=0)
+
+    def between(self, start: float, end: float) -> "Log":
+        """The samples from `start` to `end` s, both included.  Raises InputError where there are none."""
+        kept = (self.time >= start) & (self.time <= end)
+        if not kept.any():
+            span = f"from {self.time[0]:g} s to {self.time[-1]:g} s"
+            raise InputError(f"no samples from {start} s to {end} s: the log runs {span}", start=start, end=end)
+        channels = {name: values[kept] for name, values in self.channels.items()}
+        return Log(self.time[kept], channels, self.units, self.joints, self.meta)
+
+    def plot(self, *names: str) -> "Figure":
+        """A picture, angles in degrees: `log.plot("q", "q_d").savefig("run.png")`.
+
+        With names, channels of the same unit share one small axis per joint.  Without, each channel has one axis.
+        """
+        from cutpoint.simulation.log_plot import picture
+
+        return picture(self, names)
+
+    def to_dataframe(self) -> Any:
+        """A pandas DataFrame: index `time`, columns `q.elbow` (or `power`), `attrs` with units and meta."""
+        from cutpoint.simulation.log_frame import frame
+
+        return frame(self)
+
+    def save(self, path: str | Path) -> None:
+        """Writes an .npz or a .csv, as the path's ending says; `Log.load` gives back every number exactly."""
+        from cutpoint.simulation.log_files import save
+
+        save(self, Path(path))
+
+    @classmethod
+    def load(cls, path: str | Path) -> "Log":
+        """A log that `save` wrote.  Raises InputError for a file that is none."""
+        from cutpoint.simulation.log_files import load
+
+        return load(Path(path))
+
+
+def column_name(channel: str, joint: str) -> str:
+    """How tables call a column."""
+    return f"{channel}.{joint}" if joint else channel
+
+
+def _frozen(values: Any) -> Array:
+    copy = np.array(values, dtype=np.float64)
+    copy.setflags(write=False)
+    return copy
+
+
+def _check_channel(name: str, values: Array, count: int, joints: int) -> None:
+    if not name.isidentifier() or name in RESERVED:
+        raise InputError(f"channel {name!r} must be named like a variable, and not one of {RESERVED}", channel=name)
+    if values.shape not in ((count,), (count, joints)):
+        raise InputError(f"channel {name!r} has shape {values.shape}: it must be {(count,)} or {(count, joints)}")
+
+
+def _unit(name: str, units: Mapping[str, Unit], joints: int) -> Unit:
+    if name not in units:
+        raise InputError(f"channel {name!r} has no unit: units must name every channel; '' means none", channel=name)
+    unit = units[name]
+    if isinstance(unit, str):
+        return unit
+    if len(unit) != joints or not all(isinstance(each, str) for each in unit):
+        raise InputError(f"channel {name!r} has units {unit}: it must have one, or one for each of {joints} joints")
+    return tuple(unit)
+
+
+def _as_json(meta: Mapping[str, Any]) -> dict[str, Any]:
+    """The meta as it will come back from a file: lists for tuples, strings for keys."""
+    try:
+        return json.loads(json.dumps(dict(meta)))
+    except (TypeError, ValueError) as error:
+        raise InputError(f"meta must be what JSON can say, numbers, strings, lists and dicts: {error}") from error

@@ -1,0 +1,162 @@
+"""Logs as files.  An .npz holds an array per channel, `time`, and a `header` of JSON; a .csv the same as text.
+
+The header is `{"cutpoint_log": 1, "joints": [...], "units": {...}, "meta": {...}}`.  In a .csv it is the first line,
+behind a `#`; the second names the columns as `q.elbow [rad]`.
+"""
+
+import csv
+import io
+import json
+import zipfile
+import zlib
+from collections.abc import Callable
+from pathlib import Path
+from tokenize import TokenError
+from typing import IO, Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from cutpoint.errors import InputError
+from cutpoint.files import check_readable, replacing
+from cutpoint.simulation.log import Array, Log, column_name
+
+VERSION = 1
+
+LARGEST = 1_000_000_000
+"""Bytes of a file, and of the arrays in it: half an hour of sixty columns at 1 kHz."""
+
+LONGEST_HEADER = 1_000_000
+"""Characters."""
+
+UNREADABLE = (
+    ValueError,
+    TypeError,
+    LookupError,
+    EOFError,
+    OverflowError,
+    RuntimeError,
+    SyntaxError,
+    TokenError,
+    csv.Error,
+    zipfile.BadZipFile,
+    zlib.error,
+)
+"""What the standard library and NumPy raise for a file that is not what it should be."""
+
+
+def save(log: Log, path: Path) -> None:
+    """Writes the log, or leaves what was there."""
+    write = _by_ending(path, {".npz": _write_npz, ".csv": _write_csv})
+    with replacing(path) as file:
+        write(log, file)
+        size = max(file.tell(), sum(values.nbytes for values in log.channels.values()))
+        if size > LARGEST:
+            raise InputError(
+                f"log of {size:,} bytes is more than a file may hold, {LARGEST:,}: save it in parts, between"
+            )
+
+
+def load(path: Path) -> Log:
+    """Reads what `save` wrote."""
+    read = _by_ending(path, {".npz": _read_npz, ".csv": _read_csv})
+    check_readable(path, LARGEST)
+    try:
+        return read(path)
+    except UNREADABLE as error:
+        raise InputError(f"file is not a log that Log.save wrote: {error}", place=path) from error
+
+
+def _by_ending(path: Path, choices: dict[str, Callable[..., Any]]) -> Callable[..., Any]:
+    if path.suffix not in choices:
+        raise InputError(f"ending {path.suffix!r} of {path.name!r} must be one of {', '.join(choices)}", path=path)
+    return choices[path.suffix]
+
+
+def _header(log: Log) -> str:
+    header = json.dumps({"cutpoint_log": VERSION, "joints": log.joints, "units": log.units, "meta": log.meta})
+    if len(header) >= LONGEST_HEADER:
+        raise InputError(f"meta of {len(header):,} characters is too long for a file: at most {LONGEST_HEADER:,}")
+    return header
+
+
+def _parsed(header: str) -> dict[str, Any]:
+    found = json.loads(header)
+    version = found.pop("cutpoint_log") if isinstance(found, dict) else None
+    if version != VERSION:
+        raise ValueError(f"its version is {version}, not {VERSION}")
+    return {"joints": found["joints"], "units": found["units"], "meta": found["meta"]}
+
+
+def _write_npz(log: Log, file: IO[bytes]) -> None:
+    arrays = {"header": np.array(_header(log)), "time": log.time, **log.channels}
+    with zipfile.ZipFile(file, "w") as archive:
+        for name, values in arrays.items():
+            with archive.open(f"{name}.npy", "w", force_zip64=True) as member:
+                np.lib.format.write_array(member, values, allow_pickle=False)
+
+
+def _read_npz(path: Path) -> Log:
+    with zipfile.ZipFile(path) as archive:
+        if sum(member.file_size for member in archive.infolist()) > LARGEST:
+            raise ValueError(f"its arrays are larger than {LARGEST:,} bytes")
+        header = _parsed(_member(archive, "header").item())
+        channels = {name: _member(archive, name) for name in header["units"]}
+        return Log(_member(archive, "time"), channels, **header)
+
+
+def _member(archive: zipfile.ZipFile, name: str) -> NDArray[Any]:
+    """An array of the archive, whose declared size is checked against its true one before memory is asked for."""
+    member = archive.getinfo(f"{name}.npy")
+    if member.compress_type not in (zipfile.ZIP_STORED, zipfile.ZIP_DEFLATED):
+        raise ValueError(f"{name} is compressed in another way than NumPy does")
+    with archive.open(member) as file:
+        if np.lib.format.read_magic(file) != (1, 0):
+            raise ValueError(f"{name} has another version of the format than 1.0")
+        shape, _, dtype = np.lib.format.read_array_header_1_0(file)
+    kind, most = ("U", 4 * LONGEST_HEADER) if name == "header" else ("f", LARGEST)
+    if dtype.kind != kind or not dtype.itemsize * int(np.prod(shape, dtype=object)) <= min(member.file_size, most):
+        raise ValueError(f"{name} is of type {dtype} and shape {shape}, more than its {member.file_size} bytes hold")
+    with archive.open(member) as file:
+        return np.lib.format.read_array(file, allow_pickle=False)
+
+
+def _titles(log: Log) -> list[str]:
+    columns = [(column_name(name, joint), unit) for name in log.channels for joint, unit in log.columns(name)]
+    return ["time [s]", *(f"{title} [{unit}]" for title, unit in columns)]
+
+
+def _write_csv(log: Log, file: IO[bytes]) -> None:
+    table = np.column_stack([log.time, *log.channels.values()])
+    text = io.TextIOWrapper(file, encoding="utf-8", newline="")
+    text.write(f"# {_header(log)}\n")
+    writer = csv.writer(text, lineterminator="\n")
+    writer.writerow(_titles(log))
+    writer.writerows(row.tolist() for row in table)
+    text.detach()
+
+
+def _read_csv(path: Path) -> Log:
+    with path.open(encoding="utf-8", newline="") as text:
+        header = _parsed(text.readline(LONGEST_HEADER).removeprefix("# "))
+        reader = csv.reader(text)
+        titles = next(reader, [])
+        rows = [[float(cell) for cell in row] for row in reader]
+    table = np.array(rows, dtype=np.float64).reshape(-1, len(titles))
+    log = Log(table[:, 0], _channels(titles, table, header), **header)
+    if titles != _titles(log):
+        raise ValueError("its columns are not those its first line announces")
+    return log
+
+
+def _channels(titles: list[str], table: Array, header: dict[str, Any]) -> dict[str, Array]:
+    """The channels that the titles begin with, in turn: as many columns as there are joints, or one."""
+    channels: dict[str, Array] = {}
+    next_column = 1
+    for name in header["units"]:
+        alone = titles[next_column].startswith(f"{name} [")
+        width = 1 if alone else len(header["joints"])
+        columns = table[:, next_column : next_column + width]
+        channels[name] = columns[:, 0] if alone else columns
+        next_column += width
+    return channels

@@ -1,0 +1,159 @@
+"""Running a closed loop over its samples: in compiled chunks, sample by sample around a Python callback, or adaptively."""
+
+import time
+import warnings
+from collections.abc import Callable
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+from rich.console import Console
+from rich.progress import Progress
+
+from cutpoint.control.interface import as_command
+from cutpoint.errors import TraceError
+from cutpoint.simulation.adaptive import adaptive_step
+from cutpoint.simulation.integrator import TABLEAU
+from cutpoint.simulation.loop import BEYOND, ClosedLoop
+from cutpoint.simulation.plant import State, split
+
+Array = NDArray[np.float64]
+
+CHUNK_SECONDS = 0.1
+SHOW_PROGRESS_AFTER = 1.0
+
+
+class UntracedControllerWarning(UserWarning):
+    """A controller could not be compiled into the loop and runs as a Python callback, slower but with the same result."""
+
+
+class Outcome(NamedTuple):
+    """Samples recorded, and what stopped the run early, if anything did."""
+
+    ticks: int
+    cause: str | None
+
+
+def working_memory(loop: ClosedLoop, start: State, rows: Array, limits: Array, substeps: int) -> dict[str, Array]:
+    """All regions of the loop at its start; row and record have one row a sample."""
+    driven = loop.robot.machine.drives
+    seen = [start.q[[d.q for d in driven]], start.v[[d.v for d in driven]], start.theta, start.theta_dot]
+    memory = {region.name: np.zeros(region.size) for region in loop.regions()}
+    state = np.concatenate([start.q, start.v, start.theta, start.theta_dot])
+    memory.update(state=state, origin=state.copy(), total=state.copy(), row=rows, tableau=TABLEAU.copy())
+    memory["sensing"] = np.array(loop.encoders.memory(*seen), float)
+    memory["memory"] = loop.initial_memory()
+    memory["parameters"] = loop.parameters(limits, substeps)
+    memory["record"] = np.zeros((len(rows), memory["record"].size))
+    return memory
+
+
+def run(loop: ClosedLoop, memory: dict[str, Array], substeps: int, adaptive: bool) -> Outcome:
+    """Run every sample, with a progress bar when it takes long; memory holds what was reached."""
+    advance = _advance(loop, memory, substeps, adaptive)
+    total, done, chunk = len(memory["row"]), 0, 1
+    started = time.perf_counter()
+    with _Bar(total * loop.period) as bar:
+        try:
+            while done < total:
+                before = time.perf_counter()
+                ticks = min(chunk, total - done)
+                reached = advance(done, ticks)
+                done += reached
+                if memory["fault"][0]:
+                    return Outcome(done, _diagnosis(loop, memory, done))
+                now = time.perf_counter()
+                chunk = _next_chunk(ticks, now - before)
+                if now - started > SHOW_PROGRESS_AFTER:
+                    bar.show(done * loop.period)
+        except KeyboardInterrupt:
+            return Outcome(max(done, 1), f"interrupted at t = {(done - 1) * loop.period:g} s; the log holds all until then")
+    return Outcome(done, None)
+
+
+def _next_chunk(ticks: int, seconds: float) -> int:
+    """As many samples as take about CHUNK_SECONDS, so that bars move and Ctrl-C is heard."""
+    return max(1, min(4 * ticks, int(ticks * CHUNK_SECONDS / max(seconds, 1e-6))))
+
+
+def _advance(loop: ClosedLoop, memory: dict[str, Array], substeps: int, adaptive: bool) -> Callable[[int, int], int]:
+    """A function (first sample, how many) -> how many were run."""
+    try:
+        if not adaptive:
+            whole = loop.program("whole")
+            return lambda first, ticks: _run(whole, memory, first, ticks, substeps)
+        sense, call = loop.program("command"), None
+    except TraceError as error:
+        name = type(loop.controller).__name__
+        warnings.warn(f"controller {name} runs as a Python callback: {error}", UntracedControllerWarning, stacklevel=4)
+        sense, call = loop.program("sense"), _callback(loop)
+    after = loop.program("output" if adaptive else "after")
+    integrate = adaptive_step(loop) if adaptive else None
+
+    def one(first: int, ticks: int) -> int:
+        _run(sense, memory, first, 1, substeps)
+        if call:
+            memory["command"][:] = call(memory["measured"], memory["row"][first])
+        _run(after, memory, first, 1, substeps)
+        if integrate:
+            integrate(memory, memory["row"][first])
+        return 1
+
+    return one
+
+
+def _callback(loop: ClosedLoop) -> Callable[[Array, Array], list[float]]:
+    """The controller called on plain floats; it keeps its own memory."""
+    remembered = loop.memory
+
+    def call(measured: Array, row: Array) -> list[float]:
+        nonlocal remembered
+        remembered, command = loop.controller.step(remembered, *loop.seen(measured, row, loop.period))
+        return loop.command_of(as_command(command), row)
+
+    return call
+
+
+def _run(program: Any, memory: dict[str, Array], first: int, ticks: int, substeps: int) -> int:
+    rows = {name: memory[name][first : first + ticks] for name in ("row", "record")}
+    return program.run({"ticks": ticks, "substeps": substeps}, **{**memory, **rows})
+
+
+def _diagnosis(loop: ClosedLoop, memory: dict[str, Array], done: int) -> str:
+    """Where the state left the finite world first."""
+    x = memory["state"]
+    worst = int(np.argmax(np.where(np.isfinite(x), np.abs(x), np.inf)))
+    names = {d.v: name for name, d in zip(loop.robot.drives, loop.robot.machine.drives, strict=True)}
+    indices = split(loop.robot.machine, [*range(len(x))])
+    for what, slots, unit in zip(("position", "speed", "motor position", "motor speed"), indices, ("rad", "rad/s") * 2, strict=True):
+        if worst in slots:
+            k = slots.index(worst)
+            joint = [*loop.robot.drives][k] if what.startswith("motor") else names.get(k, f"coordinate {k}")
+            return (
+                f"diverged at t = {done * loop.period:g} s: {what} of {joint!r} is {x[worst]:.3g} {unit}; "
+                "lower the gains, check the sides they act on, or take more substeps"
+            )
+    return f"diverged at t = {done * loop.period:g} s"
+
+
+class _Bar:
+    """A progress bar in simulated seconds that appears only once it is asked to show."""
+
+    def __init__(self, total: float) -> None:
+        self._total, self._progress, self._task = total, None, None
+
+    def __enter__(self) -> "_Bar":
+        return self
+
+    def show(self, done: float) -> None:
+        if self._progress is None:
+            self._progress = Progress(console=Console(stderr=True), transient=True)
+            self._progress.start()
+            self._task = self._progress.add_task("simulating", total=self._total)
+        self._progress.update(self._task, completed=done)
+
+    def __exit__(self, *_: object) -> None:
+        if self._progress is not None:
+            self._progress.stop()
+
+

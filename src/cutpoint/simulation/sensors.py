@@ -1,0 +1,102 @@
+"""What the controller gets to see of the plant: encoders on both sides, with resolution, noise and delay."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any, Literal
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from cutpoint.errors import InputError
+from cutpoint.scalars import Scalar
+
+_TO_WHOLE = 6755399441055744.0  # 1.5 * 2^52: adding it rounds a double to a whole number, to even
+
+
+@dataclass(frozen=True, eq=False)
+class Sensors:
+    """Encoders on link and motor.
+
+    link_resolution, motor_resolution: smallest step, rad at the joint's side (a motor encoder's step over ratio).
+    link_noise, motor_noise: standard deviation, rad at the joint's side, from a generator with this seed.
+    Each is one number for all drives or one for each; None is a perfect encoder.
+    delay: s, a whole number of control periods.
+    speeds: "true", or "differenced" from positions as measured, over one control period.
+    """
+
+    link_resolution: ArrayLike | None = None
+    motor_resolution: ArrayLike | None = None
+    link_noise: ArrayLike | None = None
+    motor_noise: ArrayLike | None = None
+    delay: float = 0.0
+    speeds: Literal["true", "differenced"] = "true"
+    seed: int = 0
+
+
+@dataclass(frozen=True)
+class Encoders:
+    """Sensors of n drives at one control period, checked: arrays of n, or None; the delay in periods."""
+
+    resolution: Any  # link side, then motor side: each an array (n,) or None
+    noise: Any
+    delay: int
+    differenced: bool
+    seed: int
+    size: int
+
+    @property
+    def is_noisy(self) -> bool:
+        return any(x is not None for x in self.noise)
+
+    def memory(self, q: Sequence[float], v: Sequence[float], theta: Sequence[float], theta_dot: Sequence[float]) -> list[float]:
+        """Memory at rest in a state: samples still on their way, and the positions measured last."""
+        return [*q, *theta, *v, *theta_dot] * self.delay + ([*q, *theta] if self.differenced else [])
+
+    def measure(self, sample: list[Scalar], memory: list[Scalar], noise: list[Scalar], period: Scalar) -> Any:
+        """What is measured, and the memory after: sample and measurement are q, theta, v, theta_dot, n each."""
+        n = 2 * self.size
+        positions = [*map(_encode, sample[:n], self._spread(self.noise), self._spread(self.resolution), noise or [0] * n)]
+        line = [*memory[: 2 * n * self.delay], *positions, *sample[n:]]
+        measured, line = line[: 2 * n], line[2 * n :]
+        if not self.differenced:
+            return measured, line
+        before = memory[len(memory) - n :]
+        speeds = [(now - then) / period for now, then in zip(measured[:n], before, strict=True)]
+        return [*measured[:n], *speeds], [*line, *measured[:n]]
+
+    def _spread(self, both: Any) -> list[Any]:
+        """One entry for each of q and theta."""
+        return [x for side in both for x in ([None] * self.size if side is None else [*side])]
+
+
+def encoders_of(sensors: Sensors, size: int, period: float) -> Encoders:
+    """Raises InputError for sizes, signs, and a delay that is no whole number of periods."""
+    steps = sensors.delay / period
+    if not (np.isfinite(steps) and steps >= 0 and abs(steps - round(steps)) < 1e-6):
+        raise InputError(
+            f"sensors: delay {sensors.delay} s must be a whole number of control periods of {period} s", delay=sensors.delay
+        )
+    if sensors.speeds not in ("true", "differenced"):
+        raise InputError(f"sensors: speeds {sensors.speeds!r} must be 'true' or 'differenced'")
+    resolution = [_each(sensors, side + "_resolution", size) for side in ("link", "motor")]
+    noise = [_each(sensors, side + "_noise", size) for side in ("link", "motor")]
+    return Encoders(resolution, noise, round(steps), sensors.speeds == "differenced", sensors.seed, size)
+
+
+def _each(sensors: Sensors, name: str, size: int) -> Any:
+    value = getattr(sensors, name)
+    if value is None:
+        return None
+    array = np.asarray(value, float)
+    if array.shape not in ((), (size,)) or not np.isfinite(array).all() or (array <= 0).any():
+        raise InputError(f"sensors: {name} {value} must be positive, one number or one for each of {size} drives")
+    return np.broadcast_to(array, size).copy()
+
+
+def _encode(x: Scalar, noise: Scalar | None, resolution: Scalar | None, normal: Scalar) -> Scalar:
+    """A position as an encoder reads it: disturbed, then rounded to its steps."""
+    if noise is not None:
+        x = x + noise * normal
+    if resolution is not None:
+        x = ((x / resolution + _TO_WHOLE) - _TO_WHOLE) * resolution
+    return x

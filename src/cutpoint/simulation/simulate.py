@@ -1,0 +1,188 @@
+"""`simulate`: a robot, a controller and a reference in; a log out."""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Any, Literal
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from cutpoint.control.interface import Command, Law
+from cutpoint.door import check_configuration, checked_array
+from cutpoint.errors import InputError, SimulationError
+from cutpoint.robot import Robot
+from cutpoint.scalars import with_float_leaves
+from cutpoint.simulation.cache import programs_for
+from cutpoint.simulation.integrator import substeps_for
+from cutpoint.simulation.log import Log
+from cutpoint.simulation.loop import ClosedLoop
+from cutpoint.simulation.plant import State
+from cutpoint.simulation.recording import log_of
+from cutpoint.simulation.runner import run, working_memory
+from cutpoint.simulation.sensors import Sensors, encoders_of
+from cutpoint.trajectories import Trajectory
+
+Array = NDArray[np.float64]
+Accuracy = Literal["standard", "fine", "reference"]
+Disturbance = Callable[[Array], ArrayLike]
+
+
+@dataclass(frozen=True)
+class FreeResponse(Law):
+    """No torque at all."""
+
+    size: int
+
+    def step(self, memory: Any, measurement: Any, reference: Any) -> tuple[Any, Command]:
+        return memory, Command(np.zeros(self.size))
+
+
+@dataclass(frozen=True)
+class _Function(Law):
+    """A plain function step(state, measurement, reference) -> (state, command) as a law."""
+
+    function: Callable[..., Any]
+
+    def step(self, memory: Any, measurement: Any, reference: Any) -> Any:
+        return self.function(memory, measurement, reference)
+
+
+def simulate(
+    robot: Robot,
+    controller: Any = None,
+    trajectory: Trajectory | None = None,
+    duration: float | None = None,
+    control_period: float = 1e-3,
+    initial: State | None = None,
+    *,
+    sensors: Sensors | None = None,
+    disturbances: Disturbance | None = None,
+    accuracy: Accuracy = "standard",
+    substeps: int | None = None,
+) -> Log:
+    """Simulate the robot under a sampled controller: plant, sensors, controller and torque limits in one compiled loop.
+
+    controller: a law of `cutpoint.control`, or anything with `step(memory, measurement, reference) -> (memory, command)`
+        and, if it remembers, `start() -> memory`; or that function itself.  None: no torque, the free response.
+    trajectory: the links' reference; None holds the initial configuration.
+    duration: s; the trajectory's own by default.  control_period: s; the command is held between samples.
+    initial: State(q, v, theta, theta_dot); what is left None is at rest at the reference's start, with each motor
+        leading its link by what gravity bends the drive, theta = q + delta(g(q)).
+    sensors: encoders; perfect by default.
+    disturbances: a function of the sample times (N,) that gives torques on the links' coordinates, (N, nv), N m, held
+        over each period.
+    accuracy: "standard", Runge-Kutta steps fit for 1e-4 rad in well-posed cases; "fine", for 1e-6; "reference", adaptive
+        DOP853 at rtol 1e-12, slow.  substeps: integration steps a control period, instead of what accuracy chooses.
+    Returns a Log with one sample each control period, time 0 and the end included.
+    Raises InputError for wrong arguments, SimulationError (with the log so far) on divergence or Ctrl-C.
+    """
+    times = _times(trajectory, duration, control_period)
+    law = _law(robot, controller)
+    reference = _reference(robot, trajectory, initial, times)
+    start = _initial(robot, initial, reference)
+    encoders = encoders_of(sensors or Sensors(), len(robot.drives), control_period)
+    remembers = with_float_leaves(law.start() if hasattr(law, "start") else ())
+    programs = programs_for(robot, law, encoders, remembers)
+    loop = ClosedLoop(robot, law, encoders, remembers, control_period, programs)
+    if accuracy not in ("standard", "fine", "reference"):
+        raise InputError(f"simulate: accuracy {accuracy!r} must be 'standard', 'fine' or 'reference'")
+    if substeps is None:
+        poses = _poses(robot, start, reference)
+        substeps = 1 if accuracy == "reference" else substeps_for(robot, accuracy, control_period, poses)
+    elif int(substeps) != substeps or substeps < 1:
+        raise InputError(f"simulate: substeps {substeps!r} must be a whole number, at least 1")
+    rows = _rows(loop, times, reference, disturbances)
+    memory = working_memory(loop, start, rows, torque_limits(robot), int(substeps))
+    outcome = run(loop, memory, int(substeps), adaptive=accuracy == "reference")
+    log = log_of(loop, memory["record"][: outcome.ticks], times, reference, {"accuracy": accuracy, "substeps": int(substeps)})
+    if outcome.cause:
+        raise SimulationError(outcome.cause, log=log, time=float(times[outcome.ticks - 1]))
+    return log
+
+
+def torque_limits(robot: Robot) -> Array:
+    """What each motor can do at most, N m at the joint's side: the drive's limit or the joint's, the smaller."""
+    efforts = {body.joint.name: body.joint.limits.effort for body in robot.mechanism.bodies}
+    return np.array([min(drive.limits.effort, efforts[name]) for name, drive in robot.drives.items()])
+
+
+def _times(trajectory: Trajectory | None, duration: float | None, period: float) -> Array:
+    if duration is None:
+        if trajectory is None:
+            raise InputError("simulate: without a trajectory, give duration= in seconds")
+        duration = trajectory.duration
+    if not (np.isfinite(period) and period > 0):
+        raise InputError(f"simulate: control_period {period} s must be positive")
+    if not (np.isfinite(duration) and duration >= period):
+        raise InputError(f"simulate: duration {duration} s must be at least one control period, {period} s")
+    return np.arange(round(duration / period) + 1) * period
+
+
+def _law(robot: Robot, controller: Any) -> Any:
+    """The controller as a law of the robot's size."""
+    if controller is None:
+        return FreeResponse(len(robot.drives))
+    law = controller if hasattr(controller, "step") else _Function(controller)
+    if isinstance(law, _Function) and not callable(controller):
+        raise InputError(f"simulate: controller {controller!r} has no step(memory, measurement, reference)")
+    for part in getattr(law, "parts", (law,)):
+        if getattr(part, "size", len(robot.drives)) != len(robot.drives):
+            raise InputError(f"simulate: {type(part).__name__} is for {part.size} drives, the robot has {len(robot.drives)}")
+    return law
+
+
+def _reference(robot: Robot, trajectory: Trajectory | None, initial: State | None, times: Array) -> Array:
+    """The links' reference with four derivatives, (5, N, drives)."""
+    n = len(robot.drives)
+    if trajectory is None:
+        hold = np.zeros((5, len(times), n))
+        if initial is not None and initial.q is not None:
+            q = checked_array("simulate", "initial.q", initial.q, robot.nq)
+            hold[0] = q[[d.q for d in robot.machine.drives]]
+        return hold
+    if trajectory.size != n:
+        raise InputError(f"simulate: the trajectory has {trajectory.size} joints, the robot has {n} drives")
+    reference = trajectory.derivatives(times, 4)
+    for extreme in (reference[0].min(axis=0), reference[0].max(axis=0)):
+        check_configuration(robot.mechanism, extreme)
+    return reference
+
+
+def _initial(robot: Robot, initial: State | None, reference: Array) -> State:
+    given = initial or State()
+    q = robot.neutral()
+    driven = [d.q for d in robot.machine.drives]
+    q[driven] = reference[0, 0]
+    v = np.zeros(robot.nv)
+    v[[d.v for d in robot.machine.drives]] = reference[1, 0]
+    q = q if given.q is None else checked_array("simulate", "initial.q", given.q, robot.nq)
+    v = v if given.v is None else checked_array("simulate", "initial.v", given.v, robot.nv)
+    theta = q[driven] + robot.static_deflection(q) if given.theta is None else given.theta
+    omega = v[[d.v for d in robot.machine.drives]] if given.theta_dot is None else given.theta_dot
+    theta = checked_array("simulate", "initial.theta", theta, len(driven))
+    return State(q, v, theta, checked_array("simulate", "initial.theta_dot", omega, len(driven)))
+
+
+def _poses(robot: Robot, start: State, reference: Array) -> Array:
+    """Where stiffness is judged: the start, and a few places along the reference."""
+    poses = np.repeat(np.asarray(start.q)[None], 5, axis=0)
+    along = np.linspace(0, reference.shape[1] - 1, 4).round().astype(int)
+    poses[1:, [d.q for d in robot.machine.drives]] = reference[0, along]
+    return poses
+
+
+def _rows(loop: ClosedLoop, times: Array, reference: Array, disturbances: Disturbance | None) -> Array:
+    """What each control period is given: see `Layout.row`."""
+    layout = loop.layout
+    parts = [times[:, None], *reference]
+    if disturbances is None:
+        parts.append(np.zeros((len(times), layout.nv)))
+    else:
+        pushed = checked_array("simulate", "disturbances(times)", disturbances(times), layout.nv)
+        if pushed.shape not in ((layout.nv,), (len(times), layout.nv)):
+            raise InputError(f"simulate: disturbances(times) has shape {pushed.shape}, expected {(len(times), layout.nv)}")
+        parts.append(np.broadcast_to(pushed, (len(times), layout.nv)))
+    if layout.noise:
+        parts.append(np.random.default_rng(loop.encoders.seed).standard_normal((len(times), layout.noise)))
+    return np.ascontiguousarray(np.concatenate(parts, axis=1))
+

@@ -1,0 +1,23 @@
+"""What the paper prints in section IV, and the settings it states.  Xia et al. (2019), doi 10.1109/ACCESS.2019.2919749."""
+
+import numpy as np
+
+LENGTHS = {"l_1": 0.3, "l_2": 0.3, "l_3": 0.303, "l_4": 0.5}
+"""m; l_4 is from the wrist to the tool."""
+
+GOAL = np.deg2rad([90.0, 60.0, 60.0, 90.0, 60.0, 90.0])
+"""q_d of eq. (57), rad."""
+
+DURATION = 10.0
+"""T of eq. (57), s."""
+
+TABLE_3 = (0.2, 22.7, 8.9, 0.6, 2.3, 0.0)
+"""RMS of the joint torque differences, N mm; the text adds: no more than 35 N mm."""
+
+TABLE_3_LARGEST = 35.0
+
+TABLE_4_POSITION = (0.0334, 0.0115, 0.0396, 0.1336, 0.0080, 0.0470)
+"""RMS position tracking errors, degrees; the text adds: less than 0.4 degrees."""
+
+TABLE_4_TORQUE = (0.1197, 0.4594, 0.2381, 0.0951, 0.3947, 0.0513)
+"""RMS torque compensation errors, N m."""

@@ -1,0 +1,75 @@
+"""How every figure of the studies looks: type, colours, sizes.  One place, so that a reader learns them once."""
+
+from io import BytesIO
+from typing import Any
+
+from matplotlib import rc_context
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+
+INK = "#1d1d1f"
+FAINT = "#8a8f98"
+HAIR = "#d5d8dd"
+MOTOR, MOTOR_FILL = "#1f5fa8", "#d6e5f5"
+LINK, LINK_FILL = "#c2571a", "#fbe3d0"
+BASE, BASE_FILL = "#5b6270", "#e6e8ec"
+SPRING, SPRING_FILL = "#2a7f4f", "#d3ecdd"
+FORCE = "#b01e3c"
+JOINTS = ("#1f5fa8", "#c2571a", "#2a7f4f", "#8a4fa3", "#b8860b", "#4a4f57")
+"""One colour a joint, the same in every figure, dark enough to read on white."""
+
+WIDTH = 9.0
+"""Width of a full figure in inches; text of 11 points is then as large as that of the page around it."""
+
+STYLE: dict[str, Any] = {
+    "font.family": ["STIXGeneral", "DejaVu Sans"],
+    "mathtext.fontset": "stix",
+    "font.size": 12,
+    "axes.titlesize": 12,
+    "axes.titlelocation": "left",
+    "axes.edgecolor": FAINT,
+    "axes.labelcolor": INK,
+    "axes.grid": True,
+    "axes.spines.top": False,
+    "axes.spines.right": False,
+    "axes.linewidth": 0.8,
+    "grid.color": HAIR,
+    "grid.linewidth": 0.6,
+    "lines.linewidth": 1.5,
+    "xtick.color": INK,
+    "ytick.color": INK,
+    "xtick.labelsize": 10,
+    "ytick.labelsize": 10,
+    "text.color": INK,
+    "legend.frameon": False,
+    "legend.fontsize": 11,
+    "hatch.linewidth": 0.5,
+    "figure.dpi": 160,
+    "savefig.dpi": 160,
+}
+
+
+def styled() -> Any:
+    """A context in which figures are made and saved in this style, and after which matplotlib is as it was."""
+    return rc_context(STYLE)
+
+
+def six_panels(title: str, unit: str) -> tuple[Figure, list[Axes]]:
+    """A figure of 2 x 3 panels over time, one a joint, each named; y axes carry the unit."""
+    figure = Figure(figsize=(WIDTH, 5.0), layout="constrained")
+    panels = list(figure.subplots(2, 3, sharex=True).flat)
+    for k, axes in enumerate(panels):
+        axes.set_title(f"({'abcdef'[k]}) joint {k + 1}")
+        axes.margins(x=0)
+        if k % 3 == 0:
+            axes.set_ylabel(f"{title} [{unit}]")
+        if k >= 3:
+            axes.set_xlabel("time [s]")
+    return figure, panels
+
+
+def png(figure: Figure) -> bytes:
+    """The figure as a PNG, without a date or a version in it: the same drawing gives the same bytes."""
+    buffer = BytesIO()
+    figure.savefig(buffer, format="png", metadata={"Software": None}, facecolor="white")
+    return buffer.getvalue()

@@ -1,0 +1,165 @@
+"""What a drive file means: ratios, springs, friction, limits, defaults; and that writing one undoes reading it."""
+
+import math
+from pathlib import Path
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from urdf_text import ARM
+
+from cutpoint.errors import InputError
+from cutpoint.formats import drive_of, dump_drives, load_drives, parse_drives, parse_urdf, save_drives
+from cutpoint.mechanics.compliance import Flexspline, LinearSpring
+from cutpoint.mechanics.friction import Coulomb, Stribeck
+from cutpoint.model import Drive, Limits, Rotor
+
+ROBOT = parse_urdf(ARM)
+JOINTS = [body.joint.name for body in ROBOT.bodies]
+
+
+def shoulder(entry: str, defaults: str = "{}") -> Drive:
+    text = f"version: 1\ndefaults: {defaults}\ndrives:\n  shoulder: {entry}"
+    return parse_drives(text, ROBOT)["shoulder"]
+
+
+def test_nothing_stated_is_a_rigid_drive_without_gear() -> None:
+    assert shoulder("{}") == Drive()
+    assert shoulder("{compliance: rigid}") == Drive()
+
+
+@pytest.mark.parametrize(
+    ("entry", "ratio"),
+    [
+        ("{ratio: 101}", 101.0),
+        ("{ratio: -0.5}", -0.5),
+        ("{gear: {reduction: 100, fixed: flexspline}}", 101.0),
+        ("{gear: {reduction: 100, fixed: circular_spline}}", -100.0),
+    ],
+)
+def test_the_ratio_follows_from_the_part_that_is_fixed(entry: str, ratio: float) -> None:
+    assert shoulder(entry).ratio == ratio
+
+
+def test_every_field_reaches_its_place() -> None:
+    drive = shoulder("""
+      ratio: 100
+      rotor: {inertia: 1.14e-5, in_link_inertia: false}
+      compliance: {flexspline: {stiffness: 1.6e4, hardening: 0.0432}}
+      damping: 12
+      friction:
+        link: {coulomb: 0.49, static: 3.5, viscous: 0.15, stribeck_velocity: 0.19, smoothing: 0.02}
+        motor: {coulomb: 5, viscous: 0.3, smoothing: 0.03}
+      limits: {torque: 120, velocity: 2.1, position: [-3, .inf]}
+      torque_constant: 0.12""")
+    assert drive == Drive(
+        ratio=100.0,
+        rotor=Rotor(1.14e-5, in_link_inertia=False),
+        compliance=Flexspline(16000.0, 0.0432),
+        damping=12.0,
+        link_friction=Stribeck(0.49, 3.5, 0.15, 0.19, 0.02),
+        motor_friction=Coulomb(5.0, 0.3, 0.03),
+        limits=Limits(-3.0, math.inf, velocity=2.1, effort=120.0),
+        torque_constant=0.12,
+    )
+    assert isinstance(drive.damping, float)
+
+
+def test_link_friction_without_static_is_coulomb_and_viscous() -> None:
+    assert shoulder("{friction: {link: {coulomb: 2, smoothing: 0.1}}}").link_friction == Coulomb(2.0, 0.0, 0.1)
+
+
+@pytest.mark.parametrize("text", ["1e4", "1E4", "1.0e4", "10000", "+1.e+4", "10000.0"])
+def test_every_way_to_write_a_number_is_a_number(text: str) -> None:
+    assert shoulder(f"{{ratio: {text}}}").ratio == 1e4
+
+
+def test_a_drive_is_laid_over_the_defaults_at_every_depth() -> None:
+    defaults = "{rotor: {inertia: 1e-5}, friction: {link: {coulomb: 1, viscous: 2, smoothing: 0.1}}}"
+    drive = shoulder("{rotor: {in_link_inertia: false}, friction: {link: {viscous: 3}}}", defaults)
+    assert drive.rotor == Rotor(1e-5, in_link_inertia=False)
+    assert drive.link_friction == Coulomb(1.0, 3.0, 0.1)
+
+
+def test_a_stated_alternative_drops_the_default_one() -> None:
+    spring = "{ratio: 50, rotor: {inertia: 1e-5}, compliance: {linear: {stiffness: 10}}}"
+    assert shoulder("{gear: {reduction: 80, fixed: flexspline}}", spring).ratio == 81.0
+    harder = shoulder("{compliance: {flexspline: {stiffness: 20, hardening: 0.1}}}", spring)
+    assert harder.compliance == Flexspline(20.0, 0.1)
+    assert shoulder("{compliance: rigid}", spring).compliance is None
+
+
+def test_a_prismatic_joint_has_drives_too() -> None:
+    text = "version: 1\ndrives: {lift: {ratio: 1256.6, rotor: {inertia: 1e-5}, compliance: {linear: {stiffness: 1e6}}}}"
+    assert parse_drives(text, ROBOT)["lift"].compliance == LinearSpring(1e6)
+
+
+def test_only_joints_with_an_entry_have_one() -> None:
+    assert list(parse_drives("version: 1\ndrives: {lift: {ratio: 2}, shoulder: {ratio: 3}}", ROBOT)) == [
+        "lift",
+        "shoulder",
+    ]
+
+
+def test_a_joint_without_entry_keeps_the_friction_of_its_robot_file() -> None:
+    shoulder, elbow, _ = (body.joint for body in ROBOT.bodies)
+    assert drive_of(shoulder) == Drive()
+    friction = drive_of(elbow).link_friction
+    assert isinstance(friction, Coulomb)
+    assert (friction.coulomb, friction.viscous) == (0.2, 0.3)
+
+
+POSITIVE = st.floats(1e-12, 1e12)
+NOT_NEGATIVE = st.one_of(st.just(0.0), POSITIVE)
+STRIBECK = st.builds(
+    lambda coulomb, more, viscous, speed, smoothing: Stribeck(coulomb, coulomb + more, viscous, speed, smoothing),
+    NOT_NEGATIVE,
+    NOT_NEGATIVE,
+    NOT_NEGATIVE,
+    POSITIVE,
+    POSITIVE,
+)
+COULOMB = st.builds(Coulomb, NOT_NEGATIVE, NOT_NEGATIVE, POSITIVE)
+LIMITS = st.builds(
+    Limits,
+    st.one_of(st.just(-math.inf), st.floats(-9.0, 0.0)),
+    st.one_of(st.just(math.inf), st.floats(1e-3, 9.0)),
+    st.one_of(st.just(math.inf), POSITIVE),
+    st.one_of(st.just(math.inf), POSITIVE),
+)
+COMMON = {
+    "ratio": st.one_of(POSITIVE, POSITIVE.map(lambda ratio: -ratio)),
+    "link_friction": st.one_of(st.none(), STRIBECK, COULOMB),
+    "motor_friction": st.one_of(st.none(), COULOMB),
+    "limits": LIMITS,
+    "torque_constant": st.one_of(st.none(), POSITIVE),
+}
+ROTORS = st.builds(Rotor, POSITIVE, st.booleans())
+SPRINGS = st.one_of(st.builds(LinearSpring, POSITIVE), st.builds(Flexspline, POSITIVE, POSITIVE))
+DRIVES = st.one_of(
+    st.builds(Drive, rotor=st.one_of(st.none(), ROTORS), **COMMON),
+    st.builds(Drive, rotor=ROTORS, compliance=SPRINGS, damping=st.one_of(st.none(), NOT_NEGATIVE), **COMMON),
+)
+
+
+@given(st.dictionaries(st.sampled_from(JOINTS), DRIVES))
+def test_what_is_written_reads_back_the_same(drives: dict[str, Drive]) -> None:
+    assert parse_drives(dump_drives(drives), ROBOT) == drives
+
+
+def test_a_saved_file_loads_and_leaves_no_draft(tmp_path: Path) -> None:
+    path, drives = tmp_path / "arm.drives.yaml", {"elbow": Drive(ratio=80.0)}
+    path.write_text("what was there before")
+    save_drives(path, drives)
+    assert load_drives(path, ROBOT) == drives
+    assert list(tmp_path.iterdir()) == [path]
+
+
+def test_a_failed_save_leaves_the_old_file(tmp_path: Path) -> None:
+    path = tmp_path / "arm.drives.yaml"
+    save_drives(path, {"elbow": Drive(ratio=80.0)})
+    before = path.read_text()
+    law: object = object()
+    with pytest.raises(InputError, match="a drive file has no words for <object object"):
+        save_drives(path, {"elbow": Drive(link_friction=law)})  # pyright: ignore[reportArgumentType]
+    assert path.read_text() == before

@@ -1,0 +1,210 @@
+"""Wrong and hostile drive files: one clear error each, with joint, field, value, rule and line."""
+
+from pathlib import Path
+
+import pytest
+from urdf_text import ARM, joint, link, robot
+
+from cutpoint.errors import ModelError
+from cutpoint.formats import load_drives, parse_drives, parse_urdf
+from cutpoint.formats.safe_yaml import MAXIMUM_BYTES
+
+ROBOT = parse_urdf(ARM)
+
+
+def refused(text: str | bytes, mechanism=ROBOT) -> str:
+    with pytest.raises(ModelError) as caught:
+        parse_drives(text, mechanism, "arm.yaml")
+    return str(caught.value)
+
+
+ELASTIC = "rotor: {inertia: 1e-5}, compliance"
+
+ENTRIES = {
+    "zero ratio": ("{ratio: 0}", "ratio 0.0 must not be zero"),
+    "text for a number": ("{ratio: ten}", "ratio 'ten' must be a number"),
+    "quoted number": ("{ratio: '10'}", "ratio '10' must be a number"),
+    "number with ornaments": ("{ratio: 1_0}", "ratio '1_0' must be a number"),
+    "sexagesimal": ("{ratio: 1:30}", "ratio '1:30' must be a number"),
+    "nan": ("{ratio: .nan}", "ratio '.nan' must be a number"),
+    "infinite": ("{ratio: .inf}", "ratio inf must be finite"),
+    "unknown key": (
+        "{friction: {link: {columb: 1}}}",
+        "unknown key 'columb' in friction.link; those that exist are"
+        " 'coulomb', 'static', 'viscous', 'stribeck_velocity', 'smoothing'",
+    ),
+    "negative stiffness": (
+        f"{{{ELASTIC}: {{linear: {{stiffness: -3}}}}}}",
+        "compliance.linear.stiffness -3.0 N m/rad must be positive",
+    ),
+    "missing hardening": (
+        f"{{{ELASTIC}: {{flexspline: {{stiffness: 3}}}}}}",
+        "'hardening' (1/(N m)) is missing in compliance.flexspline",
+    ),
+    "two springs": (
+        f"{{{ELASTIC}: {{linear: {{stiffness: 3}}, flexspline: {{stiffness: 3, hardening: 1}}}}}}",
+        "compliance must state exactly one of 'linear', 'flexspline'",
+    ),
+    "no spring": (f"{{{ELASTIC}: {{}}}}", "compliance must state exactly one of 'linear', 'flexspline'"),
+    "word for a spring": (
+        "{compliance: soft}",
+        "compliance 'soft' must be 'rigid' or a mapping with keys out of 'linear', 'flexspline'",
+    ),
+    "elastic without rotor": (
+        "{compliance: {linear: {stiffness: 3}}}",
+        "an elastic drive needs 'rotor' with its 'inertia' (kg m2)",
+    ),
+    "rotor without inertia": ("{rotor: {inertia: 0}}", "rotor.inertia 0.0 kg m2 must be positive"),
+    "damping without spring": ("{damping: 3}", "damping 3.0 N m s/rad is the spring's, but 'compliance' is rigid"),
+    "static below Coulomb": (
+        "{friction: {link: {coulomb: 2, static: 1, stribeck_velocity: 0.1}}}",
+        "friction.link.static 1.0 N m must not be below coulomb 2.0",
+    ),
+    "static alone": (
+        "{friction: {link: {static: 1}}}",
+        "friction.link must state 'static' and 'stribeck_velocity' together",
+    ),
+    "no smoothing": (
+        "{friction: {motor: {coulomb: 1, smoothing: 0}}}",
+        "friction.motor.smoothing 0.0 rad/s must be positive",
+    ),
+    "Stribeck velocity": (
+        "{friction: {link: {static: 1, stribeck_velocity: -1}}}",
+        "friction.link.stribeck_velocity -1.0 rad/s must be positive",
+    ),
+    "negative Coulomb": ("{friction: {link: {coulomb: -1}}}", "friction.link.coulomb -1.0 N m must not be negative"),
+    "gear and ratio": (
+        "{ratio: 3, gear: {reduction: 100, fixed: flexspline}}",
+        "has both 'ratio' and 'gear'; state one of them",
+    ),
+    "unknown part": (
+        "{gear: {reduction: 100, fixed: wave_generator}}",
+        "gear.fixed 'wave_generator' must be 'flexspline' or 'circular_spline'",
+    ),
+    "swapped limits": (
+        "{limits: {position: [1, -1]}}",
+        "limits.position [1.0, -1.0] must be [lower, upper] with lower < upper",
+    ),
+    "one limit": ("{limits: {position: [1]}}", "limits.position [1.0] must have two entries"),
+    "limit that is no number": ("{limits: {position: [-1, b]}}", "limits.position.1 'b' must be a number"),
+    "limits in a row": ("{limits: {position: 1}}", "limits.position 1.0 rad must be a list of two numbers"),
+    "yes for true": (
+        "{rotor: {inertia: 1, in_link_inertia: yes}}",
+        "rotor.in_link_inertia 'yes' must be true or false",
+    ),
+    "merge key": (
+        "{<<: {ratio: 1}}",
+        "unknown key '<<'; those that exist are 'ratio', 'gear', 'rotor', 'compliance', 'damping', 'friction',"
+        " 'limits', 'torque_constant'",
+    ),
+}
+
+
+@pytest.mark.parametrize("case", ENTRIES)
+def test_a_wrong_entry_is_named_with_its_line(case: str) -> None:
+    entry, message = ENTRIES[case]
+    text = f"version: 1\ndrives:\n  elbow: {{ratio: 2}}\n  shoulder:\n    {entry}"
+    assert refused(text) == f"joint 'shoulder': {message} (arm.yaml:5)"
+
+
+FILES = {
+    "unknown joint": (
+        "version: 1\ndrives:\n  wrist: {ratio: 2}",
+        "joint 'wrist': the robot has no such joint; there are: 'shoulder', 'elbow', 'lift' (arm.yaml:3)",
+    ),
+    "fixed joint": (
+        "version: 1\ndrives:\n  flange_joint: {ratio: 2}",
+        "joint 'flange_joint': it is fixed (or a link), and a drive needs a joint that moves (arm.yaml:3)",
+    ),
+    "units of a prismatic joint": (
+        "version: 1\ndrives:\n  lift: {damping: -1}",
+        "joint 'lift': damping -1.0 N s/m must not be negative (arm.yaml:3)",
+    ),
+    "gear on a prismatic joint": (
+        "version: 1\ndrives:\n  lift: {gear: {reduction: 5, fixed: flexspline}}",
+        "joint 'lift': 'gear' is for joints that turn; on a prismatic joint state 'ratio' in rad/m (arm.yaml:3)",
+    ),
+    "wrong default": (
+        "version: 1\ndefaults:\n  damping: -1\ndrives:\n  elbow: {ratio: 2}",
+        "joint 'elbow': damping -1.0 N m s/rad must not be negative (arm.yaml:3)",
+    ),
+    "no mapping": (
+        "- 1",
+        "drive file: [1.0] must be a mapping with keys out of 'version', 'defaults', 'drives' (arm.yaml:1)",
+    ),
+    "entry without fields": (
+        "version: 1\ndrives:\n  elbow: 3",
+        "drive file: drives.elbow 3.0 must be a mapping of fields (arm.yaml:3)",
+    ),
+    "no version": ("drives: {}", "drive file: 'version' is missing (arm.yaml:1)"),
+    "other version": (
+        "version: 2\ndrives: {}",
+        "drive file: version 2 is not known; this cutpoint reads 1 (arm.yaml:1)",
+    ),
+    "no drives": ("version: 1", "drive file: 'drives' is missing (arm.yaml:1)"),
+    "unknown section": (
+        "version: 1\ndrivers: {}\ndrives: {}",
+        "drive file: unknown key 'drivers'; those that exist are 'version', 'defaults', 'drives' (arm.yaml:2)",
+    ),
+    "no value": ("version: 1\ndrives:\n  elbow: {ratio: }", "drives.elbow.ratio has no value (arm.yaml:3)"),
+    "a key twice": ("version: 1\ndrives: {}\ndrives: {}", "key 'drives' is given twice (arm.yaml:3)"),
+    "nothing": ("# only a comment", "YAML holds no values (arm.yaml)"),
+    "second document": ("version: 1\ndrives: {}\n---\na: 1", "a second document (---) is not read (arm.yaml:3)"),
+    "open bracket": (
+        "version: 1\ndrives: {",
+        "YAML cannot be read: expected the node content, but found '<stream end>' (arm.yaml:2)",
+    ),
+    "python object": (
+        'version: 1\ndrives: !!python/object/apply:os.system ["true"]',
+        "YAML tags ('tag:yaml.org,2002:python/object/apply:os.system') are not read, for safety;"
+        " take the tag out (arm.yaml:2)",
+    ),
+    "harmless tag": (
+        "version: !!int 1",
+        "YAML tags ('tag:yaml.org,2002:int') are not read, for safety; take the tag out (arm.yaml:1)",
+    ),
+    "bomb of aliases": (
+        "a: &a [1, 1]\nb: &b [*a, *a]",
+        "YAML anchors and aliases (&, *) are not read, for safety; write the value out (arm.yaml:1)",
+    ),
+    "alias of nothing": (
+        "version: 1\ndrives: *a",
+        "YAML anchors and aliases (&, *) are not read, for safety; write the value out (arm.yaml:2)",
+    ),
+    "key that is a list": ("? [1]\n: 2", "a key must be a plain text (arm.yaml:1)"),
+    "depth": ("[" * 5000, "YAML is nested more than 16 deep, the most that is read (arm.yaml:1)"),
+    "number of values": (
+        "[" + "1," * 30000 + "]",
+        "YAML holds more than 20,000 values, the most that is read (arm.yaml:1)",
+    ),
+    "control character": ("version: 1\n\a", "YAML cannot be read: character '\\x07' is not allowed (arm.yaml:2)"),
+    "bytes that are no UTF-8": (b"version: 1\n\xff", "YAML must be UTF-8 text (arm.yaml:2)"),
+}
+
+
+@pytest.mark.parametrize("case", FILES)
+def test_a_wrong_file_is_refused_with_its_line(case: str) -> None:
+    text, message = FILES[case]
+    assert refused(text) == message
+
+
+def test_what_follows_or_floats_has_no_drive() -> None:
+    mimic = '<mimic joint="a"/>'
+    hand = robot(link("base"), link("x"), link("y"), joint("a", "base", "x"), joint("b", "base", "y", inside=mimic))
+    coupled = parse_urdf(hand, mimic="coupled")
+    assert refused("version: 1\ndrives: {b: {}}", coupled) == (
+        "joint 'b': it follows joint 'a'; give the drive to that one (arm.yaml:2)"
+    )
+    floating = parse_urdf(ARM, floating_base=True)
+    assert refused("version: 1\ndrives: {root_joint: {}}", floating) == (
+        "joint 'root_joint': it is floating; a drive needs one of revolute, continuous, prismatic (arm.yaml:2)"
+    )
+
+
+def test_a_file_that_is_absent_or_too_large_is_refused(tmp_path: Path) -> None:
+    with pytest.raises(ModelError, match=r"absent\.yaml' does not exist"):
+        load_drives(tmp_path / "absent.yaml", ROBOT)
+    large = tmp_path / "large.yaml"
+    large.write_bytes(b"#" * (MAXIMUM_BYTES + 1))
+    with pytest.raises(ModelError, match="file is larger than 262,144 bytes, the most that is read"):
+        load_drives(large, ROBOT)

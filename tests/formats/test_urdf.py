@@ -1,0 +1,162 @@
+"""What a URDF document means, where Pinocchio has no say: order, defaults, options, warnings, xacro."""
+
+import sys
+import warnings
+from pathlib import Path
+
+import numpy as np
+import pytest
+from urdf_text import ARM, joint, link, robot
+
+from cutpoint.errors import InputError, ModelError
+from cutpoint.formats import DegreesWarning, MimicWarning, load_urdf, parse_urdf
+from cutpoint.model import WORLD, Limits, Mechanism
+
+XACRO = 'xmlns:xacro="http://www.ros.org/wiki/xacro"'
+
+
+def one_joint(inside: str = "", kind: str = "revolute") -> str:
+    return robot(link("base"), link("arm"), joint("elbow", "base", "arm", kind, inside))
+
+
+def only(mechanism: Mechanism):
+    (body,) = mechanism.bodies
+    return body.joint
+
+
+def gripper(multiplier: float = -2.0, offset: float = 0.5, leader: str = "left") -> str:
+    mimic = f'<mimic joint="{leader}" multiplier="{multiplier}" offset="{offset}"/>'
+    return robot(
+        link("hand"),
+        link("a"),
+        link("b"),
+        joint("left", "hand", "a"),
+        joint("right", "hand", "b", inside=mimic),
+    )
+
+
+def test_bodies_come_depth_first_in_the_order_of_the_file() -> None:
+    text = robot(
+        *map(link, ("root", "b", "a", "b2", "a2")),
+        joint("to_b2", "b", "b2"),
+        joint("to_b", "root", "b"),
+        joint("to_a2", "a", "a2"),
+        joint("to_a", "root", "a"),
+    )
+    assert [body.joint.name for body in parse_urdf(text).bodies] == ["to_b", "to_b2", "to_a", "to_a2"]
+    assert [body.parent for body in parse_urdf(text).bodies] == [WORLD, 0, WORLD, 2]
+
+
+def test_what_urdf_leaves_open_has_its_default() -> None:
+    elbow = only(parse_urdf(one_joint()))
+    np.testing.assert_array_equal(elbow.axis, (1, 0, 0))
+    np.testing.assert_array_equal(elbow.placement, np.eye(4))
+    assert elbow.limits == Limits()
+    assert (elbow.damping, elbow.friction, elbow.mimic) == (0, 0, None)
+
+
+def test_of_two_bounds_the_one_not_stated_is_zero() -> None:
+    assert only(parse_urdf(one_joint('<limit upper="2" effort="5"/>'))).limits == Limits(0, 2, effort=5)
+
+
+def test_infinite_bounds_are_no_bounds() -> None:
+    assert only(parse_urdf(one_joint('<limit lower="-inf" upper="inf"/>'))).limits == Limits()
+
+
+def test_a_continuous_joint_has_no_position_limits() -> None:
+    inside = '<limit lower="-1" upper="1" velocity="3"/>'
+    assert only(parse_urdf(one_joint(inside, "continuous"))).limits == Limits(velocity=3)
+
+
+def test_axes_come_out_with_unit_length() -> None:
+    np.testing.assert_allclose(only(parse_urdf(one_joint('<axis xyz="0 3 4"/>'))).axis, (0, 0.6, 0.8), rtol=1e-15)
+
+
+def test_meshes_are_never_opened() -> None:
+    mesh = '<visual><geometry><mesh filename="package://nowhere/a.stl"/></geometry></visual>'
+    text = robot(f'<link name="base">{mesh}</link>', link("arm"), joint("elbow", "base", "arm"))
+    assert len(parse_urdf(text).bodies) == 1
+
+
+def test_an_independent_mimic_is_a_coordinate_of_its_own_and_is_warned_of_once() -> None:
+    with pytest.warns(MimicWarning, match=r"mimic joints 'right' are .* \(hand.urdf\)") as caught:
+        hand = parse_urdf(gripper(), "hand.urdf")
+    assert len(caught) == 1
+    assert not hand.coupled
+    assert hand.bodies[1].joint.mimic is not None
+
+
+def test_a_coupled_mimic_keeps_its_relation() -> None:
+    hand = parse_urdf(gripper(), mimic="coupled")
+    mimic = hand.bodies[1].joint.mimic
+    assert hand.coupled
+    assert mimic is not None
+    assert (mimic.joint, mimic.multiplier, mimic.offset) == ("left", -2.0, 0.5)
+
+
+def test_a_mimic_of_nothing_is_free_or_an_error() -> None:
+    with pytest.warns(MimicWarning):
+        assert parse_urdf(gripper(leader="lost")).bodies[1].joint.mimic is None
+    with pytest.raises(ModelError, match=r"joint 'right': mimics joint 'lost', which does not exist"):
+        parse_urdf(gripper(leader="lost"), mimic="coupled")
+
+
+def test_only_two_ways_to_read_a_mimic_exist() -> None:
+    with pytest.raises(InputError, match="mimic 'both' must be 'independent' or 'coupled'"):
+        parse_urdf(gripper(), mimic="both")  # pyright: ignore[reportArgumentType]
+
+
+@pytest.mark.parametrize("bounds", ["-170 170", "0 135", "-90 22.5"])
+def test_limits_that_look_like_degrees_are_warned_of(bounds: str) -> None:
+    lower, upper = bounds.split()
+    with pytest.warns(DegreesWarning, match="limits of joints 'elbow' look like degrees; URDF angles are radians"):
+        parse_urdf(one_joint(f'<limit lower="{lower}" upper="{upper}"/>'))
+
+
+@pytest.mark.parametrize("bound", [3.0, 10.0, 9.42, 62.8, 62.83185307179586, 1e16])
+def test_wide_limits_in_radians_pass(bound: float) -> None:
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        parse_urdf(one_joint(f'<limit lower="{-bound}" upper="{bound}"/>'))
+
+
+def test_a_robot_without_name_has_that_of_its_file(tmp_path: Path) -> None:
+    path = tmp_path / "nameless.urdf"
+    path.write_text(one_joint().replace(' name="arm">', ">", 1))
+    assert load_urdf(path).name == "nameless"
+
+
+def test_gravity_and_floating_base_are_passed_on() -> None:
+    arm = parse_urdf(ARM, gravity=(0, 0, -1.62), floating_base=True)
+    np.testing.assert_array_equal(arm.gravity, (0, 0, -1.62))
+    assert arm.bodies[0].joint.kind == "floating"
+
+
+def test_a_xacro_file_is_expanded(tmp_path: Path) -> None:
+    path = tmp_path / "arm.urdf.xacro"
+    mass = f'<xacro:property name="m" value="${{2 * 1.5}}"/>{link("arm", "${m}")}'
+    path.write_text(f'<robot name="r" {XACRO}>{link("base")}{mass}{joint("elbow", "base", "arm")}</robot>')
+    assert load_urdf(path).bodies[0].mass == 3.0
+
+
+def test_a_xacro_file_that_cannot_be_expanded_says_why(tmp_path: Path) -> None:
+    path = tmp_path / "arm.xacro"
+    path.write_text(f'<robot {XACRO}><link name="${{nowhere}}"/></robot>')
+    with pytest.raises(ModelError, match=r"xacro cannot expand this file: name 'nowhere' is not defined.*arm\.xacro\)"):
+        load_urdf(path)
+
+
+def test_without_the_xacro_package_the_error_says_how_to_get_it(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setitem(sys.modules, "xacro", None)
+    path = tmp_path / "arm.xacro"
+    path.write_text(one_joint())
+    with pytest.raises(ModelError, match=r'pip install "cutpoint\[xacro\]"'):
+        load_urdf(path)
+
+
+def test_xacro_elements_in_a_urdf_are_pointed_out() -> None:
+    text = f'<robot {XACRO}>\n<xacro:macro name="m"/></robot>'
+    with pytest.raises(ModelError, match=r"xacro elements; give it the ending \.xacro \(arm\.urdf:2\)"):
+        parse_urdf(text, "arm.urdf")

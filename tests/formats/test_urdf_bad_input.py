@@ -1,0 +1,195 @@
+"""Wrong and hostile URDF documents: one clear error each, with thing, value, rule and line."""
+
+import re
+from pathlib import Path
+
+import pytest
+from urdf_text import joint, link, robot
+
+from cutpoint.errors import ModelError
+from cutpoint.formats import load_urdf, parse_urdf
+from cutpoint.formats.safe_xml import MAXIMUM_BYTES, MAXIMUM_DEPTH, MAXIMUM_ELEMENTS
+
+
+def arm(element: str, inside: str = "", kind: str = "revolute") -> str:
+    """A base, the element on line 3, and the joint `elbow` to it on line 4."""
+    return robot(link("base"), element, joint("elbow", "base", "arm", kind, inside))
+
+
+def refused(text: str | bytes) -> str:
+    with pytest.raises(ModelError) as caught:
+        parse_urdf(text, "arm.urdf")
+    return str(caught.value)
+
+
+LINKS = {
+    "negative mass": (link("arm", -1.0), "link 'arm': mass -1.0 kg must not be negative (arm.urdf:3)"),
+    "mass that is no number": (
+        link("arm", "nan"),
+        "link 'arm': <mass> value 'nan' must be a finite number (arm.urdf:3)",
+    ),
+    "mass too large": (link("arm", "1e999"), "link 'arm': <mass> value '1e999' must be a finite number (arm.urdf:3)"),
+    "number with ornaments": (
+        link("arm", "1_0"),
+        "link 'arm': <mass> value '1_0' must be a finite number (arm.urdf:3)",
+    ),
+    "no mass value": (link("arm", ""), "link 'arm': <mass> needs the attribute 'value' (arm.urdf:3)"),
+    "triangle inequality": (
+        link("arm", 1.0, (1.0, 0.1, 0.1)),
+        "link 'arm': principal moments of inertia 0.1, 0.1, 1 kg m2: the largest must not exceed the sum of the others"
+        " (triangle inequality); check <inertia> and its <origin> (arm.urdf:3)",
+    ),
+    "negative moment": (
+        link("arm", 1.0, (-0.1, 0.1, 0.1)),
+        "link 'arm': principal moments of inertia -0.1, 0.1, 0.1 kg m2: none must be negative;"
+        " check <inertia> and its <origin> (arm.urdf:3)",
+    ),
+    "no inertial": (
+        link("arm", None),
+        "link 'arm': moves with joint 'elbow' but has no mass and carries none; give it an <inertial> (arm.urdf:3)",
+    ),
+    "inertial without tensor": (
+        '<link name="arm"><inertial><mass value="1"/></inertial></link>',
+        "link 'arm': <inertial> needs a <inertia> (arm.urdf:3)",
+    ),
+    "two inertials": (
+        '<link name="arm"><inertial/>\n<inertial/></link>',
+        "link 'arm': has 2 <inertial>; one at most is allowed (arm.urdf:4)",
+    ),
+    "angle in degrees": (
+        link("arm", origin='<origin rpy="0 90 0"/>'),
+        "link 'arm': <origin> rpy '0 90 0' looks like degrees; URDF angles are radians (arm.urdf:3)",
+    ),
+}
+
+JOINTS = {
+    "no axis": ('<axis xyz="0 0 0"/>', "joint 'elbow': axis [0. 0. 0.] has no length; give it a direction"),
+    "short axis": ('<axis xyz="0 1"/>', "joint 'elbow': <axis> xyz '0 1' must be three finite numbers"),
+    "swapped limits": (
+        '<limit lower="1" upper="-1"/>',
+        "joint 'elbow': lower limit 1.0 must not exceed upper limit -1.0 rad",
+    ),
+    "nan limit": ('<limit upper="nan"/>', "joint 'elbow': <limit> upper 'nan' must be a finite number"),
+    "negative effort": ('<limit effort="-5"/>', "joint 'elbow': effort limit -5.0 N m must not be negative"),
+    "negative damping": ('<dynamics damping="-1"/>', "joint 'elbow': damping -1.0 N m s/rad must not be negative"),
+    "angle in degrees": (
+        '<origin rpy="0 90 0"/>',
+        "joint 'elbow': <origin> rpy '0 90 0' looks like degrees; URDF angles are radians",
+    ),
+    "mimic of itself": ('<mimic joint="elbow"/>', "joint 'elbow': mimics in a circle, through joint 'elbow'"),
+}
+
+KINDS = "'fixed', 'revolute', 'continuous', 'prismatic', 'floating'"
+
+DOCUMENTS = {
+    "loop": (
+        robot(link("base"), link("a"), link("b"), joint("j", "a", "b"), joint("k", "b", "a")),
+        "joint 'k': closes a loop of links, 'a' -> 'b' -> 'a'; the links of a robot must form a tree (arm.urdf:6)",
+    ),
+    "loop without a root": (
+        robot(link("a"), joint("j", "a", "a")),
+        "joint 'j': closes a loop of links, 'a' -> 'a'; the links of a robot must form a tree (arm.urdf:3)",
+    ),
+    "two parents": (
+        robot(link("base"), link("a"), joint("j", "base", "a"), joint("k", "base", "a")),
+        "link 'a': is the child of two joints, 'j' and 'k'; a link has one parent"
+        " (closed loops are not supported) (arm.urdf:3)",
+    ),
+    "two roots": (
+        robot(link("base"), link("a")),
+        "links 'base', 'a' have no parent joint; exactly one link, the root, may have none (arm.urdf:3)",
+    ),
+    "unknown link": (
+        robot(link("base"), joint("j", "bse", "base")),
+        "joint 'j': parent link 'bse' does not exist; there are: 'base' (arm.urdf:3)",
+    ),
+    "a link twice": (
+        robot(link("base"), link("base")),
+        "link 'base': is defined 2 times; names must be unique (arm.urdf:3)",
+    ),
+    "no name": (robot("<link/>"), "link '': <link> needs the attribute 'name' (arm.urdf:2)"),
+    "no links": (robot(), "the robot has no links (arm.urdf)"),
+    "planar joint": (
+        arm(link("arm"), kind="planar"),
+        f"joint 'elbow': type 'planar' is not supported yet; those that are: {KINDS} (arm.urdf:4)",
+    ),
+    "floating joint on a moving link": (
+        robot(link("base"), link("a"), link("b"), joint("j", "base", "a"), joint("k", "a", "b", "floating")),
+        "joint 'k': is floating but carried by moving link 'a'; only the world may carry it (arm.urdf:6)",
+    ),
+    "no child": (
+        robot(link("base"), '<joint name="j" type="fixed"><parent link="base"/></joint>'),
+        "joint 'j': <joint> needs a <child> (arm.urdf:3)",
+    ),
+    "another format": ("<mujoco/>", "the root element of a URDF is <robot>, got <mujoco> (an MJCF file) (arm.urdf:1)"),
+    "open element": ("<robot>\n<link>\n</robot>", "XML is not well formed: mismatched tag (arm.urdf:3)"),
+    "no XML": ("hello", "XML is not well formed: syntax error (arm.urdf:1)"),
+    "bytes that are no UTF-8": (
+        b"<robot>\xff</robot>",
+        "XML is not well formed: not well-formed (invalid token) (arm.urdf:1)",
+    ),
+    "billion laughs": (
+        '<!DOCTYPE r [<!ENTITY a "ha"><!ENTITY b "&a;&a;">]>\n<robot>&b;</robot>',
+        "XML with a document type (<!DOCTYPE>) is not read, for safety; take it out (arm.urdf:1)",
+    ),
+    "external entity": (
+        '\n<!DOCTYPE r [<!ENTITY a SYSTEM "file:///etc/passwd">]>\n<robot>&a;</robot>',
+        "XML with a document type (<!DOCTYPE>) is not read, for safety; take it out (arm.urdf:2)",
+    ),
+    "depth": (
+        "<a>\n" * (MAXIMUM_DEPTH + 1),
+        "XML holds elements nested more than 64 deep, the most that is read (arm.urdf:65)",
+    ),
+}
+
+
+@pytest.mark.parametrize("case", LINKS)
+def test_a_wrong_link_is_named_with_its_line(case: str) -> None:
+    element, message = LINKS[case]
+    assert refused(arm(element)) == message
+
+
+@pytest.mark.parametrize("case", JOINTS)
+def test_a_wrong_joint_is_named_with_its_line(case: str) -> None:
+    inside, message = JOINTS[case]
+    assert refused(arm(link("arm"), inside)) == f"{message} (arm.urdf:4)"
+
+
+@pytest.mark.parametrize("case", DOCUMENTS)
+def test_a_wrong_document_is_refused_with_its_line(case: str) -> None:
+    text, message = DOCUMENTS[case]
+    assert refused(text) == message
+
+
+def test_the_number_of_elements_is_capped() -> None:
+    assert refused("<robot>" + "<a/>" * MAXIMUM_ELEMENTS).startswith("XML holds more than 200,000 elements")
+
+
+def test_a_long_chain_needs_no_deep_stack() -> None:
+    names = [f"l{i}" for i in range(3000)]
+    joints = [joint(f"j{i}", f"l{i}", f"l{i + 1}") for i in range(2999)]
+    assert len(parse_urdf(robot(*map(link, names), *joints)).bodies) == 2999
+
+
+def test_an_error_keeps_its_evidence() -> None:
+    with pytest.raises(ModelError) as caught:
+        parse_urdf(arm(link("arm", -1.0)), "arm.urdf")
+    assert caught.value.evidence["link"] == "arm"
+    assert caught.value.evidence["mass"] == -1.0
+    assert caught.value.place == "arm.urdf:3"
+
+
+def test_paths_that_are_no_files_are_refused(tmp_path: Path) -> None:
+    empty, large = tmp_path / "empty.urdf", tmp_path / "large.urdf"
+    empty.touch()
+    with large.open("wb") as file:
+        file.truncate(MAXIMUM_BYTES + 1)
+    rules = {
+        tmp_path / "absent.urdf": "absent.urdf' does not exist",
+        tmp_path: "is a directory; give the path of a file",
+        empty: "file is empty (",
+        large: "file is larger than 67,108,864 bytes, the most that is read (",
+    }
+    for path, rule in rules.items():
+        with pytest.raises(ModelError, match=re.escape(rule)):
+            load_urdf(path)

@@ -1,0 +1,245 @@
+"""The door of the model: what `build` makes of links and joints, and what it refuses."""
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from cutpoint.errors import ModelError
+from cutpoint.model import WORLD, Joint, Limits, Link, Mechanism, Mimic
+from cutpoint.model.build import build
+from cutpoint.model.pose import is_rigid, pose, roll_pitch_yaw, rotation_about
+
+ANGLES = st.floats(-4.0, 4.0)
+LENGTHS = st.floats(-2.0, 2.0)
+PLACEMENTS = st.builds(
+    lambda angles, offset: pose(roll_pitch_yaw(np.array(angles)), np.array(offset)),
+    st.tuples(ANGLES, ANGLES, ANGLES),
+    st.tuples(LENGTHS, LENGTHS, LENGTHS),
+)
+MASSES = st.one_of(st.just(0.0), st.floats(1e-6, 100.0))
+
+
+def ball(name: str, mass: float = 1.0, com: tuple[float, float, float] = (0.0, 0.0, 0.0)) -> Link:
+    return Link(name, mass, np.array(com), 0.1 * mass * np.eye(3))
+
+
+def chain(*kinds: str, **changes: object) -> Mechanism:
+    """Links l0, l1, ... with joints j1, j2, ... of those kinds."""
+    links = [ball(f"l{i}", com=(0.1, 0.0, 0.2)) for i in range(len(kinds) + 1)]
+    shift = pose(rotation_about(np.array([0.0, 1.0, 0.0]), 0.3), np.array([0.0, 0.0, 1.0]))
+    joints = [Joint(f"j{i}", kind, f"l{i - 1}", f"l{i}", shift) for i, kind in enumerate(kinds, 1)]  # pyright: ignore
+    return build("chain", links, joints, **changes)  # pyright: ignore[reportArgumentType]
+
+
+def followers(*steps: tuple[str, Mimic | None], **options: object) -> Mechanism:
+    """Joints on one base, each with its mimic."""
+    joints = [Joint(name, "revolute", "base", f"on_{name}", mimic=mimic) for name, mimic in steps]
+    links = [ball("base"), *(ball(joint.child) for joint in joints)]
+    return build("hand", links, joints, **options)  # pyright: ignore[reportArgumentType]
+
+
+def spatial_inertia(link: Link, placement: np.ndarray) -> np.ndarray:
+    """(6, 6) about the parent frame's origin: the sum over pieces is the inertia of the whole."""
+    rotation = placement[:3, :3]
+    x, y, z = rotation @ link.com + placement[:3, 3]
+    cross = np.array([[0.0, -z, y], [z, 0.0, -x], [-y, x, 0.0]])
+    about_origin = rotation @ link.inertia @ rotation.T + link.mass * cross @ cross.T
+    return np.block([[link.mass * np.eye(3), link.mass * cross.T], [link.mass * cross, about_origin]])
+
+
+@given(st.lists(st.tuples(MASSES, st.tuples(LENGTHS, LENGTHS, LENGTHS), PLACEMENTS), max_size=4))
+def test_lumping_adds_spatial_inertias(pieces) -> None:
+    carried = [ball(f"piece{i}", mass, com) for i, (mass, com, _) in enumerate(pieces)]
+    fixed = [Joint(f"f{i}", "fixed", "arm", f"piece{i}", at) for i, (_, _, at) in enumerate(pieces)]
+    whole = build("lump", [ball("base"), ball("arm"), *carried], [Joint("j", "revolute", "base", "arm"), *fixed])
+    expected = spatial_inertia(ball("arm"), np.eye(4))
+    for link, joint in zip(carried, fixed, strict=True):
+        expected = expected + spatial_inertia(link, joint.placement)
+    (body,) = whole.bodies
+    found = spatial_inertia(Link("arm", body.mass, body.com, body.inertia), np.eye(4))
+    np.testing.assert_allclose(found, expected, rtol=0, atol=1e-13 * np.max(np.abs(expected)))
+
+
+@given(ANGLES, st.sampled_from(["revolute", "continuous", "prismatic"]))
+def test_a_locked_joint_is_a_fixed_one_at_that_coordinate(value: float, kind: str) -> None:
+    locked = chain("revolute", kind, "fixed", lock={"j2": value})
+    axis = np.array([0.0, 0.0, 1.0])
+    motion = pose(np.eye(3), value * axis) if kind == "prismatic" else pose(rotation_about(axis, value), np.zeros(3))
+    step = chain("revolute").bodies[0].placement
+    np.testing.assert_allclose(locked.frames["l2"].placement, step @ motion, rtol=0, atol=1e-15)
+    np.testing.assert_allclose(locked.frames["l3"].placement, step @ motion @ step, rtol=0, atol=1e-14)
+    assert [body.name for body in locked.bodies] == ["l1"]
+    assert locked.bodies[0].mass == 3.0
+
+
+def test_what_is_fixed_to_the_world_is_a_frame_without_mass() -> None:
+    robot = chain("fixed", "revolute")
+    assert [body.name for body in robot.bodies] == ["l2"]
+    assert robot.bodies[0].mass == 1.0
+    assert {name for name, frame in robot.frames.items() if frame.body == WORLD} == {"l0", "l1", "j1"}
+
+
+def test_a_floating_base_carries_the_root_link() -> None:
+    robot = chain("fixed", "revolute", floating_base=True)
+    base, arm = robot.bodies
+    assert (base.name, base.joint.name, base.joint.kind, base.parent, base.mass) == (
+        "l0",
+        "root_joint",
+        "floating",
+        WORLD,
+        2.0,
+    )
+    assert arm.parent == 0
+
+
+def test_a_joint_is_a_frame_where_no_link_has_its_name() -> None:
+    joints = [Joint("arm", "revolute", "base", "arm"), Joint("tip", "fixed", "arm", "hand")]
+    frames = build("r", [ball("base"), ball("arm"), ball("hand")], joints).frames
+    assert set(frames) == {"base", "arm", "hand", "tip"}
+
+
+def test_a_massless_link_may_carry_mass() -> None:
+    joints = [Joint("pan", "revolute", "base", "cross"), Joint("tilt", "revolute", "cross", "head")]
+    robot = build("r", [ball("base"), Link("cross", has_inertia=False), ball("head")], joints)
+    assert [body.mass for body in robot.bodies] == [0.0, 1.0]
+
+
+def test_what_is_built_cannot_be_written_to() -> None:
+    body = chain("revolute").bodies[0]
+    for array in (body.com, body.inertia, body.placement, body.joint.axis):
+        with pytest.raises(ValueError, match="read-only"):
+            array[0] = 1.0
+
+
+def test_a_chain_of_mimics_points_at_its_leader() -> None:
+    robot = followers(("a", None), ("b", Mimic("a", 2.0, 1.0)), ("c", Mimic("b", 3.0, -1.0)), coupled=True)
+    assert [body.joint.mimic for body in robot.bodies] == [None, Mimic("a", 2.0, 1.0), Mimic("a", 6.0, 2.0)]
+
+
+def test_a_coupled_follower_of_a_locked_leader_is_locked_too() -> None:
+    robot = followers(("a", None), ("b", Mimic("a", 2.0, 0.1)), ("c", None), coupled=True, lock={"a": 0.3})
+    assert [body.joint.name for body in robot.bodies] == ["c"]
+    expected = rotation_about(np.array([0.0, 0.0, 1.0]), 0.7)
+    np.testing.assert_allclose(robot.frames["on_b"].placement[:3, :3], expected, rtol=0, atol=1e-15)
+
+
+def test_an_independent_follower_of_a_locked_leader_is_free() -> None:
+    robot = followers(("a", None), ("b", Mimic("a")), lock={"a": 0.3})
+    assert [(body.joint.name, body.joint.mimic) for body in robot.bodies] == [("b", None)]
+
+
+MIMICS = {
+    "circle": ([("a", Mimic("b")), ("b", Mimic("a"))], "joint 'a': mimics in a circle, through joint 'a'"),
+    "nowhere": ([("a", Mimic("x"))], "joint 'a': mimics joint 'x', which does not exist; there are: 'a'"),
+    "infinite": (
+        [("a", None), ("b", Mimic("a", np.inf))],
+        "joint 'b': mimic multiplier inf and offset 0.0 must be finite",
+    ),
+    "long": (
+        [("0", None), *((str(i), Mimic(str(i - 1))) for i in range(1, 19))],
+        "joint '17': mimics through more than 16 joints; name the leader itself",
+    ),
+}
+
+
+@pytest.mark.parametrize("case", MIMICS)
+def test_a_mimic_that_leads_nowhere_is_refused(case: str) -> None:
+    steps, message = MIMICS[case]
+    with pytest.raises(ModelError) as caught:
+        followers(*steps, coupled=True)
+    assert str(caught.value) == message
+
+
+LOCKS = {
+    "unknown": ({"x": 0.0}, "lock of joint 'x': no joint has this name; there are: 'j1', 'j2'"),
+    "fixed": ({"j2": 0.0}, "lock of joint 'j2': the joint is fixed; it must be one of revolute, continuous, prismatic"),
+    "nan": ({"j1": np.nan}, "lock of joint 'j1': value nan must be finite"),
+}
+
+
+@pytest.mark.parametrize("case", LOCKS)
+def test_a_lock_that_cannot_be_is_refused(case: str) -> None:
+    lock, message = LOCKS[case]
+    with pytest.raises(ModelError) as caught:
+        chain("revolute", "fixed", lock=lock)
+    assert str(caught.value) == message
+
+
+def test_a_lock_in_degrees_is_pointed_out() -> None:
+    joint = Joint("j", "revolute", "base", "arm", limits=Limits(-3.0, 3.0))
+    with pytest.raises(ModelError, match=r"value 90.0 rad is far outside its limits; 90 degrees are 1.5708 rad"):
+        build("r", [ball("base"), ball("arm")], [joint], lock={"j": 90.0})
+
+
+def test_a_follower_is_not_locked_apart_from_its_leader() -> None:
+    with pytest.raises(ModelError, match="lock of joint 'b': the joint follows joint 'a'; lock that one, or load"):
+        followers(("a", None), ("b", Mimic("a")), coupled=True, lock={"b": 0.0})
+
+
+SKEWED = np.array([[1.0, 0.2, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]])
+
+LINKS = {
+    "skewed tensor": (
+        Link("arm", 1.0, inertia=SKEWED),
+        "inertia must be symmetric; mirrored entries differ by 0.2 kg m2",
+    ),
+    "infinite mass": (Link("arm", np.inf), "mass must be finite, got inf"),
+    "com of wrong shape": (
+        Link("arm", 1.0, com=np.zeros(2)),
+        "com must have shape (3,) and hold real numbers, got shape (2,) of float64",
+    ),
+}
+
+
+@pytest.mark.parametrize("case", LINKS)
+def test_a_wrong_link_is_refused(case: str) -> None:
+    link, message = LINKS[case]
+    with pytest.raises(ModelError) as caught:
+        build("r", [ball("base"), link], [Joint("j", "revolute", "base", "arm")], place="arm.urdf")
+    assert str(caught.value) == f"link 'arm': {message} (arm.urdf)"
+
+
+JOINTS = {
+    "mirrored placement": (
+        {"placement": np.diag([1.0, 1.0, -1.0, 1.0])},
+        "placement must be a proper rotation and a translation (R R^T = 1, det R = 1, last row 0 0 0 1)",
+    ),
+    "scaled placement": (
+        {"placement": np.diag([2.0, 2.0, 2.0, 1.0])},
+        "placement must be a proper rotation and a translation (R R^T = 1, det R = 1, last row 0 0 0 1)",
+    ),
+    "unknown kind": (
+        {"kind": "screw"},
+        "kind 'screw' is not supported; there are: 'fixed', 'revolute', 'continuous', 'prismatic', 'floating'",
+    ),
+    "nan limit": ({"limits": Limits(lower=np.nan)}, "limit lower must be a number, got nan"),
+}
+
+
+@pytest.mark.parametrize("case", JOINTS)
+def test_a_wrong_joint_is_refused(case: str) -> None:
+    changes, message = JOINTS[case]
+    joint = Joint(**({"name": "j", "kind": "revolute", "parent": "base", "child": "arm"} | changes))
+    with pytest.raises(ModelError) as caught:
+        build("r", [ball("base"), ball("arm")], [joint], place="arm.urdf")
+    assert str(caught.value) == f"joint 'j': {message} (arm.urdf)"
+
+
+@given(st.floats(0.0, 1.0), st.floats(0.0, 1.0), st.floats(0.0, 1.0), PLACEMENTS)
+def test_any_tensor_that_mass_can_have_passes(a: float, b: float, c: float, placement: np.ndarray) -> None:
+    """Second moments a, b, c >= 0 along axes make the tensor diag(b + c, a + c, a + b): the triangle inequality."""
+    rotation = placement[:3, :3]
+    inertia = rotation @ np.diag([b + c, a + c, a + b]) @ rotation.T
+    links = [ball("base"), Link("arm", 1.0, inertia=inertia)]
+    assert build("r", links, [Joint("j", "revolute", "base", "arm")]).bodies[0].mass == 1.0
+
+
+def test_a_taken_name_cannot_be_that_of_the_floating_joint() -> None:
+    with pytest.raises(ModelError, match="joint 'root_joint': this name is taken by the joint that floating_base adds"):
+        build("r", [ball("a"), ball("b")], [Joint("root_joint", "revolute", "a", "b")], floating_base=True)
+
+
+@given(PLACEMENTS)
+def test_placements_of_angles_are_rigid(placement: np.ndarray) -> None:
+    assert is_rigid(placement)

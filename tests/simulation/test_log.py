@@ -1,0 +1,343 @@
+"""What a run recorded."""
+
+import json
+import os
+import sys
+import tempfile
+import zipfile
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from hypothesis.extra import numpy as hnp
+
+from cutpoint.errors import CutpointError, InputError
+from cutpoint.simulation import log_files
+from cutpoint.simulation.log import Log
+
+JOINTS = ("shoulder", "el,bow [x]", "$li_ft^$")
+UNITS = {"q": ("rad", "rad", "m"), "q_d": ("rad", "rad", "m"), "torque": "N m", "power": "W", "speed": "rad/s"}
+WIDE = ("q", "q_d", "torque", "speed")
+
+
+def example(count: int = 50, **changes: Any) -> Log:
+    time = np.linspace(0.0, 2.0, count)
+    channels = {name: np.sin(time[:, None] * np.arange(1, 4) + index) for index, name in enumerate(WIDE)}
+    given_here = {"time": time, "channels": channels | {"power": time**2}, "units": UNITS, "joints": JOINTS}
+    return Log(**{**given_here, "meta": {"seed": 1}, **changes})
+
+
+def same(a: Log, b: Log) -> bool:
+    return (
+        np.array_equal(a.time, b.time)
+        and list(a.channels) == list(b.channels)
+        and all(np.array_equal(a[name], b[name], equal_nan=True) for name in a.channels)
+        and (a.units, a.joints, a.meta) == (b.units, b.joints, b.meta)
+    )
+
+
+def test_a_channel_is_found_by_its_name():
+    log = example()
+    assert np.array_equal(log["power"], log.time**2)
+    assert "power" in log
+    assert "colour" not in log
+
+
+def test_an_unknown_channel_is_refused_and_the_known_are_listed():
+    with pytest.raises(InputError, match=r"no channel is named 'p'; there are: 'q', 'q_d', 'torque', 'speed', 'power'"):
+        example()["p"]
+    with pytest.raises(InputError, match=r"no channel is named 'p'"):
+        example().plot("p")
+
+
+def test_rms_and_max_are_per_joint():
+    log = example()
+    assert np.allclose(log.rms("q"), np.linalg.norm(log["q"], axis=0) / np.sqrt(50), rtol=1e-14)
+    assert np.array_equal(log.max("q"), np.maximum(log["q"].max(axis=0), -log["q"].min(axis=0)))
+    assert log.max("power") == 4.0
+    assert log.rms("power").shape == ()
+
+
+def test_between_keeps_both_ends():
+    log = example(5).between(0.5, 1.5)
+    assert log.time.tolist() == [0.5, 1.0, 1.5]
+    assert np.array_equal(log["q"], example(5)["q"][1:4])
+    assert same(log.between(-9.0, 9.0), log)
+    with pytest.raises(InputError, match=r"no samples from 3.0 s to 4.0 s: the log runs from 0.5 s to 1.5 s"):
+        log.between(3.0, 4.0)
+
+
+def test_nobody_changes_what_was_recorded():
+    values = np.zeros((50, 3))
+    log = example(channels={"q": values})
+    values[0, 0] = 1.0
+    assert not log["q"].any()
+    with pytest.raises(ValueError, match="read-only"):
+        log["q"][0, 0] = 1.0
+
+
+def test_it_says_what_it_holds():
+    assert repr(example()).startswith("Log(50 samples from 0 s to 2 s: q [('rad', 'rad', 'm')]")
+
+
+@pytest.mark.parametrize("ending", ["npz", "csv"])
+@given(data=st.data())
+def test_a_file_gives_back_every_number_exactly(ending: str, data: st.DataObject):
+    joints = data.draw(st.lists(st.text(st.characters(exclude_categories=["Cs"])), unique=True, max_size=3))
+    time = np.cumsum(data.draw(hnp.arrays(float, st.integers(1, 6), elements=st.floats(1e-6, 1e3))))
+    wide = data.draw(hnp.arrays(float, (time.size, len(joints))))
+    alone = data.draw(hnp.arrays(float, time.size))
+    meta = {"note": data.draw(st.text()), "gains": [1.0, None], "deep": {"a": True}}
+    units = {
+        "wide": tuple("rad" for _ in joints),
+        "alone": data.draw(st.text(st.characters(exclude_categories=["Cs"]))),
+    }
+    log = Log(time, {"wide": wide, "alone": alone}, units, tuple(joints), meta)
+    with tempfile.TemporaryDirectory() as folder:
+        path = Path(folder) / f"run.{ending}"
+        log.save(path)
+        assert same(Log.load(path), log)
+
+
+def test_an_npz_is_plain_for_numpy(tmp_path: Path):
+    example().save(tmp_path / "run.npz")
+    with np.load(tmp_path / "run.npz", allow_pickle=False) as arrays:
+        assert np.array_equal(arrays["q"], example()["q"])
+        assert np.array_equal(arrays["time"], example().time)
+
+
+def test_a_csv_names_joints_and_units_in_its_second_line(tmp_path: Path):
+    example().save(tmp_path / "run.csv")
+    header, titles, first, *_ = (tmp_path / "run.csv").read_text().splitlines()
+    assert json.loads(header.removeprefix("# "))["meta"] == {"seed": 1}
+    assert titles.startswith('time [s],q.shoulder [rad],"q.el,bow [x] [rad]",q.$li_ft^$ [m],q_d.shoulder [rad]')
+    assert first.startswith("0.0,0.0,0.0,0.0,0.8414709848078965,")
+
+
+@pytest.mark.parametrize("ending", ["npz", "csv"])
+def test_a_save_that_fails_leaves_what_was_there(tmp_path: Path, ending: str, monkeypatch: pytest.MonkeyPatch):
+    path = tmp_path / f"run.{ending}"
+    example().save(path)
+    monkeypatch.setattr(log_files, "LARGEST", 10)
+    with pytest.raises(InputError, match=r"log of [\d,]+ bytes is more than a file may hold, 10: save it in parts"):
+        example(99).save(path)
+    monkeypatch.undo()
+    assert os.listdir(tmp_path) == [path.name]
+    assert same(Log.load(path), example())
+
+
+def test_a_save_has_the_rights_of_any_new_file(tmp_path: Path):
+    (tmp_path / "other").touch()
+    example().save(tmp_path / "run.npz")
+    assert (tmp_path / "run.npz").stat().st_mode == (tmp_path / "other").stat().st_mode
+
+
+def test_a_meta_too_long_for_a_file_is_refused(tmp_path: Path):
+    with pytest.raises(InputError, match=r"meta of 1,000,\d+ characters is too long for a file"):
+        example(meta={"note": "x" * 1_000_000}).save(tmp_path / "run.csv")
+
+
+@pytest.mark.parametrize("name", ["run.txt", "run"])
+def test_another_ending_is_refused(tmp_path: Path, name: str):
+    with pytest.raises(InputError, match=rf"ending '.*' of '{name}' must be one of .npz, .csv"):
+        example().save(tmp_path / name)
+    with pytest.raises(InputError, match=rf"ending '.*' of '{name}' must be one of .npz, .csv"):
+        Log.load(tmp_path / name)
+
+
+def test_a_table_has_a_column_per_joint_and_channel():
+    table = example().to_dataframe()
+    assert table.index.name == "time"
+    assert list(table.columns[:3]) == ["q.shoulder", "q.el,bow [x]", "q.$li_ft^$"]
+    assert np.array_equal(table["q.$li_ft^$"], example()["q"][:, 2])
+    assert np.array_equal(table["power"], example()["power"])
+    assert table.attrs["units"]["q.$li_ft^$"] == "m"
+    assert table.attrs["meta"] == {"seed": 1}
+
+
+def test_a_table_without_pandas_says_how_to_get_it(monkeypatch: pytest.MonkeyPatch):
+    monkeypatch.setitem(sys.modules, "pandas", None)
+    with pytest.raises(CutpointError, match=r"to_dataframe needs pandas: pip install 'cutpoint\[pandas\]'"):
+        example().to_dataframe()
+
+
+def test_a_plot_has_an_axis_for_each_channel_and_degrees_for_angles():
+    figure = example().plot()
+    titles = [axis.get_title(loc="left") for axis in figure.axes]
+    assert titles == ["q [deg]", "q [m]", "q_d [deg]", "q_d [m]", "torque [N m]", "speed [deg/s]", "power [W]"]
+    shown = figure.axes[0].lines[1].get_ydata()
+    assert np.allclose(np.asarray(shown), np.rad2deg(example()["q"][:, 1]), rtol=1e-12)
+    assert np.array_equal(np.asarray(figure.axes[1].lines[0].get_ydata()), example()["q"][:, 2])
+
+
+def test_a_plot_of_named_channels_has_an_axis_for_each_joint_and_unit():
+    figure = example().plot("q", "torque", "q_d", "power")
+    titles = [axis.get_title(loc="left") for axis in figure.axes]
+    assert titles[:3] == ["shoulder [deg]", "el,bow [x] [deg]", "$li_ft^$ [m]"]
+    assert titles[3:] == ["shoulder [N m]", "el,bow [x] [N m]", "$li_ft^$ [N m]", "power [W]"]
+    assert [len(axis.lines) for axis in figure.axes] == [2, 2, 2, 1, 1, 1, 1]
+    assert [text.get_text() for text in figure.legends[0].get_texts()] == ["q", "torque", "q_d", "power"]
+
+
+@pytest.mark.parametrize("names", [(), ("q", "power"), ("power",)])
+def test_a_plot_can_be_saved_whatever_the_joints_are_called(tmp_path: Path, names: tuple[str, ...]):
+    example().plot(*names).savefig(tmp_path / "run.png")
+    assert (tmp_path / "run.png").read_bytes().startswith(b"\x89PNG")
+
+
+def test_a_log_without_channels_has_nothing_to_plot():
+    with pytest.raises(InputError, match="the log has no channels to plot"):
+        example(channels={}).plot()
+
+
+COUNT = np.zeros(50)
+
+
+@pytest.mark.parametrize(
+    ("changes", "message"),
+    [
+        ({"time": []}, r"time of shape \(0,\) must be \(N,\), at least one, finite and increasing"),
+        ({"time": COUNT}, r"time of shape \(50,\) must be"),
+        ({"time": [[0.0]]}, r"time of shape \(1, 1\) must be"),
+        ({"time": np.arange(50.0) * np.nan}, r"time of shape \(50,\) must be"),
+        ({"channels": {"q": np.zeros((50, 2))}}, r"channel 'q' has shape \(50, 2\): it must be \(50,\) or \(50, 3\)"),
+        ({"channels": {"q": np.zeros((49, 3))}}, r"channel 'q' has shape \(49, 3\)"),
+        ({"channels": {"a b": COUNT}}, r"channel 'a b' must be named like a variable"),
+        ({"channels": {"../q": COUNT}}, r"channel '../q' must be named like a variable"),
+        ({"channels": {"time": COUNT}}, r"channel 'time' must be named like a variable, and not one of"),
+        ({"channels": {"u": COUNT}}, r"channel 'u' has no unit: units must name every channel; '' means none"),
+        (
+            {"units": UNITS | {"q": ("rad",)}},
+            r"channel 'q' has units \('rad',\): it must have one, or one for each of 3",
+        ),
+        ({"units": UNITS | {"q": (1, 2, 3)}}, r"channel 'q' has units \(1, 2, 3\)"),
+        ({"joints": ("a", "a", "b")}, r"joints \('a', 'a', 'b'\) must be names, each its own"),
+        ({"joints": (1, 2, 3)}, r"joints \(1, 2, 3\) must be names"),
+        ({"meta": {"robot": object()}}, r"meta must be what JSON can say"),
+    ],
+)
+def test_what_cannot_be_a_log_is_refused(changes: dict[str, Any], message: str):
+    with pytest.raises(InputError, match=message):
+        example(**changes)
+
+
+def header(**changes: Any) -> str:
+    return json.dumps({"cutpoint_log": 1, "joints": ["a"], "units": {"q": "rad"}, "meta": {}, **changes})
+
+
+GOOD = {"header": np.array(header()), "time": np.arange(3.0), "q": np.zeros((3, 1))}
+
+
+@pytest.mark.parametrize(
+    ("arrays", "message"),
+    [
+        ({"header": None}, "There is no item named 'header.npy'"),
+        ({"q": None}, "There is no item named 'q.npy'"),
+        ({"q": np.zeros((2, 1))}, r"channel 'q' has shape \(2, 1\)"),
+        ({"q": np.array([["a"]] * 3)}, "q is of type <U1 and shape"),
+        ({"q": np.zeros((3, 1), dtype=complex)}, "q is of type complex128"),
+        ({"header": np.zeros(3)}, "header is of type float64"),
+        ({"header": np.array("{")}, "Expecting property name"),
+        ({"header": np.array("[1]")}, "its version is None, not 1"),
+        ({"header": np.array("{}")}, "cutpoint_log"),
+        ({"header": np.array("[" * 100_000)}, "recursion"),
+        ({"header": np.array(header(cutpoint_log=2))}, "its version is 2, not 1"),
+        ({"header": np.array(header(units=["q"]))}, "list indices must be integers"),
+        ({"header": np.array(header(joints=7))}, "'int' object is not iterable"),
+        ({"header": np.array(header(joints=[7]))}, "must be names"),
+        ({"header": np.array(header(meta=7))}, "not iterable"),
+        ({"header": np.array([header()] * 2)}, "can only convert an array of size 1"),
+    ],
+)
+def test_an_npz_that_is_no_log_is_refused(tmp_path: Path, arrays: dict[str, Any], message: str):
+    path = tmp_path / "run.npz"
+    np.savez(path, **{name: values for name, values in (GOOD | arrays).items() if values is not None})
+    with pytest.raises(InputError, match=rf"file is not a log that Log.save wrote: .*{message}.*\(.*run.npz\)"):
+        Log.load(path)
+
+
+def test_an_npz_is_never_unpickled(tmp_path: Path):
+    path = tmp_path / "run.npz"
+    np.savez(path, **GOOD | {"q": np.array([print, {}, []], dtype=object)}))
+    with pytest.raises(InputError, match=r"q is of type object"):
+        Log.load(path)
+
+
+def crafted(path: Path, shape: str, version: bytes = b"\x01\x00") -> Path:
+    """An archive whose channel announces another shape than it has."""
+    np.savez(path, **{name: values for name, values in GOOD.items() if name != "q"})
+    text = f"{{'descr': '<f8', 'fortran_order': False, 'shape': {shape}}}".ljust(117) + "\n"
+    with zipfile.ZipFile(path, "a") as archive:
+        archive.writestr("q.npy", b"\x93NUMPY" + version + len(text).to_bytes(2, "little") + text.encode() + bytes(24))
+    return path
+
+
+@pytest.mark.parametrize("shape", ["(4, 1)", "(10**15, 1)", f"({10**15}, {10**15})", "(-3, 1)", "(3,", "(0, 10)"])
+def test_an_npz_that_announces_another_size_is_refused(tmp_path: Path, shape: str):
+    with pytest.raises(InputError, match=r"file is not a log that Log.save wrote"):
+        Log.load(crafted(tmp_path / "run.npz", shape))
+
+
+def test_an_npz_of_another_format_version_is_refused(tmp_path: Path):
+    with pytest.raises(InputError, match=r"q has another version of the format than 1.0"):
+        Log.load(crafted(tmp_path / "run.npz", "(3, 1)", version=b"\x09\x00"))
+
+
+def test_an_npz_that_unpacks_to_too_much_is_refused(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
+    path = tmp_path / "run.npz"
+    np.savez_compressed(path, **(GOOD | {"q": np.zeros((100_000, 1))}))
+    monkeypatch.setattr(log_files, "LARGEST", 100_000)
+    with pytest.raises(InputError, match=r"its arrays are larger than 100,000 bytes"):
+        Log.load(path)
+
+
+@pytest.mark.parametrize("ending", ["npz", "csv"])
+@given(place=st.floats(0.0, 1.0, exclude_max=True), byte=st.integers(0, 255))
+def test_a_file_with_a_wrong_byte_gives_a_log_or_one_clear_error(ending: str, place: float, byte: int):
+    with tempfile.TemporaryDirectory() as folder:
+        path = Path(folder) / f"run.{ending}"
+        example(3).save(path)
+        content = bytearray(path.read_bytes())
+        content[int(place * len(content))] = byte
+        path.write_bytes(content)
+        try:
+            assert isinstance(Log.load(path), Log)
+        except InputError as error:
+            assert "file is not a log that Log.save wrote" in str(error)
+
+
+@pytest.mark.parametrize("keep", [0.0, 0.3, 0.9])
+def test_an_npz_cut_short_is_refused(tmp_path: Path, keep: float):
+    path = tmp_path / "run.npz"
+    example().save(path)
+    content = path.read_bytes()
+    path.write_bytes(content[: int(keep * len(content))])
+    with pytest.raises(InputError, match=r"file is not a log that Log.save wrote: .*\(.*run.npz\)"):
+        Log.load(path)
+
+
+@pytest.mark.parametrize(
+    ("text", "message"),
+    [
+        ("", "Expecting value"),
+        ("time,q\n0,1\n", "Expecting value"),
+        (f"# {header()}\n", r"cannot reshape"),
+        (f"# {header()}\ntime [s]\n0\n", r"list index out of range"),
+        (f"# {header()}\ntime [s],q.a [rad]\n", r"time of shape \(0,\)"),
+        (f"# {header()}\ntime [s],q.a [rad]\n0,1,2\n", "cannot reshape"),
+        (f"# {header()}\ntime [s],q.a [rad]\n0,1\n1\n", "inhomogeneous"),
+        (f"# {header()}\ntime [s],q.a [rad]\n0,b\n", "could not convert string to float: 'b'"),
+        (f"# {header()}\ntime [s],q.a [rad]\n1,0\n0,0\n", r"time of shape \(2,\) must be"),
+        (f"# {header()}\ntime [s],q.b [rad]\n0,1\n", "its columns are not those its first line announces"),
+        (f"# {header()}\ntime [s],q.a [deg]\n0,1\n", "its columns are not those its first line announces"),
+        (f"# {header(joints=['a', 'b'])}\ntime [s],q.a [rad]\n0,1\n", r"channel 'q' has shape \(1, 1\)"),
+    ],
+)
+def test_a_csv_that_is_no_log_is_refused(tmp_path: Path, text: str, message: str):
+    path = tmp_path / "run.csv"
+    path.write_text(text)
+    with pytest.raises(InputError, match=rf"file is not a log that Log.save wrote: .*{message}.*\(.*run.csv\)"):
+        Log.load(path)
