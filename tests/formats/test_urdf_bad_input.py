@@ -8,7 +8,7 @@ from urdf_text import joint, link, robot
 
 from cutpoint.errors import ModelError
 from cutpoint.formats import load_urdf, parse_urdf
-from cutpoint.formats.safe_xml import MAXIMUM_BYTES, MAXIMUM_DEPTH, MAXIMUM_ELEMENTS
+from cutpoint.formats.safe_xml import MAXIMUM_ATTRIBUTE, MAXIMUM_BYTES, MAXIMUM_DEPTH, MAXIMUM_ELEMENTS
 
 
 def arm(element: str, inside: str = "", kind: str = "revolute") -> str:
@@ -163,6 +163,11 @@ def test_a_wrong_document_is_refused_with_its_line(case: str) -> None:
 
 def test_the_number_of_elements_is_capped() -> None:
     assert refused("<robot>" + "<a/>" * MAXIMUM_ELEMENTS).startswith("XML holds more than 200,000 elements")
+
+
+def test_the_length_of_an_attribute_is_capped() -> None:
+    text = robot(link("a" * (MAXIMUM_ATTRIBUTE + 1)))
+    assert refused(text) == "XML holds an attribute of more than 10,000 characters, the most that is read (arm.urdf:2)"
 
 
 def test_a_long_chain_needs_no_deep_stack() -> None:

@@ -235,6 +235,13 @@ def test_any_tensor_that_mass_can_have_passes(a: float, b: float, c: float, plac
     assert build("r", links, [Joint("j", "revolute", "base", "arm")]).bodies[0].mass == 1.0
 
 
+def test_a_wrong_name_among_many_brings_the_nearest_to_mind() -> None:
+    with pytest.raises(ModelError, match=r"no joint has this name; did you mean 'j7' or "):
+        chain(*["revolute"] * 14, lock={"J7": 0.0})
+    with pytest.raises(ModelError, match=r"no joint has this name; none of the 14 names comes near"):
+        chain(*["revolute"] * 14, lock={"elbow": 0.0})
+
+
 def test_a_taken_name_cannot_be_that_of_the_floating_joint() -> None:
     with pytest.raises(ModelError, match="joint 'root_joint': this name is taken by the joint that floating_base adds"):
         build("r", [ball("a"), ball("b")], [Joint("root_joint", "revolute", "a", "b")], floating_base=True)

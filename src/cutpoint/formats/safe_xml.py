@@ -17,6 +17,8 @@ from cutpoint.errors import ModelError
 MAXIMUM_BYTES = 64 * 2**20
 MAXIMUM_DEPTH = 64
 MAXIMUM_ELEMENTS = 200_000
+MAXIMUM_ATTRIBUTE = 10_000
+"""Characters of an attribute's value."""
 
 
 @dataclass(frozen=True)
@@ -50,6 +52,8 @@ class _Builder:
             raise self._too_much(f"more than {MAXIMUM_ELEMENTS:,} elements", element)
         if len(self.open) >= MAXIMUM_DEPTH:
             raise self._too_much(f"elements nested more than {MAXIMUM_DEPTH} deep", element)
+        if max(map(len, attributes.values()), default=0) > MAXIMUM_ATTRIBUTE:
+            raise self._too_much(f"an attribute of more than {MAXIMUM_ATTRIBUTE:,} characters", element)
         if self.open:
             self.open[-1].children.append(element)
         else:

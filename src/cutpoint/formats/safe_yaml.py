@@ -35,11 +35,12 @@ class YamlDocument:
     lines: dict[YamlPath, int]
 
     def place(self, *paths: YamlPath) -> str:
-        """`file:line` of the longest beginning of one of the paths that the file has; earlier paths win ties."""
-        for length in range(max(map(len, paths)), 0, -1):
+        """`file:line` of the path of which the fewest last keys are not in the file; earlier paths win ties."""
+        for cut in range(max(map(len, paths))):
             for path in paths:
-                if len(path) >= length and path[:length] in self.lines:
-                    return f"{self.file}:{self.lines[path[:length]]}"
+                kept = path[: max(0, len(path) - cut)]
+                if kept and kept in self.lines:
+                    return f"{self.file}:{self.lines[kept]}"
         return f"{self.file}:1"
 
 

@@ -1,4 +1,4 @@
-"""Kernels: functions of scalars, traced once and compiled for arrays and for stepping loops.  Knows nothing of robots."""
+"""Kernels: functions of scalars, traced once, compiled for arrays and for stepping loops.  Knows nothing of robots."""
 
 from cutpoint.kernels.graph import Graph
 from cutpoint.kernels.kernel import Kernel, compile

@@ -1,7 +1,7 @@
 """LLVM IR of a graph over a batch, in the calling convention of NumPy's generalised ufuncs.
 
-The loop receives a pointer for each argument, the batch length, and strides in bytes: first each argument's step through
-the batch, then its steps through its own axes.  Arguments that are not C-contiguous go through scratch memory.
+The loop receives a pointer for each argument, the batch length, and strides in bytes: first each argument's step
+through the batch, then its steps through its own axes.  If one is not C-contiguous all go through scratch memory.
 """
 
 from collections.abc import Sequence
@@ -43,10 +43,10 @@ class _Argument:
         with code.loop(self.port.size) as loop:
             outside = self.here
             for n, length, stride in zip(_row_lengths(self.port.shape), self.port.shape, self.strides, strict=True):
-                index = code.let(f"urem i64 {code.let(f'udiv i64 {loop.index}, {n}')}, {length}")
+                index = code.let(f"urem i64 {code.let(f'udiv i64 {loop.iteration}, {n}')}, {length}")
                 outside = code.at(outside, code.let(f"mul i64 {index}, {stride}"), "i8")
             source, target = (outside, self.scratch) if inward else (self.scratch, outside)
-            code.store(code.load(source, 0 if inward else loop.index), target, loop.index if inward else 0)
+            code.store(code.load(source, 0 if inward else loop.iteration), target, loop.iteration if inward else 0)
 
 
 def batch_loop(graph: Graph, inputs: Sequence[Port], outputs: Sequence[Port]) -> str:
@@ -61,7 +61,7 @@ def batch_loop(graph: Graph, inputs: Sequence[Port], outputs: Sequence[Port]) ->
         tidy = code.let(f"and i1 {tidy}, {condition}")
     with code.loop(code.load("%dimensions", 0, "i64")) as loop:
         for argument in arguments:
-            argument.advance(code, loop.index)
+            argument.advance(code, loop.iteration)
         _one(code, graph, arguments[: len(inputs)], arguments[len(inputs) :], tidy)
     # results, not processor flags, tell of overflow and NaN: both sides of a select are computed
     code.let(f"call i32 @feclearexcept(i32 {_ALL_EXCEPTIONS})")

@@ -116,7 +116,7 @@ def atan(x: Any) -> Any:
 
 
 def _reduced(x: Any, per_unit: float, unit: tuple[float, ...]) -> tuple[Any, Any, Any]:
-    """n whole and r with x = n unit + r, |r| <= unit / 2, the unit given in parts; and n + MAGIC, which shows n's bits."""
+    """n + MAGIC, which shows the bits of n; n, whole; and r = x - n unit, at most half a unit (given in parts)."""
     y = _fma(x, per_unit, MAGIC)
     n = y - MAGIC
     r = x

@@ -1,4 +1,4 @@
-"""Contraction decided once, in the graph: a product used once and then added becomes a fused multiply-add in every language."""
+"""Contraction, decided once in the graph: a product used once, in a sum, becomes a fused multiply-add everywhere."""
 
 from collections import Counter
 from collections.abc import Callable

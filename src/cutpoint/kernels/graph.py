@@ -78,7 +78,7 @@ def reach(results: Iterable[Operand]) -> list[Node]:
 
 
 def rewrite(graph: Graph, rule: Rule) -> Graph:
-    """The graph with rule(node, its operands, new, trace) in place of each node but the inputs.
+    """The graph with rule(node, its operands, new, trace) in place of each node.
 
     The operands are already rewritten; new(x) is what any earlier operand x has become; trace takes new nodes.
     """
@@ -89,7 +89,7 @@ def rewrite(graph: Graph, rule: Rule) -> Graph:
             return done[x.serial] if isinstance(x, Node) else x
 
         for x in graph.nodes:
-            done[x.serial] = trace.node("input", *x.args) if x.op == "input" else rule(x, [new(y) for y in x.args], new, trace)
+            done[x.serial] = rule(x, [new(y) for y in x.args], new, trace)
         return replace(graph, results=tuple(new(x) for x in graph.results))
 
 

@@ -5,10 +5,12 @@ NumPy's own machinery then broadcasts, casts, walks strides, releases the GIL an
 
 import ctypes
 from collections.abc import Callable, Sequence
+from importlib import import_module
 from typing import Any
 
 import numpy as np
 
+from cutpoint.errors import InputError
 from cutpoint.kernels.batch_loop import FUNCTION, batch_loop
 from cutpoint.kernels.graph import Graph
 from cutpoint.kernels.jit import Compiled
@@ -20,10 +22,17 @@ _NPY_DOUBLE = 12
 _NO_IDENTITY = -1
 
 
+_MOST_NUMBERS = 2**15
+"""In all arguments of one call together: scratch memory for strided ones lies on the stack."""
+
+
 class Gufunc:
     """A compiled graph as a NumPy generalised ufunc; owns the code and tables that NumPy only points to."""
 
     def __init__(self, graph: Graph, inputs: Sequence[Port], outputs: Sequence[Port], name: str) -> None:
+        numbers = sum(p.size for p in (*inputs, *outputs))
+        if numbers > _MOST_NUMBERS:
+            raise InputError(f"{name}: {numbers} numbers a call, at most {_MOST_NUMBERS} compile; use backend='numpy'")
         self._code = Compiled(batch_loop(lower(graph), inputs, outputs), FUNCTION)
         self._loops = (ctypes.c_void_p * 1)(self._code.address)
         self._data = (ctypes.c_void_p * 1)(None)
@@ -51,7 +60,7 @@ def _from_func_and_data_and_signature() -> Callable[..., Any]:
 
 
 def _ufunc_api() -> Any:
-    core = np._core if hasattr(np, "_core") else np.core  # type: ignore[attr-defined]  # NumPy 2, NumPy 1.26
+    umath = import_module("numpy._core.umath" if hasattr(np, "_core") else "numpy.core.umath")  # NumPy 2 or 1.26
     get = ctypes.pythonapi.PyCapsule_GetPointer
     get.restype, get.argtypes = ctypes.c_void_p, [ctypes.py_object, ctypes.c_char_p]
-    return ctypes.cast(get(core.umath._UFUNC_API, None), ctypes.POINTER(ctypes.c_void_p))
+    return ctypes.cast(get(umath._UFUNC_API, None), ctypes.POINTER(ctypes.c_void_p))

@@ -17,7 +17,7 @@ def compile(
 ) -> "Kernel":
     """Compiles a function of scalars into a kernel of arrays.
 
-    The function is called once, by keyword, with traced scalars: a scalar for an input of shape (), a list for an int n,
+    The function is called once, by keyword, with traced scalars: a scalar for an input of shape (), a list for an int,
     nested lists for a tuple of lengths.  It returns a scalar, a (nested) list of scalars, or a dataclass or NamedTuple
     of them, whose fields become the kernel's outputs; ints and floats may stand anywhere.
 
@@ -65,9 +65,10 @@ class Kernel:
             InputError: an argument is missing, unknown, or of a shape or kind that does not fit.
         """
         if named or len(arguments) != len(self.graph.inputs):
-            arguments = in_order(self.name, self.graph.inputs, arguments, named)
+            arguments = tuple(in_order(self.name, self.graph.inputs, arguments, named))
         try:
-            result = self._function.call(*arguments, out=out)
+            call = self._function.call
+            result = call(*arguments) if out is None else call(*arguments, out=out)
         except (TypeError, ValueError) as error:
             raise explained(self.name, self.graph, arguments, out, error) from None
         if self._record is None:
@@ -75,5 +76,7 @@ class Kernel:
         return self._record(*result) if isinstance(result, tuple) else self._record(result)
 
     def __repr__(self) -> str:
-        ports = (", ".join(f"{p.name}{list(p.shape)}" for p in side) for side in (self.graph.inputs, self.graph.outputs))
-        return f"<Kernel {self.name}: {' -> '.join(ports)}, {sum(self.operations.values())} operations, {self.backend}>"
+        sides = (self.graph.inputs, self.graph.outputs)
+        inputs, outputs = (", ".join(f"{p.name}{p.shape}" for p in side) for side in sides)
+        count = sum(self.operations.values())
+        return f"<Kernel {self.name}: {inputs} -> {outputs}, {count} operations, {self.backend}>"

@@ -5,10 +5,10 @@ from contextlib import contextmanager
 from typing import NamedTuple
 
 
-class Loop(NamedTuple):
-    """A counted loop: its index inside, and how often it ran once it is over."""
+class Running(NamedTuple):
+    """A counted loop: its index, and for after the loop how often it ran."""
 
-    index: str
+    iteration: str
     done: str
 
 
@@ -52,7 +52,7 @@ class Code:
         self.lines.append(f"store double {value}, ptr {self.at(pointer, index)}")
 
     @contextmanager
-    def loop(self, count: str | int, until: str | None = None) -> Iterator[Loop]:
+    def loop(self, count: str | int, until: str | None = None) -> Iterator[Running]:
         """The block, count times; after an iteration that leaves a number other than 0 at `until`, no more."""
         before, head, body, latch, after = (self.name(x) for x in ("before", "head", "body", "latch", "after"))
         index, following, done = self.name("i"), self.name("next"), self.name("done")
@@ -61,7 +61,7 @@ class Code:
         self.lines.append(f"{index} = phi i64 [ 0, {before} ], [ {following}, {latch} ]")
         self.branch(self.let(f"icmp slt i64 {index}, {count}"), body, after)
         self.open(body)
-        yield Loop(index, done)
+        yield Running(index, done)
         self.label(latch)
         self.lines.append(f"{following} = add i64 {index}, 1")
         stop = "false" if until is None else self.let(f"fcmp une double {self.load(until, 0)}, 0.0")

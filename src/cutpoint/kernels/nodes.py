@@ -78,7 +78,7 @@ class Trace:
 
     def _add(self, key: tuple[Any, ...], op: str, args: tuple[Any, ...]) -> Node:
         if any(isinstance(x, Node) and x.trace is not self for x in args):
-            raise TraceError("numbers of two different traces meet in one operation; pass both as inputs of one function")
+            raise TraceError("numbers of two traces meet in one operation; make both inputs of one function")
         node = Node.__new__(self._kinds[op in CONDITIONS])
         node.op, node.args, node.trace, node.serial = op, args, self, next(_serials)
         self._table[key] = node

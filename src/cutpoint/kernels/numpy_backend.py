@@ -1,6 +1,7 @@
 """A graph evaluated by NumPy, node by node: where LLVM is missing, and as a second opinion on it."""
 
 import operator
+from collections import Counter
 from collections.abc import Callable, Sequence
 from typing import Any
 
@@ -23,9 +24,14 @@ _FUNCTIONS: dict[str, Callable[..., Any]] = {
 def evaluate(graph: Graph, inputs: Sequence[Any]) -> list[Any]:
     """The graph's results for a number or an array in each input slot."""
     values: dict[int, Any] = {}
+    uses = Counter(y.serial for x in graph.nodes for y in x.args if isinstance(y, Node))
+    uses.update(x.serial for x in graph.results if isinstance(x, Node))
 
     def value(x: Any) -> Any:
-        return values[x.serial] if isinstance(x, Node) else x
+        if not isinstance(x, Node):
+            return x
+        uses[x.serial] -= 1  # a large batch's arrays are let go as soon as nothing needs them
+        return values[x.serial] if uses[x.serial] else values.pop(x.serial)
 
     with np.errstate(all="ignore"):
         for x in graph.nodes:

@@ -1,9 +1,9 @@
 """Ports: the named numbers, vectors and arrays that enter and leave a graph."""
 
 import math
+import operator
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, fields, is_dataclass
-from numbers import Integral
 from typing import Any
 
 import numpy as np
@@ -27,10 +27,13 @@ class Port:
 
 def port(name: str, shape: int | Sequence[int]) -> Port:
     """A port from what a caller gives: an int for a vector, () for a scalar, a tuple for an array."""
-    lengths = (shape,) if isinstance(shape, Integral) else shape
-    if not isinstance(lengths, (tuple, list)) or not all(isinstance(n, Integral) and n >= 0 for n in lengths):
+    try:
+        lengths = tuple(operator.index(n) for n in ((shape,) if not isinstance(shape, Sequence) else shape))
+    except TypeError:
+        lengths = (-1,)
+    if any(n < 0 for n in lengths):
         raise InputError(f"input {name!r}: shape {shape!r} must be (), a length or a tuple of lengths", name=name)
-    return Port(name, tuple(int(n) for n in lengths))
+    return Port(name, lengths)
 
 
 def nest(numbers: Iterator[Any], shape: Shape) -> Any:
@@ -47,11 +50,11 @@ def flatten(value: Any) -> tuple[Shape, list[Any]]:
     parts = _parts(value)
     if parts is None:
         return (), [value]
-    shapes, numbers = zip(*map(flatten, parts), strict=True) if parts else ((), ())
-    if len(set(shapes)) > 1:
-        raise ValueError(f"rows of shapes {', '.join(map(str, dict.fromkeys(shapes)))} do not make one array")
-    shape = (len(parts), *shapes[0]) if parts else (0,)
-    return shape, [x for row in numbers for x in row]
+    rows = [flatten(part) for part in parts]
+    shapes = [*dict.fromkeys(shape for shape, _ in rows)]
+    if len(shapes) > 1:
+        raise ValueError(f"rows of shapes {', '.join(map(str, shapes))} do not make one array")
+    return (len(parts), *(shapes[0] if shapes else ())), [x for _, row in rows for x in row]
 
 
 def named_parts(value: Any) -> dict[str, Any] | None:

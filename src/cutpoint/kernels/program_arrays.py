@@ -1,7 +1,6 @@
 """What a run of a program is given, checked before machine code sees a pointer."""
 
 from collections.abc import Mapping
-from itertools import pairwise
 from typing import Any
 
 import numpy as np
@@ -41,7 +40,7 @@ def _check_kind(name: str, array: Any, *, written: bool) -> None:
         found = array.dtype if isinstance(array, np.ndarray) else type(array).__name__
         raise InputError(f"region {name!r} must be an array of float64, not {found}", name=name)
     if not (array.flags.c_contiguous and array.flags.aligned):
-        raise InputError(f"region {name!r} must be C-contiguous and aligned; np.ascontiguousarray makes it so", name=name)
+        raise InputError(f"region {name!r} must be C-contiguous and aligned; see np.ascontiguousarray", name=name)
     if written and not array.flags.writeable:
         raise InputError(f"region {name!r} is written, but its array is read-only", name=name)
 

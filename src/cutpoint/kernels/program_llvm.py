@@ -42,7 +42,7 @@ def program_ir(plan: Plan) -> str:
     def loop(this: Loop, regions: dict[str, str]) -> str:
         count = counts[this.count] if isinstance(this.count, str) else this.count
         with code.loop(count, regions.get(this.until or "")) as running:
-            rows = {name: code.let(f"mul i64 {running.index}, {plan.sizes[name]}") for name in this.streams}
+            rows = {name: code.let(f"mul i64 {running.iteration}, {plan.sizes[name]}") for name in this.streams}
             inside = regions | {name: code.at(regions[name], row) for name, row in rows.items()}
             for item in this.body:
                 if isinstance(item, Loop):

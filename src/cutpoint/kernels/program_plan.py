@@ -113,7 +113,8 @@ def stage_graph(stage: Stage, sizes: dict[str, int]) -> Graph:
         result = stage.function(*[[next(slots) for _ in range(p.size)] for p in inputs])
         lists = [result] if len(outputs) == 1 else result
         _check_lists(stage, outputs, lists)
-        numbers = [checked(stage.function, p.name, x, trace) for p, one in zip(outputs, lists, strict=True) for x in one]
+        pairs = zip(outputs, lists, strict=True)
+        numbers = [checked(stage.function, port.name, x, trace) for port, one in pairs for x in one]
     return Graph(tuple(inputs), tuple(outputs), tuple(numbers))
 
 
@@ -124,4 +125,4 @@ def _check_lists(stage: Stage, outputs: Sequence[Port], lists: Any) -> None:
     for port, one in zip(outputs, lists, strict=True):
         found = len(one) if isinstance(one, (list, tuple)) else f"a {type(one).__name__}"
         if found != port.size:
-            raise TraceError(f"stage {stage_name} returns {found} for region {port.name!r}, which has {port.size} slots")
+            raise TraceError(f"stage {stage_name} returns {found} for region {port.name!r} of {port.size} slots")

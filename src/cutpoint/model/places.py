@@ -11,6 +11,9 @@ from cutpoint.errors import ModelError
 SHORT_LIST = 12
 """Up to this many names an error lists them all; beyond, only those that resemble the wrong one."""
 
+LONGEST_GUESS = 100
+"""Characters of a wrong name that are compared: the cost grows with their square."""
+
 
 @dataclass(frozen=True)
 class Places:
@@ -44,5 +47,5 @@ def those_that_exist(name: str, known: Iterable[str]) -> str:
         return "there are none"
     if len(known) <= SHORT_LIST:
         return f"there are: {listed(known)}"
-    near = difflib.get_close_matches(name, known, n=3, cutoff=0.5)
+    near = difflib.get_close_matches(name[:LONGEST_GUESS], known, n=3, cutoff=0.5)
     return f"did you mean {' or '.join(map(repr, near))}?" if near else f"none of the {len(known)} names comes near"

@@ -130,7 +130,7 @@ def _write_csv(log: Log, file: IO[bytes]) -> None:
     table = np.column_stack([log.time, *log.channels.values()])
     text = io.TextIOWrapper(file, encoding="utf-8", newline="")
     text.write(f"# {_header(log)}\n")
-    writer = csv.writer(text, lineterminator="\n")
+    writer = csv.writer(text, lineterminator="\n", quoting=csv.QUOTE_NONNUMERIC)
     writer.writerow(_titles(log))
     writer.writerows(row.tolist() for row in table)
     text.detach()

@@ -28,14 +28,14 @@ def picture(log: Log, names: Sequence[str]) -> Figure:
     across = min(ACROSS, len(axes), len(log.joints) if names and log.joints else ACROSS)
     down = -(-len(axes) // across)
     figure = Figure(figsize=(0.6 + AXIS_WIDTH * across, 0.6 + AXIS_HEIGHT * down), layout="constrained")
-    drawn: dict[str, Line2D] = {}
+    colours = {label: f"C{index}" for index, label in enumerate(names or log.joints)}
     for index, ((unit, title), lines) in enumerate(axes.items()):
         axis = figure.add_subplot(down, across, index + 1)
-        _draw(axis, log.time, lines, drawn, later="--" if names else "-")
+        _draw(axis, log.time, lines, colours, later="--" if names else "-")
         axis.set_title(f"{title} [{unit}]" if unit else title, loc="left", fontsize="medium", parse_math=False)
         if index >= len(axes) - across:
             axis.set_xlabel("time [s]")
-    _explain(figure, drawn)
+    _explain(figure, colours)
     return figure
 
 
@@ -58,23 +58,18 @@ def _for_people(unit: str) -> tuple[str, float]:
     return unit, 1.0
 
 
-def _draw(axis: Axes, time: Array, lines: Sequence[Line], drawn: dict[str, Line2D], later: str) -> None:
-    """Draws the lines, those after the first in the style `later`, and a label in one colour on every axis.
-
-    `drawn` gathers the first line of each label.
-    """
+def _draw(axis: Axes, time: Array, lines: Sequence[Line], colours: dict[str, str], later: str) -> None:
+    """Draws the lines, those after the first in the style `later`; a channel without joints is grey among joints."""
     for index, (label, values) in enumerate(lines):
-        colour = drawn[label].get_color() if label in drawn else f"C{len([known for known in drawn if known])}"
-        (line,) = axis.plot(time, values, later if index else "-", color=colour if label else "0.2", linewidth=1.0)
-        drawn.setdefault(label, line)
+        axis.plot(time, values, later if index else "-", color=colours.get(label, "0.2"), linewidth=1.0)
     axis.margins(x=0.0)
     axis.grid(alpha=0.3)
     axis.ticklabel_format(useOffset=False)
 
 
-def _explain(figure: Figure, drawn: dict[str, Line2D]) -> None:
-    labels = [label for label in drawn if label]
-    if labels:
-        legend = figure.legend([drawn[label] for label in labels], labels, loc="outside upper center", ncols=6)
+def _explain(figure: Figure, colours: dict[str, str]) -> None:
+    if colours:
+        samples = [Line2D([], [], color=colour) for colour in colours.values()]
+        legend = figure.legend(samples, list(colours), loc="outside upper center", ncols=6)
         for text in legend.get_texts():
             text.set_parse_math(False)

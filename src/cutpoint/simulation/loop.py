@@ -171,7 +171,7 @@ class ClosedLoop:
                 "output": self._after[:2],
             }[part]
             ticks = Loop("ticks", body, streams=("row", "record"), until="fault")
-            self.programs[part] = compile_program([ticks], self.regions(), backend=self.robot.backend)
+            self.programs[part] = compile_program(ticks, self.regions(), backend=self.robot.backend)
         return self.programs[part]
 
     @property
