@@ -1,8 +1,8 @@
 """cutpoint: dynamics, simulation and control of robots whose joints bend.
 
-    robot = cutpoint.load("arm.urdf", drives="arm.drives.yaml")
-    torque = robot.inverse_dynamics(q, v, a)
-    log = cutpoint.simulate(robot, controller, trajectory)
+robot = cutpoint.load("arm.urdf", drives="arm.drives.yaml")
+torque = robot.inverse_dynamics(q, v, a)
+log = cutpoint.simulate(robot, controller, trajectory)
 """
 
 from cutpoint import control, robots, trajectories
@@ -21,6 +21,6 @@ __version__ = "0.1.0"
 __all__ = [
     "Coulomb", "CutpointError", "Drive", "Flexspline", "InputError", "Kernel", "Limits", "LinearSpring", "Log",
     "ModelError", "Robot", "Rotor", "Sensors", "SimulationError", "State", "Stribeck", "TraceError", "atan", "clip",
-    "compile", "control", "cos", "exp", "load", "log", "robots", "simulate", "sin", "sqrt", "tan", "tanh", "trajectories",
-    "where",
+    "compile", "control", "cos", "exp", "load", "log", "robots", "simulate", "sin", "sqrt", "tan", "tanh",
+    "trajectories", "where",
 ]  # fmt: skip

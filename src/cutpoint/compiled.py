@@ -11,8 +11,8 @@ from typing import Any
 import numpy as np
 
 from cutpoint import kernels
-from cutpoint.errors import unknown_name
 from cutpoint.definitions import Machine
+from cutpoint.errors import unknown_name
 from cutpoint.kernels import Kernel
 from cutpoint.mechanics.elastic import Driven
 from cutpoint.mechanics.system import system_of
@@ -21,7 +21,7 @@ from cutpoint.scalars import leaves, rebuild
 
 
 def machine_of(mechanism: Mechanism, drives: Mapping[str, Drive]) -> Machine:
-    """The robot as the equations want it: rigidly geared rotors as armature, drives in the order of their coordinates."""
+    """The robot as the equations want it: rigid drives' rotors as armature, drives in their coordinates' order."""
     armature = {name: drive.reflected_inertia for name, drive in drives.items() if drive.rotor and not drive.is_elastic}
     system = system_of(mechanism, armature)
     segments = {body.joint.name: s for body, s in zip(mechanism.bodies, system.segments, strict=True)}
@@ -58,13 +58,13 @@ class Compiled:
         return Machine(self.machine.system, driven)
 
     def needs_parameters(self, reads_drives: bool) -> bool:
-        """Whether a function takes the drives' numbers: one that reads drives does, and all do where rotors are armature."""
+        """Whether a function takes the drives' numbers: if it reads drives, or if some rotor is armature."""
         return bool(self.parameters.size) and (reads_drives or self._has_armature)
 
     def kernel(
         self, name: str, definition: Callable[..., Any], inputs: Sequence[str], reads_drives: bool, variant: Any
     ) -> Kernel:
-        """The kernel of a definition on a Machine and these inputs; `variant` tells apart what the definition closes over."""
+        """The kernel of a definition on a Machine and these inputs; `variant` names what the definition closes over."""
         found = self._kernels.get((name, variant))
         if found is None:
             found = self._kernels[name, variant] = self._compile(name, definition, inputs, reads_drives)

@@ -132,4 +132,3 @@ def transposed(columns: list[Scalars]) -> list[Scalars]:
 def _contact(wrenches: Mapping[str, Scalars]) -> dict[str, Wrench]:
     """F_e of Xia (2019) eq. (44) is what the robot exerts; users state what is exerted on it."""
     return {name: Wrench(-Vec3(*F[:3]), -Vec3(*F[3:])) for name, F in wrenches.items()}
-

@@ -74,7 +74,7 @@ def _check_law(name: str, law: object) -> None:
 
 
 def check_configuration(mechanism: Mechanism, q: Sequence[float]) -> None:
-    """A configuration far beyond limits, as if degrees had been given, is an error; a little beyond is the user's affair.
+    """A configuration far beyond limits, as if in degrees, is an error; a little beyond is the user's affair.
 
     q: joint positions in the order of the driven joints, rad (m).
     """
@@ -83,8 +83,8 @@ def check_configuration(mechanism: Mechanism, q: Sequence[float]) -> None:
         beyond = x > joint.limits.upper or x < joint.limits.lower
         if joint.kind == "revolute" and beyond and abs(x) > 2 * np.pi:
             raise InputError(
-                f"joint {name!r}: position {x:g} rad exceeds its limits [{joint.limits.lower:g}, {joint.limits.upper:g}]; "
-                "this looks like degrees: give radians (numpy.radians, or --degrees on the command line)",
+                f"joint {name!r}: position {x:g} rad exceeds its limits "
+                f"[{joint.limits.lower:g}, {joint.limits.upper:g}]; this looks like degrees: give radians (numpy.radians, or --degrees on the command line)",
                 joint=name,
                 position=x,
             )

@@ -11,7 +11,7 @@ from cutpoint.errors import ModelError
 from cutpoint.formats import drive_of, load_drives, load_urdf
 from cutpoint.model import Drive, Mechanism
 from cutpoint.model.mechanism import STANDARD_GRAVITY
-from cutpoint.robot import Robot
+from cutpoint.robot import Backend, Robot
 
 
 def load(
@@ -22,7 +22,7 @@ def load(
     floating_base: bool = False,
     lock: Mapping[str, float] | None = None,
     mimic: Literal["independent", "coupled"] = "independent",
-    backend: Literal["auto", "llvm", "numpy"] = "auto",
+    backend: Backend = "auto",
 ) -> Robot:
     """A robot from a URDF (or .xacro) file, and its drives from a drive file (see docs/drive-file.md).
 

@@ -12,15 +12,16 @@ from cutpoint.compiled import Compiled
 from cutpoint.door import checked_array, driven_joints, validated_drives
 from cutpoint.errors import InputError, unknown_name
 from cutpoint.model import Drive, Mechanism, changes
-from cutpoint.scalars import structure_of
 from cutpoint.model.decomposition import Cut, Subsystem, cuts_of, subsystems_of
+from cutpoint.scalars import structure_of
 
 Array = NDArray[np.float64]
 ExpressedIn = Literal["local", "world", "local_world_aligned"]
+Backend = Literal["auto", "llvm", "numpy"]
 
 
 class ElasticTorques(NamedTuple):
-    """What motors must do for a motion; at the joint's side, one entry a drive (joint_torque: one a speed).
+    """What motors must do for a motion; at the joint's side, an entry for each drive (joint_torque: each speed).
 
     motor_torque (N m), theta (rad), theta_dot (rad/s), theta_ddot (rad/s2), joint_torque (N m).
     """
@@ -42,7 +43,7 @@ class ElasticAccelerations(NamedTuple):
 class Robot:
     """A tree of bodies with its drives.  Immutable; its functions compile at their first call.
 
-    Every function takes batches: leading axes broadcast as in NumPy.  Angles in rad, torques in N m, both at the joint's
+    Every function takes batches: leading axes broadcast as in NumPy.  Angles in rad, torques in N m, at the joint's
     (link) side; prismatic joints in m and N.  q has nq entries, v and a have nv, theta and motor torques one a drive.
     A wrong shape, or a number that is not finite, raises InputError that names it.
     """
@@ -52,12 +53,12 @@ class Robot:
         mechanism: Mechanism,
         drives: Mapping[str, Drive] | None = None,
         *,
-        backend: Literal["auto", "llvm", "numpy"] = "auto",
+        backend: Backend = "auto",
     ) -> None:
         """drives: by joint name; a joint without one is driven rigidly.  backend: how kernels are compiled."""
         self.mechanism = mechanism
         self.drives: Mapping[str, Drive] = validated_drives(mechanism, drives or {})
-        self.backend = backend
+        self.backend: Backend = backend
         self._compiled = Compiled(mechanism, self.drives, backend)
 
     # what it is
@@ -116,7 +117,7 @@ class Robot:
         return Robot(self.mechanism, {**self.drives, **drives}, backend=self.backend)
 
     def with_payload(self, mass: float, com: ArrayLike, inertia: ArrayLike, frame: str) -> "Robot":
-        """With a piece fixed to a frame: mass (kg), com (3,) (m) and inertia (3, 3) (kg m2, about the com) in that frame."""
+        """With a piece fixed to a frame: there, mass (kg), com (3,) (m), inertia about the com (3, 3) (kg m2)."""
         return Robot(changes.with_payload(self.mechanism, mass, com, inertia, frame), self.drives, backend=self.backend)
 
     def with_gravity(self, gravity: ArrayLike) -> "Robot":
@@ -139,7 +140,8 @@ class Robot:
         rotor of a rigid drive counts as armature; friction does not count.
         """
         wrenches, frames = self._wrenches(external)
-        return self._call("inverse_dynamics", _on_frames(definitions.inverse_dynamics, frames), frames, q=q, v=v, a=a, **wrenches)
+        function = _on_frames(definitions.inverse_dynamics, frames)
+        return self._call("inverse_dynamics", function, frames, False, q=q, v=v, a=a, **wrenches)
 
     def forward_dynamics(
         self, q: ArrayLike, v: ArrayLike, tau: ArrayLike, external: Mapping[str, ArrayLike] | None = None
@@ -150,7 +152,7 @@ class Robot:
         """
         wrenches, frames = self._wrenches(external)
         function = _on_frames(definitions.forward_dynamics, frames)
-        return self._call("forward_dynamics", function, frames, q=q, v=v, tau=tau, **wrenches)
+        return self._call("forward_dynamics", function, frames, False, q=q, v=v, tau=tau, **wrenches)
 
     def mass_matrix(self, q: ArrayLike) -> Array:
         """M(q), (..., nv, nv), kg m2.  Featherstone (2008) section 6.2."""
@@ -229,9 +231,16 @@ class Robot:
     # the robot whose joints bend
 
     def elastic_inverse_dynamics(
-        self, q: ArrayLike, v: ArrayLike, a: ArrayLike, jerk: ArrayLike, snap: ArrayLike, *, friction_rates: bool = False
+        self,
+        q: ArrayLike,
+        v: ArrayLike,
+        a: ArrayLike,
+        jerk: ArrayLike,
+        snap: ArrayLike,
+        *,
+        friction_rates: bool = False,
     ) -> ElasticTorques:
-        """What the motors must do for a motion with four derivatives.  Xia (2019) eqs. (2), (13)-(28), as corrected.
+        """What the motors must do for a motion with four derivatives.  Xia (2019) eqs. (2), (13)-(28), corrected.
 
         Exact in the derivatives.  Friction enters by value; with friction_rates its derivatives pass through the spring
         too.  A rigid drive's motor moves as its joint does.
@@ -250,7 +259,8 @@ class Robot:
 
     def elastic_energy(self, q: ArrayLike, theta: ArrayLike, theta_dot: ArrayLike) -> Array:
         """(...,) J, in the springs and in the spin of elastic drives' rotors."""
-        return self._call("elastic_energy", definitions.elastic_energy, reads_drives=True, q=q, theta=theta, theta_dot=theta_dot)
+        state = {"q": q, "theta": theta, "theta_dot": theta_dot}
+        return self._call("elastic_energy", definitions.elastic_energy, reads_drives=True, **state)
 
     def drive_torque(self, theta: ArrayLike, q: ArrayLike) -> Array:
         """(..., drives) N m: torque read from the deflection between two encoders.  Xia (2019) eqs. (2)-(3).
@@ -301,7 +311,7 @@ class Robot:
         """The compiled kernel behind a function that has been called, for its operations, its graph, its speed."""
         return self._compiled.made(name)
 
-    def _call(self, name: str, definition: Any, variant: Any = (), reads_drives: bool = False, **given: ArrayLike) -> Any:
+    def _call(self, name: str, definition: Any, variant: Any = (), reads_drives: bool = False, **given: Any) -> Any:
         kernel = self._compiled.kernel(name, definition, [*given], reads_drives, variant)
         arrays = [checked_array(name, key, x, self._compiled.size_of(key)) for key, x in given.items()]
         if self._compiled.needs_parameters(reads_drives):

@@ -236,7 +236,7 @@ def test_any_tensor_that_mass_can_have_passes(a: float, b: float, c: float, plac
 
 
 def test_a_wrong_name_among_many_brings_the_nearest_to_mind() -> None:
-    with pytest.raises(ModelError, match=r"no joint has this name; did you mean 'j7' or "):
+    with pytest.raises(ModelError, match=r"no joint has this name; did you mean 'j7'\?"):
         chain(*["revolute"] * 14, lock={"J7": 0.0})
     with pytest.raises(ModelError, match=r"no joint has this name; none of the 14 names comes near"):
         chain(*["revolute"] * 14, lock={"elbow": 0.0})

@@ -47,7 +47,8 @@ def test_it_starts_and_ends_where_told_and_at_rest(kind: Kind):
 @given(u=st.floats(0.0, 1.0))
 def test_the_way_back_is_the_way_there_in_reverse(kind: Kind, u: float):
     there, back = kind([1.0], 2.0), kind([0.0], 2.0, start=[1.0])
-    assert np.allclose(there(2.0 * u).q, back(2.0 - 2.0 * u).q, rtol=0.0, atol=1e-14)
+    # the septic's coefficients add up to 209 in absolute value, and as many eps is what its terms leave
+    assert np.allclose(there(2.0 * u).q, back(2.0 - 2.0 * u).q, rtol=0.0, atol=1e-13)
 
 
 @kinds

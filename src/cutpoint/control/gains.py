@@ -13,5 +13,5 @@ def gains(law: str, name: str, value: Any) -> Any:
     if array.dtype == object:
         return array
     if array.ndim != 1 or not np.isfinite(array).all() or (array < 0).any():
-        raise InputError(f"{law}: {name} = {value} must be numbers, finite and not negative, one for each drive", gains=value)
+        raise InputError(f"{law}: {name} = {value} must be finite and not negative, one for each drive", gains=value)
     return array.astype(float)

@@ -10,7 +10,7 @@ import numpy as np
 
 
 class Measurement(NamedTuple):
-    """What the sensors tell at a sample: time and control period (s); link q, v and motor theta, theta_dot (rad, rad/s)."""
+    """What the sensors tell: time and control period (s); link q, v and motor theta, theta_dot (rad, rad/s)."""
 
     time: Any
     period: Any

@@ -25,7 +25,7 @@ class PD(Law):
         object.__setattr__(self, "kp", gains("PD", "kp", self.kp))
         object.__setattr__(self, "kd", gains("PD", "kd", self.kd))
         if self.kp.shape != self.kd.shape:
-            raise InputError(f"PD: kp has shape {self.kp.shape} and kd {self.kd.shape}; give one of each for every drive")
+            raise InputError(f"PD: kp has shape {self.kp.shape}, kd {self.kd.shape}; give one of each for every drive")
         if self.side not in ("motor", "link"):
             raise InputError(f"PD: side {self.side!r} must be 'motor' or 'link'")
 

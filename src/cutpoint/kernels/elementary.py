@@ -38,12 +38,12 @@ _EXP = tuple(1 / math.factorial(k) for k in range(13, 1, -1))
 
 
 def sin(x: Any) -> Any:
-    """Within 1.5 ulp for |x| <= 1e5; NaN beyond 1e15."""
+    """Within 1.6 ulp for |x| <= 1e5; NaN beyond 1e15."""
     return _sin_cos(x)[0]
 
 
 def cos(x: Any) -> Any:
-    """Within 1.5 ulp for |x| <= 1e5; NaN beyond 1e15."""
+    """Within 1.6 ulp for |x| <= 1e5; NaN beyond 1e15."""
     return _sin_cos(x)[1]
 
 
@@ -101,7 +101,7 @@ def log(x: Any) -> Any:
 
 
 def atan(x: Any) -> Any:
-    """Within 2 ulp, and odd.  Cephes' method: the argument is brought below 0.66 by atan(a) = c + atan(t)."""
+    """Within 1 ulp, and odd.  Cephes' method: the argument is brought below 0.66 by atan(a) = c + atan(t)."""
     size = _size(x)
     steep, middle = size > 2.41421356237309504880, size > 0.66
 

@@ -7,6 +7,7 @@ from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Any
 
+from cutpoint.errors import unknown_name
 from cutpoint.kernels.algebra import Operand
 from cutpoint.kernels.nodes import COMMUTATIVE, Node, Trace
 from cutpoint.kernels.ports import Port
@@ -39,8 +40,17 @@ class Graph:
         return dict(Counter(x.op for x in self.nodes if x.op != "input").most_common())
 
     def output(self, name: str) -> tuple[Operand, ...]:
-        """The results of one output."""
-        return _section(self.outputs, self.results, name)
+        """The results of one output.
+
+        Raises:
+            InputError: there is no such output.
+        """
+        start = 0
+        for port in self.outputs:
+            if port.name == name:
+                return self.results[start : start + port.size]
+            start += port.size
+        raise unknown_name("output", name, [p.name for p in self.outputs])
 
     def fingerprint(self, *outputs: str) -> str:
         """A text equal for graphs that compute the same by the same operations on equally named inputs.
@@ -49,15 +59,6 @@ class Graph:
         """
         chosen = [self.output(name) for name in outputs] if outputs else [self.results]
         return fingerprint([x for results in chosen for x in results], self.inputs)
-
-
-def _section(ports: tuple[Port, ...], slots: tuple[Any, ...], name: str) -> tuple[Any, ...]:
-    start = 0
-    for port in ports:
-        if port.name == name:
-            return slots[start : start + port.size]
-        start += port.size
-    raise KeyError(name)
 
 
 def reach(results: Iterable[Operand]) -> list[Node]:

@@ -57,12 +57,14 @@ def elastic_inverse_dynamics(
     snap: Scalars,
     friction_rates: bool = False,
 ) -> ElasticMotion:
-    """Motor torques and motor motion of a motion with four derivatives, exact in all of them.  Xia (2019) eqs. (2), (13)-(28).
+    """Motor torques and motor motion of a motion with four derivatives, exact in all of them.
+
+    Xia (2019) eqs. (2), (13)-(28).
 
     Every coordinate carries two time derivatives through the recursion, so joint torques come out with theirs.
     Friction enters by value; friction_rates=True lets its derivatives through the spring too (they spike where it is
-    smoothed sharply).  A damped spring's rate of deflection is taken from the undamped law: the result then still makes
-    `elastic_forward_dynamics` return a and theta_ddot exactly, but theta_dot is off d theta/dt to first order in damping.
+    smoothed sharply).  A damped spring's rate of deflection is that of the undamped law: the result then still makes
+    `elastic_forward_dynamics` return a and theta_ddot exactly, but theta_dot is off d theta/dt by the order of damping.
     """
     v_t = [Jet(*x) for x in zip(v, a, jerk, strict=True)]
     a_t = [Jet(*x) for x in zip(a, jerk, snap, strict=True)]

@@ -1,4 +1,7 @@
-"""Joint accelerations under joint torques, in time proportional to the number of bodies.  Featherstone (2008) chapter 7."""
+"""Joint accelerations under joint torques, in time proportional to the number of bodies.
+
+Featherstone (2008) chapter 7.
+"""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass

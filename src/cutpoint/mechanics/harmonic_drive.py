@@ -13,7 +13,7 @@ def deflection(theta: Scalar, q: Scalar) -> Scalar:
 
 
 def spring_torque(drive: Drive, theta: Scalar, q: Scalar, theta_dot: Scalar = 0, v: Scalar = 0) -> Scalar:
-    """tau_f: what the drive exerts on the link, estimated from an encoder on either side, N m.  Xia (2019) eqs. (2)-(3).
+    """tau_f: what the drive exerts on the link, from an encoder on either side, N m.  Xia (2019) eqs. (1)-(3).
 
     The spring's own damping needs the speeds on both sides; without them it is left out.
     """

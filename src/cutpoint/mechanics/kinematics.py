@@ -29,7 +29,7 @@ def frame_pose(system: System, q: Scalars, frame: str) -> Pose:
 def jacobian(system: System, q: Scalars, frame: str, expressed_in: ExpressedIn = "local") -> list[Motion]:
     """Columns of the frame's Jacobian, one for each speed: J_q = [U_O^T z ...].  Xia (2019) eqs. (37)-(38).
 
-    "local": the velocity of the frame in its own axes.  "local_world_aligned": the same velocity along the world's axes.
+    "local": the velocity of the frame in its own axes.  "local_world_aligned": the same along the world's axes.
     "world": the velocity, along the world's axes, of the point of the frame's body that passes the world's origin.
     """
     place = system.frames[frame]
@@ -74,9 +74,9 @@ def body_velocities(system: System, q: Scalars, v: Scalars) -> list[Motion]:
 
 
 def velocity_map(system: System, q: Scalars) -> list[list[Motion]]:
-    """J_ba without its first rows: for each body, how its velocity depends on each speed.  Xia (2019) eqs. (40)-(43).
+    """J_ba without its first rows: for each body, how its velocity depends on each speed.  Xia (2019) eqs. (39)-(43).
 
-    With the frame's Jacobian on top it is the paper's J_ba; with the unit rows of the speeds between them, its J_e J_a^-1.
+    With the frame's Jacobian on top it is the paper's J_ba; with the speeds' unit rows between them, its J_e J_a^-1.
     """
     columns = [body_velocities(system, q, [int(j == k) for j in range(system.nv)]) for k in range(system.nv)]
     return [[column[i] for column in columns] for i in range(len(system.segments))]

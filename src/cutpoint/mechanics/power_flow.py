@@ -20,7 +20,8 @@ def power_flows(system: System, q: Scalars, v: Scalars, a: Scalars) -> list[Scal
     """
     moved = motions(system, q, v, a)
     X = [m.X for m in moved]
-    F = bear(system, X, [net_wrench(s.inertia, m.V.angular, m.V, m.A) for s, m in zip(system.segments, moved, strict=True)], {})
+    F = [net_wrench(s.inertia, m.V.angular, m.V, m.A) for s, m in zip(system.segments, moved, strict=True)]
+    F = bear(system, X, F, {})
     flows: list[Scalar] = []
     for segment, m, F_i in zip(system.segments, moved, F, strict=True):
         if isinstance(segment.joint, Floating):

@@ -138,7 +138,7 @@ AT_ORIGIN = Pose(IDENTITY, ZERO)
 
 @dataclass(slots=True, eq=False)
 class Inertia:
-    """Mass (kg), first moment mass * com (kg m) and rotational inertia about the frame's origin (kg m2), in its axes."""
+    """Mass (kg), first moment mass * com (kg m), rotational inertia about the frame's origin (kg m2), in its axes."""
 
     mass: Scalar
     first_moment: Vec3

@@ -82,7 +82,7 @@ class System:
 
     @property
     def base_acceleration(self) -> Motion:
-        """Gravity as the world's acceleration upward, so that every body's weight comes by itself.  Xia (2019) eq. (62)."""
+        """Gravity as the world's acceleration upward: every body's weight comes by itself.  Xia (2019) eq. (62)."""
         return Motion(-self.gravity, ZERO)
 
     @property

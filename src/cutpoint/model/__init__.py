@@ -3,4 +3,17 @@
 from cutpoint.model.drive import Compliance, Drive, Friction, Rotor
 from cutpoint.model.mechanism import WORLD, Body, Frame, Joint, Limits, Link, Mechanism, Mimic
 
-__all__ = ["WORLD", "Body", "Compliance", "Drive", "Frame", "Friction", "Joint", "Limits", "Link", "Mechanism", "Mimic", "Rotor"]
+__all__ = [
+    "WORLD",
+    "Body",
+    "Compliance",
+    "Drive",
+    "Frame",
+    "Friction",
+    "Joint",
+    "Limits",
+    "Link",
+    "Mechanism",
+    "Mimic",
+    "Rotor",
+]

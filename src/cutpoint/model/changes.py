@@ -14,7 +14,7 @@ from cutpoint.model.validation import check_body, check_link
 
 
 def with_payload(mechanism: Mechanism, mass: float, com: ArrayLike, inertia: ArrayLike, frame: str) -> Mechanism:
-    """The robot with a piece fixed to a frame: mass (kg), com (3,) (m) and inertia (3, 3) (kg m2, about the com) in it."""
+    """The robot with a piece fixed to a frame: in it, mass (kg), com (3,) (m), inertia about the com (3, 3) (kg m2)."""
     if frame not in mechanism.frames:
         raise unknown_name("frame", frame, mechanism.frames)
     place, nowhere = mechanism.frames[frame], Places(None)

@@ -3,7 +3,7 @@
 from dataclasses import dataclass
 from typing import Any, Protocol
 
-from cutpoint.model.mechanism import Limits
+from cutpoint.model.mechanism import UNLIMITED, Limits
 
 
 class Compliance(Protocol):
@@ -28,7 +28,7 @@ class Friction(Protocol):
 class Rotor:
     """The motor's turning part, wave generator included.
 
-    inertia: about its own axis, on the motor's side of the gear, kg m2.  Reflected to the joint it is ratio**2 times that.
+    inertia: about its own axis, on the motor's side of the gear, kg m2; felt at the joint, ratio**2 times that.
     in_link_inertia: whether the carrying link's inertia already holds the rotor's mass.
     """
 
@@ -44,7 +44,7 @@ class Drive:
     rotor: None where its inertia is not known or does not matter; an elastic drive needs one.
     compliance: None is a rigid drive: link and motor are one, and the rotor acts as armature.
     damping: of the spring, N m s/rad at the joint's side; None is none.
-    link_friction acts on the link's speed, motor_friction on the rotor's speed divided by ratio; both at the joint's side.
+    link_friction acts on the link's speed, motor_friction on the rotor's over ratio; both at the joint's side.
     limits: of the drive, at the joint's side.
     torque_constant: N m of shaft torque per ampere.
     """
@@ -55,7 +55,7 @@ class Drive:
     damping: float | None = None
     link_friction: Friction | None = None
     motor_friction: Friction | None = None
-    limits: Limits = Limits()
+    limits: Limits = UNLIMITED
     torque_constant: float | None = None
 
     @property

@@ -36,12 +36,15 @@ class Link:
 
 @dataclass(frozen=True)
 class Limits:
-    """Bounds of a joint: position (rad or m), speed (rad/s or m/s), effort (N m or N).  Infinite where none is stated."""
+    """Bounds of a joint: position (rad or m), speed (rad/s or m/s), effort (N m or N); infinite where not stated."""
 
     lower: float = -np.inf
     upper: float = np.inf
     velocity: float = np.inf
     effort: float = np.inf
+
+
+UNLIMITED = Limits()
 
 
 @dataclass(frozen=True)
@@ -68,7 +71,7 @@ class Joint:
     child: str
     placement: Array = field(default_factory=lambda: np.eye(4))
     axis: Array = field(default_factory=lambda: np.array([0.0, 0.0, 1.0]))
-    limits: Limits = Limits()
+    limits: Limits = UNLIMITED
     damping: float = 0.0
     friction: float = 0.0
     mimic: Mimic | None = None

@@ -1,6 +1,6 @@
 """Functions that the equations apply to a scalar of any kind.
 
-A scalar is a float, a NumPy array (a batch), a time jet, a SymPy expression or a traced value; it brings + - * / itself.
+A scalar is a float, a NumPy array (a batch), a time jet, a SymPy expression or a traced value; it brings + - * /.
 Write whole numbers as integers (2 * x, x / 2): they stay exact for SymPy and fold when traced.
 """
 

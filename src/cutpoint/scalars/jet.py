@@ -1,4 +1,7 @@
-"""Time jets: a value with its time derivatives, as truncated Taylor series.  Griewank and Walther (2008), chapter 13."""
+"""Time jets: a value with its time derivatives, as truncated Taylor series.
+
+Griewank and Walther (2008), chapter 13.
+"""
 
 import math
 from collections.abc import Callable, Iterable

@@ -23,8 +23,10 @@ class StiffnessWarning(UserWarning):
     """The fixed-step integrator cannot follow the plant's fastest part."""
 
 
-def stage(k: list[Scalar], origin: list[Scalar], total: list[Scalar], row: list[Scalar], h: Scalar) -> tuple[list[Scalar], list[Scalar]]:
-    """The next stage's state, and the step's result so far, from a stage's rates k.  Hairer et al. (1993) section II.1."""
+def stage(
+    k: list[Scalar], origin: list[Scalar], total: list[Scalar], row: list[Scalar], h: Scalar
+) -> tuple[list[Scalar], list[Scalar]]:
+    """The next stage's state, and the step's result so far, from the rates k.  Hairer et al. (1993) section II.1."""
     ahead, weight = row[0] * h, row[1] * h
     y = [x + ahead * r for x, r in zip(origin, k, strict=True)]
     return y, [x + weight * r for x, r in zip(total, k, strict=True)]
@@ -38,8 +40,9 @@ def substeps_for(robot: Robot, accuracy: str, period: float, poses: Array) -> in
     wanted = int(np.ceil(period / step - 1e-9))
     if wanted > MOST_SUBSTEPS:
         warnings.warn(
-            f"{wanted} steps a control period would follow the fastest drive mode ({mode / 2 / np.pi:.0f} Hz) and friction "
-            f"decay ({decay:.0f} 1/s); {MOST_SUBSTEPS} are taken. Raise the friction's smoothing, or give substeps=",
+            f"{wanted} steps a control period would follow the fastest drive mode ({mode / 2 / np.pi:.0f} Hz) and "
+            f"friction decay ({decay:.0f} 1/s); {MOST_SUBSTEPS} are taken. Raise the friction's smoothing, "
+            "or give substeps=",
             StiffnessWarning,
             stacklevel=3,
         )

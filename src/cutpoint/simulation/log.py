@@ -46,7 +46,7 @@ class Log:
         if time.ndim != 1 or not time.size or not np.isfinite(time).all() or (np.diff(time) <= 0.0).any():
             raise InputError(f"time of shape {time.shape} must be (N,), at least one, finite and increasing")
         joints = tuple(self.joints)
-        if len(set(joints)) < len(joints) or not all(isinstance(joint, str) for joint in joints):
+        if len(set(joints)) < len(joints) or not all(isinstance(joint, str) and joint for joint in joints):
             raise InputError(f"joints {joints} must be names, each its own", joints=joints)
         channels = {name: _frozen(values) for name, values in self.channels.items()}
         for name, values in channels.items():

@@ -34,6 +34,7 @@ UNREADABLE = (
     TypeError,
     LookupError,
     EOFError,
+    OSError,
     OverflowError,
     RuntimeError,
     SyntaxError,

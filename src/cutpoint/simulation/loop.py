@@ -1,10 +1,9 @@
 """The closed loop as stages over memory: sense, control, actuate, record, integrate.
 
-What the stages read and write are flat lists of scalars; `kernels.program` compiles them into one function that runs any
-number of control periods, or runs them as they are where nothing can be compiled.
+What the stages read and write are flat lists of scalars; `kernels.program` compiles them into one function that runs
+any number of control periods, or runs them as they are where nothing can be compiled.
 """
 
-from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property
 from typing import Any, Literal
@@ -97,7 +96,8 @@ class ClosedLoop:
         n, record = self.layout.n, sum(self.channels.values())
         sizes = {
             "state": self.layout.state, "origin": self.layout.state, "total": self.layout.state, "row": self.layout.row,
-            "sensing": len(self.encoders.memory(*[[0.0] * n] * 4)), "measured": 4 * n, "memory": len(leaves(self.memory)),
+            "sensing": len(self.encoders.memory(*[[0.0] * n] * 4)), "measured": 4 * n,
+            "memory": len(leaves(self.memory)),
             "command": 4 * n, "torque": n, "parameters": len(self.parameters(np.zeros(n), 1)), "tableau": 2,
             "record": record, "fault": 1,
         }  # fmt: skip
@@ -129,7 +129,9 @@ class ClosedLoop:
         limits = self._numbers(parameters)[3]
         return [clip(u, -limit, limit) for u, limit in zip(command[: self.layout.n], limits, strict=True)]
 
-    def record(self, state: Scalars, measured: Scalars, command: Scalars, torque: Scalars, parameters: Scalars) -> Scalars:
+    def record(
+        self, state: Scalars, measured: Scalars, command: Scalars, torque: Scalars, parameters: Scalars
+    ) -> Scalars:
         machine, n = self._numbers(parameters)[0], self.layout.n
         s = split(machine, state)
         driving = driving_torques(machine.drives, *s, torque)
@@ -137,8 +139,9 @@ class ClosedLoop:
         seen = [*measured[:n], *measured[n : 2 * n], *measured[2 * n : 3 * n], *measured[3 * n :]]
         return [*state, *seen, *command, *torque, *driving, *friction]
 
-    def advance(self, state: Scalars, origin: Scalars, total: Scalars, tableau: Scalars, torque: Scalars, row: Scalars, parameters: Scalars) -> tuple[Scalars, Scalars]:  # fmt: skip
+    def advance(self, *regions: Scalars) -> tuple[Scalars, Scalars]:
         """One stage of an integration step."""
+        state, origin, total, tableau, torque, row, parameters = regions
         machine, *_, (_, h) = self._numbers(parameters)
         k = rates(machine, state, torque, self.layout.disturbance(row))
         return stage(k, origin, total, tableau, h)
@@ -235,5 +238,3 @@ def _each(part: Any, n: int) -> list[Any]:
     """One entry a drive, from one each or one for all."""
     array = np.asarray(part)
     return [array[()]] * n if array.ndim == 0 else [*part]
-
-

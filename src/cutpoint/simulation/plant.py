@@ -9,7 +9,7 @@ from cutpoint.scalars import Scalar
 
 
 class State(NamedTuple):
-    """Link coordinates q (nq,) and speeds v (nv,), motor positions theta and speeds theta_dot (one a drive); rad, rad/s."""
+    """Links' coordinates q (nq,) and speeds v (nv,), motors' theta and theta_dot (one for each drive); rad, rad/s."""
 
     q: Any = None
     v: Any = None

@@ -8,28 +8,51 @@ from cutpoint.simulation.loop import ClosedLoop
 
 Array = NDArray[np.float64]
 
-UNITS = {
-    "q": "rad", "v": "rad/s", "theta": "rad", "theta_dot": "rad/s", "measured_q": "rad", "measured_theta": "rad",
-    "measured_v": "rad/s", "measured_theta_dot": "rad/s", "command_torque": "N m", "feedforward_torque": "N m",
-    "feedback_torque": "N m", "motor_reference": "rad", "motor_speed_reference": "rad/s", "motor_torque": "N m",
-    "joint_torque": "N m", "friction_torque": "N m", "reference_q": "rad", "reference_v": "rad/s",
-    "position_error": "rad", "motor_position_error": "rad",
-}  # fmt: skip
-"""Units of revolute joints; on prismatic ones m stands for rad and N for N m."""
+POSITIONS = ("q", "theta", "measured_q", "measured_theta", "motor_reference", "reference_q", "position_error",
+             "motor_position_error")  # fmt: skip
+SPEEDS = ("v", "theta_dot", "measured_v", "measured_theta_dot", "motor_speed_reference", "reference_v")
+BASE_COORDINATES = ("base_x", "base_y", "base_z", "base_qx", "base_qy", "base_qz", "base_qw")
+BASE_SPEEDS = ("base_vx", "base_vy", "base_vz", "base_wx", "base_wy", "base_wz")
 
 
 def log_of(loop: ClosedLoop, record: Array, times: Array, reference: Array, meta: dict[str, object]) -> Log:
-    """Everything recorded, and what follows from it."""
+    """Everything recorded, and what follows from it; a floating base's coordinates and speeds one channel each."""
     channels: dict[str, Array] = {}
     start = 0
     for name, size in loop.channels.items():
-        channels[name] = record[:, start : start + size].copy()
+        channels[name] = record[:, start : start + size]
         start += size
-    samples = len(record)
-    driven = [d.q for d in loop.robot.machine.drives]
+    drives, samples = loop.robot.machine.drives, len(record)
+    units = _units(loop)
+    if loop.robot.nv > len(drives):
+        for names, whole, unit in ((BASE_COORDINATES, "q", "m"), (BASE_SPEEDS, "v", "m/s")):
+            for k, name in enumerate(names):
+                channels[name] = channels[whole][:, k]
+                units[name] = unit if k < 3 else {"m": "", "m/s": "rad/s"}[unit]
+    channels["q"] = channels["q"][:, [d.q for d in drives]]
+    for name in ("v", "friction_torque"):
+        channels[name] = channels[name][:, [d.v for d in drives]]
     channels["reference_q"], channels["reference_v"] = reference[0, :samples], reference[1, :samples]
-    channels["position_error"] = channels["reference_q"] - channels["q"][:, driven]
+    channels["position_error"] = channels["reference_q"] - channels["q"]
     channels["motor_position_error"] = channels["motor_reference"] - channels["theta"]
     channels["feedback_torque"] = channels["command_torque"] - channels["feedforward_torque"]
     about = {"robot": loop.robot.name, "control_period": loop.period, **meta}
-    return Log(times[:samples], channels, {name: UNITS[name] for name in channels}, tuple(loop.robot.drives), about)
+    return Log(times[:samples], channels, {name: units[name] for name in channels}, tuple(loop.robot.drives), about)
+
+
+def _units(loop: ClosedLoop) -> dict[str, str | tuple[str, ...]]:
+    """Units of every channel, one a joint where some slide and some turn."""
+    kinds = {body.joint.name: body.joint.kind for body in loop.robot.mechanism.bodies}
+    slides = [kinds[name] == "prismatic" for name in loop.robot.drives]
+    angle, speed, torque = (_one_or_each(slides, *pair) for pair in (("rad", "m"), ("rad/s", "m/s"), ("N m", "N")))
+    units: dict[str, str | tuple[str, ...]] = {name: torque for name in loop.channels}
+    units["feedback_torque"] = torque
+    units.update({name: angle for name in POSITIONS})
+    units.update({name: speed for name in SPEEDS})
+    return units
+
+
+def _one_or_each(slides: list[bool], turning: str, sliding: str) -> str | tuple[str, ...]:
+    if not any(slides):
+        return turning
+    return sliding if all(slides) else tuple(sliding if s else turning for s in slides)

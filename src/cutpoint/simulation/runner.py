@@ -1,4 +1,4 @@
-"""Running a closed loop over its samples: in compiled chunks, sample by sample around a Python callback, or adaptively."""
+"""Running a closed loop: in compiled chunks of samples, one by one around a Python callback, or adaptively."""
 
 import time
 import warnings
@@ -8,13 +8,13 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 from rich.console import Console
-from rich.progress import Progress
+from rich.progress import Progress, TaskID
 
 from cutpoint.control.interface import as_command
 from cutpoint.errors import TraceError
 from cutpoint.simulation.adaptive import adaptive_step
 from cutpoint.simulation.integrator import TABLEAU
-from cutpoint.simulation.loop import BEYOND, ClosedLoop
+from cutpoint.simulation.loop import ClosedLoop
 from cutpoint.simulation.plant import State, split
 
 Array = NDArray[np.float64]
@@ -24,7 +24,7 @@ SHOW_PROGRESS_AFTER = 1.0
 
 
 class UntracedControllerWarning(UserWarning):
-    """A controller could not be compiled into the loop and runs as a Python callback, slower but with the same result."""
+    """A controller could not be compiled into the loop; it runs as a Python callback, slower, to the same result."""
 
 
 class Outcome(NamedTuple):
@@ -38,13 +38,13 @@ def working_memory(loop: ClosedLoop, start: State, rows: Array, limits: Array, s
     """All regions of the loop at its start; row and record have one row a sample."""
     driven = loop.robot.machine.drives
     seen = [start.q[[d.q for d in driven]], start.v[[d.v for d in driven]], start.theta, start.theta_dot]
-    memory = {region.name: np.zeros(region.size) for region in loop.regions()}
+    memory: dict[str, Array] = {region.name: np.zeros(region.size) for region in loop.regions()}
     state = np.concatenate([start.q, start.v, start.theta, start.theta_dot])
     memory.update(state=state, origin=state.copy(), total=state.copy(), row=rows, tableau=TABLEAU.copy())
     memory["sensing"] = np.array(loop.encoders.memory(*seen), float)
     memory["memory"] = loop.initial_memory()
     memory["parameters"] = loop.parameters(limits, substeps)
-    memory["record"] = np.zeros((len(rows), memory["record"].size))
+    memory["record"] = np.zeros((len(rows), sum(loop.channels.values())))
     return memory
 
 
@@ -67,7 +67,9 @@ def run(loop: ClosedLoop, memory: dict[str, Array], substeps: int, adaptive: boo
                 if now - started > SHOW_PROGRESS_AFTER:
                     bar.show(done * loop.period)
         except KeyboardInterrupt:
-            return Outcome(max(done, 1), f"interrupted at t = {(done - 1) * loop.period:g} s; the log holds all until then")
+            return Outcome(
+                max(done, 1), f"interrupted at t = {(done - 1) * loop.period:g} s; the log holds all until then"
+            )
     return Outcome(done, None)
 
 
@@ -125,7 +127,8 @@ def _diagnosis(loop: ClosedLoop, memory: dict[str, Array], done: int) -> str:
     worst = int(np.argmax(np.where(np.isfinite(x), np.abs(x), np.inf)))
     names = {d.v: name for name, d in zip(loop.robot.drives, loop.robot.machine.drives, strict=True)}
     indices = split(loop.robot.machine, [*range(len(x))])
-    for what, slots, unit in zip(("position", "speed", "motor position", "motor speed"), indices, ("rad", "rad/s") * 2, strict=True):
+    parts = (("position", "rad"), ("speed", "rad/s"), ("motor position", "rad"), ("motor speed", "rad/s"))
+    for (what, unit), slots in zip(parts, indices, strict=True):
         if worst in slots:
             k = slots.index(worst)
             joint = [*loop.robot.drives][k] if what.startswith("motor") else names.get(k, f"coordinate {k}")
@@ -140,7 +143,9 @@ class _Bar:
     """A progress bar in simulated seconds that appears only once it is asked to show."""
 
     def __init__(self, total: float) -> None:
-        self._total, self._progress, self._task = total, None, None
+        self._total = total
+        self._progress: Progress | None = None
+        self._task = TaskID(0)
 
     def __enter__(self) -> "_Bar":
         return self
@@ -155,5 +160,3 @@ class _Bar:
     def __exit__(self, *_: object) -> None:
         if self._progress is not None:
             self._progress.stop()
-
-

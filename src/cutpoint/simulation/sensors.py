@@ -10,6 +10,8 @@ from numpy.typing import ArrayLike
 from cutpoint.errors import InputError
 from cutpoint.scalars import Scalar
 
+Numbers = Sequence[float]
+
 _TO_WHOLE = 6755399441055744.0  # 1.5 * 2^52: adding it rounds a double to a whole number, to even
 
 
@@ -48,14 +50,15 @@ class Encoders:
     def is_noisy(self) -> bool:
         return any(x is not None for x in self.noise)
 
-    def memory(self, q: Sequence[float], v: Sequence[float], theta: Sequence[float], theta_dot: Sequence[float]) -> list[float]:
+    def memory(self, q: Numbers, v: Numbers, theta: Numbers, theta_dot: Numbers) -> list[float]:
         """Memory at rest in a state: samples still on their way, and the positions measured last."""
         return [*q, *theta, *v, *theta_dot] * self.delay + ([*q, *theta] if self.differenced else [])
 
     def measure(self, sample: list[Scalar], memory: list[Scalar], noise: list[Scalar], period: Scalar) -> Any:
         """What is measured, and the memory after: sample and measurement are q, theta, v, theta_dot, n each."""
         n = 2 * self.size
-        positions = [*map(_encode, sample[:n], self._spread(self.noise), self._spread(self.resolution), noise or [0] * n)]
+        noises, steps = self._spread(self.noise), self._spread(self.resolution)
+        positions = [*map(_encode, sample[:n], noises, steps, noise or [0] * n)]
         line = [*memory[: 2 * n * self.delay], *positions, *sample[n:]]
         measured, line = line[: 2 * n], line[2 * n :]
         if not self.differenced:
@@ -73,9 +76,8 @@ def encoders_of(sensors: Sensors, size: int, period: float) -> Encoders:
     """Raises InputError for sizes, signs, and a delay that is no whole number of periods."""
     steps = sensors.delay / period
     if not (np.isfinite(steps) and steps >= 0 and abs(steps - round(steps)) < 1e-6):
-        raise InputError(
-            f"sensors: delay {sensors.delay} s must be a whole number of control periods of {period} s", delay=sensors.delay
-        )
+        rule = f"must be a whole number of control periods of {period} s"
+        raise InputError(f"sensors: delay {sensors.delay} s {rule}", delay=sensors.delay)
     if sensors.speeds not in ("true", "differenced"):
         raise InputError(f"sensors: speeds {sensors.speeds!r} must be 'true' or 'differenced'")
     resolution = [_each(sensors, side + "_resolution", size) for side in ("link", "motor")]

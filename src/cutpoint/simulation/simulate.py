@@ -60,19 +60,19 @@ def simulate(
     accuracy: Accuracy = "standard",
     substeps: int | None = None,
 ) -> Log:
-    """Simulate the robot under a sampled controller: plant, sensors, controller and torque limits in one compiled loop.
+    """Simulate the robot under a sampled controller: plant, sensors, controller and limits in one compiled loop.
 
-    controller: a law of `cutpoint.control`, or anything with `step(memory, measurement, reference) -> (memory, command)`
-        and, if it remembers, `start() -> memory`; or that function itself.  None: no torque, the free response.
+    controller: a law of `cutpoint.control`, or anything with a `step(memory, measurement, reference)` that returns
+        (memory, command) and, if it remembers, `start() -> memory`; or that function itself.  None: no torque.
     trajectory: the links' reference; None holds the initial configuration.
     duration: s; the trajectory's own by default.  control_period: s; the command is held between samples.
-    initial: State(q, v, theta, theta_dot); what is left None is at rest at the reference's start, with each motor
+    initial: State(q, v, theta, theta_dot); what is left None is where the reference starts, with each motor
         leading its link by what gravity bends the drive, theta = q + delta(g(q)).
     sensors: encoders; perfect by default.
     disturbances: a function of the sample times (N,) that gives torques on the links' coordinates, (N, nv), N m, held
         over each period.
-    accuracy: "standard", Runge-Kutta steps fit for 1e-4 rad in well-posed cases; "fine", for 1e-6; "reference", adaptive
-        DOP853 at rtol 1e-12, slow.  substeps: integration steps a control period, instead of what accuracy chooses.
+    accuracy: "standard", Runge-Kutta steps fit for 1e-4 rad in well-posed cases; "fine", for 1e-6; "reference",
+        adaptive DOP853 at rtol 1e-12, slow.  substeps: integration steps a control period, instead of those.
     Returns a Log with one sample each control period, time 0 and the end included.
     Raises InputError for wrong arguments, SimulationError (with the log so far) on divergence or Ctrl-C.
     """
@@ -94,15 +94,19 @@ def simulate(
     rows = _rows(loop, times, reference, disturbances)
     memory = working_memory(loop, start, rows, torque_limits(robot), int(substeps))
     outcome = run(loop, memory, int(substeps), adaptive=accuracy == "reference")
-    log = log_of(loop, memory["record"][: outcome.ticks], times, reference, {"accuracy": accuracy, "substeps": int(substeps)})
+    settings: dict[str, object] = {"accuracy": accuracy, "substeps": int(substeps)}
+    log = log_of(loop, memory["record"][: outcome.ticks], times, reference, settings)
     if outcome.cause:
         raise SimulationError(outcome.cause, log=log, time=float(times[outcome.ticks - 1]))
     return log
 
 
 def torque_limits(robot: Robot) -> Array:
-    """What each motor can do at most, N m at the joint's side: the drive's limit or the joint's, the smaller."""
-    efforts = {body.joint.name: body.joint.limits.effort for body in robot.mechanism.bodies}
+    """What each motor can do at most, N m at the joint's side: the drive's limit or the joint's, the smaller.
+
+    Robot files that do not know an effort limit often state 0: there it counts as none.
+    """
+    efforts = {body.joint.name: body.joint.limits.effort or np.inf for body in robot.mechanism.bodies}
     return np.array([min(drive.limits.effort, efforts[name]) for name, drive in robot.drives.items()])
 
 
@@ -111,11 +115,12 @@ def _times(trajectory: Trajectory | None, duration: float | None, period: float)
         if trajectory is None:
             raise InputError("simulate: without a trajectory, give duration= in seconds")
         duration = trajectory.duration
+    duration, period = float(duration), float(period)
     if not (np.isfinite(period) and period > 0):
         raise InputError(f"simulate: control_period {period} s must be positive")
     if not (np.isfinite(duration) and duration >= period):
         raise InputError(f"simulate: duration {duration} s must be at least one control period, {period} s")
-    return np.arange(round(duration / period) + 1) * period
+    return np.arange(round(duration / period) + 1, dtype=np.float64) * period
 
 
 def _law(robot: Robot, controller: Any) -> Any:
@@ -126,8 +131,9 @@ def _law(robot: Robot, controller: Any) -> Any:
     if isinstance(law, _Function) and not callable(controller):
         raise InputError(f"simulate: controller {controller!r} has no step(memory, measurement, reference)")
     for part in getattr(law, "parts", (law,)):
-        if getattr(part, "size", len(robot.drives)) != len(robot.drives):
-            raise InputError(f"simulate: {type(part).__name__} is for {part.size} drives, the robot has {len(robot.drives)}")
+        size = getattr(part, "size", len(robot.drives))
+        if size != len(robot.drives):
+            raise InputError(f"simulate: {type(part).__name__} is for {size} drives, the robot has {len(robot.drives)}")
     return law
 
 
@@ -180,9 +186,9 @@ def _rows(loop: ClosedLoop, times: Array, reference: Array, disturbances: Distur
     else:
         pushed = checked_array("simulate", "disturbances(times)", disturbances(times), layout.nv)
         if pushed.shape not in ((layout.nv,), (len(times), layout.nv)):
-            raise InputError(f"simulate: disturbances(times) has shape {pushed.shape}, expected {(len(times), layout.nv)}")
+            expected = (len(times), layout.nv)
+            raise InputError(f"simulate: disturbances(times) has shape {pushed.shape}, it must be {expected}")
         parts.append(np.broadcast_to(pushed, (len(times), layout.nv)))
     if layout.noise:
         parts.append(np.random.default_rng(loop.encoders.seed).standard_normal((len(times), layout.noise)))
     return np.ascontiguousarray(np.concatenate(parts, axis=1))
-

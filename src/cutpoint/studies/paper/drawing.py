@@ -6,7 +6,6 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.patches import FancyArrowPatch, FancyBboxPatch
-from matplotlib.path import Path
 from matplotlib.patheffects import withStroke
 
 from cutpoint.studies.style import FAINT, INK
@@ -55,8 +54,8 @@ def turn(axes: Axes, centre: Point, colour: str, size: Point = (0.7, 1.5)) -> No
     """A turning about the horizontal axis, right-handed to the right: an open ellipse with a head."""
     angle = np.deg2rad(np.linspace(235, -60, 60))
     points = np.array(centre) + 0.5 * np.array(size) * np.column_stack([np.cos(angle), np.sin(angle)])
-    head = {"arrowstyle": "-|>", "mutation_scale": 11, "shrinkA": 0, "shrinkB": 0}
-    axes.add_patch(FancyArrowPatch(path=Path(points), color=colour, fc="none", lw=1.5, zorder=7, **head))
+    axes.plot(*points[:-2].T, color=colour, lw=1.5, zorder=7)
+    arrow(axes, tuple(points[-6]), tuple(points[-1]), colour, 1.5, zorder=7, mutation_scale=10)
 
 
 def spring(axes: Axes, start: Point, end: Point, colour: str, turns: int = 6, height: float = 0.28) -> None:

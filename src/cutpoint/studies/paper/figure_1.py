@@ -46,10 +46,10 @@ def _effect(axes: Axes) -> None:
     _angle(axes, centre, 5.1, 0, _Q, "$q$", LINK)
     _angle(axes, centre, 5.1, _Q, _THETA, "$\\Delta\\theta$", SPRING)
     _angle(axes, centre, 6.1, 0, _THETA, "$\\theta$", MOTOR)
-    arrow(axes, (tip[0] - 0.2, tip[1] - 0.1), (tip[0] - 0.2, tip[1] - 1.3), FORCE, 2.0)
-    text(axes, (tip[0] - 0.4, tip[1] - 1.3), "load", color=FORCE, ha="right")
+    arrow(axes, (tip[0] - 0.2, tip[1] - 0.1), (tip[0] - 0.2, 1.35), FORCE, 2.0)
+    text(axes, (tip[0], 1.55), "load", color=FORCE, ha="left")
     text(axes, (14.0, 5.55), "where the motor says it is", color=MOTOR)
-    text(axes, (15.2, 1.75), "where the link is", color=LINK)
+    text(axes, (13.3, 1.65), "where the link is", color=LINK)
     text(axes, (13.6, 0.55), "drawn far too large: of this arm, a tenth of a degree at most", fontsize=11)
 
 

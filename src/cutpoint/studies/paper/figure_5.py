@@ -16,7 +16,7 @@ def figure_5() -> Figure:
     section.rotor(axes, section.placed(axes, (6.9, _AXIS), _SCALE))
     section.output(axes, section.placed(axes, (9.3, _AXIS), _SCALE))
     axes.plot([0.4, 17.6], [_AXIS, _AXIS], color="#555555", lw=0.7, ls=(0, (10, 3, 2, 3)), zorder=2)
-    for x, name, colour in ((2.6, "B", BASE), (10.3, "D", MOTOR), (15.1, "T", LINK)):
+    for x, name, colour in ((4.25, "B", BASE), (10.3, "D", MOTOR), (15.1, "T", LINK)):
         triad(axes, (x, _AXIS), name, colour, 0.75)
     _on_the_base(axes)
     _on_the_rotor(axes)
@@ -26,7 +26,7 @@ def figure_5() -> Figure:
 
 def _on_the_base(axes: Axes) -> None:
     _force(axes, (0.35, _AXIS + 0.35), (1.8, _AXIS + 0.35), "${}^B\\mathbf{F}$", (0.8, _AXIS + 0.75))
-    _force(axes, (6.9, _AXIS + 1.52), (5.5, _AXIS + 1.52), "$-{}^B\\mathbf{U}_T{}^T\\mathbf{F}_q$", (6.6, _AXIS + 2.0))
+    _force(axes, (7.0, _AXIS + 1.1), (5.4, _AXIS + 1.1), "$-{}^B\\mathbf{U}_T{}^T\\mathbf{F}_q$", (6.3, _AXIS + 0.6))
     _force(axes, (5.9, _AXIS - 1.1), (4.1, _AXIS - 1.1), "$-{}^B\\mathbf{U}_D{}^D\\mathbf{F}_\\kappa$", (5.3, _AXIS - 0.6))
     _balance(axes, 3.4, "joint base {B}", BASE, "(11)", "${}^B\\mathbf{F}^* = {}^B\\mathbf{F} - {}^B\\mathbf{U}_T{}^T\\mathbf{F}_q"
              " - {}^B\\mathbf{U}_D{}^D\\mathbf{F}_\\kappa$", "${}^B\\mathbf{F}$: from the link before, to the base")

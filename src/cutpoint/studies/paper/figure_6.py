@@ -3,73 +3,88 @@
 import numpy as np
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
-from mpl_toolkits.mplot3d import Axes3D
+from matplotlib.patheffects import withStroke
+from mpl_toolkits.mplot3d import Axes3D, proj3d
 
 from cutpoint.robots import xia2019_mechanism
 from cutpoint.studies.chain import Array, Chain, chain_of, places
 from cutpoint.studies.paper.printed import GOAL, LENGTHS
-from cutpoint.studies.style import FAINT, INK, LINK, MOTOR, SPRING, WIDTH
+from cutpoint.studies.style import FAINT, HAIR, INK, LINK, MOTOR, SPRING, WIDTH
 
-_TRIAD = 0.13  # m
-_AXES = (FAINT, SPRING, MOTOR)
-_NAMES = {0: "{B$_1$}", 1: "{B$_2$}", 2: "{B$_3$}, {B$_4$}", 4: "{B$_5$}, {B$_6$}"}
-"""Frames by the joint at whose origin they are: 3 and 4 share the elbow, 5 and 6 the wrist."""
+Label = tuple[int, float, float]
+"""At which corner of the arm, and how far from it on paper, in points."""
+
+_TRIAD = 0.12  # m
+_COLOURS = (FAINT, SPRING, MOTOR)
+_AT_ZERO: dict[str, Label] = {
+    "{B$_1$}": (0, -26, -4), "{B$_2$}": (1, -26, 4), "{B$_3$}, {B$_4$}": (2, -2, 44), "{B$_5$}, {B$_6$}": (3, 4, 44), "{O}": (4, 16, -4),
+}  # fmt: skip
+_AT_GOAL: dict[str, Label] = {
+    "{B$_1$}": (0, -26, -4), "{B$_2$}": (1, -40, -8), "{B$_3$}, {B$_4$}": (2, -52, -2), "{B$_5$}, {B$_6$}": (3, 46, -14), "{O}": (4, 16, -4),
+}  # fmt: skip
 
 
 def figure_6() -> Figure:
-    figure = Figure(figsize=(WIDTH, 4.9))
+    figure = Figure(figsize=(WIDTH, 4.6))
     chain = chain_of(xia2019_mechanism())
-    panels = ((np.zeros(6), "(a) q = 0, where (57) starts"), (GOAL, "(b) where (57) ends"))
-    for k, (q, title) in enumerate(panels):
-        axes = figure.add_axes((0.5 * k - 0.03, 0.03, 0.56, 0.92), projection="3d")
-        assert isinstance(axes, Axes3D)
-        _arm(axes, chain, q, with_lengths=k == 0)
-        _room(axes)
-        figure.text(0.5 * k + 0.02, 0.94, title, weight="bold")
+    _panel(figure, 0.0, "(a)  q = 0, where (57) starts", chain, np.zeros(6), _AT_ZERO, lengths=True)
+    _panel(figure, 0.5, "(b)  where (57) ends", chain, GOAL, _AT_GOAL, lengths=False)
     _legend(figure)
     return figure
 
 
-def _arm(axes: Axes3D, chain: Chain, q: Array, with_lengths: bool) -> None:
-    at = places(chain, q)
-    tool = at.origins[5] + LENGTHS["l_4"] * at.rotations[5][:, 2]
-    axes.plot(*np.vstack([at.origins, tool]).T, color=LINK, lw=6, alpha=0.35, solid_joinstyle="round")
-    axes.plot(*at.centroids.T, "x", color=INK, ms=6, mew=1.6, ls="none")
-    for R, origin in zip(at.rotations, at.origins, strict=True):
-        for column, colour in enumerate(_AXES):
-            axes.quiver(*origin, *(_TRIAD * R[:, column]), color=colour, lw=1.5, arrow_length_ratio=0.25)
-    for joint, name in _NAMES.items():
-        axes.plot(*at.origins[joint][:, None], "o", mec=INK, mfc="white", ms=7)
-        _label(axes, at.origins[joint], name)
-    _label(axes, tool, "{O}")
-    if with_lengths:
-        _lengths(axes, [at.origins[0], at.origins[1], at.origins[2], at.origins[4], tool])
-
-
-def _label(axes: Axes3D, at: Array, name: str) -> None:
-    axes.text(at[0], at[1], at[2] - 0.15, name, ha="center", fontsize=11)
-
-
-def _lengths(axes: Axes3D, corners: list[Array]) -> None:
-    for start, end, name in zip(corners[:-1], corners[1:], LENGTHS, strict=True):
-        middle = (start + end) / 2 + np.array([0.0, 0.0, 0.06 if start[2] == end[2] else 0.0])
-        axes.text(*middle, f"${name}$", color=LINK, ha="center", fontsize=13)
+def _panel(
+    figure: Figure, left: float, title: str, chain: Chain, q: Array, labels: dict[str, Label], lengths: bool
+) -> None:
+    axes = figure.add_axes((left, 0.06, 0.5, 0.88), projection="3d")
+    assert isinstance(axes, Axes3D)
+    _room(axes)
+    corners = _arm(axes, chain, q)
+    for name, (corner, right, up) in labels.items():
+        _label(axes, corners[corner], name, right, up, INK)
+    if lengths:
+        for start, end, name in zip(corners[:-1], corners[1:], LENGTHS, strict=True):
+            _label(axes, (start + end) / 2, f"${name}$", *((12, 0) if start[2] != end[2] else (8, -14)), LINK)
+    figure.text(left + 0.03, 0.93, title, weight="bold")
 
 
 def _room(axes: Axes3D) -> None:
-    axes.set(xlim=(-0.2, 1.1), ylim=(-0.45, 0.75), zlim=(0.0, 1.1))
-    axes.set_box_aspect((1.3, 1.2, 1.1), zoom=1.18)
-    axes.view_init(elev=20, azim=-62)
-    for name, axis in (("x", axes.xaxis), ("y", axes.yaxis), ("z", axes.zaxis)):
-        axis.set_ticks([0.0, 0.5, 1.0] if name != "y" else [0.0, 0.5])
-        axis.set_pane_color((1, 1, 1, 0))
-        axis.set_label_text(f"${name}$ [m]")
-        axis.labelpad = -6
-        axis.set_tick_params(labelsize=9, pad=-2)
+    """The floor alone, ruled every quarter of a metre."""
+    low, high = np.array([-0.25, -0.5, 0.0]), np.array([1.25, 0.75, 1.0])
+    axes.set(xlim=(low[0], high[0]), ylim=(low[1], high[1]), zlim=(low[2], high[2]))
+    axes.set_box_aspect(tuple(high - low), zoom=1.36)
+    axes.view_init(elev=22, azim=-58)
+    axes.set_axis_off()
+    for x in np.arange(low[0], high[0] + 0.1, 0.25):
+        axes.plot([x, x], [low[1], high[1]], [0, 0], color=HAIR, lw=0.7)
+    for y in np.arange(low[1], high[1] + 0.1, 0.25):
+        axes.plot([low[0], high[0]], [y, y], [0, 0], color=HAIR, lw=0.7)
+
+
+def _arm(axes: Axes3D, chain: Chain, q: Array) -> Array:
+    """Draws it; where it has corners, (5, 3): base, shoulder, elbow, wrist, tool."""
+    at = places(chain, q)
+    tool = at.origins[5] + LENGTHS["l_4"] * at.rotations[5][:, 2]
+    corners = np.vstack([at.origins[[0, 1, 2, 4]], tool])
+    axes.plot(corners[:, 0], corners[:, 1], 0 * corners[:, 2], color=HAIR, lw=5, solid_joinstyle="round")
+    axes.plot(*corners.T, color=LINK, lw=7, alpha=0.3, solid_joinstyle="round")
+    axes.plot(*at.centroids.T, "x", color=INK, ms=6, mew=1.6, ls="none")
+    for R, origin in zip(at.rotations, at.origins, strict=True):
+        for column, colour in enumerate(_COLOURS):
+            axes.quiver(*origin, *(_TRIAD * R[:, column]), color=colour, lw=1.6, arrow_length_ratio=0.25)
+    axes.plot(*corners[:-1].T, "o", mec=INK, mfc="white", ms=7, ls="none")
+    return corners
+
+
+def _label(axes: Axes3D, at: Array, words: str, right: float, up: float, colour: str) -> None:
+    x, y, _ = proj3d.proj_transform(*at, axes.get_proj())
+    halo = [withStroke(linewidth=3, foreground="white")]
+    offset = {"xytext": (right, up), "textcoords": "offset points", "ha": "center", "va": "center"}
+    axes.annotate(words, (float(x), float(y)), color=colour, path_effects=halo, zorder=50, **offset)
 
 
 def _legend(figure: Figure) -> None:
-    lines = [Line2D([], [], color=colour, lw=2) for colour in _AXES]
+    lines = [Line2D([], [], color=colour, lw=2) for colour in _COLOURS]
     lines.append(Line2D([], [], color=INK, marker="x", ls="none", mew=1.6))
     names = ["$x$", "$y$", "$z$: the joint's axis", "centroid of a link"]
     figure.legend(lines, names, loc="lower center", ncols=4)

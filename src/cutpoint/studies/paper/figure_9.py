@@ -63,9 +63,9 @@ def _forward(axes: Axes) -> None:
 
 
 def _feedback(axes: Axes) -> None:
-    path(axes, [(13.35, _ROW - 0.8), (13.35, 1.1), (6.6, 1.1), (6.6, _ROW - 0.28)], MOTOR)
-    text(axes, (9.6, 1.5), "motor-side encoder: $\\theta,\\ \\dot\\theta$   rad, rad/s at the joint's side", color=MOTOR, fontsize=11)
+    path(axes, [(13.35, _ROW - 0.8), (13.35, 1.75), (6.6, 1.75), (6.6, _ROW - 0.28)], MOTOR)
+    text(axes, (9.4, 2.1), "motor-side encoder $\\theta,\\ \\dot\\theta$: rad, rad/s", color=MOTOR)
     for x, y, sign in ((6.32, _ROW - 0.55, "$-$"), (6.32, _ROW + 0.5, "$+$"), (10.9, _ROW - 0.4, "$+$"), (11.05, _ROW + 0.5, "$+$")):
         text(axes, (x, y), sign, fontsize=11)
-    text(axes, (0.5, 0.75), "blue: motor's side, orange: link's side; all angles and torques\n"
+    text(axes, (0.5, 0.95), "blue: motor's side, orange: link's side; all angles and torques\n"
          "referred to the joint: rotor angle / $\\ell$, shaft torque $\\times\\ \\ell$", ha="left", fontsize=11)

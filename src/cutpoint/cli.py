@@ -1,0 +1,142 @@
+"""The command line: one thin command per job."""
+
+import sys
+import warnings
+from pathlib import Path
+from typing import Annotated, Any, Literal
+
+import numpy as np
+import typer
+from rich.console import Console
+from rich.markup import escape
+
+import cutpoint
+from cutpoint.cli_tables import drive_table, error_table, listed_numbers, robot_table, torque_table
+from cutpoint.control import Feedforward, pd_for_bandwidth
+from cutpoint.door import check_configuration, driven_joints
+from cutpoint.errors import CutpointError, SimulationError
+from cutpoint.simulation import Log
+
+app = typer.Typer(
+    help="Dynamics, simulation and control of robots whose joints bend.",
+    no_args_is_help=True,
+    add_completion=False,
+    pretty_exceptions_enable=False,
+)
+console = Console()
+
+RobotFile = Annotated[Path, typer.Argument(metavar="ROBOT", help="URDF or xacro file, or xia2019 for the paper's arm.")]
+Drives = Annotated[Path | None, typer.Option(metavar="FILE", help="Drive file (YAML): see docs/drive-file.md.")]
+Degrees = Annotated[bool, typer.Option("--degrees", help="Angles, and their rates, are given in degrees.")]
+Rung = Literal["none", "gravity", "rigid", "rotor", "friction", "elastic"]
+
+
+@app.command(epilog="Example: cutpoint inspect arm.urdf --drives arm.drives.yaml")
+def inspect(robot: RobotFile, drives: Drives = None) -> None:
+    """Show what a robot is: joints, bodies, limits, drives, and where virtual decomposition cuts it."""
+    loaded = _robot(robot, drives)
+    console.print(robot_table(loaded))
+    console.print(drive_table(loaded))
+
+
+@app.command(epilog="Example: cutpoint torque xia2019 --q 0,30,60,0,45,0 --degrees")
+def torque(
+    robot: RobotFile,
+    q: Annotated[str, typer.Option(help="Positions, rad (m), separated by commas, in the order of inspect.")],
+    v: Annotated[str, typer.Option(help="Speeds, rad/s; zero if not given.")] = "",
+    a: Annotated[str, typer.Option(help="Accelerations, rad/s2; zero if not given.")] = "",
+    drives: Drives = None,
+    degrees: Degrees = False,
+) -> None:
+    """Torques that hold or move a robot; with elastic drives, where their motors must stand."""
+    loaded = _robot(robot, drives)
+    position, speed, acceleration = (_numbers(loaded, *given, degrees) for given in (("q", q), ("v", v), ("a", a)))
+    check_configuration(loaded.mechanism, position.tolist())
+    still = np.zeros(len(loaded.joints))
+    torques = loaded.elastic_inverse_dynamics(position, speed, acceleration, still, still)
+    console.print(torque_table(loaded, position, speed, acceleration, torques))
+
+
+@app.command(
+    epilog="Example: cutpoint simulate xia2019 --to 90,60,60,90,60,90 --degrees --duration 10 --output run.npz"
+)
+def simulate(
+    robot: RobotFile,
+    to: Annotated[str, typer.Option(help="Final positions, rad (m), separated by commas, in the order of inspect.")],
+    duration: Annotated[float, typer.Option(help="Duration of the motion, s.")],
+    drives: Drives = None,
+    degrees: Degrees = False,
+    bandwidth: Annotated[float, typer.Option(help="Bandwidth of the PD on the motors, Hz.")] = 5.0,
+    feedforward: Annotated[Rung, typer.Option(help="How much of the model is fed forward.")] = "elastic",
+    period: Annotated[float, typer.Option(help="Control period, s.")] = 1e-3,
+    output: Annotated[Path | None, typer.Option(metavar="FILE", help="Save the log: .npz or .csv.")] = None,
+    plot: Annotated[
+        Path | None, typer.Option(metavar="FILE", help="Save a picture of the run: .png, .pdf or .svg.")
+    ] = None,
+) -> None:
+    """Move a robot from its zero along a cycloid, (57), under PD on its motors and feedforward; report the errors."""
+    loaded = _robot(robot, drives)
+    trajectory = cutpoint.trajectories.cycloid(end=_numbers(loaded, "to", to, degrees), duration=duration)
+    controller: Any = pd_for_bandwidth(loaded, bandwidth)
+    if feedforward != "none":
+        controller = controller + Feedforward(loaded, feedforward)
+    try:
+        log = cutpoint.simulate(loaded, controller, trajectory, control_period=period)
+    except SimulationError as error:
+        if error.log is not None:
+            _keep(error.log, output, plot)
+        raise
+    console.print(error_table(loaded, log))
+    _keep(log, output, plot)
+
+
+@app.command(epilog="Example: cutpoint paper --output paper")
+def paper(
+    output: Annotated[
+        Path, typer.Option(metavar="DIR", help="Folder for the report, its figures and results.json.")
+    ] = Path("paper"),
+) -> None:
+    """Carry out section IV of Xia et al. (2019), its numbers beside ours, as a report to open in a browser."""
+    from cutpoint.studies.paper import run
+
+    run(output)
+
+
+def main() -> None:
+    """Entry point: errors and warnings as one line, without a traceback."""
+    stderr = Console(stderr=True)
+
+    def show(message: Warning | str, category: type[Warning], *_: Any, **__: Any) -> None:
+        stderr.print(f"[yellow]warning:[/] {escape(str(message))}", highlight=False)
+
+    warnings.showwarning = show
+    try:
+        app()
+    except CutpointError as error:
+        stderr.print(f"[red]error:[/] {escape(str(error))}", highlight=False)
+        sys.exit(1)
+
+
+def _robot(path: Path, drives: Path | None) -> cutpoint.Robot:
+    """The robot of a file, or one that comes with the package."""
+    if str(path) != "xia2019":
+        return cutpoint.load(path, drives)
+    return cutpoint.load(cutpoint.robots.XIA2019_URDF, drives or cutpoint.robots.XIA2019_DRIVES)
+
+
+def _numbers(robot: cutpoint.Robot, option: str, text: str, degrees: bool) -> Any:
+    """One number a joint, in SI units."""
+    numbers = listed_numbers(option, text, len(robot.joints))
+    if not degrees:
+        return numbers
+    slides = [robot.mechanism.bodies[i].joint.kind == "prismatic" for i in driven_joints(robot.mechanism).values()]
+    return np.where(slides, numbers, np.radians(numbers))
+
+
+def _keep(log: Log, output: Path | None, plot: Path | None) -> None:
+    if output:
+        log.save(output)
+        console.print(f"log saved to {output}")
+    if plot:
+        log.plot("q", "reference_q").savefig(plot)
+        console.print(f"picture saved to {plot}")

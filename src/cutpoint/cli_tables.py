@@ -1,0 +1,119 @@
+"""What the command line prints: tables of robots, drives, torques and errors."""
+
+import numpy as np
+from numpy.typing import NDArray
+from rich.table import Table
+
+from cutpoint.errors import InputError
+from cutpoint.robot import ElasticTorques, Robot
+from cutpoint.simulation import Log
+
+Array = NDArray[np.float64]
+
+
+def listed_numbers(option: str, text: str, count: int) -> Array:
+    """Numbers separated by commas; none at all are zeros."""
+    if not text.strip():
+        return np.zeros(count)
+    try:
+        numbers = np.array([float(x) for x in text.split(",")])
+    except ValueError:
+        raise InputError(f"--{option} {text!r} must be numbers separated by commas, such as 0,0.5,-1.2") from None
+    if len(numbers) != count or not np.isfinite(numbers).all():
+        raise InputError(f"--{option} has {len(numbers)} numbers, the robot has {count} joints; all must be finite")
+    return numbers
+
+
+def robot_table(robot: Robot) -> Table:
+    """Bodies with their joints, masses and limits."""
+    title = f"{robot.name}: {len(robot.subsystems)} subsystems, {len(robot.cuts)} cutting points"
+    table = _table(title, "joint", "kind", "carries", "carried by", "mass / kg", "position limits", "effort limit")
+    for body in robot.mechanism.bodies:
+        carrier = robot.mechanism.bodies[body.parent].name if body.parent >= 0 else "world"
+        slides, limits = body.joint.kind == "prismatic", body.joint.limits
+        position = _range(limits.lower, limits.upper, 1.0 if slides else 180 / np.pi, "m" if slides else "deg")
+        effort = "-" if np.isinf(limits.effort) else f"{limits.effort:g} {'N' if slides else 'N m'}"
+        table.add_row(body.joint.name, body.joint.kind, body.name, carrier, f"{body.mass:.4g}", position, effort)
+    return table
+
+
+def drive_table(robot: Robot) -> Table:
+    """What drives each joint, at the joint's side."""
+    table = _table(
+        "drives, at the joint's side",
+        "joint",
+        "ratio",
+        "rotor / kg m2",
+        "compliance",
+        "link friction",
+        "motor friction",
+    )
+    for name, drive in robot.drives.items():
+        rotor = f"{drive.reflected_inertia:.4g}" if drive.rotor else "-"
+        laws = (_law(drive.compliance) or "rigid", _law(drive.link_friction) or "-", _law(drive.motor_friction) or "-")
+        table.add_row(name, f"{drive.ratio:g}", rotor, *laws)
+    return table
+
+
+def torque_table(robot: Robot, q: Array, v: Array, a: Array, u: ElasticTorques) -> Table:
+    """Torques of a motion, and how far each motor leads."""
+    title = "torques at the joint's side (N m; N on prismatic joints)"
+    names = ["joint", "position", "gravity", "joint torque", "with friction and rotor", "motor leads by"]
+    table = _table(title, *names)
+    gravity = robot.gravity_forces(q)
+    for k, (name, slides) in enumerate(zip(robot.joints, _slides(robot), strict=True)):
+        lead = u.theta[k] - q[k]
+        table.add_row(
+            name, _position(q[k], slides), f"{gravity[k]:.6g}", f"{u.joint_torque[k]:.10g}",
+            f"{u.motor_torque[k]:.10g}",
+            f"{lead * 1e3:.4g} mm" if slides else f"{np.degrees(lead) * 60:.4g} arcmin",
+        )  # fmt: skip
+    table.caption = (
+        f"speeds {np.array2string(v, precision=4)}, accelerations {np.array2string(a, precision=4)}, SI units"
+    )
+    return table
+
+
+def error_table(robot: Robot, log: Log) -> Table:
+    """How well a run tracked."""
+    table = _table("tracking", "joint", "RMS error", "peak error", "RMS feedback torque", "peak motor torque")
+    rms, peak = log.rms("position_error"), log.max("position_error")
+    feedback, torque = log.rms("feedback_torque"), log.max("motor_torque")
+    for k, (name, slides) in enumerate(zip(robot.joints, _slides(robot), strict=True)):
+        unit = "N" if slides else "N m"
+        table.add_row(
+            name,
+            _position(rms[k], slides),
+            _position(peak[k], slides),
+            f"{feedback[k]:.4g} {unit}",
+            f"{torque[k]:.4g} {unit}",
+        )
+    return table
+
+
+def _table(title: str, *columns: str) -> Table:
+    table = Table(title=title, title_justify="left")
+    for k, column in enumerate(columns):
+        table.add_column(column, justify="left" if k == 0 else "right", overflow="fold")
+    return table
+
+
+def _slides(robot: Robot) -> list[bool]:
+    kinds = {body.joint.name: body.joint.kind for body in robot.mechanism.bodies}
+    return [kinds[name] == "prismatic" for name in robot.joints]
+
+
+def _position(x: float, slides: bool) -> str:
+    return f"{x * 1e3:.4g} mm" if slides else f"{np.degrees(x):.4g} deg"
+
+
+def _range(lower: float, upper: float, factor: float, unit: str) -> str:
+    return "-" if np.isinf(lower) and np.isinf(upper) else f"{lower * factor:.4g} to {upper * factor:.4g} {unit}"
+
+
+def _law(law: object) -> str:
+    """A law by its name and its numbers, one a line."""
+    if law is None:
+        return ""
+    numbers = {name.replace("_", " "): value for name, value in vars(law).items()}
+    return "\n".join([type(law).__name__, *(f"{name} {value:.4g}" for name, value in numbers.items())])

@@ -1,0 +1,66 @@
+"""The bench on which section IV.B is run: arm, reference, gains, and closed loops by name."""
+
+from dataclasses import replace
+from functools import cached_property
+from typing import Literal
+
+import numpy as np
+
+from cutpoint.control import PD, Feedforward
+from cutpoint.control.interface import Law
+from cutpoint.errors import SimulationError
+from cutpoint.robot import Robot
+from cutpoint.robots import xia2019
+from cutpoint.simulation import Log, simulate
+from cutpoint.studies.paper.printed import DURATION, GOAL
+from cutpoint.trajectories import Trajectory, cycloid
+
+KP = np.array([2000.0, 2000.0, 1000.0, 500.0, 300.0, 200.0])
+"""N m/rad at the joint's side.  Ours: the paper prints no gains."""
+
+KD = np.array([60.0, 60.0, 35.0, 20.0, 12.0, 10.0])
+"""N m s/rad at the joint's side."""
+
+PERIOD = 1e-3
+"""Of control, s."""
+
+
+class Bench:
+    """Arm and reference of section IV; what several pages need is run once."""
+
+    @cached_property
+    def robot(self) -> Robot:
+        return xia2019()
+
+    @cached_property
+    def frictionless(self) -> Robot:
+        drives = {name: replace(drive, link_friction=None) for name, drive in self.robot.drives.items()}
+        return self.robot.with_drives(drives)
+
+    @cached_property
+    def reference(self) -> Trajectory:
+        return cycloid(GOAL, DURATION)
+
+    @cached_property
+    def pd_alone(self) -> Log:
+        """The closed loop without feedforward."""
+        return self.run(self.robot, pd())
+
+    @cached_property
+    def elastic(self) -> Log:
+        """The closed loop with the full feedforward."""
+        return self.run(self.robot, pd() + Feedforward(self.robot, "elastic"))
+
+    def run(self, robot: Robot, controller: Law) -> Log:
+        """The closed loop along (57); where it diverges, what it reached."""
+        try:
+            return simulate(robot, controller, self.reference, control_period=PERIOD)
+        except SimulationError as stopped:
+            if stopped.log is None or stopped.log.time.size >= round(DURATION / PERIOD):
+                raise
+            return stopped.log
+
+
+def pd(scale: float = 1.0, side: Literal["motor", "link"] = "motor") -> PD:
+    """The one gain set, or a multiple of it.  Xia (2019) eq. (58)."""
+    return PD(scale * KP, scale * KD, side=side)

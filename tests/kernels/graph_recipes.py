@@ -1,0 +1,40 @@
+"""Random expressions that any scalar can evaluate: finite for finite inputs, continuous where results are compared."""
+
+from collections.abc import Callable
+from typing import Any
+
+from hypothesis import strategies as st
+
+from cutpoint.scalars import atan, clip, cos, exp, log, maximum, minimum, sin, sqrt, tan, tanh, where
+
+Step = tuple[str, int, int, float]
+
+ONE: dict[str, Callable[[Any], Any]] = {
+    "sin": sin, "cos": cos, "atan": atan, "tanh": tanh, "negated": lambda x: -x, "square": lambda x: x * x,
+    "tan": lambda x: tan(atan(x) / 2), "exp": lambda x: exp(clip(x, -3.0, 3.0)), "log": lambda x: log(x * x + 0.5),
+    "sqrt": lambda x: sqrt(x * x + 1), "inverse": lambda x: 1 / (x * x + 1),
+}  # fmt: skip
+TWO: dict[str, Callable[[Any, Any], Any]] = {
+    "plus": lambda x, y: x + y, "minus": lambda x, y: x - y, "times": lambda x, y: x * y, "least": minimum,
+    "most": maximum, "over": lambda x, y: x / (y * y + 1),
+}  # fmt: skip
+CONSTANT: dict[str, Callable[[Any, float], Any]] = {
+    "scaled": lambda x, c: c * x, "shifted": lambda x, c: x + c, "from": lambda x, c: c - x,
+    "limited": lambda x, c: clip(x, -abs(c), abs(c)),
+}  # fmt: skip
+constants = st.sampled_from([0.0, 1.0, -1.0, 2.0, 0.5, -3.25, 0.1]) | st.floats(-4, 4)
+steps = st.tuples(st.sampled_from([*ONE, *TWO, *CONSTANT, "where"]), st.integers(0, 60), st.integers(0, 60), constants)
+
+
+def cook(recipe: list[Step], inputs: list[Any]) -> list[Any]:
+    """The last values of a recipe; `where` compares inputs only, which all evaluations agree on."""
+    values = [*inputs]
+    for op, i, j, c in recipe:
+        x, y = values[i % len(values)], values[j % len(values)]
+        if op == "where":
+            a, b = inputs[i % len(inputs)], inputs[j % len(inputs)]
+            values.append(where((~(a <= b) & (a <= c)) | (b > 1), x, y))
+        else:
+            values.append(ONE[op](x) if op in ONE else TWO[op](x, y) if op in TWO else CONSTANT[op](x, c))
+        values[-1] = clip(values[-1], -50.0, 50.0)
+    return values[-3:]

@@ -1,0 +1,81 @@
+"""What is said to those who call a kernel, or compile one, with the wrong thing."""
+
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+import pytest
+
+from cutpoint.errors import CutpointError, InputError, TraceError
+from cutpoint.kernels import Kernel, backends, compile
+
+BACKENDS = ("llvm", "numpy")
+ZEROS = np.zeros((4, 6))
+
+
+@pytest.fixture(params=BACKENDS)
+def kernel(request: pytest.FixtureRequest) -> Kernel:
+    def inverse_dynamics(q: Any, v: Any, T: Any) -> Any:
+        return [x * v + T[0][0] for x in q]
+
+    return compile(inverse_dynamics, q=6, v=(), T=(2, 3), backend=request.param)
+
+
+T = np.zeros((2, 3))
+CALLS: list[tuple[Callable[[Kernel], Any], str]] = [
+    (lambda k: k(np.zeros(5), 0, T), "inverse_dynamics: q has shape (5,), its last axis must be 6"),
+    (lambda k: k(1.0, 0, T), "inverse_dynamics: q has shape (), its last axis must be 6"),
+    (lambda k: k(np.zeros((6, 1)), 0, T), "q has shape (6, 1), its last axis must be 6"),
+    (lambda k: k(ZEROS, 0, T.T), "T has shape (3, 2), its last axes must be (2, 3)"),
+    (lambda k: k(ZEROS, np.zeros(3), T), "leading axes do not broadcast: q (4,), v (3,), T ()"),
+    (lambda k: k(ZEROS, 0), "T missing; it takes q, v, T"),
+    (lambda k: k(ZEROS, 0, T, T), "4 arguments given, it takes 3: q, v, T"),
+    (lambda k: k(ZEROS, 0, T=T, w=0), "no input of inverse_dynamics is named 'w'; there are: 'q', 'v', 'T'"),
+    (lambda k: k(ZEROS, 0, T=T, q=ZEROS), "q is given twice"),
+    (lambda k: k(ZEROS * 1j, 0, T), "q holds complex128"),
+    (lambda k: k(["a"] * 6, 0, T), "q holds <U1"),
+    (lambda k: k([None] * 6, 0, T), "q holds NoneType"),
+    (lambda k: k([[1, 2], [3]], 0, T), "q is not an array"),
+    (lambda k: k(ZEROS, 0, T, out=ZEROS[:, 1:]), "out for result has shape (4, 5), it must be an array of shape (4, 6)"),
+    (lambda k: k(ZEROS, 0, T, out=(ZEROS, ZEROS)), "out holds 2 arrays, it must hold 1: result"),
+    (lambda k: k(ZEROS, 0, T, out=[0]), "out for result is a list"),
+    (lambda k: k(ZEROS, 0, T, out=np.zeros((4, 6), int)), "cast"),
+]  # fmt: skip
+
+
+@pytest.mark.parametrize("case", range(len(CALLS)))
+def test_no_wrong_argument_reaches_machine_code(kernel: Kernel, case: int) -> None:
+    call, message = CALLS[case]
+    with pytest.raises(InputError) as caught:
+        call(kernel)
+    assert message in str(caught.value) and str(caught.value).startswith(("inverse_dynamics: ", "no input"))
+
+
+def test_a_kernel_cannot_be_traced(kernel: Kernel) -> None:
+    with pytest.raises(InputError, match="call the function that it was made of"):
+        compile(lambda x: kernel([x] * 6, x, [[x] * 3] * 2), x=())
+
+
+DEFINITIONS: list[tuple[Callable[[], Any], type[CutpointError], str]] = [
+    (lambda: compile(lambda x: x, x=-1), InputError, "input 'x': shape -1 must be"),
+    (lambda: compile(lambda x: x, x=(2, -1)), InputError, "shape (2, -1)"),
+    (lambda: compile(lambda x: x, x=2.5), InputError, "shape 2.5"),  # type: ignore[arg-type]
+    (lambda: compile(lambda x: x, y=1), InputError, "its parameters are not the inputs ['y']"),
+    (lambda: compile(lambda x: x, x=1, backend="fortran"), InputError, "no backend is named 'fortran'"),
+    (lambda: compile(lambda x: [x, [x]], x=()), TraceError, "'result' is ragged"),
+    (lambda: compile(lambda x: x, x=100_000, backend="llvm"), InputError, "use backend='numpy'"),
+]
+
+
+@pytest.mark.parametrize("case", range(len(DEFINITIONS)))
+def test_definitions_that_make_no_sense_are_explained(case: int) -> None:
+    define, kind, message = DEFINITIONS[case]
+    with pytest.raises(kind) as caught:
+        define()
+    assert message in str(caught.value)
+
+
+def test_a_missing_llvm_is_named(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(backends, "llvm_is_installed", lambda: False)
+    with pytest.raises(InputError, match="pip install llvmlite"):
+        compile(lambda x: x, x=(), backend="llvm")

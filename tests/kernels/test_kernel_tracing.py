@@ -1,0 +1,174 @@
+"""What happens to numbers while a function is traced."""
+
+import gc
+import math
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+import pytest
+
+from cutpoint.errors import TraceError
+from cutpoint.kernels import Graph, compile, graph_of
+from cutpoint.scalars import Jet, absolute, atan, cos, exp, sin, tan, tanh, where
+
+
+def results(function: Callable[..., Any]) -> tuple[Any, ...]:
+    return graph_of(lambda x, y, z: [*function(x, y, z)], x=(), y=(), z=()).results
+
+
+def operations(function: Callable[..., Any]) -> dict[str, int]:
+    return graph_of(function, x=(), y=()).operations
+
+
+def test_what_is_known_is_no_operation() -> None:
+    known = results(lambda x, y, z: [x * 0, 0 / x, x - x, x / x, x**0, 0.0 * (x + y)])
+    assert known == (0.0, 0.0, 0.0, 1.0, 1.0, 0.0)
+    same = results(lambda x, y, z: [x, x * 1, 1 * x, x + 0, 0 + x, x - 0, x / 1, x**1, -(0 - x), +x, 2 * x / 2])
+    assert len({id(r) for r in same}) == 1
+
+
+@pytest.mark.parametrize(
+    "one, other",
+    [
+        (lambda x, y: x + y, lambda x, y: y + x),
+        (lambda x, y: x * y, lambda x, y: y * x),
+        (lambda x, y: x - y, lambda x, y: x + -y),
+        (lambda x, y: -(x - y), lambda x, y: y - x),
+        (lambda x, y: (-x) * y, lambda x, y: -(y * x)),
+        (lambda x, y: (-x) / (-y), lambda x, y: x / y),
+        (lambda x, y: -2 * x, lambda x, y: -(x * 2)),
+        (lambda x, y: 3 * (2 * x), lambda x, y: x * 6),
+        (lambda x, y: x**5, lambda x, y: x * ((x * x) * (x * x))),
+        (lambda x, y: x**-2, lambda x, y: 1 / (x * x)),
+        (lambda x, y: x**0.5, lambda x, y: x.sqrt()),
+        (lambda x, y: sin(-x), lambda x, y: -sin(x)),
+        (lambda x, y: cos(-x), lambda x, y: cos(x)),
+        (lambda x, y: tan(-x) + tanh(-x) + atan(-x), lambda x, y: -tan(x) - tanh(x) - atan(x)),
+        (lambda x, y: abs(x), lambda x, y: absolute(x)),
+        (lambda x, y: where(x > y, x, y), lambda x, y: where(y < x, x, y)),
+        (lambda x, y: where(~(x < y), x, y), lambda x, y: where(x < y, y, x)),
+        (lambda x, y: where((x < y) & True, x, y), lambda x, y: where((x < y) | False, x, y)),
+        (lambda x, y: np.float64(2) * x, lambda x, y: x * np.float64(2)),
+        (lambda x, y: (np.array([1.0, 2.0]) * x)[1] + y, lambda x, y: 2 * x + y),
+        (lambda x, y: (np.eye(2) @ np.array([x, y]))[1], lambda x, y: y),
+        (lambda x, y: np.int64(2) * x + np.float32(0.5), lambda x, y: 2 * x + 0.5),
+    ],
+)
+def test_equal_expressions_are_one_node(one: Callable[..., Any], other: Callable[..., Any]) -> None:
+    first, second = results(lambda x, y, z: [one(x, y), other(x, y)])
+    assert first is second
+
+
+def test_common_terms_are_computed_once() -> None:
+    assert operations(lambda x, y: (x * y + 1) * (y * x + 1)) == {"mul": 2, "add": 1}
+
+
+def test_a_choice_between_equals_is_no_choice() -> None:
+    assert results(lambda x, y, z: [where(x < y, z, z), where(x < y, 1, 1.0), where(x < x, y, z)])[0].op == "input"
+    assert results(lambda x, y, z: [where(x < y, 1, 1.0)]) == (1.0,)
+
+
+def test_additions_are_never_reordered() -> None:
+    kernel = compile(lambda x: (x + 2.0**52) - 2.0**52, x=())
+    assert kernel(1.3) == 1.0
+
+
+def test_factors_that_would_underflow_stay_apart() -> None:
+    kernel = compile(lambda x: [(x * 1e-200) * 1e-200 * 1e300, x / 1e-320, x / 1e308], x=())
+    assert kernel(1e200) == pytest.approx([1e100, math.inf, 1e-108], rel=1e-12)
+
+
+def test_tracing_leaves_the_garbage_collector_as_it_was() -> None:
+    assert gc.isenabled()
+    assert graph_of(lambda x: [x, gc.isenabled()], x=()).results[1] == 0.0
+    assert gc.isenabled()
+
+
+REFUSED: dict[str, tuple[Callable[[Any, Any], Any], str]] = {
+    "if": (lambda x, y: x if x > y else y, "cutpoint.where(x > 0, yes, no)"),
+    "min": (lambda x, y: min(x, y), "cutpoint.where"),
+    "and": (lambda x, y: x > 0 and y > 0, "`&`"),
+    "truth": (lambda x, y: not x, "truth value"),
+    "float": (lambda x, y: float(x), "float()"),
+    "int": (lambda x, y: [y][x], "no value"),
+    "math": (lambda x, y: math.sin(x), "cutpoint.sin"),
+    "numpy function": (lambda x, y: np.tanh(x), "cutpoint.tanh"),
+    "renamed numpy function": (lambda x, y: np.arctan(x), "cutpoint.atan"),
+    "numpy maximum": (lambda x, y: np.maximum(x, y), "cutpoint.maximum"),
+    "unknown numpy function": (lambda x, y: np.cbrt(x), "cutpoint's functions"),
+    "numpy array of float": (lambda x, y: np.array([x, y], float), "no value"),
+    "equal": (lambda x, y: x == y, "no meaning"),
+    "different": (lambda x, y: x != y, "no meaning"),
+    "member": (lambda x, y: x in [y], "no meaning"),
+    "modulo": (lambda x, y: x % 2, "%"),
+    "power": (lambda x, y: x**1.5, "whole"),
+    "traced power": (lambda x, y: x**y, "constant"),
+    "to a power": (lambda x, y: 2**x, "exp"),
+    "zero division": (lambda x, y: x / 0, "zero"),
+    "text": (lambda x, y: x + "1", "str"),
+    "nothing": (lambda x, y: None * x, "NoneType"),
+    "complex": (lambda x, y: x * 1j, "complex"),
+    "condition in where": (lambda x, y: x.where(x, y, x), "comparison"),
+    "condition joined with number": (lambda x, y: (x < y) & x, "join conditions"),
+}
+
+
+@pytest.mark.parametrize("case", REFUSED)
+def test_what_cannot_be_compiled_points_at_the_users_line(case: str) -> None:
+    function, remedy = REFUSED[case]
+    with pytest.raises(TraceError) as caught:
+        graph_of(function, x=(), y=())
+    assert caught.value.place == f"{__file__}:{function.__code__.co_firstlineno}"
+    assert remedy in str(caught.value) and caught.value.place in str(caught.value)
+
+
+def test_numbers_of_two_traces_do_not_meet() -> None:
+    leaked: list[Any] = []
+    graph_of(lambda x: leaked.append(x) or x, x=())
+    with pytest.raises(TraceError, match="two traces"):
+        graph_of(lambda y: y + leaked[0], y=())
+    with pytest.raises(TraceError, match="another trace"):
+        graph_of(lambda y: [y, leaked[0]], y=())
+    with pytest.raises(TraceError, match="kept and used after"):
+        leaked[0] * leaked[0]
+
+
+def test_traced_numbers_serve_as_keys_by_identity() -> None:
+    graph_of(lambda x, y: [{x: 1, y: 2, exp(x): 3}[y], x in {x, y}], x=(), y=())
+
+
+@pytest.mark.parametrize("what", [None, "text", object(), {"a": 1}, [1, [2]]])
+def test_a_function_must_return_numbers(what: Any) -> None:
+    with pytest.raises(TraceError, match="output 'result'"):
+        graph_of(lambda x: what, x=())
+
+
+def test_a_jet_of_traced_numbers_is_a_jet() -> None:
+    def function(x: Any, v: Any, a: Any) -> Any:
+        jet = Jet(x, v, a)
+        kept = where(jet < x + 1, x * sin(jet) + x - jet, v)
+        return [kept.derivative(k) for k in range(3)]
+
+    found = compile(function, x=(), v=(), a=())(0.3, 2.0, -1.0)
+    s, c = math.sin(0.3), math.cos(0.3)
+    expected = [0.3 * s, 0.3 * c * 2 - 2, 0.3 * (-s * 4 - c) + 1]
+    assert found == pytest.approx(expected, rel=1e-14)
+
+
+def test_a_condition_is_no_output() -> None:
+    with pytest.raises(TraceError, match="Condition"):
+        graph_of(lambda x: x < 1, x=())
+
+
+def test_the_graph_lists_operands_before_users() -> None:
+    graph = graph_of(lambda x, y: [sin(x * y) + x, cos(y) / (x + 2)], x=(), y=())
+    seen: set[int] = set()
+    for node in graph.nodes:
+        assert all(a.serial in seen for a in node.args if hasattr(a, "serial"))
+        seen.add(node.serial)
+    assert [n.op for n in graph.nodes] == [n.op for n in again(graph)]
+
+
+def again(graph: Graph) -> Any:
+    return graph_of(lambda x, y: [sin(x * y) + x, cos(y) / (x + 2)], x=(), y=()).nodes

@@ -1,0 +1,242 @@
+"""Stepping programs against a plain Python interpretation of the same loops."""
+
+import math
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+import pytest
+
+from cutpoint.errors import InputError, TraceError
+from cutpoint.kernels import Loop, Program, Region, Stage, backends, compile_program
+from cutpoint.scalars import absolute, sin, where
+
+BACKENDS = ("llvm", "numpy")
+H = 0.01
+RK4 = [[0.0, H / 6], [H / 2, H / 3], [H / 2, H / 3], [H, H / 6]]
+REGIONS = [Region(n, k) for n, k in [("x", 2), ("rate", 2), ("sum", 2), ("rk", 2), ("u", 1), ("fault", 1), ("log", 3)]]
+
+
+def derivative(x: Any, u: Any) -> Any:
+    return [x[1], -4 * sin(x[0]) - x[1] / 10 + u[0]]
+
+
+def control(x: Any, u: Any) -> Any:
+    return [u[0] - x[0] / 100], [where(absolute(x[0]) > 1.5, 1, 0)]
+
+
+def begin(x: Any) -> Any:
+    return [0, 0], x
+
+
+def stage(x: Any, rate: Any, total: Any, rk: Any, u: Any) -> Any:
+    k = derivative([a + rk[0] * b for a, b in zip(x, rate, strict=True)], u)
+    return k, [a + rk[1] * b for a, b in zip(total, k, strict=True)]
+
+
+def end(total: Any) -> Any:
+    return total
+
+
+def record(x: Any, log: Any) -> Any:
+    return [x[0], log[1], x[1]]  # the middle slot stays as it is
+
+
+def pendulum(backend: str, *, substeps: int = 2, ticks: int | str = "ticks") -> Program:
+    step = Loop(4, (Stage(stage, ("x", "rate", "sum", "rk", "u"), ("rate", "sum")),), streams=("rk",))
+    substep = Loop(substeps, (Stage(begin, ("x",), ("rate", "sum")), step, Stage(end, ("sum",), ("x",))))
+    tick = (Stage(control, ("x", "u"), ("u", "fault")), substep, Stage(record, ("x", "log"), ("log",)))
+    return compile_program(Loop(ticks, tick, streams=("log",), until="fault"), REGIONS, backend=backend)
+
+
+def memory(rows: int, start: float = 1.0) -> dict[str, np.ndarray]:
+    arrays = {r.name: np.zeros(r.size) for r in REGIONS}
+    return arrays | {"x": np.array([start, 0.0]), "rk": np.array(RK4), "log": np.full((rows, 3), 9.0)}
+
+
+def plainly(ticks: int, memory: dict[str, np.ndarray]) -> int:
+    """The same loops in plain Python."""
+    x, u = [float(e) for e in memory["x"]], float(memory["u"][0])
+    for tick in range(ticks):
+        fault, u = float(abs(x[0]) > 1.5), u - x[0] / 100
+        for _ in range(2):
+            rate, total = [0.0, 0.0], [*x]
+            for a, b in RK4:
+                y = [p + a * r for p, r in zip(x, rate, strict=True)]
+                rate = [y[1], -4 * math.sin(y[0]) - y[1] / 10 + u]
+                total = [t + b * r for t, r in zip(total, rate, strict=True)]
+            x = total
+        memory["log"][tick] = [x[0], memory["log"][tick, 1], x[1]]
+        if fault:
+            break
+    memory |= {"x": np.array(x), "u": np.array([u]), "fault": np.array([fault])}
+    return tick + 1
+
+
+@pytest.fixture(params=BACKENDS)
+def program(request: pytest.FixtureRequest) -> Program:
+    return pendulum(request.param)
+
+
+@pytest.mark.parametrize("start", [0.0, 1e-300, 1.0, -1.49])
+def test_loops_do_what_they_say(program: Program, start: float) -> None:
+    ours, plain = memory(200, start), memory(200, start)
+    assert program.run({"ticks": 200}, **ours) == plainly(200, plain)
+    for name in ("x", "u", "fault", "log"):
+        # 400 substeps of a damped pendulum do not amplify rounding
+        np.testing.assert_allclose(ours[name], plain[name], rtol=1e-11, atol=1e-11 * abs(start), err_msg=name)
+
+
+def test_a_loop_is_left_after_the_iteration_that_says_so(program: Program) -> None:
+    ours, plain = memory(2000, 1.499), memory(2000, 1.499)
+    ours["u"][0] = plain["u"][0] = 8.0
+    done = program.run({"ticks": 2000}, **ours)
+    assert done == plainly(2000, plain) < 2000
+    assert ours["fault"][0] == 1 and (ours["log"][done:] == 9).all() and (ours["log"][:done, 0] != 9).all()
+
+
+def test_not_a_number_ends_a_loop() -> None:
+    for backend in BACKENDS:
+        spin = Loop(10, (Stage(lambda x: [2 * x[0]], ("x",), ("x",)),), until="x")
+        x = np.array([math.nan])
+        assert compile_program(spin, [Region("x", 1)], backend).run({}, x=x) == 1
+
+
+def test_no_iterations_touch_nothing(program: Program) -> None:
+    arrays = memory(0)
+    before = {name: array.copy() for name, array in arrays.items()}
+    assert program.run({"ticks": 0}, **arrays) == 0
+    assert all(np.array_equal(arrays[name], before[name]) for name in arrays)
+
+
+def test_a_run_goes_on_where_the_last_one_stopped(program: Program) -> None:
+    once, twice = memory(60), memory(60)
+    program.run({"ticks": 60}, **once)
+    program.run({"ticks": 25}, **twice)
+    program.run({"ticks": 35}, **twice | {"log": twice["log"][25:]})
+    assert all(np.array_equal(once[name], twice[name]) for name in once)
+
+
+def test_all_is_read_before_anything_is_written() -> None:
+    for backend in BACKENDS:
+        swap = Stage(lambda a, b: ([b[1], a[0]], [a[1], a[0]]), ("a", "b"), ("a", "b"))
+        a, b = np.array([1.0, 2.0]), np.array([3.0, 4.0])
+        compile_program(Loop(1, (swap,)), [Region("a", 2), Region("b", 2)], backend).run({}, a=a, b=b)
+        assert a.tolist() == [4, 1] and b.tolist() == [2, 1]
+
+
+def test_an_inner_stream_begins_anew_and_an_outer_one_stays() -> None:
+    digit = Stage(lambda row, col, out: [out[0] * 10 + row[0] * col[0]], ("row", "col", "out"), ("out",))
+    outer = Loop("outer", (Loop("inner", (digit,), streams=("col",)),), streams=("row", "out"))
+    for backend in BACKENDS:
+        program = compile_program(outer, [Region(n, 1) for n in ("row", "col", "out")], backend)
+        arrays = {"row": np.array([[1.0], [2.0]]), "col": np.array([[1.0], [2.0], [3.0]]), "out": np.zeros((2, 1))}
+        assert program.run({"outer": 2, "inner": 3}, **arrays) == 2
+        assert arrays["out"].tolist() == [[123], [246]]
+
+
+def test_empty_regions_are_no_special_case() -> None:
+    for backend in BACKENDS:
+        step = Stage(lambda x, none: ([x[0] + 1], none), ("x", "none"), ("x", "none"))
+        program = compile_program(Loop(3, (step,), streams=("none",)), [Region("x", 1), Region("none", 0)], backend)
+        x = np.zeros(1)
+        program.run({}, x=x, none=np.zeros((3, 0)))
+        assert x[0] == 3
+
+
+def test_what_is_only_read_may_be_read_only() -> None:
+    rk = np.array(RK4)
+    rk.flags.writeable = False
+    assert pendulum("llvm").run({"ticks": 3}, **memory(3) | {"rk": rk}) == 3
+
+
+def test_auto_takes_llvm_where_it_is_installed(monkeypatch: pytest.MonkeyPatch) -> None:
+    assert pendulum("auto").backend == "llvm"
+    monkeypatch.setattr(backends, "llvm_is_installed", lambda: False)
+    assert pendulum("auto").backend == "numpy"
+
+
+def strided(name: str) -> np.ndarray:
+    return np.zeros((len(memory(9)[name]), 2))[:, 0]
+
+
+def read_only() -> np.ndarray:
+    array = np.zeros(2)
+    array.flags.writeable = False
+    return array
+
+
+SHARED = np.zeros(4)
+WRONG_ARRAYS: list[tuple[dict[str, Any], str]] = [
+    ({"x": np.zeros(3)}, "region 'x' has 2 slots, its array holds 3 numbers"),
+    ({"x": np.zeros(2, np.float32)}, "region 'x' must be an array of float64, not float32"),
+    ({"x": np.zeros(2, ">f8")}, "float64"),
+    ({"x": [0.0, 0.0]}, "not list"),
+    ({"x": strided("x")}, "C-contiguous"),
+    ({"x": read_only()}, "read-only"),
+    ({"log": np.zeros((8, 3))}, "region 'log' streams: its array has shape (8, 3), it must have at least 9 rows of 3"),
+    ({"log": np.zeros(27)}, "at least 9 rows of 3"),
+    ({"log": np.zeros((9, 4))}, "at least 9 rows of 3"),
+    ({"rk": np.zeros((3, 2))}, "at least 4 rows of 2"),
+    ({"x": SHARED[:2], "rate": SHARED[1:3]}, "share memory"),
+    ({"y": np.zeros(2)}, "no region is named 'y'"),
+]
+
+
+@pytest.mark.parametrize("case", range(len(WRONG_ARRAYS)))
+def test_no_wrong_array_reaches_machine_code(program: Program, case: int) -> None:
+    wrong, message = WRONG_ARRAYS[case]
+    with pytest.raises(InputError) as caught:
+        program.run({"ticks": 9}, **memory(9) | wrong)
+    assert message in str(caught.value)
+
+
+def test_a_run_needs_all_its_arrays_and_counts(program: Program) -> None:
+    arrays = memory(9)
+    for counts, message in [({}, "'ticks' is missing"), ({"ticks": -1}, "whole"), ({"ticks": 1.5}, "whole")]:
+        with pytest.raises(InputError, match=message):
+            program.run(counts, **arrays)  # type: ignore[arg-type]
+    with pytest.raises(InputError, match="no count is named 'tocks'"):
+        program.run({"ticks": 1, "tocks": 1}, **arrays)
+    del arrays["u"]
+    with pytest.raises(InputError, match="region 'u' is missing"):
+        program.run({"ticks": 1}, **arrays)
+
+
+def keep(x: Any) -> Any:
+    return x
+
+
+COPY = Stage(keep, ("x",), ("x",))
+UNSOUND: list[tuple[Callable[[], Loop], type[Exception], str]] = [
+    (lambda: Loop(1, (Stage(keep, ("w",), ("x",)),)), InputError, "no region is named 'w'"),
+    (lambda: Loop(1, (COPY,), streams=("w",)), InputError, "no region is named 'w'"),
+    (lambda: Loop(1, (COPY,), until="x"), InputError, "one slot"),
+    (lambda: Loop(1, (COPY,), until="flag", streams=("flag",)), InputError, "one slot"),
+    (lambda: Loop(1, (Loop(2, (COPY,), streams=("x",)),), streams=("x",)), InputError, "two loops"),
+    (lambda: Loop(1, (COPY, Loop(2, (COPY,), streams=("x",)))), InputError, "only be used inside"),
+    (lambda: Loop(-1, (COPY,)), InputError, "negative"),
+    (lambda: Loop(None, (COPY,)), InputError, "number or a name"),  # type: ignore[arg-type]
+    (lambda: Loop(1, (keep,)), InputError, "not a function"),  # type: ignore[arg-type]
+    (lambda: Loop(1, (Stage(keep, ("x",), ()),)), InputError, "at least one region"),
+    (lambda: Loop(1, (Stage(lambda x: (x, x), ("x",), ("x", "x")),)), InputError, "each but once"),
+    (lambda: Loop(1, (Stage(lambda x: x[:1], ("x",), ("x",)),)), TraceError, "returns 1 for region 'x' of 2 slots"),
+    (lambda: Loop(1, (Stage(lambda x: x[0], ("x",), ("x",)),)), TraceError, "returns a Traced for region 'x'"),
+    (lambda: Loop(1, (Stage(lambda x: x, ("x",), ("x", "flag")),)), TraceError, "returns a Traced for region 'x'"),
+    (lambda: Loop(1, (Stage(lambda x: None, ("x",), ("x", "flag")),)), TraceError, "must return 2 lists"),
+    (lambda: Loop(1, (Stage(lambda x: [x[0], None], ("x",), ("x",)),)), TraceError, "holds a NoneType"),
+    (lambda: Loop(1, (Stage(lambda x: x if x[0] > 0 else [0, 0], ("x",), ("x",)),)), TraceError, "cutpoint.where"),
+]
+
+
+@pytest.mark.parametrize("case", range(len(UNSOUND)))
+def test_unsound_programs_are_explained(case: int) -> None:
+    loop, kind, message = UNSOUND[case]
+    with pytest.raises(kind) as caught:
+        compile_program(loop(), [Region("x", 2), Region("flag", 1)])
+    assert message in str(caught.value)
+
+
+def test_regions_have_names_of_their_own() -> None:
+    with pytest.raises(InputError, match="different names"):
+        compile_program(Loop(1, (COPY,)), [Region("x", 2), Region("x", 1)])

@@ -1,0 +1,42 @@
+"""Files that users bring and files that we leave."""
+
+import os
+from pathlib import Path
+
+import pytest
+
+from cutpoint.errors import InputError
+from cutpoint.files import check_readable, replacing
+
+
+def test_a_file_is_replaced_at_once_or_not_at_all(tmp_path: Path):
+    path = tmp_path / "result"
+    path.write_bytes(b"before")
+    with pytest.raises(KeyboardInterrupt), replacing(path) as file:
+        file.write(b"half")
+        raise KeyboardInterrupt
+    assert path.read_bytes() == b"before"
+    with replacing(path) as file:
+        file.write(b"after")
+        assert path.read_bytes() == b"before"
+    assert path.read_bytes() == b"after"
+    assert os.listdir(tmp_path) == ["result"]
+
+
+@pytest.mark.parametrize("size", [0, 7])
+def test_a_file_of_the_largest_size_is_read(tmp_path: Path, size: int):
+    path = tmp_path / "given"
+    path.write_bytes(bytes(size))
+    check_readable(path, 7)
+
+
+def test_what_is_no_file_or_too_large_is_refused(tmp_path: Path):
+    (tmp_path / "large").write_bytes(bytes(8))
+    os.mkfifo(tmp_path / "pipe")
+    with pytest.raises(InputError, match=r"file of 8 bytes is too large: at most 7 are read \(.*large\)"):
+        check_readable(tmp_path / "large", 7)
+    for name in ("pipe", "."):
+        with pytest.raises(InputError, match=r"is not a regular file; give the path of a file"):
+            check_readable(tmp_path / name, 7)
+    with pytest.raises(InputError, match=r"'.*none' does not exist; give the path of a file"):
+        check_readable(tmp_path / "none", 7)
