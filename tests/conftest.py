@@ -1,7 +1,8 @@
-"""How the tests run: random inputs are drawn anew on a developer's machine, and the same every time in CI."""
+"""How the tests run: random inputs are drawn anew on a developer's machine and are the same in CI; none is skipped."""
 
 import os
 
+import pytest
 from hypothesis import HealthCheck, settings
 
 settings.register_profile("here", deadline=None, max_examples=50)
@@ -9,3 +10,17 @@ settings.register_profile(
     "ci", deadline=None, max_examples=50, derandomize=True, suppress_health_check=[HealthCheck.too_slow]
 )
 settings.load_profile("ci" if os.environ.get("CI") else "here")
+
+
+def skipped_tests(config: pytest.Config) -> int:
+    reporter = config.pluginmanager.get_plugin("terminalreporter")
+    return len(reporter.stats.get("skipped", [])) if reporter else 0
+
+
+def pytest_terminal_summary(terminalreporter: pytest.TerminalReporter, config: pytest.Config) -> None:
+    terminalreporter.write_line(f"{skipped_tests(config)} skipped tests")
+
+
+def pytest_sessionfinish(session: pytest.Session) -> None:
+    if skipped_tests(session.config):
+        session.exitstatus = pytest.ExitCode.TESTS_FAILED

@@ -60,8 +60,8 @@ def tree(seed: int = 0, size: int = 6, floating: bool = False, **options: Any) -
     return Robot(random_tree(seed, size, floating=floating), **options)
 
 
-def mixed() -> Robot:
-    bare = tree(seed=3, size=7)
+def mixed(floating: bool = False) -> Robot:
+    bare = tree(seed=3, size=7, floating=floating)
     return bare.with_drives(mixed_drives(bare))
 
 
@@ -76,7 +76,9 @@ MAKERS: dict[str, Callable[[], Robot]] = {
     "panda_coupled": coupled_panda,
     "tree": lambda: tree(seed=1, size=7),
     "mixed": mixed,
+    "mixed_floating": lambda: mixed(floating=True),
     "floating": lambda: tree(seed=2, size=5, floating=True),
+    "weightless": lambda: tree(seed=2, size=5, floating=True).with_gravity([0.0, 0.0, 0.0]),
     "talos": lambda: load("talos_reduced.urdf", floating_base=True),
 }
 

@@ -84,7 +84,8 @@ def check_configuration(mechanism: Mechanism, q: Sequence[float]) -> None:
         if joint.kind == "revolute" and beyond and abs(x) > 2 * np.pi:
             raise InputError(
                 f"joint {name!r}: position {x:g} rad exceeds its limits "
-                f"[{joint.limits.lower:g}, {joint.limits.upper:g}]; this looks like degrees: give radians (numpy.radians, or --degrees on the command line)",
+                f"[{joint.limits.lower:g}, {joint.limits.upper:g}]; this looks like degrees: "
+                "give radians (numpy.radians, or --degrees on the command line)",
                 joint=name,
                 position=x,
             )

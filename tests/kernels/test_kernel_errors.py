@@ -36,7 +36,7 @@ CALLS: list[tuple[Callable[[Kernel], Any], str]] = [
     (lambda k: k(["a"] * 6, 0, T), "q holds <U1"),
     (lambda k: k([None] * 6, 0, T), "q holds NoneType"),
     (lambda k: k([[1, 2], [3]], 0, T), "q is not an array"),
-    (lambda k: k(ZEROS, 0, T, out=ZEROS[:, 1:]), "out for result has shape (4, 5), it must be an array of shape (4, 6)"),
+    (lambda k: k(ZEROS, 0, T, out=ZEROS[:, 1:]), "result has shape (4, 5), it must be an array of shape (4, 6)"),
     (lambda k: k(ZEROS, 0, T, out=(ZEROS, ZEROS)), "out holds 2 arrays, it must hold 1: result"),
     (lambda k: k(ZEROS, 0, T, out=[0]), "out for result is a list"),
     (lambda k: k(ZEROS, 0, T, out=np.zeros((4, 6), int)), "cast"),

@@ -1,8 +1,8 @@
 """Kernels: functions of scalars, traced once, compiled for arrays and for stepping loops.  Knows nothing of robots.
 
-A function becomes a graph (`specialise`, `tracing`, `algebra`), which runs node by node in NumPy (`numpy_backend`), or is
-lowered to PRIMITIVES (`nodes`, `lowering`) and emitted (`llvm`).  A new emitter walks `lower(graph).nodes`, which come
-operands first, writes one statement for each `op`, and hands out `graph.results`.
+A function becomes a graph (`specialise`, `tracing`, `algebra`), which runs node by node in NumPy (`numpy_backend`), or
+is lowered to PRIMITIVES (`nodes`, `lowering`) and emitted (`llvm`).  A new emitter walks `lower(graph).nodes`, which
+come operands first, writes one statement for each `op`, and hands out `graph.results`.
 """
 
 from cutpoint.kernels.graph import Graph

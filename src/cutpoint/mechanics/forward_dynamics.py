@@ -9,8 +9,8 @@ from dataclasses import dataclass
 from cutpoint.mechanics.articulated import Articulated, Yield, accelerations
 from cutpoint.mechanics.inverse_dynamics import inverse_dynamics
 from cutpoint.mechanics.mass_matrix import mass_matrix
-from cutpoint.mechanics.rigid_body import net_wrench
-from cutpoint.mechanics.spatial import STILL, Motion, Pose, Wrench
+from cutpoint.mechanics.rigid_body import acceleration_gradient, net_wrench
+from cutpoint.mechanics.spatial import NO_ROTATION, STILL, ZERO, Mat3, Motion, Pose, Wrench
 from cutpoint.mechanics.system import Segment, System
 from cutpoint.model.mechanism import WORLD
 from cutpoint.scalars import Scalar
@@ -20,20 +20,28 @@ Scalars = Sequence[Scalar]
 
 @dataclass(slots=True, eq=False)
 class Resistance:
-    """A body's pose and velocity, its bias acceleration, and how it and all it carries resist."""
+    """A body's pose and velocity, what velocities add to its acceleration, and how it and all it carries resist.
+
+    U is the gradient of the acceleration that its angular velocity alone makes, see `rigid_body`.
+    """
 
     X: Pose
     V: Motion
+    U: Mat3
     bias: Motion
     M: Articulated
     P: Wrench
 
 
-def prepare(body: Segment, V_p: Motion, q: Scalars, v: Scalars) -> Resistance:
-    """Velocity of a body, and the wrench that velocity alone costs it.  Featherstone (2008) eqs. (7.46)-(7.49)."""
+def prepare(body: Segment, V_p: Motion, U_p: Mat3, q: Scalars, v: Scalars) -> Resistance:
+    """Velocity of a body, and acceleration and wrench that velocities alone make.  Featherstone (2008) eq. (7.46)."""
     X, zv = body.placement @ body.joint.pose(body.coordinates(q)), body.joint.motion(body.speeds(v))
-    V = X.outward(V_p) + zv
-    return Resistance(X, V, V.cross(zv), Articulated.of(body.inertia), net_wrench(body.inertia, V.angular, V, STILL))
+    carried = X.outward(V_p)
+    V = carried + zv
+    U = acceleration_gradient(ZERO, V.angular, V.angular)
+    linear = X.rotation.T @ (U_p @ X.position) + (carried.angular + V.angular).cross(zv.linear)
+    bias = Motion(linear, carried.angular.cross(zv.angular))
+    return Resistance(X, V, U, bias, Articulated.of(body.inertia), net_wrench(body.inertia, STILL, U))
 
 
 def forward_dynamics(
@@ -48,7 +56,8 @@ def forward_dynamics(
     bodies: list[Resistance] = []
     # outward: velocities, and what they alone cost
     for body in system.segments:
-        bodies.append(prepare(body, STILL if body.parent == WORLD else bodies[body.parent].V, q, v))
+        V_p, U_p = (STILL, NO_ROTATION) if body.parent == WORLD else (bodies[body.parent].V, bodies[body.parent].U)
+        bodies.append(prepare(body, V_p, U_p, q, v))
     for name, F_e in (contact or {}).items():
         place = system.frames[name]
         if place.body != WORLD:

@@ -1,14 +1,14 @@
 """The virtual-decomposition recursion: joint torques of a motion.  Xia (2019) eqs. (29)-(31), (44)-(53).
 
-A subsystem offers its steps: how it moves given how its parent moves, and what its joint and its parent must bear.  The
+A segment offers its steps: how it moves given how its parent moves, and what its joint and its parent must bear.  The
 recursion calls them outward and inward, and nothing else.
 """
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
-from cutpoint.mechanics.rigid_body import net_wrench
-from cutpoint.mechanics.spatial import STILL, Motion, Pose, Wrench
+from cutpoint.mechanics.rigid_body import acceleration_gradient, net_wrench
+from cutpoint.mechanics.spatial import AT_ORIGIN, NO_ROTATION, STILL, Mat3, Motion, Pose, Vec3, Wrench
 from cutpoint.mechanics.system import Segment, System
 from cutpoint.model.mechanism import WORLD
 from cutpoint.scalars import Scalar
@@ -18,34 +18,59 @@ Scalars = Sequence[Scalar]
 
 @dataclass(slots=True, eq=False)
 class BodyMotion:
-    """Where a body is in its parent, and its velocity and acceleration (gravity included), in its own frame."""
+    """Where a body is in its parent and how it moves, in its own frame.
+
+    V = [v; omega].  A: acceleration of the frame's origin, gravity included, and angular acceleration; it is the
+    derivative V' of the paper plus [omega x v; 0].  U: gradient of acceleration, see `rigid_body`.
+    """
 
     X: Pose
     V: Motion
     A: Motion
+    U: Mat3
 
 
-def move(body: Segment, parent: BodyMotion, q: Scalars, v: Scalars, a: Scalars) -> BodyMotion:
-    """A body moves as its parent does, plus its own joint.  Xia (2019) eqs. (5), (31).
+def move(X: Pose, omega: Vec3, zv: Motion, parent: BodyMotion, zv_r: Motion, za_r: Motion) -> BodyMotion:
+    """A body's required motion: that of its parent, plus that of its own joint.  Xia (2019) eqs. (5), (14), (31), (49).
 
-    The derivative of (31) needs that of U too: A = z a + U^T A_p - (z v) x (U^T V_p).
+    X and zv are the joint's actual pose and velocity, omega the body's actual angular velocity.  The derivative of (31)
+    needs that of U^T too, which turns with the joint: the terms with zv.
     """
-    X, zv = body.placement @ body.joint.pose(body.coordinates(q)), body.joint.motion(body.speeds(v))
-    V = X.outward(parent.V) + zv
-    return BodyMotion(X, V, X.outward(parent.A) + body.joint.motion(body.speeds(a)) + V.cross(zv))
+    carried, R_T = X.outward(parent.V), X.rotation.T
+    V = carried + zv_r
+    linear = R_T @ (parent.A.linear + parent.U @ X.position)
+    linear = linear + za_r.linear + carried.angular.cross(zv.linear) + omega.cross(zv_r.linear)
+    angular = R_T @ parent.A.angular + za_r.angular + carried.angular.cross(zv.angular)
+    return BodyMotion(X, V, Motion(linear, angular), acceleration_gradient(angular, omega, V.angular))
 
 
 def motions(system: System, q: Scalars, v: Scalars, a: Scalars) -> list[BodyMotion]:
     """Every body's motion, outward from the base.  Xia (2019) eqs. (29)-(31)."""
     moved: list[BodyMotion] = []
-    base = BodyMotion(system.base_pose, STILL, system.base_acceleration)
     for body in system.segments:
-        moved.append(move(body, base if body.parent == WORLD else moved[body.parent], q, v, a))
+        X, zv, za = joint_motion(body, q, v, a)
+        parent = at_rest(system) if body.parent == WORLD else moved[body.parent]
+        omega = X.outward(parent.V).angular + zv.angular
+        moved.append(move(X, omega, zv, parent, zv, za))
     return moved
 
 
-def bear(system: System, X: Sequence[Pose], F: list[Wrench], contact: Mapping[str, Wrench]) -> list[Wrench]:
-    """The wrench that each body receives through its joint, from net wrenches F*.  Xia (2019) eqs. (44)-(46)."""
+def joint_motion(body: Segment, q: Scalars, v: Scalars, a: Scalars) -> tuple[Pose, Motion, Motion]:
+    """Pose of a body in its parent, its joint's own velocity z v and acceleration z a.  Xia (2019) eqs. (29)-(36)."""
+    X = body.placement @ body.joint.pose(body.coordinates(q))
+    return X, body.joint.motion(body.speeds(v)), body.joint.motion(body.speeds(a))
+
+
+def at_rest(system: System) -> BodyMotion:
+    """The world: at rest, and accelerating upward so that every body bears its weight."""
+    return BodyMotion(AT_ORIGIN, STILL, system.base_acceleration, NO_ROTATION)
+
+
+def bear(system: System, X: Sequence[Pose], F: Sequence[Wrench], contact: Mapping[str, Wrench]) -> list[Wrench]:
+    """The wrench that each body receives through its joint, from net wrenches F*.
+
+    Xia (2019) eqs. (9), (11), (44)-(46), (51)-(53).
+    """
     F = [*F]
     # at the contacts: what a body hands on to the environment, it must receive
     for name, F_e in contact.items():
@@ -57,6 +82,11 @@ def bear(system: System, X: Sequence[Pose], F: list[Wrench], contact: Mapping[st
         if body.parent != WORLD:
             F[body.parent] = F[body.parent] + X[i].inward(F[i])
     return F
+
+
+def net_wrenches(system: System, moved: Sequence[BodyMotion]) -> list[Wrench]:
+    """What each body's motion costs it.  Xia (2019) eqs. (47), (50)."""
+    return [net_wrench(body.inertia, m.A, m.U) for body, m in zip(system.segments, moved, strict=True)]
 
 
 def joint_efforts(system: System, F: Sequence[Wrench], a: Scalars) -> list[Scalar]:
@@ -77,27 +107,21 @@ def inverse_dynamics(
     contact: F_e by frame name, the wrench that the robot exerts on the environment there, in that frame's axes.
     """
     moved = motions(system, q, v, a)
-    F = [net_wrench(body.inertia, m.V.angular, m.V, m.A) for body, m in zip(system.segments, moved, strict=True)]
-    return joint_efforts(system, bear(system, [m.X for m in moved], F, contact or {}), a)
+    F = bear(system, [m.X for m in moved], net_wrenches(system, moved), contact or {})
+    return joint_efforts(system, F, a)
 
 
 def required_inverse_dynamics(system: System, q: Scalars, v: Scalars, v_r: Scalars, a_r: Scalars) -> list[Scalar]:
     """Joint torques that a required motion asks of a robot that moves with v: M a_r + C(q, v) v_r + g.
 
-    Xia (2019) eqs. (48)-(53) without their gains K; the C it implies is that of eq. (61), summed over the bodies.
+    Xia (2019) eqs. (48)-(53) without their gains K; C is the sum of the bodies' C(omega), eq. (61).
     """
-    moved = motions(system, q, v, [0] * system.nv)
+    actual = motions(system, q, v, [0] * system.nv)
     required: list[BodyMotion] = []
-    base = BodyMotion(system.base_pose, STILL, system.base_acceleration)
-    # outward: required velocities, and their rates in frames that turn as the robot does
-    for body, m in zip(system.segments, moved, strict=True):
-        parent = base if body.parent == WORLD else required[body.parent]
-        carried, zv = m.X.outward(parent.V), body.joint.motion(body.speeds(v))
-        V_r = carried + body.joint.motion(body.speeds(v_r))
-        A_r = m.X.outward(parent.A) + body.joint.motion(body.speeds(a_r)) + carried.cross(zv)
-        required.append(BodyMotion(m.X, V_r, A_r))
-    F_r = [
-        net_wrench(body.inertia, m.V.angular, r.V, r.A)
-        for body, m, r in zip(system.segments, moved, required, strict=True)
-    ]
-    return joint_efforts(system, bear(system, [m.X for m in moved], F_r, {}), a_r)
+    for body, m in zip(system.segments, actual, strict=True):
+        parent = at_rest(system) if body.parent == WORLD else required[body.parent]
+        _, zv, _ = joint_motion(body, q, v, v)
+        _, zv_r, za_r = joint_motion(body, q, v_r, a_r)
+        required.append(move(m.X, m.V.angular, zv, parent, zv_r, za_r))
+    F_r = bear(system, [m.X for m in actual], net_wrenches(system, required), {})
+    return joint_efforts(system, F_r, a_r)

@@ -73,13 +73,28 @@ def body_velocities(system: System, q: Scalars, v: Scalars) -> list[Motion]:
     return V
 
 
+def velocity_columns(system: System, X: Sequence[Pose]) -> list[dict[int, Motion]]:
+    """For each body, its velocity at unit speed of each coordinate that moves it.  Xia (2019) eqs. (31), (37)-(38)."""
+    columns: list[dict[int, Motion]] = []
+    for segment, X_i in zip(system.segments, X, strict=True):
+        carried = {} if segment.parent == WORLD else columns[segment.parent]
+        own = {j: X_i.outward(V) for j, V in carried.items()}
+        gain = segment.follower.multiplier if segment.follower else 1
+        for k in range(len(segment.joint.free)):
+            z = segment.joint.motion([gain * int(j == k) for j in range(len(segment.joint.free))])
+            j = segment.v.start + k
+            own[j] = own[j] + z if j in own else z
+        columns.append(own)
+    return columns
+
+
 def velocity_map(system: System, q: Scalars) -> list[list[Motion]]:
     """J_ba without its first rows: for each body, how its velocity depends on each speed.  Xia (2019) eqs. (39)-(43).
 
     With the frame's Jacobian on top it is the paper's J_ba; with the speeds' unit rows between them, its J_e J_a^-1.
     """
-    columns = [body_velocities(system, q, [int(j == k) for j in range(system.nv)]) for k in range(system.nv)]
-    return [[column[i] for column in columns] for i in range(len(system.segments))]
+    columns = velocity_columns(system, joint_poses(system, q))
+    return [[column.get(j, STILL) for j in range(system.nv)] for column in columns]
 
 
 def coordinate_rates(system: System, q: Scalars, v: Scalars) -> list[Scalar]:

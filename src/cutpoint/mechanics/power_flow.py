@@ -2,9 +2,8 @@
 
 from collections.abc import Sequence
 
-from cutpoint.mechanics.inverse_dynamics import bear, motions
+from cutpoint.mechanics.inverse_dynamics import bear, motions, net_wrenches
 from cutpoint.mechanics.joints import Floating
-from cutpoint.mechanics.rigid_body import net_wrench
 from cutpoint.mechanics.spatial import Motion
 from cutpoint.mechanics.system import System
 from cutpoint.model.mechanism import WORLD
@@ -19,9 +18,7 @@ def power_flows(system: System, q: Scalars, v: Scalars, a: Scalars) -> list[Scal
     At a cut both sides have one velocity V and one wrench F: what leaves one subsystem, V^T F, enters the next.
     """
     moved = motions(system, q, v, a)
-    X = [m.X for m in moved]
-    F = [net_wrench(s.inertia, m.V.angular, m.V, m.A) for s, m in zip(system.segments, moved, strict=True)]
-    F = bear(system, X, F, {})
+    F = bear(system, [m.X for m in moved], net_wrenches(system, moved), {})
     flows: list[Scalar] = []
     for segment, m, F_i in zip(system.segments, moved, F, strict=True):
         if isinstance(segment.joint, Floating):

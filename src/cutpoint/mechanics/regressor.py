@@ -3,10 +3,10 @@
 from collections.abc import Sequence
 
 from cutpoint.mechanics.inverse_dynamics import motions
+from cutpoint.mechanics.kinematics import velocity_columns
 from cutpoint.mechanics.rigid_body import body_regressor
-from cutpoint.mechanics.spatial import ZERO, Motion, Pose
+from cutpoint.mechanics.spatial import Motion
 from cutpoint.mechanics.system import Segment, System
-from cutpoint.model.mechanism import WORLD
 from cutpoint.scalars import Scalar
 
 Scalars = Sequence[Scalar]
@@ -18,18 +18,15 @@ def torque_regressor(system: System, q: Scalars, v: Scalars, a: Scalars) -> list
     p is expressed in the bodies' own frames, as a file gives them; armature is no part of it.
     """
     moved = motions(system, q, v, a)
-    Y = [[0] * (10 * len(moved)) for _ in range(system.nv)]
+    columns = velocity_columns(system, [m.X for m in moved])
+    Y: list[list[Scalar]] = [[0] * (10 * len(moved)) for _ in range(system.nv)]
     for i, (segment, m) in enumerate(zip(system.segments, moved, strict=True)):
-        own_axes = Pose(segment.turn.T, ZERO)
-        for k, F in enumerate(body_regressor(_in_own_axes(segment, m.V), _in_own_axes(segment, m.A))):
-            # inward: every joint that carries the body bears its share
-            F, carrier = own_axes.inward(F), i
-            while carrier != WORLD:
-                own = system.segments[carrier]
-                gain = own.follower.multiplier if own.follower else 1
-                for j, effort in enumerate(own.joint.effort(F), own.v.start):
-                    Y[j][10 * i + k] = Y[j][10 * i + k] + gain * effort
-                F, carrier = moved[carrier].X.inward(F), own.parent
+        wrenches = body_regressor(_in_own_axes(segment, m.A), segment.turn @ m.V.angular)
+        # a joint bears of a wrench what power it takes at unit speed
+        for j, column in columns[i].items():
+            own = _in_own_axes(segment, column)
+            for k, F in enumerate(wrenches):
+                Y[j][10 * i + k] = own.power(F)
     return Y
 
 

@@ -1,22 +1,34 @@
-"""What a motion costs one rigid body, and the same as a linear function of its ten inertial parameters."""
+"""What a motion costs one rigid body, and the same as a linear function of its ten inertial parameters.
+
+A body is a cloud of mass: its point at r accelerates with a + U r, where a is the acceleration of the frame's origin
+and U = (alpha x) + (omega x)(omega x) the gradient of acceleration.  Every sum over the cloud follows from that.
+"""
 
 from cutpoint.mechanics.spatial import Inertia, Mat3, Motion, Vec3, Wrench
 from cutpoint.scalars import Scalar
 
 
-def net_wrench(M: Inertia, omega: Vec3, V: Motion, A: Motion) -> Wrench:
-    """F* = M A + C(omega) V + G, in the body's frame, gravity being part of A.  Xia (2019) eqs. (47), (59)-(62).
+def acceleration_gradient(alpha: Vec3, omega: Vec3, w: Vec3) -> Mat3:
+    """U = (alpha x) + (omega x)(w x), w being the body's angular velocity omega, or its required one."""
+    (x, y, z), (p, q, r), (a, b, c) = omega, w, alpha
+    return Mat3(
+        Vec3(-(y * q + z * r), p * y - c, p * z + b),
+        Vec3(q * x + c, -(x * p + z * r), q * z - a),
+        Vec3(r * x - b, r * y + a, -(x * p + y * q)),
+    )
 
-    omega is the body's angular velocity.  V and A are its velocity and that one's derivative, or the required ones of
-    eqs. (15)-(17) and (50).  C(omega) is (61) but for the term m |r|^2 (omega x) of its last block, which neither
-    C(omega) V for the body's own V nor the skew symmetry of C depends on.
+
+def net_wrench(M: Inertia, A: Motion, U: Mat3) -> Wrench:
+    """F* = M V' + C(omega) V + G, in the body's frame.  Xia (2019) eqs. (6)-(8), (47), (59)-(62).
+
+    A is the acceleration of the frame (of its origin, gravity included, and angular) and U its gradient.  The force is
+    the sum of (a + U r) dm, the moment that of r x (a + U r) dm: (59)-(62) with A.linear for v' + omega x v + g.  With
+    the U and A of a required motion it is M V_r' + C(omega) V_r + G of eqs. (15)-(17), (50), up to a multiple of
+    (omega x) in C that neither C(omega) V nor the skew symmetry of C depends on.
     """
-    h, I_o, w = M.first_moment, M.rotational, V.angular
-    # the frame's origin: its acceleration, once the frame's own turning is counted
-    a_o = A.linear + omega.cross(V.linear)
-    force = a_o * M.mass + A.angular.cross(h) + omega.cross(w.cross(h))
-    moment = h.cross(a_o) + I_o @ A.angular + omega.cross(I_o @ w) + I_o @ omega.cross(w)
-    return Wrench(force, moment)
+    h, B = M.first_moment, U @ M.second_moment
+    (_, xy, xz), (yx, _, yz), (zx, zy, _) = B
+    return Wrench(A.linear * M.mass + U @ h, h.cross(A.linear) + Vec3(zy - yz, xz - zx, yx - xy))
 
 
 def kinetic_energy(M: Inertia, V: Motion) -> Scalar:
@@ -24,23 +36,18 @@ def kinetic_energy(M: Inertia, V: Motion) -> Scalar:
     return V.power(M * V) / 2
 
 
-def body_regressor(V: Motion, A: Motion) -> list[Wrench]:
+def body_regressor(A: Motion, omega: Vec3) -> list[Wrench]:
     """Ten wrenches Y_k with F* = sum of Y_k p_k.  Atkeson, An and Hollerbach (1986), on Xia (2019) eq. (59).
 
     p = (m, h_x, h_y, h_z, I_xx, I_xy, I_xz, I_yy, I_yz, I_zz): mass, first moment and rotational inertia about the
     frame's origin.
     """
-    return [net_wrench(unit, V.angular, V, A) for unit in UNIT_INERTIAS]
-
-
-def parameters(M: Inertia) -> list[Scalar]:
-    """The ten inertial parameters of a body, in the order of `body_regressor`."""
-    (xx, xy, xz), (_, yy, yz), (_, _, zz) = M.rotational
-    return [M.mass, *M.first_moment, xx, xy, xz, yy, yz, zz]
+    U = acceleration_gradient(A.angular, omega, omega)
+    return [net_wrench(unit, A, U) for unit in UNIT_INERTIAS]
 
 
 def inertia_of(p: list[Scalar]) -> Inertia:
-    """The inertia with these ten parameters."""
+    """The inertia with these ten parameters, in the order of `body_regressor`."""
     m, hx, hy, hz, xx, xy, xz, yy, yz, zz = p
     return Inertia(m, Vec3(hx, hy, hz), Mat3(Vec3(xx, xy, xz), Vec3(xy, yy, yz), Vec3(xz, yz, zz)))
 

@@ -67,6 +67,7 @@ class Mat3:
         return Vec3(*(row.dot(b) for row in self.rows))
 
 
+NO_ROTATION = Mat3(ZERO, ZERO, ZERO)
 IDENTITY = Mat3(Vec3(1, 0, 0), Vec3(0, 1, 0), Vec3(0, 0, 1))
 
 
@@ -152,6 +153,14 @@ class Inertia:
         """M V: momentum of a body moving with V.  Xia (2019) eq. (60)."""
         momentum = V.linear * self.mass + V.angular.cross(self.first_moment)
         return Wrench(momentum, self.rotational @ V.angular + self.first_moment.cross(V.linear))
+
+    @property
+    def second_moment(self) -> Mat3:
+        """The sum of r r^T dm over the body, kg m2: half the trace of the rotational inertia, less itself."""
+        (xx, xy, xz), (_, yy, yz), (_, _, zz) = self.rotational
+        return Mat3(
+            Vec3((yy + zz - xx) / 2, -xy, -xz), Vec3(-xy, (xx + zz - yy) / 2, -yz), Vec3(-xz, -yz, (xx + yy - zz) / 2)
+        )
 
     def seen_from_parent(self, X: Pose) -> "Inertia":
         """The same body, described in the parent frame: U M U^T."""

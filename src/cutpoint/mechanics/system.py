@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 
 from cutpoint.mechanics.joints import Floating, JointKind, Prismatic, Revolute
-from cutpoint.mechanics.spatial import AT_ORIGIN, ZERO, Inertia, Mat3, Motion, Pose, Vec3
+from cutpoint.mechanics.spatial import ZERO, Inertia, Mat3, Motion, Pose, Vec3
 from cutpoint.model.mechanism import WORLD, Array, Body, Mechanism
 from cutpoint.scalars import Scalar
 
@@ -84,11 +84,6 @@ class System:
     def base_acceleration(self) -> Motion:
         """Gravity as the world's acceleration upward: every body's weight comes by itself.  Xia (2019) eq. (62)."""
         return Motion(-self.gravity, ZERO)
-
-    @property
-    def base_pose(self) -> Pose:
-        """The world in itself."""
-        return AT_ORIGIN
 
     @property
     def has_followers(self) -> bool:

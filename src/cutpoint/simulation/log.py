@@ -1,7 +1,7 @@
 """What a run recorded: named channels with units over time."""
 
 import json
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -46,7 +46,7 @@ class Log:
         if time.ndim != 1 or not time.size or not np.isfinite(time).all() or (np.diff(time) <= 0.0).any():
             raise InputError(f"time of shape {time.shape} must be (N,), at least one, finite and increasing")
         joints = tuple(self.joints)
-        if len(set(joints)) < len(joints) or not all(isinstance(joint, str) and joint for joint in joints):
+        if len(set(joints)) < len(joints) or not _all_strings(joints) or "" in joints:
             raise InputError(f"joints {joints} must be names, each its own", joints=joints)
         channels = {name: _frozen(values) for name, values in self.channels.items()}
         for name, values in channels.items():
@@ -142,13 +142,17 @@ def _check_channel(name: str, values: Array, count: int, joints: int) -> None:
         raise InputError(f"channel {name!r} has shape {values.shape}: it must be {(count,)} or {(count, joints)}")
 
 
+def _all_strings(found: Iterable[Any]) -> bool:
+    return all(isinstance(each, str) for each in found)
+
+
 def _unit(name: str, units: Mapping[str, Unit], joints: int) -> Unit:
     if name not in units:
         raise InputError(f"channel {name!r} has no unit: units must name every channel; '' means none", channel=name)
     unit = units[name]
     if isinstance(unit, str):
         return unit
-    if len(unit) != joints or not all(isinstance(each, str) for each in unit):
+    if len(unit) != joints or not _all_strings(unit):
         raise InputError(f"channel {name!r} has units {unit}: it must have one, or one for each of {joints} joints")
     return tuple(unit)
 

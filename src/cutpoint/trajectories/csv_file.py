@@ -73,7 +73,7 @@ def from_csv(
 def _read(lines: Iterable[str], path: Path) -> tuple[list[Column], list[list[float]]]:
     """The columns of joints, and rows of time and positions in rad (m)."""
     reader = csv.reader(lines)
-    columns = _header(next(reader, []), f"{path}:1")
+    columns = _header(next(reader, list[str]()), f"{path}:1")
     rows: list[list[float]] = []
     for cells in filter(None, reader):
         place = f"{path}:{reader.line_num}"

@@ -13,10 +13,11 @@ class Cycloid(PointToPoint):
     """s(u) = u - sin(2 pi u) / (2 pi).  Xia (2019) eq. (57)."""
 
     def _profile(self, u: Array, k: int) -> Array:
-        # the k-th derivative of sin is one of four; the line u adds itself to the first two of s
-        sine = (np.sin, np.cos, lambda x: -np.sin(x), lambda x: -np.cos(x))[k % 4]
+        # derivatives of sin alternate with cos, with a sign that turns every second time
+        sign = 1.0 if k % 4 < 2 else -1.0
+        wave = np.cos(TURN * u) if k % 2 else np.sin(TURN * u)
         line = u if k == 0 else float(k == 1)
-        return line - TURN ** (k - 1) * sine(TURN * u)
+        return line - sign * TURN ** (k - 1) * wave
 
 
 def cycloid(end: ArrayLike, duration: float, start: ArrayLike | None = None) -> Cycloid:

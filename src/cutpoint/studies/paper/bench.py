@@ -21,6 +21,9 @@ KP = np.array([2000.0, 2000.0, 1000.0, 500.0, 300.0, 200.0])
 KD = np.array([60.0, 60.0, 35.0, 20.0, 12.0, 10.0])
 """N m s/rad at the joint's side."""
 
+DAMPING = 20.0
+"""Of a damped drive, N m s/rad at the joint's side.  Ours: neither the paper nor a catalogue states any."""
+
 PERIOD = 1e-3
 """Of control, s."""
 
@@ -35,6 +38,12 @@ class Bench:
     @cached_property
     def frictionless(self) -> Robot:
         drives = {name: replace(drive, link_friction=None) for name, drive in self.robot.drives.items()}
+        return self.robot.with_drives(drives)
+
+    @cached_property
+    def damped(self) -> Robot:
+        """The arm with drives that lose some of what swings in them."""
+        drives = {name: replace(drive, damping=DAMPING) for name, drive in self.robot.drives.items()}
         return self.robot.with_drives(drives)
 
     @cached_property

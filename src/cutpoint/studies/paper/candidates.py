@@ -11,10 +11,10 @@ from cutpoint.studies.newton_euler import torques
 _MISMATCH = 1e-3
 _ROUNDED_GRAVITY = np.array([0.0, 0.0, -9.80])
 
-TORQUE = "all torques, and so all masses and inertias, 0.1 % off"
+TORQUE = "torques 0.1 % off, or the torques in N m under a heading of N mm"
 LENGTHS = "all lengths and centroids 0.1 % off"
-GRAVITY = "g = 9.81 m/s² in one, 9.80 m/s² in the other"
-AS_PRINTED = "the same, centroid of link 6 at z = −0.25 m as Table 1 prints it"
+GRAVITY = "g = 9.81 in one, 9.80 m/s² in the other"
+AS_PRINTED = "the same g, link 6 centred at z = −0.25 m as printed"
 
 
 def candidates(q: Array, v: Array, a: Array) -> dict[str, Array]:

@@ -48,14 +48,15 @@ def page(bench: Bench) -> Page:
     reached = bench.elastic.max("joint_torque")
     largest = {size: max(reached[k - 1] for k in size.joints) for size in SIZES}
     blocks = (
-        "The paper says that the constants of law (2) were obtained as in its reference [26] and prints none. The arm's drive file "
-        "therefore takes three sizes from a catalogue, which prints stiffness as a broken line of three slopes; the choice of "
-        "sizes is ours. The catalogue's figures include the wave generator, so (3) adds nothing. K_{f0} is the catalogue's first "
-        "slope, and c_{f} is such that (2) meets the line at T_{2}.",
+        "The paper says that the constants of law (2) were obtained as in its reference [26] and prints none. The "
+        "arm's drive file therefore takes three sizes from a catalogue, which prints stiffness as a broken line of "
+        "three slopes; the choice of sizes is ours. The catalogue's figures include the wave generator, so (3) adds "
+        "nothing. K_{f0} is the catalogue's first slope, and c_{f} is such that (2) meets the line at T_{2}.",
         _table(laws, fits, largest),
         _verdict(laws, largest),
-        Picture("Figure A3", "Above: law (2) as shipped, a least-squares fit of both constants up to T₂, and the catalogue with its corners T₁ and T₂. "
-                "Below: deflection of the law less that of the catalogue.", _figure(laws, fits)),
+        Picture("Figure A3", "Above: law (2) as shipped, a least-squares fit of both constants up to T₂, and the "
+                             "catalogue with its corners T₁ and T₂. Below: deflection of the law less that of the "
+                             "catalogue.", _figure(laws, fits)),
     )  # fmt: skip
     return Page("drive", "The drive: law (2) and a catalogue", blocks, _results(laws, fits, largest))
 
@@ -79,7 +80,7 @@ def fitted(size: Size) -> Flexspline:
 
 def departure(law: Flexspline, size: Size, torque: Array) -> Array:
     """Deflection of the law less that of the catalogue, arc minutes."""
-    return _ARC_MINUTES * (np.arctan(law.hardening * torque) / (law.hardening * law.stiffness) - size.deflection(torque))
+    return _ARC_MINUTES * (law.deflection(torque) - size.deflection(torque))
 
 
 def worst(law: Flexspline, size: Size) -> float:
@@ -101,7 +102,8 @@ def _table(laws: dict[Size, Flexspline], fits: dict[Size, Flexspline], largest: 
         "size", "joints", "K_{f0} [N m/rad]", "c_{f} [1/(N m)]", "departs by [arcmin]",
         "fit: K_{f0}", "c_{f}", "departs by", "largest torque of T_{2} [N m]", "departs there by",
     )  # fmt: skip
-    return Table("Table A2", "Law (2) against the catalogue from 0 to T_{2}, and at the largest torque of Table 4's loop.",
+    return Table("Table A2", "Law (2) against the catalogue from 0 to T_{2}, and at the largest torque of Table 4's "
+                             "loop.",
                  columns, tuple(line(size) for size in SIZES))  # fmt: skip
 
 
@@ -111,9 +113,12 @@ def _verdict(laws: dict[Size, Flexspline], largest: dict[Size, float]) -> str:
     joint_2 = SIZES[0]
     there = abs(float(departure(laws[joint_2], joint_2, np.array(largest[joint_2]))))
     return (
-        f"Up to T₂ the shipped laws depart from the broken line by at most {departures} arc minutes, less than the "
-        "arc minute of hysteresis that the same catalogue allows. Beyond T₂ law (2) goes on stiffening where the catalogue does not"
-        + (f": joint {beyond[0]}, which bears up to {largest[joint_2]:.1f} N m, is then {there:.2f} arc minutes stiffer than its maker says." if beyond else ".")
+        f"Up to T₂ the shipped laws depart from the broken line by at most {departures} arc minutes, less than the arc "
+        "minute of hysteresis that the same catalogue allows. Beyond T₂ law (2) goes on stiffening where the "
+        "catalogue does not"
+        + (f": joint {beyond[0]}, which bears up to {largest[joint_2]:.1f} N m, is then {there:.2f} arc minutes "
+           "stiffer than its maker says." if beyond else ""
+                                                                                                                                                             ".")
     )
 
 
@@ -125,7 +130,9 @@ def _figure(laws: dict[Size, Flexspline], fits: dict[Size, Flexspline]) -> Figur
         above, below = panels[:, k]
         above.plot(torque, _ARC_MINUTES * size.deflection(torque), color=INK, lw=1.0, label="catalogue")
         above.plot(corners, _ARC_MINUTES * size.deflection(corners), "o", color=INK, ms=5)
-        for law, colour, line, name in ((laws[size], MOTOR, "-", "law (2), shipped"), (fits[size], LINK, "--", "law (2), fitted")):
+        for law, colour, line, name in ((laws[size], MOTOR, "-", "law (2), shipped"), (fits[size], LINK, "--", "law "
+                                                                                                               "(2), "
+                                                                                                               "fitted")):
             above.plot(torque, departure(law, size, torque) + _ARC_MINUTES * size.deflection(torque), line, color=colour, label=name)
             below.plot(torque, departure(law, size, torque), line, color=colour)
         for axes in (above, below):
@@ -154,4 +161,7 @@ def _results(laws: dict[Size, Flexspline], fits: dict[Size, Flexspline], largest
         }
         for size in SIZES
     }
-    return {"table_a2": {"units": {"stiffness": "N m/rad", "hardening": "1/(N m)", "departure": "arcmin", "torque": "N m"}, "sizes": rows}}
+    return {"table_a2": {"units": {"stiffness": "N m/rad", "hardening": "1/(N m)", "departure": "arcmin", "torque": ""
+                                                                                                                    "N "
+                                                                                                                    "m"}, ""
+                                                                                                                            "sizes": rows}}

@@ -28,8 +28,9 @@ def _on_the_base(axes: Axes) -> None:
     _force(axes, (0.35, _AXIS + 0.35), (1.8, _AXIS + 0.35), "${}^B\\mathbf{F}$", (0.8, _AXIS + 0.75))
     _force(axes, (7.0, _AXIS + 1.1), (5.4, _AXIS + 1.1), "$-{}^B\\mathbf{U}_T{}^T\\mathbf{F}_q$", (6.3, _AXIS + 0.6))
     _force(axes, (5.9, _AXIS - 1.1), (4.1, _AXIS - 1.1), "$-{}^B\\mathbf{U}_D{}^D\\mathbf{F}_\\kappa$", (5.3, _AXIS - 0.6))
-    _balance(axes, 3.4, "joint base {B}", BASE, "(11)", "${}^B\\mathbf{F}^* = {}^B\\mathbf{F} - {}^B\\mathbf{U}_T{}^T\\mathbf{F}_q"
-             " - {}^B\\mathbf{U}_D{}^D\\mathbf{F}_\\kappa$", "${}^B\\mathbf{F}$: from the link before, to the base")
+    _balance(axes, 3.4, "joint base {B}", BASE, "(11)", "${}^B\\mathbf{F}^* = {}^B\\mathbf{F} - "
+                                                        "{}^B\\mathbf{U}_T{}^T\\mathbf{F}_q - "
+                                                        "{}^B\\mathbf{U}_D{}^D\\mathbf{F}_\\kappa$", "${}^B\\mathbf{F}$: from the link before, to the base")
 
 
 def _on_the_rotor(axes: Axes) -> None:

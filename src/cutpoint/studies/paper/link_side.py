@@ -32,15 +32,17 @@ class Loop(NamedTuple):
 def page(bench: Bench) -> Page:
     loops = _loops(bench)
     blocks = (
-        "(58) is written on the link's position. On a joint that bends, that closes the loop around the spring. For one joint of link "
-        "inertia M, rotor inertia I and stiffness K, with link-side gains, the poles solve M I s^{4} + K (M + I) s^{2} + K K_{d} s + K K_{p} = 0. "
-        "There is no s^{3}: the poles sum to zero, and with K_{d} > 0 they cannot all lie on the axis, so one of them grows, for any gains "
-        "whatever. The same holds of the whole arm, whose state matrix has no trace. Only what the drive loses itself, damping or friction, can "
-        "hold it. On the motor's side the term K_{d} M s^{3} is there, and the loop is passive.",
+        "(58) is written on the link's position. On a joint that bends, that closes the loop around the spring. For "
+        "one joint of link inertia M, rotor inertia I and stiffness K, with link-side gains, the poles solve M I "
+        "s^{4} + K (M + I) s^{2} + K K_{d} s + K K_{p} = 0. There is no s^{3}: the poles sum to zero, and with K_{d} "
+        "> 0 they cannot all lie on the axis, so one of them grows, for any gains whatever. The same holds of the "
+        "whole arm, whose state matrix has no trace. Only what the drive loses itself, damping or friction, can hold "
+        "it. On the motor's side the term K_{d} M s^{3} is there, and the loop is passive.",
         _table(loops),
         _verdict(loops),
-        Picture("Figure A2", "(a) Joint 2 under the same gains on either side, with the friction of Table 2. (b) The torque asked of its motor. "
-                "(c) Without friction: the largest position error of all joints grows until the run stops.", _figure(loops)),
+        Picture("Figure A2", "(a) Joint 2 under the same gains on either side, with the friction of Table 2. (b) The "
+                             "torque asked of its motor. (c) Without friction: the largest torque in any drive grows "
+                             "until the run stops.", _figure(loops)),
     )  # fmt: skip
     return Page("link-side", "The PD law (58) on the link's side", blocks, _results(loops))
 
@@ -52,25 +54,21 @@ def _loops(bench: Bench) -> list[Loop]:
     return [Loop("motor", 1.0, True, bench.pd_alone), *link]
 
 
-def _reversals(log: Log) -> float:
-    """How often a second the fastest joint's feedback torque swings to and fro."""
-    signs = np.sign(log["feedback_torque"])
-    return float(np.max(np.sum(signs[1:] * signs[:-1] < 0, axis=0)) / 2 / log.time[-1])
-
-
 def _table(loops: list[Loop]) -> Table:
     def line(loop: Loop) -> tuple[str, ...]:
         return (
             loop.side,
             f"× {loop.scale:g}",
             "Table 2" if loop.friction else "none",
-            "to the end" if loop.held else f"diverges at {loop.log.time[-1]:.2f} s",
+            "to the end" if loop.held else f"stops at {loop.log.time[-1]:.2f} s",
             number(np.rad2deg(loop.log.rms("position_error")).max(), 2),
             number(loop.log.max("command_torque").max(), 0) if loop.held else "grows",
-            number(_reversals(loop.log), 1),
+            number(loop.log.rms("feedback_torque").max(), 1) if loop.held else "grows",
         )
 
-    columns = ("side", "gains", "friction", "runs", "RMS error, worst joint [deg]", "peak torque [N m]", "torque swings [1/s]")
+    columns = ("side", "gains", "friction", "runs", "RMS error, worst joint [deg]", "peak torque [N m]", "RMS torque, "
+                                                                                                         "worst joint "
+                                                                                                         "[N m]")
     caption = "PD alone along (57), without feedforward and without torque limits."
     return Table("Table A1", caption, columns, tuple(line(loop) for loop in loops))
 
@@ -78,29 +76,32 @@ def _table(loops: list[Loop]) -> Table:
 def _verdict(loops: list[Loop]) -> str:
     motor, link = loops[0], loops[1]
     return (
-        "Section II speaks of a chattering effect of joint flexibility: it is shown. At the gains of Table 4 the link-side loop does not "
-        f"track but swings against its friction {_reversals(link.log):.0f} times a second with torques of up to {link.log.max('command_torque').max():.0f} N m; "
-        f"the motor-side loop at the same gains needs {motor.log.max('command_torque').max():.0f} N m. Lower gains swing less and sag more, and "
-        "without friction none of them holds. An undamped elastic plant of this stiffness under pure link-side PD cannot have given Table 4: "
-        "motor-side velocity, damping in the drive, or a rigid plant must have been there."
+        "Section II speaks of a chattering effect of joint flexibility: it is shown. At the gains of Table 4 the "
+        "link-side loop does not track but swings against its friction with torques of up to "
+        f"{link.log.max('command_torque').max():.0f} N m, where the motor-side loop at the same gains needs "
+        f"{motor.log.max('command_torque').max():.0f} N m. Lower gains swing less and sag more; without friction every "
+        "one of them grows until the hardened spring outruns the integration step and the run stops. An undamped "
+        "elastic plant of this stiffness under pure link-side PD cannot have given Table 4: motor-side velocity, "
+        "damping in the drive, or a rigid plant must have been there."
     )
 
 
 def _figure(loops: list[Loop]) -> Figure:
-    figure = Figure(figsize=(WIDTH, 3.5), layout="constrained")
+    figure = Figure(figsize=(WIDTH, 3.7), layout="constrained")
     error, torque, growth = figure.subplots(1, 3)
     for loop, colour in ((loops[1], LINK), (loops[0], MOTOR)):
         log = loop.log.between(0.0, 0.6)
-        error.plot(log.time, np.rad2deg(log["position_error"][:, _SHOWN]), color=colour, lw=1.0, label=f"{loop.side} side")
+        error.plot(log.time, np.rad2deg(log["position_error"][:, _SHOWN]), color=colour, lw=1.2, label="PD on the "
+                                                                                                       f"{loop.side}'s "
+                                                                                                       "side")
         torque.plot(log.time, log["command_torque"][:, _SHOWN], color=colour, lw=0.9)
     for loop, colour in zip([x for x in loops if not x.friction], COLOURS[2:], strict=False):
-        largest = np.maximum(np.abs(np.rad2deg(loop.log["position_error"])).max(axis=1), 1e-6)
-        growth.semilogy(loop.log.time, largest, color=colour, lw=1.0, label=f"gains × {loop.scale:g}")
+        largest = np.abs(loop.log["joint_torque"]).max(axis=1)
+        growth.semilogy(loop.log.time, largest, color=colour, lw=0.8, label=f"gains × {loop.scale:g}")
     error.set(title="(a) joint 2: error [deg]", xlabel="time [s]")
     torque.set(title="(b) joint 2: torque [N m]", xlabel="time [s]")
-    growth.set(title="(c) no friction: error [deg]", xlabel="time [s]", ylim=(1e-3, 3e2))
-    error.legend(loc="upper left")
-    growth.legend(loc="lower right", fontsize=9)
+    growth.set(title="(c) no friction: torque [N m]", xlabel="time [s]")
+    figure.legend(loc="outside lower center", ncols=5, handles=[*error.lines, *growth.lines])
     return figure
 
 
@@ -113,7 +114,7 @@ def _results(loops: list[Loop]) -> dict[str, dict[str, object]]:
             "reached": loop.log.time[-1],
             "position_rms": np.rad2deg(loop.log.rms("position_error")) if loop.held else None,
             "torque_peak": loop.log.max("command_torque") if loop.held else None,
-            "torque_swings_per_second": _reversals(loop.log),
+            "torque_rms": loop.log.rms("feedback_torque") if loop.held else None,
         }
         for loop in loops
     ]

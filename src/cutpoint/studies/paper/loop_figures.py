@@ -1,14 +1,15 @@
 """Figures 10 and 11, and Table 4 as a picture."""
 
 import numpy as np
-from matplotlib.figure import Figure
+from matplotlib.figure import Figure, SubFigure
+from matplotlib.lines import Line2D
 
 from cutpoint.simulation import Log
 from cutpoint.studies.chain import Array
 from cutpoint.studies.paper.page import JOINTS
 from cutpoint.studies.paper.printed import TABLE_4_POSITION, TABLE_4_TORQUE
+from cutpoint.studies.style import INK, LINK, MOTOR, WIDTH, six_panels
 from cutpoint.studies.style import JOINTS as COLOURS
-from cutpoint.studies.style import LINK, MOTOR, WIDTH, six_panels
 
 
 def position_rms(log: Log) -> Array:
@@ -19,26 +20,33 @@ def position_rms(log: Log) -> Array:
 def figure_10(log: Log) -> Figure:
     figure, panels = six_panels("torque", "N m")
     for k, axes in enumerate(panels):
-        (control,) = axes.plot(log.time, log["command_torque"][:, k], color=LINK, lw=1.0)
-        (foreseen,) = axes.plot(log.time, log["feedforward_torque"][:, k], color=MOTOR, lw=1.3, ls="--")
-    figure.legend([control, foreseen], ["control torque τ", "feedforward τ$_m$"], loc="outside upper center", ncols=2)
+        (control,) = axes.plot(log.time, log["command_torque"][:, k], color=LINK, lw=0.5, alpha=0.8)
+        (foreseen,) = axes.plot(log.time, log["feedforward_torque"][:, k], color=MOTOR, lw=1.6, ls="--")
+    handles = [Line2D([], [], color=control.get_color(), lw=2), foreseen]
+    figure.legend(handles, ["control torque $\\tau$", "feedforward $\\tau_m$"], loc="outside upper center", ncols=2)
     return figure
 
 
 def figure_11(log: Log) -> Figure:
-    figure = Figure(figsize=(WIDTH, 3.8), layout="constrained")
-    left, right = figure.subplots(1, 2)
-    lines = []
-    for k, colour in enumerate(COLOURS):
-        lines += left.plot(log.time, np.rad2deg(log["position_error"][:, k]), color=colour, lw=1.0)
-        right.plot(log.time, log["feedback_torque"][:, k], color=colour, lw=1.0)
-    left.set(title="(a) position errors", ylabel="error [deg]")
-    right.set(title="(b) compensation errors", ylabel="torque [N m]")
-    for axes in (left, right):
-        axes.set_xlabel("time [s]")
-        axes.margins(x=0)
-    figure.legend(lines, JOINTS, loc="outside lower center", ncols=6)
+    """(a) above, (b) below, six panels each."""
+    figure = Figure(figsize=(WIDTH, 8.2), layout="constrained")
+    above, below = figure.subfigures(2, 1)
+    _errors(above, "(a) position errors", "deg", log.time, np.rad2deg(log["position_error"]))
+    _errors(below, "(b) compensation errors", "N m", log.time, log["feedback_torque"])
     return figure
+
+
+def _errors(figure: SubFigure, title: str, unit: str, time: Array, errors: Array) -> None:
+    figure.suptitle(title, x=0.01, ha="left", weight="bold", fontsize=12)
+    for k, axes in enumerate(figure.subplots(2, 3, sharex=True).flat):
+        axes.plot(time, errors[:, k], color=COLOURS[k], lw=0.4, alpha=0.55)
+        axes.plot(time, np.convolve(errors[:, k], np.full(101, 1 / 101), mode="same"), color=INK, lw=1.2)
+        axes.set_title(f"joint {k + 1}")
+        axes.margins(x=0)
+        if k % 3 == 0:
+            axes.set_ylabel(f"error [{unit}]")
+        if k >= 3:
+            axes.set_xlabel("time [s]")
 
 
 def by_rung(logs: dict[str, Log]) -> Figure:

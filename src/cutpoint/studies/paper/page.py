@@ -73,8 +73,9 @@ def number(x: float, digits: int) -> str:
 
 
 def plain(text: str) -> str:
-    """Text without subscript and superscript marks."""
-    return re.sub(r"([_^])\{([^}]*)\}", lambda mark: ("^" if mark[1] == "^" else "") + mark[2], text)
+    """Text without marks, for where there are no subscripts and superscripts."""
+    text = re.sub(r"·10\^\{([^}]*)\}", r"e\1", text)
+    return re.sub(r"\^\{([^}]*)\}", r"^\1", re.sub(r"_\{([^}]*)\}", r"\1", text))
 
 
 def listed(values: Iterable[float], digits: int = 1) -> str:

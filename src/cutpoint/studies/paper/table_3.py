@@ -10,7 +10,8 @@ from cutpoint.studies.paper.bench import Bench
 from cutpoint.studies.paper.candidates import AS_PRINTED, LENGTHS, candidates
 from cutpoint.studies.paper.page import JOINTS, Page, Picture, Table, number, row
 from cutpoint.studies.paper.printed import DURATION, TABLE_3, TABLE_3_LARGEST
-from cutpoint.studies.style import FAINT, INK, JOINTS as COLOURS, LINK, MOTOR, WIDTH, six_panels
+from cutpoint.studies.style import FAINT, INK, LINK, MOTOR, WIDTH, six_panels
+from cutpoint.studies.style import JOINTS as COLOURS
 
 SAMPLES = 1001
 _N_MM = 1e3
@@ -24,15 +25,17 @@ def page(bench: Bench) -> Page:
     ne, lagrangian = newton_euler.torques(arm, *motion), lagrange.torques(arm, *motion)
     differences = candidates(*motion)
     blocks = (
-        "Section IV.A compares the joint torques of virtual decomposition with those of the Newton–Euler formulation along (57) and "
-        "prints their RMS differences. Here all three programs were written independently: (29)–(31), (44)–(47) traced and compiled; "
-        "the recursion of Luh, Walker and Paul on three-vectors in world axes; and Lagrange's equations from centroid Jacobians and "
-        f"Christoffel symbols. The motion is sampled at {SAMPLES} instants.",
+        "Section IV.A compares the joint torques of virtual decomposition with those of the Newton–Euler formulation "
+        "along (57) and prints their RMS differences. Here all three programs were written independently: (29)–(31), "
+        "(44)–(47) traced and compiled; the recursion of Luh, Walker and Paul on three-vectors in world axes; and "
+        f"Lagrange's equations from centroid Jacobians and Christoffel symbols. The motion is sampled at {SAMPLES} "
+        "instants.",
         Picture("Figure 7", "Joint torques along (57) by virtual decomposition (line) and Newton–Euler (dots).", _figure_7(time, vd, ne)),
         _table(vd, ne, lagrangian, differences),
         _verdict(vd, ne, differences),
-        Picture("Figure 8", "(a) The difference of the two methods, a million million times smaller than the paper's. (b) For scale: what lengths that "
-                "differ by 0.1 % do; the dashed lines are the printed bound of 35 N mm.", _figure_8(time, vd - ne, differences[LENGTHS])),
+        Picture("Figure 8", "(a) The difference of the two methods, a million million times smaller than the paper's. "
+                            "(b) For scale: what lengths that differ by 0.1 % do; the dashed lines are the printed "
+                            "bound of 35 N mm.", _figure_8(time, vd - ne, differences[LENGTHS])),
     )  # fmt: skip
     return Page("table-3", "Torques: virtual decomposition and its rivals", blocks, _results(vd, ne, lagrangian, differences))
 
@@ -58,13 +61,14 @@ def _table(vd: Array, ne: Array, lagrangian: Array, differences: dict[str, Array
 def _verdict(vd: Array, ne: Array, differences: dict[str, Array]) -> str:
     fits = {name: np.abs(_N_MM * rms(x) - TABLE_3).max() for name, x in differences.items()}
     return (
-        f"Ours is zero to rounding: at most {number(np.abs(vd - ne).max(), 2)} N m where torques reach {np.abs(vd).max():.1f} N m. The two "
-        "methods are the same mechanics written in two orders, so no difference is theirs. The printed row is, joint by joint, a "
-        "thousandth of the torque itself. Two programs whose lengths differ by 0.1 % give it to within "
-        f"{fits[LENGTHS]:.2f} N mm, but the 0.1 % is fitted; g = 9.81 in one and 9.80 in the other comes close with no free "
-        "number, but leaves joint 1 at zero. The table cannot decide between them, and none is claimed to be what happened. With the "
-        f"centroid of link 6 as Table 1 prints it no such row comes closer than {fits[AS_PRINTED]:.1f} N mm: this, and the hand "
-        "that would fold back into the forearm, is why +0.25 m is our reading."
+        f"Ours is zero to rounding: at most {number(np.abs(vd - ne).max(), 2)} N m where torques reach "
+        f"{np.abs(vd).max():.1f} N m. The two methods are the same mechanics written in two orders, so no difference "
+        "is theirs. On joints 2 to 5 the printed row is a thousandth of the torque itself, to a percent or so. Two "
+        f"programs whose lengths differ by 0.1 % give it to within {fits[LENGTHS]:.2f} N mm, but the 0.1 % is fitted; "
+        "g = 9.81 in one and 9.80 in the other comes close with no free number, but leaves joint 1 at zero. The table "
+        "cannot decide between them, and none is claimed to be what happened. With the centroid of link 6 as Table 1 "
+        f"prints it no such row comes closer than {fits[AS_PRINTED]:.1f} N mm: this, and the hand that would fold back "
+        "into the forearm, is why +0.25 m is our reading."
     )
 
 

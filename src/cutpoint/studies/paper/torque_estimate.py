@@ -4,14 +4,15 @@ from dataclasses import replace
 
 import numpy as np
 from matplotlib.figure import Figure
+from matplotlib.lines import Line2D
 
 from cutpoint.mechanics.compliance import Flexspline
 from cutpoint.robot import Robot
 from cutpoint.simulation import Log
 from cutpoint.studies.chain import Array
 from cutpoint.studies.paper.bench import Bench
-from cutpoint.studies.paper.page import JOINTS, Page, Picture, Table, row
-from cutpoint.studies.style import FAINT, LINK, MOTOR, WIDTH
+from cutpoint.studies.paper.page import JOINTS, Page, Picture, Table, number, row
+from cutpoint.studies.style import INK, LINK, MOTOR, SPRING, WIDTH
 
 IDEAL = "ideal encoders"
 COARSE, FINE = "2^{17} counts on the link", "2^{20} counts on the link"
@@ -19,20 +20,22 @@ STIFFER = "ideal encoders, K_{f0} taken 20 % too high"
 
 _MOTOR_COUNTS = 2**13
 _SHOWN = 1  # joint 2
+_ZOOM = (4.0, 4.06)  # s
 
 
 def page(bench: Bench) -> Page:
     log, estimates = bench.elastic, estimated(bench)
     errors = {name: torque - log["joint_torque"] for name, torque in estimates.items()}
     blocks = (
-        "An encoder on either side of the drive shows how far it bends, and law (2) turns that into the torque the link gets: a torque "
-        "sensor without a sensor. Below it is read from the loop of Table 4 with all rungs, against the torque in the simulated "
-        f"drive. The motor's encoder has {_MOTOR_COUNTS} counts a motor turn, which the ratio of 100 makes fine at the joint; the link's "
-        "encoder sets the resolution.",
+        "An encoder on either side of the drive shows how far it bends, and law (2) turns that into the torque the "
+        "link gets: a torque sensor without a sensor. Below it is read from the loop of Table 4 with all rungs, "
+        f"against the torque in the simulated drive. The motor's encoder has {_MOTOR_COUNTS} counts a motor turn, "
+        "which the ratio of 100 makes fine at the joint; the link's encoder sets the resolution.",
         _table(bench, errors),
         _verdict(bench, errors),
-        Picture("Figure A4", "Joint 2: (a) the torque of the drive, true and read from two encoders with 2¹⁷ counts on the link; "
-                "(b) what the reading is off by.", _figure(log, estimates, errors)),
+        Picture("Figure A4", "Joint 2: (a) the torque of the drive, true and as read with a stiffness 20 % too high; "
+                             "(b) true and as read with 2^{17} counts on the link, while the link vibrates; (c) what "
+                             "the readings are off by.", _figure(log, estimates, errors)),
     )  # fmt: skip
     return Page("torque", "Torque from two encoders", blocks, _results(log, errors))
 
@@ -40,7 +43,7 @@ def page(bench: Bench) -> Page:
 def estimated(bench: Bench) -> dict[str, Array]:
     """Torques (N, 6) in N m as they are read, by encoder."""
     robot, log = bench.robot, bench.elastic
-    theta = quantised(log["theta"], _MOTOR_COUNTS * 100)
+    theta = robot.from_rotor(angle=quantised(robot.to_rotor(angle=log["theta"]), _MOTOR_COUNTS))
     return {
         IDEAL: robot.drive_torque(log["theta"], log["q"]),
         FINE: robot.drive_torque(theta, quantised(log["q"], 2**20)),
@@ -77,30 +80,46 @@ def _table(bench: Bench, errors: dict[str, Array]) -> Table:
 def _verdict(bench: Bench, errors: dict[str, Array]) -> str:
     law = bench.robot.drives["joint2"].compliance
     assert isinstance(law, Flexspline)
-    step = law.stiffness * 2 * np.pi / 2**17
+    count, largest = 2 * np.pi / 2**17, bench.elastic.max("joint_torque")[_SHOWN]
     return (
-        f"With ideal encoders the reading is exact to {np.abs(errors[IDEAL]).max():.0e} N m: it is the plant's own law, so this says that it was "
-        f"inverted rightly, and no more. One count of 2¹⁷ on joint 2 is {step:.2f} N m, and the reading is off by "
-        f"{_rms(errors[COARSE])[_SHOWN]:.2f} N m RMS, about a count over √12; 2²⁰ counts are eight times better. A drive whose stiffness is "
-        f"wrong by a fifth is off by {_rms(errors[STIFFER])[_SHOWN]:.1f} N m on the same joint, more than either: where the drive is not identified "
-        "well, a better encoder does not help. Damping, hysteresis and kinematic error, which a real drive has, are not in this plant."
+        f"With ideal encoders the reading is exact to {number(np.abs(errors[IDEAL]).max(), 1)} N m: it is the plant's "
+        f"own law, so this says that it is evaluated rightly, and no more. One count of 2^{{17}} on joint 2 is worth "
+        f"{count * law.stiffness:.2f} N m at rest and {count * law.tangent(law.deflection(largest)):.2f} N m at its "
+        f"largest torque, where (2) is stiffer; the reading is off by {_rms(errors[COARSE])[_SHOWN]:.2f} N m RMS, and "
+        f"2^{{20}} counts are {_rms(errors[COARSE])[_SHOWN] / _rms(errors[FINE])[_SHOWN]:.1f} times better. A "
+        f"stiffness taken a fifth too high is off by {_rms(errors[STIFFER])[_SHOWN]:.1f} N m on the same joint, "
+        "because the tangent of (2) magnifies it: a drive that is not identified well is not saved by its encoders. "
+        "Damping, hysteresis and kinematic error, which a real drive has, are not in this plant."
     )
 
 
 def _figure(log: Log, estimates: dict[str, Array], errors: dict[str, Array]) -> Figure:
-    figure = Figure(figsize=(WIDTH, 3.4), layout="constrained")
-    left, right = figure.subplots(1, 2)
-    left.plot(log.time, estimates[COARSE][:, _SHOWN], color=FAINT, lw=0.6, label="read, $2^{17}$ counts")
-    left.plot(log.time, log["joint_torque"][:, _SHOWN], color=MOTOR, label="true")
-    right.plot(log.time, errors[COARSE][:, _SHOWN], color=FAINT, lw=0.6, label="$2^{17}$ counts")
-    right.plot(log.time, errors[FINE][:, _SHOWN], color=MOTOR, lw=0.6, label="$2^{20}$ counts")
-    right.plot(log.time, errors[STIFFER][:, _SHOWN], color=LINK, label="$K_{f0}$ 20 % too high")
-    left.set(title="(a) joint 2: torque [N m]", xlabel="time [s]")
-    right.set(title="(b) joint 2: error [N m]", xlabel="time [s]")
-    for axes in (left, right):
+    figure = Figure(figsize=(WIDTH, 3.7), layout="constrained")
+    whole, zoom, error = figure.subplots(1, 3)
+    near = (log.time >= _ZOOM[0]) & (log.time <= _ZOOM[1])
+    for axes, samples in ((whole, log.time >= 0), (zoom, near)):
+        time = log.time[samples]
+        if axes is whole:
+            axes.plot(time, estimates[STIFFER][samples, _SHOWN], color=LINK, lw=0.5, alpha=0.8)
+        axes.plot(time, log["joint_torque"][samples, _SHOWN], color=MOTOR, lw=0.6 if axes is whole else 1.6)
+        if axes is zoom:
+            axes.step(time, estimates[COARSE][samples, _SHOWN], color=INK, lw=1.0, where="mid")
+    error.plot(log.time, errors[COARSE][:, _SHOWN], color=INK, lw=0.5)
+    error.plot(log.time, errors[FINE][:, _SHOWN], color=SPRING, lw=0.5)
+    whole.set(title="(a) torque [N m]", xlabel="time [s]")
+    zoom.set(title="(b) the same, 60 ms of it", xlabel="time [s]")
+    error.set(title="(c) error [N m]", xlabel="time [s]")
+    for axes in (whole, zoom, error):
         axes.margins(x=0)
-        axes.legend(loc="best")
+    _legend(figure)
     return figure
+
+
+def _legend(figure: Figure) -> None:
+    names = {"true": MOTOR, "read, $2^{17}$ counts": INK, "read, $2^{20}$ counts": SPRING, "read, $K_{f0}$ 20 % too "
+                                                                                           "high": LINK}
+    lines = [Line2D([], [], color=colour, lw=2) for colour in names.values()]
+    figure.legend(lines, [*names], loc="outside lower center", ncols=4)
 
 
 def _results(log: Log, errors: dict[str, Array]) -> dict[str, dict[str, object]]:

@@ -1,0 +1,27 @@
+"""The tables of the report in a terminal."""
+
+from collections.abc import Sequence
+
+from rich.box import SIMPLE_HEAD
+from rich.console import Console
+from rich.table import Table as RichTable
+from rich.text import Text
+
+from cutpoint.studies.paper.page import Page, Table, plain
+
+
+def show(pages: Sequence[Page]) -> None:
+    console = Console()
+    for page in pages:
+        for table in page.tables():
+            console.print(_rich(table))
+
+
+def _rich(table: Table) -> RichTable:
+    title = Text(plain(f"{table.label}. {table.caption}"))
+    shown = RichTable(title=title, title_justify="left", title_style="bold", box=SIMPLE_HEAD, pad_edge=False)
+    for k, name in enumerate(table.columns):
+        shown.add_column(Text(plain(name)), justify="left" if k == 0 else "right", overflow="fold")
+    for k, cells in enumerate(table.rows):
+        shown.add_row(*(Text(plain(cell)) for cell in cells), style="yellow" if k in table.printed else None)
+    return shown

@@ -1,0 +1,132 @@
+"""What elastic inverse dynamics promises: it undoes the forward dynamics, and its rates are the rates of its values."""
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from robot_library import BACKENDS, COULOMB, STRIBECK, Array, Robot, assert_close, derivative, frictionless, robot, vectors
+
+from cutpoint import Drive, Flexspline, LinearSpring, Rotor
+
+ROTOR = Rotor(1.14e-5)
+
+
+def driven_by(**drive: object) -> Robot:
+    """The paper's arm with one and the same drive in every joint."""
+    arm = robot("xia2019")
+    return arm.with_drives({name: Drive(100.0, ROTOR, **drive) for name in arm.joints})
+
+
+ROBOTS = {
+    "linear": driven_by(compliance=LinearSpring(8e3)),
+    "flexspline": frictionless(robot("xia2019")),
+    "flexspline, numpy": Robot(robot("xia2019").mechanism, frictionless(robot("xia2019")).drives, backend="numpy"),
+    "friction on both sides": driven_by(compliance=Flexspline(8e3, 0.05), link_friction=STRIBECK, motor_friction=COULOMB),
+    "damped": driven_by(compliance=LinearSpring(8e3), damping=5.0, link_friction=COULOMB),
+    "rigid": driven_by(link_friction=STRIBECK, motor_friction=COULOMB),
+    "mixed, slides too": robot("mixed"),
+    "mixed, slides too, numpy": robot("mixed", "numpy"),
+}
+SMOOTH = [name for name in ROBOTS if name.startswith(("linear", "flexspline"))]
+
+
+def five(size: int) -> st.SearchStrategy[tuple[Array, ...]]:
+    """A position with four derivatives."""
+    return st.tuples(*[vectors(size)] * 5)
+
+
+class Path:
+    """q(t), a sum of two sines a joint, with its derivatives to order 4."""
+
+    def __init__(self, size: int, seed: int = 0) -> None:
+        rng = np.random.default_rng(seed)
+        self.amplitude, self.phase = rng.uniform(-1, 1, (2, size)), rng.uniform(0, 6, (2, size))
+        self.rate = rng.uniform(0.3, 2.5, (2, size))
+
+    def __call__(self, t: float) -> list[Array]:
+        angle = self.rate * t + self.phase
+        return [(self.amplitude * self.rate**k * np.sin(angle + k * np.pi / 2)).sum(axis=0) for k in range(5)]
+
+
+@pytest.mark.parametrize("friction_rates", [False, True])
+@pytest.mark.parametrize("name", ROBOTS)
+@given(data=st.data())
+def test_forward_dynamics_returns_the_motion_that_inverse_dynamics_was_given(name, friction_rates, data):
+    ours = ROBOTS[name]
+    motion = data.draw(five(ours.nv))
+    q, v, a = motion[:3]
+    u = ours.elastic_inverse_dynamics(*motion, friction_rates=friction_rates)
+    found = ours.elastic_forward_dynamics(q, v, u.theta, u.theta_dot, u.motor_torque)
+    # a deflection is a small difference of angles: its rounding, times the stiffness, accelerates the lightest link
+    rounding = 2e-16 * 1.6e4 * np.abs(u.theta).max() * np.linalg.norm(np.linalg.inv(ours.mass_matrix(q)), 2)
+    assert_close(found.a, a, 1e-9, scale=max(1.0, 1e9 * rounding))
+    assert_close(found.theta_ddot, u.theta_ddot, 1e-9, scale=max(1.0, 1e9 * rounding))
+
+
+@pytest.mark.parametrize("name", SMOOTH)
+@pytest.mark.parametrize("t", [0.0, 0.7, 2.9])
+def test_motor_speed_and_acceleration_are_time_derivatives_of_motor_position(name, t):
+    ours = ROBOTS[name]
+    path = Path(ours.nv)
+
+    def motor(h: float) -> tuple[Array, ...]:
+        return ours.elastic_inverse_dynamics(*path(t + h))
+
+    _, _, theta_dot, theta_ddot, _ = motor(0.0)
+    assert_close(derivative(lambda h: motor(h)[1], 0.01), theta_dot, 1e-10)
+    assert_close(derivative(lambda h: motor(h)[2], 0.01), theta_ddot, 1e-10)
+    # the lead, that which bending adds, and not only the link's own motion
+    q, v, a, *_ = path(t)
+    assert_close(derivative(lambda h: motor(h)[1] - path(t + h)[0], 0.01), theta_dot - v, 1e-8)
+    assert_close(derivative(lambda h: motor(h)[2] - path(t + h)[1], 0.01), theta_ddot - a, 1e-8)
+
+
+@pytest.mark.parametrize("name", ["friction on both sides", "mixed, slides too"])
+def test_friction_counts_in_the_rates_when_asked(name):
+    """Undamped springs: a damped one's lead leaves its own rate out."""
+    ours = ROBOTS[name].with_drives(
+        {n: Drive(d.ratio, d.rotor, d.compliance, None, d.link_friction) for n, d in ROBOTS[name].drives.items()}
+    )
+    path = Path(ours.nv, seed=1)
+
+    def motor(h: float) -> tuple[Array, ...]:
+        return ours.elastic_inverse_dynamics(*path(1.3 + h), friction_rates=True)
+
+    assert_close(derivative(lambda h: motor(h)[1], 0.002), motor(0.0)[2], 1e-9)
+    assert_close(derivative(lambda h: motor(h)[2], 0.002), motor(0.0)[3], 1e-8)
+
+
+@pytest.mark.parametrize("name", ["flexspline", "mixed, slides too"])
+def test_without_friction_motor_power_is_the_rate_of_all_energy(name):
+    ours = frictionless(ROBOTS[name])
+    path, driven = Path(ours.nv, seed=2), [d.v for d in ours.machine.drives]
+
+    def energy(h: float) -> Array:
+        q, v, *_ = motion = path(0.4 + h)
+        u = ours.elastic_inverse_dynamics(*motion)
+        own = ours.elastic_energy(q, u.theta, u.theta_dot)
+        return ours.kinetic_energy(q, v) + ours.potential_energy(q) + own
+
+    u = ours.elastic_inverse_dynamics(*path(0.4))
+    elastic = np.array([d.is_elastic for d in ours.drives.values()])
+    speeds = np.where(elastic, u.theta_dot, path(0.4)[1][driven])
+    assert_close(derivative(energy, 0.01), u.motor_torque @ speeds, 1e-9)
+
+
+@pytest.mark.parametrize("backend", BACKENDS)
+def test_torque_read_from_two_encoders_is_what_the_link_gets(backend):
+    ours = robot("xia2019", backend)
+    path = Path(6, seed=3)
+    for t in (0.0, 1.0, 2.0):
+        q, v, *_ = motion = path(t)
+        u = ours.elastic_inverse_dynamics(*motion)
+        assert_close(ours.drive_torque(u.theta, q), u.joint_torque + ours.friction_torques(v), 1e-10)
+
+
+@given(q=vectors(6))
+def test_static_deflection_bears_the_weight(q):
+    ours = robot("xia2019")
+    lead = ours.static_deflection(q)
+    assert_close(ours.drive_torque(q + lead, q), ours.gravity_forces(q), 1e-10, scale=1.0)
+    still = np.zeros(6)
+    assert_close(ours.elastic_inverse_dynamics(q, *[still] * 4).theta, q + lead, 1e-14, scale=1.0)

@@ -1,0 +1,87 @@
+"""Spring and friction laws, alone."""
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from robot_library import assert_close, derivative
+
+from cutpoint import Coulomb, Flexspline, LinearSpring, Stribeck
+from cutpoint.mechanics.compliance import POLE_GUARD
+
+SPRINGS = [LinearSpring(8e3), Flexspline(16e3, 0.0464), Flexspline(4.7e3, 0.119), Flexspline(100.0, 1e-6)]
+FRICTIONS = [
+    Stribeck(coulomb=0.49, static=3.5, viscous=0.15, stribeck_velocity=0.19, smoothing=0.02),
+    Stribeck(coulomb=0.0, static=0.0, viscous=0.1, stribeck_velocity=0.03, smoothing=1e-3),
+    Coulomb(coulomb=0.3, viscous=0.1, smoothing=0.1),
+]
+
+springs, frictions = pytest.mark.parametrize("law", SPRINGS, ids=repr), pytest.mark.parametrize("law", FRICTIONS, ids=repr)
+SHARES = st.floats(-3.0, 3.0, allow_subnormal=False)
+"""Of the deflection at which law (2) is continued by its tangent; beyond 1 in a third of all draws."""
+
+
+def reach(law: LinearSpring | Flexspline) -> float:
+    return POLE_GUARD / (law.hardening * law.stiffness) if isinstance(law, Flexspline) else 0.01
+
+
+@springs
+@given(share=SHARES)
+def test_deflection_and_torque_undo_each_other(law, share):
+    bend = share * reach(law)
+    assert law.deflection(law.torque(bend)) == pytest.approx(bend, rel=1e-12)
+    assert law.torque(law.deflection(law.torque(bend))) == pytest.approx(law.torque(bend), rel=1e-12)
+
+
+@springs
+@given(share=SHARES)
+def test_springs_are_odd(law, share):
+    bend = share * reach(law)
+    assert law.torque(-bend) == -law.torque(bend)
+    assert law.deflection(-law.torque(bend)) == -law.deflection(law.torque(bend))
+    assert law.energy(-bend) == law.energy(bend) >= 0.0
+
+
+@springs
+@given(low=SHARES, high=SHARES)
+def test_more_deflection_is_more_torque(law, low, high):
+    low, high = sorted((low, high))
+    if high - low > 1e-9:
+        assert law.torque(high * reach(law)) > law.torque(low * reach(law))
+
+
+@springs
+@pytest.mark.parametrize("share", [0.0, 1e-6, -0.3, 0.7, 0.95, 1.2, -2.5])
+def test_tangent_and_torque_are_derivatives_of_torque_and_energy(law, share):
+    bend, step = share * reach(law), 1e-3 * reach(law)
+    peak = law.torque(max(abs(bend), 0.1 * reach(law)))
+    assert_close(derivative(lambda h: law.torque(bend + h), step), law.tangent(bend), 1e-9)
+    assert_close(derivative(lambda h: law.energy(bend + h), step), law.torque(bend), 1e-9, scale=peak)
+
+
+@pytest.mark.parametrize("law", SPRINGS[1:], ids=repr)
+def test_flexspline_starts_at_its_rest_stiffness_and_is_smooth_where_it_is_continued(law):
+    assert law.tangent(0.0) == law.stiffness
+    at = reach(law)
+    assert_close(law.torque(at * (1 + 1e-9)), law.torque(at * (1 - 1e-9)), 1e-6)
+    assert_close(law.tangent(at * (1 + 1e-9)), law.tangent(at * (1 - 1e-9)), 1e-6)
+    assert np.isfinite(law.torque(1e3 * at))
+    assert law.tangent(10 * at) == law.tangent(2 * at)
+
+
+@frictions
+@given(speed=st.floats(-1e3, 1e3))
+def test_friction_never_gives_power(law, speed):
+    assert law.torque(speed) * speed >= 0.0
+    assert law.torque(-speed) == -law.torque(speed)
+
+
+@frictions
+def test_friction_slides_at_its_coulomb_and_viscous_part(law):
+    assert law.torque(50.0) == pytest.approx(law.coulomb + law.viscous * 50.0, rel=1e-12)
+
+
+def test_stribeck_friction_falls_from_static_to_coulomb():
+    law = FRICTIONS[0]
+    assert max(law.torque(x) for x in np.linspace(0.0, 1.0, 200)) > 0.8 * law.static
+    assert law.torque(1.0) < 0.2 * law.static
