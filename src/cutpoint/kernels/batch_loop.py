@@ -4,16 +4,19 @@ The loop receives a pointer for each argument, the batch length, and strides in 
 through the batch, then its steps through its own axes.  If one is not C-contiguous all go through scratch memory.
 """
 
+import math
 from collections.abc import Sequence
 
+from cutpoint.kernels.algebra import Operand
 from cutpoint.kernels.graph import Graph
-from cutpoint.kernels.llvm import DECLARATIONS, straight_line
+from cutpoint.kernels.llvm import DECLARATIONS, constant, straight_line
 from cutpoint.kernels.llvm_code import Code
 from cutpoint.kernels.ports import Port
 
 FUNCTION = "batch_loop"
 
-_HEADER = f"""{DECLARATIONS}declare i32 @feclearexcept(i32)
+_HEADER = f"""{DECLARATIONS}declare void @llvm.memset.p0.i64(ptr, i8, i64, i1)
+declare i32 @feclearexcept(i32)
 define void @{FUNCTION}(ptr %arguments, ptr %dimensions, ptr %steps, ptr %unused) {{
 entry:"""
 _ALL_EXCEPTIONS = 0x3F  # a superset of every platform's FE_ALL_EXCEPT
@@ -79,14 +82,26 @@ def _one(code: Code, graph: Graph, inputs: list[_Argument], outputs: list[_Argum
     memory = [code.let(f"select i1 {tidy}, ptr {a.here}, ptr {a.scratch}") for a in (*inputs, *outputs)]
     read = _slots([a.port for a in inputs], memory)
     write = _slots([a.port for a in outputs], memory[len(inputs) :])
-    results = straight_line(code, graph, lambda slot: code.load(*read[slot]))
-    for result, place in zip(results, write, strict=True):
-        code.store(result, *place)
+    for argument, pointer in zip(outputs, memory[len(inputs) :], strict=True):
+        if any(_is_zero(x) for x in graph.output(argument.port.name)):
+            code.zero(pointer, argument.port.size)
+    for slot, x in enumerate(graph.results):
+        if isinstance(x, float) and not _is_zero(x):
+            code.store(constant(x), *write[slot])
+    # each result leaves as soon as it is there, so that few must be held at a time
+    straight_line(
+        code, graph, lambda slot: code.load(*read[slot]), lambda slot, value: code.store(value, *write[slot])
+    )
     code.branch(tidy, end, scatter)
     code.open(scatter)
     for argument in outputs:
         argument.copy(code, inward=False)
     code.label(end)
+
+
+def _is_zero(x: Operand) -> bool:
+    """Whether a result is zero, all bits of it."""
+    return isinstance(x, float) and x == 0 and math.copysign(1, x) > 0
 
 
 def _slots(ports: list[Port], memory: list[str]) -> list[tuple[str, int]]:

@@ -35,9 +35,18 @@ def constant(x: float) -> str:
     return f"0x{struct.unpack('<Q', struct.pack('<d', x))[0]:016x}"
 
 
-def straight_line(code: Code, graph: Graph, load: Callable[[int], str]) -> list[str]:
-    """Writes a lowered graph's operations and returns the names of its results.  load(slot) names an input's value."""
+def straight_line(
+    code: Code, graph: Graph, load: Callable[[int], str], ready: Callable[[int, str], None] = lambda *_: None
+) -> list[str]:
+    """Writes a lowered graph's operations and returns the names of its results.
+
+    load(slot) names an input's value; ready(slot, name) hears of a result as soon as it is there.
+    """
     names: dict[int, str] = {}
+    slots: dict[int, list[int]] = {}
+    for slot, x in enumerate(graph.results):
+        if isinstance(x, Node):
+            slots.setdefault(x.serial, []).append(slot)
 
     def name(x: Any) -> str:
         return names[x.serial] if isinstance(x, Node) else constant(x) if isinstance(x, float) else x
@@ -49,6 +58,8 @@ def straight_line(code: Code, graph: Graph, load: Callable[[int], str]) -> list[
             names[x.serial] = code.let(_FORMS[x.op].format(*map(name, x.args)))
         else:
             names[x.serial] = _SEQUENCES[x.op](code, *map(name, x.args))
+        for slot in slots.get(x.serial, ()):
+            ready(slot, names[x.serial])
     return [name(x) for x in graph.results]
 
 

@@ -51,6 +51,10 @@ class Code:
     def store(self, value: str, pointer: str, index: str | int) -> None:
         self.lines.append(f"store double {value}, ptr {self.at(pointer, index)}")
 
+    def zero(self, pointer: str, length: int) -> None:
+        """Zeros in a stretch of memory."""
+        self.lines.append(f"call void @llvm.memset.p0.i64(ptr {pointer}, i8 0, i64 {8 * length}, i1 false)")
+
     @contextmanager
     def loop(self, count: str | int, until: str | None = None) -> Iterator[Running]:
         """The block, count times; after an iteration that leaves a number other than 0 at `until`, no more."""

@@ -38,8 +38,10 @@ def _add_row(system: System, X: list, composite: Inertia, i: int, M: list[list[S
             own = system.segments[carrier]
             felt = own.follower.multiplier if own.follower else 1
             for j, effort in enumerate(own.joint.effort(F), own.v.start):
+                if carrier == i and j > v:
+                    continue  # a floating joint's own pairs: once each, so that M is symmetric to the last bit
                 M[v][j] = M[v][j] + felt * effort
-                if carrier != i:
+                if carrier != i or j < v:
                     M[j][v] = M[j][v] + felt * effort
             F, carrier = X[carrier].inward(F), own.parent
 

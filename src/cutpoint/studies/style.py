@@ -21,7 +21,7 @@ JOINTS = ("#1f5fa8", "#c2571a", "#2a7f4f", "#8a4fa3", "#b8860b", "#4a4f57")
 WIDTH = 9.0
 """Width of a full figure in inches; text of 11 points is then as large as that of the page around it."""
 
-STYLE: dict[str, Any] = {
+STYLE: Any = {
     "font.family": ["STIXGeneral", "DejaVu Sans"],
     "mathtext.fontset": "stix",
     "font.size": 12,

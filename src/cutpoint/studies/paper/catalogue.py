@@ -54,10 +54,14 @@ def page(bench: Bench) -> Page:
         "nothing. K_{f0} is the catalogue's first slope, and c_{f} is such that (2) meets the line at T_{2}.",
         _table(laws, fits, largest),
         _verdict(laws, largest),
-        Picture("Figure A3", "Above: law (2) as shipped, a least-squares fit of both constants up to T₂, and the "
-                             "catalogue with its corners T₁ and T₂. Below: deflection of the law less that of the "
-                             "catalogue.", _figure(laws, fits)),
-    )  # fmt: skip
+        Picture(
+            "Figure A3",
+            "Above: law (2) as shipped, a least-squares fit of both constants up to T₂, and the "
+            "catalogue with its corners T₁ and T₂. Below: deflection of the law less that of the "
+            "catalogue.",
+            _figure(laws, fits),
+        ),
+    )
     return Page("drive", "The drive: law (2) and a catalogue", blocks, _results(laws, fits, largest))
 
 
@@ -92,19 +96,36 @@ def _table(laws: dict[Size, Flexspline], fits: dict[Size, Flexspline], largest: 
     def line(size: Size) -> tuple[str, ...]:
         law, fit, torque = laws[size], fits[size], largest[size]
         return (
-            f"{size.number}", f"{size.joints[0]}, {size.joints[1]}",
-            f"{law.stiffness:.0f}", f"{law.hardening:.4f}", f"{worst(law, size):.2f}",
-            f"{fit.stiffness:.0f}", f"{fit.hardening:.4f}", f"{worst(fit, size):.2f}",
-            f"{torque:.1f} of {size.T2:g}", number(float(departure(law, size, np.array(torque))), 2),
-        )  # fmt: skip
+            f"{size.number}",
+            f"{size.joints[0]}, {size.joints[1]}",
+            f"{law.stiffness:.0f}",
+            f"{law.hardening:.4f}",
+            f"{worst(law, size):.2f}",
+            f"{fit.stiffness:.0f}",
+            f"{fit.hardening:.4f}",
+            f"{worst(fit, size):.2f}",
+            f"{torque:.1f} of {size.T2:g}",
+            number(float(departure(law, size, np.array(torque))), 2),
+        )
 
     columns = (
-        "size", "joints", "K_{f0} [N m/rad]", "c_{f} [1/(N m)]", "departs by [arcmin]",
-        "fit: K_{f0}", "c_{f}", "departs by", "largest torque of T_{2} [N m]", "departs there by",
-    )  # fmt: skip
-    return Table("Table A2", "Law (2) against the catalogue from 0 to T_{2}, and at the largest torque of Table 4's "
-                             "loop.",
-                 columns, tuple(line(size) for size in SIZES))  # fmt: skip
+        "size",
+        "joints",
+        "K_{f0} [N m/rad]",
+        "c_{f} [1/(N m)]",
+        "departs by [arcmin]",
+        "fit: K_{f0}",
+        "c_{f}",
+        "departs by",
+        "largest torque of T_{2} [N m]",
+        "departs there by",
+    )
+    return Table(
+        "Table A2",
+        "Law (2) against the catalogue from 0 to T_{2}, and at the largest torque of Table 4's loop.",
+        columns,
+        tuple(line(size) for size in SIZES),
+    )
 
 
 def _verdict(laws: dict[Size, Flexspline], largest: dict[Size, float]) -> str:
@@ -116,9 +137,12 @@ def _verdict(laws: dict[Size, Flexspline], largest: dict[Size, float]) -> str:
         f"Up to T₂ the shipped laws depart from the broken line by at most {departures} arc minutes, less than the arc "
         "minute of hysteresis that the same catalogue allows. Beyond T₂ law (2) goes on stiffening where the "
         "catalogue does not"
-        + (f": joint {beyond[0]}, which bears up to {largest[joint_2]:.1f} N m, is then {there:.2f} arc minutes "
-           "stiffer than its maker says." if beyond else ""
-                                                                                                                                                             ".")
+        + (
+            f": joint {beyond[0]}, which bears up to {largest[joint_2]:.1f} N m, is then {there:.2f} arc minutes "
+            "stiffer than its maker says."
+            if beyond
+            else "."
+        )
     )
 
 
@@ -130,10 +154,17 @@ def _figure(laws: dict[Size, Flexspline], fits: dict[Size, Flexspline]) -> Figur
         above, below = panels[:, k]
         above.plot(torque, _ARC_MINUTES * size.deflection(torque), color=INK, lw=1.0, label="catalogue")
         above.plot(corners, _ARC_MINUTES * size.deflection(corners), "o", color=INK, ms=5)
-        for law, colour, line, name in ((laws[size], MOTOR, "-", "law (2), shipped"), (fits[size], LINK, "--", "law "
-                                                                                                               "(2), "
-                                                                                                               "fitted")):
-            above.plot(torque, departure(law, size, torque) + _ARC_MINUTES * size.deflection(torque), line, color=colour, label=name)
+        for law, colour, line, name in (
+            (laws[size], MOTOR, "-", "law (2), shipped"),
+            (fits[size], LINK, "--", "law (2), fitted"),
+        ):
+            above.plot(
+                torque,
+                departure(law, size, torque) + _ARC_MINUTES * size.deflection(torque),
+                line,
+                color=colour,
+                label=name,
+            )
             below.plot(torque, departure(law, size, torque), line, color=colour)
         for axes in (above, below):
             axes.axvspan(size.T2, 1.5 * size.T2, color=SPRING, alpha=0.08, lw=0)
@@ -143,11 +174,15 @@ def _figure(laws: dict[Size, Flexspline], fits: dict[Size, Flexspline]) -> Figur
     panels[0, 0].set_ylabel("deflection [arcmin]")
     panels[1, 0].set_ylabel("departure [arcmin]")
     panels[0, 0].legend(loc="upper left")
-    panels[0, 2].text(0.97, 0.05, "shaded: beyond T$_2$", transform=panels[0, 2].transAxes, ha="right", fontsize=10, color=SPRING)
+    panels[0, 2].text(
+        0.97, 0.05, "shaded: beyond T$_2$", transform=panels[0, 2].transAxes, ha="right", fontsize=10, color=SPRING
+    )
     return figure
 
 
-def _results(laws: dict[Size, Flexspline], fits: dict[Size, Flexspline], largest: dict[Size, float]) -> dict[str, dict[str, object]]:
+def _results(
+    laws: dict[Size, Flexspline], fits: dict[Size, Flexspline], largest: dict[Size, float]
+) -> dict[str, dict[str, object]]:
     def described(law: Flexspline, size: Size) -> dict[str, float]:
         return {"stiffness": law.stiffness, "hardening": law.hardening, "departure": worst(law, size)}
 
@@ -161,7 +196,9 @@ def _results(laws: dict[Size, Flexspline], fits: dict[Size, Flexspline], largest
         }
         for size in SIZES
     }
-    return {"table_a2": {"units": {"stiffness": "N m/rad", "hardening": "1/(N m)", "departure": "arcmin", "torque": ""
-                                                                                                                    "N "
-                                                                                                                    "m"}, ""
-                                                                                                                            "sizes": rows}}
+    return {
+        "table_a2": {
+            "units": {"stiffness": "N m/rad", "hardening": "1/(N m)", "departure": "arcmin", "torque": "N m"},
+            "sizes": rows,
+        }
+    }

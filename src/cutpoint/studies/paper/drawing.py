@@ -13,6 +13,7 @@ from cutpoint.studies.style import FAINT, INK
 Point = tuple[float, float]
 
 _INCHES = 0.5
+_LINE = 1.4
 
 
 def canvas(width: float, height: float) -> tuple[Figure, Axes]:
@@ -36,18 +37,17 @@ def box(axes: Axes, corner: Point, size: Point, words: str, edge: str = INK, fil
     text(axes, (corner[0] + size[0] / 2, corner[1] + size[1] / 2), words, zorder=4, **style)
 
 
-def arrow(axes: Axes, start: Point, end: Point, colour: str = INK, width: float = 1.4, **style: Any) -> None:
+def arrow(axes: Axes, start: Point, end: Point, colour: str = INK, width: float = _LINE, **style: Any) -> None:
     """A straight arrow, or a bent one by `connectionstyle`."""
     options = {"arrowstyle": "-|>", "mutation_scale": 11, "shrinkA": 0, "shrinkB": 0, "zorder": 5, **style}
     axes.add_patch(FancyArrowPatch(start, end, color=colour, lw=width, **options))
 
 
-def path(axes: Axes, points: list[Point], colour: str = INK, head: bool = True, width: float = 1.4) -> None:
+def path(axes: Axes, points: list[Point], colour: str = INK) -> None:
     """A polyline with an arrow head at its end."""
-    x, y = zip(*points, strict=True)
-    axes.plot(x[: -1 if head else None], y[: -1 if head else None], color=colour, lw=width, solid_capstyle="butt", zorder=2)
-    if head:
-        arrow(axes, points[-2], points[-1], colour, width)
+    x, y = zip(*points[:-1], strict=True)
+    axes.plot(x, y, color=colour, lw=_LINE, solid_capstyle="butt", zorder=2)
+    arrow(axes, points[-2], points[-1], colour)
 
 
 def turn(axes: Axes, centre: Point, colour: str, size: Point = (0.7, 1.5)) -> None:

@@ -16,9 +16,13 @@ def figure_3() -> Figure:
 
 
 def _drive(axes: Axes, y: float) -> None:
-    text(axes, (0.3, y + 3.2), "(a) the drive: the wave generator bends on the motor's side, the flexspline on the "
-                               "link's",
-         ha="left", weight="bold")
+    text(
+        axes,
+        (0.3, y + 3.2),
+        "(a) the drive: the wave generator bends on the motor's side, the flexspline on the link's",
+        ha="left",
+        weight="bold",
+    )
     _shaft(axes, 1.9, 3.0, y, MOTOR)
     _shaft(axes, 13.9, 15.4, y, LINK)
     box(axes, (0.4, y - 0.8), (1.7, 1.6), "rotor\n$J_r$", MOTOR, MOTOR_FILL)
@@ -35,8 +39,13 @@ def _drive(axes: Axes, y: float) -> None:
     _friction(axes, 8.6, y)
     _torque(axes, 6.25, 7.15, y + 0.75, "$\\tau_w$")
     _torque(axes, 9.95, 10.85, y + 0.75, "$\\tau_f=\\ell\\,\\tau_w$")
-    span(axes, 2.55, 14.65, y + 1.85, "$\\Delta\\theta = \\theta_w/\\ell - \\theta_c$,  both encoders read at the "
-                                      "joint's side")
+    span(
+        axes,
+        2.55,
+        14.65,
+        y + 1.85,
+        "$\\Delta\\theta = \\theta_w/\\ell - \\theta_c$,  both encoders read at the joint's side",
+    )
 
 
 def _at_the_joint(axes: Axes, y: float) -> None:
@@ -51,9 +60,14 @@ def _at_the_joint(axes: Axes, y: float) -> None:
     text(axes, (6.6, y - 0.85), "$\\tau_f(\\theta-q)$", color=SPRING)
     text(axes, (12.1, y + 0.75), "(2)   $\\tau_f=\\tan(c_f K_{f0}\\,\\Delta\\theta_f)\\,/\\,c_f$", ha="left")
     text(axes, (12.1, y - 0.1), "at rest   $1/K = 1/K_{f0} + 1/(\\ell^2 K_{w0})$", ha="left")
-    text(axes, (12.1, y - 0.95), "here $K_{w0}=\\infty$: a catalogue's stiffness\nis that of both in series", ha="left", va=""
-                                                                                                                            "center",
-         fontsize=11)
+    text(
+        axes,
+        (12.1, y - 0.95),
+        "here $K_{w0}=\\infty$: a catalogue's stiffness\nis that of both in series",
+        ha="left",
+        va="center",
+        fontsize=11,
+    )
 
 
 def _shaft(axes: Axes, left: float, right: float, y: float, colour: str) -> None:

@@ -33,10 +33,20 @@ def _cuts(axes: Axes) -> None:
 
 def _names(axes: Axes) -> None:
     leader(axes, (5.0, _AXIS + 2.65), (5.6, 8.0), "joint base, {B}:\n${}^B\\mathbf{V}$", BASE)
-    leader(axes, (10.3, _AXIS + 1.0), (9.7, 8.0), "motor rotor, {D}:  (4)\n${}^D\\mathbf{V} = z_\\tau "
-                                                  "\\ell\\dot\\theta + {}^B\\mathbf{U}_D^T\\,{}^B\\mathbf{V}$", MOTOR)
-    leader(axes, (11.35, _AXIS - 1.8), (12.2, 1.35), "output link, {T}:  (5)\n${}^T\\mathbf{V} = z_\\tau \\dot q + "
-           "{}^B\\mathbf{U}_T^T\\,{}^B\\mathbf{V}$", LINK)
+    leader(
+        axes,
+        (10.3, _AXIS + 1.0),
+        (9.7, 8.0),
+        "motor rotor, {D}:  (4)\n${}^D\\mathbf{V} = z_\\tau \\ell\\dot\\theta + {}^B\\mathbf{U}_D^T\\,{}^B\\mathbf{V}$",
+        MOTOR,
+    )
+    leader(
+        axes,
+        (11.35, _AXIS - 1.8),
+        (12.2, 1.35),
+        "output link, {T}:  (5)\n${}^T\\mathbf{V} = z_\\tau \\dot q + {}^B\\mathbf{U}_T^T\\,{}^B\\mathbf{V}$",
+        LINK,
+    )
     leader(axes, (9.6, _AXIS - 1.42), (7.6, 1.2), "flexspline: bends,\nwithout mass of its own", SPRING)
     turn(axes, (3.9, _AXIS), MOTOR, (0.5, 1.1))
     turn(axes, (14.4, _AXIS), LINK, (0.6, 1.7))

@@ -27,26 +27,52 @@ def figure_5() -> Figure:
 def _on_the_base(axes: Axes) -> None:
     _force(axes, (0.35, _AXIS + 0.35), (1.8, _AXIS + 0.35), "${}^B\\mathbf{F}$", (0.8, _AXIS + 0.75))
     _force(axes, (7.0, _AXIS + 1.1), (5.4, _AXIS + 1.1), "$-{}^B\\mathbf{U}_T{}^T\\mathbf{F}_q$", (6.3, _AXIS + 0.6))
-    _force(axes, (5.9, _AXIS - 1.1), (4.1, _AXIS - 1.1), "$-{}^B\\mathbf{U}_D{}^D\\mathbf{F}_\\kappa$", (5.3, _AXIS - 0.6))
-    _balance(axes, 3.4, "joint base {B}", BASE, "(11)", "${}^B\\mathbf{F}^* = {}^B\\mathbf{F} - "
-                                                        "{}^B\\mathbf{U}_T{}^T\\mathbf{F}_q - "
-                                                        "{}^B\\mathbf{U}_D{}^D\\mathbf{F}_\\kappa$", "${}^B\\mathbf{F}$: from the link before, to the base")
+    _force(
+        axes, (5.9, _AXIS - 1.1), (4.1, _AXIS - 1.1), "$-{}^B\\mathbf{U}_D{}^D\\mathbf{F}_\\kappa$", (5.3, _AXIS - 0.6)
+    )
+    _balance(
+        axes,
+        3.4,
+        "joint base {B}",
+        BASE,
+        "(11)",
+        "${}^B\\mathbf{F}^* = {}^B\\mathbf{F} - "
+        "{}^B\\mathbf{U}_T{}^T\\mathbf{F}_q - "
+        "{}^B\\mathbf{U}_D{}^D\\mathbf{F}_\\kappa$",
+        "${}^B\\mathbf{F}$: from the link before, to the base",
+    )
 
 
 def _on_the_rotor(axes: Axes) -> None:
     _force(axes, (7.6, _AXIS + 0.45), (8.75, _AXIS + 0.45), "${}^D\\mathbf{F}_\\kappa$", (8.1, _AXIS + 0.9))
-    _balance(axes, 9.5, "motor rotor {D}", MOTOR, "(10)", "${}^D\\mathbf{F}^* = {}^D\\mathbf{F}_\\kappa$",
-             "$z_\\tau^T\\,{}^D\\mathbf{F}_\\kappa = \\tau - \\tau_t - \\xi(\\theta,\\dot\\theta)$")
+    _balance(
+        axes,
+        9.5,
+        "motor rotor {D}",
+        MOTOR,
+        "(10)",
+        "${}^D\\mathbf{F}^* = {}^D\\mathbf{F}_\\kappa$",
+        "$z_\\tau^T\\,{}^D\\mathbf{F}_\\kappa = \\tau - \\tau_t - \\xi(\\theta,\\dot\\theta)$",
+    )
 
 
 def _on_the_link(axes: Axes) -> None:
     _force(axes, (12.3, _AXIS + 1.1), (13.6, _AXIS + 1.1), "${}^T\\mathbf{F}_q$", (12.8, _AXIS + 1.55))
     _force(axes, (17.7, _AXIS + 0.6), (16.4, _AXIS + 0.6), "$-{}^T\\mathbf{F}$", (17.1, _AXIS + 1.05))
-    _balance(axes, 15.2, "output link {T}", LINK, "(9)", "${}^T\\mathbf{F}^* = -{}^T\\mathbf{F} + {}^T\\mathbf{F}_q$",
-             "$z_\\tau^T\\,{}^T\\mathbf{F}_q = \\ell\\,\\tau_t - \\xi(q,\\dot q)$,   $\\ell\\,\\tau_t = \\tau_f$")
+    _balance(
+        axes,
+        15.2,
+        "output link {T}",
+        LINK,
+        "(9)",
+        "${}^T\\mathbf{F}^* = -{}^T\\mathbf{F} + {}^T\\mathbf{F}_q$",
+        "$z_\\tau^T\\,{}^T\\mathbf{F}_q = \\ell\\,\\tau_t - \\xi(q,\\dot q)$,   $\\ell\\,\\tau_t = \\tau_f$",
+    )
 
 
-def _force(axes: Axes, start: tuple[float, float], end: tuple[float, float], words: str, at: tuple[float, float]) -> None:
+def _force(
+    axes: Axes, start: tuple[float, float], end: tuple[float, float], words: str, at: tuple[float, float]
+) -> None:
     arrow(axes, start, end, FORCE, 2.2, mutation_scale=14)
     text(axes, at, words, color=FORCE, fontsize=13)
 

@@ -1,5 +1,7 @@
 """Figure 6: the arm to scale with the frames of its joints, at zero and at the end of (57)."""
 
+from typing import Any
+
 import numpy as np
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
@@ -15,15 +17,22 @@ Label = tuple[int, float, float]
 """At which corner of the arm, and how far from it on paper, in points."""
 
 _TRIAD = 0.12  # m
+_ZOOM: Any = 1.36  # matplotlib calls it an int, and takes any number
 _COLOURS = (FAINT, SPRING, MOTOR)
 _AT_ZERO: dict[str, Label] = {
-    "{B$_1$}": (0, -26, -4), "{B$_2$}": (1, -26, 4), "{B$_3$}, {B$_4$}": (2, -2, 44), "{B$_5$}, {B$_6$}": (3, 4, 44), ""
-                                                                                                                      "{O}": (4, 16, -4),
-}  # fmt: skip
+    "{B$_1$}": (0, -26, -4),
+    "{B$_2$}": (1, -26, 4),
+    "{B$_3$}, {B$_4$}": (2, -2, 44),
+    "{B$_5$}, {B$_6$}": (3, 4, 44),
+    "{O}": (4, 16, -4),
+}
 _AT_GOAL: dict[str, Label] = {
-    "{B$_1$}": (0, -26, -4), "{B$_2$}": (1, -40, -8), "{B$_3$}, {B$_4$}": (2, -52, -2), "{B$_5$}, {B$_6$}": (3, 46, -14), ""
-                                                                                                                          "{O}": (4, 16, -4),
-}  # fmt: skip
+    "{B$_1$}": (0, -26, -4),
+    "{B$_2$}": (1, -40, -8),
+    "{B$_3$}, {B$_4$}": (2, -52, -2),
+    "{B$_5$}, {B$_6$}": (3, 46, -14),
+    "{O}": (4, 16, -4),
+}
 
 
 def figure_6() -> Figure:
@@ -54,7 +63,7 @@ def _room(axes: Axes3D) -> None:
     """The floor alone, ruled every quarter of a metre."""
     low, high = np.array([-0.25, -0.5, 0.0]), np.array([1.25, 0.75, 1.0])
     axes.set(xlim=(low[0], high[0]), ylim=(low[1], high[1]), zlim=(low[2], high[2]))
-    axes.set_box_aspect(tuple(high - low), zoom=1.36)
+    axes.set_box_aspect(tuple(high - low), zoom=_ZOOM)
     axes.view_init(elev=22, azim=-58)
     axes.set_axis_off()
     for x in np.arange(low[0], high[0] + 0.1, 0.25):
@@ -79,7 +88,7 @@ def _arm(axes: Axes3D, chain: Chain, q: Array) -> Array:
 
 
 def _label(axes: Axes3D, at: Array, words: str, right: float, up: float, colour: str) -> None:
-    x, y, _ = proj3d.proj_transform(*at, axes.get_proj())
+    x, y, _ = proj3d.proj_transform(at[0], at[1], at[2], axes.get_proj())
     halo = [withStroke(linewidth=3, foreground="white")]
     offset = {"xytext": (right, up), "textcoords": "offset points", "ha": "center", "va": "center"}
     axes.annotate(words, (float(x), float(y)), color=colour, path_effects=halo, zorder=50, **offset)

@@ -21,15 +21,24 @@ def figure_9() -> Figure:
 
 def _grounds(axes: Axes) -> None:
     """What runs in the computer once a control period, and what the physics does."""
-    for corner, size, words in (((0.2, 0.3), (12.1, 8.4), "computer, every 1 ms"), ((12.7, 0.3), (7.1, 8.4), "plant, "
-                                                                                                             "continuous")):
+    for corner, size, words in (
+        ((0.2, 0.3), (12.1, 8.4), "computer, every 1 ms"),
+        ((12.7, 0.3), (7.1, 8.4), "plant, continuous"),
+    ):
         axes.add_patch(Rectangle(corner, *size, fc="#f7f8fa", ec="none", zorder=0))
         text(axes, (corner[0] + 0.25, corner[1] + size[1] - 0.4), words, ha="left", color=BASE, style="italic")
 
 
 def _blocks(axes: Axes) -> None:
     box(axes, (0.5, _ROW - 0.8), (2.1, 1.6), "trajectory\n(57)", BASE, BASE_FILL)
-    box(axes, (4.4, 5.6), (4.2, 1.9), "VD feedforward\n(29)–(31), (44)–(47), (54)\nthrough the drive: (2)", BASE, BASE_FILL)
+    box(
+        axes,
+        (4.4, 5.6),
+        (4.2, 1.9),
+        "VD feedforward\n(29)–(31), (44)–(47), (54)\nthrough the drive: (2)",
+        BASE,
+        BASE_FILL,
+    )
     box(axes, (8.2, _ROW - 0.8), (1.9, 1.6), "PD\n(58)", BASE, BASE_FILL)
     box(axes, (13.0, _ROW - 0.8), (1.8, 1.6), "motor\nrotor", MOTOR, MOTOR_FILL)
     box(axes, (15.5, _ROW - 0.8), (1.7, 1.6), "drive\n(2)", SPRING, SPRING_FILL)
@@ -66,8 +75,18 @@ def _forward(axes: Axes) -> None:
 def _feedback(axes: Axes) -> None:
     path(axes, [(13.35, _ROW - 0.8), (13.35, 1.75), (6.6, 1.75), (6.6, _ROW - 0.28)], MOTOR)
     text(axes, (9.4, 2.1), "motor-side encoder $\\theta,\\ \\dot\\theta$: rad, rad/s", color=MOTOR)
-    for x, y, sign in ((6.32, _ROW - 0.55, "$-$"), (6.32, _ROW + 0.5, "$+$"), (10.9, _ROW - 0.4, "$+$"), (11.05, _ROW + 0.5, ""
-                                                                                                                             "$+$")):
+    for x, y, sign in (
+        (6.32, _ROW - 0.55, "$-$"),
+        (6.32, _ROW + 0.5, "$+$"),
+        (10.9, _ROW - 0.4, "$+$"),
+        (11.05, _ROW + 0.5, "$+$"),
+    ):
         text(axes, (x, y), sign, fontsize=11)
-    text(axes, (0.5, 0.95), "blue: motor's side, orange: link's side; all angles and torques\n"
-         "referred to the joint: rotor angle / $\\ell$, shaft torque $\\times\\ \\ell$", ha="left", fontsize=11)
+    text(
+        axes,
+        (0.5, 0.95),
+        "blue: motor's side, orange: link's side; all angles and torques\n"
+        "referred to the joint: rotor angle / $\\ell$, shaft torque $\\times\\ \\ell$",
+        ha="left",
+        fontsize=11,
+    )

@@ -16,7 +16,7 @@ _SHOWN = 1  # joint 2, which bears the most
 
 
 class Loop(NamedTuple):
-    """A PD loop: the encoder it reads, its gains over those of the bench, whether links have friction, what came of it."""
+    """A PD loop: the encoder it reads, its gains over the bench's, whether links have friction, and what came of it."""
 
     side: str
     scale: float
@@ -40,10 +40,14 @@ def page(bench: Bench) -> Page:
         "it. On the motor's side the term K_{d} M s^{3} is there, and the loop is passive.",
         _table(loops),
         _verdict(loops),
-        Picture("Figure A2", "(a) Joint 2 under the same gains on either side, with the friction of Table 2. (b) The "
-                             "torque asked of its motor. (c) Without friction: the largest torque in any drive grows "
-                             "until the run stops.", _figure(loops)),
-    )  # fmt: skip
+        Picture(
+            "Figure A2",
+            "(a) Joint 2 under the same gains on either side, with the friction of Table 2. (b) The "
+            "torque asked of its motor. (c) Without friction: the largest torque in any drive grows "
+            "until the run stops.",
+            _figure(loops),
+        ),
+    )
     return Page("link-side", "The PD law (58) on the link's side", blocks, _results(loops))
 
 
@@ -66,9 +70,15 @@ def _table(loops: list[Loop]) -> Table:
             number(loop.log.rms("feedback_torque").max(), 1) if loop.held else "grows",
         )
 
-    columns = ("side", "gains", "friction", "runs", "RMS error, worst joint [deg]", "peak torque [N m]", "RMS torque, "
-                                                                                                         "worst joint "
-                                                                                                         "[N m]")
+    columns = (
+        "side",
+        "gains",
+        "friction",
+        "runs",
+        "RMS error, worst joint [deg]",
+        "peak torque [N m]",
+        "RMS torque, worst joint [N m]",
+    )
     caption = "PD alone along (57), without feedforward and without torque limits."
     return Table("Table A1", caption, columns, tuple(line(loop) for loop in loops))
 
@@ -91,9 +101,13 @@ def _figure(loops: list[Loop]) -> Figure:
     error, torque, growth = figure.subplots(1, 3)
     for loop, colour in ((loops[1], LINK), (loops[0], MOTOR)):
         log = loop.log.between(0.0, 0.6)
-        error.plot(log.time, np.rad2deg(log["position_error"][:, _SHOWN]), color=colour, lw=1.2, label="PD on the "
-                                                                                                       f"{loop.side}'s "
-                                                                                                       "side")
+        error.plot(
+            log.time,
+            np.rad2deg(log["position_error"][:, _SHOWN]),
+            color=colour,
+            lw=1.2,
+            label=f"PD on the {loop.side}'s side",
+        )
         torque.plot(log.time, log["command_torque"][:, _SHOWN], color=colour, lw=0.9)
     for loop, colour in zip([x for x in loops if not x.friction], COLOURS[2:], strict=False):
         largest = np.abs(loop.log["joint_torque"]).max(axis=1)

@@ -20,9 +20,9 @@ def position_rms(log: Log) -> Array:
 def figure_10(log: Log) -> Figure:
     figure, panels = six_panels("torque", "N m")
     for k, axes in enumerate(panels):
-        (control,) = axes.plot(log.time, log["command_torque"][:, k], color=LINK, lw=0.5, alpha=0.8)
-        (foreseen,) = axes.plot(log.time, log["feedforward_torque"][:, k], color=MOTOR, lw=1.6, ls="--")
-    handles = [Line2D([], [], color=control.get_color(), lw=2), foreseen]
+        axes.plot(log.time, log["command_torque"][:, k], color=LINK, lw=0.5, alpha=0.8)
+        axes.plot(log.time, log["feedforward_torque"][:, k], color=MOTOR, lw=1.6, ls="--")
+    handles = [Line2D([], [], color=LINK, lw=2), Line2D([], [], color=MOTOR, ls="--")]
     figure.legend(handles, ["control torque $\\tau$", "feedforward $\\tau_m$"], loc="outside upper center", ncols=2)
     return figure
 
@@ -30,7 +30,7 @@ def figure_10(log: Log) -> Figure:
 def figure_11(log: Log) -> Figure:
     """(a) above, (b) below, six panels each."""
     figure = Figure(figsize=(WIDTH, 8.2), layout="constrained")
-    above, below = figure.subfigures(2, 1)
+    above, below = (figure.add_subfigure(half) for half in figure.add_gridspec(2, 1))
     _errors(above, "(a) position errors", "deg", log.time, np.rad2deg(log["position_error"]))
     _errors(below, "(b) compensation errors", "N m", log.time, log["feedback_torque"])
     return figure

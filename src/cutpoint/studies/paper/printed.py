@@ -1,4 +1,4 @@
-"""What the paper prints in section IV, and the settings it states.  Xia et al. (2019), doi 10.1109/ACCESS.2019.2919749."""
+"""What the paper prints in section IV, and the settings it states."""
 
 import numpy as np
 

@@ -65,7 +65,8 @@ def _table(table: Table) -> str:
         rows.append(f"<tr{mark}>" + "".join(f"<td>{_text(cell)}</td>" for cell in cells) + "</tr>")
     caption = f"<caption><b>{_text(table.label)}.</b> {_text(table.caption)}</caption>"
     body = "\n".join(rows)
-    return f'<div class="table" id="{escape(table.key)}"><table>\n{caption}\n<thead><tr>{head}</tr></thead>\n<tbody>\n{body}\n</tbody>\n</table></div>'
+    content = f"{caption}\n<thead><tr>{head}</tr></thead>\n<tbody>\n{body}\n</tbody>"
+    return f'<div class="table" id="{escape(table.key)}"><table>\n{content}\n</table></div>'
 
 
 def _text(words: str) -> str:

@@ -69,9 +69,14 @@ def _made(bar: Progress) -> list[Page]:
 def _results(pages: Sequence[Page]) -> dict[str, Any]:
     results: dict[str, Any] = {
         "versions": _versions(),
-        "settings": {"goal": GOAL, "duration": DURATION, "kp": KP, "kd": KD, "control_period": PERIOD, "units": "rad, "
-                                                                                                                "s, N "
-                                                                                                                "m"},
+        "settings": {
+            "goal": GOAL,
+            "duration": DURATION,
+            "kp": KP,
+            "kd": KD,
+            "control_period": PERIOD,
+            "units": "rad, s, N m",
+        },
     }
     for page in pages:
         for block in [*page.pictures(), *page.tables()]:

@@ -30,14 +30,24 @@ def page(bench: Bench) -> Page:
         "(44)–(47) traced and compiled; the recursion of Luh, Walker and Paul on three-vectors in world axes; and "
         f"Lagrange's equations from centroid Jacobians and Christoffel symbols. The motion is sampled at {SAMPLES} "
         "instants.",
-        Picture("Figure 7", "Joint torques along (57) by virtual decomposition (line) and Newton–Euler (dots).", _figure_7(time, vd, ne)),
+        Picture(
+            "Figure 7",
+            "Joint torques along (57) by virtual decomposition (line) and Newton–Euler (dots).",
+            _figure_7(time, vd, ne),
+        ),
         _table(vd, ne, lagrangian, differences),
         _verdict(vd, ne, differences),
-        Picture("Figure 8", "(a) The difference of the two methods, a million million times smaller than the paper's. "
-                            "(b) For scale: what lengths that differ by 0.1 % do; the dashed lines are the printed "
-                            "bound of 35 N mm.", _figure_8(time, vd - ne, differences[LENGTHS])),
-    )  # fmt: skip
-    return Page("table-3", "Torques: virtual decomposition and its rivals", blocks, _results(vd, ne, lagrangian, differences))
+        Picture(
+            "Figure 8",
+            "(a) The difference of the two methods, a million million times smaller than the paper's. "
+            "(b) For scale: what lengths that differ by 0.1 % do; the dashed lines are the printed "
+            "bound of 35 N mm.",
+            _figure_8(time, vd - ne, differences[LENGTHS]),
+        ),
+    )
+    return Page(
+        "table-3", "Torques: virtual decomposition and its rivals", blocks, _results(vd, ne, lagrangian, differences)
+    )
 
 
 def rms(x: Array) -> Array:
@@ -75,9 +85,9 @@ def _verdict(vd: Array, ne: Array, differences: dict[str, Array]) -> str:
 def _figure_7(time: Array, vd: Array, ne: Array) -> Figure:
     figure, panels = six_panels("torque", "N m")
     for k, axes in enumerate(panels):
-        (line,) = axes.plot(time, vd[:, k], color=MOTOR)
-        (dots,) = axes.plot(time[::50], ne[::50, k], "o", color=LINK, ms=4, mfc="white", mew=1.2)
-    figure.legend([line, dots], ["virtual decomposition", "Newton–Euler"], loc="outside upper center", ncols=2)
+        axes.plot(time, vd[:, k], color=MOTOR)
+        axes.plot(time[::50], ne[::50, k], "o", color=LINK, ms=4, mfc="white", mew=1.2)
+    figure.legend(panels[0].lines, ["virtual decomposition", "Newton–Euler"], loc="outside upper center", ncols=2)
     return figure
 
 
@@ -104,8 +114,13 @@ def _results(vd: Array, ne: Array, lagrangian: Array, differences: dict[str, Arr
         "samples": SAMPLES,
         "paper": {"rms": TABLE_3, "largest_at_most": TABLE_3_LARGEST},
         "ours": {"rms": _N_MM * rms(vd - ne), "largest": _N_MM * np.abs(vd - ne).max()},
-        "ours_against_lagrange": {"rms": _N_MM * rms(vd - lagrangian), "largest": _N_MM * np.abs(vd - lagrangian).max()},
-        "candidates": {name: {"rms": _N_MM * rms(x), "largest": _N_MM * np.abs(x).max()} for name, x in differences.items()},
+        "ours_against_lagrange": {
+            "rms": _N_MM * rms(vd - lagrangian),
+            "largest": _N_MM * np.abs(vd - lagrangian).max(),
+        },
+        "candidates": {
+            name: {"rms": _N_MM * rms(x), "largest": _N_MM * np.abs(x).max()} for name, x in differences.items()
+        },
     }
     torques = {"unit": "N m", "rms": rms(vd), "peak": np.abs(vd).max(axis=0)}
     return {"table_3": table, "figure_7": torques, "figure_8": {"unit": "N m", "peak": np.abs(vd - ne).max(axis=0)}}

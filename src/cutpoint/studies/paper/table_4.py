@@ -25,12 +25,20 @@ def page(bench: Bench) -> Page:
     logs = runs(bench)
     ladder = {name: logs[name] for name in (ALONE, *RUNG_NAMES)}
     figures = (
-        Picture("Figure 10", "Control torque and the feedforward in it, all rungs, at the joint's side. The bands are "
-                             "the vibration of the links.", figure_10(logs[ALL])),
-        Picture("Figure 11", "What is left with all rungs: (a) position errors, (b) compensation errors, the part of "
-                             "the control torque that feedforward did not foresee. Dark: their mean over 0.1 s.", figure_11(logs[ALL])),
+        Picture(
+            "Figure 10",
+            "Control torque and the feedforward in it, all rungs, at the joint's side. The bands are "
+            "the vibration of the links.",
+            figure_10(logs[ALL]),
+        ),
+        Picture(
+            "Figure 11",
+            "What is left with all rungs: (a) position errors, (b) compensation errors, the part of "
+            "the control torque that feedforward did not foresee. Dark: their mean over 0.1 s.",
+            figure_11(logs[ALL]),
+        ),
         Picture("Figure A1", "Table 4 by rung; squares are the paper's, whose gains are not known.", by_rung(ladder)),
-    )  # fmt: skip
+    )
     blocks = (*_setting(), *_tables(logs), *_readings(bench, logs), *figures)
     return Page("table-4", "Closed loop: feedforward on the elastic arm", blocks, _results(logs))
 
@@ -96,7 +104,7 @@ def _readings(bench: Bench, logs: dict[str, Log]) -> tuple[str, ...]:
         *(_beside(k, logs[ALL], logs[DAMPED_ALL]) for k in range(6)),
         "The gains that the printed pairs imply differ from ours, and from joint to joint by two orders, which no "
         "stated setting explains.",
-    )  # fmt: skip
+    )
 
 
 def vibration_frequencies(log: Log) -> Array:
@@ -105,7 +113,7 @@ def vibration_frequencies(log: Log) -> Array:
     spectrum = np.abs(np.fft.rfft((torque - torque.mean(axis=0)) * np.hanning(len(torque))[:, None], axis=0))
     frequencies = np.fft.rfftfreq(len(torque), PERIOD)
     spectrum[frequencies < _SLOWEST] = 0.0
-    return frequencies[spectrum.argmax(axis=0)]
+    return np.asarray(frequencies[spectrum.argmax(axis=0)], float)
 
 
 def falling_slopes(bench: Bench) -> list[float]:
@@ -142,12 +150,24 @@ def _results(logs: dict[str, Log]) -> dict[str, dict[str, object]]:
 
     table = {
         "units": {"position": "deg", "torque": "N m"},
-        "settings": {"kp": KP, "kd": KD, "side": "motor", "control_period": PERIOD, "friction": "Table 2, tanh(v / "
-                                                                                                "0.02 rad/s)"},
+        "settings": {
+            "kp": KP,
+            "kd": KD,
+            "side": "motor",
+            "control_period": PERIOD,
+            "friction": "Table 2, tanh(v / 0.02 rad/s)",
+        },
         "paper": {"position_rms": TABLE_4_POSITION, "position_peak_below": 0.4, "torque_rms": TABLE_4_TORQUE},
         "ours": {name: measured(log) for name, log in logs.items()},
     }
     log = logs[ALL]
-    torques = {"unit": "N m", "control_peak": log.max("command_torque"), "feedforward_peak": log.max(""
-                                                                                                     "feedforward_torque")}
-    return {"table_4": table, "figure_10": torques, "figure_11": {**measured(log), "vibration_hz": vibration_frequencies(log)}}
+    torques = {
+        "unit": "N m",
+        "control_peak": log.max("command_torque"),
+        "feedforward_peak": log.max("feedforward_torque"),
+    }
+    return {
+        "table_4": table,
+        "figure_10": torques,
+        "figure_11": {**measured(log), "vibration_hz": vibration_frequencies(log)},
+    }

@@ -9,9 +9,12 @@ from rich.text import Text
 
 from cutpoint.studies.paper.page import Page, Table, plain
 
+_NARROWEST = 100
+"""Columns; where there are fewer the lines wrap, and no number is cut."""
+
 
 def show(pages: Sequence[Page]) -> None:
-    console = Console()
+    console = Console(width=max(Console().width, _NARROWEST))
     for page in pages:
         for table in page.tables():
             console.print(_rich(table))
@@ -21,7 +24,8 @@ def _rich(table: Table) -> RichTable:
     title = Text(plain(f"{table.label}. {table.caption}"))
     shown = RichTable(title=title, title_justify="left", title_style="bold", box=SIMPLE_HEAD, pad_edge=False)
     for k, name in enumerate(table.columns):
-        shown.add_column(Text(plain(name)), justify="left" if k == 0 else "right", overflow="fold")
+        widest = max(len(plain(cells[k])) for cells in table.rows)
+        shown.add_column(Text(plain(name)), justify="left" if k == 0 else "right", min_width=widest if k else None)
     for k, cells in enumerate(table.rows):
         shown.add_row(*(Text(plain(cell)) for cell in cells), style="yellow" if k in table.printed else None)
     return shown

@@ -33,10 +33,14 @@ def page(bench: Bench) -> Page:
         "which the ratio of 100 makes fine at the joint; the link's encoder sets the resolution.",
         _table(bench, errors),
         _verdict(bench, errors),
-        Picture("Figure A4", "Joint 2: (a) the torque of the drive, true and as read with a stiffness 20 % too high; "
-                             "(b) true and as read with 2^{17} counts on the link, while the link vibrates; (c) what "
-                             "the readings are off by.", _figure(log, estimates, errors)),
-    )  # fmt: skip
+        Picture(
+            "Figure A4",
+            "Joint 2: (a) the torque of the drive, true and as read with a stiffness 20 % too high; "
+            "(b) true and as read with 2^{17} counts on the link, while the link vibrates; (c) what "
+            "the readings are off by.",
+            _figure(log, estimates, errors),
+        ),
+    )
     return Page("torque", "Torque from two encoders", blocks, _results(log, errors))
 
 
@@ -74,7 +78,9 @@ def _rms(x: Array) -> Array:
 def _table(bench: Bench, errors: dict[str, Array]) -> Table:
     rows = [row("true torque", bench.elastic.rms("joint_torque"), 3)]
     rows += [row(f"error: {name}", _rms(error), 3) for name, error in errors.items()]
-    return Table("Table A3", "RMS of the joint torque and of what its reading is off by, N m.", ("", *JOINTS), tuple(rows))
+    return Table(
+        "Table A3", "RMS of the joint torque and of what its reading is off by, N m.", ("", *JOINTS), tuple(rows)
+    )
 
 
 def _verdict(bench: Bench, errors: dict[str, Array]) -> str:
@@ -116,12 +122,23 @@ def _figure(log: Log, estimates: dict[str, Array], errors: dict[str, Array]) -> 
 
 
 def _legend(figure: Figure) -> None:
-    names = {"true": MOTOR, "read, $2^{17}$ counts": INK, "read, $2^{20}$ counts": SPRING, "read, $K_{f0}$ 20 % too "
-                                                                                           "high": LINK}
+    names = {
+        "true": MOTOR,
+        "read, $2^{17}$ counts": INK,
+        "read, $2^{20}$ counts": SPRING,
+        "read, $K_{f0}$ 20 % too high": LINK,
+    }
     lines = [Line2D([], [], color=colour, lw=2) for colour in names.values()]
     figure.legend(lines, [*names], loc="outside lower center", ncols=4)
 
 
 def _results(log: Log, errors: dict[str, Array]) -> dict[str, dict[str, object]]:
     off_by = {name: _rms(error) for name, error in errors.items()}
-    return {"table_a3": {"unit": "N m", "motor_counts": _MOTOR_COUNTS, "true_rms": log.rms("joint_torque"), "error_rms": off_by}}
+    return {
+        "table_a3": {
+            "unit": "N m",
+            "motor_counts": _MOTOR_COUNTS,
+            "true_rms": log.rms("joint_torque"),
+            "error_rms": off_by,
+        }
+    }
