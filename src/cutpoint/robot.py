@@ -180,7 +180,7 @@ class Robot:
     @cached_property
     def inertial_parameters(self) -> Array:
         """(10 n,): for each body mass, first moment (3), inertia about its frame's origin xx xy xz yy yz zz."""
-        rows = []
+        rows: list[float] = []
         for body in self.mechanism.bodies:
             I_o = body.inertia + body.mass * (body.com @ body.com * np.eye(3) - np.outer(body.com, body.com))
             rows += [body.mass, *(body.mass * body.com), *I_o[np.triu_indices(3)]]

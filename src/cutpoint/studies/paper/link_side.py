@@ -9,8 +9,8 @@ from cutpoint.simulation import Log
 from cutpoint.studies.paper.bench import Bench, pd
 from cutpoint.studies.paper.page import Page, Picture, Table, number
 from cutpoint.studies.paper.printed import DURATION
-from cutpoint.studies.style import JOINTS as COLOURS
-from cutpoint.studies.style import LINK, MOTOR, WIDTH
+from cutpoint.studies.paper.stability import growth_rates
+from cutpoint.studies.style import INK, LINK, MOTOR, WIDTH
 
 _SHOWN = 1  # joint 2, which bears the most
 
@@ -35,17 +35,17 @@ def page(bench: Bench) -> Page:
         "(58) is written on the link's position. On a joint that bends, that closes the loop around the spring. For "
         "one joint of link inertia M, rotor inertia I and stiffness K, with link-side gains, the poles solve M I "
         "s^{4} + K (M + I) s^{2} + K K_{d} s + K K_{p} = 0. There is no s^{3}: the poles sum to zero, and with K_{d} "
-        "> 0 they cannot all lie on the axis, so one of them grows, for any gains whatever. The same holds of the "
-        "whole arm, whose state matrix has no trace. Only what the drive loses itself, damping or friction, can hold "
-        "it. On the motor's side the term K_{d} M s^{3} is there, and the loop is passive.",
+        "> 0 they cannot all lie on the axis, so one of them grows, for any gains whatever. The state matrix of the "
+        "whole arm has no trace either; (c) shows its fastest pole. Only what the drive loses itself, damping or "
+        "friction, can hold it. On the motor's side the term K_{d} M s^{3} is there, and the loop is passive.",
         _table(loops),
         _verdict(loops),
         Picture(
             "Figure A2",
             "(a) Joint 2 under the same gains on either side, with the friction of Table 2. (b) The "
-            "torque asked of its motor. (c) Without friction: the largest torque in any drive grows "
-            "until the run stops.",
-            _figure(loops),
+            "torque asked of its motor. (c) Without friction, damping and sampling: how fast the fastest motion of the "
+            "arm at q = 0 grows (above zero) or dies (below).",
+            _figure(bench, loops),
         ),
     )
     return Page("link-side", "The PD law (58) on the link's side", blocks, _results(loops))
@@ -96,7 +96,7 @@ def _verdict(loops: list[Loop]) -> str:
     )
 
 
-def _figure(loops: list[Loop]) -> Figure:
+def _figure(bench: Bench, loops: list[Loop]) -> Figure:
     figure = Figure(figsize=(WIDTH, 3.7), layout="constrained")
     error, torque, growth = figure.subplots(1, 3)
     for loop, colour in ((loops[1], LINK), (loops[0], MOTOR)):
@@ -109,13 +109,15 @@ def _figure(loops: list[Loop]) -> Figure:
             label=f"PD on the {loop.side}'s side",
         )
         torque.plot(log.time, log["command_torque"][:, _SHOWN], color=colour, lw=0.9)
-    for loop, colour in zip([x for x in loops if not x.friction], COLOURS[2:], strict=False):
-        largest = np.abs(loop.log["joint_torque"]).max(axis=1)
-        growth.semilogy(loop.log.time, largest, color=colour, lw=0.8, label=f"gains × {loop.scale:g}")
+    scales = np.geomspace(1e-3, 3, 60)
+    growth.plot(scales, growth_rates(bench, "link", scales), color=LINK)
+    growth.plot(scales, growth_rates(bench, "motor", scales), color=MOTOR)
     error.set(title="(a) joint 2: error [deg]", xlabel="time [s]")
     torque.set(title="(b) joint 2: torque [N m]", xlabel="time [s]")
-    growth.set(title="(c) no friction: torque [N m]", xlabel="time [s]")
-    figure.legend(loc="outside lower center", ncols=5, handles=[*error.lines, *growth.lines])
+    growth.set(title="(c) fastest growth [1/s]", xlabel="gains, times those of Table 4", xscale="log")
+    growth.set_yscale("symlog", linthresh=1.0)
+    growth.axhline(0.0, color=INK, lw=0.8)
+    figure.legend(loc="outside lower center", ncols=2, handles=error.lines)
     return figure
 
 

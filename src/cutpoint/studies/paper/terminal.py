@@ -9,7 +9,7 @@ from rich.text import Text
 
 from cutpoint.studies.paper.page import Page, Table, plain
 
-_NARROWEST = 100
+_NARROWEST = 108
 """Columns; where there are fewer the lines wrap, and no number is cut."""
 
 
