@@ -8,12 +8,8 @@ from paper import DEFINITIONS, EQUATIONS
 from robot_library import assert_close
 
 NOT_IMPLEMENTED = {
-    "(11)": "the rotor's reaction on the link that carries it: the reduced model leaves it out, a full one will have it",
-    "(20)": "as (11), for required wrenches",
-    "(25)": "is (20) read from right to left",
     "(12)": "required velocities of an adaptive controller: no law of the package feeds positions back into them",
     "(39)": "the inverse of (38), which does not exist where (57) starts: joint speeds come first instead",
-    "(43)": "built on (39)",
 }
 
 SEEDS = range(3)

@@ -14,18 +14,24 @@ from cutpoint import kernels
 from cutpoint.definitions import Machine
 from cutpoint.errors import unknown_name
 from cutpoint.kernels import Kernel
+from cutpoint.mechanics.assembly import system_of
 from cutpoint.mechanics.elastic import Driven
-from cutpoint.mechanics.system import system_of
 from cutpoint.model import Drive, Mechanism
 from cutpoint.scalars import leaves, rebuild
 
 
 def machine_of(mechanism: Mechanism, drives: Mapping[str, Drive]) -> Machine:
     """The robot as the equations want it: rigid drives' rotors as armature, drives in their coordinates' order."""
-    armature = {name: drive.reflected_inertia for name, drive in drives.items() if drive.rotor and not drive.is_elastic}
-    system = system_of(mechanism, armature)
+    system = system_of(mechanism, drives)
     segments = {body.joint.name: s for body, s in zip(mechanism.bodies, system.segments, strict=True)}
-    return Machine(system, [Driven(d, segments[name].q.start, segments[name].v.start) for name, d in drives.items()])
+    return Machine(system, [Driven(d, *segments[name]) for name, d in drives.items()])
+
+
+def rotor_is_felt(drive: Drive) -> bool:
+    """Whether the links' own equations know of a drive's rotor: as armature, as a spin, or as mass."""
+    return drive.rotor is not None and not (
+        drive.is_elastic and drive.rotor.in_link_inertia and drive.rotor.coupling == "reduced"
+    )
 
 
 class Compiled:
@@ -38,7 +44,7 @@ class Compiled:
         self._mechanism, self._drives, self._backend = mechanism, dict(drives), backend
         self.machine = machine_of(mechanism, drives)
         self.parameters = np.array(leaves([*drives.values()]), dtype=float)
-        self._has_armature = any(d.rotor and not d.is_elastic for d in drives.values())
+        self._rotors_are_felt = any(rotor_is_felt(drive) for drive in drives.values())
         self._kernels: dict[Any, Kernel] = {}
 
     def size_of(self, name: str) -> int:
@@ -52,14 +58,14 @@ class Compiled:
     def with_parameters(self, parameters: Sequence[Any]) -> Machine:
         """The machine with these numbers in its drives."""
         new = dict(zip(self._drives, rebuild([*self._drives.values()], iter(parameters)), strict=True))
-        if self._has_armature:
+        if self._rotors_are_felt:
             return machine_of(self._mechanism, new)
         driven = [replace(old, drive=drive) for old, drive in zip(self.machine.drives, new.values(), strict=True)]
         return Machine(self.machine.system, driven)
 
     def needs_parameters(self, reads_drives: bool) -> bool:
-        """Whether a function takes the drives' numbers: if it reads drives, or if some rotor is armature."""
-        return bool(self.parameters.size) and (reads_drives or self._has_armature)
+        """Whether a function takes the drives' numbers: if it reads drives, or if links feel some rotor."""
+        return bool(self.parameters.size) and (reads_drives or self._rotors_are_felt)
 
     def kernel(
         self, name: str, definition: Callable[..., Any], inputs: Sequence[str], reads_drives: bool, variant: Any

@@ -1,14 +1,14 @@
 """One rigid body: the appendix, and the equations that repeat it for joint base, rotor, output link and arm link."""
 
 import numpy as np
-from agreements.registry import Array, Pairs, equations, inertia, matrix, motion, pose, six, wrench
+from agreements.registry import Array, equations, inertia, matrix, motion, pose, six, wrench
 from random_trees import rotation
 from transcript import appendix, joint
 
 from cutpoint.definitions import matrix_of
 from cutpoint.mechanics.articulated import Articulated
-from cutpoint.mechanics.rigid_body import net_wrench
-from cutpoint.mechanics.spatial import STILL, Vec3
+from cutpoint.mechanics.rigid_body import acceleration_gradient, net_wrench
+from cutpoint.mechanics.spatial import Motion, Vec3
 
 Body = tuple[float, Array, Array]
 
@@ -19,10 +19,17 @@ def random_body(rng: np.random.Generator) -> Body:
     return rng.uniform(0.5, 3.0), rng.normal(size=3), A @ A.T
 
 
+def cost(body: Body, omega: Array, V: Array, V_dot: Array, weight: Array) -> Array:
+    """Our net wrench; V and V_dot as the paper has them, V_dot being component by component."""
+    A = np.concatenate([V_dot[:3] + weight + np.cross(omega, V[:3]), V_dot[3:]])
+    U = acceleration_gradient(Vec3(*A[3:]), Vec3(*omega), Vec3(*V[3:]))
+    return six(net_wrench(inertia(*body), Motion(Vec3(*A[:3]), Vec3(*A[3:])), U))
+
+
 def left_out(body: Body, omega: Array) -> Array:
-    """The term m |r|^2 (omega x) of (61) that our C goes without: skew, and nothing to the body's own velocity."""
-    m, r, _ = body
-    return np.block([[np.zeros((3, 6))], [np.zeros((3, 3)), m * (r @ r) * appendix.cross(omega)]])
+    """What our C has less than (61), a multiple of (omega x): skew, and nothing to the body's own velocity."""
+    _, _, I = body
+    return np.block([[np.zeros((3, 6))], [np.zeros((3, 3)), np.trace(I) / 2 * appendix.cross(omega)]])
 
 
 @equations("(63)")
@@ -54,30 +61,27 @@ def inertia_matrix(rng):
 
 @equations("(61)")
 def coriolis_matrix(rng):
-    body, omega = random_body(rng), rng.normal(size=3)
-    ours = matrix(lambda V: net_wrench(inertia(*body), Vec3(*omega), motion(V), STILL))
-    return [(ours + left_out(body, omega), appendix.C(*body, omega)), (left_out(body, omega) @ [0, 0, 0, *omega], np.zeros(6))]
+    body, omega, nothing = random_body(rng), rng.normal(size=3), np.zeros(6)
+    ours = np.column_stack([cost(body, omega, unit, nothing, nothing[:3]) for unit in np.eye(6)])
+    skew = left_out(body, omega)
+    return [(ours + skew, appendix.C(*body, omega)), (skew, -skew.T), (skew @ [0, 0, 0, *omega], nothing)]
 
 
 @equations("(62)")
 def weight(rng):
-    (m, r, I), R_BI, g = random_body(rng), rotation(rng), rng.normal(size=3)
-    at_rest = net_wrench(inertia(m, r, I), Vec3(0, 0, 0), STILL, motion(np.concatenate([R_BI @ g, np.zeros(3)])))
-    return [(six(at_rest), appendix.G(m, r, R_BI, g))]
+    body, R_BI, g, nothing = random_body(rng), rotation(rng), rng.normal(size=3), np.zeros(6)
+    return [(cost(body, nothing[:3], nothing, nothing, R_BI @ g), appendix.G(*body[:2], R_BI, g))]
 
 
 @equations("(6)", "(7)", "(8)", "(47)", "(59)")
 def net_wrenches(rng):
     body, R_BI, g, (V, V_dot) = random_body(rng), rotation(rng), rng.normal(size=3), rng.normal(size=(2, 6))
-    A = motion(V_dot + np.concatenate([R_BI @ g, np.zeros(3)]))
-    ours = net_wrench(inertia(*body), motion(V).angular, motion(V), A)
-    return [(six(ours), appendix.net_wrench(*body, R_BI, g, V, V_dot))]
+    return [(cost(body, V[3:], V, V_dot, R_BI @ g), appendix.net_wrench(*body, R_BI, g, V, V_dot))]
 
 
 @equations("(15)", "(16)", "(17)", "(50)")
-def required_net_wrenches(rng) -> Pairs:
+def required_net_wrenches(rng):
     """Without gains: no law of the package feeds body velocities back."""
     body, R_BI, g, (V, V_r, V_r_dot) = random_body(rng), rotation(rng), rng.normal(size=3), rng.normal(size=(3, 6))
-    A_r = motion(V_r_dot + np.concatenate([R_BI @ g, np.zeros(3)]))
-    ours = six(net_wrench(inertia(*body), motion(V).angular, motion(V_r), A_r)) + left_out(body, V[3:]) @ V_r
+    ours = cost(body, V[3:], V_r, V_r_dot, R_BI @ g) + left_out(body, V[3:]) @ V_r
     return [(ours, joint.required_net_wrench(*body, R_BI, g, V, V_r, V_r_dot, np.zeros((6, 6))))]

@@ -1,15 +1,15 @@
 """The joint with its harmonic drive, friction, reference and feedback: sections II and IV."""
 
 import numpy as np
+from agreements.manipulator import robot
 from agreements.registry import equations
 from transcript import data, joint, simulation
 
-from cutpoint import Coulomb, Drive, Flexspline, Robot, Rotor, Stribeck
+from cutpoint import Coulomb, Drive, Flexspline, Rotor, Stribeck
 from cutpoint.control import PD, Measurement, Reference
 from cutpoint.formats.drive_entry import harmonic_ratio
 from cutpoint.formats.drive_sheet import GearSheet
 from cutpoint.mechanics.harmonic_drive import deflection, friction_torque, rotor_acceleration, spring_torque
-from cutpoint.robots import xia2019
 from cutpoint.trajectories import cycloid
 
 ELL = data.ELL
@@ -56,20 +56,21 @@ def deflection_between_encoders(rng):
 def rotor_speed(rng):
     """About its own axis, on a base at rest: the reduced model's rotor has no other motion."""
     motion = rng.normal(size=(5, 6))
-    u = arm().elastic_inverse_dynamics(*motion)
+    u = robot().elastic_inverse_dynamics(*motion)
     spins = [joint.rotor_velocity(ELL, x, np.eye(6), np.zeros(6))[5] for x in u.theta_dot]
-    return [(arm().to_rotor(angle=u.theta_dot), spins)]
+    return [(robot().to_rotor(angle=u.theta_dot), spins)]
 
 
 @equations("(21)", "(26)")
 def torque_on_the_output_link(rng):
     """The joint's torque is the spring's less the link's friction."""
     motion = rng.normal(size=(5, 6))
-    u = arm().elastic_inverse_dynamics(*motion)
-    tau_t = arm().to_rotor(torque=arm().drive_torque(u.theta, motion[0]))
-    xi = arm().friction_torques(motion[1])
+    u = robot().elastic_inverse_dynamics(*motion)
+    tau_t = robot().to_rotor(torque=robot().drive_torque(u.theta, motion[0]))
+    xi = robot().friction_torques(motion[1])
     axial = [joint.required_output_axis_torque(ELL, t, 0.0, 0.0, 0.0, x) for t, x in zip(tau_t, xi, strict=True)]
-    back = [joint.drive_torque(ELL, np.array([0, 0, 0, 0, 0, F]), x, 0.0, 0.0, 0.0) for F, x in zip(u.joint_torque, xi, strict=True)]
+    wrenches = np.eye(6)[5] * u.joint_torque[:, None]
+    back = [joint.drive_torque(ELL, F, x, 0.0, 0.0, 0.0) for F, x in zip(wrenches, xi, strict=True)]
     return [(u.joint_torque, axial), (tau_t, back)]
 
 
@@ -123,8 +124,3 @@ def feedback(rng):
     ]
 
 
-def arm() -> Robot:
-    return ARM
-
-
-ARM = xia2019()

@@ -5,13 +5,12 @@ from functools import cache
 import numpy as np
 from agreements.body import left_out
 from agreements.registry import Array, equations, six, wrench
-from transcript import arm, data, manipulator
+from transcript import arm, data, joint, manipulator
 from transcript.appendix import U, pose
 
 from cutpoint import Robot
 from cutpoint.mechanics import inverse_dynamics as recursion
 from cutpoint.mechanics.kinematics import body_velocities, joint_poses
-from cutpoint.mechanics.rigid_body import net_wrench
 from cutpoint.robots import xia2019
 
 BODIES = [(data.MASSES[i], data.CENTROIDS[i], data.MOMENTS[i] * np.eye(3)) for i in range(6)]
@@ -52,8 +51,9 @@ def velocities_at_cuts(rng):
 @equations("(34)", "(35)", "(36)")
 def rotations(rng):
     q, *_ = motion_of(rng)
-    expected = (*manipulator.rotations_1_2(*q[:2]), *manipulator.rotations_3_4(*q[2:4]), *manipulator.rotations_5_6(*q[4:]))
-    return [([[[*row] for row in X.rotation] for X in joint_poses(system(), q)], expected)]
+    first, middle, last = manipulator.rotations_1_2, manipulator.rotations_3_4, manipulator.rotations_5_6
+    ours = [[[*row] for row in X.rotation] for X in joint_poses(system(), q)]
+    return [(ours, (*first(*q[:2]), *middle(*q[2:4]), *last(*q[4:])))]
 
 
 @equations("(37)", "(38)")
@@ -79,6 +79,14 @@ def whole_velocity(rng):
     return [(ours, manipulator.V_e(arm.J_q(q) @ q_dot, q_dot, arm.body_velocities(q, q_dot)))]
 
 
+@equations("(43)")
+def extended_jacobian(rng):
+    """What velocity_map gives, read from the end-effector's side: where J_q is regular, as at these states."""
+    q, *_ = motion_of(rng)
+    J_a = np.linalg.inv(robot().jacobian(q, "tool"))
+    return [(np.vstack([np.eye(6), J_a, robot().velocity_map(q) @ J_a]), arm.J_e(q))]
+
+
 @equations("(44)", "(45)", "(46)", "(9)", "(18)", "(23)", "(51)", "(52)", "(53)")
 def wrenches_inward(rng):
     """From any net wrenches, actual or required: the recursion does not know which it is given."""
@@ -88,13 +96,27 @@ def wrenches_inward(rng):
     return [([six(F) for F in found], arm.inward_wrenches(q, [*F_star], F_e))]
 
 
+@equations("(11)", "(20)", "(25)")
+def joint_bases(rng):
+    """A link that carries the next joint's base; the reduced model's rotor presses on nothing, its wrench is 0."""
+    q, *_ = motion_of(rng)
+    F_star, X = rng.normal(size=(6, 6)), joint_poses(system(), q)
+    F = [six(F_i) for F_i in recursion.bear(system(), X, [wrench(F_i) for F_i in F_star], {})]
+    U = [arm.U(arm.pose_between(q, i, i + 1)) for i in range(1, 6)]
+    nothing = np.eye(6), np.zeros(6)
+    kept = [joint.base_balance(F[i], U[i], F[i + 1], *nothing) for i in range(5)]
+    asked = [joint.required_base_wrench(F_star[i], U[i], F[i + 1], *nothing) for i in range(5)]
+    return [(F_star[:5], kept), (F[:5], asked)]
+
+
 @equations("(5)", "(14)")
 def one_joint_further(rng):
     """A body's velocity and its rate, from its parent's; the net wrenches of the whole arm follow from them."""
     q, q_dot, q_ddot = motion_of(rng)
     moved = recursion.motions(system(), q, q_dot, q_ddot)
-    F_star = [net_wrench(s.inertia, m.V.angular, m.V, m.A) for s, m in zip(system().segments, moved, strict=True)]
-    return [([six(m.V) for m in moved], arm.body_velocities(q, q_dot)), ([*map(six, F_star)], arm.net_wrenches(q, q_dot, q_ddot))]
+    F_star = recursion.net_wrenches(system(), moved)
+    expected = arm.net_wrenches(q, q_dot, q_ddot)
+    return [([six(m.V) for m in moved], arm.body_velocities(q, q_dot)), ([*map(six, F_star)], expected)]
 
 
 def whole_arm(rng):
@@ -105,7 +127,8 @@ def whole_arm(rng):
     q_dot_r, q_ddot_r = rng.normal(size=(2, 6))
     V, V_r = arm.body_velocities(q, q_dot), arm.body_velocities(q, q_dot_r)
     required = arm.required_wrenches(q, q_dot, q_dot_r, q_ddot_r, np.zeros((6, 6)), np.zeros(6))
-    extra = arm.inward_wrenches(q, [left_out(B, v[3:]) @ r for B, v, r in zip(BODIES, V, V_r, strict=True)], np.zeros(6))
+    more = [left_out(B, v[3:]) @ v_r for B, v, v_r in zip(BODIES, V, V_r, strict=True)]
+    extra = arm.inward_wrenches(q, more, np.zeros(6))
     ours = recursion.required_inverse_dynamics(system(), q, q_dot, q_dot_r, q_ddot_r)
-    theirs = [F[5] - more[5] for F, more in zip(required, extra, strict=True)]
+    theirs = [F[5] - F_more[5] for F, F_more in zip(required, extra, strict=True)]
     return [(found, arm.joint_torques(q, q_dot, q_ddot, F_e)), (ours, theirs)]

@@ -4,15 +4,32 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
+from cutpoint.mechanics.joints import TURN_X, TURN_Y, TURN_Z, Axis, X, Y, Z, dot
 from cutpoint.mechanics.spatial import Inertia, Mat3, Motion, Pose, Vec3, Wrench
 from cutpoint.scalars import Scalar
+
+UNIT_AXES: list[Axis] = [X, Y, Z, TURN_X, TURN_Y, TURN_Z]
+
+
+@dataclass(slots=True, eq=False)
+class FeltRotor:
+    """A rigidly geared rotor as its joint feels it, kg m2 at the joint.
+
+    armature: resists the joint's own acceleration.  coupling: ties it to the carrying body's acceleration about z.
+    """
+
+    armature: Scalar
+    coupling: Scalar
+
+
+NO_ROTOR = FeltRotor(0, 0)
 
 
 @dataclass(slots=True, eq=False)
 class Yield:
     """How one axis gives way: its own acceleration, and the share it takes of each component of its body's."""
 
-    axis: int
+    axis: Axis
     own: Scalar
     share: list[Scalar]
 
@@ -32,41 +49,49 @@ class Articulated:
         upper = [[m * int(j == k) for k in range(3)] + [h_x[k][j] for k in range(3)] for j in range(3)]
         return Articulated(upper + [h_x[j] + [*row] for j, row in enumerate(h)])
 
+    @staticmethod
+    def about(axis: Vec3, inertia: Scalar) -> "Articulated":
+        """Resistance to turning about an axis through the origin alone."""
+        turning = [[inertia * a * b for b in axis] for a in axis]
+        return Articulated([[0] * 6] * 3 + [[0, 0, 0, *row] for row in turning])
+
     def __add__(self, B: "Articulated") -> "Articulated":
         return Articulated([[a + b for a, b in zip(r, s, strict=True)] for r, s in zip(self.rows, B.rows, strict=True)])
 
     def __mul__(self, V: Motion) -> Wrench:
         v = [*V]
-        f = [sum((r[k] * v[k] for k in range(1, 6)), r[0] * v[0]) for r in self.rows]
+        f = [dot(row, v) for row in self.rows]
         return Wrench(Vec3(*f[:3]), Vec3(*f[3:]))
 
     def give_way(
-        self, free: Sequence[int], P: Wrench, tau: Sequence[Scalar], armature: Sequence[Scalar]
+        self, axes: Sequence[Axis], P: Wrench, tau: Sequence[Scalar], rotors: Sequence[FeltRotor]
     ) -> tuple["Articulated", Wrench, list[Yield]]:
-        """Let the free axes move, one by one: what is left of inertia and bias wrench, and how each axis gave way.
+        """Let the joint move, axis by axis: what is left of inertia and bias wrench, and how each axis gave way.
 
-        Featherstone (2008) eqs. (7.38)-(7.44) for one axis at a time; armature is a rotor's inertia on that axis.
+        Featherstone (2008) eqs. (7.38)-(7.44) for one axis at a time; each axis may spin a rigidly geared rotor.
         """
         rows, p, steps = [[*row] for row in self.rows], [*P], []
-        for axis, effort, I_m in zip(free, tau, armature, strict=True):
-            column = [rows[k][axis] for k in range(6)]
-            gain = 1 / (column[axis] + I_m)
+        for z, effort, rotor in zip(axes, tau, rotors, strict=True):
+            column = [dot(z, row) for row in rows]
+            gain = 1 / (dot(z, column) + rotor.armature)
+            own = gain * (effort - dot(z, p))
+            column[5] = column[5] + rotor.coupling
             share = [c * gain for c in column]
-            own = gain * (effort - p[axis])
             for j in range(6):
                 p[j] = p[j] + column[j] * own
                 for k in range(j, 6):
                     rows[j][k] = rows[k][j] = rows[j][k] - share[j] * column[k]
-            if _is_zero(I_m):  # exactly, so that the axis vanishes from the trace
+            if rotor is NO_ROTOR and z in UNIT_AXES:  # exactly, so that the axis vanishes from the trace
+                axis = UNIT_AXES.index(z)
                 p[axis] = effort
                 for k in range(6):
                     rows[axis][k] = rows[k][axis] = 0
-            steps.append(Yield(axis, own, share))
+            steps.append(Yield(z, own, share))
         return Articulated(rows), Wrench(Vec3(*p[:3]), Vec3(*p[3:])), steps
 
-    def seen_from_parent(self, X: Pose) -> "Articulated":
+    def seen_from_parent(self, pose: Pose) -> "Articulated":
         """The same resistance, felt at the parent's frame: U M U^T."""
-        R, p_x = X.rotation, X.position.skew()
+        R, p_x = pose.rotation, pose.position.skew()
         M, H, J = (R @ self._block(i, j) @ R.T for i, j in ((0, 0), (3, 0), (3, 3)))
         H_p = H + p_x @ M
         J_p = J + p_x @ H.T - H_p @ p_x
@@ -78,13 +103,14 @@ class Articulated:
 
 
 def accelerations(steps: list[Yield], A: Motion) -> list[Scalar]:
-    """Accelerations of the free axes of a body whose frame, they at rest, would accelerate with A."""
-    a, found = [*A], {}
+    """Accelerations along the axes of a joint whose body, they at rest, would accelerate with A (less its bias)."""
+    a, found = [*A], []
     for step in reversed(steps):
-        found[step.axis] = step.own - sum((step.share[k] * a[k] for k in range(1, 6)), step.share[0] * a[0])
-        a[step.axis] = a[step.axis] + found[step.axis]
-    return [found[step.axis] for step in steps]
+        own = step.own - dot(step.share, a)
+        a = [x + z * own if not _is_zero(z) else x for x, z in zip(a, step.axis, strict=True)]
+        found.append(own)
+    return found[::-1]
 
 
 def _is_zero(x: Scalar) -> bool:
-    return isinstance(x, (int, float)) and x == 0
+    return isinstance(x, int) and x == 0

@@ -1,7 +1,8 @@
 """Robots whose joints bend: motor torques of a motion, and accelerations under motor torques.
 
-Reduced model (Spong 1987): a rotor's kinetic energy is that of its own spin.  Xia (2019) eqs. (21)-(28), (56), with the
-motor torque as the errata read it: tau_m = I_m theta'' + tau_f + xi, all at the joint's side.
+Reduced coupling (Spong 1987): a rotor's kinetic energy is that of its own spin.  Full coupling: it is a body, see
+`rotors`.  Xia (2019) eqs. (4)-(11), (21)-(28), (56), with the motor torque read as tau_m = I_m theta'' + tau_f + xi, all
+at the joint's side.
 """
 
 from collections.abc import Sequence
@@ -9,10 +10,13 @@ from dataclasses import dataclass
 from typing import Any, NamedTuple
 
 from cutpoint.mechanics.forward_dynamics import forward_dynamics
-from cutpoint.mechanics.harmonic_drive import friction_torque, rotor_acceleration, spring_torque
-from cutpoint.mechanics.inverse_dynamics import inverse_dynamics
+from cutpoint.mechanics.harmonic_drive import friction_torque, spring_torque
+from cutpoint.mechanics.inverse_dynamics import BodyMotion, motions, net_wrenches
+from cutpoint.mechanics.rotors import Spin
+from cutpoint.mechanics.spatial import Wrench
 from cutpoint.mechanics.system import System
 from cutpoint.model.drive import Drive
+from cutpoint.model.mechanism import WORLD
 from cutpoint.scalars import Jet, Scalar
 
 Scalars = Sequence[Scalar]
@@ -20,11 +24,28 @@ Scalars = Sequence[Scalar]
 
 @dataclass(frozen=True)
 class Driven:
-    """A drive and the speed (and coordinate) it drives."""
+    """A drive and the segment it drives, with its coordinate and speed."""
 
     drive: Drive
+    segment: int
     q: int
     v: int
+
+
+@dataclass(frozen=True)
+class Options:
+    """How an elastic inverse dynamics treats what has no smooth answer, or a costly one.
+
+    friction_rates: let friction's derivatives through the spring, not its value alone (they spike where it is smoothed
+    sharply).  quasi_rigid: let rotors with full coupling act on their carriers as if their drives did not bend, which
+    takes four derivatives however many there are.
+    """
+
+    friction_rates: bool = False
+    quasi_rigid: bool = False
+
+
+DEFAULT = Options()
 
 
 class ElasticMotion(NamedTuple):
@@ -48,30 +69,53 @@ class ElasticAccelerations(NamedTuple):
 
 
 def elastic_inverse_dynamics(
-    system: System,
-    drives: Sequence[Driven],
-    q: Scalars,
-    v: Scalars,
-    a: Scalars,
-    jerk: Scalars,
-    snap: Scalars,
-    friction_rates: bool = False,
+    system: System, drives: Sequence[Driven], q: Scalars, *rates: Scalars, options: Options = DEFAULT
 ) -> ElasticMotion:
-    """Motor torques and motor motion of a motion with four derivatives, exact in all of them.
+    """Motor torques and motor motion of a motion, exact in its derivatives.  Xia (2019) eqs. (2), (4)-(11), (13)-(28).
 
-    Xia (2019) eqs. (2), (13)-(28).
-
-    Every coordinate carries two time derivatives through the recursion, so joint torques come out with theirs.
-    Friction enters by value; friction_rates=True lets its derivatives through the spring too (they spike where it is
-    smoothed sharply).  A damped spring's rate of deflection is that of the undamped law: the result then still makes
-    `elastic_forward_dynamics` return a and theta_ddot exactly, but theta_dot is off d theta/dt by the order of damping.
+    rates: v, a, jerk, snap and, where rotors with full coupling follow each other along the arm, as many more as
+    `derivatives_needed` says.  Every coordinate carries its derivatives through the recursion as a time jet, so joint
+    torques come out with theirs.  A damped spring's rate of deflection is that of the undamped law: the result then
+    still makes `elastic_forward_dynamics` return a and theta_ddot exactly, but theta_dot is off d theta/dt by the order
+    of damping.
     """
-    v_t = [Jet(*x) for x in zip(v, a, jerk, strict=True)]
-    a_t = [Jet(*x) for x in zip(a, jerk, snap, strict=True)]
-    tau = [_as_jet(t) for t in inverse_dynamics(system, coordinate_jets(system, q, v_t), v_t, a_t)]
-    motors = [_motor_motion(d, tau[d.v], q[d.q], v_t[d.v], friction_rates) for d in drives]
-    torque, theta, theta_dot, theta_ddot = ([motor[k] for motor in motors] for k in range(4))
-    return ElasticMotion(torque, theta, theta_dot, theta_ddot, [t.derivative(0) for t in tau])
+    v, a = ([Jet(*x) for x in zip(*rates[k:], strict=True)] for k in (0, 1))
+    v = [Jet.of_taylor(x.c[:-1]) for x in v]
+    moved = motions(system, coordinate_jets(system, q, v), v, a)
+    F = net_wrenches(system, moved, v, a)
+    found, by_segment = {}, {d.segment: d for d in drives}
+    spins = {spin.joint: spin for spin in system.spins if spin.elastic}
+    tau: list[Jet] = [_as_jet(I_m * a_i) for I_m, a_i in zip(system.armature, a, strict=True)]
+    # inward: each joint's torque, the motor motion it takes, and what rotor and body cost the carrier
+    for i, segment in reversed([*enumerate(system.segments)]):
+        gain = segment.follower.multiplier if segment.follower else 1
+        for k, effort in enumerate(segment.joint.effort(F[i]), segment.v.start):
+            tau[k] = tau[k] + gain * effort
+        if i in by_segment:
+            driven = by_segment[i]
+            found[i] = _motor_motion(driven, tau[driven.v], q[driven.q], v[driven.v], a[driven.v], options)
+        if i in spins:
+            F[spins[i].carrier] = F[spins[i].carrier] + _spin_wrench(spins[i], moved, found[i], v, a, system, options)
+        if segment.parent != WORLD:
+            F[segment.parent] = F[segment.parent] + moved[i].X.inward(F[i])
+    torques = [_motor_torque(d, found[d.segment], spins.get(d.segment), moved) for d in drives]
+    motor = [[found[d.segment].theta.derivative(k) for d in drives] for k in range(3)]
+    return ElasticMotion(torques, *motor, [t.derivative(0) for t in tau])
+
+
+def derivatives_needed(system: System, drives: Sequence[Driven]) -> int:
+    """How many time derivatives of the position an exact elastic inverse dynamics takes: 4, and 2 more for each further
+    rotor with full coupling along the longest arm.  Buondonno and De Luca (2015)."""
+    depth = [0] * len(system.segments)
+    elastic = {d.segment for d in drives if d.drive.is_elastic}
+    carried = {spin.joint: spin.carrier for spin in system.spins if spin.elastic}
+    # inward: how many rates of a body's wrench are lost to the motors beyond it
+    for i, segment in reversed([*enumerate(system.segments)]):
+        if i in carried:
+            depth[carried[i]] = max(depth[carried[i]], depth[i] + 2)
+        if segment.parent != WORLD:
+            depth[segment.parent] = max(depth[segment.parent], depth[i])
+    return 2 + max((depth[i] + 2 for i in elastic), default=0)
 
 
 def coordinate_jets(system: System, q: Scalars, v: Sequence[Jet]) -> list[Jet]:
@@ -81,29 +125,58 @@ def coordinate_jets(system: System, q: Scalars, v: Sequence[Jet]) -> list[Jet]:
         if body.follower:
             continue
         own = [Jet(x) for x in q[body.q]]
-        for k in range(len(v[body.v.start].c) - 1):
+        for k in range(len(v[body.v.start].c)):
             rates = body.joint.rates(own, [Jet.of_taylor(v_i.c[: k + 1]) for v_i in v[body.v]])
             own = [Jet.of_taylor([*x.c, rate.c[k] / (k + 1)]) for x, rate in zip(own, rates, strict=True)]
         jets[body.q] = own
     return jets
 
 
-def _motor_motion(driven: Driven, tau: Jet, q: Scalar, v: Jet, friction_rates: bool) -> tuple[Scalar, ...]:
-    """Motor torque, and motor position, speed and acceleration over ratio, for a joint torque with its derivatives."""
-    drive, (v_0, a_0) = driven.drive, (v.derivative(0), v.derivative(1))
-    xi = friction_torque(drive.link_friction, v if friction_rates else v_0)
-    tau_f = tau + xi
+@dataclass(frozen=True)
+class _Motor:
+    """A motor's motion with its derivatives, and the torque that its drive passes on, N m."""
+
+    theta: Jet
+    passed: Scalar
+
+
+def _motor_motion(driven: Driven, tau: Jet, q: Scalar, v: Jet, a: Jet, options: Options) -> _Motor:
+    """How a motor moves so that its drive exerts the joint torque tau on the link."""
+    drive, tau_0 = driven.drive, tau.derivative(0)
+    link = Jet(q, *(v.derivative(k) for k in range(len(v.c))))
     if drive.compliance is None:
-        return tau_f.derivative(0) + friction_torque(drive.motor_friction, v_0), q, v_0, a_0
-    # how far, and how fast, the motor must lead the link
+        return _Motor(link, tau_0 + friction_torque(drive.link_friction, v.derivative(0)))
+    xi = friction_torque(drive.link_friction, v if options.friction_rates else v.derivative(0))
+    tau_f = tau + xi
     lead = drive.compliance.deflection(tau_f)
-    lead_by = lead.derivative(0)
+    theta = link + lead
     if drive.damping is not None:
         lead_by = drive.compliance.deflection(tau_f.derivative(0) - drive.damping * lead.derivative(1))
-    theta_dot, theta_ddot = v_0 + lead.derivative(1), a_0 + lead.derivative(2)
-    # what the rotor's own inertia and friction ask beside
-    xi_motor = friction_torque(drive.motor_friction, theta_dot)
-    return drive.reflected_inertia * theta_ddot + tau_f.derivative(0) + xi_motor, q + lead_by, theta_dot, theta_ddot
+        theta = Jet.of_taylor([q + lead_by, *theta.c[1:]])
+    return _Motor(theta, tau_f.derivative(0))
+
+
+def _motor_torque(driven: Driven, motor: _Motor, spin: Spin | None, moved: Sequence[BodyMotion]) -> Scalar:
+    """What the motor must exert: on its drive, against its friction, and on its rotor.  Xia (2019) eqs. (22), (27), (56)."""
+    drive, theta = driven.drive, motor.theta
+    torque = motor.passed + friction_torque(drive.motor_friction, theta.derivative(1))
+    if drive.compliance is not None:
+        torque = torque + drive.reflected_inertia * theta.derivative(2)
+    if spin:
+        torque = torque + _as_jet(spin.torque(moved[spin.carrier].A.angular)).derivative(0)
+    return torque
+
+
+def _spin_wrench(
+    spin: Spin, moved: Sequence[BodyMotion], motor: _Motor, v: Any, a: Any, system: System, options: Options
+) -> Wrench:
+    """What an elastic drive's rotor costs its carrier, with as many derivatives as there are."""
+    own = system.segments[spin.joint]
+    speed, acceleration = own.speeds(v)[0], own.speeds(a)[0]
+    if not options.quasi_rigid:
+        speed = motor.theta.rate()
+        acceleration = speed.rate()
+    return spin.reaction(moved[spin.carrier].V.angular, speed, acceleration)
 
 
 def _as_jet(x: Any) -> Jet:
@@ -121,19 +194,25 @@ def elastic_forward_dynamics(
     motor_torque: Scalars,
     disturbance: Scalars | None = None,
 ) -> ElasticAccelerations:
-    """Accelerations of links and motors under motor torques.  Spong (1987); Xia (2019) eqs. (5), (21)-(22).
+    """Accelerations of links and motors under motor torques, in time proportional to the number of bodies.
 
-    A rigid drive's motor moves with its link: its theta and theta_dot are not read.  disturbance: torques on the links'
-    coordinates, one a speed.
+    Spong (1987); Xia (2019) eqs. (4)-(11), (21)-(22).  A rigid drive's motor moves with its link: its theta and
+    theta_dot are not read.  disturbance: torques on the links' coordinates, one a speed.
     """
     driving = driving_torques(drives, q, v, theta, theta_dot, motor_torque)
     tau = [*disturbance] if disturbance is not None else [0] * system.nv
-    for d, tau_d in zip(drives, driving, strict=True):
+    left: dict[int, tuple[Scalar, Scalar]] = {}
+    for d, u, tau_d, omega_d in zip(drives, motor_torque, driving, theta_dot, strict=True):
         tau[d.v] = tau[d.v] + tau_d - friction_torque(d.drive.link_friction, v[d.v])
-    a = forward_dynamics(system, q, v, tau)
+        if d.drive.is_elastic:
+            left[d.segment] = u - tau_d - friction_torque(d.drive.motor_friction, omega_d), omega_d
+    alpha_of: dict[int, Scalar] = {}
+    a = forward_dynamics(system, q, v, tau, rotor_torques=left, carrier_turning=alpha_of)
     alpha = [
-        rotor_acceleration(d.drive, u, tau_d, w) if d.drive.is_elastic else a[d.v]
-        for d, u, tau_d, w in zip(drives, motor_torque, driving, theta_dot, strict=True)
+        left[d.segment][0] / d.drive.reflected_inertia - alpha_of.get(d.segment, 0) / d.drive.ratio
+        if d.drive.is_elastic
+        else a[d.v]
+        for d in drives
     ]
     return ElasticAccelerations(a, alpha)
 

@@ -5,11 +5,13 @@ Featherstone (2008) chapter 7.
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from typing import Any
 
-from cutpoint.mechanics.articulated import Articulated, Yield, accelerations
+from cutpoint.mechanics.articulated import NO_ROTOR, Articulated, FeltRotor, Yield, accelerations
 from cutpoint.mechanics.inverse_dynamics import inverse_dynamics
 from cutpoint.mechanics.mass_matrix import mass_matrix
 from cutpoint.mechanics.rigid_body import acceleration_gradient, net_wrench
+from cutpoint.mechanics.rotors import Spin
 from cutpoint.mechanics.spatial import NO_ROTATION, STILL, ZERO, Mat3, Motion, Pose, Wrench
 from cutpoint.mechanics.system import Segment, System
 from cutpoint.model.mechanism import WORLD
@@ -45,11 +47,18 @@ def prepare(body: Segment, V_p: Motion, U_p: Mat3, q: Scalars, v: Scalars) -> Re
 
 
 def forward_dynamics(
-    system: System, q: Scalars, v: Scalars, tau: Scalars, contact: Mapping[str, Wrench] | None = None
+    system: System,
+    q: Scalars,
+    v: Scalars,
+    tau: Scalars,
+    contact: Mapping[str, Wrench] | None = None,
+    rotor_torques: Mapping[int, tuple[Scalar, Scalar]] | None = None,
 ) -> list[Scalar]:
     """Accelerations of the coordinates under joint torques tau, N m (N).  Featherstone (2008) section 7.3.
 
     contact: F_e by frame name, the wrench that the robot exerts on the environment there, in that frame's axes.
+    rotor_torques: for each segment with an elastic drive and full coupling, the torque that its rotor is left with and
+    its speed, at the joint's side.
     """
     if system.has_followers:
         return _through_mass_matrix(system, q, v, tau, contact)
@@ -62,24 +71,52 @@ def forward_dynamics(
         place = system.frames[name]
         if place.body != WORLD:
             bodies[place.body].P = bodies[place.body].P + place.pose.inward(F_e)
+    for spin in system.spins:
+        _let_spin(spin, system, bodies, v, rotor_torques or {})
     # inward: what a body and all it carries still resist once its joint gives way
     gave: list[list[Yield]] = []
-    for own, body in zip(reversed(bodies), reversed(system.segments), strict=True):
-        M, P, steps = own.M.give_way(body.joint.free, own.P, tau[body.v], system.armature[body.v])
+    felt = felt_rotors(system)
+    for i, (own, body) in reversed([*enumerate(zip(bodies, system.segments, strict=True))]):
+        M, P, steps = own.M.give_way(body.joint.axes, own.P + own.M * own.bias, tau[body.v], felt[i])
         gave.append(steps)
         if body.parent != WORLD:
             carrier = bodies[body.parent]
             carrier.M = carrier.M + M.seen_from_parent(own.X)
-            carrier.P = carrier.P + own.X.inward(P + M * own.bias)
+            carrier.P = carrier.P + own.X.inward(P)
     # outward: each joint gives way to what its parent's acceleration leaves it
     A: list[Motion] = []
-    found: list[Scalar] = []
+    found: list[Scalar] = [0] * system.nv
     for own, body, steps in zip(bodies, system.segments, reversed(gave), strict=True):
-        A_i = own.X.outward(system.base_acceleration if body.parent == WORLD else A[body.parent]) + own.bias
-        a = accelerations(steps, A_i)
-        A.append(A_i + body.joint.motion(a))
-        found += a
+        carried = own.X.outward(system.base_acceleration if body.parent == WORLD else A[body.parent])
+        found[body.v] = accelerations(steps, carried)
+        A.append(carried + own.bias + body.joint.motion(found[body.v]))
     return found
+
+
+def felt_rotors(system: System) -> list[list[FeltRotor]]:
+    """Rigidly geared rotors as each segment's axes feel them."""
+    couplings = {spin.joint: spin.geared for spin in system.spins if not spin.elastic}
+    return [
+        [NO_ROTOR if _is_nothing(I_m) else FeltRotor(I_m, couplings.get(i, 0)) for I_m in system.armature[body.v]]
+        for i, body in enumerate(system.segments)
+    ]
+
+
+def _let_spin(spin: Spin, system: System, bodies: list[Resistance], v: Scalars, torques: Mapping[int, Any]) -> None:
+    """What a rotor's spin costs its carrier.  An elastic drive's rotor is free to lag behind it about its axis."""
+    carrier = bodies[spin.carrier]
+    if not spin.elastic:
+        speed = system.segments[spin.joint].speeds(v)[0]
+        carrier.P = carrier.P + spin.reaction(carrier.V.angular, speed, 0)
+        return
+    torque, speed = torques[spin.joint]
+    carrier.M = carrier.M + Articulated.about(spin.axis, -spin.inertia)
+    reaction = spin.reaction(carrier.V.angular, speed, 0)
+    carrier.P = carrier.P + reaction + Wrench(ZERO, spin.axis * (torque * spin.inertia / spin.geared))
+
+
+def _is_nothing(x: Scalar) -> bool:
+    return isinstance(x, int) and x == 0
 
 
 def _through_mass_matrix(

@@ -84,14 +84,23 @@ def bear(system: System, X: Sequence[Pose], F: Sequence[Wrench], contact: Mappin
     return F
 
 
-def net_wrenches(system: System, moved: Sequence[BodyMotion]) -> list[Wrench]:
-    """What each body's motion costs it.  Xia (2019) eqs. (47), (50)."""
-    return [net_wrench(body.inertia, m.A, m.U) for body, m in zip(system.segments, moved, strict=True)]
+def net_wrenches(system: System, moved: Sequence[BodyMotion], v: Scalars, a: Scalars) -> list[Wrench]:
+    """What each body's motion costs it, rigidly geared rotors that it carries included.  Xia (2019) eqs. (47), (50)."""
+    F = [net_wrench(body.inertia, m.A, m.U) for body, m in zip(system.segments, moved, strict=True)]
+    for spin in system.spins:
+        if not spin.elastic:
+            own, omega = system.segments[spin.joint], moved[spin.carrier].V.angular
+            F[spin.carrier] = F[spin.carrier] + spin.reaction(omega, own.speeds(v)[0], own.speeds(a)[0])
+    return F
 
 
-def joint_efforts(system: System, F: Sequence[Wrench], a: Scalars) -> list[Scalar]:
+def joint_efforts(system: System, F: Sequence[Wrench], moved: Sequence[BodyMotion], a: Scalars) -> list[Scalar]:
     """z^T F at each joint, and what rigidly geared rotors add.  Xia (2019) eqs. (21), (56)."""
     tau: list[Scalar] = [I_m * a_i for I_m, a_i in zip(system.armature, a, strict=True)]
+    for spin in system.spins:
+        if not spin.elastic:
+            k = system.segments[spin.joint].v.start
+            tau[k] = tau[k] + spin.torque(moved[spin.carrier].A.angular)
     for body, F_i in zip(system.segments, F, strict=True):
         gain = body.follower.multiplier if body.follower else 1
         for k, effort in enumerate(body.joint.effort(F_i), body.v.start):
@@ -107,8 +116,8 @@ def inverse_dynamics(
     contact: F_e by frame name, the wrench that the robot exerts on the environment there, in that frame's axes.
     """
     moved = motions(system, q, v, a)
-    F = bear(system, [m.X for m in moved], net_wrenches(system, moved), contact or {})
-    return joint_efforts(system, F, a)
+    F = bear(system, [m.X for m in moved], net_wrenches(system, moved, v, a), contact or {})
+    return joint_efforts(system, F, moved, a)
 
 
 def required_inverse_dynamics(system: System, q: Scalars, v: Scalars, v_r: Scalars, a_r: Scalars) -> list[Scalar]:
@@ -123,5 +132,5 @@ def required_inverse_dynamics(system: System, q: Scalars, v: Scalars, v_r: Scala
         _, zv, _ = joint_motion(body, q, v, v)
         _, zv_r, za_r = joint_motion(body, q, v_r, a_r)
         required.append(move(m.X, m.V.angular, zv, parent, zv_r, za_r))
-    F_r = bear(system, [m.X for m in actual], net_wrenches(system, required), {})
-    return joint_efforts(system, F_r, a_r)
+    F_r = bear(system, [m.X for m in actual], net_wrenches(system, required, v_r, a_r), {})
+    return joint_efforts(system, F_r, required, a_r)

@@ -1,97 +1,197 @@
-"""Joint kinds.  Each names the axes of its own frame along which it is free, and the pose that its coordinates give.
+"""Joint kinds.  Each says along which axes of its own frame it is free, and which pose its coordinates give.
 
-Axes are numbered x y z (linear), then x y z (angular), so that a joint's motion and effort are picks of a six-vector:
-there is no motion-subspace matrix, and articulated elimination needs no linear solve.
-Every kind offers the same names in the same order: free, coordinates, pose, rates, motion, effort.
+Axes are columns z of a motion, linear then angular, in the moved frame, so that a joint's velocity is z v and what it
+must bear of a wrench is z^T F.  Their entries are mostly 0 and 1 and vanish when traced.  Every kind offers the same
+names in the same order: axes, coordinates, neutral, pose, rates, integrated, difference, motion, effort.
 """
 
 from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import ClassVar
 
+from cutpoint.mechanics.rotations import (
+    exponential,
+    logarithm,
+    product,
+    quaternion_rates,
+    rotation_of,
+    turned_back,
+    with_unit_length,
+)
 from cutpoint.mechanics.spatial import IDENTITY, ZERO, Mat3, Motion, Pose, Vec3, Wrench
 from cutpoint.scalars import Scalar, cos, sin
+
+Scalars = Sequence[Scalar]
+Axis = tuple[Scalar, ...]
+
+X, Y, Z, TURN_X, TURN_Y, TURN_Z = (tuple(int(j == k) for j in range(6)) for k in range(6))
 
 
 @dataclass(frozen=True)
 class JointKind:
-    """What every kind offers."""
+    """What every kind offers, as a joint whose coordinates are its speeds' integrals has it."""
 
-    free: ClassVar[tuple[int, ...]]
     coordinates: ClassVar[int] = 1
 
-    def pose(self, q: Sequence[Scalar]) -> Pose:
+    @property
+    def axes(self) -> tuple[Axis, ...]:
+        """The columns z, one a speed."""
+        raise TypeError(f"{type(self).__name__} must say along which axes it is free")
+
+    @property
+    def neutral(self) -> list[float]:
+        """Coordinates of the unmoved frame."""
+        return [0.0] * self.coordinates
+
+    def pose(self, q: Scalars) -> Pose:
         """The moved frame in the unmoved one."""
         raise TypeError(f"{type(self).__name__} must say which pose its coordinates give")
 
-    def rates(self, q: Sequence[Scalar], v: Sequence[Scalar]) -> list[Scalar]:
+    def rates(self, q: Scalars, v: Scalars) -> list[Scalar]:
         """Time derivatives of the coordinates, given the speeds."""
         return [*v]
 
-    def motion(self, v: Sequence[Scalar]) -> Motion:
-        """z v: the joint's own motion, in the moved frame."""
-        six: list[Scalar] = [0] * 6
-        for axis, rate in zip(self.free, v, strict=True):
-            six[axis] = rate
+    def integrated(self, q: Scalars, step: Scalars) -> list[Scalar]:
+        """Coordinates after moving from q for a unit of time with constant speeds `step`, in the moving frame."""
+        return [x + dx for x, dx in zip(q, step, strict=True)]
+
+    def difference(self, q: Scalars, other: Scalars) -> list[Scalar]:
+        """The step that leads from q to the other coordinates: the inverse of `integrated`."""
+        return [y - x for x, y in zip(q, other, strict=True)]
+
+    def motion(self, v: Scalars) -> Motion:
+        """z v: the joint's own motion, in the moved frame.  Xia (2019) eqs. (5), (29)."""
+        six = [dot([axis[k] for axis in self.axes], v) for k in range(6)]
         return Motion(Vec3(*six[:3]), Vec3(*six[3:]))
 
     def effort(self, F: Wrench) -> list[Scalar]:
-        """z^T F: what of a wrench the joint itself must bear."""
-        six = [*F]
-        return [six[axis] for axis in self.free]
+        """z^T F: what of a wrench the joint itself must bear.  Xia (2019) eq. (21)."""
+        return [dot(axis, [*F]) for axis in self.axes]
 
 
 @dataclass(frozen=True)
 class Revolute(JointKind):
     """Turns about z by q (rad).  Xia (2019) eqs. (34)-(36)."""
 
-    free = (5,)
+    axes = (TURN_Z,)
 
-    def pose(self, q: Sequence[Scalar]) -> Pose:
-        s, c = sin(q[0]), cos(q[0])
-        return Pose(Mat3(Vec3(c, -s, 0), Vec3(s, c, 0), Vec3(0, 0, 1)), ZERO)
+    def pose(self, q: Scalars) -> Pose:
+        return Pose(_about_z(q[0]), ZERO)
 
 
 @dataclass(frozen=True)
 class Prismatic(JointKind):
     """Slides along z by q (m)."""
 
-    free = (2,)
+    axes = (Z,)
 
-    def pose(self, q: Sequence[Scalar]) -> Pose:
+    def pose(self, q: Scalars) -> Pose:
         return Pose(IDENTITY, Vec3(0, 0, q[0]))
+
+
+@dataclass(frozen=True)
+class Helical(JointKind):
+    """Turns about z by q (rad), and slides along it by pitch q; pitch in m/rad."""
+
+    pitch: Scalar
+
+    @property
+    def axes(self) -> tuple[Axis, ...]:
+        return ((0, 0, self.pitch, 0, 0, 1),)
+
+    def pose(self, q: Scalars) -> Pose:
+        return Pose(_about_z(q[0]), Vec3(0, 0, self.pitch * q[0]))
+
+
+@dataclass(frozen=True)
+class Planar(JointKind):
+    """Moves in the x-y plane and turns about z: q = (x, y, angle) in the unmoved frame, v in the moved one."""
+
+    coordinates = 3
+    axes = (X, Y, TURN_Z)
+
+    def pose(self, q: Scalars) -> Pose:
+        return Pose(_about_z(q[2]), Vec3(q[0], q[1], 0))
+
+    def rates(self, q: Scalars, v: Scalars) -> list[Scalar]:
+        return [*_turned(q[2], v[0], v[1]), v[2]]
+
+    def integrated(self, q: Scalars, step: Scalars) -> list[Scalar]:
+        turn = Vec3(0, 0, step[2])
+        moved = exponential(turn).shift(Vec3(step[0], step[1], 0))
+        x, y = _turned(q[2], moved.x, moved.y)
+        return [q[0] + x, q[1] + y, q[2] + step[2]]
+
+    def difference(self, q: Scalars, other: Scalars) -> list[Scalar]:
+        x, y = _turned(-q[2], other[0] - q[0], other[1] - q[1])
+        angle = other[2] - q[2]
+        step = exponential(Vec3(0, 0, angle)).unshift(Vec3(x, y, 0))
+        return [step.x, step.y, angle]
+
+
+@dataclass(frozen=True)
+class Spherical(JointKind):
+    """Turns about a point: q is a quaternion (x, y, z, w), v the angular velocity in the moved frame."""
+
+    coordinates = 4
+    axes = (TURN_X, TURN_Y, TURN_Z)
+
+    @property
+    def neutral(self) -> list[float]:
+        return [0.0, 0.0, 0.0, 1.0]
+
+    def pose(self, q: Scalars) -> Pose:
+        return Pose(rotation_of(q), ZERO)
+
+    def rates(self, q: Scalars, v: Scalars) -> list[Scalar]:
+        return quaternion_rates(q, Vec3(*v))
+
+    def integrated(self, q: Scalars, step: Scalars) -> list[Scalar]:
+        return with_unit_length(product(q, exponential(Vec3(*step)).quaternion))
+
+    def difference(self, q: Scalars, other: Scalars) -> list[Scalar]:
+        return [*logarithm(product(turned_back(q), other))]
 
 
 @dataclass(frozen=True)
 class Floating(JointKind):
     """Free: q is a position (m) and a quaternion (x, y, z, w), v the velocity in the moved frame."""
 
-    free = (0, 1, 2, 3, 4, 5)
     coordinates = 7
+    axes = (X, Y, Z, TURN_X, TURN_Y, TURN_Z)
 
-    def pose(self, q: Sequence[Scalar]) -> Pose:
+    @property
+    def neutral(self) -> list[float]:
+        return [0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 1.0]
+
+    def pose(self, q: Scalars) -> Pose:
         return Pose(rotation_of(q[3:]), Vec3(*q[:3]))
 
-    def rates(self, q: Sequence[Scalar], v: Sequence[Scalar]) -> list[Scalar]:
+    def rates(self, q: Scalars, v: Scalars) -> list[Scalar]:
         return [*(rotation_of(q[3:]) @ Vec3(*v[:3])), *quaternion_rates(q[3:], Vec3(*v[3:]))]
 
+    def integrated(self, q: Scalars, step: Scalars) -> list[Scalar]:
+        turn = exponential(Vec3(*step[3:]))
+        moved = rotation_of(q[3:]) @ turn.shift(Vec3(*step[:3]))
+        return [*(Vec3(*q[:3]) + moved), *with_unit_length(product(q[3:], turn.quaternion))]
 
-def rotation_of(quaternion: Sequence[Scalar]) -> Mat3:
-    """Rotation of a quaternion (x, y, z, w) of any length but zero: dividing by its square needs no square root."""
-    x, y, z, w = quaternion
-    k = 2 / (x * x + y * y + z * z + w * w)
-    xx, yy, zz = k * (x * x), k * (y * y), k * (z * z)
-    xy, xz, yz = k * (x * y), k * (x * z), k * (y * z)
-    wx, wy, wz = k * (w * x), k * (w * y), k * (w * z)
-    return Mat3(
-        Vec3(1 - yy - zz, xy - wz, xz + wy),
-        Vec3(xy + wz, 1 - xx - zz, yz - wx),
-        Vec3(xz - wy, yz + wx, 1 - xx - yy),
-    )
+    def difference(self, q: Scalars, other: Scalars) -> list[Scalar]:
+        omega = logarithm(product(turned_back(q[3:]), other[3:]))
+        moved = rotation_of(q[3:]).T @ (Vec3(*other[:3]) - Vec3(*q[:3]))
+        return [*exponential(omega).unshift(moved), *omega]
 
 
-def quaternion_rates(quaternion: Sequence[Scalar], omega: Vec3) -> list[Scalar]:
-    """Time derivative of a quaternion (x, y, z, w), omega being the angular velocity in the turned frame."""
-    x, y, z, w = quaternion
-    turned = Vec3(x, y, z).cross(omega) + omega * w
-    return [turned.x / 2, turned.y / 2, turned.z / 2, -Vec3(x, y, z).dot(omega) / 2]
+def _about_z(angle: Scalar) -> Mat3:
+    s, c = sin(angle), cos(angle)
+    return Mat3(Vec3(c, -s, 0), Vec3(s, c, 0), Vec3(0, 0, 1))
+
+
+def _turned(angle: Scalar, x: Scalar, y: Scalar) -> tuple[Scalar, Scalar]:
+    s, c = sin(angle), cos(angle)
+    return c * x - s * y, s * x + c * y
+
+
+def dot(a: Scalars, b: Scalars) -> Scalar:
+    """Sum of products; a factor that is a plain 0 leaves no trace of the other, whatever it is."""
+    terms = [x * y for x, y in zip(a, b, strict=True) if not (isinstance(x, int) and x == 0)]
+    return sum(terms[1:], terms[0]) if terms else 0

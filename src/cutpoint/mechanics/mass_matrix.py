@@ -2,9 +2,9 @@
 
 from collections.abc import Sequence
 
-from cutpoint.mechanics.kinematics import body_velocities, joint_poses, world_poses
+from cutpoint.mechanics.kinematics import body_velocities, joint_poses, velocity_columns, world_poses
 from cutpoint.mechanics.rigid_body import kinetic_energy
-from cutpoint.mechanics.spatial import NO_WRENCH, Inertia, Wrench
+from cutpoint.mechanics.spatial import NO_WRENCH, ZERO, Inertia, Pose, Wrench
 from cutpoint.mechanics.system import System
 from cutpoint.model.mechanism import WORLD
 from cutpoint.scalars import Scalar
@@ -23,16 +23,28 @@ def mass_matrix(system: System, q: Scalars) -> list[list[Scalar]]:
             composite[body.parent] = composite[body.parent] + composite[i].seen_from_parent(X[i])
     for i in range(len(composite)):
         _add_row(system, X, composite[i], i, M)
+    if any(not spin.elastic for spin in system.spins):
+        _add_spins(system, X, M)
     return M
 
 
-def _add_row(system: System, X: list, composite: Inertia, i: int, M: list[list[Scalar]]) -> None:
+def _add_spins(system: System, X: list[Pose], M: list[list[Scalar]]) -> None:
+    """What a rigidly geared rotor's acceleration asks of each joint that turns its carrier, and the other way round."""
+    columns = velocity_columns(system, X)
+    for spin in system.spins:
+        k = system.segments[spin.joint].v.start
+        for j, V in ({} if spin.elastic else columns[spin.carrier]).items():
+            M[k][j] = M[k][j] + spin.torque(V.angular)
+            M[j][k] = M[j][k] + spin.torque(V.angular)
+
+
+def _add_row(system: System, X: list[Pose], composite: Inertia, i: int, M: list[list[Scalar]]) -> None:
     """What accelerating joint i alone costs it and every joint that carries it."""
     body = system.segments[i]
     gain = body.follower.multiplier if body.follower else 1
-    for k in range(len(body.joint.free)):
+    for k in range(len(body.joint.axes)):
         v = body.v.start + k
-        F = composite * body.joint.motion([gain * int(j == k) for j in range(len(body.joint.free))])
+        F = composite * body.joint.motion([gain * int(j == k) for j in range(len(body.joint.axes))])
         carrier = i
         while carrier != WORLD:
             own = system.segments[carrier]
@@ -49,10 +61,14 @@ def _add_row(system: System, X: list, composite: Inertia, i: int, M: list[list[S
 def kinetic_energy_of(system: System, q: Scalars, v: Scalars) -> Scalar:
     """Kinetic energy of links and rigidly geared rotors, J."""
     total: Scalar = 0
-    for body, V in zip(system.segments, body_velocities(system, q, v), strict=True):
-        total = total + kinetic_energy(body.inertia, V)
+    V = body_velocities(system, q, v)
+    for body, V_i in zip(system.segments, V, strict=True):
+        total = total + kinetic_energy(body.inertia, V_i)
     for I_m, v_i in zip(system.armature, v, strict=True):
         total = total + I_m * v_i * v_i / 2
+    for spin in system.spins:
+        if not spin.elastic:
+            total = total + spin.torque(V[spin.carrier].angular) * system.segments[spin.joint].speeds(v)[0]
     return total
 
 
@@ -71,4 +87,8 @@ def momentum_of(system: System, q: Scalars, v: Scalars) -> Wrench:
     X, V = world_poses(system, q), body_velocities(system, q, v)
     for body, X_i, V_i in zip(system.segments, X, V, strict=True):
         total = total + X_i.inward(body.inertia * V_i)
+    for spin in system.spins:
+        if not spin.elastic:
+            speed = system.segments[spin.joint].speeds(v)[0]
+            total = total + X[spin.carrier].inward(Wrench(ZERO, spin.axis * (spin.geared * speed)))
     return total

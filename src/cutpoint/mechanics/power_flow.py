@@ -18,7 +18,7 @@ def power_flows(system: System, q: Scalars, v: Scalars, a: Scalars) -> list[Scal
     At a cut both sides have one velocity V and one wrench F: what leaves one subsystem, V^T F, enters the next.
     """
     moved = motions(system, q, v, a)
-    F = bear(system, [m.X for m in moved], net_wrenches(system, moved), {})
+    F = bear(system, [m.X for m in moved], net_wrenches(system, moved, v, a), {})
     flows: list[Scalar] = []
     for segment, m, F_i in zip(system.segments, moved, F, strict=True):
         if isinstance(segment.joint, Floating):

@@ -1,23 +1,16 @@
-"""A mechanism as the recursions want it: every joint along its own z axis, every number a scalar.
+"""A robot as the recursions want it: every joint along its own z axis, every number a scalar.
 
-`system_of` turns each body's frame so that its joint's axis is z; frames and drives follow.  No recursion below ever
-sees an axis again.
+`assembly.system_of` makes it; no recursion sees an axis again.
 """
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from typing import Any
 
-import numpy as np
-
-from cutpoint.mechanics.joints import Floating, JointKind, Prismatic, Revolute
+from cutpoint.mechanics.joints import JointKind
+from cutpoint.mechanics.rotors import Spin
 from cutpoint.mechanics.spatial import ZERO, Inertia, Mat3, Motion, Pose, Vec3
-from cutpoint.model.mechanism import WORLD, Array, Body, Mechanism
+from cutpoint.model.mechanism import WORLD
 from cutpoint.scalars import Scalar
-
-KINDS: dict[str, JointKind] = {
-    "revolute": Revolute(), "continuous": Revolute(), "prismatic": Prismatic(), "floating": Floating(),
-}  # fmt: skip
 
 
 @dataclass(frozen=True)
@@ -71,6 +64,7 @@ class System:
     """Segments, parents before children; gravity in the world's frame, m/s2; frames by name.
 
     armature: inertia of rigidly geared rotors, one for each speed, kg m2 (kg) at the joint; 0 where there is none.
+    spins: rotors with full coupling.
     """
 
     segments: tuple[Segment, ...]
@@ -79,6 +73,7 @@ class System:
     nq: int
     nv: int
     armature: tuple[Scalar, ...]
+    spins: tuple[Spin, ...] = ()
 
     @property
     def base_acceleration(self) -> Motion:
@@ -97,84 +92,3 @@ class System:
             chain.append(body)
             body = self.segments[body].parent
         return chain[::-1]
-
-
-def system_of(mechanism: Mechanism, armature: Mapping[str, Scalar] | None = None) -> System:
-    """The mechanism with every joint along z.  armature: reflected inertia of rigidly geared rotors by joint name."""
-    turns = [_turn_to_z(body) for body in mechanism.bodies]
-    segments: list[Segment] = []
-    leaders: dict[str, tuple[slice, slice]] = {}
-    nq = nv = 0
-    for body, turn in zip(mechanism.bodies, turns, strict=True):
-        kind, mimic = KINDS[body.joint.kind], body.joint.mimic if mechanism.coupled else None
-        if mimic:
-            (q, v), follower = leaders[mimic.joint], Follower(number(mimic.multiplier), number(mimic.offset))
-        else:
-            q, v, follower = slice(nq, nq + kind.coordinates), slice(nv, nv + len(kind.free)), None
-            nq, nv = q.stop, v.stop
-        leaders[body.joint.name] = (q, v)
-        placement = _turned(turns, body.parent, body.placement @ turn)
-        axes = mat3(turn[:3, :3])
-        segments.append(Segment(body.name, body.parent, placement, kind, _inertia_of(body, turn), q, v, axes, follower))
-    frames = {f.name: Place(f.body, _turned(turns, f.body, f.placement)) for f in mechanism.frames.values()}
-    rotors = _armatures(mechanism, leaders, nv, armature or {})
-    return System(tuple(segments), vec3(mechanism.gravity), frames, nq, nv, rotors)
-
-
-def _turned(turns: Sequence[Array], body: int, placement: Array) -> Pose:
-    """A placement on a body, seen from the body's turned frame."""
-    return pose_of(placement if body == WORLD else turns[body].T @ placement)
-
-
-def _armatures(mechanism: Mechanism, places: Any, nv: int, armature: Mapping[str, Scalar]) -> tuple[Scalar, ...]:
-    """One armature for each speed; a follower's rotor is felt through its multiplier."""
-    felt: list[Scalar] = [0] * nv
-    for body in mechanism.bodies:
-        if body.joint.name in armature:
-            mimic = body.joint.mimic if mechanism.coupled else None
-            gain = mimic.multiplier**2 if mimic else 1
-            v = places[body.joint.name][1].start
-            felt[v] = felt[v] + gain * armature[body.joint.name]
-    return tuple(felt)
-
-
-def _turn_to_z(body: Body) -> Array:
-    """Rotation (4, 4) whose z axis is the joint's axis; exact where the axis is one of x, y, z."""
-    turn = np.eye(4)
-    if body.joint.kind == "floating":
-        return turn
-    z = np.asarray(body.joint.axis, float)
-    k = int(np.argmax(np.abs(z)))
-    x = np.zeros(3)
-    x[(k + 1) % 3] = 1.0
-    if np.count_nonzero(z) > 1:
-        x = x - z * (z @ x)
-        x = x / np.linalg.norm(x)
-    turn[:3, :3] = np.column_stack([x, np.cross(z, x), z])
-    return turn
-
-
-def _inertia_of(body: Body, turn: Array) -> Inertia:
-    """The body's inertia about its frame's origin, along the turned axes.  Xia (2019) eq. (60)."""
-    R = turn[:3, :3]
-    com = R.T @ body.com
-    tensor = R.T @ body.inertia @ R + body.mass * (com @ com * np.eye(3) - np.outer(com, com))
-    return Inertia(number(body.mass), vec3(body.mass * com), mat3((tensor + tensor.T) / 2))
-
-
-def number(x: float) -> Scalar:
-    """A float, or a whole number where it is 0, 1 or -1, so that it vanishes when traced and stays exact."""
-    return int(x) if x in (-1.0, 0.0, 1.0) else float(x)
-
-
-def vec3(v: Array) -> Vec3:
-    return Vec3(*(number(x) for x in v))
-
-
-def mat3(A: Array) -> Mat3:
-    return Mat3(*(vec3(row) for row in A))
-
-
-def pose_of(matrix: Array) -> Pose:
-    """A (4, 4) pose as scalars."""
-    return Pose(mat3(matrix[:3, :3]), vec3(matrix[:3, 3]))

@@ -1,7 +1,7 @@
 """What drives a joint: gear, rotor, compliance, friction, limits.  Data only; the laws live in `mechanics/`."""
 
 from dataclasses import dataclass
-from typing import Any, Protocol
+from typing import Any, Literal, Protocol
 
 from cutpoint.model.mechanism import UNLIMITED, Limits
 
@@ -29,11 +29,18 @@ class Rotor:
     """The motor's turning part, wave generator included.
 
     inertia: about its own axis, on the motor's side of the gear, kg m2; felt at the joint, ratio**2 times that.
-    in_link_inertia: whether the carrying link's inertia already holds the rotor's mass.
+    in_link_inertia: whether the carrying link's inertia already holds the rotor; if not, it is added, with its mass (kg),
+    its inertia across the axis, `transverse` (kg m2), and its centre at `position` (m) along the joint's axis.
+    coupling: "reduced" counts the kinetic energy of its own spin only (Spong 1987); "full" makes it a balanced,
+    axisymmetric body that its carrier turns along, gyroscopic torques included.
     """
 
     inertia: float
     in_link_inertia: bool = True
+    mass: float = 0.0
+    transverse: float = 0.0
+    position: float = 0.0
+    coupling: Literal["reduced", "full"] = "reduced"
 
 
 @dataclass(frozen=True)

@@ -11,7 +11,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 Array = NDArray[np.float64]
-JointKind = Literal["fixed", "revolute", "continuous", "prismatic", "floating"]
+JointKind = Literal[
+    "fixed", "revolute", "continuous", "prismatic", "helical", "universal", "planar", "spherical", "floating"
+]
 
 WORLD = -1
 """Index of the world where the index of a body is asked for."""
@@ -62,6 +64,7 @@ class Joint:
 
     placement (4, 4): the joint's frame, at coordinate zero, in the parent's frame; it is the child's frame too.
     axis (3,): unit vector in the joint's frame (of no meaning for fixed and floating joints).
+    pitch: of a helical joint, m/rad.  second_axis: of a universal joint, unit vector in the frame that the first turned.
     damping (N m s/rad or N s/m) and friction (N m or N) as a URDF's <dynamics> states them.
     """
 
@@ -74,6 +77,8 @@ class Joint:
     limits: Limits = UNLIMITED
     damping: float = 0.0
     friction: float = 0.0
+    pitch: float = 0.0
+    second_axis: Array | None = None
     mimic: Mimic | None = None
 
 

@@ -28,6 +28,10 @@ BEYOND = 1e6
 """A state (rad, rad/s, m, m/s) larger than this has diverged."""
 
 
+INTEGRATION = ("origin", "total", "tableau")
+"""Regions that only the fixed steps use."""
+
+
 @dataclass(frozen=True)
 class Layout:
     """Where things stand in the regions; n drives, nq coordinates, nv speeds."""
@@ -174,7 +178,9 @@ class ClosedLoop:
                 "output": self._after[:2],
             }[part]
             ticks = Loop("ticks", body, streams=("row", "record"), until="fault")
-            self.programs[part] = compile_program(ticks, self.regions(), backend=self.robot.backend)
+            integrates = part in ("whole", "after")
+            regions = [region for region in self.regions() if integrates or region.name not in INTEGRATION]
+            self.programs[part] = compile_program(ticks, regions, backend=self.robot.backend)
         return self.programs[part]
 
     @property

@@ -14,7 +14,7 @@ from cutpoint.control.interface import as_command
 from cutpoint.errors import TraceError
 from cutpoint.simulation.adaptive import adaptive_step
 from cutpoint.simulation.integrator import TABLEAU
-from cutpoint.simulation.loop import ClosedLoop
+from cutpoint.simulation.loop import INTEGRATION, ClosedLoop
 from cutpoint.simulation.plant import State, split
 
 Array = NDArray[np.float64]
@@ -93,10 +93,10 @@ def _advance(loop: ClosedLoop, memory: dict[str, Array], substeps: int, adaptive
     integrate = adaptive_step(loop) if adaptive else None
 
     def one(first: int, ticks: int) -> int:
-        _run(sense, memory, first, 1, substeps)
+        _run(sense, memory, first, 1)
         if call:
             memory["command"][:] = call(memory["measured"], memory["row"][first])
-        _run(after, memory, first, 1, substeps)
+        _run(after, memory, first, 1, None if adaptive else substeps)
         if integrate:
             integrate(memory, memory["row"][first])
         return 1
@@ -116,8 +116,12 @@ def _callback(loop: ClosedLoop) -> Callable[[Array, Array], list[float]]:
     return call
 
 
-def _run(program: Any, memory: dict[str, Array], first: int, ticks: int, substeps: int) -> int:
+def _run(program: Any, memory: dict[str, Array], first: int, ticks: int, substeps: int | None = None) -> int:
+    """Run these samples; without substeps, a program that does not integrate."""
     rows = {name: memory[name][first : first + ticks] for name in ("row", "record")}
+    if substeps is None:
+        rest = {name: region for name, region in memory.items() if name not in INTEGRATION}
+        return program.run({"ticks": ticks}, **{**rest, **rows})
     return program.run({"ticks": ticks, "substeps": substeps}, **{**memory, **rows})
 
 

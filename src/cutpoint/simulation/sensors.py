@@ -51,8 +51,10 @@ class Encoders:
         return any(x is not None for x in self.noise)
 
     def memory(self, q: Numbers, v: Numbers, theta: Numbers, theta_dot: Numbers) -> list[float]:
-        """Memory at rest in a state: samples still on their way, and the positions measured last."""
-        return [*q, *theta, *v, *theta_dot] * self.delay + ([*q, *theta] if self.differenced else [])
+        """Memory at rest in a state: samples still on their way, and the positions measured last, both without noise."""
+        n = 2 * self.size
+        seen = [*map(_encode, [*q, *theta], [None] * n, self._spread(self.resolution), [0] * n)]
+        return [*seen, *v, *theta_dot] * self.delay + (seen if self.differenced else [])
 
     def measure(self, sample: list[Scalar], memory: list[Scalar], noise: list[Scalar], period: Scalar) -> Any:
         """What is measured, and the memory after: sample and measurement are q, theta, v, theta_dot, n each."""

@@ -44,7 +44,7 @@ def page(bench: Bench) -> Page:
             "Figure A2",
             "(a) Joint 2 under the same gains on either side, with the friction of Table 2. (b) The "
             "torque asked of its motor. (c) Without friction, damping and sampling: how fast the fastest motion of the "
-            "arm at q = 0 grows (above zero) or dies (below).",
+            "arm at q = 0 grows (above zero) or dies (below; linear between −1 and 1).",
             _figure(bench, loops),
         ),
     )
@@ -54,7 +54,10 @@ def page(bench: Bench) -> Page:
 def _loops(bench: Bench) -> list[Loop]:
     robots = {True: bench.robot, False: bench.frictionless}
     cases = [(1.0, True), (0.3, True), (0.1, True), (1.0, False), (0.1, False), (0.01, False)]
-    link = [Loop("link", scale, friction, bench.run(robots[friction], pd(scale, "link"))) for scale, friction in cases]
+    link = [
+        Loop("link", scale, friction, bench.run_until_it_diverges(robots[friction], pd(scale, "link")))
+        for scale, friction in cases
+    ]
     return [Loop("motor", 1.0, True, bench.pd_alone), *link]
 
 
@@ -65,7 +68,7 @@ def _table(loops: list[Loop]) -> Table:
             f"× {loop.scale:g}",
             "Table 2" if loop.friction else "none",
             "to the end" if loop.held else f"stops at {loop.log.time[-1]:.2f} s",
-            number(np.rad2deg(loop.log.rms("position_error")).max(), 2),
+            number(np.rad2deg(loop.log.rms("position_error")).max(), 2) if loop.held else "grows",
             number(loop.log.max("command_torque").max(), 0) if loop.held else "grows",
             number(loop.log.rms("feedback_torque").max(), 1) if loop.held else "grows",
         )
@@ -122,16 +125,16 @@ def _figure(bench: Bench, loops: list[Loop]) -> Figure:
 
 
 def _results(loops: list[Loop]) -> dict[str, dict[str, object]]:
-    rows = [
-        {
-            "side": loop.side,
-            "gain_scale": loop.scale,
-            "friction": loop.friction,
-            "reached": loop.log.time[-1],
-            "position_rms": np.rad2deg(loop.log.rms("position_error")) if loop.held else None,
-            "torque_peak": loop.log.max("command_torque") if loop.held else None,
-            "torque_rms": loop.log.rms("feedback_torque") if loop.held else None,
-        }
-        for loop in loops
-    ]
-    return {"table_a1": {"units": {"position": "deg", "torque": "N m", "reached": "s"}, "loops": rows}}
+    units = {"position": "deg", "torque": "N m", "reached": "s"}
+    return {"table_a1": {"units": units, "loops": [_described(loop) for loop in loops]}}
+
+
+def _described(loop: Loop) -> dict[str, object]:
+    """What was run and, of a loop that held, how well."""
+    described: dict[str, object] = {"side": loop.side, "gain_scale": loop.scale, "friction": loop.friction}
+    described["reached"] = loop.log.time[-1]
+    if loop.held:
+        described["position_rms"] = np.rad2deg(loop.log.rms("position_error"))
+        described["torque_rms"] = loop.log.rms("feedback_torque")
+        described["torque_peak"] = loop.log.max("command_torque")
+    return described

@@ -73,12 +73,12 @@ def _verdict(vd: Array, ne: Array, differences: dict[str, Array]) -> str:
     return (
         f"Ours is zero to rounding: at most {number(np.abs(vd - ne).max(), 2)} N m where torques reach "
         f"{np.abs(vd).max():.1f} N m. The two methods are the same mechanics written in two orders, so no difference "
-        "is theirs. On joints 2 to 5 the printed row is a thousandth of the torque itself, to a percent or so. Two "
-        f"programs whose lengths differ by 0.1 % give it to within {fits[LENGTHS]:.2f} N mm, but the 0.1 % is fitted; "
-        "g = 9.81 in one and 9.80 in the other comes close with no free number, but leaves joint 1 at zero. The table "
-        "cannot decide between them, and none is claimed to be what happened. With the centroid of link 6 as Table 1 "
-        f"prints it no such row comes closer than {fits[AS_PRINTED]:.1f} N mm: this, and the hand that would fold back "
-        "into the forearm, is why +0.25 m is our reading."
+        "is theirs. On joints 2 to 5 the printed row is a thousandth of the torque itself, to half a percent or its "
+        f"last digit. Two programs whose lengths differ by 0.1 % give it to within {fits[LENGTHS]:.2f} N mm, but the "
+        "0.1 % is fitted; g = 9.81 in one and 9.80 in the other comes close with no free number, but leaves joint 1 "
+        "at zero. The table cannot decide between them, and none is claimed to be what happened. With the centroid of "
+        f"link 6 as Table 1 prints it no such row comes closer than {fits[AS_PRINTED]:.1f} N mm: this, and the hand "
+        "that would fold back into the forearm, is why +0.25 m is our reading."
     )
 
 

@@ -4,7 +4,6 @@ import numpy as np
 
 from cutpoint.control import Feedforward
 from cutpoint.control.feedforward import RUNGS
-from cutpoint.mechanics.friction import Stribeck
 from cutpoint.simulation import Log
 from cutpoint.studies.chain import Array
 from cutpoint.studies.paper.bench import DAMPING, KD, KP, PERIOD, Bench, pd
@@ -94,10 +93,10 @@ def _readings(bench: Bench, logs: dict[str, Log]) -> tuple[str, ...]:
         "reference then helps the joints that bear weight most: on joint 2 the error falls from "
         f"{position_rms(logs[FRICTION])[1]:.4f}° to {position_rms(logs[ALL])[1]:.4f}°. Without friction all rungs "
         f"leave {number(worst[FREE_ALL], 5)}°.",
-        "What is left with friction is vibration. Beyond the smoothing, the Stribeck curve (54) falls with speed, "
+        "What is left with friction is vibration. Once it has risen, the Stribeck curve (54) falls with speed, "
         f"here by up to {listed(slopes)} N m s/rad on joints 1 to 6: it pushes the links instead of braking them. The "
         f"drives of this plant damp nothing, so the links shake on their springs at {frequencies.min():.0f} to "
-        f"{frequencies.max():.0f} Hz, which no feedforward foresees and which the motor's encoder hardly sees. A "
+        f"{frequencies.max():.0f} Hz, which no feedforward foresees. A "
         f"damping of {DAMPING:g} N m s/rad in every drive, which is our number, ends it: the worst joint is then at "
         f"{number(worst[DAMPED_ALL], 4)}°. A single run with friction depends on rounding at every slip; compare these "
         "rows by their size.",
@@ -117,13 +116,10 @@ def vibration_frequencies(log: Log) -> Array:
 
 
 def falling_slopes(bench: Bench) -> list[float]:
-    """How steeply (54) falls at most, at v_s / sqrt 2, by joint, N m s/rad."""
+    """How steeply (54), as smoothed, falls with speed at most, by joint, N m s/rad."""
+    speed = np.linspace(0.0, 1.0, 5001)
     laws = [drive.link_friction for drive in bench.robot.drives.values()]
-    return [
-        (law.static - law.coulomb) * np.sqrt(2 / np.e) / law.stribeck_velocity - law.viscous
-        for law in laws
-        if isinstance(law, Stribeck)
-    ]
+    return [float(-np.gradient(law.torque(speed), speed).min()) for law in laws if law]
 
 
 def _beside(k: int, log: Log, damped: Log) -> str:

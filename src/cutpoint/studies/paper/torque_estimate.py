@@ -11,7 +11,7 @@ from cutpoint.robot import Robot
 from cutpoint.simulation import Log
 from cutpoint.studies.chain import Array
 from cutpoint.studies.paper.bench import Bench
-from cutpoint.studies.paper.page import JOINTS, Page, Picture, Table, number, row
+from cutpoint.studies.paper.page import JOINTS, Page, Picture, Table, row
 from cutpoint.studies.style import INK, LINK, MOTOR, SPRING, WIDTH
 
 IDEAL = "ideal encoders"
@@ -88,11 +88,12 @@ def _verdict(bench: Bench, errors: dict[str, Array]) -> str:
     assert isinstance(law, Flexspline)
     count, largest = 2 * np.pi / 2**17, bench.elastic.max("joint_torque")[_SHOWN]
     return (
-        f"With ideal encoders the reading is exact to {number(np.abs(errors[IDEAL]).max(), 1)} N m: it is the plant's "
-        f"own law, so this says that it is evaluated rightly, and no more. One count of 2^{{17}} on joint 2 is worth "
-        f"{count * law.stiffness:.2f} N m at rest and {count * law.tangent(law.deflection(largest)):.2f} N m at its "
-        f"largest torque, where (2) is stiffer; the reading is off by {_rms(errors[COARSE])[_SHOWN]:.2f} N m RMS, and "
-        f"2^{{20}} counts are {_rms(errors[COARSE])[_SHOWN] / _rms(errors[FINE])[_SHOWN]:.1f} times better. A "
+        "With ideal encoders the reading is the torque itself: it is the plant's own law, so this says that it is "
+        f"evaluated rightly, and no more. One count of 2^{{17}} on joint 2 is worth {count * law.stiffness:.2f} N m "
+        f"at rest and {count * law.tangent(law.deflection(largest)):.2f} N m at its largest torque, where (2) is "
+        f"stiffer; the reading is off by {_rms(errors[COARSE])[_SHOWN]:.2f} N m RMS. 2^{{20}} counts are "
+        f"{_rms(errors[COARSE])[_SHOWN] / _rms(errors[FINE])[_SHOWN]:.1f} times better and not eight times, for then "
+        "the motor's encoder is the coarser of the two. A stiffness taken a fifth too high is off by "
         f"stiffness taken a fifth too high is off by {_rms(errors[STIFFER])[_SHOWN]:.1f} N m on the same joint, "
         "because the tangent of (2) magnifies it: a drive that is not identified well is not saved by its encoders. "
         "Damping, hysteresis and kinematic error, which a real drive has, are not in this plant."

@@ -1,0 +1,53 @@
+"""Rotors as bodies: balanced, axisymmetric, carried by the link that carries the joint.
+
+A rotor turns about the joint's axis with ratio * theta_dot beside what its carrier turns.  Its carrier's inertia holds
+it as if it stood still; what is left is the angular momentum J ratio theta_dot of its own spin, along the axis.
+Xia (2019) eqs. (4), (7), (10).
+"""
+
+from dataclasses import dataclass
+
+from cutpoint.mechanics.spatial import ZERO, Inertia, Mat3, Pose, Vec3, Wrench
+from cutpoint.model.drive import Rotor
+from cutpoint.scalars import Scalar
+
+
+@dataclass(frozen=True, eq=False)
+class Spin:
+    """A rotor with full coupling.
+
+    joint: index of the segment that it drives; carrier: of the one that carries it.  axis: the joint's, in the
+    carrier's frame.  inertia: J, about the axis.  geared: J ratio, its angular momentum at unit joint speed, kg m2.
+    elastic: whether its speed is a coordinate of its own.
+    """
+
+    joint: int
+    carrier: int
+    axis: Vec3
+    inertia: Scalar
+    geared: Scalar
+    elastic: bool
+
+    def reaction(self, omega: Vec3, speed: Scalar, acceleration: Scalar) -> Wrench:
+        """What the carrier, turning with omega, exerts so that the rotor's spin changes.  Xia (2019) eqs. (7), (11).
+
+        speed and acceleration are the rotor's over ratio.
+        """
+        momentum = self.axis * (self.geared * speed)
+        return Wrench(ZERO, self.axis * (self.geared * acceleration) + omega.cross(momentum))
+
+    def torque(self, alpha: Vec3) -> Scalar:
+        """What the carrier's angular acceleration asks of the motor, N m at the joint's side.  Xia (2019) eq. (4)."""
+        return self.geared * self.axis.dot(alpha)
+
+
+def axis_of(placement: Pose) -> Vec3:
+    """The joint's z axis in its carrier's frame."""
+    return Vec3(*(row.z for row in placement.rotation))
+
+
+def standing_still(rotor: Rotor, placement: Pose) -> Inertia:
+    """A rotor that its carrier's inertia does not hold yet, at rest in the joint's frame, as its carrier feels it."""
+    h, J = Vec3(0, 0, rotor.mass * rotor.position), rotor.transverse + rotor.mass * rotor.position * rotor.position
+    rotational = Mat3(Vec3(J, 0, 0), Vec3(0, J, 0), Vec3(0, 0, rotor.inertia))
+    return Inertia(rotor.mass, h, rotational).seen_from_parent(placement)

@@ -1,0 +1,138 @@
+"""Laws of the closed loop: rest stays rest, steps are fine enough, limits act last, and numbers are inputs."""
+
+import numpy as np
+import pytest
+from robot_library import Robot, assert_close, frictionless, robot
+
+from cutpoint import Drive, LinearSpring, Log, Rotor, State, simulate
+from cutpoint.control import PD, Feedforward, GravityCompensation
+from cutpoint.model import Limits
+from cutpoint.simulation import loop as loops
+from cutpoint.simulation.cache import programs_for
+from cutpoint.trajectories import cycloid, quintic
+
+KP, KD = [2000.0, 2000, 1000, 500, 300, 200], [60.0, 60, 35, 20, 12, 10]
+POSE = np.array([0.3, 0.9, -0.6, 0.4, 0.8, -0.5])
+
+
+@pytest.mark.parametrize("rung", ["gravity", "elastic"])
+@pytest.mark.parametrize("name", ["xia2019", "mixed", "tree"])
+def test_the_initial_state_is_an_equilibrium(name, rung):
+    """Links at rest, each motor leading by what gravity bends its drive: held there, nothing moves."""
+    ours = robot(name)
+    q = np.linspace(-0.8, 0.9, ours.nv)
+    hold = quintic(q, 0.1, start=q)
+    log = simulate(ours, Feedforward(ours, rung), hold, substeps=50)
+    assert np.abs(log["q"] - q).max() < 1e-9
+    assert np.abs(log["theta_dot"]).max() < 1e-7
+    assert_close(log["joint_torque"][0], ours.gravity_forces(q), 1e-9)
+
+
+def test_without_a_reference_the_arm_starts_at_zero_in_equilibrium():
+    ours = robot("xia2019")
+    log = simulate(ours, GravityCompensation(ours) + PD(KP, KD, side="motor"), duration=0.02, substeps=50)
+    assert_close(log["theta"][0], ours.static_deflection(np.zeros(6)), 1e-15, scale=1.0)
+    assert np.abs(log["v"][0]).max() == 0.0
+
+
+@pytest.mark.parametrize("laws", ["PD", "PD and elastic feedforward"])
+def test_rms_at_the_default_step_is_that_of_a_much_finer_one(laws):
+    """Single trajectories under stick-slip are ill-conditioned; their RMS is not: within 2 % of 16 times finer steps."""
+    ours = robot("xia2019")
+    controller = PD(KP, KD, side="motor") if laws == "PD" else PD(KP, KD, side="motor") + Feedforward(ours)
+    move = cycloid(np.deg2rad([45.0, 30, 30, 45, 30, 45]), 1.0)
+    log = simulate(ours, controller, move)
+    finer = simulate(ours, controller, move, substeps=16 * log.meta["substeps"])
+    for channel in ("position_error", "feedback_torque"):
+        ratio = log.rms(channel) / finer.rms(channel)
+        assert np.abs(ratio - 1.0).max() < 0.02
+
+
+def test_feedforward_needs_no_feedback_where_the_model_is_right():
+    """Rung by rung the error falls; elastic feedforward leaves what the sampled hold leaves."""
+    ours = frictionless(robot("xia2019"))
+    move = cycloid(POSE, 1.0)
+    error = {}
+    for rung in ("gravity", "rigid", "rotor", "elastic"):
+        error[rung] = np.linalg.norm(simulate(ours, PD(KP, KD) + Feedforward(ours, rung), move).rms("position_error"))
+    error["none"] = np.linalg.norm(simulate(ours, PD(KP, KD), move).rms("position_error"))
+    assert error["none"] > 5 * error["gravity"] > 5 * error["rotor"] > 50 * error["elastic"]
+    assert error["rigid"] > error["rotor"]
+
+
+def limited(ours: Robot, effort: float) -> Robot:
+    return ours.with_drives(
+        {n: Drive(d.ratio, d.rotor, d.compliance, limits=Limits(effort=effort)) for n, d in ours.drives.items()}
+    )
+
+
+def saturated(backend: str = "llvm") -> Log:
+    ours = limited(robot("xia2019", backend), 12.0)
+    return simulate(ours, PD(KP, KD) + Feedforward(ours), cycloid(POSE, 0.3), duration=0.05)
+
+
+def test_torque_limits_act_after_all_laws_are_added():
+    log = saturated()
+    assert np.array_equal(log["motor_torque"], np.clip(log["command_torque"], -12.0, 12.0))
+    assert (np.abs(log["command_torque"]) > 12.0).any()
+    assert (np.abs(log["feedforward_torque"]) > 12.0).any()
+
+
+def test_the_smaller_of_the_drives_and_the_joints_limit_counts():
+    ours = robot("panda")
+    efforts = [body.joint.limits.effort for body in ours.mechanism.bodies]
+    pushed = simulate(ours, lambda memory, m, r: (memory, m.q * 0 + 1e4), duration=2e-3)
+    assert_close(pushed["motor_torque"][0], efforts, 1e-15)
+    weak = ours.with_drives({ours.joints[0]: Drive(limits=Limits(effort=3.0))})
+    pushed = simulate(weak, lambda memory, m, r: (memory, m.q * 0 + 1e4), duration=2e-3)
+    assert_close(pushed["motor_torque"][0], [3.0, *efforts[1:]], 1e-15)
+
+
+@pytest.mark.parametrize("name", ["tree", "xia2019"])
+def test_a_disturbance_equal_to_the_weight_holds_the_robot(name):
+    """Disturbances push on the links as joint torques do."""
+    ours = frictionless(robot(name))
+    q = np.linspace(-0.8, 0.9, ours.nv)
+    start = State(q=q, theta=q)  # springs unbent: the disturbance alone bears the links
+    log = simulate(ours, duration=0.1, initial=start, disturbances=lambda t: np.outer(t * 0 + 1, ours.gravity_forces(q)))
+    assert np.abs(log["q"] - q).max() < 1e-9
+
+
+def test_a_disturbance_acts_at_the_times_it_is_given_for():
+    ours = robot("tree").with_gravity([0.0, 0.0, 0.0])
+    log = simulate(ours, duration=0.01, disturbances=lambda t: np.outer(t > 4.5e-3, np.eye(ours.nv)[0]))
+    assert np.abs(log["v"][:6]).max() == 0.0
+    assert log["v"][6, 0] == pytest.approx(1e-3 * ours.forward_dynamics(ours.neutral(), log["v"][0], np.eye(ours.nv)[0])[0], rel=1e-2)
+
+
+def test_other_gains_drives_and_limits_compile_nothing_again(monkeypatch):
+    ours, move = frictionless(robot("xia2019")), cycloid(POSE, 0.05)
+    first = simulate(ours, PD(KP, KD) + Feedforward(ours), move)
+
+    def never(*_: object, **__: object) -> None:
+        raise AssertionError("compiled again")
+
+    monkeypatch.setattr(loops, "compile_program", never)
+    softer = limited(ours.with_drives({n: Drive(90.0, Rotor(2e-5), d.compliance) for n, d in ours.drives.items()}), 50.0)
+    second = simulate(softer, PD(np.array(KP) / 2, KD) + Feedforward(softer), move)
+    assert not np.array_equal(first["q"], second["q"])
+    monkeypatch.undo()
+    fresh = Robot(robot("xia2019").mechanism, softer.drives, backend="numpy")
+    alone = simulate(fresh, PD(np.array(KP) / 2, KD) + Feedforward(fresh), move)
+    assert_close(second["q"], alone["q"], 1e-10)
+
+
+def test_another_kind_of_drive_is_another_program():
+    ours, law = frictionless(robot("xia2019")), PD(KP, KD)
+    stiff = ours.with_drives({ours.joints[0]: Drive(100.0, Rotor(1e-5), LinearSpring(1e4))})
+    encoders = loops.Encoders((None, None), (None, None), 0, False, 0, 6)
+    assert programs_for(ours, law, encoders, ()) is not programs_for(stiff, law, encoders, ())
+    assert programs_for(ours, law, encoders, ()) is programs_for(ours, PD(np.array(KP) * 3, KD), encoders, ())
+
+
+@pytest.mark.parametrize("accuracy", ["standard", "fine", "reference"])
+def test_backends_give_the_same_run(accuracy):
+    runs = [simulate(o, PD(KP, KD) + Feedforward(o), cycloid(POSE, 0.2), 5e-3, accuracy=accuracy)
+            for o in (frictionless(robot("xia2019", backend)) for backend in ("llvm", "numpy"))]  # fmt: skip
+    for channel in ("q", "theta", "command_torque", "joint_torque"):
+        assert_close(runs[0][channel], runs[1][channel], 1e-9)

@@ -1,0 +1,81 @@
+"""What the controller sees: resolution, noise, delay, and speeds from positions."""
+
+from typing import Any
+
+import numpy as np
+import pytest
+from robot_library import robot
+
+from cutpoint import InputError, Log, Sensors, simulate
+from cutpoint.control import PD
+from cutpoint.trajectories import quintic
+
+PERIOD = 1e-3
+SOFT = PD([200.0] * 6, [20.0] * 6)
+PATH = quintic(np.full(6, 0.4), 0.2)
+SIDES = ("q", "theta")
+
+
+def run(duration: float = 0.1, **sensors: Any) -> Log:
+    return simulate(robot("xia2019"), SOFT, PATH, duration, PERIOD, sensors=Sensors(**sensors), substeps=20)
+
+
+@pytest.mark.parametrize("backend", ["llvm", "numpy"])
+@pytest.mark.parametrize("periods", [0, 1, 4])
+def test_a_delay_of_k_periods_shifts_every_measurement_by_k_samples(periods, backend):
+    ours, sensors = robot("xia2019", backend), Sensors(delay=periods * PERIOD)
+    log = simulate(ours, SOFT, PATH, 0.02, PERIOD, sensors=sensors, substeps=20)
+    for name in ("q", "v", "theta", "theta_dot"):
+        seen, true = log[f"measured_{name}"], log[name]
+        assert np.array_equal(seen[periods:], true[: len(true) - periods])
+        assert np.array_equal(seen[:periods], np.repeat(true[:1], periods, axis=0))
+
+
+def test_resolution_rounds_positions_to_the_nearest_step():
+    steps = {"q": 1e-4, "theta": np.linspace(1e-5, 6e-5, 6)}
+    log = run(link_resolution=steps["q"], motor_resolution=steps["theta"])
+    for name in SIDES:
+        seen, true = log[f"measured_{name}"], log[name]
+        assert np.abs(seen / steps[name] - np.round(seen / steps[name])).max() < 1e-9
+        assert (np.abs(seen - true) <= steps[name] * (0.5 + 1e-9)).all()
+        assert np.ptp(seen - true) > 0.0
+
+
+def test_noise_has_its_deviation_and_comes_again_with_its_seed():
+    log, again, other = (run(0.2, link_noise=1e-4, motor_noise=1e-5, seed=seed) for seed in (1, 1, 2))
+    for name, deviation in zip(SIDES, (1e-4, 1e-5), strict=True):
+        noise = log[f"measured_{name}"] - log[name]
+        assert noise.std() == pytest.approx(deviation, rel=0.1)
+        assert abs(noise.mean()) < 0.2 * deviation
+        assert np.array_equal(log[f"measured_{name}"], again[f"measured_{name}"])
+        assert not np.array_equal(log[f"measured_{name}"], other[f"measured_{name}"])
+
+
+def test_sides_have_noise_of_their_own():
+    log = run(link_noise=1e-4)
+    assert np.array_equal(log["measured_theta"], log["theta"])
+    assert not np.array_equal(log["measured_q"], log["q"])
+
+
+@pytest.mark.parametrize("periods", [0, 2])
+def test_differenced_speeds_are_what_positions_as_measured_tell(periods):
+    log = run(speeds="differenced", motor_resolution=1e-5, delay=periods * PERIOD)
+    for position, speed in (("measured_q", "measured_v"), ("measured_theta", "measured_theta_dot")):
+        np.testing.assert_allclose(log[speed][1:], np.diff(log[position], axis=0) / PERIOD, rtol=0, atol=1e-9)
+        assert np.array_equal(log[speed][0], np.zeros(6))
+
+
+@pytest.mark.parametrize(
+    ("sensors", "message"),
+    [
+        ({"delay": 1.5e-3}, "delay 0.0015 s must be a whole number of control periods of 0.001 s"),
+        ({"delay": -1e-3}, "delay -0.001 s must be a whole number"),
+        ({"delay": np.nan}, "delay nan s must be a whole number"),
+        ({"link_resolution": 0.0}, "link_resolution 0.0 must be positive"),
+        ({"motor_noise": [1e-4] * 5}, "one number or one for each of 6 drives"),
+        ({"speeds": "guessed"}, "speeds 'guessed' must be 'true' or 'differenced'"),
+    ],
+)
+def test_sensors_that_make_no_sense_are_refused(sensors, message):
+    with pytest.raises(InputError, match=message):
+        run(**sensors)

@@ -1,0 +1,114 @@
+"""Controllers that users write: compiled into the loop where they can be, called back where they cannot, to one result."""
+
+import warnings
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+import pytest
+from robot_library import assert_close, frictionless, robot
+
+import cutpoint
+from cutpoint import InputError, Log, simulate
+from cutpoint.control import PD, Command, Feedforward
+from cutpoint.simulation import UntracedControllerWarning
+from cutpoint.trajectories import cycloid
+
+MOVE = cycloid(np.array([0.3, 0.9, -0.6, 0.4, 0.8, -0.5]), 0.1)
+CHANNELS = ("q", "theta", "command_torque", "motor_torque", "measured_q")
+
+
+@dataclass
+class PID:
+    """Remembers the integral of the error, a record of its own making."""
+
+    kp: float = 800.0
+    ki: float = 300.0
+    kd: float = 30.0
+
+    def start(self) -> dict[str, Any]:
+        return {"integral": np.zeros(6), "samples": 0}
+
+    def step(self, memory: Any, m: Any, r: Any) -> Any:
+        error = r.theta - m.theta
+        integral = memory["integral"] + error * m.period
+        torque = self.kp * error + self.ki * integral + self.kd * (r.theta_dot - m.theta_dot)
+        return {"integral": integral, "samples": memory["samples"] + 1}, torque
+
+
+class Branching(PID):
+    """The same law, with an `if` that only a number can answer."""
+
+    def step(self, memory: Any, m: Any, r: Any) -> Any:
+        if m.q[0] > 1e3:
+            raise AssertionError("never so far")
+        return super().step(memory, m, r)
+
+
+def run(controller: Any, **options: Any) -> Log:
+    return simulate(frictionless(robot("xia2019")), controller, MOVE, duration=0.05, **options)
+
+
+@pytest.mark.parametrize("accuracy", ["standard", "reference"])
+def test_a_law_that_cannot_be_traced_gives_the_same_log_with_one_warning(accuracy):
+    traced = run(PID(), accuracy=accuracy)
+    with warnings.catch_warnings(record=True) as caught:
+        warnings.simplefilter("always")
+        called = run(Branching(), accuracy=accuracy)
+    assert [w.category for w in caught] == [UntracedControllerWarning]
+    assert caught[0].filename == __file__
+    assert "Branching runs as a Python callback" in str(caught[0].message)
+    for channel in CHANNELS:
+        assert_close(called[channel], traced[channel], 1e-12)
+
+
+def test_a_callback_added_to_laws_of_the_package_gives_the_same_log():
+    ours = frictionless(robot("xia2019"))
+    traced = run(Feedforward(ours) + PID())
+    with pytest.warns(UntracedControllerWarning):
+        called = run(Feedforward(ours) + Branching())
+    assert_close(called["q"], traced["q"], 1e-12)
+    assert_close(called["feedforward_torque"], traced["feedforward_torque"], 1e-12)
+
+
+def test_a_plain_function_is_a_controller():
+    def pd(memory: Any, m: Any, r: Any) -> Any:
+        return memory, 500.0 * (r.theta - m.theta) + 20.0 * (r.theta_dot - m.theta_dot)
+
+    assert_close(run(pd)["q"], run(PD([500.0] * 6, [20.0] * 6))["q"], 1e-12)
+
+
+def test_branches_are_written_with_where():
+    def bang(memory: Any, m: Any, r: Any) -> Any:
+        return memory, np.array([cutpoint.where(e > 0, 2.0, -2.0) for e in r.q - m.q])
+
+    log = run(bang)
+    error = log["reference_q"] - log["measured_q"]
+    assert np.array_equal(log["command_torque"], np.where(error > 0, 2.0, -2.0))
+
+
+def test_a_law_may_make_the_motors_reference_that_the_others_track():
+    def ahead(memory: Any, m: Any, r: Any) -> Any:
+        return memory, Command(np.zeros(6), 0, r.q + 0.01, r.v)
+
+    class Ahead(cutpoint.control.Law):
+        makes_motor_reference = True
+
+        def step(self, memory: Any, m: Any, r: Any) -> Any:
+            return ahead(memory, m, r)
+
+    log = run(PD([500.0] * 6, [20.0] * 6) + Ahead())
+    assert_close(log["motor_reference"], log["reference_q"] + 0.01, 1e-15, scale=1.0)
+    expected = 500.0 * (log["motor_reference"] - log["theta"]) + 20.0 * (log["reference_v"] - log["theta_dot"])
+    assert_close(log["command_torque"], expected, 1e-12)
+
+
+def test_two_makers_of_a_motor_reference_are_refused():
+    ours = robot("xia2019")
+    with pytest.raises(InputError, match="Feedforward and Feedforward both make a motor reference"):
+        Feedforward(ours) + PD([1.0] * 6, [1.0] * 6) + Feedforward(ours)
+
+
+def test_memory_starts_anew_in_every_run():
+    law = PID()
+    assert np.array_equal(run(law)["q"], run(law)["q"])
