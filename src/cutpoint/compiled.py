@@ -23,8 +23,9 @@ from cutpoint.scalars import leaves, rebuild
 def machine_of(mechanism: Mechanism, drives: Mapping[str, Drive]) -> Machine:
     """The robot as the equations want it: rigid drives' rotors as armature, drives in their coordinates' order."""
     system = system_of(mechanism, drives)
-    segments = {body.joint.name: s for body, s in zip(mechanism.bodies, system.segments, strict=True)}
-    return Machine(system, [Driven(d, *segments[name]) for name, d in drives.items()])
+    indices = {body.joint.name: i for i, body in enumerate(mechanism.bodies)}
+    driven = [(drive, i, system.segments[i]) for drive, i in ((d, indices[name]) for name, d in drives.items())]
+    return Machine(system, [Driven(drive, i, own.q.start, own.v.start) for drive, i, own in driven])
 
 
 def rotor_is_felt(drive: Drive) -> bool:
@@ -47,13 +48,15 @@ class Compiled:
         self._rotors_are_felt = any(rotor_is_felt(drive) for drive in drives.values())
         self._kernels: dict[Any, Kernel] = {}
 
-    def size_of(self, name: str) -> int:
-        """Length of an input's last axis."""
+    def size_of(self, name: str) -> int | tuple[()]:
+        """Length of an input's last axis; () for a single number."""
         if name.startswith("wrench_"):
             return 6
+        if name == "dt":
+            return ()
         if name in ("theta", "theta_dot", "motor_torque"):
             return len(self._drives)
-        return self.machine.system.nq if name == "q" else self.machine.system.nv
+        return self.machine.system.nq if name in ("q", "q_next") else self.machine.system.nv
 
     def with_parameters(self, parameters: Sequence[Any]) -> Machine:
         """The machine with these numbers in its drives."""

@@ -6,7 +6,7 @@ from typing import Any, NamedTuple
 from cutpoint.mechanics import elastic, kinematics, mass_matrix, power_flow, regressor
 from cutpoint.mechanics import forward_dynamics as forward
 from cutpoint.mechanics import inverse_dynamics as inverse
-from cutpoint.mechanics.elastic import Driven, ElasticAccelerations, ElasticMotion
+from cutpoint.mechanics.elastic import Driven, ElasticAccelerations, ElasticMotion, Options
 from cutpoint.mechanics.harmonic_drive import spring_torque
 from cutpoint.mechanics.spatial import Pose, Vec3, Wrench
 from cutpoint.mechanics.system import System
@@ -72,12 +72,20 @@ def power_flows(m: Machine, q: Scalars, v: Scalars, a: Scalars) -> Scalars:
     return power_flow.power_flows(m.system, q, v, a)
 
 
+def integrate(m: Machine, q: Scalars, v: Scalars, dt: Any) -> Scalars:
+    return kinematics.integrate(m.system, q, [dt * x for x in v])
+
+
+def difference(m: Machine, q: Scalars, q_next: Scalars) -> Scalars:
+    return kinematics.difference(m.system, q, q_next)
+
+
 def coordinate_rates(m: Machine, q: Scalars, v: Scalars) -> Scalars:
     return kinematics.coordinate_rates(m.system, q, v)
 
 
-def elastic_inverse_dynamics(m: Machine, friction_rates: bool, **motion: Scalars) -> ElasticMotion:
-    return elastic.elastic_inverse_dynamics(m.system, m.drives, **motion, friction_rates=friction_rates)
+def elastic_inverse_dynamics(m: Machine, options: Options, q: Scalars, **rates: Scalars) -> ElasticMotion:
+    return elastic.elastic_inverse_dynamics(m.system, m.drives, q, *rates.values(), options=options)
 
 
 def elastic_forward_dynamics(m: Machine, **state: Scalars) -> ElasticAccelerations:

@@ -1,24 +1,27 @@
 """What is checked once, where a user hands something in: arrays, drives, configurations."""
 
 from collections.abc import Mapping, Sequence
+from dataclasses import fields
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from cutpoint.errors import InputError, ModelError, unknown_name
-from cutpoint.model import Drive, Mechanism
+from cutpoint.model import Drive, Joint, Mechanism
 from cutpoint.scalars import leaves
+
+Array = NDArray[np.float64]
 
 DRIVEN_KINDS = ("revolute", "continuous", "prismatic")
 
 
-def checked_array(function: str, name: str, value: ArrayLike, size: int) -> NDArray[np.float64]:
+def checked_array(function: str, name: str, value: ArrayLike, size: int | tuple[()]) -> NDArray[np.float64]:
     """The value as float64 with a last axis of this size, every number finite.  Raises InputError."""
     try:
-        array = np.asarray(value, dtype=np.float64)
+        array = np.asarray(value).astype(np.float64, casting="same_kind", copy=False)
     except (TypeError, ValueError) as error:
         raise InputError(f"{function}: {name} must be numbers of shape (..., {size}): {error}") from None
-    if not array.ndim or array.shape[-1] != size:
+    if isinstance(size, int) and (not array.ndim or array.shape[-1] != size):
         raise InputError(
             f"{function}: {name} has shape {array.shape}, its last axis must be {size}", name=name, shape=array.shape
         )
@@ -27,6 +30,22 @@ def checked_array(function: str, name: str, value: ArrayLike, size: int) -> NDAr
         place = f"{name}[{', '.join(map(str, where))}]"
         raise InputError(f"{function}: {place} is {array[where]}, every number must be finite", name=name, index=where)
     return array
+
+
+def random_coordinates(
+    joint: Joint, count: int, rng: np.random.Generator, shape: tuple[int, ...]
+) -> NDArray[np.float64]:
+    """Coordinates (*shape, count) of a joint at random: see `Robot.random`."""
+    free = np.pi if joint.kind in ("revolute", "continuous", "helical") else 1.0
+    if count == 1:
+        lower = joint.limits.lower if np.isfinite(joint.limits.lower) else -free
+        upper = joint.limits.upper if np.isfinite(joint.limits.upper) else free
+        return rng.uniform(min(lower, upper), max(lower, upper), (*shape, 1))
+    if joint.kind == "planar":
+        return rng.uniform(-1.0, 1.0, (*shape, 3)) * [1.0, 1.0, np.pi]
+    turn = rng.standard_normal((*shape, 4))
+    turn /= np.linalg.norm(turn, axis=-1, keepdims=True)
+    return turn if joint.kind == "spherical" else np.concatenate([rng.uniform(-1.0, 1.0, (*shape, 3)), turn], axis=-1)
 
 
 def driven_joints(mechanism: Mechanism) -> dict[str, int]:
@@ -45,18 +64,34 @@ def validated_drives(mechanism: Mechanism, drives: Mapping[str, Drive]) -> dict[
         if name not in joints:
             raise unknown_name("driven joint", name, joints)
         check_drive(name, drive)
+        if drive.is_elastic and _has_full_coupling(drive) and mechanism.coupled and _has_followers(mechanism):
+            rule = "full rotor coupling behind a bending drive does not go with coupled mimic joints"
+            raise ModelError(f"joint {name!r}: {rule}; read them as independent, or take 'reduced'", joint=name)
     return {name: drives.get(name, Drive()) for name in joints}
+
+
+def _has_full_coupling(drive: Drive) -> bool:
+    return drive.rotor is not None and drive.rotor.coupling == "full"
+
+
+def _has_followers(mechanism: Mechanism) -> bool:
+    return any(body.joint.mimic for body in mechanism.bodies)
 
 
 def check_drive(name: str, drive: Drive) -> None:
     """Numbers finite, ratio not zero, an elastic drive with a rotor; positive where the laws need it."""
-    for number in leaves(drive):
-        if not np.isfinite(number) and number not in leaves(drive.limits):
+    for number in leaves([getattr(drive, field.name) for field in fields(drive) if field.name != "limits"]):
+        if not np.isfinite(number):
             raise ModelError(f"joint {name!r}: its drive holds {number}, every number must be finite", joint=name)
     if drive.ratio == 0:
         raise ModelError(f"joint {name!r}: ratio 0 must not be zero: motor turns per joint turn, signed", joint=name)
     if drive.is_elastic and (drive.rotor is None or drive.rotor.inertia <= 0):
         raise ModelError(f"joint {name!r}: an elastic drive needs a rotor with a positive inertia, kg m2", joint=name)
+    if drive.rotor and drive.rotor.coupling not in ("reduced", "full"):
+        found = drive.rotor.coupling
+        raise ModelError(f"joint {name!r}: rotor coupling {found!r} must be 'reduced' or 'full'", joint=name)
+    if drive.rotor and min(drive.rotor.inertia, drive.rotor.mass, drive.rotor.transverse) < 0:
+        raise ModelError(f"joint {name!r}: rotor inertia, mass and transverse must not be negative", joint=name)
     for law in (drive.compliance, drive.link_friction, drive.motor_friction):
         _check_law(name, law)
 

@@ -9,8 +9,9 @@ from numpy.typing import ArrayLike, NDArray
 
 from cutpoint import definitions
 from cutpoint.compiled import Compiled
-from cutpoint.door import checked_array, driven_joints, validated_drives
+from cutpoint.door import checked_array, driven_joints, random_coordinates, validated_drives
 from cutpoint.errors import InputError, unknown_name
+from cutpoint.mechanics.elastic import Options, derivatives_needed
 from cutpoint.model import Drive, Mechanism, changes
 from cutpoint.model.decomposition import Cut, Subsystem, cuts_of, subsystems_of
 from cutpoint.scalars import structure_of
@@ -103,11 +104,23 @@ class Robot:
         return cuts_of(self.mechanism)
 
     def neutral(self) -> Array:
-        """The configuration with every joint at zero and a floating base unturned, (nq,)."""
+        """The configuration with every joint unmoved, (nq,)."""
         q = np.zeros(self.nq)
-        for segment in self._compiled.machine.system.segments:
-            if segment.joint.coordinates == 7:
-                q[segment.q.stop - 1] = 1.0
+        for segment in self.machine.system.segments:
+            if not segment.follower:
+                q[segment.q] = segment.joint.neutral
+        return q
+
+    def random(self, seed: int | np.random.Generator | None = None, size: int | tuple[int, ...] = ()) -> Array:
+        """Random configurations (*size, nq): within limits where there are any, otherwise within a turn, or 1 m.
+
+        A free turn is spread evenly over all turns.
+        """
+        rng, shape = np.random.default_rng(seed), (size,) if isinstance(size, int) else tuple(size)
+        q = np.broadcast_to(self.neutral(), (*shape, self.nq)).copy()
+        for segment, body in zip(self.machine.system.segments, self.mechanism.bodies, strict=True):
+            if not segment.follower:
+                q[..., segment.q] = random_coordinates(body.joint, segment.joint.coordinates, rng, shape)
         return q
 
     # others like it
@@ -224,8 +237,16 @@ class Robot:
         """(..., cuts): power that passes outward through each of `cuts`, W.  Zhu (2010) section 2.9."""
         return self._call("power_flows", definitions.power_flows, q=q, v=v, a=a)
 
+    def integrate(self, q: ArrayLike, v: ArrayLike, dt: float) -> Array:
+        """(..., nq): coordinates after a time dt (s) at constant speeds v, each joint in its moving frame."""
+        return self._call("integrate", definitions.integrate, q=q, v=v, dt=dt)
+
+    def difference(self, q: ArrayLike, q_next: ArrayLike) -> Array:
+        """(..., nv): the constant speeds that lead from q to q_next in a unit of time: the inverse of `integrate`."""
+        return self._call("difference", definitions.difference, q=q, q_next=q_next)
+
     def coordinate_rates(self, q: ArrayLike, v: ArrayLike) -> Array:
-        """(..., nq): time derivative of q; v itself but for quaternions."""
+        """(..., nq): time derivative of q; v itself but for quaternions and planar joints."""
         return self._call("coordinate_rates", definitions.coordinate_rates, q=q, v=v)
 
     # the robot whose joints bend
@@ -237,17 +258,39 @@ class Robot:
         a: ArrayLike,
         jerk: ArrayLike,
         snap: ArrayLike,
-        *,
+        *higher: ArrayLike,
         friction_rates: bool = False,
+        quasi_rigid: bool = False,
     ) -> ElasticTorques:
-        """What the motors must do for a motion with four derivatives.  Xia (2019) eqs. (2), (13)-(28), corrected.
+        """What the motors must do for a motion, exact in its derivatives.  Xia (2019) eqs. (2), (4)-(11), (13)-(28).
 
-        Exact in the derivatives.  Friction enters by value; with friction_rates its derivatives pass through the spring
-        too.  A rigid drive's motor moves as its joint does.
+        Four derivatives of the position are enough unless rotors with full coupling follow each other along the arm:
+        then `derivatives_needed` says how many, and InputError how many are missing.  quasi_rigid does with four
+        always: rotors act on what carries them as if their drives did not bend.
+        Friction enters by value; with friction_rates its derivatives pass through the spring too.  A rigid drive's
+        motor moves as its joint does.
         """
-        function = partial(definitions.elastic_inverse_dynamics, friction_rates=friction_rates)
-        motion = {"q": q, "v": v, "a": a, "jerk": jerk, "snap": snap}
-        return ElasticTorques(*self._call("elastic_inverse_dynamics", function, friction_rates, True, **motion))
+        options = Options(friction_rates, quasi_rigid)
+        rates = {"v": v, "a": a, "jerk": jerk, "snap": snap}
+        rates.update({f"derivative_{k}": x for k, x in enumerate(higher, 5)})
+        needed = 4 if quasi_rigid else self.derivatives_needed
+        if len(rates) < needed:
+            raise InputError(
+                f"elastic_inverse_dynamics: {needed - len(rates)} more derivatives of the position are needed: "
+                f"{len(rates)} are given, rotors with full coupling take {needed}; or say quasi_rigid=True",
+                needed=needed,
+            )
+        kept = dict([*rates.items()][: max(needed, 4)])
+        function = partial(definitions.elastic_inverse_dynamics, options=options)
+        return ElasticTorques(
+            *self._call("elastic_inverse_dynamics", function, (options, len(kept)), True, q=q, **kept)
+        )
+
+    @property
+    def derivatives_needed(self) -> int:
+        """Derivatives of the position that an exact `elastic_inverse_dynamics` takes: 4, or 2 (n + 1) for n rotors with
+        full coupling along one arm.  Buondonno and De Luca (2015)."""
+        return max(4, derivatives_needed(self.machine.system, self.machine.drives))
 
     def elastic_forward_dynamics(
         self, q: ArrayLike, v: ArrayLike, theta: ArrayLike, theta_dot: ArrayLike, motor_torque: ArrayLike

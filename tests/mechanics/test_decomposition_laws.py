@@ -10,6 +10,7 @@ from hypothesis import strategies as st
 from robot_library import Array, Robot, assert_close, derivative, motions, robot
 
 from cutpoint import Coulomb, Drive, Flexspline, LinearSpring, Rotor, definitions
+from cutpoint.control import Feedforward, Reference
 from cutpoint.kernels import Graph, graph_of
 
 ROBOTS = [("xia2019", "llvm"), ("xia2019", "numpy"), ("panda", "llvm"), ("tree", "numpy"), ("floating", "llvm")]
@@ -66,7 +67,6 @@ def energy_of(ours: Robot, body: Any, q: Array, v: Array) -> float:
     return body.mass * (at_com @ at_com / 2 + height) + V[3:] @ body.inertia @ V[3:] / 2
 
 
-MOTION = ("q", "v", "a", "jerk", "snap")
 SPRUNG = Drive(100.0, Rotor(1e-5), LinearSpring(1e4), link_friction=Coulomb(0.3, 0.1, 0.05))
 OTHERS = {
     "flexspline": Drive(100.0, Rotor(1e-5), Flexspline(1e4, 0.05), link_friction=Coulomb(0.3, 0.1, 0.05)),
@@ -77,15 +77,14 @@ OTHERS = {
 
 
 def inverse_graph(ours: Robot) -> Graph:
-    """Motor torques and motor motion of each drive as an output of its own, with all numbers folded in."""
-    by_joint = namedtuple("ByJoint", ours.joints)
+    """Motor torque and motor reference of each drive as an output of its own, with all numbers folded in."""
+    by_joint, law = namedtuple("ByJoint", ours.joints), Feedforward(ours)
 
     def traced(**motion: Any) -> Any:
-        u = definitions.elastic_inverse_dynamics(ours.machine, False, **motion)
-        own = zip(u.motor_torque, u.theta, u.theta_dot, u.theta_ddot, strict=True)
-        return by_joint(*map(list, own))
+        _, command = law.step((), None, Reference(**motion, theta=None, theta_dot=None))
+        return by_joint(*map(list, zip(command.torque, command.theta, command.theta_dot, strict=True)))
 
-    return graph_of(traced, **dict.fromkeys(MOTION, ours.nv))
+    return graph_of(traced, **dict.fromkeys(("q", "v", "a", "jerk", "snap"), ours.nv))
 
 
 def forward_graph(ours: Robot) -> Graph:

@@ -49,15 +49,14 @@ def test_rms_at_the_default_step_is_that_of_a_much_finer_one(laws):
 
 
 def test_feedforward_needs_no_feedback_where_the_model_is_right():
-    """Rung by rung the error falls; elastic feedforward leaves what the sampled hold leaves."""
+    """Rung by rung the error falls; the elastic rung leaves only what holding commands for a sample leaves."""
     ours = frictionless(robot("xia2019"))
     move = cycloid(POSE, 1.0)
     error = {}
     for rung in ("gravity", "rigid", "rotor", "elastic"):
         error[rung] = np.linalg.norm(simulate(ours, PD(KP, KD) + Feedforward(ours, rung), move).rms("position_error"))
     error["none"] = np.linalg.norm(simulate(ours, PD(KP, KD), move).rms("position_error"))
-    assert error["none"] > 5 * error["gravity"] > 5 * error["rotor"] > 50 * error["elastic"]
-    assert error["rigid"] > error["rotor"]
+    assert error["none"] > error["gravity"] > error["rigid"] > error["rotor"] > 20 * error["elastic"]
 
 
 def limited(ours: Robot, effort: float) -> Robot:
@@ -106,19 +105,19 @@ def test_a_disturbance_acts_at_the_times_it_is_given_for():
 
 
 def test_other_gains_drives_and_limits_compile_nothing_again(monkeypatch):
-    ours, move = frictionless(robot("xia2019")), cycloid(POSE, 0.05)
-    first = simulate(ours, PD(KP, KD) + Feedforward(ours), move)
+    ours, move = frictionless(robot("xia2019")), cycloid(POSE, 1.0)
+    first = simulate(ours, PD(KP, KD) + Feedforward(ours), move, 0.05)
 
     def never(*_: object, **__: object) -> None:
         raise AssertionError("compiled again")
 
     monkeypatch.setattr(loops, "compile_program", never)
     softer = limited(ours.with_drives({n: Drive(90.0, Rotor(2e-5), d.compliance) for n, d in ours.drives.items()}), 50.0)
-    second = simulate(softer, PD(np.array(KP) / 2, KD) + Feedforward(softer), move)
+    second = simulate(softer, PD(np.array(KP) / 2, KD) + Feedforward(softer), move, 0.05)
     assert not np.array_equal(first["q"], second["q"])
     monkeypatch.undo()
     fresh = Robot(robot("xia2019").mechanism, softer.drives, backend="numpy")
-    alone = simulate(fresh, PD(np.array(KP) / 2, KD) + Feedforward(fresh), move)
+    alone = simulate(fresh, PD(np.array(KP) / 2, KD) + Feedforward(fresh), move, 0.05)
     assert_close(second["q"], alone["q"], 1e-10)
 
 

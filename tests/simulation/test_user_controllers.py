@@ -14,7 +14,7 @@ from cutpoint.control import PD, Command, Feedforward
 from cutpoint.simulation import UntracedControllerWarning
 from cutpoint.trajectories import cycloid
 
-MOVE = cycloid(np.array([0.3, 0.9, -0.6, 0.4, 0.8, -0.5]), 0.1)
+MOVE = cycloid(np.array([0.3, 0.9, -0.6, 0.4, 0.8, -0.5]), 0.5)
 CHANNELS = ("q", "theta", "command_torque", "motor_torque", "measured_q")
 
 
@@ -59,7 +59,8 @@ def test_a_law_that_cannot_be_traced_gives_the_same_log_with_one_warning(accurac
     assert caught[0].filename == __file__
     assert "Branching runs as a Python callback" in str(caught[0].message)
     for channel in CHANNELS:
-        assert_close(called[channel], traced[channel], 1e-12)
+        # the adaptive integrator's steps are chosen by the last digit, too
+        assert_close(called[channel], traced[channel], 1e-12 if accuracy == "standard" else 1e-8)
 
 
 def test_a_callback_added_to_laws_of_the_package_gives_the_same_log():

@@ -7,7 +7,7 @@ import numpy as np
 
 from cutpoint.control.interface import Command, Law, Measurement, Reference
 from cutpoint.errors import InputError
-from cutpoint.mechanics.elastic import elastic_inverse_dynamics
+from cutpoint.mechanics.elastic import Options, elastic_inverse_dynamics
 from cutpoint.mechanics.harmonic_drive import friction_torque
 from cutpoint.mechanics.inverse_dynamics import inverse_dynamics
 from cutpoint.robot import Robot
@@ -22,7 +22,8 @@ class Feedforward(Law):
 
     gravity: what holds the links.  rigid: and moves them, (29)-(31), (44)-(47).  rotor: and spins the rotors (56).
     friction: and overcomes friction (54)-(55).  elastic: all of it through the bending drives, with the motor's own
-    reference, q_d plus the deflection (2), in which nearly all of the elastic gain lies.
+    reference, q_d plus the deflection (2), in which nearly all of the elastic gain lies.  Rotors with full coupling act
+    on what carries them as if their drives did not bend, which asks for no more than four derivatives.
     parameters: numbers of the drives, those of the robot unless given (see `Robot.drive_parameters`).
     """
 
@@ -46,7 +47,8 @@ class Feedforward(Law):
         machine, still = self.robot.machine_with(self.parameters), [0] * self.robot.nv
         q, v, a = [*reference.q], [*reference.v], [*reference.a]
         if self.rung == "elastic":
-            u = elastic_inverse_dynamics(machine.system, machine.drives, q, v, a, [*reference.jerk], [*reference.snap])
+            rates = (v, a, [*reference.jerk], [*reference.snap])
+            u = elastic_inverse_dynamics(machine.system, machine.drives, q, *rates, options=Options(quasi_rigid=True))
             torque = np.array(u.motor_torque)
             return memory, Command(torque, torque, np.array(u.theta), np.array(u.theta_dot))
         if self.rung == "gravity":

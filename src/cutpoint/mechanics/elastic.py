@@ -1,15 +1,15 @@
 """Robots whose joints bend: motor torques of a motion, and accelerations under motor torques.
 
 Reduced coupling (Spong 1987): a rotor's kinetic energy is that of its own spin.  Full coupling: it is a body, see
-`rotors`.  Xia (2019) eqs. (4)-(11), (21)-(28), (56), with the motor torque read as tau_m = I_m theta'' + tau_f + xi, all
-at the joint's side.
+`rotors`.  Xia (2019) eqs. (4)-(11), (21)-(28), (56), with the motor torque read as tau_m = I_m theta'' + tau_f + xi,
+all at the joint's side.
 """
 
 from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any, NamedTuple
 
-from cutpoint.mechanics.forward_dynamics import forward_dynamics
+from cutpoint.mechanics.forward_dynamics import forward_dynamics, give_way
 from cutpoint.mechanics.harmonic_drive import friction_torque, spring_torque
 from cutpoint.mechanics.inverse_dynamics import BodyMotion, motions, net_wrenches
 from cutpoint.mechanics.rotors import Spin
@@ -79,8 +79,8 @@ def elastic_inverse_dynamics(
     still makes `elastic_forward_dynamics` return a and theta_ddot exactly, but theta_dot is off d theta/dt by the order
     of damping.
     """
-    v, a = ([Jet(*x) for x in zip(*rates[k:], strict=True)] for k in (0, 1))
-    v = [Jet.of_taylor(x.c[:-1]) for x in v]
+    v = [Jet(*x) for x in zip(*rates[:-1], strict=True)]
+    a = [Jet(*x) for x in zip(*rates[1:], strict=True)]
     moved = motions(system, coordinate_jets(system, q, v), v, a)
     F = net_wrenches(system, moved, v, a)
     found, by_segment = {}, {d.segment: d for d in drives}
@@ -99,8 +99,8 @@ def elastic_inverse_dynamics(
         if segment.parent != WORLD:
             F[segment.parent] = F[segment.parent] + moved[i].X.inward(F[i])
     torques = [_motor_torque(d, found[d.segment], spins.get(d.segment), moved) for d in drives]
-    motor = [[found[d.segment].theta.derivative(k) for d in drives] for k in range(3)]
-    return ElasticMotion(torques, *motor, [t.derivative(0) for t in tau])
+    theta, theta_dot, theta_ddot = ([found[d.segment].theta.derivative(k) for d in drives] for k in range(3))
+    return ElasticMotion(torques, theta, theta_dot, theta_ddot, [t.derivative(0) for t in tau])
 
 
 def derivatives_needed(system: System, drives: Sequence[Driven]) -> int:
@@ -157,7 +157,7 @@ def _motor_motion(driven: Driven, tau: Jet, q: Scalar, v: Jet, a: Jet, options: 
 
 
 def _motor_torque(driven: Driven, motor: _Motor, spin: Spin | None, moved: Sequence[BodyMotion]) -> Scalar:
-    """What the motor must exert: on its drive, against its friction, and on its rotor.  Xia (2019) eqs. (22), (27), (56)."""
+    """What the motor exerts on its drive, against friction and on its rotor.  Xia (2019) eqs. (22), (27), (56)."""
     drive, theta = driven.drive, motor.theta
     torque = motor.passed + friction_torque(drive.motor_friction, theta.derivative(1))
     if drive.compliance is not None:
@@ -202,19 +202,21 @@ def elastic_forward_dynamics(
     driving = driving_torques(drives, q, v, theta, theta_dot, motor_torque)
     tau = [*disturbance] if disturbance is not None else [0] * system.nv
     left: dict[int, tuple[Scalar, Scalar]] = {}
+    drives_of = {d.segment: d.drive for d in drives}
     for d, u, tau_d, omega_d in zip(drives, motor_torque, driving, theta_dot, strict=True):
         tau[d.v] = tau[d.v] + tau_d - friction_torque(d.drive.link_friction, v[d.v])
         if d.drive.is_elastic:
             left[d.segment] = u - tau_d - friction_torque(d.drive.motor_friction, omega_d), omega_d
-    alpha_of: dict[int, Scalar] = {}
-    a = forward_dynamics(system, q, v, tau, rotor_torques=left, carrier_turning=alpha_of)
-    alpha = [
-        left[d.segment][0] / d.drive.reflected_inertia - alpha_of.get(d.segment, 0) / d.drive.ratio
-        if d.drive.is_elastic
-        else a[d.v]
-        for d in drives
-    ]
-    return ElasticAccelerations(a, alpha)
+    if system.has_followers:  # none of whose drives has full coupling
+        a, A = forward_dynamics(system, q, v, tau), []
+    else:
+        a, A = give_way(system, q, v, tau, {}, left)
+    alpha = {k: torque / drives_of[k].reflected_inertia for k, (torque, _) in left.items()}
+    for spin in system.spins:  # what its carrier turns by, a rotor need not turn itself
+        if spin.elastic:
+            turned = spin.axis.dot(A[spin.carrier].angular) * spin.inertia / spin.geared
+            alpha[spin.joint] = alpha[spin.joint] - turned
+    return ElasticAccelerations(a, [alpha[d.segment] if d.drive.is_elastic else a[d.v] for d in drives])
 
 
 def driving_torques(

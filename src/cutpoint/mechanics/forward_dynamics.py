@@ -4,8 +4,7 @@ Featherstone (2008) chapter 7.
 """
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
-from typing import Any
+from dataclasses import dataclass, replace
 
 from cutpoint.mechanics.articulated import NO_ROTOR, Articulated, FeltRotor, Yield, accelerations
 from cutpoint.mechanics.inverse_dynamics import inverse_dynamics
@@ -47,32 +46,42 @@ def prepare(body: Segment, V_p: Motion, U_p: Mat3, q: Scalars, v: Scalars) -> Re
 
 
 def forward_dynamics(
-    system: System,
-    q: Scalars,
-    v: Scalars,
-    tau: Scalars,
-    contact: Mapping[str, Wrench] | None = None,
-    rotor_torques: Mapping[int, tuple[Scalar, Scalar]] | None = None,
+    system: System, q: Scalars, v: Scalars, tau: Scalars, contact: Mapping[str, Wrench] | None = None
 ) -> list[Scalar]:
     """Accelerations of the coordinates under joint torques tau, N m (N).  Featherstone (2008) section 7.3.
 
     contact: F_e by frame name, the wrench that the robot exerts on the environment there, in that frame's axes.
-    rotor_torques: for each segment with an elastic drive and full coupling, the torque that its rotor is left with and
-    its speed, at the joint's side.
     """
     if system.has_followers:
         return _through_mass_matrix(system, q, v, tau, contact)
+    rigid = replace(system, spins=tuple(spin for spin in system.spins if not spin.elastic))
+    return give_way(rigid, q, v, tau, contact or {}, {})[0]
+
+
+def give_way(
+    system: System,
+    q: Scalars,
+    v: Scalars,
+    tau: Scalars,
+    contact: Mapping[str, Wrench],
+    rotors: Mapping[int, tuple[Scalar, Scalar]],
+) -> tuple[list[Scalar], list[Motion]]:
+    """Accelerations of the coordinates and of the bodies, by the articulated-body recursion.
+
+    rotors: for each segment with an elastic drive and full coupling, the torque that its rotor is left with, and its
+    speed, at the joint's side.
+    """
     bodies: list[Resistance] = []
     # outward: velocities, and what they alone cost
     for body in system.segments:
         V_p, U_p = (STILL, NO_ROTATION) if body.parent == WORLD else (bodies[body.parent].V, bodies[body.parent].U)
         bodies.append(prepare(body, V_p, U_p, q, v))
-    for name, F_e in (contact or {}).items():
+    for name, F_e in contact.items():
         place = system.frames[name]
         if place.body != WORLD:
             bodies[place.body].P = bodies[place.body].P + place.pose.inward(F_e)
     for spin in system.spins:
-        _let_spin(spin, system, bodies, v, rotor_torques or {})
+        _let_spin(spin, system, bodies[spin.carrier], v, rotors)
     # inward: what a body and all it carries still resist once its joint gives way
     gave: list[list[Yield]] = []
     felt = felt_rotors(system)
@@ -90,7 +99,7 @@ def forward_dynamics(
         carried = own.X.outward(system.base_acceleration if body.parent == WORLD else A[body.parent])
         found[body.v] = accelerations(steps, carried)
         A.append(carried + own.bias + body.joint.motion(found[body.v]))
-    return found
+    return found, A
 
 
 def felt_rotors(system: System) -> list[list[FeltRotor]]:
@@ -102,17 +111,17 @@ def felt_rotors(system: System) -> list[list[FeltRotor]]:
     ]
 
 
-def _let_spin(spin: Spin, system: System, bodies: list[Resistance], v: Scalars, torques: Mapping[int, Any]) -> None:
-    """What a rotor's spin costs its carrier.  An elastic drive's rotor is free to lag behind it about its axis."""
-    carrier = bodies[spin.carrier]
+def _let_spin(
+    spin: Spin, system: System, carrier: Resistance, v: Scalars, rotors: Mapping[int, tuple[Scalar, Scalar]]
+) -> None:
+    """What a rotor's spin costs its carrier.  An elastic drive's rotor does not follow its carrier about its axis."""
     if not spin.elastic:
-        speed = system.segments[spin.joint].speeds(v)[0]
-        carrier.P = carrier.P + spin.reaction(carrier.V.angular, speed, 0)
+        carrier.P = carrier.P + spin.reaction(carrier.V.angular, system.segments[spin.joint].speeds(v)[0], 0)
         return
-    torque, speed = torques[spin.joint]
+    torque, speed = rotors[spin.joint]
     carrier.M = carrier.M + Articulated.about(spin.axis, -spin.inertia)
-    reaction = spin.reaction(carrier.V.angular, speed, 0)
-    carrier.P = carrier.P + reaction + Wrench(ZERO, spin.axis * (torque * spin.inertia / spin.geared))
+    pushed = Wrench(ZERO, spin.axis * (torque * spin.inertia / spin.geared))
+    carrier.P = carrier.P + spin.reaction(carrier.V.angular, speed, 0) + pushed
 
 
 def _is_nothing(x: Scalar) -> bool:

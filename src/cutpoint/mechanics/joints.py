@@ -32,11 +32,12 @@ class JointKind:
     """What every kind offers, as a joint whose coordinates are its speeds' integrals has it."""
 
     coordinates: ClassVar[int] = 1
+    fixed_axes: ClassVar[tuple[Axis, ...]] = ()
 
     @property
     def axes(self) -> tuple[Axis, ...]:
         """The columns z, one a speed."""
-        raise TypeError(f"{type(self).__name__} must say along which axes it is free")
+        return self.fixed_axes
 
     @property
     def neutral(self) -> list[float]:
@@ -73,7 +74,7 @@ class JointKind:
 class Revolute(JointKind):
     """Turns about z by q (rad).  Xia (2019) eqs. (34)-(36)."""
 
-    axes = (TURN_Z,)
+    fixed_axes = (TURN_Z,)
 
     def pose(self, q: Scalars) -> Pose:
         return Pose(_about_z(q[0]), ZERO)
@@ -83,7 +84,7 @@ class Revolute(JointKind):
 class Prismatic(JointKind):
     """Slides along z by q (m)."""
 
-    axes = (Z,)
+    fixed_axes = (Z,)
 
     def pose(self, q: Scalars) -> Pose:
         return Pose(IDENTITY, Vec3(0, 0, q[0]))
@@ -108,7 +109,7 @@ class Planar(JointKind):
     """Moves in the x-y plane and turns about z: q = (x, y, angle) in the unmoved frame, v in the moved one."""
 
     coordinates = 3
-    axes = (X, Y, TURN_Z)
+    fixed_axes = (X, Y, TURN_Z)
 
     def pose(self, q: Scalars) -> Pose:
         return Pose(_about_z(q[2]), Vec3(q[0], q[1], 0))
@@ -134,7 +135,7 @@ class Spherical(JointKind):
     """Turns about a point: q is a quaternion (x, y, z, w), v the angular velocity in the moved frame."""
 
     coordinates = 4
-    axes = (TURN_X, TURN_Y, TURN_Z)
+    fixed_axes = (TURN_X, TURN_Y, TURN_Z)
 
     @property
     def neutral(self) -> list[float]:
@@ -158,7 +159,7 @@ class Floating(JointKind):
     """Free: q is a position (m) and a quaternion (x, y, z, w), v the velocity in the moved frame."""
 
     coordinates = 7
-    axes = (X, Y, Z, TURN_X, TURN_Y, TURN_Z)
+    fixed_axes = (X, Y, Z, TURN_X, TURN_Y, TURN_Z)
 
     @property
     def neutral(self) -> list[float]:

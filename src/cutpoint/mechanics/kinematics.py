@@ -104,3 +104,21 @@ def coordinate_rates(system: System, q: Scalars, v: Scalars) -> list[Scalar]:
         if not segment.follower:
             rates[segment.q] = segment.joint.rates([*q[segment.q]], [*v[segment.v]])
     return rates
+
+
+def integrate(system: System, q: Scalars, step: Scalars) -> list[Scalar]:
+    """Coordinates after moving for a unit of time with constant speeds `step`, each joint in its moving frame."""
+    moved: list[Scalar] = [0] * system.nq
+    for segment in system.segments:
+        if not segment.follower:
+            moved[segment.q] = segment.joint.integrated([*q[segment.q]], [*step[segment.v]])
+    return moved
+
+
+def difference(system: System, q: Scalars, other: Scalars) -> list[Scalar]:
+    """The step that `integrate` needs to come from q to the other coordinates."""
+    step: list[Scalar] = [0] * system.nv
+    for segment in system.segments:
+        if not segment.follower:
+            step[segment.v] = segment.joint.difference([*q[segment.q]], [*other[segment.q]])
+    return step

@@ -70,7 +70,7 @@ class Exponential:
     def unshift(self, p: Vec3) -> Vec3:
         """The velocity that shifts by p: the inverse of `shift`."""
         once = self.omega.cross(p)
-        return p - once / 2 + self.omega.cross(once) * self.c
+        return p - once * (1 / 2) + self.omega.cross(once) * self.c
 
 
 def exponential(omega: Vec3) -> Exponential:

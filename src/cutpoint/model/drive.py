@@ -29,8 +29,8 @@ class Rotor:
     """The motor's turning part, wave generator included.
 
     inertia: about its own axis, on the motor's side of the gear, kg m2; felt at the joint, ratio**2 times that.
-    in_link_inertia: whether the carrying link's inertia already holds the rotor; if not, it is added, with its mass (kg),
-    its inertia across the axis, `transverse` (kg m2), and its centre at `position` (m) along the joint's axis.
+    in_link_inertia: whether the carrying link's inertia already holds the rotor; if not, it is added, with its mass
+    (kg), its inertia across the axis, `transverse` (kg m2), and its centre at `position` (m) along the joint's axis.
     coupling: "reduced" counts the kinetic energy of its own spin only (Spong 1987); "full" makes it a balanced,
     axisymmetric body that its carrier turns along, gyroscopic torques included.
     """

@@ -64,7 +64,7 @@ class Joint:
 
     placement (4, 4): the joint's frame, at coordinate zero, in the parent's frame; it is the child's frame too.
     axis (3,): unit vector in the joint's frame (of no meaning for fixed and floating joints).
-    pitch: of a helical joint, m/rad.  second_axis: of a universal joint, unit vector in the frame that the first turned.
+    pitch: of a helical joint, m/rad.  second_axis: of a universal joint, in the frame that its first axis turned.
     damping (N m s/rad or N s/m) and friction (N m or N) as a URDF's <dynamics> states them.
     """
 

@@ -28,15 +28,13 @@ def adaptive_step(loop: ClosedLoop) -> Callable[[dict[str, Array], Array], None]
 
     def step(memory: dict[str, Array], row: Array) -> None:
         torque, pushed = memory["torque"], np.array(layout.disturbance([*row]), float)
-        found = solve_ivp(
-            lambda _, x: f(x, torque, pushed, parameters),
-            (0.0, loop.period),
-            memory["state"],
-            method="DOP853",
-            rtol=RTOL,
-            atol=ATOL,
-        )
-        memory["state"][:] = found.y[:, -1]
+
+        def f_held(_: float, x: Array) -> Array:
+            return f(x, torque, pushed, parameters)
+
+        with np.errstate(all="ignore"):  # what is not finite ends the run below
+            found = solve_ivp(f_held, (0.0, loop.period), memory["state"], method="DOP853", rtol=RTOL, atol=ATOL)
+        memory["state"][:] = found.y[:, -1] if found.success else np.nan
         memory["fault"][0] = not (np.abs(memory["state"]) < BEYOND).all()
 
     return step

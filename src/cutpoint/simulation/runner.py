@@ -15,7 +15,7 @@ from cutpoint.errors import TraceError
 from cutpoint.simulation.adaptive import adaptive_step
 from cutpoint.simulation.integrator import TABLEAU
 from cutpoint.simulation.loop import INTEGRATION, ClosedLoop
-from cutpoint.simulation.plant import State, split
+from cutpoint.simulation.plant import State
 
 Array = NDArray[np.float64]
 
@@ -126,21 +126,35 @@ def _run(program: Any, memory: dict[str, Array], first: int, ticks: int, substep
 
 
 def _diagnosis(loop: ClosedLoop, memory: dict[str, Array], done: int) -> str:
-    """Where the state left the finite world first."""
-    x = memory["state"]
-    worst = int(np.argmax(np.where(np.isfinite(x), np.abs(x), np.inf)))
-    names = {d.v: name for name, d in zip(loop.robot.drives, loop.robot.machine.drives, strict=True)}
-    indices = split(loop.robot.machine, [*range(len(x))])
-    parts = (("position", "rad"), ("speed", "rad/s"), ("motor position", "rad"), ("motor speed", "rad/s"))
-    for (what, unit), slots in zip(parts, indices, strict=True):
-        if worst in slots:
-            k = slots.index(worst)
-            joint = [*loop.robot.drives][k] if what.startswith("motor") else names.get(k, f"coordinate {k}")
-            return (
-                f"diverged at t = {done * loop.period:g} s: {what} of {joint!r} is {x[worst]:.3g} {unit}; "
-                "lower the gains, check the sides they act on, or take more substeps"
-            )
-    return f"diverged at t = {done * loop.period:g} s"
+    """When the state left the finite world and what was largest then, or a sample before where it is no number."""
+    state = memory["state"]
+    if np.isfinite(state).all():
+        found = _largest(loop, state)
+    else:
+        found = f"the state is not finite; a sample earlier {_largest(loop, memory['record'][done - 1, : len(state)])}"
+    remedy = "lower the gains, check the sides they act on, or take more substeps"
+    return f"diverged at t = {done * loop.period:g} s: {found}; {remedy}"
+
+
+def _largest(loop: ClosedLoop, state: Array) -> str:
+    worst = int(np.abs(state).argmax())
+    what, unit = _slots(loop)[worst]
+    return f"{what} is {state[worst]:.3g} {unit}"
+
+
+def _slots(loop: ClosedLoop) -> list[tuple[str, str]]:
+    """What each number of the state is, and its unit."""
+    robot = loop.robot
+    kinds = {body.joint.name: body.joint.kind for body in robot.mechanism.bodies}
+    q, v = [("coordinate of the base", "")] * robot.nq, [("speed of the base", "")] * robot.nv
+    theta: list[tuple[str, str]] = []
+    theta_dot: list[tuple[str, str]] = []
+    for name, driven in zip(robot.drives, robot.machine.drives, strict=True):
+        unit = "m" if kinds[name] == "prismatic" else "rad"
+        q[driven.q], v[driven.v] = (f"position of {name!r}", unit), (f"speed of {name!r}", f"{unit}/s")
+        theta.append((f"motor position of {name!r}", unit))
+        theta_dot.append((f"motor speed of {name!r}", f"{unit}/s"))
+    return [*q, *v, *theta, *theta_dot]
 
 
 class _Bar:

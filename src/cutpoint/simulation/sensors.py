@@ -51,7 +51,7 @@ class Encoders:
         return any(x is not None for x in self.noise)
 
     def memory(self, q: Numbers, v: Numbers, theta: Numbers, theta_dot: Numbers) -> list[float]:
-        """Memory at rest in a state: samples still on their way, and the positions measured last, both without noise."""
+        """Memory at rest in a state: samples still on their way, and the positions measured last; without noise."""
         n = 2 * self.size
         seen = [*map(_encode, [*q, *theta], [None] * n, self._spread(self.resolution), [0] * n)]
         return [*seen, *v, *theta_dot] * self.delay + (seen if self.differenced else [])

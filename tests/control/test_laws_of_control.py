@@ -1,0 +1,127 @@
+"""Control laws alone: what they add, on which side, and what they refuse."""
+
+from typing import Any
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from robot_library import Array, assert_close, robot, vectors
+
+from cutpoint import InputError
+from cutpoint.control import PD, Command, Feedforward, GravityCompensation, Measurement, Reference, pd_for_bandwidth
+
+KP, KD = np.linspace(100.0, 600.0, 6), np.linspace(5.0, 30.0, 6)
+
+
+def seen() -> st.SearchStrategy[tuple[Measurement, Reference]]:
+    """Any measurement and any reference, for six joints."""
+    return st.tuples(*[vectors(6)] * 11).map(lambda x: (Measurement(0.0, 1e-3, *x[:4]), Reference(*x[4:11])))
+
+
+def torque(law: Any, m: Measurement, r: Reference) -> Array:
+    return np.asarray(law.step(law.start(), m, r)[1].torque, float)
+
+
+@given(seen())
+def test_pd_tracks_the_reference_of_its_side_by_the_encoder_of_its_side(x):
+    m, r = x
+    assert np.array_equal(torque(PD(KP, KD), m, r), KP * (r.theta - m.theta) + KD * (r.theta_dot - m.theta_dot))
+    assert np.array_equal(torque(PD(KP, KD, side="link"), m, r), KP * (r.q - m.q) + KD * (r.v - m.v))
+
+
+@given(seen())
+def test_gravity_compensation_is_the_weight_at_the_encoder_it_reads(x):
+    m, r = x
+    ours = robot("xia2019")
+    assert_close(torque(GravityCompensation(ours), m, r), ours.gravity_forces(m.q), 1e-12, scale=1.0)
+    assert_close(torque(GravityCompensation(ours, side="motor"), m, r), ours.gravity_forces(m.theta), 1e-12, scale=1.0)
+
+
+@given(seen())
+def test_each_rung_of_feedforward_adds_to_the_one_before(x):
+    m, r = x
+    ours = robot("xia2019")
+    reflected = np.array([d.reflected_inertia for d in ours.drives.values()])
+    rungs = {name: torque(Feedforward(ours, name), m, r) for name in ("gravity", "rigid", "rotor", "friction")}
+    rigid = ours.inverse_dynamics(r.q, r.v, r.a)
+    assert_close(rungs["gravity"], ours.gravity_forces(r.q), 1e-12, scale=10.0)
+    assert_close(rungs["rigid"], rigid, 1e-12, scale=10.0)
+    assert_close(rungs["rotor"], rigid + reflected * r.a, 1e-12, scale=10.0)
+    assert_close(rungs["friction"], rungs["rotor"] + ours.friction_torques(r.v), 1e-12, scale=10.0)
+
+
+@given(seen())
+def test_elastic_feedforward_is_the_elastic_inverse_dynamics_and_moves_the_motors_reference(x):
+    m, r = x
+    ours = robot("xia2019")
+    _, command = Feedforward(ours).step((), m, r)
+    u = ours.elastic_inverse_dynamics(r.q, r.v, r.a, r.jerk, r.snap)
+    for given_, expected in zip(command, (u.motor_torque, u.motor_torque, u.theta, u.theta_dot), strict=True):
+        assert_close(np.asarray(given_, float), expected, 1e-11, scale=10.0)
+
+
+@given(seen())
+def test_the_friction_rung_counts_both_sides_and_a_rigid_rotor_once(x):
+    m, r = x
+    ours = robot("mixed")
+    m, r = (type(y)(*[np.append(z, 0.0) if isinstance(z, np.ndarray) else z for z in y]) for y in (m, r))
+    drives = [*ours.drives.values()]
+    elastic = np.array([d.reflected_inertia if d.is_elastic else 0.0 for d in drives])
+    motor = np.array([d.motor_friction.torque(x) if d.motor_friction else 0.0 for d, x in zip(drives, r.v, strict=True)])
+    expected = ours.inverse_dynamics(r.q, r.v, r.a) + elastic * r.a + ours.friction_torques(r.v) + motor
+    assert_close(torque(Feedforward(ours, "friction"), m, r), expected, 1e-12, scale=10.0)
+
+
+@given(seen())
+def test_a_sum_adds_torques_and_hands_the_motors_reference_to_all(x):
+    m, r = x
+    ours = robot("xia2019")
+    pd, feedforward = PD(KP, KD), Feedforward(ours)
+    u = feedforward.step((), m, r)[1]
+    led = r._replace(theta=u.theta, theta_dot=u.theta_dot)
+    for law in (pd + feedforward, feedforward + pd):
+        _, command = law.step(law.start(), m, r)
+        expected = np.asarray(u.torque, float) + torque(pd, m, led)
+        assert_close(np.asarray(command.torque, float), expected, 1e-12, scale=10.0)
+        assert_close(np.asarray(command.feedforward, float), np.asarray(u.torque, float), 1e-15, scale=1e-12)
+        assert np.array_equal(command.theta, u.theta)
+
+
+def test_a_bare_torque_is_a_command_without_feedforward():
+    class Bare(PD):
+        def step(self, memory: Any, measurement: Any, reference: Any) -> Any:
+            return memory, 2.0 * measurement.q
+
+    m = Measurement(0.0, 1e-3, *np.ones((4, 6)))
+    _, command = (Bare(KP, KD) + Bare(KP, KD)).step(((), ()), m, Reference(*np.zeros((7, 6))))
+    assert isinstance(command, Command)
+    assert np.array_equal(command.torque, np.full(6, 4.0))
+    assert not np.any(command.feedforward)
+
+
+@pytest.mark.parametrize(("bandwidth", "damping"), [(3.0, 0.7), (10.0, 1.0)])
+def test_gains_for_a_bandwidth_make_a_second_order_system_of_each_joint(bandwidth, damping):
+    ours = robot("xia2019")
+    law = pd_for_bandwidth(ours, bandwidth, damping)
+    inertia = np.diag(ours.mass_matrix(np.zeros(6))) + [d.reflected_inertia for d in ours.drives.values()]
+    assert_close(np.sqrt(law.kp / inertia) / (2 * np.pi), np.full(6, bandwidth), 1e-12)
+    assert_close(law.kd / (2 * np.sqrt(law.kp * inertia)), np.full(6, damping), 1e-12)
+
+
+@pytest.mark.parametrize(
+    ("make", "message"),
+    [
+        (lambda: PD([-1.0] * 6, [1.0] * 6), r"PD: kp = \[-1.0.*must be .*not negative, one for each drive"),
+        (lambda: PD([1.0] * 6, [np.nan] * 6), "PD: kd = .*must be .*finite"),
+        (lambda: PD([1.0] * 6, [1.0] * 5), r"kp has shape \(6,\),? (and )?kd (has shape )?\(5,\)"),
+        (lambda: PD([[1.0]], [[1.0]]), "PD: kp = .*one for each drive"),
+        (lambda: PD([1.0], [1.0], side="base"), "side 'base' must be 'motor' or 'link'"),
+        (lambda: GravityCompensation(robot("xia2019"), side="both"), "side 'both' must be 'motor' or 'link'"),
+        (lambda: Feedforward(robot("xia2019"), "all"), "rung 'all' must be one of gravity, rigid, rotor, friction, elastic"),
+        (lambda: pd_for_bandwidth(robot("xia2019"), -3.0), "bandwidth -3.0 Hz .*must be positive"),
+    ],
+)
+def test_laws_that_make_no_sense_are_refused(make, message):
+    with pytest.raises(InputError, match=message):
+        make()
