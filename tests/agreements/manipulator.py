@@ -1,8 +1,7 @@
 """The paper's arm: section III."""
 
-from functools import cache
-
 import numpy as np
+import robot_library
 from agreements.body import left_out
 from agreements.registry import Array, equations, six, wrench
 from transcript import arm, data, joint, manipulator
@@ -11,14 +10,13 @@ from transcript.appendix import U, pose
 from cutpoint import Robot
 from cutpoint.mechanics import inverse_dynamics as recursion
 from cutpoint.mechanics.kinematics import body_velocities, joint_poses
-from cutpoint.robots import xia2019
+from cutpoint.mechanics.rigid_body import net_wrench
 
 BODIES = [(data.MASSES[i], data.CENTROIDS[i], data.MOMENTS[i] * np.eye(3)) for i in range(6)]
 
 
-@cache
 def robot() -> Robot:
-    return xia2019()
+    return robot_library.robot("xia2019")
 
 
 def system():
@@ -114,7 +112,7 @@ def one_joint_further(rng):
     """A body's velocity and its rate, from its parent's; the net wrenches of the whole arm follow from them."""
     q, q_dot, q_ddot = motion_of(rng)
     moved = recursion.motions(system(), q, q_dot, q_ddot)
-    F_star = recursion.net_wrenches(system(), moved)
+    F_star = [net_wrench(segment.inertia, m.A, m.U) for segment, m in zip(system().segments, moved, strict=True)]
     expected = arm.net_wrenches(q, q_dot, q_ddot)
     return [([six(m.V) for m in moved], arm.body_velocities(q, q_dot)), ([*map(six, F_star)], expected)]
 

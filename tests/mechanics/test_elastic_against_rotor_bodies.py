@@ -1,5 +1,7 @@
 """Accelerations of robots whose joints bend: against dense algebra over Pinocchio, and against trees with rotors as bodies."""
 
+from typing import Any
+
 import numpy as np
 import pinocchio as pin
 import pytest
@@ -120,12 +122,21 @@ def test_rotors_as_bodies_that_never_turn_with_their_carrier_change_nothing():
         assert_close(found.theta_ddot, alpha)
 
 
-def geared(ratio: float) -> Robot:
+def geared(ratio: float, **rotor: Any) -> Robot:
     """The paper's arm with the reflected inertias it has, but at another ratio."""
     arm = frictionless(robot("xia2019"))
-    return arm.with_drives(
-        {name: Drive(ratio, Rotor(d.reflected_inertia / ratio**2), d.compliance) for name, d in arm.drives.items()}
-    )
+    rotors = {name: Rotor(d.reflected_inertia / ratio**2, **rotor) for name, d in arm.drives.items()}
+    return arm.with_drives({name: Drive(ratio, rotors[name], d.compliance) for name, d in arm.drives.items()})
+
+
+@pytest.mark.parametrize("ratio", [3.0, -100.0])
+def test_full_coupling_is_rotors_as_bodies_exactly(ratio):
+    ours = geared(ratio, coupling="full", in_link_inertia=False)
+    for state in zip(*motor_states(ours), strict=True):
+        a, alpha = full_accelerations(ours, *state)
+        found = ours.elastic_forward_dynamics(*state)
+        assert_close(found.a, a)
+        assert_close(found.theta_ddot, alpha)
 
 
 def test_the_reduced_model_is_the_limit_of_rotors_as_bodies():

@@ -210,16 +210,17 @@ def test_a_spinning_rotor_on_a_tilting_base_pushes_as_a_gyroscope_does() -> None
 
 
 def test_reactions_on_the_stator_sum_as_equation_11_says() -> None:
-    """About the axis the carrier bears -(link's wrench) - (rotor's): its joint's torque less what the rotor keeps."""
-    mechanism, drives = random_arm(4), rotor_drives(4, elastic=False, in_link=True)
-    with_spin, bare = Robot(mechanism, drives), Robot(mechanism)
-    rng = np.random.default_rng(4)
-    q, v, a = with_spin.random(4), np.zeros(N), np.zeros(N)
-    a[3] = rng.normal()
-    felt = with_spin.inverse_dynamics(q, v, a) - bare.inverse_dynamics(q, v, a)
-    spun = drives["j3"].rotor.inertia * drives["j3"].ratio
-    assert felt[3] == pytest.approx(spun * drives["j3"].ratio * a[3])
-    assert not np.allclose(felt[:3], 0)
+    """About one common axis the carrier bears (ratio - 1) tau_t + tau: the reducer's housing and the motor's stator."""
+    heavy, ratio = np.eye(3), 30.0
+    carrier = Body("carrier", Joint("first", "revolute", "", "carrier"), -1, np.eye(4), 1.0, np.zeros(3), heavy)
+    link = Body("link", Joint("second", "revolute", "", "link"), 0, np.eye(4), 1.0, np.zeros(3), heavy)
+    springs = {n: Drive(ratio, Rotor(2e-3, coupling="full"), LinearSpring(800.0)) for n in ("first", "second")}
+    ours = Robot(Mechanism("stator", (carrier, link), {}), springs)
+    rates = [np.array([0.0, x]) for x in (0.3, 0.8, -1.4, 3.0, 0.2, -0.6, 1.1)]
+    u = ours.elastic_inverse_dynamics(*rates)
+    tau_t = u.joint_torque[1] / ratio
+    tau = u.motor_torque[1] / ratio
+    assert u.joint_torque[0] == pytest.approx((ratio - 1) * tau_t + tau, rel=1e-12)
 
 
 def test_momentum_is_conserved_with_spinning_rotors_on_a_floating_base() -> None:
