@@ -65,12 +65,23 @@ def mixed(floating: bool = False) -> Robot:
     return bare.with_drives(mixed_drives(bare))
 
 
+def driven_by(**drive: Any) -> Robot:
+    """The paper's arm with one and the same drive in every joint."""
+    arm = cutpoint.robots.xia2019()
+    return arm.with_drives({name: Drive(100.0, Rotor(1.14e-5), **drive) for name in arm.joints})
+
+
 def coupled_panda() -> Robot:
     return load("panda.urdf", mimic="coupled")
 
 
 MAKERS: dict[str, Callable[[], Robot]] = {
     "xia2019": cutpoint.robots.xia2019,
+    "flexspline": lambda: frictionless(cutpoint.robots.xia2019()),
+    "linear": lambda: driven_by(compliance=LinearSpring(8e3)),
+    "damped": lambda: driven_by(compliance=LinearSpring(8e3), damping=5.0, link_friction=COULOMB),
+    "rigid": lambda: driven_by(link_friction=STRIBECK, motor_friction=COULOMB),
+    "friction": lambda: driven_by(compliance=Flexspline(8e3, 0.05), link_friction=STRIBECK, motor_friction=COULOMB),
     "ur10": lambda: load("ur10_robot.urdf"),
     "panda": lambda: load("panda.urdf"),
     "panda_coupled": coupled_panda,

@@ -11,9 +11,9 @@ from matplotlib.figure import Figure
 from cutpoint.errors import InputError
 from cutpoint.studies.paper import run, study
 from cutpoint.studies.paper.bench import Bench
-from cutpoint.studies.paper.page import Page, Picture, Table, number, plain
-from cutpoint.studies.paper.report import html
 from cutpoint.studies.paper.stability import fastest_growth
+from cutpoint.studies.report.html import Heading, html
+from cutpoint.studies.report.page import Page, Picture, Table, number, plain
 
 FIGURES = [*(f"figure_{k}" for k in range(1, 12)), *(f"figure_a{k}" for k in range(1, 5))]
 TABLES = ["table_3", "table_4", *(f"table_a{k}" for k in range(1, 4))]
@@ -109,12 +109,12 @@ def test_whatever_a_page_says_is_text_and_not_markup():
     nasty = '<script>alert("x")</script>'
     table = Table("Table 9", nasty, (nasty,), ((nasty,),))
     page = Page("key", nasty, (nasty, table, Picture("Figure 9", nasty, Figure())))
-    found = parsed(html([page], {"figure_9": b""}, {nasty: nasty}))
+    found = parsed(html(Heading(nasty, nasty, (nasty,)), [page], {"figure_9": b""}, {nasty: nasty}))
     assert "script" not in found.tags
 
 
 def test_marks_become_subscripts_in_the_report_and_vanish_elsewhere():
-    assert "K<sub>f0</sub> = 10<sup>−3</sup>" in html([Page("k", "K_{f0} = 10^{−3}", ())], {}, {})
+    assert "K<sub>f0</sub> = 10<sup>−3</sup>" in html(Heading("", "", ()), [Page("k", "K_{f0} = 10^{−3}", ())], {}, {})
     assert plain("K_{f0} = 2.5·10^{−3}") == "Kf0 = 2.5e−3"
 
 

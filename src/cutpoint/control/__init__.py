@@ -2,9 +2,9 @@
 
 from cutpoint.control.feedforward import Feedforward
 from cutpoint.control.gravity import GravityCompensation
-from cutpoint.control.interface import Command, Controller, Law, Measurement, Reference
+from cutpoint.control.interface import Command, Controller, Measurement, Reference
+from cutpoint.control.law import Law, Sum
 from cutpoint.control.pd import PD
-from cutpoint.control.sum import Sum
 from cutpoint.control.tuning import pd_for_bandwidth
 
 __all__ = [

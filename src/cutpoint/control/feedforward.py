@@ -5,7 +5,8 @@ from typing import Any, Literal
 
 import numpy as np
 
-from cutpoint.control.interface import Command, Law, Measurement, Reference
+from cutpoint.control.interface import Command, Measurement, Reference
+from cutpoint.control.law import Law
 from cutpoint.errors import InputError
 from cutpoint.mechanics.elastic import Options, elastic_inverse_dynamics
 from cutpoint.mechanics.harmonic_drive import friction_torque

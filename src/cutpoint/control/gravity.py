@@ -5,7 +5,8 @@ from typing import Any, Literal
 
 import numpy as np
 
-from cutpoint.control.interface import Command, Law, Measurement, Reference
+from cutpoint.control.interface import Command, Measurement, Reference
+from cutpoint.control.law import Law
 from cutpoint.definitions import gravity_forces
 from cutpoint.errors import InputError
 from cutpoint.robot import Robot

@@ -51,20 +51,3 @@ class Controller(Protocol):
 def as_command(result: Any) -> Command:
     """A law may return bare torques."""
     return result if isinstance(result, Command) else Command(np.asarray(result))
-
-
-class Law:
-    """A law of this package: without memory unless it says so, and added to others with +."""
-
-    makes_motor_reference = False
-
-    def start(self) -> Any:
-        return ()
-
-    def step(self, memory: Any, measurement: Measurement, reference: Reference) -> tuple[Any, Command]:
-        raise TypeError(f"{type(self).__name__} must define step(memory, measurement, reference)")
-
-    def __add__(self, other: "Controller") -> "Law":
-        from cutpoint.control.sum import Sum, parts_of
-
-        return Sum((*parts_of(self), *parts_of(other)))

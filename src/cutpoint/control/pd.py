@@ -4,7 +4,8 @@ from dataclasses import dataclass
 from typing import Any, Literal
 
 from cutpoint.control.gains import gains
-from cutpoint.control.interface import Command, Law, Measurement, Reference
+from cutpoint.control.interface import Command, Measurement, Reference
+from cutpoint.control.law import Law
 from cutpoint.errors import InputError
 
 

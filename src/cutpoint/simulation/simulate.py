@@ -7,7 +7,8 @@ from typing import Any, Literal
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from cutpoint.control.interface import Command, Law
+from cutpoint.control.interface import Command
+from cutpoint.control.law import Law
 from cutpoint.door import check_configuration, checked_array
 from cutpoint.errors import InputError, SimulationError
 from cutpoint.robot import Robot

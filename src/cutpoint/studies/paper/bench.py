@@ -7,7 +7,7 @@ from typing import Literal
 import numpy as np
 
 from cutpoint.control import PD, Feedforward
-from cutpoint.control.interface import Law
+from cutpoint.control.law import Law
 from cutpoint.errors import SimulationError
 from cutpoint.robot import Robot
 from cutpoint.robots import xia2019

@@ -9,7 +9,7 @@ from scipy.optimize import least_squares
 from cutpoint.mechanics.compliance import Flexspline
 from cutpoint.studies.chain import Array
 from cutpoint.studies.paper.bench import Bench
-from cutpoint.studies.paper.page import Page, Picture, Table, number
+from cutpoint.studies.report.page import Page, Picture, Table, number
 from cutpoint.studies.style import INK, LINK, MOTOR, SPRING, WIDTH
 
 _ARC_MINUTES = 60 * 180 / np.pi

@@ -6,8 +6,7 @@ from matplotlib.lines import Line2D
 
 from cutpoint.simulation import Log
 from cutpoint.studies.chain import Array
-from cutpoint.studies.paper.page import JOINTS
-from cutpoint.studies.paper.printed import TABLE_4_POSITION, TABLE_4_TORQUE
+from cutpoint.studies.paper.printed import JOINTS, TABLE_4_POSITION, TABLE_4_TORQUE
 from cutpoint.studies.style import INK, LINK, MOTOR, WIDTH, six_panels
 from cutpoint.studies.style import JOINTS as COLOURS
 

@@ -2,6 +2,8 @@
 
 import numpy as np
 
+JOINTS = tuple(f"joint {k}" for k in range(1, 7))
+
 LENGTHS = {"l_1": 0.3, "l_2": 0.3, "l_3": 0.303, "l_4": 0.5}
 """m; l_4 is from the wrist to the tool."""
 

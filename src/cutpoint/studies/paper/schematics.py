@@ -8,7 +8,7 @@ from cutpoint.studies.paper.figure_4 import figure_4
 from cutpoint.studies.paper.figure_5 import figure_5
 from cutpoint.studies.paper.figure_6 import figure_6
 from cutpoint.studies.paper.figure_9 import figure_9
-from cutpoint.studies.paper.page import Page, Picture
+from cutpoint.studies.report.page import Page, Picture
 
 _SIDES = (
     "Two coordinates describe a joint that bends: the link's q, and the motor's θ, which is the rotor's angle divided "

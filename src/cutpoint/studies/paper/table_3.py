@@ -8,8 +8,8 @@ from cutpoint.studies import lagrange, newton_euler
 from cutpoint.studies.chain import Array, chain_of
 from cutpoint.studies.paper.bench import Bench
 from cutpoint.studies.paper.candidates import AS_PRINTED, LENGTHS, candidates
-from cutpoint.studies.paper.page import JOINTS, Page, Picture, Table, number, row
-from cutpoint.studies.paper.printed import DURATION, TABLE_3, TABLE_3_LARGEST
+from cutpoint.studies.paper.printed import DURATION, JOINTS, TABLE_3, TABLE_3_LARGEST
+from cutpoint.studies.report.page import Page, Picture, Table, number, row
 from cutpoint.studies.style import FAINT, INK, LINK, MOTOR, WIDTH, six_panels
 from cutpoint.studies.style import JOINTS as COLOURS
 

@@ -8,8 +8,8 @@ from cutpoint.simulation import Log
 from cutpoint.studies.chain import Array
 from cutpoint.studies.paper.bench import DAMPING, KD, KP, PERIOD, Bench, pd
 from cutpoint.studies.paper.loop_figures import by_rung, figure_10, figure_11, position_rms
-from cutpoint.studies.paper.page import JOINTS, Page, Picture, Table, listed, number, row
-from cutpoint.studies.paper.printed import TABLE_4_POSITION, TABLE_4_TORQUE
+from cutpoint.studies.paper.printed import JOINTS, TABLE_4_POSITION, TABLE_4_TORQUE
+from cutpoint.studies.report.page import Page, Picture, Table, listed, number, row
 
 RUNG_NAMES = ("+ gravity", "+ inertia, Coriolis (rigid)", "+ rotors", "+ friction", "+ elasticity: all rungs")
 ALONE, GRAVITY, FRICTION, ALL = "PD alone", RUNG_NAMES[0], RUNG_NAMES[3], RUNG_NAMES[4]

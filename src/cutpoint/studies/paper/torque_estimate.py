@@ -11,7 +11,8 @@ from cutpoint.robot import Robot
 from cutpoint.simulation import Log
 from cutpoint.studies.chain import Array
 from cutpoint.studies.paper.bench import Bench
-from cutpoint.studies.paper.page import JOINTS, Page, Picture, Table, row
+from cutpoint.studies.paper.printed import JOINTS
+from cutpoint.studies.report.page import Page, Picture, Table, row
 from cutpoint.studies.style import INK, LINK, MOTOR, SPRING, WIDTH
 
 IDEAL = "ideal encoders"

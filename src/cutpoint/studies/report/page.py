@@ -9,8 +9,6 @@ import numpy as np
 from matplotlib.figure import Figure
 from numpy.typing import ArrayLike
 
-JOINTS = tuple(f"joint {k}" for k in range(1, 7))
-
 
 @dataclass(frozen=True)
 class Table:
@@ -46,7 +44,7 @@ Block = str | Table | Picture
 
 @dataclass(frozen=True, eq=False)
 class Page:
-    """A section of the report; results go to results.json under their table's or figure's key."""
+    """A section of the report; results go to the JSON file under their table's or figure's key."""
 
     key: str
     title: str

@@ -3,34 +3,32 @@
 import re
 from base64 import b64encode
 from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
 from html import escape
 from pathlib import Path
 from string import Template
 
-from cutpoint.studies.paper.page import Block, Page, Picture, Table
+from cutpoint.studies.report.page import Block, Page, Picture, Table
 
 _TEMPLATE = Template((Path(__file__).parent / "template.html").read_text(encoding="utf-8"))
 
-TITLE = "Section IV of Xia et al. (2019), computed again"
-_SOURCE = (
-    "K. Xia, H. Xing, L. Ding, H. Gao, G. Liu, Z. Deng: Virtual Decomposition Based Modeling for Multi-DOF "
-    "Manipulator With Flexible Joint. IEEE Access 7, 2019, doi 10.1109/ACCESS.2019.2919749"
-)
-_SUMMARY = (
-    "The figures of the paper are redrawn and its simulations run again with equations written independently. Where "
-    "the paper is open or slips, the reading taken is stated; each of its tables stands beside ours (its rows are "
-    "shaded), with what makes the difference where that can be known and the word that it cannot where not. The "
-    "experiment of section IV.C needs the authors' arm and is not repeated.",
-)
+
+@dataclass(frozen=True)
+class Heading:
+    """What stands above the pages: a title, what it is about, and paragraphs."""
+
+    title: str
+    source: str
+    summary: tuple[str, ...]
 
 
-def html(pages: Sequence[Page], images: Mapping[str, bytes], versions: Mapping[str, str]) -> str:
+def html(heading: Heading, pages: Sequence[Page], images: Mapping[str, bytes], versions: Mapping[str, str]) -> str:
     """The whole report; images are PNGs by key of their picture."""
     contents = (f'<li><a href="#{escape(page.key)}">{_text(page.title)}</a></li>' for page in pages)
     return _TEMPLATE.substitute(
-        title=_text(TITLE),
-        source=_text(_SOURCE),
-        summary="\n".join(f"<p>{_text(words)}</p>" for words in _SUMMARY),
+        title=_text(heading.title),
+        source=_text(heading.source),
+        summary="\n".join(f"<p>{_text(words)}</p>" for words in heading.summary),
         contents="\n".join(contents),
         body="\n".join(_section(page, images) for page in pages),
         footer=_text("Computed with " + ", ".join(f"{name} {version}" for name, version in versions.items()) + "."),

@@ -1,0 +1,66 @@
+"""Laws that add up: torques add, and the one motor reference among them is what all the others track."""
+
+from dataclasses import dataclass
+from typing import Any
+
+from cutpoint.control.interface import Command, Controller, Measurement, Reference, as_command
+from cutpoint.errors import InputError
+
+
+class Law:
+    """A law of this package: without memory unless it says so, and added to others with +.
+
+    makes_motor_reference: whether its command holds the motors' reference.
+    """
+
+    makes_motor_reference = False
+
+    def start(self) -> Any:
+        return ()
+
+    def step(self, memory: Any, measurement: Measurement, reference: Reference) -> tuple[Any, Command]:
+        raise TypeError(f"{type(self).__name__} must define step(memory, measurement, reference)")
+
+    def __add__(self, other: Controller) -> "Sum":
+        return Sum((*parts_of(self), *parts_of(other)))
+
+
+@dataclass(frozen=True)
+class Sum(Law):
+    """Torques of all parts.  Raises InputError when two parts make a motor reference."""
+
+    parts: tuple[Any, ...]
+
+    def __post_init__(self) -> None:
+        makers = [type(part).__name__ for part in self.parts if _makes_reference(part)]
+        if len(makers) > 1:
+            raise InputError(f"{' and '.join(makers)} both make a motor reference; a sum may hold one such law")
+
+    @property
+    def makes_motor_reference(self) -> bool:  # type: ignore[override]
+        return any(_makes_reference(part) for part in self.parts)
+
+    def start(self) -> Any:
+        return tuple(part.start() if hasattr(part, "start") else () for part in self.parts)
+
+    def step(self, memory: Any, measurement: Measurement, reference: Reference) -> tuple[Any, Command]:
+        memories, commands = [*memory], []
+        made = Command(0)
+        # the maker of the motor reference first, so that the others see it
+        for k in sorted(range(len(self.parts)), key=lambda k: not _makes_reference(self.parts[k])):
+            memories[k], result = self.parts[k].step(memory[k], measurement, reference)
+            commands.append(as_command(result))
+            if commands[-1].theta is not None:
+                made = commands[-1]
+                reference = reference._replace(theta=made.theta, theta_dot=made.theta_dot)
+        torque, feedforward = sum(c.torque for c in commands), sum(c.feedforward for c in commands)
+        return tuple(memories), Command(torque, feedforward, made.theta, made.theta_dot)
+
+
+def parts_of(law: Controller) -> tuple[Any, ...]:
+    """The parts of a sum, or the law itself."""
+    return law.parts if isinstance(law, Sum) else (law,)
+
+
+def _makes_reference(law: Any) -> bool:
+    return getattr(law, "makes_motor_reference", False)

@@ -1,0 +1,63 @@
+"""A report on disk: index.html, figures/*.png and the results as JSON, all of them or none."""
+
+import json
+import platform
+from collections.abc import Mapping, Sequence
+from importlib.metadata import version
+from pathlib import Path
+from typing import Any
+
+import cutpoint
+from cutpoint.errors import InputError
+from cutpoint.files import replacing
+from cutpoint.studies.report.html import Heading, html
+from cutpoint.studies.report.page import Page, plain
+from cutpoint.studies.style import png
+
+
+def checked_folder(output: Path) -> Path:
+    """The path of a folder that is there or can be made.
+
+    Raises:
+        InputError: output is there and is not a folder.
+    """
+    output = Path(output)
+    if output.exists() and not output.is_dir():
+        raise InputError(f"output {str(output)!r} is not a folder; name one, or a new one", output=output)
+    return output
+
+
+def write(output: Path, heading: Heading, pages: Sequence[Page], settings: Mapping[str, Any], name: str) -> Any:
+    """Writes output/index.html, output/figures/*.png and output/`name`, each whole or not at all.
+
+    Returns what the JSON file holds: versions, settings, and results by table and figure.
+    """
+    images = {picture.key: png(picture.figure) for page in pages for picture in page.pictures()}
+    results = {"versions": _versions(), "settings": settings, **_results(pages)}
+    text = json.dumps(results, indent=1, ensure_ascii=False, allow_nan=False, default=lambda x: x.tolist())
+    folder = output / "figures"
+    folder.mkdir(parents=True, exist_ok=True)
+    # the pictures first and the report last: a report that is there is complete
+    files = {folder / f"{key}.png": image for key, image in images.items()}
+    files |= {output / name: text.encode(), output / "index.html": html(heading, pages, images, _versions()).encode()}
+    for path, content in files.items():
+        with replacing(path) as file:
+            file.write(content)
+    return json.loads(text)
+
+
+def _results(pages: Sequence[Page]) -> dict[str, Any]:
+    results: dict[str, Any] = {}
+    for page in pages:
+        for block in [*page.pictures(), *page.tables()]:
+            results[block.key] = {"caption": plain(block.caption)}
+        for picture in page.pictures():
+            results[picture.key]["file"] = f"figures/{picture.key}.png"
+        for key, values in page.results.items():
+            results[key] = {**results.get(key, {}), **values}
+    return results
+
+
+def _versions() -> dict[str, str]:
+    others = {name: version(name) for name in ("numpy", "scipy", "llvmlite", "matplotlib")}
+    return {"cutpoint": cutpoint.__version__, "Python": platform.python_version(), **others}

@@ -1,0 +1,44 @@
+"""Planting a mistake: a piece of one function's text replaced, for everyone who calls it."""
+
+import inspect
+import textwrap
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from typing import Any
+
+import robot_library
+from hypothesis import Phase, settings
+
+settings.register_profile(
+    "mutants", max_examples=20, deadline=None, derandomize=True, database=None, phases=(Phase.generate,)
+)
+
+
+@contextmanager
+def mutated(function: Any, old: str, new: str) -> Iterator[None]:
+    """The function with `new` in place of `old`, which must stand in it exactly once."""
+    text = textwrap.dedent(inspect.getsource(function))
+    text = text[text.index("def ") :]  # without decorators
+    assert text.count(old) == 1, f"{function.__qualname__} has {text.count(old)} times {old!r}; the mutant needs one"
+    namespace = dict(function.__globals__)
+    exec(text.replace(old, new), namespace)
+    original, function.__code__ = function.__code__, namespace[function.__name__].__code__
+    try:
+        yield
+    finally:
+        function.__code__ = original
+
+
+def holds(law: Callable[..., None], arguments: dict[str, Any]) -> bool:
+    """Whether a law holds, on robots built and compiled anew."""
+    robot_library.robot.cache_clear()
+    before = settings.get_current_profile_name()
+    settings.load_profile("mutants")
+    try:
+        law(**arguments)
+    except AssertionError:
+        return False
+    finally:
+        settings.load_profile(before)
+        robot_library.robot.cache_clear()
+    return True

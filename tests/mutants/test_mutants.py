@@ -1,0 +1,165 @@
+"""Mistakes that are easily made, each planted into one function, and the law that catches it."""
+
+from typing import Any, NamedTuple
+
+import pytest
+import test_against_pinocchio as oracle
+import test_closed_loop as closed_loop
+import test_decomposition_laws as decomposition
+import test_elastic_against_rotor_bodies as rotor_bodies
+import test_elastic_laws as elastic_laws
+import test_laws_of_motion as laws
+import test_package_agrees_with_paper as paper
+import test_sensors as sensing
+import test_spring_and_friction_laws as springs
+from mutation import holds, mutated
+
+from cutpoint import Drive, Flexspline, Robot, definitions, robots
+from cutpoint.formats import drive_entry
+from cutpoint.mechanics import elastic, inverse_dynamics, mass_matrix, power_flow, rigid_body
+from cutpoint.mechanics.spatial import Pose
+from cutpoint.mechanics.system import System
+from cutpoint.simulation.loop import ClosedLoop
+from cutpoint.simulation.sensors import Encoders
+
+
+class Mutant(NamedTuple):
+    """What is written into which function, and the law that then fails."""
+
+    function: Any
+    old: str
+    new: str
+    law: Any
+    arguments: dict[str, Any]
+
+
+ARM = {"name": "xia2019", "backend": "numpy"}
+TREE = {"name": "tree", "backend": "numpy"}
+MIXED = {"name": "mixed", "backend": "numpy"}
+
+MUTANTS = {
+    "lost (z q') x (U^T V)": Mutant(
+        inverse_dynamics.move, " + carried.angular.cross(zv.angular)", "", oracle.test_inverse_dynamics, ARM
+    ),
+    "lost (z q') x (U^T V) of a slide": Mutant(
+        inverse_dynamics.move, " + carried.angular.cross(zv.linear)", "", oracle.test_inverse_dynamics, TREE
+    ),
+    "transposed (61) block": Mutant(
+        rigid_body.net_wrench, "U @ h", "U.T @ h", paper.test_equation, {"number": "(61)", "seed": 0}
+    ),
+    "(61) with required and actual omega exchanged": Mutant(
+        rigid_body.acceleration_gradient,
+        "= omega, w, alpha",
+        "= w, omega, alpha",
+        laws.test_rate_of_the_mass_matrix_less_twice_c_is_skew,
+        ARM,
+    ),
+    "gravity sign": Mutant(
+        System.base_acceleration.fget, "-self.gravity", "self.gravity", oracle.test_inverse_dynamics, ARM
+    ),
+    "gravity sign of the potential energy": Mutant(
+        mass_matrix.potential_energy_of,
+        "total - system.gravity",
+        "total + system.gravity",
+        laws.test_gravity_forces_are_the_slope_of_potential_energy,
+        ARM,
+    ),
+    "external wrench sign": Mutant(
+        definitions._contact,
+        "Wrench(-Vec3(*F[:3]), -Vec3(*F[3:]))",
+        "Wrench(Vec3(*F[:3]), Vec3(*F[3:]))",
+        oracle.test_wrenches_act_on_the_robot_as_pinocchios_external_forces,
+        {"name": "tree", "frames": ("link2",)},
+    ),
+    "U for U^T, outward": Mutant(
+        Pose.outward, "self.rotation.T", "self.rotation", paper.test_equation, {"number": "(32)", "seed": 0}
+    ),
+    "U^T for U, inward": Mutant(
+        Pose.inward, "self.rotation @ F.force", "self.rotation.T @ F.force", oracle.test_inverse_dynamics, ARM
+    ),
+    "c6 sign": Mutant(
+        robots.xia2019_mechanism, "if as_printed", "if not as_printed", paper.test_torques_of_the_whole_arm, {"seed": 0}
+    ),
+    "l for l + 1": Mutant(
+        drive_entry.harmonic_ratio, "reduction + 1.0", "reduction", paper.test_equation, {"number": "(1)", "seed": 0}
+    ),
+    "missing 1/l of a torque": Mutant(
+        Robot._across_gear,
+        "direction if torque is None else -direction",
+        "direction",
+        paper.test_equation,
+        {"number": "(21)", "seed": 0},
+    ),
+    "missing 1/l of the rotor": Mutant(
+        Drive.reflected_inertia.fget,
+        "self.ratio * self.ratio * self",
+        "self.ratio * self",
+        paper.test_equation,
+        {"number": "(56)", "seed": 0},
+    ),
+    "friction on the wrong side, forward": Mutant(
+        elastic.elastic_forward_dynamics,
+        "d.drive.link_friction, v[d.v]",
+        "d.drive.motor_friction, v[d.v]",
+        rotor_bodies.test_accelerations_are_those_of_the_reduced_model,
+        MIXED,
+    ),
+    "friction on the wrong side, inverse": Mutant(
+        elastic._motor_torque,
+        "drive.motor_friction",
+        "drive.link_friction",
+        elastic_laws.test_forward_dynamics_returns_the_motion_that_inverse_dynamics_was_given,
+        {"name": "friction", "backend": "numpy", "friction_rates": False},
+    ),
+    "kappa_r = q_r": Mutant(
+        elastic._motor_motion,
+        "theta = link + lead",
+        "theta = link + 0 * lead",
+        elastic_laws.test_forward_dynamics_returns_the_motion_that_inverse_dynamics_was_given,
+        {"name": "flexspline", "backend": "numpy", "friction_rates": False},
+    ),
+    "jet order minus one": Mutant(
+        elastic.elastic_inverse_dynamics,
+        "a = [Jet(*x) for",
+        "a = [Jet(*x[:-1], 0) for",
+        elastic_laws.test_motor_speed_and_acceleration_are_time_derivatives_of_motor_position,
+        {"name": "flexspline", "backend": "numpy", "t": 0.7},
+    ),
+    "no guard of the pole": Mutant(
+        Flexspline.torque,
+        "clip(x, -POLE_GUARD, POLE_GUARD)",
+        "x",
+        springs.test_flexspline_starts_at_its_rest_stiffness_and_is_smooth_where_it_is_continued,
+        {"law": Flexspline(16e3, 0.0464)},
+    ),
+    "a cut's wrench in the frame of its inner side": Mutant(
+        power_flow.power_flows,
+        "V_p.power(m.X.inward(F_i))",
+        "V_p.power(F_i)",
+        decomposition.test_virtual_power_flows_cancel_at_every_cut,
+        TREE,
+    ),
+    "sensor delay zero": Mutant(
+        Encoders.measure,
+        "measured, line = line[: 2 * n]",
+        "measured, line = line[-2 * n :]",
+        sensing.test_a_delay_of_k_periods_shifts_every_measurement_by_k_samples,
+        {"periods": 1, "backend": "numpy"},
+    ),
+    "saturation before feedforward": Mutant(
+        ClosedLoop.actuate,
+        "[clip(u, -limit, limit) for u, limit in zip(command[: self.layout.n], limits, strict=True)]",
+        "[clip(u - f, -limit, limit) + f for u, f, limit in zip(command, command[self.layout.n :], limits)]",
+        closed_loop.test_torque_limits_act_after_all_laws_are_added,
+        {},
+    ),
+}
+
+
+@pytest.mark.parametrize("name", MUTANTS)
+def test_a_law_catches_the_mutant(name):
+    mutant = MUTANTS[name]
+    assert holds(mutant.law, mutant.arguments)
+    with mutated(mutant.function, mutant.old, mutant.new):
+        assert not holds(mutant.law, mutant.arguments)
+    assert holds(mutant.law, mutant.arguments)
