@@ -129,8 +129,8 @@ MUTANTS = {
         Flexspline.torque,
         "clip(x, -POLE_GUARD, POLE_GUARD)",
         "x",
-        springs.test_flexspline_starts_at_its_rest_stiffness_and_is_smooth_where_it_is_continued,
-        {"law": Flexspline(16e3, 0.0464)},
+        springs.test_tangent_and_torque_are_derivatives_of_torque_and_energy,
+        {"law": Flexspline(16e3, 0.0464), "share": 1.2},
     ),
     "a cut's wrench in the frame of its inner side": Mutant(
         power_flow.power_flows,

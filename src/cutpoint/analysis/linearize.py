@@ -1,5 +1,7 @@
 """A robot with elastic joints, linearised: Jacobians of its equations of motion, exact to rounding."""
 
+from typing import NamedTuple
+
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
@@ -23,31 +25,99 @@ def linearize(
     """The linear model of a robot near a state; derivatives by first-order jets, no step size to choose.
 
     By default the robot rests: v is zero, each motor leads its link by what gravity bends the drive, and motor torques
-    balance gravity.  With v, motors move as at constant speed.  motor_torque replaces the balancing one.  Where nothing
-    drives a joint that gravity pulls at (a floating base), there is no equilibrium: see `LinearModel.drift`.
+    balance gravity.  With v, motors stand and move as a motion at constant speed takes.  motor_torque replaces the
+    torque only.  A joint that nothing drives (a floating base) may fall: see `LinearModel.drift`.
 
     friction=False leaves friction out and shows the structure: resonances and anti-resonances, damped by the springs'
     own damping only.  friction=True takes its slope at v.  At rest that is the slope of the smoothed sgn, about static /
     smoothing (N m s/rad), steep: it is right only for speeds well below `smoothing`, where the drive creeps.  A joint
-    that swings faster sees far less damping, one that dry friction holds sees a lock; a linear model knows neither.
+    that swings faster sees far less damping, one that dry friction holds is locked; a linear model knows neither.
 
     Args:
-        q: (nq,) rad (m).  v: (nv,) rad/s.  motor_torque: (drives,) N m at the joint's side.
+        q: (nq,) rad (m).  v: (nv,) rad/s (m/s).  motor_torque: (drives,) N m (N) at the joint's side.
 
     Raises:
         InputError: a wrong shape or number, a batch, or v on a joint of several coordinates (its tangent frame turns).
     """
     point = _operating_point(robot, q, v, motor_torque, friction)
-    drift, by_state, by_torque = _accelerations(robot, point, friction)
-    n, e, drives = robot.nv, len(_elastic(robot)), robot.machine.drives
-    A, B = np.zeros((2 * n + 2 * e, 2 * n + 2 * e)), np.zeros((2 * n + 2 * e, len(drives)))
-    speeds, accelerations = np.r_[n : 2 * n, 2 * n + e : 2 * (n + e)], np.r_[n : 2 * n, 2 * n + e : 2 * (n + e)]
-    A[np.r_[0:n, 2 * n : 2 * n + e], speeds] = 1.0
-    A[accelerations], B[accelerations] = by_state, by_torque
-    still = np.zeros(A.shape[0])
-    still[np.r_[0:n, 2 * n : 2 * n + e]] = np.r_[point.v, point.theta_dot[_elastic(robot)]]
-    still[accelerations] = drift
-    C = _outputs(robot)
-    return LinearModel(
-        A, B, C, np.zeros((len(C), len(drives))), still, *_names(robot), robot.joints, point, friction
-    )  # fmt: skip
+    by_direction, drift = _plant(robot, point, friction)
+    states, kept = 2 * robot.nv + 2 * len(robot.drives), _kept(robot)
+    A, B = by_direction[np.ix_(kept, kept)], by_direction[kept, states:]
+    C = _outputs(robot)[:, kept]
+    names = _names(robot)
+    own = tuple(names.outputs[k] for k in kept)
+    D = np.zeros((len(C), B.shape[1]))
+    return LinearModel(A, B, C, D, drift[kept], own, names.inputs, names.outputs, robot.joints, point, friction)
+
+
+def _operating_point(
+    robot: Robot, q: ArrayLike, v: ArrayLike | None, motor_torque: ArrayLike | None, friction: bool
+) -> OperatingPoint:
+    q = _one("q", q, robot.nq)
+    v = _one("v", np.zeros(robot.nv) if v is None else v, robot.nv)
+    for body, own in zip(robot.mechanism.bodies, robot.machine.system.segments, strict=True):
+        if own.v.stop - own.v.start > 1 and v[own.v].any():
+            rule = "must be zero: its tangent frame would turn under a linear model"
+            raise InputError(f"linearize: v of {body.joint.kind} joint {body.joint.name!r} {rule}", joint=body.joint.name)
+    steady = kernels_of(robot, friction).steady(q, v, robot.drive_parameters)
+    torque = steady.motor_torque
+    if motor_torque is not None:
+        torque = _one("motor_torque", motor_torque, len(robot.drives))
+    return OperatingPoint(q, v, steady.theta, steady.theta_dot, torque)
+
+
+def _one(name: str, value: ArrayLike, size: int) -> Array:
+    array = checked_array("linearize", name, value, size)
+    if array.ndim != 1:
+        raise InputError(f"linearize: {name} has shape {array.shape}; give one operating point, ({size},)", name=name)
+    return array
+
+
+def _plant(robot: Robot, point: OperatingPoint, friction: bool) -> tuple[Array, Array]:
+    """x' of all motors, rigid ones too: for each direction of (x, motor torques), and at the point itself."""
+    nv, drives = robot.nv, len(robot.drives)
+    directions = np.eye(2 * nv + 3 * drives)
+    state = (point.q, point.v, point.theta, point.theta_dot, point.motor_torque)
+    found = kernels_of(robot, friction).slopes(*state, directions, robot.drive_parameters)
+    a, alpha = found.value[0, :nv], found.value[0, nv:]
+    v, theta_dot = directions[nv : 2 * nv], directions[2 * nv + drives : 2 * (nv + drives)]
+    by_direction = np.vstack([v, found.slope[:, :nv].T, theta_dot, found.slope[:, nv:].T])
+    return by_direction, np.concatenate([point.v, a, point.theta_dot, alpha])
+
+
+def _kept(robot: Robot) -> list[int]:
+    """Which of (q, v, theta, theta_dot) are states: a rigid drive's motor has none of its own."""
+    elastic = np.array([d.is_elastic for d in robot.drives.values()], bool)
+    return np.flatnonzero(np.r_[np.ones(2 * robot.nv, bool), elastic, elastic]).tolist()
+
+
+def _outputs(robot: Robot) -> Array:
+    """(q, v, theta, theta_dot) of all motors from the same of those that move on their own."""
+    nv, drives = robot.nv, len(robot.drives)
+    C = np.eye(2 * nv + 2 * drives)
+    for k, driven in enumerate(robot.machine.drives):
+        if not driven.drive.is_elastic:
+            C[2 * nv + k, driven.v] = C[2 * nv + drives + k, nv + driven.v] = 1.0
+    return C
+
+
+class _Names(NamedTuple):
+    inputs: tuple[str, ...]
+    outputs: tuple[str, ...]
+
+
+def _names(robot: Robot) -> _Names:
+    links = coordinate_names(robot)
+    parts = {"q": links, "v": links, "theta": robot.joints, "theta_dot": robot.joints}
+    outputs = tuple(f"{part}.{name}" for part, names in parts.items() for name in names)
+    return _Names(tuple(f"motor_torque.{name}" for name in robot.joints), outputs)
+
+
+def coordinate_names(robot: Robot) -> list[str]:
+    """What each speed belongs to: a joint's name, with an index where it has several."""
+    names = [""] * robot.nv
+    for body, own in zip(robot.mechanism.bodies, robot.machine.system.segments, strict=True):
+        count = own.v.stop - own.v.start
+        if not own.follower:
+            names[own.v] = [body.joint.name] if count == 1 else [f"{body.joint.name}[{k}]" for k in range(count)]
+    return names

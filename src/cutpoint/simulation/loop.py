@@ -16,7 +16,7 @@ from cutpoint.definitions import Machine
 from cutpoint.kernels import Loop, Program, Region, Stage, compile_program
 from cutpoint.mechanics.elastic import driving_torques, link_friction
 from cutpoint.robot import Robot
-from cutpoint.scalars import Scalar, clip, leaves, rebuild, where
+from cutpoint.scalars import Scalar, clip, leaves, rebuild, where, with_float_leaves
 from cutpoint.simulation.integrator import TABLEAU, stage
 from cutpoint.simulation.plant import rates, split
 from cutpoint.simulation.sensors import Encoders
@@ -126,7 +126,7 @@ class ClosedLoop:
         _, controller, _, _, (period, _) = self._numbers(parameters)
         before = rebuild(self.memory, iter(memory))
         after, command = controller.step(before, *self.seen(measured, row, period))
-        return self.command_of(as_command(command), row), leaves(after)
+        return self.command_of(as_command(command), row), leaves(with_float_leaves(after))
 
     def actuate(self, command: Scalars, parameters: Scalars) -> Scalars:
         """Motor torque within its limits, N m."""

@@ -31,7 +31,8 @@ class Outcome(NamedTuple):
     """Samples recorded, and what stopped the run early, if anything did."""
 
     ticks: int
-    cause: str | None
+    cause: str | None = None
+    diverged: bool = False
 
 
 def working_memory(loop: ClosedLoop, start: State, rows: Array, limits: Array, substeps: int) -> dict[str, Array]:
@@ -61,7 +62,7 @@ def run(loop: ClosedLoop, memory: dict[str, Array], substeps: int, adaptive: boo
                 reached = advance(done, ticks)
                 done += reached
                 if memory["fault"][0]:
-                    return Outcome(done, _diagnosis(loop, memory, done))
+                    return Outcome(done, _diagnosis(loop, memory, done), diverged=True)
                 now = time.perf_counter()
                 chunk = _next_chunk(ticks, now - before)
                 if now - started > SHOW_PROGRESS_AFTER:
@@ -70,7 +71,7 @@ def run(loop: ClosedLoop, memory: dict[str, Array], substeps: int, adaptive: boo
             return Outcome(
                 max(done, 1), f"interrupted at t = {(done - 1) * loop.period:g} s; the log holds all until then"
             )
-    return Outcome(done, None)
+    return Outcome(done)
 
 
 def _next_chunk(ticks: int, seconds: float) -> int:

@@ -98,7 +98,7 @@ def simulate(
     settings: dict[str, object] = {"accuracy": accuracy, "substeps": int(substeps)}
     log = log_of(loop, memory["record"][: outcome.ticks], times, reference, settings)
     if outcome.cause:
-        raise SimulationError(outcome.cause, log=log, time=float(times[outcome.ticks - 1]))
+        raise SimulationError(outcome.cause, log=log, time=float(times[outcome.ticks - 1]), diverged=outcome.diverged)
     return log
 
 

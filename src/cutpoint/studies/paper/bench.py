@@ -69,7 +69,7 @@ class Bench:
         try:
             return self.run(robot, controller)
         except SimulationError as stopped:
-            if "diverged" not in str(stopped):
+            if not stopped.evidence["diverged"]:
                 raise
             return stopped.log
 
