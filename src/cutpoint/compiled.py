@@ -6,12 +6,13 @@ them never compiles again.
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
 from cutpoint import kernels
 from cutpoint.definitions import Machine
+from cutpoint.door import checked_array
 from cutpoint.errors import unknown_name
 from cutpoint.kernels import Kernel
 from cutpoint.mechanics.assembly import system_of
@@ -46,7 +47,7 @@ class Compiled:
         self.machine = machine_of(mechanism, drives)
         self.parameters = np.array(leaves([*drives.values()]), dtype=float)
         self._rotors_are_felt = any(rotor_is_felt(drive) for drive in drives.values())
-        self._kernels: dict[Any, Kernel] = {}
+        self._functions: dict[Any, RobotFunction] = {}
 
     def size_of(self, name: str) -> int | tuple[()]:
         """Length of an input's last axis; () for a single number."""
@@ -66,33 +67,49 @@ class Compiled:
         driven = [replace(old, drive=drive) for old, drive in zip(self.machine.drives, new.values(), strict=True)]
         return Machine(self.machine.system, driven)
 
-    def needs_parameters(self, reads_drives: bool) -> bool:
-        """Whether a function takes the drives' numbers: if it reads drives, or if links feel some rotor."""
-        return bool(self.parameters.size) and (reads_drives or self._rotors_are_felt)
+    def call(
+        self, name: str, definition: Callable[..., Any], variant: Any, reads_drives: bool, given: Mapping[str, Any]
+    ) -> Any:
+        """A definition, on a Machine and lists of scalars, called on arrays; its kernel is made the first time.
 
-    def kernel(
-        self, name: str, definition: Callable[..., Any], inputs: Sequence[str], reads_drives: bool, variant: Any
-    ) -> Kernel:
-        """The kernel of a definition on a Machine and these inputs; `variant` names what the definition closes over."""
-        found = self._kernels.get((name, variant))
+        variant: tells apart what definitions of one name close over.  reads_drives: whether it needs the drives.
+        """
+        found = self._functions.get((name, variant))
         if found is None:
-            found = self._kernels[name, variant] = self._compile(name, definition, inputs, reads_drives)
-        return found
+            found = self._functions[name, variant] = self._compile(name, definition, [*given], reads_drives)
+        return found(given)
 
     def made(self, name: str) -> Kernel:
         """A kernel that has been made, the latest variant of this name."""
-        by_name = {key[0]: kernel for key, kernel in self._kernels.items()}
+        by_name = {key[0]: function.kernel for key, function in self._functions.items()}
         if name not in by_name:
             raise unknown_name("compiled function", name, by_name)
         return by_name[name]
 
-    def _compile(self, name: str, definition: Callable[..., Any], inputs: Sequence[str], reads_drives: bool) -> Kernel:
+    def _compile(
+        self, name: str, definition: Callable[..., Any], inputs: Sequence[str], reads_drives: bool
+    ) -> "RobotFunction":
+        """With the drives' numbers as an input if the definition reads drives, or if links feel some rotor."""
         sizes = {x: self.size_of(x) for x in inputs}
+        parametric = bool(self.parameters.size) and (reads_drives or self._rotors_are_felt)
 
         def traced(**given: Any) -> Any:
-            machine = self.with_parameters(given.pop("parameters")) if "parameters" in given else self.machine
+            machine = self.with_parameters(given.pop("parameters")) if parametric else self.machine
             return definition(machine, **given)
 
-        if self.needs_parameters(reads_drives):
-            sizes["parameters"] = self.parameters.size
-        return kernels.compile(traced, name=name, backend=self._backend, **sizes)
+        shapes = {**sizes, "parameters": self.parameters.size} if parametric else sizes
+        kernel = kernels.compile(traced, name=name, backend=self._backend, **shapes)
+        return RobotFunction(name, kernel, [*sizes.values()], [self.parameters] if parametric else [])
+
+
+class RobotFunction(NamedTuple):
+    """A kernel behind the door: the sizes of what users give, and what the robot adds."""
+
+    name: str
+    kernel: Kernel
+    sizes: list[Any]
+    added: list[Any]
+
+    def __call__(self, given: Mapping[str, Any]) -> Any:
+        arrays = [checked_array(self.name, key, x, n) for (key, x), n in zip(given.items(), self.sizes, strict=True)]
+        return self.kernel(*arrays, *self.added)

@@ -1,5 +1,6 @@
 """What is checked once, where a user hands something in: arrays, drives, configurations."""
 
+import math
 from collections.abc import Mapping, Sequence
 from dataclasses import fields
 
@@ -8,15 +9,25 @@ from numpy.typing import ArrayLike, NDArray
 
 from cutpoint.errors import InputError, ModelError, unknown_name
 from cutpoint.model import Drive, Joint, Mechanism
+from cutpoint.model.validation import DRIVEN_KINDS
 from cutpoint.scalars import leaves
 
 Array = NDArray[np.float64]
 
-DRIVEN_KINDS = ("revolute", "continuous", "prismatic")
+FLOAT64 = np.dtype(np.float64)
 
 
 def checked_array(function: str, name: str, value: ArrayLike, size: int | tuple[()]) -> NDArray[np.float64]:
     """The value as float64 with a last axis of this size, every number finite.  Raises InputError."""
+    if type(value) is np.ndarray and value.dtype is FLOAT64 and value.ndim and value.shape[-1] == size:
+        # a sum of squares is finite only if every number is; where it overflows, the search below decides
+        squares = value.dot(value) if value.ndim == 1 else np.vdot(value, value)
+        if math.isfinite(squares):
+            return value
+    return _searched(function, name, value, size)
+
+
+def _searched(function: str, name: str, value: ArrayLike, size: int | tuple[()]) -> NDArray[np.float64]:
     try:
         array = np.asarray(value).astype(np.float64, casting="same_kind", copy=False)
     except (TypeError, ValueError) as error:

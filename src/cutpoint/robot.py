@@ -355,11 +355,7 @@ class Robot:
         return self._compiled.made(name)
 
     def _call(self, name: str, definition: Any, variant: Any = (), reads_drives: bool = False, **given: Any) -> Any:
-        kernel = self._compiled.kernel(name, definition, [*given], reads_drives, variant)
-        arrays = [checked_array(name, key, x, self._compiled.size_of(key)) for key, x in given.items()]
-        if self._compiled.needs_parameters(reads_drives):
-            arrays.append(self._compiled.parameters)
-        return kernel(*arrays)
+        return self._compiled.call(name, definition, variant, reads_drives, given)
 
     def _frame(self, frame: str) -> str:
         if frame not in self.mechanism.frames:

@@ -1,10 +1,10 @@
 """The joint with its harmonic drive, friction, reference and feedback: sections II and IV."""
 
 import numpy as np
-from agreements.manipulator import robot
-from agreements.registry import equations
 from transcript import data, joint, simulation
 
+from agreements.manipulator import robot
+from agreements.registry import equations
 from cutpoint import Coulomb, Drive, Flexspline, Rotor, Stribeck
 from cutpoint.control import PD, Measurement, Reference
 from cutpoint.formats.drive_entry import harmonic_ratio
@@ -122,5 +122,3 @@ def feedback(rng):
         (link, simulation.feedback(np.diag(kd), np.diag(kp), r.q, m.q, r.v, m.v)),
         (motor, simulation.feedback(np.diag(kd), np.diag(kp), r.theta, m.theta, r.theta_dot, m.theta_dot)),
     ]
-
-

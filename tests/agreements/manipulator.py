@@ -2,11 +2,11 @@
 
 import numpy as np
 import robot_library
-from agreements.body import left_out
-from agreements.registry import Array, equations, six, wrench
 from transcript import arm, data, joint, manipulator
 from transcript.appendix import U, pose
 
+from agreements.body import left_out
+from agreements.registry import Array, equations, six, wrench
 from cutpoint import Robot
 from cutpoint.mechanics import inverse_dynamics as recursion
 from cutpoint.mechanics.kinematics import body_velocities, joint_poses
@@ -40,7 +40,9 @@ def velocities_at_cuts(rng):
     V, pairs = body_velocities(system(), q, q_dot), []
     for i in range(1, 6):
         X = system().segments[i].placement
-        turned_back = np.kron(np.eye(2), np.array([[*row] for row in X.rotation]))  # our cut's axes are the next joint's
+        turned_back = np.kron(
+            np.eye(2), np.array([[*row] for row in X.rotation])
+        )  # our cut's axes are the next joint's
         cut = U(pose(np.eye(3), data.TRANSLATIONS[i]))
         pairs.append((turned_back @ six(X.outward(V[i - 1])), manipulator.cut_velocity(cut, six(V[i - 1]))))
     return pairs

@@ -68,7 +68,9 @@ def test_the_friction_rung_counts_both_sides_and_a_rigid_rotor_once(x):
     m, r = (type(y)(*[np.append(z, 0.0) if isinstance(z, np.ndarray) else z for z in y]) for y in (m, r))
     drives = [*ours.drives.values()]
     elastic = np.array([d.reflected_inertia if d.is_elastic else 0.0 for d in drives])
-    motor = np.array([d.motor_friction.torque(x) if d.motor_friction else 0.0 for d, x in zip(drives, r.v, strict=True)])
+    motor = np.array(
+        [d.motor_friction.torque(x) if d.motor_friction else 0.0 for d, x in zip(drives, r.v, strict=True)]
+    )
     expected = ours.inverse_dynamics(r.q, r.v, r.a) + elastic * r.a + ours.friction_torques(r.v) + motor
     assert_close(torque(Feedforward(ours, "friction"), m, r), expected, 1e-12, scale=10.0)
 
@@ -118,7 +120,10 @@ def test_gains_for_a_bandwidth_make_a_second_order_system_of_each_joint(bandwidt
         (lambda: PD([[1.0]], [[1.0]]), "PD: kp = .*one for each drive"),
         (lambda: PD([1.0], [1.0], side="base"), "side 'base' must be 'motor' or 'link'"),
         (lambda: GravityCompensation(robot("xia2019"), side="both"), "side 'both' must be 'motor' or 'link'"),
-        (lambda: Feedforward(robot("xia2019"), "all"), "rung 'all' must be one of gravity, rigid, rotor, friction, elastic"),
+        (
+            lambda: Feedforward(robot("xia2019"), "all"),
+            "rung 'all' must be one of gravity, rigid, rotor, friction, elastic",
+        ),
         (lambda: pd_for_bandwidth(robot("xia2019"), -3.0), "bandwidth -3.0 Hz .*must be positive"),
     ],
 )

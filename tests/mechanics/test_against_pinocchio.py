@@ -17,7 +17,9 @@ both = pytest.mark.parametrize(("name", "backend"), CASES)
 def twin_of(name: str, backend: str = "llvm") -> Twin:
     """Pinocchio reads files by itself; trees are rebuilt for it joint by joint."""
     ours = robot(name, backend)
-    return Twin(ours, pinocchio_from(urdf(FILES[name][0]), FILES[name][1]) if name in FILES else pinocchio_of(ours.mechanism))
+    return Twin(
+        ours, pinocchio_from(urdf(FILES[name][0]), FILES[name][1]) if name in FILES else pinocchio_of(ours.mechanism)
+    )
 
 
 @both

@@ -1,6 +1,7 @@
 """What virtual decomposition cuts, what passes through the cuts, and that subsystems do not know of each other."""
 
 from collections import namedtuple
+from itertools import pairwise
 from typing import Any
 
 import numpy as np
@@ -21,7 +22,7 @@ def test_the_papers_arm_has_twelve_subsystems_and_eleven_cuts():
     assert [s.kind for s in ours.subsystems] == ["joint", "link"] * 6
     assert len(ours.cuts) == 11
     names = [s.name for s in ours.subsystems]
-    assert [(cut.inner, cut.outer) for cut in ours.cuts] == [*zip(names, names[1:], strict=False)]
+    assert [(cut.inner, cut.outer) for cut in ours.cuts] == [*pairwise(names)]
 
 
 @pytest.mark.parametrize("name", ["panda", "tree", "floating", "talos"])

@@ -1,4 +1,4 @@
-"""Accelerations of robots whose joints bend: against dense algebra over Pinocchio, and against trees with rotors as bodies."""
+"""Accelerations of robots whose joints bend, against dense algebra over Pinocchio and trees with rotors as bodies."""
 
 from typing import Any
 
@@ -86,7 +86,9 @@ def with_rotor_bodies(ours: Robot) -> Twin:
     return Twin(ours, model)
 
 
-def full_accelerations(ours: Robot, q: Array, v: Array, theta: Array, theta_dot: Array, u: Array) -> tuple[Array, Array]:
+def full_accelerations(
+    ours: Robot, q: Array, v: Array, theta: Array, theta_dot: Array, u: Array
+) -> tuple[Array, Array]:
     """Of links, and of rotors over ratio; springs pull on links, and on shafts with 1 / ratio of that."""
     twin, ratio = with_rotor_bodies(ours), np.array([d.ratio for d in ours.drives.values()])
     tau = spring_torques(ours, q, v, theta, theta_dot)

@@ -58,7 +58,7 @@ def test_motor_speed_and_acceleration_are_time_derivatives_of_motor_position(nam
     assert_close(derivative(lambda h: motor(h)[1], 0.01), theta_dot, 1e-10)
     assert_close(derivative(lambda h: motor(h)[2], 0.01), theta_ddot, 1e-10)
     # the lead, that which bending adds, and not only the link's own motion
-    q, v, a, *_ = path(t)
+    _, v, a, *_ = path(t)
     assert_close(derivative(lambda h: motor(h)[1] - path(t + h)[0], 0.01), theta_dot - v, 1e-8)
     assert_close(derivative(lambda h: motor(h)[2] - path(t + h)[1], 0.01), theta_ddot - a, 1e-8)
 

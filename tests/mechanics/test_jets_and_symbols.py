@@ -96,7 +96,10 @@ def test_equations_on_symbols_are_the_compiled_ones_and_lagranges(seed):
     T, U = definitions.kinetic_energy(ours.machine, q, v), definitions.potential_energy(ours.machine, q)
     L = T - U
     lagrange = [
-        reduce(add, (L.diff(v_i).diff(q_j) * v_j + L.diff(v_i).diff(v_j) * a_j for q_j, v_j, a_j in zip(*symbols, strict=True)))
+        reduce(
+            add,
+            (L.diff(v_i).diff(q_j) * v_j + L.diff(v_i).diff(v_j) * a_j for q_j, v_j, a_j in zip(*symbols, strict=True)),
+        )
         - L.diff(q_i)
         for q_i, v_i in zip(q, v, strict=True)
     ]

@@ -5,7 +5,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 from random_trees import placement, rotation
-from robot_library import BACKENDS, Array, Robot, assert_close, derivative, motions, robot
+from robot_library import Array, Robot, assert_close, derivative, motions, robot
 
 ROBOTS = [("xia2019", "llvm"), ("xia2019", "numpy"), ("panda", "llvm"), ("panda_coupled", "llvm"), ("mixed", "llvm"),
           ("mixed", "numpy"), ("floating", "llvm")]  # fmt: skip

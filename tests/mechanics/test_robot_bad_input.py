@@ -22,7 +22,7 @@ NAN = np.array([0.0, 0.0, 0.0, np.nan, 0.0, 0.0])
         (lambda r: r.mass_matrix("straight"), r"mass_matrix: q must be numbers of shape \(\.\.\., 6\)"),
         (lambda r: r.mass_matrix([[0.0] * 6, [0.0] * 5]), r"mass_matrix: q must be numbers of shape"),
         (lambda r: r.mass_matrix(Q * 1j), "mass_matrix: q must be numbers"),
-        (lambda r: r.inverse_dynamics(np.zeros((2, 6)), np.zeros((3, 6)), Q), r"leading axes do not broadcast: q \(2,\), v \(3,\)"),
+        (lambda r: r.inverse_dynamics([Q] * 2, [Q] * 3, Q), r"leading axes do not broadcast: q \(2,\), v \(3,\)"),
         (lambda r: r.jacobian(Q, "toe"), "no frame is named 'toe'; there are: .*'link6', 'tool'"),
         (lambda r: r.jacobian(Q, "tool", "global"), "'global'; there are: 'local', 'world', 'local_world_aligned'"),
         (lambda r: r.frame_pose(Q, "toe"), "no frame is named 'toe'"),

@@ -16,7 +16,10 @@ FRICTIONS = [
     Coulomb(coulomb=0.3, viscous=0.1, smoothing=0.1),
 ]
 
-springs, frictions = pytest.mark.parametrize("law", SPRINGS, ids=repr), pytest.mark.parametrize("law", FRICTIONS, ids=repr)
+springs, frictions = (
+    pytest.mark.parametrize("law", SPRINGS, ids=repr),
+    pytest.mark.parametrize("law", FRICTIONS, ids=repr),
+)
 SHARES = st.floats(-3.0, 3.0, allow_subnormal=False)
 """Of the deflection at which law (2) is continued by its tangent; beyond 1 in a third of all draws."""
 

@@ -103,7 +103,11 @@ def speed_map(mechanism: Mechanism) -> Array:
     free = iter(np.eye(width))
     for body in mechanism.bodies:
         mimic = body.joint.mimic
-        own = [next(free) for _ in range(_size(body.joint.kind))] if not mimic else [mimic.multiplier * rows[mimic.joint][0]]
+        own = (
+            [next(free) for _ in range(_size(body.joint.kind))]
+            if not mimic
+            else [mimic.multiplier * rows[mimic.joint][0]]
+        )
         rows[body.joint.name] = np.array(own)
     return np.concatenate([*rows.values()])
 

@@ -37,7 +37,7 @@ def test_without_a_reference_the_arm_starts_at_zero_in_equilibrium():
 
 @pytest.mark.parametrize("laws", ["PD", "PD and elastic feedforward"])
 def test_rms_at_the_default_step_is_that_of_a_much_finer_one(laws):
-    """Single trajectories under stick-slip are ill-conditioned; their RMS is not: within 2 % of 16 times finer steps."""
+    """Single trajectories under stick-slip are ill-conditioned; their RMS is within 2 % of that at 16 times finer steps."""
     ours = robot("xia2019")
     controller = PD(KP, KD, side="motor") if laws == "PD" else PD(KP, KD, side="motor") + Feedforward(ours)
     move = cycloid(np.deg2rad([45.0, 30, 30, 45, 30, 45]), 1.0)
@@ -93,7 +93,9 @@ def test_a_disturbance_equal_to_the_weight_holds_the_robot(name):
     ours = frictionless(robot(name))
     q = np.linspace(-0.8, 0.9, ours.nv)
     start = State(q=q, theta=q)  # springs unbent: the disturbance alone bears the links
-    log = simulate(ours, duration=0.1, initial=start, disturbances=lambda t: np.outer(t * 0 + 1, ours.gravity_forces(q)))
+    log = simulate(
+        ours, duration=0.1, initial=start, disturbances=lambda t: np.outer(t * 0 + 1, ours.gravity_forces(q))
+    )
     assert np.abs(log["q"] - q).max() < 1e-9
 
 
@@ -101,7 +103,9 @@ def test_a_disturbance_acts_at_the_times_it_is_given_for():
     ours = robot("tree").with_gravity([0.0, 0.0, 0.0])
     log = simulate(ours, duration=0.01, disturbances=lambda t: np.outer(t > 4.5e-3, np.eye(ours.nv)[0]))
     assert np.abs(log["v"][:6]).max() == 0.0
-    assert log["v"][6, 0] == pytest.approx(1e-3 * ours.forward_dynamics(ours.neutral(), log["v"][0], np.eye(ours.nv)[0])[0], rel=1e-2)
+    assert log["v"][6, 0] == pytest.approx(
+        1e-3 * ours.forward_dynamics(ours.neutral(), log["v"][0], np.eye(ours.nv)[0])[0], rel=1e-2
+    )
 
 
 def test_other_gains_drives_and_limits_compile_nothing_again(monkeypatch):
@@ -112,7 +116,9 @@ def test_other_gains_drives_and_limits_compile_nothing_again(monkeypatch):
         raise AssertionError("compiled again")
 
     monkeypatch.setattr(loops, "compile_program", never)
-    softer = limited(ours.with_drives({n: Drive(90.0, Rotor(2e-5), d.compliance) for n, d in ours.drives.items()}), 50.0)
+    softer = limited(
+        ours.with_drives({n: Drive(90.0, Rotor(2e-5), d.compliance) for n, d in ours.drives.items()}), 50.0
+    )
     second = simulate(softer, PD(np.array(KP) / 2, KD) + Feedforward(softer), move, 0.05)
     assert not np.array_equal(first["q"], second["q"])
     monkeypatch.undo()

@@ -70,7 +70,8 @@ def test_arguments_that_make_no_sense_are_refused(options, message):
 
 
 def test_a_reference_in_degrees_is_recognised():
-    with pytest.raises(InputError, match="'shoulder_lift_joint': position 60 rad exceeds its limits .* looks like degrees"):
+    message = r"'shoulder_lift_joint': position 60 rad exceeds its limits .* looks like degrees"
+    with pytest.raises(InputError, match=message):
         simulate(robot("ur10"), None, cycloid([0.0, 60.0, 0.0, 0.0, 0.0, 0.0], 1.0))
 
 

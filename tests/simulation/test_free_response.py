@@ -22,9 +22,11 @@ def arm() -> Robot:
 
 @cache
 def expected(start: int) -> Array:
-    """q after 1 s: the paper's arm with flexsplines, from static equilibrium of links and drives, motors without torque."""
+    """q after 1 s of the paper's arm with flexsplines, let go in static equilibrium of links and drives."""
     twin, drives = Twin(arm(), pinocchio_of(arm().mechanism)), [*arm().drives.values()]
-    J, K, c = (np.array(x) for x in zip(*[(d.reflected_inertia, *vars(d.compliance).values()) for d in drives], strict=True))
+    J, K, c = (
+        np.array(x) for x in zip(*[(d.reflected_inertia, *vars(d.compliance).values()) for d in drives], strict=True)
+    )
 
     def rates(_: float, x: Array) -> Array:
         q, v, theta, theta_dot = np.split(x, 4)

@@ -4,7 +4,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from robot_library import robot
+from robot_library import frictionless, robot
 
 from cutpoint import InputError, Log, Sensors, simulate
 from cutpoint.control import PD
@@ -23,8 +23,8 @@ def run(duration: float = 0.1, **sensors: Any) -> Log:
 @pytest.mark.parametrize("backend", ["llvm", "numpy"])
 @pytest.mark.parametrize("periods", [0, 1, 4])
 def test_a_delay_of_k_periods_shifts_every_measurement_by_k_samples(periods, backend):
-    ours, sensors = robot("xia2019", backend), Sensors(delay=periods * PERIOD)
-    log = simulate(ours, SOFT, PATH, 0.02, PERIOD, sensors=sensors, substeps=20)
+    ours, sensors = frictionless(robot("xia2019", backend)), Sensors(delay=periods * PERIOD)
+    log = simulate(ours, SOFT, PATH, 0.02, PERIOD, sensors=sensors)
     for name in ("q", "v", "theta", "theta_dot"):
         seen, true = log[f"measured_{name}"], log[name]
         assert np.array_equal(seen[periods:], true[: len(true) - periods])

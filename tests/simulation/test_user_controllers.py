@@ -1,4 +1,4 @@
-"""Controllers that users write: compiled into the loop where they can be, called back where they cannot, to one result."""
+"""Controllers that users write: compiled into the loop or, where they cannot be, called back, to the same result."""
 
 import warnings
 from dataclasses import dataclass

@@ -1,0 +1,89 @@
+"""From a motor's torque to the speeds on both sides of its drive, over frequency."""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from cutpoint.analysis.linear_model import LinearModel
+from cutpoint.errors import InputError, unknown_name
+
+Array = NDArray[np.float64]
+ComplexArray = NDArray[np.complex128]
+
+HAS_A_PEAK = 1 / np.sqrt(2)
+"""A second-order resonance damped more than this has no peak over frequency."""
+
+
+@dataclass(frozen=True, eq=False)
+class FrequencyResponse:
+    """What a sinusoidal torque of one motor does to its own joint, all other motors' torques held.
+
+    Attributes:
+        joint: the joint's name.
+        frequencies: (F,) Hz.
+        motor_velocity, link_velocity: (F,) complex, (rad/s)/(N m) at the joint's side; (m/s)/N on a prismatic joint.
+        resonances: Hz, ascending, of the robot's poles in this band that are damped little enough for a peak.
+        antiresonances: Hz, the same of the zeros of motor_velocity: what still swings when this motor is locked.
+            link_velocity has none of them in common.
+    """
+
+    joint: str
+    frequencies: Array
+    motor_velocity: ComplexArray
+    link_velocity: ComplexArray
+    resonances: Array
+    antiresonances: Array
+
+
+def frequency_response(model: LinearModel, frequencies: ArrayLike, joint: str) -> FrequencyResponse:
+    """C (s - A)^-1 B + D from a joint's motor torque to its motor's and its link's velocity, at s = 2 pi i frequency.
+
+    With one elastic joint, link inertia M, reflected rotor inertia J and stiffness K, the anti-resonance is at
+    sqrt(K / M), where the motor stands still as if locked, and the resonance at sqrt(K (1 / M + 1 / J)), rad/s.
+
+    Args:
+        model: of `linearize`.
+        frequencies: (F,) Hz, positive.
+        joint: name of the driven joint.
+
+    Raises:
+        InputError: an unknown joint, frequencies that are no positive numbers, or one that hits an undamped resonance.
+    """
+    if joint not in model.joints:
+        raise unknown_name("driven joint", joint, model.joints)
+    f = _checked(frequencies)
+    b = model.B[:, model.inputs.index(f"motor_torque.{joint}")]
+    motor, link = (model.outputs.index(f"{side}.{joint}") for side in ("theta_dot", "v"))
+    try:
+        x = np.array([np.linalg.solve(2j * np.pi * each * np.eye(len(b)) - model.A, b) for each in f])
+    except np.linalg.LinAlgError:
+        raise InputError("frequency_response: a frequency is that of an undamped resonance; shift it a little") from None
+    poles, zeros = np.linalg.eigvals(model.A), motor_locked(model.A, b, model.C[motor])
+    sharp = [_sharp(s, f.min(), f.max()) for s in (poles, zeros)]
+    return FrequencyResponse(joint, f, x @ model.C[motor], x @ model.C[link], *sharp)
+
+
+def motor_locked(A: Array, b: Array, c: Array) -> ComplexArray:
+    """Zeros of c (s - A)^-1 b, rad/s, and a zero at 0: the poles left when b's input holds the output c x still.
+
+    Isidori (1995) section 4.3: the zero dynamics, for an output that its input accelerates, c b != 0.
+    """
+    return np.linalg.eigvals(A - np.outer(b, c @ A) / (c @ b))
+
+
+def _sharp(s: ComplexArray, low: float, high: float) -> Array:
+    """Frequencies in Hz of what oscillates with a peak in a band."""
+    swings = s[(s.imag > 0) & (np.abs(s.real) < HAS_A_PEAK * np.abs(s))]
+    f = np.sort(np.abs(swings)) / (2 * np.pi)
+    return f[(f >= low) & (f <= high)]
+
+
+def _checked(frequencies: ArrayLike) -> Array:
+    try:
+        f = np.asarray(frequencies, dtype=np.float64)
+    except (TypeError, ValueError) as error:
+        raise InputError(f"frequency_response: frequencies must be numbers (F,), Hz: {error}") from None
+    if f.ndim != 1 or not f.size or not (np.isfinite(f) & (f > 0)).all():
+        raise InputError("frequency_response: frequencies must be a list (F,) of positive finite numbers, Hz")
+    return f

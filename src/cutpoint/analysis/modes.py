@@ -1,1 +1,119 @@
+"""Modes of a robot's drives: what rings when joints bend."""
 
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from cutpoint.analysis.linear_model import LinearModel
+from cutpoint.analysis.linearize import linearize
+from cutpoint.robot import Robot
+
+Array = NDArray[np.float64]
+ComplexArray = NDArray[np.complex128]
+
+SPRING_SHARE = 0.1
+"""Of a mode's energy, what its springs hold at least if it is one of the drives: half without damping, next to nothing
+where the arm swings as a whole under its weight."""
+
+
+@dataclass(frozen=True, eq=False)
+class Modes:
+    """The modes in which drives bend, by frequency; m of them.
+
+    Free turning and swinging of the whole arm is no drive mode and not listed; neither is a mode damped so much that it
+    does not oscillate.  A robot without elastic drives has none: m is 0.
+
+    Attributes:
+        frequencies: (m,) Hz, undamped: |pole| / 2 pi.
+        damping: (m,) damping ratios, -Re(pole) / |pole|; below zero grows.
+        link, motor: (m, nv), (m, drives) complex, amplitudes on both sides, the largest of a mode is 1; rad (m).
+        participation: (m, drives): share of each drive in the energy that the mode stores in springs; a row sums to 1.
+        poles: (N,) all eigenvalues of model.A, 1/s.
+        model: the linear model behind them.
+        elastic: number of elastic drives; as many modes there are without damping.
+    """
+
+    frequencies: Array
+    damping: Array
+    link: ComplexArray
+    motor: ComplexArray
+    participation: Array
+    poles: ComplexArray
+    model: LinearModel
+    elastic: int
+
+    def joints_of(self, mode: int, least: float = 0.1) -> dict[str, float]:
+        """Joints whose drives take part in a mode with at least this share, the largest first."""
+        shares = self.participation[mode]
+        return {self.model.joints[k]: float(shares[k]) for k in np.argsort(-shares) if shares[k] >= least}
+
+    @property
+    def remark(self) -> str:
+        """What the list does not show, in a sentence; empty if nothing is missing."""
+        if not self.elastic:
+            return "no drive bends, so there are no drive modes: state a compliance in the drive file"
+        missing = self.elastic - len(self.frequencies)
+        return f"{missing} of {self.elastic} drive modes do not oscillate: overdamped" if missing > 0 else ""
+
+    def __str__(self) -> str:
+        lines = []
+        for k, (f, zeta) in enumerate(zip(self.frequencies, self.damping, strict=True)):
+            shares = ", ".join(f"{name} {share:.0%}" for name, share in self.joints_of(k).items())
+            lines.append(f"{f:8.2f} Hz, damping {zeta:.4f}: {shares}")
+        return "\n".join([*lines, self.remark] if self.remark else lines)
+
+
+def modes(robot: Robot, q: ArrayLike, *, friction: bool = False) -> Modes:
+    """The drives' modes at rest at q (nq,), motors balancing gravity; from the eigenvectors of `linearize`'s A.
+
+    friction: as in `linearize`; with it, its slope at rest damps, or locks, what swings.
+
+    Raises:
+        InputError: q of a wrong shape, or not finite.
+    """
+    model = linearize(robot, q, friction=friction)
+    poles, vectors = np.linalg.eig(model.A)
+    nv, y = robot.nv, (model.C @ vectors).T
+    link, motor = y[:, :nv], y[:, 2 * nv : 2 * nv + len(robot.drives)]
+    strain, kinetic = _strain(robot, model, link, motor), _kinetic(robot, model, poles, link, motor)
+    bends = (poles.imag > 0) & (strain.sum(axis=1) > SPRING_SHARE * (strain.sum(axis=1) + kinetic))
+    chosen = np.flatnonzero(bends)[np.argsort(np.abs(poles[bends]))]
+    s, strain = poles[chosen], strain[chosen]
+    scale = _largest(np.hstack([link, motor])[chosen])
+    return Modes(
+        frequencies=np.abs(s) / (2 * np.pi),
+        damping=-s.real / np.abs(s),
+        link=link[chosen] / scale,
+        motor=motor[chosen] / scale,
+        participation=strain / strain.sum(axis=1, keepdims=True),
+        poles=poles,
+        model=model,
+        elastic=sum(drive.is_elastic for drive in robot.drives.values()),
+    )
+
+
+def _strain(robot: Robot, model: LinearModel, link: ComplexArray, motor: ComplexArray) -> Array:
+    """Twice the energy in each drive's spring, (N, drives), at its stiffness under the present load."""
+    driven = robot.machine.drives
+    lead = model.point.theta - model.point.q[[d.q for d in driven]]
+    springs = [d.drive.compliance for d in driven]
+    K = np.array([spring.tangent(x) if spring else 0.0 for spring, x in zip(springs, lead, strict=True)])
+    return K * np.abs(motor - link[:, [d.v for d in driven]]) ** 2
+
+
+def _kinetic(
+    robot: Robot, model: LinearModel, poles: ComplexArray, link: ComplexArray, motor: ComplexArray
+) -> Array:
+    """Twice the energy of links and of elastic drives' rotors, (N,); a rotor's share in its carrier's turning is small."""
+    J = np.array([d.drive.reflected_inertia if d.drive.is_elastic else 0.0 for d in robot.machine.drives])
+    M = robot.mass_matrix(model.point.q)
+    links = np.einsum("mi,ij,mj->m", link.conj(), M, link).real
+    return np.abs(poles) ** 2 * (links + np.abs(motor) ** 2 @ J)
+
+
+def _largest(shapes: ComplexArray) -> ComplexArray:
+    """Each row's entry of largest size, (m, 1)."""
+    if not shapes.size:
+        return np.ones((len(shapes), 1), complex)
+    return np.take_along_axis(shapes, np.abs(shapes).argmax(axis=1)[:, None], axis=1)

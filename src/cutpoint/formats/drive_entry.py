@@ -6,7 +6,7 @@ import numpy as np
 
 from cutpoint.errors import InputError
 from cutpoint.formats.drive_section import Section
-from cutpoint.formats.drive_sheet import ComplianceSheet, DriveSheet, GearSheet, LimitsSheet, LinkFrictionSheet
+from cutpoint.formats.drive_sheet import ComplianceSheet, DriveSheet, GearSheet, LimitsSheet, LinkFrictionSheet, RotorSheet
 from cutpoint.mechanics.compliance import Flexspline, LinearSpring
 from cutpoint.mechanics.friction import Coulomb, Stribeck
 from cutpoint.model.drive import Compliance, Drive, Friction, Rotor
@@ -17,14 +17,15 @@ def to_drive(sheet: DriveSheet, section: Section) -> Drive:
     """The drive that a sheet describes.
 
     Raises ModelError: ratio and gear both, a zero ratio, a gear on a joint that slides, both or neither spring law, an
-    elastic drive without rotor, damping without a spring, static below Coulomb friction, bounds out of order.
+    elastic drive without rotor, a rotor's mass that its link already holds or that no body can have, damping without a
+    spring, static below Coulomb friction, bounds out of order.
     """
     friction, rotor = sheet.friction, sheet.rotor
     compliance = _compliance(sheet.compliance, section) if sheet.compliance else None
     _check_elastic(sheet, section)
     return Drive(
         ratio=_ratio(sheet, section),
-        rotor=Rotor(rotor.inertia, rotor.in_link_inertia) if rotor else None,
+        rotor=_rotor(rotor, section) if rotor else None,
         compliance=compliance,
         damping=sheet.damping,
         link_friction=_link_friction(friction.link, section) if friction and friction.link else None,
@@ -74,6 +75,20 @@ def _check_elastic(sheet: DriveSheet, section: Section) -> None:
         raise section.error(("damping",), f"{stated} is the spring's, but 'compliance' is rigid")
 
 
+def _rotor(sheet: RotorSheet, section: Section) -> Rotor:
+    """Of an axisymmetric body the inertia about the axis is at most twice that across it."""
+    for name in ("mass", "transverse", "position"):
+        if sheet.in_link_inertia and getattr(sheet, name):
+            path = ("rotor", name)
+            stated = section.stated(DriveSheet, path, getattr(sheet, name))
+            raise section.error(path, f"{stated} counts only with 'in_link_inertia: false'; the link holds the rotor")
+    if sheet.transverse and sheet.inertia > 2.0 * sheet.transverse:
+        path = ("rotor", "transverse")
+        stated = section.stated(DriveSheet, path, sheet.transverse)
+        raise section.error(path, f"{stated} must be at least half of inertia {sheet.inertia!r}")
+    return Rotor(**sheet.model_dump())
+
+
 def _compliance(sheet: ComplianceSheet, section: Section) -> Compliance:
     if (sheet.linear is None) == (sheet.flexspline is None):
         raise section.error(("compliance",), "compliance must state exactly one of 'linear', 'flexspline'")
@@ -119,7 +134,10 @@ def _law_entry(law: Compliance | Friction | None) -> dict[str, Any] | None:
 
 
 def _rotor_entry(rotor: Rotor) -> dict[str, Any]:
-    return {"inertia": float(rotor.inertia), "in_link_inertia": bool(rotor.in_link_inertia)}
+    """What differs from the defaults, and the inertia."""
+    entry = {"inertia": float(rotor.inertia), "in_link_inertia": bool(rotor.in_link_inertia)}
+    entry |= {name: float(value) for name in ("mass", "transverse", "position") if (value := getattr(rotor, name))}
+    return entry | ({"coupling": "full"} if rotor.coupling == "full" else {})
 
 
 def _limits_entry(limits: Limits) -> dict[str, Any]:

@@ -43,6 +43,16 @@ class RotorSheet(Sheet):
     in_link_inertia: bool = Field(
         True, description="whether the carrying link's inertia in the robot file already holds the rotor's mass"
     )
+    mass: float = quantity("kg", "kg", "of the rotor; needs `in_link_inertia: false`", 0.0, ge=0)
+    transverse: float = quantity(
+        "kg m2", "kg m2", "of the rotor across its axis, about its centre; needs `in_link_inertia: false`", 0.0, ge=0
+    )
+    position: float = quantity(
+        "m", "m", "of the rotor's centre along the joint's axis; needs `in_link_inertia: false`", 0.0
+    )
+    coupling: Literal["reduced", "full"] = Field(
+        "reduced", description="reduced: the rotor feels its own spin only; full: its carrier's turning too, eqs. (4)-(11)"
+    )
 
 
 class LinearSheet(Sheet):

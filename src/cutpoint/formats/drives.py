@@ -1,12 +1,12 @@
 """Drive files (YAML, version 1): what drives each joint of a robot.  `docs/drive-file.md` describes every field."""
 
-import os
 from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
 import yaml
 
+from cutpoint.files import replacing
 from cutpoint.formats.drive_entry import to_drive, to_entry
 from cutpoint.formats.drive_section import Section
 from cutpoint.formats.drive_sheet import DEFAULT_SMOOTHING, DriveSheet, FileSheet
@@ -16,7 +16,7 @@ from cutpoint.mechanics.friction import Coulomb
 from cutpoint.model.drive import Drive
 from cutpoint.model.mechanism import Joint, Mechanism
 from cutpoint.model.places import those_that_exist
-from cutpoint.model.validation import MOVING
+from cutpoint.model.validation import DRIVEN_KINDS
 
 VERSION = 1
 
@@ -65,14 +65,9 @@ def dump_drives(drives: Mapping[str, Drive]) -> str:
 
 def save_drives(path: str | Path, drives: Mapping[str, Drive]) -> None:
     """Write a drive file, whole or not at all."""
-    path = Path(path)
     text = dump_drives(drives)
-    draft = path.with_name(f".{path.name}.{os.getpid()}.draft")
-    try:
-        draft.write_text(text, encoding="utf-8")
-        os.replace(draft, path)
-    finally:
-        draft.unlink(missing_ok=True)
+    with replacing(Path(path)) as file:
+        file.write(text.encode())
 
 
 def merged(base: Mapping[str, Any], over: Mapping[str, Any]) -> dict[str, Any]:
@@ -92,8 +87,8 @@ def _driven(name: str, joints: Mapping[str, Joint], mechanism: Mechanism, sectio
         raise section.error((), "it is fixed (or a link), and a drive needs a joint that moves")
     if joint is None:
         raise section.error((), f"the robot has no such joint; {those_that_exist(name, joints)}")
-    if joint.kind not in MOVING:
-        raise section.error((), f"it is {joint.kind}; a drive needs one of {', '.join(MOVING)}")
+    if joint.kind not in DRIVEN_KINDS:
+        raise section.error((), f"it is {joint.kind}; a drive needs one of {', '.join(DRIVEN_KINDS)}")
     if joint.mimic and mechanism.coupled:
         raise section.error((), f"it follows joint {joint.mimic.joint!r}; give the drive to that one")
     return joint

@@ -22,7 +22,7 @@ from cutpoint.model.mechanism import STANDARD_GRAVITY, Joint, JointKind, Limits,
 from cutpoint.model.places import Places, listed
 from cutpoint.model.validation import DEGREES_BEYOND
 
-KINDS: tuple[JointKind, ...] = ("fixed", "revolute", "continuous", "prismatic", "floating")
+KINDS: tuple[JointKind, ...] = ("fixed", "revolute", "continuous", "prismatic", "planar", "floating")
 X_AXIS = (1.0, 0.0, 0.0)
 """Axis of a joint that states none."""
 
@@ -144,16 +144,16 @@ def _kind(reader: Reader) -> JointKind:
     for known in KINDS:
         if kind == known:
             return known
-    raise reader.error(f"type {kind!r} is not supported yet; those that are: {listed(KINDS)}")
+    raise reader.error(f"type {kind!r} is not supported; those that are: {listed(KINDS)}")
 
 
 def _limits(reader: Reader, kind: JointKind) -> Limits:
-    """As URDF has it: a continuous joint has no position limits, and of two bounds one that is not stated is zero."""
+    """As URDF has it: some kinds have no position limits, and of two bounds one that is not stated is zero."""
     limit = reader.child("limit")
     if limit is None:
         return Limits()
     velocity, effort = limit.bound("velocity", np.inf), limit.bound("effort", np.inf)
-    if kind == "continuous" or not {"lower", "upper"} & limit.element.attributes.keys():
+    if kind in ("continuous", "planar", "floating") or not {"lower", "upper"} & limit.element.attributes.keys():
         return Limits(velocity=velocity, effort=effort)
     return Limits(limit.bound("lower", 0.0), limit.bound("upper", 0.0), velocity, effort)
 

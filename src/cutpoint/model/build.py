@@ -12,8 +12,9 @@ from cutpoint.model.lumping import NOTHING, MassProperties, lumped, placed
 from cutpoint.model.mechanism import STANDARD_GRAVITY, WORLD, Array, Body, Frame, Joint, Link, Mechanism
 from cutpoint.model.places import Places
 from cutpoint.model.tree import depth_first
+from cutpoint.model.universal import expanded
 from cutpoint.model.validation import (
-    MOVING,
+    WITH_AXIS,
     check_all_bear_mass,
     check_body,
     check_gravity,
@@ -46,7 +47,8 @@ def build(
     place: the file it all comes from, for messages; a `Places` also knows the lines.
 
     Fixed links are lumped into the body that carries them (into the world they lose their mass); every link, and every
-    joint whose name no link has, is a frame of the result.  Axes come out with unit length.
+    joint whose name no link has, is a frame of the result.  Axes come out with unit length.  A universal joint becomes two
+    revolute ones, see `universal`.
     Raises ModelError for whatever `validation`, `tree` and `holding` find wrong.
     """
     places = place if isinstance(place, Places) else Places(place)
@@ -56,14 +58,14 @@ def build(
         check_link(link, places)
     for joint in joints:
         check_joint(joint, places)
+    links, joints = expanded(links, [_with_unit_axis(joint) for joint in joints])
     root, ordered = depth_first(links, joints, places)
-    ordered = hold([_with_unit_axis(joint) for joint in ordered], lock or {}, coupled, places)
+    ordered = hold(ordered, lock or {}, coupled, places)
     carried = [_floating_joint(root, ordered, places), *ordered] if floating_base else ordered
     tree = _assemble(root, links, carried, floating_base)
     bodies = tuple(tree.bodies())
     for body, pieces in zip(bodies, tree.pieces, strict=True):
         check_body(body, pieces, places)
-        _check_only_the_base_floats(body, places)
     check_all_bear_mass(bodies, places)
     return Mechanism(name, bodies, tree.frames([link.name for link in links], carried), _frozen(fall), coupled)
 
@@ -127,9 +129,10 @@ def _properties(link: Link) -> MassProperties:
 
 
 def _with_unit_axis(joint: Joint) -> Joint:
-    if joint.kind not in MOVING:
+    if joint.kind not in WITH_AXIS:
         return joint
-    return replace(joint, axis=_frozen(joint.axis / np.linalg.norm(joint.axis)))
+    second = None if joint.second_axis is None else _unit(joint.second_axis)
+    return replace(joint, axis=_unit(joint.axis), second_axis=second)
 
 
 def _floating_joint(root: str, joints: Sequence[Joint], places: Places) -> Joint:
@@ -139,10 +142,8 @@ def _floating_joint(root: str, joints: Sequence[Joint], places: Places) -> Joint
     return Joint(FLOATING_JOINT, "floating", parent=WORLD_LINK, child=root)
 
 
-def _check_only_the_base_floats(body: Body, places: Places) -> None:
-    if body.joint.kind == "floating" and body.parent != WORLD:
-        complaint = f"is floating but carried by moving link {body.joint.parent!r}; only the world may carry it"
-        raise places.error(f"joint {body.joint.name!r}", complaint, joint=body.joint.name)
+def _unit(axis: Array) -> Array:
+    return _frozen(axis / np.linalg.norm(axis))
 
 
 def _frozen(array: Array) -> Array:

@@ -8,7 +8,7 @@ import numpy as np
 from cutpoint.model.mechanism import Joint, Mimic
 from cutpoint.model.places import Places, those_that_exist
 from cutpoint.model.pose import pose, rotation_about
-from cutpoint.model.validation import DEGREES_BEYOND, MOVING
+from cutpoint.model.validation import DEGREES_BEYOND, ONE_COORDINATE
 
 LONGEST_CHAIN = 16
 """Of mimics of mimics, in joints."""
@@ -30,10 +30,9 @@ def hold(joints: Sequence[Joint], lock: Mapping[str, float], coupled: bool, plac
 
 def fixed_at(joint: Joint, value: float) -> Joint:
     """The joint as a fixed one, at coordinate `value` (rad or m)."""
-    if joint.kind == "prismatic":
-        motion = pose(np.eye(3), value * joint.axis)
-    else:
-        motion = pose(rotation_about(joint.axis, value), np.zeros(3))
+    angle = 0.0 if joint.kind == "prismatic" else value
+    slide = {"prismatic": value, "helical": joint.pitch * value}.get(joint.kind, 0.0)
+    motion = pose(rotation_about(joint.axis, angle), slide * joint.axis)
     return replace(joint, kind="fixed", placement=joint.placement @ motion, mimic=None)
 
 
@@ -80,16 +79,17 @@ class _Holder:
             complaint = f"mimic multiplier {step.multiplier!r} and offset {step.offset!r} must be finite"
             raise self.places.error(thing, complaint)
         kind = self.by_name[step.joint].kind
-        if kind not in MOVING:
-            raise self.places.error(thing, f"mimics joint {step.joint!r}, which is {kind}; a leader must move")
+        if kind not in ONE_COORDINATE:
+            complaint = f"mimics joint {step.joint!r}, which is {kind}; leaders are {', '.join(ONE_COORDINATE)}"
+            raise self.places.error(thing, complaint)
 
     def check_lock(self, name: str, value: float) -> None:
         thing = f"lock of joint {name!r}"
         joint = self.by_name.get(name)
         if joint is None:
             raise self.places.error(thing, f"no joint has this name; {those_that_exist(name, self.by_name)}")
-        if joint.kind not in MOVING:
-            raise self.places.error(thing, f"the joint is {joint.kind}; it must be one of {', '.join(MOVING)}")
+        if joint.kind not in ONE_COORDINATE:
+            raise self.places.error(thing, f"the joint is {joint.kind}; it must be one of {', '.join(ONE_COORDINATE)}")
         if not np.isfinite(value):
             raise self.places.error(thing, f"value {value!r} must be finite")
         outside = not joint.limits.lower <= value <= joint.limits.upper

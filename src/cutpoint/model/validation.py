@@ -7,7 +7,7 @@ would give.
 """
 
 from collections.abc import Mapping, Sequence
-from typing import get_args
+from typing import Any, get_args
 
 import numpy as np
 
@@ -35,7 +35,14 @@ TURNING_UNITS = {
 }
 SLIDING_UNITS = {"position": "m", "velocity": "m/s", "effort": "N", "damping": "N s/m", "friction": "N"}
 
-MOVING = ("revolute", "continuous", "prismatic")
+DRIVEN_KINDS: tuple[JointKind, ...] = ("revolute", "continuous", "prismatic")
+"""Kinds that a drive may move."""
+
+ONE_COORDINATE: tuple[JointKind, ...] = (*DRIVEN_KINDS, "helical")
+"""Kinds that can be locked at a value, lead and follow."""
+
+WITH_AXIS: tuple[JointKind, ...] = (*ONE_COORDINATE, "universal", "planar")
+"""Kinds with an axis; a planar joint's is the normal of its plane."""
 
 
 def check_link(link: Link, places: Places) -> None:
@@ -53,7 +60,7 @@ def check_link(link: Link, places: Places) -> None:
 
 
 def check_joint(joint: Joint, places: Places) -> None:
-    """A known kind, shapes, finite numbers, rigid placement, an axis with a direction, limits in order."""
+    """A known kind, shapes, finite numbers, rigid placement, axes with a direction, a pitch, limits in order."""
     thing = f"joint {joint.name!r}"
     if joint.kind not in get_args(JointKind):
         complaint = f"kind {joint.kind!r} is not supported; {those_that_exist(joint.kind, get_args(JointKind))}"
@@ -62,10 +69,7 @@ def check_joint(joint: Joint, places: Places) -> None:
     if not is_rigid(joint.placement):
         complaint = "placement must be a proper rotation and a translation (R R^T = 1, det R = 1, last row 0 0 0 1)"
         raise places.error(thing, complaint, joint=joint.name, placement=joint.placement)
-    if joint.kind in MOVING:
-        _check_numbers(thing, "axis", joint.axis, (3,), places)
-        if np.linalg.norm(joint.axis) < AXIS_MINIMUM:
-            raise places.error(thing, f"axis {joint.axis} has no length; give it a direction", joint=joint.name)
+    _check_own_numbers(joint, places)
     unit = SLIDING_UNITS if joint.kind == "prismatic" else TURNING_UNITS
     for what in ("damping", "friction"):
         value = getattr(joint, what)
@@ -73,6 +77,38 @@ def check_joint(joint: Joint, places: Places) -> None:
         if value < 0.0:
             raise places.error(thing, f"{what} {value!r} {unit[what]} must not be negative", joint=joint.name)
     check_limits(thing, joint.limits, unit, places)
+
+
+def _check_own_numbers(joint: Joint, places: Places) -> None:
+    """What some kinds need and others do not: axis, second axis, pitch; and that a follower has one coordinate."""
+    thing = f"joint {joint.name!r}"
+    if joint.kind in WITH_AXIS:
+        _check_axis(thing, "axis", joint.axis, places)
+    if joint.kind == "universal":
+        _check_axis(thing, "second_axis", joint.second_axis, places)
+        if np.linalg.norm(np.cross(_unit(joint.axis), _unit(joint.second_axis))) < AXIS_MINIMUM:
+            complaint = f"second_axis {joint.second_axis} must not be parallel to axis {joint.axis}"
+            raise places.error(thing, complaint, joint=joint.name)
+    if joint.kind == "helical":
+        _check_numbers(thing, "pitch", joint.pitch, (), places)
+        if joint.pitch == 0.0:
+            complaint = "pitch 0.0 m/rad must not be zero; without one the joint is revolute"
+            raise places.error(thing, complaint, joint=joint.name)
+    if joint.mimic and joint.kind not in (*ONE_COORDINATE, "fixed"):
+        complaint = f"mimics joint {joint.mimic.joint!r}, but is {joint.kind}; followers are {', '.join(ONE_COORDINATE)}"
+        raise places.error(thing, complaint, joint=joint.name)
+
+
+def _check_axis(thing: str, what: str, axis: Array | None, places: Places) -> None:
+    if axis is None:
+        raise places.error(thing, f"needs a {what}, a direction (3,)", what=what)
+    _check_numbers(thing, what, axis, (3,), places)
+    if np.linalg.norm(axis) < AXIS_MINIMUM:
+        raise places.error(thing, f"{what} {axis} has no length; give it a direction", what=what)
+
+
+def _unit(axis: Any) -> Array:
+    return np.asarray(axis) / np.linalg.norm(axis)
 
 
 def check_limits(thing: str, limits: Limits, unit: Mapping[str, str], places: Places) -> None:
