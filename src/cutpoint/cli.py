@@ -11,7 +11,7 @@ from rich.console import Console
 from rich.markup import escape
 
 import cutpoint
-from cutpoint.cli_tables import drive_table, error_table, listed_numbers, robot_table, torque_table
+from cutpoint.cli_tables import drive_table, error_table, listed_numbers, modes_table, robot_table, torque_table
 from cutpoint.control import Feedforward, pd_for_bandwidth
 from cutpoint.door import check_configuration, driven_joints
 from cutpoint.errors import CutpointError, SimulationError
@@ -88,6 +88,30 @@ def simulate(
         raise
     console.print(error_table(loaded, log))
     _keep(log, output, plot)
+
+
+@app.command(epilog="Example: cutpoint modes xia2019 --q 0,30,60,0,45,0 --degrees --plot modes.png")
+def modes(
+    robot: RobotFile,
+    q: Annotated[str, typer.Option(help="Positions, rad (m), separated by commas; zero if not given.")] = "",
+    drives: Drives = None,
+    degrees: Degrees = False,
+    friction: Annotated[
+        bool, typer.Option("--friction", help="With friction's slope at rest; it damps, or locks, what swings.")
+    ] = False,
+    plot: Annotated[
+        Path | None, typer.Option(metavar="FILE", help="Save the frequency responses: .png, .pdf or .svg.")
+    ] = None,
+) -> None:
+    """Frequencies at which the drives ring, at rest, and how a motor's torque moves motor and link over frequency."""
+    loaded = _robot(robot, drives)
+    position = _numbers(loaded, "q", q, degrees)
+    check_configuration(loaded.mechanism, position.tolist())
+    found = loaded.modes(position, friction=friction)
+    console.print(modes_table(loaded, found))
+    if plot:
+        found.plot().savefig(plot)
+        console.print(f"picture saved to {plot}")
 
 
 @app.command(epilog="Example: cutpoint paper --output paper")

@@ -4,6 +4,7 @@ import numpy as np
 from numpy.typing import NDArray
 from rich.table import Table
 
+from cutpoint.analysis import Modes
 from cutpoint.errors import InputError
 from cutpoint.robot import ElasticTorques, Robot
 from cutpoint.simulation import Log
@@ -88,6 +89,17 @@ def error_table(robot: Robot, log: Log) -> Table:
             f"{feedback[k]:.4g} {unit}",
             f"{torque[k]:.4g} {unit}",
         )
+    return table
+
+
+def modes_table(robot: Robot, found: Modes) -> Table:
+    """Frequencies, dampings, and the drives that bend."""
+    friction = "friction by its slope at rest" if found.model.friction else "friction left out"
+    table = _table(f"{robot.name}: modes of the drives, {friction}", "mode", "Hz", "damping ratio", "drives that bend")
+    for k, (f, zeta) in enumerate(zip(found.frequencies, found.damping, strict=True)):
+        shares = ", ".join(f"{name} {share:.0%}" for name, share in found.joints_of(k).items())
+        table.add_row(str(k + 1), f"{f:.2f}", f"{zeta:z.4f}", shares)
+    table.caption = found.remark or None
     return table
 
 

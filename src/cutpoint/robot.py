@@ -2,7 +2,7 @@
 
 from collections.abc import Mapping, Sequence
 from functools import cached_property, partial
-from typing import Any, Literal, NamedTuple
+from typing import TYPE_CHECKING, Any, Literal, NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -15,6 +15,9 @@ from cutpoint.mechanics.elastic import Options, derivatives_needed
 from cutpoint.model import Drive, Mechanism, changes
 from cutpoint.model.decomposition import Cut, Subsystem, cuts_of, subsystems_of
 from cutpoint.scalars import structure_of
+
+if TYPE_CHECKING:
+    from cutpoint.analysis import LinearModel, Modes
 
 Array = NDArray[np.float64]
 ExpressedIn = Literal["local", "world", "local_world_aligned"]
@@ -320,6 +323,25 @@ class Robot:
     def friction_torques(self, v: ArrayLike) -> Array:
         """(..., nv) N m: what link-side friction takes.  Xia (2019) eq. (54)."""
         return self._call("friction_torques", definitions.friction_torques, reads_drives=True, v=v)
+
+    def linearize(
+        self,
+        q: ArrayLike,
+        v: ArrayLike | None = None,
+        motor_torque: ArrayLike | None = None,
+        *,
+        friction: bool = False,
+    ) -> "LinearModel":
+        """The linear model near a state, at rest by default: see `cutpoint.analysis.linearize`."""
+        from cutpoint.analysis import linearize
+
+        return linearize(self, q, v, motor_torque, friction=friction)
+
+    def modes(self, q: ArrayLike, *, friction: bool = False) -> "Modes":
+        """Frequencies, dampings and shapes of the drives' modes at rest at q: see `cutpoint.analysis.modes`."""
+        from cutpoint.analysis import modes
+
+        return modes(self, q, friction=friction)
 
     def to_rotor(self, *, angle: ArrayLike | None = None, torque: ArrayLike | None = None) -> Array:
         """Joint-side angles (or speeds) or torques (..., drives) as they are at the rotor."""

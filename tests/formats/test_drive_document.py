@@ -43,7 +43,9 @@ def row(path: tuple[str, ...], field: FieldInfo) -> str:
     return f"| `{'.'.join(path)}` | {unit} | {default} | {field.description} |"
 
 
-def yaml_text(value: bool | float) -> str:
+def yaml_text(value: bool | float | str) -> str:
+    if isinstance(value, str):
+        return value
     return str(value).lower() if isinstance(value, bool) else f"{value:g}"
 
 

@@ -79,7 +79,7 @@ JOINTS = {
     "mimic of itself": ('<mimic joint="elbow"/>', "joint 'elbow': mimics in a circle, through joint 'elbow'"),
 }
 
-KINDS = "'fixed', 'revolute', 'continuous', 'prismatic', 'floating'"
+KINDS = "'fixed', 'revolute', 'continuous', 'prismatic', 'planar', 'floating'"
 
 DOCUMENTS = {
     "loop": (
@@ -109,13 +109,14 @@ DOCUMENTS = {
     ),
     "no name": (robot("<link/>"), "link '': <link> needs the attribute 'name' (arm.urdf:2)"),
     "no links": (robot(), "the robot has no links (arm.urdf)"),
-    "planar joint": (
-        arm(link("arm"), kind="planar"),
-        f"joint 'elbow': type 'planar' is not supported yet; those that are: {KINDS} (arm.urdf:4)",
+    "unknown joint": (
+        arm(link("arm"), kind="screw"),
+        f"joint 'elbow': type 'screw' is not supported; those that are: {KINDS} (arm.urdf:4)",
     ),
-    "floating joint on a moving link": (
-        robot(link("base"), link("a"), link("b"), joint("j", "base", "a"), joint("k", "a", "b", "floating")),
-        "joint 'k': is floating but carried by moving link 'a'; only the world may carry it (arm.urdf:6)",
+    "planar joint that mimics": (
+        arm(link("arm"), '<mimic joint="elbow"/>', kind="planar"),
+        "joint 'elbow': mimics joint 'elbow', but is planar;"
+        " a follower is one of revolute, continuous, prismatic, helical (arm.urdf:4)",
     ),
     "no child": (
         robot(link("base"), '<joint name="j" type="fixed"><parent link="base"/></joint>'),

@@ -153,7 +153,7 @@ def test_a_mimic_that_leads_nowhere_is_refused(case: str) -> None:
 
 LOCKS = {
     "unknown": ({"x": 0.0}, "lock of joint 'x': no joint has this name; there are: 'j1', 'j2'"),
-    "fixed": ({"j2": 0.0}, "lock of joint 'j2': the joint is fixed; it must be one of revolute, continuous, prismatic"),
+    "fixed": ({"j2": 0.0}, "lock of joint 'j2': the joint is fixed; it must be one of revolute, continuous, prismatic, helical"),
     "nan": ({"j1": np.nan}, "lock of joint 'j1': value nan must be finite"),
 }
 
@@ -211,7 +211,8 @@ JOINTS = {
     ),
     "unknown kind": (
         {"kind": "screw"},
-        "kind 'screw' is not supported; there are: 'fixed', 'revolute', 'continuous', 'prismatic', 'floating'",
+        "kind 'screw' is not supported; there are: 'fixed', 'revolute', 'continuous', 'prismatic', 'helical', 'universal', "
+        "'planar', 'spherical', 'floating'",
     ),
     "nan limit": ({"limits": Limits(lower=np.nan)}, "limit lower must be a number, got nan"),
 }

@@ -37,7 +37,7 @@ def test_without_a_reference_the_arm_starts_at_zero_in_equilibrium():
 
 @pytest.mark.parametrize("laws", ["PD", "PD and elastic feedforward"])
 def test_rms_at_the_default_step_is_that_of_a_much_finer_one(laws):
-    """Single trajectories under stick-slip are ill-conditioned; their RMS is within 2 % of that at 16 times finer steps."""
+    """Trajectories under stick-slip are ill-conditioned; their RMS is within 2 % of that at 16 times finer steps."""
     ours = robot("xia2019")
     controller = PD(KP, KD, side="motor") if laws == "PD" else PD(KP, KD, side="motor") + Feedforward(ours)
     move = cycloid(np.deg2rad([45.0, 30, 30, 45, 30, 45]), 1.0)

@@ -14,6 +14,9 @@ ComplexArray = NDArray[np.complex128]
 HAS_A_PEAK = 1 / np.sqrt(2)
 """A second-order resonance damped more than this has no peak over frequency."""
 
+CANCELS = 0.005
+"""Distance of a pole and a zero, relative to their frequency, below which they leave no mark on a response."""
+
 
 @dataclass(frozen=True, eq=False)
 class FrequencyResponse:
@@ -25,7 +28,7 @@ class FrequencyResponse:
         motor_velocity, link_velocity: (F,) complex, (rad/s)/(N m) at the joint's side; (m/s)/N on a prismatic joint.
         resonances: Hz, ascending, of the robot's poles in this band that are damped little enough for a peak.
         antiresonances: Hz, the same of the zeros of motor_velocity: what still swings when this motor is locked.
-            link_velocity has none of them in common.
+            A pole and a zero within CANCELS of each other are a mode that this motor hardly moves: neither is listed.
     """
 
     joint: str
@@ -59,9 +62,10 @@ def frequency_response(model: LinearModel, frequencies: ArrayLike, joint: str) -
         x = np.array([np.linalg.solve(2j * np.pi * each * np.eye(len(b)) - model.A, b) for each in f])
     except np.linalg.LinAlgError:
         raise InputError("frequency_response: a frequency is that of an undamped resonance; shift it a little") from None
-    poles, zeros = np.linalg.eigvals(model.A), motor_locked(model.A, b, model.C[motor])
-    sharp = [_sharp(s, f.min(), f.max()) for s in (poles, zeros)]
-    return FrequencyResponse(joint, f, x @ model.C[motor], x @ model.C[link], *sharp)
+    swinging = (_sharp(np.linalg.eigvals(model.A)), _sharp(motor_locked(model.A, b, model.C[motor])))
+    marks = [np.sort(np.abs(s)) / (2 * np.pi) for s in _without_pairs(*swinging)]
+    marks = [each[(each >= f.min()) & (each <= f.max())] for each in marks]
+    return FrequencyResponse(joint, f, x @ model.C[motor], x @ model.C[link], *marks)
 
 
 def motor_locked(A: Array, b: Array, c: Array) -> ComplexArray:
@@ -72,11 +76,21 @@ def motor_locked(A: Array, b: Array, c: Array) -> ComplexArray:
     return np.linalg.eigvals(A - np.outer(b, c @ A) / (c @ b))
 
 
-def _sharp(s: ComplexArray, low: float, high: float) -> Array:
-    """Frequencies in Hz of what oscillates with a peak in a band."""
-    swings = s[(s.imag > 0) & (np.abs(s.real) < HAS_A_PEAK * np.abs(s))]
-    f = np.sort(np.abs(swings)) / (2 * np.pi)
-    return f[(f >= low) & (f <= high)]
+def _sharp(s: ComplexArray) -> ComplexArray:
+    """Those that oscillate with a peak."""
+    return s[(s.imag > 0) & (np.abs(s.real) < HAS_A_PEAK * np.abs(s))]
+
+
+def _without_pairs(poles: ComplexArray, zeros: ComplexArray) -> tuple[ComplexArray, ComplexArray]:
+    """What is left when each zero cancels the nearest pole, if there is one close to it."""
+    left, kept = [*poles], []
+    for zero in zeros:
+        near = min(left, key=lambda pole: abs(pole - zero), default=np.inf)
+        if abs(near - zero) < CANCELS * abs(zero):
+            left.remove(near)
+        else:
+            kept.append(zero)
+    return np.array(left, complex), np.array(kept, complex)
 
 
 def _checked(frequencies: ArrayLike) -> Array:

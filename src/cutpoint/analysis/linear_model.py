@@ -34,7 +34,7 @@ class LinearModel:
         A, B, C, D: (N, N), (N, drives), (2 nv + 2 drives, N), (2 nv + 2 drives, drives).
         drift: (N,), x' at the operating point itself; zero where that is an equilibrium.
         states, inputs, outputs: names such as "theta_dot.joint2"; "q.base[3]" for one of a joint's several.
-        joints: names of the driven joints.
+        joints, units: names of the driven joints, and the unit of their positions, "rad" or "m".
         point: the operating point.
         friction: whether friction's slope is in A.
     """
@@ -48,6 +48,7 @@ class LinearModel:
     inputs: tuple[str, ...]
     outputs: tuple[str, ...]
     joints: tuple[str, ...]
+    units: tuple[str, ...]
     point: OperatingPoint
     friction: bool
 

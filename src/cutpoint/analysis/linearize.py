@@ -1,7 +1,5 @@
 """A robot with elastic joints, linearised: Jacobians of its equations of motion, exact to rounding."""
 
-from typing import NamedTuple
-
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
@@ -41,13 +39,21 @@ def linearize(
     """
     point = _operating_point(robot, q, v, motor_torque, friction)
     by_direction, drift = _plant(robot, point, friction)
-    states, kept = 2 * robot.nv + 2 * len(robot.drives), _kept(robot)
-    A, B = by_direction[np.ix_(kept, kept)], by_direction[kept, states:]
-    C = _outputs(robot)[:, kept]
-    names = _names(robot)
-    own = tuple(names.outputs[k] for k in kept)
-    D = np.zeros((len(C), B.shape[1]))
-    return LinearModel(A, B, C, D, drift[kept], own, names.inputs, names.outputs, robot.joints, point, friction)
+    kept, C, outputs = _kept(robot), _outputs(robot), _output_names(robot)
+    return LinearModel(
+        A=by_direction[np.ix_(kept, kept)],
+        B=by_direction[kept, len(outputs) :],
+        C=C[:, kept],
+        D=np.zeros((len(C), len(robot.drives))),
+        drift=drift[kept],
+        states=tuple(outputs[k] for k in kept),
+        inputs=tuple(f"motor_torque.{name}" for name in robot.joints),
+        outputs=outputs,
+        joints=robot.joints,
+        units=_units(robot),
+        point=point,
+        friction=friction,
+    )
 
 
 def _operating_point(
@@ -101,19 +107,13 @@ def _outputs(robot: Robot) -> Array:
     return C
 
 
-class _Names(NamedTuple):
-    inputs: tuple[str, ...]
-    outputs: tuple[str, ...]
-
-
-def _names(robot: Robot) -> _Names:
-    links = coordinate_names(robot)
+def _output_names(robot: Robot) -> tuple[str, ...]:
+    links = _coordinate_names(robot)
     parts = {"q": links, "v": links, "theta": robot.joints, "theta_dot": robot.joints}
-    outputs = tuple(f"{part}.{name}" for part, names in parts.items() for name in names)
-    return _Names(tuple(f"motor_torque.{name}" for name in robot.joints), outputs)
+    return tuple(f"{part}.{name}" for part, names in parts.items() for name in names)
 
 
-def coordinate_names(robot: Robot) -> list[str]:
+def _coordinate_names(robot: Robot) -> list[str]:
     """What each speed belongs to: a joint's name, with an index where it has several."""
     names = [""] * robot.nv
     for body, own in zip(robot.mechanism.bodies, robot.machine.system.segments, strict=True):
@@ -121,3 +121,8 @@ def coordinate_names(robot: Robot) -> list[str]:
         if not own.follower:
             names[own.v] = [body.joint.name] if count == 1 else [f"{body.joint.name}[{k}]" for k in range(count)]
     return names
+
+
+def _units(robot: Robot) -> tuple[str, ...]:
+    kinds = {body.joint.name: body.joint.kind for body in robot.mechanism.bodies}
+    return tuple("m" if kinds[name] == "prismatic" else "rad" for name in robot.joints)

@@ -1,6 +1,7 @@
 """Modes of a robot's drives: what rings when joints bend."""
 
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -8,6 +9,9 @@ from numpy.typing import ArrayLike, NDArray
 from cutpoint.analysis.linear_model import LinearModel
 from cutpoint.analysis.linearize import linearize
 from cutpoint.robot import Robot
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
 
 Array = NDArray[np.float64]
 ComplexArray = NDArray[np.complex128]
@@ -48,6 +52,12 @@ class Modes:
         shares = self.participation[mode]
         return {self.model.joints[k]: float(shares[k]) for k in np.argsort(-shares) if shares[k] >= least}
 
+    def plot(self) -> "Figure":
+        """What a motor's torque does to its motor and its link, a panel a joint: `modes.plot().savefig("modes.png")`."""
+        from cutpoint.analysis.picture import picture
+
+        return picture(self)
+
     @property
     def remark(self) -> str:
         """What the list does not show, in a sentence; empty if nothing is missing."""
@@ -60,7 +70,7 @@ class Modes:
         lines = []
         for k, (f, zeta) in enumerate(zip(self.frequencies, self.damping, strict=True)):
             shares = ", ".join(f"{name} {share:.0%}" for name, share in self.joints_of(k).items())
-            lines.append(f"{f:8.2f} Hz, damping {zeta:.4f}: {shares}")
+            lines.append(f"{f:8.2f} Hz, damping {zeta:z.4f}: {shares}")
         return "\n".join([*lines, self.remark] if self.remark else lines)
 
 

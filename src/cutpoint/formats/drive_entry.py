@@ -6,7 +6,14 @@ import numpy as np
 
 from cutpoint.errors import InputError
 from cutpoint.formats.drive_section import Section
-from cutpoint.formats.drive_sheet import ComplianceSheet, DriveSheet, GearSheet, LimitsSheet, LinkFrictionSheet, RotorSheet
+from cutpoint.formats.drive_sheet import (
+    ComplianceSheet,
+    DriveSheet,
+    GearSheet,
+    LimitsSheet,
+    LinkFrictionSheet,
+    RotorSheet,
+)
 from cutpoint.mechanics.compliance import Flexspline, LinearSpring
 from cutpoint.mechanics.friction import Coulomb, Stribeck
 from cutpoint.model.drive import Compliance, Drive, Friction, Rotor
@@ -134,9 +141,10 @@ def _law_entry(law: Compliance | Friction | None) -> dict[str, Any] | None:
 
 
 def _rotor_entry(rotor: Rotor) -> dict[str, Any]:
-    """What differs from the defaults, and the inertia."""
+    """Its own mass only where the link does not hold it: elsewhere it means nothing, and reading would refuse it."""
+    own = () if rotor.in_link_inertia else ("mass", "transverse", "position")
     entry = {"inertia": float(rotor.inertia), "in_link_inertia": bool(rotor.in_link_inertia)}
-    entry |= {name: float(value) for name in ("mass", "transverse", "position") if (value := getattr(rotor, name))}
+    entry |= {name: float(value) for name in own if (value := getattr(rotor, name))}
     return entry | ({"coupling": "full"} if rotor.coupling == "full" else {})
 
 

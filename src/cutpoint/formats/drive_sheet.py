@@ -51,7 +51,8 @@ class RotorSheet(Sheet):
         "m", "m", "of the rotor's centre along the joint's axis; needs `in_link_inertia: false`", 0.0
     )
     coupling: Literal["reduced", "full"] = Field(
-        "reduced", description="reduced: the rotor feels its own spin only; full: its carrier's turning too, eqs. (4)-(11)"
+        "reduced",
+        description="reduced: the rotor feels its own spin only; full: its carrier's turning too, eqs. (4)-(11)",
     )
 
 

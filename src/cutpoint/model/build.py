@@ -47,8 +47,8 @@ def build(
     place: the file it all comes from, for messages; a `Places` also knows the lines.
 
     Fixed links are lumped into the body that carries them (into the world they lose their mass); every link, and every
-    joint whose name no link has, is a frame of the result.  Axes come out with unit length.  A universal joint becomes two
-    revolute ones, see `universal`.
+    joint whose name no link has, is a frame of the result.  Axes come out with unit length.  A universal joint becomes
+    two revolute ones, see `universal`.
     Raises ModelError for whatever `validation`, `tree` and `holding` find wrong.
     """
     places = place if isinstance(place, Places) else Places(place)

@@ -28,7 +28,7 @@ class Cut:
 
 
 def subsystems_of(mechanism: Mechanism) -> tuple[Subsystem, ...]:
-    """Joints and links, outward.  A floating joint is none of them, for it ties nothing; others count, driven or not."""
+    """Joints and links, outward.  A floating joint is none, for it ties nothing; others do, driven or not."""
     found = []
     for i, body in enumerate(mechanism.bodies):
         if body.joint.kind != "floating":

@@ -80,7 +80,7 @@ class _Holder:
             raise self.places.error(thing, complaint)
         kind = self.by_name[step.joint].kind
         if kind not in ONE_COORDINATE:
-            complaint = f"mimics joint {step.joint!r}, which is {kind}; leaders are {', '.join(ONE_COORDINATE)}"
+            complaint = f"mimics joint {step.joint!r}, which is {kind}; a leader is one of {', '.join(ONE_COORDINATE)}"
             raise self.places.error(thing, complaint)
 
     def check_lock(self, name: str, value: float) -> None:

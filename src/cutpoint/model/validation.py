@@ -95,7 +95,8 @@ def _check_own_numbers(joint: Joint, places: Places) -> None:
             complaint = "pitch 0.0 m/rad must not be zero; without one the joint is revolute"
             raise places.error(thing, complaint, joint=joint.name)
     if joint.mimic and joint.kind not in (*ONE_COORDINATE, "fixed"):
-        complaint = f"mimics joint {joint.mimic.joint!r}, but is {joint.kind}; followers are {', '.join(ONE_COORDINATE)}"
+        kinds = ", ".join(ONE_COORDINATE)
+        complaint = f"mimics joint {joint.mimic.joint!r}, but is {joint.kind}; a follower is one of {kinds}"
         raise places.error(thing, complaint, joint=joint.name)
 
 

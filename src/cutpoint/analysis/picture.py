@@ -1,0 +1,116 @@
+"""Modes as the picture that engineers of elastic joints draw first: torque of a motor to speeds on both sides."""
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+from matplotlib.lines import Line2D
+from numpy.typing import NDArray
+
+from cutpoint.analysis.frequency_response import FrequencyResponse, frequency_response
+from cutpoint.analysis.modes import Modes
+from cutpoint.errors import InputError
+
+Array = NDArray[np.float64]
+ComplexArray = NDArray[np.complex128]
+
+ACROSS = 3
+"""Joints side by side."""
+
+PANEL = (4.4, 3.9)
+"""Inches of a joint's magnitude and phase together."""
+
+BELOW, ABOVE = 8.0, 4.0
+"""How far the picture goes below the lowest mode and above the highest."""
+
+PEAK, DECADES = 10.0, 6
+"""How much of a peak is shown above nearly all of the curves, and how many decades below that."""
+
+LINK_LAGS = -315.0
+"""Lowest phase shown of a link: a quarter turn behind its torque before resonance, half a turn more beyond it."""
+
+MOTOR, LINK, INK = "C0", "C1", "0.15"
+
+
+def picture(modes: Modes) -> Figure:
+    """Magnitude and phase over frequency, a panel a joint.  Raises InputError where there are no drive modes."""
+    if not modes.frequencies.size:
+        raise InputError(f"no picture of modes: {modes.remark}")
+    joints = modes.model.joints
+    across = min(ACROSS, len(joints))
+    down = -(-len(joints) // across)
+    figure = Figure(figsize=(0.6 + PANEL[0] * across, 0.5 + PANEL[1] * down), layout="constrained")
+    cells = figure.add_gridspec(down, across)
+    for k, (joint, unit) in enumerate(zip(joints, modes.model.units, strict=True)):
+        inner = cells[divmod(k, across)].subgridspec(2, 1, height_ratios=[5, 2])
+        magnitude = figure.add_subplot(inner[0])
+        phase = figure.add_subplot(inner[1], sharex=magnitude)
+        response = _response(modes, joint)
+        _magnitude(magnitude, response, "(rad/s)/(N m)" if unit == "rad" else "(m/s)/N")
+        _phase(phase, response)
+    _explain(figure, modes.model.friction)
+    return figure
+
+
+def _response(modes: Modes, joint: str) -> FrequencyResponse:
+    """Over a band around all modes, with frequencies closer to each other where this joint has a peak or a dip."""
+    low, high = modes.frequencies.min() / BELOW, modes.frequencies.max() * ABOVE
+    marks = frequency_response(modes.model, [low, high], joint)
+    steps = np.geomspace(1e-4, 0.1, 25)
+    around = np.outer(np.r_[marks.resonances, marks.antiresonances], np.r_[1 - steps, 1 + steps])
+    return frequency_response(modes.model, np.unique(np.r_[np.geomspace(low, high, 1000), around.ravel()]), joint)
+
+
+def _magnitude(axes: Axes, response: FrequencyResponse, unit: str) -> None:
+    motor, link = np.abs(response.motor_velocity), np.abs(response.link_velocity)
+    axes.loglog(response.frequencies, link, color=LINK, linewidth=1.2)
+    axes.loglog(response.frequencies, motor, color=MOTOR, linewidth=1.2)
+    top = PEAK * float(np.quantile(np.r_[motor, link], 0.95))
+    axes.set_ylim(max(float(np.quantile(np.r_[motor, link], 0.02)) / PEAK, top / 10**DECADES), top)
+    _mark(axes, response.resonances, "v", 0.94)
+    _mark(axes, response.antiresonances, "^", 0.06)
+    axes.set_title(response.joint, loc="left", fontsize="medium", parse_math=False)
+    axes.set_ylabel(f"velocity / torque [{unit}]", fontsize="small")
+    axes.tick_params(labelbottom=False, labelsize="small")
+    axes.grid(alpha=0.3)
+
+
+def _mark(axes: Axes, frequencies: Array, marker: str, height: float) -> None:
+    """Marks with their frequencies, at a height in parts of the axes."""
+    at = axes.get_xaxis_transform()
+    axes.plot(frequencies, np.full(frequencies.size, height), marker, color=INK, markersize=4, transform=at)
+    for f in frequencies:
+        axes.axvline(f, color=INK, linewidth=0.5, linestyle=":" if marker == "^" else "--", alpha=0.5)
+
+
+def _phase(axes: Axes, response: FrequencyResponse) -> None:
+    for values, colour in ((response.link_velocity, LINK), (response.motor_velocity, MOTOR)):
+        lowest = -180.0 if colour == MOTOR else LINK_LAGS
+        axes.semilogx(response.frequencies, _degrees(values, lowest), color=colour, linewidth=1.2)
+    axes.set_ylim(-330, 110)
+    axes.set_yticks([-270, -180, -90, 0, 90])
+    axes.set_ylabel("phase [deg]", fontsize="small")
+    axes.set_xlabel("frequency [Hz]", fontsize="small")
+    axes.tick_params(labelsize="small")
+    axes.margins(x=0)
+    axes.grid(alpha=0.3)
+
+
+def _degrees(values: ComplexArray, lowest: float) -> Array:
+    """Phase within a turn from `lowest` upward, broken where it goes around."""
+    phase = (np.degrees(np.angle(values)) - lowest) % 360.0 + lowest
+    phase[1:][np.abs(np.diff(phase)) > 270] = np.nan
+    return phase
+
+
+def _explain(figure: Figure, friction: bool) -> None:
+    samples = {
+        "motor torque to motor velocity": Line2D([], [], color=MOTOR),
+        "motor torque to link velocity": Line2D([], [], color=LINK),
+        "resonance": Line2D([], [], color=INK, marker="v", markersize=4, linestyle="--", linewidth=0.5),
+        "anti-resonance (motor locked)": Line2D([], [], color=INK, marker="^", markersize=4, linestyle=":", linewidth=0.5),
+    }
+    title = f"linear, at rest, at the joint's side; friction {'by its slope at rest' if friction else 'left out'}"
+    across = 4 if figure.get_figwidth() > 2 * PANEL[0] else 1
+    figure.legend(
+        [*samples.values()], [*samples], loc="outside upper center", ncols=across, frameon=False, title=title
+    )

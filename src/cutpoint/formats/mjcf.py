@@ -1,0 +1,160 @@
+"""MJCF files to a `Mechanism`, compiled by the `mujoco` package.
+
+Read: bodies with their inertias, joints with axes, positions, ranges, damping and friction, armature, gravity.
+Coordinates are MuJoCo's but for quaternions, which are (x, y, z, w) here, and a free joint's linear velocity, which is
+along the moving body's axes here.  What else acts in MuJoCo is listed in a warning.
+"""
+
+import warnings
+from collections.abc import Mapping
+from dataclasses import dataclass, field, replace
+from pathlib import Path
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import ArrayLike
+from scipy.spatial.transform import Rotation
+
+from cutpoint.formats.drives import drive_of
+from cutpoint.formats.mjcf_losses import NotCarriedOver, losses
+from cutpoint.formats.mjcf_model import compiled, package
+from cutpoint.formats.mjcf_text import excerpt_of
+from cutpoint.formats.reading import read_bytes
+from cutpoint.formats.safe_xml import parse_xml
+from cutpoint.model.build import build
+from cutpoint.model.drive import Drive, Rotor
+from cutpoint.model.mechanism import Array, Joint, JointKind, Limits, Link, Mechanism
+from cutpoint.model.places import Places
+from cutpoint.model.pose import pose, rotation_about
+
+MAXIMUM_BYTES = 16 * 2**20
+
+FREE, BALL, SLIDE, HINGE = range(4)
+"""MuJoCo's mjtJoint."""
+
+
+class MjcfRobot(NamedTuple):
+    """A mechanism, and drives for its hinges and slides: armature as a rotor at ratio 1, damping and friction."""
+
+    mechanism: Mechanism
+    drives: dict[str, Drive]
+
+
+def load_mjcf(
+    path: str | Path, *, gravity: ArrayLike | None = None, lock: Mapping[str, float] | None = None
+) -> MjcfRobot:
+    """The robot of an MJCF file; it must stand in that file alone, and no other file is opened.
+
+    gravity: acceleration of free fall in the world's frame, m/s2; None is the file's.
+    lock: coordinates (rad or m) at which joints are held fixed, by name.
+    Warns once, NotCarriedOver, of what has no counterpart here.  Several joints of a body become a chain of links
+    without mass, named `<joint>_link`; bodies and joints without a name are `body_<n>` and `joint_<n>`.
+    Raises ModelError: the `mujoco` package is missing, or what is wrong in the file.
+    """
+    path = Path(path)
+    return _robot(read_bytes(path, MAXIMUM_BYTES), str(path), gravity, lock)
+
+
+def parse_mjcf(
+    content: str | bytes,
+    place: str = "<string>",
+    *,
+    gravity: ArrayLike | None = None,
+    lock: Mapping[str, float] | None = None,
+) -> MjcfRobot:
+    """The robot of an MJCF document in memory; `place` names it in messages.  Options and errors as in `load_mjcf`."""
+    return _robot(content, place, gravity, lock)
+
+
+def _robot(
+    content: str | bytes, place: str, gravity: ArrayLike | None, lock: Mapping[str, float] | None
+) -> MjcfRobot:
+    root = parse_xml(content, place)
+    excerpt = excerpt_of(root, place)
+    model = compiled(excerpt.text, place)
+    tree = _Tree(model)
+    for body in range(1, model.nbody):
+        tree.add_body(body)
+    fall = _gravity(model, place) if gravity is None else gravity
+    name = root.attributes.get("model") or Path(place).stem
+    mechanism = build(name, tree.links, tree.joints, gravity=fall, lock=lock, place=Places(place))
+    lost = losses(model, excerpt.left_out)
+    if lost:
+        warnings.warn(NotCarriedOver(lost, place), stacklevel=3)
+    return MjcfRobot(mechanism, _drives(mechanism, tree.armature))
+
+
+def _gravity(model: Any, place: str) -> Array:
+    disabled = model.opt.disableflags & package(place).mjtDisableBit.mjDSBL_GRAVITY
+    return np.zeros(3) if disabled else np.array(model.opt.gravity)
+
+
+def _drives(mechanism: Mechanism, armature: Mapping[str, float]) -> dict[str, Drive]:
+    """Of every joint with armature: MuJoCo states what its rotor adds at the joint, so its ratio is 1."""
+    joints = {body.joint.name: body.joint for body in mechanism.bodies}
+    return {
+        name: replace(drive_of(joints[name]), rotor=Rotor(inertia))
+        for name, inertia in armature.items()
+        if name in joints and inertia > 0.0
+    }
+
+
+@dataclass
+class _Tree:
+    """Links and joints as they are read off a compiled model; armature of hinges and slides by joint."""
+
+    model: Any
+    links: list[Link] = field(default_factory=lambda: [Link("world", has_inertia=False)])
+    joints: list[Joint] = field(default_factory=list[Joint])
+    armature: dict[str, float] = field(default_factory=dict[str, float])
+
+    def add_body(self, b: int) -> None:
+        """A body, and the joints that lead to it one after the other from the body that carries it."""
+        model, name = self.model, self.name_of("body", b)
+        carrier, at = self.name_of("body", model.body_parentid[b]), _placement(model.body_pos[b], model.body_quat[b])
+        first, count = model.body_jntadr[b], model.body_jntnum[b]
+        for j in range(first, first + count):
+            anchor = model.jnt_pos[j] if model.jnt_type[j] in (HINGE, BALL) else np.zeros(3)
+            is_body = j == first + count - 1 and not anchor.any()
+            child = name if is_body else f"{self.name_of('joint', j)}_link"
+            self.joints.append(self.joint(j, carrier, child, at @ pose(np.eye(3), anchor)))
+            if not is_body:
+                self.links.append(Link(child, has_inertia=False))
+            carrier, at = child, pose(np.eye(3), -anchor)
+        if carrier != name:
+            self.joints.append(Joint(f"{name}_fixed", "fixed", carrier, name, at))
+        axes = _placement(model.body_ipos[b], model.body_iquat[b])[:3, :3]
+        inertia = axes @ np.diag(model.body_inertia[b]) @ axes.T
+        self.links.append(Link(name, float(model.body_mass[b]), np.array(model.body_ipos[b]), inertia))
+
+    def joint(self, j: int, parent: str, child: str, at: Array) -> Joint:
+        """MuJoCo turns about an axis through `jnt_pos` by qpos less its reference; a free joint is placed by qpos."""
+        model, name = self.model, self.name_of("joint", j)
+        kind, axis, dof = model.jnt_type[j], np.array(model.jnt_axis[j]), model.jnt_dofadr[j]
+        damping, friction = float(model.dof_damping[dof]), float(model.dof_frictionloss[dof])
+        if kind == FREE:
+            return Joint(name, "floating", parent, child, damping=damping, friction=friction)
+        if kind == BALL:
+            return Joint(name, "spherical", parent, child, at, damping=damping, friction=friction)
+        self.armature[name] = float(model.dof_armature[dof])
+        back = -float(model.qpos0[model.jnt_qposadr[j]])
+        reference = pose(np.eye(3), back * axis) if kind == SLIDE else pose(rotation_about(axis, back), np.zeros(3))
+        limited = bool(model.jnt_limited[j])
+        own: JointKind = "prismatic" if kind == SLIDE else "revolute" if limited else "continuous"
+        return Joint(name, own, parent, child, at @ reference, axis, _limits(model, j), damping, friction)
+
+    def name_of(self, what: str, index: int) -> str:
+        return getattr(self.model, what)(index).name or f"{what}_{index}"
+
+
+def _limits(model: Any, j: int) -> Limits:
+    """Position, and the lesser of the efforts that actuators may exert either way."""
+    lower, upper = map(float, model.jnt_range[j]) if model.jnt_limited[j] else (-np.inf, np.inf)
+    effort = float(np.min(np.abs(model.jnt_actfrcrange[j]))) if model.jnt_actfrclimited[j] else np.inf
+    return Limits(lower, upper, effort=effort)
+
+
+def _placement(position: Array, quaternion: Array) -> Array:
+    """(4, 4) of a position and a quaternion (w, x, y, z)."""
+    w, x, y, z = quaternion
+    return pose(Rotation.from_quat([x, y, z, w]).as_matrix(), np.array(position))

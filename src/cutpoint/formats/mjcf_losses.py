@@ -1,0 +1,60 @@
+"""What an MJCF file says and a `Mechanism` has no place for, in one warning."""
+
+from collections import Counter
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+
+from cutpoint.model.places import listed
+
+
+class NotCarriedOver(UserWarning):
+    """Parts of a file have no counterpart here; `things` lists them."""
+
+    def __init__(self, things: Sequence[str], place: str) -> None:
+        super().__init__(f"not carried over: {'; '.join(things)} ({place})")
+        self.things = tuple(things)
+
+
+def losses(model: Any, left_out: Counter[str]) -> list[str]:
+    """What is lost of a compiled model (mujoco.MjModel), after the elements that were left out before."""
+    found = [f"<{tag}> ({count})" for tag, count in sorted(left_out.items())]
+    colliding = int(np.count_nonzero((model.geom_contype != 0) | (model.geom_conaffinity != 0)))
+    if colliding:
+        found.append(f"contacts ({colliding} geoms)")
+    if model.opt.density or model.opt.viscosity:
+        found.append("forces of the fluid")
+    bodies = [model.body(b).name for b in np.flatnonzero(model.body_gravcomp)]
+    if bodies:
+        found.append(f"gravcomp of bodies {listed(bodies)}")
+    return found + _of_joints(model)
+
+
+def _of_joints(model: Any) -> list[str]:
+    """Springs, laws that are not linear, and numbers of joints that no drive can move or limit."""
+    turns_freely = model.jnt_type < 2  # free and ball
+    by_dof = turns_freely[model.dof_jntid]
+    lost = {
+        "springs": (model.jnt_stiffness != 0.0) | _any(model, "jnt_stiffnesspoly"),
+        "damping that is not linear": _joints_of(model, _any(model, "dof_dampingpoly")),
+        "damping": _joints_of(model, by_dof & (model.dof_damping != 0.0)),
+        "frictionloss": _joints_of(model, by_dof & (model.dof_frictionloss != 0.0)),
+        "armature": _joints_of(model, by_dof & (model.dof_armature != 0.0)),
+        "range": turns_freely & (model.jnt_limited != 0),
+    }
+    named = {what: [model.joint(j).name for j in np.flatnonzero(which)] for what, which in lost.items()}
+    return [f"{what} of joints {listed(joints)}" for what, joints in named.items() if joints]
+
+
+def _any(model: Any, what: str) -> Any:
+    """Rows of an array that later versions of MuJoCo have, where any entry is not zero."""
+    rows = getattr(model, what, None)
+    return np.False_ if rows is None else np.any(rows.reshape(len(rows), -1) != 0.0, axis=1)
+
+
+def _joints_of(model: Any, dofs: Any) -> Any:
+    """Joints with any of these degrees of freedom."""
+    joints = np.zeros(model.njnt, bool)
+    np.logical_or.at(joints, model.dof_jntid, np.broadcast_to(dofs, model.nv))
+    return joints

@@ -1,0 +1,64 @@
+"""MJCF text to MuJoCo's compiled model, by the `mujoco` package where it is installed; no file is opened.
+
+Compiling resolves defaults, angles and orientations, and finds inertias from geoms.  Geoms whose shape is not in the
+text (meshes and height fields from files) are made massless; a body that needs one for its inertia is refused.
+"""
+
+from typing import Any
+
+from cutpoint.errors import ModelError
+
+
+def compiled(text: str, place: str) -> Any:
+    """The mujoco.MjModel of a document.  Raises ModelError: the package is missing, or it cannot compile the text."""
+    mujoco = package(place)
+    try:
+        spec = mujoco.MjSpec.from_string(text)
+    except Exception as problem:  # which class it raises changed with its versions
+        raise _refused(problem, place) from problem
+    present = {mesh.name for mesh in spec.meshes}
+    _leave_out_shapes(mujoco, spec, spec.worldbody, present, False, place)
+    try:
+        return spec.compile()
+    except Exception as problem:
+        raise _refused(problem, place) from problem
+
+
+def package(place: str) -> Any:
+    """The mujoco package."""
+    try:
+        import mujoco
+    except ImportError as problem:
+        complaint = 'an MJCF file needs the mujoco package, 3.2.7 or later: pip install "cutpoint[mjcf]"'
+        raise ModelError(complaint, place=place) from problem
+    return mujoco
+
+
+def _leave_out_shapes(mujoco: Any, spec: Any, body: Any, present: set[str], moves: bool, place: str) -> None:
+    """Make geoms whose shape is not here massless spheres, in a body and all it carries."""
+    moves = moves or bool(len(body.joints))
+    for geom in body.geoms:
+        absent = geom.meshname and geom.meshname not in present
+        if not absent and geom.type not in (mujoco.mjtGeom.mjGEOM_HFIELD, mujoco.mjtGeom.mjGEOM_SDF):
+            continue
+        if moves and _gives_inertia(mujoco, spec, body, geom):
+            complaint = "its inertia would come from a shape that is not in this file; give it an <inertial>"
+            raise ModelError(f"body {body.name!r}: {complaint}", place=place, body=body.name)
+        geom.type, geom.meshname, geom.hfieldname = mujoco.mjtGeom.mjGEOM_SPHERE, "", ""
+        geom.size, geom.mass = [1.0, 0.0, 0.0], 0.0
+    for child in body.bodies:
+        _leave_out_shapes(mujoco, spec, child, present, moves, place)
+
+
+def _gives_inertia(mujoco: Any, spec: Any, body: Any, geom: Any) -> bool:
+    """Whether MuJoCo's compiler would count a geom's mass: as `inertiafromgeom` and `inertiagrouprange` have it."""
+    always = spec.compiler.inertiafromgeom == mujoco.mjtInertiaFromGeom.mjINERTIAFROMGEOM_TRUE
+    never = spec.compiler.inertiafromgeom == mujoco.mjtInertiaFromGeom.mjINERTIAFROMGEOM_FALSE
+    first, last = spec.compiler.inertiagrouprange
+    weightless = geom.mass == 0.0 or (geom.mass != geom.mass and geom.density == 0.0)  # nan: not stated
+    inferred = always or not (never or body.explicitinertial)
+    return inferred and not weightless and first <= geom.group <= last
+
+
+def _refused(problem: Exception, place: str) -> ModelError:
+    return ModelError(f"MuJoCo cannot compile this file: {' '.join(str(problem).split())}", place=place)

@@ -1,0 +1,118 @@
+"""Of an MJCF document what dynamics needs, written anew, so that MuJoCo opens no file and sees nothing else.
+
+Elements are kept by name and place; whatever is not known by name is left out and counted.  What would change the tree
+of bodies by bringing in other text is refused.
+"""
+
+import re
+from collections import Counter
+from dataclasses import dataclass, field
+from xml.sax.saxutils import quoteattr
+
+from cutpoint.errors import ModelError
+from cutpoint.formats.safe_xml import Element
+
+MAXIMUM_PIECES = 40_000
+"""Opening and closing tags that are kept: the work of compiling them grows faster than their number."""
+
+NOT_A_NUMBER = re.compile(r"(?i)(?<!\S)[+-]?nan(?!\w)")
+"""MuJoCo would only warn of it, in a file of its own."""
+
+IN_BODY = ("body", "frame", "inertial", "joint", "freejoint", "geom")
+
+KEPT: dict[str, tuple[str, ...]] = {
+    "mujoco": ("compiler", "option", "default", "asset", "worldbody"),
+    "option": ("flag",),
+    "default": ("default", "geom", "joint", "mesh"),
+    "asset": ("mesh",),
+    "worldbody": IN_BODY,
+    "body": IN_BODY,
+    "frame": IN_BODY,
+}
+"""Children that are kept, by parent."""
+
+LEFT_OUT = {
+    "compiler": {"meshdir", "texturedir", "assetdir", "strippath", "discardvisual", "fusestatic", "usethread"},
+    "geom": {"material", "hfield"},
+    "mesh": {"material"},
+}
+"""Attributes that name or choose what is left out anyway; fused bodies would lose their names."""
+
+WITHOUT_EFFECT = {
+    *("visual", "statistic", "size", "custom", "sensor", "keyframe"),
+    *("site", "camera", "light", "texture", "material", "hfield", "skin"),
+}
+"""Elements that bodies and joints move the same without."""
+
+OTHER_TEXT = ("include", "attach", "composite", "flexcomp", "replicate")
+
+
+@dataclass
+class Excerpt:
+    """The kept document, each element on its line, and how many elements of which kind were left out."""
+
+    pieces: list[str] = field(default_factory=list[str])
+    left_out: Counter[str] = field(default_factory=Counter[str])
+    line: int = 1
+
+    @property
+    def text(self) -> str:
+        return "".join(self.pieces)
+
+    def write(self, element: Element, attributes: dict[str, str]) -> None:
+        """An opening tag, on the line where the file has it."""
+        lines = max(element.line - self.line, 0)
+        self.line += lines
+        stated = "".join(f" {name}={quoteattr(value)}" for name, value in attributes.items())
+        self.pieces.append("\n" * lines + f"<{element.tag}{stated}>")
+
+
+def excerpt_of(root: Element, place: str) -> Excerpt:
+    """Raises ModelError: no MJCF, elements that bring in other text, too many elements."""
+    if root.tag != "mujoco":
+        other = {"robot": " (a URDF file; its ending is .urdf)", "sdf": " (an SDF file)"}.get(root.tag, "")
+        raise ModelError(
+            f"the root element of an MJCF file is <mujoco>, got <{root.tag}>{other}", place=f"{place}:{root.line}"
+        )
+    _refuse_other_text(root, place)
+    excerpt = Excerpt()
+    _copy(root, excerpt, place)
+    return excerpt
+
+
+def _refuse_other_text(element: Element, place: str) -> None:
+    if element.tag in OTHER_TEXT:
+        remedy = "load the model in MuJoCo, save it with mujoco.mj_saveLastXML, and give that file"
+        complaint = f"<{element.tag}> is not read, for safety: it stands for text that is not in this file"
+        raise ModelError(f"{complaint}; {remedy}", place=f"{place}:{element.line}", tag=element.tag)
+    for child in element.children:
+        _refuse_other_text(child, place)
+
+
+def _copy(element: Element, excerpt: Excerpt, place: str) -> None:
+    if len(excerpt.pieces) > MAXIMUM_PIECES:
+        complaint = f"MJCF holds more than {MAXIMUM_PIECES // 2:,} bodies, joints and geoms, the most that is read"
+        raise ModelError(complaint, place=f"{place}:{element.line}")
+    dropped = LEFT_OUT.get(element.tag, set())
+    kept = {name: value for name, value in element.attributes.items() if name not in dropped}
+    for name, value in kept.items():
+        if NOT_A_NUMBER.search(value):
+            raise ModelError(f"<{element.tag}> {name} {value!r} must not hold nan", place=f"{place}:{element.line}")
+    excerpt.write(element, kept)
+    for child in element.children:
+        if _is_kept(child, element):
+            _copy(child, excerpt, place)
+        else:
+            _count(child, element, excerpt.left_out)
+    excerpt.pieces.append(f"</{element.tag}>")
+
+
+def _is_kept(child: Element, parent: Element) -> bool:
+    """A mesh only if its points stand in the file."""
+    return child.tag in KEPT.get(parent.tag, ()) and "file" not in child.attributes
+
+
+def _count(child: Element, parent: Element, left_out: Counter[str]) -> None:
+    """Of a section with elements, these; what has no effect, and defaults of what is left out, do not count."""
+    if child.tag not in WITHOUT_EFFECT and parent.tag not in ("default", "asset"):
+        left_out[child.tag] += max(len(child.children), 1)
