@@ -7,7 +7,7 @@ from cutpoint.mechanics import elastic, kinematics, mass_matrix, power_flow, reg
 from cutpoint.mechanics import forward_dynamics as forward
 from cutpoint.mechanics import inverse_dynamics as inverse
 from cutpoint.mechanics.elastic import Driven, ElasticAccelerations, ElasticMotion, Options
-from cutpoint.mechanics.harmonic_drive import spring_torque
+from cutpoint.mechanics.harmonic_drive import motor_position, spring_torque
 from cutpoint.mechanics.spatial import Pose, Vec3, Wrench
 from cutpoint.mechanics.system import System
 
@@ -107,7 +107,12 @@ def drive_torque(m: Machine, theta: Scalars, q: Scalars) -> Scalars:
 def static_deflection(m: Machine, q: Scalars) -> Scalars:
     """How far each motor leads its link when nothing moves, rad: the spring's answer to gravity."""
     weight = gravity_forces(m, q)
-    return [d.drive.compliance.deflection(weight[d.v]) if d.drive.compliance else 0.0 for d in m.drives]
+    return [
+        motor_position(d.drive, q[d.q] + d.drive.compliance.deflection(weight[d.v])) - q[d.q]
+        if d.drive.compliance
+        else 0.0
+        for d in m.drives
+    ]
 
 
 def friction_torques(m: Machine, v: Scalars) -> Scalars:

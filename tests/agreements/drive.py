@@ -9,7 +9,9 @@ from cutpoint import Coulomb, Drive, Flexspline, Rotor, Stribeck
 from cutpoint.control import PD, Measurement, Reference
 from cutpoint.formats.drive_entry import harmonic_ratio
 from cutpoint.formats.drive_sheet import GearSheet
-from cutpoint.mechanics.harmonic_drive import deflection, friction_torque, rotor_acceleration, spring_torque
+from cutpoint.mechanics.harmonic_drive import friction_torque, load_on_motor, motor_position, spring_torque
+from cutpoint.mechanics.kinematic_error import Harmonic, KinematicError
+from cutpoint.mechanics.wave_generator import HarmonicSpring, WaveGenerator
 from cutpoint.trajectories import cycloid
 
 ELL = data.ELL
@@ -47,9 +49,14 @@ def flexspline_law(rng):
 
 @equations("(3)")
 def deflection_between_encoders(rng):
-    """Without the wave generator's own compliance and the kinematic error, which no drive states yet."""
-    theta, q = rng.normal(size=2)
-    return [(deflection(theta, q), joint.flexspline_deflection(theta - q, 0.0, 1.0, 1e4, ELL, 0.0))]
+    """What the flexspline is left with of the lead: less wave generator, beyond its blend, and kinematic error."""
+    flexspline, wave = Flexspline(16e3, 0.0464), WaveGenerator(60.0, 2.0, ELL, 1e-3)
+    spring, error = HarmonicSpring(flexspline, wave), KinematicError((Harmonic(2, 1e-4, 0.3),))
+    drive = Drive(ELL, Rotor(1e-5), spring, kinematic_error=error)
+    q, tau_f = rng.normal(), rng.choice([-1, 1]) * rng.uniform(1.0, 50.0)
+    theta = motor_position(drive, q + spring.deflection(tau_f))
+    left = joint.flexspline_deflection(theta - q, tau_f / ELL, 2.0, 60.0, ELL, error.value(theta, ELL))
+    return [(flexspline.deflection(tau_f), left), (spring_torque(drive, theta, q), tau_f)]
 
 
 @equations("(4)", "(13)")
@@ -80,7 +87,7 @@ def torque_on_the_rotor(rng):
     drive, (theta, q, speed, u) = random_drive(rng), rng.normal(size=4)
     tau_f = spring_torque(drive, q + 1e-3 * theta, q)
     xi = friction_torque(drive.motor_friction, speed)
-    acceleration = rotor_acceleration(drive, u, tau_f, speed)
+    acceleration = (u - load_on_motor(drive, tau_f, theta, speed)) / drive.reflected_inertia
     spin = simulation.rotor_inertia_torque(data.I_M, acceleration)
     F = np.array([0, 0, 0, 0, 0, spin])
     return [

@@ -10,7 +10,13 @@ from dataclasses import dataclass
 from typing import Any, NamedTuple
 
 from cutpoint.mechanics.forward_dynamics import forward_dynamics, give_way
-from cutpoint.mechanics.harmonic_drive import friction_torque, spring_torque
+from cutpoint.mechanics.harmonic_drive import (
+    deflection,
+    friction_torque,
+    load_on_motor,
+    motor_position,
+    spring_torque,
+)
 from cutpoint.mechanics.inverse_dynamics import BodyMotion, motions, net_wrenches
 from cutpoint.mechanics.rotors import Spin
 from cutpoint.mechanics.spatial import Wrench
@@ -148,18 +154,18 @@ def _motor_motion(driven: Driven, tau: Jet, q: Scalar, v: Jet, a: Jet, options: 
         return _Motor(link, tau_0 + friction_torque(drive.link_friction, v.derivative(0)))
     xi = friction_torque(drive.link_friction, v if options.friction_rates else v.derivative(0))
     tau_f = tau + xi
-    lead = drive.compliance.deflection(tau_f)
-    theta = link + lead
+    wound = drive.compliance.deflection(tau_f)
+    theta = motor_position(drive, link + wound)
     if drive.damping is not None:
-        lead_by = drive.compliance.deflection(tau_f.derivative(0) - drive.damping * lead.derivative(1))
-        theta = Jet.of_taylor([q + lead_by, *theta.c[1:]])
+        wound_by = drive.compliance.deflection(tau_f.derivative(0) - drive.damping * wound.derivative(1))
+        theta = Jet.of_taylor([motor_position(drive, q + wound_by), *theta.c[1:]])
     return _Motor(theta, tau_f.derivative(0))
 
 
 def _motor_torque(driven: Driven, motor: _Motor, spin: Spin | None, moved: Sequence[BodyMotion]) -> Scalar:
     """What the motor exerts on its drive, against friction and on its rotor.  Xia (2019) eqs. (22), (27), (56)."""
     drive, theta = driven.drive, motor.theta
-    torque = motor.passed + friction_torque(drive.motor_friction, theta.derivative(1))
+    torque = load_on_motor(drive, motor.passed, theta.derivative(0), theta.derivative(1))
     if drive.compliance is not None:
         torque = torque + drive.reflected_inertia * theta.derivative(2)
     if spin:
@@ -203,10 +209,10 @@ def elastic_forward_dynamics(
     tau = [*disturbance] if disturbance is not None else [0] * system.nv
     left: dict[int, tuple[Scalar, Scalar]] = {}
     drives_of = {d.segment: d.drive for d in drives}
-    for d, u, tau_d, omega_d in zip(drives, motor_torque, driving, theta_dot, strict=True):
+    for d, u, tau_d, theta_d, omega_d in zip(drives, motor_torque, driving, theta, theta_dot, strict=True):
         tau[d.v] = tau[d.v] + tau_d - friction_torque(d.drive.link_friction, v[d.v])
         if d.drive.is_elastic:
-            left[d.segment] = u - tau_d - friction_torque(d.drive.motor_friction, omega_d), omega_d
+            left[d.segment] = u - load_on_motor(d.drive, tau_d, theta_d, omega_d), omega_d
     if system.has_followers:  # none of whose drives has full coupling
         a, A = forward_dynamics(system, q, v, tau), []
     else:
@@ -237,7 +243,7 @@ def elastic_energy(drives: Sequence[Driven], q: Scalars, theta: Scalars, theta_d
     for d, theta_k, theta_dot_k in zip(drives, theta, theta_dot, strict=True):
         if d.drive.compliance is not None:
             spin = d.drive.reflected_inertia * theta_dot_k * theta_dot_k / 2
-            total = total + d.drive.compliance.energy(theta_k - q[d.q]) + spin
+            total = total + d.drive.compliance.energy(deflection(d.drive, theta_k, q[d.q])) + spin
     return total
 
 

@@ -7,9 +7,20 @@ from cutpoint.model.drive import Drive, Friction
 from cutpoint.scalars import Scalar
 
 
-def deflection(theta: Scalar, q: Scalar) -> Scalar:
-    """How far the motor leads the link, rad (m).  Xia (2019) eq. (3)."""
-    return theta - q
+def deflection(drive: Drive, theta: Scalar, q: Scalar) -> Scalar:
+    """How far the spring is wound up, rad (m): the motor's lead, less the kinematic error.  Xia (2019) eq. (3)."""
+    lead = theta - q
+    return lead if drive.kinematic_error is None else lead - drive.kinematic_error.value(theta, drive.ratio)
+
+
+def motor_position(drive: Drive, output: Scalar) -> Scalar:
+    """Where the motor stands when the spring's near end is at `output`, q plus deflection.  Xia (2019) eq. (3)."""
+    return output if drive.kinematic_error is None else drive.kinematic_error.motor_position(output, drive.ratio)
+
+
+def transmission(drive: Drive, theta: Scalar) -> Scalar:
+    """1 - e'(theta): output turns for each of theta, and so what of the spring's torque the motor bears."""
+    return 1 if drive.kinematic_error is None else 1 - drive.kinematic_error.slope(theta, drive.ratio)
 
 
 def spring_torque(drive: Drive, theta: Scalar, q: Scalar, theta_dot: Scalar = 0, v: Scalar = 0) -> Scalar:
@@ -18,8 +29,10 @@ def spring_torque(drive: Drive, theta: Scalar, q: Scalar, theta_dot: Scalar = 0,
     The spring's own damping needs the speeds on both sides; without them it is left out.
     """
     assert drive.compliance is not None, "a rigid drive has no deflection to read a torque from"
-    tau_f = drive.compliance.torque(deflection(theta, q))
-    return tau_f if drive.damping is None else tau_f + drive.damping * (theta_dot - v)
+    tau_f = drive.compliance.torque(deflection(drive, theta, q))
+    if drive.damping is None:
+        return tau_f
+    return tau_f + drive.damping * (transmission(drive, theta) * theta_dot - v)
 
 
 def friction_torque(law: Friction | None, speed: Scalar) -> Scalar:
@@ -27,7 +40,9 @@ def friction_torque(law: Friction | None, speed: Scalar) -> Scalar:
     return law.torque(speed) if law else 0
 
 
-def rotor_acceleration(drive: Drive, motor_torque: Scalar, tau_f: Scalar, theta_dot: Scalar) -> Scalar:
-    """Acceleration of the rotor over ratio, rad/s2.  Xia (2019) eqs. (22), (56); Spong (1987)."""
-    xi = friction_torque(drive.motor_friction, theta_dot)
-    return (motor_torque - tau_f - xi) / drive.reflected_inertia
+def load_on_motor(drive: Drive, tau_f: Scalar, theta: Scalar, theta_dot: Scalar) -> Scalar:
+    """What the motor must exert beside accelerating its rotor, N m: on the spring, and against friction.
+
+    Xia (2019) eqs. (22), (27).
+    """
+    return transmission(drive, theta) * tau_f + friction_torque(drive.motor_friction, theta_dot)

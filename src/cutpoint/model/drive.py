@@ -18,6 +18,15 @@ class Compliance(Protocol):
     def energy(self, deflection: Any) -> Any: ...
 
 
+class KinematicError(Protocol):
+    """A deviation e(theta) of the output, rad at the joint's side, periodic in the wave generator's turns."""
+
+    def value(self, theta: Any, ratio: Any) -> Any: ...
+    def slope(self, theta: Any, ratio: Any) -> Any: ...
+    def steepest(self, ratio: float) -> float: ...
+    def motor_position(self, output: Any, ratio: Any) -> Any: ...
+
+
 class Friction(Protocol):
     """A friction law: torque that opposes a velocity, N m (N) at the joint's side."""
 
@@ -51,6 +60,7 @@ class Drive:
     rotor: None where its inertia is not known or does not matter; an elastic drive needs one.
     compliance: None is a rigid drive: link and motor are one, and the rotor acts as armature.
     damping: of the spring, N m s/rad at the joint's side; None is none.
+    kinematic_error: what an elastic drive's output deviates from ratio-true rotation; None is none.
     link_friction acts on the link's speed, motor_friction on the rotor's over ratio; both at the joint's side.
     limits: of the drive, at the joint's side.
     torque_constant: N m of shaft torque per ampere.
@@ -60,6 +70,7 @@ class Drive:
     rotor: Rotor | None = None
     compliance: Compliance | None = None
     damping: float | None = None
+    kinematic_error: KinematicError | None = None
     link_friction: Friction | None = None
     motor_friction: Friction | None = None
     limits: Limits = UNLIMITED

@@ -1,0 +1,80 @@
+"""The stiffness curve of a drive's catalogue: K1 up to T1, K2 up to T2, K3 beyond, with its corners rounded."""
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+from cutpoint.mechanics.inversion import increasing_root
+from cutpoint.scalars import Scalar, absolute, clip, maximum, where
+
+BLEND = 0.25
+"""Half the width over which a corner is rounded, in units of the shorter of the two segments that meet in it."""
+
+
+@dataclass(frozen=True)
+class CatalogueSpring:
+    """Stiffness k1, k2, k3 in N m/rad (N/m) in the torque ranges below t1, up to t2 and beyond, in N m (N).
+
+    The straight segments are the catalogue's; around their corners the stiffness goes from one to the other as a cubic,
+    so that the torque has two continuous derivatives.  Harmonic Drive, engineering data, section "torsional stiffness".
+    """
+
+    k1: Scalar
+    k2: Scalar
+    k3: Scalar
+    t1: Scalar
+    t2: Scalar
+
+    def torque(self, deflection: Scalar) -> Scalar:
+        size = absolute(deflection)
+        torque = self.k1 * size
+        for gain, start, width in self._corners():
+            torque = torque + gain * _ramp(size, start, width)
+        return where(deflection < 0, -torque, torque)
+
+    def deflection(self, torque: Scalar) -> Scalar:
+        """The inverse law: from the catalogue's corners, in three Newton steps."""
+        guess = torque / self.k1
+        for t, stiffness, before in ((self.t1, self.k2, self.k1), (self.t2, self.k3, self.k2)):
+            guess = guess + (torque - clip(torque, -t, t)) * (1 / stiffness - 1 / before)
+        return increasing_root(self.torque, self.tangent, torque, guess, steps=3)
+
+    def tangent(self, deflection: Scalar) -> Scalar:
+        """d torque / d deflection, N m/rad."""
+        size, stiffness = absolute(deflection), self.k1
+        for gain, start, width in self._corners():
+            u = _progress(size, start, width)
+            stiffness = stiffness + gain * (u * u * (3 - 2 * u))
+        return stiffness
+
+    def energy(self, deflection: Scalar) -> Scalar:
+        """Stored energy, J."""
+        size = absolute(deflection)
+        energy = self.k1 * size * size / 2
+        for gain, start, width in self._corners():
+            u, beyond = _progress(size, start, width), maximum(size - start - width, 0)
+            within = width * width * (u * u * u * u) * (5 - 2 * u) / 20
+            energy = energy + gain * (within + beyond * (width + beyond) / 2)
+        return energy
+
+    @property
+    def fit_error(self) -> Scalar:
+        """Largest departure from the catalogue's straight segments, N m: at the corners."""
+        gaps = [absolute(gain) * width * 3 / 32 for gain, _, width in self._corners()]
+        return maximum(gaps[0], gaps[1])
+
+    def _corners(self) -> Iterator[tuple[Scalar, Scalar, Scalar]]:
+        """For each corner the change of stiffness, where rounding starts and how wide it is, rad."""
+        first, second = self.t1 / self.k1, (self.t2 - self.t1) / self.k2
+        half = BLEND * where(first < second, first, second)
+        yield self.k2 - self.k1, first - half, 2 * half
+        yield self.k3 - self.k2, first + second - half, 2 * half
+
+
+def _progress(x: Scalar, start: Scalar, width: Scalar) -> Scalar:
+    return clip((x - start) / width, 0, 1)
+
+
+def _ramp(x: Scalar, start: Scalar, width: Scalar) -> Scalar:
+    """The integral of 3 u^2 - 2 u^3 over x, u being the progress through the corner, which goes on with slope 1."""
+    u = _progress(x, start, width)
+    return width * (u * u * u) * (1 - u / 2) + maximum(x - start - width, 0)

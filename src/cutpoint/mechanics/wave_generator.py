@@ -1,0 +1,94 @@
+"""The wave generator's compliance, and that of flexspline and wave generator in series.  Xia (2019) eqs. (2)-(3)."""
+
+from dataclasses import dataclass
+
+from cutpoint.mechanics.compliance import Flexspline
+from cutpoint.mechanics.inversion import increasing_root
+from cutpoint.scalars import Scalar, absolute, clip, exp, maximum, where
+
+
+@dataclass(frozen=True)
+class WaveGenerator:
+    """sgn(tau_w) (1 - exp(-c_w |tau_w|)) / (c_w l K_w0) at the joint's side, tau_w = tau_f / l.  Xia (2019) eq. (3).
+
+    stiffness is K_w0 (N m/rad at the wave generator, at rest), hardening c_w (1/(N m)), ratio l.  The printed law has a
+    kink in its slope at zero; below `blend` (N m at the wave generator) an odd quintic that meets it with two
+    derivatives takes its place.
+    """
+
+    stiffness: Scalar
+    hardening: Scalar
+    ratio: Scalar
+    blend: Scalar
+
+    def deflection(self, torque: Scalar) -> Scalar:
+        """Deflection at the joint's side, rad, under a joint torque, N m."""
+        x, u = self._scaled(torque)
+        a, b, c = self._quintic()
+        inside, outside = u * (a + u * u * (b + u * u * c)), 1 - exp(-maximum(absolute(x), self._edge))
+        whole = where(absolute(x) < self._edge, inside, where(x < 0, -outside, outside))
+        return whole / (self.hardening * self.ratio * self.stiffness)
+
+    def compliance(self, torque: Scalar) -> Scalar:
+        """d deflection / d torque, rad/(N m)."""
+        x, u = self._scaled(torque)
+        a, b, c = self._quintic()
+        inside = (a + u * u * (3 * b + u * u * (5 * c))) / self._edge
+        slope = where(absolute(x) < self._edge, inside, exp(-maximum(absolute(x), self._edge)))
+        return slope / (self.ratio * self.ratio * self.stiffness)
+
+    def energy(self, torque: Scalar) -> Scalar:
+        """Energy stored under a joint torque, J: the integral of torque over deflection."""
+        x, u = self._scaled(torque)
+        a, b, c = self._quintic()
+        edge, size = self._edge, maximum(absolute(x), self._edge)
+        within = edge * (u * u) * (a / 2 + u * u * (3 * b / 4 + u * u * (5 * c / 6)))
+        beyond = (1 + edge) * exp(-edge) - (1 + size) * exp(-size)
+        return (within + beyond) / (self.hardening * self.hardening * self.stiffness)
+
+    @property
+    def _edge(self) -> Scalar:
+        """Where the blend ends, in units of c_w tau_w."""
+        return self.hardening * self.blend
+
+    def _scaled(self, torque: Scalar) -> tuple[Scalar, Scalar]:
+        """c_w tau_w, and how far into the blend that is, -1 to 1."""
+        x = torque * (self.hardening / self.ratio)
+        return x, clip(x / self._edge, -1, 1)
+
+    def _quintic(self) -> tuple[Scalar, Scalar, Scalar]:
+        """Coefficients of u, u^3, u^5 that meet 1 - exp(-x) at the edge with two derivatives."""
+        edge = self._edge
+        slope = edge * exp(-edge)
+        value = 1 - exp(-edge)
+        c = -(edge * slope + 3 * (slope - value)) / 8
+        b = (slope - value) / 2 - 2 * c
+        return value - b - c, b, c
+
+
+@dataclass(frozen=True)
+class HarmonicSpring:
+    """Flexspline (2) and wave generator (3) in series.  Xia (2019) eqs. (2)-(3)."""
+
+    flexspline: Flexspline
+    wave_generator: WaveGenerator
+
+    def deflection(self, torque: Scalar) -> Scalar:
+        return self.flexspline.deflection(torque) + self.wave_generator.deflection(torque)
+
+    def torque(self, deflection: Scalar) -> Scalar:
+        """The inverse law, in eight Newton steps from below: compliance falls with load, so they cannot overshoot."""
+        start = deflection / self._compliance(0 * deflection)
+        return increasing_root(self.deflection, self._compliance, deflection, start, steps=8)
+
+    def tangent(self, deflection: Scalar) -> Scalar:
+        """d torque / d deflection, N m/rad."""
+        return 1 / self._compliance(self.torque(deflection))
+
+    def energy(self, deflection: Scalar) -> Scalar:
+        """Stored energy, J: of both, under the torque that they share."""
+        torque = self.torque(deflection)
+        return self.flexspline.energy(self.flexspline.deflection(torque)) + self.wave_generator.energy(torque)
+
+    def _compliance(self, torque: Scalar) -> Scalar:
+        return 1 / self.flexspline.tangent(self.flexspline.deflection(torque)) + self.wave_generator.compliance(torque)
