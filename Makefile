@@ -1,7 +1,8 @@
-# Two commands, each with all the set-up it needs:
+# Three commands, each with all the set-up it needs:
 #
 #   make demo   the paper's comparison and control simulation, as a report in paper/
 #   make test   style, types and all tests
+#   make bench  beside Pinocchio and CasADi (with gcc, where there is one), into docs/benchmarks.md
 #
 # They need make and Python 3.11 or newer with its modules venv and pip.  PYTHON=... chooses one.
 
@@ -11,7 +12,7 @@ PYTHONS := $(or $(PYTHON),python3 python3.13 python3.12 python3.11 python)
 SUITS := import sys, venv, ensurepip; sys.exit(sys.version_info < (3, 11))
 INSTALL := $(BIN)/python -m pip install --quiet --disable-pip-version-check --editable
 
-.PHONY: demo test
+.PHONY: demo test bench
 
 demo: $(VENV)/installed
 	$(BIN)/cutpoint paper --output paper
@@ -20,6 +21,9 @@ test: $(VENV)/installed-for-tests
 	$(BIN)/ruff check .
 	$(BIN)/pyright --pythonpath $(BIN)/python
 	$(BIN)/pytest --numprocesses auto
+
+bench: $(VENV)/installed-for-bench
+	$(BIN)/python benchmarks/run.py
 
 # the environment is made once, and installed into again only when the list of dependencies changes
 $(VENV)/made:
@@ -41,4 +45,9 @@ $(VENV)/installed: $(VENV)/made pyproject.toml
 $(VENV)/installed-for-tests: $(VENV)/made pyproject.toml
 	@echo "installing cutpoint and what its tests need into $(VENV)"
 	@$(INSTALL) ".[test]"
+	@touch $(VENV)/installed $@
+
+$(VENV)/installed-for-bench: $(VENV)/made pyproject.toml
+	@echo "installing cutpoint and its peers into $(VENV)"
+	@$(INSTALL) ".[bench]"
 	@touch $(VENV)/installed $@

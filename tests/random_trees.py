@@ -5,10 +5,16 @@ from numpy.typing import NDArray
 
 from cutpoint.model import Joint, Link, Mechanism, Mimic
 from cutpoint.model.build import build
+from cutpoint.model.mechanism import JointKind
 
 Array = NDArray[np.float64]
 
 KINDS = ("revolute", "prismatic", "continuous", "revolute")
+
+EVERY_KIND: tuple[JointKind, ...] = (
+    *("revolute", "continuous", "prismatic", "helical"),
+    *("universal", "planar", "spherical", "floating"),
+)
 
 
 def random_tree(seed: int, size: int, floating: bool = False, mimic: bool = False) -> Mechanism:
@@ -24,6 +30,20 @@ def random_tree(seed: int, size: int, floating: bool = False, mimic: bool = Fals
         links.append(Link(f"link{k}", *_mass_properties(rng)))
         joints.append(_joint(rng, k, parent, mimic))
     return build("tree", links, joints, floating_base=floating, coupled=mimic, gravity=rng.normal(0.0, 6.0, 3))
+
+
+def tree_of_every_kind(seed: int) -> Mechanism:
+    """Three to eight joints of kinds drawn at random, floating ones anywhere; fixed and moving roots."""
+    rng = np.random.default_rng(seed)
+    links, joints = [Link("base", *_mass_properties(rng))], []
+    for k in range(rng.integers(3, 9)):
+        along, across = rng.normal(size=(2, 3)) if rng.random() < 0.5 else np.eye(3)[rng.permutation(3)[:2]]
+        parent, pitch = links[rng.integers(max(0, k - 2), k + 1)].name, rng.choice((-1, 1)) * rng.uniform(0.05, 0.5)
+        kind = EVERY_KIND[rng.integers(len(EVERY_KIND))]
+        links.append(Link(f"link{k}", *_mass_properties(rng)))
+        numbers = {"pitch": pitch} if kind == "helical" else {"second_axis": across} if kind == "universal" else {}
+        joints.append(Joint(f"joint{k}", kind, parent, f"link{k}", placement(rng), along, **numbers))
+    return build("tree", links, joints, gravity=rng.normal(0.0, 6.0, 3))
 
 
 def rotation(rng: np.random.Generator) -> Array:

@@ -9,21 +9,27 @@ import pinocchio as pin
 from numpy.typing import NDArray
 
 from cutpoint import Robot
-from cutpoint.model import WORLD, Mechanism
+from cutpoint.model import Mechanism
 
 Array = NDArray[np.float64]
 
 
 def pinocchio_of(mechanism: Mechanism) -> pin.Model:
-    """A Pinocchio model built by hand, joint by joint; both number joints depth first."""
+    """A Pinocchio model built by hand, joint by joint; both number joints depth first.
+
+    Its planar joints move in the x-y plane: their frames, and what hangs on them, are turned so that z is the normal.
+    """
     model = pin.Model()
     model.gravity.linear = np.asarray(mechanism.gravity)
+    turns = [pin.SE3.Identity()]  # of the world, and of each body
     for body in mechanism.bodies:
-        parent = 0 if body.parent == WORLD else body.parent + 1
-        index = model.addJoint(parent, _joint_model(body.joint), se3(body.placement), body.joint.name)
-        model.appendBodyToJoint(index, pin.Inertia(body.mass, body.com, body.inertia), pin.SE3.Identity())
+        placement = turns[body.parent + 1].inverse() * se3(body.placement) * _turn_of(body.joint)
+        turns.append(_turn_of(body.joint))
+        index = model.addJoint(body.parent + 1, _joint_model(body.joint), placement, body.joint.name)
+        model.appendBodyToJoint(index, pin.Inertia(body.mass, body.com, body.inertia), turns[-1].inverse())
     for frame in mechanism.frames.values():
-        model.addFrame(pin.Frame(frame.name, frame.body + 1, 0, se3(frame.placement), pin.FrameType.OP_FRAME))
+        placement = turns[frame.body + 1].inverse() * se3(frame.placement)
+        model.addFrame(pin.Frame(frame.name, frame.body + 1, 0, placement, pin.FrameType.OP_FRAME))
     return model
 
 
@@ -40,10 +46,29 @@ def se3(placement: Array) -> pin.SE3:
 
 
 def _joint_model(joint: Any) -> Any:
-    if joint.kind == "floating":
-        return pin.JointModelFreeFlyer()
-    unaligned = pin.JointModelPrismaticUnaligned if joint.kind == "prismatic" else pin.JointModelRevoluteUnaligned
-    return unaligned(np.array(joint.axis))
+    match joint.kind:
+        case "floating":
+            return pin.JointModelFreeFlyer()
+        case "spherical":
+            return pin.JointModelSpherical()
+        case "planar":
+            return pin.JointModelPlanar()
+        case "helical":
+            return pin.JointModelHelicalUnaligned(np.array(joint.axis), joint.pitch)
+        case "prismatic":
+            return pin.JointModelPrismaticUnaligned(np.array(joint.axis))
+    return pin.JointModelRevoluteUnaligned(np.array(joint.axis))
+
+
+def _turn_of(joint: Any) -> pin.SE3:
+    """Of a planar joint: z along its normal, x along the next of x, y, z after the normal's largest, in the plane."""
+    if joint.kind != "planar":
+        return pin.SE3.Identity()
+    z = np.array(joint.axis)
+    x = np.eye(3)[(np.argmax(np.abs(z)) + 1) % 3]
+    x = x - z * (z @ x)
+    x /= np.linalg.norm(x)
+    return pin.SE3(np.column_stack([x, np.cross(z, x), z]), np.zeros(3))
 
 
 @dataclass(frozen=True)
@@ -58,26 +83,38 @@ class Twin:
         return self.model.createData()
 
     @cached_property
-    def _columns(self) -> tuple[list[int], list[int]]:
-        """For each of our coordinates, and for each of our speeds, where it stands in theirs."""
-        q, v = [], []
-        for body in self.robot.mechanism.bodies:
-            joint = self.model.joints[self.model.getJointId(body.joint.name)]
-            q += range(joint.idx_q, joint.idx_q + joint.nq)
-            v += range(joint.idx_v, joint.idx_v + joint.nv)
-        return q, v
+    def _joints(self) -> list[Any]:
+        """Their joint of each of our bodies."""
+        return [self.model.joints[self.model.getJointId(b.joint.name)] for b in self.robot.mechanism.bodies]
 
-    def theirs(self, *ours: Array) -> list[Array]:
-        """Coordinates first, then speeds, accelerations, torques: in Pinocchio's order."""
-        found = []
-        for x, columns in zip(ours, (self._columns[0], *[self._columns[1]] * len(ours)), strict=False):
-            found.append(np.zeros(len(columns)))
-            found[-1][columns] = x
+    @cached_property
+    def _columns(self) -> list[int]:
+        """For each of our speeds, where it stands in theirs."""
+        return [k for joint in self._joints for k in range(joint.idx_v, joint.idx_v + joint.nv)]
+
+    def coordinates(self, q: Array) -> Array:
+        """A configuration as they have it: a planar joint's angle as its cosine and sine."""
+        found, first = np.zeros(self.model.nq), 0
+        for joint, body in zip(self._joints, self.robot.mechanism.bodies, strict=True):
+            if body.joint.kind == "planar":
+                x, y, angle = q[first : first + 3]
+                own, first = [x, y, np.cos(angle), np.sin(angle)], first + 3
+            else:
+                own, first = q[first : first + joint.nq], first + joint.nq
+            found[joint.idx_q : joint.idx_q + joint.nq] = own
+        return found
+
+    def theirs(self, q: Array, *ours: Array) -> list[Array]:
+        """Coordinates, then speeds, accelerations, torques: in Pinocchio's order."""
+        found = [self.coordinates(q)]
+        for x in ours:
+            found.append(np.zeros(len(self._columns)))
+            found[-1][self._columns] = x
         return found
 
     def ours(self, tau: Any) -> Array:
         """A vector of speeds, or what has such an axis last, in our order."""
-        return np.asarray(tau)[..., self._columns[1]]
+        return np.asarray(tau)[..., self._columns]
 
     def inverse_dynamics(self, q: Array, v: Array, a: Array, forces: Any = None) -> Array:
         more = () if forces is None else (forces,)

@@ -126,6 +126,38 @@ def paper(
     run(output)
 
 
+@app.command(epilog="Example: cutpoint cost --output cost")
+def cost(
+    output: Annotated[
+        Path, typer.Option(metavar="DIR", help="Folder for the report, its figure and cost.json.")
+    ] = Path("cost"),
+    largest: Annotated[int, typer.Option(help="Number of joints to go to, 6 at least.", min=6)] = 64,
+) -> None:
+    """What inverse dynamics costs against the number of joints, by virtual decomposition and by its rivals."""
+    from cutpoint.studies.cost import run
+
+    run(output, largest=largest)
+
+
+@app.command(epilog="Example: cutpoint export xia2019 --function elastic_inverse_dynamics --to c deployed")
+def export(
+    robot: RobotFile,
+    folder: Annotated[Path, typer.Argument(metavar="DIR", help="Folder for the files; made if it is not there.")],
+    function: Annotated[str, typer.Option(help="What to export: a method of Robot, such as inverse_dynamics.")],
+    to: Annotated[Literal["c"], typer.Option(help="What to write: c, a package of C99 with a header for C++17.")] = "c",
+    drives: Drives = None,
+    frame: Annotated[str | None, typer.Option(help="For jacobian and frame_pose: of which frame.")] = None,
+    name: Annotated[str | None, typer.Option(help="Of the C function, the same if not given.")] = None,
+    force: Annotated[bool, typer.Option("--force", help="Overwrite files that cutpoint has not written.")] = False,
+) -> None:
+    """Write a robot's function as code for machines without Python, equal to ours to the last bit, with its check."""
+    from cutpoint.export import export_function
+
+    options = {} if frame is None else {"frame": frame}
+    for path in export_function(_robot(robot, drives), function, folder, name=name, force=force, **options):
+        console.print(f"{to}: {path}", soft_wrap=True, highlight=False, markup=False)
+
+
 def main() -> None:
     """Entry point: errors and warnings as one line, without a traceback."""
     stderr = Console(stderr=True)

@@ -7,8 +7,8 @@ from typing import Literal
 from numpy.typing import ArrayLike
 
 from cutpoint.door import driven_joints
-from cutpoint.errors import ModelError
-from cutpoint.formats import drive_of, load_drives, load_urdf
+from cutpoint.errors import InputError, ModelError
+from cutpoint.formats import drive_of, load_drives, load_mjcf, load_urdf
 from cutpoint.model import Drive, Mechanism
 from cutpoint.model.mechanism import STANDARD_GRAVITY
 from cutpoint.robot import Backend, Robot
@@ -18,28 +18,40 @@ def load(
     path: str | Path,
     drives: str | Path | Mapping[str, Drive] | None = None,
     *,
-    gravity: ArrayLike = STANDARD_GRAVITY,
+    gravity: ArrayLike | None = None,
     floating_base: bool = False,
     lock: Mapping[str, float] | None = None,
     mimic: Literal["independent", "coupled"] = "independent",
     backend: Backend = "auto",
 ) -> Robot:
-    """A robot from a URDF (or .xacro) file, and its drives from a drive file (see docs/drive-file.md).
+    """A robot from a URDF (.urdf, .xacro) or MJCF (.mjcf, .xml) file, its drives from a drive file: docs/drive-file.md.
 
-    drives: a file, or drives by joint name; a joint without one is driven rigidly, with the friction its URDF states.
-    gravity: acceleration of free fall in the world's frame, m/s2.  floating_base: carry the root link on a free joint.
-    lock: coordinates at which joints are held fixed, by name.  mimic: "independent" coordinates, or "coupled" to their
-    leader.  backend: how kernels are compiled.
+    drives: a file, or drives by joint name; a joint without one is driven rigidly, with the friction (and an MJCF's
+    armature) that the robot file states.
+    gravity: acceleration of free fall in the world's frame, m/s2; None is (0, 0, -9.81), or what an MJCF file states.
+    lock: coordinates at which joints are held fixed, by name.  backend: how kernels are compiled.
+    Of a URDF only: floating_base carries the root link on a free joint; mimic joints are "independent" coordinates, or
+    "coupled" to their leader.
     Raises ModelError, with file and line, for whatever is wrong in the files.
     """
-    if Path(path).suffix.lower() not in (".urdf", ".xacro"):
-        raise ModelError(f"robot file {str(path)!r} must be a .urdf or a .xacro")
-    mechanism = load_urdf(path, gravity=gravity, floating_base=floating_base, lock=lock, mimic=mimic)
-    return Robot(mechanism, _drives(mechanism, drives), backend=backend)
+    suffix = Path(path).suffix.lower()
+    if suffix in (".urdf", ".xacro"):
+        fall = STANDARD_GRAVITY if gravity is None else gravity
+        mechanism = load_urdf(path, gravity=fall, floating_base=floating_base, lock=lock, mimic=mimic)
+        return Robot(mechanism, _drives(mechanism, {}, drives), backend=backend)
+    if suffix not in (".mjcf", ".xml"):
+        raise ModelError(f"robot file {str(path)!r} must be a .urdf, .xacro, .mjcf or .xml")
+    if floating_base or mimic != "independent":
+        raise InputError("load: floating_base and mimic are for URDF files; an MJCF file says itself what floats")
+    mechanism, stated = load_mjcf(path, gravity=gravity, lock=lock)
+    return Robot(mechanism, _drives(mechanism, stated, drives), backend=backend)
 
 
-def _drives(mechanism: Mechanism, given: str | Path | Mapping[str, Drive] | None) -> dict[str, Drive]:
+def _drives(
+    mechanism: Mechanism, stated: Mapping[str, Drive], given: str | Path | Mapping[str, Drive] | None
+) -> dict[str, Drive]:
+    """For every driven joint: what is given, or what the robot file states, or its friction alone."""
     joints = {body.joint.name: body.joint for body in mechanism.bodies}
-    drives = {name: drive_of(joints[name]) for name in driven_joints(mechanism)}
+    drives = {name: drive_of(joints[name]) for name in driven_joints(mechanism)} | dict(stated)
     drives.update(load_drives(given, mechanism) if isinstance(given, (str, Path)) else given or {})
     return drives

@@ -44,7 +44,7 @@ def test_the_ratio_follows_from_the_part_that_is_fixed(entry: str, ratio: float)
 def test_every_field_reaches_its_place() -> None:
     drive = shoulder("""
       ratio: 100
-      rotor: {inertia: 1.14e-5, in_link_inertia: false}
+      rotor: {inertia: 1.14e-5, in_link_inertia: false, mass: 0.4, transverse: 9e-6, position: -0.03, coupling: full}
       compliance: {flexspline: {stiffness: 1.6e4, hardening: 0.0432}}
       damping: 12
       friction:
@@ -54,7 +54,7 @@ def test_every_field_reaches_its_place() -> None:
       torque_constant: 0.12""")
     assert drive == Drive(
         ratio=100.0,
-        rotor=Rotor(1.14e-5, in_link_inertia=False),
+        rotor=Rotor(1.14e-5, False, mass=0.4, transverse=9e-6, position=-0.03, coupling="full"),
         compliance=Flexspline(16000.0, 0.0432),
         damping=12.0,
         link_friction=Stribeck(0.49, 3.5, 0.15, 0.19, 0.02),
@@ -134,7 +134,16 @@ COMMON = {
     "limits": LIMITS,
     "torque_constant": st.one_of(st.none(), POSITIVE),
 }
-ROTORS = st.builds(Rotor, POSITIVE, st.booleans())
+COUPLINGS = st.sampled_from(["reduced", "full"])
+ROTORS = st.one_of(
+    st.builds(Rotor, POSITIVE, st.just(True), coupling=COUPLINGS),
+    st.builds(
+        lambda inertia, mass, slimness, position, coupling: Rotor(
+            inertia, False, mass, inertia * slimness, position, coupling
+        ),
+        *(POSITIVE, NOT_NEGATIVE, st.one_of(st.just(0.0), st.floats(0.5, 9.0)), st.floats(-9.0, 9.0), COUPLINGS),
+    ),
+)
 SPRINGS = st.one_of(st.builds(LinearSpring, POSITIVE), st.builds(Flexspline, POSITIVE, POSITIVE))
 DRIVES = st.one_of(
     st.builds(Drive, rotor=st.one_of(st.none(), ROTORS), **COMMON),

@@ -55,6 +55,26 @@ ENTRIES = {
         "an elastic drive needs 'rotor' with its 'inertia' (kg m2)",
     ),
     "rotor without inertia": ("{rotor: {inertia: 0}}", "rotor.inertia 0.0 kg m2 must be positive"),
+    "rotor's mass twice": (
+        "{rotor: {inertia: 1e-5, mass: 0.4}}",
+        "rotor.mass 0.4 kg counts only with 'in_link_inertia: false'; the link holds the rotor",
+    ),
+    "rotor's place in a link that holds it": (
+        "{rotor: {inertia: 1e-5, in_link_inertia: true, position: -0.1}}",
+        "rotor.position -0.1 m counts only with 'in_link_inertia: false'; the link holds the rotor",
+    ),
+    "rotor that no body can be": (
+        "{rotor: {inertia: 1e-5, in_link_inertia: false, transverse: 4e-6}}",
+        "rotor.transverse 4e-06 kg m2 must be at least half of inertia 1e-05",
+    ),
+    "negative mass": (
+        "{rotor: {inertia: 1, in_link_inertia: false, mass: -1}}",
+        "rotor.mass -1.0 kg must not be negative",
+    ),
+    "unknown coupling": (
+        "{rotor: {inertia: 1, coupling: complete}}",
+        "rotor.coupling 'complete' must be 'reduced' or 'full'",
+    ),
     "damping without spring": ("{damping: 3}", "damping 3.0 N m s/rad is the spring's, but 'compliance' is rigid"),
     "static below Coulomb": (
         "{friction: {link: {coulomb: 2, static: 1, stribeck_velocity: 0.1}}}",

@@ -126,6 +126,16 @@ def test_a_robot_without_name_has_that_of_its_file(tmp_path: Path) -> None:
     assert load_urdf(path).name == "nameless"
 
 
+def test_planar_and_floating_joints_stand_anywhere() -> None:
+    """A planar joint's axis is the normal of its plane; neither has position limits."""
+    plane = '<axis xyz="0 0 2"/><limit lower="-1" upper="1" velocity="3"/>'
+    joints = joint("j", "base", "a"), joint("slide", "a", "b", "planar", plane), joint("free", "b", "c", "floating")
+    _, slide, free = parse_urdf(robot(*map(link, ("base", "a", "b", "c")), *joints)).bodies
+    assert (slide.joint.kind, slide.joint.limits) == ("planar", Limits(velocity=3))
+    np.testing.assert_array_equal(slide.joint.axis, [0, 0, 1])
+    assert (free.joint.kind, free.parent) == ("floating", 1)
+
+
 def test_gravity_and_floating_base_are_passed_on() -> None:
     arm = parse_urdf(ARM, gravity=(0, 0, -1.62), floating_base=True)
     np.testing.assert_array_equal(arm.gravity, (0, 0, -1.62))

@@ -24,11 +24,17 @@ def ball(name: str, mass: float = 1.0, com: tuple[float, float, float] = (0.0, 0
     return Link(name, mass, np.array(com), 0.1 * mass * np.eye(3))
 
 
+PITCH = 0.3
+
+
 def chain(*kinds: str, **changes: object) -> Mechanism:
     """Links l0, l1, ... with joints j1, j2, ... of those kinds."""
     links = [ball(f"l{i}", com=(0.1, 0.0, 0.2)) for i in range(len(kinds) + 1)]
     shift = pose(rotation_about(np.array([0.0, 1.0, 0.0]), 0.3), np.array([0.0, 0.0, 1.0]))
-    joints = [Joint(f"j{i}", kind, f"l{i - 1}", f"l{i}", shift) for i, kind in enumerate(kinds, 1)]  # pyright: ignore
+    joints = [
+        Joint(f"j{i}", kind, f"l{i - 1}", f"l{i}", shift, pitch=PITCH if kind == "helical" else 0.0)  # pyright: ignore
+        for i, kind in enumerate(kinds, 1)
+    ]
     return build("chain", links, joints, **changes)  # pyright: ignore[reportArgumentType]
 
 
@@ -61,11 +67,12 @@ def test_lumping_adds_spatial_inertias(pieces) -> None:
     np.testing.assert_allclose(found, expected, rtol=0, atol=1e-13 * np.max(np.abs(expected)))
 
 
-@given(ANGLES, st.sampled_from(["revolute", "continuous", "prismatic"]))
+@given(ANGLES, st.sampled_from(["revolute", "continuous", "prismatic", "helical"]))
 def test_a_locked_joint_is_a_fixed_one_at_that_coordinate(value: float, kind: str) -> None:
     locked = chain("revolute", kind, "fixed", lock={"j2": value})
     axis = np.array([0.0, 0.0, 1.0])
-    motion = pose(np.eye(3), value * axis) if kind == "prismatic" else pose(rotation_about(axis, value), np.zeros(3))
+    turn = np.eye(3) if kind == "prismatic" else rotation_about(axis, value)
+    motion = pose(turn, {"prismatic": value, "helical": PITCH * value}.get(kind, 0.0) * axis)
     step = chain("revolute").bodies[0].placement
     np.testing.assert_allclose(locked.frames["l2"].placement, step @ motion, rtol=0, atol=1e-15)
     np.testing.assert_allclose(locked.frames["l3"].placement, step @ motion @ step, rtol=0, atol=1e-14)
@@ -91,6 +98,37 @@ def test_a_floating_base_carries_the_root_link() -> None:
         2.0,
     )
     assert arm.parent == 0
+
+
+def test_what_floats_may_hang_on_what_moves() -> None:
+    robot = chain("spherical", "floating", "planar")
+    assert [(body.joint.kind, body.parent) for body in robot.bodies] == [
+        ("spherical", WORLD),
+        ("floating", 0),
+        ("planar", 1),
+    ]
+
+
+def test_a_universal_joint_is_two_revolute_ones_through_one_point() -> None:
+    limits, at = Limits(-1.0, 1.0), pose(roll_pitch_yaw(np.array([0.1, 0.2, 0.3])), np.ones(3))
+    axes = {"axis": np.array([2.0, 0.0, 0.0]), "second_axis": np.array([0.0, 3.0, 4.0])}
+    joint = Joint("u", "universal", "base", "arm", at, limits=limits, damping=0.5, **axes)
+    first, second = build("r", [ball("base"), ball("arm")], [joint]).bodies
+    assert (first.joint.name, first.name, first.mass) == ("u_1", "u_cross", 0.0)
+    assert (second.joint.name, second.name, second.mass) == ("u_2", "arm", 1.0)
+    assert {first.joint.kind, second.joint.kind} == {"revolute"}
+    assert first.joint.limits == second.joint.limits == limits
+    assert first.joint.damping == second.joint.damping == 0.5
+    np.testing.assert_array_equal(first.placement, at)
+    np.testing.assert_array_equal(second.placement, np.eye(4))
+    np.testing.assert_array_equal(first.joint.axis, [1.0, 0.0, 0.0])
+    np.testing.assert_array_equal(second.joint.axis, [0.0, 0.6, 0.8])
+
+
+@pytest.mark.parametrize("kind", ["spherical", "floating"])
+def test_a_joint_without_axis_may_state_any(kind: str) -> None:
+    joint = Joint("j", kind, "base", "arm", axis=np.zeros(3))  # pyright: ignore[reportArgumentType]
+    assert build("r", [ball("base"), ball("arm")], [joint]).bodies[0].joint.kind == kind
 
 
 def test_a_joint_is_a_frame_where_no_link_has_its_name() -> None:
@@ -143,6 +181,14 @@ MIMICS = {
 }
 
 
+def test_a_leader_has_one_coordinate() -> None:
+    joints = [Joint("ball", "spherical", "base", "a"), Joint("j", "revolute", "a", "b", mimic=Mimic("ball"))]
+    with pytest.raises(
+        ModelError, match="joint 'j': mimics joint 'ball', which is spherical; a leader is one of revol"
+    ):
+        build("r", [ball("base"), ball("a"), ball("b")], joints, coupled=True)
+
+
 @pytest.mark.parametrize("case", MIMICS)
 def test_a_mimic_that_leads_nowhere_is_refused(case: str) -> None:
     steps, message = MIMICS[case]
@@ -153,7 +199,10 @@ def test_a_mimic_that_leads_nowhere_is_refused(case: str) -> None:
 
 LOCKS = {
     "unknown": ({"x": 0.0}, "lock of joint 'x': no joint has this name; there are: 'j1', 'j2'"),
-    "fixed": ({"j2": 0.0}, "lock of joint 'j2': the joint is fixed; it must be one of revolute, continuous, prismatic, helical"),
+    "fixed": (
+        {"j2": 0.0},
+        "lock of joint 'j2': the joint is fixed; it must be one of revolute, continuous, prismatic, helical",
+    ),
     "nan": ({"j1": np.nan}, "lock of joint 'j1': value nan must be finite"),
 }
 
@@ -211,8 +260,23 @@ JOINTS = {
     ),
     "unknown kind": (
         {"kind": "screw"},
-        "kind 'screw' is not supported; there are: 'fixed', 'revolute', 'continuous', 'prismatic', 'helical', 'universal', "
-        "'planar', 'spherical', 'floating'",
+        "kind 'screw' is not supported; there are: 'fixed', 'revolute', 'continuous', 'prismatic', 'helical',"
+        " 'universal', 'planar', 'spherical', 'floating'",
+    ),
+    "no normal": (
+        {"kind": "planar", "axis": np.zeros(3)},
+        "axis [0. 0. 0.] has no length; give it a direction",
+    ),
+    "no pitch": ({"kind": "helical"}, "pitch 0.0 m/rad must not be zero; without one the joint is revolute"),
+    "infinite pitch": ({"kind": "helical", "pitch": np.inf}, "pitch must be finite, got inf"),
+    "no second axis": ({"kind": "universal"}, "needs a second_axis, a direction (3,)"),
+    "axes along one line": (
+        {"kind": "universal", "second_axis": np.array([0.0, 0.0, -2.0])},
+        "second_axis [ 0.  0. -2.] must not be parallel to axis [0. 0. 1.]",
+    ),
+    "follower with three coordinates": (
+        {"kind": "spherical", "mimic": Mimic("j")},
+        "mimics joint 'j', but is spherical; a follower is one of revolute, continuous, prismatic, helical",
     ),
     "nan limit": ({"limits": Limits(lower=np.nan)}, "limit lower must be a number, got nan"),
 }

@@ -15,9 +15,10 @@ from cutpoint.studies.paper.stability import fastest_growth
 from cutpoint.studies.report.html import Heading, html
 from cutpoint.studies.report.page import Page, Picture, Table, number, plain
 
-FIGURES = [*(f"figure_{k}" for k in range(1, 12)), *(f"figure_a{k}" for k in range(1, 5))]
-TABLES = ["table_3", "table_4", *(f"table_a{k}" for k in range(1, 4))]
+FIGURES = [*(f"figure_{k}" for k in range(1, 15)), *(f"figure_a{k}" for k in range(1, 5))]
+TABLES = ["table_3", "table_4", "table_5", *(f"table_a{k}" for k in range(1, 5))]
 ALL = "+ elasticity: all rungs"
+RINGING = "encoders and delay together"
 
 
 @pytest.fixture(scope="module")
@@ -36,6 +37,13 @@ def results(output):
 def table_4(results):
     """RMS by row: positions in degrees and torques in N m, (6,) each."""
     rows = results["table_4"]["ours"]
+    return {name: (np.array(row["position_rms"]), np.array(row["torque_rms"])) for name, row in rows.items()}
+
+
+@pytest.fixture(scope="module")
+def alone(results):
+    """RMS by single imperfection of the stand-in: positions in degrees and torques in N m, (2,) each."""
+    rows = results["table_a4"]["alone"]
     return {name: (np.array(row["position_rms"]), np.array(row["torque_rms"])) for name, row in rows.items()}
 
 
@@ -101,7 +109,7 @@ def test_the_report_needs_nothing_outside_itself(output):
 def test_the_report_shows_the_papers_numbers_beside_ours(output):
     text = (output / "index.html").read_text(encoding="utf-8")
     shaded = [line for line in text.splitlines() if 'class="printed"' in line]
-    for cells in (["22.7", "8.9"], ["0.1336", "0.0080"], ["0.4594", "0.0513"]):
+    for cells in (["22.7", "8.9"], ["0.1336", "0.0080"], ["0.4594", "0.0513"], ["0.0456", "0.2981"]):
         assert any(all(f"<td>{cell}</td>" in line for cell in cells) for line in shaded)
 
 
@@ -227,3 +235,59 @@ def test_torque_is_read_exactly_by_ideal_encoders_and_better_by_finer_ones(resul
     assert ideal.max() < 1e-9
     assert (fine < 0.5 * coarse).all()
     assert (stiffer > 0.15 * np.array(results["table_a3"]["true_rms"])).all()
+
+
+@pytest.mark.parametrize("key", ["table_5", "table_a4", "figure_12", "figure_13", "figure_14"])
+def test_what_stands_in_for_the_experiment_is_named_so(results, key):
+    assert results[key]["simulated_stand_in"] is True
+    assert results[key]["caption"].startswith("Simulated stand-in for the experiment")
+
+
+def test_the_stand_in_has_twenty_seeds_and_their_spread(results):
+    table = results["table_5"]
+    assert table["settings"]["seeds"] == [*range(20)]
+    assert table["settings"]["imperfections"].keys() == table["settings"]["imperfection_units"].keys()
+    for name, values in table["by_seed"].items():
+        assert np.shape(values) == (20, 2)
+        np.testing.assert_array_equal(table["median"][name], np.median(values, axis=0))
+        assert (np.array(table["lowest"][name]) < table["median"][name]).all()
+        assert (np.array(table["highest"][name]) > table["median"][name]).all()
+
+
+def test_the_stand_in_moves_as_the_experiment_did(results):
+    np.testing.assert_allclose(results["figure_12"]["poses"], [[0, 0], [30, 15], [60, 30]], atol=0.1)
+    np.testing.assert_allclose(results["figure_12"]["time"], [0, 15, 30], atol=1e-9)
+
+
+def test_no_seed_of_the_stand_in_rings_or_leaves_the_printed_bound(results):
+    highest = results["table_5"]["highest"]
+    assert max(highest["torque_rms"]) < 2.0
+    assert max(highest["position_peak"]) < results["table_5"]["paper"]["position_peak_at_most"]
+
+
+def test_without_imperfections_the_stand_in_leaves_almost_nothing(alone):
+    position, torque = alone["none: the plant is the model"]
+    assert position.max() < 1e-4 and torque.max() < 1e-3
+
+
+def test_what_the_stand_in_says_of_single_imperfections_holds(alone):
+    left, _ = alone["none: the plant is the model"]
+    for idle in ("rotor inertia", "drive damping"):
+        np.testing.assert_allclose(alone[idle][0], left, rtol=0.2)
+    for hidden in ("stiffness", "friction: on which side"):
+        assert (alone[hidden][0] > 10 * left).all() and alone[hidden][1].max() < 0.01
+    assert alone["delay"][1].max() < 0.01
+    for rough in ("torque ripple", "encoders"):
+        assert alone[rough][1][0] > 0.1173
+
+
+def test_kinematic_error_costs_most_where_the_drive_bears_weight(alone):
+    light, loaded = alone["kinematic error"][1]
+    assert loaded > 5 * light
+    assert loaded > 2 * 0.2981
+    assert loaded == max(torque[1] for name, (_, torque) in alone.items() if name != RINGING)
+
+
+def test_differenced_speeds_and_delay_together_ring_where_each_alone_does_not(alone):
+    assert alone[RINGING][1][1] > 50.0
+    assert max(alone["encoders"][1][1], alone["delay"][1][1]) < 0.5

@@ -3,6 +3,7 @@
 from collections.abc import Hashable, Sequence
 from dataclasses import dataclass, field, replace
 from functools import lru_cache
+from itertools import chain
 from typing import Any, NamedTuple
 
 from cutpoint import definitions, kernels
@@ -63,7 +64,7 @@ def _compiled(structure: _Structure) -> Kernels:
     def slopes(direction: Scalars, parameters: Scalars, **state: Scalars) -> Slopes:
         return slopes_along(machine(parameters), [*state.values()], direction)
 
-    sizes = {"q": nq, "v": nv, "theta": drives, "theta_dot": drives, "motor_torque": drives}
+    sizes: dict[str, Any] = {"q": nq, "v": nv, "theta": drives, "theta_dot": drives, "motor_torque": drives}
     sizes |= {"direction": 2 * nv + 3 * drives, "parameters": robot.drive_parameters.size}
     return Kernels(
         kernels.compile(steady, backend=robot.backend, q=nq, v=nv, parameters=robot.drive_parameters.size),
@@ -84,7 +85,7 @@ def slopes_along(machine: Machine, state: Sequence[Scalars], direction: Scalars)
     """
     nv = machine.system.nv
     along = [*coordinate_rates(machine.system, state[0], direction[:nv]), *direction[nv:]]
-    moving = iter(Jet(x, dx) for x, dx in zip(sum(state, []), along, strict=True))
+    moving = iter(Jet(x, dx) for x, dx in zip(chain(*state), along, strict=True))
     found = elastic_forward_dynamics(machine.system, machine.drives, *([next(moving) for _ in x] for x in state))
     results = [*found.a, *found.theta_ddot]
     return Slopes([_part(x, 0) for x in results], [_part(x, 1) for x in results])

@@ -61,8 +61,8 @@ def frequency_response(model: LinearModel, frequencies: ArrayLike, joint: str) -
     try:
         x = np.array([np.linalg.solve(2j * np.pi * each * np.eye(len(b)) - model.A, b) for each in f])
     except np.linalg.LinAlgError:
-        raise InputError("frequency_response: a frequency is that of an undamped resonance; shift it a little") from None
-    swinging = (_sharp(np.linalg.eigvals(model.A)), _sharp(motor_locked(model.A, b, model.C[motor])))
+        raise InputError("frequency_response: a frequency is an undamped resonance; shift it a little") from None
+    swinging = (_sharp(_poles(model.A)), _sharp(motor_locked(model.A, b, model.C[motor])))
     marks = [np.sort(np.abs(s)) / (2 * np.pi) for s in _without_pairs(*swinging)]
     marks = [each[(each >= f.min()) & (each <= f.max())] for each in marks]
     return FrequencyResponse(joint, f, x @ model.C[motor], x @ model.C[link], *marks)
@@ -73,7 +73,11 @@ def motor_locked(A: Array, b: Array, c: Array) -> ComplexArray:
 
     Isidori (1995) section 4.3: the zero dynamics, for an output that its input accelerates, c b != 0.
     """
-    return np.linalg.eigvals(A - np.outer(b, c @ A) / (c @ b))
+    return _poles(A - np.outer(b, c @ A) / (c @ b))
+
+
+def _poles(A: Array) -> ComplexArray:
+    return np.linalg.eigvals(A).astype(np.complex128)
 
 
 def _sharp(s: ComplexArray) -> ComplexArray:

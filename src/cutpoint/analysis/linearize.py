@@ -27,15 +27,17 @@ def linearize(
     torque only.  A joint that nothing drives (a floating base) may fall: see `LinearModel.drift`.
 
     friction=False leaves friction out and shows the structure: resonances and anti-resonances, damped by the springs'
-    own damping only.  friction=True takes its slope at v.  At rest that is the slope of the smoothed sgn, about static /
-    smoothing (N m s/rad), steep: it is right only for speeds well below `smoothing`, where the drive creeps.  A joint
-    that swings faster sees far less damping, one that dry friction holds is locked; a linear model knows neither.
+    own damping only.  friction=True takes its slope at v.  At rest that is the slope of the smoothed sgn, about
+    static / smoothing (N m s/rad), steep: it is right only for speeds well below `smoothing`, where the drive creeps.
+    A joint that swings faster sees far less damping, one that dry friction holds is locked; a linear model knows
+    neither.
 
     Args:
         q: (nq,) rad (m).  v: (nv,) rad/s (m/s).  motor_torque: (drives,) N m (N) at the joint's side.
 
     Raises:
-        InputError: a wrong shape or number, a batch, or v on a joint of several coordinates (its tangent frame turns).
+        InputError: a wrong shape or number, a batch, v on a joint of several coordinates (its tangent frame turns), or
+            a robot that cannot move.
     """
     point = _operating_point(robot, q, v, motor_torque, friction)
     by_direction, drift = _plant(robot, point, friction)
@@ -59,12 +61,14 @@ def linearize(
 def _operating_point(
     robot: Robot, q: ArrayLike, v: ArrayLike | None, motor_torque: ArrayLike | None, friction: bool
 ) -> OperatingPoint:
+    if not robot.nv:
+        raise InputError(f"linearize: robot {robot.name!r} has no joint that moves, so there is nothing to linearise")
     q = _one("q", q, robot.nq)
     v = _one("v", np.zeros(robot.nv) if v is None else v, robot.nv)
     for body, own in zip(robot.mechanism.bodies, robot.machine.system.segments, strict=True):
         if own.v.stop - own.v.start > 1 and v[own.v].any():
-            rule = "must be zero: its tangent frame would turn under a linear model"
-            raise InputError(f"linearize: v of {body.joint.kind} joint {body.joint.name!r} {rule}", joint=body.joint.name)
+            what = f"linearize: v of {body.joint.kind} joint {body.joint.name!r}"
+            raise InputError(f"{what} must be zero: its tangent frame would turn", joint=body.joint.name)
     steady = kernels_of(robot, friction).steady(q, v, robot.drive_parameters)
     torque = steady.motor_torque
     if motor_torque is not None:
@@ -85,10 +89,10 @@ def _plant(robot: Robot, point: OperatingPoint, friction: bool) -> tuple[Array, 
     directions = np.eye(2 * nv + 3 * drives)
     state = (point.q, point.v, point.theta, point.theta_dot, point.motor_torque)
     found = kernels_of(robot, friction).slopes(*state, directions, robot.drive_parameters)
-    a, alpha = found.value[0, :nv], found.value[0, nv:]
+    value, slopes = found.value[0], found.slope.T
     v, theta_dot = directions[nv : 2 * nv], directions[2 * nv + drives : 2 * (nv + drives)]
-    by_direction = np.vstack([v, found.slope[:, :nv].T, theta_dot, found.slope[:, nv:].T])
-    return by_direction, np.concatenate([point.v, a, point.theta_dot, alpha])
+    by_direction = np.vstack([v, slopes[:nv], theta_dot, slopes[nv:]])
+    return by_direction, np.concatenate([point.v, value[:nv], point.theta_dot, value[nv:]])
 
 
 def _kept(robot: Robot) -> list[int]:

@@ -20,6 +20,9 @@ SPRING_SHARE = 0.1
 """Of a mode's energy, what its springs hold at least if it is one of the drives: half without damping, next to nothing
 where the arm swings as a whole under its weight."""
 
+STANDSTILL = 1e-6
+"""A pole slower than this part of the fastest one is zero: rounding moves a pair of zeros that far apart."""
+
 
 @dataclass(frozen=True, eq=False)
 class Modes:
@@ -53,7 +56,7 @@ class Modes:
         return {self.model.joints[k]: float(shares[k]) for k in np.argsort(-shares) if shares[k] >= least}
 
     def plot(self) -> "Figure":
-        """What a motor's torque does to its motor and its link, a panel a joint: `modes.plot().savefig("modes.png")`."""
+        """Motor torque to motor and link velocity, a panel a joint: `modes.plot().savefig("modes.png")`."""
         from cutpoint.analysis.picture import picture
 
         return picture(self)
@@ -83,14 +86,12 @@ def modes(robot: Robot, q: ArrayLike, *, friction: bool = False) -> Modes:
         InputError: q of a wrong shape, or not finite.
     """
     model = linearize(robot, q, friction=friction)
-    poles, vectors = np.linalg.eig(model.A)
+    poles, vectors = (np.asarray(x, np.complex128) for x in np.linalg.eig(model.A))
     nv, y = robot.nv, (model.C @ vectors).T
     link, motor = y[:, :nv], y[:, 2 * nv : 2 * nv + len(robot.drives)]
-    strain, kinetic = _strain(robot, model, link, motor), _kinetic(robot, model, poles, link, motor)
-    bends = (poles.imag > 0) & (strain.sum(axis=1) > SPRING_SHARE * (strain.sum(axis=1) + kinetic))
-    chosen = np.flatnonzero(bends)[np.argsort(np.abs(poles[bends]))]
-    s, strain = poles[chosen], strain[chosen]
-    scale = _largest(np.hstack([link, motor])[chosen])
+    strain = _strain(robot, model, link, motor)
+    chosen = _drive_modes(poles, strain.sum(axis=1), _kinetic(robot, model, poles, link, motor))
+    s, strain, scale = poles[chosen], strain[chosen], _largest(np.hstack([link, motor])[chosen])
     return Modes(
         frequencies=np.abs(s) / (2 * np.pi),
         damping=-s.real / np.abs(s),
@@ -103,6 +104,13 @@ def modes(robot: Robot, q: ArrayLike, *, friction: bool = False) -> Modes:
     )
 
 
+def _drive_modes(poles: ComplexArray, strain: Array, kinetic: Array) -> NDArray[np.intp]:
+    """Which of the poles are drives that ring, by frequency; of each pair the one above the real axis."""
+    swings = poles.imag > STANDSTILL * np.abs(poles).max(initial=0.0)
+    bends = swings & (strain > SPRING_SHARE * (strain + kinetic))
+    return np.flatnonzero(bends)[np.argsort(np.abs(poles[bends]))]
+
+
 def _strain(robot: Robot, model: LinearModel, link: ComplexArray, motor: ComplexArray) -> Array:
     """Twice the energy in each drive's spring, (N, drives), at its stiffness under the present load."""
     driven = robot.machine.drives
@@ -112,10 +120,8 @@ def _strain(robot: Robot, model: LinearModel, link: ComplexArray, motor: Complex
     return K * np.abs(motor - link[:, [d.v for d in driven]]) ** 2
 
 
-def _kinetic(
-    robot: Robot, model: LinearModel, poles: ComplexArray, link: ComplexArray, motor: ComplexArray
-) -> Array:
-    """Twice the energy of links and of elastic drives' rotors, (N,); a rotor's share in its carrier's turning is small."""
+def _kinetic(robot: Robot, model: LinearModel, poles: ComplexArray, link: ComplexArray, motor: ComplexArray) -> Array:
+    """Twice the energy of links and elastic drives' rotors, (N,), the rotors' by their own spin."""
     J = np.array([d.drive.reflected_inertia if d.drive.is_elastic else 0.0 for d in robot.machine.drives])
     M = robot.mass_matrix(model.point.q)
     links = np.einsum("mi,ij,mj->m", link.conj(), M, link).real

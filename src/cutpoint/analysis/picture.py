@@ -4,6 +4,7 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
+from matplotlib.ticker import LogLocator, NullLocator
 from numpy.typing import NDArray
 
 from cutpoint.analysis.frequency_response import FrequencyResponse, frequency_response
@@ -28,6 +29,9 @@ PEAK, DECADES = 10.0, 6
 LINK_LAGS = -315.0
 """Lowest phase shown of a link: a quarter turn behind its torque before resonance, half a turn more beyond it."""
 
+RATIOS = {"rad": "velocity / torque [(rad/s)/(N m)]", "m": "velocity / force [(m/s)/N]"}
+"""What the magnitude is, by the unit of a joint's position."""
+
 MOTOR, LINK, INK = "C0", "C1", "0.15"
 
 
@@ -38,16 +42,16 @@ def picture(modes: Modes) -> Figure:
     joints = modes.model.joints
     across = min(ACROSS, len(joints))
     down = -(-len(joints) // across)
-    figure = Figure(figsize=(0.6 + PANEL[0] * across, 0.5 + PANEL[1] * down), layout="constrained")
+    figure = Figure(figsize=(0.6 + PANEL[0] * across, 0.3 + 0.8 / across + PANEL[1] * down), layout="constrained")
     cells = figure.add_gridspec(down, across)
     for k, (joint, unit) in enumerate(zip(joints, modes.model.units, strict=True)):
         inner = cells[divmod(k, across)].subgridspec(2, 1, height_ratios=[5, 2])
         magnitude = figure.add_subplot(inner[0])
         phase = figure.add_subplot(inner[1], sharex=magnitude)
         response = _response(modes, joint)
-        _magnitude(magnitude, response, "(rad/s)/(N m)" if unit == "rad" else "(m/s)/N")
+        _magnitude(magnitude, response, RATIOS[unit])
         _phase(phase, response)
-    _explain(figure, modes.model.friction)
+    _explain(figure, modes.model.friction, across)
     return figure
 
 
@@ -60,7 +64,7 @@ def _response(modes: Modes, joint: str) -> FrequencyResponse:
     return frequency_response(modes.model, np.unique(np.r_[np.geomspace(low, high, 1000), around.ravel()]), joint)
 
 
-def _magnitude(axes: Axes, response: FrequencyResponse, unit: str) -> None:
+def _magnitude(axes: Axes, response: FrequencyResponse, ratio: str) -> None:
     motor, link = np.abs(response.motor_velocity), np.abs(response.link_velocity)
     axes.loglog(response.frequencies, link, color=LINK, linewidth=1.2)
     axes.loglog(response.frequencies, motor, color=MOTOR, linewidth=1.2)
@@ -69,7 +73,7 @@ def _magnitude(axes: Axes, response: FrequencyResponse, unit: str) -> None:
     _mark(axes, response.resonances, "v", 0.94)
     _mark(axes, response.antiresonances, "^", 0.06)
     axes.set_title(response.joint, loc="left", fontsize="medium", parse_math=False)
-    axes.set_ylabel(f"velocity / torque [{unit}]", fontsize="small")
+    axes.set_ylabel(ratio, fontsize="small")
     axes.tick_params(labelbottom=False, labelsize="small")
     axes.grid(alpha=0.3)
 
@@ -92,6 +96,9 @@ def _phase(axes: Axes, response: FrequencyResponse) -> None:
     axes.set_xlabel("frequency [Hz]", fontsize="small")
     axes.tick_params(labelsize="small")
     axes.margins(x=0)
+    axes.xaxis.set_major_locator(LogLocator(subs=(1.0, 2.0, 5.0)))
+    axes.xaxis.set_major_formatter("{x:g}")
+    axes.xaxis.set_minor_locator(NullLocator())
     axes.grid(alpha=0.3)
 
 
@@ -102,15 +109,16 @@ def _degrees(values: ComplexArray, lowest: float) -> Array:
     return phase
 
 
-def _explain(figure: Figure, friction: bool) -> None:
+def _explain(figure: Figure, friction: bool, across: int) -> None:
     samples = {
         "motor torque to motor velocity": Line2D([], [], color=MOTOR),
         "motor torque to link velocity": Line2D([], [], color=LINK),
         "resonance": Line2D([], [], color=INK, marker="v", markersize=4, linestyle="--", linewidth=0.5),
-        "anti-resonance (motor locked)": Line2D([], [], color=INK, marker="^", markersize=4, linestyle=":", linewidth=0.5),
+        "anti-resonance (motor locked)": Line2D(
+            [], [], color=INK, marker="^", markersize=4, linestyle=":", linewidth=0.5
+        ),
     }
     title = f"linear, at rest, at the joint's side; friction {'by its slope at rest' if friction else 'left out'}"
-    across = 4 if figure.get_figwidth() > 2 * PANEL[0] else 1
-    figure.legend(
-        [*samples.values()], [*samples], loc="outside upper center", ncols=across, frameon=False, title=title
-    )
+    columns = (1, 2, 4)[across - 1]
+    place = "outside upper center"
+    figure.legend([*samples.values()], [*samples], loc=place, ncols=columns, frameon=False, title=title)

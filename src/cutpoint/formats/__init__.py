@@ -1,16 +1,21 @@
-"""Files in and out: robots (URDF, xacro) and what drives them (YAML)."""
+"""Files in and out: robots (URDF, xacro, MJCF) and what drives them (YAML)."""
 
 from cutpoint.formats.drives import drive_of, dump_drives, load_drives, parse_drives, save_drives
+from cutpoint.formats.mjcf import MjcfRobot, NotCarriedOver, load_mjcf, parse_mjcf
 from cutpoint.formats.urdf import DegreesWarning, MimicWarning, load_urdf, parse_urdf
 
 __all__ = [
     "DegreesWarning",
     "MimicWarning",
+    "MjcfRobot",
+    "NotCarriedOver",
     "drive_of",
     "dump_drives",
     "load_drives",
+    "load_mjcf",
     "load_urdf",
     "parse_drives",
+    "parse_mjcf",
     "parse_urdf",
     "save_drives",
 ]

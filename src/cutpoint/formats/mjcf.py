@@ -17,7 +17,7 @@ from scipy.spatial.transform import Rotation
 
 from cutpoint.formats.drives import drive_of
 from cutpoint.formats.mjcf_losses import NotCarriedOver, losses
-from cutpoint.formats.mjcf_model import compiled, package
+from cutpoint.formats.mjcf_model import BALL, FREE, HINGE, SLIDE, compiled, name_of, package
 from cutpoint.formats.mjcf_text import excerpt_of
 from cutpoint.formats.reading import read_bytes
 from cutpoint.formats.safe_xml import parse_xml
@@ -28,9 +28,6 @@ from cutpoint.model.places import Places
 from cutpoint.model.pose import pose, rotation_about
 
 MAXIMUM_BYTES = 16 * 2**20
-
-FREE, BALL, SLIDE, HINGE = range(4)
-"""MuJoCo's mjtJoint."""
 
 
 class MjcfRobot(NamedTuple):
@@ -48,11 +45,11 @@ def load_mjcf(
     gravity: acceleration of free fall in the world's frame, m/s2; None is the file's.
     lock: coordinates (rad or m) at which joints are held fixed, by name.
     Warns once, NotCarriedOver, of what has no counterpart here.  Several joints of a body become a chain of links
-    without mass, named `<joint>_link`; bodies and joints without a name are `body_<n>` and `joint_<n>`.
+    without mass, named `<body>_after_<joint>`; bodies and joints without a name are `body_<n>` and `joint_<n>`.
     Raises ModelError: the `mujoco` package is missing, or what is wrong in the file.
     """
     path = Path(path)
-    return _robot(read_bytes(path, MAXIMUM_BYTES), str(path), gravity, lock)
+    return parse_mjcf(read_bytes(path, MAXIMUM_BYTES), str(path), gravity=gravity, lock=lock)
 
 
 def parse_mjcf(
@@ -63,12 +60,6 @@ def parse_mjcf(
     lock: Mapping[str, float] | None = None,
 ) -> MjcfRobot:
     """The robot of an MJCF document in memory; `place` names it in messages.  Options and errors as in `load_mjcf`."""
-    return _robot(content, place, gravity, lock)
-
-
-def _robot(
-    content: str | bytes, place: str, gravity: ArrayLike | None, lock: Mapping[str, float] | None
-) -> MjcfRobot:
     root = parse_xml(content, place)
     excerpt = excerpt_of(root, place)
     model = compiled(excerpt.text, place)
@@ -80,7 +71,7 @@ def _robot(
     mechanism = build(name, tree.links, tree.joints, gravity=fall, lock=lock, place=Places(place))
     lost = losses(model, excerpt.left_out)
     if lost:
-        warnings.warn(NotCarriedOver(lost, place), stacklevel=3)
+        warnings.warn(NotCarriedOver(lost, place), stacklevel=4)
     return MjcfRobot(mechanism, _drives(mechanism, tree.armature))
 
 
@@ -110,13 +101,13 @@ class _Tree:
 
     def add_body(self, b: int) -> None:
         """A body, and the joints that lead to it one after the other from the body that carries it."""
-        model, name = self.model, self.name_of("body", b)
-        carrier, at = self.name_of("body", model.body_parentid[b]), _placement(model.body_pos[b], model.body_quat[b])
+        model, name = self.model, name_of(self.model, "body", b)
+        carrier, at = name_of(model, "body", model.body_parentid[b]), _placement(model.body_pos[b], model.body_quat[b])
         first, count = model.body_jntadr[b], model.body_jntnum[b]
         for j in range(first, first + count):
             anchor = model.jnt_pos[j] if model.jnt_type[j] in (HINGE, BALL) else np.zeros(3)
             is_body = j == first + count - 1 and not anchor.any()
-            child = name if is_body else f"{self.name_of('joint', j)}_link"
+            child = name if is_body else f"{name}_after_{name_of(model, 'joint', j)}"
             self.joints.append(self.joint(j, carrier, child, at @ pose(np.eye(3), anchor)))
             if not is_body:
                 self.links.append(Link(child, has_inertia=False))
@@ -129,7 +120,7 @@ class _Tree:
 
     def joint(self, j: int, parent: str, child: str, at: Array) -> Joint:
         """MuJoCo turns about an axis through `jnt_pos` by qpos less its reference; a free joint is placed by qpos."""
-        model, name = self.model, self.name_of("joint", j)
+        model, name = self.model, name_of(self.model, "joint", j)
         kind, axis, dof = model.jnt_type[j], np.array(model.jnt_axis[j]), model.jnt_dofadr[j]
         damping, friction = float(model.dof_damping[dof]), float(model.dof_frictionloss[dof])
         if kind == FREE:
@@ -142,9 +133,6 @@ class _Tree:
         limited = bool(model.jnt_limited[j])
         own: JointKind = "prismatic" if kind == SLIDE else "revolute" if limited else "continuous"
         return Joint(name, own, parent, child, at @ reference, axis, _limits(model, j), damping, friction)
-
-    def name_of(self, what: str, index: int) -> str:
-        return getattr(self.model, what)(index).name or f"{what}_{index}"
 
 
 def _limits(model: Any, j: int) -> Limits:

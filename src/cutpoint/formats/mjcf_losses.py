@@ -6,6 +6,7 @@ from typing import Any
 
 import numpy as np
 
+from cutpoint.formats.mjcf_model import BALL, FREE, name_of
 from cutpoint.model.places import listed
 
 
@@ -25,7 +26,7 @@ def losses(model: Any, left_out: Counter[str]) -> list[str]:
         found.append(f"contacts ({colliding} geoms)")
     if model.opt.density or model.opt.viscosity:
         found.append("forces of the fluid")
-    bodies = [model.body(b).name for b in np.flatnonzero(model.body_gravcomp)]
+    bodies = [name_of(model, "body", int(b)) for b in np.flatnonzero(model.body_gravcomp)]
     if bodies:
         found.append(f"gravcomp of bodies {listed(bodies)}")
     return found + _of_joints(model)
@@ -33,17 +34,17 @@ def losses(model: Any, left_out: Counter[str]) -> list[str]:
 
 def _of_joints(model: Any) -> list[str]:
     """Springs, laws that are not linear, and numbers of joints that no drive can move or limit."""
-    turns_freely = model.jnt_type < 2  # free and ball
-    by_dof = turns_freely[model.dof_jntid]
+    undriven = np.isin(model.jnt_type, (FREE, BALL))
+    by_dof = undriven[model.dof_jntid]
     lost = {
         "springs": (model.jnt_stiffness != 0.0) | _any(model, "jnt_stiffnesspoly"),
         "damping that is not linear": _joints_of(model, _any(model, "dof_dampingpoly")),
         "damping": _joints_of(model, by_dof & (model.dof_damping != 0.0)),
         "frictionloss": _joints_of(model, by_dof & (model.dof_frictionloss != 0.0)),
         "armature": _joints_of(model, by_dof & (model.dof_armature != 0.0)),
-        "range": turns_freely & (model.jnt_limited != 0),
+        "range": undriven & (model.jnt_limited != 0),
     }
-    named = {what: [model.joint(j).name for j in np.flatnonzero(which)] for what, which in lost.items()}
+    named = {what: [name_of(model, "joint", int(j)) for j in np.flatnonzero(which)] for what, which in lost.items()}
     return [f"{what} of joints {listed(joints)}" for what, joints in named.items() if joints]
 
 

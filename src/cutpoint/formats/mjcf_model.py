@@ -8,6 +8,9 @@ from typing import Any
 
 from cutpoint.errors import ModelError
 
+FREE, BALL, SLIDE, HINGE = range(4)
+"""Kinds of joints: MuJoCo's mjtJoint."""
+
 
 def compiled(text: str, place: str) -> Any:
     """The mujoco.MjModel of a document.  Raises ModelError: the package is missing, or it cannot compile the text."""
@@ -22,6 +25,11 @@ def compiled(text: str, place: str) -> Any:
         return spec.compile()
     except Exception as problem:
         raise _refused(problem, place) from problem
+
+
+def name_of(model: Any, kind: str, index: int) -> str:
+    """Of a body or joint of a compiled model: `joint_3` where the file gives none."""
+    return getattr(model, kind)(index).name or f"{kind}_{index}"
 
 
 def package(place: str) -> Any:

@@ -1,7 +1,8 @@
 """LLVM IR of a graph over a batch, in the calling convention of NumPy's generalised ufuncs.
 
 The loop receives a pointer for each argument, the batch length, and strides in bytes: first each argument's step
-through the batch, then its steps through its own axes.  If one is not C-contiguous all go through scratch memory.
+through the batch, then its steps through its own axes.  If one is not C-contiguous, or an output is an input, all go
+through scratch memory.  Otherwise packs take what they can of a long batch, and the loop the rest: see Packs.
 """
 
 import math
@@ -9,17 +10,19 @@ from collections.abc import Sequence
 
 from cutpoint.kernels.algebra import Operand
 from cutpoint.kernels.graph import Graph
-from cutpoint.kernels.llvm import DECLARATIONS, constant, straight_line
+from cutpoint.kernels.llvm import SCALAR, straight_line
 from cutpoint.kernels.llvm_code import Code
 from cutpoint.kernels.ports import Port
 
 FUNCTION = "batch_loop"
 
-_HEADER = f"""{DECLARATIONS}declare void @llvm.memset.p0.i64(ptr, i8, i64, i1)
+_HEADER = f"""{SCALAR.declarations}declare void @llvm.memset.p0.i64(ptr, i8, i64, i1)
 declare i32 @feclearexcept(i32)
-define void @{FUNCTION}(ptr %arguments, ptr %dimensions, ptr %steps, ptr %unused) {{
+define void @{FUNCTION}(ptr %arguments, ptr %dimensions, ptr %steps, ptr %packs) {{
 entry:"""
 _ALL_EXCEPTIONS = 0x3F  # a superset of every platform's FE_ALL_EXCEPT
+WORTH_MAKING_PACKS = 64
+"""The shortest batch for which packs are compiled."""
 
 
 class _Argument:
@@ -52,23 +55,64 @@ class _Argument:
             code.store(code.load(source, 0 if inward else loop.iteration), target, loop.iteration if inward else 0)
 
 
-def batch_loop(graph: Graph, inputs: Sequence[Port], outputs: Sequence[Port]) -> str:
-    """The module's text.  The ports are the graph's own, less those of size 0; more inputs at the end are not read."""
+def batch_loop(graph: Graph, inputs: Sequence[Port], outputs: Sequence[Port], width: int | None) -> str:
+    """The module's text.  The ports are the graph's own, less those of size 0; more inputs at the end are not read.
+
+    width: how many elements a pack holds; None if there are no packs.
+    """
     code = Code()
     arguments, first_stride = [], len(inputs) + len(outputs)
     for number, port in enumerate((*inputs, *outputs)):
         arguments.append(_Argument(code, port, number, first_stride))
         first_stride += len(port.shape)
     tidy = "true"
-    for condition in [c for argument in arguments for c in argument.is_tidy(code)]:
+    for condition in [*_is_apart(code, arguments, len(inputs)), *(c for a in arguments for c in a.is_tidy(code))]:
         tidy = code.let(f"and i1 {tidy}, {condition}")
-    with code.loop(code.load("%dimensions", 0, "i64")) as loop:
+    count = code.load("%dimensions", 0, "i64")
+    done = _packed(code, count, tidy, width) if width else "0"
+    with code.loop(code.let(f"sub i64 {count}, {done}")) as loop:
+        index = code.let(f"add i64 {loop.iteration}, {done}")
         for argument in arguments:
-            argument.advance(code, loop.iteration)
+            argument.advance(code, index)
         _one(code, graph, arguments[: len(inputs)], arguments[len(inputs) :], tidy)
     # results, not processor flags, tell of overflow and NaN: both sides of a select are computed
     code.let(f"call i32 @feclearexcept(i32 {_ALL_EXCEPTIONS})")
     return "\n".join([_HEADER, *code.lines, "ret void", "}", ""])
+
+
+def _is_apart(code: Code, arguments: list[_Argument], inputs: int) -> list[str]:
+    """Conditions that together say that no result overwrites what is still to be read.
+
+    NumPy hands over copies where memory overlaps, except where an output is an input itself.
+    """
+    pairs = [(a.start, b.start) for a in arguments[:inputs] for b in arguments[inputs:]]
+    return [code.let(f"icmp ne ptr {a}, {b}") for a, b in pairs]
+
+
+def _packed(code: Code, count: str, tidy: str, width: int) -> str:
+    """Runs the packs, made when a batch is first worth it; how many elements they took."""
+    check, wanted, make, made, run, rest = (code.name(x) for x in ("check", "wanted", "make", "made", "run", "rest"))
+    code.label(check)
+    there = code.let(f"icmp ne ptr {_loop_over_packs(code)}, null")
+    enough = code.let(f"icmp sge i64 {count}, {code.let(f'select i1 {there}, i64 {width}, i64 {WORTH_MAKING_PACKS}')}")
+    code.branch(code.let(f"and i1 {enough}, {tidy}"), wanted, rest)
+    code.open(wanted)
+    code.branch(there, run, make)
+    code.open(make)
+    code.lines.append(f"call void {code.load('%packs', 1, 'ptr')}()")
+    code.label(made)
+    code.branch(code.let(f"icmp ne ptr {_loop_over_packs(code)}, null"), run, rest)
+    code.open(run)
+    packs = code.let(f"sdiv i64 {count}, {width}")
+    code.lines.append(f"call void {_loop_over_packs(code)}(ptr %arguments, ptr %steps, i64 {packs})")
+    taken = code.let(f"mul i64 {packs}, {width}")
+    code.label(rest)
+    return code.let(f"phi i64 [ 0, {check} ], [ 0, {made} ], [ {taken}, {run} ]")
+
+
+def _loop_over_packs(code: Code) -> str:
+    """Its address, null before it is made; another thread may be making it."""
+    return code.let("load atomic ptr, ptr %packs acquire, align 8")
 
 
 def _one(code: Code, graph: Graph, inputs: list[_Argument], outputs: list[_Argument], tidy: str) -> None:
@@ -87,7 +131,7 @@ def _one(code: Code, graph: Graph, inputs: list[_Argument], outputs: list[_Argum
             code.zero(pointer, argument.port.size)
     for slot, x in enumerate(graph.results):
         if isinstance(x, float) and not _is_zero(x):
-            code.store(constant(x), *write[slot])
+            code.store(SCALAR.constant(x), *write[slot])
     # each result leaves as soon as it is there, so that few must be held at a time
     straight_line(
         code, graph, lambda slot: code.load(*read[slot]), lambda slot, value: code.store(value, *write[slot])

@@ -15,6 +15,7 @@ from cutpoint.kernels.batch_loop import FUNCTION, batch_loop
 from cutpoint.kernels.graph import Graph
 from cutpoint.kernels.jit import Compiled
 from cutpoint.kernels.lowering import lower
+from cutpoint.kernels.packs import Packs
 from cutpoint.kernels.ports import Port
 
 _FROM_FUNC_AND_DATA_AND_SIGNATURE = 31  # its place in NumPy's table of ufunc functions, fixed by the ABI
@@ -33,9 +34,11 @@ class Gufunc:
         numbers = sum(p.size for p in (*inputs, *outputs))
         if numbers > _MOST_NUMBERS:
             raise InputError(f"{name}: {numbers} numbers a call, at most {_MOST_NUMBERS} compile; use backend='numpy'")
-        self._code = Compiled(batch_loop(lower(graph), inputs, outputs), FUNCTION)
+        lowered = lower(graph)
+        self._packs = Packs(lowered, inputs, outputs)
+        self._code = Compiled(batch_loop(lowered, inputs, outputs, self._packs.width), FUNCTION)
         self._loops = (ctypes.c_void_p * 1)(self._code.address)
-        self._data = (ctypes.c_void_p * 1)(None)
+        self._data = (ctypes.c_void_p * 1)(ctypes.addressof(self._packs.table))
         self._types = bytes([_NPY_DOUBLE] * (len(inputs) + len(outputs)))
         self._name = name.encode()
         self._signature = signature(inputs, outputs).encode()

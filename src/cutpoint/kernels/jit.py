@@ -38,3 +38,10 @@ def _compiler() -> binding.LLJIT:
         jit=True,
     )
     return binding.create_lljit_compiler(machine)
+
+
+@cache
+def vector_width() -> int:
+    """How many float64 numbers one instruction of this processor takes."""
+    features = binding.get_host_cpu_features()
+    return 8 if features.get("avx512f") else 4 if features.get("avx2") else 2

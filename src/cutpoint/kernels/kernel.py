@@ -3,6 +3,7 @@
 import time
 from collections import namedtuple
 from collections.abc import Callable
+from pathlib import Path
 from typing import Any
 
 from cutpoint.kernels.arguments import explained, in_order
@@ -74,6 +75,19 @@ class Kernel:
         if self._record is None:
             return result
         return self._record(*result) if isinstance(result, tuple) else self._record(result)
+
+    def to_c(self, folder: str | Path, *, force: bool = False) -> tuple[Path, ...]:
+        """Writes the kernel as a package of C99, equal to machine code to the last bit; returns the files' paths.
+
+        The folder gets `<name>.c` and `.h`, `<name>.hpp` for C++17, CMakeLists.txt, and a check with recorded inputs
+        and outputs.  force: overwrite files that cutpoint has not written.
+
+        Raises:
+            InputError: C cannot take a name, files are in the way, or llvmlite is not installed.
+        """
+        from cutpoint.kernels.c99_package import write_package
+
+        return write_package(self.graph, self.name, folder, force=force)
 
     def __repr__(self) -> str:
         sides = (self.graph.inputs, self.graph.outputs)

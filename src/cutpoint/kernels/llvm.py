@@ -10,33 +10,64 @@ from cutpoint.kernels.llvm_code import Code
 from cutpoint.kernels.nodes import Node
 
 _FORMS = {
-    "add": "fadd double {}, {}",
-    "sub": "fsub double {}, {}",
-    "mul": "fmul double {}, {}",
-    "div": "fdiv double {}, {}",
-    "neg": "fneg double {}",
-    "sqrt": "call double @llvm.sqrt.f64(double {})",
-    "fma": "call double @llvm.fma.f64(double {}, double {}, double {})",
-    "lt": "fcmp olt double {}, {}",
-    "le": "fcmp ole double {}, {}",
-    "and": "and i1 {}, {}",
-    "or": "or i1 {}, {}",
-    "not": "xor i1 {}, true",
-    "select": "select i1 {}, double {}, double {}",
+    "add": "fadd {real} {}, {}",
+    "sub": "fsub {real} {}, {}",
+    "mul": "fmul {real} {}, {}",
+    "div": "fdiv {real} {}, {}",
+    "neg": "fneg {real} {}",
+    "sqrt": "call {real} @llvm.sqrt.{suffix}({real} {})",
+    "fma": "call {real} @llvm.fma.{suffix}({real} {}, {real} {}, {real} {})",
+    "lt": "fcmp olt {real} {}, {}",
+    "le": "fcmp ole {real} {}, {}",
+    "and": "and {truth} {}, {}",
+    "or": "or {truth} {}, {}",
+    "not": "xor {truth} {}, {true}",
+    "select": "select {truth} {}, {real} {}, {real} {}",
 }
 """Operations that are one instruction."""
 
-DECLARATIONS = "declare double @llvm.sqrt.f64(double)\ndeclare double @llvm.fma.f64(double, double, double)\n"
-"""What a module with straight-line code must declare."""
+
+class Lanes:
+    """The types of so many numbers side by side; one alone is a scalar."""
+
+    def __init__(self, width: int) -> None:
+        self.width = width
+        self.real, self.whole, self.truth = map(self._type, ("double", "i64", "i1"))
+        self.true = self._each("i1", "true")
+        self.suffix = "f64" if width == 1 else f"v{width}f64"
+        self.declarations = "".join(
+            f"declare {self.real} @llvm.{name}.{self.suffix}({', '.join([self.real] * arguments)})\n"
+            for name, arguments in (("sqrt", 1), ("fma", 3))
+        )
+
+    def constant(self, x: float) -> str:
+        """A float by its bits, in every lane: no decimal digits in between."""
+        return self._each("double", f"0x{struct.unpack('<Q', struct.pack('<d', x))[0]:016x}")
+
+    def integer(self, k: int) -> str:
+        """A whole number in every lane."""
+        return self._each("i64", str(k))
+
+    def apply(self, code: Code, op: str, *arguments: str) -> str:
+        """The name of one instruction's value."""
+        return code.let(_FORMS[op].format(*arguments, **self.__dict__))
+
+    def _type(self, one: str) -> str:
+        return one if self.width == 1 else f"<{self.width} x {one}>"
+
+    def _each(self, kind: str, value: str) -> str:
+        return value if self.width == 1 else f"<{', '.join([f'{kind} {value}'] * self.width)}>"
 
 
-def constant(x: float) -> str:
-    """A float by its bits: no decimal digits in between."""
-    return f"0x{struct.unpack('<Q', struct.pack('<d', x))[0]:016x}"
+SCALAR = Lanes(1)
 
 
 def straight_line(
-    code: Code, graph: Graph, load: Callable[[int], str], ready: Callable[[int, str], None] = lambda *_: None
+    code: Code,
+    graph: Graph,
+    load: Callable[[int], str],
+    ready: Callable[[int, str], None] = lambda *_: None,
+    lanes: Lanes = SCALAR,
 ) -> list[str]:
     """Writes a lowered graph's operations and returns the names of its results.
 
@@ -49,66 +80,70 @@ def straight_line(
             slots.setdefault(x.serial, []).append(slot)
 
     def name(x: Any) -> str:
-        return names[x.serial] if isinstance(x, Node) else constant(x) if isinstance(x, float) else x
+        return names[x.serial] if isinstance(x, Node) else lanes.constant(x) if isinstance(x, float) else x
 
     for x in graph.nodes:
         if x.op == "input":
             names[x.serial] = load(x.args[0])
         elif x.op in _FORMS:
-            names[x.serial] = code.let(_FORMS[x.op].format(*map(name, x.args)))
+            names[x.serial] = lanes.apply(code, x.op, *map(name, x.args))
         else:
-            names[x.serial] = _SEQUENCES[x.op](code, *map(name, x.args))
+            names[x.serial] = _SEQUENCES[x.op](code, lanes, *map(name, x.args))
         for slot in slots.get(x.serial, ()):
             ready(slot, names[x.serial])
     return [name(x) for x in graph.results]
 
 
-def _fms(code: Code, a: str, b: str, c: str) -> str:
-    return code.let(_FORMS["fma"].format(a, b, code.let(f"fneg double {c}")))
+def _fms(code: Code, lanes: Lanes, a: str, b: str, c: str) -> str:
+    return lanes.apply(code, "fma", a, b, lanes.apply(code, "neg", c))
 
 
-def _fnma(code: Code, a: str, b: str, c: str) -> str:
-    return code.let(_FORMS["fma"].format(code.let(f"fneg double {a}"), b, c))
+def _fnma(code: Code, lanes: Lanes, a: str, b: str, c: str) -> str:
+    return lanes.apply(code, "fma", lanes.apply(code, "neg", a), b, c)
 
 
-def _flip(code: Code, a: str, bit: int, c: str) -> str:
-    sign = code.let(f"and i64 {_to_top(code, a, bit)}, {1 << 63}")
-    return _real(code, code.let(f"xor i64 {_bits(code, c)}, {sign}"))
+def _flip(code: Code, lanes: Lanes, a: str, bit: int, c: str) -> str:
+    sign = _whole(code, lanes, "and", _to_top(code, lanes, a, bit), 1 << 63)
+    return _real(code, lanes, _whole(code, lanes, "xor", _bits(code, lanes, c), sign))
 
 
-def _pick(code: Code, a: str, bit: int, c: str, d: str) -> str:
+def _pick(code: Code, lanes: Lanes, a: str, bit: int, c: str, d: str) -> str:
     # by masks: a select on an integer condition becomes a jump on processors without AVX-512
-    mask = code.let(f"ashr i64 {_to_top(code, a, bit)}, 63")
-    yes = code.let(f"and i64 {_bits(code, c)}, {mask}")
-    no = code.let(f"and i64 {_bits(code, d)}, {code.let(f'xor i64 {mask}, -1')}")
-    return _real(code, code.let(f"or i64 {yes}, {no}"))
+    mask = _whole(code, lanes, "ashr", _to_top(code, lanes, a, bit), 63)
+    yes = _whole(code, lanes, "and", _bits(code, lanes, c), mask)
+    no = _whole(code, lanes, "and", _bits(code, lanes, d), _whole(code, lanes, "xor", mask, -1))
+    return _real(code, lanes, _whole(code, lanes, "or", yes, no))
 
 
-def _pow2(code: Code, n: str) -> str:
-    bits = _bits(code, code.let(_FORMS["add"].format(n, constant(MAGIC))))
-    return _real(code, code.let(f"shl i64 {code.let(f'add i64 {bits}, 1023')}, 52"))
+def _pow2(code: Code, lanes: Lanes, n: str) -> str:
+    bits = _bits(code, lanes, lanes.apply(code, "add", n, lanes.constant(MAGIC)))
+    return _real(code, lanes, _whole(code, lanes, "shl", _whole(code, lanes, "add", bits, 1023), 52))
 
 
-def _exponent(code: Code, a: str) -> str:
-    biased = code.let(f"lshr i64 {_bits(code, a)}, 52")
-    return code.let(f"sitofp i64 {code.let(f'sub i64 {biased}, 1023')} to double")
+def _exponent(code: Code, lanes: Lanes, a: str) -> str:
+    biased = _whole(code, lanes, "lshr", _bits(code, lanes, a), 52)
+    return code.let(f"sitofp {lanes.whole} {_whole(code, lanes, 'sub', biased, 1023)} to {lanes.real}")
 
 
-def _significand(code: Code, a: str) -> str:
-    digits = code.let(f"and i64 {_bits(code, a)}, {(1 << 52) - 1}")
-    return _real(code, code.let(f"or i64 {digits}, {1023 << 52}"))
+def _significand(code: Code, lanes: Lanes, a: str) -> str:
+    digits = _whole(code, lanes, "and", _bits(code, lanes, a), (1 << 52) - 1)
+    return _real(code, lanes, _whole(code, lanes, "or", digits, 1023 << 52))
 
 
-def _to_top(code: Code, a: str, bit: int) -> str:
-    return code.let(f"shl i64 {_bits(code, a)}, {63 - bit}")
+def _to_top(code: Code, lanes: Lanes, a: str, bit: int) -> str:
+    return _whole(code, lanes, "shl", _bits(code, lanes, a), 63 - bit)
 
 
-def _bits(code: Code, a: str) -> str:
-    return code.let(f"bitcast double {a} to i64")
+def _whole(code: Code, lanes: Lanes, operation: str, a: str, b: str | int) -> str:
+    return code.let(f"{operation} {lanes.whole} {a}, {lanes.integer(b) if isinstance(b, int) else b}")
 
 
-def _real(code: Code, bits: str) -> str:
-    return code.let(f"bitcast i64 {bits} to double")
+def _bits(code: Code, lanes: Lanes, a: str) -> str:
+    return code.let(f"bitcast {lanes.real} {a} to {lanes.whole}")
+
+
+def _real(code: Code, lanes: Lanes, bits: str) -> str:
+    return code.let(f"bitcast {lanes.whole} {bits} to {lanes.real}")
 
 
 _SEQUENCES: dict[str, Callable[..., str]] = {

@@ -45,11 +45,14 @@ class Code:
         """The address of an element."""
         return self.let(f"getelementptr {kind}, ptr {pointer}, i64 {index}")
 
-    def load(self, pointer: str, index: str | int, kind: str = "double") -> str:
-        return self.let(f"load {kind}, ptr {self.at(pointer, index, kind)}")
+    def load(self, pointer: str, index: str | int, kind: str = "double", align: int | None = None) -> str:
+        """The element's value; `align` in bytes where it is not the kind's own."""
+        return self.let(f"load {kind}, ptr {self.at(pointer, index, kind)}{_alignment(align)}")
 
-    def store(self, value: str, pointer: str, index: str | int) -> None:
-        self.lines.append(f"store double {value}, ptr {self.at(pointer, index)}")
+    def store(
+        self, value: str, pointer: str, index: str | int, kind: str = "double", align: int | None = None
+    ) -> None:
+        self.lines.append(f"store {kind} {value}, ptr {self.at(pointer, index, kind)}{_alignment(align)}")
 
     def zero(self, pointer: str, length: int) -> None:
         """Zeros in a stretch of memory."""
@@ -72,3 +75,7 @@ class Code:
         self.branch(stop, after, head)
         self.open(after)
         self.lines.append(f"{done} = phi i64 [ {index}, {head} ], [ {following}, {latch} ]")
+
+
+def _alignment(align: int | None) -> str:
+    return "" if align is None else f", align {align}"

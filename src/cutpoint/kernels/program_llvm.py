@@ -7,7 +7,7 @@ import numpy as np
 
 from cutpoint.kernels.graph import Graph
 from cutpoint.kernels.jit import Compiled
-from cutpoint.kernels.llvm import DECLARATIONS, straight_line
+from cutpoint.kernels.llvm import SCALAR, straight_line
 from cutpoint.kernels.llvm_code import Code
 from cutpoint.kernels.lowering import lower
 from cutpoint.kernels.nodes import Node
@@ -52,7 +52,7 @@ def program_ir(plan: Plan) -> str:
         return running.done
 
     done = loop(plan.body, regions)
-    head = f"{DECLARATIONS}define i64 @{_FUNCTION}(ptr %counts, ptr %regions) {{\nentry:"
+    head = f"{SCALAR.declarations}define i64 @{_FUNCTION}(ptr %counts, ptr %regions) {{\nentry:"
     return "\n".join([head, *code.lines, f"ret i64 {done}", "}", ""])
 
 

@@ -12,7 +12,7 @@ Z = Vec3(0, 0, 1)
 
 @dataclass(frozen=True, eq=False)
 class Link:
-    """placement: pose in the link that carries it, at some q.  com (m) and inertia (kg m2) about it in its own frame."""
+    """placement: its pose at some q in the link before it.  com (m), inertia about it (kg m2): in its own frame."""
 
     placement: Pose
     mass: Scalar

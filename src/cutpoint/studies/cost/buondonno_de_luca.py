@@ -6,9 +6,13 @@ derivatives and acceleration with two go outward, force and moment with two deri
 of the vectors themselves, told in link frames; the arrangement of terms is ours.
 """
 
+from collections.abc import Callable, Sequence
 from math import comb
+from typing import Any
 
 from cutpoint.definitions import Machine
+from cutpoint.mechanics.compliance import LinearSpring
+from cutpoint.mechanics.elastic import Driven
 from cutpoint.mechanics.spatial import ZERO, Mat3, Vec3
 from cutpoint.mechanics.system import System
 from cutpoint.scalars import Scalar
@@ -22,8 +26,13 @@ Rates = list[Vec3]
 def motor_torques(m: Machine, q: Scalars, v: Scalars, a: Scalars, jerk: Scalars, snap: Scalars) -> Scalars:
     """Motor torques at the joint's side, N m: I theta'' + tau with theta = q + tau / K."""
     tau = _torques(m.system, q, [*zip(v, a, jerk, snap, strict=True)])
-    theta_ddot = [a_i + t[2] / d.drive.compliance.stiffness for d, t, a_i in zip(m.drives, tau, a, strict=True)]
+    theta_ddot = [a_i + t[2] / _stiffness(d) for d, t, a_i in zip(m.drives, tau, a, strict=True)]
     return [d.drive.reflected_inertia * x + t[0] for d, t, x in zip(m.drives, tau, theta_ddot, strict=True)]
+
+
+def _stiffness(driven: Driven) -> Scalar:
+    assert isinstance(driven.drive.compliance, LinearSpring), "springs are linear in this formulation"
+    return driven.drive.compliance.stiffness
 
 
 def _torques(system: System, q: Scalars, rates: list[tuple[Scalar, ...]]) -> list[Scalars]:
@@ -98,7 +107,7 @@ def turned_with(omega: Rates, r: Vec3) -> Rates:
     return rates
 
 
-def product(times, x, y, k: int):
+def product(times: Callable[[Any, Any], Any], x: Sequence[Any], y: Sequence[Any], k: int) -> Any:
     """The k-th derivative of a product, by Leibniz's rule."""
     terms = [times(x[j], y[k - j]) * comb(k, j) for j in range(k + 1)]
     return sum(terms[1:], terms[0])

@@ -23,3 +23,18 @@ TABLE_4_POSITION = (0.0334, 0.0115, 0.0396, 0.1336, 0.0080, 0.0470)
 
 TABLE_4_TORQUE = (0.1197, 0.4594, 0.2381, 0.0951, 0.3947, 0.0513)
 """RMS torque compensation errors, N m."""
+
+GOAL_5 = np.deg2rad([60.0, 30.0])
+"""q_d of the experiment of section IV.C, joints 1 and 2, rad."""
+
+DURATION_5 = 30.0
+"""T of the experiment, s."""
+
+TABLE_5_POSITION = (0.0456, 0.0227)
+"""RMS position tracking errors of joints 1 and 2, degrees."""
+
+TABLE_5_PEAK = 0.2
+"""No position error is larger, degrees: the text, on figure 13."""
+
+TABLE_5_TORQUE = (0.1173, 0.2981)
+"""RMS torque compensation errors of joints 1 and 2, N m."""

@@ -1,4 +1,4 @@
-"""The tables of the report in a terminal."""
+"""Tables and prose of a report in a terminal."""
 
 from collections.abc import Sequence
 
@@ -18,6 +18,15 @@ def show(pages: Sequence[Page]) -> None:
     for page in pages:
         for table in page.tables():
             console.print(_rich(table))
+
+
+def say(page: Page) -> None:
+    """A page's paragraphs under its title."""
+    console = Console(width=min(Console().width, _NARROWEST))
+    console.print(Text(plain(page.title), style="bold"))
+    for block in page.blocks:
+        if isinstance(block, str):
+            console.print(Text(plain(block)), "")
 
 
 def _rich(table: Table) -> RichTable:

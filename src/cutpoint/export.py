@@ -1,0 +1,105 @@
+"""Export: a robot's functions and control laws as packages of C99, equal to machine code to the last bit."""
+
+import inspect
+from collections.abc import Mapping
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from cutpoint.errors import InputError, unknown_name
+from cutpoint.export_notes import PER_DRIVE, labels_of, notes_of
+from cutpoint.kernels.c99_package import write_package
+from cutpoint.kernels.c99_texts import Values
+from cutpoint.robot import Robot
+from cutpoint.simulation.control_kernel import law_kernel, law_memory, law_parameters
+
+RESULTS = {
+    "inverse_dynamics": "torque", "forward_dynamics": "a", "mass_matrix": "M", "bias_forces": "torque",
+    "gravity_forces": "torque", "coriolis_matrix": "C", "regressor": "Y", "jacobian": "J", "frame_pose": "pose",
+    "velocity_map": "J", "kinetic_energy": "energy", "potential_energy": "energy", "momentum": "h",
+    "power_flows": "power", "integrate": "q_next", "difference": "v", "coordinate_rates": "q_dot",
+    "elastic_inverse_dynamics": "", "elastic_forward_dynamics": "", "elastic_energy": "energy",
+    "drive_torque": "torque", "static_deflection": "deflection", "friction_torques": "torque",
+}  # fmt: skip
+"""What can be exported, and how its result is called; those that return several name them themselves."""
+
+
+def export_function(
+    robot: Robot, function: str, folder: str | Path, *, name: str | None = None, force: bool = False, **options: Any
+) -> tuple[Path, ...]:
+    """Writes one of a robot's functions as a package of C99; returns the files' paths.
+
+    function: a method's name, one of RESULTS.  name: of the C function, the same if not given.  options: the method's
+    own, such as frame= for a Jacobian.  force: overwrite files that cutpoint has not written.
+    Where drives count, their numbers are the function's last input, and the header holds them as <name>_parameters.
+    Raises InputError for an unknown function, a missing option, a name C cannot take, and files in the way.
+    """
+    if function not in RESULTS:
+        raise unknown_name("function to export", function, RESULTS)
+    # a robot of its own has made no other variant of the kernel
+    fresh = Robot(robot.mechanism, robot.drives, backend=robot.backend)
+    getattr(fresh, function)(*_neutral_arguments(fresh, function, options), **options)
+    graph = fresh.kernel(function).graph
+    if RESULTS[function]:
+        (port,) = graph.outputs
+        graph = replace(graph, outputs=(replace(port, name=RESULTS[function]),))
+    about = ", ".join([f"{function} of {robot.name}", *(f"{key} {value}" for key, value in options.items())])
+    values = {"parameters": Values(robot.drive_parameters, [*labels_of(dict(robot.drives))])}
+    notes = notes_of(robot, graph, about, values)
+    return write_package(graph, name or function, folder, notes, force=force)
+
+
+def export_controller(
+    robot: Robot, law: Any, folder: str | Path, *, period: float, name: str = "control_step", force: bool = False
+) -> tuple[Path, ...]:
+    """Writes one step of a control law as a package of C99, the same step that simulation compiles into its loop.
+
+    period: of control, s.  The header holds as <name>_parameters the numbers of drives and law and the period, and as
+    <name>_memory the law's memory before the first step.  Torque limits are not applied.
+    Raises InputError as `export_function` does, TraceError for a law that cannot be traced.
+    """
+    if not (np.isfinite(period) and period > 0):
+        raise InputError(f"export_controller: period {period} s must be positive")
+    graph = law_kernel(robot, law, name=name).graph
+    labels = [*labels_of(dict(robot.drives)), *labels_of(law, type(law).__name__), "control period, s"]
+    values = {"parameters": Values(law_parameters(robot, law, period), labels)}
+    memory = law_memory(law)
+    if memory.size:
+        values["memory"] = Values(memory, [f"memory[{k}]" for k in range(memory.size)])
+    notes = notes_of(robot, graph, f"a step of {type(law).__name__} for {robot.name}, limits not applied", values)
+    return write_package(graph, name, folder, notes, force=force)
+
+
+def _neutral_arguments(robot: Robot, function: str, options: Mapping[str, Any]) -> list[Any]:
+    """Arguments to call a method with once, so that it compiles.
+
+    Raises InputError for options that it lacks or does not know.
+    """
+    arguments: list[Any] = []
+    known = inspect.signature(getattr(robot, function)).parameters
+    for key in options:
+        if key not in known or known[key].annotation is ArrayLike:
+            raise unknown_name(
+                f"option of {function}", key, [k for k, p in known.items() if p.annotation is not ArrayLike]
+            )
+    for key, parameter in known.items():
+        if parameter.kind is parameter.VAR_POSITIONAL and not options.get("quasi_rigid"):
+            arguments += [np.zeros(robot.nv)] * (robot.derivatives_needed - 4)
+        elif parameter.annotation is ArrayLike or key == "dt":
+            arguments.append(_neutral(robot, key))
+        elif (
+            key not in options
+            and parameter.default is parameter.empty
+            and parameter.kind is not parameter.VAR_POSITIONAL
+        ):
+            raise InputError(f"{function}: give {key}= (--{key} on the command line)", name=key)
+    return arguments
+
+
+def _neutral(robot: Robot, key: str) -> Any:
+    if key in ("q", "q_next"):
+        return robot.neutral()
+    return 1e-3 if key == "dt" else np.zeros(len(robot.drives) if key in PER_DRIVE else robot.nv)

@@ -1,0 +1,72 @@
+"""What an exported function's header says of its arguments: units, the order of joints, the drives' numbers."""
+
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import fields, is_dataclass
+from typing import Any
+
+import numpy as np
+
+from cutpoint.kernels.c99_texts import Notes, Values
+from cutpoint.kernels.graph import Graph
+from cutpoint.robot import Robot
+from cutpoint.simulation.control_kernel import ControlStep
+
+_POSITIONS = ("theta", "deflection", "motor_reference")
+_SPEEDS = ("theta_dot", "motor_speed_reference")
+_UNITS = {
+    "q": "rad (m)", "q_next": "rad (m)", "v": "rad/s (m/s)", "a": "rad/s2 (m/s2)", "jerk": "rad/s3 (m/s3)",
+    "snap": "rad/s4 (m/s4)", "theta_ddot": "rad/s2 (m/s2)", "M": "kg m2", "C": "N m s", "J": "[linear; angular]",
+    "pose": "rotation and position (m) in the world", "energy": "J", "h": "kg m/s, kg m2/s", "power": "W",
+    "q_dot": "rad/s (m/s)", "dt": "s", "time": "s", "Y": "torque per inertial parameter", "memory": "of the law",
+    **dict.fromkeys(_POSITIONS, "rad (m)"), **dict.fromkeys(_SPEEDS, "rad/s (m/s)"),
+    **dict.fromkeys(("torque", "tau", "motor_torque", "joint_torque", "feedforward_torque"), "N m (N)"),
+}  # fmt: skip
+PER_DRIVE = {*_POSITIONS, *_SPEEDS, "theta_ddot", "motor_torque", *ControlStep._fields[:4]}
+"""Arguments with an entry a drive."""
+
+
+def notes_of(robot: Robot, graph: Graph, about: str, values: Mapping[str, Values]) -> Notes:
+    """What is said of a graph's arguments; of the values, those that it takes."""
+    kept = {key: value for key, value in values.items() if key in [p.name for p in graph.inputs]}
+    told = {p.name: _told(robot, p.name, p.shape) for p in (*graph.inputs, *graph.outputs)}
+    return Notes(f"{about}.  SI units and radians, at the joints' side.", told, kept)
+
+
+def _told(robot: Robot, name: str, shape: Sequence[int]) -> str:
+    """Unit and order of an argument."""
+    if name == "parameters":
+        return "numbers of the drives, and what else is listed below"
+    unit = _UNITS.get(name.removeprefix("reference_"), "SI units")
+    order = _order(robot, name) if len(shape) == 1 else []
+    return f"{unit}: {', '.join(order)}" if (len(order),) == tuple(shape) else unit
+
+
+def _order(robot: Robot, name: str) -> list[str]:
+    """What the entries of a vector belong to: drives, coordinates, or speeds."""
+    if name in PER_DRIVE or name.startswith("reference_"):
+        return list(robot.drives)
+    side, count = ("q", robot.nq) if name in ("q", "q_next", "q_dot") else ("v", robot.nv)
+    entries = [""] * count
+    for segment, body in zip(robot.machine.system.segments, robot.mechanism.bodies, strict=True):
+        places = [] if segment.follower else range(count)[getattr(segment, side)]
+        for k, place in enumerate(places):
+            entries[place] = body.joint.name if len(places) == 1 else f"{body.joint.name}({k})"
+    return entries
+
+
+def labels_of(record: Any, path: str = "") -> Iterator[str]:
+    """What each of `scalars.leaves` of a record is: the way to it."""
+    if isinstance(record, np.ndarray):
+        yield from (f"{path}[{k}]" for k in range(record.size))
+    elif isinstance(record, Mapping):
+        for key, part in record.items():
+            yield from labels_of(part, f"{path} {key}".strip())
+    elif isinstance(record, (list, tuple)):
+        for k, part in enumerate(record):
+            yield from labels_of(part, f"{path}[{k}]")
+    elif is_dataclass(record):
+        for f in fields(record):
+            if f.init:
+                yield from labels_of(getattr(record, f.name), f"{path} {f.name}".strip())
+    elif hasattr(type(record), "__neg__") and not isinstance(record, (bool, np.bool_, int, np.integer)):
+        yield path

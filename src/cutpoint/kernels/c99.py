@@ -1,0 +1,143 @@
+"""C99 of a graph: one function of straight-line code, which rounds exactly as our machine code does.
+
+Every operation is one statement, so nothing is left to contract or reassociate but by flags that break C's own rules;
+those are refused, and contraction is switched off, at the head of the file.
+"""
+
+import math
+import re
+from collections.abc import Sequence
+from typing import Any
+
+from cutpoint.errors import InputError
+from cutpoint.kernels.elementary import MAGIC
+from cutpoint.kernels.graph import Graph
+from cutpoint.kernels.nodes import CONDITIONS, Node
+from cutpoint.kernels.ports import Port
+
+_FORMS = {
+    "add": "{} + {}", "sub": "{} - {}", "mul": "{} * {}", "div": "{} / {}", "neg": "-{}", "sqrt": "sqrt({})",
+    "fma": "fma({}, {}, {})", "fms": "fma({}, {}, -{})", "fnma": "fma(-{}, {}, {})",
+    "lt": "{} < {}", "le": "{} <= {}", "and": "{} & {}", "or": "{} | {}", "not": "!{}", "select": "{} ? {} : {}",
+}  # fmt: skip
+"""Operations that C has; all others are calls of the functions below."""
+
+_BITS = """\
+static inline uint64_t cutpoint_bits(double x) {
+  uint64_t bits;
+  memcpy(&bits, &x, sizeof bits);
+  return bits;
+}
+
+static inline double cutpoint_real(uint64_t bits) {
+  double x;
+  memcpy(&x, &bits, sizeof x);
+  return x;
+}
+"""
+
+_HELPERS = {
+    "flip": """\
+static inline double cutpoint_flip(double a, int bit, double c) {
+  return cutpoint_real(cutpoint_bits(c) ^ (cutpoint_bits(a) >> bit & 1) << 63);
+}
+""",
+    # by masks, since which side is taken cannot be predicted
+    "pick": """\
+static inline double cutpoint_pick(double a, int bit, double c, double d) {
+  const uint64_t mask = 0 - (cutpoint_bits(a) >> bit & 1);
+  return cutpoint_real((cutpoint_bits(c) & mask) | (cutpoint_bits(d) & ~mask));
+}
+""",
+    "pow2": f"""\
+static inline double cutpoint_pow2(double a) {{
+  return cutpoint_real((cutpoint_bits(a + {MAGIC.hex()}) + 1023) << 52);
+}}
+""",
+    "exponent": """\
+static inline double cutpoint_exponent(double a) {
+  return (double)((int)(cutpoint_bits(a) >> 52) - 1023);
+}
+""",
+    "significand": """\
+static inline double cutpoint_significand(double a) {
+  return cutpoint_real((cutpoint_bits(a) & 0xfffffffffffffU) | (uint64_t)1023 << 52);
+}
+""",
+}
+"""The primitives that look at bits; PRIMITIVES says what they mean."""
+
+_RESERVED = frozenset({
+    "alignas", "alignof", "and", "and_eq", "asm", "auto", "bitand", "bitor", "bool", "break", "case", "catch", "char",
+    "class", "compl", "const", "const_cast", "constexpr", "continue", "decltype", "default", "delete", "do", "double",
+    "dynamic_cast", "else", "enum", "explicit", "export", "extern", "false", "float", "for", "friend", "goto", "if",
+    "inline", "int", "long", "mutable", "namespace", "new", "noexcept", "not", "not_eq", "nullptr", "operator", "or",
+    "or_eq", "private", "protected", "public", "register", "reinterpret_cast", "restrict", "return", "short",
+    "signed", "sizeof", "static", "static_assert", "static_cast", "struct", "switch", "template", "this",
+    "thread_local", "throw", "true", "try", "typedef", "typeid", "typename", "union", "unsigned", "using", "virtual",
+    "void", "volatile", "wchar_t", "while", "xor", "xor_eq", "fma", "sqrt", "memcpy", "uint64_t", "main",
+})  # fmt: skip
+"""Words of C and C++, and what the code calls."""
+
+
+def number(x: float) -> str:
+    """A float as a C99 constant: hexadecimal, so no digit is lost; in parentheses where it has a sign."""
+    text = "NAN" if math.isnan(x) else "INFINITY" if math.isinf(x) else abs(x).hex()
+    return f"(-{text})" if math.copysign(1, x) < 0 and not math.isnan(x) else text
+
+
+def check_names(function: str, inputs: Sequence[Port], outputs: Sequence[Port]) -> None:
+    """Raises InputError for a name that C or C++ cannot take, or that two arguments share."""
+    names = [function, *(p.name for p in (*inputs, *outputs))]
+    for name in names:
+        if not re.fullmatch("(?!cutpoint_)[A-Za-z][A-Za-z0-9_]*", name) or name in _RESERVED:
+            rule = "must start with a letter, hold ASCII letters, digits and underscores, and be no word of C or C++"
+            raise InputError(f"{function}: {name!r} cannot be a name in C; it {rule}: rename it", name=name)
+    twice = [name for name in names[1:] if names.count(name) > 1]
+    if twice:
+        raise InputError(
+            f"{function}: {twice[0]!r} names two things; in C each must have a name of its own", name=twice[0]
+        )
+
+
+def parameters(inputs: Sequence[Port], outputs: Sequence[Port]) -> str:
+    """The function's parameters: a number by value, arrays by their address, rows one after another."""
+    given = [f"const double {p.name}[{p.size}]" if p.shape else f"double {p.name}" for p in inputs]
+    return ", ".join([*given, *(f"double {p.name}[{p.size}]" for p in outputs)])
+
+
+def helpers(graph: Graph) -> str:
+    """The functions that the code of a lowered graph calls."""
+    used = [text for op, text in _HELPERS.items() if op in graph.operations]
+    return "\n".join([_BITS, *used]) + "\n" if used else ""
+
+
+def body(graph: Graph, inputs: Sequence[Port], outputs: Sequence[Port]) -> str:
+    """The statements of a lowered graph.  All inputs are read before an output is written, so they may share memory."""
+    names: dict[int, str] = {}
+    read, write = _slots(inputs, by_value=True), _slots(outputs)
+
+    def name(x: Any) -> str:
+        return names[x.serial] if isinstance(x, Node) else number(x) if isinstance(x, float) else str(x)
+
+    lines = [f"(void){p.name};" for p in inputs if not _is_read(graph, p, inputs)]
+    for count, x in enumerate(graph.nodes):
+        names[x.serial] = f"_{count}"
+        value = read[x.args[0]] if x.op == "input" else _expression(x.op, [name(y) for y in x.args])
+        lines.append(f"const {'int' if x.op in CONDITIONS else 'double'} _{count} = {value};")
+    lines += [f"{slot} = {name(x)};" for slot, x in zip(write, graph.results, strict=True)]
+    return "".join(f"  {line}\n" for line in lines)
+
+
+def _expression(op: str, operands: list[str]) -> str:
+    return _FORMS[op].format(*operands) if op in _FORMS else f"cutpoint_{op}({', '.join(operands)})"
+
+
+def _slots(ports: Sequence[Port], by_value: bool = False) -> list[str]:
+    """What every slot is called."""
+    return [p.name if by_value and not p.shape else f"{p.name}[{k}]" for p in ports for k in range(p.size)]
+
+
+def _is_read(graph: Graph, port: Port, inputs: Sequence[Port]) -> bool:
+    start = sum(p.size for p in inputs[: list(inputs).index(port)])
+    return any(x.op == "input" and start <= x.args[0] < start + port.size for x in graph.nodes)

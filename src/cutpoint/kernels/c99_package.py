@@ -1,0 +1,77 @@
+"""A graph as a package of C99 that whoever has a C compiler can build, check and install."""
+
+from collections.abc import Sequence
+from pathlib import Path
+
+import numpy as np
+
+from cutpoint.errors import InputError
+from cutpoint.files import replacing
+from cutpoint.kernels.backends import array_function, chosen
+from cutpoint.kernels.c99_texts import GENERATED, Notes, texts
+from cutpoint.kernels.graph import Graph
+from cutpoint.kernels.ports import Port
+
+_SCALES = (0.0, *[1.0] * 12, 1e-300, 1e-8, 1e3)
+"""Of the check's random inputs, a case each."""
+
+_NO_NOTES = Notes()
+
+
+def write_package(
+    graph: Graph, name: str, folder: str | Path, notes: Notes = _NO_NOTES, *, force: bool = False
+) -> tuple[Path, ...]:
+    """Writes the C function of a graph, with header, C++ header, check and CMake package; returns the files' paths.
+
+    force: overwrite files that cutpoint has not written.
+    Raises InputError for names that C cannot take, for files in the way, and where llvmlite is missing: the check
+    records what machine code returns.
+    """
+    from cutpoint import __version__
+
+    folder = Path(folder)
+    recorded = _recorded(graph, name, notes)
+    contents = {folder / file: text for file, text in texts(graph, name, notes, __version__, recorded).items()}
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+    except OSError as error:
+        raise InputError(f"folder {str(folder)!r} cannot be made: {error.strerror}", path=folder) from None
+    for path in contents:
+        if path.exists() and not (force or _is_ours(path)):
+            raise InputError(
+                f"{str(path)!r} was not written by cutpoint; choose another folder, or force it", path=path
+            )
+    for path, text in contents.items():
+        with replacing(path) as file:
+            file.write(text.encode())
+    return tuple(contents)
+
+
+def _is_ours(path: Path) -> bool:
+    if not path.is_file():
+        return False
+    with path.open("rb") as file:
+        return GENERATED.encode() in file.read(80)
+
+
+def _recorded(graph: Graph, name: str, notes: Notes) -> tuple[np.ndarray, np.ndarray]:
+    """Inputs and outputs, (cases, slots) each: random numbers, and the values that an argument usually has, varied."""
+    rng = np.random.default_rng(0)
+    scales = np.array(_SCALES)
+    given = []
+    for p in graph.inputs:
+        random = rng.standard_normal((len(scales), *p.shape))
+        spread = scales.reshape(-1, *[1] * len(p.shape))
+        usual = notes.values.get(p.name)
+        # the first case has scale 0: there the values are exact
+        given.append(random * spread if usual is None else usual.numbers * (1 + np.minimum(spread, 1) * random / 20))
+    function = array_function(graph, name, chosen("llvm"))  # it must outlive its call, whose code it owns
+    found = function.call(*given)
+    columns = found if isinstance(found, tuple) else (found,)
+    return _flat(given, graph.inputs), _flat(columns, graph.outputs)
+
+
+def _flat(arrays: Sequence[np.ndarray], ports: Sequence[Port]) -> np.ndarray:
+    """Arrays (cases, ...) side by side; one that depends on no input has no axis of cases."""
+    wide = [np.broadcast_to(a, (len(_SCALES), *p.shape)) for a, p in zip(arrays, ports, strict=True)]
+    return np.concatenate([np.empty((len(_SCALES), 0)), *(a.reshape(len(_SCALES), -1) for a in wide)], axis=1)

@@ -1,0 +1,62 @@
+"""LLVM IR that turns rows of an array in C order into lanes, and lanes into rows: a column of all rows is one vector.
+
+Columns go in blocks of as many as a power of two allows.  In a block of c columns, vector k first holds the rows k,
+k + c, k + 2 c, ... one after another; then c x c squares are transposed inside all vectors at once, by exchanges
+between vectors 1, 2, 4, ... apart (Eklundh 1972: log2(c) shuffles a vector).
+"""
+
+from collections.abc import Iterator, Sequence
+
+from cutpoint.kernels.llvm_code import Code
+
+
+def blocks(columns: int, width: int) -> Iterator[tuple[int, int]]:
+    """First column and number of columns of each block."""
+    first = 0
+    while first < columns:
+        size = min(width, 1 << (columns - first).bit_length() - 1)
+        yield first, size
+        first += size
+
+
+def lanes_of_rows(code: Code, rows: Sequence[str], first: int, size: int) -> list[str]:
+    """A vector for each column of a block, from pointers to where the rows begin."""
+    parts = [code.load(code.at(row, first), 0, f"<{size} x double>", align=8) for row in rows]
+    return _transposed(code, [_joined(code, parts[k::size], size) for k in range(size)], len(rows))
+
+
+def lanes_to_rows(code: Code, vectors: Sequence[str], rows: Sequence[str], first: int) -> None:
+    """Writes a block of columns, a vector each, to where the rows begin."""
+    size = len(vectors)
+    for k, vector in enumerate(_transposed(code, [*vectors], len(rows))):
+        for group, row in enumerate(rows[k::size]):
+            part = _shuffled(code, vector, vector, len(rows), range(group * size, (group + 1) * size))
+            code.store(part, code.at(row, first), 0, f"<{size} x double>", align=8)
+
+
+def _transposed(code: Code, vectors: list[str], width: int) -> list[str]:
+    """Vectors whose squares of len(vectors) rows and columns are transposed."""
+    distance = 1
+    while distance < len(vectors):
+        low = [j if not j & distance else width + j - distance for j in range(width)]
+        high = [j + distance if not j & distance else width + j for j in range(width)]
+        for k in [k for k in range(len(vectors)) if not k & distance]:
+            a, b = vectors[k], vectors[k + distance]
+            vectors[k] = _shuffled(code, a, b, width, low)
+            vectors[k + distance] = _shuffled(code, a, b, width, high)
+        distance *= 2
+    return vectors
+
+
+def _joined(code: Code, parts: list[str], size: int) -> str:
+    """One vector of as many parts, a power of two, of so many numbers each."""
+    while len(parts) > 1:
+        pairs = zip(parts[::2], parts[1::2], strict=True)
+        parts, size = [_shuffled(code, a, b, size, range(2 * size)) for a, b in pairs], 2 * size
+    return parts[0]
+
+
+def _shuffled(code: Code, a: str, b: str, size: int, chosen: Sequence[int]) -> str:
+    """The chosen numbers of two vectors of so many numbers each."""
+    kind, places = f"<{size} x double>", ", ".join(f"i32 {k}" for k in chosen)
+    return code.let(f"shufflevector {kind} {a}, {kind} {b}, <{len(chosen)} x i32> <{places}>")

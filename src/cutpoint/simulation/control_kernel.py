@@ -1,0 +1,81 @@
+"""A control law's step as a kernel: what the closed loop's control stage computes, for a controller cabinet."""
+
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from cutpoint import kernels
+from cutpoint.errors import InputError
+from cutpoint.kernels import Kernel
+from cutpoint.robot import Robot
+from cutpoint.scalars import leaves, with_float_leaves
+from cutpoint.simulation.loop import ClosedLoop
+from cutpoint.simulation.sensors import Sensors, encoders_of
+
+Array = NDArray[np.float64]
+
+MEASURED = ("q", "theta", "v", "theta_dot")
+REFERENCE = ("reference_q", "reference_v", "reference_a", "reference_jerk", "reference_snap")
+
+
+class ControlStep(NamedTuple):
+    """A law's command, one number a drive, and its memory after.
+
+    torque, feedforward_torque (N m); motor_reference (rad), motor_speed_reference (rad/s): at the joint's side.
+    """
+
+    torque: Any
+    feedforward_torque: Any
+    motor_reference: Any
+    motor_speed_reference: Any
+    next_memory: Any
+
+
+def law_kernel(robot: Robot, law: Any, *, name: str = "control_step") -> Kernel:
+    """One step of a law, equal to the compiled loop's to the last bit; torque limits are not applied.
+
+    Inputs: MEASURED and REFERENCE, one number a drive, time (s), memory, and parameters (see `law_parameters`).
+    Outputs: those of ControlStep.
+    Raises InputError for a law of another robot's size, TraceError for one that cannot be traced.
+    """
+    loop = _loop_of(robot, law)
+    n, count = loop.layout.n, len(law_parameters(robot, law, 1.0))
+
+    def control_step(time: Any, memory: Any, parameters: Any, **given: Any) -> ControlStep:
+        measured, references = ([x for key in keys for x in given[key]] for keys in (MEASURED, REFERENCE))
+        period, unused = parameters[-1], [0.0] * n  # the loop's parameters hold torque limits and a step, too
+        numbers = [*parameters[:-1], *unused, period, period]
+        command, after = loop.control(measured, memory, [time, *references], numbers)
+        torque, feedforward, theta, theta_dot = (command[k * n : (k + 1) * n] for k in range(4))
+        return ControlStep(torque, feedforward, theta, theta_dot, after)
+
+    sizes = dict.fromkeys((*MEASURED, *REFERENCE), n)
+    memory = len(loop.initial_memory())
+    return kernels.compile(
+        control_step, name=name, backend=robot.backend, **sizes, time=(), memory=memory, parameters=count
+    )
+
+
+def law_parameters(robot: Robot, law: Any, period: float) -> Array:
+    """What a law's kernel takes as parameters: the numbers of the drives and of the law, then the control period, s."""
+    return np.array([*robot.drive_parameters, *leaves(law), period], float)
+
+
+def law_memory(law: Any) -> Array:
+    """A law's memory at the start, flat."""
+    return np.array(leaves(_memory_of(law)), float)
+
+
+def _memory_of(law: Any) -> Any:
+    return with_float_leaves(law.start() if hasattr(law, "start") else ())
+
+
+def _loop_of(robot: Robot, law: Any) -> ClosedLoop:
+    n = len(robot.drives)
+    if not hasattr(law, "step"):
+        raise InputError(f"law {law!r} has no step(memory, measurement, reference)")
+    for part in getattr(law, "parts", (law,)):
+        if getattr(part, "size", n) != n:
+            raise InputError(f"{type(part).__name__} is for {part.size} drives, the robot has {n}")
+    return ClosedLoop(robot, law, encoders_of(Sensors(), n, 1.0), _memory_of(law), 1.0, {})

@@ -1,0 +1,37 @@
+"""Calls timed in turns, so that what else the machine does falls on all of them alike."""
+
+import time
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+
+import numpy as np
+
+_ROUNDS = 21
+_BLOCK = 5e-4
+"""Each round repeats a call for about this long, s."""
+
+
+@dataclass(frozen=True)
+class Timing:
+    """Nanoseconds: median and least over the rounds."""
+
+    median: float
+    least: float
+
+
+def in_turns(calls: Mapping[str, Callable[[], object]], items: int = 1) -> dict[str, Timing]:
+    """Time for one of the items that each call works through; warmed up by a few calls."""
+    repeats = {key: max(1, round(_BLOCK / max(_seconds(call, 3), 1e-7))) for key, call in calls.items()}
+    found: dict[str, list[float]] = {key: [] for key in calls}
+    for _ in range(_ROUNDS):
+        for key, call in calls.items():
+            found[key].append(1e9 * _seconds(call, repeats[key]) / items)
+    return {key: Timing(float(np.median(times)), min(times)) for key, times in found.items()}
+
+
+def _seconds(call: Callable[[], object], repeats: int) -> float:
+    """For one call, of so many."""
+    start = time.perf_counter()
+    for _ in range(repeats):
+        call()
+    return (time.perf_counter() - start) / repeats

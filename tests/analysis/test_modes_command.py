@@ -1,0 +1,47 @@
+"""`cutpoint modes`: its table and its picture."""
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+from matplotlib.image import imread
+from robot_library import urdf
+from typer.testing import CliRunner
+
+from cutpoint import robots
+from cutpoint.cli import app
+
+POSE = ["--q", "0,30,60,0,45,0", "--degrees"]
+
+
+def printed(*arguments: str) -> str:
+    result = CliRunner().invoke(app, ["modes", *arguments])
+    assert result.exit_code == 0, result.output
+    return result.output
+
+
+@pytest.mark.parametrize("options", [[], ["--friction"]])
+def test_the_table_has_every_mode(options):
+    text = printed("xia2019", *POSE, *options)
+    found = robots.xia2019().modes(np.radians([0, 30, 60, 0, 45, 0]), friction=bool(options))
+    for f, zeta in zip(found.frequencies, found.damping, strict=True):
+        assert f"{f:.2f}" in text and f"{zeta:z.4f}" in text
+    assert ("left out" in text) != bool(options)
+
+
+def test_a_robot_file_needs_no_more_than_its_drives():
+    text = printed(str(robots.XIA2019_URDF), "--drives", str(robots.XIA2019_DRIVES), *POSE)
+    assert text == printed("xia2019", *POSE)
+
+
+def test_a_rigid_robot_is_told_to_have_no_drive_modes():
+    assert "no drive bends" in " ".join(printed(str(urdf("ur10_robot.urdf"))).split())
+
+
+@pytest.mark.parametrize("options", [[], ["--friction"]])
+def test_the_picture_is_saved(tmp_path: Path, options: list[str]):
+    target = tmp_path / "modes.png"
+    printed("xia2019", *POSE, *options, "--plot", str(target))
+    image = imread(target)
+    assert image.shape[0] > 400 and image.shape[1] > 800
+    assert image[..., :3].std() > 0.05  # something is drawn

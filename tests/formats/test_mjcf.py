@@ -1,0 +1,323 @@
+"""MJCF files: the robot that is read moves as MuJoCo moves it; what is lost is listed; what is hostile is refused."""
+
+import re
+import sys
+import warnings
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import mjcf_text
+import mujoco
+import numpy as np
+import pytest
+from mjcf_text import one_body
+from robot_library import Array, assert_close
+from scipy.linalg import block_diag
+from scipy.spatial.transform import Rotation
+
+import cutpoint
+from cutpoint import Coulomb, Drive, Robot, Rotor
+from cutpoint.errors import InputError, ModelError
+from cutpoint.formats import NotCarriedOver, parse_mjcf
+from cutpoint.formats.mjcf_text import MAXIMUM_PIECES
+from cutpoint.model import Limits
+
+PACKAGED = Path(mujoco.__file__).parent / "testdata" / "model.xml"
+
+MODELS = {
+    "arm": mjcf_text.ARM,
+    "balls": mjcf_text.BALLS,
+    "free": mjcf_text.FREE,
+    "several joints in a body": mjcf_text.SEVERAL,
+    "MuJoCo's own": PACKAGED.read_text(),
+}
+
+
+def read(text: str, backend: str = "numpy") -> Robot:
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", NotCarriedOver)
+        mechanism, drives = parse_mjcf(text)
+    return Robot(mechanism, drives, backend=backend)  # pyright: ignore[reportArgumentType]
+
+
+def bare_model(text: str) -> mujoco.MjModel:
+    """MuJoCo's model, less what the warning lists: nothing but bodies, hinges' armature and gravity."""
+    model = mujoco.MjModel.from_xml_string(text)
+    off = mujoco.mjtDisableBit
+    for bit in (off.mjDSBL_CONSTRAINT, off.mjDSBL_SPRING, off.mjDSBL_DAMPER, off.mjDSBL_ACTUATION):
+        model.opt.disableflags |= bit
+    model.opt.enableflags |= mujoco.mjtEnableBit.mjENBL_ENERGY
+    model.opt.density = model.opt.viscosity = 0.0
+    model.body_gravcomp[:] = 0.0
+    undriven = model.jnt_type[model.dof_jntid] < 2
+    model.dof_armature[undriven] = 0.0
+    return model
+
+
+@dataclass
+class Twin:
+    """A robot and MuJoCo's model of it; both number joints depth first, in the file's order."""
+
+    ours: Robot
+    model: mujoco.MjModel
+
+    def at(self, q: Array, v: Array, a: Array) -> tuple[Any, Array]:
+        """MuJoCo's data at a state, and the matrix that takes our speeds to its."""
+        data = mujoco.MjData(self.model)
+        coordinates, turns, extra = [], [], np.zeros(self.ours.nv)
+        for segment in self.ours.machine.system.segments:
+            own, dof = q[segment.q], segment.v.start
+            turns.append(np.eye(len(segment.joint.axes)))
+            if len(own) == 7:
+                turns[-1][:3, :3] = Rotation.from_quat(own[3:]).as_matrix()
+                extra[dof : dof + 3] = turns[-1][:3, :3] @ np.cross(v[dof + 3 : dof + 6], v[dof : dof + 3])
+            coordinates.append(own if len(own) < 4 else [*own[:-4], own[-1], *own[-4:-1]])
+        T = block_diag(*turns)
+        data.qpos[:], data.qvel[:], data.qacc[:] = np.concatenate(coordinates), T @ v, T @ a + extra
+        return data, T
+
+
+@pytest.fixture(params=MODELS)
+def twin(request: pytest.FixtureRequest) -> Twin:
+    text = MODELS[request.param]
+    return Twin(read(text), bare_model(text))
+
+
+def states(ours: Robot) -> tuple[Array, Array, Array]:
+    """At rest unmoved, tiny, and at random."""
+    rng, q = np.random.default_rng(3), ours.random(3, 5)
+    v, a = rng.normal(0.0, 2.0, (2, 5, ours.nv))
+    q[0], v[0], a[0] = ours.neutral(), 0.0, 0.0
+    q[1], v[1], a[1] = ours.integrate(ours.neutral(), v[1], 1e-9), 1e-9 * v[1], 1e-9 * a[1]
+    return q, v, a
+
+
+def each(twin: Twin) -> Any:
+    q, v, a = states(twin.ours)
+    return [(k, *twin.at(q[k], v[k], a[k])) for k in range(len(q))]
+
+
+def test_inverse_dynamics_is_mujocos(twin: Twin) -> None:
+    tau = twin.ours.inverse_dynamics(*states(twin.ours))
+    for k, data, T in each(twin):
+        mujoco.mj_inverse(twin.model, data)
+        assert_close(tau[k], T.T @ data.qfrc_inverse)
+
+
+def test_forward_dynamics_is_mujocos(twin: Twin) -> None:
+    q, v, tau = states(twin.ours)
+    found = twin.ours.forward_dynamics(q, v, tau)
+    for k, data, T in each(twin):
+        data.qfrc_applied[:] = T @ tau[k]
+        mujoco.mj_forward(twin.model, data)
+        at_rest, _ = twin.at(q[k], v[k], np.zeros_like(v[k]))
+        assert_close(found[k], T.T @ (data.qacc - at_rest.qacc))
+
+
+def test_mass_matrix_and_energies_are_mujocos(twin: Twin) -> None:
+    """Potential energy but for that of bodies at rest, which have no mass here."""
+    q, v, _ = states(twin.ours)
+    M, kinetic, potential = twin.ours.mass_matrix(q), twin.ours.kinetic_energy(q, v), twin.ours.potential_energy(q)
+    theirs = []
+    for k, data, T in each(twin):
+        mujoco.mj_forward(twin.model, data)
+        full = np.zeros((twin.model.nv, twin.model.nv))
+        mujoco.mj_fullM(twin.model, data, full)
+        assert_close(M[k], T.T @ full @ T)
+        assert_close(kinetic[k], data.energy[1])
+        theirs.append(data.energy[0])
+    weight = 10.0 * twin.model.body_mass.sum()
+    assert_close(potential - potential[0], np.array(theirs) - theirs[0], 1e-12, scale=weight)
+
+
+def test_every_body_is_where_mujoco_has_it(twin: Twin) -> None:
+    q, _, _ = states(twin.ours)
+    for k, data, _ in each(twin):
+        mujoco.mj_kinematics(twin.model, data)
+        for b in range(1, twin.model.nbody):
+            pose = twin.ours.frame_pose(q[k], twin.model.body(b).name or f"body_{b}")
+            assert_close(pose[:3, 3], data.xpos[b], 1e-12, scale=1.0)
+            assert_close(pose[:3, :3], data.xmat[b].reshape(3, 3), 1e-12)
+
+
+def test_compiled_code_agrees_with_mujoco() -> None:
+    ours = Twin(read(mjcf_text.SEVERAL, "llvm"), bare_model(mjcf_text.SEVERAL))
+    tau = ours.ours.inverse_dynamics(*states(ours.ours))
+    for k, data, T in each(ours):
+        mujoco.mj_inverse(ours.model, data)
+        assert_close(tau[k], T.T @ data.qfrc_inverse)
+
+
+def test_limits_friction_and_armature_are_the_joints() -> None:
+    arm = read(mjcf_text.ARM)
+    shoulder, elbow, lift = (body.joint for body in arm.mechanism.bodies)
+    assert [joint.kind for joint in (shoulder, elbow, lift)] == ["revolute", "continuous", "prismatic"]
+    assert shoulder.limits == Limits(np.deg2rad(-100), np.deg2rad(120), effort=20.0)
+    assert lift.limits == Limits(-0.1, 0.5)
+    assert (elbow.damping, elbow.friction, elbow.limits) == (0.4, 0.2, Limits())
+    assert arm.drives["shoulder"].rotor == arm.drives["lift"].rotor == Rotor(0.7)
+    assert arm.drives["elbow"].rotor is None
+    np.testing.assert_array_equal(arm.gravity, [0.3, -0.2, -9.7])
+    assert arm.name == "arm"
+
+
+@pytest.mark.filterwarnings("ignore::cutpoint.formats.NotCarriedOver")
+@pytest.mark.parametrize("ending", ["xml", "mjcf"])
+def test_a_drive_file_comes_before_the_armature(tmp_path: Path, ending: str) -> None:
+    robot, drives = tmp_path / f"arm.{ending}", tmp_path / "arm.drives.yaml"
+    robot.write_text(mjcf_text.ARM)
+    drives.write_text("version: 1\ndrives: {shoulder: {ratio: 50, rotor: {inertia: 1e-5}}}")
+    arm = cutpoint.load(robot, drives, lock={"elbow": 0.1}, gravity=(0, 0, -1.6))
+    assert arm.drives["shoulder"] == Drive(50.0, Rotor(1e-5))
+    assert arm.drives["lift"].rotor == Rotor(0.7)
+    assert isinstance(arm.drives["lift"].link_friction, Coulomb)
+    assert arm.joints == ("shoulder", "lift")
+    assert arm.gravity[2] == -1.6
+
+
+def test_gravity_that_is_switched_off_is_off() -> None:
+    off = '<option><flag gravity="disable" contact="disable"/></option>'
+    np.testing.assert_array_equal(read(one_body("", off)).gravity, np.zeros(3))
+
+
+SHAPE = '<asset><mesh name="rock" file="/etc/passwd"/></asset>'
+
+LOST = {
+    "nothing": (one_body('<site name="s"/><camera/><light/>', "<sensor/><visual/>"), ()),
+    "actuators": (
+        one_body("", '<actuator><motor joint="elbow"/><motor joint="elbow"/></actuator>'),
+        ("<actuator> (2)",),
+    ),
+    "tendons and constraints": (
+        one_body(
+            "",
+            '<tendon><fixed><joint joint="elbow" coef="1"/></fixed></tendon>'
+            '<equality><joint joint1="elbow"/></equality>',
+        ),
+        ("<equality> (1)", "<tendon> (1)"),
+    ),
+    "contacts": (
+        one_body('<geom size="1"/><geom size="1" contype="0" conaffinity="0"/>'),
+        ("contacts (1 geoms)",),
+    ),
+    "fluid": (one_body("", '<option density="1.2" viscosity="1e-5"/>'), ("forces of the fluid",)),
+    "gravcomp": (one_body("", attributes='gravcomp="1"'), ("gravcomp of bodies 'arm'",)),
+    "springs": (one_body("", '<default><joint stiffness="3"/></default>'), ("springs of joints 'elbow'",)),
+    "of balls": (
+        one_body(
+            '<body name="b"><joint name="ball" type="ball" damping="1" frictionloss="2" armature="3" range="0 1"/>'
+            '<inertial pos="0 0 0" mass="1" diaginertia="1 1 1"/></body>'
+        ),
+        (
+            "damping of joints 'ball'",
+            "frictionloss of joints 'ball'",
+            "armature of joints 'ball'",
+            "range of joints 'ball'",
+        ),
+    ),
+    "what is not known": (one_body("<novelty/>"), ("<novelty> (1)",)),
+    "a shape from a file": (one_body('<geom type="mesh" mesh="rock"/>', SHAPE), ("contacts (1 geoms)",)),
+}
+
+
+@pytest.mark.parametrize("case", LOST)
+def test_what_is_lost_is_listed_once(case: str) -> None:
+    text, things = LOST[case]
+    with warnings.catch_warnings(record=True) as caught:
+        warnings.simplefilter("always")
+        parse_mjcf(text, "arm.xml")
+    found = [warning.message for warning in caught]
+    assert [getattr(message, "things", None) for message in found] == ([things] if things else [])
+    for message in found:
+        assert str(message) == f"not carried over: {'; '.join(things)} (arm.xml)"
+
+
+MASSLESS = one_body('<body name="tip"><joint/><geom type="mesh" mesh="rock"/></body>', SHAPE)
+SAFETY = "is not read, for safety: it stands for text that is not in this file; load the model in MuJoCo, save it with"
+
+REFUSED = {
+    "include": (one_body('<include file="../secret.xml"/>'), f"<include> {SAFETY} .* (arm.xml:3)"),
+    "include in a section": (one_body("", '<asset><include file="a"/></asset>'), f"<include> {SAFETY} .* (arm.xml:1)"),
+    "attach": (one_body('<attach model="m" body="b" prefix="p"/>'), f"<attach> {SAFETY} .* (arm.xml:3)"),
+    "replicate": (one_body('<replicate count="1000000000"/>'), f"<replicate> {SAFETY} .* (arm.xml:3)"),
+    "composite": (one_body('<composite type="cable" count="99999 1 1"/>'), f"<composite> {SAFETY} .* (arm.xml:3)"),
+    "flexcomp": (one_body('<flexcomp type="gmsh" file="/dev/zero"/>'), f"<flexcomp> {SAFETY} .* (arm.xml:3)"),
+    "entities": (
+        '<!DOCTYPE m [<!ENTITY a SYSTEM "file:///etc/passwd">]><mujoco>&a;</mujoco>',
+        "XML with a document type (<!DOCTYPE>) is not read, for safety; take it out (arm.xml:1)",
+    ),
+    "a URDF": (
+        "\n<robot/>",
+        "the root element of an MJCF file is <mujoco>, got <robot> (a URDF file; its ending is .urdf) (arm.xml:2)",
+    ),
+    "nan": (one_body('\n<geom pos="0 NaN 0" size="1"/>'), "<geom> pos '0 NaN 0' must not hold nan (arm.xml:4)"),
+    "a misspelt attribute": (
+        one_body('\n\n<geom sise="1"/>'),
+        "MuJoCo cannot compile this file: XML Error: Schema violation: unrecognized attribute: 'sise'"
+        " Element 'geom', line 5 (arm.xml)",
+    ),
+    "an axis without length": (
+        one_body('<joint axis="0 0 0"/>'),
+        "MuJoCo cannot compile this file: Error: axis too small in joint .* (arm.xml)",
+    ),
+    "inertia of a shape from a file": (
+        MASSLESS,
+        "body 'tip': its inertia would come from a shape that is not in this file; give it an <inertial> (arm.xml)",
+    ),
+    "two names": (
+        one_body('<body name="arm"/>'),
+        "MuJoCo cannot compile this file: .*repeated name 'arm' in body.* (arm.xml)",
+    ),
+    "too many": (
+        one_body("<geom/>" * (MAXIMUM_PIECES // 2)),
+        "MJCF holds more than 20,000 bodies, joints and geoms, the most that is read (arm.xml:3)",
+    ),
+}
+
+
+@pytest.mark.parametrize("case", REFUSED)
+def test_what_is_wrong_or_hostile_is_refused(case: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(tmp_path)
+    text, message = REFUSED[case]
+    with pytest.raises(ModelError) as caught:
+        parse_mjcf(text, "arm.xml")
+    assert re.fullmatch(re.escape(message).replace(r"\.\*", ".*"), str(caught.value)), str(caught.value)
+    assert not list(tmp_path.iterdir())  # MuJoCo writes its warnings to a file
+
+
+ABSENT = (
+    '<asset><mesh name="rock" file="r.stl"/><hfield name="h" file="h.png"/><texture name="t" file="t.png"/></asset>'
+)
+GROUND = '<geom type="hfield" hfield="h"/><body><geom type="mesh" mesh="rock"/></body>'
+
+UNNEEDED = {
+    "stated inertia": one_body('<geom type="mesh" mesh="rock"/>', ABSENT),
+    "stated mass of nothing": one_body('<body><geom size="1"/><geom type="mesh" mesh="rock" mass="0"/></body>', ABSENT),
+    "out of the inertia's groups": one_body(
+        '<body><geom size="1"/><geom type="mesh" mesh="rock" group="2"/></body>',
+        ABSENT + '<compiler inertiagrouprange="0 1"/>',
+    ),
+    "bodies at rest": one_body("").replace("<worldbody>", f"{ABSENT}<worldbody>{GROUND}"),
+}
+
+
+@pytest.mark.filterwarnings("ignore::cutpoint.formats.NotCarriedOver")
+@pytest.mark.parametrize("case", UNNEEDED)
+def test_shapes_that_dynamics_does_not_need_are_never_opened(case: str) -> None:
+    robot, _ = parse_mjcf(UNNEEDED[case])
+    assert [body.joint.name for body in robot.bodies] == ["elbow"]
+
+
+def test_without_mujoco_the_message_says_how_to_get_it(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setitem(sys.modules, "mujoco", None)
+    with pytest.raises(ModelError, match=r'needs the mujoco package, 3.2.7 or later: pip install "cutpoint\[mjcf\]"'):
+        parse_mjcf(one_body(""))
+
+
+def test_what_is_for_urdf_files_is_refused(tmp_path: Path) -> None:
+    (tmp_path / "arm.xml").write_text(one_body(""))
+    with pytest.raises(InputError, match="floating_base and mimic are for URDF files"):
+        cutpoint.load(tmp_path / "arm.xml", floating_base=True)
+    with pytest.raises(ModelError, match=r"must be a \.urdf, .xacro, .mjcf or .xml"):
+        cutpoint.load(tmp_path / "arm.txt")

@@ -1,0 +1,162 @@
+"""C99: the same bits as machine code, whatever compiler and flags; files that explain, check and guard themselves."""
+
+import re
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from c_builds import CFunction, assert_same_bits, build, compilers, run
+from graph_recipes import cook, steps
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+import cutpoint
+from cutpoint import InputError
+from cutpoint.kernels import compile
+from cutpoint.kernels.nodes import CONDITIONS, PRIMITIVES
+
+EDGES = [0.0, -0.0, 5e-324, 1e-300, 1e-8, 0.5, -1.0, 3.0, 1e5, 1e17, -1e300, np.inf, -np.inf, np.nan]
+FLAGS = [
+    ("-O0",),
+    ("-O2",),
+    ("-O3", "-march=native", "-fno-math-errno"),
+    ("-std=gnu99", "-O2", "-march=native", "-ffp-contract=fast"),
+]
+
+
+def every_operation(x: Any, k: Any) -> Any:
+    """All that a graph may hold, and both sides of each choice."""
+    where = cutpoint.where
+    choice = where(~(x[0] < x[1]) & (x[1] <= x[2]) | (x[2] < -3.25), x[0] / x[1], x[1] * x[2] - x[0])
+    elementary = [f(x[0] + 0.1 * x[1]) for f in (cutpoint.sin, cutpoint.cos, cutpoint.tan, cutpoint.exp, cutpoint.log,
+                                                 cutpoint.tanh, cutpoint.atan, cutpoint.sqrt)]  # fmt: skip
+    return [choice, x[0] * x[1] + k, k - x[1] * x[2], x[0], 0.0, -2.5, float("inf"), float("nan"), *elementary]
+
+
+@pytest.mark.parametrize("flags", FLAGS, ids=" ".join)
+@pytest.mark.parametrize("compiler", compilers(), ids=lambda path: Path(path).name)
+def test_every_operation_has_the_bits_of_machine_code(compiler: str, flags: tuple[str, ...], tmp_path: Path) -> None:
+    kernel = compile(every_operation, x=3, k=(), backend="llvm")
+    kernel.to_c(tmp_path)
+    function = CFunction(tmp_path, "every_operation", kernel.graph, compiler, flags)
+    rng = np.random.default_rng(1)
+    cases = [rng.choice(EDGES, 3) for _ in range(300)] + [
+        rng.normal(size=3) * 10.0 ** rng.integers(-3, 4) for _ in range(300)
+    ]
+    for x in cases:
+        k = rng.choice(EDGES)
+        assert_same_bits(function(x, k)[0], kernel(x, k))
+
+
+@given(st.lists(st.lists(steps, min_size=1, max_size=25), min_size=20, max_size=20), st.integers(0, 2**32 - 1))
+@settings(deadline=None, max_examples=4)
+def test_random_expressions_have_the_bits_of_machine_code(tmp_path_factory: Any, recipes: Any, seed: int) -> None:
+    folder, rng = tmp_path_factory.mktemp("random"), np.random.default_rng(seed)
+    kernel = compile(lambda x: [y for recipe in recipes for y in cook(recipe, x)], name="random", x=3, backend="llvm")
+    kernel.to_c(folder)
+    function = CFunction(folder, "random", kernel.graph, flags=("-O1",))
+    for x in [*rng.normal(size=(50, 3)), *rng.choice(EDGES, (50, 3)), *10 * rng.normal(size=(20, 3))]:
+        assert_same_bits(function(x)[0], kernel(x))
+
+
+def test_every_primitive_can_be_said_in_c() -> None:
+    from cutpoint.kernels import c99
+
+    assert set(PRIMITIVES) == {"input", *c99._FORMS, *c99._HELPERS} and CONDITIONS <= set(c99._FORMS)
+
+
+@pytest.fixture
+def folder(tmp_path: Path) -> Path:
+    compile(lambda q, k: [cutpoint.sin(q[0]) * k, q[1] * q[0] + k], name="law", q=2, k=()).to_c(tmp_path)
+    return tmp_path
+
+
+@pytest.mark.parametrize("compiler", compilers(), ids=lambda path: Path(path).name)
+def test_the_check_passes_and_fails_when_a_digit_is_changed(folder: Path, compiler: str) -> None:
+    build(folder, "law.c", "law_check.c", "-o", "check", compiler=compiler)
+    assert run(folder) == (0, "law: 0 of 32 numbers differ\n")
+    text = (folder / "law.c").read_text()
+    changed = text.replace("0x1.45f306dc9c883p-1", "0x1.45f306dc9c893p-1").replace("p-3", "p-2", 1)
+    assert changed != text
+    (folder / "law.c").write_text(changed)
+    build(folder, "law.c", "law_check.c", "-o", "check", compiler=compiler)
+    code, said = run(folder)
+    assert code == 1 and re.search(r"case \d+: result\[0\] is -?0x\S+, recorded was -?0x", said)
+
+
+def test_fast_math_is_refused(folder: Path) -> None:
+    with pytest.raises(AssertionError, match="-ffast-math changes its results; compile without it"):
+        build(folder, "-c", "-ffast-math", "law.c")
+
+
+def test_an_output_may_be_an_input(tmp_path: Path) -> None:
+    kernel = compile(lambda x: [x[1], x[0], x[0] + x[1]], name="turn", x=3)
+    kernel.to_c(tmp_path)
+    function = CFunction(tmp_path, "turn", kernel.graph)
+    x = np.array([1.0, 2.0, 4.0])
+    function._function(x.ctypes.data, x.ctypes.data)
+    assert x.tolist() == [2.0, 1.0, 3.0]
+
+
+def test_code_calls_nothing_of_the_library_but_fma_and_sqrt(tmp_path: Path) -> None:
+    compile(every_operation, x=3, k=()).to_c(tmp_path)
+    called = set(
+        re.findall(r"\b([a-z]\w*)\(", (tmp_path / "every_operation.c").read_text().partition("uint64_t cut")[2])
+    )
+    assert {c for c in called if not c.startswith("cutpoint_")} == {"fma", "sqrt", "memcpy", "every_operation"}
+
+
+def test_unused_and_empty_arguments_compile(tmp_path: Path) -> None:
+    kernel = compile(lambda a, b, c, d: ([1.5, b]), name="idle", a=4, b=(), c=0, d=())
+    kernel.to_c(tmp_path)
+    build(tmp_path, "idle.c", "idle_check.c", "-o", "check")
+    assert run(tmp_path)[0] == 0
+    constant = compile(lambda: 2.0, name="two")
+    constant.to_c(tmp_path)
+    build(tmp_path, "two.c", "two_check.c", "-o", "check")
+    assert run(tmp_path)[0] == 0
+
+
+def test_the_same_kernel_gives_the_same_files(tmp_path: Path) -> None:
+    for name in ("one", "two"):
+        compile(every_operation, x=3, k=()).to_c(tmp_path / name)
+    assert {p.name: p.read_bytes() for p in (tmp_path / "one").iterdir()} == {
+        p.name: p.read_bytes() for p in (tmp_path / "two").iterdir()
+    }
+
+
+def test_only_our_own_files_are_overwritten_unless_forced(folder: Path) -> None:
+    kernel = compile(lambda q: q * 2, name="law", q=())
+    kernel.to_c(folder)
+    (folder / "CMakeLists.txt").write_text("project(mine)\n")
+    before = (folder / "law.c").read_text()
+    with pytest.raises(InputError, match=r"CMakeLists.txt' was not written by cutpoint; choose another folder"):
+        compile(lambda q: q * 3, name="law", q=()).to_c(folder)
+    assert (folder / "law.c").read_text() == before and (folder / "CMakeLists.txt").read_text() == "project(mine)\n"
+    assert kernel.to_c(folder, force=True)[0] == folder / "law.c"
+    assert "project(law " in (folder / "CMakeLists.txt").read_text()
+
+
+NAMES = [
+    ("int", "x"),
+    ("law", "template"),
+    ("law", "q_ä"),
+    ("law", "_1"),
+    ("9", "x"),
+    ("cutpoint_flip", "x"),
+    ("law", "fma"),
+]
+
+
+@pytest.mark.parametrize(("name", "argument"), NAMES)
+def test_names_that_c_cannot_take_are_refused(name: str, argument: str, tmp_path: Path) -> None:
+    kernel = compile(lambda **given: given[argument] * 2, name=name, **{argument: ()})
+    with pytest.raises(InputError, match="cannot be a name in C; it must start with a letter"):
+        kernel.to_c(tmp_path)
+    assert not [*tmp_path.iterdir()]
+
+
+def test_two_arguments_of_one_name_are_refused(tmp_path: Path) -> None:
+    with pytest.raises(InputError, match="'result' names two things"):
+        compile(lambda result: result * 2, name="law", result=()).to_c(tmp_path)

@@ -1,0 +1,143 @@
+"""Packs: long batches run many elements at once, and nobody can tell from the numbers."""
+
+import threading
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+import pytest
+from graph_recipes import Step, cook, steps
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from cutpoint.kernels import Kernel, compile
+from cutpoint.kernels.batch_loop import WORTH_MAKING_PACKS
+from cutpoint.kernels.jit import vector_width
+from cutpoint.scalars import atan, exp, log, sin, tanh, where
+
+WIDTH = vector_width()
+LONG = 2 * WORTH_MAKING_PACKS + 3
+SIZES = [*range(3 * WIDTH + 2), WORTH_MAKING_PACKS - 1, WORTH_MAKING_PACKS, LONG]
+RNG = np.random.default_rng(5)
+SHAPES = ((7,), (), (3, 4))
+
+
+def every_kind(q: Any, v: Any, M: Any) -> Any:
+    """Outputs that are computed, constant, and inputs as they came."""
+    column = [where(sin(x) < v, exp(x) / (1 + x * x), -tanh(x * v)) for x in q]
+    return [[*column, 2.5, M[i][3], -0.0, log(M[i][0] * M[i][0] + v * v) + atan(q[i])] for i in range(3)]
+
+
+def batch(size: int) -> list[np.ndarray]:
+    return [RNG.normal(size=(size, *shape)) for shape in SHAPES]
+
+
+def one_by_one(kernel: Kernel, arguments: list[np.ndarray]) -> np.ndarray:
+    return np.array([kernel(*[a[k] for a in arguments]) for k in range(len(arguments[0]))])
+
+
+@pytest.fixture(scope="module")
+def kernel() -> Kernel:
+    """With packs already made."""
+    made = compile(every_kind, q=7, v=(), M=(3, 4), backend="llvm")
+    made(*batch(LONG))
+    return made
+
+
+@pytest.mark.parametrize("size", SIZES)
+def test_every_size_of_batch_gives_the_bits_of_single_calls(kernel: Kernel, size: int) -> None:
+    arguments = batch(size)
+    expected = one_by_one(kernel, arguments)
+    assert kernel(*arguments).tobytes() == expected.tobytes()
+
+
+@pytest.mark.parametrize("size", [WORTH_MAKING_PACKS - 1, WORTH_MAKING_PACKS, LONG])
+def test_the_batch_that_makes_packs_gives_the_bits_of_single_calls(size: int) -> None:
+    fresh = compile(every_kind, q=7, v=(), M=(3, 4), backend="llvm")
+    arguments = batch(size)
+    assert fresh(*arguments).tobytes() == one_by_one(fresh, arguments).tobytes()
+
+
+@given(st.lists(steps, min_size=1, max_size=25), st.integers(0, 2**32))
+@settings(max_examples=20)
+def test_packs_do_exactly_what_single_calls_do(recipe: list[Step], seed: int) -> None:
+    kernel = compile(lambda x: cook(recipe, x), x=3, backend="llvm")
+    x = np.random.default_rng(seed).uniform(-3, 3, (WORTH_MAKING_PACKS + 1, 3))
+    assert kernel(x).tobytes() == one_by_one(kernel, [x]).tobytes()
+
+
+def test_numbers_that_are_zero_tiny_huge_or_not_finite_are_no_special_case() -> None:
+    def function(x: Any, y: Any) -> Any:
+        return [x + y, x / y, sin(x), exp(x), log(x), atan(y), tanh(x), where((x < y) | ~(x <= 1), x, y)]
+
+    kernel = compile(function, x=(), y=(), backend="llvm")
+    odd = np.array([0.0, -0.0, 5e-324, 1e-310, 1.0, -1.0, 1e5, 1e16, 1e308, -1e308, np.inf, -np.inf, np.nan])
+    x, y = (side.ravel() for side in np.meshgrid(odd, odd))
+    np.testing.assert_array_equal(kernel(x, y), one_by_one(kernel, [x, y]))
+
+
+STRIDES: dict[str, Callable[[np.ndarray], np.ndarray]] = {
+    "every second": lambda x: np.repeat(x, 2, axis=0)[::2],
+    "backwards": lambda x: x[::-1].copy()[::-1],
+    "first of a wide row": lambda x: np.concatenate([x[:, None]] * 3, axis=1)[:, 0],
+    "in Fortran's order": np.asfortranarray,
+}
+
+
+@pytest.mark.parametrize("view", STRIDES.values(), ids=STRIDES)
+def test_strides_change_no_bit(kernel: Kernel, view: Callable[[np.ndarray], np.ndarray]) -> None:
+    arguments = batch(LONG)
+    expected = one_by_one(kernel, arguments)
+    out = view(np.zeros_like(expected))
+    assert kernel(*map(view, arguments), out=out) is out
+    assert np.array_equal(out, expected)
+
+
+@pytest.mark.parametrize("fixed", range(len(SHAPES)))
+def test_an_argument_may_be_the_same_for_the_whole_batch(kernel: Kernel, fixed: int) -> None:
+    arguments = batch(LONG)
+    arguments[fixed] = arguments[fixed][0]
+    whole = [np.broadcast_to(a, (LONG, *shape)) for a, shape in zip(arguments, SHAPES, strict=True)]
+    assert kernel(*arguments).tobytes() == one_by_one(kernel, whole).tobytes()
+
+
+def test_an_argument_may_change_from_one_row_of_a_grid_to_the_next(kernel: Kernel) -> None:
+    q, v, M = batch(3)[0][:, None], batch(LONG)[1], batch(3)[2][:, None]
+    found = kernel(q, v, M)
+    for k in range(3):
+        assert found[k].tobytes() == one_by_one(kernel, [np.repeat(q[k], LONG, 0), v, np.repeat(M[k], LONG, 0)]).tobytes()
+
+
+def test_nothing_is_written_beyond_the_results(kernel: Kernel) -> None:
+    around = np.full((LONG + 2, 3, 11), 7.0)
+    kernel(*batch(LONG), out=around[1:-1])
+    assert (around[[0, -1]] == 7).all()
+    wide = np.full((LONG, 2, 3, 11), 7.0)
+    kernel(*batch(LONG), out=wide[:, 0])
+    assert (wide[:, 1] == 7).all()
+
+
+def test_out_may_be_an_input_that_packs_read() -> None:
+    kernel = compile(lambda x: [x[2], x[0] * x[1], x[1]], x=3, backend="llvm")
+    x = RNG.normal(size=(LONG, 3))
+    expected = one_by_one(kernel, [x])
+    kernel(x, out=x)
+    assert np.array_equal(x, expected)
+
+
+def test_many_threads_may_ask_for_packs_at_once() -> None:
+    kernel = compile(every_kind, q=7, v=(), M=(3, 4), backend="llvm")
+    arguments = batch(LONG)
+    expected, found = one_by_one(kernel, arguments), [np.empty((LONG, 3, 11)) for _ in range(8)]
+    threads = [threading.Thread(target=lambda out=out: kernel(*arguments, out=out)) for out in found]
+    for thread in threads:
+        thread.start()
+    for thread in threads:
+        thread.join()
+    assert all(out.tobytes() == expected.tobytes() for out in found)
+
+
+def test_a_kernel_too_wide_for_packs_takes_long_batches_all_the_same() -> None:
+    kernel = compile(lambda x: [x[0] * x[-1], sin(x[1])], x=5000, backend="llvm")
+    x = RNG.normal(size=(WORTH_MAKING_PACKS, 5000))
+    assert kernel(x).tobytes() == one_by_one(kernel, [x]).tobytes()
