@@ -105,7 +105,8 @@ def test_an_argument_may_change_from_one_row_of_a_grid_to_the_next(kernel: Kerne
     q, v, M = batch(3)[0][:, None], batch(LONG)[1], batch(3)[2][:, None]
     found = kernel(q, v, M)
     for k in range(3):
-        assert found[k].tobytes() == one_by_one(kernel, [np.repeat(q[k], LONG, 0), v, np.repeat(M[k], LONG, 0)]).tobytes()
+        spread = [np.repeat(q[k], LONG, axis=0), v, np.repeat(M[k], LONG, axis=0)]
+        assert found[k].tobytes() == one_by_one(kernel, spread).tobytes()
 
 
 def test_nothing_is_written_beyond_the_results(kernel: Kernel) -> None:
@@ -141,3 +142,11 @@ def test_a_kernel_too_wide_for_packs_takes_long_batches_all_the_same() -> None:
     kernel = compile(lambda x: [x[0] * x[-1], sin(x[1])], x=5000, backend="llvm")
     x = RNG.normal(size=(WORTH_MAKING_PACKS, 5000))
     assert kernel(x).tobytes() == one_by_one(kernel, [x]).tobytes()
+
+
+@pytest.mark.parametrize("width", [2, 4, 8])
+def test_every_width_of_packs_gives_the_bits_of_single_calls(width: int, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("cutpoint.kernels.packs.vector_width", lambda: width)
+    kernel = compile(every_kind, q=7, v=(), M=(3, 4), backend="llvm")
+    arguments = batch(LONG)
+    assert kernel(*arguments).tobytes() == one_by_one(kernel, arguments).tobytes()

@@ -133,9 +133,7 @@ def _one(code: Code, graph: Graph, inputs: list[_Argument], outputs: list[_Argum
         if isinstance(x, float) and not _is_zero(x):
             code.store(SCALAR.constant(x), *write[slot])
     # each result leaves as soon as it is there, so that few must be held at a time
-    straight_line(
-        code, graph, lambda slot: code.load(*read[slot]), lambda slot, value: code.store(value, *write[slot])
-    )
+    straight_line(code, graph, lambda slot: code.load(*read[slot]), lambda slot, value: code.store(value, *write[slot]))
     code.branch(tidy, end, scatter)
     code.open(scatter)
     for argument in outputs:

@@ -49,9 +49,7 @@ class Code:
         """The element's value; `align` in bytes where it is not the kind's own."""
         return self.let(f"load {kind}, ptr {self.at(pointer, index, kind)}{_alignment(align)}")
 
-    def store(
-        self, value: str, pointer: str, index: str | int, kind: str = "double", align: int | None = None
-    ) -> None:
+    def store(self, value: str, pointer: str, index: str | int, kind: str = "double", align: int | None = None) -> None:
         self.lines.append(f"store {kind} {value}, ptr {self.at(pointer, index, kind)}{_alignment(align)}")
 
     def zero(self, pointer: str, length: int) -> None:

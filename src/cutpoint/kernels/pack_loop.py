@@ -26,7 +26,8 @@ class _Argument:
         self.scratch = code.let(f"alloca {lanes.real}, i64 {port.size}")
 
     def rows(self, code: Code, pack: str) -> list[str]:
-        first = code.at(self.start, code.let(f"mul i64 {self.step}, {code.let(f'mul i64 {pack}, {self.lanes.width}')}"), "i8")
+        element = code.let(f"mul i64 {pack}, {self.lanes.width}")
+        first = code.at(self.start, code.let(f"mul i64 {self.step}, {element}"), "i8")
         return [code.at(first, offset, "i8") for offset in self.offsets]
 
     def fetch(self, code: Code, pack: str) -> None:

@@ -60,21 +60,21 @@ class Drive:
     rotor: None where its inertia is not known or does not matter; an elastic drive needs one.
     compliance: None is a rigid drive: link and motor are one, and the rotor acts as armature.
     damping: of the spring, N m s/rad at the joint's side; None is none.
-    kinematic_error: what an elastic drive's output deviates from ratio-true rotation; None is none.
     link_friction acts on the link's speed, motor_friction on the rotor's over ratio; both at the joint's side.
     limits: of the drive, at the joint's side.
     torque_constant: N m of shaft torque per ampere.
+    kinematic_error: what an elastic drive's output deviates from ratio-true rotation; None is none.
     """
 
     ratio: float = 1.0
     rotor: Rotor | None = None
     compliance: Compliance | None = None
     damping: float | None = None
-    kinematic_error: KinematicError | None = None
     link_friction: Friction | None = None
     motor_friction: Friction | None = None
     limits: Limits = UNLIMITED
     torque_constant: float | None = None
+    kinematic_error: KinematicError | None = None
 
     @property
     def is_elastic(self) -> bool:

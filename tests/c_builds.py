@@ -39,15 +39,15 @@ class CFunction:
         library = f"{name}-{Path(compiler).name}{''.join(flags)}.so"
         build(folder, "-shared", "-fPIC", f"{name}.c", "-o", library, compiler=compiler, flags=(*STRICT, *flags))
         self._inputs, self._outputs = ([p for p in ports if p.size] for ports in (graph.inputs, graph.outputs))
-        self._function = ctypes.CDLL(str(folder / library))[name]
-        self._function.restype = None
+        self.call = ctypes.CDLL(str(folder / library))[name]
+        self.call.restype = None
 
     def __call__(self, *arguments: Any) -> list[np.ndarray]:
         given = [np.array(x, float, order="C") for x in arguments]
         out = [np.full(p.shape, np.pi) for p in self._outputs]
         pairs = zip(self._inputs, given, strict=True)
         numbers = [pointer(x) if p.shape else ctypes.c_double(float(x)) for p, x in pairs]
-        self._function(*numbers, *map(pointer, out))
+        self.call(*numbers, *map(pointer, out))
         return out
 
 

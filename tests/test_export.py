@@ -1,0 +1,203 @@
+"""Export: robots' functions and control laws as C that gives the same bits, builds, checks itself, says what it is."""
+
+import re
+import shutil
+import subprocess
+import sys
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from c_builds import STRICT, CFunction, assert_same_bits, build, run
+
+import cutpoint
+from cutpoint import Drive, InputError, Rotor, TraceError
+from cutpoint.control import PD, Feedforward
+from cutpoint.export import RESULTS, export_controller, export_function
+from cutpoint.simulation.control_kernel import law_kernel, law_memory, law_parameters
+from cutpoint.trajectories import cycloid
+
+DYNAMICS = {
+    "inverse_dynamics": 3, "forward_dynamics": 3, "mass_matrix": 1, "elastic_inverse_dynamics": 5,
+    "elastic_forward_dynamics": 5,
+}  # fmt: skip
+"""Functions by the number of their arguments, each of six numbers."""
+
+PERIOD = 1e-3
+
+
+@pytest.fixture(scope="module")
+def arm() -> cutpoint.Robot:
+    return cutpoint.robots.xia2019()
+
+
+@pytest.mark.parametrize("name", DYNAMICS)
+def test_an_exported_function_has_the_bits_of_the_robots_own(arm: cutpoint.Robot, name: str, tmp_path: Path) -> None:
+    export_function(arm, name, tmp_path)
+    getattr(arm, name)(*np.zeros((DYNAMICS[name], 6)))
+    kernel, rng = arm.kernel(name), np.random.default_rng(2)
+    added = [arm.drive_parameters] * (len(kernel.graph.inputs) - DYNAMICS[name])
+    function = CFunction(tmp_path, name, kernel.graph, flags=("-O1",))
+    for scale in [0.0, 1e-300, 1e-9, *[1.0] * 50, 100.0, 1e9, 1e200, np.inf, np.nan]:
+        given = [*rng.normal(size=(DYNAMICS[name], 6)) * scale, *added]
+        expected = kernel(*given)
+        for ours, theirs in zip(function(*given), expected if isinstance(expected, tuple) else [expected], strict=True):
+            assert_same_bits(ours, theirs)
+
+
+@pytest.mark.parametrize("name", RESULTS)
+def test_every_function_exports_and_checks_itself(arm: cutpoint.Robot, name: str, tmp_path: Path) -> None:
+    options = {"frame": "link6"} if name in ("jacobian", "frame_pose") else {}
+    paths = export_function(arm, name, tmp_path, name="f", **options)
+    assert {p.name for p in paths} == {"f.c", "f.h", "f.hpp", "f_check.c", "CMakeLists.txt", "README.txt"}
+    build(tmp_path, "f.c", "f_check.c", "-o", "check", flags=(*STRICT, "-O0"))
+    code, said = run(tmp_path)
+    assert code == 0 and re.fullmatch(r"f: 0 of [1-9]\d* numbers differ\n", said)
+
+
+def test_the_header_holds_the_drives_numbers_and_says_what_arguments_are(arm: cutpoint.Robot, tmp_path: Path) -> None:
+    export_function(arm, "elastic_inverse_dynamics", tmp_path, name="feed")
+    header = (tmp_path / "feed.h").read_text()
+    assert "in   jerk: 6, rad/s3 (m/s3): joint1, joint2, joint3, joint4, joint5, joint6" in header
+    assert "out  motor_torque: 6, N m (N): joint1" in header and "/* joint3 compliance stiffness */" in header
+    numbers = re.findall(r"^  \(?(\S+?)\)?, /\*", header, re.MULTILINE)
+    values = [float(x.lower().replace("infinity", "inf")) if "INF" in x else float.fromhex(x) for x in numbers]
+    assert values == arm.drive_parameters.tolist()
+
+
+class Integrating:
+    """A law with memory, a whole number among it."""
+
+    gain = 30.0
+
+    def start(self) -> dict[str, Any]:
+        return {"integral": np.zeros(6), "samples": 0}
+
+    def step(self, memory: Any, m: Any, r: Any) -> Any:
+        integral = memory["integral"] + (r.theta - m.theta) * m.period
+        return {"integral": integral, "samples": memory["samples"] + 1}, self.gain * integral / m.period
+
+
+def test_an_exported_law_commands_what_the_loop_commands(arm: cutpoint.Robot, tmp_path: Path) -> None:
+    law = PD([2000.0] * 6, [60.0] * 6) + Feedforward(arm, "elastic") + Integrating()
+    move = cycloid(np.array([0.3, 0.9, -0.6, 0.4, 0.8, -0.5]), 0.5)
+    log = cutpoint.simulate(arm, law, move, duration=0.05, control_period=PERIOD)
+    export_controller(arm, law, tmp_path, period=PERIOD)
+    step = CFunction(tmp_path, "control_step", law_kernel(arm, law).graph, flags=("-O1",))
+    memory, parameters = law_memory(law), law_parameters(arm, law, PERIOD)
+    reference = move.derivatives(log.time, 4)
+    measured = [log[f"measured_{key}"] for key in ("q", "theta", "v", "theta_dot")]
+    for k, time in enumerate(log.time):
+        torque, _, theta, _, memory = step(*(x[k] for x in (*measured, *reference)), time, memory, parameters)
+        assert_same_bits(torque, log["command_torque"][k])
+        assert_same_bits(theta, log["motor_reference"][k])
+    assert memory[-1] == len(log.time)
+
+
+def test_an_exported_law_checks_itself_and_holds_its_memory(arm: cutpoint.Robot, tmp_path: Path) -> None:
+    export_controller(arm, Integrating(), tmp_path, period=PERIOD, name="law")
+    build(tmp_path, "law.c", "law_check.c", "-o", "check", flags=(*STRICT, "-O0"))
+    assert run(tmp_path)[0] == 0
+    header = (tmp_path / "law.h").read_text()
+    assert "static const double law_memory[7]" in header and f"{PERIOD.hex()}, /* control period, s */" in header
+
+
+def test_the_package_builds_installs_and_serves_cpp(arm: cutpoint.Robot, tmp_path: Path) -> None:
+    """By CMake where it is installed, otherwise by hand."""
+    export_function(arm, "mass_matrix", tmp_path)
+    if shutil.which("cmake"):
+        for command in (
+            "cmake -B build",
+            "cmake --build build",
+            "ctest --test-dir build",
+            "cmake --install build --prefix there",
+        ):
+            done = subprocess.run(command.split(), cwd=tmp_path, capture_output=True, text=True, check=False)
+            assert done.returncode == 0, done.stdout + done.stderr
+        assert (tmp_path / "there/include/mass_matrix.hpp").exists()
+        assert [*(tmp_path / "there").rglob("mass_matrix-config.cmake")]
+    else:
+        build(tmp_path, "mass_matrix.c", "mass_matrix_check.c", "-o", "check")
+        assert run(tmp_path)[0] == 0
+
+
+CPP = """
+#include <array>
+#include <vector>
+#include "mass_matrix.hpp"
+struct Matrix { enum { IsRowMajor = %s }; double x[36]; double *data() { return x; } int size() const { return 36; } };
+int main() {
+  std::vector<double> q(6, 0.5);
+  std::array<double, 36> by_rows;
+  cutpoint::mass_matrix(q, by_rows);
+  Matrix M;
+  cutpoint::mass_matrix(q, M);
+  return M.x[7] == by_rows[7] && M.x[7] > 0 ? 0 : 1;
+}
+"""
+
+
+def test_cpp_takes_any_container_and_refuses_matrices_by_columns(arm: cutpoint.Robot, tmp_path: Path) -> None:
+    export_function(arm, "mass_matrix", tmp_path)
+    compiler = shutil.which("g++") or shutil.which("clang++") or shutil.which("c++")
+    assert compiler, "this test needs a C++ compiler: install g++ or clang++"
+    build(tmp_path, "-c", "mass_matrix.c", "-o", "mass_matrix.o")
+    for by_rows in (1, 0):
+        (tmp_path / "use.cpp").write_text(CPP % by_rows)
+        command = f"{compiler} -std=c++17 -Wall -Wextra -Wpedantic -Werror use.cpp mass_matrix.o -lm -o use".split()
+        done = subprocess.run(command, cwd=tmp_path, capture_output=True, text=True, check=False)
+        assert (done.returncode == 0) == bool(by_rows)
+    assert "takes row-major matrices" in done.stderr
+    assert run(tmp_path, "use")[0] == 0
+
+
+def test_full_coupling_takes_all_the_derivatives_that_it_needs(tmp_path: Path) -> None:
+    rotor = Rotor(1e-5, coupling="full")
+    arm = cutpoint.robots.xia2019()
+    soft = cutpoint.LinearSpring(5e3)
+    two = arm.with_drives({j: Drive(100.0, rotor, soft) if j in ("joint1", "joint2") else Drive() for j in arm.joints})
+    export_function(two, "elastic_inverse_dynamics", tmp_path)
+    assert two.derivatives_needed == 6
+    assert "const double derivative_6[6]" in (tmp_path / "elastic_inverse_dynamics.h").read_text()
+
+
+def test_a_hostile_joint_name_stays_in_its_comment(arm: cutpoint.Robot, tmp_path: Path) -> None:
+    from cutpoint.kernels.c99_texts import comment
+
+    assert comment("a */ int x; /* \\\n #include ??/ // b") == "a ?/ int x; /? ?? ?include ??/ ?/ b"
+
+
+def test_what_cannot_be_exported_is_explained(arm: cutpoint.Robot, tmp_path: Path) -> None:
+    with pytest.raises(InputError, match="no function to export is named 'inverse'; there are: 'inverse_dynamics', "):
+        export_function(arm, "inverse", tmp_path)
+    with pytest.raises(InputError, match=r"jacobian: give frame= \(--frame on the command line\)"):
+        export_function(arm, "jacobian", tmp_path)
+    with pytest.raises(InputError, match="no option of mass_matrix is named 'frame'"):
+        export_function(arm, "mass_matrix", tmp_path, frame="link6")
+    with pytest.raises(InputError, match="no frame is named 'hand'"):
+        export_function(arm, "jacobian", tmp_path, frame="hand")
+    with pytest.raises(InputError, match="PD is for 2 drives, the robot has 6"):
+        export_controller(arm, PD([1.0] * 2, [1.0] * 2), tmp_path, period=PERIOD)
+    with pytest.raises(InputError, match="period 0 s must be positive"):
+        export_controller(arm, PD([1.0] * 6, [1.0] * 6), tmp_path, period=0)
+    with pytest.raises(InputError, match=r"has no step\(memory, measurement, reference\)"):
+        export_controller(arm, None, tmp_path, period=PERIOD)
+
+    class Branching(Integrating):
+        def step(self, memory: Any, m: Any, r: Any) -> Any:
+            return memory, (r.q if m.q[0] > 0 else m.q)
+
+    with pytest.raises(TraceError, match="has no truth value"):
+        export_controller(arm, Branching(), tmp_path, period=PERIOD)
+    assert not [*tmp_path.iterdir()]
+
+
+def test_the_command_line_exports(tmp_path: Path) -> None:
+    command = [sys.executable, "-c", "from cutpoint.cli import main; main()", "export", "xia2019", "--function"]
+    done = subprocess.run(
+        [*command, "gravity_forces", "--to", "c", tmp_path], capture_output=True, text=True, check=True
+    )
+    assert f"c: {tmp_path / 'gravity_forces.c'}" in done.stdout
+    done = subprocess.run([*command, "gravity", tmp_path], capture_output=True, text=True, check=False)
+    assert done.returncode == 1 and "no function to export is named 'gravity'" in done.stderr
