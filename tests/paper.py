@@ -13,7 +13,8 @@ from transcript import appendix, arm, data, joint, manipulator, simulation
 from transcript.registry import Equation, equations_of
 
 __all__ = [
-    "DEFINITIONS", "EQUATIONS", "NOT_BUILT", "Equation", "appendix", "arm", "data", "joint", "manipulator", "simulation",
+    "DEFINITIONS", "EQUATIONS", "NOT_BUILT", "Equation", "appendix", "arm", "data", "joint", "manipulator",
+    "simulation",
 ]  # fmt: skip
 
 DEFINITIONS: dict[str, str] = {

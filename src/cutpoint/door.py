@@ -99,7 +99,7 @@ def check_drive(name: str, drive: Drive) -> None:
     if drive.is_elastic and (drive.rotor is None or drive.rotor.inertia <= 0):
         raise ModelError(f"joint {name!r}: an elastic drive needs a rotor with a positive inertia, kg m2", joint=name)
     if drive.kinematic_error and drive.kinematic_error.steepest(drive.ratio) >= 1:
-        rule = "order * ratio * amplitude, summed over its harmonics, must stay below 1, or the drive would run backwards"
+        rule = "order * ratio * amplitude, summed over harmonics, must stay below 1, or the drive would run backwards"
         raise ModelError(f"joint {name!r}: kinematic error is too large: {rule}", joint=name)
     if drive.kinematic_error and not drive.is_elastic:
         raise ModelError(f"joint {name!r}: a kinematic error needs an elastic drive; give it a compliance", joint=name)

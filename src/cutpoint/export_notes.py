@@ -37,13 +37,14 @@ def _told(robot: Robot, name: str, shape: Sequence[int]) -> str:
     if name == "parameters":
         return "numbers of the drives, and what else is listed below"
     unit = _UNITS.get(name.removeprefix("reference_"), "SI units")
-    order = _order(robot, name) if len(shape) == 1 else []
+    order = _order(robot, name, shape[0]) if len(shape) == 1 else []
     return f"{unit}: {', '.join(order)}" if (len(order),) == tuple(shape) else unit
 
 
-def _order(robot: Robot, name: str) -> list[str]:
+def _order(robot: Robot, name: str, size: int) -> list[str]:
     """What the entries of a vector belong to: drives, coordinates, or speeds."""
-    if name in PER_DRIVE or name.startswith("reference_"):
+    # a torque has an entry a drive or, of links with a floating base, a speed
+    if size == len(robot.drives) and (name in PER_DRIVE or name.startswith("reference_")):
         return list(robot.drives)
     side, count = ("q", robot.nq) if name in ("q", "q_next", "q_dot") else ("v", robot.nv)
     entries = [""] * count

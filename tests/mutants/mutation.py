@@ -7,6 +7,7 @@ from contextlib import contextmanager
 from typing import Any
 
 import robot_library
+import test_every_joint_kind
 from hypothesis import Phase, given, settings
 from hypothesis import strategies as st
 
@@ -31,13 +32,16 @@ def mutated(function: Any, old: str, new: str) -> Iterator[None]:
 
 def holds(law: Callable[..., None], arguments: dict[str, Any]) -> bool:
     """Whether a law holds, on robots built and compiled anew."""
+    robots = [robot_library.robot, test_every_joint_kind.twin_of]
     if hasattr(law, "hypothesis"):
         law = FEW(given(data=st.data())(law.hypothesis.inner_test))
-    robot_library.robot.cache_clear()
+    for cached in robots:
+        cached.cache_clear()
     try:
         law(**arguments)
     except AssertionError:
         return False
     finally:
-        robot_library.robot.cache_clear()
+        for cached in robots:
+            cached.cache_clear()
     return True

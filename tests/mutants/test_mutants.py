@@ -6,17 +6,30 @@ import pytest
 import test_against_pinocchio as oracle
 import test_closed_loop as closed_loop
 import test_decomposition_laws as decomposition
+import test_drive_laws as drive_laws
 import test_elastic_against_rotor_bodies as rotor_bodies
 import test_elastic_laws as elastic_laws
+import test_every_joint_kind as joint_kinds
 import test_laws_of_motion as laws
 import test_package_agrees_with_paper as paper
+import test_rotors_as_bodies as rotors_as_bodies
 import test_sensors as sensing
 import test_spring_and_friction_laws as springs
 from mutation import holds, mutated
 
 from cutpoint import Drive, Flexspline, Robot, definitions, robots
 from cutpoint.formats import drive_entry
-from cutpoint.mechanics import elastic, inverse_dynamics, mass_matrix, power_flow, rigid_body
+from cutpoint.mechanics import (
+    assembly,
+    elastic,
+    harmonic_drive,
+    inverse_dynamics,
+    mass_matrix,
+    power_flow,
+    rigid_body,
+    rotations,
+)
+from cutpoint.mechanics.rotors import Spin
 from cutpoint.mechanics.spatial import Pose
 from cutpoint.mechanics.system import System
 from cutpoint.simulation.loop import ClosedLoop
@@ -105,16 +118,16 @@ MUTANTS = {
         MIXED,
     ),
     "friction on the wrong side, inverse": Mutant(
-        elastic._motor_torque,
-        "drive.motor_friction",
-        "drive.link_friction",
+        elastic._motor_motion,
+        "drive.link_friction, v if",
+        "drive.motor_friction, v if",
         elastic_laws.test_forward_dynamics_returns_the_motion_that_inverse_dynamics_was_given,
         {"name": "friction", "backend": "numpy", "friction_rates": False},
     ),
     "kappa_r = q_r": Mutant(
         elastic._motor_motion,
-        "theta = link + lead",
-        "theta = link + 0 * lead",
+        "motor_position(drive, link + wound)",
+        "motor_position(drive, link + 0 * wound)",
         elastic_laws.test_forward_dynamics_returns_the_motion_that_inverse_dynamics_was_given,
         {"name": "flexspline", "backend": "numpy", "friction_rates": False},
     ),
@@ -124,6 +137,48 @@ MUTANTS = {
         "a = [Jet(*x[:-1], 0) for",
         elastic_laws.test_motor_speed_and_acceleration_are_time_derivatives_of_motor_position,
         {"name": "flexspline", "backend": "numpy", "t": 0.7},
+    ),
+    "rotor counted twice": Mutant(
+        assembly._with_rotors,
+        "= drive.reflected_inertia",
+        "= 2 * drive.reflected_inertia",
+        rotors_as_bodies.test_rigidly_geared_rotors_are_bodies,
+        {"seed": 0, "floating": False},
+    ),
+    "ratio sign of a rotor": Mutant(
+        assembly._with_rotors,
+        "J * drive.ratio",
+        "-J * drive.ratio",
+        rotors_as_bodies.test_rigidly_geared_rotors_are_bodies,
+        {"seed": 0, "floating": False},
+    ),
+    "missing gyroscopic term": Mutant(
+        Spin.reaction,
+        " + omega.cross(momentum)",
+        "",
+        rotors_as_bodies.test_a_spinning_rotor_on_a_tilting_base_pushes_as_a_gyroscope_does,
+        {},
+    ),
+    "gyroscopic term of an elastic drive's rotor missing": Mutant(
+        Spin.reaction,
+        " + omega.cross(momentum)",
+        "",
+        rotors_as_bodies.test_elastically_geared_rotors_are_bodies,
+        {"seed": 0, "floating": True},
+    ),
+    "spherical rate in the wrong frame": Mutant(
+        rotations.quaternion_rates,
+        "product(quaternion, [*omega, 0])",
+        "product([*omega, 0], quaternion)",
+        joint_kinds.test_rates_of_coordinates_are_those_of_integration,
+        {"seed": 0, "backend": "numpy"},
+    ),
+    "motor bears all of the spring's torque, kinematic error or not": Mutant(
+        harmonic_drive.load_on_motor,
+        "transmission(drive, theta) * tau_f",
+        "tau_f",
+        drive_laws.test_energy_is_conserved_with_kinematic_error,
+        {},
     ),
     "no guard of the pole": Mutant(
         Flexspline.torque,
