@@ -155,6 +155,8 @@ class Robot:
         external: wrenches [force; moment] (..., 6) that act on the robot, by frame name, in that frame's axes.  The
         rotor of a rigid drive counts as armature; friction does not count.
         """
+        if not external:
+            return self._call("inverse_dynamics", definitions.inverse_dynamics, q=q, v=v, a=a)
         wrenches, frames = self._wrenches(external)
         function = _on_frames(definitions.inverse_dynamics, frames)
         return self._call("inverse_dynamics", function, frames, False, q=q, v=v, a=a, **wrenches)
@@ -166,6 +168,8 @@ class Robot:
 
         external: as in `inverse_dynamics`.
         """
+        if not external:
+            return self._call("forward_dynamics", definitions.forward_dynamics, q=q, v=v, tau=tau)
         wrenches, frames = self._wrenches(external)
         function = _on_frames(definitions.forward_dynamics, frames)
         return self._call("forward_dynamics", function, frames, False, q=q, v=v, tau=tau, **wrenches)
