@@ -19,10 +19,11 @@ PAGE = (Path(__file__).parents[2] / "docs" / "drive-file.md").read_text(encoding
 
 ROBOT = parse_urdf(
     robot(
-        *map(link, ("base", "a", "b", "c")),
+        *map(link, ("base", "a", "b", "c", "d")),
         joint("shoulder", "base", "a"),
         joint("elbow", "a", "b"),
-        joint("lift", "b", "c", "prismatic"),
+        joint("wrist", "b", "c"),
+        joint("lift", "c", "d", "prismatic"),
     )
 )
 
@@ -57,7 +58,7 @@ def test_every_field_is_on_the_page_with_unit_default_and_meaning(name: str) -> 
 
 def test_the_page_has_no_field_that_the_schema_lacks() -> None:
     known = {".".join(path) for path, _ in fields()} | FileSheet.model_fields.keys()
-    assert set(re.findall(r"^\| `([a-z_.]+)` \|", PAGE, re.MULTILINE)) == known
+    assert set(re.findall(r"^\| `([a-z0-9_.]+)` \|", PAGE, re.MULTILINE)) == known
 
 
 @pytest.mark.parametrize("name", FileSheet.model_fields)
@@ -69,7 +70,8 @@ def test_every_section_is_on_the_page_with_its_meaning(name: str) -> None:
 
 def test_the_example_loads() -> None:
     drives = parse_drives(EXAMPLE, ROBOT)
-    assert {name: drive.ratio for name, drive in drives.items()} == {"shoulder": 101, "elbow": -100, "lift": 1256.637}
+    ratios = {"shoulder": 101, "elbow": -100, "wrist": 100, "lift": 1256.637}
+    assert {name: drive.ratio for name, drive in drives.items()} == ratios
 
 
 def test_the_example_is_complete() -> None:

@@ -10,8 +10,11 @@ from urdf_text import ARM
 
 from cutpoint.errors import InputError
 from cutpoint.formats import drive_of, dump_drives, load_drives, parse_drives, parse_urdf, save_drives
+from cutpoint.mechanics.catalogue import CatalogueSpring
 from cutpoint.mechanics.compliance import Flexspline, LinearSpring
 from cutpoint.mechanics.friction import Coulomb, Stribeck
+from cutpoint.mechanics.kinematic_error import Harmonic, KinematicError
+from cutpoint.mechanics.wave_generator import HarmonicSpring, WaveGenerator
 from cutpoint.model import Drive, Limits, Rotor
 
 ROBOT = parse_urdf(ARM)
@@ -154,6 +157,29 @@ DRIVES = st.one_of(
 @given(st.dictionaries(st.sampled_from(JOINTS), DRIVES))
 def test_what_is_written_reads_back_the_same(drives: dict[str, Drive]) -> None:
     assert parse_drives(dump_drives(drives), ROBOT) == drives
+
+
+def test_catalogue_wave_generator_and_kinematic_error_read_back_the_same() -> None:
+    catalogue, flexspline = CatalogueSpring(4700.0, 6100.0, 7100.0, 2.0, 6.9), Flexspline(16e3, 0.05)
+    error = KinematicError((Harmonic(2, 2e-4, 0.3),))
+    series = HarmonicSpring(flexspline, WaveGenerator(60.0, 2.0, 100.0, 0.02))
+    drives = {
+        JOINTS[0]: Drive(-100.0, Rotor(1e-5), catalogue, kinematic_error=error),
+        JOINTS[1]: Drive(-100.0, Rotor(1e-5), series),
+    }
+    assert parse_drives(dump_drives(drives), ROBOT) == drives
+
+
+@pytest.mark.parametrize(
+    "drive",
+    [
+        Drive(80.0, Rotor(1e-5), HarmonicSpring(Flexspline(16e3, 0.05), WaveGenerator(60.0, 2.0, 100.0, 0.02))),
+        Drive(80.0, Rotor(1e-5), LinearSpring(1e4), kinematic_error=KinematicError((Harmonic(2, 1e-5),) * 2)),
+    ],
+)
+def test_what_a_file_has_no_words_for_is_not_dropped(drive: Drive) -> None:
+    with pytest.raises(InputError, match="a drive file"):
+        dump_drives({JOINTS[0]: drive})
 
 
 def test_a_saved_file_loads_and_leaves_no_draft(tmp_path: Path) -> None:

@@ -43,12 +43,34 @@ ENTRIES = {
     ),
     "two springs": (
         f"{{{ELASTIC}: {{linear: {{stiffness: 3}}, flexspline: {{stiffness: 3, hardening: 1}}}}}}",
-        "compliance must state exactly one of 'linear', 'flexspline'",
+        "compliance must state exactly one of 'linear', 'flexspline', 'catalogue'",
     ),
-    "no spring": (f"{{{ELASTIC}: {{}}}}", "compliance must state exactly one of 'linear', 'flexspline'"),
+    "no spring": (f"{{{ELASTIC}: {{}}}}", "compliance must state exactly one of 'linear', 'flexspline', 'catalogue'"),
     "word for a spring": (
         "{compliance: soft}",
-        "compliance 'soft' must be 'rigid' or a mapping with keys out of 'linear', 'flexspline'",
+        "compliance 'soft' must be 'rigid' or a mapping with keys out of"
+        " 'linear', 'flexspline', 'wave_generator', 'catalogue'",
+    ),
+    "wave generator alone": (
+        f"{{{ELASTIC}: {{linear: {{stiffness: 3}}, wave_generator: {{stiffness: 6, hardening: 2}}}}}}",
+        "compliance.wave_generator goes in series with 'flexspline', which is not stated",
+    ),
+    "corners out of order": (
+        f"{{{ELASTIC}: {{catalogue: {{k1: 1, k2: 2, k3: 3, t1: 5, t2: 4}}}}}}",
+        "compliance.catalogue.t2 4.0 N m must be above t1 5.0",
+    ),
+    "error of a rigid drive": (
+        "{kinematic_error: {amplitude: 1e-4}}",
+        "'kinematic_error' needs an elastic drive, but 'compliance' is rigid",
+    ),
+    "error that runs backwards": (
+        f"{{ratio: 100, kinematic_error: {{amplitude: 6e-3}}, {ELASTIC}: {{linear: {{stiffness: 3}}}}}}",
+        "kinematic_error.amplitude 0.006 rad times order and ratio is 1.2; it must stay below 1,"
+        " or the drive would run backwards",
+    ),
+    "half a wave": (
+        f"{{kinematic_error: {{amplitude: 1e-4, order: 1.5}}, {ELASTIC}: {{linear: {{stiffness: 3}}}}}}",
+        "kinematic_error.order 1.5 must be a whole number of waves a turn",
     ),
     "elastic without rotor": (
         "{compliance: {linear: {stiffness: 3}}}",
@@ -114,8 +136,8 @@ ENTRIES = {
     ),
     "merge key": (
         "{<<: {ratio: 1}}",
-        "unknown key '<<'; those that exist are 'ratio', 'gear', 'rotor', 'compliance', 'damping', 'friction',"
-        " 'limits', 'torque_constant'",
+        "unknown key '<<'; those that exist are 'ratio', 'gear', 'rotor', 'compliance', 'damping', 'kinematic_error',"
+        " 'friction', 'limits', 'torque_constant'",
     ),
 }
 

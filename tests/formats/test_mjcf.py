@@ -233,6 +233,7 @@ def test_what_is_lost_is_listed_once(case: str) -> None:
         assert str(message) == f"not carried over: {'; '.join(things)} (arm.xml)"
 
 
+BUILT = '<asset><mesh name="rock" builtin="sphere" params="30"/></asset>'
 MASSLESS = one_body('<body name="tip"><joint/><geom type="mesh" mesh="rock"/></body>', SHAPE)
 SAFETY = "is not read, for safety: it stands for text that is not in this file; load the model in MuJoCo, save it with"
 
@@ -263,6 +264,10 @@ REFUSED = {
     ),
     "inertia of a shape from a file": (
         MASSLESS,
+        "body 'tip': its inertia would come from a shape that is not in this file; give it an <inertial> (arm.xml)",
+    ),
+    "inertia of a shape that MuJoCo builds": (
+        one_body('<body name="tip"><joint/><geom type="mesh" mesh="rock"/></body>', BUILT),
         "body 'tip': its inertia would come from a shape that is not in this file; give it an <inertial> (arm.xml)",
     ),
     "two names": (

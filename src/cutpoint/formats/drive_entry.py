@@ -7,6 +7,7 @@ import numpy as np
 from cutpoint.errors import InputError
 from cutpoint.formats.drive_section import Section
 from cutpoint.formats.drive_sheet import (
+    CatalogueSheet,
     ComplianceSheet,
     DriveSheet,
     GearSheet,
@@ -14,8 +15,11 @@ from cutpoint.formats.drive_sheet import (
     LinkFrictionSheet,
     RotorSheet,
 )
+from cutpoint.mechanics.catalogue import CatalogueSpring
 from cutpoint.mechanics.compliance import Flexspline, LinearSpring
 from cutpoint.mechanics.friction import Coulomb, Stribeck
+from cutpoint.mechanics.kinematic_error import Harmonic, KinematicError
+from cutpoint.mechanics.wave_generator import HarmonicSpring, WaveGenerator
 from cutpoint.model.drive import Compliance, Drive, Friction, Rotor
 from cutpoint.model.mechanism import Limits
 
@@ -28,13 +32,14 @@ def to_drive(sheet: DriveSheet, section: Section) -> Drive:
     spring, static below Coulomb friction, bounds out of order.
     """
     friction, rotor = sheet.friction, sheet.rotor
-    compliance = _compliance(sheet.compliance, section) if sheet.compliance else None
+    compliance = _compliance(sheet.compliance, _ratio(sheet, section), section) if sheet.compliance else None
     _check_elastic(sheet, section)
     return Drive(
         ratio=_ratio(sheet, section),
         rotor=_rotor(rotor, section) if rotor else None,
         compliance=compliance,
         damping=sheet.damping,
+        kinematic_error=_kinematic_error(sheet, section) if sheet.kinematic_error else None,
         link_friction=_link_friction(friction.link, section) if friction and friction.link else None,
         motor_friction=Coulomb(**friction.motor.model_dump()) if friction and friction.motor else None,
         limits=_limits(sheet.limits, section) if sheet.limits else Limits(),
@@ -44,11 +49,14 @@ def to_drive(sheet: DriveSheet, section: Section) -> Drive:
 
 def to_entry(drive: Drive) -> dict[str, Any]:
     """The fields that give the same drive when read back, defaults left out."""
+    if isinstance(drive.compliance, HarmonicSpring) and drive.compliance.wave_generator.ratio != abs(drive.ratio):
+        raise InputError("a drive file has one ratio; the wave generator's is another", ratio=drive.ratio)
     friction = {"link": _law_entry(drive.link_friction), "motor": _law_entry(drive.motor_friction)}
     fields = {
         "rotor": drive.rotor and _rotor_entry(drive.rotor),
         "compliance": _law_entry(drive.compliance) or "rigid",
         "damping": _number(drive.damping),
+        "kinematic_error": _error_entry(drive.kinematic_error),
         "friction": _stated(friction),
         "limits": _stated(_limits_entry(drive.limits)),
         "torque_constant": _number(drive.torque_constant),
@@ -96,13 +104,46 @@ def _rotor(sheet: RotorSheet, section: Section) -> Rotor:
     return Rotor(**sheet.model_dump())
 
 
-def _compliance(sheet: ComplianceSheet, section: Section) -> Compliance:
-    if (sheet.linear is None) == (sheet.flexspline is None):
-        raise section.error(("compliance",), "compliance must state exactly one of 'linear', 'flexspline'")
+def _compliance(sheet: ComplianceSheet, ratio: float, section: Section) -> Compliance:
+    if sum(law is not None for law in (sheet.linear, sheet.flexspline, sheet.catalogue)) != 1:
+        raise section.error(("compliance",), "compliance must state exactly one of 'linear', 'flexspline', 'catalogue'")
+    if sheet.wave_generator and not sheet.flexspline:
+        path = ("compliance", "wave_generator")
+        raise section.error(path, "compliance.wave_generator goes in series with 'flexspline', which is not stated")
     if sheet.linear:
         return LinearSpring(sheet.linear.stiffness)
+    if sheet.catalogue:
+        return _catalogue(sheet.catalogue, section)
     assert sheet.flexspline is not None
-    return Flexspline(sheet.flexspline.stiffness, sheet.flexspline.hardening)
+    flexspline = Flexspline(sheet.flexspline.stiffness, sheet.flexspline.hardening)
+    if sheet.wave_generator is None:
+        return flexspline
+    wave = sheet.wave_generator
+    return HarmonicSpring(flexspline, WaveGenerator(wave.stiffness, wave.hardening, abs(ratio), wave.blend))
+
+
+def _catalogue(sheet: CatalogueSheet, section: Section) -> CatalogueSpring:
+    if sheet.t2 <= sheet.t1:
+        path = ("compliance", "catalogue", "t2")
+        raise section.error(path, f"{section.stated(DriveSheet, path, sheet.t2)} must be above t1 {sheet.t1!r}")
+    return CatalogueSpring(**sheet.model_dump())
+
+
+def _kinematic_error(sheet: DriveSheet, section: Section) -> KinematicError:
+    assert sheet.kinematic_error is not None
+    stated, path = sheet.kinematic_error, ("kinematic_error",)
+    if sheet.compliance is None:
+        raise section.error(path, "'kinematic_error' needs an elastic drive, but 'compliance' is rigid")
+    if stated.order != int(stated.order):
+        found = section.stated(DriveSheet, (*path, "order"), stated.order)
+        raise section.error((*path, "order"), f"{found} must be a whole number of waves a turn")
+    error = KinematicError((Harmonic(int(stated.order), stated.amplitude, stated.phase),))
+    steepest = error.steepest(_ratio(sheet, section))
+    if steepest >= 1.0:
+        found = section.stated(DriveSheet, (*path, "amplitude"), stated.amplitude)
+        rule = f"times order and ratio is {steepest:.3g}; it must stay below 1, or the drive would run backwards"
+        raise section.error((*path, "amplitude"), f"{found} {rule}")
+    return error
 
 
 def _link_friction(sheet: LinkFrictionSheet, section: Section) -> Friction:
@@ -135,9 +176,23 @@ def _law_entry(law: Compliance | Friction | None) -> dict[str, Any] | None:
             return {"linear": {"stiffness": float(stiffness)}}
         case Flexspline(stiffness, hardening):
             return {"flexspline": {"stiffness": float(stiffness), "hardening": float(hardening)}}
+        case CatalogueSpring():
+            return {"catalogue": {name: float(value) for name, value in vars(law).items()}}
+        case HarmonicSpring(flexspline, wave):
+            own = {name: float(getattr(wave, name)) for name in ("stiffness", "hardening", "blend")}
+            return (_law_entry(flexspline) or {}) | {"wave_generator": own}
         case Stribeck() | Coulomb():
             return {name: float(value) for name, value in vars(law).items()}
     raise InputError(f"a drive file has no words for {law!r}", law=law)
+
+
+def _error_entry(error: Any) -> dict[str, Any] | None:
+    match error:
+        case None:
+            return None
+        case KinematicError((Harmonic(order, amplitude, phase),)):
+            return {"amplitude": float(amplitude), "order": float(order), "phase": float(phase)}
+    raise InputError(f"a drive file has words for one harmonic of kinematic error, not for {error!r}", error=error)
 
 
 def _rotor_entry(rotor: Rotor) -> dict[str, Any]:

@@ -69,11 +69,43 @@ class FlexsplineSheet(Sheet):
     hardening: float = quantity("1/(N m)", "1/N", "c_f: stiffness grows by 1 + (c_f torque)^2", gt=0)
 
 
+class WaveGeneratorSheet(Sheet):
+    """A wave generator that hardens with load, in series with the flexspline.  Xia (2019) eq. (3)."""
+
+    stiffness: float = quantity("N m/rad", "N m/rad", "K_w0, unloaded, at the wave generator", gt=0)
+    hardening: float = quantity("1/(N m)", "1/(N m)", "c_w: stiffness grows by exp(c_w torque)", gt=0)
+    blend: float = quantity(
+        "N m", "N m", "torque at the wave generator below which the law's kink at zero is rounded", 0.01, gt=0
+    )
+
+
+class CatalogueSheet(Sheet):
+    """A catalogue's stiffness curve: straight segments with rounded corners."""
+
+    k1: float = quantity("N m/rad", "N/m", "stiffness K1, below t1", gt=0)
+    k2: float = quantity("N m/rad", "N/m", "stiffness K2, from t1 to t2", gt=0)
+    k3: float = quantity("N m/rad", "N/m", "stiffness K3, beyond t2", gt=0)
+    t1: float = quantity("N m", "N", "torque T1 of the first corner", gt=0)
+    t2: float = quantity("N m", "N", "torque T2 of the second corner, above t1", gt=0)
+
+
 class ComplianceSheet(Sheet):
-    """The spring between motor and link: exactly one law."""
+    """The spring between motor and link: exactly one law, the flexspline with its wave generator if wanted."""
 
     linear: LinearSheet | None = Field(None, description="a spring of constant stiffness")
     flexspline: FlexsplineSheet | None = Field(None, description="a flexspline that hardens with load, eq. (2)")
+    wave_generator: WaveGeneratorSheet | None = Field(
+        None, description="the wave generator's own compliance, in series with `flexspline`, eq. (3)"
+    )
+    catalogue: CatalogueSheet | None = Field(None, description="the stiffness curve of a catalogue, corners rounded")
+
+
+class KinematicErrorSheet(Sheet):
+    """What the output deviates from ratio-true rotation: one harmonic of the wave generator's angle."""
+
+    amplitude: float = quantity("rad", "m", "half of the catalogue's transmission accuracy, at the joint's side", ge=0)
+    order: float = quantity("1", "1", "waves for each turn of the wave generator, a whole number", 2.0, ge=1)
+    phase: float = quantity("rad", "rad", "of the wave where the joint's coordinate is zero", 0.0)
 
 
 class LinkFrictionSheet(Sheet):
@@ -127,6 +159,9 @@ class DriveSheet(Sheet):
         None, description="the spring between motor and link, or `rigid`"
     )
     damping: float | None = quantity("N m s/rad", "N s/m", "of the spring, at the joint's side", None, ge=0)
+    kinematic_error: KinematicErrorSheet | None = Field(
+        None, description="deviation of the output from ratio-true rotation; needs `compliance`"
+    )
     friction: FrictionSheet | None = Field(None, description="on either side of the spring")
     limits: LimitsSheet | None = Field(None, description="of the drive, at the joint's side")
     torque_constant: float | None = quantity("N m/A", "N m/A", "shaft torque per ampere", None, gt=0)

@@ -20,7 +20,7 @@ from cutpoint.model.validation import DRIVEN_KINDS
 
 VERSION = 1
 
-ALTERNATIVES = (frozenset({"ratio", "gear"}), frozenset({"linear", "flexspline"}))
+ALTERNATIVES = (frozenset({"ratio", "gear"}), frozenset({"linear", "flexspline", "catalogue"}))
 """Fields of which a drive has one: stating it drops the other from the defaults."""
 
 

@@ -34,9 +34,11 @@ KEPT: dict[str, tuple[str, ...]] = {
 LEFT_OUT = {
     "compiler": {"meshdir", "texturedir", "assetdir", "strippath", "discardvisual", "fusestatic", "usethread"},
     "geom": {"material", "hfield"},
-    "mesh": {"material"},
 }
 """Attributes that name or choose what is left out anyway; fused bodies would lose their names."""
+
+OF_A_MESH = {"name", "class", "vertex", "face", "scale", "refpos", "refquat", "inertia"}
+"""Others make MuJoCo build shapes by itself, of any size."""
 
 WITHOUT_EFFECT = {
     *("visual", "statistic", "size", "custom", "sensor", "keyframe"),
@@ -94,6 +96,8 @@ def _copy(element: Element, excerpt: Excerpt, place: str) -> None:
         complaint = f"MJCF holds more than {MAXIMUM_PIECES // 2:,} bodies, joints and geoms, the most that is read"
         raise ModelError(complaint, place=f"{place}:{element.line}")
     dropped = LEFT_OUT.get(element.tag, set())
+    if element.tag == "mesh":
+        dropped = element.attributes.keys() - OF_A_MESH
     kept = {name: value for name, value in element.attributes.items() if name not in dropped}
     for name, value in kept.items():
         if NOT_A_NUMBER.search(value):
@@ -109,7 +113,8 @@ def _copy(element: Element, excerpt: Excerpt, place: str) -> None:
 
 def _is_kept(child: Element, parent: Element) -> bool:
     """A mesh only if its points stand in the file."""
-    return child.tag in KEPT.get(parent.tag, ()) and "file" not in child.attributes
+    shape_is_elsewhere = parent.tag == "asset" and "vertex" not in child.attributes
+    return child.tag in KEPT.get(parent.tag, ()) and not shape_is_elsewhere
 
 
 def _count(child: Element, parent: Element, left_out: Counter[str]) -> None:
