@@ -14,7 +14,7 @@ import cutpoint
 from cutpoint.cli_tables import drive_table, error_table, listed_numbers, modes_table, robot_table, torque_table
 from cutpoint.control import Feedforward, pd_for_bandwidth
 from cutpoint.door import check_configuration, driven_joints
-from cutpoint.errors import CutpointError, SimulationError
+from cutpoint.errors import CutpointError, InputError, SimulationError
 from cutpoint.simulation import Log
 
 app = typer.Typer(
@@ -23,18 +23,22 @@ app = typer.Typer(
     add_completion=False,
     pretty_exceptions_enable=False,
 )
-console = Console()
+console = Console(width=None if sys.stdout.isatty() else 120)
 
-RobotFile = Annotated[Path, typer.Argument(metavar="ROBOT", help="URDF or xacro file, or xia2019 for the paper's arm.")]
+RobotFile = Annotated[Path, typer.Argument(metavar="ROBOT", help="URDF, xacro or MJCF file, or xia2019 for the paper's arm.")]
 Drives = Annotated[Path | None, typer.Option(metavar="FILE", help="Drive file (YAML): see docs/drive-file.md.")]
+Mimics = Annotated[
+    Literal["independent", "coupled"],
+    typer.Option("--mimic", help="Mimic joints as coordinates of their own, or tied to their leader."),
+]
 Degrees = Annotated[bool, typer.Option("--degrees", help="Angles, and their rates, are given in degrees.")]
 Rung = Literal["none", "gravity", "rigid", "rotor", "friction", "elastic"]
 
 
 @app.command(epilog="Example: cutpoint inspect arm.urdf --drives arm.drives.yaml")
-def inspect(robot: RobotFile, drives: Drives = None) -> None:
+def inspect(robot: RobotFile, drives: Drives = None, mimic: Mimics = "independent") -> None:
     """Show what a robot is: joints, bodies, limits, drives, and where virtual decomposition cuts it."""
-    loaded = _robot(robot, drives)
+    loaded = _robot(robot, drives, mimic)
     console.print(robot_table(loaded))
     console.print(drive_table(loaded))
 
@@ -47,13 +51,14 @@ def torque(
     a: Annotated[str, typer.Option(help="Accelerations, rad/s2; zero if not given.")] = "",
     drives: Drives = None,
     degrees: Degrees = False,
+    mimic: Mimics = "independent",
 ) -> None:
     """Torques that hold or move a robot; with elastic drives, where their motors must stand."""
-    loaded = _robot(robot, drives)
+    loaded = _robot(robot, drives, mimic)
     position, speed, acceleration = (_numbers(loaded, *given, degrees) for given in (("q", q), ("v", v), ("a", a)))
     check_configuration(loaded.mechanism, position.tolist())
     still = np.zeros(len(loaded.joints))
-    torques = loaded.elastic_inverse_dynamics(position, speed, acceleration, still, still)
+    torques = loaded.elastic_inverse_dynamics(position, speed, acceleration, still, still, quasi_rigid=True)
     console.print(torque_table(loaded, position, speed, acceleration, torques))
 
 
@@ -64,8 +69,10 @@ def simulate(
     robot: RobotFile,
     to: Annotated[str, typer.Option(help="Final positions, rad (m), separated by commas, in the order of inspect.")],
     duration: Annotated[float, typer.Option(help="Duration of the motion, s.")],
+    start: Annotated[str, typer.Option("--from", help="Initial positions; zero if not given.")] = "",
     drives: Drives = None,
     degrees: Degrees = False,
+    mimic: Mimics = "independent",
     bandwidth: Annotated[float, typer.Option(help="Bandwidth of the PD on the motors, Hz.")] = 5.0,
     feedforward: Annotated[Rung, typer.Option(help="How much of the model is fed forward.")] = "elastic",
     period: Annotated[float, typer.Option(help="Control period, s.")] = 1e-3,
@@ -74,9 +81,11 @@ def simulate(
         Path | None, typer.Option(metavar="FILE", help="Save a picture of the run: .png, .pdf or .svg.")
     ] = None,
 ) -> None:
-    """Move a robot from its zero along a cycloid, (57), under PD on its motors and feedforward; report the errors."""
-    loaded = _robot(robot, drives)
-    trajectory = cutpoint.trajectories.cycloid(end=_numbers(loaded, "to", to, degrees), duration=duration)
+    """Move a robot along a cycloid, (57), under PD on its motors and feedforward, and report the errors."""
+    _check_targets(output, plot)
+    loaded = _robot(robot, drives, mimic)
+    ends = {"start": _numbers(loaded, "from", start, degrees), "end": _numbers(loaded, "to", to, degrees)}
+    trajectory = cutpoint.trajectories.cycloid(duration=duration, **ends)
     controller: Any = pd_for_bandwidth(loaded, bandwidth)
     if feedforward != "none":
         controller = controller + Feedforward(loaded, feedforward)
@@ -104,6 +113,7 @@ def modes(
     ] = None,
 ) -> None:
     """Frequencies at which the drives ring, at rest, and how a motor's torque moves motor and link over frequency."""
+    _check_targets(None, plot)
     loaded = _robot(robot, drives)
     position = _numbers(loaded, "q", q, degrees)
     check_configuration(loaded.mechanism, position.tolist())
@@ -171,12 +181,15 @@ def main() -> None:
     except CutpointError as error:
         stderr.print(f"[red]error:[/] {escape(str(error))}", highlight=False)
         sys.exit(1)
+    except OSError as error:
+        stderr.print(f"[red]error:[/] {escape(str(error.filename))}: {escape(str(error.strerror))}", highlight=False)
+        sys.exit(1)
 
 
-def _robot(path: Path, drives: Path | None) -> cutpoint.Robot:
+def _robot(path: Path, drives: Path | None, mimic: Literal["independent", "coupled"] = "independent") -> cutpoint.Robot:
     """The robot of a file, or one that comes with the package."""
     if str(path) != "xia2019":
-        return cutpoint.load(path, drives)
+        return cutpoint.load(path, drives, mimic=mimic)
     return cutpoint.load(cutpoint.robots.XIA2019_URDF, drives or cutpoint.robots.XIA2019_DRIVES)
 
 
@@ -187,6 +200,17 @@ def _numbers(robot: cutpoint.Robot, option: str, text: str, degrees: bool) -> An
         return numbers
     slides = [robot.mechanism.bodies[i].joint.kind == "prismatic" for i in driven_joints(robot.mechanism).values()]
     return np.where(slides, numbers, np.radians(numbers))
+
+
+def _check_targets(output: Path | None, plot: Path | None) -> None:
+    """Before anything is computed: files can be written where they are wanted, and their kinds are known."""
+    for option, path, kinds in (("output", output, (".npz", ".csv")), ("plot", plot, (".png", ".pdf", ".svg"))):
+        if path is None:
+            continue
+        if path.suffix.lower() not in kinds:
+            raise InputError(f"--{option} {str(path)!r} must end in {', '.join(kinds)}", path=path)
+        if not path.parent.is_dir():
+            raise InputError(f"--{option} {str(path)!r}: folder {str(path.parent)!r} does not exist", path=path)
 
 
 def _keep(log: Log, output: Path | None, plot: Path | None) -> None:
