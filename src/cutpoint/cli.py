@@ -25,7 +25,9 @@ app = typer.Typer(
 )
 console = Console(width=None if sys.stdout.isatty() else 120)
 
-RobotFile = Annotated[Path, typer.Argument(metavar="ROBOT", help="URDF, xacro or MJCF file, or xia2019 for the paper's arm.")]
+RobotFile = Annotated[
+    Path, typer.Argument(metavar="ROBOT", help="URDF, xacro or MJCF file, or xia2019, the paper's arm.")
+]
 Drives = Annotated[Path | None, typer.Option(metavar="FILE", help="Drive file (YAML): see docs/drive-file.md.")]
 Mimics = Annotated[
     Literal["independent", "coupled"],
