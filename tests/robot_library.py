@@ -11,11 +11,11 @@ import numpy as np
 from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 from numpy.typing import NDArray
-from random_trees import random_tree
 
 import cutpoint
 from cutpoint import Coulomb, Drive, Flexspline, LinearSpring, Robot, Rotor, Stribeck
 from cutpoint.formats import MimicWarning
+from random_trees import random_tree
 
 Array = NDArray[np.float64]
 

@@ -1,6 +1,7 @@
 """docs/equations.md tells the truth about where the paper's equations are."""
 
 import pytest
+
 from equations_document import DOCUMENT, LAST, PACKAGE, citations, cited_numbers, document
 from paper import DEFINITIONS, NOT_BUILT
 

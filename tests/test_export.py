@@ -9,9 +9,9 @@ from typing import Any
 
 import numpy as np
 import pytest
-from c_builds import STRICT, CFunction, assert_same_bits, build, run
 
 import cutpoint
+from c_builds import STRICT, CFunction, assert_same_bits, build, run
 from cutpoint import Drive, InputError, Rotor, TraceError
 from cutpoint.control import PD, Feedforward
 from cutpoint.export import RESULTS, export_controller, export_function

@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+
 from agreements import body, drive, manipulator
 from agreements.registry import AGREEMENTS
 from paper import DEFINITIONS, EQUATIONS, NOT_BUILT

@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+
 from paper import DEFINITIONS, EQUATIONS, appendix, arm, data, joint, manipulator, simulation
 
 STEP = 1e-30  # of a complex step: its square is nothing, so the derivative is exact

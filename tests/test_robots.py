@@ -3,12 +3,12 @@
 import numpy as np
 import pytest
 import yaml
-from paper import arm, data
 
 from cutpoint.formats.urdf import load_urdf
 from cutpoint.robots import XIA2019_DRIVES, XIA2019_URDF, xia2019_mechanism
 from cutpoint.studies import newton_euler
 from cutpoint.studies.chain import chain_of
+from paper import arm, data
 
 JOINTS = [f"joint{i}" for i in range(1, 7)]
 STATES = np.concatenate([np.zeros((1, 3, 6)), np.random.default_rng(3).uniform(-3, 3, (5, 3, 6))])

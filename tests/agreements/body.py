@@ -1,14 +1,14 @@
 """One rigid body: the appendix, and the equations that repeat it for joint base, rotor, output link and arm link."""
 
 import numpy as np
-from random_trees import rotation
-from transcript import appendix, joint
 
 from agreements.registry import Array, equations, inertia, matrix, motion, pose, six, wrench
 from cutpoint.definitions import matrix_of
 from cutpoint.mechanics.articulated import Articulated
 from cutpoint.mechanics.rigid_body import acceleration_gradient, net_wrench
 from cutpoint.mechanics.spatial import Motion, Vec3
+from random_trees import rotation
+from transcript import appendix, joint
 
 Body = tuple[float, Array, Array]
 

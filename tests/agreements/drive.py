@@ -1,7 +1,6 @@
 """The joint with its harmonic drive, friction, reference and feedback: sections II and IV."""
 
 import numpy as np
-from transcript import data, joint, simulation
 
 from agreements.manipulator import robot
 from agreements.registry import equations
@@ -13,6 +12,7 @@ from cutpoint.mechanics.harmonic_drive import friction_torque, load_on_motor, mo
 from cutpoint.mechanics.kinematic_error import Harmonic, KinematicError
 from cutpoint.mechanics.wave_generator import HarmonicSpring, WaveGenerator
 from cutpoint.trajectories import cycloid
+from transcript import data, joint, simulation
 
 ELL = data.ELL
 

@@ -1,16 +1,16 @@
 """The paper's arm: section III."""
 
 import numpy as np
-import robot_library
-from transcript import arm, data, joint, manipulator
-from transcript.appendix import U, pose
 
+import robot_library
 from agreements.body import left_out
 from agreements.registry import Array, equations, six, wrench
 from cutpoint import Robot
 from cutpoint.mechanics import inverse_dynamics as recursion
 from cutpoint.mechanics.kinematics import body_velocities, joint_poses
 from cutpoint.mechanics.rigid_body import net_wrench
+from transcript import arm, data, joint, manipulator
+from transcript.appendix import U, pose
 
 BODIES = [(data.MASSES[i], data.CENTROIDS[i], data.MOMENTS[i] * np.eye(3)) for i in range(6)]
 

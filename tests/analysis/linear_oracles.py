@@ -4,12 +4,12 @@ from dataclasses import replace
 from typing import Any
 
 import numpy as np
-from robot_library import Array, Robot, derivative, frictionless
 
 from cutpoint import Coulomb, Drive, LinearSpring, Rotor
 from cutpoint.analysis import LinearModel
 from cutpoint.model import Joint, Link
 from cutpoint.model.build import build
+from robot_library import Array, Robot, derivative, frictionless
 
 STEP = 1e-5
 """Of differences of order 8.  The stiffest flexspline hardens over 1/742 rad, friction is smoothed over 0.02 rad/s:

@@ -5,11 +5,11 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 from linear_oracles import by_differences, fully_coupled, sprung, wheel, with_springs_of_their_own
-from robot_library import Array, Robot, assert_close, derivative, robot, states
 from scipy.linalg import eigh, eigvals
 
 from cutpoint import Drive, InputError
 from cutpoint.analysis import Modes
+from robot_library import Array, Robot, assert_close, derivative, robot, states
 
 WHEEL = wheel(inertia=0.8)
 positive = st.floats(-1.0, 1.0).map(lambda x: 10.0**x)

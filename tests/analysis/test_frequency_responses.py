@@ -5,11 +5,11 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 from linear_oracles import fully_coupled, sprung, wheel
-from robot_library import assert_close, derivative, robot, states
 from scipy import signal
 
 from cutpoint import InputError
 from cutpoint.analysis import frequency_response
+from robot_library import assert_close, derivative, robot, states
 
 WHEEL = wheel(inertia=0.8)
 positive = st.floats(-1.0, 1.0).map(lambda x: 10.0**x)

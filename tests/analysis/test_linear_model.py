@@ -6,7 +6,6 @@ from functools import cache
 import numpy as np
 import pytest
 from linear_oracles import by_differences, fully_coupled, sprung, wheel, with_springs_of_their_own
-from robot_library import BACKENDS, Array, Robot, assert_close, derivative, robot, states
 from scipy.linalg import expm
 
 import cutpoint
@@ -14,6 +13,7 @@ from cutpoint import InputError, State
 from cutpoint.analysis.derivatives import kernels_of
 from cutpoint.model import Joint, Link
 from cutpoint.model.build import build
+from robot_library import BACKENDS, Array, Robot, assert_close, derivative, robot, states
 
 NAMES = ["xia2019", "mixed", "mixed_floating", "panda_coupled", "full"]
 

@@ -5,11 +5,11 @@ from pathlib import Path
 import numpy as np
 import pytest
 from matplotlib.image import imread
-from robot_library import urdf
 from typer.testing import CliRunner
 
 from cutpoint import robots
 from cutpoint.cli import app
+from robot_library import urdf
 
 POSE = ["--q", "0,30,60,0,45,0", "--degrees"]
 

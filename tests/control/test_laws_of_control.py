@@ -6,10 +6,10 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-from robot_library import Array, assert_close, robot, vectors
 
 from cutpoint import InputError
 from cutpoint.control import PD, Command, Feedforward, GravityCompensation, Measurement, Reference, pd_for_bandwidth
+from robot_library import Array, assert_close, robot, vectors
 
 KP, KD = np.linspace(100.0, 600.0, 6), np.linspace(5.0, 30.0, 6)
 

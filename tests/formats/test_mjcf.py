@@ -12,7 +12,6 @@ import mujoco
 import numpy as np
 import pytest
 from mjcf_text import one_body
-from robot_library import Array, assert_close
 from scipy.linalg import block_diag
 from scipy.spatial.transform import Rotation
 
@@ -22,6 +21,7 @@ from cutpoint.errors import InputError, ModelError
 from cutpoint.formats import NotCarriedOver, parse_mjcf
 from cutpoint.formats.mjcf_text import MAXIMUM_PIECES
 from cutpoint.model import Limits
+from robot_library import Array, assert_close
 
 PACKAGED = Path(mujoco.__file__).parent / "testdata" / "model.xml"
 

@@ -6,12 +6,12 @@ from typing import Any
 
 import numpy as np
 import pytest
-from c_builds import CFunction, assert_same_bits, build, compilers, pointer, run
 from graph_recipes import cook, steps
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
 import cutpoint
+from c_builds import CFunction, assert_same_bits, build, compilers, pointer, run
 from cutpoint import InputError
 from cutpoint.kernels import compile
 from cutpoint.kernels.nodes import CONDITIONS, PRIMITIVES

@@ -5,9 +5,9 @@ from typing import Any
 import mujoco
 import numpy as np
 import pytest
-from robot_library import assert_close, robot, states
 
 from cutpoint.model import WORLD, Mechanism
+from robot_library import assert_close, robot, states
 
 ROBOTS = ("ur10", "panda")
 

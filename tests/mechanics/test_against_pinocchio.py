@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+
 from random_trees import random_tree
 from robot_library import BACKENDS, Robot, assert_close, robot, states, urdf
 from twins import Twin, pinocchio_from, pinocchio_of

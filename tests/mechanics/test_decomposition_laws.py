@@ -8,11 +8,11 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-from robot_library import Array, Robot, assert_close, derivative, motions, robot
 
 from cutpoint import Coulomb, Drive, Flexspline, LinearSpring, Rotor, definitions
 from cutpoint.control import Feedforward, Reference
 from cutpoint.kernels import Graph, graph_of
+from robot_library import Array, Robot, assert_close, derivative, motions, robot
 
 ROBOTS = [("xia2019", "llvm"), ("xia2019", "numpy"), ("panda", "llvm"), ("tree", "numpy"), ("floating", "llvm")]
 

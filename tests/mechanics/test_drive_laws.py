@@ -6,13 +6,13 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-from robot_library import robot
 
 from cutpoint import Drive, Flexspline, InputError, LinearSpring, ModelError, Robot, Rotor
 from cutpoint.mechanics.catalogue import CatalogueSpring
 from cutpoint.mechanics.kinematic_error import Harmonic, KinematicError
 from cutpoint.mechanics.wave_generator import HarmonicSpring, WaveGenerator
 from cutpoint.scalars import Jet
+from robot_library import robot
 
 CATALOGUE = {  # ratio above 50: K1, K2, K3 in N m/rad, T1, T2 in N m; Harmonic Drive CHA manual 1018854, table 50.4
     14: CatalogueSpring(4.7e3, 6.1e3, 7.1e3, 2.0, 6.9),

@@ -5,12 +5,12 @@ from typing import Any
 import numpy as np
 import pinocchio as pin
 import pytest
-from robot_library import BACKENDS, Array, Robot, assert_close, frictionless, robot, states
-from twins import Twin, pinocchio_of, se3
 
 from cutpoint import Drive, Flexspline, LinearSpring, Rotor
 from cutpoint.model import WORLD, Joint, Link
 from cutpoint.model.build import build
+from robot_library import BACKENDS, Array, Robot, assert_close, frictionless, robot, states
+from twins import Twin, pinocchio_of, se3
 
 
 def motor_states(ours: Robot, seed: int = 1) -> tuple[Array, ...]:

@@ -4,9 +4,9 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-from robot_library import BACKENDS, Array, assert_close, derivative, frictionless, robot, vectors
 
 from cutpoint import Drive
+from robot_library import BACKENDS, Array, assert_close, derivative, frictionless, robot, vectors
 
 ROBOTS = [("linear", "llvm"), ("flexspline", "llvm"), ("flexspline", "numpy"), ("friction", "llvm"), ("damped", "llvm"),
           ("rigid", "llvm"), ("mixed", "llvm"), ("mixed", "numpy")]  # fmt: skip

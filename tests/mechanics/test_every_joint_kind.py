@@ -5,13 +5,13 @@ from functools import cache
 import numpy as np
 import pinocchio as pin
 import pytest
-from random_trees import EVERY_KIND, placement, tree_of_every_kind
-from robot_library import Array, Robot, assert_close, derivative
-from twins import Twin, pinocchio_of, se3
 
 from cutpoint.mechanics.joints import Floating, Helical, Planar, Prismatic, Revolute, Spherical
 from cutpoint.model import Joint, Limits, Link
 from cutpoint.model.build import build
+from random_trees import EVERY_KIND, placement, tree_of_every_kind
+from robot_library import Array, Robot, assert_close, derivative
+from twins import Twin, pinocchio_of, se3
 
 TREES = range(100)
 COMPILED = (3, 21, 46, 77)

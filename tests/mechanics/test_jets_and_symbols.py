@@ -9,11 +9,11 @@ import pytest
 import sympy
 from hypothesis import given
 from hypothesis import strategies as st
-from robot_library import Array, Robot, assert_close, derivative, robot, tree, vectors
 
 from cutpoint import definitions, scalars
 from cutpoint.control import Feedforward, Measurement, Reference
 from cutpoint.scalars import Jet
+from robot_library import Array, Robot, assert_close, derivative, robot, tree, vectors
 
 FUNCTIONS = ("sin", "cos", "tan", "exp", "log", "tanh", "sqrt", "atan")
 TIME = sympy.Symbol("t")

@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
+
 from random_trees import placement, rotation
 from robot_library import Array, Robot, assert_close, derivative, motions, robot
 

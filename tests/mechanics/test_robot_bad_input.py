@@ -2,9 +2,9 @@
 
 import numpy as np
 import pytest
-from robot_library import BACKENDS, robot
 
 from cutpoint import Coulomb, Drive, Flexspline, InputError, LinearSpring, ModelError, Robot, Rotor, Stribeck
+from robot_library import BACKENDS, robot
 
 Q = np.zeros(6)
 NAN = np.array([0.0, 0.0, 0.0, np.nan, 0.0, 0.0])

@@ -5,12 +5,12 @@ from collections.abc import Iterator
 import numpy as np
 import pinocchio as pin
 import pytest
-from random_trees import placement, random_tree
-from robot_library import Array, Robot, assert_close, coupled_panda, load, robot, states, urdf
-from twins import Twin, pinocchio_from, pinocchio_of, se3
 
 from cutpoint import Drive, Rotor
 from cutpoint.model import Mechanism
+from random_trees import placement, random_tree
+from robot_library import Array, Robot, assert_close, coupled_panda, load, robot, states, urdf
+from twins import Twin, pinocchio_from, pinocchio_of, se3
 
 
 def assert_same_dynamics(ours: Robot, model: pin.Model) -> None:

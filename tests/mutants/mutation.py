@@ -6,10 +6,11 @@ from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from typing import Any
 
-import robot_library
 import test_every_joint_kind
 from hypothesis import Phase, given, settings
 from hypothesis import strategies as st
+
+import robot_library
 
 FEW = settings(max_examples=10, deadline=None, derandomize=True, database=None, phases=(Phase.generate,))
 """How a law that draws its inputs is tried: until it fails, without looking for the simplest failure."""

@@ -11,12 +11,12 @@ import test_elastic_against_rotor_bodies as rotor_bodies
 import test_elastic_laws as elastic_laws
 import test_every_joint_kind as joint_kinds
 import test_laws_of_motion as laws
-import test_package_agrees_with_paper as paper
 import test_rotors_as_bodies as rotors_as_bodies
 import test_sensors as sensing
 import test_spring_and_friction_laws as springs
 from mutation import holds, mutated
 
+import test_package_agrees_with_paper as paper
 from cutpoint import Drive, Flexspline, Robot, definitions, robots
 from cutpoint.formats import drive_entry
 from cutpoint.mechanics import (

@@ -2,7 +2,6 @@
 
 import numpy as np
 import pytest
-from robot_library import Robot, assert_close, frictionless, robot
 
 from cutpoint import Drive, LinearSpring, Log, Rotor, State, simulate
 from cutpoint.control import PD, Feedforward, GravityCompensation
@@ -10,6 +9,7 @@ from cutpoint.model import Limits
 from cutpoint.simulation import loop as loops
 from cutpoint.simulation.cache import programs_for
 from cutpoint.trajectories import cycloid, quintic
+from robot_library import Robot, assert_close, frictionless, robot
 
 KP, KD = [2000.0, 2000, 1000, 500, 300, 200], [60.0, 60, 35, 20, 12, 10]
 POSE = np.array([0.3, 0.9, -0.6, 0.4, 0.8, -0.5])

@@ -4,12 +4,12 @@ from typing import Any
 
 import numpy as np
 import pytest
-from robot_library import frictionless, robot
 
 from cutpoint import InputError, SimulationError, State, simulate
 from cutpoint.control import PD, Feedforward
 from cutpoint.simulation import UntracedControllerWarning
 from cutpoint.trajectories import cycloid
+from robot_library import frictionless, robot
 
 MOVE = cycloid(np.array([0.3, 0.9, -0.6, 0.4, 0.8, -0.5]), 1.0)
 LINK_SIDE = PD([2000.0, 2000, 1000, 500, 300, 200], [60.0, 60, 35, 20, 12, 10], side="link")

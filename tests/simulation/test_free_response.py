@@ -5,11 +5,11 @@ from functools import cache
 import numpy as np
 import pinocchio as pin
 import pytest
-from robot_library import Array, Robot, assert_close, frictionless, robot
 from scipy.integrate import solve_ivp
-from twins import Twin, pinocchio_of
 
 from cutpoint import Log, State, simulate
+from robot_library import Array, Robot, assert_close, frictionless, robot
+from twins import Twin, pinocchio_of
 
 # rad: near the paper's start, folded, stretched out sideways; the arm falls and swings at up to 17 rad/s
 STARTS = [np.zeros(6), np.array([1.3, -1.0, 0.9, -0.4, 1.5, 0.2]), np.array([-0.4, 1.6, 0.3, 1.9, -0.7, 1.1])]

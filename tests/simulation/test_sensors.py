@@ -4,11 +4,11 @@ from typing import Any
 
 import numpy as np
 import pytest
-from robot_library import frictionless, robot
 
 from cutpoint import InputError, Log, Sensors, simulate
 from cutpoint.control import PD
 from cutpoint.trajectories import quintic
+from robot_library import frictionless, robot
 
 PERIOD = 1e-3
 SOFT = PD([200.0] * 6, [20.0] * 6)

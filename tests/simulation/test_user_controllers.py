@@ -6,13 +6,13 @@ from typing import Any
 
 import numpy as np
 import pytest
-from robot_library import assert_close, frictionless, robot
 
 import cutpoint
 from cutpoint import InputError, Log, simulate
 from cutpoint.control import PD, Command, Feedforward
 from cutpoint.simulation import UntracedControllerWarning
 from cutpoint.trajectories import cycloid
+from robot_library import assert_close, frictionless, robot
 
 MOVE = cycloid(np.array([0.3, 0.9, -0.6, 0.4, 0.8, -0.5]), 0.5)
 CHANNELS = ("q", "theta", "command_torque", "motor_torque", "measured_q")
