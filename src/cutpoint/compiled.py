@@ -12,7 +12,7 @@ import numpy as np
 
 from cutpoint import kernels
 from cutpoint.definitions import Machine
-from cutpoint.door import checked_array
+from cutpoint.door import are_finite_vectors, checked_array
 from cutpoint.errors import unknown_name
 from cutpoint.kernels import Kernel
 from cutpoint.mechanics.assembly import system_of
@@ -111,5 +111,7 @@ class RobotFunction(NamedTuple):
     added: list[Any]
 
     def __call__(self, given: Mapping[str, Any]) -> Any:
+        if are_finite_vectors(given.values()):  # of the wrong length they are the kernel's to refuse
+            return self.kernel(*given.values(), *self.added)
         arrays = [checked_array(self.name, key, x, n) for (key, x), n in zip(given.items(), self.sizes, strict=True)]
         return self.kernel(*arrays, *self.added)

@@ -1,8 +1,9 @@
 """What is checked once, where a user hands something in: arrays, drives, configurations."""
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import fields
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -17,17 +18,21 @@ Array = NDArray[np.float64]
 FLOAT64 = np.dtype(np.float64)
 
 
-def checked_array(function: str, name: str, value: ArrayLike, size: int | tuple[()]) -> NDArray[np.float64]:
+def are_finite_vectors(values: Iterable[Any]) -> bool:
+    """Whether all are arrays (n,) of finite float64: the quick look at a single call's arguments.
+
+    A sum of squares is finite only if every number is; where it overflows, `checked_array` looks closer.
+    """
+    squares = 0.0
+    for x in values:
+        if type(x) is not np.ndarray or x.dtype is not FLOAT64 or x.ndim != 1:
+            return False
+        squares += x.dot(x)
+    return math.isfinite(squares)
+
+
+def checked_array(function: str, name: str, value: ArrayLike, size: int | tuple[()]) -> Array:
     """The value as float64 with a last axis of this size, every number finite.  Raises InputError."""
-    if type(value) is np.ndarray and value.dtype is FLOAT64 and value.ndim and value.shape[-1] == size:
-        # a sum of squares is finite only if every number is; where it overflows, the search below decides
-        squares = value.dot(value) if value.ndim == 1 else np.vdot(value, value)
-        if math.isfinite(squares):
-            return value
-    return _searched(function, name, value, size)
-
-
-def _searched(function: str, name: str, value: ArrayLike, size: int | tuple[()]) -> NDArray[np.float64]:
     try:
         array = np.asarray(value).astype(np.float64, casting="same_kind", copy=False)
     except (TypeError, ValueError) as error:
