@@ -69,6 +69,7 @@ class Robot:
 
     @property
     def name(self) -> str:
+        """The robot's name, as its file states it."""
         return self.mechanism.name
 
     @property

@@ -94,7 +94,7 @@ def _verdict(bench: Bench, errors: dict[str, Array]) -> str:
         f"at rest and {count * law.tangent(law.deflection(largest)):.2f} N m at its largest torque, where (2) is "
         f"stiffer; the reading is off by {_rms(errors[COARSE])[_SHOWN]:.2f} N m RMS. 2^{{20}} counts are "
         f"{_rms(errors[COARSE])[_SHOWN] / _rms(errors[FINE])[_SHOWN]:.1f} times better and not eight times, for then "
-        "the motor's encoder is the coarser of the two. A stiffness taken a fifth too high is off by "
+        "the motor's encoder is the coarser of the two. A "
         f"stiffness taken a fifth too high is off by {_rms(errors[STIFFER])[_SHOWN]:.1f} N m on the same joint, "
         "because the tangent of (2) magnifies it: a drive that is not identified well is not saved by its encoders. "
         "Damping, hysteresis and kinematic error, which a real drive has, are not in this plant."
