@@ -99,6 +99,8 @@ def check_drive(name: str, drive: Drive) -> None:
     for number in leaves([getattr(drive, field.name) for field in fields(drive) if field.name != "limits"]):
         if not np.isfinite(number):
             raise ModelError(f"joint {name!r}: its drive holds {number}, every number must be finite", joint=name)
+    if any(np.isnan(bound) for bound in leaves(drive.limits)):
+        raise ModelError(f"joint {name!r}: limits {drive.limits} hold nan; infinite is no limit", joint=name)
     if drive.ratio == 0:
         raise ModelError(f"joint {name!r}: ratio 0 must not be zero: motor turns per joint turn, signed", joint=name)
     if drive.is_elastic and (drive.rotor is None or drive.rotor.inertia <= 0):

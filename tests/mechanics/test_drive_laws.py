@@ -7,7 +7,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from cutpoint import Drive, Flexspline, InputError, LinearSpring, ModelError, Robot, Rotor
+from cutpoint import Drive, Flexspline, InputError, Limits, LinearSpring, ModelError, Robot, Rotor
 from cutpoint.mechanics.catalogue import CatalogueSpring
 from cutpoint.mechanics.kinematic_error import Harmonic, KinematicError
 from cutpoint.mechanics.wave_generator import HarmonicSpring, WaveGenerator
@@ -137,3 +137,8 @@ def test_statics_with_kinematic_error_hold_the_links():
     u = arm.elastic_inverse_dynamics(q, still, still, still, still)
     np.testing.assert_allclose(u.theta, q + arm.static_deflection(q), atol=1e-14)
     np.testing.assert_allclose(arm.drive_torque(u.theta, q), arm.gravity_forces(q), atol=1e-8)
+
+
+def test_limits_that_are_no_number_are_refused():
+    with pytest.raises(ModelError, match="joint 'joint1': limits .* hold nan; infinite is no limit"):
+        robot("xia2019", "numpy").with_drives({"joint1": Drive(limits=Limits(effort=np.nan))})
