@@ -13,7 +13,7 @@ Array = NDArray[np.float64]
 TABLEAU = np.array([[1 / 2, 1 / 6], [1 / 2, 1 / 3], [1.0, 1 / 3], [0.0, 1 / 6]])
 """Classical Runge-Kutta of order 4, a row a stage: how far to go for the next stage, and this stage's weight."""
 
-SETTINGS = {"standard": (0.35, 2.0, 2.5e-4), "fine": (0.1, 0.25, 6.25e-5)}
+SETTINGS = {"standard": (0.25, 2.0, 2.5e-4), "fine": (0.1, 0.25, 6.25e-5)}
 """Largest step: times the fastest drive mode (rad/s), times the fastest friction decay (1/s), and in s."""
 
 MOST_SUBSTEPS = 400
