@@ -27,20 +27,29 @@ def system_of(mechanism: Mechanism, drives: Mapping[str, Drive] | None = None) -
     """The mechanism with every joint along z, and with what its drives' rotors add to it; drives by joint name."""
     turns = [_turn_to_z(body) for body in mechanism.bodies]
     segments: dict[str, Segment] = {}
-    nq = nv = 0
+    places, nq, nv = _coordinates(mechanism)
     for body, turn in zip(mechanism.bodies, turns, strict=True):
         kind, mimic = _kind_of(body.joint), body.joint.mimic if mechanism.coupled else None
-        q, v, follower = slice(nq, nq + kind.coordinates), slice(nv, nv + len(kind.axes)), None
-        if mimic:
-            leader = segments[mimic.joint]
-            q, v, follower = leader.q, leader.v, Follower(number(mimic.multiplier), number(mimic.offset))
-        nq, nv = max(nq, q.stop), max(nv, v.stop)
+        q, v = places[mimic.joint if mimic else body.joint.name]
+        follower = Follower(number(mimic.multiplier), number(mimic.offset)) if mimic else None
         placement, axes = _turned(turns, body.parent, body.placement @ turn), mat3(turn[:3, :3])
         inertia = _inertia_of(body, turn)
         segments[body.joint.name] = Segment(body.name, body.parent, placement, kind, inertia, q, v, axes, follower)
     frames = {f.name: Place(f.body, _turned(turns, f.body, f.placement)) for f in mechanism.frames.values()}
     system = System(tuple(segments.values()), vec3(mechanism.gravity), frames, nq, nv, (0,) * nv)
     return _with_rotors(system, segments, drives or {})
+
+
+def _coordinates(mechanism: Mechanism) -> tuple[dict[str, tuple[slice, slice]], int, int]:
+    """Where each joint that is no follower has its coordinates and speeds, and how many there are of both."""
+    places: dict[str, tuple[slice, slice]] = {}
+    nq = nv = 0
+    for body in mechanism.bodies:
+        if not (mechanism.coupled and body.joint.mimic):
+            kind = _kind_of(body.joint)
+            places[body.joint.name] = slice(nq, nq + kind.coordinates), slice(nv, nv + len(kind.axes))
+            nq, nv = nq + kind.coordinates, nv + len(kind.axes)
+    return places, nq, nv
 
 
 def _with_rotors(system: System, joints: Mapping[str, Segment], drives: Mapping[str, Drive]) -> System:

@@ -89,7 +89,8 @@ def elastic_inverse_dynamics(
     a = [Jet(*x) for x in zip(*rates[1:], strict=True)]
     moved = motions(system, coordinate_jets(system, q, v), v, a)
     F = net_wrenches(system, moved, v, a)
-    found, by_segment = {}, {d.segment: d for d in drives}
+    # a leader's torque is whole once the innermost of its followers has added its share
+    found, whole_at = {}, {min(i for i, s in enumerate(system.segments) if s.v.start == d.v): d for d in drives}
     spins = {spin.joint: spin for spin in system.spins if spin.elastic}
     tau: list[Jet] = [_as_jet(I_m * a_i) for I_m, a_i in zip(system.armature, a, strict=True)]
     # inward: each joint's torque, the motor motion it takes, and what rotor and body cost the carrier
@@ -97,9 +98,9 @@ def elastic_inverse_dynamics(
         gain = segment.follower.multiplier if segment.follower else 1
         for k, effort in enumerate(segment.joint.effort(F[i]), segment.v.start):
             tau[k] = tau[k] + gain * effort
-        if i in by_segment:
-            driven = by_segment[i]
-            found[i] = _motor_motion(driven, tau[driven.v], q[driven.q], v[driven.v], a[driven.v], options)
+        if i in whole_at:
+            driven = whole_at[i]
+            found[driven.segment] = _motor_motion(driven, tau[driven.v], q[driven.q], v[driven.v], options)
         if i in spins:
             F[spins[i].carrier] = F[spins[i].carrier] + _spin_wrench(spins[i], moved, found[i], v, a, system, options)
         if segment.parent != WORLD:
@@ -146,7 +147,7 @@ class _Motor:
     passed: Scalar
 
 
-def _motor_motion(driven: Driven, tau: Jet, q: Scalar, v: Jet, a: Jet, options: Options) -> _Motor:
+def _motor_motion(driven: Driven, tau: Jet, q: Scalar, v: Jet, options: Options) -> _Motor:
     """How a motor moves so that its drive exerts the joint torque tau on the link."""
     drive, tau_0 = driven.drive, tau.derivative(0)
     link = Jet(q, *(v.derivative(k) for k in range(len(v.c))))
