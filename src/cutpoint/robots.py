@@ -60,7 +60,7 @@ def _link(i: int, height: float) -> Link:
 
 
 def _massless(name: str) -> Link:
-    return Link(name, has_inertia=False)
+    return Link(name)
 
 
 def _joint(i: int) -> Joint:

@@ -61,7 +61,7 @@ def wheel(inertia: float = 1.0) -> Robot:
     """A disc on a vertical axis, with a rigid drive: gravity does nothing to it."""
     disc = Link("disc", 1.0, np.zeros(3), inertia * np.eye(3))
     return Robot(
-        build("wheel", [Link("stand", has_inertia=False), disc], [Joint("axle", "continuous", "stand", "disc")])
+        build("wheel", [Link("stand"), disc], [Joint("axle", "continuous", "stand", "disc")])
     )
 
 

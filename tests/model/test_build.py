@@ -139,7 +139,7 @@ def test_a_joint_is_a_frame_where_no_link_has_its_name() -> None:
 
 def test_a_massless_link_may_carry_mass() -> None:
     joints = [Joint("pan", "revolute", "base", "cross"), Joint("tilt", "revolute", "cross", "head")]
-    robot = build("r", [ball("base"), Link("cross", has_inertia=False), ball("head")], joints)
+    robot = build("r", [ball("base"), Link("cross"), ball("head")], joints)
     assert [body.mass for body in robot.bodies] == [0.0, 1.0]
 
 

@@ -95,7 +95,7 @@ class _Tree:
     """Links and joints as they are read off a compiled model; armature of hinges and slides by joint."""
 
     model: Any
-    links: list[Link] = field(default_factory=lambda: [Link("world", has_inertia=False)])
+    links: list[Link] = field(default_factory=lambda: [Link("world")])
     joints: list[Joint] = field(default_factory=list[Joint])
     armature: dict[str, float] = field(default_factory=dict[str, float])
 
@@ -110,7 +110,7 @@ class _Tree:
             child = name if is_body else f"{name}_after_{name_of(model, 'joint', j)}"
             self.joints.append(self.joint(j, carrier, child, at @ pose(np.eye(3), anchor)))
             if not is_body:
-                self.links.append(Link(child, has_inertia=False))
+                self.links.append(Link(child))
             carrier, at = child, pose(np.eye(3), -anchor)
         if carrier != name:
             self.joints.append(Joint(f"{name}_fixed", "fixed", carrier, name, at))

@@ -108,7 +108,7 @@ def _link(element: Element, file: str) -> Link:
     name = reader.text("name")
     inertial = reader.child("inertial")
     if inertial is None:
-        return Link(name, has_inertia=False)
+        return Link(name)
     tensor = inertial.needed("inertia")
     xx, xy, xz, yy, yz, zz = (tensor.number(entry) for entry in ("ixx", "ixy", "ixz", "iyy", "iyz", "izz"))
     along_principal = np.array([[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]])

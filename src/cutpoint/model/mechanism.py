@@ -26,14 +26,12 @@ class Link:
     """A rigid piece as a file describes it.
 
     mass in kg; com (3,) in m in the link's frame; inertia (3, 3) in kg m2 about the com, along the link's axes.
-    `has_inertia` is False where the file gives none.
     """
 
     name: str
     mass: float = 0.0
     com: Array = field(default_factory=lambda: np.zeros(3))
     inertia: Array = field(default_factory=lambda: np.zeros((3, 3)))
-    has_inertia: bool = True
 
 
 @dataclass(frozen=True)

@@ -17,7 +17,7 @@ def expanded(links: Sequence[Link], joints: Sequence[Joint]) -> tuple[list[Link]
     crosses, simple = [], []
     for joint in joints:
         if joint.kind == "universal":
-            crosses.append(Link(f"{joint.name}_cross", has_inertia=False))
+            crosses.append(Link(f"{joint.name}_cross"))
             simple += _halves(joint, crosses[-1].name)
         else:
             simple.append(joint)

@@ -132,7 +132,7 @@ def locked(mechanism: Mechanism) -> Mechanism:
     """The arm's mechanism with joints 3 to 6 fixed at zero."""
     bodies = mechanism.bodies
     links = [Link(body.name, body.mass, body.com, body.inertia) for body in bodies]
-    base = Link(bodies[0].joint.parent, has_inertia=False)
+    base = Link(bodies[0].joint.parent)
     joints = [body.joint for body in bodies]
     return build(mechanism.name, [base, *links], joints, lock=dict.fromkeys(_LOCKED, 0.0))
 
