@@ -12,9 +12,9 @@ from cutpoint.loading import load
 from cutpoint.mechanics.catalogue import CatalogueSpring
 from cutpoint.mechanics.compliance import Flexspline, LinearSpring
 from cutpoint.mechanics.friction import Coulomb, Stribeck
-from cutpoint.mechanics.kinematic_error import Harmonic, KinematicError
+from cutpoint.mechanics.kinematic_error import KinematicError
 from cutpoint.mechanics.wave_generator import HarmonicSpring, WaveGenerator
-from cutpoint.model import Drive, Limits, Rotor
+from cutpoint.model import Drive, Harmonic, Limits, Motor, Ratings, Rotor
 from cutpoint.robot import Robot
 from cutpoint.scalars import atan, clip, cos, exp, log, sin, sqrt, tan, tanh, where
 from cutpoint.simulation import Log, Sensors, State, simulate

@@ -47,7 +47,8 @@ class Compiled:
         self.machine = machine_of(mechanism, drives)
         self.parameters = np.array(leaves([*drives.values()]), dtype=float)
         self._rotors_are_felt = any(rotor_is_felt(drive) for drive in drives.values())
-        self._functions: dict[Any, RobotFunction] = {}
+        self._functions: dict[Any, Callable[..., Any]] = {}
+        self._kernels: dict[str, Kernel] = {}
 
     def size_of(self, name: str) -> int | tuple[()]:
         """Length of an input's last axis; () for a single number."""
@@ -67,27 +68,43 @@ class Compiled:
         driven = [replace(old, drive=drive) for old, drive in zip(self.machine.drives, new.values(), strict=True)]
         return Machine(self.machine.system, driven)
 
-    def call(
-        self, name: str, definition: Callable[..., Any], variant: Any, reads_drives: bool, given: Mapping[str, Any]
-    ) -> Any:
-        """A definition, on a Machine and lists of scalars, called on arrays; its kernel is made the first time.
+    def function(
+        self,
+        key: Any,
+        definition: Callable[..., Any],
+        inputs: str,
+        reads_drives: bool = False,
+        record: type[tuple[Any, ...]] | None = None,
+    ) -> Callable[..., Any]:
+        """A definition, on a Machine and lists of scalars, as a function of arrays; made when first asked for.
 
-        variant: tells apart what definitions of one name close over.  reads_drives: whether it needs the drives.
+        Args:
+            key: its name; with what the definition closes over, a tuple that begins with its name.
+            inputs: their names in order, blanks between.
+            reads_drives: whether the definition needs the drives.
+            record: the NamedTuple that holds the outputs.
         """
-        found = self._functions.get((name, variant))
+        found = self._functions.get(key)
         if found is None:
-            found = self._functions[name, variant] = self._compile(name, definition, [*given], reads_drives)
-        return found(given)
+            name = key[0] if isinstance(key, tuple) else key
+            made = self._compile(name, definition, inputs.split(), reads_drives, record)
+            self._kernels[name] = made.kernel
+            found = self._functions[key] = made.quick()
+        return found
 
     def made(self, name: str) -> Kernel:
         """A kernel that has been made, the latest variant of this name."""
-        by_name = {key[0]: function.kernel for key, function in self._functions.items()}
-        if name not in by_name:
-            raise unknown_name("compiled function", name, by_name)
-        return by_name[name]
+        if name not in self._kernels:
+            raise unknown_name("compiled function", name, self._kernels)
+        return self._kernels[name]
 
     def _compile(
-        self, name: str, definition: Callable[..., Any], inputs: Sequence[str], reads_drives: bool
+        self,
+        name: str,
+        definition: Callable[..., Any],
+        inputs: Sequence[str],
+        reads_drives: bool,
+        record: type[tuple[Any, ...]] | None,
     ) -> "RobotFunction":
         """With the drives' numbers as an input if the definition reads drives, or if links feel some rotor."""
         sizes = {x: self.size_of(x) for x in inputs}
@@ -99,19 +116,25 @@ class Compiled:
 
         shapes = {**sizes, "parameters": self.parameters.size} if parametric else sizes
         kernel = kernels.compile(traced, name=name, backend=self._backend, **shapes)
-        return RobotFunction(name, kernel, [*sizes.values()], [self.parameters] if parametric else [])
+        return RobotFunction(name, kernel, sizes, [self.parameters] if parametric else [], record)
 
 
 class RobotFunction(NamedTuple):
-    """A kernel behind the door: the sizes of what users give, and what the robot adds."""
+    """A kernel behind the door: the inputs that users give with their sizes, and what the robot adds."""
 
     name: str
     kernel: Kernel
-    sizes: list[Any]
+    sizes: dict[str, Any]
     added: list[Any]
+    record: type[tuple[Any, ...]] | None
 
-    def __call__(self, given: Mapping[str, Any]) -> Any:
-        if are_finite_vectors(given.values()):  # of the wrong length they are the kernel's to refuse
-            return self.kernel(*given.values(), *self.added)
-        arrays = [checked_array(self.name, key, x, n) for (key, x), n in zip(given.items(), self.sizes, strict=True)]
-        return self.kernel(*arrays, *self.added)
+    def __call__(self, *given: Any) -> Any:
+        if not are_finite_vectors(given):  # of the wrong length they are the kernel's to refuse
+            pairs = zip(self.sizes.items(), given, strict=True)
+            given = tuple(checked_array(self.name, key, x, size) for (key, size), x in pairs)
+        result = self.kernel.general(*given, *self.added)
+        return self.record(*result) if self.record else result
+
+    def quick(self) -> Callable[..., Any]:
+        """The same, quickest for single calls."""
+        return self.kernel.shortcut(self, bound=self.added, finite=True, record=self.record)

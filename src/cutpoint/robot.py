@@ -1,7 +1,7 @@
 """A robot: what a user loads, asks and simulates."""
 
 from collections.abc import Mapping, Sequence
-from functools import cached_property, partial
+from functools import cache, cached_property, partial
 from typing import TYPE_CHECKING, Any, Literal, NamedTuple
 
 import numpy as np
@@ -64,6 +64,7 @@ class Robot:
         self.drives: Mapping[str, Drive] = validated_drives(mechanism, drives or {})
         self.backend: Backend = backend
         self._compiled = Compiled(mechanism, self.drives, backend)
+        self._function = self._compiled.function
 
     # what it is
 
@@ -157,10 +158,11 @@ class Robot:
         rotor of a rigid drive counts as armature; friction does not count.
         """
         if not external:
-            return self._call("inverse_dynamics", definitions.inverse_dynamics, q=q, v=v, a=a)
+            return self._function("inverse_dynamics", definitions.inverse_dynamics, "q v a")(q, v, a)
         wrenches, frames = self._wrenches(external)
-        function = _on_frames(definitions.inverse_dynamics, frames)
-        return self._call("inverse_dynamics", function, frames, False, q=q, v=v, a=a, **wrenches)
+        inputs = " ".join(["q v a", *wrenches])
+        definition = _on_frames(definitions.inverse_dynamics, frames)
+        return self._function(("inverse_dynamics", *frames), definition, inputs)(q, v, a, *wrenches.values())
 
     def forward_dynamics(
         self, q: ArrayLike, v: ArrayLike, tau: ArrayLike, external: Mapping[str, ArrayLike] | None = None
@@ -170,33 +172,34 @@ class Robot:
         external: as in `inverse_dynamics`.
         """
         if not external:
-            return self._call("forward_dynamics", definitions.forward_dynamics, q=q, v=v, tau=tau)
+            return self._function("forward_dynamics", definitions.forward_dynamics, "q v tau")(q, v, tau)
         wrenches, frames = self._wrenches(external)
-        function = _on_frames(definitions.forward_dynamics, frames)
-        return self._call("forward_dynamics", function, frames, False, q=q, v=v, tau=tau, **wrenches)
+        inputs = " ".join(["q v tau", *wrenches])
+        definition = _on_frames(definitions.forward_dynamics, frames)
+        return self._function(("forward_dynamics", *frames), definition, inputs)(q, v, tau, *wrenches.values())
 
     def mass_matrix(self, q: ArrayLike) -> Array:
         """M(q), (..., nv, nv), kg m2.  Featherstone (2008) section 6.2."""
-        return self._call("mass_matrix", definitions.mass, q=q)
+        return self._function("mass_matrix", definitions.mass, "q")(q)
 
     def bias_forces(self, q: ArrayLike, v: ArrayLike) -> Array:
         """Torques (..., nv) of a motion without acceleration: Coriolis, centrifugal and gravity."""
-        return self._call("bias_forces", definitions.bias_forces, q=q, v=v)
+        return self._function("bias_forces", definitions.bias_forces, "q v")(q, v)
 
     def gravity_forces(self, q: ArrayLike) -> Array:
         """Torques (..., nv) that hold the robot still."""
-        return self._call("gravity_forces", definitions.gravity_forces, q=q)
+        return self._function("gravity_forces", definitions.gravity_forces, "q")(q)
 
     def coriolis_matrix(self, q: ArrayLike, v: ArrayLike) -> Array:
         """C(q, v), (..., nv, nv): the sum of the bodies' C(omega), Xia (2019) eq. (61); M' - 2 C is skew symmetric.
 
         Of the many C with C v = Coriolis and centrifugal torques this is the one of virtual decomposition.
         """
-        return self._call("coriolis_matrix", definitions.coriolis_matrix, q=q, v=v)
+        return self._function("coriolis_matrix", definitions.coriolis_matrix, "q v")(q, v)
 
     def regressor(self, q: ArrayLike, v: ArrayLike, a: ArrayLike) -> Array:
         """Y(q, v, a), (..., nv, 10 n), with torque = Y p for p = `inertial_parameters` (armature is no part of it)."""
-        return self._call("regressor", definitions.torque_regressor, q=q, v=v, a=a)
+        return self._function("regressor", definitions.torque_regressor, "q v a")(q, v, a)
 
     @cached_property
     def inertial_parameters(self) -> Array:
@@ -215,47 +218,48 @@ class Robot:
         """
         if expressed_in not in ("local", "world", "local_world_aligned"):
             raise unknown_name("way to express a Jacobian", expressed_in, ("local", "world", "local_world_aligned"))
-        function = partial(definitions.jacobian, frame=self._frame(frame), expressed_in=expressed_in)
-        return self._call("jacobian", function, (frame, expressed_in), q=q)
+        definition = partial(definitions.jacobian, frame=self._frame(frame), expressed_in=expressed_in)
+        return self._function(("jacobian", frame, expressed_in), definition, "q")(q)
 
     def frame_pose(self, q: ArrayLike, frame: str) -> Array:
         """(..., 4, 4): where a frame is in the world."""
-        return self._call("frame_pose", partial(definitions.frame_pose, frame=self._frame(frame)), frame, q=q)
+        definition = partial(definitions.frame_pose, frame=self._frame(frame))
+        return self._function(("frame_pose", frame), definition, "q")(q)
 
     def velocity_map(self, q: ArrayLike) -> Array:
         """(..., 6 n, nv): the stacked velocities of all bodies, each in its own joint frame, for each speed.
 
         The rows below J_q of the paper's J_ba, Xia (2019) eqs. (39)-(43); body frames have their z along the joint.
         """
-        return self._call("velocity_map", definitions.velocity_map, q=q)
+        return self._function("velocity_map", definitions.velocity_map, "q")(q)
 
     def kinetic_energy(self, q: ArrayLike, v: ArrayLike) -> Array:
         """(...,) J, of links and of rigidly geared rotors."""
-        return self._call("kinetic_energy", definitions.kinetic_energy, q=q, v=v)
+        return self._function("kinetic_energy", definitions.kinetic_energy, "q v")(q, v)
 
     def potential_energy(self, q: ArrayLike) -> Array:
         """(...,) J, of the weight; zero with all centres of mass at the world's origin."""
-        return self._call("potential_energy", definitions.potential_energy, q=q)
+        return self._function("potential_energy", definitions.potential_energy, "q")(q)
 
     def momentum(self, q: ArrayLike, v: ArrayLike) -> Array:
         """(..., 6): linear (kg m/s) and angular momentum (kg m2/s) about the world's origin, along its axes."""
-        return self._call("momentum", definitions.momentum, q=q, v=v)
+        return self._function("momentum", definitions.momentum, "q v")(q, v)
 
     def power_flows(self, q: ArrayLike, v: ArrayLike, a: ArrayLike) -> Array:
         """(..., cuts): power that passes outward through each of `cuts`, W.  Zhu (2010) section 2.9."""
-        return self._call("power_flows", definitions.power_flows, q=q, v=v, a=a)
+        return self._function("power_flows", definitions.power_flows, "q v a")(q, v, a)
 
     def integrate(self, q: ArrayLike, v: ArrayLike, dt: float) -> Array:
         """(..., nq): coordinates after a time dt (s) at constant speeds v, each joint in its moving frame."""
-        return self._call("integrate", definitions.integrate, q=q, v=v, dt=dt)
+        return self._function("integrate", definitions.integrate, "q v dt")(q, v, dt)
 
     def difference(self, q: ArrayLike, q_next: ArrayLike) -> Array:
         """(..., nv): the constant speeds that lead from q to q_next in a unit of time: the inverse of `integrate`."""
-        return self._call("difference", definitions.difference, q=q, q_next=q_next)
+        return self._function("difference", definitions.difference, "q q_next")(q, q_next)
 
     def coordinate_rates(self, q: ArrayLike, v: ArrayLike) -> Array:
         """(..., nq): time derivative of q; v itself but for quaternions and planar joints."""
-        return self._call("coordinate_rates", definitions.coordinate_rates, q=q, v=v)
+        return self._function("coordinate_rates", definitions.coordinate_rates, "q v")(q, v)
 
     # the robot whose joints bend
 
@@ -278,23 +282,19 @@ class Robot:
         Friction enters by value; with friction_rates its derivatives pass through the spring too.  A rigid drive's
         motor moves as its joint does.
         """
-        options = Options(friction_rates, quasi_rigid)
-        rates = {"v": v, "a": a, "jerk": jerk, "snap": snap}
-        rates.update({f"derivative_{k}": x for k, x in enumerate(higher, 5)})
+        given = (q, v, a, jerk, snap, *higher)
         needed = 4 if quasi_rigid else self.derivatives_needed
-        if len(rates) < needed:
+        if len(given) <= needed:
             raise InputError(
-                f"elastic_inverse_dynamics: {needed - len(rates)} more derivatives of the position are needed: "
-                f"{len(rates)} are given, rotors with full coupling take {needed}; or say quasi_rigid=True",
+                f"elastic_inverse_dynamics: {needed + 1 - len(given)} more derivatives of the position are needed: "
+                f"{len(given) - 1} are given, rotors with full coupling take {needed}; or say quasi_rigid=True",
                 needed=needed,
             )
-        kept = dict([*rates.items()][: max(needed, 4)])
-        function = partial(definitions.elastic_inverse_dynamics, options=options)
-        return ElasticTorques(
-            *self._call("elastic_inverse_dynamics", function, (options, len(kept)), True, q=q, **kept)
-        )
+        key = ("elastic_inverse_dynamics", friction_rates, quasi_rigid)
+        definition = _with_options(friction_rates, quasi_rigid)
+        return self._function(key, definition, _motion(needed), True, ElasticTorques)(*given[: needed + 1])
 
-    @property
+    @cached_property
     def derivatives_needed(self) -> int:
         """Derivatives of the position that an exact `elastic_inverse_dynamics` takes: 4, or 2 (n + 1) for n rotors with
         full coupling along one arm.  Buondonno and De Luca (2015)."""
@@ -304,14 +304,16 @@ class Robot:
         self, q: ArrayLike, v: ArrayLike, theta: ArrayLike, theta_dot: ArrayLike, motor_torque: ArrayLike
     ) -> ElasticAccelerations:
         """Accelerations of links and motors under motor torques, friction included.  Spong (1987)."""
-        state = {"q": q, "v": v, "theta": theta, "theta_dot": theta_dot, "motor_torque": motor_torque}
-        name = "elastic_forward_dynamics"
-        return ElasticAccelerations(*self._call(name, definitions.elastic_forward_dynamics, reads_drives=True, **state))
+        inputs = "q v theta theta_dot motor_torque"
+        function = self._function(
+            "elastic_forward_dynamics", definitions.elastic_forward_dynamics, inputs, True, ElasticAccelerations
+        )
+        return function(q, v, theta, theta_dot, motor_torque)
 
     def elastic_energy(self, q: ArrayLike, theta: ArrayLike, theta_dot: ArrayLike) -> Array:
         """(...,) J, in the springs and in the spin of elastic drives' rotors."""
-        state = {"q": q, "theta": theta, "theta_dot": theta_dot}
-        return self._call("elastic_energy", definitions.elastic_energy, reads_drives=True, **state)
+        function = self._function("elastic_energy", definitions.elastic_energy, "q theta theta_dot", True)
+        return function(q, theta, theta_dot)
 
     def drive_torque(self, theta: ArrayLike, q: ArrayLike) -> Array:
         """(..., drives) N m: torque read from the deflection between two encoders.  Xia (2019) eqs. (2)-(3).
@@ -319,15 +321,15 @@ class Robot:
         theta is the motor's encoder over ratio, q the link's.  The drive's damping, and what lies beyond the spring, is
         not seen; a rigid drive shows 0.
         """
-        return self._call("drive_torque", definitions.drive_torque, reads_drives=True, theta=theta, q=q)
+        return self._function("drive_torque", definitions.drive_torque, "theta q", True)(theta, q)
 
     def static_deflection(self, q: ArrayLike) -> Array:
         """(..., drives) rad: how far each motor leads its link when gravity is all there is."""
-        return self._call("static_deflection", definitions.static_deflection, reads_drives=True, q=q)
+        return self._function("static_deflection", definitions.static_deflection, "q", True)(q)
 
     def friction_torques(self, v: ArrayLike) -> Array:
         """(..., nv) N m: what link-side friction takes.  Xia (2019) eq. (54)."""
-        return self._call("friction_torques", definitions.friction_torques, reads_drives=True, v=v)
+        return self._function("friction_torques", definitions.friction_torques, "v", True)(v)
 
     def linearize(
         self,
@@ -381,9 +383,6 @@ class Robot:
         """The compiled kernel behind a function that has been called, for its operations, its graph, its speed."""
         return self._compiled.made(name)
 
-    def _call(self, name: str, definition: Any, variant: Any = (), reads_drives: bool = False, **given: Any) -> Any:
-        return self._compiled.call(name, definition, variant, reads_drives, given)
-
     def _frame(self, frame: str) -> str:
         if frame not in self.mechanism.frames:
             raise unknown_name("frame", frame, self.mechanism.frames)
@@ -403,6 +402,18 @@ class Robot:
     def __repr__(self) -> str:
         elastic = sum(drive.is_elastic for drive in self.drives.values())
         return f"<Robot {self.name!r}: {len(self.mechanism.bodies)} bodies, {self.nv} speeds, {elastic} elastic drives>"
+
+
+@cache
+def _motion(derivatives: int) -> str:
+    """Names of a position and so many derivatives of it."""
+    return " ".join(["q v a jerk snap", *(f"derivative_{k}" for k in range(5, derivatives + 1))])
+
+
+@cache
+def _with_options(friction_rates: bool, quasi_rigid: bool) -> Any:
+    options = Options(friction_rates, quasi_rigid)
+    return partial(definitions.elastic_inverse_dynamics, options=options)
 
 
 def _on_frames(definition: Any, frames: Sequence[str]) -> Any:

@@ -10,12 +10,15 @@ from urdf_text import ARM
 
 from cutpoint.errors import InputError
 from cutpoint.formats import drive_of, dump_drives, load_drives, parse_drives, parse_urdf, save_drives
+from cutpoint.mechanics.backlash import Backlash
 from cutpoint.mechanics.catalogue import CatalogueSpring
 from cutpoint.mechanics.compliance import Flexspline, LinearSpring
-from cutpoint.mechanics.friction import Coulomb, Stribeck
+from cutpoint.mechanics.friction import Coulomb, Grease, Stribeck
+from cutpoint.mechanics.hysteresis import MaxwellSlip
 from cutpoint.mechanics.kinematic_error import Harmonic, KinematicError
+from cutpoint.mechanics.presliding import ElastoPlastic, LuGre
 from cutpoint.mechanics.wave_generator import HarmonicSpring, WaveGenerator
-from cutpoint.model import Drive, Limits, Rotor
+from cutpoint.model import Drive, Limits, Motor, Ratings, Rotor
 
 ROBOT = parse_urdf(ARM)
 JOINTS = [body.joint.name for body in ROBOT.bodies]
@@ -54,7 +57,7 @@ def test_every_field_reaches_its_place() -> None:
         link: {coulomb: 0.49, static: 3.5, viscous: 0.15, stribeck_velocity: 0.19, smoothing: 0.02}
         motor: {coulomb: 5, viscous: 0.3, smoothing: 0.03}
       limits: {torque: 120, velocity: 2.1, position: [-3, .inf]}
-      torque_constant: 0.12""")
+      motor: {torque_constant: 0.12}""")
     assert drive == Drive(
         ratio=100.0,
         rotor=Rotor(1.14e-5, False, mass=0.4, transverse=9e-6, position=-0.03, coupling="full"),
@@ -63,7 +66,7 @@ def test_every_field_reaches_its_place() -> None:
         link_friction=Stribeck(0.49, 3.5, 0.15, 0.19, 0.02),
         motor_friction=Coulomb(5.0, 0.3, 0.03),
         limits=Limits(-3.0, math.inf, velocity=2.1, effort=120.0),
-        torque_constant=0.12,
+        motor=Motor(0.12),
     )
     assert isinstance(drive.damping, float)
 
@@ -122,7 +125,24 @@ STRIBECK = st.builds(
     POSITIVE,
     POSITIVE,
 )
-COULOMB = st.builds(Coulomb, NOT_NEGATIVE, NOT_NEGATIVE, POSITIVE)
+MAYBE = st.one_of(st.none(), POSITIVE)
+COULOMB = st.builds(
+    Coulomb,
+    POSITIVE,
+    NOT_NEGATIVE,
+    POSITIVE,
+    asymmetry=st.one_of(st.none(), st.floats(-0.9, 0.9)),
+    grease=st.one_of(st.none(), st.builds(Grease, st.floats(-40.0, 120.0), NOT_NEGATIVE)),
+)
+GEAR_FRICTION = st.builds(Coulomb, POSITIVE, POSITIVE, POSITIVE, per_load=st.one_of(st.none(), st.floats(0.0, 0.9)))
+BRISTLES = st.one_of(
+    st.builds(LuGre, COULOMB, POSITIVE, NOT_NEGATIVE),
+    st.builds(ElastoPlastic, COULOMB, POSITIVE, NOT_NEGATIVE, st.floats(0.0, 0.9)),
+)
+WAVES = st.lists(
+    st.builds(Harmonic, st.integers(1, 48), st.floats(0.0, 0.02), st.floats(-9.0, 9.0)), max_size=3
+).map(tuple)
+MOTORS = st.builds(Motor, POSITIVE, POSITIVE, MAYBE, MAYBE, MAYBE, MAYBE, WAVES, WAVES)
 LIMITS = st.builds(
     Limits,
     st.one_of(st.just(-math.inf), st.floats(-9.0, 0.0)),
@@ -132,10 +152,11 @@ LIMITS = st.builds(
 )
 COMMON = {
     "ratio": st.one_of(POSITIVE, POSITIVE.map(lambda ratio: -ratio)),
-    "link_friction": st.one_of(st.none(), STRIBECK, COULOMB),
-    "motor_friction": st.one_of(st.none(), COULOMB),
+    "link_friction": st.one_of(st.none(), STRIBECK, COULOMB, BRISTLES),
+    "motor_friction": st.one_of(st.none(), STRIBECK, COULOMB, GEAR_FRICTION, BRISTLES),
     "limits": LIMITS,
-    "torque_constant": st.one_of(st.none(), POSITIVE),
+    "motor": st.one_of(st.none(), MOTORS),
+    "ratings": st.one_of(st.none(), st.builds(Ratings, POSITIVE, life=POSITIVE)),
 }
 COUPLINGS = st.sampled_from(["reduced", "full"])
 ROTORS = st.one_of(
@@ -161,7 +182,7 @@ def test_what_is_written_reads_back_the_same(drives: dict[str, Drive]) -> None:
 
 def test_catalogue_wave_generator_and_kinematic_error_read_back_the_same() -> None:
     catalogue, flexspline = CatalogueSpring(4700.0, 6100.0, 7100.0, 2.0, 6.9), Flexspline(16e3, 0.05)
-    error = KinematicError((Harmonic(2, 2e-4, 0.3),))
+    error = KinematicError((Harmonic(2, 2e-4, 0.3), Harmonic(1, 1e-5, 0.0)))
     series = HarmonicSpring(flexspline, WaveGenerator(60.0, 2.0, 100.0, 0.02))
     drives = {
         JOINTS[0]: Drive(-100.0, Rotor(1e-5), catalogue, kinematic_error=error),
@@ -170,11 +191,25 @@ def test_catalogue_wave_generator_and_kinematic_error_read_back_the_same() -> No
     assert parse_drives(dump_drives(drives), ROBOT) == drives
 
 
+@given(st.floats(1e-5, 1e-2), st.floats(1e-5, 1e-2), st.integers(1, 16), st.floats(1e-5, 1e-2))
+def test_hysteresis_and_backlash_read_back_to_rounding(loss: float, reach: float, elements: int, gap: float) -> None:
+    entry = f"{{loss: {loss!r}, reach: {reach!r}, elements: {elements}}}"
+    own = f"rotor: {{inertia: 1e-5}}, compliance: {{linear: {{stiffness: 1e4}}}}, backlash: {gap!r}"
+    drive = shoulder(f"{{ratio: 100, {own}, hysteresis: {entry}}}")
+    again = parse_drives(dump_drives({"shoulder": drive}), ROBOT)["shoulder"]
+    assert again.compliance == Backlash(LinearSpring(1e4), gap)
+    assert isinstance(drive.hysteresis, MaxwellSlip)
+    assert isinstance(again.hysteresis, MaxwellSlip)
+    assert drive.hysteresis.friction == pytest.approx(1e4 * loss / 2, rel=1e-12)
+    assert again.hysteresis.stiffness == pytest.approx(drive.hysteresis.stiffness, rel=1e-12)
+    assert again.hysteresis.reach == drive.hysteresis.reach
+
+
 @pytest.mark.parametrize(
     "drive",
     [
         Drive(80.0, Rotor(1e-5), HarmonicSpring(Flexspline(16e3, 0.05), WaveGenerator(60.0, 2.0, 100.0, 0.02))),
-        Drive(80.0, Rotor(1e-5), LinearSpring(1e4), kinematic_error=KinematicError((Harmonic(2, 1e-5),) * 2)),
+        Drive(80.0, Rotor(1e-5), LinearSpring(1e4), hysteresis=MaxwellSlip((1e3, 2e3), (1e-4, 3e-4))),
     ],
 )
 def test_what_a_file_has_no_words_for_is_not_dropped(drive: Drive) -> None:

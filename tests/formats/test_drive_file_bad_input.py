@@ -31,7 +31,7 @@ ENTRIES = {
     "unknown key": (
         "{friction: {link: {columb: 1}}}",
         "unknown key 'columb' in friction.link; those that exist are"
-        " 'coulomb', 'static', 'viscous', 'stribeck_velocity', 'smoothing'",
+        " 'coulomb', 'static', 'viscous', 'stribeck_velocity', 'smoothing', 'asymmetry', 'presliding', 'grease'",
     ),
     "negative stiffness": (
         f"{{{ELASTIC}: {{linear: {{stiffness: -3}}}}}}",
@@ -127,17 +127,17 @@ ENTRIES = {
         "{limits: {position: [1, -1]}}",
         "limits.position [1.0, -1.0] must be [lower, upper] with lower < upper",
     ),
-    "one limit": ("{limits: {position: [1]}}", "limits.position [1.0] must have two entries"),
+    "one limit": ("{limits: {position: [1]}}", "limits.position [1.0] must have 2 entries"),
     "limit that is no number": ("{limits: {position: [-1, b]}}", "limits.position.1 'b' must be a number"),
-    "limits in a row": ("{limits: {position: 1}}", "limits.position 1.0 rad must be a list of two numbers"),
+    "limits in a row": ("{limits: {position: 1}}", "limits.position 1.0 rad must be a list"),
     "yes for true": (
         "{rotor: {inertia: 1, in_link_inertia: yes}}",
         "rotor.in_link_inertia 'yes' must be true or false",
     ),
     "merge key": (
         "{<<: {ratio: 1}}",
-        "unknown key '<<'; those that exist are 'ratio', 'gear', 'rotor', 'compliance', 'damping', 'kinematic_error',"
-        " 'friction', 'limits', 'torque_constant'",
+        "unknown key '<<'; those that exist are 'catalogue', 'ratio', 'gear', 'rotor', 'compliance', 'backlash',"
+        " 'damping', 'hysteresis', 'kinematic_error', 'friction', 'motor', 'limits', 'ratings'",
     ),
 }
 

@@ -1,26 +1,22 @@
-"""One entry of a drive file to a `Drive` and back: the rules that join several fields, and who becomes what."""
+"""One entry of a drive file to a `Drive`: the rules that join several fields, and who becomes what."""
 
 from typing import Any
 
 import numpy as np
 
-from cutpoint.errors import InputError
 from cutpoint.formats.drive_section import Section
-from cutpoint.formats.drive_sheet import (
-    CatalogueSheet,
-    ComplianceSheet,
-    DriveSheet,
-    GearSheet,
-    LimitsSheet,
-    LinkFrictionSheet,
-    RotorSheet,
-)
+from cutpoint.formats.drive_sheet import DriveSheet, GearSheet, LimitsSheet
+from cutpoint.formats.friction_entry import to_friction
+from cutpoint.formats.motor_sheets import RotorSheet
+from cutpoint.formats.sheet import WaveSheet
+from cutpoint.formats.spring_sheets import CatalogueSheet, ComplianceSheet, HysteresisSheet
+from cutpoint.mechanics.backlash import Backlash
 from cutpoint.mechanics.catalogue import CatalogueSpring
 from cutpoint.mechanics.compliance import Flexspline, LinearSpring
-from cutpoint.mechanics.friction import Coulomb, Stribeck
-from cutpoint.mechanics.kinematic_error import Harmonic, KinematicError
+from cutpoint.mechanics.hysteresis import MaxwellSlip
+from cutpoint.mechanics.kinematic_error import KinematicError
 from cutpoint.mechanics.wave_generator import HarmonicSpring, WaveGenerator
-from cutpoint.model.drive import Compliance, Drive, Friction, Rotor
+from cutpoint.model.drive import Compliance, Drive, Harmonic, Motor, Ratings, Rotor
 from cutpoint.model.mechanism import Limits
 
 
@@ -31,37 +27,22 @@ def to_drive(sheet: DriveSheet, section: Section) -> Drive:
     elastic drive without rotor, a rotor's mass that its link already holds or that no body can have, damping without a
     spring, static below Coulomb friction, bounds out of order.
     """
-    friction, rotor = sheet.friction, sheet.rotor
-    compliance = _compliance(sheet.compliance, _ratio(sheet, section), section) if sheet.compliance else None
+    friction, rotor, ratio = sheet.friction, sheet.rotor, _ratio(sheet, section)
     _check_elastic(sheet, section)
+    spring = _compliance(sheet.compliance, ratio, section) if sheet.compliance else None
     return Drive(
-        ratio=_ratio(sheet, section),
+        ratio=ratio,
         rotor=_rotor(rotor, section) if rotor else None,
-        compliance=compliance,
+        compliance=Backlash(spring, sheet.backlash) if spring and sheet.backlash else spring,
         damping=sheet.damping,
         kinematic_error=_kinematic_error(sheet, section) if sheet.kinematic_error else None,
-        link_friction=_link_friction(friction.link, section) if friction and friction.link else None,
-        motor_friction=Coulomb(**friction.motor.model_dump()) if friction and friction.motor else None,
+        hysteresis=_hysteresis(sheet.hysteresis, spring, section) if sheet.hysteresis and spring else None,
+        link_friction=to_friction(friction.link, "link", section) if friction and friction.link else None,
+        motor_friction=to_friction(friction.motor, "motor", section) if friction and friction.motor else None,
+        motor=_motor(sheet, section) if sheet.motor else None,
         limits=_limits(sheet.limits, section) if sheet.limits else Limits(),
-        torque_constant=sheet.torque_constant,
+        ratings=Ratings(**sheet.ratings.model_dump()) if sheet.ratings else None,
     )
-
-
-def to_entry(drive: Drive) -> dict[str, Any]:
-    """The fields that give the same drive when read back, defaults left out."""
-    if isinstance(drive.compliance, HarmonicSpring) and drive.compliance.wave_generator.ratio != abs(drive.ratio):
-        raise InputError("a drive file has one ratio; the wave generator's is another", ratio=drive.ratio)
-    friction = {"link": _law_entry(drive.link_friction), "motor": _law_entry(drive.motor_friction)}
-    fields = {
-        "rotor": drive.rotor and _rotor_entry(drive.rotor),
-        "compliance": _law_entry(drive.compliance) or "rigid",
-        "damping": _number(drive.damping),
-        "kinematic_error": _error_entry(drive.kinematic_error),
-        "friction": _stated(friction),
-        "limits": _stated(_limits_entry(drive.limits)),
-        "torque_constant": _number(drive.torque_constant),
-    }
-    return {"ratio": float(drive.ratio)} | (_stated(fields) or {})
 
 
 def _ratio(sheet: DriveSheet, section: Section) -> float:
@@ -85,9 +66,13 @@ def harmonic_ratio(gear: GearSheet) -> float:
 def _check_elastic(sheet: DriveSheet, section: Section) -> None:
     if sheet.compliance and sheet.rotor is None:
         raise section.error(("compliance",), "an elastic drive needs 'rotor' with its 'inertia' (kg m2)")
-    if sheet.damping and sheet.compliance is None:
-        stated = section.stated(DriveSheet, ("damping",), sheet.damping)
-        raise section.error(("damping",), f"{stated} is the spring's, but 'compliance' is rigid")
+    for name in ("damping", "backlash"):
+        if getattr(sheet, name) and sheet.compliance is None:
+            stated = section.stated(DriveSheet, (name,), getattr(sheet, name))
+            raise section.error((name,), f"{stated} is the spring's, but 'compliance' is rigid")
+    for name in ("kinematic_error", "hysteresis"):
+        if getattr(sheet, name) and sheet.compliance is None:
+            raise section.error((name,), f"{name!r} needs an elastic drive, but 'compliance' is rigid")
 
 
 def _rotor(sheet: RotorSheet, section: Section) -> Rotor:
@@ -129,34 +114,57 @@ def _catalogue(sheet: CatalogueSheet, section: Section) -> CatalogueSpring:
     return CatalogueSpring(**sheet.model_dump())
 
 
+def _hysteresis(sheet: HysteresisSheet, spring: Compliance, section: Section) -> MaxwellSlip:
+    """Elements whose slipping torque bends the spring by half of the loss."""
+    path = ("hysteresis", "elements")
+    torque = float(spring.torque(sheet.loss / 2))
+    elements = _whole(sheet.elements, path, "elements", section)
+    return MaxwellSlip.smooth(torque, sheet.reach or sheet.loss, elements)
+
+
 def _kinematic_error(sheet: DriveSheet, section: Section) -> KinematicError:
     assert sheet.kinematic_error is not None
-    stated, path = sheet.kinematic_error, ("kinematic_error",)
-    if sheet.compliance is None:
-        raise section.error(path, "'kinematic_error' needs an elastic drive, but 'compliance' is rigid")
-    if stated.order != int(stated.order):
-        found = section.stated(DriveSheet, (*path, "order"), stated.order)
-        raise section.error((*path, "order"), f"{found} must be a whole number of waves a turn")
-    error = KinematicError((Harmonic(int(stated.order), stated.amplitude, stated.phase),))
+    path = ("kinematic_error",)
+    error = KinematicError(_harmonics(sheet.kinematic_error, path, section))
     steepest = error.steepest(_ratio(sheet, section))
     if steepest >= 1.0:
-        found = section.stated(DriveSheet, (*path, "amplitude"), stated.amplitude)
+        found = section.stated(DriveSheet, (*path, "amplitude"), sheet.kinematic_error.amplitude)
         rule = f"times order and ratio is {steepest:.3g}; it must stay below 1, or the drive would run backwards"
         raise section.error((*path, "amplitude"), f"{found} {rule}")
     return error
 
 
-def _link_friction(sheet: LinkFrictionSheet, section: Section) -> Friction:
-    path = ("friction", "link")
-    if sheet.static is None and sheet.stribeck_velocity is None:
-        return Coulomb(sheet.coulomb, sheet.viscous, sheet.smoothing)
-    if sheet.static is None or sheet.stribeck_velocity is None:
-        raise section.error(path, "friction.link must state 'static' and 'stribeck_velocity' together")
-    if sheet.static < sheet.coulomb:
-        stated = section.stated(DriveSheet, (*path, "static"), sheet.static)
-        rule = f"must not be below coulomb {sheet.coulomb!r}"
-        raise section.error((*path, "static"), f"{stated} {rule}")
-    return Stribeck(sheet.coulomb, sheet.static, sheet.viscous, sheet.stribeck_velocity, sheet.smoothing)
+def _motor(sheet: DriveSheet, section: Section) -> Motor:
+    assert sheet.motor is not None
+    if sheet.motor.voltage_limit is not None and sheet.motor.resistance is None:
+        path = ("motor", "voltage_limit")
+        stated = section.stated(DriveSheet, path, sheet.motor.voltage_limit)
+        raise section.error(path, f"{stated} needs motor.resistance (ohm) beside it")
+    waves = {
+        name: _harmonics(wave, ("motor", name), section)
+        for name in ("ripple", "cogging")
+        if (wave := getattr(sheet.motor, name))
+    }
+    return Motor(**sheet.motor.model_dump(exclude={"ripple", "cogging"}), **waves)
+
+
+def _harmonics(sheet: WaveSheet, path: tuple[str, ...], section: Section) -> tuple[Harmonic, ...]:
+    """The first wave and the further ones."""
+    own = sheet.model_dump()
+    rows = [(path, (own["order"], own["amplitude"], own["phase"]))]
+    rows += [((*path, "harmonics"), tuple(row)) for row in sheet.harmonics]
+    found = []
+    for at, (order, amplitude, phase) in rows:
+        if amplitude < 0.0 or order < 1.0:
+            raise section.error(at, f"{'.'.join(at)} [{order!r}, {amplitude!r}, {phase!r}] must not be negative")
+        found.append(Harmonic(_whole(order, (*at, "order"), "waves a turn", section), amplitude, phase))
+    return tuple(found)
+
+
+def _whole(value: float, path: tuple[str, ...], what: str, section: Section) -> int:
+    if value != int(value):
+        raise section.error(path, f"{'.'.join(path)} {value!r} must be a whole number of {what}")
+    return int(value)
 
 
 def _limits(sheet: LimitsSheet, section: Section) -> Limits:
@@ -166,54 +174,3 @@ def _limits(sheet: LimitsSheet, section: Section) -> Limits:
         complaint = f"limits.position [{lower!r}, {upper!r}] must be [lower, upper] with lower < upper"
         raise section.error(path, complaint)
     return Limits(lower, upper, sheet.velocity or np.inf, sheet.torque or np.inf)
-
-
-def _law_entry(law: Compliance | Friction | None) -> dict[str, Any] | None:
-    match law:
-        case None:
-            return None
-        case LinearSpring(stiffness):
-            return {"linear": {"stiffness": float(stiffness)}}
-        case Flexspline(stiffness, hardening):
-            return {"flexspline": {"stiffness": float(stiffness), "hardening": float(hardening)}}
-        case CatalogueSpring():
-            return {"catalogue": {name: float(value) for name, value in vars(law).items()}}
-        case HarmonicSpring(flexspline, wave):
-            own = {name: float(getattr(wave, name)) for name in ("stiffness", "hardening", "blend")}
-            return (_law_entry(flexspline) or {}) | {"wave_generator": own}
-        case Stribeck() | Coulomb():
-            return {name: float(value) for name, value in vars(law).items()}
-    raise InputError(f"a drive file has no words for {law!r}", law=law)
-
-
-def _error_entry(error: Any) -> dict[str, Any] | None:
-    match error:
-        case None:
-            return None
-        case KinematicError((Harmonic(order, amplitude, phase),)):
-            return {"amplitude": float(amplitude), "order": float(order), "phase": float(phase)}
-    raise InputError(f"a drive file has words for one harmonic of kinematic error, not for {error!r}", error=error)
-
-
-def _rotor_entry(rotor: Rotor) -> dict[str, Any]:
-    """Its own mass only where the link does not hold it: elsewhere it means nothing, and reading would refuse it."""
-    own = () if rotor.in_link_inertia else ("mass", "transverse", "position")
-    entry = {"inertia": float(rotor.inertia), "in_link_inertia": bool(rotor.in_link_inertia)}
-    entry |= {name: float(value) for name in own if (value := getattr(rotor, name))}
-    return entry | ({"coupling": "full"} if rotor.coupling == "full" else {})
-
-
-def _limits_entry(limits: Limits) -> dict[str, Any]:
-    position = [float(limits.lower), float(limits.upper)]
-    bounded = np.isfinite(position).any()
-    effort, velocity = _number(limits.effort), _number(limits.velocity)
-    return {"torque": effort, "velocity": velocity, "position": position if bounded else None}
-
-
-def _number(value: float | None) -> float | None:
-    """A number that a file states: None where there is none, or no bound."""
-    return float(value) if value is not None and np.isfinite(value) else None
-
-
-def _stated(fields: dict[str, Any]) -> dict[str, Any] | None:
-    return {name: value for name, value in fields.items() if value is not None} or None

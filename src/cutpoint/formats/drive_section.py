@@ -8,22 +8,26 @@ from pydantic import ValidationError
 from pydantic.fields import FieldInfo
 
 from cutpoint.errors import ModelError
-from cutpoint.formats.drive_sheet import Sheet
+from cutpoint.formats.sheet import Sheet
 from cutpoint.formats.safe_yaml import YamlDocument, YamlPath
 from cutpoint.model.places import listed
 
 S = TypeVar("S", bound=Sheet)
 
 _RULES = {
-    "greater_than": "must be positive",
-    "greater_than_equal": "must not be negative",
     "finite_number": "must be finite",
     "float_type": "must be a number",
+    "string_type": "must be a text",
     "bool_type": "must be true or false",
-    "list_type": "must be a list of two numbers",
-    "too_short": "must have two entries",
-    "too_long": "must have two entries",
+    "list_type": "must be a list",
     "dict_type": "must be a mapping of fields",
+}
+
+_BOUNDS = {
+    "greater_than": "above",
+    "greater_than_equal": "at least",
+    "less_than": "below",
+    "less_than_equal": "at most",
 }
 
 
@@ -71,7 +75,7 @@ class Section:
         owner = sheet_at(sheet, path[:-1])
         key, within = "".join(path[-1:]), f" in {'.'.join(path[:-1])}" if len(path) > 1 else ""
         if kind == "extra_forbidden" and owner:
-            known = listed(list(owner.model_fields))
+            known = ', '.join(map(repr, owner.model_fields))
             return self.error(path, f"unknown key {key!r}{within}; those that exist are {known}")
         if kind == "missing":
             unit = self.unit(field_of(sheet, path))
@@ -85,6 +89,14 @@ class Section:
             return f"must be {rigid}a mapping with keys out of {listed(list(nested.model_fields))}"
         if detail["type"] == "literal_error":
             return f"must be {detail['ctx']['expected']}"
+        context = detail.get("ctx", {})
+        match detail["type"]:
+            case "greater_than" | "greater_than_equal" if not context.get("gt", context.get("ge")):
+                return "must be positive" if "gt" in context else "must not be negative"
+            case "greater_than" | "greater_than_equal" | "less_than" | "less_than_equal" as kind:
+                return f"must be {_BOUNDS[kind]} {next(iter(context.values())):g}"
+            case "too_short" | "too_long":
+                return f"must have {context.get('min_length', context.get('max_length'))} entries"
         return _RULES[detail["type"]]
 
 
@@ -102,6 +114,7 @@ def sheet_at(sheet: type[Sheet], path: YamlPath) -> type[Sheet] | None:
 
 def field_of(sheet: type[Sheet], path: YamlPath) -> FieldInfo | None:
     """The field that a path of keys names; for an entry of a list, the list."""
-    path = path[:-1] if path and path[-1].isdigit() else path
+    while path and path[-1].isdigit():
+        path = path[:-1]
     owner = sheet_at(sheet, path[:-1])
     return owner.model_fields.get(path[-1]) if owner and path else None

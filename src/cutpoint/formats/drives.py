@@ -7,9 +7,11 @@ from typing import Any
 import yaml
 
 from cutpoint.files import replacing
-from cutpoint.formats.drive_entry import to_drive, to_entry
+from cutpoint.formats.drive_entry import to_drive
 from cutpoint.formats.drive_section import Section
-from cutpoint.formats.drive_sheet import DEFAULT_SMOOTHING, DriveSheet, FileSheet
+from cutpoint.formats.drive_sheet import DriveSheet, FileSheet
+from cutpoint.formats.drive_words import to_entry
+from cutpoint.formats.friction_sheets import DEFAULT_SMOOTHING
 from cutpoint.formats.reading import read_bytes
 from cutpoint.formats.safe_yaml import MAXIMUM_BYTES, parse_yaml
 from cutpoint.mechanics.friction import Coulomb

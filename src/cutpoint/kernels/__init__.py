@@ -5,6 +5,7 @@ is lowered to PRIMITIVES (`nodes`, `lowering`) and emitted (`llvm`).  A new emit
 come operands first, writes one statement for each `op`, and hands out `graph.results`.
 """
 
+from cutpoint.kernels.derivatives import jacobian_of
 from cutpoint.kernels.graph import Graph
 from cutpoint.kernels.kernel import Kernel, compile
 from cutpoint.kernels.program import Program, compile_program
@@ -12,4 +13,7 @@ from cutpoint.kernels.specialise import graph_of
 from cutpoint.kernels.stepping import Loop, Region, Stage
 from cutpoint.kernels.tracing import Traced
 
-__all__ = ["Graph", "Kernel", "Loop", "Program", "Region", "Stage", "Traced", "compile", "compile_program", "graph_of"]
+__all__ = [
+    "Graph", "Kernel", "Loop", "Program", "Region", "Stage", "Traced", "compile", "compile_program", "graph_of",
+    "jacobian_of",
+]  # fmt: skip

@@ -15,6 +15,10 @@ class Function(Protocol):
     call: Callable[..., Any]
     """call(*arrays, out=None) with the semantics of a NumPy generalised ufunc."""
 
+    @property
+    def element(self) -> int | None:
+        """Where its machine code for one element is, if there is some: see `cutpoint.kernels.element`."""
+
 
 def chosen(backend: str) -> str:
     """The backend that a name stands for: "llvm" or "numpy".

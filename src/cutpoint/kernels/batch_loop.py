@@ -5,12 +5,11 @@ through the batch, then its steps through its own axes.  If one is not C-contigu
 through scratch memory.  Otherwise packs take what they can of a long batch, and the loop the rest: see Packs.
 """
 
-import math
 from collections.abc import Sequence
 
-from cutpoint.kernels.algebra import Operand
+from cutpoint.kernels import element
 from cutpoint.kernels.graph import Graph
-from cutpoint.kernels.llvm import SCALAR, straight_line
+from cutpoint.kernels.llvm import SCALAR
 from cutpoint.kernels.llvm_code import Code
 from cutpoint.kernels.ports import Port
 
@@ -74,10 +73,10 @@ def batch_loop(graph: Graph, inputs: Sequence[Port], outputs: Sequence[Port], wi
         index = code.let(f"add i64 {loop.iteration}, {done}")
         for argument in arguments:
             argument.advance(code, index)
-        _one(code, graph, arguments[: len(inputs)], arguments[len(inputs) :], tidy)
+        _one(code, arguments[: len(inputs)], arguments[len(inputs) :], tidy)
     # results, not processor flags, tell of overflow and NaN: both sides of a select are computed
     code.let(f"call i32 @feclearexcept(i32 {_ALL_EXCEPTIONS})")
-    return "\n".join([_HEADER, *code.lines, "ret void", "}", ""])
+    return "\n".join([element.element(graph, inputs, outputs), _HEADER, *code.lines, "ret void", "}", ""])
 
 
 def _is_apart(code: Code, arguments: list[_Argument], inputs: int) -> list[str]:
@@ -115,7 +114,7 @@ def _loop_over_packs(code: Code) -> str:
     return code.let("load atomic ptr, ptr %packs acquire, align 8")
 
 
-def _one(code: Code, graph: Graph, inputs: list[_Argument], outputs: list[_Argument], tidy: str) -> None:
+def _one(code: Code, inputs: list[_Argument], outputs: list[_Argument], tidy: str) -> None:
     """One element of the batch."""
     gather, compute, scatter, end = (code.name(x) for x in ("gather", "compute", "scatter", "end"))
     code.branch(tidy, compute, gather)
@@ -124,31 +123,12 @@ def _one(code: Code, graph: Graph, inputs: list[_Argument], outputs: list[_Argum
         argument.copy(code, inward=True)
     code.label(compute)
     memory = [code.let(f"select i1 {tidy}, ptr {a.here}, ptr {a.scratch}") for a in (*inputs, *outputs)]
-    read = _slots([a.port for a in inputs], memory)
-    write = _slots([a.port for a in outputs], memory[len(inputs) :])
-    for argument, pointer in zip(outputs, memory[len(inputs) :], strict=True):
-        if any(_is_zero(x) for x in graph.output(argument.port.name)):
-            code.zero(pointer, argument.port.size)
-    for slot, x in enumerate(graph.results):
-        if isinstance(x, float) and not _is_zero(x):
-            code.store(SCALAR.constant(x), *write[slot])
-    # each result leaves as soon as it is there, so that few must be held at a time
-    straight_line(code, graph, lambda slot: code.load(*read[slot]), lambda slot, value: code.store(value, *write[slot]))
+    code.lines.append(f"call void @{element.FUNCTION}({', '.join(f'ptr {x}' for x in memory)})")
     code.branch(tidy, end, scatter)
     code.open(scatter)
     for argument in outputs:
         argument.copy(code, inward=False)
     code.label(end)
-
-
-def _is_zero(x: Operand) -> bool:
-    """Whether a result is zero, all bits of it."""
-    return isinstance(x, float) and x == 0 and math.copysign(1, x) > 0
-
-
-def _slots(ports: list[Port], memory: list[str]) -> list[tuple[str, int]]:
-    """Pointer and index of every slot."""
-    return [(pointer, k) for port, pointer in zip(ports, memory, strict=False) for k in range(port.size)]
 
 
 def _row_lengths(shape: tuple[int, ...]) -> list[int]:

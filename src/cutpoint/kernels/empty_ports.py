@@ -16,6 +16,8 @@ _BATCH = Port("batch", ())
 class AroundEmptyPorts:
     """A compiled graph with the same call as a Gufunc."""
 
+    element = None
+
     def __init__(self, graph: Graph, name: str) -> None:
         self._graph = graph
         outputs = [p for p in graph.outputs if p.size]

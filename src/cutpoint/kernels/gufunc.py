@@ -1,34 +1,35 @@
-"""A NumPy generalised ufunc over a loop in machine code.  All contact with NumPy's C API is here.
+"""A NumPy generalised ufunc over a loop in machine code.
 
 NumPy's own machinery then broadcasts, casts, walks strides, releases the GIL and writes to `out`.
 """
 
 import ctypes
 from collections.abc import Callable, Sequence
-from importlib import import_module
 from typing import Any
 
-import numpy as np
-
 from cutpoint.errors import InputError
+from cutpoint.kernels import element
 from cutpoint.kernels.batch_loop import FUNCTION, batch_loop
 from cutpoint.kernels.graph import Graph
 from cutpoint.kernels.jit import Compiled
 from cutpoint.kernels.lowering import lower
+from cutpoint.kernels.numpy_api import DOUBLE, new_gufunc
 from cutpoint.kernels.packs import Packs
 from cutpoint.kernels.ports import Port
 
-_FROM_FUNC_AND_DATA_AND_SIGNATURE = 31  # its place in NumPy's table of ufunc functions, fixed by the ABI
-_NPY_DOUBLE = 12
 _NO_IDENTITY = -1
-
 
 _MOST_NUMBERS = 2**15
 """In all arguments of one call together: scratch memory for strided ones lies on the stack."""
 
 
 class Gufunc:
-    """A compiled graph as a NumPy generalised ufunc; owns the code and tables that NumPy only points to."""
+    """A compiled graph as a NumPy generalised ufunc; owns the code and tables that NumPy only points to.
+
+    Attributes:
+        call: the generalised ufunc.
+        element: the address of the code for one element.
+    """
 
     def __init__(self, graph: Graph, inputs: Sequence[Port], outputs: Sequence[Port], name: str) -> None:
         numbers = sum(p.size for p in (*inputs, *outputs))
@@ -36,13 +37,14 @@ class Gufunc:
             raise InputError(f"{name}: {numbers} numbers a call, at most {_MOST_NUMBERS} compile; use backend='numpy'")
         lowered = lower(graph)
         self._packs = Packs(lowered, inputs, outputs)
-        self._code = Compiled(batch_loop(lowered, inputs, outputs, self._packs.width), FUNCTION)
+        self._code = Compiled(batch_loop(lowered, inputs, outputs, self._packs.width), FUNCTION, element.FUNCTION)
+        self.element: int | None = self._code.addresses[element.FUNCTION]
         self._loops = (ctypes.c_void_p * 1)(self._code.address)
         self._data = (ctypes.c_void_p * 1)(ctypes.addressof(self._packs.table))
-        self._types = bytes([_NPY_DOUBLE] * (len(inputs) + len(outputs)))
+        self._types = bytes([DOUBLE] * (len(inputs) + len(outputs)))
         self._name = name.encode()
         self._signature = signature(inputs, outputs).encode()
-        self.call: Callable[..., Any] = _from_func_and_data_and_signature()(
+        self.call: Callable[..., Any] = new_gufunc(
             self._loops, self._data, self._types, 1, len(inputs), len(outputs), _NO_IDENTITY, self._name, b"", 0,
             self._signature,
         )  # fmt: skip
@@ -52,18 +54,3 @@ def signature(inputs: Sequence[Port], outputs: Sequence[Port]) -> str:
     """NumPy's text of core dimensions, all of them frozen: (6),(3,4)->()."""
     left, right = (",".join(f"({','.join(map(str, p.shape))})" for p in ports) for ports in (inputs, outputs))
     return f"{left}->{right}"
-
-
-def _from_func_and_data_and_signature() -> Callable[..., Any]:
-    pointer, text, number = ctypes.c_void_p, ctypes.c_char_p, ctypes.c_int
-    prototype = ctypes.PYFUNCTYPE(
-        ctypes.py_object, pointer, pointer, text, number, number, number, number, text, text, number, text
-    )
-    return prototype(_ufunc_api()[_FROM_FUNC_AND_DATA_AND_SIGNATURE])
-
-
-def _ufunc_api() -> Any:
-    umath = import_module("numpy._core.umath" if hasattr(np, "_core") else "numpy.core.umath")  # NumPy 2 or 1.26
-    get = ctypes.pythonapi.PyCapsule_GetPointer
-    get.restype, get.argtypes = ctypes.c_void_p, [ctypes.py_object, ctypes.c_char_p]
-    return ctypes.cast(get(umath._UFUNC_API, None), ctypes.POINTER(ctypes.c_void_p))

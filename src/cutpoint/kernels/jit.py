@@ -6,33 +6,47 @@ third to the compile time, so the code generator works on the text as it stands.
 
 import itertools
 import threading
+from collections.abc import Mapping
 from functools import cache
 
 from llvmlite import binding
 
-_OPTIMISATION = 2  # of the code generator; 1 and 3 were measured to be neither quicker to compile nor to run
+OPTIMISATION = 2  # of the code generator; 1 and 3 were measured to be neither quicker to compile nor to run
 _lock = threading.Lock()
 _serials = itertools.count()
 
 
 class Compiled:
-    """A function in memory; its code lives as long as this object."""
+    """Functions in memory; their code lives as long as this object.
 
-    def __init__(self, ir: str, function: str) -> None:
+    Attributes:
+        address: of the first function.
+        addresses: of all, by name.
+    """
+
+    def __init__(
+        self, ir: str, *functions: str, symbols: Mapping[str, int] | None = None, optimisation: int = OPTIMISATION
+    ) -> None:
+        """symbols: addresses of what the text declares.  optimisation: of the code generator, 0 to 3."""
+        library = binding.JITLibraryBuilder().add_ir(ir).add_current_process()
+        for name in functions:
+            library.export_symbol(name)
+        for name, address in (symbols or {}).items():
+            library.import_symbol(name, address)
         with _lock:
-            library = binding.JITLibraryBuilder().add_ir(ir).add_current_process().export_symbol(function)
-            self._code = library.link(_compiler(), f"cutpoint{next(_serials)}")
-        self.address: int = self._code[function]
+            self._code = library.link(_compiler(optimisation), f"cutpoint{next(_serials)}")
+        self.addresses: dict[str, int] = {name: self._code[name] for name in functions}
+        self.address = self.addresses[functions[0]]
 
 
 @cache
-def _compiler() -> binding.LLJIT:
+def _compiler(optimisation: int) -> binding.LLJIT:
     binding.initialize_native_target()
     binding.initialize_native_asmprinter()
     machine = binding.Target.from_default_triple().create_target_machine(
         cpu=binding.get_host_cpu_name(),
         features=binding.get_host_cpu_features().flatten(),
-        opt=_OPTIMISATION,
+        opt=optimisation,
         reloc="pic",
         codemodel="default",
         jit=True,

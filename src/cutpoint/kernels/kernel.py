@@ -2,11 +2,14 @@
 
 import time
 from collections import namedtuple
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
+from functools import cached_property
 from pathlib import Path
 from typing import Any
 
-from cutpoint.kernels.arguments import explained, in_order
+import numpy as np
+
+from cutpoint.kernels.array_call import ArrayCall
 from cutpoint.kernels.backends import array_function, chosen
 from cutpoint.kernels.graph import Graph
 from cutpoint.kernels.ports import port
@@ -45,6 +48,7 @@ class Kernel:
         name: what errors call it.
         graph: what it computes.
         backend: "llvm" or "numpy".
+        general: what a call does, without the shortcut for plain single arguments.
         compile_seconds: what tracing and compilation took, s.
     """
 
@@ -52,6 +56,7 @@ class Kernel:
         self.graph, self.name, self.backend = graph, name, chosen(backend)
         self._function = array_function(graph, name, self.backend)
         self._record = namedtuple(record, [p.name for p in graph.outputs]) if record else None
+        self.general = ArrayCall(name, graph, self._function, self._record)
         self.compile_seconds = time.perf_counter() - start
 
     @property
@@ -65,16 +70,39 @@ class Kernel:
         Raises:
             InputError: an argument is missing, unknown, or of a shape or kind that does not fit.
         """
-        if named or len(arguments) != len(self.graph.inputs):
-            arguments = tuple(in_order(self.name, self.graph.inputs, arguments, named))
-        try:
-            call = self._function.call
-            result = call(*arguments) if out is None else call(*arguments, out=out)
-        except (TypeError, ValueError) as error:
-            raise explained(self.name, self.graph, arguments, out, error) from None
-        if self._record is None:
-            return result
-        return self._record(*result) if isinstance(result, tuple) else self._record(result)
+        if out is None and not named:
+            return self.call(*arguments)
+        return self.general(*arguments, out=out, **named)
+
+    @cached_property
+    def call(self) -> Callable[..., Any]:
+        """What calling the kernel does, as a function with less between: for single calls in a loop."""
+        return self.shortcut(self.general, record=self._record)
+
+    def shortcut(
+        self,
+        general: Callable[..., Any],
+        *,
+        bound: Sequence[np.ndarray] = (),
+        finite: bool = False,
+        record: type[tuple[Any, ...]] | None = None,
+    ) -> Callable[..., Any]:
+        """A built-in function that runs the kernel on plain single arguments and hands on all others: see `fastcall`.
+
+        Args:
+            general: what takes the others; all of them where this backend, Python or NumPy knows no shortcut.
+            bound: arrays for the last inputs, which callers then do not give.
+            finite: whether numbers that are not finite are for `general`.
+            record: the NamedTuple that holds the outputs.
+        """
+        if self._function.element is None:
+            return general
+        from cutpoint.kernels.fastcall import Front, fastcall, is_possible
+
+        if not is_possible():
+            return general
+        front = Front(general, bound, finite, record)
+        return fastcall(self._function, self.name, self.graph.inputs, self.graph.outputs, front)
 
     def to_c(self, folder: str | Path, *, force: bool = False) -> tuple[Path, ...]:
         """Writes the kernel as a package of C99, equal to machine code to the last bit; returns the files' paths.

@@ -42,6 +42,8 @@ def evaluate(graph: Graph, inputs: Sequence[Any]) -> list[Any]:
 class NumpyFunction:
     """A graph as a callable with the semantics of a generalised ufunc."""
 
+    element = None
+
     def __init__(self, graph: Graph) -> None:
         self._graph = graph
 

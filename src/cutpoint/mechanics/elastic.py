@@ -15,11 +15,14 @@ from cutpoint.mechanics.harmonic_drive import (
     friction_torque,
     load_on_motor,
     motor_position,
+    rigidly_transmitted,
+    slipping_torque,
     spring_torque,
 )
 from cutpoint.mechanics.inverse_dynamics import BodyMotion, motions, net_wrenches
 from cutpoint.mechanics.rotors import Spin
 from cutpoint.mechanics.spatial import Wrench
+from cutpoint.mechanics.strains import UNKNOWN, Strains
 from cutpoint.mechanics.system import System
 from cutpoint.model.drive import Drive
 from cutpoint.model.mechanism import WORLD
@@ -75,7 +78,12 @@ class ElasticAccelerations(NamedTuple):
 
 
 def elastic_inverse_dynamics(
-    system: System, drives: Sequence[Driven], q: Scalars, *rates: Scalars, options: Options = DEFAULT
+    system: System,
+    drives: Sequence[Driven],
+    q: Scalars,
+    *rates: Scalars,
+    options: Options = DEFAULT,
+    strains: Sequence[Strains] | None = None,
 ) -> ElasticMotion:
     """Motor torques and motor motion of a motion, exact in its derivatives.  Xia (2019) eqs. (2), (4)-(11), (13)-(28).
 
@@ -83,7 +91,7 @@ def elastic_inverse_dynamics(
     `derivatives_needed` says.  Every coordinate carries its derivatives through the recursion as a time jet, so joint
     torques come out with theirs.  A damped spring's rate of deflection is that of the undamped law: the result then
     still makes `elastic_forward_dynamics` return a and theta_ddot exactly, but theta_dot is off d theta/dt by the order
-    of damping.
+    of damping.  strains: of the drives; what they exert enters by value, as friction does.
     """
     v = [Jet(*x) for x in zip(*rates[:-1], strict=True)]
     a = [Jet(*x) for x in zip(*rates[1:], strict=True)]
@@ -92,6 +100,7 @@ def elastic_inverse_dynamics(
     # a leader's torque is whole once the innermost of its followers has added its share
     found, whole_at = {}, {min(i for i, s in enumerate(system.segments) if s.v.start == d.v): d for d in drives}
     spins = {spin.joint: spin for spin in system.spins if spin.elastic}
+    strained = {d.segment: s for d, s in zip(drives, strains or [UNKNOWN] * len(drives), strict=True)}
     tau: list[Jet] = [_as_jet(I_m * a_i) for I_m, a_i in zip(system.armature, a, strict=True)]
     # inward: each joint's torque, the motor motion it takes, and what rotor and body cost the carrier
     for i, segment in reversed([*enumerate(system.segments)]):
@@ -100,12 +109,15 @@ def elastic_inverse_dynamics(
             tau[k] = tau[k] + gain * effort
         if i in whole_at:
             driven = whole_at[i]
-            found[driven.segment] = _motor_motion(driven, tau[driven.v], q[driven.q], v[driven.v], options)
+            held = strained[driven.segment]
+            found[driven.segment] = _motor_motion(driven, tau[driven.v], q[driven.q], v[driven.v], options, held)
         if i in spins:
             F[spins[i].carrier] = F[spins[i].carrier] + _spin_wrench(spins[i], moved, found[i], v, a, system, options)
         if segment.parent != WORLD:
             F[segment.parent] = F[segment.parent] + moved[i].X.inward(F[i])
-    torques = [_motor_torque(d, found[d.segment], spins.get(d.segment), moved) for d in drives]
+    torques = [
+        _motor_torque(d, found[d.segment], spins.get(d.segment), moved, strained[d.segment].motor) for d in drives
+    ]
     theta, theta_dot, theta_ddot = ([found[d.segment].theta.derivative(k) for d in drives] for k in range(3))
     return ElasticMotion(torques, theta, theta_dot, theta_ddot, [t.derivative(0) for t in tau])
 
@@ -147,26 +159,29 @@ class _Motor:
     passed: Scalar
 
 
-def _motor_motion(driven: Driven, tau: Jet, q: Scalar, v: Jet, options: Options) -> _Motor:
+def _motor_motion(driven: Driven, tau: Jet, q: Scalar, v: Jet, options: Options, strains: Strains) -> _Motor:
     """How a motor moves so that its drive exerts the joint torque tau on the link."""
-    drive, tau_0 = driven.drive, tau.derivative(0)
+    drive, tau_0, v_0 = driven.drive, tau.derivative(0), v.derivative(0)
     link = Jet(q, *(v.derivative(k) for k in range(len(v.c))))
     if drive.compliance is None:
-        return _Motor(link, tau_0 + friction_torque(drive.link_friction, v.derivative(0)))
-    xi = friction_torque(drive.link_friction, v if options.friction_rates else v.derivative(0))
+        return _Motor(link, tau_0 + friction_torque(drive.link_friction, v_0, strain=strains.link))
+    xi = friction_torque(drive.link_friction, v if options.friction_rates else v_0, strain=strains.link)
     tau_f = tau + xi
-    wound = drive.compliance.deflection(tau_f)
+    on_spring = tau_f - slipping_torque(drive, strains.spring)
+    wound = drive.compliance.deflection(on_spring)
     theta = motor_position(drive, link + wound)
     if drive.damping is not None:
-        wound_by = drive.compliance.deflection(tau_f.derivative(0) - drive.damping * wound.derivative(1))
+        wound_by = drive.compliance.deflection(on_spring.derivative(0) - drive.damping * wound.derivative(1))
         theta = Jet.of_taylor([motor_position(drive, q + wound_by), *theta.c[1:]])
     return _Motor(theta, tau_f.derivative(0))
 
 
-def _motor_torque(driven: Driven, motor: _Motor, spin: Spin | None, moved: Sequence[BodyMotion]) -> Scalar:
+def _motor_torque(
+    driven: Driven, motor: _Motor, spin: Spin | None, moved: Sequence[BodyMotion], strain: Scalar | None
+) -> Scalar:
     """What the motor exerts on its drive, against friction and on its rotor.  Xia (2019) eqs. (22), (27), (56)."""
     drive, theta = driven.drive, motor.theta
-    torque = load_on_motor(drive, motor.passed, theta.derivative(0), theta.derivative(1))
+    torque = load_on_motor(drive, motor.passed, theta.derivative(0), theta.derivative(1), strain)
     if drive.compliance is not None:
         torque = torque + drive.reflected_inertia * theta.derivative(2)
     if spin:
@@ -200,20 +215,24 @@ def elastic_forward_dynamics(
     theta_dot: Scalars,
     motor_torque: Scalars,
     disturbance: Scalars | None = None,
+    strains: Sequence[Strains] | None = None,
 ) -> ElasticAccelerations:
     """Accelerations of links and motors under motor torques, in time proportional to the number of bodies.
 
     Spong (1987); Xia (2019) eqs. (4)-(11), (21)-(22).  A rigid drive's motor moves with its link: its theta and
-    theta_dot are not read.  disturbance: torques on the links' coordinates, one a speed.
+    theta_dot are not read.  disturbance: torques on the links' coordinates, one a speed.  strains: of the drives; where
+    they are not known, friction is as in steady sliding and springs have no hysteresis.
     """
-    driving = driving_torques(drives, q, v, theta, theta_dot, motor_torque)
+    held = strains or [UNKNOWN] * len(drives)
+    driving = driving_torques(drives, q, v, theta, theta_dot, motor_torque, held)
     tau = [*disturbance] if disturbance is not None else [0] * system.nv
     left: dict[int, tuple[Scalar, Scalar]] = {}
     drives_of = {d.segment: d.drive for d in drives}
-    for d, u, tau_d, theta_d, omega_d in zip(drives, motor_torque, driving, theta, theta_dot, strict=True):
-        tau[d.v] = tau[d.v] + tau_d - friction_torque(d.drive.link_friction, v[d.v])
+    motors = zip(drives, motor_torque, driving, theta, theta_dot, held, strict=True)
+    for d, u, tau_d, theta_d, omega_d, s in motors:
+        tau[d.v] = tau[d.v] + tau_d - friction_torque(d.drive.link_friction, v[d.v], strain=s.link)
         if d.drive.is_elastic:
-            left[d.segment] = u - load_on_motor(d.drive, tau_d, theta_d, omega_d), omega_d
+            left[d.segment] = u - load_on_motor(d.drive, tau_d, theta_d, omega_d, s.motor), omega_d
     if system.has_followers:  # none of whose drives has full coupling
         a, A = forward_dynamics(system, q, v, tau), []
     else:
@@ -227,14 +246,20 @@ def elastic_forward_dynamics(
 
 
 def driving_torques(
-    drives: Sequence[Driven], q: Scalars, v: Scalars, theta: Scalars, theta_dot: Scalars, motor_torque: Scalars
+    drives: Sequence[Driven],
+    q: Scalars,
+    v: Scalars,
+    theta: Scalars,
+    theta_dot: Scalars,
+    motor_torque: Scalars,
+    strains: Sequence[Strains],
 ) -> list[Scalar]:
     """What each drive exerts on its link, N m: the spring's torque, or a rigid drive's motor less its own friction."""
     return [
-        spring_torque(d.drive, theta_d, q[d.q], omega_d, v[d.v])
+        spring_torque(d.drive, theta_d, q[d.q], omega_d, v[d.v]) + slipping_torque(d.drive, s.spring)
         if d.drive.is_elastic
-        else u - friction_torque(d.drive.motor_friction, v[d.v])
-        for d, theta_d, omega_d, u in zip(drives, theta, theta_dot, motor_torque, strict=True)
+        else rigidly_transmitted(d.drive, u, v[d.v], s.motor)
+        for d, theta_d, omega_d, u, s in zip(drives, theta, theta_dot, motor_torque, strains, strict=True)
     ]
 
 
@@ -248,9 +273,11 @@ def elastic_energy(drives: Sequence[Driven], q: Scalars, theta: Scalars, theta_d
     return total
 
 
-def link_friction(system: System, drives: Sequence[Driven], v: Scalars) -> list[Scalar]:
+def link_friction(
+    system: System, drives: Sequence[Driven], v: Scalars, strains: Sequence[Strains] | None = None
+) -> list[Scalar]:
     """What link-side friction takes from each speed, N m.  Xia (2019) eq. (54)."""
     xi: list[Scalar] = [0] * system.nv
-    for d in drives:
-        xi[d.v] = friction_torque(d.drive.link_friction, v[d.v])
+    for d, s in zip(drives, strains or [UNKNOWN] * len(drives), strict=True):
+        xi[d.v] = friction_torque(d.drive.link_friction, v[d.v], strain=s.link)
     return xi

@@ -1,16 +1,76 @@
-"""Friction laws: the torque that opposes a speed, at the joint's side.
+"""Sliding friction laws: the torque that opposes a speed, at the joint's side.
 
 sgn is smoothed to tanh(speed / smoothing): it creeps below that speed and never holds; a larger value is gentler on
-integrators, a smaller one truer.  Speeds in rad/s (m/s), torques in N m (N).
+integrators, a smaller one truer.  What holds at rest is in `presliding`.  Speeds in rad/s (m/s), torques in N m (N).
 """
 
 from dataclasses import dataclass
 
-from cutpoint.scalars import Scalar, exp, tanh
+from cutpoint.scalars import Scalar, absolute, exp, tanh
+
+
+STATED_AT = 25
+"""Temperature for which viscous friction is stated, deg C."""
 
 
 @dataclass(frozen=True)
-class Stribeck:
+class Grease:
+    """temperature in deg C; viscous friction changes by exp(-thinning (temperature - STATED_AT)), thinning in 1/K."""
+
+    temperature: Scalar
+    thinning: Scalar
+
+
+class Sliding:
+    """What sliding laws share: dry friction along the direction of motion, and viscous friction.
+
+    viscous in N m s/rad.  smoothing: rad/s over which dry friction changes sign.  asymmetry: dry friction is 1 + that
+    much of itself forwards, 1 - backwards.  per_load: N m of dry friction for each N m that the drive transmits.
+    grease: how viscous friction follows temperature.
+    """
+
+    viscous: Scalar
+    smoothing: Scalar
+    asymmetry: Scalar | None
+    per_load: Scalar | None
+    grease: Grease | None
+
+    def plateau(self, speed: Scalar) -> Scalar:
+        """Dry friction without load, both directions alike, N m."""
+        raise NotImplementedError
+
+    def direction(self, speed: Scalar) -> Scalar:
+        """-1 to 1."""
+        return tanh(speed / self.smoothing)
+
+    def dry(self, speed: Scalar, load: Scalar, direction: Scalar) -> Scalar:
+        """How large dry friction is in a direction, N m."""
+        size = self.plateau(speed)
+        if self.per_load is not None:
+            size = size + self.per_load * absolute(load)
+        return size if self.asymmetry is None else size * (1 + self.asymmetry * direction)
+
+    @property
+    def viscosity(self) -> Scalar:
+        """Viscous friction at the grease's temperature, N m s/rad."""
+        if self.grease is None:
+            return self.viscous
+        return self.viscous * exp(self.grease.thinning * (STATED_AT - self.grease.temperature))
+
+    def torque(self, speed: Scalar, load: Scalar = 0) -> Scalar:
+        """xi of a speed, while the drive transmits a load, N m."""
+        direction = self.direction(speed)
+        return self.dry(speed, load, direction) * direction + self.viscosity * speed
+
+    def share_of_load(self, speed: Scalar) -> Scalar:
+        """What of the load's size friction takes at a speed."""
+        direction = self.direction(speed)
+        share = 0 if self.per_load is None else self.per_load * direction
+        return share if self.asymmetry is None else share * (1 + self.asymmetry * direction)
+
+
+@dataclass(frozen=True)
+class Stribeck(Sliding):
     """xi = [f_c + (f_s - f_c) exp(-(speed/v_s)^2)] sgn(speed) + f_v speed.  Xia (2019) eq. (54).
 
     coulomb f_c and static f_s in N m, viscous f_v in N m s/rad, stribeck_velocity v_s and smoothing in rad/s.
@@ -21,15 +81,17 @@ class Stribeck:
     viscous: Scalar
     stribeck_velocity: Scalar
     smoothing: Scalar
+    asymmetry: Scalar | None = None
+    per_load: Scalar | None = None
+    grease: Grease | None = None
 
-    def torque(self, speed: Scalar) -> Scalar:
+    def plateau(self, speed: Scalar) -> Scalar:
         x = speed / self.stribeck_velocity
-        dry = self.coulomb + (self.static - self.coulomb) * exp(-(x * x))
-        return dry * tanh(speed / self.smoothing) + self.viscous * speed
+        return self.coulomb + (self.static - self.coulomb) * exp(-(x * x))
 
 
 @dataclass(frozen=True)
-class Coulomb:
+class Coulomb(Sliding):
     """xi = f_c sgn(speed) + f_v speed.  Xia (2019) eq. (55), with a viscous part.
 
     coulomb f_c in N m, viscous f_v in N m s/rad, smoothing in rad/s.
@@ -38,6 +100,9 @@ class Coulomb:
     coulomb: Scalar
     viscous: Scalar
     smoothing: Scalar
+    asymmetry: Scalar | None = None
+    per_load: Scalar | None = None
+    grease: Grease | None = None
 
-    def torque(self, speed: Scalar) -> Scalar:
-        return self.coulomb * tanh(speed / self.smoothing) + self.viscous * speed
+    def plateau(self, speed: Scalar) -> Scalar:
+        return self.coulomb

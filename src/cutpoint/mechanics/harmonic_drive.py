@@ -3,8 +3,9 @@
 All quantities at the joint's side: theta is the rotor's angle divided by ratio, motor_torque the shaft torque times it.
 """
 
+from cutpoint.mechanics.presliding import Presliding
 from cutpoint.model.drive import Drive, Friction
-from cutpoint.scalars import Scalar
+from cutpoint.scalars import Scalar, where
 
 
 def deflection(drive: Drive, theta: Scalar, q: Scalar) -> Scalar:
@@ -35,14 +36,35 @@ def spring_torque(drive: Drive, theta: Scalar, q: Scalar, theta_dot: Scalar = 0,
     return tau_f + drive.damping * (transmission(drive, theta) * theta_dot - v)
 
 
-def friction_torque(law: Friction | None, speed: Scalar) -> Scalar:
-    """xi: what friction takes at this speed, N m.  Xia (2019) eqs. (54)-(55)."""
-    return law.torque(speed) if law else 0
+def slipping_torque(drive: Drive, strains: tuple[Scalar, ...] | None) -> Scalar:
+    """What the elements beside the spring add to its torque, N m; nothing where their strains are not known."""
+    return drive.hysteresis.torque(strains) if drive.hysteresis and strains is not None else 0
 
 
-def load_on_motor(drive: Drive, tau_f: Scalar, theta: Scalar, theta_dot: Scalar) -> Scalar:
+def friction_torque(law: Friction | None, speed: Scalar, load: Scalar = 0, strain: Scalar | None = None) -> Scalar:
+    """xi: what friction takes, N m; as in steady sliding where a strain is not known.  Xia (2019) eqs. (54)-(55)."""
+    if law is None:
+        return 0
+    if strain is None or not isinstance(law, Presliding):
+        return law.torque(speed, load)
+    return law.strained_torque(strain, speed, load)
+
+
+def load_on_motor(
+    drive: Drive, tau_f: Scalar, theta: Scalar, theta_dot: Scalar, strain: Scalar | None = None
+) -> Scalar:
     """What the motor must exert beside accelerating its rotor, N m: on the spring, and against friction.
 
     Xia (2019) eqs. (22), (27).
     """
-    return transmission(drive, theta) * tau_f + friction_torque(drive.motor_friction, theta_dot)
+    return transmission(drive, theta) * tau_f + friction_torque(drive.motor_friction, theta_dot, tau_f, strain)
+
+
+def rigidly_transmitted(drive: Drive, motor_torque: Scalar, speed: Scalar, strain: Scalar | None = None) -> Scalar:
+    """What a rigid drive exerts on its link, N m: the motor's torque less friction, of which a share is its own."""
+    law = drive.motor_friction
+    left = motor_torque - friction_torque(law, speed, 0, strain)
+    if law is None:
+        return left
+    share = law.share_of_load(speed)
+    return left / (1 + where(left < 0, -share, share))

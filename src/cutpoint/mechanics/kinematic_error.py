@@ -6,34 +6,28 @@ motor bears tau_f (1 - e'(theta)).  Tuttle and Seering (1996); theta_err in Xia 
 
 from dataclasses import dataclass
 
+from cutpoint.mechanics.harmonics import series, series_slope
 from cutpoint.mechanics.inversion import increasing_root
-from cutpoint.scalars import Scalar, cos, sin
-
-
-@dataclass(frozen=True)
-class Harmonic:
-    """amplitude (rad at the joint's side) of sin(order theta_w + phase), theta_w being the wave generator's angle."""
-
-    order: int
-    amplitude: Scalar
-    phase: Scalar = 0.0
+from cutpoint.model.drive import Harmonic
+from cutpoint.scalars import Scalar
 
 
 @dataclass(frozen=True)
 class KinematicError:
-    """e(theta) in rad at the joint's side.  Two waves a turn of the wave generator dominate in harmonic drives."""
+    """e(theta) in rad at the joint's side.  Two waves a turn of the wave generator dominate in harmonic drives.
+
+    The harmonics' amplitudes are in rad at the joint's side.
+    """
 
     harmonics: tuple[Harmonic, ...]
 
     def value(self, theta: Scalar, ratio: Scalar) -> Scalar:
         """e(theta), with the wave generator at ratio * theta."""
-        parts = [h.amplitude * sin(h.order * (ratio * theta) + h.phase) for h in self.harmonics]
-        return sum(parts[1:], parts[0])
+        return series(self.harmonics, ratio * theta)
 
     def slope(self, theta: Scalar, ratio: Scalar) -> Scalar:
         """e'(theta)."""
-        parts = [(h.order * ratio * h.amplitude) * cos(h.order * (ratio * theta) + h.phase) for h in self.harmonics]
-        return sum(parts[1:], parts[0])
+        return ratio * series_slope(self.harmonics, ratio * theta)
 
     def steepest(self, ratio: float) -> float:
         """A bound of |e'|: at 1 the output could stand still while the motor turns."""

@@ -1,6 +1,6 @@
 """What a robot is: bodies, joints, frames and drives.  Immutable data, validated where it is built."""
 
-from cutpoint.model.drive import Compliance, Drive, Friction, Rotor
+from cutpoint.model.drive import Compliance, Drive, Friction, Harmonic, Hysteresis, Motor, Ratings, Rotor
 from cutpoint.model.mechanism import WORLD, Body, Frame, Joint, Limits, Link, Mechanism, Mimic
 
 __all__ = [
@@ -10,10 +10,14 @@ __all__ = [
     "Drive",
     "Frame",
     "Friction",
+    "Harmonic",
+    "Hysteresis",
     "Joint",
     "Limits",
     "Link",
     "Mechanism",
     "Mimic",
+    "Motor",
+    "Ratings",
     "Rotor",
 ]

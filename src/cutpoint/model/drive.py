@@ -28,9 +28,53 @@ class KinematicError(Protocol):
 
 
 class Friction(Protocol):
-    """A friction law: torque that opposes a velocity, N m (N) at the joint's side."""
+    """A friction law: torque that opposes a velocity, N m (N) at the joint's side.
 
-    def torque(self, speed: Any) -> Any: ...
+    load: what the drive transmits, N m, of which friction takes `share_of_load` more than it takes without.
+    """
+
+    def torque(self, speed: Any, load: Any = 0) -> Any: ...
+    def share_of_load(self, speed: Any) -> Any: ...
+
+
+class Hysteresis(Protocol):
+    """Elements in parallel to a spring that follow its deflection and slip; strains in rad (m), at the joint's side."""
+
+    @property
+    def reach(self) -> tuple[Any, ...]: ...
+    def strains(self, before: tuple[Any, ...], displacement: Any) -> tuple[Any, ...]: ...
+    def torque(self, strains: tuple[Any, ...]) -> Any: ...
+    def energy(self, strains: tuple[Any, ...]) -> Any: ...
+
+
+@dataclass(frozen=True)
+class Harmonic:
+    """amplitude * sin(order * angle + phase), with the rotor's angle: of the wave generator, of the motor."""
+
+    order: int
+    amplitude: Any
+    phase: Any = 0.0
+
+
+@dataclass(frozen=True)
+class Motor:
+    """An electric motor with its current control; quantities at the motor's shaft.
+
+    torque_constant: N m of shaft torque per ampere; K_e, V s/rad, is the same number.
+    resistance: ohm, between the terminals to which torque_constant refers.  bandwidth: of the current loop, Hz; None
+    follows at once.  delay: s between command and current loop, at most a control period.
+    current_limit (A) and voltage_limit (V) bound the torque, the latter the more the faster it turns.
+    ripple: waves of the torque, amplitudes as a share of it.  cogging: waves of torque without current, amplitudes in N m.
+    """
+
+    torque_constant: Any
+    resistance: Any = None
+    bandwidth: Any = None
+    delay: Any = None
+    current_limit: Any = None
+    voltage_limit: Any = None
+    ripple: tuple[Harmonic, ...] = ()
+    cogging: tuple[Harmonic, ...] = ()
 
 
 @dataclass(frozen=True)
@@ -53,6 +97,24 @@ class Rotor:
 
 
 @dataclass(frozen=True)
+class Ratings:
+    """What a maker allows a gear, at the joint's side; None where nothing is stated.
+
+    Torques in N m: rated at rated_speed, average, repeated peak (starts and stops), momentary peak (collisions).
+    Speeds of the motor, rad/s.  life: h, at rated torque and rated speed.
+    """
+
+    rated_torque: float | None = None
+    average_torque: float | None = None
+    repeated_peak_torque: float | None = None
+    momentary_peak_torque: float | None = None
+    rated_speed: float | None = None
+    average_speed: float | None = None
+    maximum_speed: float | None = None
+    life: float | None = None
+
+
+@dataclass(frozen=True)
 class Drive:
     """A joint's drive.
 
@@ -62,8 +124,10 @@ class Drive:
     damping: of the spring, N m s/rad at the joint's side; None is none.
     link_friction acts on the link's speed, motor_friction on the rotor's over ratio; both at the joint's side.
     limits: of the drive, at the joint's side.
-    torque_constant: N m of shaft torque per ampere.
     kinematic_error: what an elastic drive's output deviates from ratio-true rotation; None is none.
+    hysteresis: slipping elements in parallel to the compliance; None is none.
+    motor: what lies between a torque command and the shaft; None is a motor that does as it is told.
+    ratings: what the maker allows; only sizing reads them.
     """
 
     ratio: float = 1.0
@@ -73,8 +137,10 @@ class Drive:
     link_friction: Friction | None = None
     motor_friction: Friction | None = None
     limits: Limits = UNLIMITED
-    torque_constant: float | None = None
     kinematic_error: KinematicError | None = None
+    hysteresis: Hysteresis | None = None
+    motor: Motor | None = None
+    ratings: Ratings | None = None
 
     @property
     def is_elastic(self) -> bool:

@@ -1,40 +1,111 @@
 """Adaptive integration between two samples, as a reference for the fixed steps."""
 
 from collections.abc import Callable
+from functools import cached_property
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 from scipy.integrate import solve_ivp
 
 from cutpoint import kernels
+from cutpoint.mechanics.harmonic_drive import transmission
 from cutpoint.simulation.loop import BEYOND, ClosedLoop
-from cutpoint.simulation.plant import rates
+from cutpoint.simulation.plant import arrived, motor_states, rates, settled, sizes, split
 
 Array = NDArray[np.float64]
 
 RTOL, ATOL = 1e-12, 1e-13
 
+PAST_A_TURN = 1e-4
+"""Share of a period that is integrated without looking for turning points after one."""
+
 
 def adaptive_step(loop: ClosedLoop) -> Callable[[dict[str, Array], Array], None]:
-    """A function that takes the loop's memory one control period on: DOP853, Hairer et al. (1993) section II.5."""
-    layout, robot = loop.layout, loop.robot
-    parameters = robot.drive_parameters
+    """A function that takes the loop's memory one control period on: DOP853, Hairer et al. (1993) section II.5.
 
-    def plant(x: list, motor_torque: list, disturbance: list, numbers: list) -> list:
-        return rates(robot.machine_with(numbers), x, motor_torque, disturbance)
-
-    sizes = {"x": layout.state, "motor_torque": layout.n, "disturbance": layout.nv, "numbers": len(parameters)}
-    f = kernels.compile(plant, name="plant", backend=robot.backend, **sizes)
+    Strains are settled wherever a drive turns back, and commands change when they arrive.
+    """
+    way = _Way(loop)
+    delays = [d.motor.delay for d in loop.robot.drives.values() if d.motor is not None and d.motor.delay]
+    ends = sorted({*delays, loop.period})
 
     def step(memory: dict[str, Array], row: Array) -> None:
-        torque, pushed = memory["torque"], np.array(layout.disturbance([*row]), float)
-
-        def f_held(_: float, x: Array) -> Array:
-            return f(x, torque, pushed, parameters)
-
+        pushed, start = np.array(loop.layout.disturbance([*row]), float), 0.0
         with np.errstate(all="ignore"):  # what is not finite ends the run below
-            found = solve_ivp(f_held, (0.0, loop.period), memory["state"], method="DOP853", rtol=RTOL, atol=ATOL)
-        memory["state"][:] = found.y[:, -1] if found.success else np.nan
+            for end in ends:
+                told = arrived(loop.robot.machine, [*memory["torque"]], [*memory["torque_before"]], start)
+                way.go(memory["state"], np.array(told, float), pushed, start, end)
+                start = end
         memory["fault"][0] = not (np.abs(memory["state"]) < BEYOND).all()
 
     return step
+
+
+class _Way:
+    """Integration under held commands, kernels compiled once."""
+
+    def __init__(self, loop: ClosedLoop) -> None:
+        robot, layout = loop.robot, loop.layout
+        self._parameters, self._period = robot.drive_parameters, loop.period
+        self._strained, self._drives = sizes(robot.machine).strains > 0, layout.n
+        state = {"x": layout.state, "numbers": len(self._parameters)}
+        origin = {"x": layout.state, "origin": layout.state, "numbers": len(self._parameters)}
+
+        def plant(x: list, origin: list, command: list, disturbance: list, numbers: list) -> list:
+            return rates(robot.machine_with(numbers), x, origin, command, disturbance)
+
+        def settle(x: list, origin: list, numbers: list) -> list:
+            return settled(robot.machine_with(numbers), x, origin)
+
+        def turning(x: list, numbers: list) -> list:
+            return _speeds(robot.machine_with(numbers), x)
+
+        compiled = {"backend": robot.backend}
+        inputs = {"x": layout.state, "origin": layout.state, "command": layout.n, "disturbance": layout.nv}
+        self._rates = kernels.compile(plant, name="plant", **compiled, **inputs, numbers=len(self._parameters))
+        self._settle = kernels.compile(settle, name="settle", **compiled, **origin) if self._strained else None
+        self._speeds = kernels.compile(turning, name="turning", **compiled, **state) if self._strained else None
+
+    def go(self, x: Array, command: Array, disturbance: Array, start: float, end: float) -> None:
+        """Take the state x along, in place; where it cannot be followed it becomes NaN."""
+        looks = self._strained
+        while start < end:
+            origin = x.copy()
+
+            def f(_: float, y: Array, origin: Array = origin) -> Array:
+                return self._rates(y, origin, command, disturbance, self._parameters)
+
+            stop = end if looks or not self._strained else min(start + PAST_A_TURN * self._period, end)
+            events = self._turning_points if looks else None
+            found = solve_ivp(f, (start, stop), origin, "DOP853", events=events, rtol=RTOL, atol=ATOL)
+            if not found.success:
+                x[:] = np.nan
+                return
+            x[:], start = found.y[:, -1], found.t[-1]
+            if self._settle:
+                x[:] = self._settle(x, origin, self._parameters)
+            looks = self._strained and found.status != 1  # past a turning point a hair without looking for it again
+
+    @cached_property
+    def _turning_points(self) -> list[Any]:
+        """A function of time and state for each speed that strains follow, 0 where it turns back."""
+
+        def speed(k: int) -> Any:
+            def at(_: float, x: Array) -> float:
+                assert self._speeds is not None
+                return float(self._speeds(x, self._parameters)[k])
+
+            at.terminal = True  # type: ignore[attr-defined]
+            return at
+
+        return [speed(k) for k in range(3 * self._drives)]
+
+
+def _speeds(machine: Any, x: list[Any]) -> list[Any]:
+    """Of links, motors and deflections."""
+    s = split(machine, x)
+    found = []
+    for d, (theta, theta_dot) in zip(machine.drives, motor_states(machine, s), strict=True):
+        found += [s.v[d.v], theta_dot, transmission(d.drive, theta) * theta_dot - s.v[d.v]]
+    return found

@@ -14,11 +14,11 @@ from numpy.typing import NDArray
 from cutpoint.control.interface import Command, Measurement, Reference, as_command
 from cutpoint.definitions import Machine
 from cutpoint.kernels import Loop, Program, Region, Stage, compile_program
-from cutpoint.mechanics.elastic import driving_torques, link_friction
+from cutpoint.mechanics.motor import within_limits
 from cutpoint.robot import Robot
 from cutpoint.scalars import Scalar, clip, leaves, rebuild, where, with_float_leaves
 from cutpoint.simulation.integrator import TABLEAU, stage
-from cutpoint.simulation.plant import rates, split
+from cutpoint.simulation.plant import arrived, motor_states, motor_torques, rates, settled, sizes, split, torques_in
 from cutpoint.simulation.sensors import Encoders
 
 Array = NDArray[np.float64]
@@ -28,22 +28,18 @@ BEYOND = 1e6
 """A state (rad, rad/s, m, m/s) larger than this has diverged."""
 
 
-INTEGRATION = ("origin", "total", "tableau")
+INTEGRATION = ("origin", "total", "tableau", "elapsed")
 """Regions that only the fixed steps use."""
 
 
 @dataclass(frozen=True)
 class Layout:
-    """Where things stand in the regions; n drives, nq coordinates, nv speeds."""
+    """Where things stand in the regions: n drives, nv speeds; how long a state and a sample's noise are."""
 
     n: int
-    nq: int
     nv: int
+    state: int
     noise: int
-
-    @property
-    def state(self) -> int:
-        return self.nq + self.nv + 2 * self.n
 
     @property
     def row(self) -> int:
@@ -79,15 +75,15 @@ class ClosedLoop:
 
     @cached_property
     def layout(self) -> Layout:
-        n = len(self.robot.drives)
-        return Layout(n, self.robot.nq, self.robot.nv, 2 * n if self.encoders.is_noisy else 0)
+        n, parts = len(self.robot.drives), sizes(self.robot.machine)
+        return Layout(n, parts.v, sum(parts), 2 * n if self.encoders.is_noisy else 0)
 
     @cached_property
     def channels(self) -> dict[str, int]:
         """What is recorded each period, with its length, in order."""
-        n, nq, nv = self.layout.n, self.layout.nq, self.layout.nv
+        n, nv = self.layout.n, self.layout.nv
         return {
-            "q": nq, "v": nv, "theta": n, "theta_dot": n, "measured_q": n, "measured_theta": n, "measured_v": n,
+            **sizes(self.robot.machine)._asdict(), "measured_q": n, "measured_theta": n, "measured_v": n,
             "measured_theta_dot": n, "command_torque": n, "feedforward_torque": n, "motor_reference": n,
             "motor_speed_reference": n, "motor_torque": n, "joint_torque": n, "friction_torque": nv,
         }  # fmt: skip
@@ -102,7 +98,7 @@ class ClosedLoop:
             "state": self.layout.state, "origin": self.layout.state, "total": self.layout.state, "row": self.layout.row,
             "sensing": len(self.encoders.memory(*[[0.0] * n] * 4)), "measured": 4 * n,
             "memory": len(leaves(self.memory)),
-            "command": 4 * n, "torque": n, "parameters": len(self.parameters(np.zeros(n), 1)), "tableau": 2,
+            "command": 4 * n, "torque": n, "torque_before": n, "elapsed": 1, "parameters": len(self.parameters(np.zeros(n), 1)), "tableau": 2,
             "record": record, "fault": 1,
         }  # fmt: skip
         return [Region(name, size) for name, size in sizes.items()]
@@ -115,10 +111,10 @@ class ClosedLoop:
     def sense(self, state: Scalars, sensing: Scalars, row: Scalars, parameters: Scalars) -> tuple[Scalars, Scalars]:
         machine, _, encoders, _, (period, _) = self._numbers(parameters)
         s = split(machine, state)
-        links = [s.q[d.q] for d in machine.drives], [s.v[d.v] for d in machine.drives]
-        motors = [self._motor(d, own, link) for d, own, link in zip(machine.drives, s.theta, links[0], strict=True)]
-        speeds = [self._motor(d, own, link) for d, own, link in zip(machine.drives, s.theta_dot, links[1], strict=True)]
-        sample = [*links[0], *motors, *links[1], *speeds]
+        motors = motor_states(machine, s)
+        positions = [s.q[d.q] for d in machine.drives], [theta for theta, _ in motors]
+        speeds = [s.v[d.v] for d in machine.drives], [theta_dot for _, theta_dot in motors]
+        sample = [x for part in (*positions, *speeds) for x in part]
         return encoders.measure(sample, sensing, self.layout.normals(row), period)
 
     def control(self, measured: Scalars, memory: Scalars, row: Scalars, parameters: Scalars) -> tuple[Scalars, Scalars]:
@@ -128,31 +124,40 @@ class ClosedLoop:
         after, command = controller.step(before, *self.seen(measured, row, period))
         return self.command_of(as_command(command), row), leaves(with_float_leaves(after))
 
-    def actuate(self, command: Scalars, parameters: Scalars) -> Scalars:
-        """Motor torque within its limits, N m."""
-        limits = self._numbers(parameters)[3]
-        return [clip(u, -limit, limit) for u, limit in zip(command[: self.layout.n], limits, strict=True)]
+    def actuate(
+        self, state: Scalars, command: Scalars, torque: Scalars, parameters: Scalars
+    ) -> tuple[Scalars, Scalars]:
+        """What the motors are told, within what drive, current and voltage allow, N m; and what they were told before."""
+        machine, _, _, limits, _ = self._numbers(parameters)
+        motors = motor_states(machine, split(machine, state))
+        told = [
+            clip(within_limits(d.drive, u, speed), -limit, limit)
+            for d, u, limit, (_, speed) in zip(machine.drives, command[: self.layout.n], limits, motors, strict=True)
+        ]
+        return told, torque
 
-    def record(
-        self, state: Scalars, measured: Scalars, command: Scalars, torque: Scalars, parameters: Scalars
-    ) -> Scalars:
+    def record(self, *regions: Scalars) -> Scalars:
+        """What the log keeps of a sample; a command that is still on its way to the motor is not there yet."""
+        state, measured, command, torque, before, parameters = regions
         machine, n = self._numbers(parameters)[0], self.layout.n
         s = split(machine, state)
-        driving = driving_torques(machine.drives, *s, torque)
-        friction = link_friction(machine.system, machine.drives, s.v)
+        shaft = motor_torques(machine, s, arrived(machine, torque, before, 0))[1]
+        driving, friction = torques_in(machine, s, shaft)
         seen = [*measured[:n], *measured[n : 2 * n], *measured[2 * n : 3 * n], *measured[3 * n :]]
-        return [*state, *seen, *command, *torque, *driving, *friction]
+        return [*state, *seen, *command, *shaft, *driving, *friction]
 
     def advance(self, *regions: Scalars) -> tuple[Scalars, Scalars]:
         """One stage of an integration step."""
-        state, origin, total, tableau, torque, row, parameters = regions
+        state, origin, total, tableau, torque, before, elapsed, row, parameters = regions
         machine, *_, (_, h) = self._numbers(parameters)
-        k = rates(machine, state, torque, self.layout.disturbance(row))
+        command = arrived(machine, torque, before, elapsed[0])
+        k = rates(machine, state, origin, command, self.layout.disturbance(row))
         return stage(k, origin, total, tableau, h)
 
-    def settle(self, total: Scalars) -> tuple[Scalars, Scalars]:
-        """The step's result is the next step's start."""
-        return total, total
+    def settle(self, total: Scalars, origin: Scalars, parameters: Scalars) -> tuple[Scalars, Scalars, Scalars]:
+        """The step's result, with the strains that it has left, is the next step's start."""
+        after = settled(self._numbers(parameters)[0], total, origin)
+        return after, after, after
 
     def watch(self, state: Scalars) -> Scalars:
         """Not zero once the state has diverged or is not finite."""
@@ -193,15 +198,17 @@ class ClosedLoop:
 
     @property
     def _after(self) -> list[Any]:
-        advance = ("state", "origin", "total", "tableau", "torque", "row", "parameters")
+        advance = ("state", "origin", "total", "tableau", "torque", "torque_before", "elapsed", "row", "parameters")
         step = [
             Loop(len(TABLEAU), [Stage(self.advance, advance, ("state", "total"))], streams=("tableau",)),
-            Stage(self.settle, ("total",), ("state", "origin")),
+            Stage(self.settle, ("total", "origin", "parameters"), ("state", "origin", "total")),
         ]
         return [
-            Stage(self.actuate, ("command", "parameters"), ("torque",)),
-            Stage(self.record, ("state", "measured", "command", "torque", "parameters"), ("record",)),
-            Loop("substeps", step),
+            Stage(self.actuate, ("state", "command", "torque", "parameters"), ("torque", "torque_before")),
+            Stage(
+                self.record, ("state", "measured", "command", "torque", "torque_before", "parameters"), ("record",)
+            ),
+            Loop("substeps", step, streams=("elapsed",)),
             Stage(self.watch, ("state",), ("fault",)),
         ]
 
@@ -226,10 +233,6 @@ class ClosedLoop:
         machine = self.robot.machine_with([next(numbers) for _ in self.robot.drive_parameters])
         controller, encoders = rebuild(self.controller, numbers), rebuild(self.encoders, numbers)
         return machine, controller, encoders, [next(numbers) for _ in range(self.layout.n)], [*numbers]
-
-    @staticmethod
-    def _motor(driven: Any, own: Scalar, link: Scalar) -> Scalar:
-        return own if driven.drive.is_elastic else link
 
 
 def array_of(numbers: Any) -> Any:

@@ -3,6 +3,8 @@
 import numpy as np
 from numpy.typing import NDArray
 
+from cutpoint.mechanics.harmonic_drive import slipping_torque
+from cutpoint.mechanics.strains import taken
 from cutpoint.simulation.log import Log
 from cutpoint.simulation.loop import ClosedLoop
 
@@ -11,6 +13,7 @@ Array = NDArray[np.float64]
 POSITIONS = ("q", "theta", "measured_q", "measured_theta", "motor_reference", "reference_q", "position_error",
              "motor_position_error")  # fmt: skip
 SPEEDS = ("v", "theta_dot", "measured_v", "measured_theta_dot", "motor_speed_reference", "reference_v")
+MEMORY = ("link_strain", "motor_strain", "hysteresis_torque")
 BASE_COORDINATES = ("base_x", "base_y", "base_z", "base_qx", "base_qy", "base_qz", "base_qw")
 BASE_SPEEDS = ("base_vx", "base_vy", "base_vz", "base_wx", "base_wy", "base_wz")
 
@@ -22,6 +25,8 @@ def log_of(loop: ClosedLoop, record: Array, times: Array, reference: Array, meta
     for name, size in loop.channels.items():
         channels[name] = record[:, start : start + size]
         start += size
+    del channels["current"]  # it is in motor_torque
+    channels.update(_remembered(loop, channels.pop("strains")))
     drives, samples = loop.robot.machine.drives, len(record)
     units = _units(loop)
     if loop.robot.nv > len(drives):
@@ -40,13 +45,26 @@ def log_of(loop: ClosedLoop, record: Array, times: Array, reference: Array, meta
     return Log(times[:samples], channels, {name: units[name] for name in channels}, tuple(loop.robot.drives), about)
 
 
+def _remembered(loop: ClosedLoop, strains: Array) -> dict[str, Array]:
+    """What drives remember, one column a drive, where any of them does: strains of friction, torque of hysteresis."""
+    channels = {name: np.zeros((len(strains), loop.layout.n)) for name in MEMORY}
+    columns = iter(strains.T)
+    for k, d in enumerate(loop.robot.machine.drives):
+        held = taken(d.drive, columns)
+        for name, values in zip(MEMORY, (held.link, held.motor, slipping_torque(d.drive, held.spring)), strict=True):
+            if values is not None:
+                channels[name][:, k] = values
+    return {name: values for name, values in channels.items() if values.any()}
+
+
 def _units(loop: ClosedLoop) -> dict[str, str | tuple[str, ...]]:
     """Units of every channel, one a joint where some slide and some turn."""
     kinds = {body.joint.name: body.joint.kind for body in loop.robot.mechanism.bodies}
     slides = [kinds[name] == "prismatic" for name in loop.robot.drives]
     angle, speed, torque = (_one_or_each(slides, *pair) for pair in (("rad", "m"), ("rad/s", "m/s"), ("N m", "N")))
     units: dict[str, str | tuple[str, ...]] = {name: torque for name in loop.channels}
-    units["feedback_torque"] = torque
+    units["feedback_torque"] = units["hysteresis_torque"] = torque
+    units["link_strain"] = units["motor_strain"] = angle
     units.update({name: angle for name in POSITIONS})
     units.update({name: speed for name in SPEEDS})
     return units

@@ -12,6 +12,7 @@ from rich.progress import Progress, TaskID
 
 from cutpoint.control.interface import as_command
 from cutpoint.errors import TraceError
+from cutpoint.mechanics.strains import names
 from cutpoint.simulation.adaptive import adaptive_step
 from cutpoint.simulation.integrator import TABLEAU
 from cutpoint.simulation.loop import INTEGRATION, ClosedLoop
@@ -35,12 +36,16 @@ class Outcome(NamedTuple):
     diverged: bool = False
 
 
-def working_memory(loop: ClosedLoop, start: State, rows: Array, limits: Array, substeps: int) -> dict[str, Array]:
-    """All regions of the loop at its start; row and record have one row a sample."""
+def working_memory(
+    loop: ClosedLoop, start: State, told: Array, rows: Array, limits: Array, substeps: int
+) -> dict[str, Array]:
+    """All regions of the loop at its start; row and record have one row a sample.  told: the motors' first commands."""
     driven = loop.robot.machine.drives
     seen = [start.q[[d.q for d in driven]], start.v[[d.v for d in driven]], start.theta, start.theta_dot]
     memory: dict[str, Array] = {region.name: np.zeros(region.size) for region in loop.regions()}
-    state = np.concatenate([start.q, start.v, start.theta, start.theta_dot])
+    state = np.concatenate(start)
+    middles = (np.arange(substeps) + 0.5) * (loop.period / substeps)
+    memory.update(torque=told.copy(), torque_before=told.copy(), elapsed=middles[:, None])
     memory.update(state=state, origin=state.copy(), total=state.copy(), row=rows, tableau=TABLEAU.copy())
     memory["sensing"] = np.array(loop.encoders.memory(*seen), float)
     memory["memory"] = loop.initial_memory()
@@ -146,6 +151,9 @@ def _largest(loop: ClosedLoop, state: Array) -> str:
 def _slots(loop: ClosedLoop) -> list[tuple[str, str]]:
     """What each number of the state is, and its unit."""
     robot = loop.robot
+    lags = [name for name, d in robot.drives.items() if d.motor is not None and d.motor.bandwidth is not None]
+    inner = [(f"motor torque of {name!r}", "N m") for name in lags]
+    inner += [(f"strain of {what} of {name!r}", "rad") for name, d in robot.drives.items() for what in names(d)]
     kinds = {body.joint.name: body.joint.kind for body in robot.mechanism.bodies}
     q, v = [("coordinate of the base", "")] * robot.nq, [("speed of the base", "")] * robot.nv
     theta: list[tuple[str, str]] = []
@@ -155,7 +163,7 @@ def _slots(loop: ClosedLoop) -> list[tuple[str, str]]:
         q[driven.q], v[driven.v] = (f"position of {name!r}", unit), (f"speed of {name!r}", f"{unit}/s")
         theta.append((f"motor position of {name!r}", unit))
         theta_dot.append((f"motor speed of {name!r}", f"{unit}/s"))
-    return [*q, *v, *theta, *theta_dot]
+    return [*q, *v, *theta, *theta_dot, *inner]
 
 
 class _Bar:

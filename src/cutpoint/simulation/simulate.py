@@ -17,7 +17,7 @@ from cutpoint.simulation.cache import programs_for
 from cutpoint.simulation.integrator import substeps_for
 from cutpoint.simulation.log import Log
 from cutpoint.simulation.loop import ClosedLoop
-from cutpoint.simulation.plant import State
+from cutpoint.simulation.plant import State, sizes
 from cutpoint.simulation.recording import log_of
 from cutpoint.simulation.runner import run, working_memory
 from cutpoint.simulation.sensors import Sensors, encoders_of
@@ -67,8 +67,9 @@ def simulate(
         (memory, command) and, if it remembers, `start() -> memory`; or that function itself.  None: no torque.
     trajectory: the links' reference; None holds the initial configuration.
     duration: s; the trajectory's own by default.  control_period: s; the command is held between samples.
-    initial: State(q, v, theta, theta_dot); what is left None is where the reference starts, with each motor
-        leading its link by what gravity bends the drive, theta = q + delta(g(q)).
+    initial: State(q, v, theta, theta_dot, current, strains); what is left None is where the reference starts, with each
+        motor leading its link by what gravity bends the drive, theta = q + delta(g(q)), currents that hold against
+        gravity, and no strains.
     sensors: encoders; perfect by default.
     disturbances: a function of the sample times (N,) that gives torques on the links' coordinates, (N, nv), N m, held
         over each period.
@@ -80,7 +81,11 @@ def simulate(
     times = _times(trajectory, duration, control_period)
     law = _law(robot, controller)
     reference = _reference(robot, trajectory, initial, times)
+    told = np.zeros(len(robot.drives))
     start = _initial(robot, initial, reference)
+    if controller is not None:
+        told = robot.gravity_forces(start.q)[[d.v for d in robot.machine.drives]]
+    start = _with_inner_states(robot, initial, start, told)
     encoders = encoders_of(sensors or Sensors(), len(robot.drives), control_period)
     remembers = with_float_leaves(law.start() if hasattr(law, "start") else ())
     programs = programs_for(robot, law, encoders, remembers)
@@ -93,7 +98,7 @@ def simulate(
     elif int(substeps) != substeps or substeps < 1:
         raise InputError(f"simulate: substeps {substeps!r} must be a whole number, at least 1")
     rows = _rows(loop, times, reference, disturbances)
-    memory = working_memory(loop, start, rows, torque_limits(robot), int(substeps))
+    memory = working_memory(loop, start, told, rows, torque_limits(robot), int(substeps))
     outcome = run(loop, memory, int(substeps), adaptive=accuracy == "reference")
     settings: dict[str, object] = {"accuracy": accuracy, "substeps": int(substeps)}
     log = log_of(loop, memory["record"][: outcome.ticks], times, reference, settings)
@@ -168,6 +173,18 @@ def _initial(robot: Robot, initial: State | None, reference: Array) -> State:
     omega = v[[d.v for d in robot.machine.drives]] if given.theta_dot is None else given.theta_dot
     theta = checked_array("simulate", "initial.theta", theta, len(driven))
     return State(q, v, theta, checked_array("simulate", "initial.theta_dot", omega, len(driven)))
+
+
+def _with_inner_states(robot: Robot, initial: State | None, start: State, told: Array) -> State:
+    """Currents that hold the arm, or none at all without a controller; drives without a past."""
+    given, expected = initial or State(), sizes(robot.machine)
+    lagging = [d.drive.motor is not None and d.drive.motor.bandwidth is not None for d in robot.machine.drives]
+    current = told[lagging] if given.current is None else given.current
+    strains = np.zeros(expected.strains) if given.strains is None else given.strains
+    return start._replace(
+        current=checked_array("simulate", "initial.current", current, expected.current),
+        strains=checked_array("simulate", "initial.strains", strains, expected.strains),
+    )
 
 
 def _poses(robot: Robot, start: State, reference: Array) -> Array:

@@ -1,0 +1,130 @@
+"""Derivatives of a robot's dynamics, exact to rounding, as functions compiled at their first call.
+
+They stand beside `Robot`, which offers the functions themselves, and are called like its methods: leading axes are
+batches, a wrong shape or a number that is not finite raises InputError that names it.  d_q is taken along tangent
+directions, those of `Robot.integrate`: they are q itself but for quaternions and planar joints.
+"""
+
+from collections.abc import Callable
+from functools import partial
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from cutpoint import derivative_definitions as definitions
+from cutpoint.errors import InputError
+from cutpoint.mechanics.elastic import Options
+from cutpoint.robot import Robot
+
+Array = NDArray[np.float64]
+
+
+class InverseDynamicsDerivatives(NamedTuple):
+    """d torque / d (q, v, a), each (..., nv, nv) with a row for each torque; d_a is the mass matrix."""
+
+    d_q: Array
+    d_v: Array
+    d_a: Array
+
+
+class ForwardDynamicsDerivatives(NamedTuple):
+    """d a / d (q, v, tau), each (..., nv, nv) with a row for each acceleration; d_tau is the mass matrix' inverse."""
+
+    d_q: Array
+    d_v: Array
+    d_tau: Array
+
+
+class ElasticInverseDynamicsDerivatives(NamedTuple):
+    """d motor_torque / d (q, v, a, jerk, snap), each (..., drives, nv); d_higher: with respect to each further rate."""
+
+    d_q: Array
+    d_v: Array
+    d_a: Array
+    d_jerk: Array
+    d_snap: Array
+    d_higher: tuple[Array, ...] = ()
+
+
+class ElasticForwardDynamicsDerivatives(NamedTuple):
+    """d (a, theta_ddot) / d (q, v, theta, theta_dot, motor_torque).
+
+    Rows: nv of a, drives of theta_ddot.  Columns: nv of q and v, drives of the others.
+    """
+
+    d_a_d_q: Array
+    d_a_d_v: Array
+    d_a_d_theta: Array
+    d_a_d_theta_dot: Array
+    d_a_d_motor_torque: Array
+    d_theta_ddot_d_q: Array
+    d_theta_ddot_d_v: Array
+    d_theta_ddot_d_theta: Array
+    d_theta_ddot_d_theta_dot: Array
+    d_theta_ddot_d_motor_torque: Array
+
+
+def inverse_dynamics(robot: Robot, q: ArrayLike, v: ArrayLike, a: ArrayLike) -> InverseDynamicsDerivatives:
+    """Of `Robot.inverse_dynamics`, joint torques of a motion."""
+    definition = definitions.inverse_dynamics
+    return _function(robot, "inverse_dynamics", definition, "q v a", record=InverseDynamicsDerivatives)(q, v, a)
+
+
+def forward_dynamics(robot: Robot, q: ArrayLike, v: ArrayLike, tau: ArrayLike) -> ForwardDynamicsDerivatives:
+    """Of `Robot.forward_dynamics`, accelerations under joint torques."""
+    definition = definitions.forward_dynamics
+    return _function(robot, "forward_dynamics", definition, "q v tau", record=ForwardDynamicsDerivatives)(q, v, tau)
+
+
+def elastic_inverse_dynamics(
+    robot: Robot,
+    q: ArrayLike,
+    v: ArrayLike,
+    a: ArrayLike,
+    jerk: ArrayLike,
+    snap: ArrayLike,
+    *higher: ArrayLike,
+    friction_rates: bool = False,
+    quasi_rigid: bool = False,
+) -> ElasticInverseDynamicsDerivatives:
+    """Of the motor torques of `Robot.elastic_inverse_dynamics`, which see for options and further rates."""
+    options = Options(friction_rates, quasi_rigid)
+    needed = 4 if quasi_rigid else robot.derivatives_needed
+    names = ["q", "v", "a", "jerk", "snap", *(f"derivative_{k}" for k in range(5, needed + 1))]
+    given = (q, v, a, jerk, snap, *higher)
+    if len(given) < len(names):
+        raise InputError(
+            f"derivatives.elastic_inverse_dynamics: {', '.join(names[len(given) :])} missing: rotors with full "
+            f"coupling take {needed} derivatives of the position; or say quasi_rigid=True",
+            needed=needed,
+        )
+    definition = partial(definitions.elastic_inverse_dynamics, options=options)
+    function = _function(robot, "elastic_inverse_dynamics", definition, " ".join(names), True, variant=options)
+    found = function(*given[: len(names)])
+    return ElasticInverseDynamicsDerivatives(*found[:5], d_higher=tuple(found[5:]))
+
+
+def elastic_forward_dynamics(
+    robot: Robot, q: ArrayLike, v: ArrayLike, theta: ArrayLike, theta_dot: ArrayLike, motor_torque: ArrayLike
+) -> ElasticForwardDynamicsDerivatives:
+    """Of `Robot.elastic_forward_dynamics`, accelerations of links and motors under motor torques."""
+    definition, inputs = definitions.elastic_forward_dynamics, "q v theta theta_dot motor_torque"
+    record = ElasticForwardDynamicsDerivatives
+    function = _function(robot, "elastic_forward_dynamics", definition, inputs, True, record=record)
+    return function(q, v, theta, theta_dot, motor_torque)
+
+
+def _function(
+    robot: Robot,
+    name: str,
+    definition: Callable[..., Any],
+    inputs: str,
+    reads_drives: bool = False,
+    *,
+    record: type[tuple[Any, ...]] | None = None,
+    variant: Options | None = None,
+) -> Callable[..., Any]:
+    """One of the robot's own functions, so that it knows the kernel: `robot.kernel(name + "_derivatives")`."""
+    key = (f"{name}_derivatives", variant)
+    return robot._function(key, definition, inputs, reads_drives, record)  # pyright: ignore[reportPrivateUsage]

@@ -1,0 +1,115 @@
+"""A `Drive` as an entry of a drive file, in the words that give the same drive when read back."""
+
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+
+from cutpoint.errors import InputError
+from cutpoint.formats.friction_entry import friction_entry
+from cutpoint.mechanics.backlash import Backlash
+from cutpoint.mechanics.catalogue import CatalogueSpring
+from cutpoint.mechanics.compliance import Flexspline, LinearSpring
+from cutpoint.mechanics.hysteresis import MaxwellSlip
+from cutpoint.mechanics.kinematic_error import KinematicError
+from cutpoint.mechanics.wave_generator import HarmonicSpring
+from cutpoint.model.drive import Compliance, Drive, Harmonic, Motor, Rotor
+from cutpoint.model.mechanism import Limits
+
+
+def to_entry(drive: Drive) -> dict[str, Any]:
+    """The fields that give the same drive when read back, defaults left out.
+
+    Raises InputError for what a drive file has no words for.
+    """
+    spring = drive.compliance.spring if isinstance(drive.compliance, Backlash) else drive.compliance
+    if isinstance(spring, HarmonicSpring) and spring.wave_generator.ratio != abs(drive.ratio):
+        raise InputError("a drive file has one ratio; the wave generator's is another", ratio=drive.ratio)
+    friction = {"link": friction_entry(drive.link_friction), "motor": friction_entry(drive.motor_friction)}
+    fields = {
+        "rotor": drive.rotor and _rotor_entry(drive.rotor),
+        "compliance": _spring_entry(spring) or "rigid",
+        "backlash": float(drive.compliance.gap) if isinstance(drive.compliance, Backlash) else None,
+        "damping": _number(drive.damping),
+        "hysteresis": _hysteresis_entry(drive.hysteresis, spring),
+        "kinematic_error": _error_entry(drive.kinematic_error),
+        "friction": _stated(friction),
+        "motor": drive.motor and _motor_entry(drive.motor),
+        "limits": _stated(_limits_entry(drive.limits)),
+        "ratings": drive.ratings and _stated({name: _number(x) for name, x in vars(drive.ratings).items()}),
+    }
+    return {"ratio": float(drive.ratio)} | (_stated(fields) or {})
+
+
+def _spring_entry(law: Compliance | None) -> dict[str, Any] | None:
+    match law:
+        case None:
+            return None
+        case LinearSpring(stiffness):
+            return {"linear": {"stiffness": float(stiffness)}}
+        case Flexspline(stiffness, hardening):
+            return {"flexspline": {"stiffness": float(stiffness), "hardening": float(hardening)}}
+        case CatalogueSpring():
+            return {"catalogue": {name: float(value) for name, value in vars(law).items()}}
+        case HarmonicSpring(flexspline, wave):
+            own = {name: float(getattr(wave, name)) for name in ("stiffness", "hardening", "blend")}
+            return (_spring_entry(flexspline) or {}) | {"wave_generator": own}
+    raise InputError(f"a drive file has no words for {law!r}", law=law)
+
+
+def _hysteresis_entry(law: Any, spring: Compliance | None) -> dict[str, Any] | None:
+    """Only elements that follow `MaxwellSlip.smooth` have words."""
+    if law is None:
+        return None
+    if isinstance(law, MaxwellSlip) and spring is not None:
+        elements, reach = len(law.reach), law.reach[-1]
+        alike = MaxwellSlip.smooth(float(law.friction), reach, elements)
+        if np.allclose([*alike.stiffness, *alike.reach], [*law.stiffness, *law.reach], rtol=1e-12, atol=0.0):
+            loss = 2.0 * float(spring.deflection(law.friction))
+            return {"loss": loss, "reach": float(reach), "elements": float(elements)}
+    raise InputError(f"a drive file has no words for {law!r}", law=law)
+
+
+def _error_entry(error: Any) -> dict[str, Any] | None:
+    if error is None:
+        return None
+    if isinstance(error, KinematicError):
+        return _waves_entry(error.harmonics)
+    raise InputError(f"a drive file has no words for {error!r}", error=error)
+
+
+def _waves_entry(waves: Sequence[Harmonic]) -> dict[str, Any] | None:
+    if not waves:
+        return None
+    first, *further = [[float(wave.order), float(wave.amplitude), float(wave.phase)] for wave in waves]
+    entry: dict[str, Any] = dict(zip(("order", "amplitude", "phase"), first, strict=True))
+    return entry | ({"harmonics": further} if further else {})
+
+
+def _motor_entry(motor: Motor) -> dict[str, Any]:
+    numbers = {name: _number(value) for name, value in vars(motor).items() if name not in ("ripple", "cogging")}
+    return _stated(numbers | {"ripple": _waves_entry(motor.ripple), "cogging": _waves_entry(motor.cogging)}) or {}
+
+
+def _rotor_entry(rotor: Rotor) -> dict[str, Any]:
+    """Its own mass only where the link does not hold it: elsewhere it means nothing, and reading would refuse it."""
+    own = () if rotor.in_link_inertia else ("mass", "transverse", "position")
+    entry = {"inertia": float(rotor.inertia), "in_link_inertia": bool(rotor.in_link_inertia)}
+    entry |= {name: float(value) for name in own if (value := getattr(rotor, name))}
+    return entry | ({"coupling": "full"} if rotor.coupling == "full" else {})
+
+
+def _limits_entry(limits: Limits) -> dict[str, Any]:
+    position = [float(limits.lower), float(limits.upper)]
+    bounded = np.isfinite(position).any()
+    effort, velocity = _number(limits.effort), _number(limits.velocity)
+    return {"torque": effort, "velocity": velocity, "position": position if bounded else None}
+
+
+def _number(value: float | None) -> float | None:
+    """A number that a file states: None where there is none, or no bound."""
+    return float(value) if value is not None and np.isfinite(value) else None
+
+
+def _stated(fields: dict[str, Any]) -> dict[str, Any] | None:
+    return {name: value for name, value in fields.items() if value is not None} or None

@@ -1,0 +1,58 @@
+"""The drive file's fields on friction."""
+
+from typing import Literal
+
+from pydantic import Field
+
+from cutpoint.formats.sheet import Sheet, quantity
+
+DEFAULT_SMOOTHING = 0.01
+"""Speed, rad/s (m/s), over which dry friction changes sign where nothing is stated."""
+
+
+class PreslidingSheet(Sheet):
+    """Bristles that wind up before friction slides, and hold."""
+
+    law: Literal["elasto_plastic", "lugre"] = Field(
+        "elasto_plastic", description="elasto_plastic: holds for ever below breakaway; lugre: creeps under vibration"
+    )
+    distance: float = quantity("rad", "m", "displacement over which friction builds up from rest to breakaway", gt=0)
+    damping: float = quantity("N m s/rad", "N s/m", "of the bristles while they wind up", 0.0, ge=0)
+    elastic: float = quantity("1", "1", "share of the breakaway torque that elasto_plastic holds for ever", 0.7, ge=0, lt=1)
+
+
+class GreaseSheet(Sheet):
+    """How viscous friction follows temperature."""
+
+    temperature: float = quantity("deg C", "deg C", "of the grease; `viscous` is stated at 25")
+    thinning: float = quantity("1/K", "1/K", "viscous friction changes by exp(-thinning (temperature - 25))", ge=0)
+
+
+class FrictionLawSheet(Sheet):
+    """Friction on a speed.  Xia (2019) eq. (54); without `static`, Coulomb and viscous only, eq. (55)."""
+
+    coulomb: float = quantity("N m", "N", "dry friction f_c while sliding, as felt at the joint", 0.0, ge=0)
+    static: float | None = quantity("N m", "N", "dry friction f_s near standstill, f_c at least", None, ge=0)
+    viscous: float = quantity("N m s/rad", "N s/m", "f_v: friction per speed, as felt at the joint", 0.0, ge=0)
+    stribeck_velocity: float | None = quantity("rad/s", "m/s", "v_s over which f_s falls to f_c", None, gt=0)
+    smoothing: float = quantity("rad/s", "m/s", "sgn(speed) is tanh(speed / smoothing)", DEFAULT_SMOOTHING, gt=0)
+    asymmetry: float | None = quantity(
+        "1", "1", "dry friction is 1 + that much of itself forwards, 1 - backwards", None, gt=-1, lt=1
+    )
+    presliding: PreslidingSheet | None = Field(None, description="what it does before it slides; sgn is not smoothed then")
+    grease: GreaseSheet | None = Field(None, description="how `viscous` follows temperature")
+
+
+class MotorFrictionSheet(FrictionLawSheet):
+    """Friction on the rotor's speed over ratio, in joint-side units; that of the gear's teeth grows with its load."""
+
+    per_load: float | None = quantity(
+        "1", "1", "dry friction for each N m that the drive transmits: what efficiency is lost to load", None, ge=0, lt=1
+    )
+
+
+class FrictionSheet(Sheet):
+    """Friction on either side of the spring."""
+
+    link: FrictionLawSheet | None = Field(None, description="acts on the link's speed, eq. (54)")
+    motor: MotorFrictionSheet | None = Field(None, description="acts on the rotor's speed over ratio, eq. (55)")

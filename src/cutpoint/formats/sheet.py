@@ -1,0 +1,28 @@
+"""What all parts of a drive file's schema share: strict fields that state their unit, meaning and rule."""
+
+from typing import Annotated, Any
+
+from pydantic import BaseModel, ConfigDict, Field
+from pydantic.config import JsonDict
+
+
+def quantity(rotary: str, linear: str, meaning: str, default: Any = ..., **rules: Any) -> Any:
+    """A field with its unit on a joint that turns and on one that slides, and rules such as `gt=0`."""
+    units: JsonDict = {"unit": rotary, "linear_unit": linear}
+    return Field(default, description=meaning, json_schema_extra=units, **rules)
+
+
+class Sheet(BaseModel):
+    """Unknown keys are errors, and nothing is converted."""
+
+    model_config = ConfigDict(extra="forbid", frozen=True, strict=True, allow_inf_nan=False)
+
+
+Wave = Annotated[list[float], Field(min_length=3, max_length=3)]
+"""[order, amplitude, phase] of one wave a turn of the rotor."""
+
+
+class WaveSheet(Sheet):
+    """A wave over the rotor's turn, and further ones."""
+
+    harmonics: list[Wave] = Field([], description="further waves, each [order, amplitude, phase]")

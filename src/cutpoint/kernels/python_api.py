@@ -1,0 +1,58 @@
+"""Python's C API: what machine code that is called as a built-in function needs of it, and the making of one."""
+
+import ctypes
+import sys
+import sysconfig
+from collections.abc import Callable
+from functools import cache
+from typing import Any
+
+_HEADER = object.__basicsize__
+KIND, VALUE = _HEADER - 8, _HEADER
+"""Where any object's type is, and a float's value, in bytes."""
+
+_NEW_TUPLE = tuple.__new__
+_FASTCALL_WITH_KEYWORDS = 0x0080 | 0x0002
+_FUNCTIONS = ("PyObject_Vectorcall", "PyTuple_New", "PyTuple_SetItem", "Py_DecRef")
+
+DECLARATIONS = """declare ptr @PyObject_Vectorcall(ptr, ptr, i64, ptr)
+declare ptr @PyTuple_New(i64)
+declare i32 @PyTuple_SetItem(ptr, i64, ptr)
+declare void @Py_DecRef(ptr)
+"""
+
+
+@cache
+def objects_are_as_expected() -> bool:
+    """Whether this Python's objects lie in memory as machine code takes for granted, and one thread runs at a time."""
+    one_at_a_time = sys.implementation.name == "cpython" and not sysconfig.get_config_var("Py_GIL_DISABLED")
+    if not one_at_a_time or ctypes.sizeof(ctypes.c_void_p) != 8 or float.__basicsize__ != VALUE + 8:
+        return False
+    kinds = all(ctypes.c_void_p.from_address(id(x) + KIND).value == id(type(x)) for x in (1.5, "", [], print, int))
+    return kinds and all(ctypes.c_double.from_address(id(x) + VALUE).value == x for x in (1.5, -0.1))
+
+
+@cache
+def symbols() -> dict[str, int]:
+    """Addresses, by the names that machine code calls them."""
+    functions = {name: ctypes.cast(getattr(ctypes.pythonapi, name), ctypes.c_void_p).value or 0 for name in _FUNCTIONS}
+    return functions | {"float_type": id(float), "new_tuple": id(_NEW_TUPLE)}
+
+
+def builtin(address: int, name: str, doc: str, owner: Any) -> Callable[..., Any]:
+    """The machine code at an address, PyObject *(PyObject *, PyObject **, Py_ssize_t, PyObject *), as a function.
+
+    owner: what must live as long as the function.
+    """
+    definition = _Definition(name.encode(), address, _FASTCALL_WITH_KEYWORDS, doc.encode())
+    make, pointer = ctypes.pythonapi.PyCMethod_New, ctypes.c_void_p
+    make.restype, make.argtypes = ctypes.py_object, [pointer, ctypes.py_object, pointer, pointer]
+    return make(ctypes.addressof(definition), (owner, definition), None, None)
+
+
+class _Definition(ctypes.Structure):
+    """PyMethodDef."""
+
+    _fields_ = (
+        ("name", ctypes.c_char_p), ("function", ctypes.c_void_p), ("flags", ctypes.c_int), ("doc", ctypes.c_char_p),
+    )  # fmt: skip

@@ -1,0 +1,64 @@
+"""Backlash: play in a gear before its spring is loaded.  Harmonic drives have none; the gears before or after may."""
+
+from dataclasses import dataclass
+
+from cutpoint.mechanics.inversion import increasing_root
+from cutpoint.model.drive import Compliance
+from cutpoint.scalars import Scalar, absolute, clip, maximum, where
+
+SLACK = 0.03
+"""What of a deflection within the play reaches the spring: its stiffness there is the square of that of the spring's."""
+
+EDGE = 0.1
+"""Half the width over which contact sets in, in units of half the play."""
+
+
+@dataclass(frozen=True)
+class Backlash:
+    """A spring behind a play of `gap` (rad from flank to flank, at the joint's side).
+
+    The spring is wound by w(deflection), which nearly stands still within the play and follows the deflection beyond
+    it; the torque is spring.torque(w) w', so that the spring's energy is the drive's.  A little of the deflection passes
+    within the play too, or no torque would belong to one deflection alone.
+    """
+
+    spring: Compliance
+    gap: Scalar
+
+    def torque(self, deflection: Scalar) -> Scalar:
+        wound, passed = self._wound(deflection)
+        return self.spring.torque(wound) * passed
+
+    def deflection(self, torque: Scalar) -> Scalar:
+        """The inverse law: Newton from beyond the play, where the law is convex towards it."""
+        beyond = self.spring.deflection(torque)
+        guess = where(torque < 0, beyond - self.gap, beyond + self.gap)
+        return increasing_root(self.torque, self.tangent, torque, guess, steps=12)
+
+    def tangent(self, deflection: Scalar) -> Scalar:
+        """d torque / d deflection, N m/rad."""
+        wound, passed = self._wound(deflection)
+        return self.spring.tangent(wound) * passed * passed + self.spring.torque(wound) * self._bend(deflection)
+
+    def energy(self, deflection: Scalar) -> Scalar:
+        """Stored energy, J."""
+        return self.spring.energy(self._wound(deflection)[0])
+
+    def _wound(self, deflection: Scalar) -> tuple[Scalar, Scalar]:
+        """w and w': from slope SLACK to slope 1 as a cubic through the edge, odd."""
+        size, u = absolute(deflection), self._progress(deflection)
+        width = self.gap * EDGE
+        ramp = width * (u * u * u) * (1 - u / 2) + maximum(size - self.gap / 2 - width / 2, 0)
+        wound = SLACK * size + (1 - SLACK) * ramp
+        return where(deflection < 0, -wound, wound), SLACK + (1 - SLACK) * (u * u * (3 - 2 * u))
+
+    def _bend(self, deflection: Scalar) -> Scalar:
+        """w''."""
+        u = self._progress(deflection)
+        bend = (1 - SLACK) * 6 * u * (1 - u) / (self.gap * EDGE)
+        return where(deflection < 0, -bend, bend)
+
+    def _progress(self, deflection: Scalar) -> Scalar:
+        """0 within the play, 1 beyond its edge."""
+        width = self.gap * EDGE
+        return clip((absolute(deflection) - self.gap / 2 + width / 2) / width, 0, 1)

@@ -1,0 +1,68 @@
+"""The motor between command and shaft: limits, current loop, torque ripple and cogging.
+
+Torques at the joint's side, ratio times the shaft's; rotor angle ratio * theta.
+"""
+
+from collections.abc import Sequence
+
+from cutpoint.mechanics.harmonics import series
+from cutpoint.model.drive import Drive, Harmonic, Motor
+from cutpoint.scalars import Scalar, clip, maximum, minimum
+
+TURN = 6.283185307179586
+
+
+def within_limits(drive: Drive, command: Scalar, theta_dot: Scalar) -> Scalar:
+    """The torque that current and voltage allow at a speed, N m: the torque-speed curve.
+
+    Back-EMF takes K_e ratio theta_dot of the voltage, K_e = torque_constant in SI units; what is left drives
+    the current through the resistance.
+    """
+    motor = drive.motor
+    if motor is None:
+        return command
+    gain = motor.torque_constant * drive.ratio  # N m at the joint for each ampere
+    low = high = None
+    if motor.current_limit is not None:
+        high = motor.current_limit
+        low = -high
+    if motor.voltage_limit is not None:
+        assert motor.resistance is not None, "a voltage limit needs the resistance"
+        back = gain * theta_dot
+        ends = (-motor.voltage_limit - back) / motor.resistance, (motor.voltage_limit - back) / motor.resistance
+        low = ends[0] if low is None else clip(ends[0], low, high)
+        high = ends[1] if high is None else clip(ends[1], -high, high)
+    if low is None or high is None:
+        return command
+    return gain * minimum(maximum(command / gain, low), high)
+
+
+def lag_rate(motor: Motor, command: Scalar, torque: Scalar) -> Scalar:
+    """d torque / dt of a current loop of first order, N m/s."""
+    assert motor.bandwidth is not None, "a motor without bandwidth follows at once"
+    return (TURN * motor.bandwidth) * (command - torque)
+
+
+def shaft_torque(drive: Drive, torque: Scalar, theta: Scalar) -> Scalar:
+    """What reaches the rotor of an electromagnetic torque, N m: with ripple, and with cogging."""
+    ripple, cogging = ripple_and_cogging(drive, theta)
+    return torque * (1 + ripple) + cogging
+
+
+def torque_for(drive: Drive, shaft: Scalar, theta: Scalar) -> Scalar:
+    """The electromagnetic torque that brings this much to the rotor, N m: the inverse of `shaft_torque`."""
+    ripple, cogging = ripple_and_cogging(drive, theta)
+    return (shaft - cogging) / (1 + ripple)
+
+
+def ripple_and_cogging(drive: Drive, theta: Scalar) -> tuple[Scalar, Scalar]:
+    """Ripple as a share of the torque, and cogging in N m."""
+    motor = drive.motor
+    if motor is None:
+        return 0, 0
+    angle = drive.ratio * theta
+    return _waves(motor.ripple, angle), drive.ratio * _waves(motor.cogging, angle)
+
+
+def _waves(harmonics: Sequence[Harmonic], angle: Scalar) -> Scalar:
+    return series(harmonics, angle) if harmonics else 0

@@ -1,0 +1,106 @@
+"""Friction before it slides: contacts wind up like bristles, hold below breakaway and slide above it.
+
+A bristle's strain follows the joint's displacement, not time: from the strain before a displacement the strain after it
+comes in closed form, however fast the motion, so these laws put no bound on integration steps but for the frequency of a
+mass on the bristles' stiffness.  The differential equations that they solve are cited at each class.
+Strains in rad (m), torques in N m (N), all at the joint's side.
+"""
+
+from dataclasses import dataclass
+
+from cutpoint.mechanics.friction import Coulomb, Stribeck
+from cutpoint.scalars import Scalar, absolute, exp, maximum, where
+
+
+class Presliding:
+    """What bristle laws share.
+
+    sliding: friction once it slides.  distance: strain at which it does, starting from rest without load, rad.
+    damping: of the bristles while they wind up, N m s/rad.
+    """
+
+    sliding: Stribeck | Coulomb
+    distance: Scalar
+    damping: Scalar
+
+    @property
+    def stiffness(self) -> Scalar:
+        """Of the bristles, N m/rad."""
+        return self.sliding.plateau(0) / self.distance
+
+    def torque(self, speed: Scalar, load: Scalar = 0) -> Scalar:
+        """xi in steady sliding, N m: all that can be said without the strain."""
+        return self.sliding.torque(speed, load)
+
+    def share_of_load(self, speed: Scalar) -> Scalar:
+        return self.sliding.share_of_load(speed)
+
+    def strained_torque(self, strain: Scalar, speed: Scalar, load: Scalar = 0) -> Scalar:
+        """xi of strained bristles, N m.  Their damping acts only while they wind up: it never pushes."""
+        winding = maximum(self.winding(strain, speed, load), 0)
+        return self.stiffness * strain + (self.damping * winding + self.sliding.viscosity) * speed
+
+    def strain(self, before: Scalar, displacement: Scalar, speed: Scalar, load: Scalar = 0) -> Scalar:
+        """Strain after a displacement in one direction, rad."""
+        raise NotImplementedError
+
+    def winding(self, strain: Scalar, speed: Scalar, load: Scalar = 0) -> Scalar:
+        """d strain / d displacement at a strain: 1 where all motion winds bristles up, 0 where all of it slides."""
+        raise NotImplementedError
+
+    def _breakaway(self, speed: Scalar, load: Scalar, forwards: Scalar) -> Scalar:
+        """Strain at which it slides, rad."""
+        return self.sliding.dry(speed, load, forwards) / self.stiffness
+
+
+@dataclass(frozen=True)
+class LuGre(Presliding):
+    """ds/dt = speed - |speed| s / s_b, s_b = dry friction / stiffness.  Canudas de Wit et al. (1995).
+
+    Slides a little at any load: under a vibrating load it drifts where a real contact holds.
+    """
+
+    sliding: Stribeck | Coulomb
+    distance: Scalar
+    damping: Scalar
+
+    def strain(self, before: Scalar, displacement: Scalar, speed: Scalar, load: Scalar = 0) -> Scalar:
+        forwards = where(displacement < 0, -1, 1)
+        limit = self._breakaway(speed, load, forwards)
+        towards = forwards * limit
+        return towards + (before - towards) * exp(-absolute(displacement) / limit)
+
+    def winding(self, strain: Scalar, speed: Scalar, load: Scalar = 0) -> Scalar:
+        forwards = where(speed < 0, -1, 1)
+        return 1 - forwards * strain / self._breakaway(speed, load, forwards)
+
+
+@dataclass(frozen=True)
+class ElastoPlastic(Presliding):
+    """Elastic up to a share of the breakaway strain, then more and more sliding.  Dupont et al. (2002).
+
+    Within Dupont's family, ds/dt = speed (1 - alpha sgn(speed) s / s_b), alpha is such that sliding sets in in
+    proportion to the strain beyond elastic * s_b, which has a closed form.  Loads below that share are held for ever.
+    elastic: the share, at least 0 and below 1.
+    """
+
+    sliding: Stribeck | Coulomb
+    distance: Scalar
+    damping: Scalar
+    elastic: Scalar
+
+    def strain(self, before: Scalar, displacement: Scalar, speed: Scalar, load: Scalar = 0) -> Scalar:
+        forwards = where(displacement < 0, -1, 1)
+        limit = self._breakaway(speed, load, forwards)
+        start, travel = forwards * before, absolute(displacement)  # seen along the motion
+        knee = self.elastic * limit
+        onset = maximum(start, knee)
+        sliding = maximum(start + travel - onset, 0)
+        plastic = limit + (onset - limit) * exp(-sliding / (limit - knee))
+        return forwards * where(start + travel < knee, start + travel, plastic)
+
+    def winding(self, strain: Scalar, speed: Scalar, load: Scalar = 0) -> Scalar:
+        forwards = where(speed < 0, -1, 1)
+        limit = self._breakaway(speed, load, forwards)
+        knee = self.elastic * limit
+        return 1 - maximum(forwards * strain - knee, 0) / (limit - knee)

@@ -1,0 +1,76 @@
+"""What drives remember: the strains of bristles that rub and of hysteresis elements, and how motion changes them.
+
+Strains follow displacements.  Over a short motion from one state to another they are functions of both ends, with what
+they were at the first: an integrator takes them along without a derivative.
+"""
+
+from collections.abc import Iterator, Sequence
+from typing import Any, NamedTuple
+
+from cutpoint.mechanics.harmonic_drive import deflection, slipping_torque, spring_torque
+from cutpoint.mechanics.presliding import Presliding
+from cutpoint.model.drive import Drive
+from cutpoint.scalars import Scalar
+
+
+class Strains(NamedTuple):
+    """Of one drive, rad (m): of link-side and motor-side friction, and of the spring's elements; None if not known."""
+
+    link: Any = None
+    motor: Any = None
+    spring: tuple[Any, ...] | None = None
+
+
+UNKNOWN = Strains()
+"""Friction as in steady sliding, and no hysteresis."""
+
+
+class Place(NamedTuple):
+    """Where a drive is: its link's and its motor's position and speed."""
+
+    q: Any
+    v: Any
+    theta: Any
+    theta_dot: Any
+
+
+def count(drive: Drive) -> int:
+    """How many strains a drive has."""
+    return len(names(drive))
+
+
+def names(drive: Drive) -> list[str]:
+    """What they are, in their order."""
+    sides = (("link friction", drive.link_friction), ("motor friction", drive.motor_friction))
+    found = [side for side, law in sides if isinstance(law, Presliding)]
+    return found + [f"hysteresis {k + 1}" for k in range(len(drive.hysteresis.reach) if drive.hysteresis else 0)]
+
+
+def taken(drive: Drive, numbers: Iterator[Scalar]) -> Strains:
+    """A drive's strains off a flat list."""
+    laws = drive.link_friction, drive.motor_friction
+    link, motor = (next(numbers) if isinstance(law, Presliding) else None for law in laws)
+    spring = tuple(next(numbers) for _ in drive.hysteresis.reach) if drive.hysteresis else None
+    return Strains(link, motor, spring)
+
+
+def flat(strains: Sequence[Strains]) -> list[Scalar]:
+    """All strains in one list, drive by drive."""
+    return [x for s in strains for part in s if part is not None for x in (part if isinstance(part, tuple) else (part,))]
+
+
+def moved(drive: Drive, before: Strains, start: Place, end: Place) -> Strains:
+    """Strains after a motion that does not turn back on its way."""
+    spring = before.spring
+    if drive.hysteresis and spring is not None:
+        wound = deflection(drive, end.theta, end.q) - deflection(drive, start.theta, start.q)
+        spring = drive.hysteresis.strains(spring, wound)
+    link, motor = before.link, before.motor
+    if isinstance(drive.link_friction, Presliding):
+        link = drive.link_friction.strain(link, end.q - start.q, end.v)
+    if isinstance(drive.motor_friction, Presliding):
+        load = 0
+        if drive.is_elastic:
+            load = spring_torque(drive, end.theta, end.q, end.theta_dot, end.v) + slipping_torque(drive, spring)
+        motor = drive.motor_friction.strain(motor, end.theta - start.theta, end.theta_dot, load)
+    return Strains(link, motor, spring)
