@@ -55,7 +55,7 @@ def _ours(robot: cutpoint.Robot, task: str, inputs: list[np.ndarray]) -> dict[st
     kernel = robot.kernel(name)
     return {
         "cutpoint": Entry(_each(method, inputs), None, results),
-        "kernel": Entry(_each(kernel, inputs), partial(kernel, *inputs), kernel(*inputs)),
+        "kernel": Entry(_each(kernel.call, inputs), partial(kernel, *inputs), kernel(*inputs)),
     }
 
 

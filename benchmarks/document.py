@@ -22,7 +22,7 @@ _SINGLE = """
 ## One call from Python
 
 `robot.inverse_dynamics(...)` and its like, which check what they are given; the kernel behind it,
-`robot.kernel("inverse_dynamics")`; Pinocchio's Python bindings.  Over 256 random states, a new one each call.
+`robot.kernel("inverse_dynamics").call`; Pinocchio's Python bindings.  Over 256 random states, a new one each call.
 
 | robot | task | cutpoint | its kernel | Pinocchio | kernel / cutpoint | Pinocchio / cutpoint |
 |-|-|-|-|-|-|-|

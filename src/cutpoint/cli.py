@@ -126,6 +126,51 @@ def modes(
         console.print(f"picture saved to {plot}")
 
 
+@app.command(epilog="Example: cutpoint check arm.urdf cycle.csv --drives arm.drives.yaml --dwell 0.5 --plot check.png")
+def check(
+    robot: RobotFile,
+    trajectory: Annotated[
+        Path | None, typer.Argument(metavar="TRAJECTORY", help="CSV file of one cycle: time, and positions by joint.")
+    ] = None,
+    drives: Drives = None,
+    to: Annotated[str, typer.Option(help="Without a file: final positions of a cycloid, as in simulate.")] = "",
+    duration: Annotated[float | None, typer.Option(help="Of the cycloid, s.")] = None,
+    start: Annotated[str, typer.Option("--from", help="Of the cycloid: initial positions; zero if not given.")] = "",
+    degrees: Degrees = False,
+    mimic: Mimics = "independent",
+    dwell: Annotated[float, typer.Option(help="Pause after the motion, s, in its last position.")] = 0.0,
+    period: Annotated[float, typer.Option(help="Longest time between samples, s.")] = 1e-3,
+    life: Annotated[float | None, typer.Option(help="Hours asked of the gears.")] = None,
+    json: Annotated[Path | None, typer.Option("--json", metavar="FILE", help="Save all numbers: .json.")] = None,
+    plot: Annotated[
+        Path | None, typer.Option(metavar="FILE", help="Save the torque-speed planes: .png, .pdf or .svg.")
+    ] = None,
+) -> None:
+    """Whether the drives are large enough for a motion that is repeated, by which margin, and how long gears last.
+
+    Exit status: 0 if every limit that is stated holds, 3 if some margin is below 1, 1 on wrong input.
+    """
+    from cutpoint.studies.sizing import sizing
+    from cutpoint.studies.sizing.table import sentences, table_of
+
+    _check_targets(None, plot)
+    _check_target("json", json, (".json",))
+    loaded = _robot(robot, drives, mimic)
+    cycle = _cycle(loaded, trajectory, (start, to), duration, degrees)
+    found = sizing(loaded, cycle, dwell=dwell, period=period, life=life)
+    console.print(table_of(found))
+    for sentence in sentences(found):
+        console.print(sentence, highlight=False, markup=False)
+    if json:
+        found.save(json)
+        console.print(f"numbers saved to {json}")
+    if plot:
+        found.plot().savefig(plot)
+        console.print(f"picture saved to {plot}")
+    if not found.holds:
+        raise typer.Exit(3)
+
+
 @app.command(epilog="Example: cutpoint paper --output paper")
 def paper(
     output: Annotated[
@@ -206,13 +251,33 @@ def _numbers(robot: cutpoint.Robot, option: str, text: str, degrees: bool) -> An
 
 def _check_targets(output: Path | None, plot: Path | None) -> None:
     """Before anything is computed: files can be written where they are wanted, and their kinds are known."""
-    for option, path, kinds in (("output", output, (".npz", ".csv")), ("plot", plot, (".png", ".pdf", ".svg"))):
-        if path is None:
-            continue
-        if path.suffix.lower() not in kinds:
-            raise InputError(f"--{option} {str(path)!r} must end in {', '.join(kinds)}", path=path)
-        if not path.parent.is_dir():
-            raise InputError(f"--{option} {str(path)!r}: folder {str(path.parent)!r} does not exist", path=path)
+    _check_target("output", output, (".npz", ".csv"))
+    _check_target("plot", plot, (".png", ".pdf", ".svg"))
+
+
+def _check_target(option: str, path: Path | None, kinds: tuple[str, ...]) -> None:
+    if path is None:
+        return
+    if path.suffix.lower() not in kinds:
+        raise InputError(f"--{option} {str(path)!r} must end in {', '.join(kinds)}", path=path)
+    if not path.parent.is_dir():
+        raise InputError(f"--{option} {str(path)!r}: folder {str(path.parent)!r} does not exist", path=path)
+
+
+def _cycle(
+    robot: cutpoint.Robot, file: Path | None, ends: tuple[str, str], duration: float | None, degrees: bool
+) -> cutpoint.trajectories.Trajectory:
+    """The motion of a file, or a cycloid between two ends."""
+    start, end = ends
+    if file is not None:
+        if start or end or duration is not None or degrees:
+            rule = "--to, --from, --duration and --degrees do not go with it; its first line names the units"
+            raise InputError(f"trajectory {str(file)!r} is a motion already: {rule}", path=file)
+        return cutpoint.trajectories.from_csv(file, robot.joints)
+    if not end or duration is None:
+        raise InputError("a motion is needed: a CSV file TRAJECTORY, or --to with --duration")
+    places = {"start": _numbers(robot, "from", start, degrees), "end": _numbers(robot, "to", end, degrees)}
+    return cutpoint.trajectories.cycloid(duration=duration, **places)
 
 
 def _keep(log: Log, output: Path | None, plot: Path | None) -> None:

@@ -7,7 +7,7 @@ from cutpoint.mechanics import elastic, kinematics, mass_matrix, power_flow, reg
 from cutpoint.mechanics import forward_dynamics as forward
 from cutpoint.mechanics import inverse_dynamics as inverse
 from cutpoint.mechanics.elastic import Driven, ElasticAccelerations, ElasticMotion, Options
-from cutpoint.mechanics.harmonic_drive import motor_position, spring_torque
+from cutpoint.mechanics.harmonic_drive import friction_torque, motor_position, spring_torque
 from cutpoint.mechanics.spatial import Pose, Vec3, Wrench
 from cutpoint.mechanics.system import System
 
@@ -117,7 +117,10 @@ def static_deflection(m: Machine, q: Scalars) -> Scalars:
 
 def friction_torques(m: Machine, v: Scalars) -> Scalars:
     """What link-side friction takes at each speed, N m."""
-    return elastic.link_friction(m.system, m.drives, v)
+    xi: Scalars = [0] * m.system.nv
+    for d in m.drives:
+        xi[d.v] = friction_torque(d.drive.link_friction, v[d.v])
+    return xi
 
 
 def frame_pose(m: Machine, q: Scalars, frame: str) -> list[Scalars]:

@@ -39,7 +39,7 @@ def inverse_dynamics(m: Machine, q: Scalars, v: Scalars, a: Scalars) -> InverseD
 
 
 def forward_dynamics(m: Machine, q: Scalars, v: Scalars, tau: Scalars) -> ForwardDynamicsDerivatives:
-    """From M d_a = d_tau - d(inverse dynamics at that a).  Carpentier and Mansard (2018), section IV.
+    """From M d_a = d_tau - d(inverse dynamics at that a).  Carpentier and Mansard (2018).
 
     On the paper's arm and on UR10 that takes two thirds of the operations that the derived recursion takes, on Panda
     half of them.
@@ -84,4 +84,4 @@ def _unit(n: int) -> list[list[int]]:
 
 
 def _negated(rows: Matrix) -> Matrix:
-    return [[-x for x in row] for row in rows]
+    return [[0 - x for x in row] for row in rows]

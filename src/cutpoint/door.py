@@ -2,7 +2,6 @@
 
 import math
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import fields
 from typing import Any
 
 import numpy as np
@@ -10,8 +9,8 @@ from numpy.typing import ArrayLike, NDArray
 
 from cutpoint.errors import InputError, ModelError, unknown_name
 from cutpoint.model import Drive, Joint, Mechanism
+from cutpoint.model.drive_validation import check_drive
 from cutpoint.model.validation import DRIVEN_KINDS
-from cutpoint.scalars import leaves
 
 Array = NDArray[np.float64]
 
@@ -92,43 +91,6 @@ def _has_full_coupling(drive: Drive) -> bool:
 
 def _has_followers(mechanism: Mechanism) -> bool:
     return any(body.joint.mimic for body in mechanism.bodies)
-
-
-def check_drive(name: str, drive: Drive) -> None:
-    """Numbers finite, ratio not zero, an elastic drive with a rotor; positive where the laws need it."""
-    for number in leaves([getattr(drive, field.name) for field in fields(drive) if field.name != "limits"]):
-        if not np.isfinite(number):
-            raise ModelError(f"joint {name!r}: its drive holds {number}, every number must be finite", joint=name)
-    if any(np.isnan(bound) for bound in leaves(drive.limits)):
-        raise ModelError(f"joint {name!r}: limits {drive.limits} hold nan; infinite is no limit", joint=name)
-    if drive.ratio == 0:
-        raise ModelError(f"joint {name!r}: ratio 0 must not be zero: motor turns per joint turn, signed", joint=name)
-    if drive.is_elastic and (drive.rotor is None or drive.rotor.inertia <= 0):
-        raise ModelError(f"joint {name!r}: an elastic drive needs a rotor with a positive inertia, kg m2", joint=name)
-    if drive.kinematic_error and drive.kinematic_error.steepest(drive.ratio) >= 1:
-        rule = "order * ratio * amplitude, summed over harmonics, must stay below 1, or the drive would run backwards"
-        raise ModelError(f"joint {name!r}: kinematic error is too large: {rule}", joint=name)
-    if drive.kinematic_error and not drive.is_elastic:
-        raise ModelError(f"joint {name!r}: a kinematic error needs an elastic drive; give it a compliance", joint=name)
-    if drive.rotor and drive.rotor.coupling not in ("reduced", "full"):
-        found = drive.rotor.coupling
-        raise ModelError(f"joint {name!r}: rotor coupling {found!r} must be 'reduced' or 'full'", joint=name)
-    if drive.rotor and min(drive.rotor.inertia, drive.rotor.mass, drive.rotor.transverse) < 0:
-        raise ModelError(f"joint {name!r}: rotor inertia, mass and transverse must not be negative", joint=name)
-    for law in (drive.compliance, drive.link_friction, drive.motor_friction):
-        _check_law(name, law)
-
-
-def _check_law(name: str, law: object) -> None:
-    """Constants of spring and friction laws: positive where a law divides by them, otherwise not negative."""
-    for constant in ("stiffness", "hardening", "stribeck_velocity", "smoothing"):
-        value = getattr(law, constant, 1.0)
-        if value <= 0:
-            raise ModelError(f"joint {name!r}: {constant} {value} must be positive", joint=name, constant=constant)
-    for constant in ("coulomb", "static", "viscous"):
-        value = getattr(law, constant, 0.0)
-        if value < 0:
-            raise ModelError(f"joint {name!r}: {constant} {value} must not be negative", joint=name, constant=constant)
 
 
 def check_configuration(mechanism: Mechanism, q: Sequence[float]) -> None:

@@ -1,5 +1,6 @@
-"""Files in and out: robots (URDF, xacro, MJCF) and what drives them (YAML)."""
+"""Files in and out: robots (URDF, xacro, MJCF) and what drives them (YAML), and the catalogue of drives."""
 
+from cutpoint.formats.catalogue import catalogue_drive, catalogue_gear, catalogue_names, entry_of
 from cutpoint.formats.drives import drive_of, dump_drives, load_drives, parse_drives, save_drives
 from cutpoint.formats.mjcf import MjcfRobot, NotCarriedOver, load_mjcf, parse_mjcf
 from cutpoint.formats.urdf import DegreesWarning, MimicWarning, load_urdf, parse_urdf
@@ -9,8 +10,12 @@ __all__ = [
     "MimicWarning",
     "MjcfRobot",
     "NotCarriedOver",
+    "catalogue_drive",
+    "catalogue_gear",
+    "catalogue_names",
     "drive_of",
     "dump_drives",
+    "entry_of",
     "load_drives",
     "load_mjcf",
     "load_urdf",

@@ -1,7 +1,5 @@
 """One entry of a drive file to a `Drive`: the rules that join several fields, and who becomes what."""
 
-from typing import Any
-
 import numpy as np
 
 from cutpoint.formats.drive_section import Section

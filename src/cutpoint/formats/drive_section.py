@@ -8,8 +8,8 @@ from pydantic import ValidationError
 from pydantic.fields import FieldInfo
 
 from cutpoint.errors import ModelError
-from cutpoint.formats.sheet import Sheet
 from cutpoint.formats.safe_yaml import YamlDocument, YamlPath
+from cutpoint.formats.sheet import Sheet
 from cutpoint.model.places import listed
 
 S = TypeVar("S", bound=Sheet)
@@ -75,7 +75,7 @@ class Section:
         owner = sheet_at(sheet, path[:-1])
         key, within = "".join(path[-1:]), f" in {'.'.join(path[:-1])}" if len(path) > 1 else ""
         if kind == "extra_forbidden" and owner:
-            known = ', '.join(map(repr, owner.model_fields))
+            known = ", ".join(map(repr, owner.model_fields))
             return self.error(path, f"unknown key {key!r}{within}; those that exist are {known}")
         if kind == "missing":
             unit = self.unit(field_of(sheet, path))

@@ -40,14 +40,18 @@ def _rigid_is_none(value: Any) -> Any:
 class DriveSheet(Sheet):
     """One joint's drive."""
 
-    catalogue: str | None = Field(None, description="a drive by its catalogue's name; what is stated beside it counts instead")
+    catalogue: str | None = Field(
+        None, description="a drive by its catalogue's name; what is stated beside it counts instead"
+    )
     ratio: float | None = quantity("1", "rad/m", "signed motor turns per joint turn; 1 without a gear", None)
     gear: GearSheet | None = Field(None, description="the ratio by the gear's make; instead of `ratio`")
     rotor: RotorSheet | None = Field(None, description="the motor's turning part; an elastic drive needs it")
     compliance: Annotated[ComplianceSheet | None, BeforeValidator(_rigid_is_none)] = Field(
         None, description="the spring between motor and link, or `rigid`"
     )
-    backlash: float | None = quantity("rad", "m", "play before the spring, flank to flank; needs `compliance`", None, gt=0)
+    backlash: float | None = quantity(
+        "rad", "m", "play before the spring, flank to flank; needs `compliance`", None, gt=0
+    )
     damping: float | None = quantity("N m s/rad", "N s/m", "of the spring, at the joint's side", None, ge=0)
     hysteresis: HysteresisSheet | None = Field(None, description="of the spring; needs `compliance`")
     kinematic_error: KinematicErrorSheet | None = Field(

@@ -7,6 +7,7 @@ from typing import Any
 import yaml
 
 from cutpoint.files import replacing
+from cutpoint.formats.catalogue import catalogue_names, entry_of, unknown_gear
 from cutpoint.formats.drive_entry import to_drive
 from cutpoint.formats.drive_section import Section
 from cutpoint.formats.drive_sheet import DriveSheet, FileSheet
@@ -24,6 +25,9 @@ VERSION = 1
 
 ALTERNATIVES = (frozenset({"ratio", "gear"}), frozenset({"linear", "flexspline", "catalogue"}))
 """Fields of which a drive has one: stating it drops the other from the defaults."""
+
+OF_A_SPRING = ("hysteresis", "kinematic_error")
+"""What a catalogue says of a drive's spring, and does not say of a drive that is stated to be rigid."""
 
 
 def load_drives(path: str | Path, mechanism: Mechanism) -> dict[str, Drive]:
@@ -48,7 +52,7 @@ def parse_drives(content: str | bytes, mechanism: Mechanism, place: str = "<stri
         section = Section(f"joint {name!r}", document, (("drives", name), ("defaults",)))
         joint = _driven(name, joints, mechanism, section)
         section = Section(section.thing, document, section.roots, slides=joint.kind == "prismatic")
-        drives[name] = to_drive(section.read(DriveSheet, merged(sheet.defaults, entry)), section)
+        drives[name] = to_drive(section.read(DriveSheet, _laid_over(sheet.defaults, entry, section)), section)
     return drives
 
 
@@ -73,13 +77,39 @@ def save_drives(path: str | Path, drives: Mapping[str, Drive]) -> None:
 
 
 def merged(base: Mapping[str, Any], over: Mapping[str, Any]) -> dict[str, Any]:
-    """`over` laid on `base`, mapping by mapping; of alternatives, those that `over` does not state are dropped."""
+    """`over` laid on `base`, mapping by mapping; of alternatives, those that `over` does not state are dropped.
+
+    A wave generator's compliance goes with the flexspline's.
+    """
     replaced = {key for group in ALTERNATIVES if group & over.keys() for key in group - over.keys()}
+    replaced |= {"wave_generator"} if "flexspline" in replaced else set()
     result = {key: value for key, value in base.items() if key not in replaced}
     for key, value in over.items():
         both = isinstance(value, dict) and isinstance(result.get(key), dict)
         result[key] = merged(result[key], value) if both else value
     return result
+
+
+def _laid_over(defaults: Mapping[str, Any], entry: Mapping[str, Any], section: Section) -> dict[str, Any]:
+    """An entry on its defaults, and between or below them the catalogue's drive that either names."""
+    layers = [defaults, entry]
+    for k in (1, 0):
+        if isinstance(name := layers[k].get("catalogue"), str):
+            springs = [layer["compliance"] for layer in layers[k:] if "compliance" in layer]
+            layers.insert(k, _from_catalogue(name, section, rigid=springs[-1:] == ["rigid"]))
+            break
+    stated = merged(layers[0], layers[1])
+    return merged(stated, layers[2]) if layers[2:] else stated
+
+
+def _from_catalogue(name: str, section: Section, rigid: bool) -> dict[str, Any]:
+    if name not in catalogue_names():
+        raise section.error(("catalogue",), unknown_gear(name))
+    if section.slides:
+        raise section.error(
+            ("catalogue",), f"catalogue {name!r} turns and this joint slides; state the fields in N and m"
+        )
+    return {key: value for key, value in entry_of(name).items() if not (rigid and key in OF_A_SPRING)}
 
 
 def _driven(name: str, joints: Mapping[str, Joint], mechanism: Mechanism, section: Section) -> Joint:

@@ -14,8 +14,8 @@ from cutpoint.model.drive import Friction
 def to_friction(sheet: FrictionLawSheet, side: str, section: Section) -> Friction:
     """The law on one side, "link" or "motor".
 
-    Raises ModelError: static without Stribeck velocity or the other way round, static below Coulomb friction, presliding
-    without dry friction.
+    Raises ModelError: static without Stribeck velocity or the other way round, static below Coulomb friction,
+    presliding without dry friction.
     """
     sliding = _sliding(sheet, ("friction", side), section)
     if sheet.presliding is None:

@@ -18,7 +18,9 @@ class PreslidingSheet(Sheet):
     )
     distance: float = quantity("rad", "m", "displacement over which friction builds up from rest to breakaway", gt=0)
     damping: float = quantity("N m s/rad", "N s/m", "of the bristles while they wind up", 0.0, ge=0)
-    elastic: float = quantity("1", "1", "share of the breakaway torque that elasto_plastic holds for ever", 0.7, ge=0, lt=1)
+    elastic: float = quantity(
+        "1", "1", "share of the breakaway torque that elasto_plastic holds for ever", 0.7, ge=0, lt=1
+    )
 
 
 class GreaseSheet(Sheet):
@@ -39,7 +41,9 @@ class FrictionLawSheet(Sheet):
     asymmetry: float | None = quantity(
         "1", "1", "dry friction is 1 + that much of itself forwards, 1 - backwards", None, gt=-1, lt=1
     )
-    presliding: PreslidingSheet | None = Field(None, description="what it does before it slides; sgn is not smoothed then")
+    presliding: PreslidingSheet | None = Field(
+        None, description="what it does before it slides; sgn is not smoothed then"
+    )
     grease: GreaseSheet | None = Field(None, description="how `viscous` follows temperature")
 
 
@@ -47,7 +51,12 @@ class MotorFrictionSheet(FrictionLawSheet):
     """Friction on the rotor's speed over ratio, in joint-side units; that of the gear's teeth grows with its load."""
 
     per_load: float | None = quantity(
-        "1", "1", "dry friction for each N m that the drive transmits: what efficiency is lost to load", None, ge=0, lt=1
+        "1",
+        "1",
+        "dry friction for each N m that the drive transmits: what efficiency is lost to load",
+        None,
+        ge=0,
+        lt=1,
     )
 
 

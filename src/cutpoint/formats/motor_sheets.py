@@ -48,12 +48,18 @@ class CoggingSheet(WaveSheet):
 class MotorSheet(Sheet):
     """An electric motor with its current control, at its shaft."""
 
-    torque_constant: float = quantity("N m/A", "N m/A", "shaft torque per ampere; K_e in V s/rad is the same number", gt=0)
+    torque_constant: float = quantity(
+        "N m/A", "N m/A", "shaft torque per ampere; K_e in V s/rad is the same number", gt=0
+    )
     resistance: float | None = quantity("ohm", "ohm", "winding resistance that goes with torque_constant", None, gt=0)
-    bandwidth: float | None = quantity("Hz", "Hz", "of the current loop; without one the torque follows at once", None, gt=0)
+    bandwidth: float | None = quantity(
+        "Hz", "Hz", "of the current loop; without one the torque follows at once", None, gt=0
+    )
     delay: float | None = quantity("s", "s", "from command to current loop, at most a control period", None, ge=0)
     current_limit: float | None = quantity("A", "A", "largest current", None, gt=0)
-    voltage_limit: float | None = quantity("V", "V", "supply: it bounds torque the more the faster the motor turns", None, gt=0)
+    voltage_limit: float | None = quantity(
+        "V", "V", "supply: it bounds torque the more the faster the motor turns", None, gt=0
+    )
     ripple: RippleSheet | None = Field(None, description="torque ripple, in proportion to the torque")
     cogging: CoggingSheet | None = Field(None, description="torque without current, over the rotor's turn")
 

@@ -2,7 +2,8 @@
 
 A function becomes a graph (`specialise`, `tracing`, `algebra`), which runs node by node in NumPy (`numpy_backend`), or
 is lowered to PRIMITIVES (`nodes`, `lowering`) and emitted (`llvm`).  A new emitter walks `lower(graph).nodes`, which
-come operands first, writes one statement for each `op`, and hands out `graph.results`.
+come operands first, writes one statement for each `op`, and hands out `graph.results`.  Derivatives are taken of the
+graph before it is lowered (`derivatives`, `elimination`, `slopes`), and are graphs again.
 """
 
 from cutpoint.kernels.derivatives import jacobian_of

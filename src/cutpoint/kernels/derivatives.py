@@ -22,8 +22,9 @@ Flat = tuple[Shape, list[Any]]
 
 _OPERATORS: dict[str, Callable[..., Any]] = {
     "add": operator.add, "sub": operator.sub, "mul": operator.mul, "div": operator.truediv, "neg": operator.neg,
-    "lt": operator.lt, "le": operator.le, "and": operator.and_, "or": operator.or_, "not": lambda x: ~x & True,
-    "select": Traced.where, **{op: getattr(scalars, op) for op in ("sqrt", *ELEMENTARY)},
+    "lt": operator.lt, "le": operator.le, "and": operator.and_, "or": operator.or_,
+    "not": lambda x: not x if isinstance(x, bool) else ~x, "select": Traced.where,
+    **{op: getattr(scalars, op) for op in ("sqrt", *ELEMENTARY)},
 }  # fmt: skip
 """What a node does, on operands of which some have become floats."""
 
@@ -58,15 +59,14 @@ def jacobian_of(
     @wraps(function)
     def derivatives(**inputs: Any) -> Any:
         arrays = {name: flatten(value) for name, value in inputs.items()}
-        trace = _trace_of(function, arrays)
         moving = {name: arrays[name] for name in _chosen("input", with_respect_to, arrays)}
-        free = [trace.node("independent", next(_serials)) for _, flat in moving.values() for _ in flat]
-        outputs = _outputs(function, {**inputs, **_arrays(iter(free), moving)}, trace)
+        numbers = [x for _, flat in moving.values() for x in flat]
+        free = [_trace_of(function, arrays).node("independent", next(_serials)) for _ in numbers]
+        outputs = _outputs(function, {**inputs, **_arrays(iter(free), moving)})
         moved = {name: outputs[name] for name in _chosen("output", of, outputs)}
-        flat = [(name, x) for name, (_, flat) in moved.items() for x in flat] if free else []
-        results = [checked(function, name, x, trace) for name, x in flat]
-        values = dict(zip((x.serial for x in free), (x for _, flat in moving.values() for x in flat), strict=True))
-        return _blocks(_replaced(jacobian(results, free, orders), values), moved, moving)
+        found = jacobian(_results(function, moved, free), free, orders)
+        values = {x.serial: number for x, number in zip(free, numbers, strict=True)}
+        return _blocks(_replaced(found, values), moved, moving)
 
     derivatives.__name__ = f"jacobian_of_{name_of(function)}"
     return derivatives
@@ -93,13 +93,19 @@ def _arrays(numbers: Iterator[Any], like: Mapping[str, Flat]) -> dict[str, Any]:
     return {name: nest(numbers, shape) for name, (shape, _) in like.items()}
 
 
-def _outputs(function: Callable[..., Any], inputs: Mapping[str, Any], trace: Trace) -> dict[str, Flat]:
+def _outputs(function: Callable[..., Any], inputs: Mapping[str, Any]) -> dict[str, Flat]:
     result = function(**inputs)
     parts = named_parts(result)
     try:
         return {name: flatten(value) for name, value in ({"result": result} if parts is None else parts).items()}
     except ValueError as error:
         raise TraceError(f"{name_of(function)}: an output is ragged: {error}") from None
+
+
+def _results(function: Callable[..., Any], outputs: Mapping[str, Flat], free: Sequence[Node]) -> list[Operand]:
+    """The numbers to derive; none where there is nothing to derive them by."""
+    numbers = [(name, x) for name, (_, flat) in outputs.items() for x in flat] if free else []
+    return [checked(function, name, x, free[0].trace) for name, x in numbers]
 
 
 def _replaced(results: Sequence[Operand], values: Mapping[int, Operand]) -> list[Operand]:
@@ -110,7 +116,7 @@ def _replaced(results: Sequence[Operand], values: Mapping[int, Operand]) -> list
         return done.get(x.serial, x) if isinstance(x, Node) else x
 
     for x in reach(results):
-        if x.serial not in done and any(isinstance(y, Node) and y.serial in done for y in x.args):
+        if any(isinstance(y, Node) and y.serial in done for y in x.args):
             done[x.serial] = _OPERATORS[x.op](*map(new, x.args))
     return [new(x) for x in results]
 

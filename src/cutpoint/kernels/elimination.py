@@ -3,7 +3,7 @@
 Every edge carries the slope of a number with respect to one that enters it.  Eliminating a number joins what enters it
 to what it enters; when only inputs and results are left, the edges are the Jacobian.  Operand by operand this is
 forward mode, from the results back it is reverse mode; an edge that does not exist costs nothing.
-Griewank and Walther (2008), chapter 9.
+Griewank and Walther (2008), chapters 9 and 10.
 """
 
 import heapq

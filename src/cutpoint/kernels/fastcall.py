@@ -14,11 +14,11 @@ import numpy as np
 from cutpoint.errors import InputError
 from cutpoint.kernels import numpy_api, python_api
 from cutpoint.kernels.backends import Function
-from cutpoint.kernels.jit import Compiled, vector_width
+from cutpoint.kernels.jit import Compiled
 from cutpoint.kernels.llvm_code import Code
-from cutpoint.kernels.numpy_api import DATA, DOUBLE, FLAGS, RANK, SHAPE, TIDY, TYPE
+from cutpoint.kernels.numpy_api import DATA, DOUBLE
+from cutpoint.kernels.plain_arguments import ELSEWHERE, field, recognised
 from cutpoint.kernels.ports import Port
-from cutpoint.kernels.python_api import KIND, VALUE
 
 _FUNCTION = "call"
 _OPTIMISATION = 0  # compiles in a third of the time that 2 takes, and was measured to cost 2 ns a call
@@ -69,74 +69,12 @@ def _ir(given: Sequence[Port], outputs: Sequence[Port], front: Front) -> str:
     pointers = ", ".join(["ptr"] * (len(given) + len(bound) + len(outputs)))
     head = f"define ptr @{_FUNCTION}(ptr %self, ptr %arguments, i64 %count, ptr %names) {{\nentry:"
     code = Code()
-    sources = [*_recognised(code, given, finite=front.finite), *bound]
+    sources = [*recognised(code, given, finite=front.finite), *bound]
     _answer(code, sources, outputs, recorded=front.record is not None)
-    code.open("%general")
+    code.open(ELSEWHERE)
     found = code.let("call ptr @PyObject_Vectorcall(ptr @general, ptr %arguments, i64 %count, ptr %names)")
     body = [*code.lines, f"ret ptr {found}", "}", ""]
     return "\n".join([_DECLARATIONS, f"declare void @element({pointers})", *externals, *constants, head, *body])
-
-
-def _recognised(code: Code, ports: Sequence[Port], *, finite: bool) -> list[str]:
-    """Pointers to the arguments' numbers; what is not recognised leaves for `general`."""
-    _require(code, code.let(f"icmp eq i64 %count, {len(ports)}"), code.let("icmp eq ptr %names, null"))
-    objects = [code.load("%arguments", k, "ptr") for k in range(len(ports))]
-    found = [(_array if p.shape else _scalar)(code, x, p) for x, p in zip(objects, ports, strict=True)]
-    if finite:
-        _require_finite(code, [(pointer, port.size) for pointer, port in zip(found, ports, strict=True)])
-    return found
-
-
-def _array(code: Code, x: str, port: Port) -> str:
-    _require(code, code.let(f"icmp eq ptr {_field(code, x, KIND, 'ptr')}, @array_type"))
-    tidy = code.let(f"and i32 {_field(code, x, FLAGS, 'i32')}, {TIDY}")
-    _require(
-        code,
-        code.let(f"icmp eq i32 {_field(code, x, RANK, 'i32')}, {len(port.shape)}"),
-        code.let(f"icmp eq ptr {_field(code, x, TYPE, 'ptr')}, @float64"),
-        code.let(f"icmp eq i32 {tidy}, {TIDY}"),
-    )
-    if port.shape:
-        shape = _field(code, x, SHAPE, "ptr")
-        _require(code, *(code.let(f"icmp eq i64 {code.load(shape, k, 'i64')}, {n}") for k, n in enumerate(port.shape)))
-    return _field(code, x, DATA, "ptr")
-
-
-def _scalar(code: Code, x: str, port: Port) -> str:
-    """A float, an np.float64, whose value lies where a float's does, or an array without axes."""
-    number, other, array, end = (code.name(x) for x in ("number", "other", "array", "end"))
-    kind = _field(code, x, KIND, "ptr")
-    kinds = [code.let(f"icmp eq ptr {kind}, @{name}") for name in ("float_type", "float64_type")]
-    code.branch(code.let(f"or i1 {', '.join(kinds)}"), number, other)
-    code.open(other)
-    inside = _array(code, x, port)
-    code.label(array)
-    code.lines.append(f"br label {end}")
-    code.open(number)
-    value = code.at(x, VALUE, "i8")
-    code.label(end)
-    return code.let(f"phi ptr [ {inside}, {array} ], [ {value}, {number} ]")
-
-
-def _require_finite(code: Code, arguments: list[tuple[str, int]]) -> None:
-    """x - x is zero unless x is infinite or no number."""
-    width, conditions = vector_width(), []
-    for pointer, size in arguments:
-        if size >= width:
-            with code.loop(size // width) as loop:
-                block = code.at(pointer, code.let(f"mul i64 {loop.iteration}, {width}"))
-                _require(code, _are_finite(code, block, width))
-        if size % width:
-            conditions.append(_are_finite(code, code.at(pointer, size // width * width), size % width))
-    if conditions:
-        _require(code, *conditions)
-
-
-def _are_finite(code: Code, pointer: str, size: int) -> str:
-    kind = f"<{size} x double>"
-    x = code.load(pointer, 0, kind, align=8)
-    odd = code.let(f"fcmp une {kind} {code.let(f'fsub {kind} {x}, {x}')}, zeroinitializer")
-    return code.let(f"icmp eq i{size} {code.let(f'bitcast <{size} x i1> {odd} to i{size}')}, 0")
 
 
 def _answer(code: Code, sources: list[str], outputs: Sequence[Port], *, recorded: bool) -> None:
@@ -144,7 +82,7 @@ def _answer(code: Code, sources: list[str], outputs: Sequence[Port], *, recorded
     alone = len(outputs) == 1 and not recorded
     owner = None if alone else _made(code, f"PyTuple_New(i64 {len(outputs)})")
     arrays = [_made(code, _new_array(p, k), owner, k) if p.shape else None for k, p in enumerate(outputs)]
-    places = [_field(code, x, DATA, "ptr") if x else code.let("alloca double") for x in arrays]
+    places = [field(code, x, DATA, "ptr") if x else code.let("alloca double") for x in arrays]
     code.lines.append(f"call void @element({', '.join(f'ptr {p}' for p in (*sources, *places))})")
     results = [
         x or _made(code, f"PyArray_Scalar(ptr {place}, ptr @float64, ptr null)", owner, k)
@@ -182,16 +120,3 @@ def _recorded(code: Code, plain: str) -> str:
     x = code.let(f"call ptr @PyObject_Vectorcall(ptr @new_tuple, ptr {pair}, i64 2, ptr null)")
     code.lines.append(f"call void @Py_DecRef(ptr {plain})")
     return x
-
-
-def _field(code: Code, x: str, offset: int, kind: str) -> str:
-    return code.let(f"load {kind}, ptr {code.at(x, offset, 'i8')}")
-
-
-def _require(code: Code, *conditions: str) -> None:
-    """All conditions hold from here on; otherwise `general` takes the call."""
-    all_hold, then = conditions[0], code.name("then")
-    for condition in conditions[1:]:
-        all_hold = code.let(f"and i1 {all_hold}, {condition}")
-    code.branch(all_hold, then, "%general")
-    code.open(then)

@@ -48,6 +48,19 @@ class Lanes:
         """A whole number in every lane."""
         return self._each("i64", str(k))
 
+    def spread(self, code: Code, number: str) -> str:
+        """One number in every lane."""
+        first = code.let(f"insertelement {self.real} poison, double {number}, i64 0")
+        everywhere = f"<{self.width} x i32> zeroinitializer"
+        return code.let(f"shufflevector {self.real} {first}, {self.real} poison, {everywhere}")
+
+    def joined(self, code: Code, numbers: list[str]) -> str:
+        """So many numbers side by side."""
+        found = "poison"
+        for lane, number in enumerate(numbers):
+            found = code.let(f"insertelement {self.real} {found}, double {number}, i64 {lane}")
+        return found
+
     def apply(self, code: Code, op: str, *arguments: str) -> str:
         """The name of one instruction's value."""
         return code.let(_FORMS[op].format(*arguments, **self.__dict__))

@@ -82,9 +82,10 @@ def _new_ones_are_right() -> bool:
     array = new(at["PyArray_New"])(at["array_type"], 2, ctypes.addressof(shape), DOUBLE, None, None, 0, 0, None)
     value = ctypes.c_double(1.5)
     scalar = ctypes.PYFUNCTYPE(thing, pointer, pointer, pointer)(at["PyArray_Scalar"])
-    number = scalar(ctypes.addressof(value), at["float64"], None)
+    float64 = scalar(ctypes.addressof(value), at["float64"], None)
     right = type(array) is np.ndarray and array.dtype is np.dtype(np.float64) and array.shape == (2, 3)
-    return right and array.flags.carray and type(number) is np.float64 and number == 1.5
+    lies = np.float64.__basicsize__ >= _HEADER + 8 and ctypes.c_double.from_address(id(float64) + _HEADER).value == 1.5
+    return right and array.flags.carray and type(float64) is np.float64 and float64 == 1.5 and lies
 
 
 def _table(module: str, name: str) -> Any:

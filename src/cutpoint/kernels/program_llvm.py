@@ -5,16 +5,20 @@ from collections.abc import Mapping
 
 import numpy as np
 
-from cutpoint.kernels.graph import Graph
+from cutpoint.kernels.algebra import Operand
+from cutpoint.kernels.hoisting import hoist
 from cutpoint.kernels.jit import Compiled
-from cutpoint.kernels.llvm import SCALAR, straight_line
+from cutpoint.kernels.llvm import Lanes, straight_line
 from cutpoint.kernels.llvm_code import Code
 from cutpoint.kernels.lowering import lower
 from cutpoint.kernels.nodes import Node
 from cutpoint.kernels.program_plan import Plan
-from cutpoint.kernels.stepping import Loop
+from cutpoint.kernels.stepping import Loop, Stage
 
 _FUNCTION = "program"
+
+Place = tuple[str, int]
+"""A region and a slot of it."""
 
 
 class LlvmProgram:
@@ -36,32 +40,76 @@ def program_ir(plan: Plan) -> str:
     """The module's text."""
     code = Code()
     counts = {name: code.load("%counts", k, "i64") for k, name in enumerate(plan.counts)}
-    regions = {name: code.load("%regions", k, "ptr") for k, name in enumerate(plan.sizes)}
-    lowered = {stage: lower(graph) for stage, graph in plan.graphs.items()}
+    regions = {name: code.load("%regions", k, "ptr") for k, name in enumerate(plan.regions)}
+    stages = {stage: _Stage(code, plan, stage, regions) for stage in plan.graphs}
 
     def loop(this: Loop, regions: dict[str, str]) -> str:
         count = counts[this.count] if isinstance(this.count, str) else this.count
         with code.loop(count, regions.get(this.until or "")) as running:
             rows = {name: code.let(f"mul i64 {running.iteration}, {plan.sizes[name]}") for name in this.streams}
             inside = regions | {name: code.at(regions[name], row) for name, row in rows.items()}
+            at_hand: dict[Place, str] = {}
             for item in this.body:
                 if isinstance(item, Loop):
                     loop(item, inside)
+                    at_hand.clear()
                 else:
-                    _stage(code, lowered[item], inside)
+                    stages[item].write(code, inside, at_hand)
         return running.done
 
     done = loop(plan.body, regions)
-    head = f"{SCALAR.declarations}define i64 @{_FUNCTION}(ptr %counts, ptr %regions) {{\nentry:"
+    lanes = {stage.lanes.width: stage.lanes for stage in stages.values()}
+    declarations = "".join(x.declarations for x in lanes.values())
+    head = f"{declarations}define i64 @{_FUNCTION}(ptr %counts, ptr %regions) {{\nentry:"
     return "\n".join([head, *code.lines, f"ret i64 {done}", "}", ""])
 
 
-def _stage(code: Code, graph: Graph, regions: Mapping[str, str]) -> None:
-    """One stage: reads, computes, then writes what has changed."""
-    sources = [(port.name, k) for port in graph.inputs for k in range(port.size)]
-    targets = [(port.name, k) for port in graph.outputs for k in range(port.size)]
-    values = straight_line(code, graph, lambda slot: code.load(regions[sources[slot][0]], sources[slot][1]))
-    for x, value, place in zip(graph.results, values, targets, strict=True):
-        unchanged = isinstance(x, Node) and x.op == "input" and sources[x.args[0]] == place
-        if not unchanged:
-            code.store(value, regions[place[0]], place[1])
+class _Stage:
+    """A stage lowered; what it computes from numbers that never change is computed here, before all loops."""
+
+    def __init__(self, code: Code, plan: Plan, stage: Stage, regions: Mapping[str, str]) -> None:
+        graph, self.lanes = lower(plan.graphs[stage]), Lanes(stage.lanes)
+        laned = {name for name in plan.regions if plan.is_laned(stage, name)}
+        changing = plan.written | plan.streamed.keys()
+        self._sources = [(port.name, k, port.name in laned) for port in graph.inputs for k in range(port.size)]
+        self._targets = [(port.name, k) for port in graph.outputs for k in range(port.size)]
+        before, self._graph = hoist(graph, {k for k, (name, *_) in enumerate(self._sources) if name not in changing})
+        count = len(before.results)
+        self._hoisted = code.let(f"alloca {self.lanes.real}, i64 {count}") if count else ""
+        values = straight_line(code, before, lambda slot: self._load(code, regions, slot, {}), lanes=self.lanes)
+        for k, value in enumerate(values):
+            code.store(value, self._hoisted, k, self.lanes.real)
+
+    def write(self, code: Code, regions: Mapping[str, str], at_hand: dict[Place, str]) -> None:
+        """Reads, computes, then writes what has changed.
+
+        at_hand: single numbers that stages of this block have just written.  Lanes take them from there: a wide load of
+        memory that was written number by number a moment ago makes the processor wait.
+        """
+
+        def load(slot: int) -> str:
+            return self._load(code, regions, slot, at_hand)
+
+        values = straight_line(code, self._graph, load, lanes=self.lanes)
+        width = self.lanes.width
+        for x, value, (name, k) in zip(self._graph.results, values, self._targets, strict=True):
+            if not self._is_input(x, (name, k)):
+                code.store(value, code.at(regions[name], k * width), 0, self.lanes.real, align=8)
+                written = {(name, k * width + lane): value for lane in range(width)}
+                at_hand.update(written) if width == 1 else [at_hand.pop(place, None) for place in written]
+
+    def _is_input(self, x: Operand, place: Place) -> bool:
+        """Whether a result is what already stands in its place."""
+        slot = x.args[0] if isinstance(x, Node) and x.op == "input" else len(self._sources)
+        return slot < len(self._sources) and self._sources[slot][:2] == place
+
+    def _load(self, code: Code, regions: Mapping[str, str], slot: int, at_hand: Mapping[Place, str]) -> str:
+        if slot >= len(self._sources):
+            return code.load(self._hoisted, slot - len(self._sources), self.lanes.real)
+        name, k, laned = self._sources[slot]
+        places = [(name, k * self.lanes.width + lane) for lane in range(self.lanes.width)]
+        if laned and all(place in at_hand for place in places):
+            return self.lanes.joined(code, [at_hand[place] for place in places])
+        if laned or self.lanes.width == 1:
+            return code.load(code.at(regions[name], k * self.lanes.width), 0, self.lanes.real, align=8)
+        return self.lanes.spread(code, code.load(regions[name], k))

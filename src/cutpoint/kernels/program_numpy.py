@@ -1,13 +1,13 @@
 """A stepping program interpreted: where LLVM is missing, and as a second opinion on it."""
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
+from typing import Any
 
 import numpy as np
 
-from cutpoint.kernels.graph import Graph
 from cutpoint.kernels.numpy_backend import evaluate
 from cutpoint.kernels.program_plan import Plan
-from cutpoint.kernels.stepping import Loop
+from cutpoint.kernels.stepping import Loop, Stage
 
 
 class NumpyProgram:
@@ -31,13 +31,20 @@ class NumpyProgram:
                 if isinstance(item, Loop):
                     self._loop(item, counts, arrays, inside)
                 else:
-                    _stage(self._plan.graphs[item], inside)
+                    self._stage(item, inside)
             if loop.until is not None and inside[loop.until][0] != 0:
                 return index + 1
         return count
 
 
-def _stage(graph: Graph, rows: Mapping[str, np.ndarray]) -> None:
-    results = iter(evaluate(graph, [x for port in graph.inputs for x in rows[port.name]]))
-    for port in graph.outputs:
-        rows[port.name][:] = [next(results) for _ in range(port.size)]
+    def _stage(self, stage: Stage, rows: Mapping[str, np.ndarray]) -> None:
+        graph = self._plan.graphs[stage]
+        numbers = [x for port in graph.inputs for x in self._numbers(stage, port.name, rows[port.name])]
+        results = iter(evaluate(graph, numbers))
+        for port in graph.outputs:
+            found = [next(results) for _ in range(port.size)]
+            rows[port.name][:] = np.ravel([np.broadcast_to(x, stage.lanes) for x in found])
+
+    def _numbers(self, stage: Stage, name: str, row: np.ndarray) -> Iterable[Any]:
+        """What a stage sees of a region: arrays of one number a lane, or plain numbers."""
+        return row.reshape(-1, stage.lanes) if self._plan.is_laned(stage, name) else row

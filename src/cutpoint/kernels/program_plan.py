@@ -17,17 +17,25 @@ from cutpoint.kernels.tracing import tracing
 class Plan:
     """A program that is known to be sound.
 
-    sizes: of the regions, by name.  graphs: of the stages.  written: regions that some stage writes.
+    regions: by name.  graphs: of the stages, of one lane each.  written: regions that some stage writes.
     streamed: for each region that streams, the counts of the loops it advances with.
     counts: the names of numbers that a run must state.
     """
 
     body: Loop
-    sizes: dict[str, int]
+    regions: dict[str, Region]
     graphs: dict[Stage, Graph]
     written: frozenset[str]
     streamed: dict[str, list[int | str]]
     counts: tuple[str, ...]
+
+    @property
+    def sizes(self) -> dict[str, int]:
+        return {name: region.size for name, region in self.regions.items()}
+
+    def is_laned(self, stage: Stage, name: str) -> bool:
+        """Whether each lane of a stage has numbers of its own in a region."""
+        return stage.lanes > 1 and self.regions[name].lanes == stage.lanes
 
 
 def plan(body: Loop, regions: Sequence[Region]) -> Plan:
@@ -37,20 +45,20 @@ def plan(body: Loop, regions: Sequence[Region]) -> Plan:
         InputError: a region is unknown, given twice or of the wrong size, or the nest of loops makes no sense.
         TraceError: a stage cannot be traced or returns something else than its regions.
     """
-    sizes = {region.name: region.size for region in regions}
-    if len(sizes) < len(regions) or any(size < 0 for size in sizes.values()):
-        raise InputError(f"regions must have different names and sizes of 0 or more: {[*regions]}")
-    walk = _Walk(sizes)
+    named = {region.name: region for region in regions}
+    if len(named) < len(regions) or any(r.size < 0 or r.lanes < 1 or r.size % r.lanes for r in regions):
+        raise InputError(f"regions must have different names and sizes of 0 or more, whole in lanes: {[*regions]}")
+    walk = _Walk(named)
     walk.loop(body, frozenset())
     walk.check_streams()
-    return Plan(body, sizes, walk.graphs, frozenset(walk.written), dict(walk.streamed), tuple(walk.counts))
+    return Plan(body, named, walk.graphs, frozenset(walk.written), dict(walk.streamed), tuple(walk.counts))
 
 
 class _Walk:
     """Collects what is in a nest of loops."""
 
-    def __init__(self, sizes: dict[str, int]) -> None:
-        self.sizes = sizes
+    def __init__(self, regions: dict[str, Region]) -> None:
+        self.regions = regions
         self.graphs: dict[Stage, Graph] = {}
         self.written: set[str] = set()
         self.streamed: dict[str, list[int | str]] = defaultdict(list)
@@ -81,7 +89,7 @@ class _Walk:
         self._check_names((*loop.streams, *until), advancing.union(loop.streams))
         for name in advancing.intersection(loop.streams):
             raise InputError(f"region {name!r} streams in two loops, one inside the other; it can advance with one")
-        if loop.until is not None and (self.sizes[loop.until] != 1 or loop.until in loop.streams):
+        if loop.until is not None and (self.regions[loop.until].size != 1 or loop.until in loop.streams):
             raise InputError(f"region {loop.until!r} ends a loop, so it must have one slot and not stream in that loop")
 
     def check_streams(self) -> None:
@@ -96,18 +104,26 @@ class _Walk:
             raise InputError(f"stage {name_of(stage.function)} must write at least one region, and each but once")
         self.written.update(stage.writes)
         if stage not in self.graphs:
-            self.graphs[stage] = stage_graph(stage, self.sizes)
+            self._check_lanes(stage)
+            self.graphs[stage] = stage_graph(stage, self.regions)
+
+    def _check_lanes(self, stage: Stage) -> None:
+        for name in stage.writes if stage.lanes > 1 else ():
+            if self.regions[name].lanes != stage.lanes:
+                told = f"a stage of {stage.lanes} lanes writes region {name!r}, which has {self.regions[name].lanes}"
+                raise InputError(f"{told}; they must be as many")
 
     def _check_names(self, names: Sequence[str], advancing: frozenset[str]) -> None:
         for name in names:
-            if name not in self.sizes:
-                raise unknown_name("region", name, self.sizes)
+            if name not in self.regions:
+                raise unknown_name("region", name, self.regions)
             self.uses.append((name, advancing))
 
 
-def stage_graph(stage: Stage, sizes: dict[str, int]) -> Graph:
-    """The graph of a stage: a vector in for each region read, a vector out for each region written."""
-    inputs, outputs = ([Port(name, (sizes[name],)) for name in names] for names in (stage.reads, stage.writes))
+def stage_graph(stage: Stage, regions: dict[str, Region]) -> Graph:
+    """The graph of one lane of a stage: a vector in for each region read, a vector out for each region written."""
+    seen = {name: r.size // stage.lanes if r.lanes == stage.lanes else r.size for name, r in regions.items()}
+    inputs, outputs = ([Port(name, (seen[name],)) for name in names] for names in (stage.reads, stage.writes))
     with tracing() as trace:
         slots = iter([trace.node("input", k) for k in range(sum(p.size for p in inputs))])
         result = stage.function(*[[next(slots) for _ in range(p.size)] for p in inputs])

@@ -52,12 +52,10 @@ class Slope:
             return Slope(self.value + other.value, self.guard)
         common = self.guard & other.guard
         here, there = (_all(slope.guard - common) for slope in (self, other))
-        if here is True or there is True:
-            (always, _), (sometimes, condition) = sorted(
-                [(self, here), (other, there)], key=lambda pair: pair[1] is not True
-            )
-            both = always.value + sometimes.value
-            return Slope(Traced.where(condition, both, always.value), common)
+        if there is True:
+            return other + self
+        if here is True:
+            return Slope(Traced.where(there, self.value + other.value, self.value), common)
         if here is ~there:
             return Slope(Traced.where(here, self.value, other.value), common)
         return Slope(self._beyond(common) + other._beyond(common), common | {here | there})

@@ -7,10 +7,14 @@ from typing import Any
 
 @dataclass(frozen=True)
 class Region:
-    """A named stretch of `size` numbers that the caller provides and that stages read and write."""
+    """A named stretch of `size` numbers that the caller provides and that stages read and write.
+
+    lanes: how many like things its numbers belong to, side by side: number f of thing l is at f * lanes + l.
+    """
 
     name: str
     size: int
+    lanes: int = 1
 
 
 @dataclass(frozen=True, eq=False)
@@ -19,11 +23,14 @@ class Stage:
 
     function: receives a flat list of scalars for each region in `reads` and returns one for each in `writes` (the list
     itself if there is but one).  All is read before anything is written.
+    lanes: how many like things it is computed for, all at once.  The function then sees one of them: its own numbers of
+    regions with as many lanes, and all numbers of the others, which it can only read.
     """
 
     function: Callable[..., Any]
     reads: Sequence[str]
     writes: Sequence[str]
+    lanes: int = 1
 
 
 @dataclass(frozen=True, eq=False)

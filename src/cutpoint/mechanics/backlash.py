@@ -7,7 +7,7 @@ from cutpoint.model.drive import Compliance
 from cutpoint.scalars import Scalar, absolute, clip, maximum, where
 
 SLACK = 0.03
-"""What of a deflection within the play reaches the spring: its stiffness there is the square of that of the spring's."""
+"""What of a deflection within the play reaches the spring; of its stiffness there is left the square of that."""
 
 EDGE = 0.1
 """Half the width over which contact sets in, in units of half the play."""
@@ -18,8 +18,8 @@ class Backlash:
     """A spring behind a play of `gap` (rad from flank to flank, at the joint's side).
 
     The spring is wound by w(deflection), which nearly stands still within the play and follows the deflection beyond
-    it; the torque is spring.torque(w) w', so that the spring's energy is the drive's.  A little of the deflection passes
-    within the play too, or no torque would belong to one deflection alone.
+    it; the torque is spring.torque(w) w', so that the spring's energy is the drive's.  A little of the deflection
+    passes within the play too, or a torque would not say where in the play the drive is.
     """
 
     spring: Compliance

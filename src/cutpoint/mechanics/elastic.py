@@ -206,6 +206,40 @@ def _as_jet(x: Any) -> Jet:
     return x if isinstance(x, Jet) else Jet(x, 0, 0)
 
 
+class DriveState(NamedTuple):
+    """Where one drive's link and motor are and how fast, at the joint's side; rad, rad/s."""
+
+    q: Any
+    v: Any
+    theta: Any
+    theta_dot: Any
+
+
+class Effort(NamedTuple):
+    """What one drive does: to its link, and to its own rotor.
+
+    on_link: N m that its link gets, friction deducted; transmitted: N m through the drive, before the link's friction.
+    left: N m left of the motor's torque to turn an elastic drive's rotor; alpha: the acceleration, rad/s2, that this
+    gives a rotor whose carrier does not turn.
+    """
+
+    on_link: Any
+    left: Any
+    alpha: Any
+    transmitted: Any
+
+
+def drive_effort(drive: Drive, at: DriveState, motor_torque: Scalar, strains: Strains) -> Effort:
+    """The joint's step: what motor and friction do to link and rotor.  Xia (2019) eqs. (21)-(22), (54)-(55)."""
+    xi = friction_torque(drive.link_friction, at.v, strain=strains.link)
+    if not drive.is_elastic:
+        tau = rigidly_transmitted(drive, motor_torque, at.v, strains.motor)
+        return Effort(tau - xi, 0, 0, tau)
+    tau_f = spring_torque(drive, at.theta, at.q, at.theta_dot, at.v) + slipping_torque(drive, strains.spring)
+    left = motor_torque - load_on_motor(drive, tau_f, at.theta, at.theta_dot, strains.motor)
+    return Effort(tau_f - xi, left, left / drive.reflected_inertia, tau_f)
+
+
 def elastic_forward_dynamics(
     system: System,
     drives: Sequence[Driven],
@@ -214,53 +248,46 @@ def elastic_forward_dynamics(
     theta: Scalars,
     theta_dot: Scalars,
     motor_torque: Scalars,
-    disturbance: Scalars | None = None,
     strains: Sequence[Strains] | None = None,
 ) -> ElasticAccelerations:
     """Accelerations of links and motors under motor torques, in time proportional to the number of bodies.
 
     Spong (1987); Xia (2019) eqs. (4)-(11), (21)-(22).  A rigid drive's motor moves with its link: its theta and
-    theta_dot are not read.  disturbance: torques on the links' coordinates, one a speed.  strains: of the drives; where
-    they are not known, friction is as in steady sliding and springs have no hysteresis.
+    theta_dot are not read.  strains: of the drives; where they are not known, friction is as in steady sliding and
+    springs have no hysteresis.
     """
+    states = [DriveState(q[d.q], v[d.v], x, w) for d, x, w in zip(drives, theta, theta_dot, strict=True)]
     held = strains or [UNKNOWN] * len(drives)
-    driving = driving_torques(drives, q, v, theta, theta_dot, motor_torque, held)
+    efforts = [
+        drive_effort(d.drive, at, u, s) for d, at, u, s in zip(drives, states, motor_torque, held, strict=True)
+    ]
+    return driven_accelerations(system, drives, q, v, theta_dot, efforts)
+
+
+def driven_accelerations(
+    system: System,
+    drives: Sequence[Driven],
+    q: Scalars,
+    v: Scalars,
+    theta_dot: Scalars,
+    efforts: Sequence[Effort],
+    disturbance: Scalars | None = None,
+) -> ElasticAccelerations:
+    """Accelerations of links and motors under what their drives do.  disturbance: N m on the links, one a speed."""
     tau = [*disturbance] if disturbance is not None else [0] * system.nv
-    left: dict[int, tuple[Scalar, Scalar]] = {}
-    drives_of = {d.segment: d.drive for d in drives}
-    motors = zip(drives, motor_torque, driving, theta, theta_dot, held, strict=True)
-    for d, u, tau_d, theta_d, omega_d, s in motors:
-        tau[d.v] = tau[d.v] + tau_d - friction_torque(d.drive.link_friction, v[d.v], strain=s.link)
-        if d.drive.is_elastic:
-            left[d.segment] = u - load_on_motor(d.drive, tau_d, theta_d, omega_d, s.motor), omega_d
+    for d, effort in zip(drives, efforts, strict=True):
+        tau[d.v] = tau[d.v] + effort.on_link
     if system.has_followers:  # none of whose drives has full coupling
         a, A = forward_dynamics(system, q, v, tau), []
     else:
-        a, A = give_way(system, q, v, tau, {}, left)
-    alpha = {k: torque / drives_of[k].reflected_inertia for k, (torque, _) in left.items()}
+        motors = zip(drives, efforts, theta_dot, strict=True)
+        a, A = give_way(system, q, v, tau, {}, {d.segment: (e.left, w) for d, e, w in motors if d.drive.is_elastic})
+    alpha = {d.segment: e.alpha if d.drive.is_elastic else a[d.v] for d, e in zip(drives, efforts, strict=True)}
     for spin in system.spins:  # what its carrier turns by, a rotor need not turn itself
         if spin.elastic:
             turned = spin.axis.dot(A[spin.carrier].angular) * spin.inertia / spin.geared
             alpha[spin.joint] = alpha[spin.joint] - turned
-    return ElasticAccelerations(a, [alpha[d.segment] if d.drive.is_elastic else a[d.v] for d in drives])
-
-
-def driving_torques(
-    drives: Sequence[Driven],
-    q: Scalars,
-    v: Scalars,
-    theta: Scalars,
-    theta_dot: Scalars,
-    motor_torque: Scalars,
-    strains: Sequence[Strains],
-) -> list[Scalar]:
-    """What each drive exerts on its link, N m: the spring's torque, or a rigid drive's motor less its own friction."""
-    return [
-        spring_torque(d.drive, theta_d, q[d.q], omega_d, v[d.v]) + slipping_torque(d.drive, s.spring)
-        if d.drive.is_elastic
-        else rigidly_transmitted(d.drive, u, v[d.v], s.motor)
-        for d, theta_d, omega_d, u, s in zip(drives, theta, theta_dot, motor_torque, strains, strict=True)
-    ]
+    return ElasticAccelerations(a, [alpha[d.segment] for d in drives])
 
 
 def elastic_energy(drives: Sequence[Driven], q: Scalars, theta: Scalars, theta_dot: Scalars) -> Scalar:
@@ -271,13 +298,3 @@ def elastic_energy(drives: Sequence[Driven], q: Scalars, theta: Scalars, theta_d
             spin = d.drive.reflected_inertia * theta_dot_k * theta_dot_k / 2
             total = total + d.drive.compliance.energy(deflection(d.drive, theta_k, q[d.q])) + spin
     return total
-
-
-def link_friction(
-    system: System, drives: Sequence[Driven], v: Scalars, strains: Sequence[Strains] | None = None
-) -> list[Scalar]:
-    """What link-side friction takes from each speed, N m.  Xia (2019) eq. (54)."""
-    xi: list[Scalar] = [0] * system.nv
-    for d, s in zip(drives, strains or [UNKNOWN] * len(drives), strict=True):
-        xi[d.v] = friction_torque(d.drive.link_friction, v[d.v], strain=s.link)
-    return xi

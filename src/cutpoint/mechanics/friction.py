@@ -8,7 +8,6 @@ from dataclasses import dataclass
 
 from cutpoint.scalars import Scalar, absolute, exp, tanh
 
-
 STATED_AT = 25
 """Temperature for which viscous friction is stated, deg C."""
 

@@ -1,8 +1,8 @@
 """Friction before it slides: contacts wind up like bristles, hold below breakaway and slide above it.
 
-A bristle's strain follows the joint's displacement, not time: from the strain before a displacement the strain after it
-comes in closed form, however fast the motion, so these laws put no bound on integration steps but for the frequency of a
-mass on the bristles' stiffness.  The differential equations that they solve are cited at each class.
+A bristle's strain follows the joint's displacement, not time: from the strain before a displacement the strain after
+comes in closed form, however fast the motion, so these laws put no bound on integration steps but for the frequency of
+a mass on the bristles' stiffness.  The differential equations that they solve are cited at each class.
 Strains in rad (m), torques in N m (N), all at the joint's side.
 """
 

@@ -4,8 +4,8 @@ Strains follow displacements.  Over a short motion from one state to another the
 they were at the first: an integrator takes them along without a derivative.
 """
 
-from collections.abc import Iterator, Sequence
-from typing import Any, NamedTuple
+from collections.abc import Iterator
+from typing import Any, NamedTuple, Protocol
 
 from cutpoint.mechanics.harmonic_drive import deflection, slipping_torque, spring_torque
 from cutpoint.mechanics.presliding import Presliding
@@ -25,13 +25,17 @@ UNKNOWN = Strains()
 """Friction as in steady sliding, and no hysteresis."""
 
 
-class Place(NamedTuple):
+class Place(Protocol):
     """Where a drive is: its link's and its motor's position and speed."""
 
-    q: Any
-    v: Any
-    theta: Any
-    theta_dot: Any
+    @property
+    def q(self) -> Any: ...
+    @property
+    def v(self) -> Any: ...
+    @property
+    def theta(self) -> Any: ...
+    @property
+    def theta_dot(self) -> Any: ...
 
 
 def count(drive: Drive) -> int:
@@ -54,9 +58,9 @@ def taken(drive: Drive, numbers: Iterator[Scalar]) -> Strains:
     return Strains(link, motor, spring)
 
 
-def flat(strains: Sequence[Strains]) -> list[Scalar]:
-    """All strains in one list, drive by drive."""
-    return [x for s in strains for part in s if part is not None for x in (part if isinstance(part, tuple) else (part,))]
+def flat(strains: Strains) -> list[Scalar]:
+    """A drive's strains in one list."""
+    return [x for x in (strains.link, strains.motor, *(strains.spring or ())) if x is not None]
 
 
 def moved(drive: Drive, before: Strains, start: Place, end: Place) -> Strains:

@@ -41,6 +41,8 @@ class Hysteresis(Protocol):
     """Elements in parallel to a spring that follow its deflection and slip; strains in rad (m), at the joint's side."""
 
     @property
+    def stiffness(self) -> tuple[Any, ...]: ...
+    @property
     def reach(self) -> tuple[Any, ...]: ...
     def strains(self, before: tuple[Any, ...], displacement: Any) -> tuple[Any, ...]: ...
     def torque(self, strains: tuple[Any, ...]) -> Any: ...
@@ -64,7 +66,7 @@ class Motor:
     resistance: ohm, between the terminals to which torque_constant refers.  bandwidth: of the current loop, Hz; None
     follows at once.  delay: s between command and current loop, at most a control period.
     current_limit (A) and voltage_limit (V) bound the torque, the latter the more the faster it turns.
-    ripple: waves of the torque, amplitudes as a share of it.  cogging: waves of torque without current, amplitudes in N m.
+    ripple: waves of the torque, amplitudes as a share of it.  cogging: waves of torque without current, in N m.
     """
 
     torque_constant: Any

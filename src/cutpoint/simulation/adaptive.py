@@ -11,7 +11,7 @@ from scipy.integrate import solve_ivp
 from cutpoint import kernels
 from cutpoint.mechanics.harmonic_drive import transmission
 from cutpoint.simulation.loop import BEYOND, ClosedLoop
-from cutpoint.simulation.plant import arrived, motor_states, rates, settled, sizes, split
+from cutpoint.simulation.plant import arrived, own_parts, rates, settled, sizes
 
 Array = NDArray[np.float64]
 
@@ -34,8 +34,9 @@ def adaptive_step(loop: ClosedLoop) -> Callable[[dict[str, Array], Array], None]
         pushed, start = np.array(loop.layout.disturbance([*row]), float), 0.0
         with np.errstate(all="ignore"):  # what is not finite ends the run below
             for end in ends:
-                told = arrived(loop.robot.machine, [*memory["torque"]], [*memory["torque_before"]], start)
-                way.go(memory["state"], np.array(told, float), pushed, start, end)
+                commands = zip(loop.robot.machine.drives, memory["torque"], memory["torque_before"], strict=True)
+                told = np.array([arrived(d.drive, u, old, start) for d, u, old in commands], float)
+                way.go(memory["state"], told, pushed, start, end)
                 start = end
         memory["fault"][0] = not (np.abs(memory["state"]) < BEYOND).all()
 
@@ -49,8 +50,8 @@ class _Way:
         robot, layout = loop.robot, loop.layout
         self._parameters, self._period = robot.drive_parameters, loop.period
         self._strained, self._drives = sizes(robot.machine).strains > 0, layout.n
-        state = {"x": layout.state, "numbers": len(self._parameters)}
-        origin = {"x": layout.state, "origin": layout.state, "numbers": len(self._parameters)}
+        numbers: dict[str, Any] = {"numbers": len(self._parameters)}
+        states: dict[str, Any] = {"x": layout.state, "origin": layout.state}
 
         def plant(x: list, origin: list, command: list, disturbance: list, numbers: list) -> list:
             return rates(robot.machine_with(numbers), x, origin, command, disturbance)
@@ -61,11 +62,12 @@ class _Way:
         def turning(x: list, numbers: list) -> list:
             return _speeds(robot.machine_with(numbers), x)
 
-        compiled = {"backend": robot.backend}
-        inputs = {"x": layout.state, "origin": layout.state, "command": layout.n, "disturbance": layout.nv}
-        self._rates = kernels.compile(plant, name="plant", **compiled, **inputs, numbers=len(self._parameters))
-        self._settle = kernels.compile(settle, name="settle", **compiled, **origin) if self._strained else None
-        self._speeds = kernels.compile(turning, name="turning", **compiled, **state) if self._strained else None
+        inputs = {**states, "command": layout.n, "disturbance": layout.nv}
+        self._rates = kernels.compile(plant, name="plant", backend=robot.backend, **inputs, **numbers)
+        self._settle = self._speeds = None
+        if self._strained:
+            self._settle = kernels.compile(settle, backend=robot.backend, **states, **numbers)
+            self._speeds = kernels.compile(turning, backend=robot.backend, x=layout.state, **numbers)
 
     def go(self, x: Array, command: Array, disturbance: Array, start: float, end: float) -> None:
         """Take the state x along, in place; where it cannot be followed it becomes NaN."""
@@ -104,8 +106,7 @@ class _Way:
 
 def _speeds(machine: Any, x: list[Any]) -> list[Any]:
     """Of links, motors and deflections."""
-    s = split(machine, x)
     found = []
-    for d, (theta, theta_dot) in zip(machine.drives, motor_states(machine, s), strict=True):
-        found += [s.v[d.v], theta_dot, transmission(d.drive, theta) * theta_dot - s.v[d.v]]
+    for d, own in zip(machine.drives, own_parts(machine, x), strict=True):
+        found += [own.at.v, own.at.theta_dot, transmission(d.drive, own.at.theta) * own.at.theta_dot - own.at.v]
     return found

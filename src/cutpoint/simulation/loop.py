@@ -14,11 +14,26 @@ from numpy.typing import NDArray
 from cutpoint.control.interface import Command, Measurement, Reference, as_command
 from cutpoint.definitions import Machine
 from cutpoint.kernels import Loop, Program, Region, Stage, compile_program
+from cutpoint.mechanics import strains
+from cutpoint.mechanics.elastic import Effort, drive_effort, driven_accelerations
 from cutpoint.mechanics.motor import within_limits
 from cutpoint.robot import Robot
 from cutpoint.scalars import Scalar, clip, leaves, rebuild, where, with_float_leaves
 from cutpoint.simulation.integrator import TABLEAU, stage
-from cutpoint.simulation.plant import arrived, motor_states, motor_torques, rates, settled, sizes, split, torques_in
+from cutpoint.simulation.plant import (
+    all_rates,
+    arrived,
+    currents,
+    drive_rates,
+    is_uniform,
+    motor_torque,
+    own_of,
+    own_parts,
+    own_rates,
+    settled,
+    sizes,
+    split,
+)
 from cutpoint.simulation.sensors import Encoders
 
 Array = NDArray[np.float64]
@@ -28,7 +43,7 @@ BEYOND = 1e6
 """A state (rad, rad/s, m, m/s) larger than this has diverged."""
 
 
-INTEGRATION = ("origin", "total", "tableau", "elapsed")
+INTEGRATION = ("origin", "total", "tableau", "elapsed", "efforts", "accelerations", "numbers")
 """Regions that only the fixed steps use."""
 
 
@@ -79,6 +94,11 @@ class ClosedLoop:
         return Layout(n, parts.v, sum(parts), 2 * n if self.encoders.is_noisy else 0)
 
     @cached_property
+    def lanes(self) -> int:
+        """How many drives can be computed side by side: all where they are alike, else one."""
+        return self.layout.n if is_uniform(self.robot.machine) else 1
+
+    @cached_property
     def channels(self) -> dict[str, int]:
         """What is recorded each period, with its length, in order."""
         n, nv = self.layout.n, self.layout.nv
@@ -94,14 +114,25 @@ class ClosedLoop:
 
     def regions(self) -> list[Region]:
         n, record = self.layout.n, sum(self.channels.values())
+        state, lanes = self.layout.state, self.lanes
+        laned = {
+            "state": state, "origin": state, "total": state, "torque": n, "torque_before": n, "efforts": 4 * n,
+            "accelerations": self.layout.nv + n,
+            "numbers": len(self.robot.drive_parameters) if lanes > 1 else 0,
+        }  # fmt: skip
         sizes = {
-            "state": self.layout.state, "origin": self.layout.state, "total": self.layout.state, "row": self.layout.row,
-            "sensing": len(self.encoders.memory(*[[0.0] * n] * 4)), "measured": 4 * n,
+            "row": self.layout.row, "sensing": len(self.encoders.memory(*[[0.0] * n] * 4)), "measured": 4 * n,
             "memory": len(leaves(self.memory)),
-            "command": 4 * n, "torque": n, "torque_before": n, "elapsed": 1, "parameters": len(self.parameters(np.zeros(n), 1)), "tableau": 2,
+            "command": 4 * n, "elapsed": 1, "parameters": len(self.parameters(np.zeros(n), 1)), "tableau": 2,
             "record": record, "fault": 1,
         }  # fmt: skip
-        return [Region(name, size) for name, size in sizes.items()]
+        drives = [Region(name, size, lanes) for name, size in laned.items()]
+        return drives + [Region(name, size) for name, size in sizes.items()]
+
+    def numbers(self) -> Array:
+        """The drives' parameters lane by lane, where all drives are alike."""
+        n = self.layout.n
+        return self.robot.drive_parameters.reshape(n, -1).T.ravel() if self.lanes > 1 else np.zeros(0)
 
     def initial_memory(self) -> Array:
         return np.array(leaves(self.memory), float)
@@ -110,11 +141,8 @@ class ClosedLoop:
 
     def sense(self, state: Scalars, sensing: Scalars, row: Scalars, parameters: Scalars) -> tuple[Scalars, Scalars]:
         machine, _, encoders, _, (period, _) = self._numbers(parameters)
-        s = split(machine, state)
-        motors = motor_states(machine, s)
-        positions = [s.q[d.q] for d in machine.drives], [theta for theta, _ in motors]
-        speeds = [s.v[d.v] for d in machine.drives], [theta_dot for _, theta_dot in motors]
-        sample = [x for part in (*positions, *speeds) for x in part]
+        places = [own.at for own in own_parts(machine, state)]
+        sample = [getattr(at, name) for name in ("q", "theta", "v", "theta_dot") for at in places]
         return encoders.measure(sample, sensing, self.layout.normals(row), period)
 
     def control(self, measured: Scalars, memory: Scalars, row: Scalars, parameters: Scalars) -> tuple[Scalars, Scalars]:
@@ -127,36 +155,73 @@ class ClosedLoop:
     def actuate(
         self, state: Scalars, command: Scalars, torque: Scalars, parameters: Scalars
     ) -> tuple[Scalars, Scalars]:
-        """What the motors are told, within what drive, current and voltage allow, N m; and what they were told before."""
+        """What motors are told, within what drive, current and voltage allow, N m; and what they were told before."""
         machine, _, _, limits, _ = self._numbers(parameters)
-        motors = motor_states(machine, split(machine, state))
-        told = [
-            clip(within_limits(d.drive, u, speed), -limit, limit)
-            for d, u, limit, (_, speed) in zip(machine.drives, command[: self.layout.n], limits, motors, strict=True)
-        ]
+        motors = zip(machine.drives, own_parts(machine, state), command[: self.layout.n], limits, strict=True)
+        told = [clip(within_limits(d.drive, u, own.at.theta_dot), -limit, limit) for d, own, u, limit in motors]
         return told, torque
 
     def record(self, *regions: Scalars) -> Scalars:
         """What the log keeps of a sample; a command that is still on its way to the motor is not there yet."""
         state, measured, command, torque, before, parameters = regions
+        machine = self._numbers(parameters)[0]
+        shaft, driving, friction = [], [], [0] * machine.system.nv
+        for d, own, u, old in zip(machine.drives, own_parts(machine, state), torque, before, strict=True):
+            shaft.append(motor_torque(d.drive, own, arrived(d.drive, u, old, 0))[0])
+            effort = drive_effort(d.drive, own.at, shaft[-1], own.strains)
+            driving.append(effort.transmitted)
+            friction[d.v] = effort.transmitted - effort.on_link
+        return [*state, *measured, *command, *shaft, *driving, *friction]
+
+    def drive(self, *regions: Scalars) -> Scalars:
+        """What the drives do, field by field; where they are alike, seen from one of them."""
+        state, origin, torque, before, elapsed, parameters = regions
+        if self.lanes > 1:
+            drives = [rebuild(self.robot.machine.drives[0].drive, iter(parameters))]
+            own, past = [own_of(drives[0], state)], [own_of(drives[0], origin)]
+        else:
+            machine = self._numbers(parameters)[0]
+            drives = [d.drive for d in machine.drives]
+            own, past = own_parts(machine, state), own_parts(machine, origin)
+        fields: list[Scalars] = []
+        for d, now, start, u, old in zip(drives, own, past, torque, before, strict=True):
+            effort, electric = drive_rates(d, now, start, arrived(d, u, old, elapsed[0]))
+            fields.append([effort.on_link, effort.left, effort.alpha, *(electric or [0])])
+        return [x for field in zip(*fields, strict=True) for x in field]
+
+    def accelerate(self, *regions: Scalars) -> Scalars:
+        """Accelerations of links, then of motors, under what the drives do."""
+        state, found, row, parameters = regions
         machine, n = self._numbers(parameters)[0], self.layout.n
+        on_link, left, alpha = (found[k * n : (k + 1) * n] for k in range(3))
+        efforts = [Effort(*x, None) for x in zip(on_link, left, alpha, strict=True)]
         s = split(machine, state)
-        shaft = motor_torques(machine, s, arrived(machine, torque, before, 0))[1]
-        driving, friction = torques_in(machine, s, shaft)
-        seen = [*measured[:n], *measured[n : 2 * n], *measured[2 * n : 3 * n], *measured[3 * n :]]
-        return [*state, *seen, *command, *shaft, *driving, *friction]
+        pushed = self.layout.disturbance(row)
+        a, theta_ddot = driven_accelerations(*machine, s.q, s.v, s.theta_dot, efforts, pushed)
+        return [*a, *theta_ddot]
 
     def advance(self, *regions: Scalars) -> tuple[Scalars, Scalars]:
-        """One stage of an integration step."""
-        state, origin, total, tableau, torque, before, elapsed, row, parameters = regions
-        machine, *_, (_, h) = self._numbers(parameters)
-        command = arrived(machine, torque, before, elapsed[0])
-        k = rates(machine, state, origin, command, self.layout.disturbance(row))
+        """One stage of an integration step; where all drives are alike, seen from one of them."""
+        state, origin, total, tableau, found, accelerations, parameters = regions
+        h = parameters[-1]
+        if self.lanes > 1:
+            (a, alpha), drive = accelerations, self.robot.machine.drives[0].drive
+            k = own_rates(drive, state, a, alpha, found[3])
+        else:
+            machine, n, nv = self.robot.machine, self.layout.n, self.layout.nv
+            electric = [x for d, x in zip(machine.drives, found[3 * n :], strict=True) if currents(d.drive)]
+            k = all_rates(machine, split(machine, state), accelerations[:nv], accelerations[nv:], electric)
         return stage(k, origin, total, tableau, h)
 
     def settle(self, total: Scalars, origin: Scalars, parameters: Scalars) -> tuple[Scalars, Scalars, Scalars]:
-        """The step's result, with the strains that it has left, is the next step's start."""
-        after = settled(self._numbers(parameters)[0], total, origin)
+        """The step's result, with the strains that it has left, is the next step's start; as seen by `drive`."""
+        if self.lanes > 1:
+            drive = rebuild(self.robot.machine.drives[0].drive, iter(parameters))
+            own, past = own_of(drive, total), own_of(drive, origin)
+            left = strains.flat(strains.moved(drive, past.strains, past.at, own.at))
+            after = [*total[: len(total) - len(left)], *left]
+        else:
+            after = settled(self._numbers(parameters)[0], total, origin)
         return after, after, after
 
     def watch(self, state: Scalars) -> Scalars:
@@ -198,10 +263,17 @@ class ClosedLoop:
 
     @property
     def _after(self) -> list[Any]:
-        advance = ("state", "origin", "total", "tableau", "torque", "torque_before", "elapsed", "row", "parameters")
+        numbers = "numbers" if self.lanes > 1 else "parameters"
+        drive = ("state", "origin", "torque", "torque_before", "elapsed", numbers)
+        advance = ("state", "origin", "total", "tableau", "efforts", "accelerations", "parameters")
+        stages = [
+            Stage(self.drive, drive, ("efforts",), self.lanes),
+            Stage(self.accelerate, ("state", "efforts", "row", "parameters"), ("accelerations",)),
+            Stage(self.advance, advance, ("state", "total"), self.lanes),
+        ]
         step = [
-            Loop(len(TABLEAU), [Stage(self.advance, advance, ("state", "total"))], streams=("tableau",)),
-            Stage(self.settle, ("total", "origin", "parameters"), ("state", "origin", "total")),
+            Loop(len(TABLEAU), stages, streams=("tableau",)),
+            Stage(self.settle, ("total", "origin", numbers), ("state", "origin", "total"), self.lanes),
         ]
         return [
             Stage(self.actuate, ("state", "command", "torque", "parameters"), ("torque", "torque_before")),

@@ -3,16 +3,16 @@
 What drives remember beside that, their strains, follows displacements: see `mechanics.strains`.
 """
 
-from collections.abc import Iterator
 from typing import Any, NamedTuple
 
 from cutpoint.definitions import Machine
 from cutpoint.mechanics import strains as memory
-from cutpoint.mechanics.elastic import Driven, driving_torques, elastic_forward_dynamics, link_friction
+from cutpoint.mechanics.elastic import DriveState, Effort, drive_effort, driven_accelerations
 from cutpoint.mechanics.kinematics import coordinate_rates
 from cutpoint.mechanics.motor import lag_rate, shaft_torque
-from cutpoint.mechanics.strains import Place, Strains
-from cutpoint.scalars import Scalar, where
+from cutpoint.mechanics.strains import Strains
+from cutpoint.model.drive import Drive
+from cutpoint.scalars import Scalar, structure_of, where
 
 Scalars = list[Any]
 
@@ -21,7 +21,7 @@ class State(NamedTuple):
     """Links' coordinates q (nq,) and speeds v (nv,), motors' theta and theta_dot (one for each drive); rad, rad/s.
 
     current: torque of each motor whose current loop has a bandwidth, N m at the joint's side.  strains: what drives
-    remember, rad, drive by drive; see `Robot.strain_names`.
+    remember, rad: the first of each drive that has any, then the second of each that has two, and so on.
     """
 
     q: Any = None
@@ -32,11 +32,24 @@ class State(NamedTuple):
     strains: Any = None
 
 
+class Own(NamedTuple):
+    """One drive's part of a state; a rigid drive's motor is where its link is."""
+
+    at: DriveState
+    current: Scalars
+    strains: Strains
+
+
 def sizes(machine: Machine) -> State:
     """How long each part of a state is."""
     n = len(machine.drives)
-    strained = sum(memory.count(d.drive) for d in machine.drives)
-    return State(machine.system.nq, machine.system.nv, n, n, sum(_lags(d) for d in machine.drives), strained)
+    lagging, strained = (sum(count(d.drive) for d in machine.drives) for count in (currents, memory.count))
+    return State(machine.system.nq, machine.system.nv, n, n, lagging, strained)
+
+
+def currents(drive: Drive) -> int:
+    """How many currents a drive has as states."""
+    return int(drive.motor is not None and drive.motor.bandwidth is not None)
 
 
 def split(machine: Machine, x: Scalars) -> State:
@@ -45,80 +58,95 @@ def split(machine: Machine, x: Scalars) -> State:
     return State(*([next(numbers) for _ in range(size)] for size in sizes(machine)))
 
 
-def rates(machine: Machine, x: Scalars, origin: Scalars, command: Scalars, disturbance: Scalars) -> Scalars:
-    """dx/dt at x, on a way from origin without turning back.  A rigid drive's motor is carried along with its link."""
+def own_parts(machine: Machine, x: Scalars) -> list[Own]:
+    """A flat state drive by drive."""
     s = split(machine, x)
-    electric, torque = motor_torques(machine, s, command)
-    held = strains_at(machine, s, split(machine, origin))
-    a, alpha = elastic_forward_dynamics(machine.system, machine.drives, *s[:4], torque, disturbance, held)
-    motor_speeds = [w if d.drive.is_elastic else s.v[d.v] for d, w in zip(machine.drives, s.theta_dot, strict=True)]
-    still = [0] * len(s.strains)
-    return [*coordinate_rates(machine.system, s.q, s.v), *a, *motor_speeds, *alpha, *electric, *still]
+    electric = dealt([currents(d.drive) for d in machine.drives], s.current)
+    strains = dealt([memory.count(d.drive) for d in machine.drives], s.strains)
+    return [
+        own_of(d.drive, [s.q[d.q], s.v[d.v], s.theta[k], s.theta_dot[k], *electric[k], *strains[k]])
+        for k, d in enumerate(machine.drives)
+    ]
+
+
+def own_of(drive: Drive, numbers: Scalars) -> Own:
+    """One drive's part of a state from its numbers: q, v, theta, theta_dot, then current and strains if it has any."""
+    q, v, theta, theta_dot, *rest = numbers
+    at = DriveState(q, v, theta, theta_dot) if drive.is_elastic else DriveState(q, v, q, v)
+    cut = currents(drive)
+    return Own(at, rest[:cut], memory.taken(drive, iter(rest[cut:])))
+
+
+def is_uniform(machine: Machine) -> bool:
+    """Whether every coordinate has a drive and all drives are of one structure: then a state is lanes of drives."""
+    n, system = len(machine.drives), machine.system
+    in_order = n == system.nq == system.nv and all(d.q == d.v == k for k, d in enumerate(machine.drives))
+    return n > 0 and in_order and len({structure_of(d.drive) for d in machine.drives}) == 1
+
+
+def drive_rates(drive: Drive, own: Own, past: Own, command: Scalar) -> tuple[Effort, Scalars]:
+    """What a drive does under a command that has arrived, and d current / dt; on a way from past that does not turn."""
+    shaft, electric = motor_torque(drive, own, command)
+    return drive_effort(drive, own.at, shaft, memory.moved(drive, past.strains, past.at, own.at)), electric
+
+
+def motor_torque(drive: Drive, own: Own, command: Scalar) -> tuple[Scalar, Scalars]:
+    """What the motor's shaft gives, N m at the joint's side, and d current / dt where the current loop lags."""
+    if not own.current:
+        return shaft_torque(drive, command, own.at.theta), []
+    assert drive.motor is not None
+    rate = lag_rate(drive.motor, command, own.current[0])
+    return shaft_torque(drive, own.current[0], own.at.theta), [rate]
+
+
+def arrived(drive: Drive, command: Scalar, before: Scalar, elapsed: Scalar) -> Scalar:
+    """The command that has reached the current loop some time (s) after the sample: the one before, until the delay."""
+    if drive.motor is None or drive.motor.delay is None:
+        return command
+    return where(elapsed < drive.motor.delay, before, command)
+
+
+def own_rates(drive: Drive, numbers: Scalars, a: Scalar, alpha: Scalar, electric: Scalar) -> Scalars:
+    """d numbers / dt of one drive's part of a state, on a joint whose coordinate's rate is its speed."""
+    own = own_of(drive, numbers)
+    changing = [own.at.v, a, own.at.theta_dot, alpha, *([electric] if own.current else [])]
+    return changing + [0] * (len(numbers) - len(changing))
+
+
+def all_rates(machine: Machine, s: State, a: Scalars, alpha: Scalars, electric: Scalars) -> Scalars:
+    """dx/dt.  A rigid drive's motor is carried along with its link."""
+    system, drives = machine
+    motor_speeds = [w if d.drive.is_elastic else s.v[d.v] for d, w in zip(drives, s.theta_dot, strict=True)]
+    return [*coordinate_rates(system, s.q, s.v), *a, *motor_speeds, *alpha, *electric, *[0] * len(s.strains)]
+
+
+def rates(machine: Machine, x: Scalars, origin: Scalars, command: Scalars, disturbance: Scalars) -> Scalars:
+    """dx/dt at x, on a way from origin that does not turn back, under commands that have arrived."""
+    parts = zip(machine.drives, own_parts(machine, x), own_parts(machine, origin), command, strict=True)
+    found = [drive_rates(d.drive, own, past, u) for d, own, past, u in parts]
+    electric, s = [rate for _, own in found for rate in own], split(machine, x)
+    a, alpha = driven_accelerations(*machine, s.q, s.v, s.theta_dot, [effort for effort, _ in found], disturbance)
+    return all_rates(machine, s, a, alpha, electric)
 
 
 def settled(machine: Machine, x: Scalars, origin: Scalars) -> Scalars:
     """The state at the end of a way, with the strains that the way has left."""
-    if not any(memory.count(d.drive) for d in machine.drives):
-        return x
-    s = split(machine, x)
-    return [*x[: len(x) - len(s.strains)], *memory.flat(strains_at(machine, s, split(machine, origin)))]
+    parts = zip(machine.drives, own_parts(machine, x), own_parts(machine, origin), strict=True)
+    strains = [memory.flat(memory.moved(d.drive, past.strains, past.at, own.at)) for d, own, past in parts]
+    count = sum(map(len, strains))
+    return [*x[: len(x) - count], *_gathered(strains)]
 
 
-def arrived(machine: Machine, command: Scalars, before: Scalars, elapsed: Scalar) -> Scalars:
-    """The commands that have reached their current loops some time (s) after the sample: those before, until then."""
-    return [
-        u if d.drive.motor is None or d.drive.motor.delay is None else where(elapsed < d.drive.motor.delay, old, u)
-        for d, u, old in zip(machine.drives, command, before, strict=True)
-    ]
+def dealt(counts: list[int], numbers: Scalars) -> list[Scalars]:
+    """Each drive's numbers: the first go to all that have one, the next to all that have two, and so on."""
+    stream, hands = iter(numbers), [[] for _ in counts]
+    for k in range(max(counts, default=0)):
+        for hand, wanted in zip(hands, counts, strict=True):
+            if wanted > k:
+                hand.append(next(stream))
+    return hands
 
 
-def motor_torques(machine: Machine, s: State, command: Scalars) -> tuple[Scalars, Scalars]:
-    """d torque / dt of the current loops that lag, and what each motor's shaft gives, N m at the joint's side."""
-    lagging = iter(s.current)
-    electric, shaft = [], []
-    for d, u, (theta, _) in zip(machine.drives, command, motor_states(machine, s), strict=True):
-        if _lags(d):
-            assert d.drive.motor is not None
-            torque = next(lagging)
-            electric.append(lag_rate(d.drive.motor, u, torque))
-            u = torque
-        shaft.append(shaft_torque(d.drive, u, theta))
-    return electric, shaft
-
-
-def motor_states(machine: Machine, s: State) -> list[tuple[Scalar, Scalar]]:
-    """Each motor's position and speed over ratio; a rigid drive's motor is where its link is."""
-    motors = zip(machine.drives, s.theta, s.theta_dot, strict=True)
-    return [(theta, w) if d.drive.is_elastic else (s.q[d.q], s.v[d.v]) for d, theta, w in motors]
-
-
-def strains_at(machine: Machine, s: State, origin: State) -> list[Strains]:
-    """The drives' strains in a state, on a way from origin."""
-    return [
-        memory.moved(d.drive, before, start, end)
-        for d, before, start, end in zip(
-            machine.drives, strains_of(machine, origin), _places(machine, origin), _places(machine, s), strict=True
-        )
-    ]
-
-
-def strains_of(machine: Machine, s: State) -> list[Strains]:
-    """The drives' strains as a state holds them."""
-    numbers: Iterator[Scalar] = iter(s.strains)
-    return [memory.taken(d.drive, numbers) for d in machine.drives]
-
-
-def torques_in(machine: Machine, s: State, motor_torque: Scalars) -> tuple[Scalars, Scalars]:
-    """What each drive exerts on its link, and what link-side friction takes from each speed, N m."""
-    held = strains_of(machine, s)
-    driving = driving_torques(machine.drives, *s[:4], motor_torque, held)
-    return driving, link_friction(machine.system, machine.drives, s.v, held)
-
-
-def _places(machine: Machine, s: State) -> list[Place]:
-    motors = zip(machine.drives, motor_states(machine, s), strict=True)
-    return [Place(s.q[d.q], s.v[d.v], *motor) for d, motor in motors]
-
-
-def _lags(driven: Driven) -> bool:
-    return driven.drive.motor is not None and driven.drive.motor.bandwidth is not None
+def _gathered(hands: list[Scalars]) -> Scalars:
+    """The inverse of dealing."""
+    return [hand[k] for k in range(max(map(len, hands), default=0)) for hand in hands if len(hand) > k]

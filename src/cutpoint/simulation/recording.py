@@ -4,9 +4,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cutpoint.mechanics.harmonic_drive import slipping_torque
-from cutpoint.mechanics.strains import taken
+from cutpoint.mechanics.strains import count, taken
 from cutpoint.simulation.log import Log
 from cutpoint.simulation.loop import ClosedLoop
+from cutpoint.simulation.plant import dealt
 
 Array = NDArray[np.float64]
 
@@ -48,10 +49,10 @@ def log_of(loop: ClosedLoop, record: Array, times: Array, reference: Array, meta
 def _remembered(loop: ClosedLoop, strains: Array) -> dict[str, Array]:
     """What drives remember, one column a drive, where any of them does: strains of friction, torque of hysteresis."""
     channels = {name: np.zeros((len(strains), loop.layout.n)) for name in MEMORY}
-    columns = iter(strains.T)
-    for k, d in enumerate(loop.robot.machine.drives):
-        held = taken(d.drive, columns)
-        for name, values in zip(MEMORY, (held.link, held.motor, slipping_torque(d.drive, held.spring)), strict=True):
+    drives = [d.drive for d in loop.robot.machine.drives]
+    for k, (drive, columns) in enumerate(zip(drives, dealt([*map(count, drives)], [*strains.T]), strict=True)):
+        held = taken(drive, iter(columns))
+        for name, values in zip(MEMORY, (held.link, held.motor, slipping_torque(drive, held.spring)), strict=True):
             if values is not None:
                 channels[name][:, k] = values
     return {name: values for name, values in channels.items() if values.any()}

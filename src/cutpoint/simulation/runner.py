@@ -44,12 +44,12 @@ def working_memory(
     seen = [start.q[[d.q for d in driven]], start.v[[d.v for d in driven]], start.theta, start.theta_dot]
     memory: dict[str, Array] = {region.name: np.zeros(region.size) for region in loop.regions()}
     state = np.concatenate(start)
-    middles = (np.arange(substeps) + 0.5) * (loop.period / substeps)
+    middles: Array = (np.arange(substeps, dtype=np.float64) + 0.5) * (loop.period / substeps)
     memory.update(torque=told.copy(), torque_before=told.copy(), elapsed=middles[:, None])
     memory.update(state=state, origin=state.copy(), total=state.copy(), row=rows, tableau=TABLEAU.copy())
     memory["sensing"] = np.array(loop.encoders.memory(*seen), float)
     memory["memory"] = loop.initial_memory()
-    memory["parameters"] = loop.parameters(limits, substeps)
+    memory["parameters"], memory["numbers"] = loop.parameters(limits, substeps), loop.numbers()
     memory["record"] = np.zeros((len(rows), sum(loop.channels.values())))
     return memory
 

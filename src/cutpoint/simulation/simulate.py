@@ -14,7 +14,7 @@ from cutpoint.errors import InputError, SimulationError
 from cutpoint.robot import Robot
 from cutpoint.scalars import with_float_leaves
 from cutpoint.simulation.cache import programs_for
-from cutpoint.simulation.integrator import substeps_for
+from cutpoint.simulation.integrator import Steps, substeps_for
 from cutpoint.simulation.log import Log
 from cutpoint.simulation.loop import ClosedLoop
 from cutpoint.simulation.plant import State, sizes
@@ -90,21 +90,34 @@ def simulate(
     remembers = with_float_leaves(law.start() if hasattr(law, "start") else ())
     programs = programs_for(robot, law, encoders, remembers)
     loop = ClosedLoop(robot, law, encoders, remembers, control_period, programs)
-    if accuracy not in ("standard", "fine", "reference"):
-        raise InputError(f"simulate: accuracy {accuracy!r} must be 'standard', 'fine' or 'reference'")
-    if substeps is None:
-        poses = _poses(robot, start, reference)
-        substeps = 1 if accuracy == "reference" else substeps_for(robot, accuracy, control_period, poses)
-    elif int(substeps) != substeps or substeps < 1:
-        raise InputError(f"simulate: substeps {substeps!r} must be a whole number, at least 1")
+    steps = _steps(robot, accuracy, substeps, control_period, start, reference)
     rows = _rows(loop, times, reference, disturbances)
-    memory = working_memory(loop, start, told, rows, torque_limits(robot), int(substeps))
-    outcome = run(loop, memory, int(substeps), adaptive=accuracy == "reference")
-    settings: dict[str, object] = {"accuracy": accuracy, "substeps": int(substeps)}
+    memory = working_memory(loop, start, told, rows, torque_limits(robot), steps.number)
+    outcome = run(loop, memory, steps.number, adaptive=accuracy == "reference")
+    settings: dict[str, object] = {"accuracy": accuracy, "substeps": steps.number, "steps_set_by": steps.cause}
     log = log_of(loop, memory["record"][: outcome.ticks], times, reference, settings)
     if outcome.cause:
         raise SimulationError(outcome.cause, log=log, time=float(times[outcome.ticks - 1]), diverged=outcome.diverged)
     return log
+
+
+def _steps(
+    robot: Robot, accuracy: str, substeps: int | None, period: float, start: State, reference: Array
+) -> Steps:
+    """Integration steps a control period: the caller's, or what the accuracy takes."""
+    if accuracy not in ("standard", "fine", "reference"):
+        raise InputError(f"simulate: accuracy {accuracy!r} must be 'standard', 'fine' or 'reference'")
+    delays = [d.motor.delay for d in robot.drives.values() if d.motor is not None and d.motor.delay is not None]
+    if max(delays, default=0.0) > period:
+        told = f"a motor's delay {max(delays)} s must not exceed the control period, {period} s"
+        raise InputError(f"simulate: {told}; put whole periods into Sensors(delay=)", delay=max(delays))
+    if substeps is None and accuracy == "reference":
+        return Steps(1, "the adaptive integrator")
+    if substeps is None:
+        return substeps_for(robot, accuracy, period, _poses(robot, start, reference))
+    if int(substeps) != substeps or substeps < 1:
+        raise InputError(f"simulate: substeps {substeps!r} must be a whole number, at least 1")
+    return Steps(int(substeps), "the caller")
 
 
 def torque_limits(robot: Robot) -> Array:

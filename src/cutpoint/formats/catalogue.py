@@ -1,0 +1,95 @@
+"""The drive catalogue that comes with the package: gears and actuators by name.  `docs/catalogue.md` lists them.
+
+`catalogue_data/` holds the numbers, each group with its source; what they become in a drive is in `catalogue_entry`.
+"""
+
+from collections.abc import Mapping
+from functools import cache
+from pathlib import Path
+from typing import Any
+
+from cutpoint.errors import ModelError
+from cutpoint.formats.catalogue_entry import drive_entry
+from cutpoint.formats.catalogue_friction import InputFriction, input_friction
+from cutpoint.formats.catalogue_sheets import CatalogueGear
+from cutpoint.formats.drive_entry import to_drive
+from cutpoint.formats.drive_section import Section
+from cutpoint.formats.drive_sheet import DriveSheet
+from cutpoint.formats.reading import read_bytes
+from cutpoint.formats.safe_yaml import MAXIMUM_BYTES, YamlDocument, parse_yaml
+from cutpoint.model.drive import Drive
+from cutpoint.model.places import those_that_exist
+
+_FOLDER = Path(__file__).parents[1] / "catalogue_data"
+
+_NOT_THE_ACTUATORS = ("maker", "series", "size", "ratio", "inertia", "mass")
+"""What of a gear does not pass to an actuator that names it."""
+
+
+def catalogue_names() -> tuple[str, ...]:
+    """All gears and actuators, in the catalogue's order."""
+    return tuple(_gears())
+
+
+def catalogue_gear(name: str) -> CatalogueGear:
+    """What the catalogue holds of one.  Raises ModelError for a name that it does not have."""
+    if (gear := _gears().get(name)) is None:
+        raise ModelError(unknown_gear(name), name=name)
+    return gear
+
+
+def catalogue_friction(name: str) -> InputFriction:
+    """A gear's friction at its input, from its sheet or as an estimate.  Errors as in `catalogue_gear`."""
+    return input_friction(catalogue_gear(name), catalogue_gear)
+
+
+def entry_of(name: str) -> dict[str, Any]:
+    """The drive-file entry that the catalogue gives; what its data lack is left out.  Errors as in `catalogue_gear`."""
+    return drive_entry(catalogue_gear(name), catalogue_friction(name))
+
+
+def catalogue_drive(name: str) -> Drive:
+    """The drive of a joint that turns, by its catalogue's name.  Errors as in `catalogue_gear`."""
+    section = Section(name, YamlDocument("catalogue", {}, {}), ((),))
+    return to_drive(section.read(DriveSheet, entry_of(name)), section)
+
+
+def unknown_gear(name: str) -> str:
+    """The message about a name that the catalogue does not have."""
+    return f"the catalogue has no {name!r}; {those_that_exist(name, catalogue_names())} (cutpoint drive lists them)"
+
+
+@cache
+def _gears() -> dict[str, CatalogueGear]:
+    gears, actuators = _document("harmonic_drive.yaml"), _document("actuators.yaml")
+    entries = {name: _with_sources(gears, entry) for name, entry in gears.value["gears"].items()}
+    found = {name: _record(name, entry, gears, "gears") for name, entry in entries.items()}
+    for name, entry in actuators.value["actuators"].items():
+        own = _with_sources(actuators, entry)
+        gear = own.pop("gear")
+        base = entries[gear] if isinstance(gear, str) else _with_sources(actuators, gear)
+        inherited = {key: value for key, value in base.items() if key not in _NOT_THE_ACTUATORS}
+        found[name] = _record(name, inherited | own, actuators, "actuators")
+    return found
+
+
+def _document(file: str) -> YamlDocument:
+    return parse_yaml(read_bytes(_FOLDER / file, MAXIMUM_BYTES), str(_FOLDER / file))
+
+
+def _record(name: str, entry: Mapping[str, Any], document: YamlDocument, chapter: str) -> CatalogueGear:
+    section = Section(f"catalogue {name!r}", document, ((chapter, name),))
+    return section.read(CatalogueGear, {"name": name, **entry})
+
+
+def _with_sources(document: YamlDocument, entry: Mapping[str, Any]) -> dict[str, Any]:
+    """An entry whose groups hold their sources instead of the sources' keys."""
+    sources = document.value["sources"]
+
+    def cited(group: Any) -> Any:
+        if not isinstance(group, dict) or "source" not in group:
+            return group
+        key = group["source"]
+        return group | {"source": {"key": key, **sources[key]}}
+
+    return {name: cited(group) for name, group in entry.items()}

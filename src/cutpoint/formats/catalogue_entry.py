@@ -1,0 +1,128 @@
+"""A gear of the catalogue as an entry of a drive file: from what makers print to what the laws need."""
+
+from typing import Any
+
+import numpy as np
+
+from cutpoint.formats.catalogue_friction import RPM, InputFriction
+from cutpoint.formats.catalogue_sheets import CatalogueGear
+from cutpoint.mechanics.catalogue import CatalogueSpring
+
+ARC_MINUTE = np.pi / 180 / 60
+"""rad"""
+
+
+def drive_entry(gear: CatalogueGear, friction: InputFriction) -> dict[str, Any]:
+    """The fields of a drive that the catalogue knows; the circular spline is fixed, the flexspline turns the joint."""
+    spring = _spring(gear)
+    fields = {
+        "gear": {"reduction": float(gear.ratio), "fixed": "circular_spline"},
+        "rotor": _rotor(gear),
+        "compliance": spring and {"catalogue": {name: float(x) for name, x in vars(spring).items()}},
+        "hysteresis": spring and _hysteresis(gear, spring),
+        "kinematic_error": gear.accuracy and _kinematic_error(gear.accuracy.transmission_arcmin),
+        "friction": _friction(gear, friction),
+        "motor": _motor(gear),
+        "limits": _limits(gear),
+        "ratings": _ratings(gear),
+    }
+    return _rounded(_stated(fields))
+
+
+def _rotor(gear: CatalogueGear) -> dict[str, float] | None:
+    """What turns with the motor: the wave generator, and an actuator's rotor."""
+    parts = [gear.inertia and gear.inertia.wave_generator, gear.motor and gear.motor.inertia]
+    inertia = sum(part for part in parts if part)
+    return {"inertia": inertia} if inertia else None
+
+
+def _spring(gear: CatalogueGear) -> CatalogueSpring | None:
+    """The gear's curve, in series with an actuator's spring: deflections of straight segments add up."""
+    if gear.stiffness is None:
+        return None
+    softer = 1 / gear.output.spring if gear.output and gear.output.spring else 0.0
+    own = gear.stiffness
+    k1, k2, k3 = (k if softer == 0.0 else 1 / (1 / k + softer) for k in (own.k1, own.k2, own.k3))
+    return CatalogueSpring(k1, k2, k3, own.t1, own.t2)
+
+
+def _hysteresis(gear: CatalogueGear, spring: CatalogueSpring) -> dict[str, float] | None:
+    """Loss is what opens in a cycle to rated torque: where that ends before the loop is open, it opens sooner."""
+    if gear.hysteresis is None:
+        return None
+    loss = gear.hysteresis.loss_arcmin * ARC_MINUTE
+    if gear.ratings is None:
+        return {"loss": loss}
+    slipping = spring.torque(loss / 2)
+    way_back = float(spring.deflection(gear.ratings.rated - slipping)) - loss / 2
+    return {"loss": loss} if way_back >= 2 * loss else {"loss": loss, "reach": way_back / 2}
+
+
+def _kinematic_error(arc_minutes: float) -> dict[str, float]:
+    """Accuracy is printed peak to peak."""
+    return {"amplitude": arc_minutes * ARC_MINUTE / 2, "order": 2.0}
+
+
+def _friction(gear: CatalogueGear, friction: InputFriction) -> dict[str, Any] | None:
+    """At the joint: dry torque times ratio, viscous friction times its square; a motor's own adds to the gear's."""
+    law = {
+        "coulomb": _times(_sum(friction.dry, gear.motor and gear.motor.coulomb), gear.ratio),
+        "viscous": _times(_sum(friction.slope, gear.motor and gear.motor.viscous), gear.ratio**2),
+        "per_load": friction.per_load,
+    }
+    return {"motor": stated} if (stated := _stated(law)) else None
+
+
+def _motor(gear: CatalogueGear) -> dict[str, float] | None:
+    """An AC supply says little about the voltage at the winding, and is left out."""
+    if (own := gear.motor) is None:
+        return None
+    numbers = {
+        "torque_constant": own.torque_constant,
+        "resistance": own.resistance,
+        "current_limit": own.current_peak,
+        "voltage_limit": own.voltage,
+    }
+    return _stated(numbers)
+
+
+def _limits(gear: CatalogueGear) -> dict[str, float] | None:
+    """An actuator's own, or those of its gear: repeated peak torque, and the largest speed of the input."""
+    torque = gear.output.maximum_torque if gear.output else None
+    rpm = gear.output.maximum_rpm if gear.output else gear.speeds and gear.speeds.maximum_rpm / gear.ratio
+    found = {"torque": torque or (gear.ratings and gear.ratings.repeated_peak), "velocity": rpm and rpm * RPM}
+    return _stated(found) or None
+
+
+def _ratings(gear: CatalogueGear) -> dict[str, float] | None:
+    torques, speeds = gear.ratings, gear.speeds
+    found = {
+        "rated_torque": torques and torques.rated,
+        "average_torque": torques and torques.average,
+        "repeated_peak_torque": torques and torques.repeated_peak,
+        "momentary_peak_torque": torques and torques.momentary_peak,
+        "rated_speed": torques and torques.rated_rpm * RPM,
+        "average_speed": speeds and speeds.average_rpm * RPM,
+        "maximum_speed": speeds and speeds.maximum_rpm * RPM,
+        "life": gear.life and gear.life.hours,
+    }
+    return _stated(found) or None
+
+
+def _sum(known: float | None, more: float | None) -> float | None:
+    return (known or 0.0) + more if more else known
+
+
+def _times(value: float | None, factor: float) -> float | None:
+    return None if value is None else factor * value
+
+
+def _rounded(value: Any) -> Any:
+    """To ten digits, as a person would write them."""
+    if isinstance(value, dict):
+        return {name: _rounded(x) for name, x in value.items()}
+    return float(f"{value:.10g}") if isinstance(value, float) else value
+
+
+def _stated(fields: dict[str, Any]) -> dict[str, Any]:
+    return {name: value for name, value in fields.items() if value is not None}

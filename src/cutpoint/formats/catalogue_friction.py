@@ -1,0 +1,85 @@
+"""Friction of a gear out of its data sheet: starting torque, running torque without load, efficiency."""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.optimize import nnls
+
+from cutpoint.formats.catalogue_sheets import CatalogueGear
+
+RPM = 2 * np.pi / 60
+"""rad/s"""
+
+
+@dataclass(frozen=True)
+class InputFriction:
+    """Torque at the input without load, N m: dry + slope w, w in rad/s; and the share that a load adds at the output.
+
+    None where nothing is known.  estimated: which of the three were taken over from another gear.
+    """
+
+    dry: float | None = None
+    slope: float | None = None
+    per_load: float | None = None
+    estimated: tuple[str, ...] = ()
+
+
+def input_friction(gear: CatalogueGear, named: Callable[[str], CatalogueGear]) -> InputFriction:
+    """What a gear's sheet says; what it does not say, as of the gear that it is `like`.
+
+    Starting torque is the dry part.  The slope goes through it and the running points by least squares.  The share of
+    the load is what efficiency lacks beyond that, by 1/eta - 1 = per_load + ratio (dry + slope w) / tau at an output
+    torque tau.  Where efficiency is known and running torque is not, all three follow from it, and starting torque is
+    left aside.
+    """
+    own = _from_efficiency(gear) if gear.efficiency and not gear.running else _from_running(gear)
+    if gear.friction is None:
+        return own
+    other, scale = input_friction(named(gear.friction.like), named), gear.friction.scale
+    theirs = {"dry": _times(other.dry, scale), "slope": _times(other.slope, scale), "per_load": other.per_load}
+    taken = {name: value for name, value in theirs.items() if getattr(own, name) is None and value is not None}
+    known = {name: getattr(own, name) for name in theirs if name not in taken}
+    return InputFriction(**known, **taken, estimated=tuple(taken))
+
+
+def efficiency(friction: InputFriction, ratio: float, speed: float, torque: float) -> float:
+    """Power out over power in, at a speed of the input (rad/s) and a torque at the output (N m)."""
+    without_load = ratio * ((friction.dry or 0.0) + (friction.slope or 0.0) * speed)
+    return torque / (torque * (1 + (friction.per_load or 0.0)) + without_load)
+
+
+def _times(value: float | None, scale: float) -> float | None:
+    return None if value is None else scale * value
+
+
+def _from_running(gear: CatalogueGear) -> InputFriction:
+    dry, slope = gear.starting.torque if gear.starting else None, None
+    if gear.running:
+        speed, torque = np.array(gear.running.points).T * [[RPM], [1.0]]
+        if dry is None:
+            (dry, slope), _ = nnls(np.column_stack([np.ones_like(speed), speed]), torque)
+        else:
+            slope = max(0.0, float(speed @ (torque - dry) / (speed @ speed)))
+    found = InputFriction(_number(dry), _number(slope))
+    return InputFriction(found.dry, found.slope, _share(gear, found))
+
+
+def _share(gear: CatalogueGear, unloaded: InputFriction) -> float | None:
+    if gear.efficiency is None:
+        return None
+    gaps = [1 / eta - 1 / efficiency(unloaded, gear.ratio, rpm * RPM, tau) for rpm, tau, eta in gear.efficiency.points]
+    return max(0.0, float(np.mean(gaps)))
+
+
+def _from_efficiency(gear: CatalogueGear) -> InputFriction:
+    """Weights make the residuals those of the efficiency itself: d eta = -eta^2 d(1/eta)."""
+    assert gear.efficiency is not None
+    rpm, tau, eta = np.array(gear.efficiency.points).T
+    factors = np.column_stack([gear.ratio / tau, gear.ratio * rpm * RPM / tau, np.ones_like(tau)])
+    (dry, slope, per_load), _ = nnls(factors * (eta**2)[:, None], (1 / eta - 1) * eta**2)
+    return InputFriction(float(dry), float(slope), float(per_load))
+
+
+def _number(value: float | None) -> float | None:
+    return None if value is None else float(value)

@@ -1,0 +1,88 @@
+"""LLVM IR that recognises plain arguments of a Python call: one test after another, the first that fails leaves."""
+
+from collections.abc import Sequence
+
+from cutpoint.kernels.jit import vector_width
+from cutpoint.kernels.llvm_code import Code
+from cutpoint.kernels.numpy_api import DATA, FLAGS, RANK, SHAPE, TIDY, TYPE
+from cutpoint.kernels.ports import Port
+from cutpoint.kernels.python_api import KIND, VALUE
+
+ELSEWHERE = "%general"
+"""Where calls go whose arguments are not plain."""
+
+
+def recognised(code: Code, ports: Sequence[Port], *, finite: bool) -> list[str]:
+    """Pointers to the arguments' numbers; what is not recognised leaves for ELSEWHERE."""
+    _require(code, code.let(f"icmp eq i64 %count, {len(ports)}"), code.let("icmp eq ptr %names, null"))
+    objects = [code.load("%arguments", k, "ptr") for k in range(len(ports))]
+    found = [(_array if p.shape else _scalar)(code, x, p) for x, p in zip(objects, ports, strict=True)]
+    if finite:
+        _require_finite(code, [(pointer, port.size) for pointer, port in zip(found, ports, strict=True)])
+    return found
+
+
+def _array(code: Code, x: str, port: Port) -> str:
+    _require(code, code.let(f"icmp eq ptr {field(code, x, KIND, 'ptr')}, @array_type"))
+    tidy = code.let(f"and i32 {field(code, x, FLAGS, 'i32')}, {TIDY}")
+    _require(
+        code,
+        code.let(f"icmp eq i32 {field(code, x, RANK, 'i32')}, {len(port.shape)}"),
+        code.let(f"icmp eq ptr {field(code, x, TYPE, 'ptr')}, @float64"),
+        code.let(f"icmp eq i32 {tidy}, {TIDY}"),
+    )
+    if port.shape:
+        shape = field(code, x, SHAPE, "ptr")
+        _require(code, *(code.let(f"icmp eq i64 {code.load(shape, k, 'i64')}, {n}") for k, n in enumerate(port.shape)))
+    return field(code, x, DATA, "ptr")
+
+
+def _scalar(code: Code, x: str, port: Port) -> str:
+    """A float, an np.float64, whose value lies where a float's does, or an array without axes."""
+    number, other, array, end = (code.name(x) for x in ("number", "other", "array", "end"))
+    kind = field(code, x, KIND, "ptr")
+    kinds = [code.let(f"icmp eq ptr {kind}, @{name}") for name in ("float_type", "float64_type")]
+    code.branch(code.let(f"or i1 {', '.join(kinds)}"), number, other)
+    code.open(other)
+    inside = _array(code, x, port)
+    code.label(array)
+    code.lines.append(f"br label {end}")
+    code.open(number)
+    value = code.at(x, VALUE, "i8")
+    code.label(end)
+    return code.let(f"phi ptr [ {inside}, {array} ], [ {value}, {number} ]")
+
+
+def _require_finite(code: Code, arguments: list[tuple[str, int]]) -> None:
+    """x - x is zero unless x is infinite or no number."""
+    width, conditions = vector_width(), []
+    for pointer, size in arguments:
+        if size >= width:
+            with code.loop(size // width) as loop:
+                block = code.at(pointer, code.let(f"mul i64 {loop.iteration}, {width}"))
+                _require(code, _are_finite(code, block, width))
+        if size % width:
+            conditions.append(_are_finite(code, code.at(pointer, size // width * width), size % width))
+    if conditions:
+        _require(code, *conditions)
+
+
+def _are_finite(code: Code, pointer: str, size: int) -> str:
+    kind = f"<{size} x double>"
+    x = code.load(pointer, 0, kind, align=8)
+    odd = code.let(f"fcmp une {kind} {code.let(f'fsub {kind} {x}, {x}')}, zeroinitializer")
+    return code.let(f"icmp eq i{size} {code.let(f'bitcast <{size} x i1> {odd} to i{size}')}, 0")
+
+
+def field(code: Code, x: str, offset: int, kind: str) -> str:
+    """What lies so many bytes inside an object."""
+    return code.let(f"load {kind}, ptr {code.at(x, offset, 'i8')}")
+
+
+def _require(code: Code, *conditions: str) -> None:
+    """All conditions hold from here on."""
+    all_hold, then = conditions[0], code.name("then")
+    for condition in conditions[1:]:
+        all_hold = code.let(f"and i1 {all_hold}, {condition}")
+    code.branch(all_hold, then, ELSEWHERE)
+    code.open(then)

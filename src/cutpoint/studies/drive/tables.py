@@ -1,0 +1,92 @@
+"""What `cutpoint drive` prints."""
+
+from itertools import groupby
+
+from rich.console import Console
+from rich.markup import escape
+from rich.table import Table
+
+from cutpoint.formats.catalogue import catalogue_gear, catalogue_names
+from cutpoint.formats.catalogue_sheets import CatalogueGear, Source
+from cutpoint.studies.drive.measured import Specimen
+from cutpoint.studies.drive.rows import derived, printed
+from cutpoint.studies.drive.text import estimate_note
+
+_STATUS = {"verified": "green", "estimate": "yellow"}
+
+
+def catalogue_table() -> Table:
+    """Series, with the sizes that come in the same ratios on one line."""
+    table = _table("drive catalogue", "series", "maker", "sizes", "ratios", "for example")
+    gears = [catalogue_gear(name) for name in catalogue_names()]
+    for (series, maker), members in groupby(gears, lambda gear: (gear.series, gear.maker)):
+        own = list(members)
+        ratios = {size: tuple(g.ratio for g in own if g.size == size) for size in dict.fromkeys(g.size for g in own)}
+        for common in dict.fromkeys(ratios.values()):
+            sizes = [size for size, found in ratios.items() if found == common]
+            example = next(g.name for g in reversed(own) if g.size == sizes[0])
+            table.add_row(series, maker, _listed(sizes), _listed(common), example)
+    table.caption = "cutpoint drive NAME prints one of them; in a drive file it is called `catalogue: NAME`"
+    return table
+
+
+def print_drive(name: str, console: Console) -> None:
+    """Sheet, what the laws give back, and the sources.  Raises ModelError for a name that is not in the catalogue."""
+    specimen = Specimen(name)
+    for table in (_sheet(specimen), _laws(specimen)):
+        if table.row_count:
+            console.print(table)
+    if note := estimate_note(name):
+        console.print(f"[yellow]{escape(note)}[/]")
+    for source in _sources(specimen.gear):
+        console.print(f"[bold]{source.key}[/]: {escape(_citation(source))}", highlight=False)
+
+
+def _sheet(specimen: Specimen) -> Table:
+    gear = specimen.gear
+    title = f"{gear.name}: {gear.maker} {gear.series}, size {gear.size}, ratio {gear.ratio}"
+    table = _table(title, "group", "quantity", "value", "unit", "source", "status")
+    table.columns[1].justify = "left"
+    before = ""
+    for line in printed(specimen):
+        table.add_row(
+            line.group if line.group != before else "",
+            line.quantity,
+            line.value,
+            line.unit,
+            line.source,
+            f"[{_STATUS.get(line.status, 'dim')}]{line.status}[/]",
+        )
+        before = line.group
+    return table
+
+
+def _laws(specimen: Specimen) -> Table:
+    table = _table("what the laws give back", "quantity", "laws", "sheet", "unit", "remark")
+    for line in derived(specimen):
+        colour = _STATUS.get(line.remark, "default")
+        table.add_row(*line[:-1], f"[{colour}]{escape(line.remark)}[/]")
+    return table
+
+
+def _sources(gear: CatalogueGear) -> list[Source]:
+    found = {group.source.key: group.source for group in gear.groups.values()}
+    return list(found.values())
+
+
+def _citation(source: Source) -> str:
+    pages = f"page {source.pages}" if source.pages else ""
+    how = f"read from a {source.read}" if source.read else ""
+    return "; ".join(filter(None, (source.title, source.document, pages, how, source.address)))
+
+
+def _listed(numbers: list[int] | tuple[int, ...]) -> str:
+    return ", ".join(map(str, numbers))
+
+
+def _table(title: str, *columns: str) -> Table:
+    table = Table(title=title, title_justify="left")
+    for k, column in enumerate(columns):
+        right = column in ("value", "laws", "sheet")
+        table.add_column(column, justify="right" if right else "left", overflow="fold", no_wrap=k == 0)
+    return table

@@ -1,0 +1,150 @@
+"""The torque-speed plane of every drive: where the motion goes, and how far gear and motor let it go."""
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+from matplotlib.lines import Line2D
+from matplotlib.patches import Patch, Rectangle
+from matplotlib.patheffects import withStroke
+from numpy.typing import NDArray
+
+from cutpoint.mechanics.motor import within_limits
+from cutpoint.studies.sizing.sizing import DriveSizing, Sizing
+from cutpoint.studies.sizing.table import RPM
+from cutpoint.studies.style import BASE_FILL, FAINT, FORCE, INK, LINK, MOTOR, styled
+
+Array = NDArray[np.float64]
+
+ACROSS = 3
+"""Drives side by side."""
+
+PANEL = (3.6, 3.1)
+"""Inches of one."""
+
+START_STOP = "#f2f3f6"
+"""Fill of the zone up to the repeated peak torque, paler than that of the averages."""
+
+MOMENTARY_SHOWN = 2.2
+"""The momentary peak is drawn if it is at most this many times what else must be seen."""
+
+ENDLESS = 1e12
+"""N m: more than any motor has, for its limit to be seen."""
+
+
+def figure_of(found: Sizing) -> Figure:
+    """A panel a drive; torques at the joint's side, positive where the drive pushes along its motion."""
+    with styled():
+        across = min(ACROSS, len(found.drives))
+        down = -(-len(found.drives) // across)
+        figure = Figure(figsize=(0.4 + PANEL[0] * across, 1.0 + PANEL[1] * down), layout="constrained")
+        for k, drive in enumerate(found.drives.values()):
+            axes = figure.add_subplot(down, across, k + 1)
+            _panel(axes, found, drive, k)
+            if k % across == 0 or drive.slides:
+                axes.set_ylabel("force at the joint [N]" if drive.slides else "torque at the joint [N m]")
+            if k >= len(found.drives) - across:
+                axes.set_xlabel("motor speed [rpm]")
+        _explain(figure, across)
+        # what is laid out lazily takes the style of the moment
+        figure.canvas.draw()
+        return figure
+
+
+def _panel(axes: Axes, found: Sizing, drive: DriveSizing, k: int) -> None:
+    ratio, speed = drive.drive.ratio, found.load.motor_speed[:, k] * RPM
+    direction = np.sign(speed * ratio)
+    gear = found.load.output_torque[:, k] * direction
+    motor = found.load.motor_torque[:, k] * ratio * direction
+    _window(axes, drive, np.r_[gear, motor], float(np.abs(speed).max()))
+    _zones(axes, drive)
+    _motor_limit(axes, drive)
+    for torque, colour in ((motor, MOTOR), (gear, LINK)):
+        axes.plot(np.abs(speed), np.where(direction == 0, np.nan, torque), color=colour, lw=1.3)
+    average = drive.demand.mean_motor_speed * RPM, drive.demand.average_torque
+    axes.plot(*average, "o", color=LINK, mec="white", ms=7, zorder=5)
+    for failed in drive.failures:
+        at = average
+        if failed.at is not None:
+            i = int(np.searchsorted(found.load.time, failed.at.time))
+            at = abs(speed[i]), motor[i] if failed.limit.startswith("motor") else gear[i]
+        axes.plot(*at, "o", mfc="none", mec=FORCE, mew=1.6, ms=11, zorder=6)
+    _title(axes, drive)
+
+
+def _window(axes: Axes, drive: DriveSizing, torques: Array, fastest: float) -> None:
+    """What of the plane is shown: all of the motion, and the gear's zones."""
+    maximum, peak = _allowed(drive, "maximum speed"), _allowed(drive, "repeated peak torque")
+    highest = max(float(torques.max()), *(x for x in (peak, _allowed(drive, "average torque")) if x < np.inf), 1e-9)
+    momentary = _allowed(drive, "momentary peak torque")
+    top = 1.15 * (momentary if highest < momentary <= MOMENTARY_SHOWN * highest else highest)
+    axes.set_ylim(min(-0.18 * top, 1.3 * float(torques.min())), top)
+    axes.set_xlim(0, 1.08 * (max(fastest, maximum * RPM) if maximum < np.inf else fastest) or 1.0)
+    axes.axhline(0, color=INK, lw=0.7, zorder=1)
+    axes.grid(False)
+
+
+def _zones(axes: Axes, drive: DriveSizing) -> None:
+    """What the gear is allowed when it starts and stops, and on average; its rated point; its momentary peak."""
+    right, broken = axes.get_xlim()[1], {margin.limit for margin in drive.failures}
+    for torque, speed, fill in (
+        ("repeated peak torque", "maximum speed", START_STOP),
+        ("average torque", "average speed", BASE_FILL),
+    ):
+        high, wide = _allowed(drive, torque), min(_allowed(drive, speed) * RPM, right)
+        if high < np.inf:
+            edge = FORCE if broken & {torque, speed} else FAINT
+            zone = Rectangle((0, -high), wide, 2 * high, facecolor=fill, edgecolor=edge, lw=0.8, zorder=0.5)
+            axes.add_patch(zone)
+            _label(axes, f"{torque.removesuffix(' torque')} {high:.4g}", (wide, high), (-3, 3), "right", edge)
+    momentary = _allowed(drive, "momentary peak torque")
+    if momentary < axes.get_ylim()[1]:
+        axes.axhline(momentary, color=FAINT, lw=1, ls=":")
+        _label(axes, f"momentary peak {momentary:.4g}", (0, momentary), (4, 3), "left", FAINT)
+    rated = drive.drive.ratings
+    if rated and rated.rated_torque is not None and rated.rated_speed is not None:
+        axes.plot(rated.rated_speed * RPM, rated.rated_torque, "+", color=INK, ms=8, mew=1.2)
+
+
+def _label(axes: Axes, text: str, at: tuple[float, float], offset: tuple[float, float], side: str, colour: str) -> None:
+    ink = INK if colour == FAINT else colour
+    # readable where a curve runs behind it
+    words = axes.annotate(text, at, offset, textcoords="offset points", ha=side, fontsize=8.5, color=ink)
+    words.set_path_effects([withStroke(linewidth=2.5, foreground="white", alpha=0.8)])
+
+
+def _motor_limit(axes: Axes, drive: DriveSizing) -> None:
+    """How far the motor's current, its voltage and the torque limits let it push and brake, over speed."""
+    speeds = np.linspace(0, axes.get_xlim()[1], 500)
+    bound = min(_allowed(drive, "motor torque"), ENDLESS)
+    for sign in (1.0, -1.0):
+        pushed = within_limits(drive.drive, np.full_like(speeds, sign * ENDLESS), speeds / RPM / abs(drive.drive.ratio))
+        curve = np.clip(pushed, -bound, bound)
+        if np.abs(curve).min() < ENDLESS:
+            axes.plot(speeds, np.where(sign * curve >= 0, curve, np.nan), color=MOTOR, lw=1, ls="--")
+
+
+def _title(axes: Axes, drive: DriveSizing) -> None:
+    tightest = drive.tightest
+    told = "no limit stated" if tightest is None else f"margin {min(tightest.value, 999):.2f}: {tightest.limit}"
+    axes.set_title(drive.joint, parse_math=False, weight="bold", fontsize=11)
+    axes.set_title(told, loc="right", fontsize=9.5, color=FORCE if drive.failures else INK)
+
+
+def _explain(figure: Figure, across: int) -> None:
+    samples = {
+        "what the gear exerts": Line2D([], [], color=LINK),
+        "what the motor exerts": Line2D([], [], color=MOTOR),
+        "gear, average": Line2D([], [], color=LINK, marker="o", mec="white", ms=7, ls=""),
+        "gear, rated": Line2D([], [], color=INK, marker="+", mew=1.2, ms=8, ls=""),
+        "zone of averages": Patch(facecolor=BASE_FILL, edgecolor=FAINT, lw=0.8),
+        "zone of starts and stops": Patch(facecolor=START_STOP, edgecolor=FAINT, lw=0.8),
+        "motor's limit": Line2D([], [], color=MOTOR, lw=1, ls="--"),
+        "beyond a limit": Line2D([], [], mfc="none", mec=FORCE, mew=1.6, ms=8, marker="o", ls=""),
+    }
+    columns = (1, 2, 4)[across - 1]
+    figure.legend([*samples.values()], [*samples], loc="outside lower center", ncols=columns, fontsize=10)
+
+
+def _allowed(drive: DriveSizing, limit: str) -> float:
+    """Infinite where it is not stated."""
+    return next((margin.allowed for margin in drive.margins if margin.limit == limit), np.inf)

@@ -1,0 +1,88 @@
+"""What a motion asks of every drive, sample by sample."""
+
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from cutpoint.errors import InputError
+from cutpoint.mechanics.motor import torque_for
+from cutpoint.model import Drive
+from cutpoint.robot import Robot
+from cutpoint.trajectories import Trajectory
+
+Array = NDArray[np.float64]
+
+FEWEST, MOST = 2_000, 500_000
+"""Intervals into which a motion is cut: at least, and at most."""
+
+AROUND = 64
+"""Intervals into which the two beside a worst instant are cut."""
+
+
+class Load(NamedTuple):
+    """Samples of a motion with its pause: time (N,), s; the others (N, drives), nan where a drive does not tell.
+
+    position and joint_speed: of the joints, rad and rad/s (m, m/s).  output_torque: what the gear exerts on its link,
+    link friction overcome, N m (N).  motor_torque, motor_speed: of the shaft, N m and rad/s.  current (A) and voltage
+    (V) of the motor; power: what it does at its shaft, W.
+    """
+
+    time: Array
+    position: Array
+    joint_speed: Array
+    output_torque: Array
+    motor_torque: Array
+    motor_speed: Array
+    current: Array
+    voltage: Array
+    power: Array
+
+
+def sampled(robot: Robot, trajectory: Trajectory, period: float, dwell: float) -> Load:
+    """The load every `period` s, at least FEWEST times, more finely around each drive's worst instants.
+
+    After the motion it stands still for dwell, s, in its last position.
+    """
+    end = trajectory.duration
+    count = max(FEWEST, int(np.ceil(end / period)))
+    if count > MOST:
+        rule = f"at most {MOST:,} samples are taken: give a longer period"
+        raise InputError(f"sizing: {end:g} s in steps of {period:g} s are too many; {rule}", period=period)
+    times = np.linspace(0.0, end, count + 1)
+    step = end / count
+    worst = np.unique(np.concatenate([_largest(x) for x in load_of(robot, trajectory, times)[1:]]))
+    near = times[worst][:, None] + np.linspace(-step, step, AROUND + 1)
+    times = np.unique(np.r_[times, np.clip(near, 0.0, end).ravel()])
+    # a trajectory holds its last position after its end
+    pause = [np.nextafter(end, np.inf), end + dwell] if dwell > 0 else []
+    return load_of(robot, trajectory, np.r_[times, pause])
+
+
+def load_of(robot: Robot, trajectory: Trajectory, times: Array) -> Load:
+    """The load at times (N,); friction as in steady sliding, full rotor coupling as `quasi_rigid` says."""
+    q, v, a, jerk, snap = trajectory.derivatives(times, 4)
+    u = robot.elastic_inverse_dynamics(q, v, a, jerk, snap, quasi_rigid=True)
+    drives = [*robot.drives.values()]
+    # a rigid drive's joint torque moves its own rotor, too, and that part does not pass through the gear
+    armature = np.array([0.0 if drive.is_elastic else drive.reflected_inertia for drive in drives])
+    ratio, constant, resistance = np.array([_motor(drive) for drive in drives]).T
+    electric = [torque_for(d, u.motor_torque[:, k], u.theta[:, k]) for k, d in enumerate(drives)]
+    torque, speed = np.stack(electric, axis=1) / ratio, u.theta_dot * ratio
+    current = torque / constant
+    output = u.joint_torque + robot.friction_torques(v) - armature * a
+    voltage = resistance * current + constant * speed
+    return Load(times, q, v, output, torque, speed, current, voltage, torque * speed)
+
+
+def _motor(drive: Drive) -> tuple[float, float, float]:
+    """Ratio, torque constant and resistance, nan where not stated."""
+    motor = drive.motor
+    if motor is None:
+        return drive.ratio, np.nan, np.nan
+    return drive.ratio, motor.torque_constant, np.nan if motor.resistance is None else motor.resistance
+
+
+def _largest(x: Array) -> NDArray[np.intp]:
+    """Index of each drive's largest sample by size."""
+    return np.where(np.isnan(x), -1.0, np.abs(x)).argmax(axis=0)

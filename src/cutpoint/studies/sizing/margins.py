@@ -1,0 +1,80 @@
+"""What is allowed, beside what is asked: a margin for every limit that is stated, a name for every one that is not."""
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+import numpy as np
+
+from cutpoint.model import Drive, Limits, Motor, Ratings
+from cutpoint.studies.sizing.demand import Demand, Peak
+
+ROUNDING = 1e-9
+"""A margin that falls short of 1 by less is one that is met exactly."""
+
+
+@dataclass(frozen=True)
+class Margin:
+    """A limit and what is asked of it, in `unit`; at: the worst instant, None for what is reckoned over the cycle."""
+
+    limit: str
+    unit: str
+    allowed: float
+    demanded: float
+    at: Peak | None = None
+
+    @property
+    def value(self) -> float:
+        """allowed / demanded; infinite where nothing is asked."""
+        return self.allowed / self.demanded if self.demanded > 0 else np.inf
+
+    @property
+    def holds(self) -> bool:
+        return self.value >= 1 - ROUNDING
+
+
+def margins_of(drive: Drive, demand: Demand, limits: Limits, slides: bool) -> tuple[list[Margin], list[str]]:
+    """Margins against all that is stated, and the names of the ratings that are not.
+
+    limits: of drive and joint together, at the joint's side.
+    """
+    ratings = drive.ratings or Ratings()
+    torque = "N" if slides else "N m"
+    rated = [
+        ("average torque", torque, ratings.average_torque, demand.average_torque),
+        ("repeated peak torque", torque, ratings.repeated_peak_torque, demand.output_torque),
+        ("momentary peak torque", torque, ratings.momentary_peak_torque, demand.output_torque),
+        ("average speed", "rad/s", ratings.average_speed, demand.mean_motor_speed),
+        ("maximum speed", "rad/s", ratings.maximum_speed, demand.motor_speed),
+    ]
+    found = [_margin(name, unit, allowed, asked) for name, unit, allowed, asked in rated if allowed is not None]
+    found += [*_of_limits(limits, demand, abs(drive.ratio), slides), *_of_motor(drive.motor, demand)]
+    missing = [name for name, _, allowed, _ in rated if allowed is None]
+    needed = ("life", "rated_torque", "rated_speed")
+    return found, missing + [name.replace("_", " ") for name in needed if getattr(ratings, name) is None]
+
+
+def _of_limits(limits: Limits, demand: Demand, ratio: float, slides: bool) -> Iterator[Margin]:
+    if np.isfinite(limits.effort):
+        at = demand.motor_torque
+        yield Margin("motor torque", "N" if slides else "N m", limits.effort, abs(at.value) * ratio, at)
+    if np.isfinite(limits.velocity):
+        yield _margin("joint speed", "m/s" if slides else "rad/s", limits.velocity, demand.joint_speed)
+    if np.isfinite(limits.upper - limits.lower):
+        half, middle = (limits.upper - limits.lower) / 2, (limits.upper + limits.lower) / 2
+        at = demand.position
+        yield Margin("joint travel", "m" if slides else "rad", half, abs(at.value - middle), at)
+
+
+def _of_motor(motor: Motor | None, demand: Demand) -> Iterator[Margin]:
+    if motor is None:
+        return
+    if motor.current_limit is not None and demand.current is not None:
+        yield _margin("motor current", "A", motor.current_limit, demand.current)
+    if motor.voltage_limit is not None and demand.voltage is not None:
+        yield _margin("motor voltage", "V", motor.voltage_limit, demand.voltage)
+
+
+def _margin(limit: str, unit: str, allowed: float, demanded: Peak | float) -> Margin:
+    if isinstance(demanded, Peak):
+        return Margin(limit, unit, allowed, abs(demanded.value), demanded)
+    return Margin(limit, unit, allowed, demanded)

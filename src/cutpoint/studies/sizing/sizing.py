@@ -1,0 +1,204 @@
+"""`sizing`: every drive of a robot against a motion that it repeats."""
+
+import json
+from collections.abc import Mapping
+from dataclasses import asdict, dataclass, field
+from functools import cached_property
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from cutpoint.door import check_configuration
+from cutpoint.errors import InputError
+from cutpoint.files import replacing
+from cutpoint.model import Drive, Limits
+from cutpoint.robot import Robot
+from cutpoint.studies.sizing import duty
+from cutpoint.studies.sizing.demand import Demand, demand_of
+from cutpoint.studies.sizing.load import Load, sampled
+from cutpoint.studies.sizing.margins import Margin, margins_of
+from cutpoint.trajectories import Trajectory
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+
+@dataclass(frozen=True)
+class DriveSizing:
+    """One drive against its limits.
+
+    slides: on a prismatic joint, where torques are forces, N.  margins: to every limit that is stated.  missing: names
+    of the ratings that are not.  life: h, None where the ratings that it needs are missing, infinite for a drive that
+    does not turn.  permitted_peaks: how often the longest stay above the repeated peak torque may occur; None if there
+    is no such stay, or that rating is missing.
+    """
+
+    joint: str
+    drive: Drive
+    slides: bool
+    demand: Demand
+    margins: tuple[Margin, ...]
+    missing: tuple[str, ...]
+    life: float | None
+    permitted_peaks: float | None
+
+    @property
+    def failures(self) -> tuple[Margin, ...]:
+        """Margins below 1."""
+        return tuple(margin for margin in self.margins if not margin.holds)
+
+    @property
+    def tightest(self) -> Margin | None:
+        """The smallest margin; None where nothing is stated to hold the drive against."""
+        return min(self.margins, key=lambda margin: margin.value, default=None)
+
+    @property
+    def verdict(self) -> str:
+        """holds, fails, or unrated: nothing is stated to hold it against."""
+        if not self.margins:
+            return "unrated"
+        return "fails" if self.failures else "holds"
+
+
+@dataclass(frozen=True, eq=False)
+class Sizing:
+    """All drives against one cycle, a motion of `duration` s and a pause of `dwell` s; load: its samples."""
+
+    robot: str
+    duration: float
+    dwell: float
+    drives: Mapping[str, DriveSizing]
+    load: Load = field(repr=False)
+
+    @property
+    def holds(self) -> bool:
+        """Whether no margin is below 1; limits that are not stated do not count."""
+        return not any(found.failures for found in self.drives.values())
+
+    @cached_property
+    def tightest(self) -> tuple[str, Margin] | None:
+        """The joint with the smallest margin of all, and that margin; None where nothing is stated."""
+        found = [(joint, d.tightest) for joint, d in self.drives.items() if d.tightest is not None]
+        return min(found, key=lambda entry: entry[1].value, default=None)
+
+    def plot(self) -> "Figure":
+        """Torque over motor speed with all limits, a panel a drive: `found.plot().savefig("check.png")`."""
+        from cutpoint.studies.sizing.figure import figure_of
+
+        return figure_of(self)
+
+    def save(self, path: str | Path) -> None:
+        """Write `results` to a JSON file, whole or not at all."""
+        text = json.dumps(self.results(), indent=1, ensure_ascii=False, allow_nan=False)
+        with replacing(Path(path)) as file:
+            file.write(text.encode())
+
+    def results(self) -> dict[str, Any]:
+        """All of it but the samples, for a JSON file: SI units, null for infinite and for what is not known."""
+        return {
+            "robot": self.robot,
+            "cycle": {"duration": self.duration, "dwell": self.dwell, "samples": len(self.load.time)},
+            "holds": self.holds,
+            "drives": {joint: _plain(found) for joint, found in self.drives.items()},
+        }
+
+
+def sizing(
+    robot: Robot, trajectory: Trajectory, *, dwell: float = 0.0, period: float = 1e-3, life: float | None = None
+) -> Sizing:
+    """What a motion, repeated for ever, asks of the robot's drives, and what of that they are allowed.
+
+    Torques are those of `elastic_inverse_dynamics` with friction as in steady sliding, rotors with full coupling
+    `quasi_rigid`, the motor's ripple and cogging overcome by its current.  Limits are those of the drives' ratings,
+    limits and motors, and of the robot file.
+
+    Args:
+        trajectory: one cycle.  A way back that is not in it does not count.
+        dwell: s, the pause after it, in its last position: it cools the motor, and slows the gear's average.
+        period: s between samples, at most; there are at least 2000 in the motion, and 64 more about each drive's worst
+            instants.
+        life: h, asked of the gears; it becomes a margin where the ratings tell a life.
+
+    Raises:
+        InputError: a trajectory of another size, in degrees by mistake, a floating base, a time that is not positive.
+    """
+    _check(robot, trajectory, dwell, period, life)
+    load = sampled(robot, trajectory, period, dwell)
+    for extreme in (load.position.min(axis=0), load.position.max(axis=0)):
+        check_configuration(robot.mechanism, extreme)
+    found = {joint: _drive_sizing(robot, joint, k, load, life) for k, joint in enumerate(robot.joints)}
+    return Sizing(robot.name, trajectory.duration, dwell, found, load)
+
+
+def _drive_sizing(robot: Robot, joint: str, k: int, load: Load, life: float | None) -> DriveSizing:
+    drive, limits = robot.drives[joint], _limits(robot, joint)
+    slides = any(body.joint.kind == "prismatic" and body.joint.name == joint for body in robot.mechanism.bodies)
+    middle = (limits.upper + limits.lower) / 2 if np.isfinite(limits.upper - limits.lower) else 0.0
+    demand = demand_of(load, k, middle)
+    margins, missing = margins_of(drive, demand, limits, slides)
+    reached = _life(drive, demand)
+    if life is not None and reached is not None:
+        margins.append(Margin("life", "h", reached, life))
+    return DriveSizing(joint, drive, slides, demand, (*margins,), (*missing,), reached, _peaks(drive, load, k))
+
+
+def _limits(robot: Robot, joint: str) -> Limits:
+    """What drive and robot file allow together; robot files that do not know a limit often state 0."""
+    own = robot.drives[joint].limits
+    (told,) = (body.joint.limits for body in robot.mechanism.bodies if body.joint.name == joint)
+    return Limits(
+        lower=max(own.lower, told.lower),
+        upper=min(own.upper, told.upper),
+        velocity=min(own.velocity, told.velocity or np.inf),
+        effort=min(own.effort, told.effort or np.inf),
+    )
+
+
+def _life(drive: Drive, demand: Demand) -> float | None:
+    rated = drive.ratings
+    if rated is None or rated.life is None or rated.rated_torque is None or rated.rated_speed is None:
+        return None
+    return duty.life(
+        (rated.life, rated.rated_torque, rated.rated_speed), demand.average_torque, demand.mean_motor_speed
+    )
+
+
+def _peaks(drive: Drive, load: Load, k: int) -> float | None:
+    allowed = drive.ratings.repeated_peak_torque if drive.ratings else None
+    if allowed is None:
+        return None
+    return duty.permitted_peaks(duty.durations(load.time), load.output_torque[:, k], load.motor_speed[:, k], allowed)
+
+
+def _check(robot: Robot, trajectory: Trajectory, dwell: float, period: float, life: float | None) -> None:
+    if robot.nv != len(robot.joints):
+        raise InputError("sizing: a floating base has no motor; its motion is not in the trajectory")
+    if trajectory.size != robot.nv:
+        raise InputError(f"sizing: the trajectory has {trajectory.size} joints, the robot has {robot.nv} drives")
+    if not (np.isfinite(dwell) and dwell >= 0):
+        raise InputError(f"sizing: dwell {dwell} s must be finite and not negative", dwell=dwell)
+    for name, value in (("period", period), ("life", life)):
+        if value is not None and not (np.isfinite(value) and value > 0):
+            unit = "s" if name == "period" else "h"
+            raise InputError(f"sizing: {name} {value} {unit} must be positive and finite", name=name, value=value)
+
+
+def _plain(found: DriveSizing) -> dict[str, Any]:
+    return {
+        "verdict": found.verdict,
+        "life_h": _finite(found.life),
+        "permitted_peaks": _finite(found.permitted_peaks),
+        "margins": [_plain_margin(margin) for margin in found.margins],
+        "missing": list(found.missing),
+        "demand": asdict(found.demand),
+    }
+
+
+def _plain_margin(margin: Margin) -> dict[str, Any]:
+    told = {key: _finite(x) for key, x in asdict(margin).items()}
+    return {**told, "margin": _finite(margin.value), "holds": margin.holds}
+
+
+def _finite(x: Any) -> Any:
+    return None if isinstance(x, float) and not np.isfinite(x) else x

@@ -1,0 +1,108 @@
+"""Sizing for a terminal: a row a drive, and sentences on what is tightest and what is not known."""
+
+from collections.abc import Iterator
+
+import numpy as np
+from rich.box import SIMPLE_HEAD
+from rich.table import Table
+
+from cutpoint.studies.sizing.demand import Peak
+from cutpoint.studies.sizing.margins import Margin
+from cutpoint.studies.sizing.sizing import DriveSizing, Sizing
+
+RPM = 30 / np.pi
+"""Turns a minute for each rad/s."""
+
+_COLUMNS = (
+    "\n\ndrive", "peak\ntorque\nN m", "average\ntorque\nN m", "peak\nspeed\nrpm", "mean\nspeed\nrpm",
+    "peak\ncurrent\nA", "\nlife\nh", "\n\nmargin", "\n\nby", "\n\nverdict",
+)  # fmt: skip
+_WORDS = (0, 8, 9)
+"""Columns that do not hold numbers."""
+
+
+def table_of(found: Sizing) -> Table:
+    """Asked of allowed, at the gear's output and the motor's speed."""
+    pause = f" and {found.dwell:g} s of pause" if found.dwell else ""
+    title = f"{found.robot}: what {found.duration:g} s of motion{pause} ask, of what is allowed"
+    table = Table(title=title, title_justify="left", title_style="bold", box=SIMPLE_HEAD, pad_edge=False)
+    for k, column in enumerate(_COLUMNS):
+        table.add_column(column, justify="left" if k in _WORDS else "right", overflow="fold", no_wrap=k not in _WORDS)
+    for drive in found.drives.values():
+        table.add_row(*_row(drive), style="" if drive.verdict != "fails" else "red")
+    return table
+
+
+def sentences(found: Sizing) -> Iterator[str]:
+    """The tightest limit first, then what other limits are broken, then what is missing."""
+    if found.tightest is None:
+        yield "Nothing is stated to hold the drives against: give them ratings, limits or motors in the drive file."
+        return
+    joint, margin = found.tightest
+    yield f"Tightest is {joint} by its {margin.limit}: {_told(margin)}, margin {_margin(margin.value)}."
+    for name, drive in found.drives.items():
+        for failed in drive.failures:
+            if failed is not margin:
+                yield f"{name} fails by its {failed.limit}, too: {_told(failed)}, margin {_margin(failed.value)}."
+        if drive.permitted_peaks is not None and np.isfinite(drive.permitted_peaks):
+            often = _number(drive.permitted_peaks)
+            yield f"The gear of {name} bears a peak as long as this {often} times in all, for emergencies."
+    yield from _missing(found)
+
+
+def _missing(found: Sizing) -> Iterator[str]:
+    """One sentence for all drives that lack the same."""
+    lacking: dict[tuple[str, ...], list[str]] = {}
+    for joint, drive in found.drives.items():
+        if drive.missing:
+            lacking.setdefault(drive.missing, []).append(joint)
+    for missing, joints in lacking.items():
+        bare = all(found.drives[joint].drive.ratings is None for joint in joints)
+        yield f"Not stated, and not checked, at {', '.join(joints)}: {'any rating' if bare else ', '.join(missing)}."
+
+
+def _row(found: DriveSizing) -> tuple[str, ...]:
+    asked, tightest = found.demand, found.tightest
+    return (
+        found.joint,
+        _of(asked.output_torque, found, "repeated peak torque"),
+        _of(asked.average_torque, found, "average torque"),
+        _of(asked.motor_speed, found, "maximum speed", RPM),
+        _of(asked.mean_motor_speed, found, "average speed", RPM),
+        "–" if asked.current is None else _of(asked.current, found, "motor current"),
+        "–" if found.life is None else _hours(found.life),
+        "–" if tightest is None else _margin(tightest.value),
+        "–" if tightest is None else tightest.limit,
+        found.verdict,
+    )
+
+
+def _of(asked: Peak | float, found: DriveSizing, limit: str, factor: float = 1.0) -> str:
+    """`37.8 of 56`; of a dash where the limit is not stated."""
+    value = abs(asked.value) if isinstance(asked, Peak) else asked
+    allowed = next((_number(m.allowed * factor) for m in found.margins if m.limit == limit), "–")
+    return f"{_number(value * factor)} of {allowed}"
+
+
+def _told(margin: Margin) -> str:
+    """What is asked of what is allowed, and when and where."""
+    factor, unit = (RPM, "rpm") if margin.limit.startswith(("average speed", "maximum speed")) else (1.0, margin.unit)
+    if margin.limit == "life":
+        return f"{_hours(margin.allowed)} h, and {_hours(margin.demanded)} h are asked"
+    told = f"{_number(margin.demanded * factor)} {unit} of {_number(margin.allowed * factor)} {unit}"
+    if margin.at is None:
+        return f"{told} over the cycle"
+    where = ", ".join(f"{x:.3g}" for x in margin.at.position)
+    return f"{told} at {margin.at.time:.3f} s (q = {where})"
+
+
+def _number(x: float) -> str:
+    return f"{x:.0f}" if abs(x) >= 99.95 else f"{x:.3g}"
+
+
+def _hours(x: float) -> str:
+    return "> 10^6" if x > 1e6 else f"{x:.0f}"
+
+
+def _margin(x: float) -> str:
+    return "> 100" if x > 100 else f"{x:.2f}"

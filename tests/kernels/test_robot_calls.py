@@ -1,0 +1,111 @@
+"""Single calls of a robot's functions: the bits that the same numbers give in a batch, and the same errors."""
+
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+import pytest
+
+from cutpoint import InputError, Robot
+from robot_library import robot, turned
+
+RNG = np.random.default_rng(3)
+ROBOTS = ("xia2019", "mixed_floating")
+
+CALLS: dict[str, Callable[..., Any]] = {
+    "inverse_dynamics": lambda r, q, v, a, th, w: r.inverse_dynamics(q, v, a),
+    "inverse dynamics with a wrench": lambda r, q, v, a, th, w: r.inverse_dynamics(q, v, a, {r.frames[-1]: w}),
+    "forward_dynamics": lambda r, q, v, a, th, w: r.forward_dynamics(q, v, a),
+    "forward dynamics with a wrench": lambda r, q, v, a, th, w: r.forward_dynamics(q, v, a, {r.frames[-1]: w}),
+    "mass_matrix": lambda r, q, v, a, th, w: r.mass_matrix(q),
+    "bias_forces": lambda r, q, v, a, th, w: r.bias_forces(q, v),
+    "gravity_forces": lambda r, q, v, a, th, w: r.gravity_forces(q),
+    "coriolis_matrix": lambda r, q, v, a, th, w: r.coriolis_matrix(q, v),
+    "regressor": lambda r, q, v, a, th, w: r.regressor(q, v, a),
+    "jacobian": lambda r, q, v, a, th, w: r.jacobian(q, r.frames[-1], "world"),
+    "frame_pose": lambda r, q, v, a, th, w: r.frame_pose(q, r.frames[-1]),
+    "velocity_map": lambda r, q, v, a, th, w: r.velocity_map(q),
+    "kinetic_energy": lambda r, q, v, a, th, w: r.kinetic_energy(q, v),
+    "potential_energy": lambda r, q, v, a, th, w: r.potential_energy(q),
+    "momentum": lambda r, q, v, a, th, w: r.momentum(q, v),
+    "power_flows": lambda r, q, v, a, th, w: r.power_flows(q, v, a),
+    "integrate": lambda r, q, v, a, th, w: r.integrate(q, v, 1e-3),
+    "difference": lambda r, q, v, a, th, w: r.difference(q, q + 0.1),
+    "coordinate_rates": lambda r, q, v, a, th, w: r.coordinate_rates(q, v),
+    "elastic_inverse_dynamics": lambda r, q, v, a, th, w: r.elastic_inverse_dynamics(q, v, a, v, a),
+    "elastic inverse dynamics, quasi-rigid": lambda r, q, v, a, th, w: r.elastic_inverse_dynamics(
+        q, v, a, v, a, friction_rates=True, quasi_rigid=True
+    ),
+    "elastic_forward_dynamics": lambda r, q, v, a, th, w: r.elastic_forward_dynamics(q, v, th, th, th),
+    "elastic_energy": lambda r, q, v, a, th, w: r.elastic_energy(q, th, th),
+    "drive_torque": lambda r, q, v, a, th, w: r.drive_torque(th, q),
+    "static_deflection": lambda r, q, v, a, th, w: r.static_deflection(q),
+    "friction_torques": lambda r, q, v, a, th, w: r.friction_torques(v),
+}
+
+
+def given(robot: Robot, count: int) -> list[np.ndarray]:
+    """q, v, a, theta and a wrench for so many states."""
+    sizes = (robot.nq, robot.nv, robot.nv, len(robot.drives), 6)
+    q, *others = (RNG.uniform(-1, 1, (count, n)) for n in sizes)
+    return [turned(robot, q), *others]
+
+
+def row(result: Any, k: int) -> Any:
+    return tuple(x[k] for x in result) if isinstance(result, tuple) else result[k]
+
+
+def assert_same(found: Any, expected: Any) -> None:
+    pairs = zip(found, expected, strict=True) if isinstance(found, tuple) else [(found, expected)]
+    for x, y in pairs:
+        assert (type(x), x.shape, x.tobytes()) == (type(y), y.shape, y.tobytes())
+
+
+@pytest.mark.parametrize("name", ROBOTS)
+@pytest.mark.parametrize("call", CALLS.values(), ids=CALLS)
+def test_a_single_call_has_the_bits_of_a_batch(name: str, call: Callable[..., Any]) -> None:
+    arm = robot(name)
+    arguments = given(arm, 3)
+    batch = call(arm, *arguments)
+    for k in range(3):
+        plain = call(arm, *(x[k].copy() for x in arguments))
+        listed = call(arm, *(x[k] if i < 1 else x[k].tolist() for i, x in enumerate(arguments)))
+        assert type(plain) is type(listed) and (not isinstance(batch, tuple) or type(plain) is type(batch))
+        assert_same(plain, row(batch, k))
+        assert_same(listed, row(batch, k))
+
+
+@pytest.mark.parametrize("name", ROBOTS)
+@pytest.mark.parametrize("x", [np.nan, np.inf, -np.inf])
+def test_a_number_that_is_not_finite_is_named_in_every_call(name: str, x: float) -> None:
+    arm = robot(name)
+    arm.integrate(*(a[0] for a in given(arm, 1)[:2]), 0.1)
+    for k, key in enumerate(("q", "v")):
+        for index in range((arm.nq, arm.nv)[k]):
+            q, v = (a[0] for a in given(arm, 1)[:2])
+            (q, v)[k][index] = x
+            with pytest.raises(InputError, match=rf"integrate: {key}\[{index}\] is {x}, every number must be finite"):
+                arm.integrate(q, v, 0.1)
+    q, v = (a[0] for a in given(arm, 1)[:2])
+    with pytest.raises(InputError, match=rf"integrate: dt\[\] is {x}"):
+        arm.integrate(q, v, x)
+
+
+def test_every_robot_reads_the_numbers_of_its_own_drives() -> None:
+    arm = robot("xia2019")
+    v = given(arm, 1)[1][0]
+    before = arm.friction_torques(v)
+    (joint, drive), *_ = arm.drives.items()
+    still = arm.with_drives({joint: type(drive)()})
+    assert still.friction_torques(v)[0] == 0 and arm.friction_torques(v).tobytes() == before.tobytes()
+    assert before[0] != 0
+
+
+def test_variants_of_a_function_do_not_answer_for_each_other() -> None:
+    arm = robot("xia2019")
+    q = given(arm, 1)[0][0]
+    frames = (arm.frames[-1], arm.frames[1])
+    kinds = ("local", "world", "local_world_aligned")
+    for _ in range(2):
+        found = {arm.jacobian(q, frame, kind).tobytes() for frame in frames for kind in kinds}
+        assert len(found) == 6

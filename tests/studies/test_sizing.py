@@ -1,0 +1,327 @@
+"""Sizing of drives: averages and lives as makers reckon them, margins, verdicts, and `cutpoint check`."""
+
+import json
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from matplotlib.image import imread
+from typer.testing import CliRunner
+
+import cutpoint
+from cutpoint import Coulomb, Drive, Harmonic, InputError, Limits, LinearSpring, Motor, Ratings, Robot, Rotor
+from cutpoint.cli import app
+from cutpoint.mechanics.motor import within_limits
+from cutpoint.model.build import build
+from cutpoint.model.mechanism import Joint, Link
+from cutpoint.robots import XIA2019_DRIVES
+from cutpoint.studies.sizing import Sizing, duty, sizing
+from cutpoint.trajectories import Trajectory, cycloid
+from robot_library import assert_close, mixed_drives, robot
+
+VISCOUS, RATIO = 3.0, -80.0
+RATINGS = Ratings(
+    rated_torque=7.8, average_torque=11.0, repeated_peak_torque=28.0, momentary_peak_torque=54.0,
+    rated_speed=209.4, average_speed=366.5, maximum_speed=890.1, life=7000.0,
+)  # fmt: skip
+PAPER_MOTION = cycloid(end=np.radians([90, 60, 60, 90, 60, 90]), duration=1.0)
+SPANS = st.lists(
+    st.tuples(st.floats(1e-3, 10.0), st.floats(-100.0, 100.0), st.floats(0.01, 500.0)), min_size=1, max_size=8
+)
+
+
+class Polynomial(Trajectory):
+    """One joint along speed + slope |t - middle|: a constant speed, or one that rises and falls back."""
+
+    def __init__(self, duration: float, speed: float, slope: float = 0.0) -> None:
+        super().__init__(duration)
+        object.__setattr__(self, "speed", speed)
+        object.__setattr__(self, "slope", slope)
+
+    size = 1
+
+    def _inside(self, t, order):
+        x = t - self.duration / 2
+        found = np.zeros((order + 1, *t.shape, 1))
+        found[0, ..., 0] = self.speed * t + self.slope * x * np.abs(x) / 2
+        found[1, ..., 0] = self.speed + self.slope * np.abs(x)
+        found[2, ..., 0] = self.slope * np.sign(x)
+        return found
+
+
+def brake(viscous: float = VISCOUS, **drive: object) -> Robot:
+    """A joint that only rubs: its torque is viscous times its speed."""
+    wheel = Link("wheel", 1e-12, inertia=1e-12 * np.eye(3))
+    spin = Joint("spin", "continuous", "base", "wheel", axis=np.array([0.0, 0.0, 1.0]))
+    friction = Coulomb(coulomb=0.0, viscous=viscous, smoothing=0.1)
+    return Robot(build("brake", [Link("base"), wheel], [spin]), {"spin": Drive(RATIO, link_friction=friction, **drive)})
+
+
+def spin(robot: Robot, trajectory: Trajectory, **options: float):
+    return sizing(robot, trajectory, **options).drives["spin"]
+
+
+def rated_arm(**ratings: float | None) -> Robot:
+    arm = robot("xia2019")
+    return arm.with_drives({name: replace(d, ratings=replace(RATINGS, **ratings)) for name, d in arm.drives.items()})
+
+
+def test_at_constant_speed_and_torque_every_average_is_the_value_itself():
+    found = spin(brake(ratings=RATINGS), Polynomial(2.0, speed=-4.0))
+    asked = found.demand
+    assert_close([abs(asked.output_torque.value), asked.output_torque_rms, asked.average_torque], [12.0] * 3)
+    assert_close([asked.motor_torque_rms, asked.mean_motor_speed, asked.motor_speed.value], [12.0 / 80, 320, 320])
+    assert_close(asked.power.value, 48.0)
+    assert_close(found.life, 7000.0 * (7.8 / 12.0) ** 3 * (209.4 / 320.0))
+
+
+@pytest.mark.parametrize("dwell", [0.0, 1.0])
+def test_a_triangular_cycle_has_the_averages_that_integrals_give(dwell: float):
+    # |speed| from 6 to 0 and back in 2 s: integrals of s^4, s^2 and s are 1/5, 1/3 and 1/2
+    asked = spin(brake(), Polynomial(2.0, speed=0.0, slope=6.0), dwell=dwell).demand
+    share = 2.0 / (2.0 + dwell)
+    step = 1e-3  # the trapezoidal rule is off by step^2 / 12 times slopes at the ends
+    assert_close(asked.average_torque, 18.0 * 0.4 ** (1 / 3), step**2)
+    assert_close(asked.output_torque_rms, 18.0 * np.sqrt(share / 3), step**2)
+    assert_close(asked.mean_motor_speed, 240.0 * share, step**2)
+
+
+def test_the_load_diagram_of_a_published_selection_has_its_average():
+    # Honpine, "How to select harmonic reduction gears": N m, s, r/min at the output; prints 89 N m
+    torque, span, speed = np.array([150.0, 82.0, 130.0, 0.0]), np.array([0.2, 3.0, 0.3, 0.2]), np.array([10.0, 20, 10, 0])
+    assert abs(duty.average_torque(span, torque, speed) - 89.0) <= 0.5
+    assert_close(duty.mean(span, speed), 65.0 / 3.7)
+
+
+@given(cycle=SPANS, factor=st.floats(0.1, 10.0), part=st.floats(0.1, 0.9))
+def test_averages_scale_with_torque_and_do_not_see_how_a_phase_is_cut(cycle, factor, part):
+    span, torque, speed = np.array(cycle).T
+    found = duty.average_torque(span, torque, speed)
+    assert_close(duty.average_torque(span, factor * torque, speed), factor * found)
+    assert_close(duty.average_torque(span, torque, factor * speed), found)
+    cut = np.r_[span * part, span * (1 - part)], np.r_[torque, torque], np.r_[speed, speed]
+    assert_close(duty.average_torque(*cut), found)
+    assert np.abs(torque).min() - 1e-9 <= found <= np.abs(torque).max() + 1e-9
+
+
+def test_twice_the_torque_leaves_an_eighth_of_the_life_and_twice_the_speed_half_of_it():
+    slow = spin(brake(ratings=RATINGS), Polynomial(2.0, 1.0)).life
+    assert_close(spin(brake(2 * VISCOUS, ratings=RATINGS), Polynomial(2.0, 1.0)).life, slow / 8)
+    assert_close(spin(brake(VISCOUS / 2, ratings=RATINGS), Polynomial(1.0, 2.0)).life, slow / 2)
+
+
+def test_a_drive_that_stands_still_lasts_for_ever():
+    found = spin(brake(ratings=RATINGS), Polynomial(1.0, 0.0))
+    assert found.life == np.inf and found.demand.average_torque == 0.0
+    holding = np.array([5.0, 5.0])
+    assert_close(duty.average_torque(np.ones(2), holding, np.zeros(2)), 5.0)
+
+
+def test_peaks_are_permitted_as_often_as_their_turns_allow():
+    # 10^4 / (2 n / 60 t) with n = 1680 rpm, t = 0.15 s
+    speed, span = np.full(5, 1680 * np.pi / 30), np.array([1.0, 0.15, 1.0, 0.05, 1.0])
+    torque = np.array([10.0, -200.0, 10.0, 150.0, 10.0])
+    assert_close(duty.permitted_peaks(span, torque, speed, 100.0), 1e4 / (2 * 1680 / 60 * 0.15))
+    assert duty.permitted_peaks(span, torque, speed, 200.0) is None
+    assert duty.permitted_peaks(span, torque, 0 * speed, 100.0) == np.inf
+    assert_close(duty.permitted_peaks(span, torque, speed, 0.0), 1e4 / (2 * 1680 / 60 * 3.2))
+
+
+@pytest.mark.parametrize("name", ["mixed", "flexspline", "friction", "rigid", "panda_coupled", "ur10"])
+def test_what_the_motor_exerts_is_what_the_gear_passes_on_and_what_rotor_and_friction_take(name):
+    arm = robot(name)
+    n = len(arm.joints)
+    load = sizing(arm, cycloid(end=np.linspace(0.3, -0.4, n), start=np.full(n, 0.1), duration=0.8)).load
+    u = arm.elastic_inverse_dynamics(*cycloid(np.linspace(0.3, -0.4, n), 0.8, np.full(n, 0.1)).derivatives(load.time))
+    for k, drive in enumerate(arm.drives.values()):
+        law, inertia = drive.motor_friction, drive.reflected_inertia
+        taken = inertia * u.theta_ddot[:, k]
+        if law:
+            taken = taken + law.coulomb * np.tanh(u.theta_dot[:, k] / law.smoothing) + law.viscous * u.theta_dot[:, k]
+        assert_close(load.output_torque[:, k], load.motor_torque[:, k] * drive.ratio - taken, 1e-9, 1.0)
+        assert_close(load.motor_speed[:, k], drive.ratio * u.theta_dot[:, k])
+
+
+def test_a_gear_exerts_what_two_encoders_show():
+    found = sizing(robot("flexspline"), PAPER_MOTION).load
+    theta = robot("flexspline").elastic_inverse_dynamics(*PAPER_MOTION.derivatives(found.time)).theta
+    assert_close(found.output_torque, robot("flexspline").drive_torque(theta, found.position), 1e-9)
+
+
+def test_peaks_do_not_depend_on_how_coarsely_they_are_looked_for():
+    waves = (Harmonic(2, 2e-4),)
+    error = cutpoint.KinematicError(waves)
+    arm = robot("xia2019")
+    wavy = arm.with_drives({name: replace(d, kinematic_error=error) for name, d in arm.drives.items()})
+    coarse, fine = (sizing(wavy, PAPER_MOTION, period=period) for period in (1e-3, 2e-5))
+    for name in arm.joints:
+        ours, theirs = coarse.drives[name].demand, fine.drives[name].demand
+        assert_close(ours.motor_torque.value, theirs.motor_torque.value, 1e-4)
+        assert_close(ours.output_torque.value, theirs.output_torque.value, 1e-5)
+        assert_close(ours.average_torque, theirs.average_torque, 1e-5)
+
+
+def test_current_and_voltage_are_those_of_the_motor_and_margins_agree_with_its_torque_speed_curve():
+    motor = Motor(0.05, resistance=0.6, current_limit=6.0, voltage_limit=24.0, cogging=(Harmonic(8, 0.01),))
+    arm = robot("xia2019").with_drives({n: replace(d, motor=motor) for n, d in robot("xia2019").drives.items()})
+    found = sizing(arm, cycloid(end=np.full(6, 1.5), duration=0.8))
+    held = set()
+    for k, (name, drive) in enumerate(arm.drives.items()):
+        torque, speed = found.load.motor_torque[:, k], found.load.motor_speed[:, k]
+        asked = found.drives[name].demand
+        assert_close(asked.current_rms, asked.motor_torque_rms / 0.05)
+        assert_close(np.abs(asked.voltage.value), np.abs(torque / 0.05 * 0.6 + 0.05 * speed).max())
+        assert_close(asked.heat, 0.6 * asked.current_rms**2)
+        possible = within_limits(drive, torque * drive.ratio, speed / drive.ratio)
+        reached = bool(np.allclose(possible, torque * drive.ratio, rtol=1e-12, atol=0.0))
+        assert reached == found.drives[name].margins[-1].holds & found.drives[name].margins[-2].holds
+        held.add(reached)
+    assert held == {True, False}
+
+
+def limited(found: Sizing, joint: str = "spin") -> dict[str, float]:
+    return {margin.limit: margin.value for margin in found.drives[joint].margins}
+
+
+def test_every_margin_is_what_is_allowed_by_what_is_asked():
+    limits = Limits(lower=-1.0, upper=4.0, velocity=5.0, effort=24.0)
+    found = sizing(brake(ratings=RATINGS, limits=limits), Polynomial(1.0, 2.0), life=1000.0)
+    assert {k: pytest.approx(x, rel=1e-9) for k, x in limited(found).items()} == {
+        "average torque": 11 / 6, "repeated peak torque": 28 / 6, "momentary peak torque": 9.0,
+        "average speed": 366.5 / 160, "maximum speed": 890.1 / 160, "motor torque": 4.0, "joint speed": 2.5,
+        "joint travel": 2.5 / 1.5, "life": 7 * (7.8 / 6) ** 3 * (209.4 / 160),
+    }  # fmt: skip
+    assert found.holds and found.tightest[0] == "spin" and found.tightest[1].limit == "joint travel"
+    assert found.drives["spin"].verdict == "holds" and found.drives["spin"].missing == ()
+
+
+@pytest.mark.parametrize("factor", [1.0, 1 - 1e-6, 0.0])
+def test_a_margin_holds_down_to_one_and_fails_below(factor: float):
+    found = sizing(brake(ratings=Ratings(repeated_peak_torque=6.0 * factor or 1e-9)), Polynomial(1.0, 2.0))
+    assert found.holds == (factor == 1.0) == (found.drives["spin"].verdict == "holds")
+    assert (found.drives["spin"].permitted_peaks is None) == found.holds
+    assert len(found.drives["spin"].failures) == (not found.holds)
+
+
+def test_what_is_not_stated_is_said_to_be_missing_and_not_assumed():
+    bare = spin(brake(), Polynomial(1.0, 2.0))
+    assert bare.verdict == "unrated" and bare.margins == () and bare.tightest is None and bare.life is None
+    assert len(bare.missing) == 8
+    some = spin(brake(ratings=replace(RATINGS, life=None, average_speed=None)), Polynomial(1.0, 2.0), life=1.0)
+    assert some.missing == ("average speed", "life") and some.life is None
+    assert "life" not in {margin.limit for margin in some.margins}
+    assert some.demand.current is None and some.demand.voltage is None and some.demand.heat is None
+
+
+def test_the_worst_instant_is_where_the_arm_is_then():
+    found = sizing(rated_arm(), PAPER_MOTION)
+    for k, drive in enumerate(found.drives.values()):
+        peak = drive.demand.output_torque
+        assert_close(peak.position, PAPER_MOTION(peak.time).q, 1e-12)
+        assert abs(peak.value) == np.abs(found.load.output_torque[:, k]).max()
+
+
+@pytest.mark.parametrize(
+    ("given", "told"),
+    [
+        ({"dwell": -1.0}, r"dwell -1.0 s must be finite and not negative"),
+        ({"dwell": np.nan}, r"dwell nan s"),
+        ({"period": 0.0}, r"period 0.0 s must be positive"),
+        ({"period": 1e-9}, r"too many; at most 500,000 samples"),
+        ({"life": -5.0}, r"life -5.0 h must be positive"),
+    ],
+)
+def test_wrong_times_are_refused(given: dict[str, float], told: str):
+    with pytest.raises(InputError, match=told):
+        sizing(brake(), Polynomial(1.0, 2.0), **given)
+
+
+def test_motions_that_are_not_of_the_robot_are_refused():
+    with pytest.raises(InputError, match=r"trajectory has 2 joints, the robot has 1 drives"):
+        sizing(brake(), cycloid(end=[1.0, 2.0], duration=1.0))
+    with pytest.raises(InputError, match=r"floating base has no motor"):
+        sizing(robot("floating"), cycloid(end=np.ones(5), duration=1.0))
+    with pytest.raises(InputError, match=r"looks like degrees"):
+        sizing(robot("ur10"), cycloid(end=np.full(6, 90.0), duration=1.0))
+
+
+# the command
+
+MOTION = ["--to", "90,60,60,90,60,90", "--degrees", "--duration", "1"]
+
+
+def checked(*arguments: str, status: int) -> str:
+    result = CliRunner().invoke(app, ["check", *arguments])
+    assert result.exit_code == status, result.output
+    return " ".join(result.output.split())
+
+
+def drive_file(folder: Path, ratings: str) -> str:
+    path = folder / "rated.yaml"
+    path.write_text(XIA2019_DRIVES.read_text().replace("defaults:\n", f"defaults:\n  ratings: {ratings}\n"))
+    return str(path)
+
+
+def test_a_robot_whose_drives_hold_exits_with_0_and_saves_its_numbers(tmp_path: Path):
+    rated = drive_file(tmp_path, "{repeated_peak_torque: 60, average_torque: 50}")
+    target = tmp_path / "check.json"
+    text = checked("xia2019", *MOTION, "--drives", rated, "--json", str(target), "--dwell", "0.5", status=0)
+    found = sizing(robot("xia2019"), PAPER_MOTION, dwell=0.5)
+    saved = json.loads(target.read_text())
+    assert saved["holds"] and saved["cycle"]["dwell"] == 0.5
+    for name, drive in found.drives.items():
+        assert_close(saved["drives"][name]["demand"]["average_torque"], drive.demand.average_torque)
+        assert saved["drives"][name]["verdict"] == "holds" and saved["drives"][name]["life_h"] is None
+    assert "Tightest is joint2 by its repeated peak torque" in text and " of 60 N m at 0." in text
+    assert "momentary peak torque, average speed, maximum speed, life, rated torque, rated speed" in text
+
+
+def test_a_drive_that_is_too_small_is_named_and_exits_with_3(tmp_path: Path):
+    rated = drive_file(tmp_path, "{repeated_peak_torque: 20, average_torque: 34}")
+    text = checked("xia2019", *MOTION, "--drives", rated, status=3)
+    assert "Tightest is joint2 by its repeated peak torque" in text and "fails" in text and "holds" in text
+    assert "joint2 fails by its average torque, too" in text and "joint3 fails by its repeated peak torque, too" in text
+    assert "times in all" in text
+
+
+def test_a_motion_from_a_file_is_the_motion_itself(tmp_path: Path):
+    times = np.linspace(0.0, 1.0, 201)
+    names = robot("xia2019").joints
+    head = ",".join(["t", *(f"{name} [rad]" for name in reversed(names))])
+    np.savetxt(tmp_path / "c.csv", np.c_[times, PAPER_MOTION(times).q[:, ::-1]], delimiter=",", header=head, comments="")
+    target = tmp_path / "check.json"
+    text = checked("xia2019", str(tmp_path / "c.csv"), "--json", str(target), status=0)
+    assert "Nothing is stated" in text
+    found = sizing(robot("xia2019"), PAPER_MOTION)
+    for name, drive in json.loads(target.read_text())["drives"].items():
+        # smoothing to 10 Hz takes a little off what moves within 1 s
+        assert_close(drive["demand"]["average_torque"], found.drives[name].demand.average_torque, 0.05)
+
+
+@pytest.mark.parametrize("kind", ["rated", "bare"])
+def test_the_picture_is_saved(tmp_path: Path, kind: str):
+    target = tmp_path / "check.png"
+    options = ["--drives", drive_file(tmp_path, "{repeated_peak_torque: 20, rated_torque: 9, rated_speed: 209}")]
+    checked("xia2019", *MOTION, *(options if kind == "rated" else []), "--plot", str(target), status=3 * (kind == "rated"))
+    image = imread(target)
+    assert image.shape[0] > 400 and image.shape[1] > 800 and image[..., :3].std() > 0.05
+
+
+@pytest.mark.parametrize(
+    ("arguments", "told"),
+    [
+        (["xia2019"], r"a motion is needed"),
+        (["xia2019", "a.csv", *MOTION], r"is a motion already"),
+        (["xia2019", "missing.csv"], r"'missing.csv' does not exist"),
+        (["xia2019", *MOTION, "--json", "x.txt"], r"--json 'x.txt' must end in .json"),
+        (["xia2019", *MOTION, "--plot", "no/x.png"], r"folder 'no' does not exist"),
+    ],
+)
+def test_wrong_commands_say_what_is_wanted(arguments: list[str], told: str):
+    result = CliRunner().invoke(app, ["check", *arguments])
+    assert isinstance(result.exception, InputError)
+    with pytest.raises(InputError, match=told):
+        raise result.exception
