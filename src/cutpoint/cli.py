@@ -171,6 +171,31 @@ def check(
         raise typer.Exit(3)
 
 
+@app.command(epilog="Example: cutpoint drive CSG-20-100 --plot drive.png")
+def drive(
+    name: Annotated[
+        str | None, typer.Argument(metavar="NAME", help="Of the catalogue; all are listed without.")
+    ] = None,
+    as_yaml: Annotated[bool, typer.Option("--yaml", help="Only its drive-file entry, to paste.")] = False,
+    plot: Annotated[Path | None, typer.Option(metavar="FILE", help="Save its curves: .png, .pdf or .svg.")] = None,
+) -> None:
+    """Show a drive of the catalogue: its data sheet, with sources, and what the laws give back."""
+    from cutpoint.studies.drive import catalogue_table, entry_text, print_drive, save_picture
+
+    if name is None:
+        if as_yaml or plot:
+            raise InputError("--yaml and --plot need the NAME of a drive; cutpoint drive lists them")
+        return console.print(catalogue_table())
+    _check_targets(None, plot)
+    if as_yaml:
+        console.print(entry_text(name), soft_wrap=True, highlight=False, markup=False, end="")
+    else:
+        print_drive(name, console)
+    if plot:
+        save_picture(name, plot)
+        (Console(stderr=True) if as_yaml else console).print(f"picture saved to {plot}")
+
+
 @app.command(epilog="Example: cutpoint paper --output paper")
 def paper(
     output: Annotated[

@@ -15,6 +15,7 @@ from cutpoint.definitions import Machine
 from cutpoint.door import are_finite_vectors, checked_array
 from cutpoint.errors import unknown_name
 from cutpoint.kernels import Kernel
+from cutpoint.mechanics import strains
 from cutpoint.mechanics.assembly import system_of
 from cutpoint.mechanics.elastic import Driven
 from cutpoint.model import Drive, Mechanism
@@ -58,6 +59,8 @@ class Compiled:
             return ()
         if name in ("theta", "theta_dot", "motor_torque"):
             return len(self._drives)
+        if name == "strains":
+            return sum(map(strains.count, self._drives.values()))
         return self.machine.system.nq if name in ("q", "q_next") else self.machine.system.nv
 
     def with_parameters(self, parameters: Sequence[Any]) -> Machine:

@@ -9,6 +9,7 @@ from cutpoint.mechanics import inverse_dynamics as inverse
 from cutpoint.mechanics.elastic import Driven, ElasticAccelerations, ElasticMotion, Options
 from cutpoint.mechanics.harmonic_drive import friction_torque, motor_position, spring_torque
 from cutpoint.mechanics.spatial import Pose, Vec3, Wrench
+from cutpoint.mechanics.strains import Strains, drive_by_drive
 from cutpoint.mechanics.system import System
 
 Scalars = list[Any]
@@ -84,12 +85,15 @@ def coordinate_rates(m: Machine, q: Scalars, v: Scalars) -> Scalars:
     return kinematics.coordinate_rates(m.system, q, v)
 
 
-def elastic_inverse_dynamics(m: Machine, options: Options, q: Scalars, **rates: Scalars) -> ElasticMotion:
-    return elastic.elastic_inverse_dynamics(m.system, m.drives, q, *rates.values(), options=options)
+def elastic_inverse_dynamics(
+    m: Machine, options: Options, q: Scalars, strains: Scalars | None = None, **rates: Scalars
+) -> ElasticMotion:
+    held = _held(m, strains)
+    return elastic.elastic_inverse_dynamics(m.system, m.drives, q, *rates.values(), options=options, strains=held)
 
 
-def elastic_forward_dynamics(m: Machine, **state: Scalars) -> ElasticAccelerations:
-    return elastic.elastic_forward_dynamics(m.system, m.drives, **state)
+def elastic_forward_dynamics(m: Machine, strains: Scalars | None = None, **state: Scalars) -> ElasticAccelerations:
+    return elastic.elastic_forward_dynamics(m.system, m.drives, **state, strains=_held(m, strains))
 
 
 def elastic_energy(m: Machine, q: Scalars, theta: Scalars, theta_dot: Scalars) -> Any:
@@ -134,6 +138,10 @@ def jacobian(m: Machine, q: Scalars, frame: str, expressed_in: kinematics.Expres
 def velocity_map(m: Machine, q: Scalars) -> list[Scalars]:
     rows = kinematics.velocity_map(m.system, q)
     return [row for body in rows for row in transposed([[*column] for column in body])]
+
+
+def _held(m: Machine, strains: Scalars | None) -> list[Strains] | None:
+    return None if strains is None else drive_by_drive([d.drive for d in m.drives], strains)
 
 
 def matrix_of(X: Pose) -> list[Scalars]:

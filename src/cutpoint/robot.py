@@ -11,6 +11,7 @@ from cutpoint import definitions
 from cutpoint.compiled import Compiled
 from cutpoint.door import checked_array, driven_joints, random_coordinates, validated_drives
 from cutpoint.errors import InputError, unknown_name
+from cutpoint.mechanics import strains as strains_of
 from cutpoint.mechanics.elastic import Options, derivatives_needed
 from cutpoint.model import Drive, Mechanism, changes
 from cutpoint.model.decomposition import Cut, Subsystem, cuts_of, subsystems_of
@@ -273,6 +274,7 @@ class Robot:
         *higher: ArrayLike,
         friction_rates: bool = False,
         quasi_rigid: bool = False,
+        strains: ArrayLike | None = None,
     ) -> ElasticTorques:
         """What the motors must do for a motion, exact in its derivatives.  Xia (2019) eqs. (2), (4)-(11), (13)-(28).
 
@@ -280,7 +282,8 @@ class Robot:
         then `derivatives_needed` says how many, and InputError how many are missing.  quasi_rigid does with four
         always: rotors act on what carries them as if their drives did not bend.
         Friction enters by value; with friction_rates its derivatives pass through the spring too.  A rigid drive's
-        motor moves as its joint does.
+        motor moves as its joint does.  strains: what the drives remember, see `strain_names`; without them friction is
+        as in steady sliding, and springs have no hysteresis.
         """
         given = (q, v, a, jerk, snap, *higher)
         needed = 4 if quasi_rigid else self.derivatives_needed
@@ -290,9 +293,12 @@ class Robot:
                 f"{len(given) - 1} are given, rotors with full coupling take {needed}; or say quasi_rigid=True",
                 needed=needed,
             )
-        key = ("elastic_inverse_dynamics", friction_rates, quasi_rigid)
-        definition = _with_options(friction_rates, quasi_rigid)
-        return self._function(key, definition, _motion(needed), True, ElasticTorques)(*given[: needed + 1])
+        key = ("elastic_inverse_dynamics", friction_rates, quasi_rigid, strains is None)
+        definition, inputs = _with_options(friction_rates, quasi_rigid), _motion(needed)
+        if strains is None:
+            return self._function(key, definition, inputs, True, ElasticTorques)(*given[: needed + 1])
+        function = self._function(key, definition, f"{inputs} strains", True, ElasticTorques)
+        return function(*given[: needed + 1], strains)
 
     @cached_property
     def derivatives_needed(self) -> int:
@@ -301,14 +307,32 @@ class Robot:
         return max(4, derivatives_needed(self.machine.system, self.machine.drives))
 
     def elastic_forward_dynamics(
-        self, q: ArrayLike, v: ArrayLike, theta: ArrayLike, theta_dot: ArrayLike, motor_torque: ArrayLike
+        self,
+        q: ArrayLike,
+        v: ArrayLike,
+        theta: ArrayLike,
+        theta_dot: ArrayLike,
+        motor_torque: ArrayLike,
+        strains: ArrayLike | None = None,
     ) -> ElasticAccelerations:
-        """Accelerations of links and motors under motor torques, friction included.  Spong (1987)."""
-        inputs = "q v theta theta_dot motor_torque"
-        function = self._function(
-            "elastic_forward_dynamics", definitions.elastic_forward_dynamics, inputs, True, ElasticAccelerations
-        )
-        return function(q, v, theta, theta_dot, motor_torque)
+        """Accelerations of links and motors under motor torques, friction included.  Spong (1987).
+
+        strains: as in `elastic_inverse_dynamics`.
+        """
+        name, inputs = "elastic_forward_dynamics", "q v theta theta_dot motor_torque"
+        if strains is None:
+            function = self._function(name, definitions.elastic_forward_dynamics, inputs, True, ElasticAccelerations)
+            return function(q, v, theta, theta_dot, motor_torque)
+        key, inputs = (name, "strains"), f"{inputs} strains"
+        function = self._function(key, definitions.elastic_forward_dynamics, inputs, True, ElasticAccelerations)
+        return function(q, v, theta, theta_dot, motor_torque, strains)
+
+    @cached_property
+    def strain_names(self) -> tuple[str, ...]:
+        """What the drives remember, in the order of all arrays of strains: rad (m) by which bristles and elements of
+        hysteresis are wound up.  Empty for drives without a past."""
+        each = [[f"{name}: {what}" for what in strains_of.names(drive)] for name, drive in self.drives.items()]
+        return tuple(strains_of.gathered(each))
 
     def elastic_energy(self, q: ArrayLike, theta: ArrayLike, theta_dot: ArrayLike) -> Array:
         """(...,) J, in the springs and in the spin of elastic drives' rotors."""

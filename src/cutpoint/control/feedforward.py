@@ -7,10 +7,13 @@ import numpy as np
 
 from cutpoint.control.interface import Command, Measurement, Reference
 from cutpoint.control.law import Law
+from cutpoint.definitions import Machine
 from cutpoint.errors import InputError
-from cutpoint.mechanics.elastic import Options, elastic_inverse_dynamics
+from cutpoint.mechanics import strains
+from cutpoint.mechanics.elastic import DriveState, Options, elastic_inverse_dynamics
 from cutpoint.mechanics.harmonic_drive import friction_torque
 from cutpoint.mechanics.inverse_dynamics import inverse_dynamics
+from cutpoint.mechanics.motor import torque_for
 from cutpoint.robot import Robot
 
 Rung = Literal["gravity", "rigid", "rotor", "friction", "elastic"]
@@ -23,8 +26,9 @@ class Feedforward(Law):
 
     gravity: what holds the links.  rigid: and moves them, (29)-(31), (44)-(47).  rotor: and spins the rotors (56).
     friction: and overcomes friction (54)-(55).  elastic: all of it through the bending drives, with the motor's own
-    reference, q_d plus the deflection (2), in which nearly all of the elastic gain lies.  Rotors with full coupling act
-    on what carries them as if their drives did not bend, which asks for no more than four derivatives.
+    reference, q_d plus the deflection (2), in which nearly all of the elastic gain lies; with kinematic error,
+    hysteresis, presliding, ripple and cogging as far as the drives have them.  Rotors with full coupling act on what
+    carries them as if their drives did not bend, which asks for no more than four derivatives.
     parameters: numbers of the drives, those of the robot unless given (see `Robot.drive_parameters`).
     """
 
@@ -44,22 +48,48 @@ class Feedforward(Law):
     def makes_motor_reference(self) -> bool:  # type: ignore[override]
         return self.rung == "elastic"
 
+    def start(self) -> Any:
+        """The drives' strains along the desired motion, none at its start."""
+        return [0.0] * len(self.robot.strain_names) if self.rung == "elastic" else ()
+
     def step(self, memory: Any, measurement: Measurement, reference: Reference) -> tuple[Any, Command]:
-        machine, still = self.robot.machine_with(self.parameters), [0] * self.robot.nv
-        q, v, a = [*reference.q], [*reference.v], [*reference.a]
+        machine = self.robot.machine_with(self.parameters)
         if self.rung == "elastic":
-            rates = (v, a, [*reference.jerk], [*reference.snap])
-            u = elastic_inverse_dynamics(machine.system, machine.drives, q, *rates, options=Options(quasi_rigid=True))
-            torque = np.array(u.motor_torque)
-            return memory, Command(torque, torque, np.array(u.theta), np.array(u.theta_dot))
+            return self._elastic(machine, memory, measurement.period, reference)
+        tau = self._rigid(machine, reference)
+        return memory, Command(tau, tau)
+
+    def _elastic(self, machine: Machine, memory: Any, period: Any, reference: Reference) -> tuple[Any, Command]:
+        """Strains follow the desired motion, a period behind it."""
+        drives = [d.drive for d in machine.drives]
+        held = strains.drive_by_drive(drives, memory)
+        q, *rates = ([*x] for x in reference[:5])
+        options = Options(quasi_rigid=True)
+        u = elastic_inverse_dynamics(machine.system, machine.drives, q, *rates, options=options, strains=held)
+        ends = [DriveState(*x) for x in zip(q, reference.v, u.theta, u.theta_dot, strict=True)]
+        moved = [
+            strains.flat(strains.moved(drive, before, _a_period_ago(end, period), end))
+            for drive, before, end in zip(drives, held, ends, strict=True)
+        ]
+        torque = np.array([torque_for(*x) for x in zip(drives, u.motor_torque, u.theta, strict=True)])
+        return strains.gathered(moved), Command(torque, torque, np.array(u.theta), np.array(u.theta_dot))
+
+    def _rigid(self, machine: Machine, reference: Reference) -> Any:
+        q, v, a = [*reference.q], [*reference.v], [*reference.a]
         if self.rung == "gravity":
-            v, a = still, still
+            v = a = [0] * self.robot.nv
         tau = inverse_dynamics(machine.system, q, v, a)
         height = RUNGS.index(self.rung)
         for k, d in enumerate(machine.drives):
+            load = tau[k]
             if height >= RUNGS.index("rotor") and d.drive.is_elastic:  # a rigid drive's rotor is armature already
                 tau[k] = tau[k] + d.drive.reflected_inertia * a[k]
             if height >= RUNGS.index("friction"):
-                for law in (d.drive.link_friction, d.drive.motor_friction):
-                    tau[k] = tau[k] + friction_torque(law, v[k])
-        return memory, Command(np.array(tau), np.array(tau))
+                on_link, on_motor = d.drive.link_friction, d.drive.motor_friction
+                tau[k] = tau[k] + friction_torque(on_link, v[k]) + friction_torque(on_motor, v[k], load)
+        return np.array(tau)
+
+
+def _a_period_ago(now: DriveState, period: Any) -> DriveState:
+    """Where a drive was, had it kept its speeds."""
+    return now._replace(q=now.q - period * now.v, theta=now.theta - period * now.theta_dot)

@@ -4,7 +4,7 @@ Strains follow displacements.  Over a short motion from one state to another the
 they were at the first: an integrator takes them along without a derivative.
 """
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from typing import Any, NamedTuple, Protocol
 
 from cutpoint.mechanics.harmonic_drive import deflection, slipping_torque, spring_torque
@@ -78,3 +78,24 @@ def moved(drive: Drive, before: Strains, start: Place, end: Place) -> Strains:
             load = spring_torque(drive, end.theta, end.q, end.theta_dot, end.v) + slipping_torque(drive, spring)
         motor = drive.motor_friction.strain(motor, end.theta - start.theta, end.theta_dot, load)
     return Strains(link, motor, spring)
+
+
+def drive_by_drive(drives: Sequence[Drive], numbers: Sequence[Scalar]) -> list[Strains]:
+    """All strains of a robot by drive, from a flat list: see `dealt`."""
+    hands = dealt([*map(count, drives)], numbers)
+    return [taken(drive, iter(hand)) for drive, hand in zip(drives, hands, strict=True)]
+
+
+def dealt(counts: Sequence[int], numbers: Sequence[Scalar]) -> list[list[Scalar]]:
+    """Each drive's numbers: the first go to all that have one, the next to all that have two, and so on."""
+    stream, hands = iter(numbers), [[] for _ in counts]
+    for k in range(max(counts, default=0)):
+        for hand, wanted in zip(hands, counts, strict=True):
+            if wanted > k:
+                hand.append(next(stream))
+    return hands
+
+
+def gathered(hands: Sequence[Sequence[Scalar]]) -> list[Scalar]:
+    """The inverse of `dealt`."""
+    return [hand[k] for k in range(max(map(len, hands), default=0)) for hand in hands if len(hand) > k]

@@ -21,7 +21,7 @@ class State(NamedTuple):
     """Links' coordinates q (nq,) and speeds v (nv,), motors' theta and theta_dot (one for each drive); rad, rad/s.
 
     current: torque of each motor whose current loop has a bandwidth, N m at the joint's side.  strains: what drives
-    remember, rad: the first of each drive that has any, then the second of each that has two, and so on.
+    remember, rad; see `Robot.strain_names`.
     """
 
     q: Any = None
@@ -61,8 +61,8 @@ def split(machine: Machine, x: Scalars) -> State:
 def own_parts(machine: Machine, x: Scalars) -> list[Own]:
     """A flat state drive by drive."""
     s = split(machine, x)
-    electric = dealt([currents(d.drive) for d in machine.drives], s.current)
-    strains = dealt([memory.count(d.drive) for d in machine.drives], s.strains)
+    electric = memory.dealt([currents(d.drive) for d in machine.drives], s.current)
+    strains = memory.dealt([memory.count(d.drive) for d in machine.drives], s.strains)
     return [
         own_of(d.drive, [s.q[d.q], s.v[d.v], s.theta[k], s.theta_dot[k], *electric[k], *strains[k]])
         for k, d in enumerate(machine.drives)
@@ -134,19 +134,4 @@ def settled(machine: Machine, x: Scalars, origin: Scalars) -> Scalars:
     parts = zip(machine.drives, own_parts(machine, x), own_parts(machine, origin), strict=True)
     strains = [memory.flat(memory.moved(d.drive, past.strains, past.at, own.at)) for d, own, past in parts]
     count = sum(map(len, strains))
-    return [*x[: len(x) - count], *_gathered(strains)]
-
-
-def dealt(counts: list[int], numbers: Scalars) -> list[Scalars]:
-    """Each drive's numbers: the first go to all that have one, the next to all that have two, and so on."""
-    stream, hands = iter(numbers), [[] for _ in counts]
-    for k in range(max(counts, default=0)):
-        for hand, wanted in zip(hands, counts, strict=True):
-            if wanted > k:
-                hand.append(next(stream))
-    return hands
-
-
-def _gathered(hands: list[Scalars]) -> Scalars:
-    """The inverse of dealing."""
-    return [hand[k] for k in range(max(map(len, hands), default=0)) for hand in hands if len(hand) > k]
+    return [*x[: len(x) - count], *memory.gathered(strains)]

@@ -4,10 +4,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cutpoint.mechanics.harmonic_drive import slipping_torque
-from cutpoint.mechanics.strains import count, taken
+from cutpoint.mechanics.strains import count, dealt, taken
 from cutpoint.simulation.log import Log
 from cutpoint.simulation.loop import ClosedLoop
-from cutpoint.simulation.plant import dealt
 
 Array = NDArray[np.float64]
 

@@ -1,11 +1,13 @@
 """A drive of the catalogue in four panels: stiffness, accuracy, running torque, efficiency."""
 
 from collections.abc import Iterator
+from pathlib import Path
 from typing import Any
 
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
+from matplotlib.layout_engine import ConstrainedLayoutEngine
 
 from cutpoint.formats.catalogue import catalogue_gear
 from cutpoint.formats.catalogue_entry import ARC_MINUTE
@@ -14,16 +16,22 @@ from cutpoint.mechanics.catalogue import CatalogueSpring
 from cutpoint.studies.chain import Array
 from cutpoint.studies.drive.measured import Specimen, arc_minutes
 from cutpoint.studies.drive.rows import SPEEDS
-from cutpoint.studies.style import FAINT, FORCE, INK, JOINTS, LINK, MOTOR, MOTOR_FILL, WIDTH
+from cutpoint.studies.style import FAINT, FORCE, INK, JOINTS, LINK, MOTOR, MOTOR_FILL, WIDTH, styled
 
 _ORDERS = 8
 """Waves a turn to which the spectrum goes."""
 
 
+def save_picture(name: str, path: Path) -> None:
+    """The four panels as a file.  Raises ModelError for a name that is not in the catalogue."""
+    with styled():
+        picture(name).savefig(path)
+
+
 def picture(name: str) -> Figure:
-    """The four panels.  Raises ModelError for a name that is not in the catalogue."""
+    """The four panels.  Errors as in `save_picture`."""
     specimen = Specimen(name)
-    figure = Figure(figsize=(WIDTH, 7.4), layout="constrained")
+    figure = Figure(figsize=(WIDTH, 7.6), layout=ConstrainedLayoutEngine(w_pad=0.08, h_pad=0.08))
     panels = figure.subplot_mosaic([["a", "b"], ["a", "spectrum"], ["c", "d"]], height_ratios=(3, 2, 5.5))
     _stiffness(panels["a"], specimen)
     _accuracy(panels["b"], panels["spectrum"], specimen)

@@ -7,6 +7,9 @@ import yaml
 
 from cutpoint.formats.catalogue import catalogue_friction, catalogue_gear, entry_of
 
+PARTS = {"dry": "starting torque", "slope": "running torque", "per_load": "losses that grow with load"}
+"""Of `InputFriction`, in words."""
+
 _JOINT = "JOINT"
 
 
@@ -30,8 +33,7 @@ def estimate_note(name: str) -> str:
     gear, friction = catalogue_gear(name), catalogue_friction(name)
     if gear.friction is None or not friction.estimated:
         return ""
-    words = {"dry": "starting torque", "slope": "running torque", "per_load": "losses that grow with load"}
-    what = ", ".join(words[part] for part in friction.estimated)
+    what = ", ".join(PARTS[part] for part in friction.estimated)
     scale = f", its input torque times {gear.friction.scale:g}" if gear.friction.scale != 1.0 else ""
     return f"friction is an estimate ({what}): as of {gear.friction.like}{scale}"
 

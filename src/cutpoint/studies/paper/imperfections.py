@@ -11,7 +11,7 @@ import numpy as np
 from cutpoint.mechanics.compliance import Flexspline
 from cutpoint.mechanics.friction import Stribeck
 from cutpoint.mechanics.kinematic_error import KinematicError
-from cutpoint.model.drive import Drive
+from cutpoint.model.drive import Drive, Harmonic
 from cutpoint.model.mechanism import Mechanism
 from cutpoint.simulation import Sensors
 from cutpoint.studies.chain import Array

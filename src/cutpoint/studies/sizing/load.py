@@ -6,6 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cutpoint.errors import InputError
+from cutpoint.mechanics.kinematic_error import KinematicError
 from cutpoint.mechanics.motor import torque_for
 from cutpoint.model import Drive
 from cutpoint.robot import Robot
@@ -16,8 +17,14 @@ Array = NDArray[np.float64]
 FEWEST, MOST = 2_000, 500_000
 """Intervals into which a motion is cut: at least, and at most."""
 
-AROUND = 64
-"""Intervals into which the two beside a worst instant are cut."""
+A_WAVE = 8
+"""Intervals in the shortest wave of kinematic error, ripple or cogging, as far as MOST allows."""
+
+NEARLY = 0.9
+"""What a sample on the flank of the highest crest has of it at least: 1 - (pi / A_WAVE)^2 / 2 is 0.92."""
+
+CRESTS, AROUND = 16, 64
+"""Crests that are looked at more closely, for each drive and quantity, and the intervals into which the two are cut."""
 
 
 class Load(NamedTuple):
@@ -40,7 +47,7 @@ class Load(NamedTuple):
 
 
 def sampled(robot: Robot, trajectory: Trajectory, period: float, dwell: float) -> Load:
-    """The load every `period` s, at least FEWEST times, more finely around each drive's worst instants.
+    """The load every `period` s, at least FEWEST times and A_WAVE times a wave, more finely near the highest crests.
 
     After the motion it stands still for dwell, s, in its last position.
     """
@@ -49,11 +56,14 @@ def sampled(robot: Robot, trajectory: Trajectory, period: float, dwell: float) -
     if count > MOST:
         rule = f"at most {MOST:,} samples are taken: give a longer period"
         raise InputError(f"sizing: {end:g} s in steps of {period:g} s are too many; {rule}", period=period)
-    times = np.linspace(0.0, end, count + 1)
-    step = end / count
-    worst = np.unique(np.concatenate([_largest(x) for x in load_of(robot, trajectory, times)[1:]]))
-    near = times[worst][:, None] + np.linspace(-step, step, AROUND + 1)
-    times = np.unique(np.r_[times, np.clip(near, 0.0, end).ravel()])
+    load = load_of(robot, trajectory, np.linspace(0.0, end, count + 1))
+    waves = int(np.ceil(A_WAVE * end * _highest_frequency(robot, load)))
+    if waves > count:
+        count = min(waves, MOST)
+        load = load_of(robot, trajectory, np.linspace(0.0, end, count + 1))
+    crests = np.unique(np.concatenate([_crests(column) for x in load[1:] for column in x.T]))
+    near = load.time[crests][:, None] + np.linspace(-end / count, end / count, AROUND + 1)
+    times = np.unique(np.r_[load.time, np.clip(near, 0.0, end).ravel()])
     # a trajectory holds its last position after its end
     pause = [np.nextafter(end, np.inf), end + dwell] if dwell > 0 else []
     return load_of(robot, trajectory, np.r_[times, pause])
@@ -83,6 +93,20 @@ def _motor(drive: Drive) -> tuple[float, float, float]:
     return drive.ratio, motor.torque_constant, np.nan if motor.resistance is None else motor.resistance
 
 
-def _largest(x: Array) -> NDArray[np.intp]:
-    """Index of each drive's largest sample by size."""
-    return np.where(np.isnan(x), -1.0, np.abs(x)).argmax(axis=0)
+def _highest_frequency(robot: Robot, load: Load) -> float:
+    """Of the waves that go with a rotor's turns, Hz."""
+    frequencies = [0.0]
+    for drive, speed in zip(robot.drives.values(), load.motor_speed.T, strict=True):
+        waves = [*drive.kinematic_error.harmonics] if isinstance(drive.kinematic_error, KinematicError) else []
+        if drive.motor is not None:
+            waves += [*drive.motor.ripple, *drive.motor.cogging]
+        frequencies += [wave.order * float(np.abs(speed).max()) / (2 * np.pi) for wave in waves]
+    return max(frequencies)
+
+
+def _crests(x: Array) -> NDArray[np.intp]:
+    """Indices of the highest crests of |x|, (N,), its ends among them if they are."""
+    size = np.where(np.isnan(x), -1.0, np.abs(x))
+    rises = np.r_[True, size[1:] >= size[:-1]] & np.r_[size[:-1] >= size[1:], True]
+    found = np.flatnonzero(rises & (size >= NEARLY * size.max()))
+    return found[np.argsort(-size[found], kind="stable")[:CRESTS]]

@@ -116,8 +116,8 @@ def sizing(
     Args:
         trajectory: one cycle.  A way back that is not in it does not count.
         dwell: s, the pause after it, in its last position: it cools the motor, and slows the gear's average.
-        period: s between samples, at most; there are at least 2000 in the motion, and 64 more about each drive's worst
-            instants.
+        period: s between samples, at most; there are at least 2000 in the motion, 8 in each wave of a rotor's turn
+            (as long as that is not more than 500 000 in all), and many more about each drive's worst instants.
         life: h, asked of the gears; it becomes a margin where the ratings tell a life.
 
     Raises:
