@@ -96,8 +96,10 @@ def elastic_forward_dynamics(m: Machine, strains: Scalars | None = None, **state
     return elastic.elastic_forward_dynamics(m.system, m.drives, **state, strains=_held(m, strains))
 
 
-def elastic_energy(m: Machine, q: Scalars, theta: Scalars, theta_dot: Scalars) -> Any:
-    return elastic.elastic_energy(m.drives, q, theta, theta_dot)
+def elastic_energy(
+    m: Machine, q: Scalars, theta: Scalars, theta_dot: Scalars, strains: Scalars | None = None
+) -> Any:
+    return elastic.elastic_energy(m.drives, q, theta, theta_dot, _held(m, strains))
 
 
 def drive_torque(m: Machine, theta: Scalars, q: Scalars) -> Scalars:

@@ -334,10 +334,14 @@ class Robot:
         each = [[f"{name}: {what}" for what in strains_of.names(drive)] for name, drive in self.drives.items()]
         return tuple(strains_of.gathered(each))
 
-    def elastic_energy(self, q: ArrayLike, theta: ArrayLike, theta_dot: ArrayLike) -> Array:
-        """(...,) J, in the springs and in the spin of elastic drives' rotors."""
-        function = self._function("elastic_energy", definitions.elastic_energy, "q theta theta_dot", True)
-        return function(q, theta, theta_dot)
+    def elastic_energy(
+        self, q: ArrayLike, theta: ArrayLike, theta_dot: ArrayLike, strains: ArrayLike | None = None
+    ) -> Array:
+        """(...,) J, in springs, in the spin of elastic drives' rotors, and in what is strained, if that is given."""
+        name, definition, inputs = "elastic_energy", definitions.elastic_energy, "q theta theta_dot"
+        if strains is None:
+            return self._function(name, definition, inputs, True)(q, theta, theta_dot)
+        return self._function((name, "strains"), definition, f"{inputs} strains", True)(q, theta, theta_dot, strains)
 
     def drive_torque(self, theta: ArrayLike, q: ArrayLike) -> Array:
         """(..., drives) N m: torque read from the deflection between two encoders.  Xia (2019) eqs. (2)-(3).

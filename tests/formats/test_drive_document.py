@@ -44,7 +44,9 @@ def row(path: tuple[str, ...], field: FieldInfo) -> str:
     return f"| `{'.'.join(path)}` | {unit} | {default} | {field.description} |"
 
 
-def yaml_text(value: bool | float | str) -> str:
+def yaml_text(value: bool | float | str | list[object]) -> str:
+    if isinstance(value, list):
+        return "empty"
     if isinstance(value, str):
         return value
     return str(value).lower() if isinstance(value, bool) else f"{value:g}"

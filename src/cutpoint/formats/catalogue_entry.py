@@ -47,7 +47,11 @@ def _spring(gear: CatalogueGear) -> CatalogueSpring | None:
 
 
 def _hysteresis(gear: CatalogueGear, spring: CatalogueSpring) -> dict[str, float] | None:
-    """Loss is what opens in a cycle to rated torque: where that ends before the loop is open, it opens sooner."""
+    """Loss is what opens in a cycle to rated torque.
+
+    The way back from there to zero torque must wind the elements from one side to the other, twice their reach; where
+    the default, the loss itself, is more than that, they reach less far.
+    """
     if gear.hysteresis is None:
         return None
     loss = gear.hysteresis.loss_arcmin * ARC_MINUTE
@@ -55,7 +59,8 @@ def _hysteresis(gear: CatalogueGear, spring: CatalogueSpring) -> dict[str, float
         return {"loss": loss}
     slipping = spring.torque(loss / 2)
     way_back = float(spring.deflection(gear.ratings.rated - slipping)) - loss / 2
-    return {"loss": loss} if way_back >= 2 * loss else {"loss": loss, "reach": way_back / 2}
+    farthest = 0.9 * way_back / 2
+    return {"loss": loss} if loss <= farthest else {"loss": loss, "reach": farthest}
 
 
 def _kinematic_error(arc_minutes: float) -> dict[str, float]:

@@ -36,7 +36,7 @@ class Gufunc:
         if numbers > _MOST_NUMBERS:
             raise InputError(f"{name}: {numbers} numbers a call, at most {_MOST_NUMBERS} compile; use backend='numpy'")
         lowered = lower(graph)
-        self._packs = Packs(lowered, inputs, outputs)
+        self._packs = Packs(lowered, inputs, outputs, name)
         self._code = Compiled(batch_loop(lowered, inputs, outputs, self._packs.width), FUNCTION, element.FUNCTION)
         self.element: int | None = self._code.addresses[element.FUNCTION]
         self._loops = (ctypes.c_void_p * 1)(self._code.address)

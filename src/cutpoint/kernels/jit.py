@@ -1,4 +1,4 @@
-"""Machine code in this process, by LLVM.
+"""Machine code in this process, by LLVM, made once and then kept on disk.
 
 The graph is simplified already: LLVM's own passes were measured to change the run time by less than 2 % and to add a
 third to the compile time, so the code generator works on the text as it stands.
@@ -8,10 +8,16 @@ import itertools
 import threading
 from collections.abc import Mapping
 from functools import cache
+from pathlib import Path
 
+import llvmlite
 from llvmlite import binding
 
+from cutpoint.kernels.cache import Cache, key_of, user_folder
+from cutpoint.kernels.waiting import interruptible
+
 OPTIMISATION = 2  # of the code generator; 1 and 3 were measured to be neither quicker to compile nor to run
+_RELOCATION, _MODEL = "pic", "default"
 _lock = threading.Lock()
 _serials = itertools.count()
 
@@ -27,31 +33,70 @@ class Compiled:
     def __init__(
         self, ir: str, *functions: str, symbols: Mapping[str, int] | None = None, optimisation: int = OPTIMISATION
     ) -> None:
-        """symbols: addresses of what the text declares.  optimisation: of the code generator, 0 to 3."""
-        library = binding.JITLibraryBuilder().add_ir(ir).add_current_process()
+        """symbols: addresses of what the text declares; what is kept on disk names them, and holds no address.
+
+        optimisation: of the code generator, 0 to 3.
+        """
+        library = binding.JITLibraryBuilder().add_object_img(object_code(ir, optimisation)).add_current_process()
         for name in functions:
             library.export_symbol(name)
         for name, address in (symbols or {}).items():
             library.import_symbol(name, address)
         with _lock:
-            self._code = library.link(_compiler(optimisation), f"cutpoint{next(_serials)}")
+            self._code = library.link(_linker(), f"cutpoint{next(_serials)}")
         self.addresses: dict[str, int] = {name: self._code[name] for name in functions}
         self.address = self.addresses[functions[0]]
 
 
+def object_code(ir: str, optimisation: int) -> bytes:
+    """An object file of a module's text: from disk if it has been made before, by this user for this processor."""
+    kept, key = _cache(user_folder()), key_of(ir, str(optimisation), *_surroundings())
+
+    def made() -> bytes:
+        code = _emitted(ir, optimisation)
+        kept.write(key, code)
+        return code
+
+    return kept.read(key) or interruptible(made)
+
+
+def _emitted(ir: str, optimisation: int) -> bytes:
+    context = binding.create_context()
+    with binding.parse_assembly(ir, context) as module:
+        return _machine(optimisation).emit_object(module)
+
+
 @cache
-def _compiler(optimisation: int) -> binding.LLJIT:
+def _surroundings() -> tuple[str, ...]:
+    """What decides, besides its text, what a module's code is."""
+    from cutpoint import __version__
+
+    versions = (__version__, llvmlite.__version__, str(binding.llvm_version_info))
+    return (*versions, _machine(OPTIMISATION).triple, *_processor(), _RELOCATION, _MODEL)
+
+
+def _processor() -> tuple[str, str]:
+    return binding.get_host_cpu_name(), binding.get_host_cpu_features().flatten()
+
+
+@cache
+def _cache(folder: Path | None) -> Cache:
+    return Cache(folder)
+
+
+@cache
+def _machine(optimisation: int) -> binding.TargetMachine:
     binding.initialize_native_target()
     binding.initialize_native_asmprinter()
-    machine = binding.Target.from_default_triple().create_target_machine(
-        cpu=binding.get_host_cpu_name(),
-        features=binding.get_host_cpu_features().flatten(),
-        opt=optimisation,
-        reloc="pic",
-        codemodel="default",
-        jit=True,
+    cpu, features = _processor()
+    return binding.Target.from_default_triple().create_target_machine(
+        cpu=cpu, features=features, opt=optimisation, reloc=_RELOCATION, codemodel=_MODEL, jit=True
     )
-    return binding.create_lljit_compiler(machine)
+
+
+@cache
+def _linker() -> binding.LLJIT:
+    return binding.create_lljit_compiler(_machine(OPTIMISATION))
 
 
 @cache

@@ -14,6 +14,7 @@ from cutpoint.kernels.backends import array_function, chosen
 from cutpoint.kernels.graph import Graph
 from cutpoint.kernels.ports import port
 from cutpoint.kernels.specialise import name_of, traced
+from cutpoint.kernels.waiting import shown
 
 
 def compile(
@@ -34,9 +35,10 @@ def compile(
         TraceError: the function needs a value where there is none yet, as in `if x > 0`.
         InputError: a shape, the backend, or the function's parameters do not fit.
     """
-    start = time.perf_counter()
-    graph, record = traced(function, [port(key, shape) for key, shape in inputs.items()])
-    return Kernel(graph, name or name_of(function), backend, record, start)
+    start, label = time.perf_counter(), name or name_of(function)
+    with shown(label):
+        graph, record = traced(function, [port(key, shape) for key, shape in inputs.items()])
+        return Kernel(graph, label, backend, record, start)
 
 
 class Kernel:

@@ -11,6 +11,7 @@ from cutpoint.kernels.graph import Graph
 from cutpoint.kernels.jit import Compiled, vector_width
 from cutpoint.kernels.pack_loop import FUNCTION, pack_loop
 from cutpoint.kernels.ports import Port
+from cutpoint.kernels.waiting import shown
 
 _MOST_NODES = 2**14
 """More would take seconds to compile; packs of 12,000 were measured to be six times as fast as single elements."""
@@ -28,10 +29,10 @@ class Packs:
             the function that makes it.
     """
 
-    def __init__(self, graph: Graph, inputs: Sequence[Port], outputs: Sequence[Port]) -> None:
+    def __init__(self, graph: Graph, inputs: Sequence[Port], outputs: Sequence[Port], name: str) -> None:
         fits = len(graph.nodes) <= _MOST_NODES and sum(p.size for p in (*inputs, *outputs)) <= _MOST_NUMBERS
         self.width = vector_width() if fits else None
-        self._parts = (graph, inputs, outputs)
+        self._parts, self._name = (graph, inputs, outputs), name
         self._lock = threading.Lock()
         self._code: Compiled | None = None
         self._maker = ctypes.CFUNCTYPE(None)(self._make)
@@ -41,5 +42,6 @@ class Packs:
         """Called from machine code, perhaps by several threads.  If it fails, single elements do the work."""
         with self._lock:
             if self._code is None and self.width is not None:
-                self._code = Compiled(pack_loop(*self._parts, self.width), FUNCTION)
+                with shown(f"{self._name} for batches"):
+                    self._code = Compiled(pack_loop(*self._parts, self.width), FUNCTION)
                 self.table[0] = self._code.address

@@ -10,6 +10,7 @@ from cutpoint.kernels.program_arrays import check_run
 from cutpoint.kernels.program_numpy import NumpyProgram
 from cutpoint.kernels.program_plan import Plan, plan
 from cutpoint.kernels.stepping import Loop, Region
+from cutpoint.kernels.waiting import shown
 
 
 def compile_program(body: Loop, regions: Sequence[Region], backend: str = "auto") -> "Program":
@@ -25,7 +26,8 @@ def compile_program(body: Loop, regions: Sequence[Region], backend: str = "auto"
         TraceError: a stage needs a value where there is none yet, or returns something else than its regions.
     """
     start = time.perf_counter()
-    return Program(plan(body, regions), chosen(backend), start)
+    with shown("the stepping loop"):
+        return Program(plan(body, regions), chosen(backend), start)
 
 
 class Program:

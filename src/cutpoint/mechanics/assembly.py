@@ -3,12 +3,13 @@
 Each body's frame is turned so that its joint's axis is z; frames, inertias and rotors follow.
 """
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import replace
 
 import numpy as np
 
 from cutpoint.mechanics.joints import Floating, Helical, JointKind, Planar, Prismatic, Revolute, Spherical
+from cutpoint.mechanics.reframing import Framing, RevoluteFrom, framing_of, inverse
 from cutpoint.mechanics.rotors import Spin, axis_of, standing_still
 from cutpoint.mechanics.spatial import Inertia, Mat3, Pose, Vec3
 from cutpoint.mechanics.system import Follower, Place, Segment, System
@@ -23,21 +24,48 @@ KINDS: dict[str, JointKind] = {
 """Kinds without numbers of their own."""
 
 
-def system_of(mechanism: Mechanism, drives: Mapping[str, Drive] | None = None) -> System:
-    """The mechanism with every joint along z, and with what its drives' rotors add to it; drives by joint name."""
+def system_of(
+    mechanism: Mechanism, drives: Mapping[str, Drive] | None = None, framing: Framing | None = None
+) -> System:
+    """The mechanism with every joint along z, and with what its drives' rotors add to it; drives by joint name.
+
+    framing: frames and inertias to take instead of the bodies' own, see `lean_framing`.
+    """
     turns = [_turn_to_z(body) for body in mechanism.bodies]
+    given = framing or _as_given(mechanism, turns)
     segments: dict[str, Segment] = {}
     places, nq, nv = _coordinates(mechanism)
-    for body, turn in zip(mechanism.bodies, turns, strict=True):
-        kind, mimic = _kind_of(body.joint), body.joint.mimic if mechanism.coupled else None
+    for i, body in enumerate(mechanism.bodies):
+        mimic = body.joint.mimic if mechanism.coupled else None
         q, v = places[mimic.joint if mimic else body.joint.name]
-        follower = Follower(number(mimic.multiplier), number(mimic.offset)) if mimic else None
-        placement, axes = _turned(turns, body.parent, body.placement @ turn), mat3(turn[:3, :3])
-        inertia = _inertia_of(body, turn)
+        zero = number(given.zeros[i])
+        follower = Follower(number(mimic.multiplier), number(mimic.offset + zero)) if mimic else None
+        kind = RevoluteFrom(zero) if zero and not mimic else _kind_of(body.joint)
+        inertia = _inertia_of(body, turns[i]) if framing is None else _inertia_from(framing.inertias[i])
+        axes = mat3(given.frames[i][:3, :3])
+        placement = pose_of(given.placements[i])
         segments[body.joint.name] = Segment(body.name, body.parent, placement, kind, inertia, q, v, axes, follower)
-    frames = {f.name: Place(f.body, _turned(turns, f.body, f.placement)) for f in mechanism.frames.values()}
-    system = System(tuple(segments.values()), vec3(mechanism.gravity), frames, nq, nv, (0,) * nv)
-    return _with_rotors(system, segments, drives or {})
+    frames = {f.name: Place(f.body, pose_of(_seen(given, f.body, f.placement))) for f in mechanism.frames.values()}
+    gravity = vec3(given.world[:3, :3].T @ mechanism.gravity)
+    system = System(tuple(segments.values()), gravity, frames, nq, nv, (0,) * nv)
+    seats = {
+        body.joint.name: pose_of(_seen(given, body.parent, body.placement @ turn))
+        for body, turn in zip(mechanism.bodies, turns, strict=True)
+    }
+    return _with_rotors(system, segments, seats, drives or {})
+
+
+def lean_framing(mechanism: Mechanism) -> Framing:
+    """Frames and inertias that make the same equations short: see `reframing` and `regrouping`."""
+    return framing_of(mechanism.bodies, [_turn_to_z(body) for body in mechanism.bodies], mechanism.gravity)
+
+
+def _as_given(mechanism: Mechanism, turns: list[Array]) -> Framing:
+    """Frames where the bodies have theirs, with z along the joints."""
+    given = Framing(np.eye(4), turns, [], [0.0] * len(turns), [])
+    for body, turn in zip(mechanism.bodies, turns, strict=True):
+        given.placements.append(_seen(given, body.parent, body.placement @ turn))
+    return given
 
 
 def _coordinates(mechanism: Mechanism) -> tuple[dict[str, tuple[slice, slice]], int, int]:
@@ -52,8 +80,13 @@ def _coordinates(mechanism: Mechanism) -> tuple[dict[str, tuple[slice, slice]], 
     return places, nq, nv
 
 
-def _with_rotors(system: System, joints: Mapping[str, Segment], drives: Mapping[str, Drive]) -> System:
-    """Armature of rigid drives, spins of fully coupled ones, and the mass of rotors that no link holds yet."""
+def _with_rotors(
+    system: System, joints: Mapping[str, Segment], seats: Mapping[str, Pose], drives: Mapping[str, Drive]
+) -> System:
+    """Armature of rigid drives, spins of fully coupled ones, and the mass of rotors that no link holds yet.
+
+    seats: the joints' frames, as the user knows them with z along the axis, in their carriers'.
+    """
     segments, armature, spins = [*system.segments], [*system.armature], []
     indices = {name: i for i, name in enumerate(joints)}
     for name, drive in drives.items():
@@ -63,11 +96,11 @@ def _with_rotors(system: System, joints: Mapping[str, Segment], drives: Mapping[
         if not drive.is_elastic:
             armature[own.v.start] = drive.reflected_inertia
         if rotor.coupling == "full" and own.parent != WORLD:
-            axis, J = axis_of(own.placement), rotor.inertia
+            axis, J = axis_of(seats[name]), rotor.inertia
             spins.append(Spin(indices[name], own.parent, axis, J, J * drive.ratio, drive.is_elastic))
         if not rotor.in_link_inertia and own.parent != WORLD:
             carrier = segments[own.parent]
-            segments[own.parent] = replace(carrier, inertia=carrier.inertia + standing_still(rotor, own.placement))
+            segments[own.parent] = replace(carrier, inertia=carrier.inertia + standing_still(rotor, seats[name]))
     return replace(system, segments=tuple(segments), armature=tuple(armature), spins=tuple(spins))
 
 
@@ -75,9 +108,10 @@ def _kind_of(joint: Joint) -> JointKind:
     return Helical(number(joint.pitch)) if joint.kind == "helical" else KINDS[joint.kind]
 
 
-def _turned(turns: Sequence[Array], body: int, placement: Array) -> Pose:
-    """A placement on a body, seen from the body's turned frame."""
-    return pose_of(placement if body == WORLD else turns[body].T @ placement)
+def _seen(framing: Framing, body: int, placement: Array) -> Array:
+    """A placement on a body (or the world), in the frame that it has in this framing."""
+    frame = framing.world if body == WORLD else framing.frames[body]
+    return placement if np.array_equal(frame, np.eye(4)) else inverse(frame) @ placement
 
 
 def _turn_to_z(body: Body) -> Array:
@@ -102,6 +136,12 @@ def _inertia_of(body: Body, turn: Array) -> Inertia:
     com = R.T @ body.com
     tensor = R.T @ body.inertia @ R + body.mass * (com @ com * np.eye(3) - np.outer(com, com))
     return Inertia(number(body.mass), vec3(body.mass * com), mat3((tensor + tensor.T) / 2))
+
+
+def _inertia_from(P: Array) -> Inertia:
+    """From the pseudo-inertia."""
+    S, h, m = P[:3, :3], P[:3, 3], P[3, 3]
+    return Inertia(number(m), vec3(h), mat3(np.trace(S) * np.eye(3) - S))
 
 
 def number(x: float) -> Scalar:

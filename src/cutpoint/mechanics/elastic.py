@@ -22,7 +22,7 @@ from cutpoint.mechanics.harmonic_drive import (
 from cutpoint.mechanics.inverse_dynamics import BodyMotion, motions, net_wrenches
 from cutpoint.mechanics.rotors import Spin
 from cutpoint.mechanics.spatial import Wrench
-from cutpoint.mechanics.strains import UNKNOWN, Strains
+from cutpoint.mechanics.strains import UNKNOWN, Strains, strain_energy
 from cutpoint.mechanics.system import System
 from cutpoint.model.drive import Drive
 from cutpoint.model.mechanism import WORLD
@@ -290,10 +290,18 @@ def driven_accelerations(
     return ElasticAccelerations(a, [alpha[d.segment] for d in drives])
 
 
-def elastic_energy(drives: Sequence[Driven], q: Scalars, theta: Scalars, theta_dot: Scalars) -> Scalar:
-    """Energy in springs and spinning rotors of the elastic drives, J."""
+def elastic_energy(
+    drives: Sequence[Driven],
+    q: Scalars,
+    theta: Scalars,
+    theta_dot: Scalars,
+    strains: Sequence[Strains] | None = None,
+) -> Scalar:
+    """Energy in springs and spinning rotors of the elastic drives, and in all that is strained, J."""
     total: Scalar = 0
-    for d, theta_k, theta_dot_k in zip(drives, theta, theta_dot, strict=True):
+    held = strains or [UNKNOWN] * len(drives)
+    for d, theta_k, theta_dot_k, s in zip(drives, theta, theta_dot, held, strict=True):
+        total = total + strain_energy(d.drive, s)
         if d.drive.compliance is not None:
             spin = d.drive.reflected_inertia * theta_dot_k * theta_dot_k / 2
             total = total + d.drive.compliance.energy(deflection(d.drive, theta_k, q[d.q])) + spin

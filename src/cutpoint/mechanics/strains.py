@@ -64,7 +64,11 @@ def flat(strains: Strains) -> list[Scalar]:
 
 
 def moved(drive: Drive, before: Strains, start: Place, end: Place) -> Strains:
-    """Strains after a motion that does not turn back on its way."""
+    """Strains after a motion that does not turn back on its way.
+
+    Exact for elements of hysteresis; of bristles, if friction's level on the way is that at its end: to first order in
+    the length of the way.
+    """
     spring = before.spring
     if drive.hysteresis and spring is not None:
         wound = deflection(drive, end.theta, end.q) - deflection(drive, start.theta, start.q)
@@ -78,6 +82,27 @@ def moved(drive: Drive, before: Strains, start: Place, end: Place) -> Strains:
             load = spring_torque(drive, end.theta, end.q, end.theta_dot, end.v) + slipping_torque(drive, spring)
         motor = drive.motor_friction.strain(motor, end.theta - start.theta, end.theta_dot, load)
     return Strains(link, motor, spring)
+
+
+def rates(drive: Drive, strains: Strains, at: Place, load: Scalar) -> list[Scalar]:
+    """d strain / dt of the bristles, rad/s; 0 for elements of hysteresis, which `moved` takes along exactly."""
+    found: list[Scalar] = []
+    if isinstance(drive.link_friction, Presliding):
+        found.append(drive.link_friction.winding(strains.link, at.v) * at.v)
+    if isinstance(drive.motor_friction, Presliding):
+        found.append(drive.motor_friction.winding(strains.motor, at.theta_dot, load) * at.theta_dot)
+    return found + [0] * len(strains.spring or ())
+
+
+def strain_energy(drive: Drive, strains: Strains) -> Scalar:
+    """Energy that bristles and elements of hysteresis hold, J."""
+    total: Scalar = 0
+    for law, strain in ((drive.link_friction, strains.link), (drive.motor_friction, strains.motor)):
+        if isinstance(law, Presliding) and strain is not None:
+            total = total + law.stiffness * strain * strain / 2
+    if drive.hysteresis and strains.spring is not None:
+        total = total + drive.hysteresis.energy(strains.spring)
+    return total
 
 
 def drive_by_drive(drives: Sequence[Drive], numbers: Sequence[Scalar]) -> list[Strains]:

@@ -9,11 +9,17 @@ from numpy.typing import NDArray
 from scipy.integrate import solve_ivp
 
 from cutpoint import kernels
+from cutpoint.definitions import Machine
+from cutpoint.mechanics import strains
+from cutpoint.mechanics.elastic import drive_effort, driven_accelerations
 from cutpoint.mechanics.harmonic_drive import transmission
+from cutpoint.mechanics.strains import Strains
+from cutpoint.model.drive import Drive
 from cutpoint.simulation.loop import BEYOND, ClosedLoop
-from cutpoint.simulation.plant import arrived, own_parts, rates, settled, sizes
+from cutpoint.simulation.plant import Own, all_rates, arrived, motor_torque, own_parts, split
 
 Array = NDArray[np.float64]
+Scalars = list[Any]
 
 RTOL, ATOL = 1e-12, 1e-13
 
@@ -24,7 +30,8 @@ PAST_A_TURN = 1e-4
 def adaptive_step(loop: ClosedLoop) -> Callable[[dict[str, Array], Array], None]:
     """A function that takes the loop's memory one control period on: DOP853, Hairer et al. (1993) section II.5.
 
-    Strains are settled wherever a drive turns back, and commands change when they arrive.
+    Bristles wind up by their differential equation; elements of hysteresis are settled wherever a drive turns back;
+    commands change when they arrive.
     """
     way = _Way(loop)
     delays = [d.motor.delay for d in loop.robot.drives.values() if d.motor is not None and d.motor.delay]
@@ -35,8 +42,9 @@ def adaptive_step(loop: ClosedLoop) -> Callable[[dict[str, Array], Array], None]
         with np.errstate(all="ignore"):  # what is not finite ends the run below
             for end in ends:
                 commands = zip(loop.robot.machine.drives, memory["torque"], memory["torque_before"], strict=True)
-                told = np.array([arrived(d.drive, u, old, start) for d, u, old in commands], float)
-                way.go(memory["state"], told, pushed, start, end)
+                middle, length = (start + end) / 2, end - start
+                told = [arrived(d.drive, u, old, middle, length) for d, u, old in commands]
+                way.go(memory["state"], np.array(told, float), pushed, start, end)
                 start = end
         memory["fault"][0] = not (np.abs(memory["state"]) < BEYOND).all()
 
@@ -48,37 +56,37 @@ class _Way:
 
     def __init__(self, loop: ClosedLoop) -> None:
         robot, layout = loop.robot, loop.layout
-        self._parameters, self._period = robot.drive_parameters, loop.period
-        self._strained, self._drives = sizes(robot.machine).strains > 0, layout.n
+        self._parameters, self._period, self._drives = robot.drive_parameters, loop.period, layout.n
+        self._slips = any(d.hysteresis for d in robot.drives.values())
         numbers: dict[str, Any] = {"numbers": len(self._parameters)}
         states: dict[str, Any] = {"x": layout.state, "origin": layout.state}
 
         def plant(x: list, origin: list, command: list, disturbance: list, numbers: list) -> list:
-            return rates(robot.machine_with(numbers), x, origin, command, disturbance)
+            return _rates(robot.machine_with(numbers), x, origin, command, disturbance)
 
         def settle(x: list, origin: list, numbers: list) -> list:
-            return settled(robot.machine_with(numbers), x, origin)
+            return _settled(robot.machine_with(numbers), x, origin)
 
         def turning(x: list, numbers: list) -> list:
-            return _speeds(robot.machine_with(numbers), x)
+            return _winding_speeds(robot.machine_with(numbers), x)
 
         inputs = {**states, "command": layout.n, "disturbance": layout.nv}
         self._rates = kernels.compile(plant, name="plant", backend=robot.backend, **inputs, **numbers)
         self._settle = self._speeds = None
-        if self._strained:
+        if self._slips:
             self._settle = kernels.compile(settle, backend=robot.backend, **states, **numbers)
             self._speeds = kernels.compile(turning, backend=robot.backend, x=layout.state, **numbers)
 
     def go(self, x: Array, command: Array, disturbance: Array, start: float, end: float) -> None:
         """Take the state x along, in place; where it cannot be followed it becomes NaN."""
-        looks = self._strained
+        looks = self._slips
         while start < end:
             origin = x.copy()
 
             def f(_: float, y: Array, origin: Array = origin) -> Array:
                 return self._rates(y, origin, command, disturbance, self._parameters)
 
-            stop = end if looks or not self._strained else min(start + PAST_A_TURN * self._period, end)
+            stop = end if looks or not self._slips else min(start + PAST_A_TURN * self._period, end)
             events = self._turning_points if looks else None
             found = solve_ivp(f, (start, stop), origin, "DOP853", events=events, rtol=RTOL, atol=ATOL)
             if not found.success:
@@ -87,11 +95,11 @@ class _Way:
             x[:], start = found.y[:, -1], found.t[-1]
             if self._settle:
                 x[:] = self._settle(x, origin, self._parameters)
-            looks = self._strained and found.status != 1  # past a turning point a hair without looking for it again
+            looks = self._slips and found.status != 1  # past a turning point a hair without looking for it again
 
     @cached_property
     def _turning_points(self) -> list[Any]:
-        """A function of time and state for each speed that strains follow, 0 where it turns back."""
+        """A function of time and state for each drive, 0 where its spring turns back."""
 
         def speed(k: int) -> Any:
             def at(_: float, x: Array) -> float:
@@ -101,12 +109,36 @@ class _Way:
             at.terminal = True  # type: ignore[attr-defined]
             return at
 
-        return [speed(k) for k in range(3 * self._drives)]
+        return [speed(k) for k in range(self._drives)]
 
 
-def _speeds(machine: Any, x: list[Any]) -> list[Any]:
-    """Of links, motors and deflections."""
-    found = []
-    for d, own in zip(machine.drives, own_parts(machine, x), strict=True):
-        found += [own.at.v, own.at.theta_dot, transmission(d.drive, own.at.theta) * own.at.theta_dot - own.at.v]
-    return found
+def _rates(machine: Machine, x: Scalars, origin: Scalars, command: Scalars, disturbance: Scalars) -> Scalars:
+    """dx/dt, on a way from origin on which no spring turns back."""
+    efforts, electric, winding = [], [], []
+    for d, own, past, u in zip(machine.drives, own_parts(machine, x), own_parts(machine, origin), command, strict=True):
+        held = _stretched(d.drive, own, past)
+        shaft, rate = motor_torque(d.drive, own, u)
+        effort = drive_effort(d.drive, own.at, shaft, held)
+        efforts.append(effort)
+        electric += rate
+        winding.append(strains.rates(d.drive, held, own.at, effort.transmitted if d.drive.is_elastic else 0))
+    s = split(machine, x)
+    a, alpha = driven_accelerations(*machine, s.q, s.v, s.theta_dot, efforts, disturbance)
+    return [*all_rates(machine, s, a, alpha, electric), *strains.gathered(winding)]
+
+
+def _stretched(drive: Drive, own: Own, past: Own) -> Strains:
+    """The drive's strains, those of its spring's elements stretched since the origin."""
+    return own.strains._replace(spring=strains.moved(drive, past.strains, past.at, own.at).spring)
+
+
+def _settled(machine: Machine, x: Scalars, origin: Scalars) -> Scalars:
+    parts = zip(machine.drives, own_parts(machine, x), own_parts(machine, origin), strict=True)
+    hands = [strains.flat(_stretched(d.drive, own, past)) for d, own, past in parts]
+    return [*x[: len(x) - sum(map(len, hands))], *strains.gathered(hands)]
+
+
+def _winding_speeds(machine: Machine, x: Scalars) -> Scalars:
+    """d deflection / dt of each drive."""
+    parts = zip(machine.drives, own_parts(machine, x), strict=True)
+    return [transmission(d.drive, own.at.theta) * own.at.theta_dot - own.at.v for d, own in parts]

@@ -44,8 +44,8 @@ def law_kernel(robot: Robot, law: Any, *, name: str = "control_step") -> Kernel:
 
     def control_step(time: Any, memory: Any, parameters: Any, **given: Any) -> ControlStep:
         measured, references = ([x for key in keys for x in given[key]] for keys in (MEASURED, REFERENCE))
-        period, unused = parameters[-1], [0.0] * n  # the loop's parameters hold torque limits and a step, too
-        numbers = [*parameters[:-1], *unused, period, period]
+        period, unused = parameters[-1], [0.0] * n  # the loop's parameters hold torque limits, too
+        numbers = [*parameters[:-1], *unused, period]
         command, after = loop.control(measured, memory, [time, *references], numbers)
         torque, feedforward, theta, theta_dot = (command[k * n : (k + 1) * n] for k in range(4))
         return ControlStep(torque, feedforward, theta, theta_dot, after)

@@ -25,6 +25,7 @@ from cutpoint.simulation.plant import (
     arrived,
     currents,
     drive_rates,
+    has_delay,
     is_uniform,
     motor_torque,
     own_of,
@@ -43,7 +44,7 @@ BEYOND = 1e6
 """A state (rad, rad/s, m, m/s) larger than this has diverged."""
 
 
-INTEGRATION = ("origin", "total", "tableau", "elapsed", "efforts", "accelerations", "numbers")
+INTEGRATION = ("origin", "total", "tableau", "elapsed", "efforts", "accelerations", "numbers", "steps")
 """Regions that only the fixed steps use."""
 
 
@@ -78,7 +79,7 @@ class ClosedLoop:
     """One robot, one controller and one set of sensors as stages.
 
     memory: the controller's memory at the start, a record.  parameters: numbers of drives, controller, sensors, torque
-    limits, then control period and step.  programs: those compiled so far for loops of this structure.
+    limits, then the control period.  programs: those compiled so far for loops of this structure.
     """
 
     robot: Robot
@@ -108,8 +109,8 @@ class ClosedLoop:
             "motor_speed_reference": n, "motor_torque": n, "joint_torque": n, "friction_torque": nv,
         }  # fmt: skip
 
-    def parameters(self, limits: Array, substeps: int) -> Array:
-        parts = [leaves(self.controller), leaves(self.encoders), limits, [self.period, self.period / substeps]]
+    def parameters(self, limits: Array) -> Array:
+        parts = [leaves(self.controller), leaves(self.encoders), limits, [self.period]]
         return np.concatenate([self.robot.drive_parameters, *(np.array(p, float) for p in parts)])
 
     def regions(self) -> list[Region]:
@@ -123,8 +124,8 @@ class ClosedLoop:
         sizes = {
             "row": self.layout.row, "sensing": len(self.encoders.memory(*[[0.0] * n] * 4)), "measured": 4 * n,
             "memory": len(leaves(self.memory)),
-            "command": 4 * n, "elapsed": 1, "parameters": len(self.parameters(np.zeros(n), 1)), "tableau": 2,
-            "record": record, "fault": 1,
+            "command": 4 * n, "elapsed": 1, "parameters": len(self.parameters(np.zeros(n))), "tableau": 2,
+            "record": record, "fault": 1, "steps": 1,
         }  # fmt: skip
         drives = [Region(name, size, lanes) for name, size in laned.items()]
         return drives + [Region(name, size) for name, size in sizes.items()]
@@ -140,14 +141,14 @@ class ClosedLoop:
     # stages
 
     def sense(self, state: Scalars, sensing: Scalars, row: Scalars, parameters: Scalars) -> tuple[Scalars, Scalars]:
-        machine, _, encoders, _, (period, _) = self._numbers(parameters)
+        machine, _, encoders, _, period = self._numbers(parameters)
         places = [own.at for own in own_parts(machine, state)]
         sample = [getattr(at, name) for name in ("q", "theta", "v", "theta_dot") for at in places]
         return encoders.measure(sample, sensing, self.layout.normals(row), period)
 
     def control(self, measured: Scalars, memory: Scalars, row: Scalars, parameters: Scalars) -> tuple[Scalars, Scalars]:
         """Command: torque, the part of it that is feedforward, motor reference and its speed."""
-        _, controller, _, _, (period, _) = self._numbers(parameters)
+        _, controller, _, _, period = self._numbers(parameters)
         before = rebuild(self.memory, iter(memory))
         after, command = controller.step(before, *self.seen(measured, row, period))
         return self.command_of(as_command(command), row), leaves(with_float_leaves(after))
@@ -167,7 +168,7 @@ class ClosedLoop:
         machine = self._numbers(parameters)[0]
         shaft, driving, friction = [], [], [0] * machine.system.nv
         for d, own, u, old in zip(machine.drives, own_parts(machine, state), torque, before, strict=True):
-            shaft.append(motor_torque(d.drive, own, arrived(d.drive, u, old, 0))[0])
+            shaft.append(motor_torque(d.drive, own, old if has_delay(d.drive) else u)[0])
             effort = drive_effort(d.drive, own.at, shaft[-1], own.strains)
             driving.append(effort.transmitted)
             friction[d.v] = effort.transmitted - effort.on_link
@@ -175,7 +176,7 @@ class ClosedLoop:
 
     def drive(self, *regions: Scalars) -> Scalars:
         """What the drives do, field by field; where they are alike, seen from one of them."""
-        state, origin, torque, before, elapsed, parameters = regions
+        state, origin, torque, before, elapsed, parameters, steps = regions
         if self.lanes > 1:
             drives = [rebuild(self.robot.machine.drives[0].drive, iter(parameters))]
             own, past = [own_of(drives[0], state)], [own_of(drives[0], origin)]
@@ -185,7 +186,7 @@ class ClosedLoop:
             own, past = own_parts(machine, state), own_parts(machine, origin)
         fields: list[Scalars] = []
         for d, now, start, u, old in zip(drives, own, past, torque, before, strict=True):
-            effort, electric = drive_rates(d, now, start, arrived(d, u, old, elapsed[0]))
+            effort, electric = drive_rates(d, now, start, arrived(d, u, old, elapsed[0], steps[0]))
             fields.append([effort.on_link, effort.left, effort.alpha, *(electric or [0])])
         return [x for field in zip(*fields, strict=True) for x in field]
 
@@ -202,15 +203,16 @@ class ClosedLoop:
 
     def advance(self, *regions: Scalars) -> tuple[Scalars, Scalars]:
         """One stage of an integration step; where all drives are alike, seen from one of them."""
-        state, origin, total, tableau, found, accelerations, parameters = regions
-        h = parameters[-1]
+        state, origin, total, tableau, found, accelerations, steps = regions
+        h = steps[0]
         if self.lanes > 1:
             (a, alpha), drive = accelerations, self.robot.machine.drives[0].drive
             k = own_rates(drive, state, a, alpha, found[3])
         else:
             machine, n, nv = self.robot.machine, self.layout.n, self.layout.nv
             electric = [x for d, x in zip(machine.drives, found[3 * n :], strict=True) if currents(d.drive)]
-            k = all_rates(machine, split(machine, state), accelerations[:nv], accelerations[nv:], electric)
+            s = split(machine, state)
+            k = [*all_rates(machine, s, accelerations[:nv], accelerations[nv:], electric), *[0] * len(s.strains)]
         return stage(k, origin, total, tableau, h)
 
     def settle(self, total: Scalars, origin: Scalars, parameters: Scalars) -> tuple[Scalars, Scalars, Scalars]:
@@ -264,8 +266,8 @@ class ClosedLoop:
     @property
     def _after(self) -> list[Any]:
         numbers = "numbers" if self.lanes > 1 else "parameters"
-        drive = ("state", "origin", "torque", "torque_before", "elapsed", numbers)
-        advance = ("state", "origin", "total", "tableau", "efforts", "accelerations", "parameters")
+        drive = ("state", "origin", "torque", "torque_before", "elapsed", numbers, "steps")
+        advance = ("state", "origin", "total", "tableau", "efforts", "accelerations", "steps")
         stages = [
             Stage(self.drive, drive, ("efforts",), self.lanes),
             Stage(self.accelerate, ("state", "efforts", "row", "parameters"), ("accelerations",)),
@@ -299,12 +301,12 @@ class ClosedLoop:
         theta_dot = reference.theta_dot if command.theta_dot is None else command.theta_dot
         return [x for part in (command.torque, command.feedforward, theta, theta_dot) for x in _each(part, n)]
 
-    def _numbers(self, parameters: Scalars) -> tuple[Machine, Any, Encoders, Scalars, Scalars]:
-        """Machine, controller, encoders, torque limits, (period, step) with these numbers in them."""
+    def _numbers(self, parameters: Scalars) -> tuple[Machine, Any, Encoders, Scalars, Scalar]:
+        """Machine, controller, encoders, torque limits, period with these numbers in them."""
         numbers = iter(parameters)
         machine = self.robot.machine_with([next(numbers) for _ in self.robot.drive_parameters])
         controller, encoders = rebuild(self.controller, numbers), rebuild(self.encoders, numbers)
-        return machine, controller, encoders, [next(numbers) for _ in range(self.layout.n)], [*numbers]
+        return machine, controller, encoders, [next(numbers) for _ in range(self.layout.n)], next(numbers)
 
 
 def array_of(numbers: Any) -> Any:

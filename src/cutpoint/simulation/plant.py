@@ -7,12 +7,12 @@ from typing import Any, NamedTuple
 
 from cutpoint.definitions import Machine
 from cutpoint.mechanics import strains as memory
-from cutpoint.mechanics.elastic import DriveState, Effort, drive_effort, driven_accelerations
+from cutpoint.mechanics.elastic import DriveState, Effort, drive_effort
 from cutpoint.mechanics.kinematics import coordinate_rates
 from cutpoint.mechanics.motor import lag_rate, shaft_torque
 from cutpoint.mechanics.strains import Strains
 from cutpoint.model.drive import Drive
-from cutpoint.scalars import Scalar, structure_of, where
+from cutpoint.scalars import Scalar, clip, structure_of
 
 Scalars = list[Any]
 
@@ -50,6 +50,10 @@ def sizes(machine: Machine) -> State:
 def currents(drive: Drive) -> int:
     """How many currents a drive has as states."""
     return int(drive.motor is not None and drive.motor.bandwidth is not None)
+
+
+def has_delay(drive: Drive) -> bool:
+    return drive.motor is not None and drive.motor.delay is not None
 
 
 def split(machine: Machine, x: Scalars) -> State:
@@ -99,11 +103,15 @@ def motor_torque(drive: Drive, own: Own, command: Scalar) -> tuple[Scalar, Scala
     return shaft_torque(drive, own.current[0], own.at.theta), [rate]
 
 
-def arrived(drive: Drive, command: Scalar, before: Scalar, elapsed: Scalar) -> Scalar:
-    """The command that has reached the current loop some time (s) after the sample: the one before, until the delay."""
+def arrived(drive: Drive, command: Scalar, before: Scalar, middle: Scalar, length: Scalar) -> Scalar:
+    """The command at the current loop, averaged over a time of this length (s) about `middle`, s after the sample.
+
+    It is the one before the sample's until the delay has passed.
+    """
     if drive.motor is None or drive.motor.delay is None:
         return command
-    return where(elapsed < drive.motor.delay, before, command)
+    share = clip((middle - drive.motor.delay) / length + 1 / 2, 0, 1)
+    return before + share * (command - before)
 
 
 def own_rates(drive: Drive, numbers: Scalars, a: Scalar, alpha: Scalar, electric: Scalar) -> Scalars:
@@ -114,23 +122,14 @@ def own_rates(drive: Drive, numbers: Scalars, a: Scalar, alpha: Scalar, electric
 
 
 def all_rates(machine: Machine, s: State, a: Scalars, alpha: Scalars, electric: Scalars) -> Scalars:
-    """dx/dt.  A rigid drive's motor is carried along with its link."""
+    """dx/dt but for the strains.  A rigid drive's motor is carried along with its link."""
     system, drives = machine
     motor_speeds = [w if d.drive.is_elastic else s.v[d.v] for d, w in zip(drives, s.theta_dot, strict=True)]
-    return [*coordinate_rates(system, s.q, s.v), *a, *motor_speeds, *alpha, *electric, *[0] * len(s.strains)]
-
-
-def rates(machine: Machine, x: Scalars, origin: Scalars, command: Scalars, disturbance: Scalars) -> Scalars:
-    """dx/dt at x, on a way from origin that does not turn back, under commands that have arrived."""
-    parts = zip(machine.drives, own_parts(machine, x), own_parts(machine, origin), command, strict=True)
-    found = [drive_rates(d.drive, own, past, u) for d, own, past, u in parts]
-    electric, s = [rate for _, own in found for rate in own], split(machine, x)
-    a, alpha = driven_accelerations(*machine, s.q, s.v, s.theta_dot, [effort for effort, _ in found], disturbance)
-    return all_rates(machine, s, a, alpha, electric)
+    return [*coordinate_rates(system, s.q, s.v), *a, *motor_speeds, *alpha, *electric]
 
 
 def settled(machine: Machine, x: Scalars, origin: Scalars) -> Scalars:
-    """The state at the end of a way, with the strains that the way has left."""
+    """The state at the end of a way that does not turn back, with the strains that the way has left."""
     parts = zip(machine.drives, own_parts(machine, x), own_parts(machine, origin), strict=True)
     strains = [memory.flat(memory.moved(d.drive, past.strains, past.at, own.at)) for d, own, past in parts]
     count = sum(map(len, strains))

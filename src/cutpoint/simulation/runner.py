@@ -49,7 +49,8 @@ def working_memory(
     memory.update(state=state, origin=state.copy(), total=state.copy(), row=rows, tableau=TABLEAU.copy())
     memory["sensing"] = np.array(loop.encoders.memory(*seen), float)
     memory["memory"] = loop.initial_memory()
-    memory["parameters"], memory["numbers"] = loop.parameters(limits, substeps), loop.numbers()
+    memory["steps"] = np.array([loop.period / substeps])
+    memory["parameters"], memory["numbers"] = loop.parameters(limits), loop.numbers()
     memory["record"] = np.zeros((len(rows), sum(loop.channels.values())))
     return memory
 

@@ -1,8 +1,8 @@
 """Averages over a cycle, and the life that goes with them, as makers of strain wave gears reckon them.
 
 A cycle is a list of samples; each stands for a duration, s, so that phases of a load diagram serve as well as instants.
-Harmonic Drive AG, engineering data CSD-2A, 1019659 (11/2014), pages 18 to 20, and of other series alike; Harmonic Drive
-LLC, Cup Type Component Sets and Housed Units CSF and CSG, pages 13 and 14.
+Harmonic Drive AG, engineering data of component sets CSD-2A, 1019659 (11/2014), page 20, with equations 18.2 and 18.5
+to which it refers; Harmonic Drive LLC, CSF CSG, page 14 of the viewer, equation 8.
 """
 
 import numpy as np
@@ -57,7 +57,8 @@ def life(rated: tuple[float, float, float], torque: float, speed: float) -> floa
 def permitted_peaks(duration: Array, torque: Array, speed: Array, allowed: float) -> float | None:
     """How often the longest stay above `allowed`, the repeated peak torque, may occur; None if there is none.
 
-    N = 10^4 / (2 turns of the wave generator in it); speed in rad/s.
+    N = 10^4 / (2 turns of the wave generator in it), as harmonic-drive-selector (harmonic_designer.py) transcribes the
+    makers' selection procedure; speed in rad/s.
     """
     above = np.abs(torque) > allowed
     if not above.any():

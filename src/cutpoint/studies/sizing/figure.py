@@ -53,8 +53,9 @@ def figure_of(found: Sizing) -> Figure:
 def _panel(axes: Axes, found: Sizing, drive: DriveSizing, k: int) -> None:
     ratio, speed = drive.drive.ratio, found.load.motor_speed[:, k] * RPM
     direction = np.sign(speed * ratio)
-    gear = found.load.output_torque[:, k] * direction
-    motor = found.load.motor_torque[:, k] * ratio * direction
+    forwards = np.where(direction == 0, 1.0, direction)
+    gear = found.load.output_torque[:, k] * forwards
+    motor = found.load.motor_torque[:, k] * ratio * forwards
     _window(axes, drive, np.r_[gear, motor], float(np.abs(speed).max()))
     _zones(axes, drive)
     _motor_limit(axes, drive)
@@ -66,7 +67,8 @@ def _panel(axes: Axes, found: Sizing, drive: DriveSizing, k: int) -> None:
         at = average
         if failed.at is not None:
             i = int(np.searchsorted(found.load.time, failed.at.time))
-            at = abs(speed[i]), motor[i] if failed.limit.startswith("motor") else gear[i]
+            torque = motor[i] if failed.limit.startswith("motor") else gear[i]
+            at = abs(speed[i]), torque if direction[i] else abs(torque)
         axes.plot(*at, "o", mfc="none", mec=FORCE, mew=1.6, ms=11, zorder=6)
     _title(axes, drive)
 
@@ -114,7 +116,7 @@ def _label(axes: Axes, text: str, at: tuple[float, float], offset: tuple[float, 
 
 def _motor_limit(axes: Axes, drive: DriveSizing) -> None:
     """How far the motor's current, its voltage and the torque limits let it push and brake, over speed."""
-    speeds = np.linspace(0, axes.get_xlim()[1], 500)
+    speeds = np.linspace(0, axes.get_xlim()[1], 4000)
     bound = min(_allowed(drive, "motor torque"), ENDLESS)
     for sign in (1.0, -1.0):
         pushed = within_limits(drive.drive, np.full_like(speeds, sign * ENDLESS), speeds / RPM / abs(drive.drive.ratio))

@@ -26,7 +26,8 @@ def table_of(found: Sizing) -> Table:
     pause = f" and {found.dwell:g} s of pause" if found.dwell else ""
     title = f"{found.robot}: what {found.duration:g} s of motion{pause} ask, of what is allowed"
     table = Table(title=title, title_justify="left", title_style="bold", box=SIMPLE_HEAD, pad_edge=False)
-    for k, column in enumerate(_COLUMNS):
+    for k, name in enumerate(_COLUMNS):
+        column = name.replace("N m", "N m, N") if any(drive.slides for drive in found.drives.values()) else name
         table.add_column(column, justify="left" if k in _WORDS else "right", overflow="fold", no_wrap=k not in _WORDS)
     for drive in found.drives.values():
         table.add_row(*_row(drive), style="" if drive.verdict != "fails" else "red")
@@ -46,7 +47,7 @@ def sentences(found: Sizing) -> Iterator[str]:
                 yield f"{name} fails by its {failed.limit}, too: {_told(failed)}, margin {_margin(failed.value)}."
         if drive.permitted_peaks is not None and np.isfinite(drive.permitted_peaks):
             often = _number(drive.permitted_peaks)
-            yield f"The gear of {name} bears a peak as long as this {often} times in all, for emergencies."
+            yield f"{name} bears so long a stay above its repeated peak torque {often} times in all, for emergencies."
     yield from _missing(found)
 
 

@@ -1,0 +1,90 @@
+"""Closed loops with a drive's effects switched on one by one, known to the feedforward and not."""
+
+from collections.abc import Iterator
+from typing import NamedTuple
+
+import numpy as np
+
+from cutpoint.control import Feedforward
+from cutpoint.simulation import Log
+from cutpoint.studies.chain import Array
+from cutpoint.studies.paper.bench import Bench, pd
+from cutpoint.studies.paper.effects_drives import EFFECTS, NEEDS, with_effects
+
+Effects = tuple[str, ...]
+
+
+class Share(NamedTuple):
+    """RMS tracking errors of the links by joint, (6,) in degrees: without an effect, with it unknown, with it known."""
+
+    before: Array
+    unknown: Array
+    known: Array
+
+    @property
+    def costs(self) -> tuple[float, float]:
+        """What the arm's error grows by as the effect is switched on, degrees: unknown, known."""
+        before = arm(self.before)
+        return arm(self.unknown) - before, arm(self.known) - before
+
+    @property
+    def recovered(self) -> float:
+        """What of the effect's cost the feedforward that knows it takes away."""
+        unknown, known = self.costs
+        return 1 - known / unknown
+
+
+class Shares(NamedTuple):
+    """added: each effect on top of those before it.  alone: on linear springs, with no more than what it needs.
+
+    ignorant: all effects under the feedforward of linear springs, (6,) in degrees.
+    """
+
+    added: dict[str, Share]
+    alone: dict[str, Share]
+    ignorant: Array
+
+
+def arm(errors: Array) -> float:
+    """One number for the arm: RMS over its joints of (6,) RMS errors."""
+    return float(np.sqrt(np.mean(np.square(errors))))
+
+
+class Runs:
+    """Loops of the bench on drives with some effects, under a feedforward that knows some; each is run once."""
+
+    def __init__(self, bench: Bench) -> None:
+        self._bench = bench
+        self._errors: dict[tuple[frozenset[str], frozenset[str]], Array] = {}
+
+    def log(self, on: Effects, known: Effects) -> Log:
+        plant, model = (with_effects(self._bench.robot, effects) for effects in (on, known))
+        return self._bench.run(plant, pd() + Feedforward(model, "elastic"))
+
+    def error(self, on: Effects, known: Effects) -> Array:
+        """RMS tracking errors of the links, (6,) in degrees."""
+        key = frozenset(on), frozenset(known)
+        if key not in self._errors:
+            self._errors[key] = np.rad2deg(self.log(on, known).rms("position_error"))
+        return self._errors[key]
+
+    def share(self, before: Effects, effect: str) -> Share:
+        """Of an effect on top of others."""
+        on = (*before, effect)
+        return Share(self.error(before, before), self.error(on, before), self.error(on, on))
+
+
+def shares(runs: Runs) -> Shares:
+    added = {effect: runs.share(EFFECTS[:k], effect) for k, effect in enumerate(EFFECTS)}
+    alone = {effect: runs.share(needed(effect), effect) for effect in EFFECTS}
+    return Shares(added, alone, runs.error(EFFECTS, ()))
+
+
+def needed(effect: str) -> Effects:
+    """What must be there before an effect can."""
+    return tuple(_needed(effect))
+
+
+def _needed(effect: str) -> Iterator[str]:
+    if effect in NEEDS:
+        yield NEEDS[effect]
