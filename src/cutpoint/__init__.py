@@ -5,10 +5,11 @@ torque = robot.inverse_dynamics(q, v, a)
 log = cutpoint.simulate(robot, controller, trajectory)
 """
 
-from cutpoint import control, robots, trajectories
+from importlib import import_module
+from typing import TYPE_CHECKING, Any
+
 from cutpoint.errors import CutpointError, InputError, ModelError, SimulationError, TraceError
 from cutpoint.kernels import Kernel, compile
-from cutpoint.loading import load
 from cutpoint.mechanics.catalogue import CatalogueSpring
 from cutpoint.mechanics.compliance import Flexspline, LinearSpring
 from cutpoint.mechanics.friction import Coulomb, Stribeck
@@ -17,7 +18,11 @@ from cutpoint.mechanics.wave_generator import HarmonicSpring, WaveGenerator
 from cutpoint.model import Drive, Harmonic, Limits, Motor, Ratings, Rotor
 from cutpoint.robot import Robot
 from cutpoint.scalars import atan, clip, cos, exp, log, sin, sqrt, tan, tanh, where
-from cutpoint.simulation import Log, Sensors, State, simulate
+
+if TYPE_CHECKING:
+    from cutpoint import control, robots, trajectories
+    from cutpoint.loading import load
+    from cutpoint.simulation import Log, Sensors, State, simulate
 
 __version__ = "0.1.0"
 
@@ -27,3 +32,20 @@ __all__ = [
     "SimulationError", "State", "Stribeck", "TraceError", "WaveGenerator", "atan", "clip", "compile", "control", "cos",
     "exp", "load", "log", "robots", "simulate", "sin", "sqrt", "tan", "tanh", "trajectories", "where",
 ]  # fmt: skip
+
+_ROOMS = ("control", "formats", "robots", "simulation", "trajectories")
+_ELSEWHERE = {"load": "loading", **dict.fromkeys(("Log", "Sensors", "State", "simulate"), "simulation")}
+"""The modules of names that are imported at their first use: SciPy and the file formats cost more than all else."""
+
+
+def __getattr__(name: str) -> Any:
+    if name in _ROOMS:
+        return import_module(f"cutpoint.{name}")
+    if name not in _ELSEWHERE:
+        raise AttributeError(f"module 'cutpoint' has no attribute {name!r}")
+    found = globals()[name] = getattr(import_module(f"cutpoint.{_ELSEWHERE[name]}"), name)
+    return found
+
+
+def __dir__() -> list[str]:
+    return sorted({*globals(), *__all__})

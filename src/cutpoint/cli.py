@@ -3,7 +3,7 @@
 import sys
 import warnings
 from pathlib import Path
-from typing import Annotated, Any, Literal
+from typing import TYPE_CHECKING, Annotated, Any, Literal
 
 import numpy as np
 import typer
@@ -12,10 +12,11 @@ from rich.markup import escape
 
 import cutpoint
 from cutpoint.cli_tables import drive_table, error_table, listed_numbers, modes_table, robot_table, torque_table
-from cutpoint.control import Feedforward, pd_for_bandwidth
 from cutpoint.door import check_configuration, driven_joints
 from cutpoint.errors import CutpointError, InputError, SimulationError
-from cutpoint.simulation import Log
+
+if TYPE_CHECKING:
+    from cutpoint.simulation import Log
 
 app = typer.Typer(
     help="Dynamics, simulation and control of robots whose joints bend.",
@@ -84,6 +85,8 @@ def simulate(
     ] = None,
 ) -> None:
     """Move a robot along a cycloid, (57), under PD on its motors and feedforward, and report the errors."""
+    from cutpoint.control import Feedforward, pd_for_bandwidth
+
     _check_targets(output, plot)
     loaded = _robot(robot, drives, mimic)
     ends = {"start": _numbers(loaded, "from", start, degrees), "end": _numbers(loaded, "to", to, degrees)}
@@ -291,7 +294,7 @@ def _check_target(option: str, path: Path | None, kinds: tuple[str, ...]) -> Non
 
 def _cycle(
     robot: cutpoint.Robot, file: Path | None, ends: tuple[str, str], duration: float | None, degrees: bool
-) -> cutpoint.trajectories.Trajectory:
+) -> "cutpoint.trajectories.Trajectory":
     """The motion of a file, or a cycloid between two ends."""
     start, end = ends
     if file is not None:
@@ -305,7 +308,7 @@ def _cycle(
     return cutpoint.trajectories.cycloid(duration=duration, **places)
 
 
-def _keep(log: Log, output: Path | None, plot: Path | None) -> None:
+def _keep(log: "Log", output: Path | None, plot: Path | None) -> None:
     if output:
         log.save(output)
         console.print(f"log saved to {output}")

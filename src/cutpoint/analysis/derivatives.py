@@ -86,7 +86,8 @@ def slopes_along(machine: Machine, state: Sequence[Scalars], direction: Scalars)
     nv = machine.system.nv
     along = [*coordinate_rates(machine.system, state[0], direction[:nv]), *direction[nv:]]
     moving = iter(Jet(x, dx) for x, dx in zip(chain(*state), along, strict=True))
-    found = elastic_forward_dynamics(machine.system, machine.drives, *([next(moving) for _ in x] for x in state))
+    q, v, theta, theta_dot, torque = ([next(moving) for _ in x] for x in state)
+    found = elastic_forward_dynamics(machine.system, machine.drives, q, v, theta, theta_dot, torque)
     results = [*found.a, *found.theta_ddot]
     return Slopes([_part(x, 0) for x in results], [_part(x, 1) for x in results])
 

@@ -1,9 +1,14 @@
 """Files in and out: robots (URDF, xacro, MJCF) and what drives them (YAML), and the catalogue of drives."""
 
+from importlib import import_module
+from typing import TYPE_CHECKING, Any
+
 from cutpoint.formats.catalogue import catalogue_drive, catalogue_gear, catalogue_names, entry_of
 from cutpoint.formats.drives import drive_of, dump_drives, load_drives, parse_drives, save_drives
-from cutpoint.formats.mjcf import MjcfRobot, NotCarriedOver, load_mjcf, parse_mjcf
 from cutpoint.formats.urdf import DegreesWarning, MimicWarning, load_urdf, parse_urdf
+
+if TYPE_CHECKING:
+    from cutpoint.formats.mjcf import MjcfRobot, NotCarriedOver, load_mjcf, parse_mjcf
 
 __all__ = [
     "DegreesWarning",
@@ -24,3 +29,12 @@ __all__ = [
     "parse_urdf",
     "save_drives",
 ]
+
+_MJCF = ("MjcfRobot", "NotCarriedOver", "load_mjcf", "parse_mjcf")
+"""Imported at their first use: with SciPy's rotations they cost more than all else here."""
+
+
+def __getattr__(name: str) -> Any:
+    if name not in _MJCF:
+        raise AttributeError(f"module 'cutpoint.formats' has no attribute {name!r}")
+    return getattr(import_module("cutpoint.formats.mjcf"), name)

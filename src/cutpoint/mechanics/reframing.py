@@ -14,7 +14,7 @@ import numpy as np
 
 from cutpoint.mechanics import regrouping
 from cutpoint.mechanics.joints import Revolute
-from cutpoint.mechanics.regrouping import ROUNDING, pseudo_inertia, regrouped
+from cutpoint.mechanics.regrouping import NEGLIGIBLE, pseudo_inertia, regrouped, transformed
 from cutpoint.mechanics.spatial import Pose
 from cutpoint.model.mechanism import WORLD, Array, Body
 from cutpoint.scalars import Scalar
@@ -54,7 +54,7 @@ class RevoluteFrom(Revolute):
 def about_z(angle: float) -> Array:
     """(4, 4) turn about z, exact for quarter turns."""
     turn = np.eye(4)
-    c, s = (round(x) if abs(x - round(x)) < ROUNDING else x for x in (cos(angle), sin(angle)))
+    c, s = (round(x) if abs(x - round(x)) < NEGLIGIBLE else x for x in (cos(angle), sin(angle)))
     turn[:2, :2] = (c, -s), (s, c)
     return turn
 
@@ -76,13 +76,13 @@ def inverse(T: Array) -> Array:
 
 def joined(*factors: Array) -> Array:
     """Product of poses (4, 4), without what is only rounding; 1 and -1 where rounding hides them."""
-    product, size = factors[0], np.abs(factors[0])
-    for T in factors[1:]:
-        product, size = product @ T, size @ np.abs(T)
-    product = np.where(np.abs(product) <= ROUNDING * size, 0.0, product)
-    R = product[:3, :3]
-    R[np.abs(R - 1.0) <= ROUNDING] = 1.0
-    R[np.abs(R + 1.0) <= ROUNDING] = -1.0
+    product, reach = np.eye(4), 0.0
+    for T in factors:
+        product, reach = product @ T, reach + np.abs(T[:3, 3]).max()
+    R, p = product[:3, :3], product[:3, 3]
+    for whole in (-1.0, 0.0, 1.0):
+        R[np.abs(R - whole) <= NEGLIGIBLE] = whole
+    p[np.abs(p) <= NEGLIGIBLE * reach] = 0.0
     return product
 
 
@@ -134,12 +134,6 @@ class Tree:
         return total
 
 
-def transformed(T: Array, P: Array) -> Array:
-    """A pseudo-inertia in another frame: T P T^T, symmetric and without what is only rounding."""
-    Q = T @ P @ T.T
-    return regrouping.snapped((Q + Q.T) / 2, np.abs(T) @ np.abs(P) @ np.abs(T).T)
-
-
 def rotation_cost(R: Array, turning: bool) -> float:
     """Operations of turning R with the joint, and five vectors with both, about."""
     total = 0.0
@@ -160,9 +154,9 @@ def position_cost(T: Array, aligned: bool) -> float:
     p, z = T[:3, 3], T[:3, 2]
     if aligned:
         return 10.0 * np.count_nonzero(p)
-    if hypot(z[0], z[1]) > ROUNDING:
+    if hypot(z[0], z[1]) > NEGLIGIBLE:
         normal = np.array([-z[1], z[0], 0.0]) / hypot(z[0], z[1])
-        return 0.0 if abs(normal @ p) <= ROUNDING * np.abs(p).sum() else 10.0 * np.count_nonzero(np.abs(normal) > ROUNDING)
+        return 0.0 if abs(normal @ p) <= NEGLIGIBLE * np.abs(p).sum() else 10.0 * np.count_nonzero(np.abs(normal) > NEGLIGIBLE)
     return 10.0 * np.count_nonzero(p[:2])
 
 
@@ -188,7 +182,7 @@ def turns_of(tree: Tree, i: int) -> list[Array]:
     for k in tree.children[i]:
         T = tree.edges[k]
         z, p = T[:3, 2], T[:3, 3]
-        if hypot(z[0], z[1]) > ROUNDING:
+        if hypot(z[0], z[1]) > NEGLIGIBLE:
             angles.append(atan2(-z[0], z[1]))
         elif hypot(p[0], p[1]) > 0.0:
             angles.append(atan2(p[1], p[0]))
@@ -225,7 +219,7 @@ def feet(T: Array) -> list[Array]:
     z, p = T[:3, 2], T[:3, 3]
     across = z[0] ** 2 + z[1] ** 2
     level = [np.array([0.0, 0.0, p[2]])]
-    if across <= ROUNDING:
+    if across <= NEGLIGIBLE:
         return level
     along = -(p[0] * z[0] + p[1] * z[1]) / across
     return [np.array([0.0, 0.0, p[2] + along * z[2]]), *level]

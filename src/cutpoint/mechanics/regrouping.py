@@ -20,8 +20,8 @@ UNMOVED: dict[str, tuple[int, ...]] = {
 }  # fmt: skip
 """For each kind, which of the directions x, y, z and the origin (3) of its frame its motion leaves where they are."""
 
-ROUNDING = 16 * float(np.finfo(float).eps)
-"""A sum this small beside its largest terms is nothing but rounding."""
+NEGLIGIBLE = 1e-13
+"""A number this small beside 1, or beside others of its kind, is taken for 0."""
 
 
 def pseudo_inertia(body: Body) -> Array:
@@ -39,24 +39,39 @@ def regrouped(bodies: Sequence[Body], own: Sequence[Array], placements: Sequence
     own: in the frames of the bodies; placements (4, 4) of these frames in their carriers' at coordinate zero.
     What would go to the world stays: it costs nothing, and potential energy keeps its zero.
     """
-    P, sizes = [*own], [np.abs(M) for M in own]
+    P, sizes = [*own], [size_of(M) for M in own]
     for i, body in reversed([*enumerate(bodies)]):
         if body.parent != WORLD:
             part, T = np.ix_(UNMOVED[body.joint.kind], UNMOVED[body.joint.kind]), placements[i]
-            moved, size = np.zeros((4, 4)), np.zeros((4, 4))
-            moved[part], size[part] = P[i][part], sizes[i][part]
-            given = T @ moved @ T.T
-            borne, borne_size = P[body.parent] + given, sizes[body.parent] + np.abs(T) @ size @ np.abs(T).T
-            borne = snapped(borne, borne_size)
-            if cost(P[i] - moved) + cost(borne) <= cost(P[i]) + cost(P[body.parent]):
-                P[i] = P[i] - moved
-                P[body.parent], sizes[body.parent] = (borne + borne.T) / 2, borne_size
+            moved = np.zeros((4, 4))
+            moved[part] = P[i][part]
+            P[i] = P[i] - moved
+            sizes[body.parent] = sizes[body.parent] + seen_from(T, sizes[i])
+            P[body.parent] = snapped(P[body.parent] + T @ moved @ T.T, sizes[body.parent])
     return P
 
 
+def transformed(T: Array, P: Array) -> Array:
+    """The same body in another frame: T P T^T."""
+    return snapped(T @ P @ T.T, seen_from(T, size_of(P)))
+
+
 def snapped(P: Array, size: Array) -> Array:
-    """Zero where sums of terms of this size have left nothing but rounding."""
-    return np.where(np.abs(P) <= ROUNDING * size, 0.0, P)
+    """Symmetric, and zero where an entry is nothing beside a body of this size."""
+    P = (P + P.T) / 2
+    sigma = np.sqrt([size[0], size[0], size[0], size[1]])
+    return np.where(np.abs(P) <= NEGLIGIBLE * np.outer(sigma, sigma), 0.0, P)
+
+
+def size_of(P: Array) -> Array:
+    """(2,): the trace of the second moment, kg m2, and the mass, kg."""
+    return np.array([np.abs(np.diag(P)[:3]).sum(), abs(P[3, 3])])
+
+
+def seen_from(T: Array, size: Array) -> Array:
+    """The size at most in a frame in which the body's own has the pose T."""
+    trace, mass = size
+    return np.array([(np.sqrt(trace) + np.linalg.norm(T[:3, 3]) * np.sqrt(mass)) ** 2, mass])
 
 
 def cost(P: Array) -> int:

@@ -81,6 +81,7 @@ def drive_with(nominal: Drive, gear: str, on: Collection[str]) -> Drive:
         link_friction=None,
         motor_friction=ElastoPlastic(friction, DISTANCE, BRISTLE_DAMPING, ELASTIC) if PRESLIDING in on else friction,
         motor=motor_with(maker, on),
+        ratings=maker.ratings,
     )
 
 

@@ -1,0 +1,125 @@
+"""Torque read from two encoders, one on either side of a drive: how far off it can be, and by what."""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from cutpoint.errors import InputError
+from cutpoint.mechanics.harmonic_drive import deflection
+from cutpoint.model.drive import Drive
+from cutpoint.robot import Robot
+from cutpoint.simulation.sensors import Sensors
+
+Array = NDArray[np.float64]
+
+COVERED = 3.2905
+"""Standard deviations within which 99.9 % of a normal distribution lie."""
+
+
+@dataclass(frozen=True, eq=False)
+class TorqueBound:
+    """What parts can make a reading wrong by, each (..., drives), N m (N), and all together.
+
+    resolution: of both encoders, half a step each.  noise: of both, 99.9 % of it.  hysteresis: the elements beside the
+    spring, which no encoder shows.  damping: of the spring, at the fastest winding that was stated.
+    """
+
+    resolution: Array
+    noise: Array
+    hysteresis: Array
+    damping: Array
+
+    @property
+    def total(self) -> Array:
+        """The sum: what at least 99.9 % of readings keep to."""
+        return self.resolution + self.noise + self.hysteresis + self.damping
+
+    @property
+    def largest_part(self) -> list[str]:
+        """For each drive the part that limits its reading most, on average."""
+        parts = {name: np.atleast_2d(part).mean(axis=0) for name, part in vars(self).items()}
+        return [max(parts, key=lambda name: parts[name][k]) for k in range(self.total.shape[-1])]
+
+
+def torque_bound(
+    robot: Robot,
+    theta: ArrayLike,
+    q: ArrayLike,
+    sensors: Sensors,
+    *,
+    winding_speed: ArrayLike = 0.0,
+    record: bool = False,
+) -> TorqueBound:
+    """How far `Robot.drive_torque(theta, q)` can be from what the drives exert on their links.
+
+    The robot's drives must be those of the machine: what a wrong stiffness or an unknown kinematic error does is not in
+    it.  A rigid drive is not read, and its bound is 0.
+
+    Args:
+        theta, q: what the encoders show, (..., drives), rad (m) at the joint's side.
+        sensors: the encoders' steps and noise; their delay does not count, both sides have it.
+        winding_speed: how fast deflections may change, rad/s, of any shape that fits; it matters to damped springs.
+        record: whether the readings (N, drives) are those of one motion that began without a past: then no element of
+            hysteresis is strained further than the deflection has come so far.
+
+    Raises:
+        InputError: a floating base, or shapes that do not fit.
+    """
+    drives = [*robot.drives.values()]
+    theta, q = np.broadcast_arrays(np.asarray(theta, np.float64), np.asarray(q, np.float64))
+    if robot.nq != len(drives) or theta.shape[-1:] != (len(drives),):
+        raise InputError(
+            f"torque_bound: theta and q have shape {theta.shape}, their last axis must be the {len(drives)} drives; "
+            f"the robot has {robot.nq} coordinates"
+        )
+    steps = [_each(x, len(drives)) / 2 for x in (sensors.motor_resolution, sensors.link_resolution)]
+    sigmas = [_each(x, len(drives)) for x in (sensors.motor_noise, sensors.link_noise)]
+    fastest = np.broadcast_to(np.asarray(winding_speed, np.float64), theta.shape)
+    parts = [np.zeros(theta.shape) for _ in range(4)]
+    for k, drive in enumerate(drives):
+        if drive.compliance is None:
+            continue
+        passed = 1.0 + (drive.kinematic_error.steepest(drive.ratio) if drive.kinematic_error else 0.0)
+        angle = passed * steps[0][k] + steps[1][k]
+        spread = COVERED * np.hypot(passed * sigmas[0][k], sigmas[1][k])
+        wound = deflection(drive, theta[..., k], q[..., k])
+        stiffness = _stiffest(drive, wound, angle + spread)
+        come = np.maximum.accumulate(np.abs(wound - wound[0])) + 2 * (angle + spread) if record else np.inf
+        parts[0][..., k], parts[1][..., k] = stiffness * angle, stiffness * spread
+        parts[2][..., k] = sum(s * np.minimum(r, come) for s, r in _elements(drive))
+        parts[3][..., k] = (drive.damping or 0.0) * fastest[..., k]
+    resolution, noise, hysteresis, damping = parts
+    return TorqueBound(resolution, noise, hysteresis, damping)
+
+
+def followed_hysteresis(robot: Robot, theta: ArrayLike, q: ArrayLike) -> Array:
+    """What the elements beside the springs add along a recorded motion (N, drives), N m, from rest without a past.
+
+    Added to `Robot.drive_torque` it takes hysteresis out of the reading, as far as its model is that of the machine.
+    """
+    theta, q = np.asarray(theta, np.float64), np.asarray(q, np.float64)
+    found = np.zeros(theta.shape)
+    for k, drive in enumerate(robot.drives.values()):
+        if drive.hysteresis is None:
+            continue
+        wound = deflection(drive, theta[:, k], q[:, k])
+        strains = tuple(0.0 for _ in drive.hysteresis.reach)
+        for sample, displacement in enumerate(np.diff(wound, prepend=wound[:1])):
+            strains = drive.hysteresis.strains(strains, displacement)
+            found[sample, k] = drive.hysteresis.torque(strains)
+    return found
+
+
+def _stiffest(drive: Drive, wound: Array, off: float) -> Array:
+    """The largest stiffness that a deflection may meet, within an error of it."""
+    assert drive.compliance is not None
+    return np.maximum(drive.compliance.tangent(wound - off), drive.compliance.tangent(wound + off))
+
+
+def _elements(drive: Drive) -> list[tuple[float, float]]:
+    return [*zip(drive.hysteresis.stiffness, drive.hysteresis.reach, strict=True)] if drive.hysteresis else []
+
+
+def _each(value: ArrayLike | None, count: int) -> Array:
+    return np.broadcast_to(np.asarray(0.0 if value is None else value, np.float64), count)

@@ -1,0 +1,80 @@
+"""Torque from two encoders: the bound covers, and is not idle."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+import cutpoint
+from cutpoint import InputError, Sensors, simulate
+from cutpoint.analysis import followed_hysteresis, torque_bound
+from cutpoint.control import PD, Feedforward
+from cutpoint.mechanics.catalogue import CatalogueSpring
+from cutpoint.mechanics.hysteresis import MaxwellSlip
+from cutpoint.mechanics.kinematic_error import KinematicError
+from cutpoint.mechanics.presliding import ElastoPlastic
+from cutpoint.model import Harmonic, Motor
+from robot_library import robot
+
+SPRING = CatalogueSpring(10e3, 14e3, 16e3, 3.9, 12.0)
+PARTS = {
+    "everything": {
+        "compliance": SPRING,
+        "damping": 2.0,
+        "hysteresis": MaxwellSlip.smooth(1.4, 2.9e-4),
+        "kinematic_error": KinematicError((Harmonic(2, 1.5e-4, 0.4),)),
+        "motor_friction": ElastoPlastic(cutpoint.Coulomb(1.5, 3.0, 0.02, per_load=0.1), 3e-4, 3.0, 0.7),
+        "motor": Motor(0.1, bandwidth=500.0, ripple=(Harmonic(12, 0.02),), cogging=(Harmonic(24, 0.004),)),
+    },
+    "no hysteresis": {"compliance": SPRING, "kinematic_error": KinematicError((Harmonic(2, 1.5e-4, 0.4),))},
+}
+ENCODERS = {
+    "17 bits on the link": Sensors(link_resolution=2 * np.pi / 2**17, motor_resolution=2 * np.pi / 2**13 / 100),
+    "alike and noisy": Sensors(
+        link_resolution=2 * np.pi / 2**20, motor_resolution=2 * np.pi / 2**20, link_noise=2e-6, motor_noise=1e-6
+    ),
+}
+
+
+def recorded(parts: str, encoders: str) -> tuple[cutpoint.Robot, cutpoint.Log]:
+    arm = robot("xia2019")
+    arm = arm.with_drives({name: replace(drive, **PARTS[parts]) for name, drive in arm.drives.items()})
+    move = cutpoint.trajectories.cycloid(end=np.radians([90, 60, 60, 90, 60, 90]), duration=3.0)
+    law = PD([2e3, 2e3, 1e3, 500, 300, 200], [60, 60, 35, 20, 12, 10]) + Feedforward(arm)
+    return arm, simulate(arm, law, move, sensors=ENCODERS[encoders])
+
+
+@pytest.mark.parametrize("encoders", ENCODERS)
+@pytest.mark.parametrize("parts", PARTS)
+def test_the_bound_covers_999_of_1000_readings_and_is_hardly_larger_than_it_must_be(parts, encoders):
+    arm, log = recorded(parts, encoders)
+    theta, q = log["measured_theta"], log["measured_q"]
+    speed = np.abs(log["theta_dot"] - log["v"]) + 2e-3  # two encoders' speeds, and what they may be off by
+    bound = torque_bound(arm, theta, q, ENCODERS[encoders], winding_speed=speed, record=True)
+    share = np.abs(arm.drive_torque(theta, q) - log["joint_torque"]) / bound.total
+    assert (share < 1).mean() >= 0.999
+    for k in range(6):
+        assert np.percentile(share[:, k], 99.9) > 1 / 1.5
+
+
+def test_following_the_elements_takes_hysteresis_out_of_the_reading():
+    encoders = "alike and noisy"
+    arm, log = recorded("everything", encoders)
+    theta, q = log["measured_theta"], log["measured_q"]
+    read = arm.drive_torque(theta, q)
+    plain, followed = read - log["joint_torque"], read + followed_hysteresis(arm, theta, q) - log["joint_torque"]
+    assert np.abs(followed[:, :3]).max() < 0.5 * np.abs(plain[:, :3]).max()
+    assert torque_bound(arm, theta, q, ENCODERS[encoders]).largest_part == ["hysteresis"] * 6
+
+
+def test_a_rigid_drive_is_not_read():
+    arm = robot("xia2019").with_drives({"joint3": cutpoint.Drive()})
+    bound = torque_bound(arm, np.zeros((5, 6)), np.zeros(6), Sensors(link_resolution=1e-4))
+    assert bound.total.shape == (5, 6)
+    assert (bound.total[:, 2] == 0).all()
+    assert (bound.total[:, [0, 1, 3, 4, 5]] > 0).all()
+
+
+def test_shapes_that_do_not_fit_are_refused():
+    with pytest.raises(InputError, match=r"last axis must be the 6 drives"):
+        torque_bound(robot("xia2019"), np.zeros(5), np.zeros(5), Sensors())
