@@ -21,6 +21,7 @@ PARTS = {
     "everything": {
         "compliance": SPRING,
         "damping": 2.0,
+        "link_friction": ElastoPlastic(cutpoint.Stribeck(0.5, 1.5, 0.2, 0.1, 0.02), 2e-4, 4.0, 0.7),
         "hysteresis": MaxwellSlip.smooth(1.4, 2.9e-4),
         "kinematic_error": KinematicError((Harmonic(2, 1.5e-4, 0.4),)),
         "motor_friction": ElastoPlastic(cutpoint.Coulomb(1.5, 3.0, 0.02, per_load=0.1), 3e-4, 3.0, 0.7),
@@ -53,7 +54,11 @@ def test_the_bound_covers_999_of_1000_readings_and_is_hardly_larger_than_it_must
     bound = torque_bound(arm, theta, q, ENCODERS[encoders], winding_speed=speed, record=True)
     share = np.abs(arm.drive_torque(theta, q) - log["joint_torque"]) / bound.total
     assert (share < 1).mean() >= 0.999
-    for k in range(6):
+    assert np.percentile(share, 99.9) > 1 / 1.5
+    step = SPRING.k3 * np.max(ENCODERS[encoders].link_resolution)
+    shown = [k for k in range(6) if np.ptp(log["joint_torque"][:, k]) > 10 * step]
+    assert len(shown) >= 5
+    for k in shown:  # the sixth carries hardly more than a step of 17 bits
         assert np.percentile(share[:, k], 99.9) > 1 / 1.5
 
 

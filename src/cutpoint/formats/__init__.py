@@ -3,11 +3,11 @@
 from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
-from cutpoint.formats.catalogue import catalogue_drive, catalogue_gear, catalogue_names, entry_of
 from cutpoint.formats.drives import drive_of, dump_drives, load_drives, parse_drives, save_drives
 from cutpoint.formats.urdf import DegreesWarning, MimicWarning, load_urdf, parse_urdf
 
 if TYPE_CHECKING:
+    from cutpoint.formats.catalogue import catalogue_drive, catalogue_gear, catalogue_names, entry_of
     from cutpoint.formats.mjcf import MjcfRobot, NotCarriedOver, load_mjcf, parse_mjcf
 
 __all__ = [
@@ -30,11 +30,14 @@ __all__ = [
     "save_drives",
 ]
 
-_MJCF = ("MjcfRobot", "NotCarriedOver", "load_mjcf", "parse_mjcf")
-"""Imported at their first use: with SciPy's rotations they cost more than all else here."""
+_ELSEWHERE = {
+    **dict.fromkeys(("catalogue_drive", "catalogue_gear", "catalogue_names", "entry_of"), "catalogue"),
+    **dict.fromkeys(("MjcfRobot", "NotCarriedOver", "load_mjcf", "parse_mjcf"), "mjcf"),
+}
+"""The modules of names that are imported at their first use: with SciPy they cost more than all else here."""
 
 
 def __getattr__(name: str) -> Any:
-    if name not in _MJCF:
+    if name not in _ELSEWHERE:
         raise AttributeError(f"module 'cutpoint.formats' has no attribute {name!r}")
-    return getattr(import_module("cutpoint.formats.mjcf"), name)
+    return getattr(import_module(f"cutpoint.formats.{_ELSEWHERE[name]}"), name)

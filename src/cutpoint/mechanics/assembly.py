@@ -9,7 +9,7 @@ from dataclasses import replace
 import numpy as np
 
 from cutpoint.mechanics.joints import Floating, Helical, JointKind, Planar, Prismatic, Revolute, Spherical
-from cutpoint.mechanics.reframing import Framing, RevoluteFrom, framing_of, inverse
+from cutpoint.mechanics.reframing import Framing, RevoluteFrom, fallen, framing_of, inverse
 from cutpoint.mechanics.rotors import Spin, axis_of, standing_still
 from cutpoint.mechanics.spatial import Inertia, Mat3, Pose, Vec3
 from cutpoint.mechanics.system import Follower, Place, Segment, System
@@ -46,7 +46,7 @@ def system_of(
         placement = pose_of(given.placements[i])
         segments[body.joint.name] = Segment(body.name, body.parent, placement, kind, inertia, q, v, axes, follower)
     frames = {f.name: Place(f.body, pose_of(_seen(given, f.body, f.placement))) for f in mechanism.frames.values()}
-    gravity = vec3(given.world[:3, :3].T @ mechanism.gravity)
+    gravity = vec3(fallen(given.world, mechanism.gravity) if framing else mechanism.gravity)
     system = System(tuple(segments.values()), gravity, frames, nq, nv, (0,) * nv)
     seats = {
         body.joint.name: pose_of(_seen(given, body.parent, body.placement @ turn))

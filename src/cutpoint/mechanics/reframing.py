@@ -126,11 +126,11 @@ class Tree:
         if self.bodies[i].parent != WORLD:
             P[part] = 0.0
         total = float(regrouping.cost(P))
-        for k in (i, *self.children[i]):
+        within = [i] if self.bodies[i].parent != WORLD else []
+        for k in (*within, *self.children[i]):
             T, zero = best_zero(self.edge(k), self.bodies[k].joint.kind)
             total += (zero != 0.0) + rotation_cost(T[:3, :3], self.bodies[k].joint.kind in TURNING)
-            if k != i or self.bodies[i].parent != WORLD:
-                total += position_cost(T, aligned)
+            total += position_cost(T, aligned)
         return total
 
 
@@ -201,16 +201,15 @@ def shifts_of(tree: Tree, i: int) -> list[Array]:
     turn = tree.moves[i].copy()
     turn[:3, 3] = 0.0
     tree.moves[i] = turn
-    steps = [np.zeros(3)]
+    back = inverse(tree.edge(i))
+    steps = feet(back)[:1]
     for k in tree.children[i]:
         steps += feet(tree.edge(k))
-        if tree.bodies[i].joint.kind == "prismatic":
-            steps.append(tree.edge(k)[:3, 3])
-    T = inverse(tree.edge(i))
-    steps += feet(T)
+    steps += [*feet(back)[1:], np.zeros(3)]
     if tree.bodies[i].joint.kind == "prismatic":
         P = transformed(turn.T, tree.inertias[i])
-        steps += [T[:3, 3], *([P[:3, 3] / P[3, 3]] if P[3, 3] else [])]
+        steps += [T[:3, 3] for T in (back, *(tree.edge(k) for k in tree.children[i]))]
+        steps += [P[:3, 3] / P[3, 3]] if P[3, 3] else []
     return [turn @ shift(by) for by in steps]
 
 
@@ -233,14 +232,34 @@ def framing_of(bodies: Sequence[Body], turns: Sequence[Array], gravity: Array) -
         tree.best(i, turns_of(tree, i), aligned=False)
     for i in (*movable, *movable):
         tree.best(i, shifts_of(tree, i), aligned=True)
-    placements, zeros = [], []
-    for i, b in enumerate(bodies):
-        T, zero = best_zero(tree.edge(i), b.joint.kind)
-        placements.append(T)
-        zeros.append(zero)
+    tree.world = turn_of_world(tree, gravity)
+    placements, zeros = map(list, zip(*(best_zero(tree.edge(i), b.joint.kind) for i, b in enumerate(bodies)), strict=True))
     own = [transformed(inverse(m), P) for m, P in zip(tree.moves, tree.own, strict=True)]
     # at coordinate zero the joint has turned by its constant already
     still = [T @ about_z(zero) for T, zero in zip(placements, zeros, strict=True)]
     inertias = regrouped(bodies, own, still)
     frames = [turn @ move for turn, move in zip(turns, tree.moves, strict=True)]
     return Framing(tree.world, frames, placements, zeros, inertias)
+
+
+def turn_of_world(tree: Tree, gravity: Array) -> Array:
+    """(4, 4): as it is, or along the frame of a body on the world, whose turn then vanishes."""
+    roots = [i for i, b in enumerate(tree.bodies) if b.parent == WORLD]
+    candidates = [np.eye(4)]
+    for i in roots:
+        turn = tree.edge(i)
+        turn[:3, 3] = 0.0
+        candidates.append(turn)
+    costs = []
+    for tree.world in candidates:
+        found = [best_zero(tree.edge(i), tree.bodies[i].joint.kind) for i in roots]
+        kinds = [tree.bodies[i].joint.kind in TURNING for i in roots]
+        turned = sum(rotation_cost(T[:3, :3], kind) + (zero != 0.0) for (T, zero), kind in zip(found, kinds, strict=True))
+        costs.append(turned + 10 * np.count_nonzero(fallen(tree.world, gravity)))
+    return candidates[int(np.argmin(costs))]
+
+
+def fallen(world: Array, gravity: Array) -> Array:
+    """Gravity (3,) along the axes of a turned world."""
+    g = world[:3, :3].T @ gravity
+    return np.where(np.abs(g) <= NEGLIGIBLE * np.linalg.norm(g), 0.0, g)
