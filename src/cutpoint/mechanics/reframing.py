@@ -244,7 +244,7 @@ def framing_of(bodies: Sequence[Body], turns: Sequence[Array], gravity: Array) -
 
 def turn_of_world(tree: Tree, gravity: Array) -> Array:
     """(4, 4): as it is, or along the frame of a body on the world, whose turn then vanishes."""
-    roots = [i for i, b in enumerate(tree.bodies) if b.parent == WORLD]
+    roots = [i for i, b in enumerate(tree.bodies) if b.parent == WORLD and b.joint.kind != "prismatic"]
     candidates = [np.eye(4)]
     for i in roots:
         turn = tree.edge(i)
@@ -253,8 +253,7 @@ def turn_of_world(tree: Tree, gravity: Array) -> Array:
     costs = []
     for tree.world in candidates:
         found = [best_zero(tree.edge(i), tree.bodies[i].joint.kind) for i in roots]
-        kinds = [tree.bodies[i].joint.kind in TURNING for i in roots]
-        turned = sum(rotation_cost(T[:3, :3], kind) + (zero != 0.0) for (T, zero), kind in zip(found, kinds, strict=True))
+        turned = sum(rotation_cost(T[:3, :3], True) + (zero != 0.0) for T, zero in found)
         costs.append(turned + 10 * np.count_nonzero(fallen(tree.world, gravity)))
     return candidates[int(np.argmin(costs))]
 

@@ -7,43 +7,45 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from cutpoint.studies.paper.effects_runs import Share, Shares
-from cutpoint.studies.report.page import number
-from cutpoint.studies.style import FAINT, LINK, MOTOR, WIDTH
+from cutpoint.studies.style import LINK, MOTOR, WIDTH
 
-_LEAST = 1e-2
-"""Where the logarithmic axis begins, 1e-3 deg; what grows by less has no bar, and its number beside the axis."""
+_LEAST, _MOST = 1e-2, 3e3
+"""Ends of the logarithmic axis, 1e-3 deg; what grows by less than the one, or falls, has its number and no bar."""
 
-_HIGH = 0.36
+_HEIGHT = 0.36
+_NAMES = ("feedforward does not know it", "feedforward knows it")
 
 
 def figure(shares: Shares) -> Figure:
     shown = Figure(figsize=(WIDTH, 5.4), layout="constrained")
-    left, right = shown.subplots(1, 2, sharey=True, sharex=True)
-    _bars(left, shares.added)
-    _bars(right, shares.alone)
-    left.set(title="(a) added to those above", yticks=range(len(shares.added)), yticklabels=[*shares.added])
+    left, right = shown.subplots(1, 2, sharey=True)
+    for axes, title, found in ((left, "(a) added to those above", shares.added), (right, "(b) alone", shares.alone)):
+        _bars(axes, found)
+        axes.set_title(title)
+    left.set_yticks(range(len(shares.added)), [*shares.added])
     left.invert_yaxis()
-    right.set(title="(b) alone")
     shown.supxlabel("growth of the arm's RMS tracking error [$10^{-3}$ deg]", fontsize=12)
-    handles = [left.containers[0], left.containers[1]]
-    shown.legend(handles, ["feedforward does not know it", "feedforward knows it"], loc="outside upper right", ncols=2)
+    shown.legend([*left.containers], _NAMES, loc="outside upper right", ncols=2)
     return shown
 
 
 def _bars(axes: Axes, shares: Mapping[str, Share]) -> None:
-    at = np.arange(len(shares))
     costs = 1e3 * np.array([share.costs for share in shares.values()])
-    for costs_so, colour, aside in zip(costs.T, (LINK, MOTOR), (-_HIGH / 2, _HIGH / 2), strict=True):
-        axes.barh(at + aside, np.maximum(costs_so, _LEAST), height=_HIGH, color=colour)
-        for y, cost in zip(at + aside, costs_so, strict=True):
-            end = (max(cost, _LEAST), float(y))
-            text = f"{cost:.3g}".replace("-", "−") if abs(cost) >= 1e-3 else "0"
-            axes.annotate(text, end, (4, 0), textcoords="offset points", va="center", fontsize=10)
-    axes.set(xscale="log", xlim=(_LEAST, 3e3))
+    for growth, colour, aside in zip(costs.T, (LINK, MOTOR), (-_HEIGHT / 2, _HEIGHT / 2), strict=True):
+        at, length = np.arange(len(growth)) + aside, np.maximum(growth, _LEAST)
+        axes.barh(at, length, height=_HEIGHT, color=colour)
+        for y, end, value in zip(at, length, growth, strict=True):
+            where = {"textcoords": "offset points", "va": "center", "fontsize": 10}
+            axes.annotate(_short(value), (float(end), float(y)), (4, 0), **where)
+    axes.set(xscale="log", xlim=(_LEAST, _MOST))
+    axes.set_axisbelow(True)
+    axes.minorticks_off()
     axes.grid(visible=False, axis="y")
-    axes.grid(visible=False, which="minor")
-    axes.spines["left"].set_color(FAINT)
     axes.tick_params(axis="y", length=0, labelsize=11)
 
 
-__all__ = ["figure", "number"]
+def _short(value: float) -> str:
+    """Two digits, as far as they are worth it."""
+    if abs(value) < 0.1 * _LEAST:
+        return "0"
+    return f"{float(f'{value:.2g}'):g}".replace("-", "−")

@@ -23,6 +23,7 @@ from cutpoint.studies.paper.effects_drives import (
     GEARS,
     LEANING,
     PRESLIDING,
+    TEMPERATURE,
     drive_with,
 )
 from cutpoint.studies.paper.effects_waves import kinematic_error, spectrum_of_torque, spectrum_of_tracking, torque_waves
@@ -106,8 +107,8 @@ def stribeck_curve(axes: Axes, law: Stribeck) -> None:
     axes.plot(speed, replace(law, asymmetry=LEANING).torque(speed), color=SPRING, lw=1.1, ls=_DASHES, label=leaning)
     for text, at, where in (
         ("breakaway", float(speed[torque.argmax()]), (0.2, 3.25)),
-        ("falls: Stribeck effect", 0.17, (0.27, 2.2)),
-        ("rises: viscous", 0.6, (0.4, 1.3)),
+        ("Stribeck effect", 0.17, (0.27, 2.2)),
+        ("viscous", 0.6, (0.5, 1.3)),
     ):
         axes.annotate(text, (at, float(law.torque(at))), where, arrowprops=_LEADER, va="center", fontsize=11)
     axes.legend(loc="upper left", fontsize=10, handlelength=1.6)
@@ -115,19 +116,19 @@ def stribeck_curve(axes: Axes, law: Stribeck) -> None:
 
 
 def gear_friction(axes: Axes, nominal: Drive) -> None:
-    """Warm at each of the loads; cold at the largest."""
+    """Warm under each of the loads; cold without."""
     speed = np.linspace(-1.0, 1.0, 1601)
     warm, cold = (
         drive_with(nominal, GEARS[SHOWN], (FRICTION, ASYMMETRY, *more)).motor_friction for more in ((), (COLD,))
     )
     assert warm is not None and cold is not None
-    lines = [(warm, load, MOTOR, shade, "-") for load, shade in zip(LOADS, (0.4, 0.7, 1.0), strict=True)]
     _cross(axes)
-    for law, load, colour, shade, dashes in (*lines, (cold, LOADS[0], SPRING, 1.0, _DASHES)):
-        axes.plot(speed, law.torque(speed, load), color=colour, alpha=shade, ls=dashes)
-        name = f"{load:.0f} N m" if law is warm else f"{load:.0f}, cold"
-        end = (1.0, float(law.torque(1.0, load)))
-        axes.annotate(name, end, (4, 0), textcoords="offset points", color=colour, alpha=shade, va="center", fontsize=10)
+    for load, shade in zip(LOADS, (0.4, 0.7, 1.0), strict=True):
+        label = f"under {load:.0f} N m" if load else "without load"
+        axes.plot(speed, warm.torque(speed, load), color=MOTOR, alpha=shade, label=label)
+    axes.plot(speed, cold.torque(speed), color=SPRING, ls=_DASHES, label=f"without load, {TEMPERATURE:.0f} °C")
+    handles, labels = axes.get_legend_handles_labels()
+    axes.legend([handles[k] for k in (2, 1, 0, 3)], [labels[k] for k in (2, 1, 0, 3)], fontsize=10, handlelength=1.6)
     axes.set(title="(c) gear friction by load", xlabel="joint speed [rad/s]", ylabel="friction [N m]", xlim=(-1, 1))
 
 

@@ -30,7 +30,7 @@ def kinematic_error(axes: Axes, drive: Drive) -> None:
     axes.axhspan(-half, half, color=MOTOR_FILL, lw=0, alpha=0.6)
     axes.plot(np.degrees(angle), error, color=MOTOR)
     axes.annotate("", (90, half), (90, -half), arrowprops={"arrowstyle": "<->", "color": FORCE, "lw": 0.9})
-    axes.text(98, -0.62 * half, f"{2 * half:.2g} arcmin", color=FORCE, va="center")
+    axes.text(98, 0.35 * half, f"{2 * half:.2g} arcmin", color=FORCE, va="center")
     axes.set(title="(e) kinematic error", xlabel="turn of the wave generator [deg]", ylabel="error [arcmin]")
     axes.set(xticks=range(0, 361, 90), xlim=(0, 360), ylim=(-1.4 * half, 1.4 * half))
 
@@ -41,7 +41,7 @@ def spectrum_of_tracking(axes: Axes, tracking: Mapping[str, Log], joint: int, ra
         order, amplitude = by_order(log["theta"][:, joint] * ratio, log["position_error"][:, joint])
         seen = order <= ORDERS
         axes.semilogy(order[seen], 1e3 * np.rad2deg(amplitude[seen]), color=colour, lw=1.2, label=name)
-    axes.set(title="(f) what it leaves of joint 2's tracking", xlabel="waves a turn of the wave generator")
+    axes.set(title="(f) tracking error that it leaves, joint 2", xlabel="waves a turn of the wave generator")
     axes.set(ylabel="error [$10^{-3}$ deg]", xlim=(0, ORDERS), ylim=(1e-5, None), xticks=range(0, int(ORDERS) + 1, 2))
     axes.grid(visible=False, which="minor")
     axes.legend(loc="upper right")
