@@ -3,10 +3,10 @@
 import cutpoint
 
 PACKAGE = """
-    CatalogueSpring Coulomb CutpointError Drive Flexspline Harmonic HarmonicSpring InputError Kernel
-    KinematicError Limits LinearSpring Log ModelError Robot Rotor Sensors SimulationError State Stribeck
-    TraceError WaveGenerator atan clip compile control cos exp load log robots simulate sin sqrt tan tanh
-    trajectories where
+    Backlash CatalogueSpring Coulomb CutpointError Drive ElastoPlastic Flexspline Grease Harmonic HarmonicSpring
+    InputError Kernel KinematicError Limits LinearSpring Log LuGre MaxwellSlip ModelError Motor Ratings Robot
+    Rotor Sensors SimulationError State Stribeck TraceError WaveGenerator atan clip compile control cos
+    derivatives exp load log robots simulate sin sqrt tan tanh trajectories where
 """
 
 ROBOT = """

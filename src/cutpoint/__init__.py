@@ -10,30 +10,34 @@ from typing import TYPE_CHECKING, Any
 
 from cutpoint.errors import CutpointError, InputError, ModelError, SimulationError, TraceError
 from cutpoint.kernels import Kernel, compile
+from cutpoint.mechanics.backlash import Backlash
 from cutpoint.mechanics.catalogue import CatalogueSpring
 from cutpoint.mechanics.compliance import Flexspline, LinearSpring
-from cutpoint.mechanics.friction import Coulomb, Stribeck
+from cutpoint.mechanics.friction import Coulomb, Grease, Stribeck
+from cutpoint.mechanics.hysteresis import MaxwellSlip
 from cutpoint.mechanics.kinematic_error import KinematicError
+from cutpoint.mechanics.presliding import ElastoPlastic, LuGre
 from cutpoint.mechanics.wave_generator import HarmonicSpring, WaveGenerator
 from cutpoint.model import Drive, Harmonic, Limits, Motor, Ratings, Rotor
 from cutpoint.robot import Robot
 from cutpoint.scalars import atan, clip, cos, exp, log, sin, sqrt, tan, tanh, where
 
 if TYPE_CHECKING:
-    from cutpoint import control, robots, trajectories
+    from cutpoint import control, derivatives, robots, trajectories
     from cutpoint.loading import load
     from cutpoint.simulation import Log, Sensors, State, simulate
 
 __version__ = "0.1.0"
 
 __all__ = [
-    "CatalogueSpring", "Coulomb", "CutpointError", "Drive", "Flexspline", "Harmonic", "HarmonicSpring", "InputError",
-    "Kernel", "KinematicError", "Limits", "LinearSpring", "Log", "ModelError", "Robot", "Rotor", "Sensors",
-    "SimulationError", "State", "Stribeck", "TraceError", "WaveGenerator", "atan", "clip", "compile", "control", "cos",
+    "Backlash", "CatalogueSpring", "Coulomb", "CutpointError", "Drive", "ElastoPlastic", "Flexspline", "Grease",
+    "Harmonic", "HarmonicSpring", "InputError", "Kernel", "KinematicError", "Limits", "LinearSpring", "Log",
+    "LuGre", "MaxwellSlip", "ModelError", "Motor", "Ratings", "Robot", "Rotor", "Sensors", "SimulationError",
+    "State", "Stribeck", "TraceError", "WaveGenerator", "atan", "clip", "compile", "control", "cos", "derivatives",
     "exp", "load", "log", "robots", "simulate", "sin", "sqrt", "tan", "tanh", "trajectories", "where",
 ]  # fmt: skip
 
-_ROOMS = ("control", "formats", "robots", "simulation", "trajectories")
+_ROOMS = ("control", "derivatives", "formats", "robots", "simulation", "trajectories")
 _ELSEWHERE = {"load": "loading", **dict.fromkeys(("Log", "Sensors", "State", "simulate"), "simulation")}
 """The modules of names that are imported at their first use: SciPy and the file formats cost more than all else."""
 

@@ -1,11 +1,16 @@
 """What the command line prints: tables of robots, drives, torques and errors."""
 
+from dataclasses import is_dataclass
+
 import numpy as np
 from numpy.typing import NDArray
 from rich.table import Table
 
 from cutpoint.analysis import Modes
 from cutpoint.errors import InputError
+from cutpoint.mechanics.hysteresis import MaxwellSlip
+from cutpoint.mechanics.kinematic_error import KinematicError
+from cutpoint.model.drive import Drive
 from cutpoint.robot import ElasticTorques, Robot
 from cutpoint.simulation import Log
 
@@ -48,12 +53,30 @@ def drive_table(robot: Robot) -> Table:
         "compliance",
         "link friction",
         "motor friction",
+        "also",
     )
     for name, drive in robot.drives.items():
         rotor = f"{drive.reflected_inertia:.4g}" if drive.rotor else "-"
         laws = (_law(drive.compliance) or "rigid", _law(drive.link_friction) or "-", _law(drive.motor_friction) or "-")
-        table.add_row(name, f"{drive.ratio:g}", rotor, *laws)
+        table.add_row(name, f"{drive.ratio:g}", rotor, *laws, _also(drive) or "-")
     return table
+
+
+def _also(drive: Drive) -> str:
+    """What else a drive has, one a line."""
+    parts = []
+    if drive.damping:
+        parts.append(f"damping {drive.damping:.4g}")
+    if isinstance(drive.hysteresis, MaxwellSlip):
+        parts.append(f"hysteresis {drive.hysteresis.friction:.4g} N m")
+    if isinstance(drive.kinematic_error, KinematicError):
+        waves = [f"{h.amplitude:.3g} rad x {h.order}" for h in drive.kinematic_error.harmonics]
+        parts.append(f"kinematic error {', '.join(waves)}")
+    if drive.motor:
+        parts.append(f"motor {drive.motor.torque_constant:.4g} N m/A")
+    if drive.ratings and drive.ratings.rated_torque:
+        parts.append(f"rated {drive.ratings.rated_torque:.4g} N m")
+    return "\n".join(parts)
 
 
 def torque_table(robot: Robot, q: Array, v: Array, a: Array, u: ElasticTorques) -> Table:
@@ -127,5 +150,10 @@ def _law(law: object) -> str:
     """A law by its name and its numbers, one a line."""
     if law is None:
         return ""
-    numbers = {name.replace("_", " "): value for name, value in vars(law).items()}
-    return "\n".join([type(law).__name__, *(f"{name} {value:.4g}" for name, value in numbers.items())])
+    lines = [type(law).__name__]
+    for name, value in vars(law).items():
+        if is_dataclass(value):
+            lines += [f"  {line}" for line in _law(value).splitlines()]
+        elif value is not None:
+            lines.append(f"{name.replace('_', ' ')} {value:.4g}")
+    return "\n".join(lines)

@@ -6,6 +6,7 @@ them never compiles again.
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
+from functools import cached_property
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -16,15 +17,28 @@ from cutpoint.door import are_finite_vectors, checked_array
 from cutpoint.errors import unknown_name
 from cutpoint.kernels import Kernel
 from cutpoint.mechanics import strains
-from cutpoint.mechanics.assembly import system_of
+from cutpoint.mechanics.assembly import lean_framing, system_of
 from cutpoint.mechanics.elastic import Driven
+from cutpoint.mechanics.reframing import Framing
 from cutpoint.model import Drive, Mechanism
 from cutpoint.scalars import leaves, rebuild
 
 
-def machine_of(mechanism: Mechanism, drives: Mapping[str, Drive]) -> Machine:
-    """The robot as the equations want it: rigid drives' rotors as armature, drives in their coordinates' order."""
-    system = system_of(mechanism, drives)
+JOINT_QUANTITIES = frozenset({
+    "inverse_dynamics", "forward_dynamics", "bias_forces", "gravity_forces", "coriolis_matrix", "mass_matrix",
+    "kinetic_energy", "potential_energy", "elastic_inverse_dynamics", "elastic_forward_dynamics", "static_deflection",
+    "inverse_dynamics_derivatives", "forward_dynamics_derivatives", "elastic_inverse_dynamics_derivatives",
+    "elastic_forward_dynamics_derivatives",
+})  # fmt: skip
+"""Functions that tell nothing of single bodies: what they give is the same on the lean machine, in fewer operations."""
+
+
+def machine_of(mechanism: Mechanism, drives: Mapping[str, Drive], framing: Framing | None = None) -> Machine:
+    """The robot as the equations want it: rigid drives' rotors as armature, drives in their coordinates' order.
+
+    framing: frames and inertias other than the bodies' own.
+    """
+    system = system_of(mechanism, drives, framing)
     indices = {body.joint.name: i for i, body in enumerate(mechanism.bodies)}
     driven = [(drive, i, system.segments[i]) for drive, i in ((d, indices[name]) for name, d in drives.items())]
     return Machine(system, [Driven(drive, i, own.q.start, own.v.start) for drive, i, own in driven])
@@ -40,6 +54,8 @@ def rotor_is_felt(drive: Drive) -> bool:
 class Compiled:
     """Kernels of one robot by name; each is made when first asked for.
 
+    machine: the robot with its bodies' own frames (z along the joints) and inertias, which functions of frames, of
+    single bodies and of their parameters speak of.  lean: the same robot, reframed and regrouped, for all others.
     parameters: the drives' numbers, in the order of the drives and of their fields.
     """
 
@@ -63,13 +79,17 @@ class Compiled:
             return sum(map(strains.count, self._drives.values()))
         return self.machine.system.nq if name in ("q", "q_next") else self.machine.system.nv
 
-    def with_parameters(self, parameters: Sequence[Any]) -> Machine:
-        """The machine with these numbers in its drives."""
+    @cached_property
+    def lean(self) -> Machine:
+        return machine_of(self._mechanism, self._drives, lean_framing(self._mechanism))
+
+    def with_parameters(self, parameters: Sequence[Any], lean: bool = False) -> Machine:
+        """The machine, or the lean one, with these numbers in its drives."""
         new = dict(zip(self._drives, rebuild([*self._drives.values()], iter(parameters)), strict=True))
         if self._rotors_are_felt:
-            return machine_of(self._mechanism, new)
+            return machine_of(self._mechanism, new, lean_framing(self._mechanism) if lean else None)
         driven = [replace(old, drive=drive) for old, drive in zip(self.machine.drives, new.values(), strict=True)]
-        return Machine(self.machine.system, driven)
+        return Machine((self.lean if lean else self.machine).system, driven)
 
     def function(
         self,
@@ -112,10 +132,12 @@ class Compiled:
         """With the drives' numbers as an input if the definition reads drives, or if links feel some rotor."""
         sizes = {x: self.size_of(x) for x in inputs}
         parametric = bool(self.parameters.size) and (reads_drives or self._rotors_are_felt)
+        lean = name in JOINT_QUANTITIES
 
         def traced(**given: Any) -> Any:
-            machine = self.with_parameters(given.pop("parameters")) if parametric else self.machine
-            return definition(machine, **given)
+            if parametric:
+                return definition(self.with_parameters(given.pop("parameters"), lean), **given)
+            return definition(self.lean if lean else self.machine, **given)
 
         shapes = {**sizes, "parameters": self.parameters.size} if parametric else sizes
         kernel = kernels.compile(traced, name=name, backend=self._backend, **shapes)

@@ -5,6 +5,7 @@ Each body's frame is turned so that its joint's axis is z; frames, inertias and 
 
 from collections.abc import Mapping
 from dataclasses import replace
+from functools import lru_cache
 
 import numpy as np
 
@@ -55,6 +56,7 @@ def system_of(
     return _with_rotors(system, segments, seats, drives or {})
 
 
+@lru_cache(maxsize=32)
 def lean_framing(mechanism: Mechanism) -> Framing:
     """Frames and inertias that make the same equations short: see `reframing` and `regrouping`."""
     return framing_of(mechanism.bodies, [_turn_to_z(body) for body in mechanism.bodies], mechanism.gravity)

@@ -150,14 +150,14 @@ def rotation_cost(R: Array, turning: bool) -> float:
 
 
 def position_cost(T: Array, aligned: bool) -> float:
-    """10 for each number of position; before frames are shifted, for each that no shift along either axis can undo."""
+    """7 for each number of position; before frames are shifted, for each that no shift along either axis can undo."""
     p, z = T[:3, 3], T[:3, 2]
     if aligned:
-        return 10.0 * np.count_nonzero(p)
+        return 7.0 * np.count_nonzero(p)
     if hypot(z[0], z[1]) > NEGLIGIBLE:
         normal = np.array([-z[1], z[0], 0.0]) / hypot(z[0], z[1])
-        return 0.0 if abs(normal @ p) <= NEGLIGIBLE * np.abs(p).sum() else 10.0 * np.count_nonzero(np.abs(normal) > NEGLIGIBLE)
-    return 10.0 * np.count_nonzero(p[:2])
+        return 0.0 if abs(normal @ p) <= NEGLIGIBLE * np.abs(p).sum() else 7.0 * np.count_nonzero(np.abs(normal) > NEGLIGIBLE)
+    return 7.0 * np.count_nonzero(p[:2])
 
 
 def best_zero(T: Array, kind: str) -> tuple[Array, float]:
