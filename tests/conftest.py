@@ -1,6 +1,8 @@
 """How the tests run: random inputs are drawn anew on a developer's machine and are the same in CI; none is skipped."""
 
 import os
+import shutil
+import tempfile
 
 import pytest
 from hypothesis import HealthCheck, settings
@@ -10,6 +12,19 @@ settings.register_profile(
     "ci", deadline=None, max_examples=50, derandomize=True, suppress_health_check=[HealthCheck.too_slow]
 )
 settings.load_profile("ci" if os.environ.get("CI") else "here")
+
+_CODE = "CUTPOINT_CACHE"
+
+
+def pytest_configure(config: pytest.Config) -> None:
+    """Machine code is kept for one run of the tests, and shared by its processes; never the user's own is used."""
+    if not hasattr(config, "workerinput"):
+        os.environ[_CODE] = tempfile.mkdtemp(prefix="cutpoint-tests-")
+
+
+def pytest_unconfigure(config: pytest.Config) -> None:
+    if not hasattr(config, "workerinput"):
+        shutil.rmtree(os.environ.pop(_CODE), ignore_errors=True)
 
 
 def skipped_tests(config: pytest.Config) -> int:

@@ -18,7 +18,7 @@ from cutpoint.kernels.waiting import interruptible
 
 OPTIMISATION = 2  # of the code generator; 1 and 3 were measured to be neither quicker to compile nor to run
 _RELOCATION, _MODEL = "pic", "default"
-_lock = threading.Lock()
+_lock, _generator = threading.Lock(), threading.Lock()
 _serials = itertools.count()
 
 
@@ -53,8 +53,11 @@ def object_code(ir: str, optimisation: int) -> bytes:
     kept, key = _cache(user_folder()), key_of(ir, str(optimisation), *_surroundings())
 
     def made() -> bytes:
-        code = _emitted(ir, optimisation)
-        kept.write(key, code)
+        with _generator:  # another thread may just have made it
+            code = kept.read(key)
+            if code is None:
+                code = _emitted(ir, optimisation)
+                kept.write(key, code)
         return code
 
     return kept.read(key) or interruptible(made)

@@ -3,6 +3,7 @@
 It takes as long to compile as the loop for single elements, so callers without long batches never pay for it.
 """
 
+import _thread
 import ctypes
 import threading
 from collections.abc import Sequence
@@ -18,6 +19,9 @@ _MOST_NODES = 2**14
 
 _MOST_NUMBERS = 2**12
 """In all arguments together: those of a whole pack lie on the stack."""
+
+_SOON = 0.05
+"""Long enough to return to machine code, s."""
 
 
 class Packs:
@@ -40,8 +44,11 @@ class Packs:
 
     def _make(self) -> None:
         """Called from machine code, perhaps by several threads.  If it fails, single elements do the work."""
-        with self._lock:
-            if self._code is None and self.width is not None:
-                with shown(f"{self._name} for batches"):
+        try:
+            with self._lock, shown(f"{self._name} for batches"):
+                if self._code is None and self.width is not None:
                     self._code = Compiled(pack_loop(*self._parts, self.width), FUNCTION)
-                self.table[0] = self._code.address
+                    self.table[0] = self._code.address
+        except KeyboardInterrupt:
+            # nothing can be raised through machine code: once more, when that has returned
+            threading.Timer(_SOON, _thread.interrupt_main).start()

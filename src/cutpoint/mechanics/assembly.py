@@ -10,7 +10,8 @@ from functools import lru_cache
 import numpy as np
 
 from cutpoint.mechanics.joints import Floating, Helical, JointKind, Planar, Prismatic, Revolute, Spherical
-from cutpoint.mechanics.reframing import Framing, RevoluteFrom, fallen, framing_of, inverse
+from cutpoint.mechanics.placements import inverse
+from cutpoint.mechanics.reframing import Framing, RevoluteFrom, fallen, framing_of
 from cutpoint.mechanics.rotors import Spin, axis_of, standing_still
 from cutpoint.mechanics.spatial import Inertia, Mat3, Pose, Vec3
 from cutpoint.mechanics.system import Follower, Place, Segment, System

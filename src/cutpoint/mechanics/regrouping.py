@@ -12,6 +12,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from cutpoint.mechanics.placements import NEGLIGIBLE
 from cutpoint.model.mechanism import WORLD, Array, Body
 
 UNMOVED: dict[str, tuple[int, ...]] = {
@@ -19,10 +20,6 @@ UNMOVED: dict[str, tuple[int, ...]] = {
     "spherical": (3,), "floating": (),
 }  # fmt: skip
 """For each kind, which of the directions x, y, z and the origin (3) of its frame its motion leaves where they are."""
-
-NEGLIGIBLE = 1e-13
-"""A number this small beside 1, or beside others of its kind, is taken for 0."""
-
 
 def pseudo_inertia(body: Body) -> Array:
     """(4, 4): second moment, first moment and mass about the body's own frame; kg m2, kg m, kg."""
@@ -39,42 +36,41 @@ def regrouped(bodies: Sequence[Body], own: Sequence[Array], placements: Sequence
     own: in the frames of the bodies; placements (4, 4) of these frames in their carriers' at coordinate zero.
     What would go to the world stays: it costs nothing, and potential energy keeps its zero.
     """
-    P, sizes = [*own], [size_of(M) for M in own]
+    P, sizes = [*own], [_size(M) for M in own]
     for i, body in reversed([*enumerate(bodies)]):
         if body.parent != WORLD:
-            part, T = np.ix_(UNMOVED[body.joint.kind], UNMOVED[body.joint.kind]), placements[i]
-            moved = np.zeros((4, 4))
-            moved[part] = P[i][part]
-            P[i] = P[i] - moved
-            sizes[body.parent] = sizes[body.parent] + seen_from(T, sizes[i])
-            P[body.parent] = snapped(P[body.parent] + T @ moved @ T.T, sizes[body.parent])
+            T, left = placements[i], without_unmoved(P[i], body.joint.kind)
+            sizes[body.parent] = sizes[body.parent] + _seen_from(T, sizes[i])
+            P[body.parent] = _snapped(P[body.parent] + T @ (P[i] - left) @ T.T, sizes[body.parent])
+            P[i] = left
     return P
+
+
+def without_unmoved(P: Array, kind: str) -> Array:
+    """What is left of a pseudo-inertia without all that a joint of this kind leaves where it is."""
+    left = P.copy()
+    left[np.ix_(UNMOVED[kind], UNMOVED[kind])] = 0.0
+    return left
 
 
 def transformed(T: Array, P: Array) -> Array:
     """The same body in another frame: T P T^T."""
-    return snapped(T @ P @ T.T, seen_from(T, size_of(P)))
+    return _snapped(T @ P @ T.T, _seen_from(T, _size(P)))
 
 
-def snapped(P: Array, size: Array) -> Array:
+def _snapped(P: Array, size: Array) -> Array:
     """Symmetric, and zero where an entry is nothing beside a body of this size."""
     P = (P + P.T) / 2
     sigma = np.sqrt([size[0], size[0], size[0], size[1]])
     return np.where(np.abs(P) <= NEGLIGIBLE * np.outer(sigma, sigma), 0.0, P)
 
 
-def size_of(P: Array) -> Array:
+def _size(P: Array) -> Array:
     """(2,): the trace of the second moment, kg m2, and the mass, kg."""
     return np.array([np.abs(np.diag(P)[:3]).sum(), abs(P[3, 3])])
 
 
-def seen_from(T: Array, size: Array) -> Array:
+def _seen_from(T: Array, size: Array) -> Array:
     """The size at most in a frame in which the body's own has the pose T."""
     trace, mass = size
     return np.array([(np.sqrt(trace) + np.linalg.norm(T[:3, 3]) * np.sqrt(mass)) ** 2, mass])
-
-
-def cost(P: Array) -> int:
-    """Operations that a body's entries other than zero take in inverse dynamics, about."""
-    diagonal, products = np.count_nonzero(np.diag(P)[:3]), np.count_nonzero(P[[0, 0, 1], [1, 2, 2]])
-    return 4 * diagonal + 9 * products + 10 * np.count_nonzero(P[:3, 3]) + 6 * np.count_nonzero(P[3, 3])

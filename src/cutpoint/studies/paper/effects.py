@@ -1,5 +1,7 @@
 """The effects of a real drive, switched on one by one: what each costs, and what feedforward takes back."""
 
+from collections.abc import Mapping
+
 import numpy as np
 
 from cutpoint.formats.catalogue import catalogue_drive
@@ -7,8 +9,8 @@ from cutpoint.mechanics.friction import STATED_AT, Coulomb
 from cutpoint.robot import Robot
 from cutpoint.studies.paper import effects_bars, effects_figures
 from cutpoint.studies.paper import effects_drives as sizes
-from cutpoint.studies.paper.bench import PERIOD, Bench
-from cutpoint.studies.paper.effects_runs import Runs, Share, Shares, arm, shares
+from cutpoint.studies.paper.bench import KP, PERIOD, Bench
+from cutpoint.studies.paper.effects_runs import MISTAKEN, Runs, Share, Shares, arm, shares
 from cutpoint.studies.paper.effects_tables import NAMES, results, tables
 from cutpoint.studies.paper.printed import DURATION
 from cutpoint.studies.report.page import Page, Picture, listed, number
@@ -39,6 +41,8 @@ def page(bench: Bench) -> Page:
 
 
 def _setting(robot: Robot) -> tuple[str, ...]:
+    gears = zip(robot.drives.values(), sizes.GEARS, strict=True)
+    detents = [sizes.detent_stiffness(drive, gear) for drive, gear in gears]
     return (
         "The drives of Table 4 bend and rub, and do nothing else. Here the arm gets drives of the same sizes with what "
         "catalogues and textbooks know of real ones, switched on one after another: "
@@ -52,8 +56,9 @@ def _setting(robot: Robot) -> tuple[str, ...]:
         f"up to {100 * sizes.ELASTIC:g} % of breakaway. Current loops of {sizes.BANDWIDTH:g} Hz get their commands "
         f"{1e6 * sizes.DELAY:g} µs late. Torque ripples by {_ripple()} of itself, "
         f"{' and '.join(str(wave.order) for wave in sizes.RIPPLE_WAVES)} times a motor turn, as 4 pole pairs do, and "
-        f"cogs {sizes.COGGING_ORDER} times (12 slots) by {100 * sizes.COGGING:g} % of the torque that the gear is rated "
-        f"for. Dry friction is {100 * sizes.LEANING:g} % larger forwards and smaller backwards; at "
+        f"cogs {sizes.COGGING_ORDER} times (12 slots) by {100 * sizes.COGGING:g} % of the torque that the gear is "
+        f"rated for, as stiff as {listed(detents, 0)} N m/rad at joints 1 to 6, where K_{{p}} is {listed(KP, 0)}. Dry "
+        f"friction is {100 * sizes.LEANING:g} % larger forwards and smaller backwards; at "
         f"{sizes.TEMPERATURE:g} °C viscous friction is {_thicker():.1f} times that at {STATED_AT} °C. These sizes are "
         "ours, common for such drives. Presliding, asymmetry and cold grease change friction, so alone they are set "
         "beside drives with gear friction.",
@@ -90,53 +95,56 @@ def _thicker() -> float:
 
 def _readings(found: Shares) -> tuple[str, ...]:
     ranked = sorted(found.added, key=lambda effect: -found.added[effect].costs[0])
-    first = found.added[ranked[0]].costs[0]
-    all_on = [*found.added.values()][-1]
+    first, second = (found.added[effect].costs[0] for effect in ranked[:2])
     small = [effect for effect in ranked if found.added[effect].costs[0] < NEGLIGIBLE * first]
-    order = ", ".join(f"{effect} ({_milli(found.added[effect].costs[0])})" for effect in ranked)
+    order = ", ".join(f"{effect} {_milli(found.added[effect].costs[0])}" for effect in ranked)
+    ignorant, knowing = arm(found.ignorant), arm(found.added[sizes.EFFECTS[-1]].known)
     return (
-        f"What matters: uncompensated, the shares are, in 10^{{−3}} degrees, {order}. The first is "
-        f"{first / found.added[ranked[1]].costs[0]:.1f} times the second. Below {100 * NEGLIGIBLE:g} % of it: "
-        f"{', '.join(small) or 'none'}.",
-        f"With all effects and a feedforward of linear springs the arm is off by {_milli(arm(found.ignorant))}, with "
-        f"one that knows them all by {_milli(arm(all_on.known))}: {arm(found.ignorant) / arm(all_on.known):.0f} times "
-        "less.",
-        *_what_comes_back(found),
+        f"What matters: not known to the feedforward, the effects' shares are, in 10^{{−3}} degrees, {order}. The "
+        f"first is {first / second:.1f} times the second. Less than {100 * NEGLIGIBLE:g} % of the first: "
+        f"{', '.join(small) or 'none'}. With all of them and a feedforward of linear springs the arm is off by "
+        f"{_milli(ignorant)}; with one that knows them, by {_milli(knowing)}, {ignorant / knowing:.0f} times less.",
+        _what_comes_back(found.added),
+        f"Knowing is the hard part. A feedforward that takes gear friction, alone, for {MISTAKEN:g} of what it is "
+        f"leaves {_milli(arm(found.mistaken))}, where one that knows it leaves "
+        f"{_milli(arm(found.alone[sizes.FRICTION].known))}, and one without friction "
+        f"{_milli(arm(found.alone[sizes.FRICTION].unknown))}.",
     )
 
 
-def _what_comes_back(found: Shares) -> tuple[str, ...]:
-    """Sorted by what the feedforward recovers of each."""
-    groups: dict[str, list[str]] = {"all but wholly": [], "in part": [], "not at all": []}
-    for effect, share in found.added.items():
-        groups[_how(share)].append(f"{effect} ({100 * share.recovered:.0f} %)")
+def _what_comes_back(added: Mapping[str, Share]) -> str:
+    """Sorted by how much of each the feedforward recovers."""
+    groups: dict[str, list[str]] = {"all but wholly": [], "in part": [], "not": []}
+    for effect, share in added.items():
+        groups[_how(share)].append(f"{effect} {100 * share.recovered:.0f} %")
     words = "; ".join(f"{how}: {', '.join(effects) or 'none'}" for how, effects in groups.items())
-    left = max(found.added, key=lambda effect: found.added[effect].costs[1])
-    return (
-        f"What a feedforward that knows an effect takes back of it, {words}. It has no term for the current loop and "
-        "the delay: what they cost stays. The largest share left is that of "
-        f"{left}, {_milli(found.added[left].costs[1])}.",
-    )
+    left = max(added, key=lambda effect: added[effect].costs[1])
+    text = f"What a feedforward takes back of an effect that it knows: {words}."
+    if any(share.recovered > 1.005 for share in added.values()):
+        text += " More than all of it comes back where an effect also damps what the others leave."
+    if _how(added[sizes.LAG]) == "not":
+        text += " Feedforward has no term for the current loop and its delay; what they cost stays."
+    return text + f" The largest share that is left is that of {left}, {_milli(added[left].costs[1])}."
 
 
 def _how(share: Share) -> str:
     if share.recovered >= MOSTLY:
         return "all but wholly"
-    return "in part" if share.recovered >= NEGLIGIBLE else "not at all"
+    return "in part" if share.recovered >= NEGLIGIBLE else "not"
 
 
 def _milli(degrees: float) -> str:
-    """1e-3 deg."""
+    """In 1e-3 deg."""
     return number(1e3 * degrees, 2)
 
 
 def _limits() -> str:
     return (
-        "What this can say: which effects are worth identifying on such an arm, and that the equations compensate what "
-        "they are told. What it cannot: how well an effect can be known. Here the feedforward's numbers are the "
-        "plant's own, to the phase of every wave; numbers that are a tenth off leave about a tenth of what they cost. "
-        f"What is left is the command held for {1e3 * PERIOD:g} ms while waves and strains go on, and speed of the "
-        "loop; encoders are perfect. A faster move makes kinematic error and ripple dynamic, and the current loop dearer."
+        "What this can say: which effects are worth identifying on such an arm in such a move, and that the equations "
+        "compensate what they are told. What it cannot say: how well an effect can be known. But for the last number "
+        "the feedforward's numbers are the plant's own, to the phase of every wave; encoders are perfect; and the "
+        f"command is held for {1e3 * PERIOD:g} ms while waves and strains go on. Shares depend on gains, which turn "
+        "torques into errors, and on the move: a faster one makes waves dynamic and lag dearer."
     )
 
 

@@ -5,7 +5,7 @@ from dataclasses import replace
 
 from cutpoint.formats.catalogue import catalogue_drive
 from cutpoint.mechanics.catalogue import CatalogueSpring
-from cutpoint.mechanics.friction import Coulomb, Grease
+from cutpoint.mechanics.friction import STATED_AT, Coulomb, Grease
 from cutpoint.mechanics.hysteresis import MaxwellSlip
 from cutpoint.mechanics.kinematic_error import KinematicError
 from cutpoint.mechanics.presliding import ElastoPlastic
@@ -33,7 +33,7 @@ BANDWIDTH, DELAY = 500.0, 1e-4
 RIPPLE_WAVES = (Harmonic(8, 0.014), Harmonic(24, 0.006))
 """Twice and six times the pole pairs, of which there are 4: unequal phases, and waves of the back-EMF.  2 % in all."""
 
-COGGING_ORDER, COGGING = 24, 0.01
+COGGING_ORDER, COGGING = 24, 0.005
 """Of 8 poles and 12 slots; N m at the shaft for each N m of the gear's rated torque there.  Ours."""
 
 LEANING = 0.1
@@ -46,19 +46,20 @@ _NO_STIFFNESS = 1e-9
 """N m/rad: what stands for none, since an element must have some; it exerts less than rounding does."""
 
 
-def with_effects(arm: Robot, on: Collection[str]) -> Robot:
+def with_effects(arm: Robot, on: Collection[str], rubs: float = 1.0) -> Robot:
     """The arm on drives with these effects and what they need; with none, on linear springs alone.
 
     All have the same laws, as far as numbers can switch one off, so that few loops need compiling.
+    rubs: times as much as the gears do.
     """
     named = {*on, *(NEEDS[effect] for effect in on if effect in NEEDS)}
     drives = arm.drives.items()
     return arm.with_drives(
-        {name: drive_with(drive, gear, named) for (name, drive), gear in zip(drives, GEARS, strict=True)}
+        {name: drive_with(drive, gear, named, rubs) for (name, drive), gear in zip(drives, GEARS, strict=True)}
     )
 
 
-def drive_with(nominal: Drive, gear: str, on: Collection[str]) -> Drive:
+def drive_with(nominal: Drive, gear: str, on: Collection[str], rubs: float = 1.0) -> Drive:
     """One drive: ratio and rotor are the arm's, the laws those of the catalogue's gear."""
     maker = catalogue_drive(gear)
     assert isinstance(maker.compliance, CatalogueSpring)
@@ -72,7 +73,7 @@ def drive_with(nominal: Drive, gear: str, on: Collection[str]) -> Drive:
         error = KinematicError(tuple(replace(wave, amplitude=0.0) for wave in error.harmonics))
     if HYSTERESIS not in on:
         hysteresis = replace(hysteresis, stiffness=(_NO_STIFFNESS,) * len(hysteresis.reach))
-    friction = sliding_friction(maker.motor_friction, on)
+    friction = sliding_friction(maker.motor_friction, on, rubs)
     return replace(
         nominal,
         compliance=spring,
@@ -85,12 +86,18 @@ def drive_with(nominal: Drive, gear: str, on: Collection[str]) -> Drive:
     )
 
 
-def sliding_friction(law: Coulomb, on: Collection[str]) -> Coulomb:
+def sliding_friction(law: Coulomb, on: Collection[str], rubs: float) -> Coulomb:
     """A gear's friction once it slides, at the joint's side."""
-    if FRICTION not in on:
-        law = replace(law, coulomb=0.0, viscous=0.0, per_load=0.0)
-    celsius = TEMPERATURE if COLD in on else 25.0
-    return replace(law, asymmetry=LEANING if ASYMMETRY in on else 0.0, grease=Grease(celsius, THINNING))
+    assert law.per_load is not None
+    size = rubs if FRICTION in on else 0.0
+    return replace(
+        law,
+        coulomb=size * law.coulomb,
+        viscous=size * law.viscous,
+        per_load=size * law.per_load,
+        asymmetry=LEANING if ASYMMETRY in on else 0.0,
+        grease=Grease(TEMPERATURE if COLD in on else float(STATED_AT), THINNING),
+    )
 
 
 def motor_with(maker: Drive, on: Collection[str]) -> Motor:
@@ -104,3 +111,10 @@ def motor_with(maker: Drive, on: Collection[str]) -> Motor:
         cogging=(Harmonic(COGGING_ORDER, size * cogging),),
     )
     return replace(motor, bandwidth=BANDWIDTH, delay=DELAY) if LAG in on else motor
+
+
+def detent_stiffness(nominal: Drive, gear: str) -> float:
+    """Of cogging at its steepest, at the joint, N m/rad: a motor on a softer feedback snaps from tooth to tooth."""
+    motor = drive_with(nominal, gear, (RIPPLE,)).motor
+    assert motor is not None
+    return nominal.ratio**2 * sum(abs(wave.order * wave.amplitude) for wave in motor.cogging)

@@ -2,6 +2,7 @@
 
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
+from itertools import pairwise
 from typing import Any
 
 import numpy as np
@@ -112,7 +113,8 @@ def stribeck_curve(axes: Axes, law: Stribeck) -> None:
     ):
         axes.annotate(text, (at, float(law.torque(at))), where, arrowprops=_LEADER, va="center", fontsize=11)
     axes.legend(loc="upper left", fontsize=10, handlelength=1.6)
-    axes.set(title="(b) Stribeck curve, Table 2", xlabel="joint speed [rad/s]", ylabel="friction [N m]", xlim=(-0.8, 0.8))
+    axes.set(title="(b) Stribeck curve, Table 2", xlabel="joint speed [rad/s]", ylabel="friction [N m]")
+    axes.margins(x=0)
 
 
 def gear_friction(axes: Axes, nominal: Drive) -> None:
@@ -150,7 +152,7 @@ def presliding(axes: Axes, drive: Drive) -> None:
 def dragged(law: ElastoPlastic, turns: Sequence[float] | Array, points: int = 300) -> tuple[Array, Array]:
     """Friction of a slow motion from turn to turn: displacements in rad, torques in N m."""
     path, torque, strain = [float(turns[0])], [0.0], 0.0
-    for start, end in zip(turns[:-1], turns[1:], strict=True):
+    for start, end in pairwise(turns):
         slowly = 1e-9 * np.sign(end - start)
         for at in np.linspace(start, end, points)[1:]:
             strain = law.strain(strain, at - path[-1], slowly)

@@ -1,6 +1,5 @@
 """Closed loops with a drive's effects switched on one by one, known to the feedforward and not."""
 
-from collections.abc import Iterator
 from typing import NamedTuple
 
 import numpy as np
@@ -9,9 +8,11 @@ from cutpoint.control import Feedforward
 from cutpoint.simulation import Log
 from cutpoint.studies.chain import Array
 from cutpoint.studies.paper.bench import Bench, pd
-from cutpoint.studies.paper.effects_drives import EFFECTS, NEEDS, with_effects
+from cutpoint.studies.paper.effects_drives import EFFECTS, FRICTION, NEEDS, with_effects
 
 Effects = tuple[str, ...]
+
+MISTAKEN = 0.9
 
 
 class Share(NamedTuple):
@@ -37,12 +38,14 @@ class Share(NamedTuple):
 class Shares(NamedTuple):
     """added: each effect on top of those before it.  alone: on linear springs, with no more than what it needs.
 
-    ignorant: all effects under the feedforward of linear springs, (6,) in degrees.
+    ignorant: all effects under the feedforward of linear springs; mistaken: gear friction alone under a feedforward
+    that takes it for MISTAKEN of what it is; (6,) in degrees.
     """
 
     added: dict[str, Share]
     alone: dict[str, Share]
     ignorant: Array
+    mistaken: Array
 
 
 def arm(errors: Array) -> float:
@@ -57,15 +60,16 @@ class Runs:
         self._bench = bench
         self._errors: dict[tuple[frozenset[str], frozenset[str]], Array] = {}
 
-    def log(self, on: Effects, known: Effects) -> Log:
-        plant, model = (with_effects(self._bench.robot, effects) for effects in (on, known))
+    def log(self, on: Effects, known: Effects, rubs: float = 1.0) -> Log:
+        """rubs: times as much as the drives do, the feedforward believes that they rub."""
+        plant, model = with_effects(self._bench.robot, on), with_effects(self._bench.robot, known, rubs)
         return self._bench.run(plant, pd() + Feedforward(model, "elastic"))
 
     def error(self, on: Effects, known: Effects) -> Array:
         """RMS tracking errors of the links, (6,) in degrees."""
         key = frozenset(on), frozenset(known)
         if key not in self._errors:
-            self._errors[key] = np.rad2deg(self.log(on, known).rms("position_error"))
+            self._errors[key] = _degrees(self.log(on, known))
         return self._errors[key]
 
     def share(self, before: Effects, effect: str) -> Share:
@@ -77,14 +81,14 @@ class Runs:
 def shares(runs: Runs) -> Shares:
     added = {effect: runs.share(EFFECTS[:k], effect) for k, effect in enumerate(EFFECTS)}
     alone = {effect: runs.share(needed(effect), effect) for effect in EFFECTS}
-    return Shares(added, alone, runs.error(EFFECTS, ()))
+    mistaken = _degrees(runs.log((FRICTION,), (FRICTION,), MISTAKEN))
+    return Shares(added, alone, runs.error(EFFECTS, ()), mistaken)
 
 
 def needed(effect: str) -> Effects:
     """What must be there before an effect can."""
-    return tuple(_needed(effect))
+    return (NEEDS[effect],) if effect in NEEDS else ()
 
 
-def _needed(effect: str) -> Iterator[str]:
-    if effect in NEEDS:
-        yield NEEDS[effect]
+def _degrees(log: Log) -> Array:
+    return np.rad2deg(log.rms("position_error"))

@@ -3,7 +3,7 @@
 from collections.abc import Mapping
 
 from cutpoint.studies.paper import effects_drives as sizes
-from cutpoint.studies.paper.effects_runs import Share, Shares, arm
+from cutpoint.studies.paper.effects_runs import MISTAKEN, Share, Shares, arm
 from cutpoint.studies.paper.printed import JOINTS
 from cutpoint.studies.report.page import Table, number, row
 
@@ -11,31 +11,42 @@ NAMES = ("not known", "known")
 """To the feedforward."""
 
 
+_COLUMNS = (
+    "",
+    "added: not known",
+    "known",
+    "share: not known",
+    "known",
+    "alone, share: not known",
+    "known",
+    "recovered [%]",
+)
+
+
 def tables(found: Shares) -> tuple[Table, ...]:
-    columns = ("", "not known", "known", "grows by: not known", "known", "alone, not known", "known", "grows by", "known")
     rows = [_line(effect, found.added[effect], found.alone[effect]) for effect in sizes.EFFECTS]
     caption = (
-        "The arm's RMS tracking error with each effect added to those above it, and alone; what it grows by as the "
-        "effect is switched on; not known to the feedforward, and known. 10^{−3} degrees."
+        "The arm's RMS tracking error with each effect added to those above it, not known to the feedforward and "
+        "known; the effect's share, by which the error grows; the same of the effect alone; and how much of the share "
+        "feedforward recovers, added. 10^{−3} degrees."
     )
     return (
-        Table("Table A5", caption, columns, tuple(rows)),
+        Table("Table A5", caption, _COLUMNS, tuple(rows)),
         _by_joint("Table A6", "each effect added to those above it", found.added),
         _by_joint("Table A7", "each effect alone", found.alone),
     )
 
 
 def _line(effect: str, added: Share, alone: Share) -> tuple[str, ...]:
-    cells = (arm(x) for share in (added, alone) for x in (share.unknown, share.known))
-    first, second, third, fourth = (number(1e3 * x, 2) for x in cells)
-    grown = [number(1e3 * x, 2) for share in (added, alone) for x in share.costs]
-    return effect, first, second, *grown[:2], third, fourth, *grown[2:]
+    cells = (arm(added.unknown), arm(added.known), *added.costs, *alone.costs)
+    return effect, *(number(1e3 * x, 2) for x in cells), number(100 * added.recovered, 1)
 
 
 def _by_joint(label: str, what: str, found: Mapping[str, Share]) -> Table:
     rows = [row("none", 1e3 * next(iter(found.values())).before, 2)]
     for effect, share in found.items():
-        rows += [row(f"{effect}: {name}", 1e3 * x, 2) for name, x in zip(NAMES, (share.unknown, share.known), strict=True)]
+        errors = zip(NAMES, (share.unknown, share.known), strict=True)
+        rows += [row(f"{effect}: {name}", 1e3 * error, 2) for name, error in errors]
     return Table(label, f"RMS tracking errors of the links, {what}, 10^{{−3}} degrees.", ("", *JOINTS), tuple(rows))
 
 
@@ -55,6 +66,7 @@ def results(found: Shares) -> dict[str, dict[str, object]]:
         "added": {effect: _numbers(share) for effect, share in found.added.items()},
         "alone": {effect: _numbers(share) for effect, share in found.alone.items()},
         "feedforward_of_linear_springs": found.ignorant,
+        "gear_friction_mistaken": {"taken_for": MISTAKEN, "alone": found.mistaken},
     }
     return {"table_a5": table}
 

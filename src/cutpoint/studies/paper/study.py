@@ -7,7 +7,7 @@ from typing import Any
 from rich.console import Console
 from rich.progress import Progress
 
-from cutpoint.studies.paper import catalogue, link_side, schematics, table_3, table_4, table_5, torque_estimate
+from cutpoint.studies.paper import catalogue, effects, link_side, schematics, table_3, table_4, table_5, torque_estimate
 from cutpoint.studies.paper.bench import KD, KP, PERIOD, Bench
 from cutpoint.studies.paper.printed import DURATION, GOAL
 from cutpoint.studies.report.folder import checked_folder, write
@@ -38,6 +38,7 @@ _PAGES: dict[str, Callable[[Bench], Page]] = {
     "PD on the link's side": link_side.page,
     "the drive against its catalogue": catalogue.page,
     "torque from two encoders": torque_estimate.page,
+    "a drive's effects, one by one": effects.page,
     "Table 5: simulated stand-in for the experiment": table_5.page,
 }
 
