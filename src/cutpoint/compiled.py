@@ -23,7 +23,6 @@ from cutpoint.mechanics.reframing import Framing
 from cutpoint.model import Drive, Mechanism
 from cutpoint.scalars import leaves, rebuild
 
-
 JOINT_QUANTITIES = frozenset({
     "inverse_dynamics", "forward_dynamics", "bias_forces", "gravity_forces", "coriolis_matrix", "mass_matrix",
     "kinetic_energy", "potential_energy", "elastic_inverse_dynamics", "elastic_forward_dynamics", "static_deflection",

@@ -109,6 +109,14 @@ def test_processes_that_start_together_share_the_folder_in_peace(folder: Path) -
     answer(start(REFUSES_TO_COMPILE))
 
 
+def test_a_process_killed_while_it_writes_harms_nobody(folder: Path) -> None:
+    killed = start("import os; os.replace = lambda *_: os._exit(9)")
+    assert killed.communicate(timeout=120) == ("", "") and killed.returncode == 9
+    assert [name.endswith(".code") for name in entries(folder)] == [False]
+    first = answer(start())
+    assert answer(start(REFUSES_TO_COMPILE)) == first
+
+
 @pytest.mark.usefixtures("folder")
 def test_a_kernel_from_disk_gives_the_bits_of_a_compiled_one(
     compiled: list[int], monkeypatch: pytest.MonkeyPatch
@@ -160,8 +168,9 @@ def test_an_entry_under_the_key_of_another_is_not_used(folder: Path, compiled: l
 
 
 def test_folder_and_entries_are_closed_to_others(folder: Path) -> None:
-    os.umask(os.umask(0o002))
+    mask = os.umask(0)
     law()
+    os.umask(mask)
     modes = {path: path.stat().st_mode & 0o077 for path in (folder, *folder.iterdir())}
     assert len(modes) > 1 and not any(modes.values())
 

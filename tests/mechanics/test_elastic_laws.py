@@ -1,12 +1,14 @@
 """What elastic inverse dynamics promises: it undoes the forward dynamics, and its rates are the rates of its values."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from cutpoint import Drive
-from robot_library import BACKENDS, Array, assert_close, derivative, frictionless, robot, vectors
+from cutpoint import Coulomb, Drive, ElastoPlastic, LuGre, MaxwellSlip
+from robot_library import BACKENDS, STRIBECK, Array, assert_close, derivative, frictionless, robot, vectors
 
 ROBOTS = [("linear", "llvm"), ("flexspline", "llvm"), ("flexspline", "numpy"), ("friction", "llvm"), ("damped", "llvm"),
           ("rigid", "llvm"), ("mixed", "llvm"), ("mixed", "numpy")]  # fmt: skip
@@ -43,6 +45,25 @@ def test_forward_dynamics_returns_the_motion_that_inverse_dynamics_was_given(nam
     rounding = 2e-16 * 1.6e4 * np.abs(u.theta).max() * np.linalg.norm(np.linalg.inv(ours.mass_matrix(q)), 2)
     assert_close(found.a, a, 1e-9, scale=max(1.0, 1e9 * rounding))
     assert_close(found.theta_ddot, u.theta_ddot, 1e-9, scale=max(1.0, 1e9 * rounding))
+
+
+def test_strains_are_counted_there_and_back():
+    """Bristles and elements of hysteresis, in any state, and one joint that has none."""
+    ours, rng = robot("flexspline"), np.random.default_rng(0)
+    bristles = ElastoPlastic(Coulomb(1.0, 0.5, 0.02, per_load=0.1), 2e-4, 3.0, 0.7)
+    holding, slips = ElastoPlastic(STRIBECK, 2e-4, 3.0, 0.5), MaxwellSlip.smooth(1.4, 2.9e-4)
+    parts = {"hysteresis": slips, "link_friction": holding, "motor_friction": bristles}
+    drives = {name: replace(drive, **parts) for name, drive in ours.drives.items()}
+    drives["joint3"] = replace(ours.drives["joint3"], motor_friction=LuGre(STRIBECK, 1e-4, 1.0))
+    ours = ours.with_drives(drives)
+    motion = rng.standard_normal((5, 20, ours.nv))
+    strains = 1e-4 * rng.standard_normal((20, len(ours.strain_names)))
+    u = ours.elastic_inverse_dynamics(*motion, strains=strains)
+    found = ours.elastic_forward_dynamics(motion[0], motion[1], u.theta, u.theta_dot, u.motor_torque, strains)
+    assert_close(found.a, motion[2], 1e-8)
+    assert_close(found.theta_ddot, u.theta_ddot, 1e-8)
+    without = ours.elastic_inverse_dynamics(*motion)
+    assert np.abs(u.motor_torque - without.motor_torque).min(axis=0).max() > 0.1
 
 
 @pytest.mark.parametrize(("name", "backend"), ROBOTS[:3])

@@ -7,6 +7,7 @@ from contextlib import contextmanager
 from typing import Any
 
 import test_every_joint_kind
+import test_whole_drives
 from hypothesis import Phase, given, settings
 from hypothesis import strategies as st
 
@@ -34,6 +35,7 @@ def mutated(function: Any, old: str, new: str) -> Iterator[None]:
 def holds(law: Callable[..., None], arguments: dict[str, Any]) -> bool:
     """Whether a law holds, on robots built and compiled anew."""
     robots = [robot_library.robot, test_every_joint_kind.twin_of]
+    robots += [test_whole_drives.bare, test_whole_drives.whole, test_whole_drives.table]
     if hasattr(law, "hypothesis"):
         law = FEW(given(data=st.data())(law.hypothesis.inner_test))
     for cached in robots:

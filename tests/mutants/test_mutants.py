@@ -7,6 +7,7 @@ import test_against_pinocchio as oracle
 import test_closed_loop as closed_loop
 import test_decomposition_laws as decomposition
 import test_drive_laws as drive_laws
+import test_drives_that_remember as remember
 import test_elastic_against_rotor_bodies as rotor_bodies
 import test_elastic_laws as elastic_laws
 import test_every_joint_kind as joint_kinds
@@ -14,6 +15,7 @@ import test_laws_of_motion as laws
 import test_rotors_as_bodies as rotors_as_bodies
 import test_sensors as sensing
 import test_spring_and_friction_laws as springs
+import test_whole_drives as whole_drives
 from mutation import holds, mutated
 
 import test_package_agrees_with_paper as paper
@@ -25,10 +27,15 @@ from cutpoint.mechanics import (
     harmonic_drive,
     inverse_dynamics,
     mass_matrix,
+    motor,
     power_flow,
     rigid_body,
     rotations,
+    strains,
 )
+from cutpoint.mechanics.friction import Sliding
+from cutpoint.mechanics.hysteresis import MaxwellSlip
+from cutpoint.mechanics.presliding import ElastoPlastic, LuGre
 from cutpoint.mechanics.rotors import Spin
 from cutpoint.mechanics.spatial import Pose
 from cutpoint.mechanics.system import System
@@ -111,9 +118,9 @@ MUTANTS = {
         {"number": "(56)", "seed": 0},
     ),
     "friction on the wrong side, forward": Mutant(
-        elastic.elastic_forward_dynamics,
-        "d.drive.link_friction, v[d.v]",
-        "d.drive.motor_friction, v[d.v]",
+        elastic.drive_effort,
+        "drive.link_friction, at.v",
+        "drive.motor_friction, at.v",
         rotor_bodies.test_accelerations_are_those_of_the_reduced_model,
         MIXED,
     ),
@@ -203,9 +210,79 @@ MUTANTS = {
     ),
     "saturation before feedforward": Mutant(
         ClosedLoop.actuate,
-        "[clip(u, -limit, limit) for u, limit in zip(command[: self.layout.n], limits, strict=True)]",
-        "[clip(u - f, -limit, limit) + f for u, f, limit in zip(command, command[self.layout.n :], limits)]",
+        "clip(within_limits(d.drive, u, own.at.theta_dot), -limit, limit)",
+        "clip(u - command[self.layout.n + d.v], -limit, limit) + command[self.layout.n + d.v]",
         closed_loop.test_torque_limits_act_after_all_laws_are_added,
+        {},
+    ),
+    "elements of hysteresis stretched the wrong way": Mutant(
+        MaxwellSlip.strains,
+        "s + displacement",
+        "s - displacement",
+        remember.test_a_loop_opens_by_the_loss_of_its_torque,
+        {},
+    ),
+    "an element that never slips": Mutant(
+        MaxwellSlip.strains,
+        "clip(s + displacement, -r, r)",
+        "s + displacement + 0 * r",
+        remember.test_a_loop_opens_by_the_loss_of_its_torque,
+        {},
+    ),
+    "bristles that slide at once": Mutant(
+        ElastoPlastic.strain,
+        "self.elastic * limit",
+        "0 * limit",
+        remember.test_elasto_plastic_bristles_hold_under_a_vibrating_load_where_lugre_creeps,
+        {},
+    ),
+    "bristles' strain not carried over": Mutant(
+        LuGre.strain,
+        "(before - towards)",
+        "(0 - towards)",
+        remember.test_the_closed_form_solves_the_cited_differential_equation,
+        {"law": remember.BRISTLES[0], "forwards": 1.0},
+    ),
+    "load that makes friction smaller": Mutant(
+        Sliding.dry,
+        "size + self.per_load",
+        "size - self.per_load",
+        remember.test_friction_follows_load_direction_and_temperature,
+        {},
+    ),
+    "asymmetry to the other side": Mutant(
+        Sliding.dry,
+        "1 + self.asymmetry",
+        "1 - self.asymmetry",
+        remember.test_friction_follows_load_direction_and_temperature,
+        {},
+    ),
+    "warm grease thicker": Mutant(
+        Sliding.viscosity.fget,
+        "(STATED_AT - self.grease.temperature)",
+        "(self.grease.temperature - STATED_AT)",
+        remember.test_friction_follows_load_direction_and_temperature,
+        {},
+    ),
+    "back-EMF that helps": Mutant(
+        motor.within_limits,
+        "back = gain * theta_dot",
+        "back = -gain * theta_dot",
+        whole_drives.test_current_and_voltage_bound_the_torque,
+        {},
+    ),
+    "motor friction's strain from the link's displacement": Mutant(
+        strains.moved,
+        "end.theta - start.theta, end.theta_dot",
+        "end.q - start.q, end.theta_dot",
+        whole_drives.test_the_fixed_steps_converge_to_the_adaptive_ones,
+        {},
+    ),
+    "hysteresis lost in the inverse": Mutant(
+        elastic._motor_motion,
+        " - slipping_torque(drive, strains.spring)",
+        "",
+        elastic_laws.test_strains_are_counted_there_and_back,
         {},
     ),
 }

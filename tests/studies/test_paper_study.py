@@ -15,8 +15,8 @@ from cutpoint.studies.paper.stability import fastest_growth
 from cutpoint.studies.report.html import Heading, html
 from cutpoint.studies.report.page import Page, Picture, Table, number, plain
 
-FIGURES = [*(f"figure_{k}" for k in range(1, 15)), *(f"figure_a{k}" for k in range(1, 5))]
-TABLES = ["table_3", "table_4", "table_5", *(f"table_a{k}" for k in range(1, 5))]
+FIGURES = [*(f"figure_{k}" for k in range(1, 15)), *(f"figure_a{k}" for k in range(1, 7))]
+TABLES = ["table_3", "table_4", "table_5", *(f"table_a{k}" for k in range(1, 8))]
 ALL = "+ elasticity: all rungs"
 RINGING = "encoders and delay together"
 
@@ -235,6 +235,14 @@ def test_torque_is_read_exactly_by_ideal_encoders_and_better_by_finer_ones(resul
     assert ideal.max() < 1e-9
     assert (fine < 0.5 * coarse).all()
     assert (stiffer > 0.15 * np.array(results["table_a3"]["true_rms"])).all()
+
+
+def test_gear_friction_is_what_costs_most_unless_the_feedforward_knows_it(results):
+    added = results["table_a5"]["added"]
+    shares = {effect: found["share"]["not_known"] for effect, found in added.items()}
+    assert max(shares, key=shares.get) == "gear friction"
+    assert all(found["recovered"] > 0.8 for effect, found in added.items() if effect != "current loop and delay")
+    assert abs(added["current loop and delay"]["recovered"]) < 0.01
 
 
 @pytest.mark.parametrize("key", ["table_5", "table_a4", "figure_12", "figure_13", "figure_14"])

@@ -10,7 +10,7 @@ from functools import lru_cache
 import numpy as np
 
 from cutpoint.mechanics.joints import Floating, Helical, JointKind, Planar, Prismatic, Revolute, Spherical
-from cutpoint.mechanics.placements import inverse
+from cutpoint.mechanics.placements import inverse, joined
 from cutpoint.mechanics.reframing import Framing, RevoluteFrom, fallen, framing_of
 from cutpoint.mechanics.rotors import Spin, axis_of, standing_still
 from cutpoint.mechanics.spatial import Inertia, Mat3, Pose, Vec3
@@ -114,7 +114,7 @@ def _kind_of(joint: Joint) -> JointKind:
 def _seen(framing: Framing, body: int, placement: Array) -> Array:
     """A placement on a body (or the world), in the frame that it has in this framing."""
     frame = framing.world if body == WORLD else framing.frames[body]
-    return placement if np.array_equal(frame, np.eye(4)) else inverse(frame) @ placement
+    return joined(inverse(frame), placement)
 
 
 def _turn_to_z(body: Body) -> Array:

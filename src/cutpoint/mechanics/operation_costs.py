@@ -1,7 +1,7 @@
 """About how many operations the numbers of a model take in inverse dynamics: what a choice of frames is judged by.
 
-Entries that are 0 cost nothing and 1 and -1 little.  The weights are those of the recursion as it is traced: a rotation
-takes two wrenches' halves inward and three vectors outward, a position enters two products, an inertia one.
+Entries that are 0 cost nothing, and 1 and -1 little.  A rotation is multiplied with three vectors outward and two
+inward; a position enters one product outward and one inward; an entry of an inertia, about one for each axis.
 """
 
 from math import atan2, hypot, pi
@@ -18,7 +18,7 @@ TURNING = ("revolute", "continuous")
 def inertia_cost(P: Array) -> float:
     """Of a pseudo-inertia (4, 4)."""
     squares, products = np.count_nonzero(np.diag(P)[:3]), np.count_nonzero(P[[0, 0, 1], [1, 2, 2]])
-    return 4 * squares + 9 * products + 10 * np.count_nonzero(P[:3, 3]) + 6 * np.count_nonzero(P[3, 3])
+    return 4.0 * squares + 9 * products + 10 * np.count_nonzero(P[:3, 3]) + 6 * np.count_nonzero(P[3, 3])
 
 
 def rotation_cost(T: Array, turning: bool) -> float:

@@ -94,9 +94,10 @@ class _Tree:
 
     def __init__(self, bodies: Sequence[Body], turns: Sequence[Array]) -> None:
         self.bodies, self.world, self.moves = bodies, np.eye(4), [np.eye(4) for _ in bodies]
-        self.edges, self.children = [], [list[int]() for _ in bodies]
-        for i, (body, turn) in enumerate(zip(bodies, turns, strict=True)):
-            self.edges.append(joined(*([inverse(turns[body.parent])] if body.parent != WORLD else []), body.placement, turn))
+        carriers = [np.eye(4) if body.parent == WORLD else inverse(turns[body.parent]) for body in bodies]
+        self.edges = [joined(T, body.placement, turn) for T, body, turn in zip(carriers, bodies, turns, strict=True)]
+        self.children = [list[int]() for _ in bodies]
+        for i, body in enumerate(bodies):
             if body.parent != WORLD:
                 self.children[body.parent].append(i)
         self.own = [transformed(inverse(turn), pseudo_inertia(body)) for body, turn in zip(bodies, turns, strict=True)]
@@ -152,7 +153,7 @@ def _shifted(tree: _Tree, i: int) -> list[Array]:
     turn[:3, 3] = 0.0
     tree.moves[i] = turn
     near = [inverse(tree.edge(i)), *(tree.edge(k) for k in tree.children[i])]
-    steps = [*_foot(near[0]), *(step for T in near[1:] for step in (*_foot(T), _level(T))), _level(near[0])]
+    steps = [_foot(near[0]), *(step for T in near[1:] for step in (_foot(T), _level(T))), _level(near[0])]
     if tree.bodies[i].joint.kind == "prismatic":
         P = transformed(inverse(turn), tree.inertias[i])
         steps += [T[:3, 3] for T in near] + ([P[:3, 3] / P[3, 3]] if P[3, 3] else [])
@@ -160,13 +161,13 @@ def _shifted(tree: _Tree, i: int) -> list[Array]:
     return [turn @ shift(step) for step in (*close, np.zeros(3))]
 
 
-def _foot(T: Array) -> list[Array]:
-    """The foot on z of the common normal with another frame's z, unless they are parallel."""
+def _foot(T: Array) -> Array:
+    """The foot on z of the common normal with another frame's z; where they are parallel, level with its origin."""
     z, p = T[:3, 2], T[:3, 3]
     across = z[0] ** 2 + z[1] ** 2
     if across <= NEGLIGIBLE:
-        return []
-    return [np.array([0.0, 0.0, p[2] - z[2] * (p[0] * z[0] + p[1] * z[1]) / across])]
+        return _level(T)
+    return np.array([0.0, 0.0, p[2] - z[2] * (p[0] * z[0] + p[1] * z[1]) / across])
 
 
 def _level(T: Array) -> Array:
@@ -182,7 +183,7 @@ def _turn_of_world(tree: _Tree, gravity: Array) -> Array:
     for tree.world in candidates:
         found = [tree.placed(i) for i in roots]
         turned = sum(rotation_cost(T, True) + (zero != 0.0) for T, zero in found)
-        costs.append(turned + 10 * np.count_nonzero(fallen(tree.world, gravity)))
+        costs.append(turned + 10.0 * np.count_nonzero(fallen(tree.world, gravity)))
     return candidates[int(np.argmin(costs))]
 
 

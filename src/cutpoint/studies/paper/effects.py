@@ -36,7 +36,7 @@ def page(bench: Bench) -> Page:
             effects_bars.figure(found),
         ),
     )
-    blocks = (*_setting(bench.robot), pictures[0], *tables(found), pictures[1], *_readings(found), _limits())
+    blocks = (*_setting(bench.robot), pictures[0], *tables(found), pictures[1], *readings(found), _limits())
     return Page("effects", "The drive's effects, one by one", blocks, results(found))
 
 
@@ -93,7 +93,8 @@ def _thicker() -> float:
     return float(np.exp(sizes.THINNING * (STATED_AT - sizes.TEMPERATURE)))
 
 
-def _readings(found: Shares) -> tuple[str, ...]:
+def readings(found: Shares) -> tuple[str, ...]:
+    """What the numbers say."""
     ranked = sorted(found.added, key=lambda effect: -found.added[effect].costs[0])
     first, second = (found.added[effect].costs[0] for effect in ranked[:2])
     small = [effect for effect in ranked if found.added[effect].costs[0] < NEGLIGIBLE * first]

@@ -43,7 +43,7 @@ def spectrum_of_tracking(axes: Axes, tracking: Mapping[str, Log], joint: int, ra
         axes.semilogy(order[seen], 1e3 * np.rad2deg(amplitude[seen]), color=colour, lw=1.2, label=name)
     axes.set(title="(f) tracking error that it leaves, joint 2", xlabel="waves a turn of the wave generator")
     axes.set(ylabel="error [$10^{-3}$ deg]", xlim=(0, ORDERS), ylim=(1e-5, None), xticks=range(0, int(ORDERS) + 1, 2))
-    axes.grid(visible=False, which="minor")
+    axes.minorticks_off()
     axes.legend(loc="upper right")
 
 

@@ -1,0 +1,108 @@
+"""While code is made: a terminal says so, and Ctrl-C is heard."""
+
+import _thread
+import io
+import sys
+import threading
+import time
+
+import pytest
+
+from cutpoint.kernels import Loop, Region, Stage, compile, compile_program, waiting
+from cutpoint.kernels.waiting import interruptible, shown
+
+
+class Terminal(io.StringIO):
+    def isatty(self) -> bool:
+        return True
+
+
+def terminal_of(monkeypatch: pytest.MonkeyPatch) -> Terminal:
+    """Standard error as a terminal, on which everything takes long; pytest puts back its own after any fixture."""
+    found = Terminal()
+    monkeypatch.setattr(sys, "stderr", found)
+    monkeypatch.setenv("TERM", "xterm")
+    monkeypatch.setattr(waiting, "SHOWN_AFTER", 0.01)
+    return found
+
+
+def slow(x: float) -> float:
+    time.sleep(0.3)
+    return 2.0 * x
+
+
+def test_a_long_compilation_is_named_on_a_terminal(monkeypatch: pytest.MonkeyPatch) -> None:
+    terminal = terminal_of(monkeypatch)
+    kernel = compile(slow, name="[bold]law[/]", x=())
+    assert "compiling [bold]law[/]" in terminal.getvalue()
+    assert kernel(1.5) == 3.0
+
+
+def test_a_stepping_loop_is_named_too(monkeypatch: pytest.MonkeyPatch) -> None:
+    terminal = terminal_of(monkeypatch)
+    stage = Stage(lambda x: [slow(x[0])], ("x",), ("x",))
+    compile_program(Loop(1, (stage,)), [Region("x", 1)])
+    assert "compiling the stepping loop" in terminal.getvalue()
+
+
+def test_a_quick_one_passes_without_a_word(monkeypatch: pytest.MonkeyPatch) -> None:
+    terminal = terminal_of(monkeypatch)
+    monkeypatch.setattr(waiting, "SHOWN_AFTER", 60.0)
+    compile(slow, x=())
+    assert terminal.getvalue() == ""
+
+
+def test_the_terminal_is_left_as_it_was(monkeypatch: pytest.MonkeyPatch) -> None:
+    terminal = terminal_of(monkeypatch)
+    with pytest.raises(ZeroDivisionError), shown("law"):
+        time.sleep(0.2)
+        raise ZeroDivisionError
+    assert terminal.getvalue().endswith("\x1b[2K") and "\x1b[?25h" in terminal.getvalue()
+
+
+def test_only_the_outermost_speaks(monkeypatch: pytest.MonkeyPatch) -> None:
+    terminal = terminal_of(monkeypatch)
+    with shown("outer"), shown("inner"):
+        time.sleep(0.2)
+    assert "outer" in terminal.getvalue() and "inner" not in terminal.getvalue()
+
+
+def test_what_is_no_terminal_stays_empty(monkeypatch: pytest.MonkeyPatch) -> None:
+    terminal = terminal_of(monkeypatch)
+    file = io.StringIO()
+    monkeypatch.setattr(sys, "stderr", file)
+    compile(slow, x=())
+    assert file.getvalue() == terminal.getvalue() == ""
+    monkeypatch.setattr(sys, "stderr", None)  # as in programs without a console
+    assert compile(slow, x=())(2.0) == 4.0
+
+
+def test_what_a_traced_function_prints_goes_where_it_belongs(monkeypatch: pytest.MonkeyPatch) -> None:
+    terminal = terminal_of(monkeypatch)
+    output = Terminal()
+    monkeypatch.setattr(sys, "stdout", output)
+    with shown("law"):
+        time.sleep(0.2)
+        print("seen")
+    assert output.getvalue() == "seen\n" and "seen" not in terminal.getvalue()
+
+
+def test_interrupts_are_heard_while_work_goes_on() -> None:
+    release, ended = threading.Event(), threading.Event()
+
+    def work() -> None:
+        release.wait(60)
+        ended.set()
+
+    threading.Timer(0.1, _thread.interrupt_main).start()
+    with pytest.raises(KeyboardInterrupt):
+        interruptible(work)
+    assert not ended.is_set()
+    release.set()
+    assert ended.wait(60)  # what was begun comes to its end
+
+
+def test_work_returns_and_raises_as_if_done_here() -> None:
+    assert interruptible(lambda: "code") == "code"
+    with pytest.raises(ValueError, match=r"^bad text$"):
+        interruptible(lambda: (_ for _ in ()).throw(ValueError("bad text")))
