@@ -14,6 +14,7 @@ import numpy as np
 from codegen import FLAGS
 from contenders import ITEMS, ROBOTS, TASKS, Entry, entries
 from document import document
+from steps import steps
 
 import cutpoint
 from cutpoint.studies.cost.study import processor
@@ -32,6 +33,8 @@ def main() -> None:
             for task in TASKS:
                 print(f"{robot}: {task}", file=sys.stderr)
                 results["tasks"].append(_measured(robot, task, entries(robot, task, Path(folder))))
+    print("integration steps", file=sys.stderr)
+    results["steps"] = steps()
     (HERE / "results.json").write_text(json.dumps(results, indent=1) + "\n", encoding="utf-8")
     text = document(results)
     (HERE.parent / "docs" / "benchmarks.md").write_text(text, encoding="utf-8")

@@ -16,6 +16,7 @@ from cutpoint.kernels import Kernel, compile
 from cutpoint.kernels import cache as caches
 from cutpoint.kernels.batch_loop import WORTH_MAKING_PACKS
 from cutpoint.kernels.cache import VARIABLE, Cache, key_of, user_folder
+from cutpoint.kernels.jit import object_code
 from cutpoint.scalars import sin, tanh
 
 HEADER = 80  # bytes before the code
@@ -305,6 +306,12 @@ def test_code_comes_back_as_it_was(tmp_path: Path, code: bytes) -> None:
     assert cache.read(key_of("x")) is None
     cache.write(key_of("x"), code)
     assert Cache(tmp_path / "kernels").read(key_of("x")) == code
+
+
+def test_what_is_compiled_with_another_effort_is_another_entry(folder: Path) -> None:
+    text = "define double @double(double %x) {\n%y = fadd double %x, %x\nret double %y\n}"
+    found = [object_code(text, effort) for effort in (0, 2, 0)]
+    assert found[0] == found[2] and len(entries(folder)) == 2
 
 
 def test_parts_of_a_key_are_told_apart() -> None:

@@ -30,6 +30,13 @@ class Code:
         self.lines.append(f"{name} = {expression}")
         return name
 
+    @contextmanager
+    def aside(self) -> Iterator[list[str]]:
+        """Lines that are kept apart, for the caller to place."""
+        lines, self.lines = self.lines, []
+        yield self.lines
+        self.lines = lines
+
     def label(self, label: str) -> None:
         """Control falls into a new block."""
         self.lines += [f"br label {label}", f"{label[1:]}:"]

@@ -1,7 +1,7 @@
 """A stepping program in machine code: all its stages and loops as one function."""
 
 import ctypes
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 
 import numpy as np
 
@@ -49,10 +49,16 @@ def program_ir(plan: Plan) -> str:
             rows = {name: code.let(f"mul i64 {running.iteration}, {plan.sizes[name]}") for name in this.streams}
             inside = regions | {name: code.at(regions[name], row) for name, row in rows.items()}
             at_hand: dict[Place, str] = {}
-            for item in this.body:
+            for item, following in zip(this.body, [*this.body[1:], None], strict=True):
                 if isinstance(item, Loop):
                     loop(item, inside)
                     at_hand.clear()
+                elif item.lanes > 1 and isinstance(following, Stage) and following.lanes == 1:
+                    with code.aside() as wide:
+                        stages[item].write(code, inside, at_hand)
+                    with code.aside() as narrow:
+                        stages[following].begin(code, inside, item.writes)
+                    code.lines += _in_turn(wide, narrow)
                 else:
                     stages[item].write(code, inside, at_hand)
         return running.done
@@ -62,6 +68,12 @@ def program_ir(plan: Plan) -> str:
     declarations = "".join(x.declarations for x in lanes.values())
     head = f"{declarations}define i64 @{_FUNCTION}(ptr %counts, ptr %regions) {{\nentry:"
     return "\n".join([head, *code.lines, f"ret i64 {done}", "}", ""])
+
+
+def _in_turn(first: list[str], second: list[str]) -> list[str]:
+    """Two independent stretches of code as one: lanes wait long for each other and leave room for single numbers."""
+    order = [((k + 0.5) / len(lines), line) for lines in (first, second) for k, line in enumerate(lines)]
+    return [line for _, line in sorted(order, key=lambda pair: pair[0])]
 
 
 class _Stage:
@@ -74,11 +86,18 @@ class _Stage:
         self._sources = [(port.name, k, port.name in laned) for port in graph.inputs for k in range(port.size)]
         self._targets = [(port.name, k) for port in graph.outputs for k in range(port.size)]
         before, self._graph = hoist(graph, {k for k, (name, *_) in enumerate(self._sources) if name not in changing})
-        count = len(before.results)
+        self._rest, count = self._graph, len(before.results)
+        self._begun, self._first_begun = [], len(self._sources) + count
         self._hoisted = code.let(f"alloca {self.lanes.real}, i64 {count}") if count else ""
         values = straight_line(code, before, lambda slot: self._load(code, regions, slot, {}), lanes=self.lanes)
         for k, value in enumerate(values):
             code.store(value, self._hoisted, k, self.lanes.real)
+
+    def begin(self, code: Code, regions: Mapping[str, str], awaited: Sequence[str]) -> None:
+        """What does not wait for some regions; `write` goes on from there, and must follow."""
+        late = {k for k, (name, *_) in enumerate(self._sources) if name in awaited}
+        before, self._rest = hoist(self._graph, set(range(self._first_begun)) - late)
+        self._begun = straight_line(code, before, lambda slot: self._load(code, regions, slot, {}), lanes=self.lanes)
 
     def write(self, code: Code, regions: Mapping[str, str], at_hand: dict[Place, str]) -> None:
         """Reads, computes, then writes what has changed.
@@ -90,9 +109,10 @@ class _Stage:
         def load(slot: int) -> str:
             return self._load(code, regions, slot, at_hand)
 
-        values = straight_line(code, self._graph, load, lanes=self.lanes)
+        graph, self._rest = self._rest, self._graph
+        values = straight_line(code, graph, load, lanes=self.lanes)
         width = self.lanes.width
-        for x, value, (name, k) in zip(self._graph.results, values, self._targets, strict=True):
+        for x, value, (name, k) in zip(graph.results, values, self._targets, strict=True):
             if not self._is_input(x, (name, k)):
                 code.store(value, code.at(regions[name], k * width), 0, self.lanes.real, align=8)
                 written = {(name, k * width + lane): value for lane in range(width)}
@@ -104,6 +124,8 @@ class _Stage:
         return slot < len(self._sources) and self._sources[slot][:2] == place
 
     def _load(self, code: Code, regions: Mapping[str, str], slot: int, at_hand: Mapping[Place, str]) -> str:
+        if slot >= self._first_begun:
+            return self._begun[slot - self._first_begun]
         if slot >= len(self._sources):
             return code.load(self._hoisted, slot - len(self._sources), self.lanes.real)
         name, k, laned = self._sources[slot]

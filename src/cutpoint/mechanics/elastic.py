@@ -26,7 +26,7 @@ from cutpoint.mechanics.strains import UNKNOWN, Strains, strain_energy
 from cutpoint.mechanics.system import System
 from cutpoint.model.drive import Drive
 from cutpoint.model.mechanism import WORLD
-from cutpoint.scalars import Jet, Scalar
+from cutpoint.scalars import Jet, Scalar, where
 
 Scalars = Sequence[Scalar]
 
@@ -168,12 +168,22 @@ def _motor_motion(driven: Driven, tau: Jet, q: Scalar, v: Jet, options: Options,
     xi = friction_torque(drive.link_friction, v if options.friction_rates else v_0, strain=strains.link)
     tau_f = tau + xi
     on_spring = tau_f - slipping_torque(drive, strains.spring)
-    wound = drive.compliance.deflection(on_spring)
+    wound = _stiffened(drive, drive.compliance.deflection(on_spring), strains)
     theta = motor_position(drive, link + wound)
     if drive.damping is not None:
         wound_by = drive.compliance.deflection(on_spring.derivative(0) - drive.damping * wound.derivative(1))
         theta = Jet.of_taylor([motor_position(drive, q + wound_by), *theta.c[1:]])
     return _Motor(theta, tau_f.derivative(0))
+
+
+def _stiffened(drive: Drive, wound: Jet, strains: Strains) -> Jet:
+    """A spring's deflection whose rates are those of spring and sticking elements of hysteresis together."""
+    if drive.compliance is None or drive.hysteresis is None or strains.spring is None:
+        return wound
+    direction = where(wound.derivative(1) < 0, -1, 1)
+    spring, beside = drive.compliance.tangent(wound.c[0]), drive.hysteresis.sticking(strains.spring, direction)
+    share = spring / (spring + beside)
+    return Jet.of_taylor([wound.c[0], *(share * c for c in wound.c[1:])])
 
 
 def _motor_torque(

@@ -7,7 +7,7 @@ element gives back is never more than what wound it up.  Strains in rad (m), tor
 from dataclasses import dataclass
 from typing import Any
 
-from cutpoint.scalars import Scalar, clip
+from cutpoint.scalars import Scalar, clip, where
 
 
 @dataclass(frozen=True)
@@ -38,6 +38,11 @@ class MaxwellSlip:
     def torque(self, strains: tuple[Scalar, ...]) -> Scalar:
         """What the elements add to the spring's torque, N m."""
         return _sum([k * s for k, s in zip(self.stiffness, strains, strict=True)])
+
+    def sticking(self, strains: tuple[Scalar, ...], direction: Scalar) -> Scalar:
+        """Stiffness of the elements that do not slip when the deflection goes on in a direction, 1 or -1; N m/rad."""
+        parts = zip(self.stiffness, self.reach, strains, strict=True)
+        return _sum([where(direction * s < r, k, 0) for k, r, s in parts])
 
     def energy(self, strains: tuple[Scalar, ...]) -> Scalar:
         """Energy that the elements hold, J."""
