@@ -9,7 +9,8 @@ import pytest
 
 from cutpoint.errors import InputError, TraceError
 from cutpoint.kernels import Loop, Program, Region, Stage, backends, compile_program
-from cutpoint.scalars import absolute, sin, where
+from cutpoint.kernels import compile as compile_kernel
+from cutpoint.scalars import absolute, exp, sin, where
 
 BACKENDS = ("llvm", "numpy")
 H = 0.01
@@ -240,3 +241,86 @@ def test_unsound_programs_are_explained(case: int) -> None:
 def test_regions_have_names_of_their_own() -> None:
     with pytest.raises(InputError, match="different names"):
         compile_program(Loop(1, (COPY,)), [Region("x", 2), Region("x", 1)])
+
+
+# lanes
+
+LANED = [
+    Region("x", 6, 3), Region("v", 3, 3), Region("k", 3, 3), Region("pull", 1), Region("a", 3, 3), Region("held", 2),
+]  # fmt: skip
+
+
+def push(x: Any, v: Any, k: Any, pull: Any, held: Any) -> Any:
+    """Of one lane: two numbers of x, one each of v and k, all of the rest."""
+    return [sin(x[0]) * exp(k[0] / (1 + held[0])) + x[1] * pull[0] - v[0] * held[1]]
+
+
+def couple(a: Any, v: Any) -> Any:
+    return [(a[0] + a[1] + a[2]) / 8 + v[0], a[1], a[2] - v[1]]
+
+
+def move(x: Any, v: Any, a: Any) -> Any:
+    return [x[0] + H * v[0], x[1] + H * a[0]], [v[0] + H * a[0]]
+
+
+def springs(lanes: int, backend: str) -> Program:
+    """Three like things that feel each other, side by side or one after another."""
+
+    def each(function: Callable[..., Any], mine: int) -> Callable[..., Any]:
+        """All three by loops over the first `mine` arguments."""
+
+        def of_all(*regions: Any) -> Any:
+            results = [function(*(r[k::3] for r in regions[:mine]), *regions[mine:]) for k in range(3)]
+            nested = [r if isinstance(r, tuple) else (r,) for r in results]
+            lists = [[x for row in zip(*part, strict=True) for x in row] for part in zip(*nested, strict=True)]
+            return lists[0] if len(lists) == 1 else lists
+
+        return of_all if lanes == 1 else function
+
+    body = [
+        Stage(each(push, 3), ("x", "v", "k", "pull", "held"), ("a",), lanes),
+        Stage(couple, ("a", "v"), ("a",)),
+        Stage(each(move, 3), ("x", "v", "a"), ("x", "v"), lanes),
+    ]
+    return compile_program(Loop("ticks", body), LANED, backend=backend)
+
+
+@pytest.mark.parametrize("backend", BACKENDS)
+def test_lanes_side_by_side_are_lanes_one_after_another_to_the_last_bit(backend: str) -> None:
+    rng = np.random.default_rng(0)
+    start = {r.name: rng.uniform(0.2, 1.0, r.size) for r in LANED}
+    ends = []
+    for lanes in (3, 1):
+        arrays = {name: x.copy() for name, x in start.items()}
+        springs(lanes, backend).run({"ticks": 50}, **arrays)
+        ends.append(arrays)
+    for name in start:
+        np.testing.assert_array_equal(ends[0][name], ends[1][name])
+    assert not np.array_equal(ends[0]["x"], start["x"])
+
+
+def test_a_laned_stage_writes_only_regions_with_as_many_lanes() -> None:
+    body = [Stage(push, ("x", "v", "k", "pull", "held"), ("pull",), 3)]
+    with pytest.raises(InputError, match=r"a stage of 3 lanes writes region 'pull', which has 1; they must be as many"):
+        compile_program(Loop(1, body), LANED)
+
+
+def test_a_region_is_whole_in_lanes() -> None:
+    with pytest.raises(InputError, match="whole in lanes"):
+        compile_program(Loop(1, [Stage(couple, ("a", "v"), ("a",))]), [Region("a", 4, 3), Region("v", 3, 3)])
+
+
+def test_what_never_changes_is_computed_once_and_to_the_same_bits() -> None:
+    """The constant's exponential stands before the loop; a second run with another constant sees it anew."""
+
+    def grow(x: Any, rate: Any) -> Any:
+        return [x[0] * exp(rate[0] / 3) + sin(rate[0])]
+
+    program = compile_program(Loop("ticks", [Stage(grow, ("x", "rate"), ("x",))]), [Region("x", 1), Region("rate", 1)])
+    one = compile_kernel(grow, x=1, rate=1)
+    for rate in (0.1, -0.4):
+        x, expected = np.array([1.0]), np.array([1.0])
+        program.run({"ticks": 7}, x=x, rate=np.array([rate]))
+        for _ in range(7):
+            expected = one(expected, np.array([rate]))
+        np.testing.assert_array_equal(x, expected)

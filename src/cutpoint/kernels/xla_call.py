@@ -1,0 +1,85 @@
+"""LLVM IR of a function that XLA calls: it runs a graph's batch loop on XLA's buffers, without a copy.
+
+XLA's foreign function interface hands over a call frame: a C struct, declared in xla/ffi/api/c_api.h, which jaxlib
+brings along.  Its fields are read where version 0 of the interface puts them; minor versions only add fields behind.
+"""
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from cutpoint.kernels.llvm_code import Code
+from cutpoint.kernels.ports import Port
+
+FUNCTION, LOOP, PACKS = "xla_call", "batch_loop_of_xla_call", "packs_of_xla_call"
+
+_EXTENSION, _API, _ARGUMENTS, _RESULTS = 8, 16, 72, 112
+"""Of a call frame, in bytes: what else is asked, the interface, and the tables of buffers."""
+_EXTENSION_KIND, _METADATA = 8, 24
+_METADATA_IS_ASKED = 1
+_API_MINOR = 36
+_MAJOR, _MINOR, _TRAITS = 24, 28, 32
+"""Of the metadata, in bytes: for which version of the interface this is, and what else is promised: nothing."""
+_DATA, _LENGTHS = 24, 40
+"""Of a buffer, in bytes: its numbers, and the lengths of its axes."""
+
+_HEADER = f"""declare void @{LOOP}(ptr, ptr, ptr, ptr)
+@{PACKS} = external global ptr
+define ptr @{FUNCTION}(ptr %frame) {{
+entry:"""
+
+
+def xla_call(inputs: Sequence[Port], outputs: Sequence[Port]) -> str:
+    """The module's text: XLA_FFI_Error *xla_call(XLA_FFI_CallFrame *).
+
+    Every buffer has a leading axis before the port's own: 1 of an input that the whole batch shares, else the batch's
+    length.  None of the ports is of size 0, and there is an output.
+    """
+    code, ports = Code(), (*inputs, *outputs)
+    asked, run = code.name("asked"), code.name("run")
+    extension = _field(code, "%frame", _EXTENSION)
+    kind = code.let(f"select i1 {code.let(f'icmp eq ptr {extension}, null')}, ptr %frame, ptr {extension}")
+    # of a frame without extension the same place is read, where the null pointer is: no kind
+    is_metadata = code.let(f"icmp eq i32 {_field(code, kind, _EXTENSION_KIND, 'i32')}, {_METADATA_IS_ASKED}")
+    code.branch(is_metadata, asked, run)
+    code.open(asked)
+    _answer(code, extension)
+    code.open(run)
+    arguments, lengths = (code.let(f"alloca {kind}, i64 {len(ports)}") for kind in ("ptr", "i64"))
+    for number, buffer in enumerate(_buffers(code, inputs, outputs)):
+        code.store(_field(code, buffer, _DATA), arguments, number, "ptr")
+        code.store(_field(code, _field(code, buffer, _LENGTHS), 0, "i64"), lengths, number, "i64")
+    steps = _steps(code, ports, lengths)
+    count = code.at(lengths, len(inputs), "i64")
+    code.lines.append(f"call void @{LOOP}(ptr {arguments}, ptr {count}, ptr {steps}, ptr @{PACKS})")
+    return "\n".join([_HEADER, *code.lines, "ret ptr null", "}", ""])
+
+
+def _answer(code: Code, extension: str) -> None:
+    """Written for whatever minor version XLA has, of major version 0."""
+    metadata = _field(code, extension, _METADATA)
+    minor = _field(code, _field(code, "%frame", _API), _API_MINOR, "i32")
+    for place, value in ((_MAJOR, "0"), (_MINOR, minor), (_TRAITS, "0")):
+        code.lines.append(f"store i32 {value}, ptr {code.at(metadata, place, 'i8')}")
+    code.lines.append("ret ptr null")
+
+
+def _buffers(code: Code, inputs: Sequence[Port], outputs: Sequence[Port]) -> list[str]:
+    sides = ((_field(code, "%frame", _ARGUMENTS), inputs), (_field(code, "%frame", _RESULTS), outputs))
+    return [code.load(table, k, "ptr") for table, ports in sides for k in range(len(ports))]
+
+
+def _steps(code: Code, ports: Sequence[Port], lengths: str) -> str:
+    """Every argument's step through the batch, in bytes, 0 if it is shared; then the steps through its own axes."""
+    own = [stride for p in ports for stride in np.empty(p.shape).strides]
+    steps = code.let(f"alloca i64, i64 {len(ports) + len(own)}")
+    for number, port in enumerate(ports):
+        is_shared = code.let(f"icmp eq i64 {code.load(lengths, number, 'i64')}, 1")
+        code.store(code.let(f"select i1 {is_shared}, i64 0, i64 {8 * port.size}"), steps, number, "i64")
+    for k, stride in enumerate(own, start=len(ports)):
+        code.store(str(stride), steps, k, "i64")
+    return steps
+
+
+def _field(code: Code, pointer: str, place: int, kind: str = "ptr") -> str:
+    return code.let(f"load {kind}, ptr {code.at(pointer, place, 'i8')}")
