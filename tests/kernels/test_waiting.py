@@ -6,10 +6,13 @@ import sys
 import threading
 import time
 
+import numpy as np
 import pytest
 
-from cutpoint.kernels import Loop, Region, Stage, compile, compile_program, waiting
+from cutpoint.kernels import Loop, Region, Stage, compile, compile_program, packs, waiting
+from cutpoint.kernels.batch_loop import WORTH_MAKING_PACKS
 from cutpoint.kernels.waiting import interruptible, shown
+from cutpoint.scalars import sin
 
 
 class Terminal(io.StringIO):
@@ -100,6 +103,18 @@ def test_interrupts_are_heard_while_work_goes_on() -> None:
     assert not ended.is_set()
     release.set()
     assert ended.wait(60)  # what was begun comes to its end
+
+
+def test_an_interrupt_while_packs_are_made_is_not_lost(monkeypatch: pytest.MonkeyPatch) -> None:
+    def interrupted(*_: object) -> None:
+        raise KeyboardInterrupt
+
+    kernel, x = compile(sin, x=(), backend="llvm"), np.linspace(-3, 3, 2 * WORTH_MAKING_PACKS)
+    with monkeypatch.context() as patch, pytest.raises(KeyboardInterrupt):
+        patch.setattr(packs, "Compiled", interrupted)
+        kernel(x)
+        time.sleep(60)
+    assert kernel(x).tobytes() == np.array([kernel(one) for one in x]).tobytes()
 
 
 def test_work_returns_and_raises_as_if_done_here() -> None:

@@ -85,9 +85,9 @@ def torque_bound(
         spread = COVERED * np.hypot(passed * sigmas[0][k], sigmas[1][k])
         wound = deflection(drive, theta[..., k], q[..., k])
         stiffness = _stiffest(drive, wound, angle + spread)
-        come = np.maximum.accumulate(np.abs(wound - wound[0])) + 2 * (angle + spread) if record else np.inf
+        way = wound - wound[0] if record else None
         parts[0][..., k], parts[1][..., k] = stiffness * angle, stiffness * spread
-        parts[2][..., k] = sum(s * np.minimum(r, come) for s, r in _elements(drive))
+        parts[2][..., k] = _hysteresis(drive, way, angle + spread)
         parts[3][..., k] = (drive.damping or 0.0) * fastest[..., k]
     resolution, noise, hysteresis, damping = parts
     return TorqueBound(resolution, noise, hysteresis, damping)
@@ -117,8 +117,20 @@ def _stiffest(drive: Drive, wound: Array, off: float) -> Array:
     return np.maximum(drive.compliance.tangent(wound - off), drive.compliance.tangent(wound + off))
 
 
-def _elements(drive: Drive) -> list[tuple[float, float]]:
-    return [*zip(drive.hysteresis.stiffness, drive.hysteresis.reach, strict=True)] if drive.hysteresis else []
+def _hysteresis(drive: Drive, way: Array | None, off: float) -> Array | float:
+    """What elements beside the spring can bear, given how the deflection has come from where they were not strained.
+
+    Elements that cannot have slipped are strained by that way itself, of which both ends may be read wrong.
+    """
+    if drive.hysteresis is None:
+        return 0.0
+    elements = [*zip(drive.hysteresis.stiffness, drive.hysteresis.reach, strict=True)]
+    if way is None:
+        return sum(k * r for k, r in elements)
+    farthest = np.maximum.accumulate(np.abs(way)) + 2 * off
+    sticks = sum(np.where(farthest < r, k, 0.0) for k, r in elements)
+    slipped = sum(np.where(farthest < r, 0.0, k * r) for k, r in elements)
+    return slipped + sticks * (np.abs(way) + 2 * off)
 
 
 def _each(value: ArrayLike | None, count: int) -> Array:

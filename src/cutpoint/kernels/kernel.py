@@ -4,11 +4,13 @@ import time
 from collections import namedtuple
 from collections.abc import Callable, Sequence
 from functools import cached_property
+from importlib import import_module
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
+from cutpoint.errors import InputError
 from cutpoint.kernels.array_call import ArrayCall
 from cutpoint.kernels.backends import array_function, chosen
 from cutpoint.kernels.graph import Graph
@@ -119,8 +121,72 @@ class Kernel:
 
         return write_package(self.graph, self.name, folder, force=force)
 
+    def to_cuda(self, folder: str | Path, *, force: bool = False) -> tuple[Path, ...]:
+        """Writes the kernel as CUDA C, one thread a configuration; returns the files' paths.
+
+        The folder gets `<name>.cu`, for nvcc and NVRTC, and `<name>.cuh`, which says what its arguments are.  It
+        computes in float64 by the operations of machine code, each rounded as IEEE 754 says.
+        force: overwrite files that cutpoint has not written.
+
+        Raises:
+            InputError: CUDA C cannot take a name, or files are in the way.
+        """
+        from cutpoint.kernels.cuda_package import write_package
+
+        return write_package(self.graph, self.name, folder, force=force)
+
+    def on_gpu(self) -> Callable[..., Any]:
+        """The kernel as a function of CuPy arrays, called as the kernel is: what it reads and returns stays on the GPU.
+
+        Needs the extra `cuda`; `to_cuda` says how it computes.
+
+        Raises:
+            InputError: CuPy is not installed, or CUDA C cannot take a name.
+        """
+        from cutpoint.kernels.gpu import gpu_function
+
+        return gpu_function(self.graph, self.name, self._record)
+
+    def to_jax(self) -> Callable[..., Any]:
+        """The kernel as a function of JAX arrays on the CPU, called as the kernel is: jit, vmap, grad, jvp take it.
+
+        It calls this kernel's machine code, and for derivatives machine code for its Jacobian, compiled when JAX first
+        asks.  JAX keeps the code as long as the process lives: make the function once.  Needs the extra `jax`.
+
+        Raises:
+            InputError: JAX or llvmlite is not installed; when called, also if JAX computes in float32.
+        """
+        chosen("llvm")
+        _check_installed("to_jax", "jax")
+        from cutpoint.kernels.jax_target import jax_function
+
+        return jax_function(self.graph, self.name, self._record)
+
+    def to_sympy(self) -> Any:
+        """The outputs as SymPy expressions, to read: a Matrix of them where there is an axis (a vector is a column).
+
+        The number q[0] is Symbol("q_0"), M[1][2] is Symbol("M_1_2"), a scalar input k is Symbol("k").  Needs the extra
+        `sympy`.  Those of whole robots are long; `sympy.cse` names what they share.
+
+        Raises:
+            InputError: SymPy is not installed, or two numbers would have one symbol.
+        """
+        _check_installed("to_sympy", "sympy")
+        from cutpoint.kernels.symbolic import expressions
+
+        found = expressions(self.graph, self.name)
+        return self._record._make(found) if self._record else found[0]
+
     def __repr__(self) -> str:
         sides = (self.graph.inputs, self.graph.outputs)
         inputs, outputs = (", ".join(f"{p.name}{p.shape}" for p in side) for side in sides)
         count = sum(self.operations.values())
         return f"<Kernel {self.name}: {inputs} -> {outputs}, {count} operations, {self.backend}>"
+
+
+def _check_installed(method: str, package: str) -> None:
+    """Raises InputError if an extra, named as its package is, is missing."""
+    try:
+        import_module(package)
+    except ImportError as problem:
+        raise InputError(f'{method} needs {package}: pip install "cutpoint[{package}]"') from problem

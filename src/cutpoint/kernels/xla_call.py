@@ -2,6 +2,7 @@
 
 XLA's foreign function interface hands over a call frame: a C struct, declared in xla/ffi/api/c_api.h, which jaxlib
 brings along.  Its fields are read where version 0 of the interface puts them; minor versions only add fields behind.
+XLA's threads flush subnormal numbers to zero.  While our code runs, floats behave as they do in Python.
 """
 
 from collections.abc import Sequence
@@ -11,7 +12,12 @@ import numpy as np
 from cutpoint.kernels.llvm_code import Code
 from cutpoint.kernels.ports import Port
 
-FUNCTION, LOOP, PACKS = "xla_call", "batch_loop_of_xla_call", "packs_of_xla_call"
+FUNCTION = "xla_call"
+LOOP, PACKS, FLOATS = "batch_loop_of_xla_call", "packs_of_xla_call", "floats_of_xla_call"
+"""What the function needs: the loop, its data pointer, and the C library's fenv_t with which it runs."""
+
+FENV_BYTES = 256
+"""Room for a fenv_t of any platform."""
 
 _EXTENSION, _API, _ARGUMENTS, _RESULTS = 8, 16, 72, 112
 """Of a call frame, in bytes: what else is asked, the interface, and the tables of buffers."""
@@ -24,7 +30,10 @@ _DATA, _LENGTHS = 24, 40
 """Of a buffer, in bytes: its numbers, and the lengths of its axes."""
 
 _HEADER = f"""declare void @{LOOP}(ptr, ptr, ptr, ptr)
+declare i32 @fegetenv(ptr)
+declare i32 @fesetenv(ptr)
 @{PACKS} = external global ptr
+@{FLOATS} = external global ptr
 define ptr @{FUNCTION}(ptr %frame) {{
 entry:"""
 
@@ -51,7 +60,11 @@ def xla_call(inputs: Sequence[Port], outputs: Sequence[Port]) -> str:
         code.store(_field(code, _field(code, buffer, _LENGTHS), 0, "i64"), lengths, number, "i64")
     steps = _steps(code, ports, lengths)
     count = code.at(lengths, len(inputs), "i64")
+    theirs = code.let(f"alloca i8, i64 {FENV_BYTES}, align 16")
+    code.let(f"call i32 @fegetenv(ptr {theirs})")
+    code.let(f"call i32 @fesetenv(ptr @{FLOATS})")
     code.lines.append(f"call void @{LOOP}(ptr {arguments}, ptr {count}, ptr {steps}, ptr @{PACKS})")
+    code.let(f"call i32 @fesetenv(ptr {theirs})")
     return "\n".join([_HEADER, *code.lines, "ret ptr null", "}", ""])
 
 

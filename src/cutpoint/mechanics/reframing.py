@@ -73,10 +73,8 @@ def framing_of(bodies: Sequence[Body], turns: Sequence[Array], gravity: Array) -
     tree.world = _turn_of_world(tree, gravity)
     placements, zeros = zip(*(tree.placed(i) for i in range(len(bodies))), strict=True) if bodies else ((), ())
     own = [transformed(inverse(move), P) for move, P in zip(tree.moves, tree.own, strict=True)]
-    # at coordinate zero a joint has turned by its angle already
-    still = [T @ about_z(zero) for T, zero in zip(placements, zeros, strict=True)]
     frames = [turn @ move for turn, move in zip(turns, tree.moves, strict=True)]
-    return Framing(tree.world, frames, [*placements], [*zeros], regrouped(bodies, own, still))
+    return Framing(tree.world, frames, [*placements], [*zeros], regrouped(bodies, own, placements))
 
 
 def fallen(world: Array, gravity: Array) -> Array:

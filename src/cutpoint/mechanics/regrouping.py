@@ -34,7 +34,7 @@ def pseudo_inertia(body: Body) -> Array:
 def regrouped(bodies: Sequence[Body], own: Sequence[Array], placements: Sequence[Array]) -> list[Array]:
     """Pseudo-inertias (4, 4) after each body has handed on to its carrier what its joint cannot tell from it.
 
-    own: in the frames of the bodies; placements (4, 4) of these frames in their carriers' at coordinate zero.
+    own: in the frames of the bodies; placements (4, 4) of these frames in their carriers', with joints anywhere.
     What would go to the world stays: it costs nothing, and potential energy keeps its zero.
     """
     P, sizes = [*own], [_size(M) for M in own]

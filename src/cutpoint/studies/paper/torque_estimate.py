@@ -10,6 +10,7 @@ from cutpoint.mechanics.compliance import Flexspline
 from cutpoint.robot import Robot
 from cutpoint.simulation import Log
 from cutpoint.studies.chain import Array
+from cutpoint.studies.paper import whole_drive_torque
 from cutpoint.studies.paper.bench import Bench
 from cutpoint.studies.paper.printed import JOINTS
 from cutpoint.studies.report.page import Page, Picture, Table, row
@@ -27,6 +28,7 @@ _ZOOM = (4.0, 4.06)  # s
 def page(bench: Bench) -> Page:
     log, estimates = bench.elastic, estimated(bench)
     errors = {name: torque - log["joint_torque"] for name, torque in estimates.items()}
+    whole = whole_drive_torque.reading(bench, *whole_drive_torque.COUNTS)
     blocks = (
         "An encoder on either side of the drive shows how far it bends, and law (2) turns that into the torque the "
         "link gets: a torque sensor without a sensor. Below it is read from the loop of Table 4 with all rungs, "
@@ -41,8 +43,11 @@ def page(bench: Bench) -> Page:
             "the readings are off by.",
             _figure(log, estimates, errors),
         ),
+        whole_drive_torque.table(whole),
+        whole_drive_torque.remark(whole),
     )
-    return Page("torque", "Torque from two encoders", blocks, _results(log, errors))
+    results = _results(log, errors) | {"table_a8": whole_drive_torque.results(whole)}
+    return Page("torque", "Torque from two encoders", blocks, results)
 
 
 def estimated(bench: Bench) -> dict[str, Array]:
@@ -97,7 +102,7 @@ def _verdict(bench: Bench, errors: dict[str, Array]) -> str:
         "the motor's encoder is the coarser of the two. A "
         f"stiffness taken a fifth too high is off by {_rms(errors[STIFFER])[_SHOWN]:.1f} N m on the same joint, "
         "because the tangent of (2) magnifies it: a drive that is not identified well is not saved by its encoders. "
-        "Damping, hysteresis and kinematic error, which a real drive has, are not in this plant."
+        "Hysteresis and kinematic error, which a real drive has, are not in this plant; below they are."
     )
 
 

@@ -1,0 +1,40 @@
+"""Batches as rows: arguments whose leading axes broadcast become arrays with one leading axis."""
+
+import math
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+
+from cutpoint.errors import InputError
+from cutpoint.kernels.arguments import batch_shape
+from cutpoint.kernels.ports import Port, Shape
+
+
+def batch_of(name: str, ports: Sequence[Port], given: Sequence[Any]) -> Shape:
+    """The leading axes that the arguments have together.
+
+    Raises InputError where an argument's last axes are not its port's, or the leading ones do not broadcast.
+    """
+    shapes = {}
+    for port, x in zip(ports, given, strict=True):
+        try:
+            shapes[port.name] = batch_shape(port, x)
+        except ValueError as problem:
+            raise InputError(f"{name}: {port.name} {problem}", name=port.name) from None
+    try:
+        return np.broadcast_shapes(*shapes.values())
+    except ValueError:
+        found = ", ".join(f"{key} {shape}" for key, shape in shapes.items())
+        raise InputError(f"{name}: leading axes do not broadcast: {found}", batches=shapes) from None
+
+
+def as_rows(arrays: Any, port: Port, x: Any, batch: Shape) -> Any:
+    """The argument as (N, *shape), N the size of the batch, or as (1, *shape) if all of the batch shares it.
+
+    arrays: the module that the argument is an array of, such as jax.numpy.
+    """
+    if all(n == 1 for n in x.shape[: x.ndim - len(port.shape)]):
+        return arrays.reshape(x, (1, *port.shape))
+    whole = arrays.broadcast_to(x, (*batch, *port.shape))
+    return arrays.reshape(whole, (math.prod(batch), *port.shape))

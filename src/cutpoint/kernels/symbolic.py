@@ -1,0 +1,50 @@
+"""A graph as SymPy expressions, to read."""
+
+from collections import Counter
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+import sympy
+
+from cutpoint.errors import InputError
+from cutpoint.kernels.graph import Graph
+from cutpoint.kernels.ports import Port, Shape
+from cutpoint.kernels.replay import replay
+
+
+def expressions(graph: Graph, name: str) -> list[Any]:
+    """Every output as an expression, a Matrix (a vector is a column), or an Array of more axes.
+
+    Raises InputError if two numbers would have one symbol.
+    """
+    results = replay(graph, _symbols(graph.inputs, name), _constant)
+    shaped, start = [], 0
+    for port in graph.outputs:
+        shaped.append(_shaped(results[start : start + port.size], port.shape))
+        start += port.size
+    return shaped
+
+
+def _symbols(ports: Sequence[Port], name: str) -> list[Any]:
+    names = ["_".join(map(str, (p.name, *index))) for p in ports for index in np.ndindex(p.shape)]
+    twice = [symbol for symbol, count in Counter(names).items() if count > 1]
+    if twice:
+        raise InputError(f"{name}: {twice[0]!r} would be the symbol of two inputs: rename one", name=twice[0])
+    return [sympy.Symbol(symbol) for symbol in names]
+
+
+def _constant(x: float) -> Any:
+    """The float, exactly; whole numbers and simple fractions as such, as one would write them."""
+    if not np.isfinite(x):
+        return sympy.nan if np.isnan(x) else sympy.oo * int(np.sign(x))
+    numerator, denominator = x.as_integer_ratio()
+    return sympy.Rational(numerator, denominator) if denominator <= 64 and abs(x) < 2**20 else sympy.Float(x)
+
+
+def _shaped(results: list[Any], shape: Shape) -> Any:
+    if not shape:
+        return results[0]
+    if len(shape) > 2:
+        return sympy.ImmutableDenseNDimArray(results, shape)
+    return sympy.Matrix(shape[0], *(shape[1:] or (1,)), results)
