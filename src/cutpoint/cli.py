@@ -229,7 +229,10 @@ def export(
     robot: RobotFile,
     folder: Annotated[Path, typer.Argument(metavar="DIR", help="Folder for the files; made if it is not there.")],
     function: Annotated[str, typer.Option(help="What to export: a method of Robot, such as inverse_dynamics.")],
-    to: Annotated[Literal["c"], typer.Option(help="What to write: c, a package of C99 with a header for C++17.")] = "c",
+    to: Annotated[
+        Literal["c", "cuda"],
+        typer.Option(help="What to write: c, a package of C99 with a header for C++17, or cuda, CUDA C."),
+    ] = "c",
     drives: Drives = None,
     frame: Annotated[str | None, typer.Option(help="For jacobian and frame_pose: of which frame.")] = None,
     name: Annotated[str | None, typer.Option(help="Of the C function, the same if not given.")] = None,
@@ -239,7 +242,7 @@ def export(
     from cutpoint.export import export_function
 
     options = {} if frame is None else {"frame": frame}
-    for path in export_function(_robot(robot, drives), function, folder, name=name, force=force, **options):
+    for path in export_function(_robot(robot, drives), function, folder, to=to, name=name, force=force, **options):
         console.print(f"{to}: {path}", soft_wrap=True, highlight=False, markup=False)
 
 

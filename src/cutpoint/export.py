@@ -1,4 +1,4 @@
-"""Export: a robot's functions and control laws as packages of C99, equal to machine code to the last bit."""
+"""Export: a robot's functions and control laws as C99, equal to machine code to the last bit; functions as CUDA C too."""
 
 import inspect
 from collections.abc import Mapping
@@ -11,7 +11,7 @@ from numpy.typing import ArrayLike
 
 from cutpoint.errors import InputError, unknown_name
 from cutpoint.export_notes import PER_DRIVE, labels_of, notes_of
-from cutpoint.kernels.c99_package import write_package
+from cutpoint.kernels import c99_package, cuda_package
 from cutpoint.kernels.c99_texts import Values
 from cutpoint.robot import Robot
 from cutpoint.simulation.control_kernel import law_kernel, law_memory, law_parameters
@@ -27,18 +27,31 @@ RESULTS = {
 """What can be exported, and how its result is called; those that return several name them themselves."""
 
 
-def export_function(
-    robot: Robot, function: str, folder: str | Path, *, name: str | None = None, force: bool = False, **options: Any
-) -> tuple[Path, ...]:
-    """Writes one of a robot's functions as a package of C99; returns the files' paths.
+_WRITERS = {"c": c99_package.write_package, "cuda": cuda_package.write_package}
+"""What a function can be exported to."""
 
-    function: a method's name, one of RESULTS.  name: of the C function, the same if not given.  options: the method's
-    own, such as frame= for a Jacobian.  force: overwrite files that cutpoint has not written.
+
+def export_function(
+    robot: Robot,
+    function: str,
+    folder: str | Path,
+    *,
+    to: str = "c",
+    name: str | None = None,
+    force: bool = False,
+    **options: Any,
+) -> tuple[Path, ...]:
+    """Writes one of a robot's functions as a package of C99, or as CUDA C; returns the files' paths.
+
+    function: a method's name, one of RESULTS.  to: "c" or "cuda".  name: of the C function, the same if not given.
+    options: the method's own, such as frame= for a Jacobian.  force: overwrite files that cutpoint has not written.
     Where drives count, their numbers are the function's last input, and the header holds them as <name>_parameters.
-    Raises InputError for an unknown function, a missing option, a name C cannot take, and files in the way.
+    Raises InputError for an unknown function or target, a missing option, a name C cannot take, and files in the way.
     """
     if function not in RESULTS:
         raise unknown_name("function to export", function, RESULTS)
+    if to not in _WRITERS:
+        raise unknown_name("target of export", to, _WRITERS)
     # a robot of its own has made no other variant of the kernel
     fresh = Robot(robot.mechanism, robot.drives, backend=robot.backend)
     getattr(fresh, function)(*_neutral_arguments(fresh, function, options), **options)
@@ -49,7 +62,7 @@ def export_function(
     about = ", ".join([f"{function} of {robot.name}", *(f"{key} {value}" for key, value in options.items())])
     values = {"parameters": Values(robot.drive_parameters, [*labels_of(dict(robot.drives))])}
     notes = notes_of(robot, graph, about, values)
-    return write_package(graph, name or function, folder, notes, force=force)
+    return _WRITERS[to](graph, name or function, folder, notes, force=force)
 
 
 def export_controller(
@@ -70,7 +83,7 @@ def export_controller(
     if memory.size:
         values["memory"] = Values(memory, [f"memory[{k}]" for k in range(memory.size)])
     notes = notes_of(robot, graph, f"a step of {type(law).__name__} for {robot.name}, limits not applied", values)
-    return write_package(graph, name, folder, notes, force=force)
+    return c99_package.write_package(graph, name, folder, notes, force=force)
 
 
 def _neutral_arguments(robot: Robot, function: str, options: Mapping[str, Any]) -> list[Any]:

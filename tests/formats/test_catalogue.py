@@ -53,7 +53,7 @@ def test_every_name_is_the_drive_of_a_joint(name: str) -> None:
 
 
 def test_a_robot_of_catalogue_drives_moves() -> None:
-    names = ("CSG-20-100", "CSF-14-30", "CSD-20-100", "TREE-Orange-100", "FHA-17C-100", "RT1-H-CS-20-100")
+    names = ("CSG-20-100", "CSF-20-160", "CSD-20-100", "TREE-Orange-100", "FHA-17C-100", "RT1-H-CS-20-100")
     arm = robot("xia2019").with_drives(
         {joint: catalogue_drive(name) for joint, name in zip(robot("xia2019").joints, names, strict=True)}
     )

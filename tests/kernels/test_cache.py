@@ -15,7 +15,7 @@ from llvmlite import binding
 from cutpoint.kernels import Kernel, compile
 from cutpoint.kernels import cache as caches
 from cutpoint.kernels.batch_loop import WORTH_MAKING_PACKS
-from cutpoint.kernels.cache import VARIABLE, Cache, key_of, user_folder
+from cutpoint.kernels.cache import VARIABLE, Cache, key_of, not_kept, user_folder
 from cutpoint.kernels.jit import object_code
 from cutpoint.scalars import sin, tanh
 
@@ -237,6 +237,23 @@ def test_an_empty_variable_keeps_nothing_anywhere(tmp_path: Path, monkeypatch: p
     monkeypatch.setenv(VARIABLE, "")
     bits(law())
     assert user_folder() is None and not [*tmp_path.iterdir()]
+
+
+def test_compilation_can_be_timed_whatever_is_kept(folder: Path, compiled: list[int]) -> None:
+    law()
+    kept, before = entries(folder), len(compiled)
+    with not_kept():
+        law()
+    assert len(compiled) == 2 * before and entries(folder) == kept
+    law()
+    assert len(compiled) == 2 * before
+
+
+def test_an_unset_variable_is_unset_again(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.delenv(VARIABLE)
+    with not_kept():
+        assert user_folder() is None
+    assert VARIABLE not in os.environ
 
 
 @pytest.mark.parametrize(

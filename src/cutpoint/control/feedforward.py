@@ -55,24 +55,29 @@ class Feedforward(Law):
     def step(self, memory: Any, measurement: Measurement, reference: Reference) -> tuple[Any, Command]:
         machine = self.robot.machine_with(self.parameters)
         if self.rung == "elastic":
-            return self._elastic(machine, memory, measurement.period, reference)
+            return self._elastic(machine, memory, measurement, reference)
         tau = self._rigid(machine, reference)
         return memory, Command(tau, tau)
 
-    def _elastic(self, machine: Machine, memory: Any, period: Any, reference: Reference) -> tuple[Any, Command]:
+    def _elastic(
+        self, machine: Machine, memory: Any, measurement: Measurement, reference: Reference
+    ) -> tuple[Any, Command]:
         """Strains follow the desired motion, a period behind it."""
         drives = [d.drive for d in machine.drives]
         held = strains.drive_by_drive(drives, memory)
         q, *rates = ([*x] for x in reference[:5])
         options = Options(quasi_rigid=True)
         u = elastic_inverse_dynamics(machine.system, machine.drives, q, *rates, options=options, strains=held)
+        torque = np.array([torque_for(*x) for x in zip(drives, u.motor_torque, u.theta, strict=True)])
+        command = Command(torque, torque, np.array(u.theta), np.array(u.theta_dot))
+        if not memory:
+            return memory, command
         ends = [DriveState(*x) for x in zip(q, reference.v, u.theta, u.theta_dot, strict=True)]
         moved = [
-            strains.flat(strains.moved(drive, before, _a_period_ago(end, period), end))
+            strains.flat(strains.moved(drive, before, _a_period_ago(end, measurement.period), end))
             for drive, before, end in zip(drives, held, ends, strict=True)
         ]
-        torque = np.array([torque_for(*x) for x in zip(drives, u.motor_torque, u.theta, strict=True)])
-        return strains.gathered(moved), Command(torque, torque, np.array(u.theta), np.array(u.theta_dot))
+        return strains.gathered(moved), command
 
     def _rigid(self, machine: Machine, reference: Reference) -> Any:
         q, v, a = [*reference.q], [*reference.v], [*reference.a]

@@ -92,10 +92,10 @@ def _motor(gear: CatalogueGear) -> dict[str, float] | None:
 
 
 def _limits(gear: CatalogueGear) -> dict[str, float] | None:
-    """An actuator's own, or those of its gear: repeated peak torque, and the largest speed of the input."""
+    """An actuator's own, or the largest speed of a gear's input; a gear's torques are ratings, not a motor's limit."""
     torque = gear.output.maximum_torque if gear.output else None
     rpm = gear.output.maximum_rpm if gear.output else gear.speeds and gear.speeds.maximum_rpm / gear.ratio
-    found = {"torque": torque or (gear.ratings and gear.ratings.repeated_peak), "velocity": rpm and rpm * RPM}
+    found = {"torque": torque, "velocity": rpm and rpm * RPM}
     return _stated(found) or None
 
 

@@ -13,7 +13,8 @@ import struct
 import sys
 import tempfile
 import time
-from contextlib import suppress
+from collections.abc import Generator
+from contextlib import contextmanager, suppress
 from pathlib import Path
 
 VARIABLE = "CUTPOINT_CACHE"
@@ -90,6 +91,19 @@ def user_folder() -> Path | None:
         # a folder inside, to be closed to others where the one that was named is not
         return (Path(named).absolute() if named else _caches() / "cutpoint") / "kernels"
     return None
+
+
+@contextmanager
+def not_kept() -> Generator[None, None, None]:
+    """For those who time compilation: nothing is read from disk, and nothing kept."""
+    before = os.environ.get(VARIABLE)
+    os.environ[VARIABLE] = ""
+    try:
+        yield
+    finally:
+        os.environ.pop(VARIABLE)
+        if before is not None:
+            os.environ[VARIABLE] = before
 
 
 def _caches() -> Path:

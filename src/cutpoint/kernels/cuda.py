@@ -74,7 +74,8 @@ def declaration(name: str, graph: Graph) -> str:
     inputs, outputs = full(graph)
     read = [f"const double *__restrict__ {p.name}, long long {_step(p).name}" for p in inputs]
     arguments = ["long long count", *read, *(f"double *__restrict__ {p.name}" for p in outputs)]
-    return f'extern "C" __global__ void {name}({", ".join(arguments)})'
+    lines = ",\n    ".join(arguments)
+    return f'extern "C" __global__ void {name}(\n    {lines})'
 
 
 def code(name: str, graph: Graph) -> str:

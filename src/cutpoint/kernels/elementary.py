@@ -139,7 +139,7 @@ def _polynomial(x: Any, coefficients: tuple[float, ...]) -> Any:
 
 
 def _polynomial_in_halves(x: Any, coefficients: tuple[float, ...]) -> Any:
-    """Estrin's scheme, the highest power first: as exact here as Horner's, and a third of its length for one that waits."""
+    """Estrin's scheme, the highest power first: no less exact here than Horner's, and a third as long to wait for."""
     terms = [*reversed(coefficients)]
     while len(terms) > 1:
         pairs = [_fma(x, high, low) for low, high in zip(terms[::2], terms[1::2], strict=False)]

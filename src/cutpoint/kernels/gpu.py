@@ -19,7 +19,7 @@ BLOCK = 128
 def gpu_function(graph: Graph, name: str, record: type[tuple[Any, ...]] | None) -> Callable[..., Any]:
     """The graph as a function of CuPy's arrays that is called as a kernel is: see `Kernel.on_gpu`."""
     cupy = _cupy()
-    inputs, outputs = cuda.full(graph)
+    _, outputs = cuda.full(graph)
     # CuPy compiles at the first launch, for the GPU that there is
     launch = cupy.RawModule(code=cuda.code(name, graph), options=("--std=c++17",)).get_function(name)
 

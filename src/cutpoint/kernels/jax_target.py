@@ -83,20 +83,20 @@ def _vectorisable(graph: Graph, name: str) -> Rows:
     """The graph on rows; under vmap they become more rows."""
     target = _registered(graph, name)
 
-    @jax.custom_batching.custom_vmap
-    def rows(*given: Any) -> tuple[Any, ...]:
+    def once(*given: Any) -> tuple[Any, ...]:
         (length,) = np.broadcast_shapes((1,), *(x.shape[:1] for x in given))
         kinds = [jax.ShapeDtypeStruct((length, *p.shape), jnp.float64) for p in graph.outputs]
         read = [x for p, x in zip(graph.inputs, given, strict=True) if p.size]
         found = iter(jax.ffi.ffi_call(target, [k for k in kinds if k.size])(*read))
         return tuple(next(found) if k.size else jnp.zeros(k.shape) for k in kinds)
 
-    @rows.def_vmap
     def more_rows(size: int, moves: Sequence[bool], *given: Any) -> Any:
         (length,) = np.broadcast_shapes((1,), *(x.shape[m : m + 1] for x, m in zip(given, moves, strict=True)))
         found = rows(*[_merged(x, m, size, length) for x, m in zip(given, moves, strict=True)])
         return tuple(jnp.reshape(x, (size, length, *x.shape[1:])) for x in found), (True,) * len(found)
 
+    rows = jax.custom_batching.custom_vmap(once)
+    rows.def_vmap(more_rows)
     return rows
 
 

@@ -53,7 +53,7 @@ class Kernel:
         graph: what it computes.
         backend: "llvm" or "numpy".
         general: what a call does, without the shortcut for plain single arguments.
-        compile_seconds: what tracing and compilation took, s.
+        compile_seconds: what tracing took, and compiling or finding the code on disk, s.
     """
 
     def __init__(self, graph: Graph, name: str, backend: str, record: str | None, start: float) -> None:

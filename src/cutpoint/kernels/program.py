@@ -35,7 +35,7 @@ class Program:
 
     Attributes:
         backend: "llvm" or "numpy".
-        compile_seconds: what tracing and compilation took, s.
+        compile_seconds: what tracing took, and compiling or finding the code on disk, s.
     """
 
     def __init__(self, plan: Plan, backend: str, start: float) -> None:

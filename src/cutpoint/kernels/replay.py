@@ -2,7 +2,7 @@
 
 import operator
 from collections import namedtuple
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from typing import Any
 
 from cutpoint import scalars
@@ -19,15 +19,24 @@ _OPERATORS: dict[str, Callable[..., Any]] = {
 """What a graph holds before it is lowered."""
 
 
-def replay(graph: Graph, numbers: Sequence[Any], constant: Callable[[float], Any] = float) -> list[Any]:
-    """The graph's results for a scalar in each input slot; constant: what a float becomes."""
+def replay(
+    graph: Graph,
+    numbers: Sequence[Any],
+    constant: Callable[[float], Any] = float,
+    operators: Mapping[str, Callable[..., Any]] | None = None,
+) -> list[Any]:
+    """The graph's results for a scalar in each input slot.
+
+    constant: what a float becomes.  operators: what an operation does, where Python's operators will not do.
+    """
     values: dict[int, Any] = {}
+    apply = {**_OPERATORS, **(operators or {})}
 
     def value(x: Any) -> Any:
         return values[x.serial] if isinstance(x, Node) else constant(x)
 
     for x in graph.nodes:
-        values[x.serial] = numbers[x.args[0]] if x.op == "input" else _OPERATORS[x.op](*map(value, x.args))
+        values[x.serial] = numbers[x.args[0]] if x.op == "input" else apply[x.op](*map(value, x.args))
     return [value(x) for x in graph.results]
 
 

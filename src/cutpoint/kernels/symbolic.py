@@ -12,13 +12,21 @@ from cutpoint.kernels.graph import Graph
 from cutpoint.kernels.ports import Port, Shape
 from cutpoint.kernels.replay import replay
 
+# SymPy would look for proofs of what holds, which takes minutes where choices are nested
+_OPERATORS: dict[str, Any] = {
+    "lt": lambda x, y: sympy.Lt(x, y, evaluate=False), "le": lambda x, y: sympy.Le(x, y, evaluate=False),
+    "and": lambda x, y: sympy.And(x, y, evaluate=False), "or": lambda x, y: sympy.Or(x, y, evaluate=False),
+    "not": lambda x: sympy.Not(x, evaluate=False),
+    "select": lambda condition, yes, no: sympy.Piecewise((yes, condition), (no, True), evaluate=False),
+}  # fmt: skip
+
 
 def expressions(graph: Graph, name: str) -> list[Any]:
     """Every output as an expression, a Matrix (a vector is a column), or an Array of more axes.
 
     Raises InputError if two numbers would have one symbol.
     """
-    results = replay(graph, _symbols(graph.inputs, name), _constant)
+    results = replay(graph, _symbols(graph.inputs, name), _constant, _OPERATORS)
     shaped, start = [], 0
     for port in graph.outputs:
         shaped.append(_shaped(results[start : start + port.size], port.shape))
@@ -47,4 +55,5 @@ def _shaped(results: list[Any], shape: Shape) -> Any:
         return results[0]
     if len(shape) > 2:
         return sympy.ImmutableDenseNDimArray(results, shape)
-    return sympy.Matrix(shape[0], *(shape[1:] or (1,)), results)
+    rows, columns = (*shape, 1)[:2]
+    return sympy.Matrix(rows, columns, results)
