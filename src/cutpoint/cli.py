@@ -1,5 +1,7 @@
 """The command line: one thin command per job."""
 
+import atexit
+import gc
 import sys
 import warnings
 from pathlib import Path
@@ -248,6 +250,9 @@ def export(
 
 def main() -> None:
     """Entry point: errors and warnings as one line, without a traceback."""
+    # what a command makes stays until its end: looking for garbage more often, and once more at the end, finds none
+    gc.set_threshold(100_000)
+    atexit.register(gc.freeze)
     stderr = Console(stderr=True)
 
     def show(message: Warning | str, category: type[Warning], *_: Any, **__: Any) -> None:

@@ -1,18 +1,21 @@
 """What the command line prints: tables of robots, drives, torques and errors."""
 
 from dataclasses import is_dataclass
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
 from rich.table import Table
 
-from cutpoint.analysis import Modes
 from cutpoint.errors import InputError
 from cutpoint.mechanics.hysteresis import MaxwellSlip
 from cutpoint.mechanics.kinematic_error import KinematicError
 from cutpoint.model.drive import Drive
 from cutpoint.robot import ElasticTorques, Robot
-from cutpoint.simulation import Log
+
+if TYPE_CHECKING:
+    from cutpoint.analysis import Modes
+    from cutpoint.simulation import Log
 
 Array = NDArray[np.float64]
 
@@ -98,7 +101,7 @@ def torque_table(robot: Robot, q: Array, v: Array, a: Array, u: ElasticTorques) 
     return table
 
 
-def error_table(robot: Robot, log: Log) -> Table:
+def error_table(robot: Robot, log: "Log") -> Table:
     """How well a run tracked."""
     table = _table("tracking", "joint", "RMS error", "peak error", "RMS feedback torque", "peak motor torque")
     rms, peak = log.rms("position_error"), log.max("position_error")
@@ -115,7 +118,7 @@ def error_table(robot: Robot, log: Log) -> Table:
     return table
 
 
-def modes_table(robot: Robot, found: Modes) -> Table:
+def modes_table(robot: Robot, found: "Modes") -> Table:
     """Frequencies, dampings, and the drives that bend."""
     friction = "friction by its slope at rest" if found.model.friction else "friction left out"
     table = _table(f"{robot.name}: modes of the drives, {friction}", "mode", "Hz", "damping ratio", "drives that bend")

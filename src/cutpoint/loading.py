@@ -8,7 +8,7 @@ from numpy.typing import ArrayLike
 
 from cutpoint.door import driven_joints
 from cutpoint.errors import InputError, ModelError
-from cutpoint.formats import drive_of, load_drives, load_mjcf, load_urdf
+from cutpoint.formats import drive_of, load_drives, load_urdf
 from cutpoint.model import Drive, Mechanism
 from cutpoint.model.mechanism import STANDARD_GRAVITY
 from cutpoint.robot import Backend, Robot
@@ -43,6 +43,8 @@ def load(
         raise ModelError(f"robot file {str(path)!r} must be a .urdf, .xacro, .mjcf or .xml")
     if floating_base or mimic != "independent":
         raise InputError("load: floating_base and mimic are for URDF files; an MJCF file says itself what floats")
+    from cutpoint.formats import load_mjcf  # slow to import
+
     mechanism, stated = load_mjcf(path, gravity=gravity, lock=lock)
     return Robot(mechanism, _drives(mechanism, stated, drives), backend=backend)
 

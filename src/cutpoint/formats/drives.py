@@ -7,7 +7,6 @@ from typing import Any
 import yaml
 
 from cutpoint.files import replacing
-from cutpoint.formats.catalogue import catalogue_names, entry_of, unknown_gear
 from cutpoint.formats.drive_entry import to_drive
 from cutpoint.formats.drive_section import Section
 from cutpoint.formats.drive_sheet import DriveSheet, FileSheet
@@ -103,6 +102,9 @@ def _laid_over(defaults: Mapping[str, Any], entry: Mapping[str, Any], section: S
 
 
 def _from_catalogue(name: str, section: Section, rigid: bool) -> dict[str, Any]:
+    # slow to import, and most files name no drive of it
+    from cutpoint.formats.catalogue import catalogue_names, entry_of, unknown_gear
+
     if name not in catalogue_names():
         raise section.error(("catalogue",), unknown_gear(name))
     if section.slides:

@@ -27,7 +27,9 @@ class LaneMemory:
         self._strides = [code.load("%steps", first_stride + axis, "i64") for axis in range(len(port.shape))]
         self._beside = code.let(f"icmp eq i64 {self._step}, {ITEM}")
         self._tidy = "true"
-        for stride, n in zip(self._strides, row_lengths(port.shape), strict=True):
+        for stride, n, length in zip(self._strides, row_lengths(port.shape), port.shape, strict=True):
+            if length == 1:  # NumPy says 0
+                continue
             self._tidy = code.let(f"and i1 {self._tidy}, {code.let(f'icmp eq i64 {stride}, {ITEM * n}')}")
 
     def prepare(self, code: Code) -> None:

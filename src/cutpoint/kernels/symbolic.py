@@ -12,12 +12,16 @@ from cutpoint.kernels.graph import Graph
 from cutpoint.kernels.ports import Port, Shape
 from cutpoint.kernels.replay import replay
 
+from sympy.functions.elementary.piecewise import ExprCondPair
+def _p(c,y,n):
+    mk=lambda e,c: sympy.Tuple.__new__(ExprCondPair,e,c)
+    return sympy.Basic.__new__(sympy.Piecewise, mk(sympy.sympify(y),sympy.sympify(c)), mk(sympy.sympify(n),sympy.true))
 # SymPy would look for proofs of what holds, which takes minutes where choices are nested
 _OPERATORS: dict[str, Any] = {
     "lt": lambda x, y: sympy.Lt(x, y, evaluate=False), "le": lambda x, y: sympy.Le(x, y, evaluate=False),
     "and": lambda x, y: sympy.And(x, y, evaluate=False), "or": lambda x, y: sympy.Or(x, y, evaluate=False),
     "not": lambda x: sympy.Not(x, evaluate=False),
-    "select": lambda condition, yes, no: sympy.Piecewise((yes, condition), (no, True), evaluate=False),
+    "select": lambda condition, yes, no: _p(condition,yes,no),
 }  # fmt: skip
 
 

@@ -9,6 +9,7 @@ import numpy as np
 
 from cutpoint.errors import CutpointError
 from cutpoint.kernels import Kernel, compile, graph_of
+from cutpoint.kernels.cache import not_kept
 from cutpoint.studies.chain import Array
 from cutpoint.studies.cost.chains import random_machine
 from cutpoint.studies.cost.contenders import CONTENDERS, JETS, VD, Contender, arithmetic
@@ -63,7 +64,8 @@ def measured(sizes: Sequence[int], advance: Callable[[int], None]) -> dict[str, 
             operations = arithmetic(graph_of(function, **inputs))
             allowed = cost.may_compile(operations) and time.perf_counter() < end
             if n <= ARM or (allowed and _reference(contender) in (contender, *kernels)):
-                kernels[contender] = compile(function, name=contender.key, backend="auto", **inputs)
+                with not_kept():
+                    kernels[contender] = compile(function, name=contender.key, backend="auto", **inputs)
                 cost.seconds[n] = kernels[contender].compile_seconds
             cost.operations[n] = operations
         motions = np.random.default_rng(n).normal(size=(5, BATCH, n))
