@@ -14,13 +14,14 @@ import numpy as np
 from cutpoint import kernels
 from cutpoint.definitions import Machine
 from cutpoint.door import are_finite_vectors, checked_array
-from cutpoint.errors import unknown_name
+from cutpoint.errors import InputError, unknown_name
 from cutpoint.kernels import Kernel
 from cutpoint.mechanics import strains
 from cutpoint.mechanics.assembly import lean_framing, system_of
 from cutpoint.mechanics.elastic import Driven
 from cutpoint.mechanics.reframing import Framing
 from cutpoint.model import Drive, Mechanism
+from cutpoint.rolled import RolledFunction, rolled_function
 from cutpoint.scalars import leaves, rebuild
 
 JOINT_QUANTITIES = frozenset({
@@ -108,14 +109,27 @@ class Compiled:
         """
         found = self._functions.get(key)
         if found is None:
-            name = key[0] if isinstance(key, tuple) else key
-            made = self._compile(name, definition, inputs.split(), reads_drives, record)
-            self._kernels[name] = made.kernel
-            found = self._functions[key] = made.quick()
+            found = self._functions[key] = self._rolled(key) or self._straight(
+                key, definition, inputs.split(), reads_drives, record
+            )
         return found
+
+    def _rolled(self, key: Any) -> Callable[..., Any] | None:
+        """A large robot's function as loops over its bodies."""
+        return rolled_function(key, self.machine.system, self._backend)
+
+    def _straight(self, key: Any, *how: Any) -> Callable[..., Any]:
+        """A function as a kernel: code without loops."""
+        name = key[0] if isinstance(key, tuple) else key
+        made = self._compile(name, *how)
+        self._kernels[name] = made.kernel
+        return made.quick()
 
     def made(self, name: str) -> Kernel:
         """A kernel that has been made, the latest variant of this name."""
+        if isinstance(self._functions.get(name), RolledFunction):
+            n = len(self.machine.system.segments)
+            raise InputError(f"{name}: of {n} bodies it runs as loops over them, for which there is no kernel", name=name)
         if name not in self._kernels:
             raise unknown_name("compiled function", name, self._kernels)
         return self._kernels[name]

@@ -1,4 +1,4 @@
-"""Export: a robot's functions and control laws as C99, equal to machine code to the last bit; functions as CUDA C too."""
+"""Export: robots' functions and control laws as C99, equal to machine code to the last bit; functions as CUDA C too."""
 
 import inspect
 from collections.abc import Mapping

@@ -393,9 +393,12 @@ class Robot:
         """The robot as the equations want it, for laws that are traced with it."""
         return self._compiled.machine
 
-    def machine_with(self, parameters: Sequence[Any]) -> definitions.Machine:
-        """The same with other numbers, of any kind, in its drives: see `drive_parameters`."""
-        return self._compiled.with_parameters(parameters)
+    def machine_with(self, parameters: Sequence[Any], *, lean: bool = False) -> definitions.Machine:
+        """The same with other numbers, of any kind, in its drives: see `drive_parameters`.
+
+        lean: with frames and inertias that cost least, for functions that tell nothing of single bodies.
+        """
+        return self._compiled.with_parameters(parameters, lean)
 
     @property
     def trace_key(self) -> Any:

@@ -1,4 +1,4 @@
-"""Exported CUDA C, without a GPU: compiled to PTX by CUDA's own compiler, and run by a C++ compiler thread by thread."""
+"""Exported CUDA C, without a GPU: compiled by CUDA's own compiler, and by a C++ compiler to run thread by thread."""
 
 import ctypes
 import shutil
@@ -19,10 +19,7 @@ _STRICT = ("-std=c++17", "-O2", "-ffp-contract=off", "-Wall", "-Wextra", "-Wno-u
 @cache
 def _nvrtc() -> ctypes.CDLL:
     """CUDA's compiler as a library, of the package nvidia-cuda-nvrtc-cu12."""
-    (path,) = [
-        entry for entry in files("nvidia-cuda-nvrtc-cu12") or ()
-        if entry.name == "libnvrtc.so.12" or entry.name.startswith("nvrtc64") and ".alt" not in entry.name
-    ]  # fmt: skip
+    (path,) = [entry for entry in files("nvidia-cuda-nvrtc-cu12") or () if entry.name == "libnvrtc.so.12"]
     return ctypes.CDLL(str(path.locate()))
 
 

@@ -38,3 +38,28 @@ def cook(recipe: list[Step], inputs: list[Any]) -> list[Any]:
             values.append(ONE[op](x) if op in ONE else TWO[op](x, y) if op in TWO else CONSTANT[op](x, c))
         values[-1] = clip(values[-1], -50.0, 50.0)
     return values[-3:]
+
+
+UNBOUNDED: dict[str, Callable[[Any, Any, float], Any]] = {
+    "root": lambda x, y, c: sqrt(x), "logarithm": lambda x, y, c: log(x), "power": lambda x, y, c: exp(x),
+    "tangent": lambda x, y, c: tan(x), "quotient": lambda x, y, c: x / y, "inverted": lambda x, y, c: c / y,
+    "chosen": lambda x, y, c: where((x < y) & (y <= c) | ~(x <= c), x * c, y - x),
+    "size": lambda x, y, c: abs(x), "cube": lambda x, y, c: x**3,
+}  # fmt: skip
+unbounded_steps = st.tuples(
+    st.sampled_from([*ONE, *TWO, *CONSTANT, *UNBOUNDED]), st.integers(0, 60), st.integers(0, 60), constants
+)
+
+
+def cook_unbounded(recipe: list[Step], inputs: list[Any]) -> list[Any]:
+    """The last values of a recipe on traced numbers, where overflow and what is not a number come about and go on."""
+    values = [*inputs]
+    for op, i, j, c in recipe:
+        x, y = values[i % len(values)], values[j % len(values)]
+        if op in UNBOUNDED:
+            found = UNBOUNDED[op](x, y, c)
+        else:
+            found = ONE[op](x) if op in ONE else TWO[op](x, y) if op in TWO else CONSTANT[op](x, c)
+        # x - x is a plain float already; Python's own functions would refuse some of those
+        values.append(x if isinstance(found, float) else found)
+    return values[-3:]

@@ -53,7 +53,7 @@ class Feedforward(Law):
         return [0.0] * len(self.robot.strain_names) if self.rung == "elastic" else ()
 
     def step(self, memory: Any, measurement: Measurement, reference: Reference) -> tuple[Any, Command]:
-        machine = self.robot.machine_with(self.parameters)
+        machine = self.robot.machine_with(self.parameters, lean=True)
         if self.rung == "elastic":
             return self._elastic(machine, memory, measurement, reference)
         tau = self._rigid(machine, reference)

@@ -13,6 +13,7 @@ import numpy as np
 from cutpoint.errors import InputError
 from cutpoint.kernels.array_call import ArrayCall
 from cutpoint.kernels.backends import array_function, chosen
+from cutpoint.kernels.blocks import Blocks
 from cutpoint.kernels.graph import Graph
 from cutpoint.kernels.ports import port
 from cutpoint.kernels.specialise import name_of, traced
@@ -68,15 +69,22 @@ class Kernel:
         """How many operations of each kind one call takes, elementary functions counted as one."""
         return self.graph.operations
 
-    def __call__(self, *arguments: Any, out: Any = None, **named: Any) -> Any:
+    def __call__(self, *arguments: Any, out: Any = None, threads: int | None = None, **named: Any) -> Any:
         """The outputs for arrays in the order of the inputs, or by name: an array, or a NamedTuple of them.
+
+        threads: how many share a long batch, this one alone if not given; no bit of the results depends on it.
 
         Raises:
             InputError: an argument is missing, unknown, or of a shape or kind that does not fit.
         """
-        if out is None and not named:
+        if out is None and threads is None and not named:
             return self.call(*arguments)
-        return self.general(*arguments, out=out, **named)
+        return self.general(*arguments, out=out, threads=threads, **named)
+
+    @cached_property
+    def blocks(self) -> Blocks:
+        """The kernel for batches kept as (blocks, *shape, width), compiled when first asked for: see `Blocks`."""
+        return Blocks(self.name, self.graph, self._function, self._record)
 
     @cached_property
     def call(self) -> Callable[..., Any]:
@@ -162,11 +170,15 @@ class Kernel:
 
         return jax_function(self.graph, self.name, self._record)
 
-    def to_sympy(self) -> Any:
+    def to_sympy(self, *, steps: bool = False) -> Any:
         """The outputs as SymPy expressions, to read: a Matrix of them where there is an axis (a vector is a column).
 
         The number q[0] is Symbol("q_0"), M[1][2] is Symbol("M_1_2"), a scalar input k is Symbol("k").  Needs the extra
-        `sympy`.  Those of whole robots are long; `sympy.cse` names what they share.
+        `sympy`.
+
+        Args:
+            steps: return, as `sympy.cse` does, a list of (symbol, expression) for what is used more than once, and the
+                outputs in terms of these symbols.  For large kernels, and where one choice feeds another.
 
         Raises:
             InputError: SymPy is not installed, or two numbers would have one symbol.
@@ -174,8 +186,9 @@ class Kernel:
         _check_installed("to_sympy", "sympy")
         from cutpoint.kernels.symbolic import expressions
 
-        found = expressions(self.graph, self.name)
-        return self._record._make(found) if self._record else found[0]
+        before, found = expressions(self.graph, self.name, steps)
+        outputs = self._record._make(found) if self._record else found[0]
+        return (before, outputs) if steps else outputs
 
     def __repr__(self) -> str:
         sides = (self.graph.inputs, self.graph.outputs)

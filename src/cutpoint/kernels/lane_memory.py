@@ -36,9 +36,7 @@ class LaneMemory:
         """Once before the batch: how many bytes each number lies behind its element's first."""
         with code.loop(self._port.size) as loop:
             offset = "0"
-            for n, length, stride in zip(
-                row_lengths(self._port.shape), self._port.shape, self._strides, strict=True
-            ):
+            for n, length, stride in zip(row_lengths(self._port.shape), self._port.shape, self._strides, strict=True):
                 index = code.let(f"urem i64 {code.let(f'udiv i64 {loop.iteration}, {n}')}, {length}")
                 offset = code.let(f"add i64 {offset}, {code.let(f'mul i64 {index}, {stride}')}")
             code.store(offset, self._offsets, loop.iteration, "i64")

@@ -34,8 +34,7 @@ class Packs:
     """
 
     def __init__(self, graph: Graph, inputs: Sequence[Port], outputs: Sequence[Port], name: str) -> None:
-        fits = len(graph.nodes) <= _MOST_NODES and sum(p.size for p in (*inputs, *outputs)) <= _MOST_NUMBERS
-        self.width = vector_width() if fits else None
+        self.width = width_of_packs(graph, inputs, outputs)
         self._parts, self._name = (graph, inputs, outputs), name
         self._lock = threading.Lock()
         self._code: Compiled | None = None
@@ -52,3 +51,9 @@ class Packs:
         except KeyboardInterrupt:
             # nothing can be raised through machine code: once more, when that has returned
             threading.Timer(_SOON, _thread.interrupt_main).start()
+
+
+def width_of_packs(graph: Graph, inputs: Sequence[Port], outputs: Sequence[Port]) -> int | None:
+    """How many elements a pack of a lowered graph holds; None if the graph is too large for packs."""
+    fits = len(graph.nodes) <= _MOST_NODES and sum(p.size for p in (*inputs, *outputs)) <= _MOST_NUMBERS
+    return vector_width() if fits else None

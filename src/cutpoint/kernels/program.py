@@ -1,7 +1,7 @@
 """Program: a nest of loops around traced stages, compiled into one function that steps through memory."""
 
 import time
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 
 import numpy as np
 
@@ -53,7 +53,8 @@ class Program:
 
         Args:
             counts: the numbers that loops name.
-            arrays: for each region a C-contiguous float64 array: (size,), or (rows, size) where it streams.
+            arrays: for each region a C-contiguous float64 array: (size,), or (rows, size) where it streams; for each
+                list of rows an int64 array.
 
         Returns:
             How many iterations of the outermost loop were done, the one that ended it included.
@@ -63,3 +64,14 @@ class Program:
         """
         check_run(self._plan, counts, arrays)
         return self._runner.run(counts, arrays)
+
+    def bound(self, counts: Mapping[str, int], /, **arrays: np.ndarray) -> Callable[[], int]:
+        """`run` with these counts and arrays, checked here and then no more: for many runs on the same memory.
+
+        Lists of rows must stay as they are, the other arrays' numbers may change.
+
+        Raises:
+            InputError: as `run`.
+        """
+        check_run(self._plan, counts, arrays)
+        return self._runner.bound(counts, arrays)

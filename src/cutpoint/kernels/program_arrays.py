@@ -1,12 +1,14 @@
 """What a run of a program is given, checked before machine code sees a pointer."""
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
+from math import prod
 from typing import Any
 
 import numpy as np
 
 from cutpoint.errors import InputError, unknown_name
 from cutpoint.kernels.program_plan import Plan
+from cutpoint.kernels.stepping import View
 
 
 def check_run(plan: Plan, counts: Mapping[str, int], arrays: Mapping[str, np.ndarray]) -> None:
@@ -19,10 +21,12 @@ def check_run(plan: Plan, counts: Mapping[str, int], arrays: Mapping[str, np.nda
     for name, count in counts.items():
         if not isinstance(count, (int, np.integer)) or not 0 <= count < 2**63:
             raise InputError(f"count {name!r} is {count!r}, it must be a whole number of 0 or more", name=name)
-    _check_names("region", arrays, plan.sizes)
-    for name, array in arrays.items():
-        _check_kind(name, array, written=name in plan.written)
-        _check_size(name, array, plan, counts)
+    _check_names("region", arrays, plan.names)
+    for name in plan.regions:
+        _check_kind(name, arrays[name], written=name in plan.written)
+        _check_size(name, arrays[name], plan, counts)
+    for view in plan.views.values():
+        _check_rows(view, arrays[view.index], len(arrays[view.of]), _most(plan.indices[view.index], counts))
     _check_apart(plan, arrays)
 
 
@@ -51,12 +55,33 @@ def _check_size(name: str, array: np.ndarray, plan: Plan, counts: Mapping[str, i
         if array.size != size:
             raise InputError(f"region {name!r} has {size} slots, its array holds {array.size} numbers", name=name)
         return
-    rows = max(counts[c] if isinstance(c, str) else c for c in plan.streamed[name])
+    rows = max(prod(_number(c, counts) for c in product) for product in plan.streamed[name])
     if array.ndim != 2 or array.shape[1] != size or len(array) < rows:
         raise InputError(
             f"region {name!r} streams: its array has shape {array.shape}, it must have at least {rows} rows of {size}",
             name=name,
         )
+
+
+def _check_rows(view: View, index: Any, rows: int, count: int) -> None:
+    """A list of rows names rows that are there."""
+    name = view.index
+    if not isinstance(index, np.ndarray) or index.dtype != np.int64 or not index.flags.c_contiguous or index.ndim != 1:
+        raise InputError(f"list of rows {name!r} must be a contiguous array (n,) of int64", name=name)
+    if len(index) < count:
+        raise InputError(f"list of rows {name!r} has {len(index)} entries, it must have at least {count}", name=name)
+    used = index[:count]
+    if count and not (used.min() >= 0 and used.max() < rows):
+        wrong = int(used[(used < 0) | (used >= rows)][0])
+        raise InputError(f"list of rows {name!r} names row {wrong}; region {view.of!r} has rows 0 to {rows - 1}")
+
+
+def _most(several: Sequence[int | str], counts: Mapping[str, int]) -> int:
+    return max(_number(c, counts) for c in several)
+
+
+def _number(count: int | str, counts: Mapping[str, int]) -> int:
+    return counts[count] if isinstance(count, str) else count
 
 
 def _check_apart(plan: Plan, arrays: Mapping[str, np.ndarray]) -> None:

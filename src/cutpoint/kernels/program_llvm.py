@@ -1,7 +1,8 @@
 """A stepping program in machine code: all its stages and loops as one function."""
 
 import ctypes
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -25,33 +26,50 @@ class LlvmProgram:
     """A plan's machine code: i64 program(i64 *counts, double **regions)."""
 
     def __init__(self, plan: Plan) -> None:
-        self._names, self._counts = [*plan.sizes], plan.counts
+        self._names, self._counts = plan.names, plan.counts
         self._code = Compiled(program_ir(plan), _FUNCTION)
         self._call = ctypes.CFUNCTYPE(ctypes.c_int64, ctypes.c_void_p, ctypes.c_void_p)(self._code.address)
 
     def run(self, counts: Mapping[str, int], arrays: Mapping[str, np.ndarray]) -> int:
         """The iterations of the outermost loop; arrays must have been checked."""
+        return self.bound(counts, arrays)()
+
+    def bound(self, counts: Mapping[str, int], arrays: Mapping[str, np.ndarray]) -> Callable[[], int]:
+        """`run` on these, again and again."""
         numbers = (ctypes.c_int64 * len(self._counts))(*[counts[name] for name in self._counts])
         pointers = (ctypes.c_void_p * len(self._names))(*[arrays[name].ctypes.data for name in self._names])
-        return self._call(numbers, pointers)
+        return _Bound(self, self._call, numbers, pointers, [*arrays.values()])
+
+
+class _Bound(NamedTuple):
+    """A call with its arguments, and with what owns the code and the memory that they point to."""
+
+    program: LlvmProgram
+    call: Callable[..., int]
+    numbers: Any
+    pointers: Any
+    arrays: list[np.ndarray]
+
+    def __call__(self) -> int:
+        return self.call(self.numbers, self.pointers)
 
 
 def program_ir(plan: Plan) -> str:
     """The module's text."""
     code = Code()
     counts = {name: code.load("%counts", k, "i64") for k, name in enumerate(plan.counts)}
-    regions = {name: code.load("%regions", k, "ptr") for k, name in enumerate(plan.regions)}
-    stages = {stage: _Stage(code, plan, stage, regions) for stage in plan.graphs}
+    starts = {name: code.load("%regions", k, "ptr") for k, name in enumerate(plan.names)}
+    stages = {stage: _Stage(code, plan, stage, starts) for stage in plan.graphs}
 
-    def loop(this: Loop, regions: dict[str, str]) -> str:
+    def loop(this: Loop, regions: dict[str, str], around: list[_Turn]) -> str:
         count = counts[this.count] if isinstance(this.count, str) else this.count
         with code.loop(count, regions.get(this.until or "")) as running:
-            rows = {name: code.let(f"mul i64 {running.iteration}, {plan.sizes[name]}") for name in this.streams}
-            inside = regions | {name: code.at(regions[name], row) for name, row in rows.items()}
+            turns = [*around, _Turn(running.iteration, count)]
+            inside = regions | _rows(code, plan, this, turns, starts)
             at_hand: dict[Place, str] = {}
             for item, following in zip(this.body, [*this.body[1:], None], strict=True):
                 if isinstance(item, Loop):
-                    loop(item, inside)
+                    loop(item, inside, turns)
                     at_hand.clear()
                 elif item.lanes > 1 and isinstance(following, Stage) and following.lanes == 1:
                     with code.aside() as wide:
@@ -63,11 +81,43 @@ def program_ir(plan: Plan) -> str:
                     stages[item].write(code, inside, at_hand)
         return running.done
 
-    done = loop(plan.body, regions)
+    done = loop(plan.body, starts, [])
     lanes = {stage.lanes.width: stage.lanes for stage in stages.values()}
     declarations = "".join(x.declarations for x in lanes.values())
     head = f"{declarations}define i64 @{_FUNCTION}(ptr %counts, ptr %regions) {{\nentry:"
     return "\n".join([head, *code.lines, f"ret i64 {done}", "}", ""])
+
+
+class _Turn(NamedTuple):
+    """One of the loops around: its iteration, and how often it runs."""
+
+    iteration: str
+    count: str | int
+
+
+def _rows(code: Code, plan: Plan, this: Loop, turns: Sequence[_Turn], starts: Mapping[str, str]) -> dict[str, str]:
+    """Where the rows of this iteration begin, by name."""
+
+    def at(region: str, row: str) -> str:
+        return code.at(starts[region], code.let(f"mul i64 {row}, {plan.sizes[region]}"))
+
+    row, count = turns[-1]
+    if this.backward:
+        row = code.let(f"sub i64 {code.let(f'sub i64 {count}, 1')}, {row}")
+    rows = {name: at(name, row) for name in this.streams}
+    if this.onward:
+        whole = _after_all(code, turns[:-1], count, row)
+        rows |= {name: at(name, whole) for name in this.onward}
+    named = {index: code.load(starts[index], row, "i64") for index in dict.fromkeys(view.index for view in this.views)}
+    return rows | {view.name: at(view.of, named[view.index]) for view in this.views}
+
+
+def _after_all(code: Code, around: Sequence[_Turn], count: str | int, row: str) -> str:
+    """The row of a loop that goes on where it stopped."""
+    entries = "0"
+    for turn in around:
+        entries = code.let(f"add i64 {code.let(f'mul i64 {entries}, {turn.count}')}, {turn.iteration}")
+    return code.let(f"add i64 {code.let(f'mul i64 {entries}, {count}')}, {row}")
 
 
 def _in_turn(first: list[str], second: list[str]) -> list[str]:
@@ -81,8 +131,8 @@ class _Stage:
 
     def __init__(self, code: Code, plan: Plan, stage: Stage, regions: Mapping[str, str]) -> None:
         graph, self.lanes = lower(plan.graphs[stage]), Lanes(stage.lanes)
-        laned = {name for name in plan.regions if plan.is_laned(stage, name)}
-        changing = plan.written | plan.streamed.keys()
+        laned = {name for name in (*plan.regions, *plan.views) if plan.is_laned(stage, name)}
+        changing, self._plan = plan.changing, plan
         self._sources = [(port.name, k, port.name in laned) for port in graph.inputs for k in range(port.size)]
         self._targets = [(port.name, k) for port in graph.outputs for k in range(port.size)]
         before, self._graph = hoist(graph, {k for k, (name, *_) in enumerate(self._sources) if name not in changing})
@@ -95,7 +145,8 @@ class _Stage:
 
     def begin(self, code: Code, regions: Mapping[str, str], awaited: Sequence[str]) -> None:
         """What does not wait for some regions; `write` goes on from there, and must follow."""
-        late = {k for k, (name, *_) in enumerate(self._sources) if name in awaited}
+        root = self._plan.root
+        late = {k for k, (name, *_) in enumerate(self._sources) if root(name) in map(root, awaited)}
         before, self._rest = hoist(self._graph, set(range(self._first_begun)) - late)
         self._begun = straight_line(code, before, lambda slot: self._load(code, regions, slot, {}), lanes=self.lanes)
 
@@ -117,6 +168,8 @@ class _Stage:
                 code.store(value, code.at(regions[name], k * width), 0, self.lanes.real, align=8)
                 written = {(name, k * width + lane): value for lane in range(width)}
                 at_hand.update(written) if width == 1 else [at_hand.pop(place, None) for place in written]
+        if self._plan.views:  # a number may have been written under another name
+            at_hand.clear()
 
     def _is_input(self, x: Operand, place: Place) -> bool:
         """Whether a result is what already stands in its place."""

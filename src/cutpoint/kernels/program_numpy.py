@@ -1,6 +1,6 @@
 """A stepping program interpreted: where LLVM is missing, and as a second opinion on it."""
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from typing import Any
 
 import numpy as np
@@ -19,23 +19,36 @@ class NumpyProgram:
     def run(self, counts: Mapping[str, int], arrays: Mapping[str, np.ndarray]) -> int:
         """The iterations of the outermost loop; arrays must have been checked."""
         rows = {name: array.reshape(-1) for name, array in arrays.items() if name not in self._plan.streamed}
-        return self._loop(self._plan.body, counts, arrays, rows)
+        return self._loop(self._plan.body, counts, arrays, rows, 0)
+
+    def bound(self, counts: Mapping[str, int], arrays: Mapping[str, np.ndarray]) -> Callable[[], int]:
+        """`run` on these, again and again."""
+        return lambda: self.run(counts, arrays)
 
     def _loop(
-        self, loop: Loop, counts: Mapping[str, int], arrays: Mapping[str, np.ndarray], rows: Mapping[str, np.ndarray]
+        self,
+        loop: Loop,
+        counts: Mapping[str, int],
+        arrays: Mapping[str, np.ndarray],
+        rows: Mapping[str, np.ndarray],
+        entries: int,
     ) -> int:
+        """entries: how often this loop was entered before, as the iterations around it count."""
         count = counts[loop.count] if isinstance(loop.count, str) else loop.count
         for index in range(count):
-            inside = {**rows, **{name: arrays[name][index] for name in loop.streams}}
+            row = count - 1 - index if loop.backward else index
+            streams = {name: arrays[name][row] for name in loop.streams}
+            onward = {name: arrays[name][entries * count + row] for name in loop.onward}
+            views = {view.name: arrays[view.of][arrays[view.index][row]] for view in loop.views}
+            inside = {**rows, **streams, **onward, **views}
             for item in loop.body:
                 if isinstance(item, Loop):
-                    self._loop(item, counts, arrays, inside)
+                    self._loop(item, counts, arrays, inside, entries * count + index)
                 else:
                     self._stage(item, inside)
             if loop.until is not None and inside[loop.until][0] != 0:
                 return index + 1
         return count
-
 
     def _stage(self, stage: Stage, rows: Mapping[str, np.ndarray]) -> None:
         graph = self._plan.graphs[stage]

@@ -3,14 +3,17 @@
 from collections import defaultdict
 from collections.abc import Sequence
 from dataclasses import dataclass
+from itertools import combinations
 from typing import Any
 
 from cutpoint.errors import InputError, TraceError, unknown_name
 from cutpoint.kernels.graph import Graph
 from cutpoint.kernels.ports import Port
 from cutpoint.kernels.specialise import checked, name_of
-from cutpoint.kernels.stepping import Loop, Region, Stage
+from cutpoint.kernels.stepping import Loop, Region, Stage, View
 from cutpoint.kernels.tracing import tracing
+
+Counts = tuple[int | str, ...]
 
 
 @dataclass(frozen=True, eq=False)
@@ -18,24 +21,41 @@ class Plan:
     """A program that is known to be sound.
 
     regions: by name.  graphs: of the stages, of one lane each.  written: regions that some stage writes.
-    streamed: for each region that streams, the counts of the loops it advances with.
-    counts: the names of numbers that a run must state.
+    streamed: for each region that streams, for each time it does, the counts whose product is its number of rows.
+    counts: the names of numbers that a run must state.  views: by name.
+    indices: for each list of rows, the counts of the loops it advances with.
     """
 
     body: Loop
     regions: dict[str, Region]
     graphs: dict[Stage, Graph]
     written: frozenset[str]
-    streamed: dict[str, list[int | str]]
+    streamed: dict[str, list[Counts]]
     counts: tuple[str, ...]
+    views: dict[str, View]
+    indices: dict[str, list[int | str]]
 
     @property
     def sizes(self) -> dict[str, int]:
         return {name: region.size for name, region in self.regions.items()}
 
+    @property
+    def names(self) -> tuple[str, ...]:
+        """Of all arrays that a run is given."""
+        return (*self.regions, *self.indices)
+
+    @property
+    def changing(self) -> frozenset[str]:
+        """Names whose numbers are not the same for the whole of a run."""
+        return self.written | self.streamed.keys() | self.views.keys()
+
+    def root(self, name: str) -> str:
+        """The region that a name stands for."""
+        return self.views[name].of if name in self.views else name
+
     def is_laned(self, stage: Stage, name: str) -> bool:
         """Whether each lane of a stage has numbers of its own in a region."""
-        return stage.lanes > 1 and self.regions[name].lanes == stage.lanes
+        return stage.lanes > 1 and self.regions[self.root(name)].lanes == stage.lanes
 
 
 def plan(body: Loop, regions: Sequence[Region]) -> Plan:
@@ -49,9 +69,11 @@ def plan(body: Loop, regions: Sequence[Region]) -> Plan:
     if len(named) < len(regions) or any(r.size < 0 or r.lanes < 1 or r.size % r.lanes for r in regions):
         raise InputError(f"regions must have different names and sizes of 0 or more, whole in lanes: {[*regions]}")
     walk = _Walk(named)
-    walk.loop(body, frozenset())
+    walk.loop(body, frozenset(), ())
     walk.check_streams()
-    return Plan(body, named, walk.graphs, frozenset(walk.written), dict(walk.streamed), tuple(walk.counts))
+    written = frozenset(walk.views[name].of if name in walk.views else name for name in walk.written)
+    streamed, indices = dict(walk.streamed), dict(walk.indices)
+    return Plan(body, named, walk.graphs, written, streamed, tuple(walk.counts), walk.views, indices)
 
 
 class _Walk:
@@ -61,20 +83,24 @@ class _Walk:
         self.regions = regions
         self.graphs: dict[Stage, Graph] = {}
         self.written: set[str] = set()
-        self.streamed: dict[str, list[int | str]] = defaultdict(list)
+        self.streamed: dict[str, list[Counts]] = defaultdict(list)
+        self.views: dict[str, View] = {}
+        self.indices: dict[str, list[int | str]] = defaultdict(list)
         self.counts: dict[str, None] = {}
         self.uses: list[tuple[str, frozenset[str]]] = []
 
-    def loop(self, loop: Loop, advancing: frozenset[str]) -> None:
+    def loop(self, loop: Loop, advancing: frozenset[str], around: Counts) -> None:
         self._check_loop(loop, advancing)
         if isinstance(loop.count, str):
             self.counts[loop.count] = None
-        for name in loop.streams:
-            self.streamed[name].append(loop.count)
-        inside = advancing.union(loop.streams)
+        for name in loop.advancing:
+            self.streamed[name].append((*around, loop.count) if name in loop.onward else (loop.count,))
+        for view in loop.views:
+            self._view(view, loop.count)
+        inside = advancing.union(loop.advancing, (view.name for view in loop.views))
         for item in loop.body:
             if isinstance(item, Loop):
-                self.loop(item, inside)
+                self.loop(item, inside, (*around, loop.count))
             elif isinstance(item, Stage):
                 self._stage(item, inside)
             else:
@@ -86,16 +112,32 @@ class _Walk:
         if not isinstance(loop.count, str) and loop.count < 0:
             raise InputError(f"a loop's count {loop.count} must not be negative")
         until = [] if loop.until is None else [loop.until]
-        self._check_names((*loop.streams, *until), advancing.union(loop.streams))
-        for name in advancing.intersection(loop.streams):
+        self._check_names((*loop.advancing, *until), advancing.union(loop.advancing))
+        if len(set(loop.advancing)) < len(loop.advancing):
+            raise InputError(f"a loop's streams {loop.advancing} must have different names")
+        for name in advancing.intersection(loop.advancing):
             raise InputError(f"region {name!r} streams in two loops, one inside the other; it can advance with one")
-        if loop.until is not None and (self.regions[loop.until].size != 1 or loop.until in loop.streams):
+        end = self.regions.get(loop.until or "")
+        if loop.until is not None and (end is None or end.size != 1 or loop.until in loop.advancing):
             raise InputError(f"region {loop.until!r} ends a loop, so it must have one slot and not stream in that loop")
 
+    def _view(self, view: View, count: int | str) -> None:
+        """A view may be had in several loops, but then it is the same."""
+        if view.of not in self.regions:
+            raise unknown_name("region", view.of, self.regions)
+        self.views.setdefault(view.name, view)
+        self.indices[view.index].append(count)
+        kinds = (self.regions.keys(), self.views.keys(), self.indices.keys())
+        if self.views[view.name] != view or any(a & b for a, b in combinations(kinds, 2)):
+            raise InputError(f"view {view.name!r} by {view.index!r}: both must have names that nothing else has")
+
     def check_streams(self) -> None:
-        """A region that streams has rows only inside its loop."""
+        """A region that streams has rows only inside its loop, and only such a region can be viewed."""
+        for view in self.views.values():
+            if view.of not in self.streamed:
+                raise InputError(f"view {view.name!r}: region {view.of!r} has no rows, it streams in no loop")
         for name, advancing in self.uses:
-            if name in self.streamed and name not in advancing:
+            if (name in self.streamed or name in self.views) and name not in advancing:
                 raise InputError(f"region {name!r} streams, so it can only be used inside the loop that it streams in")
 
     def _stage(self, stage: Stage, advancing: frozenset[str]) -> None:
@@ -104,18 +146,19 @@ class _Walk:
             raise InputError(f"stage {name_of(stage.function)} must write at least one region, and each but once")
         self.written.update(stage.writes)
         if stage not in self.graphs:
-            self._check_lanes(stage)
-            self.graphs[stage] = stage_graph(stage, self.regions)
+            known = self.regions | {name: self.regions[view.of] for name, view in self.views.items()}
+            self._check_lanes(stage, known)
+            self.graphs[stage] = stage_graph(stage, known)
 
-    def _check_lanes(self, stage: Stage) -> None:
+    def _check_lanes(self, stage: Stage, known: dict[str, Region]) -> None:
         for name in stage.writes if stage.lanes > 1 else ():
-            if self.regions[name].lanes != stage.lanes:
-                told = f"a stage of {stage.lanes} lanes writes region {name!r}, which has {self.regions[name].lanes}"
+            if known[name].lanes != stage.lanes:
+                told = f"a stage of {stage.lanes} lanes writes region {name!r}, which has {known[name].lanes}"
                 raise InputError(f"{told}; they must be as many")
 
     def _check_names(self, names: Sequence[str], advancing: frozenset[str]) -> None:
         for name in names:
-            if name not in self.regions:
+            if name not in self.regions and name not in self.views:
                 raise unknown_name("region", name, self.regions)
             self.uses.append((name, advancing))
 

@@ -24,10 +24,12 @@ def replay(
     numbers: Sequence[Any],
     constant: Callable[[float], Any] = float,
     operators: Mapping[str, Callable[..., Any]] | None = None,
+    taken: Callable[[Node, Any], Any] = lambda x, value: value,
 ) -> list[Any]:
     """The graph's results for a scalar in each input slot.
 
-    constant: what a float becomes.  operators: what an operation does, where Python's operators will not do.
+    constant: what a float becomes.  operators: what operations do, where Python's own will not do.
+    taken: what a node's value goes on as.
     """
     values: dict[int, Any] = {}
     apply = {**_OPERATORS, **(operators or {})}
@@ -36,7 +38,8 @@ def replay(
         return values[x.serial] if isinstance(x, Node) else constant(x)
 
     for x in graph.nodes:
-        values[x.serial] = numbers[x.args[0]] if x.op == "input" else apply[x.op](*map(value, x.args))
+        found = numbers[x.args[0]] if x.op == "input" else apply[x.op](*map(value, x.args))
+        values[x.serial] = taken(x, found)
     return [value(x) for x in graph.results]
 
 

@@ -1,7 +1,8 @@
 """A graph as SymPy expressions, to read."""
 
+import itertools
 from collections import Counter
-from collections.abc import Sequence
+from collections.abc import Callable, Iterator, Sequence
 from typing import Any
 
 import numpy as np
@@ -9,33 +10,51 @@ import sympy
 
 from cutpoint.errors import InputError
 from cutpoint.kernels.graph import Graph
+from cutpoint.kernels.nodes import CONDITIONS, Node
 from cutpoint.kernels.ports import Port, Shape
 from cutpoint.kernels.replay import replay
 
-from sympy.functions.elementary.piecewise import ExprCondPair
-def _p(c,y,n):
-    mk=lambda e,c: sympy.Tuple.__new__(ExprCondPair,e,c)
-    return sympy.Basic.__new__(sympy.Piecewise, mk(sympy.sympify(y),sympy.sympify(c)), mk(sympy.sympify(n),sympy.true))
-# SymPy would look for proofs of what holds, which takes minutes where choices are nested
-_OPERATORS: dict[str, Any] = {
+Steps = list[tuple[Any, Any]]
+"""Symbols and what they stand for, in terms of inputs and of symbols before them."""
+
+# not evaluated, since SymPy would look for proofs of what holds
+_OPERATORS: dict[str, Callable[..., Any]] = {
     "lt": lambda x, y: sympy.Lt(x, y, evaluate=False), "le": lambda x, y: sympy.Le(x, y, evaluate=False),
     "and": lambda x, y: sympy.And(x, y, evaluate=False), "or": lambda x, y: sympy.Or(x, y, evaluate=False),
     "not": lambda x: sympy.Not(x, evaluate=False),
-    "select": lambda condition, yes, no: _p(condition,yes,no),
+    "select": lambda condition, yes, no: sympy.Piecewise((yes, condition), (no, True), evaluate=False),
 }  # fmt: skip
 
 
-def expressions(graph: Graph, name: str) -> list[Any]:
+def expressions(graph: Graph, name: str, in_steps: bool) -> tuple[Steps, list[Any]]:
     """Every output as an expression, a Matrix (a vector is a column), or an Array of more axes.
 
+    in_steps: in terms of symbols s_0, s_1, ... for what is used more than once, and around every choice.
     Raises InputError if two numbers would have one symbol.
     """
-    results = replay(graph, _symbols(graph.inputs, name), _constant, _OPERATORS)
-    shaped, start = [], 0
-    for port in graph.outputs:
-        shaped.append(_shaped(results[start : start + port.size], port.shape))
-        start += port.size
-    return shaped
+    symbols, steps = _symbols(graph.inputs, name), []
+    fresh, worth_a_name = _fresh(symbols), _worth_a_name(graph) if in_steps else set()
+
+    def named(x: Node, value: Any) -> Any:
+        if x.serial not in worth_a_name or value.is_Atom:
+            return value
+        steps.append((next(fresh), value))
+        return steps[-1][0]
+
+    return steps, _shaped(graph, replay(graph, symbols, _constant, _OPERATORS, named))
+
+
+def _worth_a_name(graph: Graph) -> set[int]:
+    """What is used more than once; and, since SymPy is slow where they are nested, choices, and what is compared."""
+    pairs = [(x, y) for x in graph.nodes for y in x.args if isinstance(y, Node) and y.op not in CONDITIONS]
+    uses = Counter(y.serial for _, y in pairs)
+    near_a_choice = {y.serial for x, y in pairs if y.op == "select" or x.op in ("lt", "le")}
+    return near_a_choice | {serial for serial, count in uses.items() if count > 1}
+
+
+def _fresh(taken: Sequence[Any]) -> Iterator[Any]:
+    numbered = (sympy.Symbol(f"s_{k}") for k in itertools.count())
+    return (symbol for symbol in numbered if symbol not in taken)
 
 
 def _symbols(ports: Sequence[Port], name: str) -> list[Any]:
@@ -54,7 +73,12 @@ def _constant(x: float) -> Any:
     return sympy.Rational(numerator, denominator) if denominator <= 64 and abs(x) < 2**20 else sympy.Float(x)
 
 
-def _shaped(results: list[Any], shape: Shape) -> Any:
+def _shaped(graph: Graph, results: Sequence[Any]) -> list[Any]:
+    rest = iter(results)
+    return [_array([next(rest) for _ in range(p.size)], p.shape) for p in graph.outputs]
+
+
+def _array(results: list[Any], shape: Shape) -> Any:
     if not shape:
         return results[0]
     if len(shape) > 2:

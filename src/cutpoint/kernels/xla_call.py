@@ -19,13 +19,12 @@ LOOP, PACKS, FLOATS = "batch_loop_of_xla_call", "packs_of_xla_call", "floats_of_
 FENV_BYTES = 256
 """Room for a fenv_t of any platform."""
 
-_EXTENSION, _API, _ARGUMENTS, _RESULTS = 8, 16, 72, 112
-"""Of a call frame, in bytes: what else is asked, the interface, and the tables of buffers."""
+_EXTENSION, _ARGUMENTS, _RESULTS = 8, 72, 112
+"""Of a call frame, in bytes: what else is asked, and the tables of buffers."""
 _EXTENSION_KIND, _METADATA = 8, 24
 _METADATA_IS_ASKED = 1
-_API_MINOR = 36
-_MAJOR, _MINOR, _TRAITS = 24, 28, 32
-"""Of the metadata, in bytes: for which version of the interface this is, and what else is promised: nothing."""
+_ANSWERS = {24: 0, 28: 1, 32: 0}
+"""To a question for metadata, by their place in bytes: major and minor version of the interface, and no promises."""
 _DATA, _LENGTHS = 24, 40
 """Of a buffer, in bytes: its numbers, and the lengths of its axes."""
 
@@ -69,10 +68,9 @@ def xla_call(inputs: Sequence[Port], outputs: Sequence[Port]) -> str:
 
 
 def _answer(code: Code, extension: str) -> None:
-    """Written for whatever minor version XLA has, of major version 0."""
+    """Says which version of the interface this is written for."""
     metadata = _field(code, extension, _METADATA)
-    minor = _field(code, _field(code, "%frame", _API), _API_MINOR, "i32")
-    for place, value in ((_MAJOR, "0"), (_MINOR, minor), (_TRAITS, "0")):
+    for place, value in _ANSWERS.items():
         code.lines.append(f"store i32 {value}, ptr {code.at(metadata, place, 'i8')}")
     code.lines.append("ret ptr null")
 

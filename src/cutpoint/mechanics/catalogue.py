@@ -71,7 +71,7 @@ class CatalogueSpring:
 
 
 def _progress(x: Scalar, start: Scalar, width: Scalar) -> Scalar:
-    return clip((x - start) / width, 0, 1)
+    return clip((x - start) * (1 / width), 0, 1)
 
 
 def _ramp(x: Scalar, start: Scalar, width: Scalar) -> Scalar:

@@ -247,7 +247,7 @@ def drive_effort(drive: Drive, at: DriveState, motor_torque: Scalar, strains: St
         return Effort(tau - xi, 0, 0, tau)
     tau_f = spring_torque(drive, at.theta, at.q, at.theta_dot, at.v) + slipping_torque(drive, strains.spring)
     left = motor_torque - load_on_motor(drive, tau_f, at.theta, at.theta_dot, strains.motor)
-    return Effort(tau_f - xi, left, left / drive.reflected_inertia, tau_f)
+    return Effort(tau_f - xi, left, left * (1 / drive.reflected_inertia), tau_f)
 
 
 def elastic_forward_dynamics(

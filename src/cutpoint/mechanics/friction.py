@@ -40,7 +40,7 @@ class Sliding:
 
     def direction(self, speed: Scalar) -> Scalar:
         """-1 to 1."""
-        return tanh(speed / self.smoothing)
+        return tanh(speed * (1 / self.smoothing))
 
     def dry(self, speed: Scalar, load: Scalar, direction: Scalar) -> Scalar:
         """How large dry friction is in a direction, N m."""
@@ -85,7 +85,7 @@ class Stribeck(Sliding):
     grease: Grease | None = None
 
     def plateau(self, speed: Scalar) -> Scalar:
-        x = speed / self.stribeck_velocity
+        x = speed * (1 / self.stribeck_velocity)
         return self.coulomb + (self.static - self.coulomb) * exp(-(x * x))
 
 

@@ -77,7 +77,7 @@ class Revolute(JointKind):
     fixed_axes = (TURN_Z,)
 
     def pose(self, q: Scalars) -> Pose:
-        return Pose(_about_z(q[0]), ZERO)
+        return Pose(about_z(q[0]), ZERO)
 
 
 @dataclass(frozen=True)
@@ -101,7 +101,7 @@ class Helical(JointKind):
         return ((0, 0, self.pitch, 0, 0, 1),)
 
     def pose(self, q: Scalars) -> Pose:
-        return Pose(_about_z(q[0]), Vec3(0, 0, self.pitch * q[0]))
+        return Pose(about_z(q[0]), Vec3(0, 0, self.pitch * q[0]))
 
 
 @dataclass(frozen=True)
@@ -112,7 +112,7 @@ class Planar(JointKind):
     fixed_axes = (X, Y, TURN_Z)
 
     def pose(self, q: Scalars) -> Pose:
-        return Pose(_about_z(q[2]), Vec3(q[0], q[1], 0))
+        return Pose(about_z(q[2]), Vec3(q[0], q[1], 0))
 
     def rates(self, q: Scalars, v: Scalars) -> list[Scalar]:
         return [*_turned(q[2], v[0], v[1]), v[2]]
@@ -182,7 +182,7 @@ class Floating(JointKind):
         return [*exponential(omega).unshift(moved), *omega]
 
 
-def _about_z(angle: Scalar) -> Mat3:
+def about_z(angle: Scalar) -> Mat3:
     s, c = sin(angle), cos(angle)
     return Mat3(Vec3(c, -s, 0), Vec3(s, c, 0), Vec3(0, 0, 1))
 

@@ -28,6 +28,11 @@ class Presliding:
         """Of the bristles, N m/rad."""
         return self.sliding.plateau(0) / self.distance
 
+    @property
+    def compliance(self) -> Scalar:
+        """rad/(N m)."""
+        return self.distance / self.sliding.plateau(0)
+
     def torque(self, speed: Scalar, load: Scalar = 0) -> Scalar:
         """xi in steady sliding, N m: all that can be said without the strain."""
         return self.sliding.torque(speed, load)
@@ -50,7 +55,7 @@ class Presliding:
 
     def _breakaway(self, speed: Scalar, load: Scalar, forwards: Scalar) -> Scalar:
         """Strain at which it slides, rad."""
-        return self.sliding.dry(speed, load, forwards) / self.stiffness
+        return self.sliding.dry(speed, load, forwards) * self.compliance
 
 
 @dataclass(frozen=True)
@@ -68,11 +73,11 @@ class LuGre(Presliding):
         forwards = where(displacement < 0, -1, 1)
         limit = self._breakaway(speed, load, forwards)
         towards = forwards * limit
-        return towards + (before - towards) * exp(-absolute(displacement) / limit)
+        return towards + (before - towards) * exp(-absolute(displacement) * (1 / limit))
 
     def winding(self, strain: Scalar, speed: Scalar, load: Scalar = 0) -> Scalar:
         forwards = where(speed < 0, -1, 1)
-        return 1 - forwards * strain / self._breakaway(speed, load, forwards)
+        return 1 - forwards * strain * (1 / self._breakaway(speed, load, forwards))
 
 
 @dataclass(frozen=True)
@@ -96,11 +101,11 @@ class ElastoPlastic(Presliding):
         knee = self.elastic * limit
         onset = maximum(start, knee)
         sliding = maximum(start + travel - onset, 0)
-        plastic = limit + (onset - limit) * exp(-sliding / (limit - knee))
+        plastic = limit + (onset - limit) * exp(-sliding * (1 / (limit - knee)))
         return forwards * where(start + travel < knee, start + travel, plastic)
 
     def winding(self, strain: Scalar, speed: Scalar, load: Scalar = 0) -> Scalar:
         forwards = where(speed < 0, -1, 1)
         limit = self._breakaway(speed, load, forwards)
         knee = self.elastic * limit
-        return 1 - maximum(forwards * strain - knee, 0) / (limit - knee)
+        return 1 - maximum(forwards * strain - knee, 0) * (1 / (limit - knee))

@@ -39,13 +39,16 @@ def adaptive_step(loop: ClosedLoop) -> Callable[[dict[str, Array], Array], None]
 
     def step(memory: dict[str, Array], row: Array) -> None:
         pushed, start = np.array(loop.layout.disturbance([*row]), float), 0.0
+        x = np.array(loop.lanes.dense(memory["state"]))
         with np.errstate(all="ignore"):  # what is not finite ends the run below
             for end in ends:
-                commands = zip(loop.robot.machine.drives, memory["torque"], memory["torque_before"], strict=True)
+                told, before = (loop.lanes.dense(memory[name]) for name in ("torque", "torque_before"))
+                commands = zip(loop.robot.machine.drives, told, before, strict=True)
                 middle, length = (start + end) / 2, end - start
                 told = [arrived(d.drive, u, old, middle, length) for d, u, old in commands]
-                way.go(memory["state"], np.array(told, float), pushed, start, end)
+                way.go(x, np.array(told, float), pushed, start, end)
                 start = end
+        memory["state"][:] = loop.lanes.padded(x)
         memory["fault"][0] = not (np.abs(memory["state"]) < BEYOND).all()
 
     return step

@@ -20,6 +20,7 @@ from cutpoint.mechanics.motor import within_limits
 from cutpoint.robot import Robot
 from cutpoint.scalars import Scalar, clip, leaves, rebuild, where, with_float_leaves
 from cutpoint.simulation.integrator import TABLEAU, stage
+from cutpoint.simulation.lanes import Lanes
 from cutpoint.simulation.plant import (
     all_rates,
     arrived,
@@ -95,9 +96,9 @@ class ClosedLoop:
         return Layout(n, parts.v, sum(parts), 2 * n if self.encoders.is_noisy else 0)
 
     @cached_property
-    def lanes(self) -> int:
-        """How many drives can be computed side by side: all where they are alike, else one."""
-        return self.layout.n if is_uniform(self.robot.machine) else 1
+    def lanes(self) -> Lanes:
+        """All drives side by side where they are alike."""
+        return Lanes.of(self.layout.n, is_uniform(self.robot.machine))
 
     @cached_property
     def channels(self) -> dict[str, int]:
@@ -119,7 +120,7 @@ class ClosedLoop:
         laned = {
             "state": state, "origin": state, "total": state, "torque": n, "torque_before": n, "efforts": 4 * n,
             "accelerations": self.layout.nv + n,
-            "numbers": len(self.robot.drive_parameters) if lanes > 1 else 0,
+            "numbers": len(self.robot.drive_parameters) if lanes.are_wide else 0,
         }  # fmt: skip
         sizes = {
             "row": self.layout.row, "sensing": len(self.encoders.memory(*[[0.0] * n] * 4)), "measured": 4 * n,
@@ -127,13 +128,15 @@ class ClosedLoop:
             "command": 4 * n, "elapsed": 1, "parameters": len(self.parameters(np.zeros(n))), "tableau": 2,
             "record": record, "fault": 1, "steps": 1,
         }  # fmt: skip
-        drives = [Region(name, size, lanes) for name, size in laned.items()]
+        drives = [Region(name, lanes.size(size), lanes.width) for name, size in laned.items()]
         return drives + [Region(name, size) for name, size in sizes.items()]
 
     def numbers(self) -> Array:
         """The drives' parameters lane by lane, where all drives are alike."""
-        n = self.layout.n
-        return self.robot.drive_parameters.reshape(n, -1).T.ravel() if self.lanes > 1 else np.zeros(0)
+        if not self.lanes.are_wide:
+            return np.zeros(0)
+        by_field = self.robot.drive_parameters.reshape(self.layout.n, -1).T.ravel()
+        return np.array(self.lanes.padded(by_field, repeat=True))
 
     def initial_memory(self) -> Array:
         return np.array(leaves(self.memory), float)
@@ -142,7 +145,7 @@ class ClosedLoop:
 
     def sense(self, state: Scalars, sensing: Scalars, row: Scalars, parameters: Scalars) -> tuple[Scalars, Scalars]:
         machine, _, encoders, _, period = self._numbers(parameters)
-        places = [own.at for own in own_parts(machine, state)]
+        places = [own.at for own in own_parts(machine, self.lanes.dense(state))]
         sample = [getattr(at, name) for name in ("q", "theta", "v", "theta_dot") for at in places]
         return encoders.measure(sample, sensing, self.layout.normals(row), period)
 
@@ -158,15 +161,17 @@ class ClosedLoop:
     ) -> tuple[Scalars, Scalars]:
         """What motors are told, within what drive, current and voltage allow, N m; and what they were told before."""
         machine, _, _, limits, _ = self._numbers(parameters)
-        motors = zip(machine.drives, own_parts(machine, state), command[: self.layout.n], limits, strict=True)
+        own = own_parts(machine, self.lanes.dense(state))
+        motors = zip(machine.drives, own, command[: self.layout.n], limits, strict=True)
         told = [clip(within_limits(d.drive, u, own.at.theta_dot), -limit, limit) for d, own, u, limit in motors]
-        return told, torque
+        return self.lanes.padded(told), torque
 
     def record(self, *regions: Scalars) -> Scalars:
         """What the log keeps of a sample; a command that is still on its way to the motor is not there yet."""
         state, measured, command, torque, before, parameters = regions
         machine = self._numbers(parameters)[0]
         shaft, driving, friction = [], [], [0] * machine.system.nv
+        state, torque, before = (self.lanes.dense(region) for region in (state, torque, before))
         for d, own, u, old in zip(machine.drives, own_parts(machine, state), torque, before, strict=True):
             shaft.append(motor_torque(d.drive, own, old if has_delay(d.drive) else u)[0])
             effort = drive_effort(d.drive, own.at, shaft[-1], own.strains)
@@ -177,7 +182,7 @@ class ClosedLoop:
     def drive(self, *regions: Scalars) -> Scalars:
         """What the drives do, field by field; where they are alike, seen from one of them."""
         state, origin, torque, before, elapsed, parameters, steps = regions
-        if self.lanes > 1:
+        if self.lanes.are_wide:
             drives = [rebuild(self.robot.machine.drives[0].drive, iter(parameters))]
             own, past = [own_of(drives[0], state)], [own_of(drives[0], origin)]
         else:
@@ -194,18 +199,18 @@ class ClosedLoop:
         """Accelerations of links, then of motors, under what the drives do."""
         state, found, row, parameters = regions
         machine, n = self._numbers(parameters)[0], self.layout.n
+        found, s = self.lanes.dense(found), split(machine, self.lanes.dense(state))
         on_link, left, alpha = (found[k * n : (k + 1) * n] for k in range(3))
         efforts = [Effort(*x, None) for x in zip(on_link, left, alpha, strict=True)]
-        s = split(machine, state)
         pushed = self.layout.disturbance(row)
         a, theta_ddot = driven_accelerations(*machine, s.q, s.v, s.theta_dot, efforts, pushed)
-        return [*a, *theta_ddot]
+        return self.lanes.padded([*a, *theta_ddot])
 
     def advance(self, *regions: Scalars) -> tuple[Scalars, Scalars]:
         """One stage of an integration step; where all drives are alike, seen from one of them."""
         state, origin, total, tableau, found, accelerations, steps = regions
         h = steps[0]
-        if self.lanes > 1:
+        if self.lanes.are_wide:
             (a, alpha), drive = accelerations, self.robot.machine.drives[0].drive
             k = own_rates(drive, state, a, alpha, found[3])
         else:
@@ -217,7 +222,7 @@ class ClosedLoop:
 
     def settle(self, total: Scalars, origin: Scalars, parameters: Scalars) -> tuple[Scalars, Scalars, Scalars]:
         """The step's result, with the strains that it has left, is the next step's start; as seen by `drive`."""
-        if self.lanes > 1:
+        if self.lanes.are_wide:
             drive = rebuild(self.robot.machine.drives[0].drive, iter(parameters))
             own, past = own_of(drive, total), own_of(drive, origin)
             left = strains.flat(strains.moved(drive, past.strains, past.at, own.at))
@@ -229,7 +234,7 @@ class ClosedLoop:
     def watch(self, state: Scalars) -> Scalars:
         """Not zero once the state has diverged or is not finite."""
         fault: Scalar = 0
-        for x in state:
+        for x in self.lanes.dense(state):
             fault = where(x * x < BEYOND * BEYOND, fault, 1)
         return [fault]
 
@@ -265,17 +270,17 @@ class ClosedLoop:
 
     @property
     def _after(self) -> list[Any]:
-        numbers = "numbers" if self.lanes > 1 else "parameters"
+        numbers = "numbers" if self.lanes.are_wide else "parameters"
         drive = ("state", "origin", "torque", "torque_before", "elapsed", numbers, "steps")
         advance = ("state", "origin", "total", "tableau", "efforts", "accelerations", "steps")
         stages = [
-            Stage(self.drive, drive, ("efforts",), self.lanes),
+            Stage(self.drive, drive, ("efforts",), self.lanes.width),
             Stage(self.accelerate, ("state", "efforts", "row", "parameters"), ("accelerations",)),
-            Stage(self.advance, advance, ("state", "total"), self.lanes),
+            Stage(self.advance, advance, ("state", "total"), self.lanes.width),
         ]
         step = [
             Loop(len(TABLEAU), stages, streams=("tableau",)),
-            Stage(self.settle, ("total", "origin", numbers), ("state", "origin", "total"), self.lanes),
+            Stage(self.settle, ("total", "origin", numbers), ("state", "origin", "total"), self.lanes.width),
         ]
         return [
             Stage(self.actuate, ("state", "command", "torque", "parameters"), ("torque", "torque_before")),
@@ -304,7 +309,7 @@ class ClosedLoop:
     def _numbers(self, parameters: Scalars) -> tuple[Machine, Any, Encoders, Scalars, Scalar]:
         """Machine, controller, encoders, torque limits, period with these numbers in them."""
         numbers = iter(parameters)
-        machine = self.robot.machine_with([next(numbers) for _ in self.robot.drive_parameters])
+        machine = self.robot.machine_with([next(numbers) for _ in self.robot.drive_parameters], lean=True)
         controller, encoders = rebuild(self.controller, numbers), rebuild(self.encoders, numbers)
         return machine, controller, encoders, [next(numbers) for _ in range(self.layout.n)], next(numbers)
 

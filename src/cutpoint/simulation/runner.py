@@ -43,9 +43,10 @@ def working_memory(
     driven = loop.robot.machine.drives
     seen = [start.q[[d.q for d in driven]], start.v[[d.v for d in driven]], start.theta, start.theta_dot]
     memory: dict[str, Array] = {region.name: np.zeros(region.size) for region in loop.regions()}
-    state = np.concatenate(start)
+    state = np.array(loop.lanes.padded(np.concatenate(start)))
     middles: Array = (np.arange(substeps, dtype=np.float64) + 0.5) * (loop.period / substeps)
-    memory.update(torque=told.copy(), torque_before=told.copy(), elapsed=middles[:, None])
+    torque = np.array(loop.lanes.padded(told))
+    memory.update(torque=torque, torque_before=torque.copy(), elapsed=middles[:, None])
     memory.update(state=state, origin=state.copy(), total=state.copy(), row=rows, tableau=TABLEAU.copy())
     memory["sensing"] = np.array(loop.encoders.memory(*seen), float)
     memory["memory"] = loop.initial_memory()
@@ -134,7 +135,7 @@ def _run(program: Any, memory: dict[str, Array], first: int, ticks: int, substep
 
 def _diagnosis(loop: ClosedLoop, memory: dict[str, Array], done: int) -> str:
     """When the state left the finite world and what was largest then, or a sample before where it is no number."""
-    state = memory["state"]
+    state = np.array(loop.lanes.dense(memory["state"]))
     if np.isfinite(state).all():
         found = _largest(loop, state)
     else:

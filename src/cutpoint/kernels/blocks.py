@@ -1,0 +1,103 @@
+"""Kernels on blocks: for those who keep their batches as (blocks, *shape, width), so that nothing is turned around."""
+
+from dataclasses import replace
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+
+from cutpoint.errors import InputError
+from cutpoint.kernels.arguments import as_float64, explained, in_order
+from cutpoint.kernels.backends import Function
+from cutpoint.kernels.block_function import block_function, wide
+from cutpoint.kernels.graph import Graph
+from cutpoint.kernels.threads import Threaded, checked
+from cutpoint.kernels.waiting import shown
+
+_CACHE_LINE = 64
+
+
+class Blocks:
+    """A kernel whose elements lie `width` side by side: an input of shape (n,) is given as (blocks, n, width).
+
+    Leading axes are a batch of blocks and broadcast.  A last axis of length 1 is spread over the block, so that
+    `parameters[:, None]` is the same for all.  Results have the bits that rows would have.
+
+    Attributes:
+        width: how many elements a block holds: 8, 4 or 2, as many float64 as this processor's instructions take.
+    """
+
+    def __init__(self, name: str, graph: Graph, function: Function, record: type[tuple[Any, ...]] | None) -> None:
+        if not graph.inputs:
+            raise InputError(f"{name}: only kernels with inputs take blocks")
+        with shown(f"{name} for blocks"):
+            self._function = block_function(graph, name, function)
+        self.width = width = self._function.width
+        self._name, self._make = name, record and record._make  # type: ignore[attr-defined]
+        self._wide = replace(graph, inputs=wide(graph.inputs, width), outputs=wide(graph.outputs, width))
+
+    def __call__(self, *arguments: Any, out: Any = None, threads: int | None = None, **named: Any) -> Any:
+        """The outputs, (..., *shape, width) each; called as the kernel is.
+
+        Raises:
+            InputError: an argument is missing, unknown, or of a shape or kind that does not fit; what is in `out` has
+                blocks that are not C-contiguous.
+        """
+        given = [self._spread(x) for x in in_order(self._name, self._wide.inputs, arguments, named)]
+        count = 1 if threads is None else checked(self._name, threads)
+        try:
+            result = self._function.call(*given, out=out) if count == 1 else self._threaded(count, given, out)
+        except (TypeError, ValueError) as error:
+            raise explained(self._name, self._wide, given, out, error) from None
+        if self._make is None:
+            return result
+        return self._make(result if len(self._wide.outputs) > 1 else (result,))
+
+    def of(self, rows: Any) -> np.ndarray:
+        """Blocks, (blocks, *shape, width), of an array of rows, (count, *shape); the last row fills the last block up.
+
+        Raises:
+            InputError: there are no rows.
+        """
+        array = as_float64(rows)
+        if not array.ndim or not len(array):
+            raise InputError(f"{self._name}: an array of shape {array.shape} has no rows to make blocks of")
+        blocks = _aligned((-(-len(array) // self.width), *array.shape[1:], self.width))
+        full = len(array) // self.width
+        blocks[:full] = np.moveaxis(array[: full * self.width].reshape(full, self.width, *array.shape[1:]), 1, -1)
+        rest = array[full * self.width :]
+        if len(rest):
+            blocks[full] = array[-1][..., None]
+            blocks[full, ..., : len(rest)] = np.moveaxis(rest, 0, -1)
+        return blocks
+
+    def rows(self, blocks: Any, count: int) -> np.ndarray:
+        """So many rows, (count, *shape), out of blocks, (blocks, *shape, width): what `of` made blocks of.
+
+        Raises:
+            InputError: they are no blocks of this width, or hold fewer rows.
+        """
+        array = as_float64(blocks)
+        if array.ndim < 2 or array.shape[-1] != self.width or not 0 <= count <= len(array) * self.width:
+            rule = f"it must be (blocks, ..., {self.width}) with at least {count} rows"
+            raise InputError(f"{self._name}: an array of blocks has shape {array.shape}, {rule}")
+        return np.moveaxis(array, -1, 1).reshape(len(array) * self.width, *array.shape[1:-1])[:count]
+
+    def _spread(self, x: Any) -> Any:
+        """An array with one number for all of a block, with as many as the block holds."""
+        if isinstance(x, np.ndarray) and x.ndim and x.shape[-1] == 1:
+            return np.repeat(x, self.width, axis=-1)
+        return x
+
+    @cached_property
+    def _threaded(self) -> Threaded:
+        operations = len(self._wide.nodes) * self.width
+        return Threaded(self._wide.inputs, self._wide.outputs, operations, self._function.call)
+
+
+def _aligned(shape: tuple[int, ...]) -> np.ndarray:
+    """An array that begins where a line of the cache does: vectors across two lines take longer."""
+    size = int(np.prod(shape))
+    memory = np.empty(size * 8 + _CACHE_LINE, np.uint8)
+    start = -memory.ctypes.data % _CACHE_LINE
+    return memory[start : start + size * 8].view(np.float64).reshape(shape)
