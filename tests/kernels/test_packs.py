@@ -10,9 +10,10 @@ from graph_recipes import Step, cook, steps
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from cutpoint.kernels import Kernel, compile
+from cutpoint.kernels import Kernel, compile, strided_loop
 from cutpoint.kernels.batch_loop import WORTH_MAKING_PACKS
 from cutpoint.kernels.jit import vector_width
+from cutpoint.kernels.strided import WORTH_MAKING
 from cutpoint.scalars import atan, exp, log, sin, tanh, where
 
 WIDTH = vector_width()
@@ -81,6 +82,10 @@ STRIDES: dict[str, Callable[[np.ndarray], np.ndarray]] = {
     "backwards": lambda x: x[::-1].copy()[::-1],
     "first of a wide row": lambda x: np.concatenate([x[:, None]] * 3, axis=1)[:, 0],
     "in Fortran's order": np.asfortranarray,
+    "batch last": lambda x: np.moveaxis(np.moveaxis(x, 0, -1).copy(), -1, 0),
+    "last axis of a pair": lambda x: np.stack([x, x], axis=-1)[..., 1],
+    "all axes backwards": lambda x: x[(slice(None, None, -1),) * x.ndim].copy()[(slice(None, None, -1),) * x.ndim],
+    "as it comes": lambda x: x,
 }
 
 
@@ -91,6 +96,52 @@ def test_strides_change_no_bit(kernel: Kernel, view: Callable[[np.ndarray], np.n
     out = view(np.zeros_like(expected))
     assert kernel(*map(view, arguments), out=out) is out
     assert np.array_equal(out, expected)
+
+
+@pytest.mark.parametrize("size", [WORTH_MAKING, WORTH_MAKING + 1, 2 * WORTH_MAKING - 1])
+@pytest.mark.parametrize("odd", range(len(SHAPES) + 1))
+def test_one_strided_argument_among_tidy_ones_changes_no_bit(kernel: Kernel, odd: int, size: int) -> None:
+    arguments = batch(size)
+    expected = one_by_one(kernel, arguments)
+    out = np.zeros_like(expected)
+    sides = [*arguments, out]
+    sides[odd] = STRIDES["last axis of a pair"](sides[odd])
+    kernel(*sides[:-1], out=sides[-1])
+    assert np.array_equal(sides[-1], expected)
+
+
+def test_only_long_batches_of_strided_elements_make_a_loop_for_them(monkeypatch: pytest.MonkeyPatch) -> None:
+    made = []
+    real = strided_loop.strided_loop
+    monkeypatch.setattr(strided_loop, "strided_loop", lambda *given: made.append(given) or real(*given))
+    kernel = compile(every_kind, q=7, v=(), M=(3, 4), backend="llvm")
+    tidy, short = batch(LONG), [np.asfortranarray(x) for x in batch(WORTH_MAKING - 1)]
+    for arguments in (tidy, short, [np.repeat(x, 2, axis=0)[::2] for x in tidy], [x.astype(np.float32) for x in tidy]):
+        kernel(*arguments)
+    assert not made
+    for _ in range(2):
+        kernel(*map(np.asfortranarray, tidy))
+        assert len(made) == 1
+
+
+def test_axes_of_length_1_change_no_bit() -> None:
+    kernel = compile(lambda x, M: [[sin(x[0]) * M[0][i][0]] for i in range(2)], x=1, M=(1, 2, 1), backend="llvm")
+    arguments = [RNG.normal(size=(LONG, *shape)) for shape in ((1,), (1, 2, 1))]
+    assert kernel(*arguments).tobytes() == one_by_one(kernel, arguments).tobytes()
+
+
+def test_strided_rows_of_a_grid_shorter_than_a_pack_change_no_bit(kernel: Kernel) -> None:
+    arguments = [np.asfortranarray(RNG.normal(size=(LONG, 3, *shape))) for shape in SHAPES]
+    flat = [np.ascontiguousarray(x).reshape(-1, *shape) for x, shape in zip(arguments, SHAPES, strict=True)]
+    assert kernel(*arguments).tobytes() == one_by_one(kernel, flat).tobytes()
+
+
+@pytest.mark.parametrize("fixed", range(len(SHAPES)))
+def test_a_strided_argument_may_be_the_same_for_the_whole_batch(kernel: Kernel, fixed: int) -> None:
+    arguments = [np.asfortranarray(x) for x in batch(LONG)]
+    arguments[fixed] = arguments[fixed][0]
+    whole = [np.broadcast_to(a, (LONG, *shape)) for a, shape in zip(arguments, SHAPES, strict=True)]
+    assert kernel(*arguments).tobytes() == one_by_one(kernel, whole).tobytes()
 
 
 @pytest.mark.parametrize("fixed", range(len(SHAPES)))
@@ -116,6 +167,10 @@ def test_nothing_is_written_beyond_the_results(kernel: Kernel) -> None:
     wide = np.full((LONG, 2, 3, 11), 7.0)
     kernel(*batch(LONG), out=wide[:, 0])
     assert (wide[:, 1] == 7).all()
+    loose = np.full((LONG + 2, 3, 11, 2), 7.0)
+    kernel(*batch(LONG), out=loose[1:-1, ..., 0])
+    assert (loose[[0, -1]] == 7).all()
+    assert (loose[..., 1] == 7).all()
 
 
 def test_out_may_be_an_input_that_packs_read() -> None:
@@ -142,6 +197,7 @@ def test_a_kernel_too_wide_for_packs_takes_long_batches_all_the_same() -> None:
     kernel = compile(lambda x: [x[0] * x[-1], sin(x[1])], x=5000, backend="llvm")
     x = RNG.normal(size=(WORTH_MAKING_PACKS, 5000))
     assert kernel(x).tobytes() == one_by_one(kernel, [x]).tobytes()
+    assert kernel(np.asfortranarray(x)).tobytes() == kernel(x).tobytes()
 
 
 @pytest.mark.parametrize("width", [2, 4, 8])
@@ -150,3 +206,4 @@ def test_every_width_of_packs_gives_the_bits_of_single_calls(width: int, monkeyp
     kernel = compile(every_kind, q=7, v=(), M=(3, 4), backend="llvm")
     arguments = batch(LONG)
     assert kernel(*arguments).tobytes() == one_by_one(kernel, arguments).tobytes()
+    assert kernel(*map(np.asfortranarray, arguments)).tobytes() == kernel(*arguments).tobytes()
