@@ -129,7 +129,7 @@ class Compiled:
         """A kernel that has been made, the latest variant of this name."""
         if isinstance(self._functions.get(name), RolledFunction):
             n = len(self.machine.system.segments)
-            raise InputError(f"{name}: of {n} bodies it runs as loops over them, for which there is no kernel", name=name)
+            raise InputError(f"{name}: of {n} bodies it runs as loops over them, and has no kernel", name=name)
         if name not in self._kernels:
             raise unknown_name("compiled function", name, self._kernels)
         return self._kernels[name]

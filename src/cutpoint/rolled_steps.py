@@ -13,7 +13,7 @@ import numpy as np
 from cutpoint.kernels import Loop, Region, Stage, View
 from cutpoint.mechanics.articulated import NO_ROTOR, Articulated, FeltRotor, Yield, accelerations
 from cutpoint.mechanics.forward_dynamics import prepare
-from cutpoint.mechanics.inverse_dynamics import BodyMotion, joint_motion, move
+from cutpoint.mechanics.inverse_dynamics import BodyMotion, move
 from cutpoint.mechanics.joints import Helical, JointKind, Prismatic, Revolute, about_z
 from cutpoint.mechanics.rigid_body import acceleration_gradient, net_wrench
 from cutpoint.mechanics.rotors import Spin
@@ -125,13 +125,13 @@ def inverse_dynamics(columns: Columns) -> Rolled:
     motion: angular velocity, acceleration, its gradient; linear velocities take no part.
     """
 
-    def outward(row: Any, q: Any, v: Any, a: Any, carrier: Any) -> Any:
-        own, parent = columns.subsystem(row), _motion_from(carrier)
-        X, zv, za = joint_motion(own.body, q, v, a)
+    def outward(row: Any, pose: Any, v: Any, a: Any, carrier: Any) -> Any:
+        own, X, parent = columns.subsystem(row), _pose(pose), _motion_from(carrier)
+        zv, za = own.body.joint.motion(v), own.body.joint.motion(a)
         moved = move(X, X.outward(parent.V).angular + zv.angular, zv, parent, zv, za)
         tau = own.armature * a[0] + (own.spin.torque(parent.A.angular) if own.spin else 0)
         motion = [*moved.V.angular, *moved.A, *_flat(moved.U)]
-        return motion, _flat_pose(X), [*net_wrench(own.body.inertia, moved.A, moved.U)], [tau]
+        return motion, [*net_wrench(own.body.inertia, moved.A, moved.U)], [tau]
 
     def spin(row: Any, v: Any, a: Any, carrier: Any, borne: Any) -> Any:
         rotor, omega = columns.subsystem(row).spin, _motion_from(carrier).V.angular
@@ -141,21 +141,21 @@ def inverse_dynamics(columns: Columns) -> Rolled:
         own, X, F = columns.subsystem(row), _pose(pose), _wrench(wrench)
         return [tau[0] + own.body.joint.effort(F)[0]], [*(_wrench(borne) + X.inward(F))]
 
-    there = [Stage(outward, ("body", "q", "v", "a", "carrier"), ("motion", "pose", "wrench", "tau"))]
+    there = [Stage(outward, ("body", "pose", "v", "a", "carrier"), ("motion", "wrench", "tau"))]
     there += [Stage(spin, ("body", "v", "a", "carrier", "borne"), ("borne",))] * _has_spins(columns)
     back = [Stage(inward, ("body", "pose", "wrench", "tau", "borne"), ("tau", "borne"))]
     views = (View("carrier", "motion", "parent"), View("borne", "wrench", "parent"))
     kept = (Region("motion", 18), Region("pose", 12), Region("wrench", 6))
-    return _rolled(columns, kept, "q v a tau", views, [there, back])
+    return _rolled(columns, kept, "q v a tau", views, [[_place(columns)], there], [back])
 
 
 def forward_dynamics(columns: Columns) -> Rolled:
     """Accelerations a under torques tau.  Featherstone (2008) section 7.3."""
 
-    def outward(row: Any, q: Any, v: Any, carrier: Any) -> Any:
-        own, omega = columns.subsystem(row), Vec3(*carrier)
-        found = prepare(own.body, Motion(ZERO, omega), acceleration_gradient(ZERO, omega, omega), q, v)
-        return [*found.V.angular], _flat_pose(found.X), [*found.bias], [*_upper(found.M), *found.P]
+    def outward(row: Any, pose: Any, v: Any, carrier: Any) -> Any:
+        own, X, omega = columns.subsystem(row), _pose(pose), Vec3(*carrier)
+        found = prepare(own.body, X, Motion(ZERO, omega), acceleration_gradient(ZERO, omega, omega), v)
+        return [*found.V.angular], [*found.bias], [*_upper(found.M), *found.P]
 
     def spin(row: Any, v: Any, carrier: Any, borne: Any) -> Any:
         rotor = columns.subsystem(row).spin
@@ -172,28 +172,40 @@ def forward_dynamics(columns: Columns) -> Rolled:
         a = accelerations([Yield(joint.axes[0], step[0], step[1:])], A)
         return a, [*(A + _motion(bias) + joint.motion(a))]
 
-    there = [Stage(outward, ("body", "q", "v", "carrier"), ("omega", "pose", "bias", "resistance"))]
+    there = [Stage(outward, ("body", "pose", "v", "carrier"), ("omega", "bias", "resistance"))]
     there += [Stage(spin, ("body", "v", "carrier", "borne"), ("borne",))] * _has_spins(columns)
     back = [Stage(inward, ("body", "tau", "pose", "bias", "resistance", "borne"), ("step", "borne"))]
     again = [Stage(give_way, ("body", "pose", "bias", "step", "carried"), ("a", "acceleration"))]
     views = (View("carrier", "omega", "parent"), View("borne", "resistance", "parent"))
     views += (View("carried", "acceleration", "parent"),)
     sizes = {"omega": 3, "pose": 12, "bias": 6, "resistance": 27, "step": 7, "acceleration": 6}
-    return _rolled(columns, [Region(*pair) for pair in sizes.items()], "q v tau a", views, [there, back, again])
+    return _rolled(columns, [Region(*pair) for pair in sizes.items()], "q v tau a", views, [[_place(columns)], there], [back], [again])
+
+
+def _place(columns: Columns) -> Stage:
+    """Where each body is in its parent.  A pass of its own: it waits for nothing, and the next one waits less."""
+
+    def place(row: Any, q: Any) -> Any:
+        body = columns.subsystem(row).body
+        return _flat_pose(body.placement @ body.joint.pose(q))
+
+    return Stage(place, ("body", "q"), ("pose",))
 
 
 def _rolled(
-    columns: Columns, kept: Sequence[Region], inputs: str, views: Sequence[View], passes: Sequence[Sequence[Stage]]
+    columns: Columns, kept: Sequence[Region], inputs: str, views: Sequence[View], *passes: Sequence[Sequence[Stage]]
 ) -> Rolled:
-    """Passes outward, inward, outward over the bodies, for each configuration."""
+    """Passes over the bodies of each configuration: some outward, some inward, and so on in turn."""
     numbers = tuple(inputs.split())
     streams = ("body", *(region.name for region in kept))
     loops = [
         Loop("bodies", stages, streams, onward=numbers, backward=bool(k % 2), views=views)
-        for k, stages in enumerate(passes)
+        for k, direction in enumerate(passes)
+        for stages in direction
     ]
     given = [Region(name, 1) for name in numbers]
-    return Rolled(Loop("configurations", loops), (Region("body", columns.read.shape[1]), *kept, *given), numbers)
+    regions = (Region("body", columns.read.shape[1]), *kept, *given)
+    return Rolled(Loop("configurations", loops), regions, numbers)
 
 
 def _has_spins(columns: Columns) -> bool:

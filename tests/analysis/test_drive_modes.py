@@ -1,5 +1,7 @@
 """Modes of drives: against SciPy on differences, against M, J and K, and against the textbook's one joint."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from hypothesis import given
@@ -7,7 +9,7 @@ from hypothesis import strategies as st
 from linear_oracles import by_differences, fully_coupled, sprung, wheel, with_springs_of_their_own
 from scipy.linalg import eigh, eigvals
 
-from cutpoint import Drive, InputError
+from cutpoint import Drive, Harmonic, InputError, KinematicError
 from cutpoint.analysis import Modes
 from robot_library import Array, Robot, assert_close, derivative, robot, states
 
@@ -163,3 +165,14 @@ def test_wrong_configurations_are_refused():
         robot("xia2019").modes([0.0])
     with pytest.raises(InputError, match=r"q\[1\] is inf"):
         robot("xia2019").modes([0.0, np.inf, 0, 0, 0, 0])
+
+
+def test_swinging_under_its_weight_is_no_mode_of_a_drive_with_kinematic_error():
+    """There motor and link turn differently though no spring bends."""
+    arm = robot("xia2019")
+    erring = KinematicError((Harmonic(2, 2e-4, 0.4),))
+    arm = arm.with_drives({name: replace(d, kinematic_error=erring) for name, d in arm.drives.items()})
+    for q in arm.random(seed=0, size=20):
+        found = arm.modes(q)
+        assert len(found.frequencies) == 6
+        assert found.frequencies.min() > 20.0

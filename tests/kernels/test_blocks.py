@@ -25,16 +25,18 @@ def every_kind(q: Any, v: Any, M: Any) -> Found:
     return Found([*column, 2.5], atan(v) * M[0][0], [[M[i][0], -0.0, M[i][1] * q[i]] for i in range(3)])
 
 
-@pytest.fixture(scope="module", params=["llvm", "numpy", "narrow", "too large for packs"])
-def kernel(request: pytest.FixtureRequest) -> Any:
+@pytest.fixture(scope="module", params=["llvm", "numpy", "narrow", "too large for packs", "past the caches"])
+def kernel(request: pytest.FixtureRequest) -> Kernel:
     with pytest.MonkeyPatch.context() as patch:
         if request.param == "narrow":
             patch.setattr("cutpoint.kernels.packs.vector_width", lambda: 2)
         if request.param == "too large for packs":
             patch.setattr("cutpoint.kernels.packs._MOST_NODES", 0)
+        if request.param == "past the caches":
+            patch.setattr("cutpoint.kernels.block_loop.BEYOND_CACHES", -1)
         made = compile(every_kind, q=7, v=(), M=(3, 4), backend="numpy" if request.param == "numpy" else "llvm")
         assert made.blocks.width == 2 or request.param != "narrow"
-        yield made
+    return made
 
 
 def batch(size: int) -> list[np.ndarray]:
@@ -61,7 +63,7 @@ def test_rows_become_blocks_and_rows_again(kernel: Kernel, size: int, shape: tup
 
 
 def test_what_is_the_same_for_all_is_given_once(kernel: Kernel) -> None:
-    q, v, M = batch(16)
+    q, _, M = batch(16)
     blocks = kernel.blocks
     found = blocks(blocks.of(q), v=np.array([0.5]), M=M[0][..., None])
     for x, expected in zip(found, kernel(q, 0.5, M[0]), strict=True):
@@ -90,8 +92,19 @@ def test_out_is_filled_and_nothing_else(kernel: Kernel) -> None:
         assert (whole[:, ::2] == 7).all()
 
 
+def test_out_may_begin_where_vectors_do(kernel: Kernel) -> None:
+    blocks = kernel.blocks
+    arguments = [*map(blocks.of, batch(24))]
+    expected = blocks(*arguments)
+    out = tuple(blocks.of(np.zeros((24, *x.shape[1:-1]))) for x in expected)
+    for x, wanted in zip(blocks(*arguments, out=out), expected, strict=True):
+        assert np.array_equal(x, wanted)
+
+
+@pytest.mark.parametrize("limit", [-1, 2**60])
 @pytest.mark.parametrize("backend", ["llvm", "numpy"])
-def test_out_may_be_an_input(backend: str) -> None:
+def test_out_may_be_an_input(backend: str, limit: int, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("cutpoint.kernels.block_loop.BEYOND_CACHES", limit)
     kernel = compile(lambda x: [x[2], x[0] * x[1], x[1]], x=3, backend=backend)
     rows = RNG.normal(size=(40, 3))
     x = kernel.blocks.of(rows)

@@ -167,6 +167,7 @@ def test_empty_inputs_and_outputs_are_kept() -> None:
     slopes = jax.jacfwd(kernel.to_jax(), (0, 1))(np.ones(2), np.zeros(0))
     assert slopes.twice[0].tolist() == [[2.0, 0.0], [0.0, 2.0]] and slopes.twice[1].shape == (2, 0)
     assert compile(lambda: 2.0).to_jax()() == 2.0
+    assert compile(lambda x: [], x=2).to_jax()(np.ones((3, 2))).shape == (3, 0)
 
 
 def test_threads_may_call_at_the_same_time(kernel: Kernel, function: Any) -> None:

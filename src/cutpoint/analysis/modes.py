@@ -8,6 +8,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from cutpoint.analysis.linear_model import LinearModel
 from cutpoint.analysis.linearize import linearize
+from cutpoint.mechanics.harmonic_drive import deflection, transmission
 from cutpoint.robot import Robot
 
 if TYPE_CHECKING:
@@ -114,10 +115,11 @@ def _drive_modes(poles: ComplexArray, strain: Array, kinetic: Array) -> NDArray[
 def _strain(robot: Robot, model: LinearModel, link: ComplexArray, motor: ComplexArray) -> Array:
     """Twice the energy in each drive's spring, (N, drives), at its stiffness under the present load."""
     driven = robot.machine.drives
-    lead = model.point.theta - model.point.q[[d.q for d in driven]]
-    springs = [d.drive.compliance for d in driven]
-    K = np.array([spring.tangent(x) if spring else 0.0 for spring, x in zip(springs, lead, strict=True)])
-    return K * np.abs(motor - link[:, [d.v for d in driven]]) ** 2
+    theta, q = model.point.theta, model.point.q[[d.q for d in driven]]
+    places = [*zip((d.drive for d in driven), theta, q, strict=True)]
+    K = np.array([d.compliance.tangent(deflection(d, x, y)) if d.compliance else 0.0 for d, x, y in places])
+    wound = motor * [transmission(d, x) for d, x, _ in places] - link[:, [d.v for d in driven]]
+    return K * np.abs(wound) ** 2
 
 
 def _kinetic(robot: Robot, model: LinearModel, poles: ComplexArray, link: ComplexArray, motor: ComplexArray) -> Array:

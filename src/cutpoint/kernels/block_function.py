@@ -67,8 +67,8 @@ class RowsOfBlocks:
         found = results if isinstance(results, tuple) else (results,)
         blocks = [np.moveaxis(x, -1 - len(p.shape), -1) for p, x in zip(self._outputs, found, strict=True)]
         if out is None:
-            made = tuple(map(np.ascontiguousarray, blocks))
-            return made if len(made) > 1 else made[0]
+            made = [*map(np.ascontiguousarray, blocks)]
+            return tuple(made) if len(made) > 1 else made[0]
         for target, x in zip(out if isinstance(out, tuple) else (out,), blocks, strict=True):
             if target.shape != x.shape:
                 raise ValueError(f"out has shape {target.shape}, it must be {x.shape}")

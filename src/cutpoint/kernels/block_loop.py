@@ -6,13 +6,18 @@ A block is (*shape, width) in C order, so every number of a port is one vector i
 from collections.abc import Sequence
 
 from cutpoint.kernels.graph import Graph
+from cutpoint.kernels.lane_memory import ALL_EXCEPTIONS, ITEM
 from cutpoint.kernels.llvm import Lanes, straight_line
 from cutpoint.kernels.llvm_code import Code
 from cutpoint.kernels.ports import Port
 
 FUNCTION = "block_loop"
-_ALL_EXCEPTIONS = 0x3F  # a superset of every platform's FE_ALL_EXCEPT
-_ITEM = 8  # bytes of a float64, and all the alignment that NumPy promises
+
+BEYOND_CACHES = 2**25
+"""Bytes, of all blocks of a call: results of more are written past the caches, which would not keep them anyway.
+
+Measured for inverse dynamics of a 6R arm, 190 MB: 10 to 25 % less time.  For arrays of rows it gained nothing.
+"""
 
 
 class _Memory:
@@ -20,11 +25,11 @@ class _Memory:
 
     def __init__(self, code: Code, number: int) -> None:
         self.start = code.load("%arguments", number, "ptr")
-        self._step = code.load("%steps", number, "i64")
+        self.step = code.load("%steps", number, "i64")
         self.here = ""
 
     def advance(self, code: Code, block: str) -> None:
-        self.here = code.at(self.start, code.let(f"mul i64 {self._step}, {block}"), "i8")
+        self.here = code.at(self.start, code.let(f"mul i64 {self.step}, {block}"), "i8")
 
 
 def block_loop(graph: Graph, inputs: Sequence[Port], outputs: Sequence[Port], width: int) -> str:
@@ -32,48 +37,72 @@ def block_loop(graph: Graph, inputs: Sequence[Port], outputs: Sequence[Port], wi
 
     The ports are the graph's own.  An output may be an input: results wait in scratch memory then.
     """
-    code, lanes, count = Code(), Lanes(width), len(inputs)
+    code, lanes = Code(), Lanes(width)
     scratch = [code.let(f"alloca {lanes.real}, i64 {port.size}") for port in outputs]
-    arguments = [_Memory(code, number) for number in range(count + len(outputs))]
-    sources, targets = arguments[:count], arguments[count:]
-    apart = "true"
+    arguments = [_Memory(code, number) for number in range(len(inputs) + len(outputs))]
+    sources, targets = arguments[: len(inputs)], arguments[len(inputs) :]
+    count = code.load("%dimensions", 0, "i64")
+    streams = _streams(code, arguments, targets, count, lanes)
+    direct = code.let(f"xor i1 {streams}, true")
     for a, b in ((a, b) for a in sources for b in targets):
-        apart = code.let(f"and i1 {apart}, {code.let(f'icmp ne ptr {a.start}, {b.start}')}")
-    with code.loop(code.load("%dimensions", 0, "i64")) as loop:
+        direct = code.let(f"and i1 {direct}, {code.let(f'icmp ne ptr {a.start}, {b.start}')}")
+    with code.loop(count) as loop:
         for argument in arguments:
             argument.advance(code, loop.iteration)
-        places = [code.let(f"select i1 {apart}, ptr {a.here}, ptr {x}") for a, x in zip(targets, scratch, strict=True)]
+        places = [code.let(f"select i1 {direct}, ptr {a.here}, ptr {x}") for a, x in zip(targets, scratch, strict=True)]
         _block(code, graph, lanes, _slots(inputs, [a.here for a in sources]), _slots(outputs, places))
-        _move(code, outputs, width, apart, scratch, [a.here for a in targets])
+        move, end = code.name("move"), code.name("moved")
+        code.branch(direct, end, move)
+        code.open(move)
+        for port, source, target in zip(outputs, scratch, targets, strict=True):
+            _move(code, lanes, port.size, source, target.here, streams)
+        code.label(end)
+    # stores past the caches keep no order; whoever reads the results finds them
+    code.lines.append("fence seq_cst")
     # results, not processor flags, tell of overflow and NaN: both sides of a select are computed
-    code.let(f"call i32 @feclearexcept(i32 {_ALL_EXCEPTIONS})")
-    head = f"{lanes.declarations}declare void @llvm.memcpy.p0.p0.i64(ptr, ptr, i64, i1)\n"
-    head += "declare i32 @feclearexcept(i32)\n"
+    code.let(f"call i32 @feclearexcept(i32 {ALL_EXCEPTIONS})")
+    head = f"{lanes.declarations}declare i32 @feclearexcept(i32)\n"
     head += f"define void @{FUNCTION}(ptr %arguments, ptr %dimensions, ptr %steps, ptr %data) {{\nentry:"
-    return "\n".join([head, *code.lines, "ret void", "}", ""])
+    return "\n".join([head, *code.lines, "ret void", "}", "!0 = !{i32 1}", ""])
 
 
 def _block(code: Code, graph: Graph, lanes: Lanes, read: list[tuple[str, int]], write: list[tuple[str, int]]) -> None:
     """One block from memory to memory."""
 
     def ready(slot: int, value: str) -> None:
-        code.store(value, *write[slot], lanes.real, align=_ITEM)
+        code.store(value, *write[slot], lanes.real, align=ITEM)  # all that NumPy promises
 
     for slot, x in enumerate(graph.results):
         if isinstance(x, float):
             ready(slot, lanes.constant(x))
-    straight_line(code, graph, lambda slot: code.load(*read[slot], lanes.real, align=_ITEM), ready, lanes)
+    straight_line(code, graph, lambda slot: code.load(*read[slot], lanes.real, align=ITEM), ready, lanes)
 
 
-def _move(code: Code, outputs: Sequence[Port], width: int, apart: str, scratch: list[str], targets: list[str]) -> None:
+def _streams(code: Code, arguments: list[_Memory], targets: list[_Memory], count: str, lanes: Lanes) -> str:
+    """Whether results go past the caches: the call is long enough, and results begin where vectors may."""
+    total, places = "0", "0"
+    for argument in arguments:
+        total = code.let(f"add i64 {total}, {argument.step}")
+    for target in targets:
+        start = code.let(f"ptrtoint ptr {target.start} to i64")
+        places = code.let(f"or i64 {places}, {code.let(f'or i64 {start}, {target.step}')}")
+    is_long = code.let(f"icmp sgt i64 {code.let(f'mul i64 {total}, {count}')}, {BEYOND_CACHES}")
+    odd = code.let(f"and i64 {places}, {ITEM * lanes.width - 1}")
+    return code.let(f"and i1 {is_long}, {code.let(f'icmp eq i64 {odd}, 0')}")
+
+
+def _move(code: Code, lanes: Lanes, size: int, source: str, target: str, streams: str) -> None:
     """Results that waited in scratch memory."""
-    move, end = code.name("move"), code.name("moved")
-    code.branch(apart, end, move)
-    code.open(move)
-    for port, source, target in zip(outputs, scratch, targets, strict=True):
-        length = _ITEM * width * port.size
-        code.lines.append(f"call void @llvm.memcpy.p0.p0.i64(ptr {target}, ptr {source}, i64 {length}, i1 false)")
-    code.label(end)
+    past, through, end = code.name("past"), code.name("through"), code.name("end")
+    code.branch(streams, past, through)
+    for label, suffix in ((past, f"align {ITEM * lanes.width}, !nontemporal !0"), (through, f"align {ITEM}")):
+        code.open(label)
+        with code.loop(size) as loop:
+            value = code.load(source, loop.iteration, lanes.real)
+            place = code.at(target, loop.iteration, lanes.real)
+            code.lines.append(f"store {lanes.real} {value}, ptr {place}, {suffix}")
+        code.lines.append(f"br label {end}")
+    code.open(end)
 
 
 def _slots(ports: Sequence[Port], memory: list[str]) -> list[tuple[str, int]]:

@@ -81,14 +81,15 @@ def _times(block: Any, output: Port, port: Port, tangent: Any) -> Any:
 
 def _vectorisable(graph: Graph, name: str) -> Rows:
     """The graph on rows; under vmap they become more rows."""
-    target = _registered(graph, name)
+    target = _registered(graph, name) if graph.results else ""
 
     def once(*given: Any) -> tuple[Any, ...]:
         (length,) = np.broadcast_shapes((1,), *(x.shape[:1] for x in given))
         kinds = [jax.ShapeDtypeStruct((length, *p.shape), jnp.float64) for p in graph.outputs]
         read = [x for p, x in zip(graph.inputs, given, strict=True) if p.size]
-        found = iter(jax.ffi.ffi_call(target, [k for k in kinds if k.size])(*read))
-        return tuple(next(found) if k.size else jnp.zeros(k.shape) for k in kinds)
+        call = jax.ffi.ffi_call(target, [k for k, p in zip(kinds, graph.outputs, strict=True) if p.size])
+        found = iter(call(*read) if graph.results else ())
+        return tuple(next(found) if p.size else jnp.zeros(k.shape) for k, p in zip(kinds, graph.outputs, strict=True))
 
     def more_rows(size: int, moves: Sequence[bool], *given: Any) -> Any:
         (length,) = np.broadcast_shapes((1,), *(x.shape[m : m + 1] for x, m in zip(given, moves, strict=True)))

@@ -10,6 +10,9 @@ from cutpoint.kernels.transposition import blocks, lanes_of_rows, lanes_to_rows
 ITEM = 8
 """Bytes of a float64."""
 
+ALL_EXCEPTIONS = 0x3F
+"""A superset of every platform's FE_ALL_EXCEPT."""
+
 
 class LaneMemory:
     """One port's array, with any strides, and lanes in scratch memory.

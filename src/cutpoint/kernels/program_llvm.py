@@ -92,7 +92,7 @@ class _Turn(NamedTuple):
     """One of the loops around: its iteration, and how often it runs."""
 
     iteration: str
-    count: str | int
+    often: str | int
 
 
 def _rows(code: Code, plan: Plan, this: Loop, turns: Sequence[_Turn], starts: Mapping[str, str]) -> dict[str, str]:
@@ -116,7 +116,7 @@ def _after_all(code: Code, around: Sequence[_Turn], count: str | int, row: str) 
     """The row of a loop that goes on where it stopped."""
     entries = "0"
     for turn in around:
-        entries = code.let(f"add i64 {code.let(f'mul i64 {entries}, {turn.count}')}, {turn.iteration}")
+        entries = code.let(f"add i64 {code.let(f'mul i64 {entries}, {turn.often}')}, {turn.iteration}")
     return code.let(f"add i64 {code.let(f'mul i64 {entries}, {count}')}, {row}")
 
 

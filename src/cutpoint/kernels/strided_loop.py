@@ -3,13 +3,12 @@
 from collections.abc import Sequence
 
 from cutpoint.kernels.graph import Graph
-from cutpoint.kernels.lane_memory import LaneMemory
+from cutpoint.kernels.lane_memory import ALL_EXCEPTIONS, LaneMemory
 from cutpoint.kernels.llvm import Lanes, straight_line
 from cutpoint.kernels.llvm_code import Code
 from cutpoint.kernels.ports import Port
 
 FUNCTION = "strided_loop"
-ALL_EXCEPTIONS = 0x3F  # a superset of every platform's FE_ALL_EXCEPT
 
 
 def strided_loop(graph: Graph, inputs: Sequence[Port], outputs: Sequence[Port], width: int) -> str:

@@ -14,7 +14,7 @@ from cutpoint.kernels.arguments import as_float64, batch_shape
 from cutpoint.kernels.ports import Port, Shape
 
 CHUNK = 2**23
-"""Operations that a thread does before it looks for more: fewer would not outweigh what it takes to wake it, up to 0.1 ms."""
+"""Operations that a thread does before it looks for more: fewer do not outweigh waking it, which takes up to 0.1 ms."""
 
 _CHUNKS_PER_THREAD = 4
 _ALIGNED = 8  # parts end where packs do

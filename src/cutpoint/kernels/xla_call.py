@@ -46,9 +46,9 @@ def xla_call(inputs: Sequence[Port], outputs: Sequence[Port]) -> str:
     code, ports = Code(), (*inputs, *outputs)
     asked, run = code.name("asked"), code.name("run")
     extension = _field(code, "%frame", _EXTENSION)
-    kind = code.let(f"select i1 {code.let(f'icmp eq ptr {extension}, null')}, ptr %frame, ptr {extension}")
-    # of a frame without extension the same place is read, where the null pointer is: no kind
-    is_metadata = code.let(f"icmp eq i32 {_field(code, kind, _EXTENSION_KIND, 'i32')}, {_METADATA_IS_ASKED}")
+    # in a frame without an extension, where an extension has its kind, there is the null pointer itself: no kind
+    somewhere = code.let(f"select i1 {code.let(f'icmp eq ptr {extension}, null')}, ptr %frame, ptr {extension}")
+    is_metadata = code.let(f"icmp eq i32 {_field(code, somewhere, _EXTENSION_KIND, 'i32')}, {_METADATA_IS_ASKED}")
     code.branch(is_metadata, asked, run)
     code.open(asked)
     _answer(code, extension)

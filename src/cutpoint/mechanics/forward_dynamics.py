@@ -34,9 +34,9 @@ class Resistance:
     P: Wrench
 
 
-def prepare(body: Segment, V_p: Motion, U_p: Mat3, q: Scalars, v: Scalars) -> Resistance:
+def prepare(body: Segment, X: Pose, V_p: Motion, U_p: Mat3, v: Scalars) -> Resistance:
     """Velocity of a body, and acceleration and wrench that velocities alone make.  Featherstone (2008) eq. (7.46)."""
-    X, zv = body.placement @ body.joint.pose(body.coordinates(q)), body.joint.motion(body.speeds(v))
+    zv = body.joint.motion(body.speeds(v))
     carried = X.outward(V_p)
     V = carried + zv
     U = acceleration_gradient(ZERO, V.angular, V.angular)
@@ -75,7 +75,8 @@ def give_way(
     # outward: velocities, and what they alone cost
     for body in system.segments:
         V_p, U_p = (STILL, NO_ROTATION) if body.parent == WORLD else (bodies[body.parent].V, bodies[body.parent].U)
-        bodies.append(prepare(body, V_p, U_p, q, v))
+        X = body.placement @ body.joint.pose(body.coordinates(q))
+        bodies.append(prepare(body, X, V_p, U_p, v))
     for name, F_e in contact.items():
         place = system.frames[name]
         if place.body != WORLD:

@@ -19,6 +19,8 @@ _COLUMNS = (
 )  # fmt: skip
 _WORDS = (0, 8, 9)
 """Columns that do not hold numbers."""
+_WHOLE = (0, 6, 7, 9)
+"""Columns that are not broken where it gets narrow: the others break between asked and allowed."""
 
 
 def table_of(found: Sizing) -> Table:
@@ -28,7 +30,7 @@ def table_of(found: Sizing) -> Table:
     table = Table(title=title, title_justify="left", title_style="bold", box=SIMPLE_HEAD, pad_edge=False)
     for k, name in enumerate(_COLUMNS):
         column = name.replace("N m", "N m, N") if any(drive.slides for drive in found.drives.values()) else name
-        table.add_column(column, justify="left" if k in _WORDS else "right", overflow="fold", no_wrap=k not in _WORDS)
+        table.add_column(column, justify="left" if k in _WORDS else "right", overflow="fold", no_wrap=k in _WHOLE)
     for drive in found.drives.values():
         table.add_row(*_row(drive), style="" if drive.verdict != "fails" else "red")
     return table

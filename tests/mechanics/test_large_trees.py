@@ -1,0 +1,239 @@
+"""Large robots run as loops over their bodies: the same results, and no cost that grows with the square of size."""
+
+import threading
+import time
+from functools import cache
+from pathlib import Path
+
+import numpy as np
+import pinocchio
+import pytest
+
+import cutpoint
+from cutpoint import Robot
+from cutpoint.compiled import machine_of
+from cutpoint.errors import InputError
+from cutpoint.model import Drive, Joint, Link, Mechanism
+from cutpoint.model.build import build
+from cutpoint.model.drive import Rotor
+from cutpoint.rolled import RECIPES, RolledFunction
+from random_trees import placement, random_tree
+
+DYNAMICS = ("inverse_dynamics", "forward_dynamics")
+BACKENDS = ("llvm", "numpy")
+EPS = np.finfo(float).eps
+
+
+def chain(size: int, kinds: tuple[str, ...] = ("revolute",)) -> Mechanism:
+    """Random bodies and places, all within some metres."""
+    rng, links, joints = np.random.default_rng(size), [Link("base")], []
+    for k in range(size):
+        com, T = rng.normal(0.0, 0.1, 3), placement(rng)
+        T[:3, 3] *= min(1.0, 10 / size)
+        links.append(Link(f"link{k}", rng.uniform(0.5, 2.0), com, np.diag(rng.uniform(0.01, 0.015, 3))))
+        kind, along, pitch = kinds[k % len(kinds)], np.eye(3)[k % 3], 0.1
+        stated = {"pitch": pitch} if kind == "helical" else {}
+        joints.append(Joint(f"joint{k}", kind, links[-2].name, links[-1].name, T, along, **stated))  # type: ignore[arg-type]
+    return build("chain", links, joints)
+
+
+def states(robot: Robot, *shape: int, seed: int = 0) -> np.ndarray:
+    """q, v and a (or tau)."""
+    return np.random.default_rng(seed).uniform(-1.0, 1.0, (3, *shape, robot.nv))
+
+
+@cache
+def rolled(robot: Robot, name: str, backend: str) -> RolledFunction:
+    """A function as loops, whatever the robot's size."""
+    return RolledFunction(name, robot.machine.system, backend)
+
+
+def assert_close(ours: np.ndarray, theirs: np.ndarray, rtol: float = 1e-12) -> None:
+    """To within a share of the largest number: torques at the tips of long chains are sums that all but vanish."""
+    np.testing.assert_allclose(ours, theirs, rtol=0, atol=rtol * np.abs(theirs).max())
+
+
+TREES = {
+    "one body": chain(1),
+    "tree of 20": random_tree(1, 20),
+    "tree of 60": random_tree(2, 60),
+    "chain of 20": chain(20),
+    "slides alone": chain(6, ("prismatic",)),
+    "screws and turns": chain(20, ("helical", "revolute", "prismatic")),
+}
+
+
+@pytest.mark.parametrize("tree", TREES)
+@pytest.mark.parametrize("backend", BACKENDS)
+def test_loops_give_what_straight_line_code_gives(tree: str, backend: str) -> None:
+    robot = Robot(TREES[tree], backend="numpy")  # it never loops
+    for name in DYNAMICS:
+        given = states(robot, 3)
+        given[:, 1] = 0.0  # at rest
+        assert_close(rolled(robot, name, backend)(*given), getattr(robot, name)(*given))
+        single = rolled(robot, name, backend)(*given[:, 0])
+        np.testing.assert_array_equal(single, rolled(robot, name, backend)(*given)[0])
+
+
+def with_rotors(mechanism: Mechanism, every: int) -> dict[str, Drive]:
+    """Heavy rotors with full coupling, some of them behind springs, and some without."""
+    full = Drive(ratio=100.0, rotor=Rotor(2e-4, coupling="full"))
+    reduced = Drive(ratio=50.0, rotor=Rotor(1e-4, coupling="reduced"))
+    return {body.joint.name: full if k % every else reduced for k, body in enumerate(mechanism.bodies)}
+
+
+@pytest.mark.parametrize("every", [1, 2, 10**9])
+@pytest.mark.parametrize("tree", ["tree of 20", "chain of 20"])
+def test_loops_feel_rotors(tree: str, every: int) -> None:
+    robot = Robot(TREES[tree], with_rotors(TREES[tree], every), backend="numpy")
+    bare = Robot(TREES[tree], backend="numpy")
+    for name in DYNAMICS:
+        given, function = states(robot), RolledFunction(name, robot.machine.system, "llvm")
+        assert_close(function(*given), getattr(robot, name)(*given))
+        assert np.abs(function(*given) - rolled(bare, name, "llvm")(*given)).max() > 1e-3
+
+
+def model_of(mechanism: Mechanism) -> pinocchio.Model:
+    """The same chain for Pinocchio."""
+    model = pinocchio.Model()
+    for body in mechanism.bodies:
+        kind = getattr(pinocchio, "JointModelR" + "XYZ"[int(np.argmax(body.joint.axis))])()
+        joint = model.addJoint(body.parent + 1, kind, pinocchio.SE3(body.placement), body.joint.name)
+        inertia = pinocchio.Inertia(body.mass, body.com, body.inertia)
+        model.appendBodyToJoint(joint, inertia, pinocchio.SE3.Identity())
+    return model
+
+
+def test_a_chain_of_192_moves_as_pinocchio_says() -> None:
+    robot = Robot(chain(192))
+    model = model_of(robot.mechanism)
+    data = model.createData()
+    for seed in range(3):
+        q, v, a = states(robot, seed=seed)
+        assert_close(robot.inverse_dynamics(q, v, a), pinocchio.rnea(model, data, q, v, a))
+        assert_close(robot.forward_dynamics(q, v, a), pinocchio.aba(model, data, q, v, a))
+        assert_close(robot.gravity_forces(q), pinocchio.computeGeneralizedGravity(model, data, q))
+        assert_close(robot.bias_forces(q, v), pinocchio.nonLinearEffects(model, data, q, v))
+
+
+def test_large_robots_loop_and_small_ones_do_not() -> None:
+    for size, loops in ((48, ()), (49, ("forward_dynamics",)), (97, tuple(RECIPES))):
+        robot = Robot(chain(size))
+        q, v, a = states(robot)
+        robot.forward_dynamics(q, v, a) if "forward_dynamics" in loops else None
+        if size == 97:
+            for name, given in (("inverse_dynamics", (q, v, a)), ("bias_forces", (q, v)), ("gravity_forces", (q,))):
+                getattr(robot, name)(*given)
+        for name in loops:
+            with pytest.raises(InputError, match=rf"{name}: of {size} bodies it runs as loops over them"):
+                robot.kernel(name)
+    small = Robot(chain(6))
+    small.forward_dynamics(*states(small))
+    assert small.kernel("forward_dynamics").operations
+
+
+def test_code_is_as_long_for_ten_bodies_as_for_a_thousand() -> None:
+    """The same text, so that the second one is found on disk."""
+    from cutpoint.kernels.program_llvm import program_ir
+    from cutpoint.kernels.program_plan import plan
+    from cutpoint.rolled_steps import Columns, rows_of
+
+    for name in DYNAMICS:
+        texts = []
+        for size in (10, 1000):
+            built = RECIPES[name].loops(Columns(rows_of(machine_of(chain(size), {}).system)))
+            texts.append(program_ir(plan(built.body, built.regions)))
+        assert texts[0] == texts[1]
+
+
+def test_ten_thousand_joints_work_in_seconds(tmp_path: Path) -> None:
+    """From URDF text to torques and back to accelerations; a budget that code of quadratic cost cannot keep."""
+    size = 10_000
+    text = ['<robot name="long"><link name="link0"/>']
+    inertia = '<mass value="1"/><inertia ixx="0.01" ixy="0" ixz="0" iyy="0.012" iyz="0" izz="0.009"/>'
+    for k in range(size):
+        text.append(f'<link name="link{k + 1}"><inertial>{inertia}</inertial></link>')
+        ends = f'<parent link="link{k}"/><child link="link{k + 1}"/><axis xyz="{k % 2} {1 - k % 2} 0"/>'
+        place = '<origin xyz="0 0 0.001" rpy="0 0 0.1"/>'
+        text.append(f'<joint name="joint{k}" type="continuous">{place}{ends}</joint>')
+    (tmp_path / "long.urdf").write_text("".join(text) + "</robot>")
+    start = time.process_time()
+    robot = cutpoint.load(tmp_path / "long.urdf")
+    q, v, a = 0.01 * states(robot)
+    tau = robot.inverse_dynamics(q, v, a)
+    found = robot.forward_dynamics(q, v, tau)
+    assert time.process_time() - start < 60
+    assert_close(robot.inverse_dynamics(q, v, found), tau, 1e-9)
+    # hanging straight down from its end, it needs no torque
+    still = np.zeros(size)
+    assert np.abs(robot.gravity_forces(still)).max() < 1e-6 * 9.81 * size
+
+
+def test_batches_broadcast_as_kernels_do() -> None:
+    robot, small = Robot(chain(100)), Robot(chain(100), backend="numpy")
+    q, v, a = states(robot, 50)
+    for given in ((q, v, a), (q[:1], v, a[0]), (q.reshape(5, 10, 100), v[:10], a[3]), (q[:0], v[:0], a[:0])):
+        ours, theirs = robot.inverse_dynamics(*given), small.inverse_dynamics(*given)
+        assert ours.shape == theirs.shape
+        if ours.size:
+            assert_close(ours, theirs)
+    lists = robot.inverse_dynamics(q[0].tolist(), v[0], a[0].astype(np.float32))
+    assert_close(lists, small.inverse_dynamics(q[0], v[0], a[0].astype(np.float32)))
+
+
+def test_wrong_input_is_explained() -> None:
+    robot = Robot(chain(100))
+    q, v, a = states(robot)
+    with pytest.raises(InputError, match=r"inverse_dynamics: v has shape \(99,\), its last axis must be 100"):
+        robot.inverse_dynamics(q, v[:99], a)
+    with pytest.raises(InputError, match=r"inverse_dynamics: a has shape \(1,\), its last axis must be 100"):
+        robot.inverse_dynamics(q, v, a[:1])
+    with pytest.raises(InputError, match=r"forward_dynamics: tau\[3\] is nan, every number must be finite"):
+        robot.forward_dynamics(q, v, np.where(np.arange(100) == 3, np.nan, a))
+    with pytest.raises(InputError, match="leading axes do not broadcast"):
+        robot.inverse_dynamics(np.zeros((2, 100)), np.zeros((3, 100)), a)
+
+
+def test_results_are_the_caller_s_own() -> None:
+    robot = Robot(chain(100))
+    q, v, a = states(robot)
+    first = robot.inverse_dynamics(q, v, a)
+    kept = first.copy()
+    robot.inverse_dynamics(v, q, a)
+    np.testing.assert_array_equal(first, kept)
+
+
+def test_threads_do_not_meet() -> None:
+    robot = Robot(chain(100))
+    q, v, a = states(robot, 16)
+    expected, wrong = robot.inverse_dynamics(q, v, a), []
+
+    def work(k: int) -> None:
+        for _ in range(200):
+            if not np.array_equal(robot.inverse_dynamics(q[k], v[k], a[k]), expected[k]):
+                wrong.append(k)
+
+    threads = [threading.Thread(target=work, args=(k,)) for k in range(8)]
+    for thread in threads:
+        thread.start()
+    for thread in threads:
+        thread.join()
+    assert not wrong
+
+
+def test_a_tree_too_large_for_straight_line_code_says_what_loops_do_not_take() -> None:
+    mechanism = chain(1001, ("revolute",) * 7 + ("spherical",))
+    robot = Robot(mechanism)
+    with pytest.raises(
+        InputError, match=r"1001 bodies are too many .* loops do not take the joint of 'link7', of kind"
+    ):
+        robot.inverse_dynamics(np.zeros(robot.nq), np.zeros(robot.nv), np.zeros(robot.nv))
+
+
+def test_torques_and_accelerations_undo_each_other() -> None:
+    robot = Robot(random_tree(5, 150))
+    q, v, a = states(robot)
+    tau = robot.inverse_dynamics(q, v, a)
+    back = robot.inverse_dynamics(q, v, robot.forward_dynamics(q, v, tau))
+    # backward stable: the torques of what was found are the torques given
+    assert_close(back, tau, 150 * 100 * EPS)
