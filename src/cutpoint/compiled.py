@@ -116,7 +116,8 @@ class Compiled:
 
     def _rolled(self, key: Any) -> Callable[..., Any] | None:
         """A large robot's function as loops over its bodies."""
-        return rolled_function(key, self.machine.system, self._backend)
+        name, variant = (key[0], True) if isinstance(key, tuple) else (key, False)
+        return rolled_function(name, variant, self.machine.system, self._backend)
 
     def _straight(self, key: Any, *how: Any) -> Callable[..., Any]:
         """A function as a kernel: code without loops."""

@@ -13,7 +13,7 @@ import numpy as np
 import pytest
 from emitters import EXACT, Rows, bounded_row, flat, numpy_rows, single, sympy_row
 from graph_recipes import Step, cook, cook_unbounded, steps, unbounded_steps
-from hypothesis import given, note, settings
+from hypothesis import Phase, given, note, settings
 from hypothesis import strategies as st
 
 import robot_library
@@ -25,6 +25,9 @@ SCALES = [0.0, 5e-324, 1e-300, 1e-150, 1e-8, *[1.0] * 60, 10.0, 1e3, 1e9, 1e100,
 """Of a robot's inputs, a row each: enough rows for packs."""
 TAME = (0, 2, 4, *range(5, 9), 65)
 """Rows whose results have a running error bound worth the name."""
+
+WITHOUT_SHRINKING = (Phase.explicit, Phase.reuse, Phase.generate)
+"""Every try of a smaller example would compile anew."""
 
 ROBOTS = [
     ("xia2019", "inverse_dynamics"), ("xia2019", "forward_dynamics"), ("xia2019", "elastic_inverse_dynamics"),
@@ -113,7 +116,7 @@ def recipes_of(step: st.SearchStrategy[Step]) -> st.SearchStrategy[list[list[Ste
 
 
 @given(recipes_of(unbounded_steps), st.integers(0, 2**32 - 1))
-@settings(max_examples=5)
+@settings(max_examples=5, phases=WITHOUT_SHRINKING)
 def test_emitters_give_the_bits_of_machine_code_for_random_expressions(
     tmp_path_factory: Any, recipes: list[list[Step]], seed: int
 ) -> None:
@@ -127,7 +130,7 @@ def test_emitters_give_the_bits_of_machine_code_for_random_expressions(
 
 
 @given(recipes_of(steps), st.integers(0, 2**32 - 1))
-@settings(max_examples=10)
+@settings(max_examples=10, phases=WITHOUT_SHRINKING)
 def test_numpy_and_sympy_are_within_the_running_error_bound_for_random_expressions(
     tmp_path_factory: Any, recipes: list[list[Step]], seed: int
 ) -> None:

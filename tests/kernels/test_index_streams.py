@@ -147,6 +147,18 @@ def test_lanes_find_their_rows_too(backend: str) -> None:
     assert total[0] == 66 + 12
 
 
+@pytest.mark.parametrize("backend", BACKENDS)
+def test_lanes_see_what_was_written_under_another_name(backend: str) -> None:
+    up, tenfold = (lambda x: [n + 1 for n in x]), (lambda again: [10 * n for n in again])
+    wide = Stage(lambda x: [x[0] + 1], ("x",), ("y",), 4)
+    body = [Stage(up, ("x",), ("x",)), Stage(tenfold, ("again",), ("again",)), wide]
+    loop = Loop(2, body, ("x", "y"), views=(View("again", "x", "rows"),))
+    x, y = np.arange(8.0).reshape(2, 4), np.zeros((2, 4))
+    program = compile_program(loop, [Region("x", 4, 4), Region("y", 4, 4)], backend)
+    program.run({}, x=x, y=y, rows=np.array([0, 1]))
+    assert y.tolist() == [[11, 21, 31, 41], [51, 61, 71, 81]]
+
+
 WRONG_ROWS: list[tuple[Any, str]] = [
     (np.array([3, 0, 4]), "names row 4; region 'total' has rows 0 to 3"),
     (np.array([3, -1, 0]), "names row -1"),

@@ -1,7 +1,6 @@
 """JAX: machine code's own bits under jit and vmap, derivatives that are machine code's own, at the speed of rows."""
 
 import threading
-import time
 from collections import namedtuple
 from collections.abc import Callable
 from typing import Any
@@ -204,19 +203,3 @@ def test_single_precision_is_refused_with_the_remedy(function: Any) -> None:
             function(np.zeros(2), 0.0, np.zeros((2, 3)))
     finally:
         jax.config.update("jax_enable_x64", True)
-
-
-@pytest.mark.parametrize("name", ["inverse_dynamics", "forward_dynamics"])
-def test_a_batch_takes_at_most_three_times_as_long_as_our_rows(name: str) -> None:
-    arm = cutpoint.robots.xia2019()
-    arguments = RNG.normal(size=(3, 4096, 6))
-    getattr(arm, name)(*arguments)
-    kernel = arm.kernel(name)
-    function, on_device = kernel.to_jax(), [jnp.asarray(x) for x in arguments]
-    best = {"ours": np.inf, "theirs": np.inf}
-    for _ in range(40):  # in turns, so that other work disturbs both
-        for side, call in (("ours", lambda: kernel(*arguments)), ("theirs", lambda: function(*on_device))):
-            start = time.perf_counter()
-            jax.block_until_ready(call())
-            best[side] = min(best[side], time.perf_counter() - start)
-    assert best["theirs"] < 3 * best["ours"], best

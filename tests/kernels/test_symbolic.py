@@ -37,7 +37,7 @@ def test_a_choice_is_piecewise() -> None:
     x, y = symbols("x y")
     found = compile(lambda x, y: where((x < 1) & ~(y <= x), x, -y), x=(), y=()).to_sympy()
     assert isinstance(found, sympy.Piecewise)
-    for a, b in ((0, 1), (0, -1), (2, 3)):
+    for a, b in ((0, 1), (0, -1), (2, 3), (-1, -1)):
         assert found.subs({x: a, y: b}) == (a if a < 1 and b > a else -b)
 
 

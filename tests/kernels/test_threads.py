@@ -1,7 +1,8 @@
 """Threads: no bit of the results tells how many have worked."""
 
 import threading
-from collections.abc import Iterator
+import time
+from collections.abc import Callable, Iterator
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -84,31 +85,43 @@ def test_several_outputs_come_as_without_threads() -> None:
     assert all(a.tobytes() == b.tobytes() for a, b in zip(found, expected, strict=True))
 
 
-def test_other_threads_really_work() -> None:
-    """Two parts meet inside the function: neither goes on before the other has begun."""
-    meeting, seen = threading.Barrier(2, timeout=20), set()
+def run_in_two(call: Callable[[np.ndarray, np.ndarray, bool], None], x: np.ndarray) -> np.ndarray:
+    """Two threads run call(part, part of the result, whether another thread is at it); both get a part."""
+    meeting, seen, mine = threading.Barrier(2, timeout=20), set(), threading.get_ident()
 
-    def call(x: np.ndarray, out: tuple[np.ndarray]) -> None:
-        if threading.get_ident() not in seen:
-            seen.add(threading.get_ident())
+    def met(part: np.ndarray, out: tuple[np.ndarray]) -> None:
+        me = threading.get_ident()
+        if me not in seen:
+            seen.add(me)
             meeting.wait()
-        out[0][...] = 2 * x
+        call(part, out[0], me != mine)
 
     port = Port("x", ())
-    run = threads.Threaded([port], [port], 1, call)
-    assert np.array_equal(run(2, [np.arange(100.0)], None), 2 * np.arange(100.0))
-    assert len(seen) == 2
+    return threads.Threaded([port], [port], 1, met)(2, [x], None)
 
 
-def test_an_error_on_any_thread_is_raised_when_all_have_stopped() -> None:
-    def call(x: np.ndarray, out: tuple[np.ndarray]) -> None:
-        out[0][...] = x
-        if x[0] == 32:  # where a part begins
+def test_nothing_returns_before_the_last_thread_has_finished() -> None:
+    def call(x: np.ndarray, out: np.ndarray, elsewhere: bool) -> None:
+        time.sleep(0.05 * elsewhere)
+        out[...] = 2 * x
+
+    assert np.array_equal(run_in_two(call, np.arange(100.0)), 2 * np.arange(100.0))
+
+
+@pytest.mark.parametrize("where", [False, True])
+def test_an_error_on_any_thread_is_raised_when_all_have_stopped(where: bool) -> None:
+    running = []
+
+    def call(x: np.ndarray, out: np.ndarray, elsewhere: bool) -> None:
+        if elsewhere == where:
             raise ValueError("no")
+        running.append(1)
+        time.sleep(0.02)
+        running.pop()
 
-    port = Port("x", ())
     with pytest.raises(ValueError, match="no"):
-        threads.Threaded([port], [port], 1, call)(3, [np.arange(100.0)], None)
+        run_in_two(call, np.arange(100.0))
+    assert not running
 
 
 def test_what_does_not_fit_is_explained_as_ever(kernel: Kernel) -> None:

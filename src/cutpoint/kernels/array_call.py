@@ -1,5 +1,6 @@
 """The general call of a kernel: arrays of any kind, by position or by name."""
 
+from collections.abc import Sequence
 from functools import cached_property
 from typing import Any
 
@@ -25,14 +26,14 @@ class ArrayCall:
             arguments = tuple(in_order(self._name, self._graph.inputs, arguments, named))
         count = 1 if threads is None else checked(self._name, threads)
         try:
-            result = self._run(*arguments, out=out) if count == 1 else self._threaded(count, arguments, out)
+            result = self._run(arguments, out) if count == 1 else self._threaded(count, arguments, out)
         except (TypeError, ValueError) as error:
             raise explained(self._name, self._graph, arguments, out, error) from None
         if self._make is None:
             return result
         return self._make(result if len(self._graph.outputs) > 1 else (result,))
 
-    def _run(self, *arguments: Any, out: Any) -> Any:
+    def _run(self, arguments: Sequence[Any], out: Any) -> Any:
         call = self._function.call
         if self._strided is not None and self._strided.suits(arguments, out):
             call = self._strided.call
@@ -40,4 +41,7 @@ class ArrayCall:
 
     @cached_property
     def _threaded(self) -> Threaded:
-        return Threaded(self._graph.inputs, self._graph.outputs, len(self._graph.nodes), self._run)
+        def call(*arguments: Any, out: Any) -> Any:
+            return self._run(arguments, out)
+
+        return Threaded(self._graph.inputs, self._graph.outputs, len(self._graph.nodes), call)

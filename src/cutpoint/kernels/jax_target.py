@@ -1,7 +1,7 @@
 """A graph as a function of JAX: machine code called from XLA, differentiated by machine code for its Jacobian.
 
-JAX is given no scalar expressions: XLA compiles those, but computes anew what they share, and was measured to run
-thousands of times slower.
+JAX is given no scalar expressions: XLA compiles those too, but the dynamics of arms of two to six joints were measured
+to take it 8 to 114 times as long as our rows (JAX 0.10.2, 4096 configurations, two cores).
 """
 
 import ctypes

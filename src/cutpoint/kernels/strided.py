@@ -6,7 +6,7 @@ strides; on C-contiguous elements it is a little slower, and most callers never 
 
 import threading
 from collections.abc import Callable, Sequence
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -18,6 +18,8 @@ from cutpoint.kernels.waiting import shown
 WORTH_MAKING = 64
 """The shortest batch that goes this way: shorter ones gain less than compiling costs."""
 
+_ARRAY = np.ndarray
+
 
 class Strided:
     """A graph's loop over packs of any strides, compiled when first wanted."""
@@ -25,30 +27,38 @@ class Strided:
     def __init__(self, graph: Graph, name: str, otherwise: Callable[..., Any]) -> None:
         """otherwise: the ufunc that does the work where the graph is too large for packs."""
         self._graph, self._name, self._otherwise = graph, name, otherwise
-        self._inputs, self._outputs = ([_Tidy(p) for p in ports] for ports in (graph.inputs, graph.outputs))
+        self._inputs, self._outputs = ([_tidy(p) for p in ports] for ports in (graph.inputs, graph.outputs))
         self._lock = threading.Lock()
-        self._made: Any = None
+        self._made: Callable[..., Any] | None = None
+        self._owner: Any = None  # of the code that the ufunc runs
 
     def suits(self, arguments: Sequence[Any], out: Any) -> bool:
         """Whether a call gains: some long argument is not C-contiguous in its elements, or is written to."""
-        given = zip(self._inputs, arguments, strict=True)
+        # plainly written out: all calls but plain single ones come here
+        for (size, own, strides), x in zip(self._inputs, arguments, strict=True):
+            if type(x) is _ARRAY and x.size >= size and x.strides[own] != strides and _is_broken(x, own, strides):
+                return True
         if out is None:
-            return any(tidy.is_broken_by(x) for tidy, x in given)
+            return False
         targets = out if isinstance(out, tuple) else (out,)
-        pairs = [*given, *zip(self._outputs, targets, strict=False)]
-        if any(tidy.is_broken_by(x) for tidy, x in pairs):
-            return True
-        return any(tidy.is_long(x) and any(x is y for y in targets) for tidy, x in pairs[: len(arguments)])
+        for (size, own, strides), x in zip(self._outputs, targets, strict=False):
+            if (
+                type(x) is np.ndarray
+                and x.size >= size
+                and (_is_broken(x, own, strides) or any(x is y for y in arguments))
+            ):
+                return True
+        return False
 
     @property
     def call(self) -> Callable[..., Any]:
         """A generalised ufunc."""
-        with self._lock, shown(f"{self._name} for batches"):
-            if self._made is None:
-                self._made = self._compiled()
-            return self._otherwise if self._made is False else self._made.call
+        if self._made is None:
+            with self._lock, shown(f"{self._name} for batches"):
+                self._made = self._made or self._compiled()
+        return self._made
 
-    def _compiled(self) -> Any:
+    def _compiled(self) -> Callable[..., Any]:
         from cutpoint.kernels.loop_gufunc import LoopGufunc
         from cutpoint.kernels.lowering import lower
         from cutpoint.kernels.packs import width_of_packs
@@ -57,25 +67,27 @@ class Strided:
         lowered, inputs, outputs = lower(self._graph), self._graph.inputs, self._graph.outputs
         width = width_of_packs(lowered, inputs, outputs)
         if width is None:
-            return False
-        return LoopGufunc(strided_loop(lowered, inputs, outputs, width), FUNCTION, inputs, outputs, self._name)
+            return self._otherwise
+        text = strided_loop(lowered, inputs, outputs, width)
+        self._owner = LoopGufunc(text, FUNCTION, inputs, outputs, self._name)
+        return self._owner.call
 
 
-class _Tidy:
-    """What C-contiguous elements of a port look like."""
+class _Tidy(NamedTuple):
+    """What long batches of C-contiguous elements of a port look like."""
 
-    def __init__(self, port: Port) -> None:
-        self._size, self._rank = port.size * WORTH_MAKING, len(port.shape)
-        self._strides = np.empty(port.shape, np.float64).strides
-        # NumPy tells the loop of a ufunc that the stride along an axis of length 1 is 0
-        self._never = 1 in port.shape
+    size: int
+    own: slice
+    strides: tuple[int | None, ...]
 
-    def is_long(self, x: Any) -> bool:
-        return type(x) is np.ndarray and x.size >= self._size
 
-    def is_broken_by(self, x: Any) -> bool:
-        """By a long array in whose elements numbers are further apart, or in another order."""
-        if not self._rank or not self.is_long(x):
-            return False
-        own = x.strides[-self._rank :]
-        return self._never or (own != self._strides and own != tuple(n * x.itemsize // ITEM for n in self._strides))
+def _tidy(port: Port) -> _Tidy:
+    """How many numbers make a batch long, which axes are the port's own, and their strides in bytes."""
+    # NumPy tells the loop of a ufunc that the stride along an axis of length 1 is 0: none is right
+    strides = (None,) * len(port.shape) if 1 in port.shape else np.empty(port.shape, np.float64).strides
+    return _Tidy(port.size * WORTH_MAKING, slice(-len(port.shape), None) if port.shape else slice(0), strides)
+
+
+def _is_broken(x: np.ndarray, own: slice, strides: tuple[int | None, ...]) -> bool:
+    """Whether numbers of an element are further apart, or in another order, than those of a C-contiguous one."""
+    return x.strides[own] != tuple(n and n * x.itemsize // ITEM for n in strides)

@@ -20,7 +20,8 @@ Steps = list[tuple[Any, Any]]
 # not evaluated, since SymPy would look for proofs of what holds
 _OPERATORS: dict[str, Callable[..., Any]] = {
     "lt": lambda x, y: sympy.Lt(x, y, evaluate=False), "le": lambda x, y: sympy.Le(x, y, evaluate=False),
-    "and": lambda x, y: sympy.And(x, y, evaluate=False), "or": lambda x, y: sympy.Or(x, y, evaluate=False),
+    "and": lambda x, y: sympy.And(x, y, evaluate=False),  # pyright: ignore[reportCallIssue]
+    "or": lambda x, y: sympy.Or(x, y, evaluate=False),  # pyright: ignore[reportCallIssue]
     "not": lambda x: sympy.Not(x, evaluate=False),
     "select": lambda condition, yes, no: sympy.Piecewise((yes, condition), (no, True), evaluate=False),
 }  # fmt: skip
