@@ -19,7 +19,7 @@ from cutpoint.model import Drive, Joint, Link, Mechanism
 from cutpoint.model.build import build
 from cutpoint.model.drive import Rotor
 from cutpoint.rolled import RECIPES, RolledFunction
-from cutpoint.rolled_bodies import Columns, rows_of
+from cutpoint.rolled.bodies import Columns, rows_of
 from random_trees import placement, random_tree
 
 DYNAMICS = ("inverse_dynamics", "forward_dynamics")

@@ -11,14 +11,15 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike
 
-from cutpoint import rolled_bodies, rolled_steps
 from cutpoint.door import are_finite_vectors, checked_array
 from cutpoint.errors import InputError
 from cutpoint.kernels import Program, backends, compile_program
 from cutpoint.mechanics.system import System
 from cutpoint.model.mechanism import WORLD
-from cutpoint.rolled_bodies import Columns
-from cutpoint.rolled_steps import Rolled
+from cutpoint.rolled import bodies as tables
+from cutpoint.rolled import steps
+from cutpoint.rolled.bodies import Columns
+from cutpoint.rolled.steps import Rolled
 
 Array = np.ndarray
 
@@ -46,10 +47,10 @@ class Recipe(NamedTuple):
 
 
 RECIPES = {
-    "inverse_dynamics": Recipe(rolled_steps.inverse_dynamics, ("q", "v", "a"), "tau", "motion", 3, 96),
-    "bias_forces": Recipe(rolled_steps.inverse_dynamics, ("q", "v"), "tau", "motion", 3, 96),
-    "gravity_forces": Recipe(rolled_steps.inverse_dynamics, ("q",), "tau", "motion", 3, 96),
-    "forward_dynamics": Recipe(rolled_steps.forward_dynamics, ("q", "v", "tau"), "a", "acceleration", 0, 48),
+    "inverse_dynamics": Recipe(steps.inverse_dynamics, ("q", "v", "a"), "tau", "motion", 3, 96),
+    "bias_forces": Recipe(steps.inverse_dynamics, ("q", "v"), "tau", "motion", 3, 96),
+    "gravity_forces": Recipe(steps.inverse_dynamics, ("q",), "tau", "motion", 3, 96),
+    "forward_dynamics": Recipe(steps.forward_dynamics, ("q", "v", "tau"), "a", "acceleration", 0, 48),
 }
 
 
@@ -64,7 +65,7 @@ def rolled_function(name: str, variant: bool, system: System, backend: str) -> "
     bodies, recipe = len(system.segments), RECIPES.get(name)
     if recipe is None or bodies <= recipe.above or backends.chosen(backend) != "llvm":
         return None
-    odd = "external wrenches" if variant else rolled_bodies.unsuited(system)
+    odd = "external wrenches" if variant else tables.unsuited(system)
     if odd is None:
         return RolledFunction(name, system, backend)
     if bodies > TOO_LARGE:
@@ -83,7 +84,7 @@ class RolledFunction:
     def __init__(self, name: str, system: System, backend: str) -> None:
         start = time.perf_counter()
         self.name, self._inputs = name, RECIPES[name].inputs
-        self._columns, self._bodies = Columns(rolled_bodies.rows_of(system)), len(system.segments)
+        self._columns, self._bodies = Columns(tables.rows_of(system)), len(system.segments)
         self._make = lambda lanes: _Loops(RECIPES[name], system, self._columns, backend, lanes)
         self._single = self._make(1)
         self._width = _width() if self._single.program.backend == "llvm" else 1

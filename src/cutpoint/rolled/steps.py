@@ -11,7 +11,7 @@ from cutpoint.mechanics.forward_dynamics import prepare
 from cutpoint.mechanics.inverse_dynamics import BodyMotion, move
 from cutpoint.mechanics.rigid_body import acceleration_gradient, net_wrench
 from cutpoint.mechanics.spatial import AT_ORIGIN, ZERO, Mat3, Motion, Pose, Vec3, Wrench
-from cutpoint.rolled_bodies import Columns, Subsystem, is_nothing, mat3
+from cutpoint.rolled.bodies import Columns, Subsystem, is_nothing, mat3
 from cutpoint.scalars import Scalar
 
 Scalars = Sequence[Scalar]
