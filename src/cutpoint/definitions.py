@@ -3,10 +3,11 @@
 from collections.abc import Mapping
 from typing import Any, NamedTuple
 
-from cutpoint.mechanics import elastic, kinematics, mass_matrix, power_flow, regressor
+from cutpoint.mechanics import elastic, elastic_forward, kinematics, mass_matrix, power_flow, regressor
 from cutpoint.mechanics import forward_dynamics as forward
 from cutpoint.mechanics import inverse_dynamics as inverse
-from cutpoint.mechanics.elastic import Driven, ElasticAccelerations, ElasticMotion, Options
+from cutpoint.mechanics.elastic import Driven, ElasticMotion, Options
+from cutpoint.mechanics.elastic_forward import ElasticAccelerations
 from cutpoint.mechanics.harmonic_drive import friction_torque, motor_position, spring_torque
 from cutpoint.mechanics.spatial import Pose, Vec3, Wrench
 from cutpoint.mechanics.strains import Strains, drive_by_drive
@@ -93,7 +94,7 @@ def elastic_inverse_dynamics(
 
 
 def elastic_forward_dynamics(m: Machine, strains: Scalars | None = None, **state: Scalars) -> ElasticAccelerations:
-    return elastic.elastic_forward_dynamics(m.system, m.drives, **state, strains=_held(m, strains))
+    return elastic_forward.elastic_forward_dynamics(m.system, m.drives, **state, strains=_held(m, strains))
 
 
 def elastic_energy(

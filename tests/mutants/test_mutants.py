@@ -24,6 +24,7 @@ from cutpoint.formats import drive_entry
 from cutpoint.mechanics import (
     assembly,
     elastic,
+    elastic_forward,
     harmonic_drive,
     inverse_dynamics,
     mass_matrix,
@@ -118,7 +119,7 @@ MUTANTS = {
         {"number": "(56)", "seed": 0},
     ),
     "friction on the wrong side, forward": Mutant(
-        elastic.drive_effort,
+        elastic_forward.drive_effort,
         "drive.link_friction, at.v",
         "drive.motor_friction, at.v",
         rotor_bodies.test_accelerations_are_those_of_the_reduced_model,

@@ -8,7 +8,8 @@ import pytest
 
 from cutpoint.errors import CutpointError, InputError
 from cutpoint.kernels import compile, graph_of
-from cutpoint.mechanics.elastic import elastic_forward_dynamics, elastic_inverse_dynamics
+from cutpoint.mechanics.elastic import elastic_inverse_dynamics
+from cutpoint.mechanics.elastic_forward import elastic_forward_dynamics
 from cutpoint.studies.cost import run
 from cutpoint.studies.cost.chains import random_machine
 from cutpoint.studies.cost.contenders import CONTENDERS, Contender, arithmetic

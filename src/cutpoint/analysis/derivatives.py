@@ -9,7 +9,8 @@ from typing import Any, NamedTuple
 from cutpoint import definitions, kernels
 from cutpoint.definitions import Machine
 from cutpoint.kernels import Kernel
-from cutpoint.mechanics.elastic import DEFAULT, elastic_forward_dynamics
+from cutpoint.mechanics.elastic import DEFAULT
+from cutpoint.mechanics.elastic_forward import elastic_forward_dynamics
 from cutpoint.mechanics.kinematics import coordinate_rates
 from cutpoint.robot import Robot
 from cutpoint.scalars import Jet, Scalar

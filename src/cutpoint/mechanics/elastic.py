@@ -1,4 +1,4 @@
-"""Robots whose joints bend: motor torques of a motion, and accelerations under motor torques.
+"""Robots whose joints bend: motor torques of a motion.  The other way is in `elastic_forward`.
 
 Reduced coupling (Spong 1987): a rotor's kinetic energy is that of its own spin.  Full coupling: it is a body, see
 `rotors`.  Xia (2019) eqs. (4)-(11), (21)-(28), (56), with the motor torque read as tau_m = I_m theta'' + tau_f + xi,
@@ -9,15 +9,12 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any, NamedTuple
 
-from cutpoint.mechanics.forward_dynamics import forward_dynamics, give_way
 from cutpoint.mechanics.harmonic_drive import (
     deflection,
     friction_torque,
     load_on_motor,
     motor_position,
-    rigidly_transmitted,
     slipping_torque,
-    spring_torque,
 )
 from cutpoint.mechanics.inverse_dynamics import BodyMotion, motions, net_wrenches
 from cutpoint.mechanics.rotors import Spin
@@ -68,13 +65,6 @@ class ElasticMotion(NamedTuple):
     theta_dot: list[Any]
     theta_ddot: list[Any]
     joint_torque: list[Any]
-
-
-class ElasticAccelerations(NamedTuple):
-    """Accelerations of the links' coordinates (one a speed) and of the motors (one a drive)."""
-
-    a: list[Any]
-    theta_ddot: list[Any]
 
 
 def elastic_inverse_dynamics(
@@ -214,90 +204,6 @@ def _spin_wrench(
 def _as_jet(x: Any) -> Jet:
     """A torque that no motion enters (a joint without mass beyond it) comes out as a plain number."""
     return x if isinstance(x, Jet) else Jet(x, 0, 0)
-
-
-class DriveState(NamedTuple):
-    """Where one drive's link and motor are and how fast, at the joint's side; rad, rad/s."""
-
-    q: Any
-    v: Any
-    theta: Any
-    theta_dot: Any
-
-
-class Effort(NamedTuple):
-    """What one drive does: to its link, and to its own rotor.
-
-    on_link: N m that its link gets, friction deducted; transmitted: N m through the drive, before the link's friction.
-    left: N m left of the motor's torque to turn an elastic drive's rotor; alpha: the acceleration, rad/s2, that this
-    gives a rotor whose carrier does not turn.
-    """
-
-    on_link: Any
-    left: Any
-    alpha: Any
-    transmitted: Any
-
-
-def drive_effort(drive: Drive, at: DriveState, motor_torque: Scalar, strains: Strains) -> Effort:
-    """The joint's step: what motor and friction do to link and rotor.  Xia (2019) eqs. (21)-(22), (54)-(55)."""
-    xi = friction_torque(drive.link_friction, at.v, strain=strains.link)
-    if not drive.is_elastic:
-        tau = rigidly_transmitted(drive, motor_torque, at.v, strains.motor)
-        return Effort(tau - xi, 0, 0, tau)
-    tau_f = spring_torque(drive, at.theta, at.q, at.theta_dot, at.v) + slipping_torque(drive, strains.spring)
-    left = motor_torque - load_on_motor(drive, tau_f, at.theta, at.theta_dot, strains.motor)
-    return Effort(tau_f - xi, left, left * (1 / drive.reflected_inertia), tau_f)
-
-
-def elastic_forward_dynamics(
-    system: System,
-    drives: Sequence[Driven],
-    q: Scalars,
-    v: Scalars,
-    theta: Scalars,
-    theta_dot: Scalars,
-    motor_torque: Scalars,
-    strains: Sequence[Strains] | None = None,
-) -> ElasticAccelerations:
-    """Accelerations of links and motors under motor torques, in time proportional to the number of bodies.
-
-    Spong (1987); Xia (2019) eqs. (4)-(11), (21)-(22).  A rigid drive's motor moves with its link: its theta and
-    theta_dot are not read.  strains: of the drives; where they are not known, friction is as in steady sliding and
-    springs have no hysteresis.
-    """
-    states = [DriveState(q[d.q], v[d.v], x, w) for d, x, w in zip(drives, theta, theta_dot, strict=True)]
-    held = strains or [UNKNOWN] * len(drives)
-    efforts = [
-        drive_effort(d.drive, at, u, s) for d, at, u, s in zip(drives, states, motor_torque, held, strict=True)
-    ]
-    return driven_accelerations(system, drives, q, v, theta_dot, efforts)
-
-
-def driven_accelerations(
-    system: System,
-    drives: Sequence[Driven],
-    q: Scalars,
-    v: Scalars,
-    theta_dot: Scalars,
-    efforts: Sequence[Effort],
-    disturbance: Scalars | None = None,
-) -> ElasticAccelerations:
-    """Accelerations of links and motors under what their drives do.  disturbance: N m on the links, one a speed."""
-    tau = [*disturbance] if disturbance is not None else [0] * system.nv
-    for d, effort in zip(drives, efforts, strict=True):
-        tau[d.v] = tau[d.v] + effort.on_link
-    if system.has_followers:  # none of whose drives has full coupling
-        a, A = forward_dynamics(system, q, v, tau), []
-    else:
-        motors = zip(drives, efforts, theta_dot, strict=True)
-        a, A = give_way(system, q, v, tau, {}, {d.segment: (e.left, w) for d, e, w in motors if d.drive.is_elastic})
-    alpha = {d.segment: e.alpha if d.drive.is_elastic else a[d.v] for d, e in zip(drives, efforts, strict=True)}
-    for spin in system.spins:  # what its carrier turns by, a rotor need not turn itself
-        if spin.elastic:
-            turned = spin.axis.dot(A[spin.carrier].angular) * spin.inertia / spin.geared
-            alpha[spin.joint] = alpha[spin.joint] - turned
-    return ElasticAccelerations(a, [alpha[d.segment] for d in drives])
 
 
 def elastic_energy(

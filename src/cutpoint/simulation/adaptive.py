@@ -11,7 +11,7 @@ from scipy.integrate import solve_ivp
 from cutpoint import kernels
 from cutpoint.definitions import Machine
 from cutpoint.mechanics import strains
-from cutpoint.mechanics.elastic import drive_effort, driven_accelerations
+from cutpoint.mechanics.elastic_forward import drive_effort, driven_accelerations
 from cutpoint.mechanics.harmonic_drive import transmission
 from cutpoint.mechanics.strains import Strains
 from cutpoint.model.drive import Drive

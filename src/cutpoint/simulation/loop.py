@@ -14,29 +14,15 @@ from numpy.typing import NDArray
 from cutpoint.control.interface import Command, Measurement, Reference, as_command
 from cutpoint.definitions import Machine
 from cutpoint.kernels import Loop, Program, Region, Stage, compile_program
-from cutpoint.mechanics import strains
-from cutpoint.mechanics.elastic import Effort, drive_effort, driven_accelerations
 from cutpoint.mechanics.motor import within_limits
 from cutpoint.robot import Robot
 from cutpoint.scalars import Scalar, clip, leaves, rebuild, where, with_float_leaves
-from cutpoint.simulation.integrator import TABLEAU, stage
+from cutpoint.simulation.integrator import TABLEAU
 from cutpoint.simulation.lanes import Lanes
-from cutpoint.simulation.plant import (
-    all_rates,
-    arrived,
-    currents,
-    drive_rates,
-    has_delay,
-    is_uniform,
-    motor_torque,
-    own_of,
-    own_parts,
-    own_rates,
-    settled,
-    sizes,
-    split,
-)
+from cutpoint.simulation.layout import Layout, array_of
+from cutpoint.simulation.plant import is_uniform, own_parts, sizes
 from cutpoint.simulation.sensors import Encoders
+from cutpoint.simulation.stages import PlantStages
 
 Array = NDArray[np.float64]
 Scalars = list[Scalar]
@@ -47,32 +33,6 @@ BEYOND = 1e6
 
 INTEGRATION = ("origin", "total", "tableau", "elapsed", "efforts", "accelerations", "numbers", "steps")
 """Regions that only the fixed steps use."""
-
-
-@dataclass(frozen=True)
-class Layout:
-    """Where things stand in the regions: n drives, nv speeds; how long a state and a sample's noise are."""
-
-    n: int
-    nv: int
-    state: int
-    noise: int
-
-    @property
-    def row(self) -> int:
-        """Per control period: time, reference with four derivatives, disturbance, noise."""
-        return 1 + 5 * self.n + self.nv + self.noise
-
-    def reference(self, row: Scalars) -> Reference:
-        """The links' reference of a row; until a law makes a better one, the motors' is the same."""
-        q, v, a, jerk, snap = (array_of(row[1 + k * self.n : 1 + (k + 1) * self.n]) for k in range(5))
-        return Reference(q, v, a, jerk, snap, q, v)
-
-    def disturbance(self, row: Scalars) -> Scalars:
-        return row[1 + 5 * self.n : 1 + 5 * self.n + self.nv]
-
-    def normals(self, row: Scalars) -> Scalars:
-        return row[1 + 5 * self.n + self.nv :]
 
 
 @dataclass(frozen=True, eq=False)
@@ -94,6 +54,10 @@ class ClosedLoop:
     def layout(self) -> Layout:
         n, parts = len(self.robot.drives), sizes(self.robot.machine)
         return Layout(n, parts.v, sum(parts), 2 * n if self.encoders.is_noisy else 0)
+
+    @cached_property
+    def plant(self) -> PlantStages:
+        return PlantStages(self.robot, self.layout, self.lanes)
 
     @cached_property
     def lanes(self) -> Lanes:
@@ -166,71 +130,6 @@ class ClosedLoop:
         told = [clip(within_limits(d.drive, u, own.at.theta_dot), -limit, limit) for d, own, u, limit in motors]
         return self.lanes.padded(told), torque
 
-    def record(self, *regions: Scalars) -> Scalars:
-        """What the log keeps of a sample; a command that is still on its way to the motor is not there yet."""
-        state, measured, command, torque, before, parameters = regions
-        machine = self._numbers(parameters)[0]
-        shaft, driving, friction = [], [], [0] * machine.system.nv
-        state, torque, before = (self.lanes.dense(region) for region in (state, torque, before))
-        for d, own, u, old in zip(machine.drives, own_parts(machine, state), torque, before, strict=True):
-            shaft.append(motor_torque(d.drive, own, old if has_delay(d.drive) else u)[0])
-            effort = drive_effort(d.drive, own.at, shaft[-1], own.strains)
-            driving.append(effort.transmitted)
-            friction[d.v] = effort.transmitted - effort.on_link
-        return [*state, *measured, *command, *shaft, *driving, *friction]
-
-    def drive(self, *regions: Scalars) -> Scalars:
-        """What the drives do, field by field; where they are alike, seen from one of them."""
-        state, origin, torque, before, elapsed, parameters, steps = regions
-        if self.lanes.are_wide:
-            drives = [rebuild(self.robot.machine.drives[0].drive, iter(parameters))]
-            own, past = [own_of(drives[0], state)], [own_of(drives[0], origin)]
-        else:
-            machine = self._numbers(parameters)[0]
-            drives = [d.drive for d in machine.drives]
-            own, past = own_parts(machine, state), own_parts(machine, origin)
-        fields: list[Scalars] = []
-        for d, now, start, u, old in zip(drives, own, past, torque, before, strict=True):
-            effort, electric = drive_rates(d, now, start, arrived(d, u, old, elapsed[0], steps[0]))
-            fields.append([effort.on_link, effort.left, effort.alpha, *(electric or [0])])
-        return [x for field in zip(*fields, strict=True) for x in field]
-
-    def accelerate(self, *regions: Scalars) -> Scalars:
-        """Accelerations of links, then of motors, under what the drives do."""
-        state, found, row, parameters = regions
-        machine, n = self._numbers(parameters)[0], self.layout.n
-        found, s = self.lanes.dense(found), split(machine, self.lanes.dense(state))
-        on_link, left, alpha = (found[k * n : (k + 1) * n] for k in range(3))
-        efforts = [Effort(*x, None) for x in zip(on_link, left, alpha, strict=True)]
-        pushed = self.layout.disturbance(row)
-        a, theta_ddot = driven_accelerations(*machine, s.q, s.v, s.theta_dot, efforts, pushed)
-        return self.lanes.padded([*a, *theta_ddot])
-
-    def advance(self, *regions: Scalars) -> tuple[Scalars, Scalars]:
-        """One stage of an integration step; where all drives are alike, seen from one of them."""
-        state, origin, total, tableau, found, accelerations, steps = regions
-        h = steps[0]
-        if self.lanes.are_wide:
-            (a, alpha), drive = accelerations, self.robot.machine.drives[0].drive
-            k = own_rates(drive, state, a, alpha, found[3])
-        else:
-            machine, n, nv = self.robot.machine, self.layout.n, self.layout.nv
-            electric = [x for d, x in zip(machine.drives, found[3 * n :], strict=True) if currents(d.drive)]
-            s = split(machine, state)
-            k = [*all_rates(machine, s, accelerations[:nv], accelerations[nv:], electric), *[0] * len(s.strains)]
-        return stage(k, origin, total, tableau, h)
-
-    def settle(self, total: Scalars, origin: Scalars, parameters: Scalars) -> tuple[Scalars, Scalars, Scalars]:
-        """The step's result, with the strains that it has left, is the next step's start; as seen by `drive`."""
-        if self.lanes.are_wide:
-            drive = rebuild(self.robot.machine.drives[0].drive, iter(parameters))
-            own, past = own_of(drive, total), own_of(drive, origin)
-            left = strains.flat(strains.moved(drive, past.strains, past.at, own.at))
-            after = [*total[: len(total) - len(left)], *left]
-        else:
-            after = settled(self._numbers(parameters)[0], total, origin)
-        return after, after, after
-
     def watch(self, state: Scalars) -> Scalars:
         """Not zero once the state has diverged or is not finite."""
         fault: Scalar = 0
@@ -270,22 +169,22 @@ class ClosedLoop:
 
     @property
     def _after(self) -> list[Any]:
-        numbers = "numbers" if self.lanes.are_wide else "parameters"
+        plant, numbers = self.plant, "numbers" if self.lanes.are_wide else "parameters"
         drive = ("state", "origin", "torque", "torque_before", "elapsed", numbers, "steps")
         advance = ("state", "origin", "total", "tableau", "efforts", "accelerations", "steps")
         stages = [
-            Stage(self.drive, drive, ("efforts",), self.lanes.width),
-            Stage(self.accelerate, ("state", "efforts", "row", "parameters"), ("accelerations",)),
-            Stage(self.advance, advance, ("state", "total"), self.lanes.width),
+            Stage(plant.drive, drive, ("efforts",), self.lanes.width),
+            Stage(plant.accelerate, ("state", "efforts", "row", "parameters"), ("accelerations",)),
+            Stage(plant.advance, advance, ("state", "total"), self.lanes.width),
         ]
         step = [
             Loop(len(TABLEAU), stages, streams=("tableau",)),
-            Stage(self.settle, ("total", "origin", numbers), ("state", "origin", "total"), self.lanes.width),
+            Stage(plant.settle, ("total", "origin", numbers), ("state", "origin", "total"), self.lanes.width),
         ]
         return [
             Stage(self.actuate, ("state", "command", "torque", "parameters"), ("torque", "torque_before")),
             Stage(
-                self.record, ("state", "measured", "command", "torque", "torque_before", "parameters"), ("record",)
+                plant.record, ("state", "measured", "command", "torque", "torque_before", "parameters"), ("record",)
             ),
             Loop("substeps", step, streams=("elapsed",)),
             Stage(self.watch, ("state",), ("fault",)),
@@ -312,14 +211,6 @@ class ClosedLoop:
         machine = self.robot.machine_with([next(numbers) for _ in self.robot.drive_parameters], lean=True)
         controller, encoders = rebuild(self.controller, numbers), rebuild(self.encoders, numbers)
         return machine, controller, encoders, [next(numbers) for _ in range(self.layout.n)], next(numbers)
-
-
-def array_of(numbers: Any) -> Any:
-    """Numbers as an array, of objects when they are traced, so that laws can be written with array arithmetic."""
-    plain = all(isinstance(x, float) for x in numbers)
-    array = np.empty(len(numbers), dtype=float if plain else object)
-    array[:] = numbers
-    return array
 
 
 def _each(part: Any, n: int) -> list[Any]:

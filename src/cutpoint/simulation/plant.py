@@ -7,7 +7,7 @@ from typing import Any, NamedTuple
 
 from cutpoint.definitions import Machine
 from cutpoint.mechanics import strains as memory
-from cutpoint.mechanics.elastic import DriveState, Effort, drive_effort
+from cutpoint.mechanics.elastic_forward import DriveState, Effort, drive_effort
 from cutpoint.mechanics.kinematics import coordinate_rates
 from cutpoint.mechanics.motor import lag_rate, shaft_torque
 from cutpoint.mechanics.strains import Strains
