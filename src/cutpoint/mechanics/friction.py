@@ -4,6 +4,7 @@ sgn is smoothed to tanh(speed / smoothing): it creeps below that speed and never
 integrators, a smaller one truer.  What holds at rest is in `presliding`.  Speeds in rad/s (m/s), torques in N m (N).
 """
 
+from abc import ABC, abstractmethod
 from dataclasses import dataclass
 
 from cutpoint.scalars import Scalar, absolute, exp, tanh
@@ -20,7 +21,7 @@ class Grease:
     thinning: Scalar
 
 
-class Sliding:
+class Sliding(ABC):
     """What sliding laws share: dry friction along the direction of motion, and viscous friction.
 
     viscous in N m s/rad.  smoothing: rad/s over which dry friction changes sign.  asymmetry: dry friction is 1 + that
@@ -34,9 +35,9 @@ class Sliding:
     per_load: Scalar | None
     grease: Grease | None
 
+    @abstractmethod
     def plateau(self, speed: Scalar) -> Scalar:
         """Dry friction without load, both directions alike, N m."""
-        raise NotImplementedError
 
     def direction(self, speed: Scalar) -> Scalar:
         """-1 to 1."""

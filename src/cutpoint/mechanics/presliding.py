@@ -6,13 +6,14 @@ a mass on the bristles' stiffness.  The differential equations that they solve a
 Strains in rad (m), torques in N m (N), all at the joint's side.
 """
 
+from abc import ABC, abstractmethod
 from dataclasses import dataclass
 
 from cutpoint.mechanics.friction import Coulomb, Stribeck
 from cutpoint.scalars import Scalar, absolute, exp, maximum, where
 
 
-class Presliding:
+class Presliding(ABC):
     """What bristle laws share.
 
     sliding: friction once it slides.  distance: strain at which it does, starting from rest without load, rad.
@@ -45,13 +46,13 @@ class Presliding:
         winding = maximum(self.winding(strain, speed, load), 0)
         return self.stiffness * strain + (self.damping * winding + self.sliding.viscosity) * speed
 
+    @abstractmethod
     def strain(self, before: Scalar, displacement: Scalar, speed: Scalar, load: Scalar = 0) -> Scalar:
         """Strain after a displacement in one direction, rad."""
-        raise NotImplementedError
 
+    @abstractmethod
     def winding(self, strain: Scalar, speed: Scalar, load: Scalar = 0) -> Scalar:
         """d strain / d displacement at a strain: 1 where all motion winds bristles up, 0 where all of it slides."""
-        raise NotImplementedError
 
     def _breakaway(self, speed: Scalar, load: Scalar, forwards: Scalar) -> Scalar:
         """Strain at which it slides, rad."""
