@@ -2,9 +2,11 @@
 
 import _thread
 import io
+import signal
 import sys
 import threading
 import time
+from collections.abc import Iterator
 
 import numpy as np
 import pytest
@@ -13,6 +15,14 @@ from cutpoint.kernels import Loop, Region, Stage, compile, compile_program, pack
 from cutpoint.kernels.batch_loop import WORTH_MAKING_PACKS
 from cutpoint.kernels.waiting import interruptible, shown
 from cutpoint.scalars import sin
+
+
+@pytest.fixture(autouse=True)
+def ctrl_c_is_listened_to() -> Iterator[None]:
+    """A shell starts what runs in the background deaf to it, and tests may run there."""
+    before = signal.signal(signal.SIGINT, signal.default_int_handler)
+    yield
+    signal.signal(signal.SIGINT, before)
 
 
 class Terminal(io.StringIO):
