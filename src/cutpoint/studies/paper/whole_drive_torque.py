@@ -85,7 +85,7 @@ def remark(found: Reading) -> str:
     followed = np.percentile(np.abs(found.followed), COVERED, axis=0)
     gains = (found.observed / followed)[found.looseness < LOOSE]
     loose = [joint for joint, times in zip(JOINTS, found.looseness, strict=True) if times >= LOOSE]
-    hardly = f" It adds up worst cases, and is loose on {' and '.join(loose)}, hardly bent." if loose else ""
+    hardly = f" The bound adds up worst cases, and is loose on {' and '.join(loose)}, hardly bent." if loose else ""
     return (
         f"Of a whole drive the encoders see the spring alone. The part that limits the reading most is {often} on "
         f"{limits.count(often)} of {len(limits)} joints; friction, ripple and the current loop lie on the motor's side "
