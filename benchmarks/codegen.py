@@ -1,14 +1,11 @@
 """CasADi's generated C, compiled by gcc with a loop around it, called on whole arrays."""
 
 import ctypes
-import subprocess
 from collections.abc import Callable
-from pathlib import Path
 
 import casadi as ca
+import compilers
 import numpy as np
-
-FLAGS = ("-O3", "-march=native", "-fPIC", "-shared")
 
 _LOOP = """
 void loop(long items, {inputs}, double* out) {{
@@ -22,15 +19,21 @@ void loop(long items, {inputs}, double* out) {{
 """
 
 
-def compiled(function: ca.Function, folder: Path, name: str) -> Callable[..., np.ndarray]:
-    """The function on C-contiguous arrays (N, n), one an input; called with out= (N, numbers of the result)."""
-    generator = ca.CodeGenerator(f"{name}.c")
+def function(symbols: list[ca.SX], *matrices: ca.SX) -> ca.Function:
+    """The matrices as one vector of numbers, row by row, with common subexpressions shared."""
+    found = ca.vertcat(*(ca.vec(ca.densify(M).T) for M in matrices))
+    return ca.Function("f", symbols, [ca.cse(found)])
+
+
+def source(function: ca.Function) -> str:
+    generator = ca.CodeGenerator("f.c")
     generator.add(function)
-    generator.generate(f"{folder}/")
-    source, library = folder / f"{name}.c", folder / f"{name}.so"
-    source.write_text(source.read_text() + _loop(function))
-    subprocess.run(["gcc", *FLAGS, str(source), "-o", str(library), "-lm"], check=True)
-    loop = ctypes.CDLL(str(library)).loop
+    return generator.dump()
+
+
+def compiled(function: ca.Function) -> Callable[..., np.ndarray]:
+    """The function on C-contiguous arrays (N, n), one an input; called with out= (N, ...)."""
+    loop = compilers.library(source(function) + _loop(function), linked=("-lm",)).loop
     loop.argtypes, loop.restype = [ctypes.c_long, *[ctypes.c_void_p] * (function.n_in() + 1)], None
 
     def call(*arrays: np.ndarray, out: np.ndarray) -> np.ndarray:

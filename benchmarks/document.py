@@ -1,13 +1,18 @@
 """docs/benchmarks.md from the results of a run."""
 
+from function_sections import elastic, from_memory, functions, parameters
+from run_sections import chains, closed_loop, latency, python_calls, steps
+from tables import NONE
+
 _INTRODUCTION = """# Benchmarks
 
 <!-- Written by benchmarks/run.py: change that, and run `make bench`. -->
 
-cutpoint beside Pinocchio and beside CasADi's generated C, on robots of the package example-robot-data, in one process
-on one core, the contenders in turns; every result agrees to {worst:.0e} of the largest before anything is timed.
-**Only the ratios within a row are claims**: absolute figures move with the machine, its clock and what else it does.
-Times are medians, least in brackets, in nanoseconds; ratios are of the least, which other work disturbs least.
+cutpoint beside Pinocchio, MuJoCo and CasADi's generated C, on robots of the package example-robot-data, in one process
+on one core, the contenders in turns on the same random rows; every result agrees to {worst:.0e} of the largest before
+anything is timed.  **Only the ratios within a row are claims**: absolute figures move with the machine, its clock and
+what else it does.  Times are medians, least in brackets, in nanoseconds; ratios are of the least, which other work
+disturbs least.  What a compiler is missing for shows as {none}.
 
 | | |
 |-|-|
@@ -15,62 +20,38 @@ Times are medians, least in brackets, in nanoseconds; ratios are of the least, w
 | system | {system}, Python {versions[Python]} |
 | commit | {commit} |
 | versions | {packages} |
-| compiler of CasADi's code | {gcc}, {flags} |
-"""
+| compilers | {compilers} |
+| flags | C: {flags}; cutpoint's own C: also {own_flags}; C++: also {cpp_flags} |
+| multiply-adds | {flops:.0f} GFLOP/s at most, measured in this run |
+| memory | copies {copy:.1f} GB/s, read and written; stores into as much as a batch takes {store:.0f} GB/s |
 
-_SINGLE = """
-## One call from Python
-
-`robot.inverse_dynamics(...)` and its like, which check what they are given; the kernel behind it,
-`robot.kernel("inverse_dynamics").call`; Pinocchio's Python bindings.  Over 256 random states, a new one each call.
-
-| robot | task | cutpoint | its kernel | Pinocchio | kernel / cutpoint | Pinocchio / cutpoint |
-|-|-|-|-|-|-|-|
-"""
-
-_BATCHED = """
-## One of {items} in one call
-
-A cutpoint kernel on arrays; Pinocchio's `rneaInParallel` and `abaInParallel` on one thread (there is none for the mass
-matrix); CasADi's SX functions, written for this purpose with the robot's zeros structural, as C in a plain loop, which
-no Python call interrupts.
-
-| robot | task | cutpoint | Pinocchio | CasADi and gcc | Pinocchio / cutpoint | CasADi / cutpoint |
-|-|-|-|-|-|-|-|
-"""
-
-_STEPS = """
-## One integration step of an arm with drives
-
-The paper's six joints on drives of its catalogue sizes, each effect alone on linear elastic drives and then all at
-once: a fourth-order Runge-Kutta step of the closed loop, links, motors and what drives remember.  From runs of many
-steps a control period less runs of few, so that the controller and the call cancel.  States: numbers of the plant.
-
-| effect | ns a step | times linear elastic | states |
-|-|-|-|-|
+*Pinocchio C++* is the quickest of its wheel's library, which takes many rows a call in two of the tasks, and of its
+headers compiled here by gcc and by clang, with either convention where it offers two.  *MuJoCo C* runs no more of its
+stages than a task needs.  *CasADi* is SX functions written for this purpose with the robot's zeros structural, compiled
+by gcc as C with a plain loop around; *lean* is the same on the frames and base parameters that cutpoint finds, which
+CasADi cannot find by itself.  Orocos KDL is no contender: PyPI has its Python bindings as source only, for an installed
+KDL.
 """
 
 
 def document(results: dict) -> str:
-    machine, tasks = results["machine"], results["tasks"]
+    machine, limits = results["machine"], results["limits"]
     packages = ", ".join(f"{name} {number}" for name, number in machine["versions"].items() if name != "Python")
-    worst = max(x for task in tasks for x in task["differences"].values())
-    text = _INTRODUCTION.format(**{**machine, "flags": " ".join(machine["flags"])}, packages=packages, worst=worst)
-    text += _SINGLE
-    text += "".join(_row(task, "single", ("cutpoint", "kernel", "Pinocchio")) for task in tasks)
-    text += _BATCHED.format(items=machine["items"])
-    text += "".join(_row(task, "batched", ("kernel", "Pinocchio", "CasADi")) for task in tasks)
-    return text + _STEPS + "".join(step_rows(results["steps"]))
+    facts = {
+        **machine, "flags": " ".join(machine["flags"]), "own_flags": " ".join(machine["own_flags"]),
+        "cpp_flags": " ".join(machine["cpp_flags"]), "compilers": "; ".join(machine["compilers"]) or "none",
+        "flops": limits["flops"] / 1e9, "copy": limits["copy"] / 1e9, "store": limits["store"] / 1e9,
+    }  # fmt: skip
+    tables = [
+        functions(results["tasks"], limits), elastic(results["elastic"]), parameters(results["parameters"]),
+        from_memory(results["from memory"], limits), chains(results["chains"]), python_calls(results["from Python"]),
+        closed_loop(results["closed loop"], results["own arm"]), steps(results["steps"]), latency(results["latency"]),
+    ]  # fmt: skip
+    head = _INTRODUCTION.format(**facts, packages=packages, worst=_worst(results), none=NONE)
+    return head + "".join(f"\n{text}" for text in tables if text)
 
 
-def step_rows(steps: list[dict]) -> list[str]:
-    """The first row is what the others are measured by."""
-    cells = [(x["effect"], x["nanoseconds"], x["nanoseconds"] / steps[0]["nanoseconds"], x["states"]) for x in steps]
-    return [f"| {effect} | {time:.0f} | {ratio:.2f} | {states} |\n" for effect, time, ratio, states in cells]
-
-
-def _row(task: dict, kind: str, names: tuple[str, ...]) -> str:
-    times = [task[kind].get(name) for name in names]
-    cells = [f"{t['median']:.0f} ({t['least']:.0f})" if t else "–" for t in times]
-    ratios = [f"{t['least'] / times[0]['least']:.2g}" if t else "–" for t in times[1:]]
-    return "| " + " | ".join([task["robot"], task["task"], *cells, *ratios]) + " |\n"
+def _worst(results: dict) -> float:
+    """The largest difference there was, of all that is measured as a share of the largest result."""
+    measured = [*results["tasks"], *results["elastic"], *results["parameters"], *results["chains"]["long"]]
+    return max(x for row in measured for x in row["differences"].values())

@@ -57,7 +57,7 @@ static long percentile(double share, long calls) {
 }
 
 int main(int count, char **arguments) {
-  const long calls = count > 1 ? atol(arguments[1]) : 10000000;
+  const long calls = count > 1 ? atol(arguments[1]) : 100000000;
   uint64_t worst = 0, clock = UINT64_MAX;
   paint();
   call(inputs[1]);
@@ -75,7 +75,7 @@ int main(int count, char **arguments) {
     histogram[length < BINS ? length : BINS - 1]++;
     if (length > worst) worst = length;
   }
-  printf("p50 %ld ns, p99.99 %ld ns, max %llu ns over %ld calls; %lu allocations; at most %zu bytes of stack\n",
+  printf("{\"p50\": %ld, \"p99.99\": %ld, \"max\": %llu, \"calls\": %ld, \"allocations\": %lu, \"stack\": %zu}\n",
          percentile(0.5, calls), percentile(0.9999, calls), (unsigned long long)worst, calls, allocations - before,
          stack);
   return 0;

@@ -1,58 +1,69 @@
-"""cutpoint beside its peers: `make bench`.  Writes benchmarks/results.json and docs/benchmarks.md."""
+"""cutpoint beside its peers: `make bench`.  Writes benchmarks/results.json and docs/benchmarks.md.
 
+python benchmarks/run.py --into /tmp --calls 1e6      a trial: both files there, and fewer calls for latency
+"""
+
+import argparse
 import json
 import os
 import platform
+import shutil
 import subprocess
 import sys
-from dataclasses import asdict
+import time
 from importlib.metadata import version
 from pathlib import Path
-from tempfile import TemporaryDirectory
 
-import numpy as np
-from codegen import FLAGS
-from contenders import ITEMS, ROBOTS, TASKS, Entry, entries
+import compilers
+import ours
+import pinocchio_cpp
+from chains import chains
+from closed_loop import closed_loop, own_arm
 from document import document
+from elastic import elastic_inverse_dynamics
+from from_memory import from_memory
+from latency import CALLS, latency
+from limits import limits
+from parameters import parameters_as_inputs
+from python_calls import python_calls
 from steps import steps
+from tasks import tasks
 
 import cutpoint
 from cutpoint.studies.cost.study import processor
-from cutpoint.studies.cost.timing import in_turns
 
 HERE = Path(__file__).parent
-AGREEMENT = 1e-10
-"""Largest difference of results, as a share of the largest."""
+PACKAGES = ("numpy", "llvmlite", "pin", "mujoco", "casadi", "example-robot-data")
 
 
 def main() -> None:
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("--into", type=Path, help="a folder for both files")
+    parser.add_argument("--calls", type=float, default=CALLS, help="of the exported function, for latency")
+    given = parser.parse_args()
+    start = time.perf_counter()
+    for name in pinocchio_cpp.COMPILERS:  # with all cores, before anything is timed
+        pinocchio_cpp.built(name)
     core = _pin_to_one_core()
-    results = {"machine": _machine(core), "tasks": []}
-    with TemporaryDirectory() as folder:
-        for robot in ROBOTS:
-            for task in TASKS:
-                print(f"{robot}: {task}", file=sys.stderr)
-                results["tasks"].append(_measured(robot, task, entries(robot, task, Path(folder))))
-    print("integration steps", file=sys.stderr)
-    results["steps"] = steps()
-    (HERE / "results.json").write_text(json.dumps(results, indent=1) + "\n", encoding="utf-8")
+    results = {"machine": _machine(core), **_measured(int(given.calls))}
+    _write(results, given.into)
+    print(f"{time.perf_counter() - start:.0f} s", file=sys.stderr)
+
+
+def _measured(calls: int) -> dict:
+    return {
+        "limits": limits(), "tasks": tasks(), "elastic": elastic_inverse_dynamics(),
+        "parameters": parameters_as_inputs(), "from memory": from_memory(), "chains": chains(),
+        "from Python": python_calls(), "closed loop": closed_loop(), "own arm": own_arm(), "steps": steps(),
+        "latency": latency(calls=calls),
+    }  # fmt: skip
+
+
+def _write(results: dict, into: Path | None) -> None:
     text = document(results)
-    (HERE.parent / "docs" / "benchmarks.md").write_text(text, encoding="utf-8")
+    (into or HERE).joinpath("results.json").write_text(json.dumps(results, indent=1) + "\n", encoding="utf-8")
+    (into or HERE.parent / "docs").joinpath("benchmarks.md").write_text(text, encoding="utf-8")
     print(text)
-
-
-def _measured(robot: str, task: str, entries: dict[str, Entry]) -> dict:
-    expected = entries["Pinocchio"].results
-    largest = np.abs(expected).max()
-    differences = {name: float(np.abs(x.results - expected).max() / largest) for name, x in entries.items()}
-    wrong = {name: x for name, x in differences.items() if not x < AGREEMENT}
-    if wrong:
-        sys.exit(f"{robot}, {task}: {wrong} of the largest result off Pinocchio's, more than {AGREEMENT}; not timed")
-    single = in_turns({name: x.single for name, x in entries.items() if x.single})
-    batched = in_turns({name: x.batched for name, x in entries.items() if x.batched}, ITEMS)
-    times = {"single": single, "batched": batched}
-    found = {kind: {name: asdict(t) for name, t in of.items()} for kind, of in times.items()}
-    return {"robot": robot, "task": task, "differences": differences, **found}
 
 
 def _pin_to_one_core() -> int | None:
@@ -65,14 +76,20 @@ def _pin_to_one_core() -> int | None:
 
 
 def _machine(core: int | None) -> dict:
-    commit = subprocess.run(["git", "describe", "--always", "--dirty"], cwd=HERE, capture_output=True, text=True)
-    gcc = subprocess.run(["gcc", "--version"], capture_output=True, text=True).stdout.partition("\n")[0]
-    others = {name: version(name) for name in ("numpy", "llvmlite", "pin", "casadi", "example-robot-data")}
-    versions = {"Python": platform.python_version(), "cutpoint": cutpoint.__version__, **others}
-    system = f"{platform.system()} {platform.machine()}"
-    compiler = {"gcc": gcc, "flags": FLAGS}
-    return {"processor": processor(), "core": core, "system": system, **compiler, "commit": commit.stdout.strip(),
-            "versions": versions, "items": ITEMS}  # fmt: skip
+    versions = {"Python": platform.python_version(), "cutpoint": cutpoint.__version__}
+    flags = {"flags": compilers.FLAGS, "own_flags": ours.C_FLAGS, "cpp_flags": pinocchio_cpp.STANDARD}
+    return {
+        "processor": processor(), "core": core, "system": f"{platform.system()} {platform.machine()}",
+        "commit": _commit(), "versions": versions | {name: version(name) for name in PACKAGES},
+        "compilers": [x for x in map(compilers.version, ("gcc", "clang")) if x], **flags,
+    }  # fmt: skip
+
+
+def _commit() -> str:
+    command = ["git", "describe", "--always", "--dirty"]
+    if not shutil.which(command[0]):
+        return "unknown"
+    return subprocess.run(command, cwd=HERE, capture_output=True, text=True).stdout.strip()
 
 
 if __name__ == "__main__":

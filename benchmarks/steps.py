@@ -1,18 +1,17 @@
 """What each effect of a drive costs an integration step: ns a step of the closed loop, beside linear elastic drives.
 
-python benchmarks/steps.py      prints its rows of the table alone
+python benchmarks/steps.py      prints its table alone
 
 A run with many integration steps a control period less one with few is integration alone: what the controller, sensors
 and the call cost cancels.
 """
 
-import sys
 from collections.abc import Callable
 from dataclasses import replace
 from functools import partial
 
 import numpy as np
-from document import step_rows
+from run_sections import steps as table_of
 
 import cutpoint
 from cutpoint import Backlash, ElastoPlastic, Grease, LinearSpring
@@ -118,7 +117,7 @@ def steps() -> list[dict]:
 
 
 def run_of(robot: cutpoint.Robot, substeps: int) -> Callable[[], object]:
-    controller = cutpoint.control.pd_for_bandwidth(robot, 5.0)
+    controller = cutpoint.control.tune(robot, 5.0)
     trajectory = cycloid(GOAL, PERIODS * 1e-3)
     run = partial(cutpoint.simulate, robot, controller, trajectory, substeps=substeps)
     run()
@@ -126,4 +125,4 @@ def run_of(robot: cutpoint.Robot, substeps: int) -> Callable[[], object]:
 
 
 if __name__ == "__main__":
-    sys.stdout.writelines(step_rows(steps()))
+    print(table_of(steps()))

@@ -1,65 +1,14 @@
-"""The three classical algorithms in CasADi's symbols, written as one who wants speed from code generation would.
+"""The classical algorithms in CasADi's symbols, written as one who wants speed from code generation would.
 
 Inverse dynamics: Luh, Walker and Paul (1980); mass matrix and forward dynamics: Featherstone (2008) sections 6.2, 7.3.
-Everything is in body frames, zeros and ones of the robot's constants are structural, and nothing is shared with
-cutpoint but the robot's numbers.
 """
 
-from dataclasses import dataclass
-
 import casadi as ca
-import numpy as np
-
-from cutpoint.model import Mechanism
-
-SNAP = 1e-11
-"""Numbers this close to a whole one, as files round them, count as whole."""
-
-SX = ca.SX
+from symbolic_models import SX, Body, Chain, cross, skew
 
 
-@dataclass(frozen=True, eq=False)
-class Body:
-    """R, p: pose in the parent; z: axis, moved frame; h: first moment; I: inertia about the frame's origin."""
-
-    parent: int
-    R: SX
-    p: SX
-    z: SX
-    m: float
-    h: SX
-    I: SX
-
-
-def constant(A) -> SX:
-    A = np.asarray(A, float)
-    return ca.sparsify(SX(ca.DM(np.where(np.abs(A - np.round(A)) < SNAP, np.round(A), A))))
-
-
-def cross(a: SX, b: SX) -> SX:
-    return skew(a) @ b
-
-
-def skew(a: SX) -> SX:
-    zero = SX(1, 1)
-    return ca.vertcat(ca.horzcat(zero, -a[2], a[1]), ca.horzcat(a[2], zero, -a[0]), ca.horzcat(-a[1], a[0], zero))
-
-
-def bodies(mechanism: Mechanism, q: SX) -> list[Body]:
-    found = []
-    for i, body in enumerate(mechanism.bodies):
-        z, c = np.asarray(body.joint.axis), np.asarray(body.com)
-        K = np.cross(np.eye(3), z).T * -1
-        turn = constant(np.eye(3) - np.outer(z, z)) * ca.cos(q[i]) + constant(K) * ca.sin(q[i])
-        R = constant(body.placement[:3, :3]) @ (turn + constant(np.outer(z, z)))
-        about_origin = body.inertia + body.mass * (c @ c * np.eye(3) - np.outer(c, c))
-        p, h = constant(body.placement[:3, 3]), constant(body.mass * c)
-        found.append(Body(body.parent, R, p, constant(z), body.mass, h, constant(about_origin)))
-    return found
-
-
-def inverse_dynamics(mechanism: Mechanism, q: SX, v: SX, a: SX) -> SX:
-    chain, lift = bodies(mechanism, q), constant(-np.asarray(mechanism.gravity))
+def inverse_dynamics(model: Chain, v: SX, a: SX) -> SX:
+    chain, lift = model.bodies, -model.gravity
     rest, moved = (SX(3, 1), SX(3, 1), lift), []
     for i, b in enumerate(chain):
         omega, alpha, acc = moved[b.parent] if b.parent >= 0 else rest
@@ -79,8 +28,8 @@ def inverse_dynamics(mechanism: Mechanism, q: SX, v: SX, a: SX) -> SX:
     return ca.vertcat(*tau)
 
 
-def mass_matrix(mechanism: Mechanism, q: SX) -> SX:
-    chain = bodies(mechanism, q)
+def mass_matrix(model: Chain) -> SX:
+    chain = model.bodies
     m, h, I = [b.m for b in chain], [b.h for b in chain], [b.I for b in chain]
     M = SX(len(chain), len(chain))
     for i, b in reversed([*enumerate(chain)]):
@@ -104,8 +53,8 @@ def symmetric(A: SX) -> SX:
     return ca.triu(A) + ca.triu(A, False).T
 
 
-def forward_dynamics(mechanism: Mechanism, q: SX, v: SX, tau: SX) -> SX:
-    chain, none = bodies(mechanism, q), SX(6, 1)
+def forward_dynamics(model: Chain, v: SX, tau: SX) -> SX:
+    chain, none = model.bodies, SX(6, 1)
     S = [ca.vertcat(b.z, SX(3, 1)) for b in chain]
     X = [_motion_transform(b) for b in chain]
     V, c, IA, pA = [], [], [], []
@@ -126,7 +75,7 @@ def forward_dynamics(mechanism: Mechanism, q: SX, v: SX, tau: SX) -> SX:
             IA[b.parent] += symmetric(X[i].T @ felt @ X[i])
             pA[b.parent] += X[i].T @ bias
     A, acceleration = [], []
-    rest = ca.vertcat(SX(3, 1), constant(-np.asarray(mechanism.gravity)))
+    rest = ca.vertcat(SX(3, 1), -model.gravity)
     for i, b in enumerate(chain):
         carried = X[i] @ (A[b.parent] if b.parent >= 0 else rest) + c[i]
         acceleration.append((u[i] - ca.dot(U[i], carried)) * D[i])

@@ -19,7 +19,9 @@ ROBOT = """
 """
 
 CONTROL = """
-    Command Controller Feedforward GravityCompensation Law Measurement PD Reference Sum pd_for_bandwidth
+    AdaptiveVDC Command ComputedTorque Controller DisturbanceObserver ElasticComputedTorque Fault Feedforward
+    FullStateFeedback GravityCompensation Guard Law Measurement PD PID Reference Robust SampledPole SlotineLi
+    SpeedFilter Sum SuperTwisting VDC slowest_pole tune
 """
 
 TRAJECTORIES = """

@@ -87,13 +87,13 @@ def simulate(
     ] = None,
 ) -> None:
     """Move a robot along a cycloid, (57), under PD on its motors and feedforward, and report the errors."""
-    from cutpoint.control import Feedforward, pd_for_bandwidth
+    from cutpoint.control import Feedforward, tune
 
     _check_targets(output, plot)
     loaded = _robot(robot, drives, mimic)
     ends = {"start": _numbers(loaded, "from", start, degrees), "end": _numbers(loaded, "to", to, degrees)}
     trajectory = cutpoint.trajectories.cycloid(duration=duration, **ends)
-    controller: Any = pd_for_bandwidth(loaded, bandwidth)
+    controller: Any = tune(loaded, bandwidth)
     if feedforward != "none":
         controller = controller + Feedforward(loaded, feedforward)
     try:

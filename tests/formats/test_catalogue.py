@@ -58,7 +58,7 @@ def test_a_robot_of_catalogue_drives_moves() -> None:
         {joint: catalogue_drive(name) for joint, name in zip(robot("xia2019").joints, names, strict=True)}
     )
     move = cutpoint.trajectories.cycloid(np.full(6, 0.1), 0.5)
-    log = cutpoint.simulate(arm, cutpoint.control.pd_for_bandwidth(arm, 5.0), move)
+    log = cutpoint.simulate(arm, cutpoint.control.tune(arm, 5.0), move)
     assert np.isfinite(log["q"]).all()
     assert np.ptp(log["q"][:, 0]) > 0.05
 

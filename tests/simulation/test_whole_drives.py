@@ -8,7 +8,7 @@ import pytest
 
 import cutpoint
 from cutpoint import Coulomb, Drive, InputError, LinearSpring, Robot, State, Stribeck, simulate
-from cutpoint.control import PD, Command, Feedforward, Law, pd_for_bandwidth
+from cutpoint.control import PD, Command, Feedforward, Law, tune
 from cutpoint.mechanics.backlash import Backlash
 from cutpoint.mechanics.catalogue import CatalogueSpring
 from cutpoint.mechanics.hysteresis import MaxwellSlip
@@ -58,7 +58,7 @@ def test_drives_side_by_side_in_machine_code_are_those_of_numpy():
     logs = []
     for backend in ("llvm", "numpy"):
         arm = whole(backend)
-        law = pd_for_bandwidth(arm, 5.0) + Feedforward(arm)
+        law = tune(arm, 5.0) + Feedforward(arm)
         logs.append(simulate(arm, law, move(0.02), substeps=2))
     for channel in ("q", "theta", "motor_torque", "joint_torque", "hysteresis_torque", "link_strain", "motor_strain"):
         assert_close(logs[0][channel], logs[1][channel], 1e-10)
@@ -69,7 +69,7 @@ def test_one_drive_of_another_kind_changes_how_the_loop_is_computed_and_nothing_
     arm = with_each(whole(), kinematic_error=None)
     name = arm.joints[3]
     odd = arm.with_drives({name: replace(arm.drives[name], kinematic_error=KinematicError((Harmonic(2, 0.0),)))})
-    logs = [simulate(r, pd_for_bandwidth(r, 5.0), move(0.3), substeps=10) for r in (arm, odd)]
+    logs = [simulate(r, tune(r, 5.0), move(0.3), substeps=10) for r in (arm, odd)]
     assert np.ptp(logs[0]["q"][:, 3]) > 0.05
     for channel in ("q", "theta", "motor_torque", "hysteresis_torque"):
         assert_close(logs[0][channel], logs[1][channel], 1e-9)
@@ -78,7 +78,7 @@ def test_one_drive_of_another_kind_changes_how_the_loop_is_computed_and_nothing_
 def test_the_fixed_steps_converge_to_the_adaptive_ones():
     """Those follow bristles by their differential equation and stop wherever a spring turns back."""
     arm = whole()
-    law = pd_for_bandwidth(arm, 5.0) + Feedforward(arm)
+    law = tune(arm, 5.0) + Feedforward(arm)
     hasty = cutpoint.trajectories.cycloid(end=[0.02] * 6, duration=0.04)
     truth = simulate(arm, law, hasty, accuracy="reference")["q"]
     errors = [np.abs(simulate(arm, law, hasty, substeps=n)["q"] - truth).max() for n in (10, 40, 160)]

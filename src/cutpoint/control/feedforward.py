@@ -1,12 +1,12 @@
 """The virtual-decomposition feedforward compensator, rung by rung.  Xia (2019) sections II.C and III.C, fig. 9."""
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from typing import Any, Literal
 
 import numpy as np
 
 from cutpoint.control.interface import Command, Measurement, Reference
-from cutpoint.control.law import Law
+from cutpoint.control.model_law import ModelLaw
 from cutpoint.definitions import Machine
 from cutpoint.errors import InputError
 from cutpoint.mechanics import strains
@@ -15,14 +15,13 @@ from cutpoint.mechanics.elastic_forward import DriveState
 from cutpoint.mechanics.harmonic_drive import friction_torque
 from cutpoint.mechanics.inverse_dynamics import inverse_dynamics
 from cutpoint.mechanics.motor import torque_for
-from cutpoint.robot import Robot
 
 Rung = Literal["gravity", "rigid", "rotor", "friction", "elastic"]
 RUNGS: tuple[Rung, ...] = ("gravity", "rigid", "rotor", "friction", "elastic")
 
 
-@dataclass(frozen=True)
-class Feedforward(Law):
+@dataclass(frozen=True, eq=False)
+class Feedforward(ModelLaw):
     """Motor torque of the desired motion, as truly as the rung says; each rung adds to the one before.
 
     gravity: what holds the links.  rigid: and moves them, (29)-(31), (44)-(47).  rotor: and spins the rotors (56).
@@ -30,20 +29,14 @@ class Feedforward(Law):
     reference, q_d plus the deflection (2), in which nearly all of the elastic gain lies; with kinematic error,
     hysteresis, presliding, ripple and cogging as far as the drives have them.  Rotors with full coupling act on what
     carries them as if their drives did not bend, which asks for no more than four derivatives.
-    parameters: numbers of the drives, those of the robot unless given (see `Robot.drive_parameters`).
     """
 
-    robot: Robot
     rung: Rung = "elastic"
-    parameters: Any = field(default=None, repr=False)
 
     def __post_init__(self) -> None:
         if self.rung not in RUNGS:
             raise InputError(f"Feedforward: rung {self.rung!r} must be one of {', '.join(RUNGS)}", rung=self.rung)
-        if self.robot.nv != len(self.robot.joints):
-            raise InputError("Feedforward: a floating base has no motor; its motion is not in the reference")
-        if self.parameters is None:
-            object.__setattr__(self, "parameters", self.robot.drive_parameters)
+        super().__post_init__()
 
     @property
     def makes_motor_reference(self) -> bool:  # type: ignore[override]
@@ -54,7 +47,7 @@ class Feedforward(Law):
         return [0.0] * len(self.robot.strain_names) if self.rung == "elastic" else ()
 
     def step(self, memory: Any, measurement: Measurement, reference: Reference) -> tuple[Any, Command]:
-        machine = self.robot.machine_with(self.parameters, lean=True)
+        machine = self.model
         if self.rung == "elastic":
             return self._elastic(machine, memory, measurement, reference)
         tau = self._rigid(machine, reference)

@@ -7,11 +7,43 @@ import numpy as np
 from cutpoint.errors import InputError
 
 
-def gains(law: str, name: str, value: Any) -> Any:
-    """The gains as an array (n,), finite and not negative; gains of a law that is being traced pass as they are."""
+def gains(law: str, name: str, value: Any, size: int | None = None, positive: bool = False) -> Any:
+    """The gains as an array (n,), finite and not negative; gains of a law that is being traced pass as they are.
+
+    size: n, where it is known; one number then stands for all.  positive: whether zero is refused, too.
+    """
     array = np.atleast_1d(np.asarray(value))
     if array.dtype == object:
         return array
-    if array.ndim != 1 or not np.isfinite(array).all() or (array < 0).any():
-        raise InputError(f"{law}: {name} = {value} must be finite and not negative, one for each drive", gains=value)
-    return array.astype(float)
+    if array.ndim != 1 or not np.isfinite(array).all() or (array < 0).any() or (positive and (array == 0).any()):
+        rule = "positive" if positive else "not negative"
+        raise InputError(f"{law}: {name} = {value} must be finite and {rule}, one for each drive", gains=value)
+    if size is None:
+        return array.astype(float)
+    if array.size not in (1, size):
+        raise InputError(f"{law}: {name} has {array.size} numbers; it must have one, or one for each of {size} drives")
+    return np.broadcast_to(array, size).astype(float)
+
+
+def gain_matrices(law: str, name: str, value: Any, size: int) -> Any:
+    """One symmetric positive definite matrix (6, 6) for each of `size` bodies: from a number, (6,), (6, 6) or all.
+
+    Raises InputError where one is not positive definite, with its least eigenvalue.
+    """
+    array = np.asarray(value)
+    if array.dtype == object:
+        return array
+    if array.ndim == 0 or array.shape == (6,):
+        array = np.broadcast_to(array, 6) * np.eye(6)
+    if array.shape not in ((6, 6), (size, 6, 6)):
+        shapes = f"(), (6,), (6, 6) or ({size}, 6, 6)"
+        raise InputError(f"{law}: {name} has shape {array.shape}; it must have one of {shapes}", gains=value)
+    array = np.broadcast_to(array, (size, 6, 6)).astype(float)
+    for k, K in enumerate(array):
+        if not np.isfinite(K).all() or not np.array_equal(K, K.T):
+            raise InputError(f"{law}: {name} of body {k} must be finite and symmetric", gains=K)
+        least = float(np.linalg.eigvalsh(K)[0])
+        if least <= 0:
+            rule = f"must be positive definite; its least eigenvalue is {least:.3g}"
+            raise InputError(f"{law}: {name} of body {k} {rule}", gains=K)
+    return array

@@ -27,6 +27,11 @@ class GravityCompensation(Law):
         if self.side not in ("motor", "link"):
             raise InputError(f"GravityCompensation: side {self.side!r} must be 'motor' or 'link'")
 
+    @property
+    def needs(self) -> tuple[str, ...]:
+        """What it must be told by sensors."""
+        return ("theta",) if self.side == "motor" else ("q",)
+
     def step(self, memory: Any, measurement: Measurement, reference: Reference) -> tuple[Any, Command]:
         q = measurement.q if self.side == "link" else measurement.theta
         return memory, Command(np.array(gravity_forces(self.robot.machine, [*q])))

@@ -33,12 +33,16 @@ class Reference(NamedTuple):
 
 
 class Command(NamedTuple):
-    """Motor torque (N m), of which `feedforward` needed no measurement; a motor reference, where the law makes one."""
+    """Motor torque (N m), of which `feedforward` needed no measurement; a motor reference, where the law makes one.
+
+    fault: what a guard has found, see `control.Fault`; 0 is nothing.
+    """
 
     torque: Any
     feedforward: Any = 0
     theta: Any = None
     theta_dot: Any = None
+    fault: Any = 0
 
 
 class Controller(Protocol):

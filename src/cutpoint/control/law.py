@@ -1,19 +1,23 @@
 """Laws that add up: torques add, and the one motor reference among them is what all the others track."""
 
 from dataclasses import dataclass
+from functools import reduce
 from typing import Any
 
 from cutpoint.control.interface import Command, Controller, Measurement, Reference, as_command
 from cutpoint.errors import InputError
+from cutpoint.scalars import maximum
 
 
 class Law:
     """A law of this package: without memory unless it says so, and added to others with +.
 
     makes_motor_reference: whether its command holds the motors' reference.
+    reports_faults: whether its command says what is wrong.
     """
 
     makes_motor_reference = False
+    reports_faults = False
 
     def start(self) -> Any:
         return ()
@@ -40,6 +44,10 @@ class Sum(Law):
     def makes_motor_reference(self) -> bool:  # type: ignore[override]
         return any(_makes_reference(part) for part in self.parts)
 
+    @property
+    def reports_faults(self) -> bool:  # type: ignore[override]
+        return any(getattr(part, "reports_faults", False) for part in self.parts)
+
     def start(self) -> Any:
         return tuple(part.start() if hasattr(part, "start") else () for part in self.parts)
 
@@ -54,7 +62,47 @@ class Sum(Law):
                 made = commands[-1]
                 reference = reference._replace(theta=made.theta, theta_dot=made.theta_dot)
         torque, feedforward = sum(c.torque for c in commands), sum(c.feedforward for c in commands)
-        return tuple(memories), Command(torque, feedforward, made.theta, made.theta_dot)
+        fault = reduce(maximum, [c.fault for c in commands])
+        return tuple(memories), Command(torque, feedforward, made.theta, made.theta_dot, fault)
+
+
+class Wrapper(Law):
+    """A law around another one, `law`: it changes what that is told, or what it tells."""
+
+    law: Any
+
+    @property
+    def size(self) -> int:
+        """Number of drives."""
+        for part in parts_of(self.law):
+            if hasattr(part, "size"):
+                return part.size
+        raise InputError(f"{type(self).__name__}: none of its laws says for how many drives it is; give one `size`")
+
+    @property
+    def needs(self) -> tuple[str, ...]:
+        """What the law must be told by sensors."""
+        return needs_of(self.law)
+
+    @property
+    def makes_motor_reference(self) -> bool:  # type: ignore[override]
+        return _makes_reference(self.law)
+
+    @property
+    def reports_faults(self) -> bool:  # type: ignore[override]
+        return getattr(self.law, "reports_faults", False)
+
+    def inner_start(self) -> Any:
+        return self.law.start() if hasattr(self.law, "start") else ()
+
+    def inner_step(self, memory: Any, measurement: Measurement, reference: Reference) -> tuple[Any, Command]:
+        after, result = self.law.step(memory, measurement, reference)
+        return after, as_command(result)
+
+
+def needs_of(law: Controller) -> tuple[str, ...]:
+    """Fields of a Measurement that a law reads, as far as it says; one that says nothing may read all."""
+    return tuple(dict.fromkeys(name for part in parts_of(law) for name in getattr(part, "needs", ())))
 
 
 def parts_of(law: Controller) -> tuple[Any, ...]:

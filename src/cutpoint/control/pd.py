@@ -35,6 +35,11 @@ class PD(Law):
         """Number of drives."""
         return len(self.kp)
 
+    @property
+    def needs(self) -> tuple[str, ...]:
+        """What it must be told by sensors."""
+        return ("theta", "theta_dot") if self.side == "motor" else ("q", "v")
+
     def step(self, memory: Any, measurement: Measurement, reference: Reference) -> tuple[Any, Command]:
         m, r = measurement, reference
         if self.side == "motor":

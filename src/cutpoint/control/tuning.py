@@ -1,24 +1,140 @@
-"""Gains from what an engineer asks for: bandwidth and damping."""
+"""Gains from what an engineer asks for: bandwidth and damping, at a pose, on the plant as it is sampled."""
+
+from collections.abc import Callable
+from typing import Any, NamedTuple
 
 import numpy as np
-from numpy.typing import ArrayLike
+from numpy.typing import ArrayLike, NDArray
 
+from cutpoint.control.adaptive_vdc import AdaptiveVDC
+from cutpoint.control.computed_torque import ComputedTorque
+from cutpoint.control.elastic_computed_torque import ElasticComputedTorque
+from cutpoint.control.full_state_feedback import FullStateFeedback
 from cutpoint.control.pd import PD
-from cutpoint.errors import InputError
+from cutpoint.control.pid import PID
+from cutpoint.control.robust import Robust
+from cutpoint.control.sampled_loop import slowest_pole
+from cutpoint.control.slotine_li import SlotineLi
+from cutpoint.control.super_twisting import SuperTwisting
+from cutpoint.control.vdc import VDC
+from cutpoint.door import checked_array
+from cutpoint.errors import InputError, unknown_name
 from cutpoint.robot import Robot
 
+Array = NDArray[np.float64]
 
-def pd_for_bandwidth(robot: Robot, bandwidth: float, damping: float = 0.7, q: ArrayLike | None = None) -> PD:
-    """A motor-side PD under which each joint alone, drives stiff, would move as a second-order system.
 
-    bandwidth in Hz, damping as a ratio; inertias are those of links and rotors at q (neutral if not given).  Well below
-    the drives' own modes the joints then behave so; near them no PD on one side can.
+class Wanted(NamedTuple):
+    """What gains are made from: the robot; inertia of links and of elastic drives' rotors at each joint, kg m2; the
+    torque that gravity asks, N m; bandwidth omega, rad/s; damping ratio; control period, s."""
+
+    robot: Robot
+    link: Array
+    rotor: Array
+    weight: Array
+    omega: float
+    damping: float
+    period: float
+
+    @property
+    def whole(self) -> Array:
+        return self.link + self.rotor
+
+    @property
+    def stiffness(self) -> Array:
+        return self.whole * self.omega**2
+
+    @property
+    def drag(self) -> Array:
+        return 2 * self.damping * self.omega * self.whole
+
+
+def _vdc(w: Wanted, law: Any, **options: Any) -> Any:
+    """The spring's gain above the position's, by more where a filter differentiates: the link's speed then damps."""
+    filtered = law is AdaptiveVDC or options.get("derivatives") == "filter"
+    motor = np.where(w.rotor > 0, 2 * w.omega * w.rotor, 0.0)
+    return law(w.robot, w.omega, w.omega * w.link, motor, (8 if filtered else 4) * w.omega, **options)
+
+
+def _full_state(w: Wanted, **options: Any) -> FullStateFeedback:
+    shaping = np.broadcast_to(options.get("shaping", 0.5), w.link.shape)
+    given = {"lead": w.period, **options}
+    return FullStateFeedback(w.robot, w.stiffness, 2 * w.damping * w.omega * (w.link + shaping * w.rotor), **given)
+
+
+RECIPES: dict[Any, Callable[..., Any]] = {
+    PD: lambda w, **o: PD(w.stiffness, w.drag, **o),
+    PID: lambda w, **o: PID(w.stiffness, w.stiffness * w.omega / 4, w.drag, **{"limit": _limits(w.robot), **o}),
+    ComputedTorque: lambda w, **o: ComputedTorque(w.robot, w.omega**2, 2 * w.damping * w.omega, **o),
+    ElasticComputedTorque: lambda w, **o: ElasticComputedTorque(w.robot, 2 * w.omega, **o),
+    FullStateFeedback: _full_state,
+    VDC: lambda w, **o: _vdc(w, VDC, **o),
+    AdaptiveVDC: lambda w, **o: _vdc(w, AdaptiveVDC, **o),
+    SlotineLi: lambda w, **o: SlotineLi(w.robot, w.omega, w.omega * w.whole, **o),
+    Robust: lambda w, **o: Robust(w.robot, w.omega, w.omega * w.whole, **{"bound": _missed(w), **o}),
+    SuperTwisting: lambda w, **o: SuperTwisting(
+        w.robot, w.omega, w.omega * w.whole, **{"root_gain": _missed(w), "twist": w.omega * _missed(w), **o}
+    ),
+}
+
+
+def tune(
+    robot: Robot,
+    bandwidth: float,
+    law: Any = PD,
+    *,
+    damping: float = 0.7,
+    q: ArrayLike | None = None,
+    control_period: float = 1e-3,
+    **options: Any,
+) -> Any:
+    """A law whose joints, each alone, move as second-order systems of this bandwidth (Hz) and damping ratio.
+
+    Gains come from the inertia of links and rotors at q (neutral if not given).  Laws built on v_r = v_d + Lambda
+    (q_d - q) are critically damped, with Lambda = 2 pi bandwidth; damping is for the others.  options go to the law.
+
+    Raises:
+        InputError: the gains do not hold at q: the linear plant with all its springs, sampled every control_period (s),
+            has a pole that grows; it says which joint swings, and how fast.  A law that jumps at rest is not tested.
     """
-    if not (np.isfinite(bandwidth) and bandwidth > 0 and np.isfinite(damping) and damping > 0):
-        raise InputError(f"pd_for_bandwidth: bandwidth {bandwidth} Hz and damping {damping} must be positive")
-    omega = 2 * np.pi * bandwidth
-    M = robot.mass_matrix(robot.neutral() if q is None else q)
-    inertia = np.array(
-        [M[d.v, d.v] + (d.drive.reflected_inertia if d.drive.is_elastic else 0) for d in robot.machine.drives]
-    )
-    return PD(inertia * omega**2, 2 * damping * omega * inertia, side="motor")
+    for name, value in {"bandwidth": bandwidth, "damping": damping, "control_period": control_period}.items():
+        if not (np.isfinite(value) and value > 0):
+            raise InputError(f"tune: {name} {value} must be positive")
+    if law not in RECIPES:
+        raise unknown_name("law that can be tuned", getattr(law, "__name__", str(law)), [x.__name__ for x in RECIPES])
+    pose = robot.neutral() if q is None else checked_array("tune", "q", q, robot.nq)
+    made = RECIPES[law](_wanted(robot, pose, 2 * np.pi * bandwidth, damping, control_period), **options)
+    if law is not SuperTwisting:
+        check_holds(robot, made, pose, control_period)
+    return made
+
+
+def check_holds(robot: Robot, law: Any, q: ArrayLike, period: float) -> None:
+    """Raises InputError if the law cannot hold the robot at q when it acts every period (s): see `slowest_pole`."""
+    worst = slowest_pole(robot, law, q, period)
+    if worst.size > 1 + 1e-9:
+        growth = np.log(worst.size) / period
+        what = f"{worst.joint!r} would swing at {worst.frequency:.1f} Hz and grow by {growth:.3g} nepers a second"
+        remedy = "ask for another bandwidth, a shorter control_period, or give the springs damping"
+        name = type(law).__name__
+        raise InputError(f"{name} does not hold at this pose: {what}; {remedy}", joint=worst.joint, pole=worst)
+
+
+def _wanted(robot: Robot, q: Array, omega: float, damping: float, period: float) -> Wanted:
+    driven = robot.machine.drives
+    M, weight = robot.mass_matrix(q), robot.gravity_forces(q)
+    link = np.array([M[d.v, d.v] for d in driven])
+    rotor = np.array([d.drive.reflected_inertia if d.drive.is_elastic else 0.0 for d in driven])
+    return Wanted(robot, link, rotor, np.array([weight[d.v] for d in driven]), omega, damping, period)
+
+
+def _missed(w: Wanted) -> Array:
+    """N m that a model may miss: a tenth of what gravity asks, and sliding friction."""
+    friction = np.abs(w.robot.friction_torques(np.full(w.robot.nv, w.omega)))[[d.v for d in w.robot.machine.drives]]
+    return 0.1 * np.abs(w.weight).max() * w.whole / w.whole.max() + 0.5 * friction + 1e-3
+
+
+def _limits(robot: Robot) -> Array:
+    """Torque limits of joints and drives, N m; large where there is none."""
+    efforts = {body.joint.name: body.joint.limits.effort or np.inf for body in robot.mechanism.bodies}
+    return np.array([min(drive.limits.effort, efforts[name], 1e9) for name, drive in robot.drives.items()])

@@ -5,7 +5,8 @@ integrators, a smaller one truer.  What holds at rest is in `presliding`.  Speed
 """
 
 from abc import ABC, abstractmethod
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from typing import Any, ClassVar, Self, cast
 
 from cutpoint.scalars import Scalar, absolute, exp, tanh
 
@@ -35,6 +36,9 @@ class Sliding(ABC):
     per_load: Scalar | None
     grease: Grease | None
 
+    coefficients: ClassVar[tuple[str, ...]]
+    """Names of the fields in which the torque without load is linear."""
+
     @abstractmethod
     def plateau(self, speed: Scalar) -> Scalar:
         """Dry friction without load, both directions alike, N m."""
@@ -62,6 +66,14 @@ class Sliding(ABC):
         direction = self.direction(speed)
         return self.dry(speed, load, direction) * direction + self.viscosity * speed
 
+    def columns(self, speed: Scalar) -> list[Scalar]:
+        """The torque without load of each coefficient at one, so that their products with coefficients sum to it."""
+        nothing = dict.fromkeys(self.coefficients, 0)
+        return [replace(cast(Any, self), **{**nothing, name: 1}).torque(speed) for name in self.coefficients]
+
+    def with_coefficients(self, values: list[Scalar]) -> Self:
+        return replace(cast(Any, self), **dict(zip(self.coefficients, values, strict=True)))
+
     def share_of_load(self, speed: Scalar) -> Scalar:
         """What of the load's size friction takes at a speed."""
         direction = self.direction(speed)
@@ -85,6 +97,8 @@ class Stribeck(Sliding):
     per_load: Scalar | None = None
     grease: Grease | None = None
 
+    coefficients = ("coulomb", "static", "viscous")
+
     def plateau(self, speed: Scalar) -> Scalar:
         x = speed * (1 / self.stribeck_velocity)
         return self.coulomb + (self.static - self.coulomb) * exp(-(x * x))
@@ -103,6 +117,8 @@ class Coulomb(Sliding):
     asymmetry: Scalar | None = None
     per_load: Scalar | None = None
     grease: Grease | None = None
+
+    coefficients = ("coulomb", "viscous")
 
     def plateau(self, speed: Scalar) -> Scalar:
         return self.coulomb

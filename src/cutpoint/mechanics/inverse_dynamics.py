@@ -14,6 +14,7 @@ from cutpoint.model.mechanism import WORLD
 from cutpoint.scalars import Scalar
 
 Scalars = Sequence[Scalar]
+Gain = Sequence[Sequence[Scalar]]
 
 
 @dataclass(slots=True, eq=False)
@@ -84,23 +85,40 @@ def bear(system: System, X: Sequence[Pose], F: Sequence[Wrench], contact: Mappin
     return F
 
 
-def net_wrenches(system: System, moved: Sequence[BodyMotion], v: Scalars, a: Scalars) -> list[Wrench]:
-    """What each body's motion costs it, rigidly geared rotors that it carries included.  Xia (2019) eqs. (47), (50)."""
+def net_wrenches(
+    system: System, moved: Sequence[BodyMotion], v: Scalars, a: Scalars, actual: Sequence[BodyMotion] | None = None
+) -> list[Wrench]:
+    """What each body's motion costs it, rigidly geared rotors that it carries included.  Xia (2019) eqs. (47), (50).
+
+    actual: how the bodies do move, where `moved` is a required motion.
+    """
     F = [net_wrench(body.inertia, m.A, m.U) for body, m in zip(system.segments, moved, strict=True)]
     for spin in system.spins:
         if not spin.elastic:
-            own, omega = system.segments[spin.joint], moved[spin.carrier].V.angular
+            own, omega = system.segments[spin.joint], (actual or moved)[spin.carrier].V.angular
             F[spin.carrier] = F[spin.carrier] + spin.reaction(omega, own.speeds(v)[0], own.speeds(a)[0])
     return F
 
 
-def joint_efforts(system: System, F: Sequence[Wrench], moved: Sequence[BodyMotion], a: Scalars) -> list[Scalar]:
-    """z^T F at each joint, and what rigidly geared rotors add.  Xia (2019) eqs. (21), (56)."""
+def joint_efforts(
+    system: System,
+    F: Sequence[Wrench],
+    moved: Sequence[BodyMotion],
+    a: Scalars,
+    actual: Sequence[BodyMotion] | None = None,
+) -> list[Scalar]:
+    """z^T F at each joint, and what rigidly geared rotors add.  Xia (2019) eqs. (21), (56).
+
+    actual: how the bodies do move, where `moved` is a required motion; its axes turn with them.
+    """
     tau: list[Scalar] = [I_m * a_i for I_m, a_i in zip(system.armature, a, strict=True)]
     for spin in system.spins:
         if not spin.elastic:
-            k = system.segments[spin.joint].v.start
-            tau[k] = tau[k] + spin.torque(moved[spin.carrier].A.angular)
+            k, required = system.segments[spin.joint].v.start, moved[spin.carrier]
+            alpha = required.A.angular
+            if actual is not None:
+                alpha = alpha + actual[spin.carrier].V.angular.cross(required.V.angular)
+            tau[k] = tau[k] + spin.torque(alpha)
     for body, F_i in zip(system.segments, F, strict=True):
         gain = body.follower.multiplier if body.follower else 1
         for k, effort in enumerate(body.joint.effort(F_i), body.v.start):
@@ -120,11 +138,26 @@ def inverse_dynamics(
     return joint_efforts(system, F, moved, a)
 
 
-def required_inverse_dynamics(system: System, q: Scalars, v: Scalars, v_r: Scalars, a_r: Scalars) -> list[Scalar]:
+def required_inverse_dynamics(
+    system: System, q: Scalars, v: Scalars, v_r: Scalars, a_r: Scalars, gains: Sequence[Gain] | None = None
+) -> list[Scalar]:
     """Joint torques that a required motion asks of a robot that moves with v: M a_r + C(q, v) v_r + g.
 
-    Xia (2019) eqs. (48)-(53) without their gains K; C is the sum of the bodies' C(omega), eq. (61).
+    Xia (2019) eqs. (15)-(20), (48)-(53); C is the sum of the bodies' C(omega), eq. (61).
+    gains: K of each body, 6 x 6 in its own axes, by which it pulls towards its required velocity.
     """
+    actual, required = required_motions(system, q, v, v_r, a_r)
+    F_r = net_wrenches(system, required, v_r, a_r, actual)
+    if gains is not None:
+        bodies = zip(system.segments, F_r, gains, required, actual, strict=True)
+        F_r = [F + pull(body, K, m_r.V, m.V) for body, F, K, m_r, m in bodies]
+    return joint_efforts(system, bear(system, [m.X for m in actual], F_r, {}), required, a_r, actual)
+
+
+def required_motions(
+    system: System, q: Scalars, v: Scalars, v_r: Scalars, a_r: Scalars
+) -> tuple[list[BodyMotion], list[BodyMotion]]:
+    """Every body's motion, without its accelerations, and its required one.  Xia (2019) eqs. (13)-(14), (48)-(49)."""
     actual = motions(system, q, v, [0] * system.nv)
     required: list[BodyMotion] = []
     for body, m in zip(system.segments, actual, strict=True):
@@ -132,5 +165,12 @@ def required_inverse_dynamics(system: System, q: Scalars, v: Scalars, v_r: Scala
         _, zv, _ = joint_motion(body, q, v, v)
         _, zv_r, za_r = joint_motion(body, q, v_r, a_r)
         required.append(move(m.X, m.V.angular, zv, parent, zv_r, za_r))
-    F_r = bear(system, [m.X for m in actual], net_wrenches(system, required, v_r, a_r), {})
-    return joint_efforts(system, F_r, required, a_r)
+    return actual, required
+
+
+def pull(body: Segment, K: Gain, V_r: Motion, V: Motion) -> Wrench:
+    """K (V_r - V), K in the body's own axes.  Xia (2019) eqs. (15)-(17)."""
+    lag = [*body.in_own_axes(V_r + V * -1)]
+    pulled = [sum((k * x for k, x in zip(row, lag, strict=True)), 0) for row in K]
+    R_T = body.turn.T
+    return Wrench(R_T @ Vec3(*pulled[:3]), R_T @ Vec3(*pulled[3:]))

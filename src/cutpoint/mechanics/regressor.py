@@ -2,11 +2,10 @@
 
 from collections.abc import Sequence
 
-from cutpoint.mechanics.inverse_dynamics import motions
+from cutpoint.mechanics.inverse_dynamics import BodyMotion, motions, required_motions
 from cutpoint.mechanics.kinematics import velocity_columns
 from cutpoint.mechanics.rigid_body import body_regressor
-from cutpoint.mechanics.spatial import Motion
-from cutpoint.mechanics.system import Segment, System
+from cutpoint.mechanics.system import System
 from cutpoint.scalars import Scalar
 
 Scalars = Sequence[Scalar]
@@ -18,17 +17,26 @@ def torque_regressor(system: System, q: Scalars, v: Scalars, a: Scalars) -> list
     p is expressed in the bodies' own frames, as a file gives them; armature is no part of it.
     """
     moved = motions(system, q, v, a)
-    columns = velocity_columns(system, [m.X for m in moved])
-    Y: list[list[Scalar]] = [[0] * (10 * len(moved)) for _ in range(system.nv)]
-    for i, (segment, m) in enumerate(zip(system.segments, moved, strict=True)):
-        wrenches = body_regressor(_in_own_axes(segment, m.A), segment.turn @ m.V.angular)
+    return _of_bodies(system, moved, moved)
+
+
+def required_torque_regressor(
+    system: System, q: Scalars, v: Scalars, v_r: Scalars, a_r: Scalars
+) -> list[list[Scalar]]:
+    """Y(q, v, v_r, a_r), nv x 10 n, with Y p = M a_r + C(q, v) v_r + g.  Slotine and Li (1987)."""
+    actual, required = required_motions(system, q, v, v_r, a_r)
+    return _of_bodies(system, actual, required)
+
+
+def _of_bodies(system: System, actual: list[BodyMotion], required: list[BodyMotion]) -> list[list[Scalar]]:
+    columns = velocity_columns(system, [m.X for m in actual])
+    Y: list[list[Scalar]] = [[0] * (10 * len(actual)) for _ in range(system.nv)]
+    for i, (segment, m, m_r) in enumerate(zip(system.segments, actual, required, strict=True)):
+        omega, omega_r = (segment.turn @ x.V.angular for x in (m, m_r))
+        wrenches = body_regressor(segment.in_own_axes(m_r.A), omega, omega_r)
         # a joint bears of a wrench what power it takes at unit speed
         for j, column in columns[i].items():
-            own = _in_own_axes(segment, column)
+            own = segment.in_own_axes(column)
             for k, F in enumerate(wrenches):
                 Y[j][10 * i + k] = own.power(F)
     return Y
-
-
-def _in_own_axes(segment: Segment, V: Motion) -> Motion:
-    return Motion(segment.turn @ V.linear, segment.turn @ V.angular)

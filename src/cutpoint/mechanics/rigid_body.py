@@ -4,6 +4,8 @@ A body is a cloud of mass: its point at r accelerates with a + U r, where a is t
 and U = (alpha x) + (omega x)(omega x) the gradient of acceleration.  Every sum over the cloud follows from that.
 """
 
+from collections.abc import Sequence
+
 from cutpoint.mechanics.spatial import Inertia, Mat3, Motion, Vec3, Wrench
 from cutpoint.scalars import Scalar
 
@@ -36,20 +38,27 @@ def kinetic_energy(M: Inertia, V: Motion) -> Scalar:
     return V.power(M * V) / 2
 
 
-def body_regressor(A: Motion, omega: Vec3) -> list[Wrench]:
+def body_regressor(A: Motion, omega: Vec3, w: Vec3) -> list[Wrench]:
     """Ten wrenches Y_k with F* = sum of Y_k p_k.  Atkeson, An and Hollerbach (1986), on Xia (2019) eq. (59).
 
+    omega is the body's angular velocity, w that of the motion which A belongs to: the same, or the required one.
     p = (m, h_x, h_y, h_z, I_xx, I_xy, I_xz, I_yy, I_yz, I_zz): mass, first moment and rotational inertia about the
     frame's origin.
     """
-    U = acceleration_gradient(A.angular, omega, omega)
+    U = acceleration_gradient(A.angular, omega, w)
     return [net_wrench(unit, A, U) for unit in UNIT_INERTIAS]
 
 
-def inertia_of(p: list[Scalar]) -> Inertia:
+def inertia_of(p: Sequence[Scalar]) -> Inertia:
     """The inertia with these ten parameters, in the order of `body_regressor`."""
     m, hx, hy, hz, xx, xy, xz, yy, yz, zz = p
     return Inertia(m, Vec3(hx, hy, hz), Mat3(Vec3(xx, xy, xz), Vec3(xy, yy, yz), Vec3(xz, yz, zz)))
+
+
+def parameters_of(M: Inertia) -> list[Scalar]:
+    """The ten parameters of an inertia, in the order of `body_regressor`."""
+    (xx, xy, xz), (_, yy, yz), (_, _, zz) = M.rotational
+    return [M.mass, *M.first_moment, xx, xy, xz, yy, yz, zz]
 
 
 UNIT_INERTIAS = [inertia_of([int(j == k) for j in range(10)]) for k in range(10)]

@@ -50,6 +50,10 @@ class Segment:
         own = [*v[self.v]]
         return [self.follower.multiplier * own[0]] if self.follower else own
 
+    def in_own_axes(self, V: Motion) -> Motion:
+        """A motion of this frame in the axes of the body as the user knows it."""
+        return Motion(self.turn @ V.linear, self.turn @ V.angular)
+
 
 @dataclass(frozen=True)
 class Place:

@@ -23,12 +23,14 @@ class ControlStep(NamedTuple):
     """A law's command, one number a drive, and its memory after.
 
     torque, feedforward_torque (N m); motor_reference (rad), motor_speed_reference (rad/s): at the joint's side.
+    fault: a number, see `control.Fault`.
     """
 
     torque: Any
     feedforward_torque: Any
     motor_reference: Any
     motor_speed_reference: Any
+    fault: Any
     next_memory: Any
 
 
@@ -48,7 +50,7 @@ def law_kernel(robot: Robot, law: Any, *, name: str = "control_step") -> Kernel:
         numbers = [*parameters[:-1], *unused, period]
         command, after = loop.control(measured, memory, [time, *references], numbers)
         torque, feedforward, theta, theta_dot = (command[k * n : (k + 1) * n] for k in range(4))
-        return ControlStep(torque, feedforward, theta, theta_dot, after)
+        return ControlStep(torque, feedforward, theta, theta_dot, command[-1], after)
 
     sizes = dict.fromkeys((*MEASURED, *REFERENCE), n)
     memory = len(loop.initial_memory())

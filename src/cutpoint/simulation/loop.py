@@ -71,7 +71,7 @@ class ClosedLoop:
         return {
             **sizes(self.robot.machine)._asdict(), "measured_q": n, "measured_theta": n, "measured_v": n,
             "measured_theta_dot": n, "command_torque": n, "feedforward_torque": n, "motor_reference": n,
-            "motor_speed_reference": n, "motor_torque": n, "joint_torque": n, "friction_torque": nv,
+            "motor_speed_reference": n, "fault": 1, "motor_torque": n, "joint_torque": n, "friction_torque": nv,
         }  # fmt: skip
 
     def parameters(self, limits: Array) -> Array:
@@ -89,7 +89,7 @@ class ClosedLoop:
         sizes = {
             "row": self.layout.row, "sensing": len(self.encoders.memory(*[[0.0] * n] * 4)), "measured": 4 * n,
             "memory": len(leaves(self.memory)),
-            "command": 4 * n, "elapsed": 1, "parameters": len(self.parameters(np.zeros(n))), "tableau": 2,
+            "command": 4 * n + 1, "elapsed": 1, "parameters": len(self.parameters(np.zeros(n))), "tableau": 2,
             "record": record, "fault": 1, "steps": 1,
         }  # fmt: skip
         drives = [Region(name, lanes.size(size), lanes.width) for name, size in laned.items()]
@@ -114,7 +114,7 @@ class ClosedLoop:
         return encoders.measure(sample, sensing, self.layout.normals(row), period)
 
     def control(self, measured: Scalars, memory: Scalars, row: Scalars, parameters: Scalars) -> tuple[Scalars, Scalars]:
-        """Command: torque, the part of it that is feedforward, motor reference and its speed."""
+        """Command: torque, the part of it that is feedforward, motor reference and its speed; and a fault."""
         _, controller, _, _, period = self._numbers(parameters)
         before = rebuild(self.memory, iter(memory))
         after, command = controller.step(before, *self.seen(measured, row, period))
@@ -203,7 +203,8 @@ class ClosedLoop:
         n, reference = self.layout.n, self.layout.reference(row)
         theta = reference.theta if command.theta is None else command.theta
         theta_dot = reference.theta_dot if command.theta_dot is None else command.theta_dot
-        return [x for part in (command.torque, command.feedforward, theta, theta_dot) for x in _each(part, n)]
+        parts = (command.torque, command.feedforward, theta, theta_dot)
+        return [*(x for part in parts for x in _each(part, n)), command.fault]
 
     def _numbers(self, parameters: Scalars) -> tuple[Machine, Any, Encoders, Scalars, Scalar]:
         """Machine, controller, encoders, torque limits, period with these numbers in them."""

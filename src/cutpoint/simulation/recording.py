@@ -26,6 +26,9 @@ def log_of(loop: ClosedLoop, record: Array, times: Array, reference: Array, meta
         channels[name] = record[:, start : start + size]
         start += size
     del channels["current"]  # it is in motor_torque
+    faults = channels.pop("fault")[:, 0]
+    if getattr(loop.controller, "reports_faults", False):
+        channels["fault"] = faults
     channels.update(_remembered(loop, channels.pop("strains")))
     drives, samples = loop.robot.machine.drives, len(record)
     units = _units(loop)
@@ -64,6 +67,7 @@ def _units(loop: ClosedLoop) -> dict[str, str | tuple[str, ...]]:
     angle, speed, torque = (_one_or_each(slides, *pair) for pair in (("rad", "m"), ("rad/s", "m/s"), ("N m", "N")))
     units: dict[str, str | tuple[str, ...]] = {name: torque for name in loop.channels}
     units["feedback_torque"] = units["hysteresis_torque"] = torque
+    units["fault"] = ""
     units["link_strain"] = units["motor_strain"] = angle
     units.update({name: angle for name in POSITIONS})
     units.update({name: speed for name in SPEEDS})

@@ -1,5 +1,6 @@
 """What the controller gets to see of the plant: encoders on both sides, with resolution, noise and delay."""
 
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any, Literal
@@ -24,6 +25,7 @@ class Sensors:
     Each is one number for all drives or one for each; None is a perfect encoder.
     delay: s, a whole number of control periods.
     speeds: "true", or "differenced" from positions as measured, over one control period.
+    sides: where there are encoders; a controller is told NaN of the other side.
     """
 
     link_resolution: ArrayLike | None = None
@@ -33,6 +35,7 @@ class Sensors:
     delay: float = 0.0
     speeds: Literal["true", "differenced"] = "true"
     seed: int = 0
+    sides: Literal["both", "motor", "link"] = "both"
 
 
 @dataclass(frozen=True)
@@ -45,6 +48,7 @@ class Encoders:
     differenced: bool
     seed: int
     size: int
+    sides: str = "both"
 
     @property
     def is_noisy(self) -> bool:
@@ -64,10 +68,15 @@ class Encoders:
         line = [*memory[: 2 * n * self.delay], *positions, *sample[n:]]
         measured, line = line[: 2 * n], line[2 * n :]
         if not self.differenced:
-            return measured, line
+            return self._told(measured), line
         before = memory[len(memory) - n :]
         speeds = [(now - then) / period for now, then in zip(measured[:n], before, strict=True)]
-        return [*measured[:n], *speeds], [*line, *measured[:n]]
+        return self._told([*measured[:n], *speeds]), [*line, *measured[:n]]
+
+    def _told(self, measured: list[Scalar]) -> list[Scalar]:
+        """NaN for the side that has no encoder; quantities alternate, the link's first."""
+        missing = {"both": None, "link": 1, "motor": 0}[self.sides]
+        return [math.nan if k // self.size % 2 == missing else x for k, x in enumerate(measured)]
 
     def _spread(self, both: Any) -> list[Any]:
         """One entry for each of q and theta."""
@@ -82,9 +91,11 @@ def encoders_of(sensors: Sensors, size: int, period: float) -> Encoders:
         raise InputError(f"sensors: delay {sensors.delay} s {rule}", delay=sensors.delay)
     if sensors.speeds not in ("true", "differenced"):
         raise InputError(f"sensors: speeds {sensors.speeds!r} must be 'true' or 'differenced'")
+    if sensors.sides not in ("both", "motor", "link"):
+        raise InputError(f"sensors: sides {sensors.sides!r} must be 'both', 'motor' or 'link'")
     resolution = [_each(sensors, side + "_resolution", size) for side in ("link", "motor")]
     noise = [_each(sensors, side + "_noise", size) for side in ("link", "motor")]
-    return Encoders(resolution, noise, round(steps), sensors.speeds == "differenced", sensors.seed, size)
+    return Encoders(resolution, noise, round(steps), sensors.speeds == "differenced", sensors.seed, size, sensors.sides)
 
 
 def _each(sensors: Sensors, name: str, size: int) -> Any:

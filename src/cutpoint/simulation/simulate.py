@@ -87,6 +87,7 @@ def simulate(
         told = robot.gravity_forces(start.q)[[d.v for d in robot.machine.drives]]
     start = _with_inner_states(robot, initial, start, told)
     encoders = encoders_of(sensors or Sensors(), len(robot.drives), control_period)
+    _check_sensors(law, encoders.sides)
     remembers = with_float_leaves(law.start() if hasattr(law, "start") else ())
     programs = programs_for(robot, law, encoders, remembers)
     loop = ClosedLoop(robot, law, encoders, remembers, control_period, programs)
@@ -154,6 +155,15 @@ def _law(robot: Robot, controller: Any) -> Any:
         if size != len(robot.drives):
             raise InputError(f"simulate: {type(part).__name__} is for {size} drives, the robot has {len(robot.drives)}")
     return law
+
+
+def _check_sensors(law: Any, sides: str) -> None:
+    """Raises InputError for a law that reads encoders which are not there."""
+    missing = {"both": (), "motor": ("q", "v"), "link": ("theta", "theta_dot")}[sides]
+    for part in getattr(law, "parts", (law,)):
+        if wanted := [name for name in getattr(part, "needs", ()) if name in missing]:
+            told = f"{type(part).__name__} reads {', '.join(wanted)}, and sensors are on the {sides} side only"
+            raise InputError(f"simulate: {told}; take a law of that side, or Sensors(sides='both')", needs=wanted)
 
 
 def _reference(robot: Robot, trajectory: Trajectory | None, initial: State | None, times: Array) -> Array:

@@ -1,0 +1,103 @@
+"""Sections of docs/benchmarks.md on a robot's functions, from their parts of the results."""
+
+from tables import Row, cells, ratio, share, table, times_as_quick
+
+PEERS = ("Pinocchio", "MuJoCo", "CasADi", "CasADi, lean")
+
+_RATIO = "quickest peer / cutpoint"
+
+_ONE_CALL = """## One call, without Python
+
+A row after another by a loop of machine code or C: cutpoint's machine code; the C that it exports, compiled by gcc.
+Jacobian: of the flange, along the world's axes.  Derivatives: of inverse dynamics with respect to q, v and a.
+Regressor: of joint torques.
+
+"""
+
+_BATCH = """
+## Many in one call
+
+As many as 1 MB holds, inputs and outputs together: arrays of rows, as NumPy has them; lanes, blocks that the caller
+keeps as they are.  Shares are of lanes: of the multiply-adds that one core can do, with sines and cosines counted as
+the operations that they are made of; of what it can store.
+
+"""
+
+_ELASTIC = """## Elastic inverse dynamics
+
+Motor torques of a motion with four derivatives, linear springs, rotors felt by their own spin; cutpoint reads the
+drives' numbers as an input, CasADi has them folded in.  No peer has this ready-made.  From Pinocchio, torque'' comes by
+finite differences along the motion, the cheapest that keep motor torques to {accuracy};
+CasADi differentiates the same recursion as above.
+
+"""
+
+_PARAMETERS = """## Inertial parameters as inputs
+
+Inverse dynamics with all ten parameters of each body as an input, in the bodies' own frames, beside the kernel that has
+them folded in, frames and parameters where they cost least.
+
+"""
+
+_MEMORY = """## A million configurations
+
+Inverse dynamics, from and to memory; a share of what copying as many bytes takes.
+
+"""
+
+
+def functions(tasks: list[dict], limits: dict) -> str:
+    head = f"robot | task | cutpoint | its C, gcc | Pinocchio C++ | MuJoCo C | CasADi | CasADi, lean | {_RATIO}"
+    one = table(head, [_one_call(task, "single") for task in tasks], "one call")
+    head = "robot | task | rows | lanes | Pinocchio C++ | CasADi | quickest peer / rows | / lanes | of peak | of stores"
+    many = table(head, [_batch(task, limits) for task in tasks], "batch")
+    return _ONE_CALL + one + _BATCH + many
+
+
+def _one_call(task: dict, ours: str) -> Row:
+    reached = times_as_quick(task["times"], ours, PEERS)
+    shown = cells(task["times"], (ours, "C99", *PEERS))
+    return Row((task["robot"], task["task"]), [*shown, ratio(reached)], reached)
+
+
+def _batch(task: dict, limits: dict) -> Row:
+    times = task["times"]
+    shown = cells(times, ("rows", "lanes", "Pinocchio"))
+    casadi = cells(times, [min((x for x in times if "CasADi" in x), key=lambda x: times[x]["least"], default="CasADi")])
+    reached = {kind: times_as_quick(times, kind, PEERS) for kind in ("rows", "lanes")}
+    seconds = 1e-9 * times["lanes"]["least"]
+    shares = [share(task["flops"] / seconds / limits["flops"]), share(task["bytes out"] / seconds / limits["store"])]
+    ratios = [ratio(x) for x in reached.values()]
+    return Row((task["robot"], task["task"]), [*shown, *casadi, *ratios, *shares], reached["rows"])
+
+
+def elastic(rows: list[dict]) -> str:
+    head = f"robot | cutpoint | its C, gcc | rows | lanes | Pinocchio C++ | CasADi | CasADi, lean | {_RATIO}"
+    names, found, ways = ("single", "C99", "rows", "lanes", "Pinocchio", "CasADi", "CasADi, lean"), [], []
+    for row in rows:
+        reached = times_as_quick(row["times"], "single", PEERS)
+        found.append(Row((row["robot"],), [*cells(row["times"], names), ratio(reached)], reached))
+        ways += [f"{row['robot']}: {row['times']['Pinocchio']['build']}"] if "Pinocchio" in row["times"] else []
+    told = f"\nPinocchio on {'; on '.join(ways)}.\n" if ways else ""
+    return _ELASTIC.format(accuracy=f"{rows[0]['allowed']:.0e} of the largest") + table(head, found, "elastic") + told
+
+
+def parameters(rows: list[dict]) -> str:
+    head, found = "robot | parameters | cutpoint | its C, gcc | rows | lanes", []
+    for row in rows:
+        for kind in ("folded", "inputs"):
+            names = [f"{kind}, {way}" for way in ("single", "C99", "rows", "lanes")]
+            found.append(Row((row["robot"], kind), cells(row["times"], names)))
+    return _PARAMETERS + table(head, found)
+
+
+def from_memory(rows: list[dict], limits: dict) -> str:
+    found = []
+    for row in rows:
+        least = row["bytes"] / limits["copy"]
+        shares = {kind: least / x for kind, x in row["seconds"].items()}
+        shown = [f"{1e3 * row['seconds'][kind]:.1f}" for kind in shares]
+        told = [row["robot"], f"{row['bytes'] / 1e6:.0f}", f"{1e3 * least:.1f}"]
+        found.append(Row(told[:1], [*told[1:], *shown, *map(share, shares.values())], shares["lanes"]))
+    head = "robot | MB | copying, ms | rows, ms | lanes, ms | rows: share | lanes: share"
+    return _MEMORY + table(head, found, "from memory")

@@ -1,0 +1,110 @@
+"""Sections of docs/benchmarks.md on chains, calls from Python, simulation and latency."""
+
+from tables import NONE, Row, cells, plain, ratio, table, times_as_quick
+
+_CHAINS = """## Long chains
+
+192 revolute joints, no parameter zero; cutpoint as loops over bodies, called from Python, that call included; Pinocchio
+C++ in loops of its own.
+
+"""
+
+_JOINTS = """
+Nanoseconds a joint, cutpoint from Python: one configuration a call, and 64.
+
+"""
+
+_PYTHON = """## One call from Python
+
+`robot.inverse_dynamics(...)` and its like, which check what they are given; the kernel behind it,
+`robot.kernel("inverse_dynamics").call`; the same for arrays of any shape, `.general`; Pinocchio's and MuJoCo's Python
+bindings, the latter's `mj_inverse` and `mj_forward`.  Over 256 random states, a new one each call.
+
+"""
+
+_LOOP = """## Closed loop with elastic joints
+
+Simulated seconds a second, medians, best in brackets: drives of 1e4 N m/rad with rotors of 1 kg m2 at the joint,
+without friction, motors' PD at 1 kHz on sines of 0.5 rad, in the longest steps that keep every link within 1e-4 rad.
+All take Runge-Kutta steps of fourth order; in short ones they are {apart:.0e} rad apart.  cutpoint by `simulate`, its
+references and its log of all channels included; CasADi's forward dynamics in a loop of C, which logs positions; MuJoCo
+with two hinges a joint, in a loop of C.
+
+"""
+
+_STEPS = """## One integration step of an arm with drives
+
+The paper's six joints on drives of its catalogue sizes, each effect alone on linear elastic drives and then all at
+once: a fourth-order Runge-Kutta step of the closed loop, links, motors and what drives remember.  From runs of many
+steps a control period less runs of few, so that the controller and the call cancel.  States: numbers of the plant.
+
+"""
+
+_LATENCY = """## Exported C, call by call
+
+`{function}` of the paper's arm as C99 by {compiler}:
+{calls:.0e} calls, each timed by itself less what reading the clock takes; allocations counted by wrapping the
+allocator, stack by painting it.
+
+"""
+
+
+def chains(found: dict[str, list[dict]]) -> str:
+    rows, peers = [], ("Pinocchio", "Pinocchio, Python")
+    for row in found["long"]:
+        reached = times_as_quick(row["times"], "single", peers)
+        rows.append(Row((row["task"],), [*cells(row["times"], ("single", "rows", *peers)), ratio(reached)], reached))
+    head = "task | one call | 64 in one call, each | Pinocchio C++ | Pinocchio, Python | quickest peer / one call"
+    long, names = table(head, rows, "long chains"), ("inverse_dynamics", "forward_dynamics")
+    kinds = [f"{name}, {kind}" for name in names for kind in ("single", "rows")]
+    joints = [Row((str(x["joints"]),), cells(x["times"], kinds)) for x in found["joints"]]
+    head = "joints | inverse dynamics, one | 64 | forward dynamics, one | 64"
+    return _CHAINS + long + _JOINTS + table(head, joints)
+
+
+def python_calls(found: list[dict]) -> str:
+    rows, names = [], ("cutpoint", "kernel", "general", "Pinocchio", "MuJoCo")
+    for row in found:
+        reached = times_as_quick(row["times"], "cutpoint", names[3:])
+        rows.append(Row((row["robot"], row["task"]), [*cells(row["times"], names), ratio(reached)], reached))
+    head = "robot | task | cutpoint | its kernel | general | Pinocchio | MuJoCo | quickest peer / cutpoint"
+    return _PYTHON + table(head, rows, "from Python")
+
+
+def closed_loop(found: list[dict], own_arm: dict) -> str:
+    names, rows, steps = ("cutpoint", "CasADi", "CasADi, lean", "MuJoCo"), [], []
+    for row in found:
+        speeds, peers = row["speed"], [x for x in row["speed"] if x != "cutpoint"]
+        best = max((speeds[x]["best"] for x in peers), default=None)
+        reached = None if best is None else speeds["cutpoint"]["best"] / best
+        shown = [f"{x['median']:.0f} ({x['best']:.0f})" if (x := speeds.get(name)) else NONE for name in names]
+        rows.append(Row((row["robot"],), [*shown, ratio(reached)], reached))
+        told = [plain(row["a step"][name]) if name in row["a step"] else NONE for name in names]
+        steps.append(Row((row["robot"],), [", ".join(str(row["substeps"].get(x, NONE)) for x in names), *told]))
+    head = "robot | cutpoint | CasADi | CasADi, lean | MuJoCo | cutpoint / quickest peer"
+    speed = table(head, rows, "closed loop")
+    head = "robot | steps a period of each | cutpoint, ns a step | CasADi | CasADi, lean | MuJoCo"
+    alone = f"\nAn integration step alone:\n\n{table(head, steps)}"
+    own = own_arm["speed"]
+    arm = f"\nThe paper's arm with flexspline and friction, {own_arm['substeps']} steps a period: "
+    apart = max(x for row in found for x in row["apart"].values())
+    return _LOOP.format(apart=apart) + speed + alone + arm + f"{own['median']:.0f} ({own['best']:.0f}).\n"
+
+
+def steps(found: list[dict]) -> str:
+    """The first row is what the others are measured by."""
+    first = found[0]["nanoseconds"]
+    rows = [Row((x["effect"],), [f"{x['nanoseconds']:.0f}", f"{x['nanoseconds'] / first:.2f}", str(x["states"])])
+            for x in found]  # fmt: skip
+    return _STEPS + table("effect | ns a step | times linear elastic | states", rows)
+
+
+def latency(found: dict | None) -> str:
+    if found is None:
+        return ""
+    rows = [
+        Row((x["beside"],), [*(f"{x[key]} ns" for key in ("p50", "p99.99", "max")), str(x["allocations"]),
+                             f"{x['stack']} bytes"])
+        for x in found["runs"]
+    ]  # fmt: skip
+    return _LATENCY.format(**found) + table("core beside | p50 | p99.99 | longest | allocations | stack", rows)

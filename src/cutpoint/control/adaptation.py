@@ -1,0 +1,87 @@
+"""Update laws of estimated parameters, a period at a time.  s is the power that a unit of a parameter misses, W.
+
+Both make log-like or quadratic distances to the true parameters shrink by what the law feeds on; they differ in what
+they keep: bounds of single numbers, or bodies that could exist.
+"""
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from cutpoint.mechanics.rigid_body import inertia_of, parameters_of
+from cutpoint.mechanics.spatial import Inertia, Mat3, Vec3
+from cutpoint.scalars import Scalar, clip, sqrt
+
+Matrix = list[list[Scalar]]
+
+
+def projected(p: Scalar, s: Scalar, rate: Scalar, low: Scalar, high: Scalar, period: Scalar) -> Scalar:
+    """p' = rate s, stopped at its bounds.  Zhu (2010) section 2.10, the projection function P, sampled."""
+    return clip(p + period * rate * s, low, high)
+
+
+def nominal_sizes(p: Sequence[Scalar]) -> list[float]:
+    """How large ten inertial parameters are: mass, that times radius of gyration, that times its square."""
+    m, *_, xx, _, _, yy, _, zz = p
+    radius = sqrt((xx + yy + zz) / (2 * m)) if m else 0.0
+    return [m] + [m * radius] * 3 + [m * radius * radius] * 6
+
+
+def pseudo_inertia(p: Sequence[Scalar]) -> Matrix:
+    """[sum of r r^T dm, h; h^T, m] of ten inertial parameters: positive definite for every body that has volume.
+
+    Wensing, Kim and Slotine (2018).
+    """
+    M = inertia_of(p)
+    rows = [[*row, h] for row, h in zip(M.second_moment, M.first_moment, strict=True)]
+    return [*rows, [*M.first_moment, M.mass]]
+
+
+def parameters_of_pseudo_inertia(L: Matrix) -> list[Scalar]:
+    """The ten parameters of a pseudo-inertia."""
+    (xx, xy, xz, hx), (_, yy, yz, hy), (_, _, zz, hz), (_, _, _, m) = L
+    rotational = Mat3(Vec3(yy + zz, -xy, -xz), Vec3(-xy, xx + zz, -yz), Vec3(-xz, -yz, xx + yy))
+    return parameters_of(Inertia(m, Vec3(hx, hy, hz), rotational))
+
+
+def factor(p: Sequence[float]) -> Matrix:
+    """C with L = C C^T, of a body that exists: of a point or a rod L is singular, and stays so."""
+    values, vectors = np.linalg.eigh(np.array(pseudo_inertia(p), float))
+    return (vectors * np.sqrt(np.maximum(values, 0.0))).tolist()
+
+
+def inertial_of_factor(C: Matrix) -> list[Scalar]:
+    """The ten parameters of L = C C^T: those of a body that could exist, whatever C is."""
+    return parameters_of_pseudo_inertia(_product(C, _transposed(C)))
+
+
+def natural(C: Matrix, s: Sequence[Scalar], rate: Scalar, period: Scalar) -> Matrix:
+    """L' = rate L S L on the factor C of L, where tr(S L) is s^T p.  Lee, Kwon and Park (2018).
+
+    A step of the exponential map, L exp(X) with X = period rate C^T S C, its root taken as (1 + (1 + X/2)^2) / 2, which
+    is positive definite for every X.
+    """
+    X = _product(_transposed(C), _product(_power_matrix(s), C))
+    half = [[(period * rate / 2) * x + int(i == j) for j, x in enumerate(row)] for i, row in enumerate(X)]
+    square = _product(half, half)
+    return _product(C, [[(x + int(i == j)) / 2 for j, x in enumerate(row)] for i, row in enumerate(square)])
+
+
+def _power_matrix(s: Sequence[Scalar]) -> Matrix:
+    """S, symmetric, with tr(S L) = s^T p."""
+    m, hx, hy, hz, xx, xy, xz, yy, yz, zz = s
+    return [
+        [yy + zz, -xy / 2, -xz / 2, hx / 2],
+        [-xy / 2, xx + zz, -yz / 2, hy / 2],
+        [-xz / 2, -yz / 2, xx + yy, hz / 2],
+        [hx / 2, hy / 2, hz / 2, m],
+    ]
+
+
+def _product(A: Matrix, B: Matrix) -> Matrix:
+    columns = _transposed(B)
+    return [[sum((a * b for a, b in zip(row, column, strict=True)), 0) for column in columns] for row in A]
+
+
+def _transposed(A: Matrix) -> Matrix:
+    return [list(column) for column in zip(*A, strict=True)]

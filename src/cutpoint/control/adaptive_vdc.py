@@ -1,0 +1,135 @@
+"""Adaptive virtual decomposition control: every subsystem learns its own parameters.  Zhu (2010) chapters 3 and 4."""
+
+from dataclasses import dataclass, replace
+from typing import Any, Literal, NamedTuple
+
+import numpy as np
+
+from cutpoint.control import adaptation, command_filter
+from cutpoint.control.gains import gains
+from cutpoint.control.interface import Command, Measurement, Reference
+from cutpoint.control.joint_parameters import JointPower, adapted, nominal, with_numbers
+from cutpoint.control.vdc import TURN, VDC, JointGains, joint_command, required_velocity
+from cutpoint.errors import InputError
+from cutpoint.mechanics.elastic_forward import DriveState
+from cutpoint.mechanics.harmonic_drive import friction_torque
+from cutpoint.mechanics.inverse_dynamics import BodyMotion, bear, joint_efforts, pull, required_motions
+from cutpoint.mechanics.rigid_body import body_regressor, inertia_of, net_wrench, parameters_of
+from cutpoint.mechanics.system import Segment
+from cutpoint.model.drive import Drive
+from cutpoint.scalars import Jet, Scalar
+
+
+class Estimates(NamedTuple):
+    """What the law has learnt: ten numbers or a factor of the pseudo-inertia for each body, numbers of each drive."""
+
+    bodies: Any
+    joints: Any
+    filters: Any
+
+
+@dataclass(frozen=True, eq=False)
+class AdaptiveVDC(VDC):
+    """VDC whose bodies and joints learn while they move: inertial parameters, friction, rotor inertia, compliance.
+
+    The gains are those of `VDC`; required torques are differentiated by its command filter.
+    update: "projection" keeps every number within `uncertainty` (a share of its nominal size, of mass, radius of
+    gyration and so on) of the model's, Zhu (2010); "natural" keeps bodies physical and has no bounds on them, Lee, Kwon
+    and Park (2018); joints' numbers are projected in both.
+    body_rate and joint_rate: how fast shares of nominal sizes change, 1/J.
+    Compliance is learnt as 1/K, of linear springs; other springs stay as the model has them.
+    """
+
+    update: Literal["projection", "natural"] = "projection"
+    body_rate: Any = 1.0
+    joint_rate: Any = 1.0
+    uncertainty: Any = 0.5
+    derivatives: Literal["filter"] = "filter"
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        if self.update not in ("projection", "natural"):
+            raise InputError(f"AdaptiveVDC: update {self.update!r} must be 'projection' or 'natural'")
+        if self.derivatives != "filter":
+            raise InputError("AdaptiveVDC: derivatives must be 'filter': a model that is being learnt gives no jerk")
+        for name in ("body_rate", "joint_rate", "uncertainty"):
+            self._set(**{name: gains("AdaptiveVDC", name, getattr(self, name), 1)})
+
+    @property
+    def machine(self) -> Any:
+        """The model with its bodies' own inertias: each learns its own."""
+        return self.robot.machine_with(self.parameters)
+
+    def start(self) -> Estimates:
+        """The model's own parameters."""
+        bodies = [parameters_of(segment.inertia) for segment in self.machine.system.segments]
+        if self.update == "natural":
+            bodies = [adaptation.factor(p) for p in bodies]
+        joints = [nominal(d.drive) for d in self.machine.drives]
+        return Estimates(bodies, joints, command_filter.start(self.size))
+
+    def step(self, memory: Any, measurement: Measurement, reference: Reference) -> tuple[Any, Command]:
+        v_r = required_velocity(self.position_gain, reference[:3], (measurement.q, measurement.v))
+        tau, bodies = self._bodies(memory.bodies, measurement, v_r)
+        drives = self.machine.drives
+        believed = [with_numbers(d.drive, x) for d, x in zip(drives, memory.joints, strict=True)]
+        tau_r = [self._borne(k, drive, tau[k], v_r[k], measurement.v[k]) for k, drive in enumerate(believed)]
+        omega = TURN * self.filter_bandwidth
+        filters, filtered = command_filter.step(memory.filters, tau_r, omega, measurement.period)
+        told, joints = [], []
+        # each joint: what its motor must do for that, and what it learns
+        for k, drive in enumerate(believed):
+            at = DriveState(*(x[k] for x in measurement[2:]))
+            gain = JointGains(self.speed_gain[k], self.motor_gain[k], self.spring_gain[k])
+            torque = Jet.of_taylor([tau_r[k], *filtered[k].c[1:]])
+            told.append(joint_command(drive, at, reference.q[k], v_r[k], torque, gain))
+            speed, acceleration = v_r[k].c
+            power = JointPower(at, speed, acceleration, tau_r[k], told[k].theta_dot, told[k].theta_ddot)
+            rule = (self.joint_rate[0], self.uncertainty[0], measurement.period)
+            joints.append(adapted(drives[k].drive, memory.joints[k], power, *rule))
+        torque, theta, theta_dot, _ = (np.array(x) for x in zip(*told, strict=True))
+        return Estimates(bodies, joints, filters), Command(torque, 0, theta, theta_dot)
+
+    def _bodies(self, estimates: Any, m: Measurement, v_r: list[Jet]) -> tuple[list[Scalar], list[Any]]:
+        """Torques on the links, without those of rotors, and what each body has learnt."""
+        system = replace(self.machine.system, armature=(0,) * self.size)
+        speeds, accelerations = zip(*(x.c for x in v_r), strict=True)
+        actual, required = required_motions(system, [*m.q], [*m.v], speeds, accelerations)
+        F_r, learnt = [], []
+        # each body: what its required motion costs by the numbers it believes in, and what it learns from that
+        for k, (segment, own, wanted) in enumerate(zip(system.segments, actual, required, strict=True)):
+            believed = self.inertial(estimates[k])
+            F_r.append(net_wrench(inertia_of(believed), wanted.A, wanted.U))
+            if self.body_gain is not None:
+                F_r[k] = F_r[k] + pull(segment, self.body_gain[k], wanted.V, own.V)
+            nominal_body = self.robot.machine.system.segments[k]
+            learnt.append(self._learnt(nominal_body, estimates[k], body_powers(own, wanted), m.period))
+        F_r = bear(system, [x.X for x in actual], F_r, {})
+        return joint_efforts(system, F_r, required, accelerations, actual), learnt
+
+    def inertial(self, estimate: Any) -> list[Scalar]:
+        """A body's ten parameters, in its joint's frame, from what the law remembers of it."""
+        return adaptation.inertial_of_factor(estimate) if self.update == "natural" else [*estimate]
+
+    def _learnt(self, body: Segment, estimate: Any, s: list[Scalar], period: Scalar) -> Any:
+        rate, share = self.body_rate[0], self.uncertainty[0]
+        if self.update == "natural":
+            return adaptation.natural(estimate, s, rate, period)
+        nominal_p = parameters_of(body.inertia)
+        numbers = zip(estimate, s, nominal_p, adaptation.nominal_sizes(nominal_p), strict=True)
+        return [
+            adaptation.projected(p, s_k, rate * size * size, p_0 - share * size, p_0 + share * size, period)
+            for p, s_k, p_0, size in numbers
+        ]
+
+    def _borne(self, k: int, drive: Drive, tau: Scalar, v_r: Jet, v: Scalar) -> Scalar:
+        """tau_r: what a joint's drive exerts, its link's friction and a rigidly geared rotor included.  (26)."""
+        speed, acceleration = v_r.c
+        spun = 0 if drive.is_elastic else drive.reflected_inertia * acceleration
+        return tau + spun + friction_torque(drive.link_friction, speed) + self.speed_gain[k] * (speed - v)
+
+
+def body_powers(own: BodyMotion, wanted: BodyMotion) -> list[Scalar]:
+    """The power that a unit of each of a body's ten parameters misses, W: W^T (V_r - V).  Zhu (2010) eq. (3.49)."""
+    lag = wanted.V + own.V * -1
+    return [lag.power(Y) for Y in body_regressor(wanted.A, own.V.angular, wanted.V.angular)]

@@ -1,0 +1,48 @@
+"""A nonlinear disturbance observer around any law.  Mohammadi, Tavakoli, Marquez and Hashemzadeh (2013)."""
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from cutpoint.control.gains import gains
+from cutpoint.control.interface import Command, Measurement, Reference
+from cutpoint.control.law import Wrapper, needs_of
+from cutpoint.control.rigid_law import RigidLaw
+from cutpoint.mechanics.forward_dynamics import forward_dynamics
+from cutpoint.scalars import where
+
+
+@dataclass(frozen=True, eq=False)
+class DisturbanceObserver(RigidLaw, Wrapper):
+    """A law whose torque is corrected by d, what the rigid model's forward dynamics leave unexplained.
+
+    d = z + Y v and z' = -Y (the model's acceleration under torque and d), so that d' = Y M^-1 (disturbance - d), Y
+    being the gain, N m s/rad; Mohammadi et al. (2013) with p(v) = Y v.  As d is taken off the law's torque u, what
+    accelerates the model is u itself: d is Y times how far the speed is ahead of the model's.
+    gain / inertia is the bandwidth, rad/s, at which a joint's disturbance is followed.
+    """
+
+    law: Any
+    gain: Any
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        self._set(gain=gains("DisturbanceObserver", "gain", self.gain, self.size))
+
+    @property
+    def needs(self) -> tuple[str, ...]:
+        return tuple(dict.fromkeys((*super().needs, *needs_of(self.law))))
+
+    def start(self) -> Any:
+        """z / Y, rad/s, whether it has begun, and the law's memory."""
+        return [0.0] * self.size, 0.0, self.inner_start()
+
+    def step(self, memory: Any, measurement: Measurement, reference: Reference) -> tuple[Any, Command]:
+        inner, command = self.inner_step(memory[2], measurement, reference)
+        q, v, _, _ = self.seen(measurement, reference)
+        z = np.array([where(memory[1] > 0, x, -speed) for x, speed in zip(memory[0], v, strict=True)])
+        u = command.torque - np.array(self.friction(v, command.torque))
+        a = np.array(forward_dynamics(self.model.system, [*q], [*v], [*u]))
+        corrected = command._replace(torque=command.torque - self.gain * (z + v))
+        return ([*(z - measurement.period * a)], 1.0, inner), corrected

@@ -1,0 +1,46 @@
+"""Computed torque of a robot whose joints bend: feedback linearisation by elastic inverse dynamics.  De Luca (1988)."""
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from cutpoint.control.gains import gains
+from cutpoint.control.interface import Command, Measurement, Reference
+from cutpoint.control.model_law import ModelLaw
+from cutpoint.errors import InputError
+from cutpoint.mechanics.elastic import Options, elastic_inverse_dynamics
+from cutpoint.mechanics.link_motion import link_motion, torques_on_links
+
+
+@dataclass(frozen=True, eq=False)
+class ElasticComputedTorque(ModelLaw):
+    """Motor torques that give the links the snap s_d + sum of k_i e^(i), e = q_d - q and three of its derivatives.
+
+    De Luca (1988); De Luca and Book (2016) section 11.1.4.  bandwidth: rad/s, where all four poles of each joint's
+    error lie; one number or one for each drive.  Acceleration and jerk of the links come from the springs' deflection
+    and the model.  It cancels all it knows of the robot, so it is as good as the model and the sensors are.
+    """
+
+    bandwidth: Any
+
+    needs = ("q", "v", "theta", "theta_dot")
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        rigid = [name for name, drive in self.robot.drives.items() if not drive.is_elastic]
+        if rigid:
+            raise InputError(f"ElasticComputedTorque: the drive of {rigid[0]!r} is rigid; take ComputedTorque for it")
+        name = "ElasticComputedTorque"
+        self._set(bandwidth=gains(name, "bandwidth", self.bandwidth, self.size, positive=True))
+
+    def step(self, memory: Any, measurement: Measurement, reference: Reference) -> tuple[Any, Command]:
+        machine, m, r, w = self.model, measurement, reference, self.bandwidth
+        tau = torques_on_links(*machine, m.q, m.v, m.theta, m.theta_dot)
+        a, jerk = (np.array(x) for x in link_motion(machine.system, [*m.q], [*m.v], tau))
+        # (s + w)^4 = s^4 + 4 w s^3 + 6 w^2 s^2 + 4 w^3 s + w^4
+        snap = r.snap + 4 * w * (r.jerk - jerk) + 6 * w * w * (r.a - a)
+        snap = snap + w * w * w * (4 * (r.v - m.v) + w * (r.q - m.q))
+        rates = ([*x] for x in (m.q, m.v, a, jerk, snap))
+        u = elastic_inverse_dynamics(*machine, *rates, options=Options(quasi_rigid=True))
+        return memory, Command(np.array(u.motor_torque))

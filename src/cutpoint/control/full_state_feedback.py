@@ -1,0 +1,73 @@
+"""Passivity-based feedback of motor position and joint torque.  Albu-Schaeffer, Ott and Hirzinger (2007)."""
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from cutpoint.control.feedforward import Feedforward
+from cutpoint.control.gains import gains
+from cutpoint.control.interface import Command, Measurement, Reference
+from cutpoint.control.model_law import ModelLaw
+from cutpoint.errors import InputError
+from cutpoint.mechanics.elastic_forward import DriveState
+from cutpoint.mechanics.harmonic_drive import deflection, spring_torque
+from cutpoint.model.drive import Drive
+from cutpoint.scalars import Jet, Scalar
+
+
+@dataclass(frozen=True, eq=False)
+class FullStateFeedback(ModelLaw):
+    """A motor-side PD on rotors that a feedback of joint torque makes lighter, around an elastic feedforward.
+
+    Albu-Schaeffer, Ott and Hirzinger (2007) eqs. (8)-(11): torque feedback gives the rotor the inertia
+    `shaping` * J as seen by the PD, so that kp (N m/rad) and kd (N m s/rad) act on a joint with less between them and
+    the link.  The spring's torque and its rate come from the encoders on both sides.
+    shaping: share of the rotor's inertia that is left, above 0 and at most 1; 1 is the plain PD.
+    lead: s, by which the torque's rate anticipates it; half a control period makes up for the hold.
+    For a resting reference the closed loop is passive at the links' port, whatever the environment is.
+    """
+
+    kp: Any
+    kd: Any
+    shaping: Any = 0.5
+    lead: Any = 0.0
+
+    makes_motor_reference = True
+    needs = ("q", "v", "theta", "theta_dot")
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        for name in ("kp", "kd", "shaping", "lead"):
+            self._set(**{name: gains("FullStateFeedback", name, getattr(self, name), self.size, name == "shaping")})
+        if self.shaping.dtype != object and (self.shaping > 1).any():
+            raise InputError(f"FullStateFeedback: shaping {self.shaping} must be at most 1: it makes rotors lighter")
+
+    def start(self) -> Any:
+        return self._feedforward.start()
+
+    def step(self, memory: Any, measurement: Measurement, reference: Reference) -> tuple[Any, Command]:
+        memory, wanted = self._feedforward.step(memory, measurement, reference)
+        m, r = measurement, reference
+        feedback = self.kp * (wanted.theta - m.theta) + self.kd * (wanted.theta_dot - m.theta_dot)
+        now = [DriveState(*x) for x in zip(m.q, m.v, m.theta, m.theta_dot, strict=True)]
+        then = [DriveState(*x) for x in zip(r.q, r.v, wanted.theta, wanted.theta_dot, strict=True)]
+        drives = zip([d.drive for d in self.model.drives], now, then, self.lead, strict=True)
+        # what the spring bears beyond what it shall
+        excess = [_led(drive, at, lead) - _led(drive, wish, lead) for drive, at, wish, lead in drives]
+        # of the feedback, a rotor of 1 / shaping times the inertia needs that many times as much
+        torque = wanted.torque + feedback / self.shaping + (1 - 1 / self.shaping) * np.array(excess)
+        return memory, Command(torque, wanted.feedforward, wanted.theta, wanted.theta_dot)
+
+    @property
+    def _feedforward(self) -> Feedforward:
+        return Feedforward(self.robot, parameters=self.parameters)
+
+
+def _led(drive: Drive, at: DriveState, lead: Scalar) -> Scalar:
+    """A spring's torque and `lead` times its rate, N m."""
+    if drive.compliance is None:
+        return 0
+    wound = deflection(drive, Jet(at.theta, at.theta_dot), Jet(at.q, at.v))
+    rate = drive.compliance.torque(wound).derivative(1)
+    return spring_torque(drive, at.theta, at.q, at.theta_dot, at.v) + lead * rate

@@ -1,0 +1,101 @@
+"""What a joint subsystem can learn: its friction, its rotor's inertia and its spring's compliance.
+
+A drive's numbers stand in this order: coefficients of the link's friction, reflected inertia (kg m2), compliance of a
+linear spring (rad/(N m)), coefficients of the motor's friction; those that the drive has.
+"""
+
+from collections.abc import Iterator
+from dataclasses import replace
+from typing import Any, NamedTuple, cast
+
+from cutpoint.control.adaptation import projected
+from cutpoint.mechanics.compliance import LinearSpring
+from cutpoint.mechanics.elastic_forward import DriveState
+from cutpoint.mechanics.friction import Sliding
+from cutpoint.mechanics.presliding import Presliding
+from cutpoint.model.drive import Drive
+from cutpoint.scalars import Scalar
+
+Scalars = list[Scalar]
+
+
+class JointPower(NamedTuple):
+    """What feeds a joint's learning: where it is, what its link is required to do, and what its motor."""
+
+    at: DriveState
+    speed: Any
+    acceleration: Any
+    torque: Any
+    motor_speed: Any
+    motor_acceleration: Any
+
+
+def nominal(drive: Drive) -> Scalars:
+    """The numbers as the model has them."""
+    numbers = _coefficients(drive.link_friction)
+    if drive.rotor is not None:
+        numbers.append(drive.reflected_inertia)
+    if isinstance(drive.compliance, LinearSpring):
+        numbers.append(1 / drive.compliance.stiffness)
+    return numbers + _coefficients(drive.motor_friction)
+
+
+def with_numbers(drive: Drive, numbers: Scalars) -> Drive:
+    """The drive as it is believed to be."""
+    rest = iter(numbers)
+    drive = replace(drive, link_friction=_with(drive.link_friction, rest))
+    if drive.rotor is not None:
+        inertia = next(rest) / (drive.ratio * drive.ratio)
+        drive = replace(drive, rotor=replace(drive.rotor, inertia=inertia))
+    if isinstance(drive.compliance, LinearSpring):
+        drive = replace(drive, compliance=LinearSpring(1 / next(rest)))
+    return replace(drive, motor_friction=_with(drive.motor_friction, rest))
+
+
+def powers(drive: Drive, p: JointPower) -> Scalars:
+    """The power that a unit of each number misses, W.
+
+    The compliance's is per its true stiffness, a constant, for which the nominal one stands: it enters the energy of
+    the spring's error, K (delta_r - delta)^2 / 2, and the required deflection is compliance * tau_r.
+    """
+    lag, motor_lag = p.speed - p.at.v, p.motor_speed - p.at.theta_dot
+    if not drive.is_elastic:
+        motor_lag = lag
+    found = [x * lag for x in _columns(drive.link_friction, p.speed)]
+    if drive.rotor is not None:
+        found.append((p.motor_acceleration if drive.is_elastic else p.acceleration) * motor_lag)
+    if isinstance(drive.compliance, LinearSpring):
+        found.append(drive.compliance.stiffness * p.torque * (lag - motor_lag))
+    return found + [x * motor_lag for x in _columns(drive.motor_friction, p.motor_speed)]
+
+
+def adapted(
+    drive: Drive, numbers: Scalars, power: JointPower, rate: Scalar, uncertainty: Scalar, period: Scalar
+) -> Scalars:
+    """The numbers a period later, each within its share of the nominal drive's."""
+    return [
+        projected(x, s, rate * x_0 * x_0, x_0 * (1 - uncertainty), x_0 * (1 + uncertainty), period)
+        for x, x_0, s in zip(numbers, nominal(drive), powers(drive, power), strict=True)
+    ]
+
+
+def _sliding(law: Any) -> Sliding | None:
+    return law.sliding if isinstance(law, Presliding) else law
+
+
+def _coefficients(law: Any) -> Scalars:
+    sliding = _sliding(law)
+    return [] if sliding is None else [getattr(sliding, name) for name in sliding.coefficients]
+
+
+def _columns(law: Any, speed: Scalar) -> Scalars:
+    sliding = _sliding(law)
+    return [] if sliding is None else sliding.columns(speed)
+
+
+def _with(law: Any, numbers: Iterator[Scalar]) -> Any:
+    sliding = _sliding(law)
+    if sliding is None:
+        return None
+    learnt = sliding.with_coefficients([next(numbers) for _ in sliding.coefficients])
+    return replace(cast(Any, law), sliding=learnt) if isinstance(law, Presliding) else learnt

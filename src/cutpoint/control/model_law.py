@@ -1,0 +1,52 @@
+"""What laws that know their robot share."""
+
+from dataclasses import dataclass, field, replace
+from typing import Any
+
+from cutpoint.control.law import Law
+from cutpoint.definitions import Machine
+from cutpoint.errors import InputError
+from cutpoint.robot import Robot
+
+
+@dataclass(frozen=True, eq=False)
+class ModelLaw(Law):
+    """A law with a model: a robot all of whose coordinates have drives.
+
+    robot: the model.  It may differ from the plant, as a real one does.
+    parameters: numbers of the model's drives, its own unless given (see `Robot.drive_parameters`).
+    """
+
+    robot: Robot
+    parameters: Any = field(default=None, repr=False, kw_only=True)
+
+    def __post_init__(self) -> None:
+        if self.robot.nv != len(self.robot.joints):
+            name = type(self).__name__
+            raise InputError(f"{name}: a floating base has no motor; its motion is not in the reference")
+        if self.parameters is None:
+            object.__setattr__(self, "parameters", self.robot.drive_parameters)
+
+    @property
+    def size(self) -> int:
+        """Number of drives."""
+        return len(self.robot.joints)
+
+    @property
+    def model(self) -> Machine:
+        """The machine with this law's numbers, for quantities of joints."""
+        return self.robot.machine_with(self.parameters, lean=True)
+
+    def _set(self, **values: Any) -> None:
+        """Fields as they are kept, once they are checked."""
+        for name, value in values.items():
+            object.__setattr__(self, name, value)
+
+
+def stiffened(robot: Robot) -> Robot:
+    """The same robot as laws for rigid robots see it: drives that do not bend, rotors as armature."""
+    rigid = {
+        name: replace(drive, compliance=None, damping=None, hysteresis=None, kinematic_error=None)
+        for name, drive in robot.drives.items()
+    }
+    return robot.with_drives(rigid)

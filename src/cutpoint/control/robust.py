@@ -1,0 +1,48 @@
+"""A robust law: a model, and a bounded term for all that it misses.  Corless and Leitmann (1981); Spong (1992).
+
+Of the kind of Xia (2019) reference [7], on the rigid robot.
+"""
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from cutpoint.control.gains import gains
+from cutpoint.control.interface import Command, Measurement, Reference
+from cutpoint.control.rigid_law import RigidLaw
+from cutpoint.mechanics.inverse_dynamics import required_inverse_dynamics
+from cutpoint.scalars import absolute
+
+
+@dataclass(frozen=True, eq=False)
+class Robust(RigidLaw):
+    """tau = M a_r + C v_r + g + friction(v_r) + K s + bound s / (|s| + width).
+
+    s = v_r - v, v_r = v_d + Lambda (q_d - q).  position_gain: Lambda, 1/s.  speed_gain: K, N m s/rad.
+    bound: N m that the model may miss, each joint.  width: rad/s within which the last term is soft, lest it chatter.
+    """
+
+    position_gain: Any
+    speed_gain: Any
+    bound: Any
+    width: Any = 0.05
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        for name in ("position_gain", "speed_gain", "bound", "width"):
+            self._set(**{name: gains("Robust", name, getattr(self, name), self.size, name == "width")})
+
+    def step(self, memory: Any, measurement: Measurement, reference: Reference) -> tuple[Any, Command]:
+        s, tau = required_effort(self, measurement, reference)
+        size = np.array([absolute(x) for x in s])
+        return memory, Command(tau + self.speed_gain * s + self.bound * s / (size + self.width))
+
+
+def required_effort(law: Any, measurement: Measurement, reference: Reference) -> tuple[Any, Any]:
+    """s = v_r - v, and what the rigid model asks for the required motion, friction included.  Slotine and Li (1987)."""
+    q, v, q_d, v_d = law.seen(measurement, reference)
+    v_r = v_d + law.position_gain * (q_d - q)
+    a_r = reference.a + law.position_gain * (v_d - v)
+    tau = required_inverse_dynamics(law.model.system, [*q], [*v], [*v_r], [*a_r])
+    return v_r - v, np.array(tau) + np.array(law.friction(v_r, tau))

@@ -1,0 +1,129 @@
+"""Whether a law holds a robot whose joints bend, near a pose, when it acts only once a period."""
+
+from dataclasses import fields, is_dataclass, replace
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+from scipy.linalg import expm
+
+from cutpoint import kernels
+from cutpoint.control.interface import Measurement, Reference, as_command
+from cutpoint.control.law import Law
+from cutpoint.control.model_law import ModelLaw
+from cutpoint.door import checked_array
+from cutpoint.robot import Robot
+from cutpoint.scalars import leaves, rebuild, with_float_leaves
+
+Array = NDArray[np.float64]
+
+STEP = 1e-6
+"""rad, rad/s: by which states are moved to see what the law does."""
+
+SETTLING = 200
+"""Periods that a law's memory is given to come to rest."""
+
+
+class SampledPole(NamedTuple):
+    """The pole farthest out of the sampled loop: its size (below 1 it decays), Hz, and the joint that moves most."""
+
+    size: float
+    frequency: float
+    joint: str
+
+
+class _Step(NamedTuple):
+    torque: Any
+    memory: Any
+
+
+def slowest_pole(robot: Robot, law: Any, q: ArrayLike, period: float) -> SampledPole:
+    """The pole that decays slowest, or grows, of the robot at rest at q under a law with this period (s).
+
+    The robot is linear about q and moves exactly between samples; the law is differenced about rest.  Neither has
+    friction, whose slope at rest is that of its smoothing.  Laws that jump at rest have no slope, and this says nothing
+    of them.
+    """
+    q, law = checked_array("slowest_pole", "q", q, robot.nq), without_friction(law)
+    model = robot.linearize(q)
+    count, n = len(model.states), len(robot.drives)
+    both = expm(np.block([[model.A, model.B], [np.zeros((n, count + n))]]) * period)
+    ahead, pushed = both[:count, :count], both[:count, count:]
+    of_state, of_memory, memory_of_state, memory_of_memory = _slopes(robot, law, model, period)
+    loop = np.block([[ahead + pushed @ of_state, pushed @ of_memory], [memory_of_state, memory_of_memory]])
+    poles, shapes = np.linalg.eig(loop)
+    worst = int(np.abs(poles).argmax())
+    moves = np.abs(model.C @ shapes[:count, worst])
+    names = [name.partition(".")[2].partition("[")[0] for name in model.outputs]
+    speeds = [k for k, name in enumerate(model.outputs) if name.startswith(("v.", "theta_dot."))]
+    joint = names[max(speeds, key=lambda k: moves[k])]
+    return SampledPole(float(abs(poles[worst])), float(abs(np.angle(poles[worst])) / (2 * np.pi * period)), joint)
+
+
+def without_friction(law: Any) -> Any:
+    """The same law on models whose drives have no friction."""
+    if isinstance(law, tuple):
+        return tuple(without_friction(part) for part in law)
+    if not isinstance(law, Law) or not is_dataclass(law):
+        return law
+    found = {f.name: getattr(law, f.name) for f in fields(law)}
+    changed: dict[str, Any] = {name: without_friction(x) for name, x in found.items() if name in ("law", "parts")}
+    if isinstance(law, ModelLaw):
+        drives = rebuild([*law.robot.drives.values()], iter([*law.parameters]))
+        bare = [replace(drive, link_friction=None, motor_friction=None) for drive in drives]
+        changed["robot"] = law.robot.with_drives(dict(zip(law.robot.drives, bare, strict=True)))
+        changed["parameters"] = None
+    return replace(law, **changed)
+
+
+def _slopes(robot: Robot, law: Any, model: Any, period: float) -> tuple[Array, Array, Array, Array]:
+    """How torque and memory after a step follow the plant's state and the memory before it."""
+    start = with_float_leaves(law.start() if hasattr(law, "start") else ())
+    step = _step_kernel(robot, law, start)
+    driven = [d.q for d in robot.machine.drives]
+    at_rest = [model.point.q[driven], np.zeros(len(driven)), model.point.theta, np.zeros(len(driven))]
+    numbers = np.array([*leaves(law), period], float)
+
+    def told(x: Array, memory: Array) -> tuple[Array, Array]:
+        moved = (model.C @ x).reshape(4, -1)
+        seen = [at + by for at, by in zip(at_rest, moved, strict=True)]
+        return step(*seen, at_rest[0], memory, numbers)
+
+    memory, rest = np.array(leaves(start), float), np.zeros(len(model.states))
+    for _ in range(SETTLING):
+        memory = told(rest, memory)[1]
+    of_state = _differences(lambda x: told(x, memory), rest)
+    of_memory = _differences(lambda m: told(rest, m), memory)
+    return of_state[0], of_memory[0], of_state[1], of_memory[1]
+
+
+def _step_kernel(robot: Robot, law: Any, start: Any) -> Any:
+    """A law's step as a kernel: q, v, theta, theta_dot, a resting reference, memory, its numbers and the period."""
+    n = len(robot.drives)
+
+    def step(q: Any, v: Any, theta: Any, theta_dot: Any, held: Any, memory: Any, numbers: Any) -> Any:
+        rest = iter(numbers)
+        own, period = rebuild(law, rest), next(rest)
+        seen = Measurement(0.0, period, *(np.array(x) for x in (q, v, theta, theta_dot)))
+        target, still = np.array(held), np.zeros(n)
+        reference = Reference(target, still, still, still, still, target, still)
+        after, result = own.step(rebuild(start, iter(memory)), seen, reference)
+        return _Step([*np.broadcast_to(as_command(result).torque, n)], leaves(with_float_leaves(after)))
+
+    sizes = dict.fromkeys(("q", "v", "theta", "theta_dot", "held"), n)
+    counts = {"memory": len(leaves(start)), "numbers": len(leaves(law)) + 1}
+    return kernels.compile(step, name="law", backend=robot.backend, **sizes, **counts)
+
+
+def _differences(function: Any, at: Array) -> tuple[Array, Array]:
+    """Central differences of both results with respect to each number of `at`, a column each."""
+    columns: list[tuple[Array, Array]] = []
+    for k in range(len(at)):
+        move = np.zeros(len(at))
+        move[k] = STEP * max(1.0, abs(at[k]))
+        ahead, behind = function(at + move), function(at - move)
+        columns.append(tuple((a - b) / (2 * move[k]) for a, b in zip(ahead, behind, strict=True)))
+    if not columns:
+        torque, memory = function(at)
+        return np.zeros((len(torque), 0)), np.zeros((len(memory), 0))
+    return np.stack([c[0] for c in columns], axis=1), np.stack([c[1] for c in columns], axis=1)

@@ -1,0 +1,53 @@
+"""Adaptive control of the whole rigid robot at once, the classical rival.  Slotine and Li (1987)."""
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from cutpoint.control.adaptation import nominal_sizes
+from cutpoint.control.gains import gains
+from cutpoint.control.interface import Command, Measurement, Reference
+from cutpoint.control.rigid_law import RigidLaw
+from cutpoint.mechanics.regressor import required_torque_regressor
+from cutpoint.mechanics.rigid_body import parameters_of
+
+
+@dataclass(frozen=True, eq=False)
+class SlotineLi(RigidLaw):
+    """tau = Y(q, v, v_r, a_r) p + K s + friction(v_r), p' = Gamma Y^T s; s = v_r - v, v_r = v_d + Lambda (q_d - q).
+
+    position_gain: Lambda, 1/s.  speed_gain: K, N m s/rad.  rate: how fast shares of the bodies' nominal sizes change,
+    1/J.  It learns inertial parameters, without bounds; friction and rotors are those of the model.
+    """
+
+    position_gain: Any
+    speed_gain: Any
+    rate: Any = 1.0
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        for name in ("position_gain", "speed_gain"):
+            self._set(**{name: gains("SlotineLi", name, getattr(self, name), self.size)})
+        self._set(rate=gains("SlotineLi", "rate", self.rate, 1))
+
+    def start(self) -> Any:
+        """The model's inertial parameters, ten a body."""
+        return [*self.robot.inertial_parameters]
+
+    def step(self, memory: Any, measurement: Measurement, reference: Reference) -> tuple[Any, Command]:
+        q, v, q_d, v_d = self.seen(measurement, reference)
+        v_r = v_d + self.position_gain * (q_d - q)
+        a_r = reference.a + self.position_gain * (v_d - v)
+        system = self.robot.machine_with(self.parameters).system
+        Y = required_torque_regressor(system, [*q], [*v], [*v_r], [*a_r])
+        tau = [
+            sum((y * p for y, p in zip(row, memory, strict=True)), I_m * a)
+            for row, I_m, a in zip(Y, system.armature, a_r, strict=True)
+        ]
+        s = v_r - v
+        torque = np.array(tau) + np.array(self.friction(v_r, tau)) + self.speed_gain * s
+        power = [sum((y * x for y, x in zip(column, s, strict=True)), 0) for column in zip(*Y, strict=True)]
+        sizes = [x for body in self.robot.machine.system.segments for x in nominal_sizes(parameters_of(body.inertia))]
+        learnt = zip(memory, power, sizes, strict=True)
+        return [p + measurement.period * self.rate[0] * size * size * x for p, x, size in learnt], Command(torque)

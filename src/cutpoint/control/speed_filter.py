@@ -1,0 +1,43 @@
+"""Speeds from encoders, for laws that want them smooth."""
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from cutpoint.control import command_filter
+from cutpoint.control.interface import Command, Measurement, Reference
+from cutpoint.control.law import Wrapper
+from cutpoint.errors import InputError
+
+
+@dataclass(frozen=True, eq=False)
+class SpeedFilter(Wrapper):
+    """A law that is told speeds of a critically damped tracking filter, on links and motors, for the sensors' own.
+
+    z'' = w^2 (x - z) - 2 w z' with x the encoder's position, held between samples, where the step is exact; the speed
+    is z'.  bandwidth: w / (2 pi), Hz; there the speed has half its size.  Its delay, well below that, is 2 / w: at the
+    default 0.8 ms.  Noise of sigma rad in each sample makes about sigma w^1.5 sqrt(period) / 2 rad/s.
+    """
+
+    law: Any
+    bandwidth: Any = 400.0
+
+    def __post_init__(self) -> None:
+        if isinstance(self.bandwidth, (int, float)) and not (np.isfinite(self.bandwidth) and self.bandwidth > 0):
+            raise InputError(f"SpeedFilter: bandwidth {self.bandwidth} Hz must be positive")
+
+    @property
+    def delay(self) -> float:
+        """s, of slow changes of speed."""
+        return 1 / (np.pi * self.bandwidth)
+
+    def start(self) -> Any:
+        return command_filter.start(2 * self.size), self.inner_start()
+
+    def step(self, memory: Any, measurement: Measurement, reference: Reference) -> tuple[Any, Command]:
+        m, n, w = measurement, self.size, 2 * np.pi * self.bandwidth
+        filters, _ = command_filter.step(memory[0], [*m.q, *m.theta], w, m.period)
+        told = m._replace(v=np.array(filters.rate[:n]), theta_dot=np.array(filters.rate[n:]))
+        inner, command = self.inner_step(memory[1], told, reference)
+        return (filters, inner), command

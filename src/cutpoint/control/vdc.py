@@ -1,0 +1,189 @@
+"""Virtual decomposition control.  Xia (2019) eqs. (12)-(28), in the corrected reading; Zhu (2010) chapters 3 and 9.
+
+Each law below is written for quantities at the joint's side: tau_r is ell tau_t of (26), k_vq and k_vkappa act on
+speeds of the joint.
+"""
+
+from dataclasses import dataclass
+from typing import Any, Literal, NamedTuple
+
+import numpy as np
+
+from cutpoint.control import command_filter
+from cutpoint.control.gains import gain_matrices, gains
+from cutpoint.control.interface import Command, Measurement, Reference
+from cutpoint.control.model_law import ModelLaw
+from cutpoint.definitions import Machine
+from cutpoint.errors import InputError
+from cutpoint.mechanics.elastic_forward import DriveState
+from cutpoint.mechanics.harmonic_drive import (
+    deflection,
+    friction_torque,
+    load_on_motor,
+    motor_position,
+    transmission,
+)
+from cutpoint.mechanics.inverse_dynamics import required_inverse_dynamics
+from cutpoint.mechanics.link_motion import link_motion, torques_on_links
+from cutpoint.model.drive import Drive
+from cutpoint.scalars import Jet, Scalar
+
+TURN = 2 * np.pi
+
+
+class JointGains(NamedTuple):
+    """k_vq (N m s/rad), k_vkappa (N m s/rad) and the gain of the spring (1/s), one each."""
+
+    speed: Any
+    motor: Any
+    spring: Any
+
+
+class JointCommand(NamedTuple):
+    """What a joint subsystem asks of its motor: torque, N m; and how it shall move, rad, rad/s, rad/s2."""
+
+    torque: Any
+    theta: Any
+    theta_dot: Any
+    theta_ddot: Any
+
+
+def required_velocity(position_gain: Any, desired: Any, actual: Any) -> list[Jet]:
+    """v_r = v_d + Lambda (q_d - q), with as many derivatives as `actual` has speeds.  Xia (2019) eq. (12).
+
+    desired: q_d, v_d and its derivatives, (k, n); actual: q, v and its derivatives, (k - 1, n).
+    """
+    rates = [d_next + position_gain * (d - x) for d, d_next, x in zip(desired, desired[1:], actual, strict=False)]
+    return [Jet(*x) for x in zip(*rates, strict=True)]
+
+
+def joint_command(drive: Drive, at: DriveState, q_d: Scalar, v_r: Jet, tau_r: Jet, gain: JointGains) -> JointCommand:
+    """The joint's law, from the required motion and torque of its link.  Xia (2019) eqs. (13), (22), (27)-(28).
+
+    kappa_r' = v_r + d delta_r/dt + beta (delta_r - delta): beside what bends the drive as tau_r asks, the motor makes
+    up for a spring that is not wound as required.  With v_r for kappa_r' a rigid drive's law is the same.
+    """
+    if drive.compliance is None:
+        speed, load = v_r.derivative(0), tau_r.derivative(0)
+        torque = load + friction_torque(drive.motor_friction, speed, load) + gain.motor * (speed - at.v)
+        return JointCommand(torque, q_d, speed, v_r.derivative(1))
+    # how the spring shall be wound, and how far it is from it
+    wound = drive.compliance.deflection(tau_r)
+    turns = transmission(drive, Jet(at.theta, at.theta_dot))
+    lag = wound - Jet(deflection(drive, at.theta, at.q), _value(turns) * at.theta_dot - at.v)
+    kappa_r = (v_r + wound.rate() + gain.spring * lag) / turns
+    speed, acceleration = kappa_r.derivative(0), kappa_r.derivative(1)
+    load = load_on_motor(drive, tau_r.derivative(0), at.theta, speed)
+    torque = drive.reflected_inertia * acceleration + load + gain.motor * (speed - at.theta_dot)
+    return JointCommand(torque, motor_position(drive, q_d + wound.derivative(0)), speed, acceleration)
+
+
+@dataclass(frozen=True, eq=False)
+class VDC(ModelLaw):
+    """Virtual decomposition control of rigid and bending joints.  Xia (2019) eqs. (12)-(28); Zhu (2010).
+
+    position_gain: Lambda, 1/s.  speed_gain: k_vq, of the link's speed, N m s/rad.  motor_gain: k_vkappa, of the motor's
+    speed, N m s/rad.  spring_gain: beta, of the spring's deflection, 1/s.  Each is one number or one for each drive.
+    body_gain: K_B, K_T of each body, on (v, omega) in its own axes: a number, (6,), (6, 6) or one (6, 6) a body;
+    None is none, which k_vq makes up for.
+    derivatives: where a bending drive's kappa_r needs the required torque's derivatives, they are "model", from link
+    acceleration and jerk that the spring's deflection and the model say, or "filter", from a critically damped command
+    filter of filter_bandwidth (Hz).  No encoder is differenced for them.
+    Friction is compensated at required speeds, by value: a friction that grows with speed then only adds damping.
+    """
+
+    position_gain: Any
+    speed_gain: Any
+    motor_gain: Any
+    spring_gain: Any
+    body_gain: Any = None
+    derivatives: Literal["model", "filter"] = "model"
+    filter_bandwidth: Any = 20.0
+
+    makes_motor_reference = True
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        for name in ("position_gain", "speed_gain", "motor_gain", "spring_gain"):
+            value = gains(type(self).__name__, name, getattr(self, name), self.size, positive=name == "position_gain")
+            self._set(**{name: value})
+        if self.body_gain is not None:
+            self._set(body_gain=gain_matrices("VDC", "body_gain", self.body_gain, len(self.model.system.segments)))
+        self._check_derivatives()
+
+    def _check_derivatives(self) -> None:
+        drives = [*self.robot.drives.items()]
+        if self.derivatives not in ("model", "filter"):
+            raise InputError(f"VDC: derivatives {self.derivatives!r} must be 'model' or 'filter'")
+        rigid = [name for name, drive in drives if not drive.is_elastic]
+        if self.derivatives == "model" and 0 < len(rigid) < len(drives):
+            why = f"the drive of {rigid[0]!r} is rigid, so no deflection tells what accelerates its link"
+            raise InputError(f"VDC: {why}; take derivatives='filter'", joint=rigid[0])
+
+    @property
+    def needs(self) -> tuple[str, ...]:
+        """What it must be told by sensors."""
+        return ("q", "v", "theta", "theta_dot") if self._bends else ("q", "v")
+
+    @property
+    def _bends(self) -> bool:
+        return any(drive.is_elastic for drive in self.robot.drives.values())
+
+    @property
+    def machine(self) -> Machine:
+        """The model; with gains of bodies, as their own frames have it."""
+        return self.robot.machine_with(self.parameters, lean=self.body_gain is None)
+
+    def start(self) -> Any:
+        return command_filter.start(self.size) if self._bends and self.derivatives == "filter" else ()
+
+    def step(self, memory: Any, measurement: Measurement, reference: Reference) -> tuple[Any, Command]:
+        memory, v_r, tau_r = self.required(memory, measurement, reference)
+        m, drives = measurement, self.machine.drives
+        states = [DriveState(*x) for x in zip(m.q, m.v, m.theta, m.theta_dot, strict=True)]
+        joint_gains = map(JointGains, self.speed_gain, self.motor_gain, self.spring_gain)
+        subsystems = zip(drives, states, reference.q, v_r, tau_r, joint_gains, strict=True)
+        told = [joint_command(d.drive, *subsystem) for d, *subsystem in subsystems]
+        torque, theta, theta_dot, _ = (np.array(x) for x in zip(*told, strict=True))
+        return memory, Command(torque, 0, theta, theta_dot)
+
+    def required(
+        self, memory: Any, measurement: Measurement, reference: Reference
+    ) -> tuple[Any, list[Jet], list[Jet]]:
+        """Memory after, required velocity of each joint, and the torque that its drive must exert on the link.
+
+        Xia (2019) eqs. (12), (14)-(20), (26).
+        """
+        machine, m, r = self.machine, measurement, reference
+        if self._bends and self.derivatives == "model":
+            tau = torques_on_links(*machine, m.q, m.v, m.theta, m.theta_dot)
+            a, jerk = (np.array(x) for x in link_motion(machine.system, [*m.q], [*m.v], tau))
+            v_r = required_velocity(self.position_gain, r[:5], (m.q, m.v, a, jerk))
+            q, v = ([Jet(*x) for x in zip(*rates, strict=True)] for rates in ((m.q, m.v, a), (m.v, a, jerk)))
+            return memory, v_r, self._required_torque(machine, q, v, v_r)
+        v_r = required_velocity(self.position_gain, r[:3], (m.q, m.v))
+        tau_r = self._required_torque(machine, [*m.q], [*m.v], v_r)
+        if not self._bends:
+            return memory, v_r, [Jet(x) for x in tau_r]
+        memory, filtered = command_filter.step(memory, tau_r, TURN * self.filter_bandwidth, m.period)
+        return memory, v_r, [Jet.of_taylor([x, *z.c[1:]]) for x, z in zip(tau_r, filtered, strict=True)]
+
+    def _required_torque(self, machine: Machine, q: list[Any], v: list[Any], v_r: list[Jet]) -> list[Any]:
+        """tau_r = z^T F_qr + friction + k_vq (v_r - v), with the derivatives that the actual motion has."""
+        speeds, accelerations = _with_orders_of(q[0], v_r)
+        tau = required_inverse_dynamics(machine.system, q, v, speeds, accelerations, self.body_gain)
+        drives = [d.drive for d in machine.drives]
+        lags = [k * (x_r - x) for k, x_r, x in zip(self.speed_gain, speeds, v, strict=True)]
+        frictions = [friction_torque(drive.link_friction, _value(x)) for drive, x in zip(drives, speeds, strict=True)]
+        return [t + lag + xi for t, lag, xi in zip(tau, lags, frictions, strict=True)]
+
+
+def _with_orders_of(q: Any, v_r: list[Jet]) -> tuple[list[Any], list[Any]]:
+    """Required speeds and accelerations: as jets where positions are jets, else as numbers."""
+    if isinstance(q, Jet):
+        return [Jet.of_taylor(x.c[:-1]) for x in v_r], [x.rate() for x in v_r]
+    return [x.derivative(0) for x in v_r], [x.derivative(1) for x in v_r]
+
+
+def _value(x: Any) -> Any:
+    return x.c[0] if isinstance(x, Jet) else x

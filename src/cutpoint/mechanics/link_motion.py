@@ -1,0 +1,43 @@
+"""How links move, from what their drives do to them: acceleration and jerk without differencing any encoder."""
+
+from collections.abc import Sequence
+
+from cutpoint.mechanics.elastic import Driven
+from cutpoint.mechanics.forward_dynamics import solve_symmetric
+from cutpoint.mechanics.harmonic_drive import deflection, friction_torque
+from cutpoint.mechanics.inverse_dynamics import inverse_dynamics
+from cutpoint.mechanics.mass_matrix import mass_matrix
+from cutpoint.mechanics.system import System
+from cutpoint.scalars import Jet, Scalar
+
+Scalars = Sequence[Scalar]
+
+
+def link_motion(system: System, q: Scalars, v: Scalars, tau: Sequence[Jet]) -> tuple[list[Scalar], list[Scalar]]:
+    """Acceleration and jerk of the links under torques tau with their rates: M a + bias = tau, and its derivative.
+
+    Two solutions with one mass matrix.  De Luca and Book (2016) section 11.1.3.
+    """
+    M = mass_matrix(system, q)
+    bias = inverse_dynamics(system, q, v, [0] * system.nv)
+    a = solve_symmetric(M, [t.derivative(0) - b for t, b in zip(tau, bias, strict=True)])
+    # what torques would change by, did the acceleration stay as it is
+    q_moving, v_moving = ([Jet(*x) for x in zip(*pair, strict=True)] for pair in ((q, v), (v, a)))
+    held = inverse_dynamics(system, q_moving, v_moving, [Jet(x, 0) for x in a])
+    return a, solve_symmetric(M, [t.derivative(1) - h.derivative(1) for t, h in zip(tau, held, strict=True)])
+
+
+def torques_on_links(
+    system: System, drives: Sequence[Driven], q: Scalars, v: Scalars, theta: Scalars, theta_dot: Scalars
+) -> list[Jet]:
+    """What bending drives exert on their links, with its rate, N m and N m/s; friction and damping enter by value.
+
+    Xia (2019) eqs. (2)-(3), (21).
+    """
+    tau = [Jet(0, 0)] * system.nv
+    for d, x, w in zip(drives, theta, theta_dot, strict=True):
+        assert d.drive.compliance is not None, "a rigid drive has no deflection to read a torque from"
+        wound = deflection(d.drive, Jet(x, w), Jet(q[d.q], v[d.v]))
+        damping = 0 if d.drive.damping is None else d.drive.damping * wound.derivative(1)
+        tau[d.v] = d.drive.compliance.torque(wound) + (damping - friction_torque(d.drive.link_friction, v[d.v]))
+    return tau
