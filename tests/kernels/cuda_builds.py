@@ -69,15 +69,16 @@ class CpuKernel:
 def _passed(x: Any) -> Any:
     if isinstance(x, np.int64):
         return ctypes.c_longlong(int(x))
-    assert isinstance(x, np.ndarray) and x.dtype == float and x.flags.c_contiguous
+    assert isinstance(x, np.ndarray) and x.dtype.kind == "f" and x.flags.c_contiguous
     return x.ctypes.data_as(ctypes.c_void_p)
 
 
 def rows_of(kernel: CpuKernel, graph: Graph, *given: np.ndarray) -> list[np.ndarray]:
     """Every output's rows, for each input's rows; an input that all share has one."""
     count = max(len(x) for x in given)
-    out = [np.full((count, *p.shape), np.pi) for p in graph.outputs if p.size]
+    dtype = graph.precision.dtype
+    out = [np.full((count, *p.shape), np.pi, dtype) for p in graph.outputs if p.size]
     steps = [np.int64(0 if len(x) == 1 else x[0].size) for x in given]
-    read = [part for x, step in zip(given, steps, strict=True) for part in (np.ascontiguousarray(x), step)]
+    read = [part for x, step in zip(given, steps, strict=True) for part in (np.ascontiguousarray(x, dtype), step)]
     kernel((-(-count // 128),), (128,), (np.int64(count), *read, *out))
     return out

@@ -218,6 +218,14 @@ def test_strided_arrays_are_tidied(stand_in: StandIn) -> None:
     assert_same_bits(kernel.on_gpu()(x[::2]), kernel(x[::2]))
 
 
+def test_a_launch_in_single_precision_gives_the_bits_of_machine_code(stand_in: StandIn) -> None:
+    kernel, rng = compile(both, q=2, v=(), M=(2, 3), backend="llvm").float32, np.random.default_rng(0)
+    given = [rng.normal(size=(300, *own)) for own in ((2,), (), (2, 3))]
+    for ours, theirs in zip(kernel.on_gpu()(*given), kernel(*given), strict=True):
+        assert ours.dtype == np.float32
+        assert_same_bits(ours, theirs)
+
+
 def test_shapes_that_do_not_fit_are_refused(stand_in: StandIn) -> None:
     function = compile(both, name="law", q=2, v=(), M=(2, 3)).on_gpu()
     with pytest.raises(InputError, match=r"law: q has shape \(3,\), its last axis must be 2"):

@@ -36,7 +36,7 @@ class ElasticComputedTorque(ModelLaw):
 
     def step(self, memory: Any, measurement: Measurement, reference: Reference) -> tuple[Any, Command]:
         machine, m, r, w = self.model, measurement, reference, self.bandwidth
-        tau = torques_on_links(*machine, m.q, m.v, m.theta, m.theta_dot)
+        tau = torques_on_links(*machine, m.q, m.v, m.theta, m.theta_dot, r.v)
         a, jerk = (np.array(x) for x in link_motion(machine.system, [*m.q], [*m.v], tau))
         # (s + w)^4 = s^4 + 4 w s^3 + 6 w^2 s^2 + 4 w^3 s + w^4
         snap = r.snap + 4 * w * (r.jerk - jerk) + 6 * w * w * (r.a - a)

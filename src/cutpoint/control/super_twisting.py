@@ -39,7 +39,7 @@ class SuperTwisting(RigidLaw):
 
     def step(self, memory: Any, measurement: Measurement, reference: Reference) -> tuple[Any, Command]:
         s, tau = required_effort(self, measurement, reference)
-        sign = np.array([where(x < 0, -1.0, 1.0) for x in s])
+        sign = np.array([where(x < 0, -1.0, where(x > 0, 1.0, 0.0)) for x in s])
         root = np.array([sqrt(absolute(x)) for x in s])
         torque = tau + self.speed_gain * s + self.root_gain * root * sign + np.array(memory)
         return [*(np.array(memory) + measurement.period * self.twist * sign)], Command(torque)

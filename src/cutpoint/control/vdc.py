@@ -156,7 +156,8 @@ class VDC(ModelLaw):
         """
         machine, m, r = self.machine, measurement, reference
         if self._bends and self.derivatives == "model":
-            tau = torques_on_links(*machine, m.q, m.v, m.theta, m.theta_dot)
+            v_r = required_velocity(self.position_gain, r[:3], (m.q, m.v))
+            tau = torques_on_links(*machine, m.q, m.v, m.theta, m.theta_dot, [x.derivative(0) for x in v_r])
             a, jerk = (np.array(x) for x in link_motion(machine.system, [*m.q], [*m.v], tau))
             v_r = required_velocity(self.position_gain, r[:5], (m.q, m.v, a, jerk))
             q, v = ([Jet(*x) for x in zip(*rates, strict=True)] for rates in ((m.q, m.v, a), (m.v, a, jerk)))

@@ -8,6 +8,7 @@ import numpy as np
 from cutpoint.errors import InputError, unknown_name
 from cutpoint.kernels.graph import Graph
 from cutpoint.kernels.ports import Port, Shape
+from cutpoint.kernels.precision import Precision
 
 
 def in_order(kernel: str, ports: Sequence[Port], arguments: Sequence[Any], named: Mapping[str, Any]) -> list[Any]:
@@ -30,16 +31,19 @@ def in_order(kernel: str, ports: Sequence[Port], arguments: Sequence[Any], named
     return [*arguments, *(named[key] for key in names[len(arguments) :])]
 
 
-def as_float64(argument: Any) -> np.ndarray:
-    """The argument as an array of float64.
+def as_numbers(argument: Any, precision: Precision) -> np.ndarray:
+    """The argument as an array of this precision: other real numbers are rounded, without a warning.
 
     Raises:
         TypeError: it holds anything but real numbers.
     """
     array = np.asarray(argument)
-    if not np.can_cast(array.dtype, np.float64, "same_kind"):
+    if array.dtype is precision.dtype:
+        return array
+    if not np.can_cast(array.dtype, precision.dtype, "same_kind"):
         raise TypeError(f"{array.dtype} is not a real number")
-    return array.astype(np.float64, copy=False)
+    with np.errstate(all="ignore"):
+        return array.astype(precision.dtype, copy=False)
 
 
 def batch_shape(port: Port, array: np.ndarray) -> Shape:
@@ -60,7 +64,7 @@ def explained(kernel: str, graph: Graph, arguments: Sequence[Any], out: Any, err
     batches = {}
     for port, argument in zip(graph.inputs, arguments, strict=True):
         try:
-            batches[port.name] = batch_shape(port, as_float64(argument))
+            batches[port.name] = batch_shape(port, as_numbers(argument, graph.precision))
         except (TypeError, ValueError) as problem:
             return InputError(f"{kernel}: {port.name} {_phrase(argument, problem)}", name=port.name)
     try:

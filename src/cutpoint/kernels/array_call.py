@@ -4,9 +4,10 @@ from collections.abc import Sequence
 from functools import cached_property
 from typing import Any
 
-from cutpoint.kernels.arguments import explained, in_order
+from cutpoint.kernels.arguments import as_numbers, explained, in_order
 from cutpoint.kernels.backends import Function
 from cutpoint.kernels.graph import Graph
+from cutpoint.kernels.precision import FLOAT64
 from cutpoint.kernels.strided import Strided
 from cutpoint.kernels.threads import Threaded, checked
 
@@ -26,6 +27,8 @@ class ArrayCall:
             arguments = tuple(in_order(self._name, self._graph.inputs, arguments, named))
         count = 1 if threads is None else checked(self._name, threads)
         try:
+            if self._graph.precision is not FLOAT64:  # what NumPy itself refuses is rounded
+                arguments = tuple(as_numbers(x, self._graph.precision) for x in arguments)
             result = self._run(arguments, out) if count == 1 else self._threaded(count, arguments, out)
         except (TypeError, ValueError) as error:
             raise explained(self._name, self._graph, arguments, out, error) from None
@@ -44,4 +47,5 @@ class ArrayCall:
         def call(*arguments: Any, out: Any) -> Any:
             return self._run(arguments, out)
 
-        return Threaded(self._graph.inputs, self._graph.outputs, len(self._graph.nodes), call)
+        graph = self._graph
+        return Threaded(graph.inputs, graph.outputs, len(graph.nodes), call, graph.precision)

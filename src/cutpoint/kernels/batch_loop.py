@@ -9,13 +9,14 @@ from collections.abc import Sequence
 
 from cutpoint.kernels import element
 from cutpoint.kernels.graph import Graph
-from cutpoint.kernels.llvm import SCALAR
+from cutpoint.kernels.llvm import Lanes
 from cutpoint.kernels.llvm_code import Code
 from cutpoint.kernels.ports import Port
+from cutpoint.kernels.precision import Precision
 
 FUNCTION = "batch_loop"
 
-_HEADER = f"""{SCALAR.declarations}declare void @llvm.memset.p0.i64(ptr, i8, i64, i1)
+_HEADER = f"""declare void @llvm.memset.p0.i64(ptr, i8, i64, i1)
 declare i32 @feclearexcept(i32)
 define void @{FUNCTION}(ptr %arguments, ptr %dimensions, ptr %steps, ptr %packs) {{
 entry:"""
@@ -27,31 +28,33 @@ WORTH_MAKING_PACKS = 64
 class _Argument:
     """One port's pointers and strides inside the loop."""
 
-    def __init__(self, code: Code, port: Port, number: int, first_stride: int) -> None:
-        self.port = port
+    def __init__(self, code: Code, precision: Precision, port: Port, number: int, first_stride: int) -> None:
+        self.port, self._precision = port, precision
         self.start = code.load("%arguments", number, "ptr")
         self.step = code.load("%steps", number, "i64")
         self.strides = [code.load("%steps", first_stride + axis, "i64") for axis in range(len(port.shape))]
-        self.scratch = code.let(f"alloca double, i64 {port.size}")
+        self.scratch = code.let(f"alloca {precision.real}, i64 {port.size}")
         self.here = ""
 
     def is_tidy(self, code: Code) -> list[str]:
         """Conditions that together say that the argument's own axes are C-contiguous."""
-        items = _row_lengths(self.port.shape)
-        return [code.let(f"icmp eq i64 {s}, {8 * n}") for s, n in zip(self.strides, items, strict=True)]
+        sizes = [self._precision.item * n for n in _row_lengths(self.port.shape)]
+        return [code.let(f"icmp eq i64 {s}, {n}") for s, n in zip(self.strides, sizes, strict=True)]
 
     def advance(self, code: Code, index: str) -> None:
         self.here = code.at(self.start, code.let(f"mul i64 {self.step}, {index}"), "i8")
 
     def copy(self, code: Code, *, inward: bool) -> None:
         """Between the argument and its scratch memory, element by element."""
+        kind = self._precision.real
         with code.loop(self.port.size) as loop:
             outside = self.here
             for n, length, stride in zip(_row_lengths(self.port.shape), self.port.shape, self.strides, strict=True):
                 index = code.let(f"urem i64 {code.let(f'udiv i64 {loop.iteration}, {n}')}, {length}")
                 outside = code.at(outside, code.let(f"mul i64 {index}, {stride}"), "i8")
             source, target = (outside, self.scratch) if inward else (self.scratch, outside)
-            code.store(code.load(source, 0 if inward else loop.iteration), target, loop.iteration if inward else 0)
+            value = code.load(source, 0 if inward else loop.iteration, kind)
+            code.store(value, target, loop.iteration if inward else 0, kind)
 
 
 def batch_loop(graph: Graph, inputs: Sequence[Port], outputs: Sequence[Port], width: int | None) -> str:
@@ -62,7 +65,7 @@ def batch_loop(graph: Graph, inputs: Sequence[Port], outputs: Sequence[Port], wi
     code = Code()
     arguments, first_stride = [], len(inputs) + len(outputs)
     for number, port in enumerate((*inputs, *outputs)):
-        arguments.append(_Argument(code, port, number, first_stride))
+        arguments.append(_Argument(code, graph.precision, port, number, first_stride))
         first_stride += len(port.shape)
     tidy = "true"
     for condition in [*_is_apart(code, arguments, len(inputs)), *(c for a in arguments for c in a.is_tidy(code))]:
@@ -76,7 +79,8 @@ def batch_loop(graph: Graph, inputs: Sequence[Port], outputs: Sequence[Port], wi
         _one(code, arguments[: len(inputs)], arguments[len(inputs) :], tidy)
     # results, not processor flags, tell of overflow and NaN: both sides of a select are computed
     code.let(f"call i32 @feclearexcept(i32 {_ALL_EXCEPTIONS})")
-    return "\n".join([element.element(graph, inputs, outputs), _HEADER, *code.lines, "ret void", "}", ""])
+    head = f"{Lanes(1, graph.precision).declarations}{_HEADER}"
+    return "\n".join([element.element(graph, inputs, outputs), head, *code.lines, "ret void", "}", ""])
 
 
 def _is_apart(code: Code, arguments: list[_Argument], inputs: int) -> list[str]:

@@ -41,7 +41,7 @@ class MachineBlocks:
         self.width = width
         self._inputs, self._outputs = wide(graph.inputs, width), wide(graph.outputs, width)
         text = block_loop(lowered, graph.inputs, graph.outputs, width)
-        self._gufunc = LoopGufunc(text, FUNCTION, self._inputs, self._outputs, name)
+        self._gufunc = LoopGufunc(text, FUNCTION, graph.precision, self._inputs, self._outputs, name)
 
     def call(self, *arguments: Any, out: Any = None) -> Any:
         """Inputs whose blocks are not C-contiguous are copied first."""

@@ -6,7 +6,7 @@ A block is (*shape, width) in C order, so every number of a port is one vector i
 from collections.abc import Sequence
 
 from cutpoint.kernels.graph import Graph
-from cutpoint.kernels.lane_memory import ALL_EXCEPTIONS, ITEM
+from cutpoint.kernels.lane_memory import ALL_EXCEPTIONS
 from cutpoint.kernels.llvm import Lanes, straight_line
 from cutpoint.kernels.llvm_code import Code
 from cutpoint.kernels.ports import Port
@@ -37,7 +37,7 @@ def block_loop(graph: Graph, inputs: Sequence[Port], outputs: Sequence[Port], wi
 
     The ports are the graph's own.  An output may be an input: results wait in scratch memory then.
     """
-    code, lanes = Code(), Lanes(width)
+    code, lanes = Code(), Lanes(width, graph.precision)
     scratch = [code.let(f"alloca {lanes.real}, i64 {port.size}") for port in outputs]
     arguments = [_Memory(code, number) for number in range(len(inputs) + len(outputs))]
     sources, targets = arguments[: len(inputs)], arguments[len(inputs) :]
@@ -70,12 +70,12 @@ def _block(code: Code, graph: Graph, lanes: Lanes, read: list[tuple[str, int]], 
     """One block from memory to memory."""
 
     def ready(slot: int, value: str) -> None:
-        code.store(value, *write[slot], lanes.real, align=ITEM)  # all that NumPy promises
+        code.store(value, *write[slot], lanes.real, align=lanes.item)  # all that NumPy promises
 
     for slot, x in enumerate(graph.results):
         if isinstance(x, float):
             ready(slot, lanes.constant(x))
-    straight_line(code, graph, lambda slot: code.load(*read[slot], lanes.real, align=ITEM), ready, lanes)
+    straight_line(code, graph, lambda slot: code.load(*read[slot], lanes.real, align=lanes.item), ready, lanes)
 
 
 def _streams(code: Code, arguments: list[_Memory], targets: list[_Memory], count: str, lanes: Lanes) -> str:
@@ -87,7 +87,7 @@ def _streams(code: Code, arguments: list[_Memory], targets: list[_Memory], count
         start = code.let(f"ptrtoint ptr {target.start} to i64")
         places = code.let(f"or i64 {places}, {code.let(f'or i64 {start}, {target.step}')}")
     is_long = code.let(f"icmp sgt i64 {code.let(f'mul i64 {total}, {count}')}, {BEYOND_CACHES}")
-    odd = code.let(f"and i64 {places}, {ITEM * lanes.width - 1}")
+    odd = code.let(f"and i64 {places}, {lanes.item * lanes.width - 1}")
     return code.let(f"and i1 {is_long}, {code.let(f'icmp eq i64 {odd}, 0')}")
 
 
@@ -95,7 +95,8 @@ def _move(code: Code, lanes: Lanes, size: int, source: str, target: str, streams
     """Results that waited in scratch memory."""
     past, through, end = code.name("past"), code.name("through"), code.name("end")
     code.branch(streams, past, through)
-    for label, suffix in ((past, f"align {ITEM * lanes.width}, !nontemporal !0"), (through, f"align {ITEM}")):
+    whole = lanes.item * lanes.width
+    for label, suffix in ((past, f"align {whole}, !nontemporal !0"), (through, f"align {lanes.item}")):
         code.open(label)
         with code.loop(size) as loop:
             value = code.load(source, loop.iteration, lanes.real)

@@ -7,10 +7,11 @@ from typing import Any
 import numpy as np
 
 from cutpoint.errors import InputError
-from cutpoint.kernels.arguments import as_float64, explained, in_order
+from cutpoint.kernels.arguments import as_numbers, explained, in_order
 from cutpoint.kernels.backends import Function
 from cutpoint.kernels.block_function import block_function, wide
 from cutpoint.kernels.graph import Graph
+from cutpoint.kernels.precision import FLOAT64, Precision
 from cutpoint.kernels.threads import Threaded, checked
 from cutpoint.kernels.waiting import shown
 
@@ -24,7 +25,8 @@ class Blocks:
     `parameters[:, None]` is the same for all.  Results have the bits that rows would have.
 
     Attributes:
-        width: how many elements a block holds: 8, 4 or 2, as many float64 as this processor's instructions take.
+        width: how many elements a block holds: 8, 4 or 2, as many float64 as this processor's instructions take, or
+            twice as many float32.
     """
 
     def __init__(self, name: str, graph: Graph, function: Function, record: type[tuple[Any, ...]] | None) -> None:
@@ -46,6 +48,8 @@ class Blocks:
         given = [self._spread(x) for x in in_order(self._name, self._wide.inputs, arguments, named)]
         count = 1 if threads is None else checked(self._name, threads)
         try:
+            if self._wide.precision is not FLOAT64:
+                given = [as_numbers(x, self._wide.precision) for x in given]
             result = self._function.call(*given, out=out) if count == 1 else self._threaded(count, given, out)
         except (TypeError, ValueError) as error:
             raise explained(self._name, self._wide, given, out, error) from None
@@ -59,10 +63,10 @@ class Blocks:
         Raises:
             InputError: there are no rows.
         """
-        array = as_float64(rows)
+        array = as_numbers(rows, self._wide.precision)
         if not array.ndim or not len(array):
             raise InputError(f"{self._name}: an array of shape {array.shape} has no rows to make blocks of")
-        blocks = _aligned((-(-len(array) // self.width), *array.shape[1:], self.width))
+        blocks = _aligned((-(-len(array) // self.width), *array.shape[1:], self.width), self._wide.precision)
         full = len(array) // self.width
         blocks[:full] = np.moveaxis(array[: full * self.width].reshape(full, self.width, *array.shape[1:]), 1, -1)
         rest = array[full * self.width :]
@@ -77,7 +81,7 @@ class Blocks:
         Raises:
             InputError: they are no blocks of this width, or hold fewer rows.
         """
-        array = as_float64(blocks)
+        array = as_numbers(blocks, self._wide.precision)
         if array.ndim < 2 or array.shape[-1] != self.width or not 0 <= count <= len(array) * self.width:
             rule = f"it must be (blocks, ..., {self.width}) with at least {count} rows"
             raise InputError(f"{self._name}: an array of blocks has shape {array.shape}, {rule}")
@@ -92,12 +96,13 @@ class Blocks:
     @cached_property
     def _threaded(self) -> Threaded:
         operations = len(self._wide.nodes) * self.width
-        return Threaded(self._wide.inputs, self._wide.outputs, operations, self._function.call)
+        ports = (self._wide.inputs, self._wide.outputs)
+        return Threaded(*ports, operations, self._function.call, self._wide.precision)
 
 
-def _aligned(shape: tuple[int, ...]) -> np.ndarray:
+def _aligned(shape: tuple[int, ...], precision: Precision) -> np.ndarray:
     """An array that begins where a line of the cache does: vectors across two lines take longer."""
-    size = int(np.prod(shape))
-    memory = np.empty(size * 8 + _CACHE_LINE, np.uint8)
+    size = int(np.prod(shape)) * precision.item
+    memory = np.empty(size + _CACHE_LINE, np.uint8)
     start = -memory.ctypes.data % _CACHE_LINE
-    return memory[start : start + size * 8].view(np.float64).reshape(shape)
+    return memory[start : start + size].view(precision.dtype).reshape(shape)

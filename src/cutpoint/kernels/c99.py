@@ -7,30 +7,31 @@ those are refused, and contraction is switched off, at the head of the file.
 import math
 import re
 from collections.abc import Sequence
+from string import Template
 from typing import Any
 
 from cutpoint.errors import InputError
-from cutpoint.kernels.elementary import MAGIC
 from cutpoint.kernels.graph import Graph
 from cutpoint.kernels.nodes import CONDITIONS, Node
 from cutpoint.kernels.ports import Port
+from cutpoint.kernels.precision import Precision
 
 _FORMS = {
-    "add": "{} + {}", "sub": "{} - {}", "mul": "{} * {}", "div": "{} / {}", "neg": "-{}", "sqrt": "sqrt({})",
-    "fma": "fma({}, {}, {})", "fms": "fma({}, {}, -{})", "fnma": "fma(-{}, {}, {})",
+    "add": "{} + {}", "sub": "{} - {}", "mul": "{} * {}", "div": "{} / {}", "neg": "-{}", "sqrt": "sqrt{f}({})",
+    "fma": "fma{f}({}, {}, {})", "fms": "fma{f}({}, {}, -{})", "fnma": "fma{f}(-{}, {}, {})",
     "lt": "{} < {}", "le": "{} <= {}", "and": "{} & {}", "or": "{} | {}", "not": "!{}", "select": "{} ? {} : {}",
 }  # fmt: skip
 """Operations that C has; all others are calls of the functions below."""
 
 _BITS = """\
-static inline uint64_t cutpoint_bits(double x) {
-  uint64_t bits;
+static inline $word cutpoint_bits($real x) {
+  $word bits;
   memcpy(&bits, &x, sizeof bits);
   return bits;
 }
 
-static inline double cutpoint_real(uint64_t bits) {
-  double x;
+static inline $real cutpoint_real($word bits) {
+  $real x;
   memcpy(&x, &bits, sizeof x);
   return x;
 }
@@ -38,30 +39,30 @@ static inline double cutpoint_real(uint64_t bits) {
 
 _HELPERS = {
     "flip": """\
-static inline double cutpoint_flip(double a, int bit, double c) {
-  return cutpoint_real(cutpoint_bits(c) ^ (cutpoint_bits(a) >> bit & 1) << 63);
+static inline $real cutpoint_flip($real a, int bit, $real c) {
+  return cutpoint_real(cutpoint_bits(c) ^ (cutpoint_bits(a) >> bit & 1) << $top);
 }
 """,
     # by masks, since which side is taken cannot be predicted
     "pick": """\
-static inline double cutpoint_pick(double a, int bit, double c, double d) {
-  const uint64_t mask = 0 - (cutpoint_bits(a) >> bit & 1);
+static inline $real cutpoint_pick($real a, int bit, $real c, $real d) {
+  const $word mask = 0 - (cutpoint_bits(a) >> bit & 1);
   return cutpoint_real((cutpoint_bits(c) & mask) | (cutpoint_bits(d) & ~mask));
 }
 """,
-    "pow2": f"""\
-static inline double cutpoint_pow2(double a) {{
-  return cutpoint_real((cutpoint_bits(a + {MAGIC.hex()}) + 1023) << 52);
-}}
+    "pow2": """\
+static inline $real cutpoint_pow2($real a) {
+  return cutpoint_real((cutpoint_bits(a + $magic) + $bias) << $fraction);
+}
 """,
     "exponent": """\
-static inline double cutpoint_exponent(double a) {
-  return (double)((int)(cutpoint_bits(a) >> 52) - 1023);
+static inline $real cutpoint_exponent($real a) {
+  return ($real)((int)(cutpoint_bits(a) >> $fraction) - $bias);
 }
 """,
     "significand": """\
-static inline double cutpoint_significand(double a) {
-  return cutpoint_real((cutpoint_bits(a) & 0xfffffffffffffU) | (uint64_t)1023 << 52);
+static inline $real cutpoint_significand($real a) {
+  return cutpoint_real((cutpoint_bits(a) & ${mask}U) | ($word)$bias << $fraction);
 }
 """,
 }
@@ -75,14 +76,25 @@ _RESERVED = frozenset({
     "or_eq", "private", "protected", "public", "register", "reinterpret_cast", "restrict", "return", "short",
     "signed", "sizeof", "static", "static_assert", "static_cast", "struct", "switch", "template", "this",
     "thread_local", "throw", "true", "try", "typedef", "typeid", "typename", "union", "unsigned", "using", "virtual",
-    "void", "volatile", "wchar_t", "while", "xor", "xor_eq", "fma", "sqrt", "memcpy", "uint64_t", "main",
+    "void", "volatile", "wchar_t", "while", "xor", "xor_eq", "fma", "fmaf", "sqrt", "sqrtf", "memcpy", "uint32_t",
+    "uint64_t", "main",
 })  # fmt: skip
 """Words of C and C++, and what the code calls."""
 
 
-def number(x: float) -> str:
+def words(precision: Precision) -> dict[str, Any]:
+    """What stands in templates for numbers of this precision, and for their bits."""
+    magic, mask = number(precision.magic, precision), hex((1 << precision.fraction) - 1)
+    return {
+        "real": precision.c, "word": f"uint{precision.bits}_t", "top": precision.bits - 1, "mask": mask,
+        "fraction": precision.fraction, "bias": precision.bias, "magic": magic,
+    }  # fmt: skip
+
+
+def number(x: float, precision: Precision) -> str:
     """A float as a C99 constant: hexadecimal, so no digit is lost; in parentheses where it has a sign."""
-    text = "NAN" if math.isnan(x) else "INFINITY" if math.isinf(x) else abs(x).hex()
+    x = precision.rounded(x)
+    text = "NAN" if math.isnan(x) else "INFINITY" if math.isinf(x) else f"{abs(x).hex()}{precision.suffix}"
     return f"(-{text})" if math.copysign(1, x) < 0 and not math.isnan(x) else text
 
 
@@ -100,37 +112,41 @@ def check_names(function: str, inputs: Sequence[Port], outputs: Sequence[Port]) 
         )
 
 
-def parameters(inputs: Sequence[Port], outputs: Sequence[Port]) -> str:
+def parameters(inputs: Sequence[Port], outputs: Sequence[Port], precision: Precision) -> str:
     """The function's parameters: a number by value, arrays by their address, rows one after another."""
-    given = [f"const double {p.name}[{p.size}]" if p.shape else f"double {p.name}" for p in inputs]
-    return ", ".join([*given, *(f"double {p.name}[{p.size}]" for p in outputs)])
+    real = precision.c
+    given = [f"const {real} {p.name}[{p.size}]" if p.shape else f"{real} {p.name}" for p in inputs]
+    return ", ".join([*given, *(f"{real} {p.name}[{p.size}]" for p in outputs)])
 
 
 def helpers(graph: Graph) -> str:
     """The functions that the code of a lowered graph calls."""
     used = [text for op, text in _HELPERS.items() if op in graph.operations]
-    return "\n".join([_BITS, *used]) + "\n" if used else ""
+    text = "\n".join([_BITS, *used]) + "\n" if used else ""
+    return Template(text).substitute(words(graph.precision))
 
 
 def body(graph: Graph, inputs: Sequence[Port], outputs: Sequence[Port]) -> str:
     """The statements of a lowered graph.  All inputs are read before an output is written, so they may share memory."""
     names: dict[int, str] = {}
-    read, write = _slots(inputs, by_value=True), _slots(outputs)
+    read, write, precision = _slots(inputs, by_value=True), _slots(outputs), graph.precision
 
     def name(x: Any) -> str:
-        return names[x.serial] if isinstance(x, Node) else number(x) if isinstance(x, float) else str(x)
+        return names[x.serial] if isinstance(x, Node) else number(x, precision) if isinstance(x, float) else str(x)
 
     lines = [f"(void){p.name};" for p in inputs if not _is_read(graph, p, inputs)]
     for count, x in enumerate(graph.nodes):
         names[x.serial] = f"_{count}"
-        value = read[x.args[0]] if x.op == "input" else _expression(x.op, [name(y) for y in x.args])
-        lines.append(f"const {'int' if x.op in CONDITIONS else 'double'} _{count} = {value};")
+        value = read[x.args[0]] if x.op == "input" else _expression(x.op, [name(y) for y in x.args], precision)
+        lines.append(f"const {'int' if x.op in CONDITIONS else precision.c} _{count} = {value};")
     lines += [f"{slot} = {name(x)};" for slot, x in zip(write, graph.results, strict=True)]
     return "".join(f"  {line}\n" for line in lines)
 
 
-def _expression(op: str, operands: list[str]) -> str:
-    return _FORMS[op].format(*operands) if op in _FORMS else f"cutpoint_{op}({', '.join(operands)})"
+def _expression(op: str, operands: list[str], precision: Precision) -> str:
+    if op in _FORMS:
+        return _FORMS[op].format(*operands, f=precision.suffix)
+    return f"cutpoint_{op}({', '.join(operands)})"
 
 
 def _slots(ports: Sequence[Port], by_value: bool = False) -> list[str]:

@@ -7,6 +7,7 @@ import numpy as np
 
 from cutpoint.errors import InputError
 from cutpoint.files import replacing
+from cutpoint.kernels.arguments import as_numbers
 from cutpoint.kernels.backends import array_function, chosen
 from cutpoint.kernels.c99_texts import GENERATED, Notes, texts
 from cutpoint.kernels.graph import Graph
@@ -64,7 +65,8 @@ def _recorded(graph: Graph, name: str, notes: Notes) -> tuple[np.ndarray, np.nda
         spread = scales.reshape(-1, *[1] * len(p.shape))
         usual = notes.values.get(p.name)
         # the first case has scale 0: there the values are exact
-        given.append(random * spread if usual is None else usual.numbers * (1 + np.minimum(spread, 1) * random / 20))
+        numbers = random * spread if usual is None else usual.numbers * (1 + np.minimum(spread, 1) * random / 20)
+        given.append(as_numbers(numbers, graph.precision))
     function = array_function(graph, name, chosen("llvm"))  # it must outlive its call, whose code it owns
     found = function.call(*given)
     columns = found if isinstance(found, tuple) else (found,)

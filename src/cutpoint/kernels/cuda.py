@@ -1,53 +1,61 @@
 """CUDA C of a graph: one thread computes one configuration, in straight-line code that rounds as our machine code does.
 
-Every rounding is one of CUDA's intrinsics, __dadd_rn and its like, which compilers neither contract nor reassociate.
+Every rounding is one of CUDA's intrinsics, __dadd_rn or __fadd_rn and their like, which compilers neither contract nor
+reassociate.
 """
 
 import math
 from collections.abc import Sequence
+from string import Template
 from typing import Any
 
 from cutpoint.kernels import c99
-from cutpoint.kernels.elementary import MAGIC
 from cutpoint.kernels.graph import Graph
 from cutpoint.kernels.lowering import lower
 from cutpoint.kernels.nodes import CONDITIONS, Node
 from cutpoint.kernels.ports import Port
+from cutpoint.kernels.precision import FLOAT32, FLOAT64, Precision
 
 _FORMS = {
-    "add": "__dadd_rn({}, {})", "sub": "__dsub_rn({}, {})", "mul": "__dmul_rn({}, {})", "div": "__ddiv_rn({}, {})",
-    "neg": "-{}", "sqrt": "__dsqrt_rn({})",
-    "fma": "__fma_rn({}, {}, {})", "fms": "__fma_rn({}, {}, -{})", "fnma": "__fma_rn(-{}, {}, {})",
+    "add": "__{d}add_rn({}, {})", "sub": "__{d}sub_rn({}, {})", "mul": "__{d}mul_rn({}, {})",
+    "div": "__{d}div_rn({}, {})", "neg": "-{}", "sqrt": "__{d}sqrt_rn({})",
+    "fma": "__fma{f}_rn({}, {}, {})", "fms": "__fma{f}_rn({}, {}, -{})", "fnma": "__fma{f}_rn(-{}, {}, {})",
     "lt": "{} < {}", "le": "{} <= {}", "and": "{} & {}", "or": "{} | {}", "not": "!{}", "select": "{} ? {} : {}",
 }  # fmt: skip
 """Operations that CUDA has; all others are calls of the functions below."""
 
+_WORDS = {
+    FLOAT64: {"whole": "long long", "as_bits": "__double_as_longlong", "as_real": "__longlong_as_double", "d": "d"},
+    FLOAT32: {"whole": "int", "as_bits": "__float_as_int", "as_real": "__int_as_float", "d": "f"},
+}
+"""What CUDA calls a number's bits, how to come by them and back, and the letter in the names of its roundings."""
+
 _HELPERS = {
     "flip": """\
-static __device__ double cutpoint_flip(double a, int bit, double c) {
-  const unsigned long long sign = (unsigned long long)__double_as_longlong(a) >> bit & 1;
-  return __longlong_as_double(__double_as_longlong(c) ^ (long long)(sign << 63));
+static __device__ $real cutpoint_flip($real a, int bit, $real c) {
+  const unsigned $whole sign = (unsigned $whole)$as_bits(a) >> bit & 1;
+  return $as_real($as_bits(c) ^ ($whole)(sign << $top));
 }
 """,
     "pick": """\
-static __device__ double cutpoint_pick(double a, int bit, double c, double d) {
-  return __double_as_longlong(a) >> bit & 1 ? c : d;
+static __device__ $real cutpoint_pick($real a, int bit, $real c, $real d) {
+  return $as_bits(a) >> bit & 1 ? c : d;
 }
 """,
-    "pow2": f"""\
-static __device__ double cutpoint_pow2(double a) {{
-  const long long bits = __double_as_longlong(__dadd_rn(a, {MAGIC.hex()})) + 1023;
-  return __longlong_as_double((long long)((unsigned long long)bits << 52));
-}}
+    "pow2": """\
+static __device__ $real cutpoint_pow2($real a) {
+  const $whole bits = $as_bits(__${d}add_rn(a, $magic)) + $bias;
+  return $as_real(($whole)((unsigned $whole)bits << $fraction));
+}
 """,
     "exponent": """\
-static __device__ double cutpoint_exponent(double a) {
-  return (double)((int)((unsigned long long)__double_as_longlong(a) >> 52) - 1023);
+static __device__ $real cutpoint_exponent($real a) {
+  return ($real)((int)((unsigned $whole)$as_bits(a) >> $fraction) - $bias);
 }
 """,
     "significand": """\
-static __device__ double cutpoint_significand(double a) {
-  return __longlong_as_double((__double_as_longlong(a) & 0xfffffffffffffLL) | 1023LL << 52);
+static __device__ $real cutpoint_significand($real a) {
+  return $as_real(($as_bits(a) & $mask) | ($whole)$bias << $fraction);
 }
 """,
 }
@@ -71,9 +79,9 @@ def full(graph: Graph) -> tuple[list[Port], list[Port]]:
 
 def declaration(name: str, graph: Graph) -> str:
     """The kernel's head."""
-    inputs, outputs = full(graph)
-    read = [f"const double *__restrict__ {p.name}, long long {_step(p).name}" for p in inputs]
-    arguments = ["long long count", *read, *(f"double *__restrict__ {p.name}" for p in outputs)]
+    (inputs, outputs), real = full(graph), graph.precision.c
+    read = [f"const {real} *__restrict__ {p.name}, long long {_step(p).name}" for p in inputs]
+    arguments = ["long long count", *read, *(f"{real} *__restrict__ {p.name}" for p in outputs)]
     lines = ",\n    ".join(arguments)
     return f'extern "C" __global__ void {name}(\n    {lines})'
 
@@ -85,18 +93,19 @@ def code(name: str, graph: Graph) -> str:
     """
     check_names(name, graph)
     lowered = lower(graph)
-    helpers = "\n".join(text for op, text in _HELPERS.items() if op in lowered.operations)
+    used = "\n".join(text for op, text in _HELPERS.items() if op in lowered.operations)
+    helpers = Template(used).substitute(c99.words(graph.precision) | _WORDS[graph.precision])
     return f"{helpers}\n{declaration(name, graph)} {{\n{_body(lowered)}}}\n".lstrip()
 
 
 def _body(graph: Graph) -> str:
     """The statements.  A result leaves as soon as it is there, so that few registers are held."""
     names: dict[int, str] = {}
-    inputs, outputs = full(graph)
+    (inputs, outputs), precision = full(graph), graph.precision
     read, write = _slots(inputs), _slots(outputs)
 
     def name(x: Any) -> str:
-        return names[x.serial] if isinstance(x, Node) else _number(x) if isinstance(x, float) else str(x)
+        return names[x.serial] if isinstance(x, Node) else _number(x, precision) if isinstance(x, float) else str(x)
 
     lines = [*_place(inputs, outputs)]
     leaving: dict[int, list[str]] = {}
@@ -107,8 +116,8 @@ def _body(graph: Graph) -> str:
             lines.append(f"{slot} = {name(x)};")
     for count, x in enumerate(graph.nodes):
         names[x.serial] = f"_{count}"
-        value = read[x.args[0]] if x.op == "input" else _expression(x.op, [name(y) for y in x.args])
-        lines.append(f"const {'bool' if x.op in CONDITIONS else 'double'} _{count} = {value};")
+        value = read[x.args[0]] if x.op == "input" else _expression(x.op, [name(y) for y in x.args], precision)
+        lines.append(f"const {'bool' if x.op in CONDITIONS else precision.c} _{count} = {value};")
         lines += [f"{slot} = _{count};" for slot in leaving.get(x.serial, ())]
     return "".join(f"  {line}\n" for line in lines)
 
@@ -123,16 +132,18 @@ def _place(inputs: Sequence[Port], outputs: Sequence[Port]) -> list[str]:
     ]
 
 
-def _expression(op: str, operands: list[str]) -> str:
-    return _FORMS[op].format(*operands) if op in _FORMS else f"cutpoint_{op}({', '.join(operands)})"
+def _expression(op: str, operands: list[str], precision: Precision) -> str:
+    if op in _FORMS:
+        return _FORMS[op].format(*operands, d=_WORDS[precision]["d"], f=precision.suffix)
+    return f"cutpoint_{op}({', '.join(operands)})"
 
 
-def _number(x: float) -> str:
+def _number(x: float, precision: Precision) -> str:
     """A float as a constant; CUDA knows infinity and not-a-number by their bits only."""
     if math.isfinite(x):
-        return c99.number(x)
-    bits = "0x7ff8" if math.isnan(x) else "0x7ff0"
-    text = f"__longlong_as_double({bits}{'0' * 12}LL)"
+        return c99.number(x, precision)
+    bits = precision.dtype.type(abs(x)).view(f"i{precision.item}")
+    text = f"{_WORDS[precision]['as_real']}({hex(bits)})"
     return f"(-{text})" if x < 0 else text
 
 

@@ -10,6 +10,7 @@ from cutpoint.kernels import c99, cuda
 from cutpoint.kernels.c99_texts import GENERATED, Notes, Values, comment
 from cutpoint.kernels.graph import Graph
 from cutpoint.kernels.ports import Port
+from cutpoint.kernels.precision import Precision
 
 _NO_NOTES = Notes()
 
@@ -46,9 +47,9 @@ def _texts(graph: Graph, name: str, notes: Notes) -> dict[str, str]:
     inputs, outputs = cuda.full(graph)
     fields = {
         "version": __version__, "about": comment(notes.about), "name": name, "guard": name.upper(),
-        "declaration": cuda.declaration(name, graph), "code": code,
+        "declaration": cuda.declaration(name, graph), "code": code, "precision": graph.precision.dtype.name,
         "arguments": "\n".join([*(_told("in ", p, notes) for p in inputs), *(_told("out", p, notes) for p in outputs)]),
-        "values": "".join(_values(f"{name}_{key}", values) for key, values in notes.values.items()),
+        "values": "".join(_values(f"{name}_{key}", values, graph.precision) for key, values in notes.values.items()),
     }  # fmt: skip
     templates = files("cutpoint.kernels") / "cuda_templates"
     return {
@@ -63,10 +64,10 @@ def _told(side: str, port: Port, notes: Notes) -> str:
     return f"   {side}  {port.name}: {shape}{', ' if told else ''}{told}"
 
 
-def _values(name: str, values: Values) -> str:
+def _values(name: str, values: Values, precision: Precision) -> str:
     pairs = zip(values.numbers, values.labels, strict=True)
-    rows = "".join(f"  {c99.number(float(x))}, /* {comment(label)} */\n" for x, label in pairs)
-    return f"\n#include <math.h>\n\nstatic const double {name}[{len(values.numbers)}] = {{\n{rows}}};\n"
+    rows = "".join(f"  {c99.number(float(x), precision)}, /* {comment(label)} */\n" for x, label in pairs)
+    return f"\n#include <math.h>\n\nstatic const {precision.c} {name}[{len(values.numbers)}] = {{\n{rows}}};\n"
 
 
 def _is_ours(path: Path) -> bool:

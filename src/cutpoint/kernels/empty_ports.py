@@ -4,7 +4,7 @@ from typing import Any
 
 import numpy as np
 
-from cutpoint.kernels.arguments import as_float64, batch_shape
+from cutpoint.kernels.arguments import as_numbers, batch_shape
 from cutpoint.kernels.graph import Graph
 from cutpoint.kernels.gufunc import Gufunc
 from cutpoint.kernels.ports import Port
@@ -19,25 +19,25 @@ class AroundEmptyPorts:
     element = None
 
     def __init__(self, graph: Graph, name: str) -> None:
-        self._graph = graph
+        self._graph, self._precision = graph, graph.precision
         outputs = [p for p in graph.outputs if p.size]
         inputs = [*(p for p in graph.inputs if p.size), _BATCH]
         self._inner = Gufunc(graph, inputs, outputs, name) if outputs else None
 
     def call(self, *arguments: Any, out: Any = None) -> Any:
-        pairs = [(p, as_float64(a)) for p, a in zip(self._graph.inputs, arguments, strict=True)]
+        pairs = [(p, as_numbers(a, self._precision)) for p, a in zip(self._graph.inputs, arguments, strict=True)]
         batch = np.broadcast_shapes(*(batch_shape(p, a) for p, a in pairs))
         targets = self._targets(batch, out)
         if self._inner:
             full = [a for p, a in pairs if p.size]
             filled = tuple(t for p, t in zip(self._graph.outputs, targets, strict=True) if p.size)
-            self._inner.call(*full, np.broadcast_to(0.0, batch), out=filled)
+            self._inner.call(*full, np.broadcast_to(self._precision.dtype.type(0), batch), out=filled)
         results = targets if out is not None else [t[()] for t in targets]
         return results[0] if len(results) == 1 else tuple(results)
 
     def _targets(self, batch: tuple[int, ...], out: Any) -> list[np.ndarray]:
         if out is None:
-            return [np.empty((*batch, *p.shape)) for p in self._graph.outputs]
+            return [np.empty((*batch, *p.shape), self._precision.dtype) for p in self._graph.outputs]
         targets = [*out] if isinstance(out, tuple) else [out]
         for port, target in zip(self._graph.outputs, targets, strict=True):
             batch_shape(port, target)

@@ -19,16 +19,16 @@ BLOCK = 128
 def gpu_function(graph: Graph, name: str, record: type[tuple[Any, ...]] | None) -> Callable[..., Any]:
     """The graph as a function of CuPy's arrays that is called as a kernel is: see `Kernel.on_gpu`."""
     cupy = _cupy()
-    _, outputs = cuda.full(graph)
+    (_, outputs), dtype = cuda.full(graph), graph.precision.dtype
     # CuPy compiles at the first launch, for the GPU that there is
     launch = cupy.RawModule(code=cuda.code(name, graph), options=("--std=c++17",)).get_function(name)
 
     def call(*arguments: Any, **named: Any) -> Any:
-        given = [cupy.asarray(x, dtype=float) for x in in_order(name, graph.inputs, arguments, named)]
+        given = [cupy.asarray(x, dtype=dtype) for x in in_order(name, graph.inputs, arguments, named)]
         batch = batch_of(name, graph.inputs, given)
         length = math.prod(batch)
         rows = [(p, as_rows(cupy, p, x, batch)) for p, x in zip(graph.inputs, given, strict=True) if p.size]
-        made = {p.name: cupy.empty((length, *p.shape)) for p in graph.outputs}
+        made = {p.name: cupy.empty((length, *p.shape), dtype=dtype) for p in graph.outputs}
         if length and outputs:
             read = [part for p, x in rows for part in (cupy.ascontiguousarray(x), np.int64(_step(x, p.size)))]
             blocks = -(-length // BLOCK)

@@ -11,6 +11,7 @@ from cutpoint.errors import unknown_name
 from cutpoint.kernels.algebra import Operand
 from cutpoint.kernels.nodes import COMMUTATIVE, Node, Trace
 from cutpoint.kernels.ports import Port
+from cutpoint.kernels.precision import FLOAT64, Precision
 from cutpoint.kernels.tracing import tracing
 
 Rule = Callable[[Node, list[Operand], Callable[[Any], Operand], Trace], Operand]
@@ -23,11 +24,13 @@ class Graph:
 
     inputs: a node ("input", slot) reads slot `slot` of all inputs laid one after another, arrays in C order.
     results: for each slot of all outputs laid one after another, a node or a float.
+    precision: what inputs, constants and every operation are rounded to where the graph runs.
     """
 
     inputs: tuple[Port, ...]
     outputs: tuple[Port, ...]
     results: tuple[Operand, ...]
+    precision: Precision = FLOAT64
 
     @cached_property
     def nodes(self) -> tuple[Node, ...]:

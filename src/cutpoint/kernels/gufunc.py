@@ -13,7 +13,7 @@ from cutpoint.kernels.batch_loop import FUNCTION, batch_loop
 from cutpoint.kernels.graph import Graph
 from cutpoint.kernels.jit import Compiled
 from cutpoint.kernels.lowering import lower
-from cutpoint.kernels.numpy_api import DOUBLE, new_gufunc
+from cutpoint.kernels.numpy_api import new_gufunc
 from cutpoint.kernels.packs import Packs
 from cutpoint.kernels.ports import Port
 
@@ -41,7 +41,7 @@ class Gufunc:
         self.element: int | None = self._code.addresses[element.FUNCTION]
         self._loops = (ctypes.c_void_p * 1)(self._code.address)
         self._data = (ctypes.c_void_p * 1)(ctypes.addressof(self._packs.table))
-        self._types = bytes([DOUBLE] * (len(inputs) + len(outputs)))
+        self._types = bytes([graph.precision.dtype.num] * (len(inputs) + len(outputs)))
         self._name = name.encode()
         self._signature = signature(inputs, outputs).encode()
         self.call: Callable[..., Any] = new_gufunc(

@@ -7,6 +7,7 @@ to take it 8 to 114 times as long as our rows (JAX 0.10.2, 4096 configurations, 
 import ctypes
 import itertools
 from collections.abc import Callable, Sequence
+from dataclasses import replace
 from functools import cache
 from typing import Any
 
@@ -23,6 +24,7 @@ from cutpoint.kernels.jit import Compiled
 from cutpoint.kernels.lowering import lower
 from cutpoint.kernels.packs import Packs
 from cutpoint.kernels.ports import Port
+from cutpoint.kernels.precision import FLOAT64
 from cutpoint.kernels.replay import as_function
 from cutpoint.kernels.rows import as_rows, batch_of
 from cutpoint.kernels.specialise import graph_of
@@ -37,11 +39,12 @@ _kept: list[Any] = []
 
 def jax_function(graph: Graph, name: str, record: type[tuple[Any, ...]] | None) -> Callable[..., Any]:
     """The graph as a function of JAX's arrays that is called as a kernel is: see `Kernel.to_jax`."""
-    rows = _differentiable(graph, name)
+    rows, dtype = _differentiable(graph, name), graph.precision.dtype
 
     def call(*arguments: Any, **named: Any) -> Any:
-        _check_precision(name)
-        given = [jnp.asarray(x, float) for x in in_order(name, graph.inputs, arguments, named)]
+        if graph.precision is FLOAT64:
+            _check_precision(name)
+        given = [jnp.asarray(x, dtype) for x in in_order(name, graph.inputs, arguments, named)]
         batch = batch_of(name, graph.inputs, given)
         found = rows(*[as_rows(jnp, p, x, batch) for p, x in zip(graph.inputs, given, strict=True)])
         shaped = [jnp.reshape(x, (*batch, *p.shape)) for p, x in zip(graph.outputs, found, strict=True)]
@@ -58,7 +61,8 @@ def _differentiable(graph: Graph, name: str) -> Rows:
     @cache
     def derivatives(moving: tuple[str, ...]) -> Rows:
         jacobian = jacobian_of(as_function(graph), with_respect_to=moving)
-        return _differentiable(graph_of(jacobian, **{p.name: p.shape for p in graph.inputs}), f"derivatives of {name}")
+        found = graph_of(jacobian, **{p.name: p.shape for p in graph.inputs})
+        return _differentiable(replace(found, precision=graph.precision), f"derivatives of {name}")
 
     def jvp(given: Sequence[Any], tangents: Sequence[Any]) -> Any:
         pairs = zip(graph.inputs, tangents, strict=True)
@@ -85,11 +89,12 @@ def _vectorisable(graph: Graph, name: str) -> Rows:
 
     def once(*given: Any) -> tuple[Any, ...]:
         (length,) = np.broadcast_shapes((1,), *(x.shape[:1] for x in given))
-        kinds = [jax.ShapeDtypeStruct((length, *p.shape), jnp.float64) for p in graph.outputs]
+        kinds = [jax.ShapeDtypeStruct((length, *p.shape), graph.precision.dtype) for p in graph.outputs]
         read = [x for p, x in zip(graph.inputs, given, strict=True) if p.size]
         call = jax.ffi.ffi_call(target, [k for k, p in zip(kinds, graph.outputs, strict=True) if p.size])
         found = iter(call(*read) if graph.results else ())
-        return tuple(next(found) if p.size else jnp.zeros(k.shape) for k, p in zip(kinds, graph.outputs, strict=True))
+        pairs = zip(kinds, graph.outputs, strict=True)
+        return tuple(next(found) if p.size else jnp.zeros(k.shape, k.dtype) for k, p in pairs)
 
     def more_rows(size: int, moves: Sequence[bool], *given: Any) -> Any:
         (length,) = np.broadcast_shapes((1,), *(x.shape[m : m + 1] for x, m in zip(given, moves, strict=True)))
@@ -120,7 +125,7 @@ def _registered(graph: Graph, name: str) -> str:
         xla_call.LOOP: loop.address, xla_call.PACKS: ctypes.addressof(packs.table),
         xla_call.FLOATS: ctypes.addressof(floats),
     }  # fmt: skip
-    code = Compiled(xla_call.xla_call(inputs, outputs), xla_call.FUNCTION, symbols=symbols)
+    code = Compiled(xla_call.xla_call(inputs, outputs, graph.precision), xla_call.FUNCTION, symbols=symbols)
     jax.ffi.register_ffi_target(target, jax.ffi.pycapsule(code.address), platform="cpu")
     _kept.append((packs, loop, floats, code))
     return target
@@ -136,4 +141,5 @@ def _ways_of_floats() -> Any:
 def _check_precision(name: str) -> None:
     if jnp.result_type(float) != jnp.float64:
         remedy = 'jax.config.update("jax_enable_x64", True)'
-        raise InputError(f"{name}: JAX computes in float32, and this in float64; say {remedy} first")
+        rule = f"JAX computes in float32, and this in float64; say {remedy} first, or take kernel.float32.to_jax()"
+        raise InputError(f"{name}: {rule}")

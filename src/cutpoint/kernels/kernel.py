@@ -3,6 +3,7 @@
 import time
 from collections import namedtuple
 from collections.abc import Callable, Sequence
+from dataclasses import replace
 from functools import cached_property
 from importlib import import_module
 from pathlib import Path
@@ -16,6 +17,7 @@ from cutpoint.kernels.backends import array_function, chosen
 from cutpoint.kernels.blocks import Blocks
 from cutpoint.kernels.graph import Graph
 from cutpoint.kernels.ports import port
+from cutpoint.kernels.precision import FLOAT32, FLOAT64
 from cutpoint.kernels.specialise import name_of, traced
 from cutpoint.kernels.waiting import shown
 
@@ -82,6 +84,19 @@ class Kernel:
         return self.general(*arguments, out=out, threads=threads, **named)
 
     @cached_property
+    def float32(self) -> "Kernel":
+        """The same graph in single precision: constants, inputs and every operation are rounded to float32.
+
+        Compiled when first asked for.  It has all that a kernel has; what it is given in another precision, float64
+        arrays and Python's numbers too, it rounds; `out=` may hold float32 or float64.
+        """
+        if self.graph.precision is FLOAT32:
+            return self
+        start, record = time.perf_counter(), self._record and self._record.__name__
+        with shown(f"{self.name} in float32"):
+            return Kernel(replace(self.graph, precision=FLOAT32), self.name, self.backend, record, start)
+
+    @cached_property
     def blocks(self) -> Blocks:
         """The kernel for batches kept as (blocks, *shape, width), compiled when first asked for: see `Blocks`."""
         return Blocks(self.name, self.graph, self._function, self._record)
@@ -107,7 +122,7 @@ class Kernel:
             finite: whether numbers that are not finite are for `general`.
             record: the NamedTuple that holds the outputs.
         """
-        if self._function.element is None:
+        if self._function.element is None or self.graph.precision is not FLOAT64:
             return general
         from cutpoint.kernels.fastcall import Front, fastcall, is_possible
 
@@ -133,7 +148,7 @@ class Kernel:
         """Writes the kernel as CUDA C, one thread a configuration; returns the files' paths.
 
         The folder gets `<name>.cu`, for nvcc and NVRTC, and `<name>.cuh`, which says what its arguments are.  It
-        computes in float64 by the operations of machine code, each rounded as IEEE 754 says.
+        computes by the operations of machine code, each rounded as IEEE 754 says.
         force: overwrite files that cutpoint has not written.
 
         Raises:
@@ -162,7 +177,8 @@ class Kernel:
         asks.  JAX keeps the code as long as the process lives: make the function once.  Needs the extra `jax`.
 
         Raises:
-            InputError: JAX or llvmlite is not installed; when called, also if JAX computes in float32.
+            InputError: JAX or llvmlite is not installed; when called, also if JAX computes in float32 and the kernel
+                does not.
         """
         chosen("llvm")
         _check_installed("to_jax", "jax")
@@ -194,7 +210,8 @@ class Kernel:
         sides = (self.graph.inputs, self.graph.outputs)
         inputs, outputs = (", ".join(f"{p.name}{p.shape}" for p in side) for side in sides)
         count = sum(self.operations.values())
-        return f"<Kernel {self.name}: {inputs} -> {outputs}, {count} operations, {self.backend}>"
+        precision = "" if self.graph.precision is FLOAT64 else f" in {self.graph.precision.dtype}"
+        return f"<Kernel {self.name}: {inputs} -> {outputs}, {count} operations, {self.backend}{precision}>"
 
 
 def _check_installed(method: str, package: str) -> None:

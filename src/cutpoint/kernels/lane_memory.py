@@ -7,9 +7,6 @@ from cutpoint.kernels.llvm_code import Code
 from cutpoint.kernels.ports import Port
 from cutpoint.kernels.transposition import blocks, lanes_of_rows, lanes_to_rows
 
-ITEM = 8
-"""Bytes of a float64."""
-
 ALL_EXCEPTIONS = 0x3F
 """A superset of every platform's FE_ALL_EXCEPT."""
 
@@ -28,12 +25,12 @@ class LaneMemory:
         self._start = code.load("%arguments", number, "ptr")
         self._step = code.load("%steps", number, "i64")
         self._strides = [code.load("%steps", first_stride + axis, "i64") for axis in range(len(port.shape))]
-        self._beside = code.let(f"icmp eq i64 {self._step}, {ITEM}")
+        self._beside = code.let(f"icmp eq i64 {self._step}, {lanes.item}")
         self._tidy = "true"
         for stride, n, length in zip(self._strides, row_lengths(port.shape), port.shape, strict=True):
             if length == 1:  # NumPy says 0
                 continue
-            self._tidy = code.let(f"and i1 {self._tidy}, {code.let(f'icmp eq i64 {stride}, {ITEM * n}')}")
+            self._tidy = code.let(f"and i1 {self._tidy}, {code.let(f'icmp eq i64 {stride}, {lanes.item * n}')}")
 
     def prepare(self, code: Code) -> None:
         """Once before the batch: how many bytes each number lies behind its element's first."""
@@ -88,27 +85,29 @@ class LaneMemory:
 
     def _fetch_beside(self, code: Code, elements: list[str]) -> None:
         with code.loop(self._port.size) as loop:
-            vector = code.load(self._number(code, elements[0], loop.iteration), 0, self._lanes.real, align=ITEM)
+            place = self._number(code, elements[0], loop.iteration)
+            vector = code.load(place, 0, self._lanes.real, align=self._lanes.item)
             code.store(vector, self.scratch, loop.iteration, self._lanes.real)
 
     def _deliver_beside(self, code: Code, elements: list[str]) -> None:
         with code.loop(self._port.size) as loop:
             vector = code.load(self.scratch, loop.iteration, self._lanes.real)
-            code.store(vector, self._number(code, elements[0], loop.iteration), 0, self._lanes.real, align=ITEM)
+            place = self._number(code, elements[0], loop.iteration)
+            code.store(vector, place, 0, self._lanes.real, align=self._lanes.item)
 
     def _fetch_rows(self, code: Code, elements: list[str]) -> None:
         for column, size in blocks(self._port.size, self._lanes.width):
-            for k, vector in enumerate(lanes_of_rows(code, elements, column, size)):
+            for k, vector in enumerate(lanes_of_rows(code, self._lanes.precision, elements, column, size)):
                 code.store(vector, self.scratch, column + k, self._lanes.real)
 
     def _deliver_rows(self, code: Code, elements: list[str]) -> None:
         for column, size in blocks(self._port.size, self._lanes.width):
             vectors = [code.load(self.scratch, column + k, self._lanes.real) for k in range(size)]
-            lanes_to_rows(code, vectors, elements, column)
+            lanes_to_rows(code, self._lanes.precision, vectors, elements, column)
 
     def _fetch_numbers(self, code: Code, elements: list[str]) -> None:
         with code.loop(self._port.size) as loop:
-            numbers = [code.load(self._number(code, element, loop.iteration), 0) for element in elements]
+            numbers = [code.load(self._number(code, x, loop.iteration), 0, self._lanes.one) for x in elements]
             code.store(self._lanes.joined(code, numbers), self.scratch, loop.iteration, self._lanes.real)
 
     def _deliver_numbers(self, code: Code, elements: list[str]) -> None:
@@ -116,7 +115,7 @@ class LaneMemory:
             vector = code.load(self.scratch, loop.iteration, self._lanes.real)
             for lane, element in enumerate(elements):
                 number = code.let(f"extractelement {self._lanes.real} {vector}, i64 {lane}")
-                code.store(number, self._number(code, element, loop.iteration), 0)
+                code.store(number, self._number(code, element, loop.iteration), 0, self._lanes.one)
 
 
 def row_lengths(shape: tuple[int, ...]) -> list[int]:

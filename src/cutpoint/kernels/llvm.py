@@ -4,10 +4,10 @@ import struct
 from collections.abc import Callable
 from typing import Any
 
-from cutpoint.kernels.elementary import MAGIC
 from cutpoint.kernels.graph import Graph
 from cutpoint.kernels.llvm_code import Code
 from cutpoint.kernels.nodes import Node
+from cutpoint.kernels.precision import FLOAT64, Precision
 
 _FORMS = {
     "add": "fadd {real} {}, {}",
@@ -28,29 +28,36 @@ _FORMS = {
 
 
 class Lanes:
-    """The types of so many numbers side by side; one alone is a scalar."""
+    """The types of so many numbers side by side; one alone is a scalar.
 
-    def __init__(self, width: int) -> None:
-        self.width = width
-        self.real, self.whole, self.truth = map(self._type, ("double", "i64", "i1"))
+    Attributes:
+        one: the type of a single number; item: its bytes.
+        real: that of all of them; whole: of their bits; truth: of what comparisons give.
+    """
+
+    def __init__(self, width: int, precision: Precision = FLOAT64) -> None:
+        self.width, self.precision = width, precision
+        self.one, self.item = precision.real, precision.item
+        self._bits = f"i{precision.bits}"
+        self.real, self.whole, self.truth = map(self._type, (self.one, self._bits, "i1"))
         self.true = self._each("i1", "true")
-        self.suffix = "f64" if width == 1 else f"v{width}f64"
+        self.suffix = f"f{precision.bits}" if width == 1 else f"v{width}f{precision.bits}"
         self.declarations = "".join(
             f"declare {self.real} @llvm.{name}.{self.suffix}({', '.join([self.real] * arguments)})\n"
             for name, arguments in (("sqrt", 1), ("fma", 3))
         )
 
     def constant(self, x: float) -> str:
-        """A float by its bits, in every lane: no decimal digits in between."""
-        return self._each("double", f"0x{struct.unpack('<Q', struct.pack('<d', x))[0]:016x}")
+        """A float by the bits that it has as a double, in every lane: no decimal digits in between."""
+        return self._each(self.one, f"0x{struct.unpack('<Q', struct.pack('<d', x))[0]:016x}")
 
     def integer(self, k: int) -> str:
         """A whole number in every lane."""
-        return self._each("i64", str(k))
+        return self._each(self._bits, str(k))
 
     def spread(self, code: Code, number: str) -> str:
         """One number in every lane."""
-        first = code.let(f"insertelement {self.real} poison, double {number}, i64 0")
+        first = code.let(f"insertelement {self.real} poison, {self.one} {number}, i64 0")
         everywhere = f"<{self.width} x i32> zeroinitializer"
         return code.let(f"shufflevector {self.real} {first}, {self.real} poison, {everywhere}")
 
@@ -58,7 +65,7 @@ class Lanes:
         """So many numbers side by side."""
         found = "poison"
         for lane, number in enumerate(numbers):
-            found = code.let(f"insertelement {self.real} {found}, double {number}, i64 {lane}")
+            found = code.let(f"insertelement {self.real} {found}, {self.one} {number}, i64 {lane}")
         return found
 
     def apply(self, code: Code, op: str, *arguments: str) -> str:
@@ -116,35 +123,39 @@ def _fnma(code: Code, lanes: Lanes, a: str, b: str, c: str) -> str:
 
 
 def _flip(code: Code, lanes: Lanes, a: str, bit: int, c: str) -> str:
-    sign = _whole(code, lanes, "and", _to_top(code, lanes, a, bit), 1 << 63)
+    sign = _whole(code, lanes, "and", _to_top(code, lanes, a, bit), 1 << lanes.precision.bits - 1)
     return _real(code, lanes, _whole(code, lanes, "xor", _bits(code, lanes, c), sign))
 
 
 def _pick(code: Code, lanes: Lanes, a: str, bit: int, c: str, d: str) -> str:
     # by masks: a select on an integer condition becomes a jump on processors without AVX-512
-    mask = _whole(code, lanes, "ashr", _to_top(code, lanes, a, bit), 63)
+    mask = _whole(code, lanes, "ashr", _to_top(code, lanes, a, bit), lanes.precision.bits - 1)
     yes = _whole(code, lanes, "and", _bits(code, lanes, c), mask)
     no = _whole(code, lanes, "and", _bits(code, lanes, d), _whole(code, lanes, "xor", mask, -1))
     return _real(code, lanes, _whole(code, lanes, "or", yes, no))
 
 
 def _pow2(code: Code, lanes: Lanes, n: str) -> str:
-    bits = _bits(code, lanes, lanes.apply(code, "add", n, lanes.constant(MAGIC)))
-    return _real(code, lanes, _whole(code, lanes, "shl", _whole(code, lanes, "add", bits, 1023), 52))
+    precision = lanes.precision
+    bits = _bits(code, lanes, lanes.apply(code, "add", n, lanes.constant(precision.magic)))
+    biased = _whole(code, lanes, "add", bits, precision.bias)
+    return _real(code, lanes, _whole(code, lanes, "shl", biased, precision.fraction))
 
 
 def _exponent(code: Code, lanes: Lanes, a: str) -> str:
-    biased = _whole(code, lanes, "lshr", _bits(code, lanes, a), 52)
-    return code.let(f"sitofp {lanes.whole} {_whole(code, lanes, 'sub', biased, 1023)} to {lanes.real}")
+    biased = _whole(code, lanes, "lshr", _bits(code, lanes, a), lanes.precision.fraction)
+    exponent = _whole(code, lanes, "sub", biased, lanes.precision.bias)
+    return code.let(f"sitofp {lanes.whole} {exponent} to {lanes.real}")
 
 
 def _significand(code: Code, lanes: Lanes, a: str) -> str:
-    digits = _whole(code, lanes, "and", _bits(code, lanes, a), (1 << 52) - 1)
-    return _real(code, lanes, _whole(code, lanes, "or", digits, 1023 << 52))
+    fraction = lanes.precision.fraction
+    digits = _whole(code, lanes, "and", _bits(code, lanes, a), (1 << fraction) - 1)
+    return _real(code, lanes, _whole(code, lanes, "or", digits, lanes.precision.bias << fraction))
 
 
 def _to_top(code: Code, lanes: Lanes, a: str, bit: int) -> str:
-    return _whole(code, lanes, "shl", _bits(code, lanes, a), 63 - bit)
+    return _whole(code, lanes, "shl", _bits(code, lanes, a), lanes.precision.bits - 1 - bit)
 
 
 def _whole(code: Code, lanes: Lanes, operation: str, a: str, b: str | int) -> str:

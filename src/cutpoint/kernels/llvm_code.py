@@ -59,9 +59,9 @@ class Code:
     def store(self, value: str, pointer: str, index: str | int, kind: str = "double", align: int | None = None) -> None:
         self.lines.append(f"store {kind} {value}, ptr {self.at(pointer, index, kind)}{_alignment(align)}")
 
-    def zero(self, pointer: str, length: int) -> None:
-        """Zeros in a stretch of memory."""
-        self.lines.append(f"call void @llvm.memset.p0.i64(ptr {pointer}, i8 0, i64 {8 * length}, i1 false)")
+    def zero(self, pointer: str, size: int) -> None:
+        """Zeros in so many bytes."""
+        self.lines.append(f"call void @llvm.memset.p0.i64(ptr {pointer}, i8 0, i64 {size}, i1 false)")
 
     @contextmanager
     def loop(self, count: str | int, until: str | None = None) -> Iterator[Running]:

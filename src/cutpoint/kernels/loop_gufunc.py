@@ -6,8 +6,9 @@ from typing import Any
 
 from cutpoint.kernels.gufunc import signature
 from cutpoint.kernels.jit import Compiled
-from cutpoint.kernels.numpy_api import DOUBLE, new_gufunc
+from cutpoint.kernels.numpy_api import new_gufunc
 from cutpoint.kernels.ports import Port
+from cutpoint.kernels.precision import Precision
 
 _NO_IDENTITY = -1
 
@@ -19,10 +20,12 @@ class LoopGufunc:
         call: the generalised ufunc.
     """
 
-    def __init__(self, ir: str, function: str, inputs: Sequence[Port], outputs: Sequence[Port], name: str) -> None:
+    def __init__(
+        self, ir: str, function: str, precision: Precision, inputs: Sequence[Port], outputs: Sequence[Port], name: str
+    ) -> None:
         self._code = Compiled(ir, function)
         self._loops, self._data = (ctypes.c_void_p * 1)(self._code.address), (ctypes.c_void_p * 1)(None)
-        self._types = bytes([DOUBLE] * (len(inputs) + len(outputs)))
+        self._types = bytes([precision.dtype.num] * (len(inputs) + len(outputs)))
         self._name, self._signature = name.encode(), signature(inputs, outputs).encode()
         self.call: Callable[..., Any] = new_gufunc(
             self._loops, self._data, self._types, 1, len(inputs), len(outputs), _NO_IDENTITY, self._name, b"", 0,

@@ -1,26 +1,45 @@
 """Lowering: the graph with primitives only, as the emitters take it."""
 
 from collections.abc import Callable
+from dataclasses import replace
 from typing import Any
 
 from cutpoint.kernels import elementary
 from cutpoint.kernels.algebra import Operand
+from cutpoint.kernels.coefficients import TABLES
 from cutpoint.kernels.fusion import fuse
 from cutpoint.kernels.graph import Graph, rewrite
 from cutpoint.kernels.nodes import ELEMENTARY, Node, Trace
+from cutpoint.kernels.precision import FLOAT64
 
 _FUNCTIONS = {op: getattr(elementary, op) for op in ELEMENTARY}
 
 
 def lower(graph: Graph) -> Graph:
-    """Elementary functions replaced by their arithmetic, then products and sums fused."""
-    return fuse(expand(graph))
+    """Elementary functions replaced by their arithmetic, then products and sums fused, then constants rounded."""
+    return with_rounded_constants(fuse(expand(graph)))
 
 
 def expand(graph: Graph) -> Graph:
     """The graph with every elementary function written out."""
+    table = TABLES[graph.precision]
 
     def rule(x: Node, operands: list[Operand], new: Callable[[Any], Operand], trace: Trace) -> Operand:
-        return _FUNCTIONS[x.op](*operands) if x.op in _FUNCTIONS else trace.node(x.op, *operands)
+        return _FUNCTIONS[x.op](*operands, table) if x.op in _FUNCTIONS else trace.node(x.op, *operands)
 
     return rewrite(graph, rule)
+
+
+def with_rounded_constants(graph: Graph) -> Graph:
+    """The graph with every constant as its precision holds it."""
+    if graph.precision is FLOAT64:
+        return graph
+
+    def rounded(x: Operand) -> Operand:
+        return graph.precision.rounded(x) if isinstance(x, float) else x
+
+    def rule(x: Node, operands: list[Operand], new: Callable[[Any], Operand], trace: Trace) -> Operand:
+        return trace.node(x.op, *map(rounded, operands))
+
+    found = rewrite(graph, rule)
+    return replace(found, results=tuple(map(rounded, found.results)))

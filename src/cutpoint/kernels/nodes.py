@@ -22,9 +22,9 @@ PRIMITIVES = {
     "or": "condition a or b",
     "not": "condition not a",
     "select": "b where condition a holds, else c; both are evaluated",
-    "flip": "c with its sign turned where bit b (a Python int, 0 the lowest) of the 64 bits of a is set, else c",
-    "pick": "c where bit b of the 64 bits of a is set, else d",
-    "pow2": "2**a for a whole a in [-1022, 1023]; unspecified elsewhere",
+    "flip": "c with its sign turned where bit b (a Python int, 0 the lowest) of the bits of a is set, else c",
+    "pick": "c where bit b of the bits of a is set, else d",
+    "pow2": "2**a for a whole a for which it is a normal number; unspecified elsewhere",
     "exponent": "the whole n with 2**n <= a < 2**(n + 1), for a normal a > 0; unspecified elsewhere",
     "significand": "a / 2**n with that n, in [1, 2); unspecified where n is",
 }

@@ -7,10 +7,11 @@ from typing import Any
 
 import numpy as np
 
-from cutpoint.kernels.arguments import as_float64, batch_shape
+from cutpoint.kernels.arguments import as_numbers, batch_shape
 from cutpoint.kernels.graph import Graph
 from cutpoint.kernels.nodes import Node
 from cutpoint.kernels.ports import Port
+from cutpoint.kernels.precision import Precision
 
 _FUNCTIONS: dict[str, Callable[..., Any]] = {
     "add": operator.add, "sub": operator.sub, "mul": operator.mul, "div": np.divide, "neg": operator.neg,
@@ -29,14 +30,14 @@ def evaluate(graph: Graph, inputs: Sequence[Any]) -> list[Any]:
 
     def value(x: Any) -> Any:
         if not isinstance(x, Node):
-            return x
+            return graph.precision.number(x)
         uses[x.serial] -= 1  # a large batch's arrays are let go as soon as nothing needs them
         return values[x.serial] if uses[x.serial] else values.pop(x.serial)
 
     with np.errstate(all="ignore"):
         for x in graph.nodes:
             values[x.serial] = inputs[x.args[0]] if x.op == "input" else _FUNCTIONS[x.op](*map(value, x.args))
-    return [value(x) for x in graph.results]
+        return [value(x) for x in graph.results]
 
 
 class NumpyFunction:
@@ -49,11 +50,11 @@ class NumpyFunction:
 
     def call(self, *arguments: Any, out: Any = None) -> Any:
         ports = self._graph.inputs
-        arrays = [as_float64(a) for a in arguments]
+        arrays = [as_numbers(a, self._graph.precision) for a in arguments]
         batch = np.broadcast_shapes(*(batch_shape(p, a) for p, a in zip(ports, arrays, strict=True)))
         slots = [a[..., *index] for p, a in zip(ports, arrays, strict=True) for index in np.ndindex(p.shape)]
         results = iter(evaluate(self._graph, slots))
-        values = [_gathered(port, results, batch) for port in self._graph.outputs]
+        values = [_gathered(port, results, batch, self._graph.precision) for port in self._graph.outputs]
         if out is not None:
             targets = out if isinstance(out, tuple) else (out,)
             for target, value in zip(targets, values, strict=True):
@@ -62,9 +63,9 @@ class NumpyFunction:
         return values[0] if len(values) == 1 else tuple(values)
 
 
-def _gathered(port: Port, results: Any, batch: tuple[int, ...]) -> Any:
+def _gathered(port: Port, results: Any, batch: tuple[int, ...], precision: Precision) -> Any:
     """The next results as one array, or one float."""
-    array = np.empty((*batch, *port.shape))
+    array = np.empty((*batch, *port.shape), precision.dtype)
     for index in np.ndindex(port.shape):
         array[..., *index] = next(results)
     return array if array.ndim else array[()]

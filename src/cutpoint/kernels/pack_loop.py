@@ -38,7 +38,7 @@ class _Argument:
         code.open(fetch)
         rows = self.rows(code, pack)
         for column, size in self.blocks:
-            for k, vector in enumerate(lanes_of_rows(code, rows, column, size)):
+            for k, vector in enumerate(lanes_of_rows(code, self.lanes.precision, rows, column, size)):
                 code.store(vector, self.scratch, column + k, self.lanes.real)
         code.label(end)
 
@@ -47,12 +47,12 @@ class _Argument:
         rows = self.rows(code, pack)
         for column, size in self.blocks:
             vectors = [code.load(self.scratch, column + k, self.lanes.real) for k in range(size)]
-            lanes_to_rows(code, vectors, rows, column)
+            lanes_to_rows(code, self.lanes.precision, vectors, rows, column)
 
 
 def pack_loop(graph: Graph, inputs: Sequence[Port], outputs: Sequence[Port], width: int) -> str:
     """The module's text: void pack_loop(char **arguments, i64 *steps, i64 packs), steps in bytes; C-contiguous rows."""
-    code, lanes = Code(), Lanes(width)
+    code, lanes = Code(), Lanes(width, graph.precision)
     arguments = [_Argument(code, lanes, port, number) for number, port in enumerate((*inputs, *outputs))]
     sources, targets = arguments[: len(inputs)], arguments[len(inputs) :]
     read = [(a.scratch, k) for a, port in zip(sources, inputs, strict=True) for k in range(port.size)]

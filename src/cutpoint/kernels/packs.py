@@ -12,6 +12,7 @@ from cutpoint.kernels.graph import Graph
 from cutpoint.kernels.jit import Compiled, vector_width
 from cutpoint.kernels.pack_loop import FUNCTION, pack_loop
 from cutpoint.kernels.ports import Port
+from cutpoint.kernels.precision import FLOAT64
 from cutpoint.kernels.waiting import shown
 
 _MOST_NODES = 2**14
@@ -56,4 +57,4 @@ class Packs:
 def width_of_packs(graph: Graph, inputs: Sequence[Port], outputs: Sequence[Port]) -> int | None:
     """How many elements a pack of a lowered graph holds; None if the graph is too large for packs."""
     fits = len(graph.nodes) <= _MOST_NODES and sum(p.size for p in (*inputs, *outputs)) <= _MOST_NUMBERS
-    return vector_width() if fits else None
+    return vector_width() * FLOAT64.item // graph.precision.item if fits else None

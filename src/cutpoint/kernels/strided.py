@@ -11,8 +11,8 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from cutpoint.kernels.graph import Graph
-from cutpoint.kernels.lane_memory import ITEM
 from cutpoint.kernels.ports import Port
+from cutpoint.kernels.precision import Precision
 from cutpoint.kernels.waiting import shown
 
 WORTH_MAKING = 64
@@ -27,8 +27,8 @@ class Strided:
     def __init__(self, graph: Graph, name: str, otherwise: Callable[..., Any]) -> None:
         """otherwise: the ufunc that does the work where the graph is too large for packs."""
         self._graph, self._name, self._otherwise = graph, name, otherwise
-        self._inputs, self._outputs = ([_tidy(p) for p in ports] for ports in (graph.inputs, graph.outputs))
-        self._lock = threading.Lock()
+        self._inputs, self._outputs = ([_tidy(p, graph.precision) for p in x] for x in (graph.inputs, graph.outputs))
+        self._item, self._lock = graph.precision.item, threading.Lock()
         self._made: Callable[..., Any] | None = None
         self._owner: Any = None  # of the code that the ufunc runs
 
@@ -36,7 +36,7 @@ class Strided:
         """Whether a call gains: some long argument is not C-contiguous in its elements, or is written to."""
         # plainly written out: all calls but plain single ones come here
         for (size, own, strides), x in zip(self._inputs, arguments, strict=True):
-            if type(x) is _ARRAY and x.size >= size and x.strides[own] != strides and _is_broken(x, own, strides):
+            if type(x) is _ARRAY and x.size >= size and x.strides[own] != strides and self._is_broken(x, own, strides):
                 return True
         if out is None:
             return False
@@ -45,7 +45,7 @@ class Strided:
             if (
                 type(x) is np.ndarray
                 and x.size >= size
-                and (_is_broken(x, own, strides) or any(x is y for y in arguments))
+                and (self._is_broken(x, own, strides) or any(x is y for y in arguments))
             ):
                 return True
         return False
@@ -69,8 +69,12 @@ class Strided:
         if width is None:
             return self._otherwise
         text = strided_loop(lowered, inputs, outputs, width)
-        self._owner = LoopGufunc(text, FUNCTION, inputs, outputs, self._name)
+        self._owner = LoopGufunc(text, FUNCTION, lowered.precision, inputs, outputs, self._name)
         return self._owner.call
+
+    def _is_broken(self, x: np.ndarray, own: slice, strides: tuple[int | None, ...]) -> bool:
+        """Whether numbers of an element are further apart, or in another order, than those of a C-contiguous one."""
+        return x.strides[own] != tuple(n and n * x.itemsize // self._item for n in strides)
 
 
 class _Tidy(NamedTuple):
@@ -81,13 +85,8 @@ class _Tidy(NamedTuple):
     strides: tuple[int | None, ...]
 
 
-def _tidy(port: Port) -> _Tidy:
+def _tidy(port: Port, precision: Precision) -> _Tidy:
     """How many numbers make a batch long, which axes are the port's own, and their strides in bytes."""
     # NumPy tells the loop of a ufunc that the stride along an axis of length 1 is 0: none is right
-    strides = (None,) * len(port.shape) if 1 in port.shape else np.empty(port.shape, np.float64).strides
+    strides = (None,) * len(port.shape) if 1 in port.shape else np.empty(port.shape, precision.dtype).strides
     return _Tidy(port.size * WORTH_MAKING, slice(-len(port.shape), None) if port.shape else slice(0), strides)
-
-
-def _is_broken(x: np.ndarray, own: slice, strides: tuple[int | None, ...]) -> bool:
-    """Whether numbers of an element are further apart, or in another order, than those of a C-contiguous one."""
-    return x.strides[own] != tuple(n and n * x.itemsize // ITEM for n in strides)

@@ -13,7 +13,7 @@ FUNCTION = "strided_loop"
 
 def strided_loop(graph: Graph, inputs: Sequence[Port], outputs: Sequence[Port], width: int) -> str:
     """The module's text.  All of a pack is read before any of it is written, so an output may be an input."""
-    code, lanes = Code(), Lanes(width)
+    code, lanes = Code(), Lanes(width, graph.precision)
     arguments, first_stride = [], len(inputs) + len(outputs)
     for number, port in enumerate((*inputs, *outputs)):
         arguments.append(LaneMemory(code, lanes, port, number, first_stride))

@@ -10,30 +10,36 @@ from typing import Any
 import numpy as np
 
 from cutpoint.errors import InputError
-from cutpoint.kernels.arguments import as_float64, batch_shape
+from cutpoint.kernels.arguments import as_numbers, batch_shape
 from cutpoint.kernels.ports import Port, Shape
+from cutpoint.kernels.precision import FLOAT64, Precision
 
 CHUNK = 2**23
 """Operations that a thread does before it looks for more: fewer do not outweigh waking it, which takes up to 0.1 ms."""
 
 _CHUNKS_PER_THREAD = 4
-_ALIGNED = 8  # parts end where packs do
+_ALIGNED = 16  # parts end where packs do
 
 
 class Threaded:
     """Runs a function of arrays on parts of a batch."""
 
     def __init__(
-        self, inputs: Sequence[Port], outputs: Sequence[Port], operations: int, call: Callable[..., Any]
+        self,
+        inputs: Sequence[Port],
+        outputs: Sequence[Port],
+        operations: int,
+        call: Callable[..., Any],
+        precision: Precision = FLOAT64,
     ) -> None:
         """call(*arrays, out=None): elements, of so many operations, are independent of each other and broadcast."""
-        self._inputs, self._outputs, self._call = inputs, outputs, call
+        self._inputs, self._outputs, self._call, self._precision = inputs, outputs, call, precision
         self._least = CHUNK // max(operations, 1)
 
     def __call__(self, threads: int, arguments: Sequence[Any], out: Any) -> Any:
         """What one call gives, to the last bit."""
         try:
-            arrays = [as_float64(x) for x in arguments]
+            arrays = [as_numbers(x, self._precision) for x in arguments]
             batches = [batch_shape(p, x) for p, x in zip(self._inputs, arrays, strict=True)]
             batch = np.broadcast_shapes(*batches)
         except (TypeError, ValueError):
@@ -57,7 +63,7 @@ class Threaded:
         """Arrays for the results; None if those that were given do not fit."""
         shapes = [(*batch, *p.shape) for p in self._outputs]
         if out is None:
-            return [np.empty(shape) for shape in shapes]
+            return [np.empty(shape, self._precision.dtype) for shape in shapes]
         targets = [*out] if isinstance(out, tuple) else [out]
         return targets if [getattr(x, "shape", None) for x in targets] == shapes else None
 

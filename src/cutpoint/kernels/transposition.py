@@ -8,6 +8,7 @@ between vectors 1, 2, 4, ... apart (Eklundh 1972: log2(c) shuffles a vector).
 from collections.abc import Iterator, Sequence
 
 from cutpoint.kernels.llvm_code import Code
+from cutpoint.kernels.precision import Precision
 
 
 def blocks(columns: int, width: int) -> Iterator[tuple[int, int]]:
@@ -19,44 +20,45 @@ def blocks(columns: int, width: int) -> Iterator[tuple[int, int]]:
         first += size
 
 
-def lanes_of_rows(code: Code, rows: Sequence[str], first: int, size: int) -> list[str]:
+def lanes_of_rows(code: Code, precision: Precision, rows: Sequence[str], first: int, size: int) -> list[str]:
     """A vector for each column of a block, from pointers to where the rows begin."""
-    parts = [code.load(code.at(row, first), 0, f"<{size} x double>", align=8) for row in rows]
-    return _transposed(code, [_joined(code, parts[k::size], size) for k in range(size)], len(rows))
+    one, item = precision.real, precision.item
+    parts = [code.load(code.at(row, first, one), 0, f"<{size} x {one}>", align=item) for row in rows]
+    return _transposed(code, one, [_joined(code, one, parts[k::size], size) for k in range(size)], len(rows))
 
 
-def lanes_to_rows(code: Code, vectors: Sequence[str], rows: Sequence[str], first: int) -> None:
+def lanes_to_rows(code: Code, precision: Precision, vectors: Sequence[str], rows: Sequence[str], first: int) -> None:
     """Writes a block of columns, a vector each, to where the rows begin."""
-    size = len(vectors)
-    for k, vector in enumerate(_transposed(code, [*vectors], len(rows))):
+    one, item, size = precision.real, precision.item, len(vectors)
+    for k, vector in enumerate(_transposed(code, one, [*vectors], len(rows))):
         for group, row in enumerate(rows[k::size]):
-            part = _shuffled(code, vector, vector, len(rows), range(group * size, (group + 1) * size))
-            code.store(part, code.at(row, first), 0, f"<{size} x double>", align=8)
+            part = _shuffled(code, one, vector, vector, len(rows), range(group * size, (group + 1) * size))
+            code.store(part, code.at(row, first, one), 0, f"<{size} x {one}>", align=item)
 
 
-def _transposed(code: Code, vectors: list[str], width: int) -> list[str]:
-    """Vectors whose squares of len(vectors) rows and columns are transposed."""
+def _transposed(code: Code, one: str, vectors: list[str], width: int) -> list[str]:
+    """Vectors whose squares of len(vectors) rows and columns are transposed; one: the type of a number."""
     distance = 1
     while distance < len(vectors):
         low = [j if not j & distance else width + j - distance for j in range(width)]
         high = [j + distance if not j & distance else width + j for j in range(width)]
         for k in [k for k in range(len(vectors)) if not k & distance]:
             a, b = vectors[k], vectors[k + distance]
-            vectors[k] = _shuffled(code, a, b, width, low)
-            vectors[k + distance] = _shuffled(code, a, b, width, high)
+            vectors[k] = _shuffled(code, one, a, b, width, low)
+            vectors[k + distance] = _shuffled(code, one, a, b, width, high)
         distance *= 2
     return vectors
 
 
-def _joined(code: Code, parts: list[str], size: int) -> str:
+def _joined(code: Code, one: str, parts: list[str], size: int) -> str:
     """One vector of as many parts, a power of two, of so many numbers each."""
     while len(parts) > 1:
         pairs = zip(parts[::2], parts[1::2], strict=True)
-        parts, size = [_shuffled(code, a, b, size, range(2 * size)) for a, b in pairs], 2 * size
+        parts, size = [_shuffled(code, one, a, b, size, range(2 * size)) for a, b in pairs], 2 * size
     return parts[0]
 
 
-def _shuffled(code: Code, a: str, b: str, size: int, chosen: Sequence[int]) -> str:
+def _shuffled(code: Code, one: str, a: str, b: str, size: int, chosen: Sequence[int]) -> str:
     """The chosen numbers of two vectors of so many numbers each."""
-    kind, places = f"<{size} x double>", ", ".join(f"i32 {k}" for k in chosen)
+    kind, places = f"<{size} x {one}>", ", ".join(f"i32 {k}" for k in chosen)
     return code.let(f"shufflevector {kind} {a}, {kind} {b}, <{len(chosen)} x i32> <{places}>")

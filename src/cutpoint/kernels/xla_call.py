@@ -11,6 +11,7 @@ import numpy as np
 
 from cutpoint.kernels.llvm_code import Code
 from cutpoint.kernels.ports import Port
+from cutpoint.kernels.precision import Precision
 
 FUNCTION = "xla_call"
 LOOP, PACKS, FLOATS = "batch_loop_of_xla_call", "packs_of_xla_call", "floats_of_xla_call"
@@ -37,7 +38,7 @@ define ptr @{FUNCTION}(ptr %frame) {{
 entry:"""
 
 
-def xla_call(inputs: Sequence[Port], outputs: Sequence[Port]) -> str:
+def xla_call(inputs: Sequence[Port], outputs: Sequence[Port], precision: Precision) -> str:
     """The module's text: XLA_FFI_Error *xla_call(XLA_FFI_CallFrame *).
 
     Every buffer has a leading axis before the port's own: 1 of an input that the whole batch shares, else the batch's
@@ -57,7 +58,7 @@ def xla_call(inputs: Sequence[Port], outputs: Sequence[Port]) -> str:
     for number, buffer in enumerate(_buffers(code, inputs, outputs)):
         code.store(_field(code, buffer, _DATA), arguments, number, "ptr")
         code.store(_field(code, _field(code, buffer, _LENGTHS), 0, "i64"), lengths, number, "i64")
-    steps = _steps(code, ports, lengths)
+    steps = _steps(code, ports, lengths, precision)
     count = code.at(lengths, len(inputs), "i64")
     theirs = code.let(f"alloca i8, i64 {FENV_BYTES}, align 16")
     code.let(f"call i32 @fegetenv(ptr {theirs})")
@@ -80,13 +81,13 @@ def _buffers(code: Code, inputs: Sequence[Port], outputs: Sequence[Port]) -> lis
     return [code.load(table, k, "ptr") for table, ports in sides for k in range(len(ports))]
 
 
-def _steps(code: Code, ports: Sequence[Port], lengths: str) -> str:
+def _steps(code: Code, ports: Sequence[Port], lengths: str, precision: Precision) -> str:
     """Every argument's step through the batch, in bytes, 0 if it is shared; then the steps through its own axes."""
-    own = [stride for p in ports for stride in np.empty(p.shape).strides]
+    own = [stride for p in ports for stride in np.empty(p.shape, precision.dtype).strides]
     steps = code.let(f"alloca i64, i64 {len(ports) + len(own)}")
     for number, port in enumerate(ports):
         is_shared = code.let(f"icmp eq i64 {code.load(lengths, number, 'i64')}, 1")
-        code.store(code.let(f"select i1 {is_shared}, i64 0, i64 {8 * port.size}"), steps, number, "i64")
+        code.store(code.let(f"select i1 {is_shared}, i64 0, i64 {precision.item * port.size}"), steps, number, "i64")
     for k, stride in enumerate(own, start=len(ports)):
         code.store(str(stride), steps, k, "i64")
     return steps

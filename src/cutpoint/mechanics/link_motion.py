@@ -28,16 +28,23 @@ def link_motion(system: System, q: Scalars, v: Scalars, tau: Sequence[Jet]) -> t
 
 
 def torques_on_links(
-    system: System, drives: Sequence[Driven], q: Scalars, v: Scalars, theta: Scalars, theta_dot: Scalars
+    system: System,
+    drives: Sequence[Driven],
+    q: Scalars,
+    v: Scalars,
+    theta: Scalars,
+    theta_dot: Scalars,
+    sliding: Scalars,
 ) -> list[Jet]:
     """What bending drives exert on their links, with its rate, N m and N m/s; friction and damping enter by value.
 
-    Xia (2019) eqs. (2)-(3), (21).
+    Xia (2019) eqs. (2)-(3), (21).  sliding: speeds at which friction is taken, of each drive.  Those of a smooth motion
+    serve better than v: near rest friction's sign hangs on the last digit that a sensor tells.
     """
     tau = [Jet(0, 0)] * system.nv
-    for d, x, w in zip(drives, theta, theta_dot, strict=True):
+    for d, x, w, slid in zip(drives, theta, theta_dot, sliding, strict=True):
         assert d.drive.compliance is not None, "a rigid drive has no deflection to read a torque from"
         wound = deflection(d.drive, Jet(x, w), Jet(q[d.q], v[d.v]))
         damping = 0 if d.drive.damping is None else d.drive.damping * wound.derivative(1)
-        tau[d.v] = d.drive.compliance.torque(wound) + (damping - friction_torque(d.drive.link_friction, v[d.v]))
+        tau[d.v] = d.drive.compliance.torque(wound) + (damping - friction_torque(d.drive.link_friction, slid))
     return tau

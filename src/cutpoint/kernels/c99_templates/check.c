@@ -11,27 +11,27 @@
 #define INPUTS @{input_count}
 #define OUTPUTS @{output_count}
 
-static const double inputs[CASES][INPUTS] = {
+static const @{real} inputs[CASES][INPUTS] = {
 @{inputs}};
 
-static const double expected[CASES][OUTPUTS] = {
+static const @{real} expected[CASES][OUTPUTS] = {
 @{expected}};
 
 static const char *const names[OUTPUTS] = {
 @{output_names}};
 
-static int agree(double x, double y) {
-  uint64_t a, b;
+static int agree(@{real} x, @{real} y) {
+  @{word} a, b;
   memcpy(&a, &x, sizeof a);
   memcpy(&b, &y, sizeof b);
   return a == b || (x != x && y != y);
 }
 
 int main(void) {
-  double found[OUTPUTS];
+  @{real} found[OUTPUTS];
   int differences = 0;
   for (int i = 0; i < CASES; i++) {
-    const double *in = inputs[i];
+    const @{real} *in = inputs[i];
     (void)in;
     @{name}(@{call});
     for (int k = 0; k < OUTPUTS; k++) {

@@ -4,7 +4,7 @@
 
 ${arguments}
 
-   count: how many configurations.  Every array holds rows of float64 in device memory, a configuration a row, the next
+   count: how many configurations.  Every array holds rows of ${precision} in device memory, a configuration a row, the next
    one behind it.  A step says how many numbers lie between the rows of an input, 0 where all configurations share one.
    Outputs have their rows side by side, and must not overlap inputs.
 

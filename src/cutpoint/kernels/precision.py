@@ -1,0 +1,54 @@
+"""Precisions: the formats of IEEE 754 that graphs are computed in, and what each target calls them."""
+
+from collections.abc import Callable
+from typing import Any, NamedTuple
+
+import numpy as np
+
+
+class Precision(NamedTuple):
+    """A binary floating-point format.
+
+    Attributes:
+        dtype: NumPy's.
+        number: a Python float in this format, rounded once.
+        fraction: how many bits of a number are behind its leading one.
+        real: its name in LLVM.
+        c: its name in C.
+        suffix: what C appends to constants, and to the names of its functions of such numbers.
+    """
+
+    dtype: np.dtype[Any]
+    number: Callable[[float], Any]
+    fraction: int
+    real: str
+    c: str
+    suffix: str
+
+    @property
+    def item(self) -> int:
+        """Bytes of a number."""
+        return self.dtype.itemsize
+
+    @property
+    def bits(self) -> int:
+        return 8 * self.item
+
+    @property
+    def bias(self) -> int:
+        """Added to a number's exponent it gives the bits of it; 2**(1 - bias) is the least normal number."""
+        return 2 ** (self.bits - self.fraction - 2) - 1
+
+    @property
+    def magic(self) -> float:
+        """Added to a number of at most 2**(fraction - 2) it makes it whole: the sum's lowest bits are those of it."""
+        return 1.5 * 2.0**self.fraction
+
+    def rounded(self, x: float) -> float:
+        """A constant in this format; what is beyond it is infinite, or zero."""
+        with np.errstate(all="ignore"):
+            return float(self.number(x))
+
+
+FLOAT64 = Precision(np.dtype(np.float64), float, 52, "double", "double", "")
+FLOAT32 = Precision(np.dtype(np.float32), np.float32, 23, "float", "float", "f")
