@@ -28,7 +28,7 @@ JOINT_QUANTITIES = frozenset({
     "inverse_dynamics", "forward_dynamics", "bias_forces", "gravity_forces", "coriolis_matrix", "mass_matrix",
     "kinetic_energy", "potential_energy", "elastic_inverse_dynamics", "elastic_forward_dynamics", "static_deflection",
     "inverse_dynamics_derivatives", "forward_dynamics_derivatives", "elastic_inverse_dynamics_derivatives",
-    "elastic_forward_dynamics_derivatives",
+    "elastic_forward_dynamics_derivatives", "drive_regressor",
 })  # fmt: skip
 """Functions that tell nothing of single bodies: what they give is the same on the lean machine, in fewer operations."""
 
@@ -73,7 +73,7 @@ class Compiled:
             return 6
         if name == "dt":
             return ()
-        if name in ("theta", "theta_dot", "motor_torque"):
+        if name in ("theta", "theta_dot", "theta_ddot", "motor_torque"):
             return len(self._drives)
         if name == "strains":
             return sum(map(strains.count, self._drives.values()))

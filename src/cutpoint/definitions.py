@@ -3,11 +3,13 @@
 from collections.abc import Mapping
 from typing import Any, NamedTuple
 
+from cutpoint.mechanics import drive_regressor as drives
 from cutpoint.mechanics import elastic, elastic_forward, kinematics, mass_matrix, power_flow, regressor
 from cutpoint.mechanics import forward_dynamics as forward
 from cutpoint.mechanics import inverse_dynamics as inverse
+from cutpoint.mechanics.drive_regressor import DriveRegressor
 from cutpoint.mechanics.elastic import Driven, ElasticMotion, Options
-from cutpoint.mechanics.elastic_forward import ElasticAccelerations
+from cutpoint.mechanics.elastic_forward import DriveState, ElasticAccelerations
 from cutpoint.mechanics.harmonic_drive import friction_torque, motor_position, spring_torque
 from cutpoint.mechanics.spatial import Pose, Vec3, Wrench
 from cutpoint.mechanics.strains import Strains, drive_by_drive
@@ -128,6 +130,13 @@ def friction_torques(m: Machine, v: Scalars) -> Scalars:
     for d in m.drives:
         xi[d.v] = friction_torque(d.drive.link_friction, v[d.v])
     return xi
+
+
+def drive_regressor(
+    m: Machine, q: Scalars, v: Scalars, theta: Scalars, theta_dot: Scalars, theta_ddot: Scalars
+) -> DriveRegressor:
+    states = [DriveState(q[d.q], v[d.v], x, w) for d, x, w in zip(m.drives, theta, theta_dot, strict=True)]
+    return drives.drive_regressor(m.drives, states, theta_ddot)
 
 
 def frame_pose(m: Machine, q: Scalars, frame: str) -> list[Scalars]:

@@ -12,7 +12,9 @@ from cutpoint.compiled import Compiled
 from cutpoint.door import checked_array, driven_joints, random_coordinates, validated_drives
 from cutpoint.errors import InputError, unknown_name
 from cutpoint.mechanics import strains as strains_of
+from cutpoint.mechanics.drive_regressor import DriveRegressor, columns
 from cutpoint.mechanics.elastic import Options, derivatives_needed
+from cutpoint.mechanics.elastic_forward import DriveState
 from cutpoint.model import Drive, Mechanism, changes
 from cutpoint.model.decomposition import Cut, Subsystem, cuts_of, subsystems_of
 from cutpoint.scalars import structure_of
@@ -358,6 +360,25 @@ class Robot:
     def friction_torques(self, v: ArrayLike) -> Array:
         """(..., nv) N m: what link-side friction takes.  Xia (2019) eq. (54)."""
         return self._function("friction_torques", definitions.friction_torques, "v", True)(v)
+
+    def drive_regressor(
+        self, q: ArrayLike, v: ArrayLike, theta: ArrayLike, theta_dot: ArrayLike, theta_ddot: ArrayLike
+    ) -> DriveRegressor:
+        """(..., drives, c) each, N m a unit: torques on the links and of the motors are link @ c and motor @ c.
+
+        c are `drive_coefficients`.  A rigid drive's motor row lacks the torque on its link, its link row is empty.
+        Friction is as in steady sliding and without load.  Xia (2019) eqs. (2), (54)-(56).
+        """
+        inputs = "q v theta theta_dot theta_ddot"
+        function = self._function("drive_regressor", definitions.drive_regressor, inputs, True, DriveRegressor)
+        return function(q, v, theta, theta_dot, theta_ddot)
+
+    @cached_property
+    def drive_coefficients(self) -> dict[str, float]:
+        """Coefficients in which the drives are linear, by name ("stiffness.joint1"), in `drive_regressor`'s order."""
+        still = DriveState(0.0, 0.0, 0.0, 0.0)
+        each = {name: columns(drive, still, 0.0) for name, drive in self.drives.items()}
+        return {f"{column.name}.{name}": float(column.value) for name, own in each.items() for column in own}
 
     def linearize(
         self,

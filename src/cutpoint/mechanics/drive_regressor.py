@@ -1,0 +1,76 @@
+"""What drives do as a linear function of their coefficients: stiffness, damping, rotor inertia, friction.
+
+The coefficients c of a drive, those that it has, in this order, at the joint's side: inertia of the rotor (kg m2),
+stiffness of the spring at rest and damping (N m/rad, N m s/rad), coefficients of the link's friction, then of the
+motor's.  A spring law that hardens is linear in one number once the shape of its curve is held: it stiffens as a whole.
+"""
+
+from collections.abc import Sequence
+from typing import Any, NamedTuple
+
+from cutpoint.mechanics.elastic import Driven
+from cutpoint.mechanics.elastic_forward import DriveState
+from cutpoint.mechanics.friction import Sliding
+from cutpoint.mechanics.harmonic_drive import deflection, transmission
+from cutpoint.mechanics.presliding import Presliding
+from cutpoint.model.drive import Drive
+from cutpoint.scalars import Scalar
+
+
+class DriveRegressor(NamedTuple):
+    """Torques on the links, link @ c, and motor torques, motor @ c, one row a drive: N m for each unit of c.
+
+    A bending drive's rows hold all it does.  A rigid one's motor row lacks the torque on its link, which no deflection
+    tells, and its link row is empty.
+    """
+
+    link: Any
+    motor: Any
+
+
+class Column(NamedTuple):
+    """One coefficient: its name, its value, and what a unit of it does on either side, N m."""
+
+    name: str
+    value: Scalar
+    link: Scalar
+    motor: Scalar
+
+
+def drive_regressor(
+    drives: Sequence[Driven], states: Sequence[DriveState], accelerations: Sequence[Scalar]
+) -> DriveRegressor:
+    """Rows of all drives side by side.  accelerations: of the motors, rad/s2.  Xia (2019) eqs. (2), (54)-(56)."""
+    found = [columns(d.drive, at, a) for d, at, a in zip(drives, states, accelerations, strict=True)]
+    width, start = sum(map(len, found)), 0
+    link, motor = ([[0] * width for _ in found] for _ in range(2))
+    for k, own in enumerate(found):
+        link[k][start : start + len(own)] = [column.link for column in own]
+        motor[k][start : start + len(own)] = [column.motor for column in own]
+        start += len(own)
+    return DriveRegressor(link, motor)
+
+
+def columns(drive: Drive, at: DriveState, acceleration: Scalar) -> list[Column]:
+    """A drive's coefficients, in their order."""
+    found: list[Column] = []
+    if drive.rotor is not None:
+        found.append(Column("inertia", drive.reflected_inertia, 0, acceleration))
+    if drive.compliance is not None:
+        stiffness, turns = drive.compliance.tangent(0), transmission(drive, at.theta)
+        shape = drive.compliance.torque(deflection(drive, at.theta, at.q)) / stiffness
+        found.append(Column("stiffness", stiffness, shape, turns * shape))
+        if drive.damping is not None:
+            rate = turns * at.theta_dot - at.v
+            found.append(Column("damping", drive.damping, rate, turns * rate))
+    for side, law, speed in (
+        ("link", drive.link_friction, at.v),
+        ("motor", drive.motor_friction, at.theta_dot if drive.is_elastic else at.v),
+    ):
+        sliding: Sliding | None = law.sliding if isinstance(law, Presliding) else law  # type: ignore[assignment]
+        if sliding is not None:
+            on_link = side == "link" and drive.is_elastic
+            for name, x in zip(sliding.coefficients, sliding.columns(speed), strict=True):
+                value = getattr(sliding, name)
+                found.append(Column(f"{side}_{name}", value, -x if on_link else 0, 0 if on_link else x))
+    return found
