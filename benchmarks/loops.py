@@ -1,45 +1,70 @@
-"""A loop in machine code around a function's address, so that no Python call stands between two calls.
+"""The paper's arm under control, with its friction: simulated seconds a second, alone and many at once, and how true.
 
-By LLVM, which cutpoint brings: a machine without a C compiler measures the same.
+python benchmarks/loops.py
+
+What is true is the RMS of the position error over the move, against that of many more steps: under stick-slip two runs
+drift apart whatever the integrator, their scores do not.  Many at once differ in static friction and encoder noise,
+and the error's RMS is what is kept of each.
 """
 
-import ctypes
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
+from dataclasses import replace
+from functools import partial
 
 import numpy as np
 
-from cutpoint.kernels.jit import Compiled
-from cutpoint.kernels.llvm_code import Code
+import cutpoint
+from cutpoint.control import PD, Feedforward
+from cutpoint.simulation import simulate_many
+from cutpoint.studies.cost.timing import in_turns
+from cutpoint.trajectories import cycloid
+
+DURATION, RUNS = 10.0, 64
+"""s of the reference move; runs side by side."""
+
+SUBSTEPS, EXACT = (1, 2, 3, 4, 8), 200
+"""Integration steps a millisecond, and how many count as exact."""
+
+KP, KD = [2000.0, 2000, 1000, 500, 300, 200], [60.0, 60, 35, 20, 12, 10]
+GOAL = np.deg2rad([90.0, 60.0, 60.0, 90.0, 60.0, 90.0])
 
 
-def called(address: int, arrays: Sequence[np.ndarray], count: int, owner: object) -> Callable[[], None]:
-    """Calls the function at an address, void f(double *, ...), count times: a row of every array after another.
+def plants(arm: cutpoint.Robot) -> list[cutpoint.Robot]:
+    """The arm with other static frictions, 10 % up or down."""
 
-    arrays: C-contiguous, (count, ...); all calls get the same of one with no axis of rows, (n,).  owner: of the code.
-    """
-    code = Code()
-    with code.loop("%count") as loop:
-        starts = [code.let(f"mul i64 {loop.iteration}, {_stride(x)}") for x in arrays]
-        rows = [code.at(f"%array{k}", start) for k, start in enumerate(starts)]
-        code.lines.append(f"call void %f({', '.join(f'ptr {row}' for row in rows)})")
-    function = Machine("calls", ["i64 %count", "ptr %f", *(f"ptr %array{k}" for k in range(len(arrays)))], code.lines)
-    kept = (owner, *arrays)
-    return lambda: function(count, address, *(x.ctypes.data for x in kept[1:]))
+    def rubbing(share: float) -> cutpoint.Robot:
+        laws = {name: replace(d.link_friction, static=d.link_friction.static * share) for name, d in arm.drives.items()}
+        return arm.with_drives({name: replace(d, link_friction=laws[name]) for name, d in arm.drives.items()})
+
+    return [rubbing(share) for share in np.linspace(0.9, 1.1, RUNS)]
 
 
-def _stride(x: np.ndarray) -> int:
-    return x[0].size if x.ndim > 1 else 0
+def score(log: cutpoint.Log) -> np.ndarray:
+    return log.rms("position_error")
 
 
-class Machine:
-    """A function without result, from the lines of its body; called with whole numbers and addresses."""
+def loops(threads: int = 1) -> list[dict]:
+    """A row for each number of steps."""
+    arm, move = cutpoint.robots.xia2019(), cycloid(GOAL, DURATION)
+    law = PD(KP, KD, side="motor") + Feedforward(arm)
+    alone = partial(cutpoint.simulate, arm, law, move)
+    noise = [cutpoint.Sensors(motor_noise=1e-6, seed=k) for k in range(RUNS)]
+    many = partial(simulate_many, plants(arm), law, move, sensors=noise, each=score, threads=threads)
+    calls: dict[tuple[str, int], Callable[[], object]] = {("alone", n): partial(alone, substeps=n) for n in SUBSTEPS}
+    calls |= {("many", n): partial(many, substeps=n) for n in SUBSTEPS}
+    times, truth = in_turns(calls), score(alone(substeps=EXACT))
+    return [
+        {
+            "substeps": n,
+            "alone": DURATION / times["alone", n].least * 1e9,
+            "many": RUNS * DURATION / times["many", n].least * 1e9,
+            "score_error": float(np.abs(score(alone(substeps=n)) - truth).max()),
+        }
+        for n in SUBSTEPS
+    ]
 
-    def __init__(self, name: str, parameters: Sequence[str], lines: Sequence[str], declared: str = "") -> None:
-        body = "\n".join(["entry:", *lines, "ret void"])
-        text = f"{declared}\ndefine void @{name}({', '.join(parameters)}) {{\n{body}\n}}\n"
-        self._code = Compiled(text, name)  # the code lives as long as this
-        kinds = [ctypes.c_int64 if x.startswith("i64") else ctypes.c_void_p for x in parameters]
-        self._call = ctypes.CFUNCTYPE(None, *kinds)(self._code.address)
 
-    def __call__(self, *arguments: int) -> None:
-        self._call(*arguments)
+if __name__ == "__main__":
+    for row in loops():
+        told = f"{row['alone']:.0f} s/s alone, {row['many']:.0f} s/s of {RUNS}, scores off by {row['score_error']:.1e} rad"
+        print(f"{row['substeps']} steps a ms: {told}")

@@ -176,6 +176,47 @@ def check(
         raise typer.Exit(3)
 
 
+@app.command(epilog="Example: cutpoint excite arm.urdf --drives arm.drives.yaml --seconds 60 --output excited")
+def excite(
+    robot: RobotFile,
+    drives: Drives = None,
+    duration: Annotated[float, typer.Option(help="Of the motion, s: a whole number of its periods.")] = 10.0,
+    harmonics: Annotated[int, typer.Option(help="Waves in each joint, multiples of the base frequency.")] = 5,
+    base_frequency: Annotated[
+        float | None, typer.Option(help="Hz; one period in the whole duration if not given.")
+    ] = None,
+    criterion: Annotated[
+        Literal["determinant", "condition"], typer.Option(help="Largest det(W^T W) or smallest condition number of W.")
+    ] = "determinant",
+    speed: Annotated[
+        float | None, typer.Option(help="Largest speed of every joint, rad/s (m/s): below what robot and drives state.")
+    ] = None,
+    acceleration: Annotated[float | None, typer.Option(help="Largest acceleration, rad/s2 (m/s2).")] = None,
+    torque: Annotated[float | None, typer.Option(help="Largest torque of every motor at its joint, N m (N).")] = None,
+    seconds: Annotated[float, typer.Option(help="To search; Ctrl-C ends it earlier, with the best until then.")] = 30.0,
+    output: Annotated[
+        Path, typer.Option(metavar="DIR", help="Folder for excitation.csv, .json (to go on from) and .png.")
+    ] = Path("excitation"),
+) -> None:
+    """Find the motion along which torques tell most of a robot's inertias and friction, within its limits.
+
+    Run it again with the same --output to search on from what was found.  Watch the motion in simulation before a
+    machine follows it: bodies may touch, since nothing here knows their shapes.
+    """
+    from cutpoint.identification import excitation
+    from cutpoint.identification.excitation_table import FILES, save, table_of
+
+    loaded = _robot(robot, drives)
+    output.mkdir(parents=True, exist_ok=True)
+    limits = {"speed": speed, "acceleration": acceleration, "torque": torque}
+    series = (duration, harmonics, base_frequency)
+    resume = output / FILES[1]
+    found = excitation(loaded, *series, criterion=criterion, **limits, seconds=seconds, resume=resume)
+    console.print(table_of(found))
+    for path in save(found, output):
+        console.print(f"saved: {path}", soft_wrap=True, highlight=False, markup=False)
+
+
 @app.command(epilog="Example: cutpoint drive CSG-20-100 --plot drive.png")
 def drive(
     name: Annotated[

@@ -21,7 +21,7 @@ from cutpoint.mechanics.assembly import lean_framing, system_of
 from cutpoint.mechanics.elastic import Driven
 from cutpoint.mechanics.reframing import Framing
 from cutpoint.model import Drive, Mechanism
-from cutpoint.rolled import RolledFunction, rolled_function
+from cutpoint.rolled import RolledFunction, rolled
 from cutpoint.scalars import leaves, rebuild
 
 JOINT_QUANTITIES = frozenset({
@@ -109,15 +109,10 @@ class Compiled:
         """
         found = self._functions.get(key)
         if found is None:
-            found = self._functions[key] = self._rolled(key) or self._straight(
+            found = self._functions[key] = rolled(key, self.machine, self._backend, record) or self._straight(
                 key, definition, inputs.split(), reads_drives, record
             )
         return found
-
-    def _rolled(self, key: Any) -> Callable[..., Any] | None:
-        """A large robot's function as loops over its bodies."""
-        name, variant = (key[0], True) if isinstance(key, tuple) else (key, False)
-        return rolled_function(name, variant, self.machine.system, self._backend)
 
     def _straight(self, key: Any, *how: Any) -> Callable[..., Any]:
         """A function as a kernel: code without loops."""

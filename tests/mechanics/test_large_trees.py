@@ -19,10 +19,13 @@ from cutpoint.model import Drive, Joint, Link, Mechanism
 from cutpoint.model.build import build
 from cutpoint.model.drive import Rotor
 from cutpoint.rolled import RECIPES, RolledFunction
+from cutpoint.rolled import rolled as suited_to
 from cutpoint.rolled.bodies import Columns, rows_of
+from cutpoint.rolled.passes import one_by_one, side_by_side
 from random_trees import placement, random_tree
 
 DYNAMICS = ("inverse_dynamics", "forward_dynamics")
+RIGID = ("inverse_dynamics", "bias_forces", "gravity_forces", "forward_dynamics", "mass_matrix")
 BACKENDS = ("llvm", "numpy")
 EPS = np.finfo(float).eps
 
@@ -48,7 +51,7 @@ def states(robot: Robot, *shape: int, seed: int = 0) -> np.ndarray:
 @cache
 def rolled(robot: Robot, name: str, backend: str) -> RolledFunction:
     """A function as loops, whatever the robot's size."""
-    return RolledFunction(name, robot.machine.system, backend)
+    return RolledFunction(name, robot.machine, backend)
 
 
 def assert_close(ours: np.ndarray, theirs: np.ndarray, rtol: float = 1e-12) -> None:
@@ -92,9 +95,20 @@ def test_loops_feel_rotors(tree: str, every: int) -> None:
     robot = Robot(TREES[tree], with_rotors(TREES[tree], every), backend="numpy")
     bare = Robot(TREES[tree], backend="numpy")
     for name in DYNAMICS:
-        given, function = states(robot), RolledFunction(name, robot.machine.system, "llvm")
+        given, function = states(robot), RolledFunction(name, robot.machine, "llvm")
         assert_close(function(*given), getattr(robot, name)(*given))
         assert np.abs(function(*given) - rolled(bare, name, "llvm")(*given)).max() > 1e-3
+
+
+@pytest.mark.parametrize("tree", TREES)
+@pytest.mark.parametrize("backend", BACKENDS)
+def test_mass_matrices_of_pairs_are_those_of_straight_line_code(tree: str, backend: str) -> None:
+    for drives in ({}, with_rotors(TREES[tree], 2) if tree != "screws and turns" else {}):  # no drive turns a screw
+        robot = Robot(TREES[tree], drives, backend="numpy")
+        q = states(robot, 2)[0]
+        found = RolledFunction("mass_matrix", robot.machine, backend)(q)
+        assert_close(found, robot.mass_matrix(q))
+        np.testing.assert_array_equal(RolledFunction("mass_matrix", robot.machine, backend)(q[1]), found[1])
 
 
 def model_of(mechanism: Mechanism) -> pinocchio.Model:
@@ -116,33 +130,32 @@ def test_a_chain_of_192_moves_as_pinocchio_says() -> None:
         q, v, a = states(robot, seed=seed)
         assert_close(robot.inverse_dynamics(q, v, a), pinocchio.rnea(model, data, q, v, a))
         assert_close(robot.forward_dynamics(q, v, a), pinocchio.aba(model, data, q, v, a))
+        M = np.triu(pinocchio.crba(model, data, q))
+        assert_close(robot.mass_matrix(q), M + np.triu(M, 1).T)
         assert_close(robot.gravity_forces(q), pinocchio.computeGeneralizedGravity(model, data, q))
         assert_close(robot.bias_forces(q, v), pinocchio.nonLinearEffects(model, data, q, v))
 
 
-def test_large_robots_loop_and_small_ones_do_not() -> None:
-    for size, loops in ((48, ()), (49, ("forward_dynamics",)), (97, tuple(RECIPES))):
-        robot = Robot(chain(size))
-        q, v, a = states(robot)
-        robot.forward_dynamics(q, v, a) if "forward_dynamics" in loops else None
-        if size == 97:
-            for name, given in (("inverse_dynamics", (q, v, a)), ("bias_forces", (q, v)), ("gravity_forces", (q,))):
-                getattr(robot, name)(*given)
-        for name in loops:
-            with pytest.raises(InputError, match=rf"{name}: of {size} bodies it runs as loops over them"):
-                robot.kernel(name)
-    small = Robot(chain(6))
-    small.forward_dynamics(*states(small))
-    assert small.kernel("forward_dynamics").operations
+@pytest.mark.parametrize("name", RIGID)
+def test_large_robots_loop_and_small_ones_do_not(name: str) -> None:
+    above = RECIPES[name].above
+    assert suited_to(name, machine_of(chain(above), {}), "llvm") is None
+    robot = Robot(chain(above + 1))
+    given = dict(zip(("q", "v", "a"), states(robot), strict=True)) | {"tau": np.ones(above + 1)}
+    getattr(robot, name)(*(given[x] for x in RECIPES[name].inputs))
+    with pytest.raises(InputError, match=rf"{name}: of {above + 1} bodies it runs as loops over them"):
+        robot.kernel(name)
 
 
 def test_code_is_as_long_for_ten_bodies_as_for_a_thousand() -> None:
     """The same text, so that the second one is found on disk."""
-    for name in DYNAMICS:
+    both = (one_by_one, side_by_side)
+    for name, arrangements in {**dict.fromkeys(DYNAMICS, both), "mass_matrix": (one_by_one,)}.items():
         texts = []
         for size in (10, 1000):
-            built = RECIPES[name].loops(Columns(rows_of(machine_of(chain(size), {}).system)), 1)
-            texts.append(program_ir(plan(built.body, built.regions)))
+            columns = Columns(rows_of(machine_of(chain(size), {}).system))
+            built = [arranged(RECIPES[name].steps(columns), columns, 8) for arranged in arrangements]
+            texts.append([program_ir(plan(x.body, x.regions)) for x in built])
         assert texts[0] == texts[1]
 
 

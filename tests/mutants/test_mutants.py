@@ -126,14 +126,14 @@ MUTANTS = {
         MIXED,
     ),
     "friction on the wrong side, inverse": Mutant(
-        elastic._motor_motion,
+        elastic.motor_motion,
         "drive.link_friction, v if",
         "drive.motor_friction, v if",
         elastic_laws.test_forward_dynamics_returns_the_motion_that_inverse_dynamics_was_given,
         {"name": "friction", "backend": "numpy", "friction_rates": False},
     ),
     "kappa_r = q_r": Mutant(
-        elastic._motor_motion,
+        elastic.motor_motion,
         "motor_position(drive, link + wound)",
         "motor_position(drive, link + 0 * wound)",
         elastic_laws.test_forward_dynamics_returns_the_motion_that_inverse_dynamics_was_given,
@@ -280,7 +280,7 @@ MUTANTS = {
         {},
     ),
     "hysteresis lost in the inverse": Mutant(
-        elastic._motor_motion,
+        elastic.motor_motion,
         " - slipping_torque(drive, strains.spring)",
         "",
         elastic_laws.test_strains_are_counted_there_and_back,

@@ -9,12 +9,21 @@ from cutpoint.control import adaptation, command_filter
 from cutpoint.control.gains import gains
 from cutpoint.control.interface import Command, Measurement, Reference
 from cutpoint.control.joint_parameters import JointPower, adapted, nominal, with_numbers
-from cutpoint.control.vdc import TURN, VDC, JointGains, joint_command, required_velocity
+from cutpoint.control.vdc import TURN, VDC, JointGains, RequiredTorque, joint_command, required_velocity
 from cutpoint.errors import InputError
 from cutpoint.mechanics.elastic_forward import DriveState
 from cutpoint.mechanics.harmonic_drive import friction_torque
-from cutpoint.mechanics.inverse_dynamics import BodyMotion, bear, joint_efforts, pull, required_motions
-from cutpoint.mechanics.rigid_body import body_regressor, inertia_of, net_wrench, parameters_of
+from cutpoint.mechanics.inverse_dynamics import (
+    BodyMotion,
+    bear,
+    joint_efforts,
+    net_wrenches,
+    pull,
+    quasi_rigid,
+    required_motions,
+    rotor_efforts,
+)
+from cutpoint.mechanics.rigid_body import body_regressor, inertia_of, parameters_of
 from cutpoint.mechanics.system import Segment
 from cutpoint.model.drive import Drive
 from cutpoint.scalars import Jet, Scalar
@@ -54,6 +63,9 @@ class AdaptiveVDC(VDC):
             raise InputError("AdaptiveVDC: derivatives must be 'filter': a model that is being learnt gives no jerk")
         for name in ("body_rate", "joint_rate", "uncertainty"):
             self._set(**{name: gains("AdaptiveVDC", name, getattr(self, name), 1)})
+        if self.uncertainty.dtype != object and self.uncertainty[0] >= 1:
+            rule = "must be below 1, so that inertias, stiffness and friction stay positive"
+            raise InputError(f"AdaptiveVDC: uncertainty {self.uncertainty[0]} {rule}")
 
     @property
     def machine(self) -> Any:
@@ -70,18 +82,18 @@ class AdaptiveVDC(VDC):
 
     def step(self, memory: Any, measurement: Measurement, reference: Reference) -> tuple[Any, Command]:
         v_r = required_velocity(self.position_gain, reference[:3], (measurement.q, measurement.v))
-        tau, bodies = self._bodies(memory.bodies, measurement, v_r)
+        tau, rotors, bodies = self._bodies(memory.bodies, measurement, v_r)
         drives = self.machine.drives
         believed = [with_numbers(d.drive, x) for d, x in zip(drives, memory.joints, strict=True)]
         tau_r = [self._borne(k, drive, tau[k], v_r[k], measurement.v[k]) for k, drive in enumerate(believed)]
-        omega = TURN * self.filter_bandwidth
+        omega = TURN * self.filter_bandwidth[0]
         filters, filtered = command_filter.step(memory.filters, tau_r, omega, measurement.period)
         told, joints = [], []
         # each joint: what its motor must do for that, and what it learns
         for k, drive in enumerate(believed):
             at = DriveState(*(x[k] for x in measurement[2:]))
             gain = JointGains(self.speed_gain[k], self.motor_gain[k], self.spring_gain[k])
-            torque = Jet.of_taylor([tau_r[k], *filtered[k].c[1:]])
+            torque = RequiredTorque(Jet.of_taylor([tau_r[k], *filtered[k].c[1:]]), rotors[k])
             told.append(joint_command(drive, at, reference.q[k], v_r[k], torque, gain))
             speed, acceleration = v_r[k].c
             power = JointPower(at, speed, acceleration, tau_r[k], told[k].theta_dot, told[k].theta_ddot)
@@ -90,22 +102,25 @@ class AdaptiveVDC(VDC):
         torque, theta, theta_dot, _ = (np.array(x) for x in zip(*told, strict=True))
         return Estimates(bodies, joints, filters), Command(torque, 0, theta, theta_dot)
 
-    def _bodies(self, estimates: Any, m: Measurement, v_r: list[Jet]) -> tuple[list[Scalar], list[Any]]:
-        """Torques on the links, without those of rotors, and what each body has learnt."""
-        system = replace(self.machine.system, armature=(0,) * self.size)
+    def _bodies(
+        self, estimates: Any, m: Measurement, v_r: list[Jet]
+    ) -> tuple[list[Scalar], list[Scalar], list[Any]]:
+        """Torques on the links, what rotors add by their coupling, and what each body has learnt."""
+        system = quasi_rigid(replace(self.machine.system, armature=(0,) * self.size))
+        believed = [inertia_of(self.inertial(x)) for x in estimates]
+        segments = tuple(replace(own, inertia=M) for own, M in zip(system.segments, believed, strict=True))
+        system = replace(system, segments=segments)
         speeds, accelerations = zip(*(x.c for x in v_r), strict=True)
         actual, required = required_motions(system, [*m.q], [*m.v], speeds, accelerations)
-        F_r, learnt = [], []
         # each body: what its required motion costs by the numbers it believes in, and what it learns from that
-        for k, (segment, own, wanted) in enumerate(zip(system.segments, actual, required, strict=True)):
-            believed = self.inertial(estimates[k])
-            F_r.append(net_wrench(inertia_of(believed), wanted.A, wanted.U))
+        F_r, learnt = net_wrenches(system, required, speeds, accelerations, actual), []
+        for k, (segment, own, wanted) in enumerate(zip(segments, actual, required, strict=True)):
             if self.body_gain is not None:
                 F_r[k] = F_r[k] + pull(segment, self.body_gain[k], wanted.V, own.V)
             nominal_body = self.robot.machine.system.segments[k]
             learnt.append(self._learnt(nominal_body, estimates[k], body_powers(own, wanted), m.period))
         F_r = bear(system, [x.X for x in actual], F_r, {})
-        return joint_efforts(system, F_r, required, accelerations, actual), learnt
+        return joint_efforts(system, F_r), rotor_efforts(system, required, accelerations, actual), learnt
 
     def inertial(self, estimate: Any) -> list[Scalar]:
         """A body's ten parameters, in its joint's frame, from what the law remembers of it."""

@@ -1,6 +1,6 @@
 """Computed torque of a robot whose joints bend: feedback linearisation by elastic inverse dynamics.  De Luca (1988)."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -9,7 +9,8 @@ from cutpoint.control.gains import gains
 from cutpoint.control.interface import Command, Measurement, Reference
 from cutpoint.control.model_law import ModelLaw
 from cutpoint.errors import InputError
-from cutpoint.mechanics.elastic import Options, elastic_inverse_dynamics
+from cutpoint.mechanics.elastic import Driven, elastic_inverse_dynamics
+from cutpoint.mechanics.harmonic_drive import friction_torque
 from cutpoint.mechanics.link_motion import link_motion, torques_on_links
 
 
@@ -19,7 +20,8 @@ class ElasticComputedTorque(ModelLaw):
 
     De Luca (1988); De Luca and Book (2016) section 11.1.4.  bandwidth: rad/s, where all four poles of each joint's
     error lie; one number or one for each drive.  Acceleration and jerk of the links come from the springs' deflection
-    and the model.  It cancels all it knows of the robot, so it is as good as the model and the sensors are.
+    and the model.  It cancels all it knows of the robot, so it is as good as the model and the sensors are; only the
+    links' friction it takes at the desired speeds.
     """
 
     bandwidth: Any
@@ -31,6 +33,10 @@ class ElasticComputedTorque(ModelLaw):
         rigid = [name for name, drive in self.robot.drives.items() if not drive.is_elastic]
         if rigid:
             raise InputError(f"ElasticComputedTorque: the drive of {rigid[0]!r} is rigid; take ComputedTorque for it")
+        full = [name for name, x in self.robot.drives.items() if x.rotor is not None and x.rotor.coupling == "full"]
+        if full:
+            why = f"the rotor of {full[0]!r} has full coupling, so links feel more than their springs"
+            raise InputError(f"ElasticComputedTorque: {why}; take coupling 'reduced'", joint=full[0])
         name = "ElasticComputedTorque"
         self._set(bandwidth=gains(name, "bandwidth", self.bandwidth, self.size, positive=True))
 
@@ -41,6 +47,28 @@ class ElasticComputedTorque(ModelLaw):
         # (s + w)^4 = s^4 + 4 w s^3 + 6 w^2 s^2 + 4 w^3 s + w^4
         snap = r.snap + 4 * w * (r.jerk - jerk) + 6 * w * w * (r.a - a)
         snap = snap + w * w * w * (4 * (r.v - m.v) + w * (r.q - m.q))
-        rates = ([*x] for x in (m.q, m.v, a, jerk, snap))
-        u = elastic_inverse_dynamics(*machine, *rates, options=Options(quasi_rigid=True))
+        drives = [_held(d, speed) for d, speed in zip(machine.drives, r.v, strict=True)]
+        u = elastic_inverse_dynamics(machine.system, drives, *([*x] for x in (m.q, m.v, a, jerk, snap)))
         return memory, Command(np.array(u.motor_torque))
+
+
+@dataclass(frozen=True)
+class _Held:
+    """Friction that is what it is, N m."""
+
+    value: Any
+
+    def torque(self, speed: Any, load: Any = 0) -> Any:
+        return self.value
+
+    def share_of_load(self, speed: Any) -> Any:
+        return 0
+
+    def resistance(self, speed: Any, load: Any = 0) -> Any:
+        return 0
+
+
+def _held(driven: Driven, speed: Any) -> Driven:
+    """A drive whose link's friction is that of a speed, however the link moves."""
+    friction = _Held(friction_torque(driven.drive.link_friction, speed))
+    return replace(driven, drive=replace(driven.drive, link_friction=friction))

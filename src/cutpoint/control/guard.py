@@ -1,7 +1,9 @@
 """Safety around a law: what it may not do, what it may not be told, and what happens then."""
 
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, field
 from enum import IntEnum
+from functools import partial, reduce
 from typing import Any, Literal, NamedTuple
 
 import numpy as np
@@ -33,15 +35,19 @@ class Fault(IntEnum):
 REACTIONS: dict[str, Reaction] = {
     "measurement": "hold", "stale": "hold", "deadline": "ramp", "speed": "ramp", "position": "ramp", "command": "ramp",
 }  # fmt: skip
-"""measurement: not finite.  stale: its time stamp stands still.  deadline: it comes half a period late or later.
-speed, position: a joint beyond its limits.  command: the law's torque is not finite."""
+"""measurement: one that the law needs is not finite; the law is then told the last that was.  stale: its time stamp
+stands still.  deadline: it comes half a period late or later.  speed, position: a joint beyond its limits.  command:
+what the law commands is not finite."""
+
+SENSORS = ("q", "v", "theta", "theta_dot")
 
 
 class Watch(NamedTuple):
-    """The guard's memory: last time stamp (s), the fault found first, how severe reactions have become, what is left of
-    the torque, the last safe command, and the law's own memory."""
+    """The guard's memory: last time stamp (s), last finite measurement, the fault found first, how severe reactions
+    have become, what is left of the torque, the last safe command, and the law's own memory."""
 
     time: Any
+    seen: Any
     fault: Any
     severity: Any
     share: Any
@@ -81,7 +87,7 @@ class Guard(Wrapper):
                 raise unknown_name("fault", name, REACTIONS)
             if reaction not in SEVERITY:
                 raise unknown_name("reaction", reaction, SEVERITY)
-        if isinstance(self.ramp_time, (int, float)) and not self.ramp_time > 0:
+        if isinstance(self.ramp_time, (int, float)) and not (np.isfinite(self.ramp_time) and self.ramp_time > 0):
             raise InputError(f"Guard: ramp_time {self.ramp_time} s must be positive")
         limits = [body.joint.limits for body in self._driven]
         own = [drive.limits for drive in self.robot.drives.values()]
@@ -94,6 +100,7 @@ class Guard(Wrapper):
         for name, values in found.items():
             given = getattr(self, name)
             object.__setattr__(self, name, self._limit(name, values if given is None else given))
+        self._check_limits()
 
     @property
     def _driven(self) -> list[Any]:
@@ -109,6 +116,18 @@ class Guard(Wrapper):
             raise InputError(f"Guard: {name} {value} must be numbers, one or one for each of {n} drives", limit=name)
         return np.broadcast_to(array, n).astype(float)
 
+    def _check_limits(self) -> None:
+        if any(limit.dtype == object for limit in (self.torque_limit, self.speed_limit, self.lower, self.upper)):
+            return  # they are being traced
+        names = [*self.robot.drives]
+        for name in ("torque_limit", "speed_limit"):
+            if (k := int(np.argmin(getattr(self, name)))) >= 0 and getattr(self, name)[k] <= 0:
+                found = getattr(self, name)[k]
+                raise InputError(f"Guard: {name} {found} of {names[k]!r} must be positive", joint=names[k])
+        if (self.lower > self.upper).any():
+            k = int((self.lower > self.upper).argmax())
+            raise InputError(f"Guard: lower {self.lower[k]} of {names[k]!r} must not exceed upper, {self.upper[k]}")
+
     @property
     def size(self) -> int:
         """Number of drives."""
@@ -116,35 +135,48 @@ class Guard(Wrapper):
 
     def start(self) -> Watch:
         nothing = [0.0] * self.size
-        return Watch(-np.inf, 0.0, 0.0, 1.0, nothing, nothing, nothing, self.inner_start())
+        return Watch(-np.inf, nothing * 4, 0.0, 0.0, 1.0, nothing, nothing, nothing, self.inner_start())
 
     def step(self, memory: Watch, measurement: Measurement, reference: Reference) -> tuple[Watch, Command]:
-        inner, command = self.inner_step(memory.inner, measurement, reference)
+        told, odd = self._last_finite(memory, measurement)
+        inner, command = self.inner_step(memory.inner, told, reference)
         theta = reference.theta if command.theta is None else command.theta
         theta_dot = reference.theta_dot if command.theta_dot is None else command.theta_dot
-        found, severity = self._found(memory, measurement, command)
+        parts = [[*np.broadcast_to(x, self.size)] for x in (command.torque, command.feedforward, theta, theta_dot)]
+        found, severity = self._found(memory, told, odd, parts)
         fault = where(memory.fault > 0, memory.fault, found)
         severity = maximum(memory.severity, severity)
         # what is left of the last safe torque
         ramped = maximum(memory.share - measurement.period / self.ramp_time, 0)
         share = where(severity > 2, 0.0, where(severity > 1, ramped, memory.share))
-        safe = [clip(u, -limit, limit) for u, limit in zip(command.torque, self.torque_limit, strict=True)]
-        torque = self._unless(fault, safe, memory.torque)
-        theta, theta_dot = (
-            self._unless(fault, [*x], y) for x, y in ((theta, memory.theta), (theta_dot, memory.theta_dot))
-        )
-        kept = rebuild(inner, iter(self._unless(fault, leaves(inner), leaves(memory.inner))))
-        told = np.array([share * u for u in torque])
-        after = Watch(measurement.time, fault, severity, share, torque, theta, theta_dot, kept)
-        return after, Command(told, command.feedforward, np.array(theta), np.array(theta_dot), fault)
+        safe = [clip(u, -limit, limit) for u, limit in zip(parts[0], self.torque_limit, strict=True)]
+        held = (memory.torque, [0.0] * self.size, memory.theta, memory.theta_dot)
+        torque, feedforward, theta, theta_dot = map(partial(_unless, fault), (safe, *parts[1:]), held)
+        kept = rebuild(inner, iter(_unless(fault, leaves(inner), leaves(memory.inner))))
+        seen = [x for name in SENSORS for x in getattr(told, name)]
+        after = Watch(measurement.time, seen, fault, severity, share, torque, theta, theta_dot, kept)
+        told_torque = np.array([share * u for u in torque])
+        return after, Command(told_torque, np.array(feedforward), np.array(theta), np.array(theta_dot), fault)
 
-    def _found(self, memory: Watch, m: Measurement, command: Command) -> tuple[Scalar, Scalar]:
+    def _last_finite(self, memory: Watch, m: Measurement) -> tuple[Measurement, Scalar]:
+        """The measurement, its odd numbers as they last were finite; and whether the law needs one of these."""
+        n, odd, needed = self.size, _is_odd(m.time), self.needs or SENSORS
+        told: dict[str, Any] = {}
+        for k, name in enumerate(SENSORS):
+            numbers, last = getattr(m, name), memory.seen[k * n : (k + 1) * n]
+            odds = [_is_odd(x) for x in numbers]
+            told[name] = np.array([where(bad > 0, y, x) for bad, x, y in zip(odds, numbers, last, strict=True)])
+            odd = reduce(maximum, odds, odd) if name in needed else odd
+        return m._replace(**told), odd
+
+    def _found(
+        self, memory: Watch, m: Measurement, odd: Scalar, commanded: list[list[Scalar]]
+    ) -> tuple[Scalar, Scalar]:
         """The first fault of this sample, and how severe the reactions to all of them are."""
         late = m.time - memory.time
-        speeds, positions = [*m.v, *m.theta_dot], [*m.q, *m.theta]
-        limits = [*self.speed_limit] * 2
+        speeds, limits = [*m.v, *m.theta_dot], [*self.speed_limit] * 2
         happened = {
-            Fault.MEASUREMENT: _any(_is_odd(x) for x in (*positions, *speeds, m.time)),
+            Fault.MEASUREMENT: odd,
             Fault.STALE: where(late < m.period / 2, 1.0, 0.0),
             Fault.DEADLINE: where(late < 3 * m.period / 2, 0.0, where(late < LARGEST, 1.0, 0.0)),
             Fault.SPEED: _any(where(absolute(v) > limit, 1.0, 0.0) for v, limit in zip(speeds, limits, strict=True)),
@@ -152,7 +184,7 @@ class Guard(Wrapper):
                 where(q < low, 1.0, where(q > high, 1.0, 0.0))
                 for q, low, high in zip(m.q, self.lower, self.upper, strict=True)
             ),
-            Fault.COMMAND: _any(_is_odd(x) for x in command.torque),
+            Fault.COMMAND: _any(_is_odd(x) for part in commanded for x in part),
         }
         found: Scalar = 0.0
         severity: Scalar = 0.0
@@ -162,9 +194,9 @@ class Guard(Wrapper):
             severity = maximum(severity, here * float(SEVERITY[reactions[fault.name.lower()]]))
         return found, severity
 
-    @staticmethod
-    def _unless(fault: Scalar, new: list[Scalar], old: list[Scalar]) -> list[Scalar]:
-        return [where(fault > 0, y, x) for x, y in zip(new, old, strict=True)]
+
+def _unless(fault: Scalar, new: Sequence[Scalar], old: Sequence[Scalar]) -> list[Scalar]:
+    return [where(fault > 0, y, x) for x, y in zip(new, old, strict=True)]
 
 
 def _is_odd(x: Scalar) -> Scalar:
@@ -172,8 +204,5 @@ def _is_odd(x: Scalar) -> Scalar:
     return where(absolute(x) < LARGEST, 0.0, 1.0)
 
 
-def _any(conditions: Any) -> Scalar:
-    total: Scalar = 0.0
-    for x in conditions:
-        total = maximum(total, x)
-    return total
+def _any(conditions: Iterable[Scalar]) -> Scalar:
+    return reduce(maximum, conditions, 0.0)

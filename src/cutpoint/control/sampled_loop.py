@@ -32,6 +32,13 @@ class SampledPole(NamedTuple):
     joint: str
 
 
+class SmallSignal(NamedTuple):
+    """What a law answers with near rest, by joint (n,): stiffness, N m/rad, and damping, N m s/rad."""
+
+    stiffness: Array
+    damping: Array
+
+
 class _Step(NamedTuple):
     torque: Any
     memory: Any
@@ -60,6 +67,20 @@ def slowest_pole(robot: Robot, law: Any, q: ArrayLike, period: float) -> Sampled
     return SampledPole(float(abs(poles[worst])), float(abs(np.angle(poles[worst])) / (2 * np.pi * period)), joint)
 
 
+def small_signal(robot: Robot, law: Any, q: ArrayLike, period: float) -> SmallSignal:
+    """How a law resists a joint that is moved, link and motor together, from rest at q, and that moves: its own torque.
+
+    stiffness_i = -(du_i/dq_i + du_i/dtheta_i), damping_i the same of speeds, while the law's memory stands still.  The
+    law is differenced without friction, as in `slowest_pole`; one that jumps at rest has no slope.
+    """
+    q, law = checked_array("small_signal", "q", q, robot.nq), without_friction(law)
+    rest = _Rest(robot, law, robot.linearize(q).point, period)
+    n = len(robot.drives)
+    together = np.vstack([np.eye(2 * n)] * 2)  # of link and motor, positions and then speeds
+    slopes = _differences(lambda x: rest.told((together @ x).reshape(4, n), rest.memory), np.zeros(2 * n))[0]
+    return SmallSignal(-np.diag(slopes[:, :n]), -np.diag(slopes[:, n:]))
+
+
 def without_friction(law: Any) -> Any:
     """The same law on models whose drives have no friction."""
     if isinstance(law, tuple):
@@ -78,23 +99,29 @@ def without_friction(law: Any) -> Any:
 
 def _slopes(robot: Robot, law: Any, model: Any, period: float) -> tuple[Array, Array, Array, Array]:
     """How torque and memory after a step follow the plant's state and the memory before it."""
-    start = with_float_leaves(law.start() if hasattr(law, "start") else ())
-    step = _step_kernel(robot, law, start)
-    driven = [d.q for d in robot.machine.drives]
-    at_rest = [model.point.q[driven], np.zeros(len(driven)), model.point.theta, np.zeros(len(driven))]
-    numbers = np.array([*leaves(law), period], float)
-
-    def told(x: Array, memory: Array) -> tuple[Array, Array]:
-        moved = (model.C @ x).reshape(4, -1)
-        seen = [at + by for at, by in zip(at_rest, moved, strict=True)]
-        return step(*seen, at_rest[0], memory, numbers)
-
-    memory, rest = np.array(leaves(start), float), np.zeros(len(model.states))
-    for _ in range(SETTLING):
-        memory = told(rest, memory)[1]
-    of_state = _differences(lambda x: told(x, memory), rest)
-    of_memory = _differences(lambda m: told(rest, m), memory)
+    at = _Rest(robot, law, model.point, period)
+    rest = np.zeros(len(model.states))
+    of_state = _differences(lambda x: at.told((model.C @ x).reshape(4, -1), at.memory), rest)
+    of_memory = _differences(lambda m: at.told(np.zeros((4, len(robot.drives))), m), at.memory)
     return of_state[0], of_memory[0], of_state[1], of_memory[1]
+
+
+class _Rest:
+    """A law that holds the robot at rest, its memory settled."""
+
+    def __init__(self, robot: Robot, law: Any, point: Any, period: float) -> None:
+        start = with_float_leaves(law.start() if hasattr(law, "start") else ())
+        self._step = _step_kernel(robot, law, start)
+        self._numbers = np.array([*leaves(law), period], float)
+        driven = [d.q for d in robot.machine.drives]
+        self._seen = np.array([point.q[driven], 0 * point.theta, point.theta, 0 * point.theta])
+        self.memory = np.array(leaves(start), float)
+        for _ in range(SETTLING):
+            self.memory = self.told(0 * self._seen, self.memory)[1]
+
+    def told(self, moved: Array, memory: Array) -> tuple[Array, Array]:
+        """Torque and memory after, with q, v, theta and theta_dot moved (4, n) from rest."""
+        return self._step(*(self._seen + moved), self._seen[0], memory, self._numbers)
 
 
 def _step_kernel(robot: Robot, law: Any, start: Any) -> Any:

@@ -16,8 +16,9 @@ class SpeedFilter(Wrapper):
     """A law that is told speeds of a critically damped tracking filter, on links and motors, for the sensors' own.
 
     z'' = w^2 (x - z) - 2 w z' with x the encoder's position, held between samples, where the step is exact; the speed
-    is z'.  bandwidth: w / (2 pi), Hz; there the speed has half its size.  Its delay, well below that, is 2 / w: at the
-    default 0.8 ms.  Noise of sigma rad in each sample makes about sigma w^1.5 sqrt(period) / 2 rad/s.
+    is the difference of z over a period.  bandwidth: w / (2 pi), Hz; there the speed has half its size.  Its delay,
+    well below that, is 2 / w, at the default 0.8 ms, and a period more for holding and differencing.  Noise of sigma
+    rad in each sample makes about sigma w^1.5 sqrt(period) / 2 rad/s, as long as w is well below 1 / period.
     """
 
     law: Any
@@ -37,7 +38,9 @@ class SpeedFilter(Wrapper):
 
     def step(self, memory: Any, measurement: Measurement, reference: Reference) -> tuple[Any, Command]:
         m, n, w = measurement, self.size, 2 * np.pi * self.bandwidth
-        filters, _ = command_filter.step(memory[0], [*m.q, *m.theta], w, m.period)
-        told = m._replace(v=np.array(filters.rate[:n]), theta_dot=np.array(filters.rate[n:]))
+        filters, before = command_filter.step(memory[0], [*m.q, *m.theta], w, m.period)
+        # differences of z, not its rate, which sags between samples: at constant speed they are exact
+        speeds = [(z - old.derivative(0)) / m.period for z, old in zip(filters.value, before, strict=True)]
+        told = m._replace(v=np.array(speeds[:n]), theta_dot=np.array(speeds[n:]))
         inner, command = self.inner_step(memory[1], told, reference)
         return (filters, inner), command

@@ -23,7 +23,7 @@ from cutpoint.mechanics.harmonic_drive import (
     motor_position,
     transmission,
 )
-from cutpoint.mechanics.inverse_dynamics import required_inverse_dynamics
+from cutpoint.mechanics.inverse_dynamics import quasi_rigid, required_efforts
 from cutpoint.mechanics.link_motion import link_motion, torques_on_links
 from cutpoint.model.drive import Drive
 from cutpoint.scalars import Jet, Scalar
@@ -37,6 +37,14 @@ class JointGains(NamedTuple):
     speed: Any
     motor: Any
     spring: Any
+
+
+class RequiredTorque(NamedTuple):
+    """What a joint's drive must exert on its link, with derivatives, N m; and what its rotor takes beside its own spin,
+    as it goes along with what carries it, N m."""
+
+    tau_r: Jet
+    rotor: Any
 
 
 class JointCommand(NamedTuple):
@@ -57,24 +65,30 @@ def required_velocity(position_gain: Any, desired: Any, actual: Any) -> list[Jet
     return [Jet(*x) for x in zip(*rates, strict=True)]
 
 
-def joint_command(drive: Drive, at: DriveState, q_d: Scalar, v_r: Jet, tau_r: Jet, gain: JointGains) -> JointCommand:
+def joint_command(
+    drive: Drive, at: DriveState, q_d: Scalar, v_r: Jet, required: RequiredTorque, gain: JointGains
+) -> JointCommand:
     """The joint's law, from the required motion and torque of its link.  Xia (2019) eqs. (13), (22), (27)-(28).
 
     kappa_r' = v_r + d delta_r/dt + beta (delta_r - delta): beside what bends the drive as tau_r asks, the motor makes
     up for a spring that is not wound as required.  With v_r for kappa_r' a rigid drive's law is the same.
     """
+    tau_r, rotor = required
     if drive.compliance is None:
-        speed, load = v_r.derivative(0), tau_r.derivative(0)
+        speed, load = v_r.derivative(0), tau_r.derivative(0) + rotor
         torque = load + friction_torque(drive.motor_friction, speed, load) + gain.motor * (speed - at.v)
         return JointCommand(torque, q_d, speed, v_r.derivative(1))
     # how the spring shall be wound, and how far it is from it
     wound = drive.compliance.deflection(tau_r)
+    if drive.damping is not None:  # which bears its share; its own rates are left out
+        borne = tau_r.derivative(0) - drive.damping * wound.derivative(1)
+        wound = Jet.of_taylor([drive.compliance.deflection(borne), *wound.c[1:]])
     turns = transmission(drive, Jet(at.theta, at.theta_dot))
     lag = wound - Jet(deflection(drive, at.theta, at.q), _value(turns) * at.theta_dot - at.v)
     kappa_r = (v_r + wound.rate() + gain.spring * lag) / turns
     speed, acceleration = kappa_r.derivative(0), kappa_r.derivative(1)
     load = load_on_motor(drive, tau_r.derivative(0), at.theta, speed)
-    torque = drive.reflected_inertia * acceleration + load + gain.motor * (speed - at.theta_dot)
+    torque = drive.reflected_inertia * acceleration + rotor + load + gain.motor * (speed - at.theta_dot)
     return JointCommand(torque, motor_position(drive, q_d + wound.derivative(0)), speed, acceleration)
 
 
@@ -88,8 +102,10 @@ class VDC(ModelLaw):
     None is none, which k_vq makes up for.
     derivatives: where a bending drive's kappa_r needs the required torque's derivatives, they are "model", from link
     acceleration and jerk that the spring's deflection and the model say, or "filter", from a critically damped command
-    filter of filter_bandwidth (Hz).  No encoder is differenced for them.
+    filter of filter_bandwidth (Hz).  No encoder is differenced for them.  The filter must stay well below the drives'
+    own modes: its lag there feeds them, which only a spring_gain well above position_gain damps; see `tune`.
     Friction is compensated at required speeds, by value: a friction that grows with speed then only adds damping.
+    Rotors with full coupling act on what carries them as if their drives did not bend.
     """
 
     position_gain: Any
@@ -104,21 +120,28 @@ class VDC(ModelLaw):
 
     def __post_init__(self) -> None:
         super().__post_init__()
+        law = type(self).__name__
         for name in ("position_gain", "speed_gain", "motor_gain", "spring_gain"):
-            value = gains(type(self).__name__, name, getattr(self, name), self.size, positive=name == "position_gain")
+            value = gains(law, name, getattr(self, name), self.size, positive=name == "position_gain")
             self._set(**{name: value})
         if self.body_gain is not None:
-            self._set(body_gain=gain_matrices("VDC", "body_gain", self.body_gain, len(self.model.system.segments)))
-        self._check_derivatives()
+            bodies = len(self.robot.mechanism.bodies)
+            self._set(body_gain=gain_matrices(law, "body_gain", self.body_gain, bodies))
+        self._check_derivatives(law)
+        self._set(filter_bandwidth=gains(law, "filter_bandwidth", self.filter_bandwidth, 1, True))
 
-    def _check_derivatives(self) -> None:
+    def _check_derivatives(self, law: str) -> None:
         drives = [*self.robot.drives.items()]
         if self.derivatives not in ("model", "filter"):
-            raise InputError(f"VDC: derivatives {self.derivatives!r} must be 'model' or 'filter'")
+            raise InputError(f"{law}: derivatives {self.derivatives!r} must be 'model' or 'filter'")
         rigid = [name for name, drive in drives if not drive.is_elastic]
         if self.derivatives == "model" and 0 < len(rigid) < len(drives):
             why = f"the drive of {rigid[0]!r} is rigid, so no deflection tells what accelerates its link"
-            raise InputError(f"VDC: {why}; take derivatives='filter'", joint=rigid[0])
+            raise InputError(f"{law}: {why}; take derivatives='filter'", joint=rigid[0])
+        full = [name for name, x in drives if x.is_elastic and x.rotor is not None and x.rotor.coupling == "full"]
+        if self.derivatives == "model" and full:
+            why = f"the rotor of {full[0]!r} has full coupling, so links feel more than their springs"
+            raise InputError(f"{law}: {why}; take derivatives='filter'", joint=full[0])
 
     @property
     def needs(self) -> tuple[str, ...]:
@@ -149,8 +172,8 @@ class VDC(ModelLaw):
 
     def required(
         self, memory: Any, measurement: Measurement, reference: Reference
-    ) -> tuple[Any, list[Jet], list[Jet]]:
-        """Memory after, required velocity of each joint, and the torque that its drive must exert on the link.
+    ) -> tuple[Any, list[Jet], list[RequiredTorque]]:
+        """Memory after, required velocity of each joint, and the torque that its drive must exert.
 
         Xia (2019) eqs. (12), (14)-(20), (26).
         """
@@ -165,18 +188,22 @@ class VDC(ModelLaw):
         v_r = required_velocity(self.position_gain, r[:3], (m.q, m.v))
         tau_r = self._required_torque(machine, [*m.q], [*m.v], v_r)
         if not self._bends:
-            return memory, v_r, [Jet(x) for x in tau_r]
-        memory, filtered = command_filter.step(memory, tau_r, TURN * self.filter_bandwidth, m.period)
-        return memory, v_r, [Jet.of_taylor([x, *z.c[1:]]) for x, z in zip(tau_r, filtered, strict=True)]
+            return memory, v_r, [RequiredTorque(Jet(x), rotor) for x, rotor in tau_r]
+        commands = [x for x, _ in tau_r]
+        memory, filtered = command_filter.step(memory, commands, TURN * self.filter_bandwidth[0], m.period)
+        pairs = zip(tau_r, filtered, strict=True)
+        return memory, v_r, [RequiredTorque(Jet.of_taylor([x, *z.c[1:]]), rotor) for (x, rotor), z in pairs]
 
     def _required_torque(self, machine: Machine, q: list[Any], v: list[Any], v_r: list[Jet]) -> list[Any]:
-        """tau_r = z^T F_qr + friction + k_vq (v_r - v), with the derivatives that the actual motion has."""
+        """tau_r = z^T F_qr + friction + k_vq (v_r - v), with derivatives as the actual motion has; and of rotors."""
         speeds, accelerations = _with_orders_of(q[0], v_r)
-        tau = required_inverse_dynamics(machine.system, q, v, speeds, accelerations, self.body_gain)
+        system = quasi_rigid(machine.system)
+        tau, rotors = required_efforts(system, q, v, speeds, accelerations, self.body_gain)
         drives = [d.drive for d in machine.drives]
         lags = [k * (x_r - x) for k, x_r, x in zip(self.speed_gain, speeds, v, strict=True)]
         frictions = [friction_torque(drive.link_friction, _value(x)) for drive, x in zip(drives, speeds, strict=True)]
-        return [t + lag + xi for t, lag, xi in zip(tau, lags, frictions, strict=True)]
+        totals = [t + lag + xi for t, lag, xi in zip(tau, lags, frictions, strict=True)]
+        return [RequiredTorque(t, _value(rotor)) for t, rotor in zip(totals, rotors, strict=True)]
 
 
 def _with_orders_of(q: Any, v_r: list[Jet]) -> tuple[list[Any], list[Any]]:

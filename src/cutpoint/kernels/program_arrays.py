@@ -26,7 +26,8 @@ def check_run(plan: Plan, counts: Mapping[str, int], arrays: Mapping[str, np.nda
         _check_kind(name, arrays[name], written=name in plan.written)
         _check_size(name, arrays[name], plan, counts)
     for view in plan.views.values():
-        _check_rows(view, arrays[view.index], len(arrays[view.of]), _most(plan.indices[view.index], counts))
+        rows = len(arrays[view.of]) * (plan.regions[view.of].lanes if view.name in plan.single_views else 1)
+        _check_rows(view, arrays[view.index], rows, _most(plan.indices[view.index], counts))
     _check_apart(plan, arrays)
 
 
@@ -55,7 +56,7 @@ def _check_size(name: str, array: np.ndarray, plan: Plan, counts: Mapping[str, i
         if array.size != size:
             raise InputError(f"region {name!r} has {size} slots, its array holds {array.size} numbers", name=name)
         return
-    rows = max(prod(_number(c, counts) for c in product) for product in plan.streamed[name])
+    rows = max(-(-prod(_number(c, counts) for c in way.counts) // way.steps) for way in plan.streamed[name])
     if array.ndim != 2 or array.shape[1] != size or len(array) < rows:
         raise InputError(
             f"region {name!r} streams: its array has shape {array.shape}, it must have at least {rows} rows of {size}",

@@ -13,7 +13,7 @@ from cutpoint.kernels.llvm import Lanes, straight_line
 from cutpoint.kernels.llvm_code import Code
 from cutpoint.kernels.lowering import lower
 from cutpoint.kernels.nodes import Node
-from cutpoint.kernels.program_plan import Plan
+from cutpoint.kernels.program_plan import LaneLoop, Plan
 from cutpoint.kernels.stepping import Loop, Stage
 
 _FUNCTION = "program"
@@ -30,6 +30,10 @@ class LlvmProgram:
         self._code = Compiled(program_ir(plan), _FUNCTION)
         self._call = ctypes.CFUNCTYPE(ctypes.c_int64, ctypes.c_void_p, ctypes.c_void_p)(self._code.address)
 
+    @property
+    def address(self) -> int:
+        return self._code.address
+
     def run(self, counts: Mapping[str, int], arrays: Mapping[str, np.ndarray]) -> int:
         """The iterations of the outermost loop; arrays must have been checked."""
         return self.bound(counts, arrays)()
@@ -38,10 +42,10 @@ class LlvmProgram:
         """`run` on these, again and again."""
         numbers = (ctypes.c_int64 * len(self._counts))(*[counts[name] for name in self._counts])
         pointers = (ctypes.c_void_p * len(self._names))(*[arrays[name].ctypes.data for name in self._names])
-        return _Bound(self, self._call, numbers, pointers, [*arrays.values()])
+        return BoundProgram(self, self._call, numbers, pointers, [*arrays.values()])
 
 
-class _Bound(NamedTuple):
+class BoundProgram(NamedTuple):
     """A call with its arguments, and with what owns the code and the memory that they point to."""
 
     program: LlvmProgram
@@ -49,6 +53,12 @@ class _Bound(NamedTuple):
     numbers: Any
     pointers: Any
     arrays: list[np.ndarray]
+
+    @property
+    def symbols(self) -> dict[str, int]:
+        """Where code and arguments are, for other code that calls it."""
+        places = {"counts": ctypes.addressof(self.numbers), "regions": ctypes.addressof(self.pointers)}
+        return {_FUNCTION: self.program.address, **places}
 
     def __call__(self) -> int:
         return self.call(self.numbers, self.pointers)
@@ -99,7 +109,11 @@ def _rows(code: Code, plan: Plan, this: Loop, turns: Sequence[_Turn], starts: Ma
     """Where the rows of this iteration begin, by name."""
 
     def at(region: str, row: str) -> str:
-        return code.at(starts[region], code.let(f"mul i64 {row}, {plan.sizes[region]}"))
+        size, lanes = plan.sizes[region], plan.regions[region].lanes
+        if not isinstance(this, LaneLoop):
+            return code.at(starts[region], code.let(f"mul i64 {row}, {size}"))
+        block = code.let(f"mul i64 {code.let(f'udiv i64 {row}, {lanes}')}, {size}")
+        return code.at(starts[region], code.let(f"add i64 {block}, {code.let(f'urem i64 {row}, {lanes}')}"))
 
     row, count = turns[-1]
     if this.backward:
@@ -133,6 +147,8 @@ class _Stage:
         graph, self.lanes = lower(plan.graphs[stage]), Lanes(stage.lanes)
         laned = {name for name in (*plan.regions, *plan.views) if plan.is_laned(stage, name)}
         changing, self._plan = plan.changing, plan
+        self._steps = dict.fromkeys(laned, stage.lanes)
+        self._steps |= {name: plan.regions[plan.root(name)].lanes for name in plan.single[stage]}
         self._sources = [(port.name, k, port.name in laned) for port in graph.inputs for k in range(port.size)]
         self._targets = [(port.name, k) for port in graph.outputs for k in range(port.size)]
         before, self._graph = hoist(graph, {k for k, (name, *_) in enumerate(self._sources) if name not in changing})
@@ -165,7 +181,7 @@ class _Stage:
         width = self.lanes.width
         for x, value, (name, k) in zip(graph.results, values, self._targets, strict=True):
             if not self._is_input(x, (name, k)):
-                code.store(value, code.at(regions[name], k * width), 0, self.lanes.real, align=8)
+                code.store(value, code.at(regions[name], k * self._steps.get(name, 1)), 0, self.lanes.real, align=8)
                 written = {(name, k * width + lane): value for lane in range(width)}
                 at_hand.update(written) if width == 1 else [at_hand.pop(place, None) for place in written]
         if self._plan.views:  # a number may have been written under another name
@@ -186,5 +202,5 @@ class _Stage:
         if laned and all(place in at_hand for place in places):
             return self.lanes.joined(code, [at_hand[place] for place in places])
         if laned or self.lanes.width == 1:
-            return code.load(code.at(regions[name], k * self.lanes.width), 0, self.lanes.real, align=8)
+            return code.load(code.at(regions[name], k * self._steps.get(name, 1)), 0, self.lanes.real, align=8)
         return self.lanes.spread(code, code.load(regions[name], k))

@@ -6,7 +6,7 @@ from typing import Any
 import numpy as np
 
 from cutpoint.kernels.numpy_backend import evaluate
-from cutpoint.kernels.program_plan import Plan
+from cutpoint.kernels.program_plan import LaneLoop, Plan
 from cutpoint.kernels.stepping import Loop, Stage
 
 
@@ -37,9 +37,9 @@ class NumpyProgram:
         count = counts[loop.count] if isinstance(loop.count, str) else loop.count
         for index in range(count):
             row = count - 1 - index if loop.backward else index
-            streams = {name: arrays[name][row] for name in loop.streams}
-            onward = {name: arrays[name][entries * count + row] for name in loop.onward}
-            views = {view.name: arrays[view.of][arrays[view.index][row]] for view in loop.views}
+            streams = {name: self._row(loop, name, arrays, row) for name in loop.streams}
+            onward = {name: self._row(loop, name, arrays, entries * count + row) for name in loop.onward}
+            views = {view.name: self._row(loop, view.of, arrays, arrays[view.index][row]) for view in loop.views}
             inside = {**rows, **streams, **onward, **views}
             for item in loop.body:
                 if isinstance(item, Loop):
@@ -49,6 +49,11 @@ class NumpyProgram:
             if loop.until is not None and inside[loop.until][0] != 0:
                 return index + 1
         return count
+
+    def _row(self, loop: Loop, name: str, arrays: Mapping[str, np.ndarray], row: int) -> np.ndarray:
+        """A row of a region, or one lane of a row."""
+        lanes = self._plan.regions[name].lanes if isinstance(loop, LaneLoop) else 1
+        return arrays[name][row // lanes, row % lanes :: lanes]
 
     def _stage(self, stage: Stage, rows: Mapping[str, np.ndarray]) -> None:
         graph = self._plan.graphs[stage]

@@ -1,10 +1,10 @@
 """A program checked and traced: what its backends run."""
 
 from collections import defaultdict
-from collections.abc import Sequence
+from collections.abc import Container, Sequence
 from dataclasses import dataclass
 from itertools import combinations
-from typing import Any
+from typing import Any, NamedTuple
 
 from cutpoint.errors import InputError, TraceError, unknown_name
 from cutpoint.kernels.graph import Graph
@@ -16,13 +16,29 @@ from cutpoint.kernels.tracing import tracing
 Counts = tuple[int | str, ...]
 
 
+class LaneLoop(Loop):
+    """A loop through like things one by one, whose regions hold several of them side by side.
+
+    What advances with it, and what it views, does so lane by lane: inside, such a region is one lane of a row, and a
+    row of its array serves as many iterations as it has lanes.  Only stages of one lane can use it there.
+    """
+
+
+class Advance(NamedTuple):
+    """How a region streams: counts whose product is how often it advances, and how many such steps take one row."""
+
+    counts: Counts
+    steps: int
+
+
 @dataclass(frozen=True, eq=False)
 class Plan:
     """A program that is known to be sound.
 
     regions: by name.  graphs: of the stages, of one lane each.  written: regions that some stage writes.
-    streamed: for each region that streams, for each time it does, the counts whose product is its number of rows.
+    streamed: how each region streams, for each time it does.
     counts: the names of numbers that a run must state.  views: by name.
+    single: for each stage the names of which it sees one lane.  single_views: the views that are one lane of a row.
     indices: for each list of rows, the counts of the loops it advances with.
     """
 
@@ -30,10 +46,12 @@ class Plan:
     regions: dict[str, Region]
     graphs: dict[Stage, Graph]
     written: frozenset[str]
-    streamed: dict[str, list[Counts]]
+    streamed: dict[str, list[Advance]]
     counts: tuple[str, ...]
     views: dict[str, View]
     indices: dict[str, list[int | str]]
+    single: dict[Stage, frozenset[str]]
+    single_views: frozenset[str]
 
     @property
     def sizes(self) -> dict[str, int]:
@@ -69,11 +87,13 @@ def plan(body: Loop, regions: Sequence[Region]) -> Plan:
     if len(named) < len(regions) or any(r.size < 0 or r.lanes < 1 or r.size % r.lanes for r in regions):
         raise InputError(f"regions must have different names and sizes of 0 or more, whole in lanes: {[*regions]}")
     walk = _Walk(named)
-    walk.loop(body, frozenset(), ())
+    walk.loop(body, frozenset(), frozenset(), ())
     walk.check_streams()
     written = frozenset(walk.views[name].of if name in walk.views else name for name in walk.written)
     streamed, indices = dict(walk.streamed), dict(walk.indices)
-    return Plan(body, named, walk.graphs, written, streamed, tuple(walk.counts), walk.views, indices)
+    single_views = frozenset(name for name, single in walk.single_views.items() if single)
+    counts = tuple(walk.counts)
+    return Plan(body, named, walk.graphs, written, streamed, counts, walk.views, indices, walk.single, single_views)
 
 
 class _Walk:
@@ -83,26 +103,30 @@ class _Walk:
         self.regions = regions
         self.graphs: dict[Stage, Graph] = {}
         self.written: set[str] = set()
-        self.streamed: dict[str, list[Counts]] = defaultdict(list)
+        self.streamed: dict[str, list[Advance]] = defaultdict(list)
+        self.single: dict[Stage, frozenset[str]] = {}
+        self.single_views: dict[str, bool] = {}
         self.views: dict[str, View] = {}
         self.indices: dict[str, list[int | str]] = defaultdict(list)
         self.counts: dict[str, None] = {}
         self.uses: list[tuple[str, frozenset[str]]] = []
 
-    def loop(self, loop: Loop, advancing: frozenset[str], around: Counts) -> None:
+    def loop(self, loop: Loop, advancing: frozenset[str], single: frozenset[str], around: Counts) -> None:
         self._check_loop(loop, advancing)
         if isinstance(loop.count, str):
             self.counts[loop.count] = None
         for name in loop.advancing:
-            self.streamed[name].append((*around, loop.count) if name in loop.onward else (loop.count,))
+            counts = (*around, loop.count) if name in loop.onward else (loop.count,)
+            self.streamed[name].append(Advance(counts, self.regions[name].lanes if isinstance(loop, LaneLoop) else 1))
         for view in loop.views:
-            self._view(view, loop.count)
-        inside = advancing.union(loop.advancing, (view.name for view in loop.views))
+            self._view(view, loop)
+        own = frozenset((*loop.advancing, *(view.name for view in loop.views)))
+        inside, single = advancing | own, single | own if isinstance(loop, LaneLoop) else single
         for item in loop.body:
             if isinstance(item, Loop):
-                self.loop(item, inside, (*around, loop.count))
+                self.loop(item, inside, single, (*around, loop.count))
             elif isinstance(item, Stage):
-                self._stage(item, inside)
+                self._stage(item, inside, single)
             else:
                 raise InputError(f"a loop's body holds stages and loops, not a {type(item).__name__}")
 
@@ -121,14 +145,16 @@ class _Walk:
         if loop.until is not None and (end is None or end.size != 1 or loop.until in loop.advancing):
             raise InputError(f"region {loop.until!r} ends a loop, so it must have one slot and not stream in that loop")
 
-    def _view(self, view: View, count: int | str) -> None:
+    def _view(self, view: View, loop: Loop) -> None:
         """A view may be had in several loops, but then it is the same."""
         if view.of not in self.regions:
             raise unknown_name("region", view.of, self.regions)
         self.views.setdefault(view.name, view)
-        self.indices[view.index].append(count)
+        self.indices[view.index].append(loop.count)
+        single = self.single_views.setdefault(view.name, isinstance(loop, LaneLoop))
         kinds = (self.regions.keys(), self.views.keys(), self.indices.keys())
-        if self.views[view.name] != view or any(a & b for a, b in combinations(kinds, 2)):
+        differs = self.views[view.name] != view or single != isinstance(loop, LaneLoop)
+        if differs or any(a & b for a, b in combinations(kinds, 2)):
             raise InputError(f"view {view.name!r} by {view.index!r}: both must have names that nothing else has")
 
     def check_streams(self) -> None:
@@ -140,15 +166,21 @@ class _Walk:
             if (name in self.streamed or name in self.views) and name not in advancing:
                 raise InputError(f"region {name!r} streams, so it can only be used inside the loop that it streams in")
 
-    def _stage(self, stage: Stage, advancing: frozenset[str]) -> None:
+    def _stage(self, stage: Stage, advancing: frozenset[str], single: frozenset[str]) -> None:
         self._check_names((*stage.reads, *stage.writes), advancing)
         if len(set(stage.writes)) != max(1, len(stage.writes)):
             raise InputError(f"stage {name_of(stage.function)} must write at least one region, and each but once")
         self.written.update(stage.writes)
+        self._check_single(stage, single.intersection((*stage.reads, *stage.writes)))
         if stage not in self.graphs:
             known = self.regions | {name: self.regions[view.of] for name, view in self.views.items()}
             self._check_lanes(stage, known)
-            self.graphs[stage] = stage_graph(stage, known)
+            self.graphs[stage] = stage_graph(stage, known, self.single[stage])
+
+    def _check_single(self, stage: Stage, seen: frozenset[str]) -> None:
+        if self.single.setdefault(stage, seen) != seen or (seen and stage.lanes > 1):
+            told = f"stage {name_of(stage.function)} uses {', '.join(sorted(self.single[stage] | seen))}"
+            raise InputError(f"{told} lane by lane: it must be of one lane, and do so in every loop that holds it")
 
     def _check_lanes(self, stage: Stage, known: dict[str, Region]) -> None:
         for name in stage.writes if stage.lanes > 1 else ():
@@ -163,9 +195,13 @@ class _Walk:
             self.uses.append((name, advancing))
 
 
-def stage_graph(stage: Stage, regions: dict[str, Region]) -> Graph:
-    """The graph of one lane of a stage: a vector in for each region read, a vector out for each region written."""
-    seen = {name: r.size // stage.lanes if r.lanes == stage.lanes else r.size for name, r in regions.items()}
+def stage_graph(stage: Stage, regions: dict[str, Region], single: Container[str] = ()) -> Graph:
+    """The graph of one lane of a stage: a vector in for each region read, a vector out for each region written.
+
+    single: regions of which it sees one lane.
+    """
+    lanes = {name: r.lanes if r.lanes == stage.lanes or name in single else 1 for name, r in regions.items()}
+    seen = {name: r.size // lanes[name] for name, r in regions.items()}
     inputs, outputs = ([Port(name, (seen[name],)) for name in names] for names in (stage.reads, stage.writes))
     with tracing() as trace:
         slots = iter([trace.node("input", k) for k in range(sum(p.size for p in inputs))])

@@ -16,7 +16,7 @@ from cutpoint.mechanics.harmonic_drive import (
     motor_position,
     slipping_torque,
 )
-from cutpoint.mechanics.inverse_dynamics import BodyMotion, motions, net_wrenches
+from cutpoint.mechanics.inverse_dynamics import BodyMotion, motions, net_wrenches, rotor_efforts
 from cutpoint.mechanics.rotors import Spin
 from cutpoint.mechanics.spatial import Wrench
 from cutpoint.mechanics.strains import UNKNOWN, Strains, strain_energy
@@ -91,7 +91,7 @@ def elastic_inverse_dynamics(
     found, whole_at = {}, {min(i for i, s in enumerate(system.segments) if s.v.start == d.v): d for d in drives}
     spins = {spin.joint: spin for spin in system.spins if spin.elastic}
     strained = {d.segment: s for d, s in zip(drives, strains or [UNKNOWN] * len(drives), strict=True)}
-    tau: list[Jet] = [_as_jet(I_m * a_i) for I_m, a_i in zip(system.armature, a, strict=True)]
+    tau: list[Jet] = [_as_jet(x) for x in rotor_efforts(system, moved, a)]
     # inward: each joint's torque, the motor motion it takes, and what rotor and body cost the carrier
     for i, segment in reversed([*enumerate(system.segments)]):
         gain = segment.follower.multiplier if segment.follower else 1
@@ -100,13 +100,13 @@ def elastic_inverse_dynamics(
         if i in whole_at:
             driven = whole_at[i]
             held = strained[driven.segment]
-            found[driven.segment] = _motor_motion(driven, tau[driven.v], q[driven.q], v[driven.v], options, held)
+            found[driven.segment] = motor_motion(driven, tau[driven.v], q[driven.q], v[driven.v], options, held)
         if i in spins:
             F[spins[i].carrier] = F[spins[i].carrier] + _spin_wrench(spins[i], moved, found[i], v, a, system, options)
         if segment.parent != WORLD:
             F[segment.parent] = F[segment.parent] + moved[i].X.inward(F[i])
     torques = [
-        _motor_torque(d, found[d.segment], spins.get(d.segment), moved, strained[d.segment].motor) for d in drives
+        motor_torque(d, found[d.segment], spins.get(d.segment), moved, strained[d.segment].motor) for d in drives
     ]
     theta, theta_dot, theta_ddot = ([found[d.segment].theta.derivative(k) for d in drives] for k in range(3))
     return ElasticMotion(torques, theta, theta_dot, theta_ddot, [t.derivative(0) for t in tau])
@@ -149,7 +149,7 @@ class _Motor:
     passed: Scalar
 
 
-def _motor_motion(driven: Driven, tau: Jet, q: Scalar, v: Jet, options: Options, strains: Strains) -> _Motor:
+def motor_motion(driven: Driven, tau: Jet, q: Scalar, v: Jet, options: Options, strains: Strains) -> _Motor:
     """How a motor moves so that its drive exerts the joint torque tau on the link."""
     drive, tau_0, v_0 = driven.drive, tau.derivative(0), v.derivative(0)
     link = Jet(q, *(v.derivative(k) for k in range(len(v.c))))
@@ -176,7 +176,7 @@ def _stiffened(drive: Drive, wound: Jet, strains: Strains) -> Jet:
     return Jet.of_taylor([wound.c[0], *(share * c for c in wound.c[1:])])
 
 
-def _motor_torque(
+def motor_torque(
     driven: Driven, motor: _Motor, spin: Spin | None, moved: Sequence[BodyMotion], strain: Scalar | None
 ) -> Scalar:
     """What the motor exerts on its drive, against friction and on its rotor.  Xia (2019) eqs. (22), (27), (56)."""

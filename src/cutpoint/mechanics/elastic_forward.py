@@ -4,10 +4,11 @@ All quantities at the joint's side.  Spong (1987); Xia (2019) eqs. (4)-(11), (21
 """
 
 from collections.abc import Sequence
+from dataclasses import replace
 from typing import Any, NamedTuple
 
 from cutpoint.mechanics.elastic import Driven
-from cutpoint.mechanics.forward_dynamics import forward_dynamics, give_way
+from cutpoint.mechanics.forward_dynamics import give_way, through_mass_matrix
 from cutpoint.mechanics.harmonic_drive import (
     friction_torque,
     load_on_motor,
@@ -45,12 +46,16 @@ class Effort(NamedTuple):
     on_link: N m that its link gets, friction deducted; transmitted: N m through the drive, before the link's friction.
     left: N m left of the motor's torque to turn an elastic drive's rotor; alpha: the acceleration, rad/s2, that this
     gives a rotor whose carrier does not turn.
+    inertia: kg m2 that resist the link's acceleration beside its own.  follows: how much of it an elastic drive's rotor
+    takes on beside alpha.
     """
 
     on_link: Any
     left: Any
     alpha: Any
     transmitted: Any
+    inertia: Any = 0
+    follows: Any = 0
 
 
 def drive_effort(drive: Drive, at: DriveState, motor_torque: Scalar, strains: Strains) -> Effort:
@@ -82,9 +87,7 @@ def elastic_forward_dynamics(
     """
     states = [DriveState(q[d.q], v[d.v], x, w) for d, x, w in zip(drives, theta, theta_dot, strict=True)]
     held = strains or [UNKNOWN] * len(drives)
-    efforts = [
-        drive_effort(d.drive, at, u, s) for d, at, u, s in zip(drives, states, motor_torque, held, strict=True)
-    ]
+    efforts = [drive_effort(d.drive, at, u, s) for d, at, u, s in zip(drives, states, motor_torque, held, strict=True)]
     return driven_accelerations(system, drives, q, v, theta_dot, efforts)
 
 
@@ -99,14 +102,19 @@ def driven_accelerations(
 ) -> ElasticAccelerations:
     """Accelerations of links and motors under what their drives do.  disturbance: N m on the links, one a speed."""
     tau = [*disturbance] if disturbance is not None else [0] * system.nv
+    inertia = [*system.armature]
     for d, effort in zip(drives, efforts, strict=True):
-        tau[d.v] = tau[d.v] + effort.on_link
-    if system.has_followers:  # none of whose drives has full coupling
-        a, A = forward_dynamics(system, q, v, tau), []
-    else:
+        tau[d.v], inertia[d.v] = tau[d.v] + effort.on_link, inertia[d.v] + effort.inertia
+    system = replace(system, armature=tuple(inertia))
+    if any(spin.elastic for spin in system.spins):
         motors = zip(drives, efforts, theta_dot, strict=True)
         a, A = give_way(system, q, v, tau, {}, {d.segment: (e.left, w) for d, e, w in motors if d.drive.is_elastic})
-    alpha = {d.segment: e.alpha if d.drive.is_elastic else a[d.v] for d, e in zip(drives, efforts, strict=True)}
+    else:  # takes fewer operations than the recursion, whatever arm it is
+        a, A = through_mass_matrix(system, q, v, tau), []
+    alpha = {
+        d.segment: e.alpha + e.follows * a[d.v] if d.drive.is_elastic else a[d.v]
+        for d, e in zip(drives, efforts, strict=True)
+    }
     for spin in system.spins:  # what its carrier turns by, a rotor need not turn itself
         if spin.elastic:
             turned = spin.axis.dot(A[spin.carrier].angular) * spin.inertia / spin.geared

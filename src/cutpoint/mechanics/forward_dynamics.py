@@ -53,7 +53,7 @@ def forward_dynamics(
     contact: F_e by frame name, the wrench that the robot exerts on the environment there, in that frame's axes.
     """
     if system.has_followers:
-        return _through_mass_matrix(system, q, v, tau, contact)
+        return through_mass_matrix(system, q, v, tau, contact)
     rigid = replace(system, spins=tuple(spin for spin in system.spins if not spin.elastic))
     return give_way(rigid, q, v, tau, contact or {}, {})[0]
 
@@ -129,10 +129,10 @@ def _is_nothing(x: Scalar) -> bool:
     return isinstance(x, int) and x == 0
 
 
-def _through_mass_matrix(
-    system: System, q: Scalars, v: Scalars, tau: Scalars, contact: Mapping[str, Wrench] | None
+def through_mass_matrix(
+    system: System, q: Scalars, v: Scalars, tau: Scalars, contact: Mapping[str, Wrench] | None = None
 ) -> list[Scalar]:
-    """M a = tau - bias: coordinates that follow others tie distant joints together, so no tree recursion will do."""
+    """M a = tau - bias, solved as it stands: where coordinates that follow others tie distant joints together."""
     bias = inverse_dynamics(system, q, v, [0] * system.nv, contact)
     return solve_symmetric(mass_matrix(system, q), [t - b for t, b in zip(tau, bias, strict=True)])
 
@@ -143,13 +143,15 @@ def solve_symmetric(M: list[list[Scalar]], b: Scalars) -> list[Scalar]:
     Featherstone (2008) section 6.5.
     """
     n, L, x = len(b), [[*row] for row in M], [*b]
+    inverse: list[Scalar] = [0] * n  # of D: a division costs ten products
     for k in reversed(range(n)):
+        inverse[k] = 1 / L[k][k]
         for i in reversed(range(k)):
-            share = L[k][i] / L[k][k]
+            share = L[k][i] * inverse[k]
             for j in range(i + 1):
                 L[i][j] = L[i][j] - share * L[k][j]
             L[k][i] = share
             x[i] = x[i] - share * x[k]
     for k in range(n):
-        x[k] = x[k] / L[k][k] - sum((L[k][i] * x[i] for i in range(k)), 0)
+        x[k] = x[k] * inverse[k] - sum((L[k][i] * x[i] for i in range(k)), 0)
     return x

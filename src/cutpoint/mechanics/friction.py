@@ -13,6 +13,9 @@ from cutpoint.scalars import Scalar, absolute, exp, tanh
 STATED_AT = 25
 """Temperature for which viscous friction is stated, deg C."""
 
+FAR = 10
+"""Speed over smoothing beyond which motion is far from rest."""
+
 
 @dataclass(frozen=True)
 class Grease:
@@ -73,6 +76,15 @@ class Sliding(ABC):
 
     def with_coefficients(self, values: list[Scalar]) -> Self:
         return replace(cast(Any, self), **dict(zip(self.coefficients, values, strict=True)))
+
+    def resistance(self, speed: Scalar, load: Scalar = 0) -> Scalar:
+        """How xi resists a change of speed, N m s/rad, never less than 0: its slope near rest, xi / speed far from it.
+
+        With its slope alone, which is nothing there, a step that brakes could leap over rest and back for ever.
+        """
+        direction, x = self.direction(speed), speed * (1 / self.smoothing)
+        steepness = 1 - direction * direction + direction * x / (x * x + FAR * FAR)
+        return self.dry(speed, load, direction) * steepness * (1 / self.smoothing) + self.viscosity
 
     def share_of_load(self, speed: Scalar) -> Scalar:
         """What of the load's size friction takes at a speed."""

@@ -50,6 +50,15 @@ def friction_torque(law: Friction | None, speed: Scalar, load: Scalar = 0, strai
     return law.strained_torque(strain, speed, load)
 
 
+def friction_resistance(law: Friction | None, speed: Scalar, load: Scalar = 0, strain: Scalar | None = None) -> Scalar:
+    """How friction grows with speed, N m s/rad, never less than 0."""
+    if law is None:
+        return 0
+    if strain is None or not isinstance(law, Presliding):
+        return law.resistance(speed, load)
+    return law.strained_resistance(strain, speed, load)
+
+
 def load_on_motor(
     drive: Drive, tau_f: Scalar, theta: Scalar, theta_dot: Scalar, strain: Scalar | None = None
 ) -> Scalar:

@@ -5,7 +5,7 @@ recursion calls them outward and inward, and nothing else.
 """
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 from cutpoint.mechanics.rigid_body import acceleration_gradient, net_wrench
 from cutpoint.mechanics.spatial import AT_ORIGIN, NO_ROTATION, STILL, Mat3, Motion, Pose, Vec3, Wrench
@@ -100,30 +100,37 @@ def net_wrenches(
     return F
 
 
-def joint_efforts(
-    system: System,
-    F: Sequence[Wrench],
-    moved: Sequence[BodyMotion],
-    a: Scalars,
-    actual: Sequence[BodyMotion] | None = None,
+def joint_efforts(system: System, F: Sequence[Wrench]) -> list[Scalar]:
+    """z^T F at each joint.  Xia (2019) eq. (21)."""
+    tau: list[Scalar] = [0] * system.nv
+    for body, F_i in zip(system.segments, F, strict=True):
+        gain = body.follower.multiplier if body.follower else 1
+        for k, effort in enumerate(body.joint.effort(F_i), body.v.start):
+            tau[k] = tau[k] + gain * effort
+    return tau
+
+
+def rotor_efforts(
+    system: System, moved: Sequence[BodyMotion], a: Scalars, actual: Sequence[BodyMotion] | None = None
 ) -> list[Scalar]:
-    """z^T F at each joint, and what rigidly geared rotors add.  Xia (2019) eqs. (21), (56).
+    """What rigidly geared rotors add at each joint.  Xia (2019) eqs. (4), (56).
 
     actual: how the bodies do move, where `moved` is a required motion; its axes turn with them.
     """
     tau: list[Scalar] = [I_m * a_i for I_m, a_i in zip(system.armature, a, strict=True)]
     for spin in system.spins:
         if not spin.elastic:
-            k, required = system.segments[spin.joint].v.start, moved[spin.carrier]
-            alpha = required.A.angular
+            k, carrier = system.segments[spin.joint].v.start, moved[spin.carrier]
+            alpha = carrier.A.angular
             if actual is not None:
-                alpha = alpha + actual[spin.carrier].V.angular.cross(required.V.angular)
+                alpha = alpha + actual[spin.carrier].V.angular.cross(carrier.V.angular)
             tau[k] = tau[k] + spin.torque(alpha)
-    for body, F_i in zip(system.segments, F, strict=True):
-        gain = body.follower.multiplier if body.follower else 1
-        for k, effort in enumerate(body.joint.effort(F_i), body.v.start):
-            tau[k] = tau[k] + gain * effort
     return tau
+
+
+def quasi_rigid(system: System) -> System:
+    """The system whose elastic drives' rotors act on what carries them as if their drives did not bend."""
+    return replace(system, spins=tuple(replace(spin, elastic=False) for spin in system.spins))
 
 
 def inverse_dynamics(
@@ -135,23 +142,32 @@ def inverse_dynamics(
     """
     moved = motions(system, q, v, a)
     F = bear(system, [m.X for m in moved], net_wrenches(system, moved, v, a), contact or {})
-    return joint_efforts(system, F, moved, a)
+    return _sums(rotor_efforts(system, moved, a), joint_efforts(system, F))
 
 
-def required_inverse_dynamics(
-    system: System, q: Scalars, v: Scalars, v_r: Scalars, a_r: Scalars, gains: Sequence[Gain] | None = None
-) -> list[Scalar]:
+def required_inverse_dynamics(system: System, q: Scalars, v: Scalars, v_r: Scalars, a_r: Scalars) -> list[Scalar]:
     """Joint torques that a required motion asks of a robot that moves with v: M a_r + C(q, v) v_r + g.
 
-    Xia (2019) eqs. (15)-(20), (48)-(53); C is the sum of the bodies' C(omega), eq. (61).
-    gains: K of each body, 6 x 6 in its own axes, by which it pulls towards its required velocity.
+    Xia (2019) eqs. (48)-(53) without their gains K; C is the sum of the bodies' C(omega), eq. (61).
+    """
+    return _sums(*required_efforts(system, q, v, v_r, a_r))
+
+
+def required_efforts(
+    system: System, q: Scalars, v: Scalars, v_r: Scalars, a_r: Scalars, gains: Sequence[Gain] | None = None
+) -> tuple[list[Scalar], list[Scalar]]:
+    """What a required motion asks for: torques on the links, and of rigidly geared rotors beside.
+
+    Xia (2019) eqs. (15)-(20), (48)-(53).  gains: K of each body, 6 x 6 in its own axes, by which it pulls towards its
+    required velocity.
     """
     actual, required = required_motions(system, q, v, v_r, a_r)
     F_r = net_wrenches(system, required, v_r, a_r, actual)
     if gains is not None:
         bodies = zip(system.segments, F_r, gains, required, actual, strict=True)
         F_r = [F + pull(body, K, m_r.V, m.V) for body, F, K, m_r, m in bodies]
-    return joint_efforts(system, bear(system, [m.X for m in actual], F_r, {}), required, a_r, actual)
+    F_r = bear(system, [m.X for m in actual], F_r, {})
+    return joint_efforts(system, F_r), rotor_efforts(system, required, a_r, actual)
 
 
 def required_motions(
@@ -166,6 +182,10 @@ def required_motions(
         _, zv_r, za_r = joint_motion(body, q, v_r, a_r)
         required.append(move(m.X, m.V.angular, zv, parent, zv_r, za_r))
     return actual, required
+
+
+def _sums(x: Scalars, y: Scalars) -> list[Scalar]:
+    return [a + b for a, b in zip(x, y, strict=True)]
 
 
 def pull(body: Segment, K: Gain, V_r: Motion, V: Motion) -> Wrench:

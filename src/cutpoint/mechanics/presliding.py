@@ -38,13 +38,20 @@ class Presliding(ABC):
         """xi in steady sliding, N m: all that can be said without the strain."""
         return self.sliding.torque(speed, load)
 
+    def resistance(self, speed: Scalar, load: Scalar = 0) -> Scalar:
+        """In steady sliding, N m s/rad."""
+        return self.sliding.resistance(speed, load)
+
     def share_of_load(self, speed: Scalar) -> Scalar:
         return self.sliding.share_of_load(speed)
 
     def strained_torque(self, strain: Scalar, speed: Scalar, load: Scalar = 0) -> Scalar:
         """xi of strained bristles, N m.  Their damping acts only while they wind up: it never pushes."""
-        winding = maximum(self.winding(strain, speed, load), 0)
-        return self.stiffness * strain + (self.damping * winding + self.sliding.viscosity) * speed
+        return self.stiffness * strain + self.strained_resistance(strain, speed, load) * speed
+
+    def strained_resistance(self, strain: Scalar, speed: Scalar, load: Scalar = 0) -> Scalar:
+        """What of xi goes with speed, N m s/rad."""
+        return self.damping * maximum(self.winding(strain, speed, load), 0) + self.sliding.viscosity
 
     @abstractmethod
     def strain(self, before: Scalar, displacement: Scalar, speed: Scalar, load: Scalar = 0) -> Scalar:

@@ -31,10 +31,13 @@ class Friction(Protocol):
     """A friction law: torque that opposes a velocity, N m (N) at the joint's side.
 
     load: what the drive transmits, N m, of which friction takes `share_of_load` more than it takes without.
+    resistance: about how fast the torque rises with speed, N m s/rad, never less than 0; integration steps take it
+    implicitly.
     """
 
     def torque(self, speed: Any, load: Any = 0) -> Any: ...
     def share_of_load(self, speed: Any) -> Any: ...
+    def resistance(self, speed: Any, load: Any = 0) -> Any: ...
 
 
 class Hysteresis(Protocol):

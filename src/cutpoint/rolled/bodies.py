@@ -1,63 +1,46 @@
-"""Bodies as rows of numbers, and a body with its joint from such a row.
+"""Bodies as rows of numbers, and a body with its joint and its drive from such a row.
 
 Numbers that are the same whole number for all bodies (an axis's zeros, a turn by a quarter) are part of the code; all
 others it reads.  So one piece of code, of one size, serves trees of any size.
 """
 
-from collections.abc import Iterable, Iterator, Sequence
-from dataclasses import dataclass
+from collections.abc import Iterable, Sequence
 
 import numpy as np
 
-from cutpoint.mechanics.joints import Helical, JointKind, Prismatic, Revolute, about_z
+from cutpoint.mechanics.elastic import Driven
+from cutpoint.mechanics.joints import Helical, Prismatic
 from cutpoint.mechanics.rotors import Spin
 from cutpoint.mechanics.spatial import IDENTITY, ZERO, Inertia, Mat3, Pose, Vec3
 from cutpoint.mechanics.system import Segment, System
+from cutpoint.model.drive import Drive
 from cutpoint.model.mechanism import WORLD
-from cutpoint.scalars import Scalar
+from cutpoint.rolled.subsystem import OneAxis, Subsystem, is_nothing, mat3, vec3
+from cutpoint.scalars import Scalar, leaves, rebuild
 
-Scalars = Sequence[Scalar]
 Array = np.ndarray
 
-
-@dataclass(frozen=True)
-class OneAxis(JointKind):
-    """Turns about z by turn q (rad), and slides along it by slide q (m): every joint with one coordinate."""
-
-    turn: Scalar
-    slide: Scalar
-
-    @property
-    def axes(self) -> tuple[tuple[Scalar, ...], ...]:
-        return ((0, 0, self.slide, 0, 0, self.turn),)
-
-    def pose(self, q: Scalars) -> Pose:
-        return Pose(about_z(self.turn * q[0]), Vec3(0, 0, self.slide * q[0]))
+BODY = 31
+"""Numbers of a body and its joint; those of its drive follow."""
 
 
-@dataclass(frozen=True)
-class Subsystem:
-    """A body with its joint, and the rotor that its parent carries: armature and spin, 0 where there is none."""
-
-    body: Segment
-    armature: Scalar
-    spin: Spin | None
-
-
-def unsuited(system: System) -> str | None:
-    """A joint that loops do not take, if there is one: they need one coordinate of its own for each body."""
-    for body in system.segments:
-        if body.follower:
-            return f"the joint of {body.name!r}, which follows another"
-        if type(body.joint) not in (Revolute, Prismatic, Helical):
-            return f"the joint of {body.name!r}, of kind {type(body.joint).__name__.lower()}"
-    return None
-
-
-def rows_of(system: System) -> Array:
-    """(n, 28) each body's numbers, in the order of `subsystem`."""
+def rows_of(system: System, drives: Sequence[Driven] = ()) -> Array:
+    """(n, BODY and more) each body's numbers, in the order of `subsystem`, and its drive's, one for each if any."""
     spins = {spin.joint: spin for spin in system.spins if not spin.elastic}
-    return np.array([_row(system, i, spins.get(i)) for i in range(len(system.segments))], dtype=np.float64)
+    last = _last_carried(system)
+    rows = [[*_row(system, i, spins.get(i)), i, last[i]] for i in range(len(system.segments))]
+    for driven in drives:
+        rows[driven.segment] += leaves(driven.drive)
+    return np.array(rows, dtype=np.float64)
+
+
+def _last_carried(system: System) -> list[int]:
+    """For each body the highest number of a body that it carries, or its own: mechanisms are in depth-first order."""
+    last = [*range(len(system.segments))]
+    for i, body in reversed([*enumerate(system.segments)]):
+        if body.parent != WORLD:
+            last[body.parent] = max(last[body.parent], last[i])
+    return last
 
 
 def _row(system: System, i: int, spin: Spin | None) -> list[Scalar]:
@@ -74,39 +57,36 @@ def _row(system: System, i: int, spin: Spin | None) -> list[Scalar]:
 class Columns:
     """Which of the bodies' numbers are code and which are read.
 
-    stated: the first, by column.  read: (n, m), the others.
+    stated: the first, by column.  read: (n, width), the others.
     """
 
-    def __init__(self, rows: Array) -> None:
+    def __init__(self, rows: Array, drives: Sequence[Driven] = ()) -> None:
+        """drives: of which the first serves as a model of all."""
         first = rows[0]
         same = (rows == first).all(axis=0) & np.isin(first, (-1.0, 0.0, 1.0))
         self.stated = {int(k): int(first[k]) for k in np.flatnonzero(same)}
         self.read = np.ascontiguousarray(rows[:, ~same])
-        self._width = rows.shape[1]
+        self.width = self.read.shape[1]
+        self._columns = rows.shape[1]
+        self._drive = drives[0].drive if drives else None
 
     def subsystem(self, read: Iterable[Scalar]) -> Subsystem:
         """The body whose row holds these."""
-        others = iter(read)
-        row = iter([self.stated[k] if k in self.stated else next(others) for k in range(self._width)])
+        row = iter(self._whole(read))
         pose = Pose(mat3(row), vec3(row))
         mass, first_moment = next(row), vec3(row)
         xx, xy, xz, yy, yz, zz = (next(row) for _ in range(6))
         inertia = Inertia(mass, first_moment, Mat3(Vec3(xx, xy, xz), Vec3(xy, yy, yz), Vec3(xz, yz, zz)))
         joint, armature, axis, geared = OneAxis(next(row), next(row)), next(row), vec3(row), next(row)
+        number, last = next(row), next(row)
         own = Segment("", WORLD, pose, joint, inertia, slice(0, 1), slice(0, 1), IDENTITY)
-        return Subsystem(own, armature, None if is_nothing(geared) else Spin(0, 0, axis, 0, geared, False))
+        spin = None if is_nothing(geared) else Spin(0, 0, axis, 0, geared, False)
+        return Subsystem(own, armature, spin, number, last)
 
+    def drive(self, read: Iterable[Scalar]) -> Drive:
+        """The drive of the body whose row holds these."""
+        return rebuild(self._drive, iter(self._whole(read)[BODY:]))
 
-def vec3(numbers: Iterator[Scalar]) -> Vec3:
-    """The next three numbers."""
-    return Vec3(next(numbers), next(numbers), next(numbers))
-
-
-def mat3(numbers: Iterator[Scalar]) -> Mat3:
-    """The next nine numbers, row by row."""
-    return Mat3(vec3(numbers), vec3(numbers), vec3(numbers))
-
-
-def is_nothing(x: Scalar) -> bool:
-    """Whether it is known, when traced, to be 0."""
-    return isinstance(x, int) and x == 0
+    def _whole(self, read: Iterable[Scalar]) -> list[Scalar]:
+        others = iter(read)
+        return [self.stated[k] if k in self.stated else next(others) for k in range(self._columns)]

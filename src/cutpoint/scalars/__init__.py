@@ -1,5 +1,6 @@
 """Numbers of every kind, the functions on them, and records of them."""
 
+from cutpoint.scalars.angle import Angle
 from cutpoint.scalars.functions import (
     Scalar,
     absolute,
@@ -20,6 +21,6 @@ from cutpoint.scalars.jet import Jet
 from cutpoint.scalars.records import leaves, map_leaves, rebuild, structure_of, with_float_leaves
 
 __all__ = [
-    "Jet", "Scalar", "absolute", "atan", "clip", "cos", "exp", "leaves", "log", "map_leaves", "maximum", "minimum",
-    "rebuild", "sin", "sqrt", "structure_of", "tan", "tanh", "where", "with_float_leaves",
+    "Angle", "Jet", "Scalar", "absolute", "atan", "clip", "cos", "exp", "leaves", "log", "map_leaves", "maximum",
+    "minimum", "rebuild", "sin", "sqrt", "structure_of", "tan", "tanh", "where", "with_float_leaves",
 ]  # fmt: skip

@@ -2,9 +2,12 @@
 
 from cutpoint.simulation.integrator import StiffnessWarning
 from cutpoint.simulation.log import Log
+from cutpoint.simulation.many import Runs, simulate_many
 from cutpoint.simulation.plant import State
 from cutpoint.simulation.runner import UntracedControllerWarning
 from cutpoint.simulation.sensors import Sensors
 from cutpoint.simulation.simulate import simulate
 
-__all__ = ["Log", "Sensors", "State", "StiffnessWarning", "UntracedControllerWarning", "simulate"]
+__all__ = [
+    "Log", "Runs", "Sensors", "State", "StiffnessWarning", "UntracedControllerWarning", "simulate", "simulate_many",
+]  # fmt: skip

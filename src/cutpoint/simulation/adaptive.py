@@ -65,7 +65,7 @@ class _Way:
         states: dict[str, Any] = {"x": layout.state, "origin": layout.state}
 
         def plant(x: list, origin: list, command: list, disturbance: list, numbers: list) -> list:
-            return _rates(robot.machine_with(numbers), x, origin, command, disturbance)
+            return plant_rates(robot.machine_with(numbers), x, origin, command, disturbance)
 
         def settle(x: list, origin: list, numbers: list) -> list:
             return _settled(robot.machine_with(numbers), x, origin)
@@ -115,7 +115,7 @@ class _Way:
         return [speed(k) for k in range(self._drives)]
 
 
-def _rates(machine: Machine, x: Scalars, origin: Scalars, command: Scalars, disturbance: Scalars) -> Scalars:
+def plant_rates(machine: Machine, x: Scalars, origin: Scalars, command: Scalars, disturbance: Scalars) -> Scalars:
     """dx/dt, on a way from origin on which no spring turns back."""
     efforts, electric, winding = [], [], []
     for d, own, past, u in zip(machine.drives, own_parts(machine, x), own_parts(machine, origin), command, strict=True):

@@ -2,6 +2,7 @@
 
 from collections import OrderedDict
 from collections.abc import Hashable
+from dataclasses import replace
 from typing import Any
 
 from cutpoint.kernels import Program
@@ -11,12 +12,13 @@ from cutpoint.simulation.sensors import Encoders
 
 KEPT = 16
 
-_kept: OrderedDict[Hashable, tuple[dict[str, Program], Any]] = OrderedDict()
+_kept: OrderedDict[Hashable, tuple[dict[Hashable, Program], Any]] = OrderedDict()
 
 
-def programs_for(robot: Robot, controller: Any, encoders: Encoders, memory: Any) -> dict[str, Program]:
+def programs_for(robot: Robot, controller: Any, encoders: Encoders, memory: Any) -> dict[Hashable, Program]:
     """The programs compiled so far for loops of this structure, to be added to."""
-    key = (robot.trace_key, *(structure_of(part) for part in (controller, encoders, memory)))
+    seedless = replace(encoders, seed=0)
+    key = (robot.trace_key, *(structure_of(part) for part in (controller, seedless, memory)))
     # what the key names by identity must live as long as the key
     programs, owners = _kept.pop(key, ({}, (robot, controller)))
     _kept[key] = programs, owners

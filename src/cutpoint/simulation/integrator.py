@@ -1,4 +1,4 @@
-"""Fixed-step integration between two control samples, and how fine its steps must be."""
+"""How many integration steps a control period takes, and what asks for as many."""
 
 import warnings
 from typing import NamedTuple
@@ -6,34 +6,24 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from cutpoint.mechanics.harmonic_drive import friction_resistance
+from cutpoint.mechanics.linearly_implicit import is_carried
 from cutpoint.mechanics.motor import TURN
 from cutpoint.mechanics.presliding import Presliding
 from cutpoint.model.drive import Drive, Friction
 from cutpoint.robot import Robot
-from cutpoint.scalars import Scalar
 
 Array = NDArray[np.float64]
 
-TABLEAU = np.array([[1 / 2, 1 / 6], [1 / 2, 1 / 3], [1.0, 1 / 3], [0.0, 1 / 6]])
-"""Classical Runge-Kutta of order 4, a row a stage: how far to go for the next stage, and this stage's weight."""
-
-SETTINGS = {"standard": (0.25, 2.0, 2.5e-4), "fine": (0.1, 0.25, 6.25e-5)}
-"""Largest step: times the fastest drive mode (rad/s), times the fastest friction decay (1/s), and in s."""
+SETTINGS = {"standard": (0.5, 2.0, 2.0, 2.5e-4), "fine": (0.1, 0.25, 0.5, 6.25e-5)}
+"""Largest step: times the fastest drive mode (rad/s), times the fastest decay that is not taken implicitly (1/s), times
+the fastest growth where friction falls with speed (1/s), and in s."""
 
 MOST_SUBSTEPS = 400
 
 
 class StiffnessWarning(UserWarning):
     """The fixed-step integrator cannot follow the plant's fastest part."""
-
-
-def stage(
-    k: list[Scalar], origin: list[Scalar], total: list[Scalar], row: list[Scalar], h: Scalar
-) -> tuple[list[Scalar], list[Scalar]]:
-    """The next stage's state, and the step's result so far, from the rates k.  Hairer et al. (1993) section II.1."""
-    ahead, weight = row[0] * h, row[1] * h
-    y = [x + ahead * r for x, r in zip(origin, k, strict=True)]
-    return y, [x + weight * r for x, r in zip(total, k, strict=True)]
 
 
 class Limit(NamedTuple):
@@ -51,18 +41,17 @@ class Steps(NamedTuple):
 
 
 def substeps_for(robot: Robot, accuracy: str, period: float, poses: Array) -> Steps:
-    """Steps a control period so that every drive mode, friction law and current loop is followed at poses (m, nq)."""
-    mode_steps, decay_steps, longest = SETTINGS[accuracy]
-    mode, decay = fastest_mode(robot, poses), fastest_decay(robot, poses)
-    bounds = [(longest, "the longest step of this accuracy")]
-    bounds += [(share / max(x.rate, 1e-9), x.cause) for share, x in ((mode_steps, mode), (decay_steps, decay))]
-    step, cause = min(bounds)
+    """Steps a control period so that drive modes, current loops and slipping are followed at poses (m, nq)."""
+    *shares, longest = SETTINGS[accuracy]
+    limits = fastest_mode(robot, poses), fastest_decay(robot), fastest_growth(robot, poses)
+    bounds = [(share / max(x.rate, 1e-9), x.cause) for share, x in zip(shares, limits, strict=True)]
+    step, cause = min([(longest, "the longest step of this accuracy"), *bounds])
     wanted = int(np.ceil(period / step - 1e-9))
     if wanted > MOST_SUBSTEPS:
         warnings.warn(
             f"{cause} would take {wanted} integration steps a control period (its fastest mode is "
-            f"{mode.rate / 2 / np.pi:.0f} Hz, its fastest decay {decay.rate:.0f} 1/s); {MOST_SUBSTEPS} are taken. "
-            "Soften it (smoothing, distance, stiffness, damping), or give substeps=",
+            f"{limits[0].rate / 2 / np.pi:.0f} Hz); {MOST_SUBSTEPS} are taken. "
+            "Soften it (distance, stiffness, bandwidth, Stribeck velocity), or give substeps=",
             StiffnessWarning,
             stacklevel=4,
         )
@@ -95,24 +84,34 @@ def fastest_mode(robot: Robot, poses: Array) -> Limit:
     return best
 
 
-def fastest_decay(robot: Robot, poses: Array) -> Limit:
-    """Fastest decay by friction, damping and current loops."""
+def fastest_decay(robot: Robot) -> Limit:
+    """Fastest decay that a step does not take implicitly: current loops, and what resists rotors with full coupling."""
     names, drives = [*robot.drives], [*robot.drives.values()]
     J_inverse = _rotor_mobility(robot)
-    link = np.array([_slope(d.link_friction) for d in drives])
-    motor = np.array([_slope(d.motor_friction) for d in drives])
-    damping = np.array([d.damping or 0.0 if d.is_elastic else 0.0 for d in drives])
-    rigid = np.array([0.0 if d.is_elastic else 1.0 for d in drives])
     found = [Limit(0.0, "nothing that decays")]
-    for name, drive, rate in zip(names, drives, (motor + damping) * J_inverse, strict=True):
-        found.append(Limit(float(rate), f"the motor friction or damping of {name!r}"))
+    for name, drive, mobility in zip(names, drives, J_inverse, strict=True):
+        if is_carried(drive):
+            rate = (friction_resistance(drive.motor_friction, 0.0, strain=0.0) + (drive.damping or 0.0)) * mobility
+            found.append(Limit(float(rate), f"the motor friction or damping of {name!r}"))
         if drive.motor is not None and drive.motor.bandwidth is not None:
             found.append(Limit(TURN * drive.motor.bandwidth, f"the current loop of {name!r}"))
-    for q in poses if drives else ():
-        rates, shapes = np.linalg.eig(_link_mobility(robot, q) * (link + damping + rigid * motor))
-        k = int(np.abs(shapes[:, np.abs(rates).argmax()]).argmax())
-        found.append(Limit(float(np.abs(rates).max()), f"the friction or damping on the link of {names[k]!r}"))
     return max(found)
+
+
+def fastest_growth(robot: Robot, poses: Array) -> Limit:
+    """Fastest growth of a slip where friction falls with speed, as Stribeck's does."""
+    names, drives = [*robot.drives], [*robot.drives.values()]
+    motor = np.array([_fall(d.motor_friction) for d in drives])
+    rigid = np.array([not d.is_elastic for d in drives], bool)
+    link = np.array([_fall(d.link_friction) for d in drives]) + rigid * motor
+    best = Limit(0.0, "nothing that slips")
+    for name, rate in zip(names, motor * _rotor_mobility(robot), strict=True):
+        best = max(best, Limit(float(rate), f"slipping of the motor of {name!r}"))
+    for q in poses if link.any() else ():
+        rates, shapes = np.linalg.eig(_link_mobility(robot, q) * link)
+        k = int(np.abs(shapes[:, np.abs(rates).argmax()]).argmax())
+        best = max(best, Limit(float(np.abs(rates).max()), f"slipping of {names[k]!r}"))
+    return best
 
 
 def _link_mobility(robot: Robot, q: Array) -> Array:
@@ -135,11 +134,9 @@ def _bristles(law: Friction | None) -> float:
     return float(law.stiffness) if isinstance(law, Presliding) else 0.0
 
 
-def _slope(law: Friction | None) -> float:
-    """d torque / d speed of a friction law at rest, where it is steepest; of bristles, of their damping."""
+def _fall(law: Friction | None) -> float:
+    """How steeply friction falls with speed where it does most, N m s/rad."""
     if law is None:
         return 0.0
-    if isinstance(law, Presliding):
-        return float(law.damping + law.sliding.viscosity)
-    small = 1e-6
-    return float((law.torque(small) - law.torque(-small)) / (2 * small))
+    speeds = np.geomspace(1e-7, 1e3, 1000)
+    return max(0.0, -float((np.diff(law.torque(speeds)) / np.diff(speeds)).min()))

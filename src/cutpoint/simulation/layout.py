@@ -22,8 +22,8 @@ class Layout:
 
     @property
     def row(self) -> int:
-        """Per control period: time, reference with four derivatives, disturbance, noise."""
-        return 1 + 5 * self.n + self.nv + self.noise
+        """Per control period: time, reference with four derivatives, disturbance."""
+        return 1 + 5 * self.n + self.nv
 
     def reference(self, row: Scalars) -> Reference:
         """The links' reference of a row; until a law makes a better one, the motors' is the same."""
@@ -31,10 +31,7 @@ class Layout:
         return Reference(q, v, a, jerk, snap, q, v)
 
     def disturbance(self, row: Scalars) -> Scalars:
-        return row[1 + 5 * self.n : 1 + 5 * self.n + self.nv]
-
-    def normals(self, row: Scalars) -> Scalars:
-        return row[1 + 5 * self.n + self.nv :]
+        return row[1 + 5 * self.n :]
 
 
 def array_of(numbers: Any) -> Any:

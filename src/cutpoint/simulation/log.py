@@ -4,7 +4,7 @@ import json
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -14,11 +14,21 @@ from cutpoint.errors import InputError, unknown_name
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
+    from cutpoint.analysis.certificate import Certificate
+
 Array = NDArray[np.float64]
 Unit = str | tuple[str, ...]
 
 RESERVED = ("time", "header")
 """Names that a file of ours gives to other things."""
+
+
+class Run(NamedTuple):
+    """What a log is of: robot, controller, and the links' reference with four derivatives, (5, N, n)."""
+
+    robot: Any
+    controller: Any
+    reference: Array
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -30,6 +40,7 @@ class Log:
     units: of every channel, or one unit per joint where they differ (`("rad", "m")`); "" where there is none.
     joints: their n names, in the order of the columns.
     meta: anything JSON can say about the run.
+    run: what was simulated; None for a log that comes from elsewhere, as files do.
 
     Raises:
         InputError: times that do not increase, shapes that do not match, a missing unit, or a meta JSON cannot say.
@@ -40,6 +51,7 @@ class Log:
     units: Mapping[str, Unit]
     joints: tuple[str, ...]
     meta: Mapping[str, Any] = field(default_factory=dict[str, Any])
+    run: Run | None = None
 
     def __post_init__(self) -> None:
         time = _frozen(self.time)
@@ -93,7 +105,8 @@ class Log:
             span = f"from {self.time[0]:g} s to {self.time[-1]:g} s"
             raise InputError(f"no samples from {start} s to {end} s: the log runs {span}", start=start, end=end)
         channels = {name: values[kept] for name, values in self.channels.items()}
-        return Log(self.time[kept], channels, self.units, self.joints, self.meta)
+        run = self.run._replace(reference=self.run.reference[:, kept]) if self.run else None
+        return Log(self.time[kept], channels, self.units, self.joints, self.meta, run)
 
     def plot(self, *names: str) -> "Figure":
         """A picture, angles in degrees: `log.plot("q", "q_d").savefig("run.png")`.
@@ -103,6 +116,15 @@ class Log:
         from cutpoint.simulation.log_plot import picture
 
         return picture(self, names)
+
+    def certificate(self) -> "Certificate":
+        """The power-flow certificate of a run under `control.VDC`: see `analysis.Certificate`.
+
+        Raises InputError for a log that was not simulated here, or under another law.
+        """
+        from cutpoint.analysis.certificate import certificate
+
+        return certificate(self)
 
     def to_dataframe(self) -> Any:
         """A pandas DataFrame: index `time`, columns `q.elbow` (or `power`), `attrs` with units and meta."""
@@ -130,7 +152,12 @@ def column_name(channel: str, joint: str) -> str:
 
 
 def _frozen(values: Any) -> Array:
-    copy = np.array(values, dtype=np.float64)
+    """A copy that nobody else can write; what nobody can write as it is needs none."""
+    found = np.asarray(values, dtype=np.float64)
+    owner: Any = found if found.base is None else found.base
+    if found is values and not found.flags.writeable and isinstance(owner, np.ndarray) and not owner.flags.writeable:
+        return found
+    copy = found.copy()
     copy.setflags(write=False)
     return copy
 

@@ -4,6 +4,7 @@ What the stages read and write are flat lists of scalars; `kernels.program` comp
 any number of control periods, or runs them as they are where nothing can be compiled.
 """
 
+from collections.abc import Hashable
 from dataclasses import dataclass
 from functools import cached_property
 from typing import Any, Literal
@@ -17,12 +18,12 @@ from cutpoint.kernels import Loop, Program, Region, Stage, compile_program
 from cutpoint.mechanics.motor import within_limits
 from cutpoint.robot import Robot
 from cutpoint.scalars import Scalar, clip, leaves, rebuild, where, with_float_leaves
-from cutpoint.simulation.integrator import TABLEAU
 from cutpoint.simulation.lanes import Lanes
 from cutpoint.simulation.layout import Layout, array_of
 from cutpoint.simulation.plant import is_uniform, own_parts, sizes
 from cutpoint.simulation.sensors import Encoders
 from cutpoint.simulation.stages import PlantStages
+from cutpoint.simulation.step import TABLEAU
 
 Array = NDArray[np.float64]
 Scalars = list[Scalar]
@@ -31,7 +32,8 @@ BEYOND = 1e6
 """A state (rad, rad/s, m, m/s) larger than this has diverged."""
 
 
-INTEGRATION = ("origin", "total", "tableau", "elapsed", "efforts", "accelerations", "numbers", "steps")
+INTEGRATION = ("origin", "total", "resistance", "earlier", "tableau", "elapsed", "turns", "efforts", "accelerations",
+               "steps")  # fmt: skip
 """Regions that only the fixed steps use."""
 
 
@@ -41,6 +43,8 @@ class ClosedLoop:
 
     memory: the controller's memory at the start, a record.  parameters: numbers of drives, controller, sensors, torque
     limits, then the control period.  programs: those compiled so far for loops of this structure.
+    runs: how many runs of this structure go side by side, in lanes.  own_rows: whether each has a reference and
+    disturbances of its own, or all the same.
     """
 
     robot: Robot
@@ -48,7 +52,9 @@ class ClosedLoop:
     encoders: Encoders
     memory: Any
     period: float
-    programs: dict[str, Program]
+    programs: dict[Hashable, Program]
+    runs: int = 1
+    own_rows: bool = False
 
     @cached_property
     def layout(self) -> Layout:
@@ -61,8 +67,8 @@ class ClosedLoop:
 
     @cached_property
     def lanes(self) -> Lanes:
-        """All drives side by side where they are alike."""
-        return Lanes.of(self.layout.n, is_uniform(self.robot.machine))
+        """All drives side by side where they are alike; not where runs are."""
+        return Lanes.of(self.layout.n, self.runs == 1 and is_uniform(self.robot.machine))
 
     @cached_property
     def channels(self) -> dict[str, int]:
@@ -79,21 +85,27 @@ class ClosedLoop:
         return np.concatenate([self.robot.drive_parameters, *(np.array(p, float) for p in parts)])
 
     def regions(self) -> list[Region]:
-        n, record = self.layout.n, sum(self.channels.values())
-        state, lanes = self.layout.state, self.lanes
+        n, nv, state, lanes = self.layout.n, self.layout.nv, self.layout.state, self.lanes
         laned = {
-            "state": state, "origin": state, "total": state, "torque": n, "torque_before": n, "efforts": 4 * n,
-            "accelerations": self.layout.nv + n,
+            "state": state, "origin": state, "total": state, "torque": n, "torque_before": n, "felt": 3 * n,
+            "resistance": 6 * n, "earlier": 6 * n, "efforts": 4 * n, "accelerations": nv + n,
+            "turns": 2 * n if self.plant.knows_turns else 0,
             "numbers": len(self.robot.drive_parameters) if lanes.are_wide else 0,
         }  # fmt: skip
         sizes = {
             "row": self.layout.row, "sensing": len(self.encoders.memory(*[[0.0] * n] * 4)), "measured": 4 * n,
-            "memory": len(leaves(self.memory)),
-            "command": 4 * n + 1, "elapsed": 1, "parameters": len(self.parameters(np.zeros(n))), "tableau": 2,
-            "record": record, "fault": 1, "steps": 1,
+            "memory": len(leaves(self.memory)), "command": 4 * n + 1, "elapsed": 1,
+            "parameters": len(self.parameters(np.zeros(n))), "tableau": TABLEAU.shape[1],
+            "record": sum(self.channels.values()), "fault": 1, "steps": 1, "noise": self.layout.noise,
         }  # fmt: skip
-        drives = [Region(name, lanes.size(size), lanes.width) for name, size in laned.items()]
-        return drives + [Region(name, size) for name, size in sizes.items()]
+        runs = {name: 1 if name in self.shared else self.runs for name in sizes}
+        drives = [Region(name, lanes.size(size) * self.runs, lanes.width * self.runs) for name, size in laned.items()]
+        return drives + [Region(name, size * runs[name], runs[name]) for name, size in sizes.items()]
+
+    @property
+    def shared(self) -> tuple[str, ...]:
+        """Regions that runs side by side have in common."""
+        return ("elapsed", "tableau", "steps") if self.own_rows else ("elapsed", "tableau", "steps", "row")
 
     def numbers(self) -> Array:
         """The drives' parameters lane by lane, where all drives are alike."""
@@ -107,11 +119,11 @@ class ClosedLoop:
 
     # stages
 
-    def sense(self, state: Scalars, sensing: Scalars, row: Scalars, parameters: Scalars) -> tuple[Scalars, Scalars]:
+    def sense(self, state: Scalars, sensing: Scalars, noise: Scalars, parameters: Scalars) -> tuple[Scalars, Scalars]:
         machine, _, encoders, _, period = self._numbers(parameters)
         places = [own.at for own in own_parts(machine, self.lanes.dense(state))]
         sample = [getattr(at, name) for name in ("q", "theta", "v", "theta_dot") for at in places]
-        return encoders.measure(sample, sensing, self.layout.normals(row), period)
+        return encoders.measure(sample, sensing, noise, period)
 
     def control(self, measured: Scalars, memory: Scalars, row: Scalars, parameters: Scalars) -> tuple[Scalars, Scalars]:
         """Command: torque, the part of it that is feedforward, motor reference and its speed; and a fault."""
@@ -130,12 +142,12 @@ class ClosedLoop:
         told = [clip(within_limits(d.drive, u, own.at.theta_dot), -limit, limit) for d, own, u, limit in motors]
         return self.lanes.padded(told), torque
 
-    def watch(self, state: Scalars) -> Scalars:
+    def watch(self, state: Scalars, fault: Scalars) -> Scalars:
         """Not zero once the state has diverged or is not finite."""
-        fault: Scalar = 0
+        found = fault[0]
         for x in self.lanes.dense(state):
-            fault = where(x * x < BEYOND * BEYOND, fault, 1)
-        return [fault]
+            found = where(x * x < BEYOND * BEYOND, found, 1)
+        return [found]
 
     # programs
 
@@ -145,50 +157,68 @@ class ClosedLoop:
         sense: before the controller.  command: sense, and the controller.  after: all that follows.  output: what
         follows, but for integration.  Raises TraceError for a whole or a command whose controller cannot be traced.
         """
-        if part not in self.programs:
+        key = (part, self.runs, self.own_rows)
+        if key not in self.programs:
             body = {
                 "whole": [*self._before, self._control, *self._after],
                 "sense": self._before,
                 "command": [*self._before, self._control],
                 "after": self._after,
-                "output": self._after[:2],
+                "output": self._after[:3],
             }[part]
-            ticks = Loop("ticks", body, streams=("row", "record"), until="fault")
+            until = "fault" if self.runs == 1 else None  # runs side by side do not stop for one of them
+            ticks = Loop("ticks", body, streams=("row", "noise", "record"), until=until)
             integrates = part in ("whole", "after")
             regions = [region for region in self.regions() if integrates or region.name not in INTEGRATION]
-            self.programs[part] = compile_program(ticks, regions, backend=self.robot.backend)
-        return self.programs[part]
+            self.programs[key] = compile_program(ticks, regions, backend=self.robot.backend)
+        return self.programs[key]
 
     @property
     def _before(self) -> list[Any]:
-        return [Stage(self.sense, ("state", "sensing", "row", "parameters"), ("measured", "sensing"))]
+        return [Stage(self.sense, ("state", "sensing", "noise", "parameters"), ("measured", "sensing"), self.runs)]
 
     @property
     def _control(self) -> Stage:
-        return Stage(self.control, ("measured", "memory", "row", "parameters"), ("command", "memory"))
+        return Stage(self.control, ("measured", "memory", "row", "parameters"), ("command", "memory"), self.runs)
 
     @property
     def _after(self) -> list[Any]:
-        plant, numbers = self.plant, "numbers" if self.lanes.are_wide else "parameters"
-        drive = ("state", "origin", "torque", "torque_before", "elapsed", numbers, "steps")
-        advance = ("state", "origin", "total", "tableau", "efforts", "accelerations", "steps")
-        stages = [
-            Stage(plant.drive, drive, ("efforts",), self.lanes.width),
-            Stage(plant.accelerate, ("state", "efforts", "row", "parameters"), ("accelerations",)),
-            Stage(plant.advance, advance, ("state", "total"), self.lanes.width),
+        plant, numbers, runs = self.plant, self._numbers_of_drives, self.runs
+        return [
+            Stage(self.actuate, ("state", "command", "torque", "parameters"), ("torque", "torque_before"), runs),
+            Stage(plant.feel, ("state", "torque", "torque_before", numbers), ("felt",), self._width),
+            Stage(plant.record, ("state", "measured", "command", "felt"), ("record",), runs),
+            Loop("substeps", self._step, streams=("elapsed",)),
+            Stage(self.watch, ("state", "fault"), ("fault",), runs),
         ]
-        step = [
-            Loop(len(TABLEAU), stages, streams=("tableau",)),
-            Stage(plant.settle, ("total", "origin", numbers), ("state", "origin", "total"), self.lanes.width),
+
+    @property
+    def _step(self) -> list[Any]:
+        plant, numbers, width = self.plant, self._numbers_of_drives, self._width
+        drive = ("state", "origin", "torque", "torque_before", "resistance", "earlier", "elapsed", numbers, "steps")
+        accelerate = ("state", "turns", "resistance", "efforts", "row", "parameters")
+        advance = ("state", "origin", "total", "earlier", "tableau", "efforts", "accelerations", "steps")
+        turn = [Stage(plant.turn, ("state",), ("turns",), width)] if plant.knows_turns else []
+        stages = [
+            *turn,
+            Stage(plant.drive, drive, ("efforts",), width),
+            Stage(plant.accelerate, accelerate, ("accelerations",), self.runs),
+            Stage(plant.advance, advance, ("state", "total", "earlier"), width),
         ]
         return [
-            Stage(self.actuate, ("state", "command", "torque", "parameters"), ("torque", "torque_before")),
-            Stage(
-                plant.record, ("state", "measured", "command", "torque", "torque_before", "parameters"), ("record",)
-            ),
-            Loop("substeps", step, streams=("elapsed",)),
-            Stage(self.watch, ("state",), ("fault",)),
+            Stage(plant.resist, ("state", numbers, "steps"), ("resistance",), width),
+            Loop(len(TABLEAU), stages, streams=("tableau",)),
+            Stage(plant.settle, ("total", "origin", numbers), ("state", "origin", "total"), width),
         ]
+
+    @property
+    def _width(self) -> int:
+        """Lanes of stages that drives go through: of drives, or of runs."""
+        return self.lanes.width * self.runs
+
+    @property
+    def _numbers_of_drives(self) -> str:
+        return "numbers" if self.lanes.are_wide else "parameters"
 
     # views
 

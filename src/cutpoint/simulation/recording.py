@@ -37,15 +37,28 @@ def log_of(loop: ClosedLoop, record: Array, times: Array, reference: Array, meta
             for k, name in enumerate(names):
                 channels[name] = channels[whole][:, k]
                 units[name] = unit if k < 3 else {"m": "", "m/s": "rad/s"}[unit]
-    channels["q"] = channels["q"][:, [d.q for d in drives]]
+    channels["q"] = _columns(channels["q"], [d.q for d in drives])
     for name in ("v", "friction_torque"):
-        channels[name] = channels[name][:, [d.v for d in drives]]
+        channels[name] = _columns(channels[name], [d.v for d in drives])
     channels["reference_q"], channels["reference_v"] = reference[0, :samples], reference[1, :samples]
     channels["position_error"] = channels["reference_q"] - channels["q"]
     channels["motor_position_error"] = channels["motor_reference"] - channels["theta"]
     channels["feedback_torque"] = channels["command_torque"] - channels["feedforward_torque"]
     about = {"robot": loop.robot.name, "control_period": loop.period, **meta}
-    return Log(times[:samples], channels, {name: units[name] for name in channels}, tuple(loop.robot.drives), about)
+    channels, units = {name: _read_only(x) for name, x in channels.items()}, {name: units[name] for name in channels}
+    return Log(_read_only(times)[:samples], channels, units, tuple(loop.robot.drives), about)
+
+
+def _columns(values: Array, which: list[int]) -> Array:
+    return values if which == [*range(values.shape[1])] else values[:, which]
+
+
+def _read_only(values: Array) -> Array:
+    """The same numbers, never to be written again: a log takes these without copying them."""
+    owner = values if values.base is None else values.base
+    owner.setflags(write=False)
+    values.setflags(write=False)
+    return values
 
 
 def _remembered(loop: ClosedLoop, strains: Array) -> dict[str, Array]:

@@ -13,12 +13,14 @@ from rich.progress import Progress, TaskID
 from cutpoint.control.interface import as_command
 from cutpoint.errors import TraceError
 from cutpoint.mechanics.strains import names
-from cutpoint.simulation.adaptive import adaptive_step
-from cutpoint.simulation.integrator import TABLEAU
 from cutpoint.simulation.loop import INTEGRATION, ClosedLoop
 from cutpoint.simulation.plant import State
+from cutpoint.simulation.step import TABLEAU
 
 Array = NDArray[np.float64]
+
+Integrate = Callable[[dict[str, Array], Array], None]
+"""Of a loop's memory and a period's row."""
 
 CHUNK_SECONDS = 0.1
 SHOW_PROGRESS_AFTER = 1.0
@@ -37,17 +39,20 @@ class Outcome(NamedTuple):
 
 
 def working_memory(
-    loop: ClosedLoop, start: State, told: Array, rows: Array, limits: Array, substeps: int
+    loop: ClosedLoop, start: State, told: Array, rows: Array, noise: Array, limits: Array, substeps: int
 ) -> dict[str, Array]:
-    """All regions of the loop at its start; row and record have one row a sample.  told: the motors' first commands."""
+    """All regions of the loop at the start of a run; row, noise and record have one row a sample.
+
+    told: the motors' first commands, N m.
+    """
     driven = loop.robot.machine.drives
     seen = [start.q[[d.q for d in driven]], start.v[[d.v for d in driven]], start.theta, start.theta_dot]
-    memory: dict[str, Array] = {region.name: np.zeros(region.size) for region in loop.regions()}
+    memory: dict[str, Array] = {region.name: np.zeros(region.size // loop.runs) for region in loop.regions()}
     state = np.array(loop.lanes.padded(np.concatenate(start)))
     middles: Array = (np.arange(substeps, dtype=np.float64) + 0.5) * (loop.period / substeps)
     torque = np.array(loop.lanes.padded(told))
     memory.update(torque=torque, torque_before=torque.copy(), elapsed=middles[:, None])
-    memory.update(state=state, origin=state.copy(), total=state.copy(), row=rows, tableau=TABLEAU.copy())
+    memory.update(state=state, origin=state.copy(), total=state.copy(), row=rows, noise=noise, tableau=TABLEAU.copy())
     memory["sensing"] = np.array(loop.encoders.memory(*seen), float)
     memory["memory"] = loop.initial_memory()
     memory["steps"] = np.array([loop.period / substeps])
@@ -56,12 +61,15 @@ def working_memory(
     return memory
 
 
-def run(loop: ClosedLoop, memory: dict[str, Array], substeps: int, adaptive: bool) -> Outcome:
-    """Run every sample, with a progress bar when it takes long; memory holds what was reached."""
-    advance = _advance(loop, memory, substeps, adaptive)
+def run(loop: ClosedLoop, memory: dict[str, Array], substeps: int, integrate: Integrate | None) -> Outcome:
+    """Run every sample, with a progress bar when it takes long; memory holds what was reached.
+
+    integrate: takes the state from one sample to the next; None takes fixed steps.
+    """
+    advance = _advance(loop, memory, substeps, integrate)
     total, done, chunk = len(memory["row"]), 0, 1
     started = time.perf_counter()
-    with _Bar(total * loop.period) as bar:
+    with Bar(total * loop.period) as bar:
         try:
             while done < total:
                 before = time.perf_counter()
@@ -69,9 +77,10 @@ def run(loop: ClosedLoop, memory: dict[str, Array], substeps: int, adaptive: boo
                 reached = advance(done, ticks)
                 done += reached
                 if memory["fault"][0]:
-                    return Outcome(done, _diagnosis(loop, memory, done), diverged=True)
+                    state = np.array(loop.lanes.dense(memory["state"]))
+                    return Outcome(done, diagnosis(loop, state, memory["record"][done - 1], done), diverged=True)
                 now = time.perf_counter()
-                chunk = _next_chunk(ticks, now - before)
+                chunk = next_chunk(ticks, now - before)
                 if now - started > SHOW_PROGRESS_AFTER:
                     bar.show(done * loop.period)
         except KeyboardInterrupt:
@@ -81,30 +90,31 @@ def run(loop: ClosedLoop, memory: dict[str, Array], substeps: int, adaptive: boo
     return Outcome(done)
 
 
-def _next_chunk(ticks: int, seconds: float) -> int:
+def next_chunk(ticks: int, seconds: float) -> int:
     """As many samples as take about CHUNK_SECONDS, so that bars move and Ctrl-C is heard."""
     return max(1, min(4 * ticks, int(ticks * CHUNK_SECONDS / max(seconds, 1e-6))))
 
 
-def _advance(loop: ClosedLoop, memory: dict[str, Array], substeps: int, adaptive: bool) -> Callable[[int, int], int]:
+def _advance(
+    loop: ClosedLoop, memory: dict[str, Array], substeps: int, integrate: Integrate | None
+) -> Callable[[int, int], int]:
     """A function (first sample, how many) -> how many were run."""
     try:
-        if not adaptive:
+        if integrate is None:
             whole = loop.program("whole")
-            return lambda first, ticks: _run(whole, memory, first, ticks, substeps)
+            return lambda first, ticks: run_samples(whole, memory, first, ticks, substeps)
         sense, call = loop.program("command"), None
     except TraceError as error:
         name = type(loop.controller).__name__
         warnings.warn(f"controller {name} runs as a Python callback: {error}", UntracedControllerWarning, stacklevel=4)
         sense, call = loop.program("sense"), _callback(loop)
-    after = loop.program("output" if adaptive else "after")
-    integrate = adaptive_step(loop) if adaptive else None
+    after = loop.program("output" if integrate else "after")
 
     def one(first: int, ticks: int) -> int:
-        _run(sense, memory, first, 1)
+        run_samples(sense, memory, first, 1)
         if call:
             memory["command"][:] = call(memory["measured"], memory["row"][first])
-        _run(after, memory, first, 1, None if adaptive else substeps)
+        run_samples(after, memory, first, 1, None if integrate else substeps)
         if integrate:
             integrate(memory, memory["row"][first])
         return 1
@@ -124,22 +134,21 @@ def _callback(loop: ClosedLoop) -> Callable[[Array, Array], list[float]]:
     return call
 
 
-def _run(program: Any, memory: dict[str, Array], first: int, ticks: int, substeps: int | None = None) -> int:
+def run_samples(program: Any, memory: dict[str, Array], first: int, ticks: int, substeps: int | None = None) -> int:
     """Run these samples; without substeps, a program that does not integrate."""
-    rows = {name: memory[name][first : first + ticks] for name in ("row", "record")}
+    rows = {name: memory[name][first : first + ticks] for name in ("row", "noise", "record")}
     if substeps is None:
         rest = {name: region for name, region in memory.items() if name not in INTEGRATION}
         return program.run({"ticks": ticks}, **{**rest, **rows})
     return program.run({"ticks": ticks, "substeps": substeps}, **{**memory, **rows})
 
 
-def _diagnosis(loop: ClosedLoop, memory: dict[str, Array], done: int) -> str:
+def diagnosis(loop: ClosedLoop, state: Array, before: Array, done: int) -> str:
     """When the state left the finite world and what was largest then, or a sample before where it is no number."""
-    state = np.array(loop.lanes.dense(memory["state"]))
     if np.isfinite(state).all():
         found = _largest(loop, state)
     else:
-        found = f"the state is not finite; a sample earlier {_largest(loop, memory['record'][done - 1, : len(state)])}"
+        found = f"the state is not finite; a sample earlier {_largest(loop, before[: len(state)])}"
     remedy = "lower the gains, check the sides they act on, or take more substeps"
     return f"diverged at t = {done * loop.period:g} s: {found}; {remedy}"
 
@@ -168,7 +177,7 @@ def _slots(loop: ClosedLoop) -> list[tuple[str, str]]:
     return [*q, *v, *theta, *theta_dot, *inner]
 
 
-class _Bar:
+class Bar:
     """A progress bar in simulated seconds that appears only once it is asked to show."""
 
     def __init__(self, total: float) -> None:
@@ -176,7 +185,7 @@ class _Bar:
         self._progress: Progress | None = None
         self._task = TaskID(0)
 
-    def __enter__(self) -> "_Bar":
+    def __enter__(self) -> "Bar":
         return self
 
     def show(self, done: float) -> None:

@@ -1,7 +1,7 @@
 """`simulate`: a robot, a controller and a reference in; a log out."""
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any, Literal
 
 import numpy as np
@@ -13,9 +13,11 @@ from cutpoint.door import check_configuration, checked_array
 from cutpoint.errors import InputError, SimulationError
 from cutpoint.robot import Robot
 from cutpoint.scalars import with_float_leaves
+from cutpoint.simulation.adaptive import adaptive_step
 from cutpoint.simulation.cache import programs_for
+from cutpoint.simulation.continuous import check_continuous, continuous_step
 from cutpoint.simulation.integrator import Steps, substeps_for
-from cutpoint.simulation.log import Log
+from cutpoint.simulation.log import Log, Run
 from cutpoint.simulation.loop import ClosedLoop
 from cutpoint.simulation.plant import State, sizes
 from cutpoint.simulation.recording import log_of
@@ -60,6 +62,7 @@ def simulate(
     disturbances: Disturbance | None = None,
     accuracy: Accuracy = "standard",
     substeps: int | None = None,
+    hold: bool = True,
 ) -> Log:
     """Simulate the robot under a sampled controller: plant, sensors, controller and limits in one compiled loop.
 
@@ -75,34 +78,52 @@ def simulate(
         over each period.
     accuracy: "standard", Runge-Kutta steps fit for 1e-4 rad in well-posed cases; "fine", for 1e-6; "reference",
         adaptive DOP853 at rtol 1e-12, slow.  substeps: integration steps a control period, instead of those.
+    hold: False lets the controller act at every instant, as proofs in continuous time have it, for laws, sensors and
+        drives without memory; it is integrated as "reference" is, and logged each control period.
     Returns a Log with one sample each control period, time 0 and the end included.
     Raises InputError for wrong arguments, SimulationError (with the log so far) on divergence or Ctrl-C.
     """
-    times = _times(trajectory, duration, control_period)
-    law = _law(robot, controller)
-    reference = _reference(robot, trajectory, initial, times)
-    told = np.zeros(len(robot.drives))
-    start = _initial(robot, initial, reference)
-    if controller is not None:
-        told = robot.gravity_forces(start.q)[[d.v for d in robot.machine.drives]]
-    start = _with_inner_states(robot, initial, start, told)
-    encoders = encoders_of(sensors or Sensors(), len(robot.drives), control_period)
-    _check_sensors(law, encoders.sides)
-    remembers = with_float_leaves(law.start() if hasattr(law, "start") else ())
-    programs = programs_for(robot, law, encoders, remembers)
-    loop = ClosedLoop(robot, law, encoders, remembers, control_period, programs)
-    steps = _steps(robot, accuracy, substeps, control_period, start, reference)
-    rows = _rows(loop, times, reference, disturbances)
-    memory = working_memory(loop, start, told, rows, torque_limits(robot), steps.number)
-    outcome = run(loop, memory, steps.number, adaptive=accuracy == "reference")
+    times = sample_times(trajectory, duration, control_period)
+    reference = reference_at(robot, trajectory, initial, times)
+    loop, start, told = prepared(robot, controller, control_period, initial, reference, sensors)
+    steps = steps_of(robot, accuracy if hold else "reference", substeps, control_period, start, reference)
+    rows, noise = rows_of(loop, times, reference, disturbances), noise_of(loop, len(times))
+    memory = working_memory(loop, start, told, rows, noise, torque_limits(robot), steps.number)
+    integrate = _integrator(loop, trajectory, accuracy, hold)
+    outcome = run(loop, memory, steps.number, integrate)
     settings: dict[str, object] = {"accuracy": accuracy, "substeps": steps.number, "steps_set_by": steps.cause}
     log = log_of(loop, memory["record"][: outcome.ticks], times, reference, settings)
+    log = replace(log, run=Run(robot, loop.controller, reference[:, : outcome.ticks]))
     if outcome.cause:
         raise SimulationError(outcome.cause, log=log, time=float(times[outcome.ticks - 1]), diverged=outcome.diverged)
     return log
 
 
-def _steps(
+def prepared(
+    robot: Robot, controller: Any, period: float, initial: State | None, reference: Array, sensors: Sensors | None
+) -> tuple[ClosedLoop, State, Array]:
+    """The loop, the state it starts from, and what its motors are told until the first sample, N m."""
+    law, told = _law(robot, controller), np.zeros(len(robot.drives))
+    start = _initial(robot, initial, reference)
+    if controller is not None:
+        told = robot.gravity_forces(start.q)[[d.v for d in robot.machine.drives]]
+    start = _with_inner_states(robot, initial, start, told)
+    encoders = encoders_of(sensors or Sensors(), len(robot.drives), period)
+    _check_sensors(law, encoders.sides)
+    remembers = with_float_leaves(law.start() if hasattr(law, "start") else ())
+    programs = programs_for(robot, law, encoders, remembers)
+    return ClosedLoop(robot, law, encoders, remembers, period, programs), start, told
+
+
+def _integrator(loop: ClosedLoop, trajectory: Trajectory | None, accuracy: str, hold: bool) -> Any:
+    """What goes from one sample to the next; None is fixed steps."""
+    if not hold:
+        check_continuous(loop)
+        return continuous_step(loop, trajectory)
+    return adaptive_step(loop) if accuracy == "reference" else None
+
+
+def steps_of(
     robot: Robot, accuracy: str, substeps: int | None, period: float, start: State, reference: Array
 ) -> Steps:
     """Integration steps a control period: the caller's, or what the accuracy takes."""
@@ -130,7 +151,7 @@ def torque_limits(robot: Robot) -> Array:
     return np.array([min(drive.limits.effort, efforts[name]) for name, drive in robot.drives.items()])
 
 
-def _times(trajectory: Trajectory | None, duration: float | None, period: float) -> Array:
+def sample_times(trajectory: Trajectory | None, duration: float | None, period: float) -> Array:
     if duration is None:
         if trajectory is None:
             raise InputError("simulate: without a trajectory, give duration= in seconds")
@@ -166,7 +187,7 @@ def _check_sensors(law: Any, sides: str) -> None:
             raise InputError(f"simulate: {told}; take a law of that side, or Sensors(sides='both')", needs=wanted)
 
 
-def _reference(robot: Robot, trajectory: Trajectory | None, initial: State | None, times: Array) -> Array:
+def reference_at(robot: Robot, trajectory: Trajectory | None, initial: State | None, times: Array) -> Array:
     """The links' reference with four derivatives, (5, N, drives)."""
     n = len(robot.drives)
     if trajectory is None:
@@ -218,7 +239,7 @@ def _poses(robot: Robot, start: State, reference: Array) -> Array:
     return poses
 
 
-def _rows(loop: ClosedLoop, times: Array, reference: Array, disturbances: Disturbance | None) -> Array:
+def rows_of(loop: ClosedLoop, times: Array, reference: Array, disturbances: Disturbance | None) -> Array:
     """What each control period is given: see `Layout.row`."""
     layout = loop.layout
     parts = [times[:, None], *reference]
@@ -230,6 +251,9 @@ def _rows(loop: ClosedLoop, times: Array, reference: Array, disturbances: Distur
             expected = (len(times), layout.nv)
             raise InputError(f"simulate: disturbances(times) has shape {pushed.shape}, it must be {expected}")
         parts.append(np.broadcast_to(pushed, (len(times), layout.nv)))
-    if layout.noise:
-        parts.append(np.random.default_rng(loop.encoders.seed).standard_normal((len(times), layout.noise)))
     return np.ascontiguousarray(np.concatenate(parts, axis=1))
+
+
+def noise_of(loop: ClosedLoop, samples: int) -> Array:
+    """Standard normal numbers of a run, a row a sample."""
+    return np.random.default_rng(loop.encoders.seed).standard_normal((samples, loop.layout.noise))

@@ -1,6 +1,6 @@
 """What a loop does with the plant between two samples, as stages over memory.
 
-Where all drives are alike, `drive`, `advance` and `settle` are seen from one of them: see `kernels.stepping`.
+Where all drives are alike, stages of drives are seen from one of them: see `kernels.stepping`.
 """
 
 from dataclasses import dataclass
@@ -8,18 +8,21 @@ from dataclasses import dataclass
 from cutpoint.definitions import Machine
 from cutpoint.mechanics import strains
 from cutpoint.mechanics.elastic_forward import Effort, drive_effort, driven_accelerations
+from cutpoint.mechanics.joints import Revolute
+from cutpoint.mechanics.linearly_implicit import from_memory, resistance, resisted
 from cutpoint.model.drive import Drive
 from cutpoint.robot import Robot
-from cutpoint.scalars import Scalar, rebuild
-from cutpoint.simulation.integrator import stage
+from cutpoint.scalars import Angle, Scalar, cos, rebuild, sin
 from cutpoint.simulation.lanes import Lanes
 from cutpoint.simulation.layout import Layout
 from cutpoint.simulation.plant import (
+    Own,
     all_rates,
     arrived,
     currents,
     drive_rates,
     has_delay,
+    is_uniform,
     motor_torque,
     own_of,
     own_parts,
@@ -27,6 +30,7 @@ from cutpoint.simulation.plant import (
     settled,
     split,
 )
+from cutpoint.simulation.step import GAMMA, handed_on, stage
 
 Scalars = list[Scalar]
 
@@ -39,62 +43,86 @@ class PlantStages:
     layout: Layout
     lanes: Lanes
 
-    def record(self, *regions: Scalars) -> Scalars:
-        """What the log keeps of a sample; a command that is still on its way to the motor is not there yet."""
-        state, measured, command, torque, before, parameters = regions
-        machine = self._machine(parameters)
-        shaft, driving, friction = [], [], [0] * machine.system.nv
-        state, torque, before = (self.lanes.dense(region) for region in (state, torque, before))
-        for d, own, u, old in zip(machine.drives, own_parts(machine, state), torque, before, strict=True):
-            shaft.append(motor_torque(d.drive, own, old if has_delay(d.drive) else u)[0])
-            effort = drive_effort(d.drive, own.at, shaft[-1], own.strains)
-            driving.append(effort.transmitted)
-            friction[d.v] = effort.transmitted - effort.on_link
-        return [*state, *measured, *command, *shaft, *driving, *friction]
+    def feel(self, *regions: Scalars) -> Scalars:
+        """Torques at the shaft, through the drive, and lost to the link's friction.
+
+        A command that is still on its way to the motor is not there yet.
+        """
+        state, torque, before, parameters = regions
+        felt: list[Scalars] = []
+        for d, own, u, old in zip(*self._drives(parameters, state), torque, before, strict=True):
+            shaft, _ = motor_torque(d, own, old if has_delay(d) else u)
+            effort = drive_effort(d, own.at, shaft, own.strains)
+            felt.append([shaft, effort.transmitted, effort.transmitted - effort.on_link])
+        return _by_field(felt)
+
+    def record(self, state: Scalars, measured: Scalars, command: Scalars, felt: Scalars) -> Scalars:
+        """What the log keeps of a sample."""
+        machine, felt, n = self.robot.machine, self.lanes.dense(felt), self.layout.n
+        friction: Scalars = [0] * machine.system.nv
+        for d, xi in zip(machine.drives, felt[2 * n :], strict=True):
+            friction[d.v] = xi
+        return [*self.lanes.dense(state), *measured, *command, *felt[: 2 * n], *friction]
+
+    def resist(self, state: Scalars, parameters: Scalars, steps: Scalars) -> Scalars:
+        """What resists the drives over a step that starts here."""
+        drives = zip(*self._drives(parameters, state), strict=True)
+        return _by_field([[*resistance(d, own.at, own.strains, GAMMA * steps[0])] for d, own in drives])
+
+    @property
+    def knows_turns(self) -> bool:
+        """Whether sines and cosines are found before the accelerations: all at once, where drives are alike."""
+        return is_uniform(self.robot.machine) and not self.robot.machine.system.has_followers
+
+    def turn(self, state: Scalars) -> Scalars:
+        """Sines and cosines of the drives' positions."""
+        q = state[: 1 if self.lanes.are_wide else self.layout.n]
+        return [*map(sin, q), *map(cos, q)]
 
     def drive(self, *regions: Scalars) -> Scalars:
-        """What the drives do, field by field; where they are alike, seen from one of them."""
-        state, origin, torque, before, elapsed, parameters, steps = regions
-        if self.lanes.are_wide:
-            drives = [self._alike(parameters)]
-            own, past = [own_of(drives[0], state)], [own_of(drives[0], origin)]
-        else:
-            machine = self._machine(parameters)
-            drives = [d.drive for d in machine.drives]
-            own, past = own_parts(machine, state), own_parts(machine, origin)
-        fields: list[Scalars] = []
-        for d, now, start, u, old in zip(drives, own, past, torque, before, strict=True):
+        """What the drives do, with what resists them."""
+        state, origin, torque, before, resists, earlier, elapsed, parameters, steps = regions
+        drives, own = self._drives(parameters, state)
+        _, past = self._drives(parameters, origin)
+        held, added = _by_drive(resists, len(drives)), _by_drive(earlier[: 2 * len(drives)], len(drives))
+        found: list[Scalars] = []
+        for d, now, start, u, old, h, speeds in zip(drives, own, past, torque, before, held, added, strict=True):
             effort, electric = drive_rates(d, now, start, arrived(d, u, old, elapsed[0], steps[0]))
-            fields.append([effort.on_link, effort.left, effort.alpha, *(electric or [0])])
-        return [x for field in zip(*fields, strict=True) for x in field]
+            effort = resisted(d, effort, from_memory(d, h), speeds)
+            found.append([effort.on_link, effort.left, effort.alpha, *(electric or [0])])
+        return _by_field(found)
 
     def accelerate(self, *regions: Scalars) -> Scalars:
         """Accelerations of links, then of motors, under what the drives do."""
-        state, found, row, parameters = regions
+        state, turns, resists, found, row, parameters = regions
         machine, n = self._machine(parameters), self.layout.n
-        found, s = self.lanes.dense(found), split(machine, self.lanes.dense(state))
-        on_link, left, alpha = (found[k * n : (k + 1) * n] for k in range(3))
-        efforts = [Effort(*x, None) for x in zip(on_link, left, alpha, strict=True)]
-        pushed = self.layout.disturbance(row)
-        a, theta_ddot = driven_accelerations(*machine, s.q, s.v, s.theta_dot, efforts, pushed)
+        s = split(machine, self.lanes.dense(state))
+        efforts: list[Effort] = []
+        numbers = (_by_drive(self.lanes.dense(region), n) for region in (resists, found))
+        for d, held, (on_link, left, alpha, _) in zip(machine.drives, *numbers, strict=True):
+            h = from_memory(d.drive, held)
+            efforts.append(Effort(on_link, left, alpha, None, h.inertia, h.follows))
+        q, pushed = self._angles(s.q, self.lanes.dense(turns)), self.layout.disturbance(row)
+        a, theta_ddot = driven_accelerations(*machine, q, s.v, s.theta_dot, efforts, pushed)
         return self.lanes.padded([*a, *theta_ddot])
 
-    def advance(self, *regions: Scalars) -> tuple[Scalars, Scalars]:
-        """One stage of an integration step; where all drives are alike, seen from one of them."""
-        state, origin, total, tableau, found, accelerations, steps = regions
-        h = steps[0]
+    def advance(self, *regions: Scalars) -> tuple[Scalars, Scalars, Scalars]:
+        """One stage of an integration step."""
+        state, origin, total, earlier, tableau, found, accelerations, steps = regions
         if self.lanes.are_wide:
             (a, alpha), drive = accelerations, self.robot.machine.drives[0].drive
-            k = own_rates(drive, state, a, alpha, found[3])
+            k, driven = own_rates(drive, state, a, alpha, found[3]), [a, alpha]
         else:
             machine, n, nv = self.robot.machine, self.layout.n, self.layout.nv
             electric = [x for d, x in zip(machine.drives, found[3 * n :], strict=True) if currents(d.drive)]
             s = split(machine, state)
             k = [*all_rates(machine, s, accelerations[:nv], accelerations[nv:], electric), *[0] * len(s.strains)]
-        return stage(k, origin, total, tableau, h)
+            driven = [*(accelerations[d.v] for d in machine.drives), *accelerations[nv:]]
+        h = steps[0]
+        return *stage(k, origin, total, tableau, h), handed_on(driven, earlier, tableau, h)
 
     def settle(self, total: Scalars, origin: Scalars, parameters: Scalars) -> tuple[Scalars, Scalars, Scalars]:
-        """The step's result, with the strains that it has left, is the next step's start; as seen by `drive`."""
+        """The step's result, with the strains that it has left, is the next step's start."""
         if self.lanes.are_wide:
             drive = self._alike(parameters)
             own, past = own_of(drive, total), own_of(drive, origin)
@@ -104,9 +132,35 @@ class PlantStages:
             after = settled(self._machine(parameters), total, origin)
         return after, after, after
 
+    def _angles(self, q: Scalars, turns: Scalars) -> Scalars:
+        """Coordinates; those of joints that only turn as sines and cosines, where these have been found."""
+        if not self.knows_turns:
+            return q
+        n, segments = self.layout.n, self.robot.machine.system.segments
+        turning = {s.q.start for s in segments if isinstance(s.joint, Revolute)}
+        return [Angle(turns[k], turns[n + k]) if k in turning else x for k, x in enumerate(q)]
+
+    def _drives(self, parameters: Scalars, state: Scalars) -> tuple[list[Drive], list[Own]]:
+        """The drives and their parts of a state; where they are alike, the one that is looked at."""
+        if self.lanes.are_wide:
+            drive = self._alike(parameters)
+            return [drive], [own_of(drive, state)]
+        machine = self._machine(parameters)
+        return [d.drive for d in machine.drives], own_parts(machine, state)
+
     def _machine(self, parameters: Scalars) -> Machine:
         return self.robot.machine_with(parameters[: len(self.robot.drive_parameters)], lean=True)
 
     def _alike(self, numbers: Scalars) -> Drive:
         """The one drive that is looked at, with its own numbers."""
         return rebuild(self.robot.machine.drives[0].drive, iter(numbers))
+
+
+def _by_field(found: list[Scalars]) -> Scalars:
+    """Drives' numbers side by side, field by field."""
+    return [x for field in zip(*found, strict=True) for x in field]
+
+
+def _by_drive(numbers: Scalars, n: int) -> list[tuple[Scalar, ...]]:
+    """The inverse: each drive's own numbers."""
+    return [*zip(*(numbers[k : k + n] for k in range(0, len(numbers), n)), strict=True)]

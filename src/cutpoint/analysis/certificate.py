@@ -1,0 +1,109 @@
+"""The power-flow certificate of virtual decomposition control.  Zhu (2010) sections 2.9 and 2.10, chapters 3 and 9.
+
+Every subsystem i has a storage nu_i >= 0 of the errors of its speeds, V_r - V, and of its spring's deflection.  In
+continuous time, with exact state, a true model and linear springs, nu_i' = flow in - dissipation, where flows are
+those of virtual power, (V_r - V)^T (F_r - F), across its cuts; what one subsystem gives another one gets, so all of
+them together can only lose.  A log is finite and sampled: what it shows is how far each subsystem is from that.
+"""
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.interpolate import CubicSpline
+
+from cutpoint import kernels
+from cutpoint.analysis.virtual_power import Flows, virtual_power_flows
+from cutpoint.control.interface import Measurement, Reference
+from cutpoint.control.vdc import VDC
+from cutpoint.errors import InputError
+from cutpoint.robot import Robot
+from cutpoint.scalars import leaves, rebuild
+from cutpoint.simulation.log import Log
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True, eq=False)
+class Certificate:
+    """What a log shows of each subsystem's power-flow inequality, nu' <= inflow - dissipation.
+
+    subsystems: names, m of them.  time: (N,), s.  storage (J), dissipation (W), inflow (W): (N, m).
+    slack: (N - 1, m), W, by how much nu grew beyond what the inequality allows, mean over each interval; not above zero
+    where it holds.  imbalance: (N,), W, sum of all inflows: what is lost between subsystems.
+    """
+
+    subsystems: tuple[str, ...]
+    time: Array
+    storage: Array
+    dissipation: Array
+    inflow: Array
+    slack: Array
+    imbalance: Array
+
+    @property
+    def violated(self) -> dict[str, float]:
+        """The largest violation of each subsystem, W."""
+        worst = np.maximum(self.slack.max(axis=0), 0.0)
+        return dict(zip(self.subsystems, worst.tolist(), strict=True))
+
+    def __str__(self) -> str:
+        width = max(map(len, self.subsystems))
+        lines = [f"{'subsystem':{width}}  violated, W  dissipated, W (means)"]
+        mean, lost = np.maximum(self.slack, 0).mean(axis=0), self.dissipation.mean(axis=0)
+        for name, worst, usual, dissipated in zip(self.subsystems, self.violated.values(), mean, lost, strict=True):
+            lines.append(f"{name:{width}}  at most {worst:.2e}, mean {usual:.2e}; {dissipated:.2e}")
+        between = f"between subsystems at most {np.abs(self.imbalance).max():.1e} W is lost"
+        return "\n".join([*lines, f"{between}, over {len(self.time)} samples: nothing is said of any other time"])
+
+
+def certificate(log: Log) -> Certificate:
+    """The certificate of a simulated log: see `Certificate`.
+
+    Raises InputError for a log without its run, and for a law that is not a VDC with derivatives of the model, or a
+    rigid one: others remember what the log does not hold.
+    """
+    if log.run is None:
+        raise InputError("certificate: a log that was not simulated here does not know its robot, law and reference")
+    robot, law, reference = log.run
+    if type(law) is not VDC or leaves(law.start()):
+        name = type(law).__name__
+        raise InputError(f"certificate: it is of VDC with derivatives='model', alone, not of this {name}", law=name)
+    if any(drive.hysteresis or drive.motor for drive in robot.drives.values()):
+        raise InputError("certificate: of drives without hysteresis and without a motor between command and shaft")
+    seen = [log[f"measured_{name}"] for name in ("q", "v", "theta", "theta_dot")]
+    actual = [log[name] for name in ("q", "v", "theta", "theta_dot", "motor_torque")]
+    numbers = [np.array(x, float) for x in (robot.drive_parameters, leaves(law))]
+    found = _kernel(robot, law)(*seen, *actual, *reference, *numbers)
+    slack = _slack(log.time, found)
+    return Certificate(
+        _names(robot), log.time, found.storage, found.dissipation, found.inflow, slack, found.inflow.sum(axis=1)
+    )
+
+
+def _slack(time: Array, flows: Flows) -> Array:
+    """Growth of storage over each interval beyond what came in and was not dissipated, W; by cubic quadrature."""
+    allowed = CubicSpline(time, flows.inflow - flows.dissipation).antiderivative()(time)
+    return np.diff(flows.storage - allowed, axis=0) / np.diff(time)[:, None]
+
+
+def _names(robot: Robot) -> tuple[str, ...]:
+    bodies = [f"link {segment.name}" for segment in robot.machine.system.segments]
+    return (*bodies, *(f"joint {name}" for name in robot.drives))
+
+
+def _kernel(robot: Robot, law: VDC) -> Any:
+    n, measured = len(robot.drives), ("q", "v", "theta", "theta_dot")
+    seen, held = [f"measured_{name}" for name in measured], [f"reference_{k}" for k in range(5)]
+
+    def virtual_power(numbers: Any, gains: Any, **given: Any) -> Flows:
+        m = Measurement(0, 0, *(np.array(given[name]) for name in seen))
+        q, v, a, jerk, snap = (np.array(given[name]) for name in held)
+        own, machine = rebuild(law, iter(gains)), robot.machine_with(numbers)
+        state = [[*given[name]] for name in (*measured, "motor_torque")]
+        return virtual_power_flows(machine, state, own, m, Reference(q, v, a, jerk, snap, q, v))
+
+    sizes: dict[str, Any] = dict.fromkeys((*seen, *measured, "motor_torque", *held), n)
+    sizes |= {"numbers": len(robot.drive_parameters), "gains": len(leaves(law))}
+    return kernels.compile(virtual_power, backend=robot.backend, **sizes)

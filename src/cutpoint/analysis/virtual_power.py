@@ -1,0 +1,90 @@
+"""Virtual power under virtual decomposition control, subsystem by subsystem.  Zhu (2010) chapters 3 and 9."""
+
+from dataclasses import replace
+from typing import Any, NamedTuple
+
+from cutpoint.control.interface import Measurement, Reference
+from cutpoint.control.vdc import VDC, JointCommand, JointGains, joint_command
+from cutpoint.definitions import Machine
+from cutpoint.mechanics.elastic_forward import DriveState, elastic_forward_dynamics
+from cutpoint.mechanics.harmonic_drive import deflection, friction_torque
+from cutpoint.mechanics.inverse_dynamics import bear, joint_efforts, motions, net_wrenches, pull, required_motions
+from cutpoint.mechanics.rigid_body import kinetic_energy
+from cutpoint.mechanics.spatial import Wrench
+from cutpoint.model.drive import Drive
+from cutpoint.scalars import Scalar
+
+Scalars = list[Scalar]
+Account = tuple[Scalar, Scalar, Scalar]
+
+
+class Flows(NamedTuple):
+    """Of each subsystem, bodies and then joints: storage (J), dissipation (W) and virtual power that flows in (W)."""
+
+    storage: Any
+    dissipation: Any
+    inflow: Any
+
+
+def virtual_power_flows(machine: Machine, state: list[Scalars], law: VDC, m: Measurement, r: Reference) -> Flows:
+    """The accounts of a plant that is at `state` (q, v, theta, theta_dot, motor torques) while its law sees m and r."""
+    q, v, theta, theta_dot, _ = state
+    _, v_r, required_torques = law.required((), m, r)
+    speeds, accelerations = ([w.derivative(k) for w in v_r] for k in range(2))
+    # what the law requires of the bodies, by its model and by what it sees
+    own = replace(law.robot.machine_with(law.parameters).system, armature=(0,) * len(v))
+    seen, required = required_motions(own, [*m.q], [*m.v], speeds, accelerations)
+    F_r = net_wrenches(own, required, speeds, accelerations, seen)
+    gains = law.body_gain if law.body_gain is not None else [None] * len(F_r)
+    bodies = [*zip(own.segments, gains, required, seen, strict=True)]
+    F_r = [F + _pull(*x) for F, x in zip(F_r, bodies, strict=True)]
+    # what they do
+    system = replace(machine.system, armature=own.armature)
+    a = elastic_forward_dynamics(*machine, *state).a
+    moved = motions(system, q, v, a)
+    F = net_wrenches(system, moved, v, a)
+    excess = [wanted - have for wanted, have in zip(F_r, F, strict=True)]
+    accounts: list[Account] = []
+    for (segment, K, wanted, _), true, have, dF in zip(bodies, system.segments, moved, excess, strict=True):
+        lag = wanted.V + have.V * -1
+        lost = lag.power(_pull(segment, K, wanted, have))
+        accounts.append((kinetic_energy(true.inertia, lag), lost, lag.power(dF)))
+    # what joints give to the bodies between them
+    given = joint_efforts(system, bear(system, [x.X for x in moved], excess, {}))
+    joint_gains = map(JointGains, law.speed_gain, law.motor_gain, law.spring_gain)
+    joints = zip(law.machine.drives, machine.drives, joint_gains, strict=True)
+    for k, (believed, driven, gain) in enumerate(joints):
+        at = DriveState(*(x[k] for x in m[2:]))
+        told = joint_command(believed.drive, at, r.q[k], v_r[k], required_torques[k], gain)
+        place = DriveState(q[driven.q], v[driven.v], theta[k], theta_dot[k])
+        tau_r = required_torques[k].tau_r.derivative(0)
+        storage, lost = joint_account(driven.drive, place, speeds[driven.v], tau_r, told, gain)
+        accounts.append((storage, lost, -(speeds[driven.v] - place.v) * given[driven.v]))
+    return Flows(*([account[k] for account in accounts] for k in range(3)))
+
+
+def joint_account(
+    drive: Drive, at: DriveState, speed: Scalar, tau_r: Scalar, told: JointCommand, gain: JointGains
+) -> tuple[Scalar, Scalar]:
+    """Storage and dissipation of a joint: of its rotor's speed error, and of its spring's error of deflection."""
+    lag = speed - at.v
+    lost = gain.speed * lag * lag + lag * _friction_excess(drive.link_friction, speed, at.v)
+    if drive.compliance is None:
+        lost = lost + gain.motor * lag * lag + lag * _friction_excess(drive.motor_friction, speed, at.v)
+        return drive.reflected_inertia * lag * lag / 2, lost
+    behind = drive.compliance.deflection(tau_r) - deflection(drive, at.theta, at.q)
+    motor_lag = told.theta_dot - at.theta_dot
+    K = drive.compliance.tangent(deflection(drive, at.theta, at.q))
+    storage = (K * behind * behind + drive.reflected_inertia * motor_lag * motor_lag) / 2
+    lost = lost + gain.spring * K * behind * behind + gain.motor * motor_lag * motor_lag
+    return storage, lost + motor_lag * _friction_excess(drive.motor_friction, told.theta_dot, at.theta_dot)
+
+
+def _friction_excess(law: Any, wanted: Scalar, speed: Scalar) -> Scalar:
+    return friction_torque(law, wanted) - friction_torque(law, speed)
+
+
+def _pull(segment: Any, K: Any, required: Any, actual: Any) -> Wrench:
+    """K (V_r - V) of a body; nothing where it has no K."""
+    gain = [[0] * 6] * 6 if K is None else K
+    return pull(segment, gain, required.V, actual.V)

@@ -1,0 +1,160 @@
+"""Which combinations of a robot's inertial parameters its motion can tell.  Gautier (1991), J. Robotic Systems 8(4).
+
+Torques are linear in ten parameters a body, but most of these act only together with others.  A QR of the regressor of
+random motions with column pivoting counts the combinations that act on their own; a second one, in an order of
+preference, chooses the parameters that stand for them.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+from scipy.linalg import qr
+
+from cutpoint.errors import InputError
+from cutpoint.model.mechanism import Body
+from cutpoint.robot import Robot
+
+Array = NDArray[np.float64]
+Indices = NDArray[np.intp]
+
+SYMBOLS = ("m", "h_x", "h_y", "h_z", "I_xx", "I_xy", "I_xz", "I_yy", "I_yz", "I_zz")
+"""Mass, first moment and inertia about the frame's origin of a body: the order of `Robot.inertial_parameters`."""
+
+TOLERANCE = 1e-9
+"""Of a column's length: what of it the others leave unexplained by rounding, and more, is a dependent column's."""
+
+NOTHING = 1e-11
+"""Of a column's length: a share below is rounding, and is set to zero."""
+
+ROWS = 4
+"""Rows of the regressor of random motions for each of its columns."""
+
+
+@dataclass(frozen=True, eq=False)
+class BaseParameters:
+    """The combinations of a robot's parameters p that its torques determine: base = matrix @ p.
+
+    parameters: names of p, (p,), as "I_zz.link3"; with rotors their inertias at the joints follow, as "I_m.joint3".
+    independent: indices (b,) of the parameters that stand for the combinations; their columns of the regressor alone,
+    times the base parameters, make the torques.  matrix: (b, p).  unidentifiable: names of what no torque shows.
+    """
+
+    parameters: tuple[str, ...]
+    independent: Indices
+    matrix: Array = field(repr=False)
+    robot: Robot = field(repr=False)
+    rotors: bool
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """The combinations (b,) to read, as "I_zz.link3 + 0.3 h_x.link4", coefficients to four digits."""
+        return tuple(self._name(row, k) for row, k in zip(self.matrix, self.independent, strict=True))
+
+    @property
+    def unidentifiable(self) -> tuple[str, ...]:
+        """Names of the parameters that no torque depends on."""
+        used = np.abs(self.matrix).sum(axis=0) > 0.0
+        return tuple(name for name, seen in zip(self.parameters, used, strict=True) if not seen)
+
+    @property
+    def nominal(self) -> Array:
+        """The base parameters (b,) of the robot's own inertias; a missing rotor counts as none."""
+        return self.matrix @ _parameters_of(self.robot, self.rotors)
+
+    def regressor(self, q: ArrayLike, v: ArrayLike, a: ArrayLike) -> Array:
+        """(..., nv, b): joint torques of a motion are regressor @ base parameters."""
+        return _regressor(self.robot, q, v, a, self.rotors)[..., self.independent]
+
+    def _name(self, row: Array, own: int) -> str:
+        order = [own, *(k for k in np.flatnonzero(row) if k != own)]
+        return " ".join(_term(float(row[k]), self.parameters[k], first=k == own) for k in order)
+
+
+def base_parameters(robot: Robot, *, rotors: bool = False) -> BaseParameters:
+    """The base parameters of a robot in its field of gravity, with those of its bodies that are fixed together as one.
+
+    rotors: count the inertia of every drive's rotor, felt at the joint (ratio^2 times its own, as an armature), as one
+    more parameter; behind a drive that bends this takes the motor to move as its joint does.
+    The same robot always gets the same ones: the random motions are seeded.
+
+    Raises InputError for a robot without a joint.
+    """
+    if not robot.nv:
+        raise InputError(f"robot {robot.name!r} has no joint that moves: no torque tells its parameters")
+    W = _observed(robot, rotors)
+    length = np.linalg.norm(W, axis=0)
+    felt = length > TOLERANCE * length.max()
+    scaled = np.where(felt, W, 0.0) / np.where(felt, length, 1.0)
+    kept = _independent(scaled, _preferred(robot, W.shape[1]))
+    share = np.linalg.lstsq(scaled[:, kept], scaled)[0]
+    share[np.abs(share) < NOTHING] = 0.0
+    share[:, kept] = np.eye(len(kept))
+    matrix = share * np.where(felt, length, 0.0) / length[kept, None]
+    return BaseParameters(_names(robot, rotors), kept, matrix, robot, rotors)
+
+
+def _observed(robot: Robot, rotors: bool) -> Array:
+    """The regressor of random motions, stacked: (rows, p)."""
+    rng = np.random.default_rng(0)
+    columns = 10 * len(robot.mechanism.bodies) + (len(robot.joints) if rotors else 0)
+    count = -(-ROWS * columns // robot.nv)
+    v, a = rng.standard_normal((2, count, robot.nv))
+    return _regressor(robot, robot.random(rng, count), v, a, rotors).reshape(-1, columns)
+
+
+def _independent(W: Array, preferred: Indices) -> Indices:
+    """Indices of as many columns as are independent, those early in the order of preference first; sorted."""
+    revealed = np.abs(np.diag(qr(W, mode="r", pivoting=True)[0]))
+    rank = int((revealed > TOLERANCE * revealed[0]).sum())
+    # without pivoting, the diagonal tells how far each column leaves the span of those before it
+    new = np.abs(np.diag(qr(W[:, preferred], mode="r")[0]))
+    return np.sort(preferred[np.argsort(-new, kind="stable")[:rank]]) if rank else preferred[:0]
+
+
+def _preferred(robot: Robot, columns: int) -> Indices:
+    """First what turns about the joint's axis shows, then rotors, last what a carrying body can take on.
+
+    Of a revolute joint's body these last are its mass, its moment along the axis, and one inertia across it: Khalil
+    and Dombre (2002), Modeling, Identification and Control of Robots, section 9.4.
+    """
+    bodies = robot.mechanism.bodies
+    last = {10 * i + k for i, body in enumerate(bodies) for k in _taken_on(body)}
+    rotors = range(10 * len(bodies), columns)
+    first = [k for k in range(10 * len(bodies)) if k not in last]
+    return np.array([*first, *rotors, *sorted(last)], dtype=np.intp)
+
+
+def _taken_on(body: Body) -> Sequence[int]:
+    along = int(np.abs(body.joint.axis).argmax())
+    diagonal = (4, 7, 9)
+    return 0, 1 + along, diagonal[(along + 2) % 3]
+
+
+def _regressor(robot: Robot, q: ArrayLike, v: ArrayLike, a: ArrayLike, rotors: bool) -> Array:
+    Y = robot.regressor(q, v, a)
+    if not rotors:
+        return Y
+    armatures = np.zeros((*Y.shape[:-1], len(robot.joints)))
+    for k, driven in enumerate(robot.machine.drives):
+        armatures[..., driven.v, k] = np.asarray(a, float)[..., driven.v]
+    return np.concatenate([Y, armatures], axis=-1)
+
+
+def _parameters_of(robot: Robot, rotors: bool) -> Array:
+    reflected = [drive.reflected_inertia for drive in robot.drives.values()] if rotors else []
+    return np.array([*robot.inertial_parameters, *reflected], dtype=np.float64)
+
+
+def _names(robot: Robot, rotors: bool) -> tuple[str, ...]:
+    bodies = [f"{symbol}.{body.name}" for body in robot.mechanism.bodies for symbol in SYMBOLS]
+    return (*bodies, *(f"I_m.{joint}" for joint in (robot.joints if rotors else ())))
+
+
+def _term(coefficient: float, name: str, first: bool) -> str:
+    size = f"{abs(coefficient):.4g}"
+    told = name if size == "1" else f"{size} {name}"
+    if first:
+        return told
+    return f"{'-' if coefficient < 0 else '+'} {told}"

@@ -1,0 +1,93 @@
+"""Ten parameters of every body as a factor of its pseudo-inertia, near those of the robot's files.
+
+L = C X C^T with L_0 = C C^T: X is the unit matrix for the body as the file has it, and positive semidefinite for all
+bodies that can exist.  Wensing, Kim and Slotine (2018), IEEE Robot. Autom. Lett. 3(1).
+"""
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from cutpoint.control.adaptation import pseudo_inertia
+from cutpoint.model.mechanism import Body, Mechanism
+
+Array = NDArray[np.float64]
+
+BASIS = np.array([pseudo_inertia([float(j == k) for j in range(10)]) for k in range(10)], dtype=np.float64)
+"""Pseudo-inertia of each of ten parameters at one, (10, 4, 4)."""
+
+MASS = 1e-3
+"""Of the mean body: the least mass that a body is taken to have, where the file states less."""
+
+RADIUS = 0.03
+"""The least radius of gyration in any direction, of the robot's longest distance between joints: as of a thin rod."""
+
+THINNEST = 1e-7
+"""Least eigenvalue of X that is kept: a body flatter than that is rounding's."""
+
+
+@dataclass(frozen=True, eq=False)
+class Bodies:
+    """C of each body, (bodies, 4, 4); maps (bodies, 10, 16): ten parameters of each are maps @ X.ravel()."""
+
+    roots: Array
+    maps: Array
+
+    @property
+    def count(self) -> int:
+        return len(self.roots)
+
+    def parameters(self, X: Array) -> Array:
+        """(10 bodies,), of X (bodies, 4, 4) brought to the nearest that is positive."""
+        values, vectors = np.linalg.eigh(0.5 * (X + X.transpose(0, 2, 1)))
+        positive = np.einsum("bik,bk,bjk->bij", vectors, np.maximum(values, THINNEST), vectors)
+        return np.einsum("bpk,bk->bp", self.maps, positive.reshape(-1, 16)).ravel()
+
+
+def bodies_of(mechanism: Mechanism) -> Bodies:
+    """The bodies as their file has them; points, rods and what has no mass are given a little volume."""
+    prior = np.array([_pseudo_inertia(body) for body in mechanism.bodies])
+    mass = max(MASS * float(prior[:, 3, 3].mean()), np.finfo(float).tiny)
+    radius = RADIUS * max(float(np.linalg.norm(body.placement[:3, 3])) for body in mechanism.bodies) or RADIUS
+    grown = [_with_volume(L, mass, radius) for L in prior]
+    roots = np.linalg.cholesky(np.array(grown))
+    # L = C X C^T, and p of L by the inverse of the basis
+    to_parameters = np.linalg.pinv(BASIS.reshape(10, 16).T)
+    maps = np.array([to_parameters @ np.kron(C, C) for C in roots])
+    return Bodies(roots, maps)
+
+
+def with_parameters(mechanism: Mechanism, p: Array) -> Mechanism:
+    """The mechanism with other ten parameters (10 bodies,) of its bodies."""
+    new = [_with(body, own) for body, own in zip(mechanism.bodies, p.reshape(-1, 10), strict=True)]
+    return replace(mechanism, bodies=tuple(new))
+
+
+def _with(body: Body, p: Array) -> Body:
+    L = np.tensordot(p, BASIS, 1)
+    com = L[:3, 3] / L[3, 3]
+    S = L[:3, :3] - L[3, 3] * np.outer(com, com)
+    return replace(body, mass=float(L[3, 3]), com=com, inertia=np.trace(S) * np.eye(3) - S)
+
+
+def _pseudo_inertia(body: Body) -> Array:
+    S = 0.5 * np.trace(body.inertia) * np.eye(3) - body.inertia
+    L = np.empty((4, 4))
+    L[:3, :3] = S + body.mass * np.outer(body.com, body.com)
+    L[:3, 3] = L[3, :3] = body.mass * body.com
+    L[3, 3] = body.mass
+    return L
+
+
+def _with_volume(L: Array, mass: float, radius: float) -> Array:
+    """Heavy and thick enough, about the same centre."""
+    m = max(float(L[3, 3]), mass)
+    com = L[:3, 3] / m
+    values, vectors = np.linalg.eigh(L[:3, :3] - m * np.outer(com, com))
+    S = (vectors * np.maximum(values, m * radius**2)) @ vectors.T
+    grown = np.empty((4, 4))
+    grown[:3, :3] = S + m * np.outer(com, com)
+    grown[:3, 3] = grown[3, :3] = m * com
+    grown[3, 3] = m
+    return grown

@@ -1,0 +1,1 @@
+"""Drives from measurements: springs, kinematic errors, hysteresis, rotors, motor friction, torque constants."""

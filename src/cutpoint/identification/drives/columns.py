@@ -1,0 +1,68 @@
+"""What a measured deflection is made of, beside the spring: a column of samples for each unknown."""
+
+from collections.abc import Sequence
+
+import numpy as np
+from numpy.typing import NDArray
+
+from cutpoint.mechanics.hysteresis import MaxwellSlip
+from cutpoint.mechanics.kinematic_error import KinematicError
+from cutpoint.model.drive import Harmonic
+
+Array = NDArray[np.float64]
+
+
+def wave_columns(motor_angle: Array, orders: Sequence[int]) -> Array:
+    """Sine and cosine (N, 2 k) of k waves a turn of the motor, at its angle (N,), rad."""
+    parts = [wave(order * motor_angle) for order in orders for wave in (np.sin, np.cos)]
+    return np.column_stack(parts) if parts else np.empty((motor_angle.size, 0))
+
+
+def waves(orders: Sequence[int], weights: Array) -> KinematicError | None:
+    """The kinematic error of which these are the sines' and cosines' weights (2 k,), rad; None for no orders."""
+    pairs = weights.reshape(-1, 2)
+    found = [
+        Harmonic(order, float(np.hypot(s, c)), float(np.arctan2(c, s)))
+        for order, (s, c) in zip(orders, pairs, strict=True)
+    ]
+    return KinematicError(tuple(found)) if found else None
+
+
+def amplitude_errors(weights: Array, covariance: Array) -> Array:
+    """Standard deviations (k,) of the amplitudes that k waves' weights (2 k,) with a covariance make."""
+    found = []
+    for k, pair in enumerate(weights.reshape(-1, 2)):
+        along = pair / max(float(np.hypot(*pair)), np.finfo(float).tiny)
+        found.append(along @ covariance[2 * k : 2 * k + 2, 2 * k : 2 * k + 2] @ along)
+    return np.sqrt(np.array(found))
+
+
+def strain_columns(deflection: Array, reaches: Array) -> Array:
+    """Strains (N, k) of elements that slip beyond reaches (k,), rad, along a deflection (N,) from no strain.
+
+    Each is the deflection less a play operator of it.  Where the deflection is not known the strain stays.
+    """
+    known = np.isfinite(deflection)
+    path = deflection[np.flatnonzero(known)[np.maximum(np.cumsum(known) - 1, 0)]]
+    turns = np.flatnonzero(np.diff(np.sign(np.diff(path, prepend=path[:1])), append=0.0))
+    starts = np.concatenate([[0], turns])
+    strains = np.zeros((starts.size, reaches.size))
+    for k, way in enumerate(np.diff(path[starts]).tolist()):
+        strains[k + 1] = np.minimum(np.maximum(strains[k] + way, -reaches), reaches)
+    # on a way that does not turn an element is strained by all of it, or slips
+    before = np.searchsorted(starts, np.arange(path.size), side="right") - 1
+    way = path - path[starts[before]]
+    return np.clip(strains[before] + way[:, None], -reaches, reaches)
+
+
+def merged(stiffness: Array, reaches: Array) -> Array:
+    """Reaches of the elements that take part, each run of neighbours made one of the same torque when all slip."""
+    parts = np.split(np.arange(reaches.size), np.flatnonzero(np.diff((stiffness > 0.0).astype(int))) + 1)
+    runs = [part for part in parts if part.size and stiffness[part[0]] > 0.0]
+    return np.array([stiffness[run] @ reaches[run] / stiffness[run].sum() for run in runs])
+
+
+def slipping(stiffness: Array, reaches: Array) -> MaxwellSlip | None:
+    """Elements as the drive's model has them; None where there are none."""
+    used = stiffness > 0.0
+    return MaxwellSlip(tuple(stiffness[used].tolist()), tuple(reaches[used].tolist())) if used.any() else None

@@ -1,0 +1,44 @@
+"""How uncertain least-squares estimates are when neighbouring residuals depend on one another."""
+
+import numpy as np
+from numpy.typing import NDArray
+
+Array = NDArray[np.float64]
+
+WINDOWS = 25
+"""Errors that change within a share of the recording, one part in this many, are accounted for."""
+
+
+def covariance(jacobian: Array, residual: Array) -> Array:
+    """Covariance (p, p) of p estimates from the model's derivatives (N, p) and its residual (N,).
+
+    The scores' sums over all windows of N / WINDOWS samples, each a sample after the other: a long-run variance with
+    triangular weights, which needs no model of the noise.  Newey and West (1987), Econometrica 55(3).
+    A column that the others make up has an infinite variance.
+    """
+    size = np.linalg.norm(jacobian, axis=0)
+    scaled = jacobian / np.where(size > 0.0, size, 1.0)
+    inverse = np.linalg.pinv(scaled.T @ scaled, hermitian=True)
+    scores = scaled * residual[:, None]
+    length = max(1, residual.size // WINDOWS)
+    summed = np.cumsum(np.vstack([np.zeros_like(scores[:1]), scores]), axis=0)
+    # windows that begin before the first sample and end after the last count each pair as often as the others
+    ends = np.arange(1, residual.size + length)
+    windows = summed[np.minimum(ends, residual.size)] - summed[np.maximum(ends - length, 0)]
+    spread = inverse @ (windows.T @ windows / length) @ inverse
+    found = spread / np.outer(size, size).clip(np.finfo(float).tiny)
+    return _without(found, _undetermined(scaled.T @ scaled))
+
+
+def _undetermined(gram: Array) -> NDArray[np.bool_]:
+    """Columns with a part in a direction that no combination of samples shows."""
+    values, directions = np.linalg.eigh(gram)
+    hidden = directions[:, values < gram.shape[0] * np.finfo(float).eps * max(values[-1], 1.0)]
+    return np.asarray((np.abs(hidden) > 1e-3).any(axis=1))
+
+
+def _without(covariance: Array, which: NDArray[np.bool_]) -> Array:
+    found = covariance.copy()
+    found[which, :] = found[:, which] = 0.0
+    found[which, which] = np.inf
+    return found

@@ -1,0 +1,116 @@
+"""Spring laws that a measured deflection may follow, and their constants by nonlinear least squares.
+
+Whatever else the deflection is made of is linear in its unknowns and is projected out: what is left to search are the
+law's own constants.  Golub and Pereyra (1973), SIAM J. Numer. Anal. 10(2).
+"""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from itertools import combinations
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.optimize import least_squares
+
+from cutpoint.mechanics.catalogue import CatalogueSpring
+from cutpoint.mechanics.compliance import Flexspline, LinearSpring
+
+Array = NDArray[np.float64]
+Projection = Callable[[Array], Array]
+
+FARTHEST = 5.0
+"""Constants are searched within exp(5) = 148 times of where the search starts."""
+
+CORNERS = (0.1, 0.2, 0.35, 0.5, 0.7, 0.85)
+"""Of the largest torque: where a catalogue's stiffness may change, to start the search from."""
+
+HARDENING = 0.5
+"""Times one over the largest torque: hardening to start the search from."""
+
+
+@dataclass(frozen=True)
+class SpringLaw:
+    """constants: their names and units.  make: the law of constants.  starts: constants to search from, given torque
+    (N,), the rest of the deflection (N,), a compliance (rad/(N m)), and the projection."""
+
+    name: str
+    constants: tuple[str, ...]
+    make: Callable[[Array], Any]
+    starts: Callable[[Array, Array, float, Projection], list[Array]]
+
+    def deflection(self, constants: Array, torque: Array) -> Array:
+        return np.asarray(self.make(constants).deflection(torque), dtype=np.float64)
+
+    def columns(self, constants: Array, torque: Array) -> Array:
+        """Derivatives (N, p) of the deflection by the constants."""
+        found = []
+        for k, value in enumerate(constants):
+            step = np.zeros_like(constants)
+            step[k] = 1e-5 * value
+            change = self.deflection(constants + step, torque) - self.deflection(constants - step, torque)
+            found.append(change / (2.0 * step[k]))
+        return np.column_stack(found)
+
+
+def fitted(law: SpringLaw, torque: Array, rest: Array, project: Projection) -> Array:
+    """Constants with which the law's deflection under torque (N,) comes nearest to `rest` (N,), rad, of what
+    `project` leaves."""
+    target = project(rest)
+    scale = float(np.linalg.norm(target)) or 1.0
+    compliance = _slope(project(torque), target)
+    best: Any = None
+    for start in law.starts(torque, rest, compliance, project):
+        def error(logarithms: Array) -> Array:
+            return (target - project(law.deflection(np.exp(logarithms), torque))) / scale
+
+        origin = np.log(start)
+        found = least_squares(error, origin, bounds=(origin - FARTHEST, origin + FARTHEST), x_scale=0.3, max_nfev=30)
+        if best is None or found.cost < best.cost:
+            best = found
+    return np.exp(best.x)
+
+
+def _slope(torque: Array, deflection: Array) -> float:
+    """Compliance, rad/(N m); where the deflection does not follow the torque at all, a very small one."""
+    power = float(torque @ torque)
+    slope = float(torque @ deflection) / power if power else 0.0
+    largest = float(np.linalg.norm(deflection)) / np.sqrt(power) if power else 1.0
+    return max(slope, 1e-3 * largest, np.finfo(float).tiny)
+
+
+def _linear_starts(torque: Array, rest: Array, compliance: float, project: Projection) -> list[Array]:
+    return [np.array([1.0 / compliance])]
+
+
+def _flexspline_starts(torque: Array, rest: Array, compliance: float, project: Projection) -> list[Array]:
+    largest = float(np.abs(torque).max())
+    return [np.array([1.0 / compliance, HARDENING / largest])]
+
+
+def _catalogue_starts(torque: Array, rest: Array, compliance: float, project: Projection) -> list[Array]:
+    """The best of a few pairs of corners, with the straight segments' compliances, which are linear."""
+    largest, target = float(np.abs(torque).max()), project(rest)
+    best, found = np.inf, np.array([1.0 / compliance] * 3 + [0.3 * largest, 0.4 * largest])
+    for first, second in combinations(largest * np.array(CORNERS), 2):
+        low, middle = np.clip(torque, -first, first), np.clip(torque, -second, second)
+        columns = np.column_stack([project(part) for part in (low, middle - low, torque - middle)])
+        compliances, *_ = np.linalg.lstsq(columns, target)
+        error = float(np.sum((target - columns @ compliances) ** 2))
+        if compliances.min() > 0.0 and error < best:
+            best, found = error, np.array([*(1.0 / compliances), first, second - first])
+    return [found]
+
+
+LINEAR = SpringLaw("linear", ("stiffness",), lambda c: LinearSpring(float(c[0])), _linear_starts)
+FLEXSPLINE = SpringLaw(
+    "flexspline", ("stiffness", "hardening"), lambda c: Flexspline(float(c[0]), float(c[1])), _flexspline_starts
+)
+CATALOGUE = SpringLaw(
+    "catalogue",
+    ("k1", "k2", "k3", "t1", "t2 - t1"),
+    lambda c: CatalogueSpring(*(float(x) for x in (*c[:4], c[3] + c[4]))),
+    _catalogue_starts,
+)
+LAWS = {law.name: law for law in (LINEAR, FLEXSPLINE, CATALOGUE)}
+"""From the one with the fewest constants on."""

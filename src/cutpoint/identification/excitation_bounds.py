@@ -1,0 +1,109 @@
+"""How far joints may go: the narrower of what robot file, drives and user state."""
+
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from cutpoint.errors import InputError
+from cutpoint.model.mechanism import Joint
+from cutpoint.robot import Robot
+
+Array = NDArray[np.float64]
+
+FREE_TURN, FREE_SLIDE = np.pi, 1.0
+"""rad and m to either side of zero: where a joint without position limits is kept."""
+
+
+class Bounds(NamedTuple):
+    """Of each joint, (n,): position from low to high, rad (m); the others to both sides, infinite where not stated."""
+
+    low: Array
+    high: Array
+    speed: Array
+    acceleration: Array
+    torque: Array
+
+
+def joints_of(robot: Robot) -> list[Joint]:
+    """The driven joints in the order of the coordinates."""
+    own = {body.joint.name: body.joint for body in robot.mechanism.bodies}
+    return [own[name] for name in robot.joints]
+
+
+def units_of(robot: Robot) -> tuple[str, ...]:
+    """rad or m of each driven joint."""
+    return tuple("m" if joint.kind == "prismatic" else "rad" for joint in joints_of(robot))
+
+
+def bounds_of(
+    robot: Robot,
+    position: tuple[ArrayLike, ArrayLike] | None,
+    speed: ArrayLike | None,
+    acceleration: ArrayLike | None,
+    torque: ArrayLike | None,
+) -> Bounds:
+    """position: low and high; the others to both sides; each a number, or one a joint.
+
+    Raises InputError: a number that is none, a range of positions that is empty, or a joint whose speed is not limited.
+    """
+    low, high = _positions(robot, position)
+    limits = [(x.limits, drive.limits) for x, drive in zip(joints_of(robot), robot.drives.values(), strict=True)]
+    speeds = np.array([[x.velocity for x in both] for both in limits])
+    efforts = np.array([[x.effort for x in both] for both in limits])
+    bounds = Bounds(
+        low,
+        high,
+        np.fmin(_largest(robot, "speed", speed), _known(speeds)),
+        _largest(robot, "acceleration", acceleration),
+        np.fmin(_largest(robot, "torque", torque), _known(efforts)),
+    )
+    for name, most in zip(robot.joints, bounds.speed, strict=True):
+        if np.isinf(most):
+            remedy = "state one: speed=, or --speed on the command line"
+            raise InputError(f"joint {name!r}: neither robot nor drive limits its speed; {remedy}", joint=name)
+    return bounds
+
+
+def _positions(robot: Robot, position: tuple[ArrayLike, ArrayLike] | None) -> tuple[Array, Array]:
+    first, last = (-np.inf, np.inf) if position is None else position
+    joints, drives = joints_of(robot), [*robot.drives.values()]
+    free = np.array([FREE_SLIDE if joint.kind == "prismatic" else FREE_TURN for joint in joints])
+    lows = [_each(robot, "position", first), [x.limits.lower for x in joints], [x.limits.lower for x in drives]]
+    highs = [_each(robot, "position", last), [x.limits.upper for x in joints], [x.limits.upper for x in drives]]
+    low, high = np.max(lows, axis=0), np.min(highs, axis=0)
+    # a joint free to both sides is kept about zero, one free to one side within as much of its bound
+    low, high = (
+        np.where(np.isfinite(low), low, np.where(np.isfinite(high), high - 2.0 * free, -free)),
+        np.where(np.isfinite(high), high, np.where(np.isfinite(low), low + 2.0 * free, free)),
+    )
+    for name, a, b in zip(robot.joints, low, high, strict=True):
+        if not a < b:
+            rule = "the first must be smaller; it needs room to move"
+            raise InputError(f"joint {name!r}: position limits {a:g} and {b:g} leave no range: {rule}", joint=name)
+    return low, high
+
+
+def _known(stated: Array) -> Array:
+    """The least along the last axis; files that do not know a limit often state 0, which does not count."""
+    return np.where(stated > 0.0, stated, np.inf).min(axis=-1)
+
+
+def _largest(robot: Robot, name: str, value: ArrayLike | None) -> Array:
+    found = _each(robot, name, np.inf if value is None else value)
+    for joint, x in zip(robot.joints, found, strict=True):
+        if not x > 0.0:
+            raise InputError(f"joint {joint!r}: {name} limit {x:g} must be positive", joint=joint, value=float(x))
+    return found
+
+
+def _each(robot: Robot, name: str, value: ArrayLike) -> Array:
+    """One number a joint, not NaN."""
+    n = len(robot.joints)
+    try:
+        found = np.broadcast_to(np.asarray(value, dtype=np.float64), n)
+    except (TypeError, ValueError):
+        raise InputError(f"{name} limit must be a number, or {n}, one a joint", name=name) from None
+    if np.isnan(found).any():
+        raise InputError(f"joint {robot.joints[int(np.isnan(found).argmax())]!r}: {name} limit is NaN", name=name)
+    return found

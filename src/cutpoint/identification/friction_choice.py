@@ -1,0 +1,187 @@
+"""Which friction law a joint follows, judged by torques that had no part in fitting it.
+
+A law that is richer always fits better; whether it also predicts better, blocks of the recording tell that are left
+out in turn.  The simplest law within one standard error of the best is taken.  Hastie, Tibshirani, Friedman (2009),
+The Elements of Statistical Learning, section 7.10.
+"""
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, replace
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.optimize import minimize
+
+from cutpoint.identification.least_squares import UNSEEN
+from cutpoint.identification.regression import friction_columns
+from cutpoint.mechanics.friction import Coulomb, Sliding, Stribeck
+
+Array = NDArray[np.float64]
+Means = Callable[[Array], Array]
+Tried = tuple[Sliding, Array]
+"""A law, and the products of its columns with all else, see `_Trial.gram`."""
+
+BLOCKS = 8
+"""Contiguous blocks that are left out in turn."""
+
+SMOOTHINGS = np.geomspace(0.005, 0.5, 5)
+STRIBECKS = np.geomspace(0.02, 2.0, 5)
+"""Shapes that are tried, in RMS speeds of the joint."""
+
+ASYMMETRIES = (-0.3, -0.1, 0.1, 0.3)
+
+NEAR = 0.3
+"""How far the search for the best shape first steps, in logarithms."""
+
+TRIALS = 20
+"""Shapes that it tries."""
+
+RIDGE = 1e-12
+"""Of a column's square: what keeps columns that one block alone excites from being divided by zero."""
+
+RICHNESS = ("coulomb", "coulomb, asymmetric", "coulomb, with load", "stribeck", "stribeck, asymmetric", "stribeck, with load")
+"""Families, the simplest first."""
+
+
+class Held(NamedTuple):
+    """error: RMS of torques that were left out, N m.  deviation: its standard error over the blocks."""
+
+    error: float
+    deviation: float
+
+
+@dataclass(frozen=True)
+class FrictionChoice:
+    """The law that a joint's torques speak for, and how each family did."""
+
+    joint: str
+    family: str
+    law: Sliding
+    compared: Mapping[str, Held]
+
+    def __str__(self) -> str:
+        each = ", ".join(f"{name} {held.error:.4g}" for name, held in self.compared.items())
+        return f"{self.joint}: {self.family} friction, of (RMS of held-out torques, N m) {each}"
+
+
+def choose_friction(
+    joint: str,
+    others: Array,
+    torque: Array,
+    speed: Array,
+    means: Means,
+    load: Array | None = None,
+    offset: bool = True,
+) -> FrictionChoice:
+    """Coulomb or Stribeck, each symmetric, asymmetric, or growing with load, and the shape that fits best.
+
+    others (M, k): what else the joint's torque (M,) depends on, after means.  speed, load: (N,), before them.
+    offset: whether the torque may be off by a constant; where friction is asymmetric that stands for it.
+    Of the shapes that were tried on the way to the best for all blocks, each block is judged by the one that fits the
+    others best.
+    """
+    trial = _Trial(_independent(others), torque, speed, means, load, offset)
+    tried = _tried(trial, float(np.sqrt(np.nanmean(speed**2))))
+    families = [family for family in RICHNESS if family in tried]
+    errors = np.array([_left_out([gram for _, gram in tried[family]]) for family in families])
+    errors *= BLOCKS / len(torque)
+    squares, deviations = errors.mean(axis=1), errors.std(axis=1, ddof=1) / np.sqrt(BLOCKS)
+    best = int(np.argmin(squares))
+    chosen = families[int(np.argmax(squares <= squares[best] + deviations[best]))]
+    sizes = np.sqrt(squares)
+    compared = dict(zip(families, map(Held, sizes.tolist(), (deviations / (2.0 * sizes)).tolist()), strict=True))
+    return FrictionChoice(joint, chosen, _best(tried[chosen]), compared)
+
+
+@dataclass(frozen=True, eq=False)
+class _Trial:
+    others: Array
+    torque: Array
+    speed: Array
+    means: Means
+    load: Array | None
+    offset: bool
+
+    def gram(self, law: Sliding) -> Array:
+        """Products of [others, friction, torque] with themselves, of each block, (BLOCKS, c, c)."""
+        columns = self.means(friction_columns(law, self.speed, self.load)[1])
+        ones = np.ones((len(self.torque), int(self.offset and law.asymmetry is None)))
+        both = np.column_stack([self.others, ones, columns, self.torque])
+        return np.array([block.T @ block for block in np.array_split(both, BLOCKS)])
+
+    def all(self, laws: list[Sliding]) -> list[Tried]:
+        return [(law, self.gram(law)) for law in laws]
+
+
+def _tried(trial: _Trial, size: float) -> dict[str, list[Tried]]:
+    """Laws by family, with their products; size: RMS speed."""
+    plain: dict[str, list[Sliding]] = {
+        "coulomb": [Coulomb(1.0, 0.0, size * x) for x in SMOOTHINGS],
+        "stribeck": [Stribeck(1.0, 1.0, 0.0, size * y, size * x) for x in SMOOTHINGS for y in STRIBECKS if y > x],
+    }
+    found: dict[str, list[Tried]] = {}
+    for family, laws in plain.items():
+        found[family] = _refined(trial, trial.all(laws))
+        law = _best(found[family])
+        found[f"{family}, asymmetric"] = _refined(trial, trial.all([_with(law, asymmetry=x) for x in ASYMMETRIES]))
+        if trial.load is not None and np.nanmax(np.abs(trial.load)) > 0.0:
+            found[f"{family}, with load"] = _refined(trial, trial.all([_with(law, per_load=0.0)]))
+    return found
+
+
+def _best(tried: list[Tried]) -> Sliding:
+    """The law that fits best."""
+    return min(tried, key=lambda each: _misfit(each[1]))[0]
+
+
+def _left_out(grams: list[Array]) -> Array:
+    """Squared error of each block under the shape and parameters that fit the others best, (BLOCKS,)."""
+    each = np.array(grams)
+    values, misfits = _fits(each.sum(axis=1, keepdims=True) - each)
+    best = misfits.argmin(axis=0), np.arange(BLOCKS)
+    both = np.concatenate([-values[best], np.ones((BLOCKS, 1))], axis=1)
+    return np.einsum("bi,bij,bj->b", both, each[best], both)
+
+
+def _misfit(gram: Array) -> float:
+    return float(_fits(gram.sum(axis=0))[1])
+
+
+def _fits(gram: Array) -> tuple[Array, Array]:
+    """Least squares of the last column by the others, of products (..., c, c): values, and the squares left over."""
+    A, b = gram[..., :-1, :-1], gram[..., :-1, -1:]
+    size = np.sqrt(np.maximum(np.diagonal(A, axis1=-2, axis2=-1), np.finfo(float).tiny))[..., None]
+    scaled = A / (size * size.swapaxes(-1, -2)) + RIDGE * np.eye(A.shape[-1])
+    values = np.linalg.solve(scaled, b / size) / size
+    return values[..., 0], gram[..., -1, -1] - (values * b).sum(axis=(-2, -1))
+
+
+def _independent(columns: Array) -> Array:
+    """Orthonormal columns that span the same."""
+    length = np.linalg.norm(columns, axis=0)
+    U, s, _ = np.linalg.svd(columns[:, length > 0.0] / length[length > 0.0], full_matrices=False)
+    return U[:, s > UNSEEN * s[0]] if s.size else U
+
+
+def _refined(trial: _Trial, tried: list[Tried]) -> list[Tried]:
+    """With what is tried on the way to the best shape near these, by variable projection.  Golub and Pereyra (1973)."""
+    law: Any = _best(tried)
+    names = [name for name in ("smoothing", "stribeck_velocity") if hasattr(law, name)]
+    start = np.log([getattr(law, name) for name in names])
+    start = start if law.asymmetry is None else np.append(start, np.arctanh(law.asymmetry))
+    found = [*tried]
+
+    def misfit(x: Array) -> float:
+        side = {} if law.asymmetry is None else {"asymmetry": float(np.tanh(x[-1]))}
+        found.extend(trial.all([_with(law, **dict(zip(names, np.exp(x).tolist(), strict=False)), **side)]))
+        return _misfit(found[-1][1])
+
+    steps = np.vstack([start, start + NEAR * np.eye(start.size)])
+    options = {"maxfev": TRIALS, "xatol": 1e-2, "fatol": 0.0, "initial_simplex": steps}
+    minimize(misfit, start, method="Nelder-Mead", options=options)
+    return found
+
+
+def _with(law: Any, **changed: Any) -> Sliding:
+    return replace(law, **changed)

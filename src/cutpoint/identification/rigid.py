@@ -1,0 +1,248 @@
+"""From a recording to a rigid model one can trust: bodies, rotors, friction, and what the log cannot tell of them."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Literal, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from cutpoint.errors import InputError, unknown_name
+from cutpoint.identification.base_parameters import BaseParameters, base_parameters
+from cutpoint.identification.decimation import Decimation, decimation
+from cutpoint.identification.friction_choice import FrictionChoice, choose_friction
+from cutpoint.identification.instrumental import instrumental_variables
+from cutpoint.identification.least_squares import METHODS, Estimate, least_squares
+from cutpoint.identification.motion import Motion, motion_of, torques_of
+from cutpoint.identification.physical import Physical, Solver, physical
+from cutpoint.identification.recording import Recording
+from cutpoint.identification.regression import Regression, inertial_columns, regression
+from cutpoint.identification.rigid_robot import RigidModel, laws_with, link_torques, stated_coefficient, stated_laws
+from cutpoint.identification.uncertainty import Parameter, base_sizes, friction_sizes, parameters, untold
+from cutpoint.mechanics.friction import Sliding
+from cutpoint.robot import Robot
+
+Array = NDArray[np.float64]
+Method = Literal["ordinary", "weighted", "huber", "instrumental"]
+FrictionWish = Literal["choose", "stated"] | Mapping[str, Sliding]
+
+BANDWIDTH = 10.0
+"""Hz of torques that are explained, at most, by default: arms are excited below, drives resonate above."""
+
+SMOOTHER = 0.5
+"""Of the positions' cut-off: what their filter leaves as it is."""
+
+LOADED_ROUNDS = 3
+"""Rounds in which friction that grows with load learns the load."""
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class RigidEstimate:
+    """What a recording tells of a robot.
+
+    robot: with new inertias, rotors and friction, bodies that can exist.  model: the same as one equation of torques.
+    parameters: base parameters, friction and offsets, each with its interval and whether the log tells it.
+    residuals: (M, n) N m, what the intervals' fit leaves over, at times (M,), s; noise (n,), its size.
+    friction: how each joint's law was chosen, if it was.  untold: what this log cannot tell, in sentences.
+    notes: what was done to the recording, and how.
+    """
+
+    robot: Robot
+    model: RigidModel
+    parameters: tuple[Parameter, ...]
+    residuals: Array
+    times: Array
+    noise: Array
+    untold: tuple[str, ...]
+    notes: tuple[str, ...]
+    friction: tuple[FrictionChoice, ...] = ()
+
+    def __getitem__(self, name: str) -> Parameter:
+        """A parameter by its name.  An unknown one is an InputError that lists those there are."""
+        named = {each.name: each for each in self.parameters}
+        if name not in named:
+            raise unknown_name("identified parameter", name, named)
+        return named[name]
+
+    def __repr__(self) -> str:
+        told = sum(each.told for each in self.parameters)
+        return f"RigidEstimate({self.robot.name!r}: {told} of {len(self.parameters)} parameters told)"
+
+    def prediction(self, recording: Recording, cutoff: float | None = None) -> Array:
+        """(N, n): torques of the motors, N m at the joint, for a recording's motion; NaN where that is not known.
+
+        cutoff: of the positions, Hz, as in `identify_rigid`.
+        """
+        return self.model.torque(self.robot, motion_of(self.robot, recording, cutoff))
+
+
+class _Log(NamedTuple):
+    """A recording as it is used: all samples, and what makes means of them.  stated: reflected rotors (n,), kg m2."""
+
+    motion: Motion
+    torque: Array
+    means: Decimation
+    stated: Array
+    width: float
+
+
+def identify_rigid(
+    robot: Robot,
+    recording: Recording,
+    *,
+    friction: FrictionWish = "choose",
+    method: Method = "weighted",
+    instruments: Recording | None = None,
+    rotors: bool = True,
+    offsets: bool = True,
+    solver: Solver = "lmi",
+    prior_spread: float = 0.5,
+    level: float = 0.95,
+    cutoff: float | None = None,
+    bandwidth: float | None = None,
+    torque_constants: Mapping[str, float] | None = None,
+) -> RigidEstimate:
+    """Inertias of all bodies, rotors, friction and offsets that explain a recording's torques.
+
+    friction: "choose" the law of each joint, see `choose_friction`; as "stated" by the drives, or Coulomb's; or laws by
+        joint, of which the shape counts.
+    method: "ordinary" or "weighted" least squares, "huber" with outliers, "instrumental" where noise of the positions
+        matters; instruments: then, the motion that was asked for or simulated, at the same times.
+    rotors: whether the inertia of every joint's rotor is sought; if not, it is what the drives state.
+    offsets: whether torques may be off by a constant each.
+    solver, prior_spread: for bodies that can exist, see `physical`.  level: of the intervals.
+    cutoff: Hz, of the positions, by default where they sink into their noise.  bandwidth: Hz, of the torques that are
+        explained, by default at most half of that and 10 Hz.
+    torque_constants: N m at the joint for each ampere, by joint, for recordings of currents.
+
+    A commanded torque that is held over a control period acts half a period later: align it before.
+    Raises InputError: arguments that do not fit each other or the recording.  CutpointError: a missing solver.
+    """
+    _check(method, instruments, level)
+    log = _log(robot, recording, rotors, cutoff, bandwidth, torque_constants)
+    base = base_parameters(robot, rotors=rotors)
+    loads = link_torques(robot, log.motion, robot.inertial_parameters)
+    choices = _choices(base, log, loads, offsets) if friction == "choose" else ()
+    laws = _laws(robot, log.motion, friction, choices)
+    asked = None if instruments is None else _asked(robot, recording, instruments, log.motion.cutoff)
+    is_loaded = any(law.per_load is not None for law in laws.values())
+    for _ in range(LOADED_ROUNDS if is_loaded else 1):
+        found = regression(base, laws, log.motion, log.torque, log.means, offsets=offsets, loads=loads)
+        estimate = _estimate(base, laws, log, found, asked, method, offsets, loads)
+        bodies = physical(base, found.names, estimate.R, estimate.z, solver=solver, prior_spread=prior_spread)
+        if is_loaded:
+            loads = link_torques(robot, log.motion, bodies.inertial)
+    rotor_inertias = bodies.rotors if rotors else log.stated
+    others = dict(zip(found.names[base.independent.size :], bodies.others.tolist(), strict=True))
+    model = RigidModel(
+        bodies.inertial,
+        rotor_inertias,
+        np.array([others.get(f"offset.{joint}", 0.0) for joint in robot.joints]),
+        laws_with(laws, others),
+    )
+    table = _table(base, found, estimate, bodies, log, level)
+    return RigidEstimate(
+        robot=model.robot(robot),
+        model=model,
+        parameters=table,
+        residuals=estimate.residuals,
+        times=found.times[len(found.times) - len(estimate.residuals) :],
+        noise=estimate.noise,
+        untold=untold(table, base),
+        notes=(*recording.notes, *_notes(log, found, estimate)),
+        friction=choices,
+    )
+
+
+def _log(
+    robot: Robot,
+    recording: Recording,
+    rotors: bool,
+    cutoff: float | None,
+    bandwidth: float | None,
+    torque_constants: Mapping[str, float] | None,
+) -> _Log:
+    motion, torque = motion_of(robot, recording, cutoff), torques_of(robot, recording, torque_constants)
+    stated = np.array([float(drive.reflected_inertia) for drive in robot.drives.values()])
+    torque = torque if rotors else torque - stated * motion.w_dot
+    width = min(SMOOTHER * motion.cutoff, BANDWIDTH) if bandwidth is None else bandwidth
+    known = motion.known() & np.isfinite(torque).all(axis=1)
+    return _Log(motion, torque, decimation(known, motion.period, width), stated, width)
+
+
+def _estimate(
+    base: BaseParameters,
+    laws: Mapping[str, Sliding],
+    log: _Log,
+    found: Regression,
+    asked: Motion | None,
+    method: Method,
+    offsets: bool,
+    loads: Array,
+) -> Estimate:
+    if method != "instrumental":
+        return least_squares(found, method)
+    if asked is None:
+        return instrumental_variables(found)
+    other = regression(base, laws, asked, log.torque, log.means, offsets=offsets, loads=loads)
+    return instrumental_variables(found, other.columns)
+
+
+def _table(
+    base: BaseParameters, found: Regression, estimate: Estimate, bodies: Physical, log: _Log, level: float
+) -> tuple[Parameter, ...]:
+    b, joints = base.independent.size, base.robot.joints
+    torque, speed = (np.sqrt(np.mean(log.means(x) ** 2, axis=0)) for x in (log.torque, log.motion.w))
+    sizes = np.concatenate([base_sizes(base), friction_sizes(found.names[b:], joints, torque, speed)])
+    stated = np.array([stated_coefficient(base.robot, name) for name in found.names[b:]])
+    prior = np.concatenate([base.nominal, stated])
+    return parameters(found.names, estimate, bodies.base, prior, sizes, level)
+
+
+def _notes(log: _Log, found: Regression, estimate: Estimate) -> list[str]:
+    lag, step = estimate.spread.lag, float(np.median(np.diff(found.times)))
+    return [
+        f"positions low-passed at {log.motion.cutoff:.4g} Hz, torques explained up to {log.width:.4g} Hz: "
+        f"{len(found.times)} means of {log.means.window.size} samples, {step:.4g} s apart",
+        f"intervals take residuals to be related over {lag} means, {lag * step:.3g} s, "
+        f"and have {estimate.spread.degrees:.0f} degrees of freedom",
+    ]
+
+
+def _check(method: str, instruments: Recording | None, level: float) -> None:
+    if method not in (*METHODS, "instrumental"):
+        raise unknown_name("method of identification", method, (*METHODS, "instrumental"))
+    if instruments is not None and method != "instrumental":
+        raise InputError(f"instruments go with method='instrumental', not with {method!r}", method=method)
+    if not 0.0 < level < 1.0:
+        raise InputError(f"level {level} must lie between 0 and 1, as 0.95", level=level)
+
+
+def _choices(base: BaseParameters, log: _Log, loads: Array, offsets: bool) -> tuple[FrictionChoice, ...]:
+    """The law of each joint that moves, from its own torques."""
+    columns, torque = inertial_columns(base, log.motion, log.means), log.means(log.torque)
+    found: list[FrictionChoice] = []
+    for j, joint in enumerate(base.robot.joints):
+        own = columns[:, j, np.ptp(columns[:, j], axis=0) > 0.0]
+        speed = log.motion.w[:, j]
+        if np.nanstd(speed) > 0.0:
+            found.append(choose_friction(joint, own, torque[:, j], speed, log.means, loads[:, j], offsets))
+    return tuple(found)
+
+
+def _laws(robot: Robot, motion: Motion, wish: FrictionWish, choices: tuple[FrictionChoice, ...]) -> dict[str, Sliding]:
+    laws = stated_laws(robot, motion) | {choice.joint: choice.law for choice in choices}
+    if isinstance(wish, Mapping):
+        for joint, law in wish.items():
+            if joint not in laws:
+                raise unknown_name("driven joint", joint, laws)
+            laws[joint] = law
+    elif wish not in ("choose", "stated"):
+        raise InputError(f"friction {wish!r} must be 'choose', 'stated', or laws by joint", friction=wish)
+    return laws
+
+
+def _asked(robot: Robot, recording: Recording, instruments: Recording, cutoff: float) -> Motion:
+    if not np.array_equal(recording.time, instruments.time):
+        raise InputError("instruments must have the recording's times: take the reference at recording.time")
+    return motion_of(robot, instruments, cutoff)

@@ -1,0 +1,100 @@
+"""What a log file holds, before anybody says what it means: named channels, and the file's own words on them."""
+
+import re
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from importlib import import_module
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from cutpoint.errors import CutpointError, InputError
+from cutpoint.model.places import those_that_exist
+
+Array = NDArray[np.float64]
+
+LARGEST = 1_000_000_000
+"""Bytes of a log file, and of the arrays it unpacks to: as for our own logs."""
+
+
+@dataclass(frozen=True, eq=False)
+class Channel:
+    """One channel of a log.
+
+    values: (N,) or (N, n), samples along the first axis, in the file's unit.
+    labels: the names of its n columns, where the file has them.
+    unit: as the file states it, or "".
+    stamps: its own time stamps (N,), s, where the file has them; elsewhere time is a channel of its own.
+    """
+
+    values: Array
+    labels: tuple[str, ...] = ()
+    unit: str = ""
+    stamps: Array | None = None
+
+    def column(self, index: int) -> "Channel":
+        """One column, (N,)."""
+        return Channel(self.values.reshape(len(self.values), -1)[:, index], (), self.unit, self.stamps)
+
+    @property
+    def width(self) -> int:
+        return 1 if self.values.ndim == 1 else self.values.shape[1]
+
+
+@dataclass(frozen=True, eq=False)
+class Table:
+    """The channels of a log file, by name."""
+
+    file: str
+    channels: Mapping[str, Channel] = field(default_factory=dict[str, Channel])
+
+    def __post_init__(self) -> None:
+        if not self.channels:
+            raise InputError("log holds no channel of numbers", place=self.file)
+
+    def find(self, name: str) -> Channel | None:
+        """The channel of a name, or a column of one: `effort.elbow` by its label, `rec.speed[2]` counted from 0."""
+        if name in self.channels:
+            return self.channels[name]
+        stem, _, label = name.rpartition(".")
+        if stem in self.channels and label in self.channels[stem].labels:
+            return self.channels[stem].column(self.channels[stem].labels.index(label))
+        place = re.fullmatch(r"(.+)\[(\d{1,4})\]", name)
+        if place and place[1] in self.channels and int(place[2]) < self.channels[place[1]].width:
+            return self.channels[place[1]].column(int(place[2]))
+        return None
+
+    def missing(self, name: str) -> str:
+        """What to say of a name that nothing is found under."""
+        return f"the log has no channel {name!r}; {those_that_exist(name, self.channels)}"
+
+
+def channel(values: Any, **words: Any) -> Channel | None:
+    """An array of numbers as a channel, or None for what is none: a single number, texts, three axes, no samples.
+
+    Of a matrix the longer axis is taken for the samples, as no log has more joints than samples.
+    """
+    array = np.asarray(values)
+    if array.dtype.kind not in "fiub" or array.size < 2 or array.ndim > 2:
+        return None
+    if array.ndim == 2 and array.shape[0] < array.shape[1]:
+        array = array.T
+    if array.ndim == 2 and array.shape[1] == 1:
+        array = array[:, 0]
+    return Channel(array.astype(np.float64), **words)
+
+
+def check_size(size: int, what: str, place: str) -> None:
+    """Raises InputError for more bytes than are read."""
+    if size > LARGEST:
+        raise InputError(f"{what} of {size:,} bytes is too large: at most {LARGEST:,} are read", place=place, size=size)
+
+
+def optional(module: str, kind: str) -> Any:
+    """A module of the extra `logs`.  Raises CutpointError, with the command that installs it, where it is missing."""
+    try:
+        return import_module(module)
+    except ImportError as error:
+        package = module.partition(".")[0]
+        raise CutpointError(f"{kind} needs {package}: pip install 'cutpoint[logs]'", module=module) from error

@@ -1,0 +1,90 @@
+"""A drive in a step of a linearly implicit integrator: what resists motion acts on the acceleration that is sought.
+
+Friction and the spring's damping change with speed by D (N m s/rad), which may be faster than any step.  A stage of a
+step h asks for the acceleration k of  J k = effort - D (gamma h k + what earlier stages add to the speed): D adds to
+inertia, and is found once, where the step starts; see `simulation.integrator`.  All quantities at the joint's side.
+"""
+
+from typing import Any, NamedTuple
+
+from cutpoint.mechanics.elastic_forward import DriveState, Effort
+from cutpoint.mechanics.harmonic_drive import friction_resistance, slipping_torque, spring_torque, transmission
+from cutpoint.mechanics.strains import Strains
+from cutpoint.model.drive import Drive
+from cutpoint.scalars import Scalar
+
+
+class Resistance(NamedTuple):
+    """What resists a drive's motion over a step.
+
+    link, motor: D of friction on either side, N m s/rad.  transmission: of the motor's speed to the spring's end.
+    mobility: of the rotor with what resists it, 1/(kg m2).  inertia: what the link's acceleration must overcome beside
+    its own, kg m2.  follows: how much of that acceleration the spring's damping hands on to the rotor.
+    """
+
+    link: Any = 0
+    motor: Any = 0
+    transmission: Any = 1
+    mobility: Any = 0
+    inertia: Any = 0
+    follows: Any = 0
+
+
+def is_resisted(drive: Drive) -> bool:
+    """Whether anything in a drive resists its motion."""
+    return not all(x is None for x in (drive.link_friction, drive.motor_friction, drive.damping))
+
+
+def is_carried(drive: Drive) -> bool:
+    """Whether the rotor is a body that its carrier turns along: what resists it stays explicit then."""
+    return drive.rotor is not None and drive.rotor.coupling == "full"
+
+
+def resistance(drive: Drive, at: DriveState, strains: Strains, span: Scalar) -> Resistance:
+    """What resists a drive over a step from here.  span: gamma h, s."""
+    link, damping = friction_resistance(drive.link_friction, at.v, 0, strains.link), drive.damping
+    if not drive.is_elastic:
+        link = link + friction_resistance(drive.motor_friction, at.v, 0, strains.motor)
+        return Resistance(link, inertia=span * link)
+    if is_carried(drive):
+        link = link if damping is None else link + damping
+        return Resistance(link, mobility=1 / drive.reflected_inertia, inertia=span * link)
+    load = spring_torque(drive, at.theta, at.q, at.theta_dot, at.v) + slipping_torque(drive, strains.spring)
+    motor = friction_resistance(drive.motor_friction, at.theta_dot, load, strains.motor)
+    if damping is None:
+        return Resistance(link, motor, 1, 1 / (drive.reflected_inertia + span * motor), span * link)
+    t = transmission(drive, at.theta)
+    mobility = 1 / (drive.reflected_inertia + span * (motor + damping * t * t))
+    follows = span * damping * t * mobility
+    return Resistance(link, motor, t, mobility, span * (link + damping * (1 - follows * t)), follows)
+
+
+def from_memory(drive: Drive, numbers: tuple[Scalar, ...]) -> Resistance:
+    """A resistance out of its numbers; what this drive cannot have is left out of the equations."""
+    if not is_resisted(drive):
+        return Resistance()
+    found = Resistance(*numbers)
+    if drive.damping is not None:
+        return found
+    is_link_free = drive.is_elastic and drive.link_friction is None
+    return found._replace(inertia=0 if is_link_free else found.inertia, follows=0)
+
+
+def resisted(drive: Drive, effort: Effort, resists: Resistance, earlier: tuple[Scalar, Scalar]) -> Effort:
+    """An effort in a stage: what it is while the link does not accelerate, and what resists that.
+
+    earlier: what earlier stages add to the speeds of link and motor, rad/s.
+    """
+    effort = effort._replace(inertia=resists.inertia, follows=resists.follows)
+    if not is_resisted(drive):
+        return effort
+    on_link, left = effort.on_link - resists.link * earlier[0], effort.left
+    if not drive.is_elastic:
+        return effort._replace(on_link=on_link)
+    if not is_carried(drive):
+        left = left - resists.motor * earlier[1]
+        if drive.damping is not None:
+            wound = drive.damping * (resists.transmission * earlier[1] - earlier[0])
+            left = left - resists.transmission * wound
+            on_link = on_link + wound + resists.follows * left
+    return effort._replace(on_link=on_link, left=left, alpha=left * resists.mobility)

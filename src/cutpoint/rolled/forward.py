@@ -1,0 +1,102 @@
+"""Forward dynamics as passes: what one body's step reads and writes, by the mechanics' own steps."""
+
+from typing import Any
+
+from cutpoint.kernels import Stage, View
+from cutpoint.mechanics.articulated import Articulated, Yield
+from cutpoint.mechanics.forward_dynamics import prepare
+from cutpoint.mechanics.joints import dot
+from cutpoint.mechanics.rigid_body import acceleration_gradient
+from cutpoint.mechanics.spatial import IDENTITY, ZERO, Motion, Pose, Vec3, Wrench
+from cutpoint.rolled.bodies import Columns
+from cutpoint.rolled.passes import BASE, PLAIN, Pass, Scalars, Steps
+from cutpoint.rolled.steps import flat, motion_of, placing, pose_of, wrench_of
+from cutpoint.rolled.subsystem import Subsystem
+from cutpoint.scalars import Scalar
+
+UPPER = [(j, k) for j in range(6) for k in range(j, 6)]
+"""Entries of a symmetric (6, 6) matrix that are kept."""
+
+
+def forward_dynamics(columns: Columns) -> Steps:
+    """Accelerations a under torques tau.  Featherstone (2008) section 7.3, every body along the world's axes.
+
+    There no inertia that passes from body to body is ever turned.  turned: the body's axes in the world's, and where it
+    is in its parent.  resistance: inertia and bias wrench, then those of all that the body carries too.
+    """
+    place, pose = placing(columns, PLAIN, ("q",))
+
+    def outward(row: Any, at: Any, v: Any, above: Any, carrier: Any) -> Any:
+        turned = _turned_pose(pose_of(above), pose_of(pose.all(at)))
+        return turned, [*(Vec3(*carrier) + along(row, turned).body.joint.motion(v).angular)]
+
+    def alone(row: Any, turned: Any, v: Any, omega: Any) -> Any:
+        body = along(row, turned).body
+        omega_p = Vec3(*omega) - body.joint.motion(v).angular
+        found = prepare(body, body.placement, Motion(ZERO, omega_p), acceleration_gradient(ZERO, omega_p, omega_p), v)
+        return [*found.bias], [*_upper(found.M), *found.P]
+
+    def inward(row: Any, turned: Any, v: Any, tau: Any, bias: Any, resistance: Any, carrier: Any, borne: Any) -> Any:
+        own, M = along(row, turned), _articulated(resistance)
+        P = wrench_of(resistance[21:]) + M * motion_of(bias)
+        M_p, P_p, step = _give_way(own, M, P, tau[0])
+        P_p = wrench_of(borne[21:]) + P_p
+        if own.spin:
+            P_p = P_p + own.spin.reaction(Vec3(*carrier), v[0], 0)
+        return [step.own, *step.share], [*_upper(_articulated(borne) + M_p), *P_p]
+
+    def give_way(row: Any, turned: Any, bias: Any, step: Any, carried: Any) -> Any:
+        body, A = along(row, turned).body, motion_of(carried)
+        a = [step[0] - A.power(wrench_of(step[1:]))]
+        return a, [*(body.placement.outward(A) + motion_of(bias) + body.joint.motion(a))]
+
+    def along(row: Any, turned: Any) -> Subsystem:
+        return columns.subsystem(row).along_the_world(pose_of(turned))
+
+    known, inner = ("body", "turned", "v"), ("tau", "bias", "resistance", "carrier", "borne")
+    passes = [
+        Pass("alone", place),
+        Pass("outward", Stage(outward, ("body", "pose", "v", "above", "carrier"), ("turned", "omega"))),
+        Pass("alone", Stage(alone, (*known, "omega"), ("bias", "resistance"))),
+        Pass("inward", Stage(inward, (*known, *inner), ("step", "borne"))),
+        Pass("outward", Stage(give_way, ("body", "turned", "bias", "step", "carried"), ("a", "acceleration"))),
+    ]
+    pairs = {"above": "turned", "carrier": "omega", "borne": "resistance", "carried": "acceleration"}
+    views = tuple(View(name, of, "parent") for name, of in pairs.items())
+    kept = {"pose": pose.size, "turned": 12, "omega": 3, "bias": 6, "resistance": 27, "step": 7, "acceleration": 6}
+    world = {"turned": flat(IDENTITY), "acceleration": [(BASE, k) for k in range(6)]}
+    return Steps(kept, ("q", "v", "tau", "a"), views, world, passes)
+
+
+def _give_way(own: Subsystem, M: Articulated, P: Wrench, tau: Scalar) -> tuple[Articulated, Wrench, Yield]:
+    """What is left of inertia and bias wrench once the joint gives way, and how it does, at the parent's place.
+
+    Featherstone (2008) eqs. (7.38)-(7.44).  Only there the update of rank one is made: the inertia need not wait for
+    the division.  A rotor with full coupling ties the joint to its carrier's turning.
+    """
+    (z,), X = own.body.joint.axes, own.body.placement
+    Mz = [dot(z, row) for row in M.rows]
+    gain = 1 / (dot(z, Mz) + own.armature)
+    a = gain * (tau - dot(z, [*P]))
+    tie = own.spin.axis * own.spin.geared if own.spin else ZERO
+    column = X.inward(wrench_of(Mz) + Wrench(ZERO, tie))
+    share = [gain * x for x in column]
+    taken = Articulated([[-s * x for x in column] for s in share])
+    return M.seen_from_parent(X) + taken, X.inward(P) + Wrench(column.force * a, column.moment * a), Yield(z, a, share)
+
+
+def _turned_pose(above: Pose, X: Pose) -> list[Scalar]:
+    """A body's axes in the world's, and its place in its parent along the world's, from those of its parent."""
+    R_p = above.rotation
+    return [*flat(R_p @ X.rotation), *(R_p @ X.position)]
+
+
+def _upper(M: Articulated) -> list[Scalar]:
+    return [M.rows[j][k] for j, k in UPPER]
+
+
+def _articulated(numbers: Scalars) -> Articulated:
+    rows: list[list[Any]] = [[0] * 6 for _ in range(6)]
+    for (j, k), x in zip(UPPER, numbers, strict=False):
+        rows[j][k] = rows[k][j] = x
+    return Articulated(rows)

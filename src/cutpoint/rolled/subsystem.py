@@ -1,0 +1,77 @@
+"""A body with its joint of one coordinate and the rotor that its parent carries, in its own axes or in the world's."""
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, replace
+
+from cutpoint.mechanics.joints import JointKind, about_z
+from cutpoint.mechanics.rotors import Spin
+from cutpoint.mechanics.spatial import IDENTITY, ZERO, Mat3, Pose, Vec3
+from cutpoint.mechanics.system import Segment
+from cutpoint.scalars import Scalar
+
+Scalars = Sequence[Scalar]
+
+
+@dataclass(frozen=True)
+class OneAxis(JointKind):
+    """Turns about z by turn q (rad), and slides along it by slide q (m): every joint with one coordinate."""
+
+    turn: Scalar
+    slide: Scalar
+
+    @property
+    def axes(self) -> tuple[tuple[Scalar, ...], ...]:
+        return ((0, 0, self.slide, 0, 0, self.turn),)
+
+    def pose(self, q: Scalars) -> Pose:
+        return Pose(about_z(self.turn * q[0]), Vec3(0, 0, self.slide * q[0]))
+
+
+@dataclass(frozen=True)
+class Along(JointKind):
+    """Such a joint along any unit vector z, where only its motion is asked for."""
+
+    z: Vec3
+    turn: Scalar
+    slide: Scalar
+
+    @property
+    def axes(self) -> tuple[tuple[Scalar, ...], ...]:
+        return ((*self.z * self.slide, *self.z * self.turn),)
+
+
+@dataclass(frozen=True)
+class Subsystem:
+    """A body with its joint, and the rotor that its parent carries: armature and spin, 0 and None where there is none.
+
+    number, last: the body's, and the highest number of one that it carries; numbers are in depth-first order.
+    """
+
+    body: Segment
+    armature: Scalar
+    spin: Spin | None
+    number: Scalar
+    last: Scalar
+
+    def along_the_world(self, X: Pose) -> "Subsystem":
+        """The same along the world's axes.  X: its own axes in the world's, and along those its place in its parent."""
+        R, z, joint = X.rotation, Vec3(*(row.z for row in X.rotation)), self.body.joint
+        assert isinstance(joint, OneAxis)
+        along, inertia = Along(z, joint.turn, joint.slide), self.body.inertia.seen_from_parent(Pose(R, ZERO))
+        body = replace(self.body, placement=Pose(IDENTITY, X.position), joint=along, inertia=inertia)
+        return replace(self, body=body, spin=replace(self.spin, axis=z) if self.spin else None)
+
+
+def vec3(numbers: Iterator[Scalar]) -> Vec3:
+    """The next three numbers."""
+    return Vec3(next(numbers), next(numbers), next(numbers))
+
+
+def mat3(numbers: Iterator[Scalar]) -> Mat3:
+    """The next nine numbers, row by row."""
+    return Mat3(vec3(numbers), vec3(numbers), vec3(numbers))
+
+
+def is_nothing(x: Scalar) -> bool:
+    """Whether it is known, when traced, to be 0."""
+    return isinstance(x, int) and x == 0

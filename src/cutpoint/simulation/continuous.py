@@ -1,0 +1,68 @@
+"""A controller that acts at every instant, not once a period: what proofs in continuous time speak of."""
+
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.integrate import solve_ivp
+
+from cutpoint import kernels
+from cutpoint.errors import InputError
+from cutpoint.scalars import leaves
+from cutpoint.simulation.adaptive import ATOL, RTOL, plant_rates
+from cutpoint.simulation.loop import BEYOND, ClosedLoop
+from cutpoint.trajectories import Trajectory
+
+Array = NDArray[np.float64]
+
+
+def check_continuous(loop: ClosedLoop) -> None:
+    """Raises InputError for what has no meaning between samples: memories, of law, sensors or drives."""
+    what = None
+    if leaves(loop.memory):
+        what = f"{type(loop.controller).__name__} remembers"
+    elif loop.encoders.memory(*[[0.0] * loop.layout.n] * 4) or loop.encoders.is_noisy:
+        what = "sensors with noise, delay or differences go by samples"
+    elif loop.layout.state != loop.robot.nq + loop.robot.nv + 2 * loop.layout.n:
+        what = "drives with current loops, hysteresis or presliding go by samples"
+    if what:
+        raise InputError(f"simulate: hold=False is for laws, sensors and drives without memory; {what}")
+
+
+def continuous_step(loop: ClosedLoop, trajectory: Trajectory | None) -> Callable[[dict[str, Array], Array], None]:
+    """A function that takes the loop's memory one period on, the controller in the differential equation: DOP853."""
+    n, layout = loop.layout.n, loop.layout
+
+    def rates(x: list, row: list, parameters: list) -> list:
+        measured, _ = loop.sense(loop.lanes.padded(x), [], [], parameters)
+        command, _ = loop.control(measured, [], row, parameters)
+        told, _ = loop.actuate(loop.lanes.padded(x), command, [0] * loop.lanes.size(n), parameters)
+        machine = loop.robot.machine_with(parameters[: len(loop.robot.drive_parameters)])
+        return plant_rates(machine, x, x, loop.lanes.dense(told), layout.disturbance(row))
+
+    sizes: dict[str, Any] = {"x": layout.state, "row": layout.row}
+    kernel: Any = None
+
+    def step(memory: dict[str, Array], row: Array) -> None:
+        nonlocal kernel
+        parameters, at = memory["parameters"], row.copy()
+        if kernel is None:
+            kernel = kernels.compile(
+                rates, name="closed_loop", backend=loop.robot.backend, **sizes, parameters=len(parameters)
+            )
+
+        def f(t: float, x: Array) -> Array:
+            at[0] = t
+            if trajectory is not None:
+                at[1 : 1 + 5 * n] = trajectory.derivatives(np.array([t]), 4)[:, 0].ravel()
+            return kernel(x, at, parameters)
+
+        x = np.array(loop.lanes.dense(memory["state"]))
+        with np.errstate(all="ignore"):  # what is not finite ends the run below
+            found = solve_ivp(f, (row[0], row[0] + loop.period), x, "DOP853", rtol=RTOL, atol=ATOL)
+        x = found.y[:, -1] if found.success else np.full_like(x, np.nan)
+        memory["state"][:] = loop.lanes.padded(x)
+        memory["fault"][0] = not (np.abs(memory["state"]) < BEYOND).all()
+
+    return step

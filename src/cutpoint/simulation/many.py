@@ -1,0 +1,217 @@
+"""`simulate_many`: studies over seeds, gains, plants and starts, eight runs at once."""
+
+import time
+import warnings
+from collections.abc import Callable, Sequence
+from concurrent.futures import FIRST_COMPLETED, Future, ThreadPoolExecutor, wait
+from dataclasses import dataclass, field, replace
+from threading import Event
+from typing import Any, Literal
+
+import numpy as np
+from numpy.typing import NDArray
+
+from cutpoint.errors import InputError, SimulationError, TraceError
+from cutpoint.robot import Robot
+from cutpoint.simulation.integrator import Steps
+from cutpoint.simulation.log import Log
+from cutpoint.simulation.packs import Pack, Setup, packs_of
+from cutpoint.simulation.plant import State
+from cutpoint.simulation.runner import SHOW_PROGRESS_AFTER, Bar, UntracedControllerWarning
+from cutpoint.simulation.sensors import Sensors
+from cutpoint.simulation.simulate import (
+    Disturbance,
+    prepared,
+    reference_at,
+    rows_of,
+    sample_times,
+    simulate,
+    steps_of,
+    torque_limits,
+)
+from cutpoint.trajectories import Trajectory
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class Runs(Sequence[Any]):
+    """What runs gave, in their order: logs, or what `each` made of them.
+
+    errors: by number, SimulationErrors of the runs that diverged or were interrupted, with the logs until then.  Asking
+    for such a run raises its error.
+    """
+
+    results: tuple[Any, ...]
+    errors: dict[int, SimulationError] = field(default_factory=dict[int, SimulationError])
+
+    def __len__(self) -> int:
+        return len(self.results)
+
+    def __getitem__(self, k: Any) -> Any:
+        numbers = range(len(self))[k]
+        if isinstance(numbers, range):
+            return [self[i] for i in numbers]
+        if numbers in self.errors:
+            raise self.errors[numbers]
+        return self.results[numbers]
+
+    @property
+    def finished(self) -> list[Any]:
+        """Those of runs that reached their end."""
+        return [x for k, x in enumerate(self.results) if k not in self.errors]
+
+    def __repr__(self) -> str:
+        return f"Runs({len(self) - len(self.errors)} of {len(self)} runs reached their end)"
+
+
+def simulate_many(
+    robot: Robot | Sequence[Robot],
+    controller: Any = None,
+    trajectory: Trajectory | Sequence[Trajectory] | None = None,
+    duration: float | None = None,
+    control_period: float = 1e-3,
+    initial: State | Sequence[State] | None = None,
+    *,
+    sensors: Sensors | Sequence[Sensors] | None = None,
+    disturbances: Disturbance | Sequence[Disturbance] | None = None,
+    accuracy: Literal["standard", "fine"] = "standard",
+    substeps: int | None = None,
+    each: Callable[[Log], Any] | None = None,
+    threads: int = 1,
+) -> Runs:
+    """Simulate many closed loops that differ in numbers, eight at once in one compiled program; see `simulate`.
+
+    robot, controller, trajectory, initial, sensors and disturbances are one for all runs, or a list or tuple of one a
+    run.  Runs of other structures, mechanisms or laws are compiled and packed apart; a law that cannot be compiled is
+    run by run a Python callback.
+    duration: s; that of the longest trajectory by default.  substeps: by default what the run that needs most needs.
+    each: a function of a log whose result is kept instead, as soon as its pack is done; logs of 10 s take 7 MB each.
+    Runs give what `simulate` gives with as many substeps, to the last bit.  One that diverges does not stop the others.
+    Ctrl-C ends all, and what there is until then is returned.
+    Raises InputError for wrong arguments.
+    """
+    given = {
+        "robot": robot, "controller": controller, "trajectory": trajectory, "initial": initial, "sensors": sensors,
+        "disturbances": disturbances,
+    }  # fmt: skip
+    runs = _dealt(given)
+    if int(threads) != threads or threads < 1:
+        raise InputError(f"simulate_many: threads {threads!r} must be a whole number, at least 1")
+    if accuracy not in ("standard", "fine"):
+        raise InputError(f"simulate_many: accuracy {accuracy!r} must be 'standard' or 'fine'")
+    if duration is None:
+        duration = max((t.duration for t in runs["trajectory"] if t is not None), default=None)
+    times = sample_times(None, duration, control_period)
+    setups, steps = _setups(runs, times, control_period, accuracy, substeps)
+    settings: dict[str, object] = {"accuracy": accuracy, "substeps": steps.number, "steps_set_by": steps.cause}
+    packs = packs_of(setups, _structure, times=times, steps=steps, settings=settings)
+    alone = _untraceable(packs)
+    found = _run_all([pack for pack in packs if pack not in alone], times, threads, each or (lambda log: log))
+    for number in [setup.number for pack in alone for setup in pack.setups]:
+        own = {name: values[number] for name, values in runs.items()}
+        found[number] = _alone(own, float(times[-1]), control_period, steps.number, settings, each)
+    for number in range(len(setups)):
+        found.setdefault(number, SimulationError("interrupted before it ended"))
+    errors = {k: x for k, x in sorted(found.items()) if isinstance(x, SimulationError)}
+    return Runs(tuple(None if k in errors else found[k] for k in range(len(setups))), errors)
+
+
+def _dealt(given: dict[str, Any]) -> dict[str, list[Any]]:
+    """One of everything for each run."""
+    lists = {name: value for name, value in given.items() if type(value) in (list, tuple)}
+    counts = {name: len(value) for name, value in lists.items()}
+    if len({*counts.values()}) != 1 or 0 in counts.values():
+        told = ", ".join(f"{count} of {name}" for name, count in counts.items()) or "none"
+        raise InputError(f"simulate_many: lists must be as long as there are runs, at least 1; there are {told}")
+    n = next(iter(counts.values()))
+    return {name: [*value] if name in lists else [value] * n for name, value in given.items()}
+
+
+def _setups(
+    runs: dict[str, list[Any]], times: Array, period: float, accuracy: str, substeps: int | None
+) -> tuple[list[Setup], Steps]:
+    """All runs before they start, and the integration steps they share; what runs have in common is made once."""
+    known: dict[Any, Any] = {}
+
+    def once(make: Callable[..., Any], *causes: Any, given: tuple[Any, ...]) -> Any:
+        key = (make, *map(id, causes))
+        if key not in known:
+            known[key] = make(*given)
+        return known[key]
+
+    setups: list[Setup] = []
+    steps = Steps(0, "")
+    for k, (robot, law, trajectory, initial, sensors, pushed) in enumerate(zip(*runs.values(), strict=True)):
+        rest = initial if trajectory is None else None
+        reference = once(reference_at, robot.mechanism, trajectory, rest, given=(robot, trajectory, initial, times))
+        loop, start, told = prepared(robot, law, period, initial, reference, sensors)
+        rows = once(rows_of, reference, pushed, given=(loop, times, reference, pushed))
+        given = (robot, accuracy, substeps, period, start, reference)
+        steps = max(steps, once(steps_of, robot, reference, initial, given=given))
+        setups.append(Setup(k, loop, start, told, reference, rows, torque_limits(robot)))
+    return setups, steps
+
+
+def _structure(setup: Setup) -> Any:
+    """Equal for runs that one program serves."""
+    return id(setup.loop.programs)
+
+
+def _untraceable(packs: list[Pack]) -> list[Pack]:
+    """Packs whose law cannot be compiled; the others' programs are there afterwards."""
+    found: list[Pack] = []
+    for pack in packs:
+        try:
+            pack.program()
+        except TraceError as error:
+            name = type(pack.setups[0].loop.controller).__name__
+            told = f"controller {name} runs as a Python callback, run by run: {error}"
+            warnings.warn(told, UntracedControllerWarning, stacklevel=3)
+            found.append(pack)
+    return found
+
+
+def _alone(
+    own: dict[str, Any], duration: float, period: float, substeps: int, settings: dict[str, object], each: Any
+) -> Any:
+    """A run by itself: its log, or what each makes of it, or what stopped it."""
+    try:
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore", UntracedControllerWarning)
+            log = simulate(duration=duration, control_period=period, substeps=substeps, **own)
+    except SimulationError as error:
+        return error
+    log = replace(log, meta={**log.meta, **settings})
+    return each(log) if each else log
+
+
+def _run_all(packs: list[Pack], times: Array, threads: int, keep: Callable[[Log], Any]) -> dict[int, Any]:
+    """All packs on some threads, each without Python's lock; this one shows how far they are and hears Ctrl-C."""
+    stop, done, found = Event(), [0] * len(packs), dict[int, Any]()
+    total, started = float(len(packs) * times[-1]), time.perf_counter()
+
+    def task(k: int) -> dict[int, Any]:
+        def goes_on(samples: int) -> bool:
+            done[k] = samples
+            return not stop.is_set()
+
+        found = packs[k].run(goes_on)
+        done[k] = len(times)
+        return {n: x if isinstance(x, SimulationError) else keep(x) for n, x in found.items()}
+
+    with Bar(total) as bar, ThreadPoolExecutor(threads) as pool:
+        waiting: set[Future[dict[int, Any]]] = {pool.submit(task, k) for k in range(len(packs))}
+        while waiting:
+            try:
+                finished, waiting = wait(waiting, 0.1, FIRST_COMPLETED)
+                for future in finished:
+                    found |= future.result()
+                if time.perf_counter() - started > SHOW_PROGRESS_AFTER:
+                    bar.show(sum(done) / len(times) * float(times[-1]))
+            except KeyboardInterrupt:
+                stop.set()
+            except BaseException:
+                stop.set()
+                raise
+    return found

@@ -1,0 +1,115 @@
+"""Runs of one structure in the lanes of one program: a pack.  What each does is what it does alone, to the last bit."""
+
+import time
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from cutpoint.errors import SimulationError
+from cutpoint.kernels import Program
+from cutpoint.simulation.integrator import Steps
+from cutpoint.simulation.log import Log, Run
+from cutpoint.simulation.loop import BEYOND, ClosedLoop
+from cutpoint.simulation.plant import State
+from cutpoint.simulation.recording import log_of
+from cutpoint.simulation.runner import diagnosis, next_chunk, run_samples, working_memory
+from cutpoint.simulation.simulate import noise_of
+
+Array = NDArray[np.float64]
+
+WIDTH = 8
+"""Runs of a pack: numbers that a wide register holds."""
+
+
+@dataclass(frozen=True, eq=False)
+class Setup:
+    """A run before it starts.
+
+    number: among all runs.  told: what motors are told until the first sample, N m.  reference (5, N, drives) and rows
+    (N, ...) may be shared with other runs; limits of torque, N m.
+    """
+
+    number: int
+    loop: ClosedLoop
+    start: State
+    told: Array
+    reference: Array
+    rows: Array
+    limits: Array
+
+
+@dataclass(frozen=True, eq=False)
+class Pack:
+    """Up to WIDTH setups of one structure.  own_rows: see `ClosedLoop`; times (N,), s; settings go into the logs."""
+
+    setups: Sequence[Setup]
+    own_rows: bool
+    times: Array
+    steps: Steps
+    settings: dict[str, object]
+
+    def program(self) -> Program:
+        """What runs the pack, compiled if it has not been.  Raises TraceError for a law that cannot be."""
+        return self._loop(self.setups[0]).program("whole")
+
+    def run(self, goes_on: Callable[[int], bool]) -> dict[int, Log | SimulationError]:
+        """All runs' logs or what stopped them; goes_on hears how many samples were done, and may end it."""
+        program, memory = self.program(), self._memory()
+        total, done, chunk = len(self.times), 0, 1
+        while done < total and goes_on(done):
+            before, ticks = time.perf_counter(), min(chunk, total - done)
+            done += run_samples(program, memory, done, ticks, self.steps.number)
+            chunk = next_chunk(ticks, time.perf_counter() - before)
+        record = memory["record"].reshape(total, -1, WIDTH)
+        found = enumerate(zip(self.setups, memory["fault"], strict=False))
+        return {s.number: self._outcome(s, record[:, :, k], done, bool(fault)) for k, (s, fault) in found}
+
+    def _loop(self, setup: Setup) -> ClosedLoop:
+        return replace(setup.loop, runs=WIDTH, own_rows=self.own_rows)
+
+    def _memory(self) -> dict[str, Array]:
+        """Regions with the runs' numbers side by side; the last run fills the lanes that are left."""
+        count, loop = len(self.times), self._loop(self.setups[0])
+        setups = [*self.setups, *[self.setups[-1]] * (WIDTH - len(self.setups))]
+        alone = [
+            working_memory(self._loop(s), s.start, s.told, s.rows, noise_of(s.loop, count), s.limits, self.steps.number)
+            for s in setups
+        ]
+        memory = {name: alone[0][name] for name in loop.shared}
+        for name in alone[0].keys() - memory.keys() - {"record"}:
+            numbers = np.stack([m[name] for m in alone], axis=-1)
+            memory[name] = numbers.reshape(*numbers.shape[:-2], -1)
+        return memory | {"record": np.zeros((count, alone[0]["record"].shape[1] * WIDTH))}
+
+    def _outcome(self, setup: Setup, record: Array, done: int, failed: bool) -> Log | SimulationError:
+        """The run's log, or an error that holds what there is of it."""
+        loop, cause = setup.loop, None
+        if not done:
+            return SimulationError("interrupted before it began")
+        if failed:
+            states = record[:done, : loop.layout.state]
+            lost = ~(np.abs(states) < BEYOND).all(axis=1)
+            done = int(lost.argmax()) if lost.any() else done
+            cause = diagnosis(loop, states[min(done, len(states) - 1)], record[done - 1], done)
+        elif done < len(self.times):
+            cause = f"interrupted at t = {self.times[done - 1]:g} s; the log holds all until then"
+        log = log_of(loop, record[:done], self.times, setup.reference, self.settings)
+        log = replace(log, run=Run(loop.robot, loop.controller, setup.reference[:, :done]))
+        if cause is None:
+            return log
+        return SimulationError(cause, log=log, time=float(self.times[done - 1]), diverged=failed)
+
+
+def packs_of(setups: Sequence[Setup], structure: Callable[[Setup], Any], **common: Any) -> list[Pack]:
+    """Setups of one structure together, in their order."""
+    groups: dict[Any, list[Setup]] = {}
+    for setup in setups:
+        groups.setdefault(structure(setup), []).append(setup)
+    packs: list[Pack] = []
+    for group in groups.values():
+        own_rows = len({id(s.rows) for s in group}) > 1
+        packs += [Pack(group[k : k + WIDTH], own_rows, **common) for k in range(0, len(group), WIDTH)]
+    return packs

@@ -1,0 +1,120 @@
+"""What every law is tried on: an arm, where it starts and goes, what it may carry."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from cutpoint.errors import InputError
+from cutpoint.robot import Robot
+from cutpoint.studies.chain import Array
+from cutpoint.studies.compare.there_and_back import ThereAndBack
+from cutpoint.studies.paper.effects_drives import GEARS
+from cutpoint.studies.paper.printed import GOAL
+from cutpoint.trajectories import Trajectory, cycloid
+
+PAPERS_ARM = "xia2019"
+
+USUAL, SLOW, FAST = 3.0, 10.0, 1.0
+"""Time of a move from home to goal, s, and as much back."""
+
+STROKE, SHARE = 1.0, 0.25
+"""How far a joint goes from home: rad, at most this share of its range."""
+
+RADIUS = 0.05
+"""Of a payload, a ball, m."""
+
+
+@dataclass(frozen=True, eq=False)
+class Bench:
+    """home and goal (n,), rad; payload: rated, kg, at `frame`; bandwidth of the PD that all are matched to, Hz;
+    control_period, s; gears: the catalogue's, one a drive, for the scenario of whole drives."""
+
+    robot: Robot
+    home: Array
+    goal: Array
+    frame: str
+    payload: float
+    gears: tuple[str, ...]
+    bandwidth: float = 4.0
+    control_period: float = 1e-3
+
+    def move(self, duration: float) -> Trajectory:
+        """From home to goal and back, `duration` s each way."""
+        return ThereAndBack(2 * duration, cycloid(self.goal, duration, self.home))
+
+    def loaded(self, share: float) -> Robot:
+        """The arm with this share of the rated payload in its hand."""
+        mass = share * self.payload
+        return self.robot.with_payload(mass, np.zeros(3), 0.4 * mass * RADIUS**2 * np.eye(3), self.frame)
+
+
+def bench_of(
+    robot: Robot,
+    *,
+    bandwidth: float = 4.0,
+    control_period: float = 1e-3,
+    payload: float | None = None,
+    frame: str | None = None,
+) -> Bench:
+    """A bench for any arm of turning joints with elastic drives.
+
+    The paper's arm makes the paper's move; others go from the middle of their joints' ranges (0 where there is none) by
+    STROKE rad, at most SHARE of the range, every second joint backwards.
+    payload: rated, kg; 2 for the paper's arm and 3 for others.  frame: what it hangs on; the last by default.
+
+    Raises:
+        InputError: a joint that slides, has several coordinates or a rigid drive, or a payload that is not positive.
+    """
+    _check(robot)
+    mine = robot.name == PAPERS_ARM
+    payload = (2.0 if mine else 3.0) if payload is None else float(payload)
+    if not (np.isfinite(payload) and payload > 0):
+        raise InputError(f"compare: payload {payload} kg must be positive", payload=payload)
+    home, goal = (np.zeros(6), np.array(GOAL)) if mine else _ends(robot)
+    gears = GEARS if mine else gears_for(robot, home, goal)
+    return Bench(robot, home, goal, frame or robot.frames[-1], payload, gears, bandwidth, control_period)
+
+
+def _check(robot: Robot) -> None:
+    kinds = {body.joint.name: body.joint.kind for body in robot.mechanism.bodies}
+    if robot.nv != len(robot.joints):
+        raise InputError(f"compare: {robot.name!r} has coordinates without a drive; fix its base")
+    for name, drive in robot.drives.items():
+        if kinds[name] == "prismatic":
+            raise InputError(f"compare: joint {name!r} slides; errors are compared as angles: lock it", joint=name)
+        if not drive.is_elastic:
+            remedy = "give it a rotor and a compliance in the drive file"
+            raise InputError(f"compare: the drive of {name!r} is rigid; laws are compared on joints that bend: {remedy}")
+
+
+def _ends(robot: Robot) -> tuple[Array, Array]:
+    limits = {body.joint.name: body.joint.limits for body in robot.mechanism.bodies}
+    lower, upper = np.array([[limits[name].lower, limits[name].upper] for name in robot.joints]).T
+    bounded = np.isfinite(lower) & np.isfinite(upper)
+    home = np.where(bounded, (np.where(bounded, lower, 0) + np.where(bounded, upper, 0)) / 2, 0.0)
+    stroke = np.minimum(STROKE, SHARE * np.where(bounded, np.where(bounded, upper - lower, 0), np.inf))
+    return home, home + stroke * (-1.0) ** np.arange(len(home))
+
+
+def gears_for(robot: Robot, home: Array, goal: Array) -> tuple[str, ...]:
+    """For each drive the smallest gear that may repeat the torque it needs: its effort limit, or that of a fast move."""
+    from cutpoint.formats.catalogue import catalogue_drive
+
+    sizes = {name: catalogue_drive(name).ratings for name in CSG}
+    peaks = {name: x.repeated_peak_torque or 0.0 for name, x in sizes.items() if x is not None}
+    needed = _needed(robot, home, goal)
+    fitting = [[name for name, peak in peaks.items() if peak >= torque] for torque in needed]
+    return tuple(names[0] if names else CSG[-1] for names in fitting)
+
+
+CSG = ("CSG-14-100", "CSG-17-100", "CSG-20-100", "CSG-25-100", "CSG-32-100")
+"""Gears of one series by size."""
+
+
+def _needed(robot: Robot, home: Array, goal: Array) -> Array:
+    """N m, each joint."""
+    move = cycloid(goal, FAST, home)(np.linspace(0, FAST, 101))
+    torque = np.abs(robot.inverse_dynamics(move.q, move.v, move.a)).max(axis=0)
+    limits = {body.joint.name: body.joint.limits for body in robot.mechanism.bodies}
+    effort = np.array([limits[name].effort or np.inf for name in robot.joints])
+    return np.where(np.isfinite(effort), effort, torque)

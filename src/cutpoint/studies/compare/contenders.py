@@ -1,0 +1,125 @@
+"""The laws that are compared: each a name, what it needs, and how it is made from a model, gains and a period."""
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, fields, replace
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from cutpoint.control import (
+    PD,
+    PID,
+    VDC,
+    AdaptiveVDC,
+    ComputedTorque,
+    DisturbanceObserver,
+    ElasticComputedTorque,
+    Feedforward,
+    FullStateFeedback,
+    GravityCompensation,
+    Law,
+    Robust,
+    SlotineLi,
+    SuperTwisting,
+)
+from cutpoint.control.tuning import RECIPES, Wanted
+from cutpoint.robot import Robot
+
+OURS = ("vdc", "vdc_filter", "adaptive", "natural")
+"""Keys of the laws that are virtual decomposition control."""
+
+RATE, NATURAL_RATE = 30.0, 5.0
+"""How fast AdaptiveVDC learns, 1/J: bodies' and joints' numbers by projection; bodies by the natural update."""
+
+
+class Contender(NamedTuple):
+    """key: in results.  needs: what it asks for, in words.  make: the law for these gains.  smooth: what of it is
+    differenced for its stiffness."""
+
+    key: str
+    name: str
+    needs: str
+    make: Callable[[Wanted], Any]
+    smooth: Callable[[Any], Any] = lambda law: law
+
+
+def _tuned(law: Any, **options: Any) -> Callable[[Wanted], Any]:
+    return lambda w: RECIPES[law](w, **options)
+
+
+def _pd(w: Wanted) -> PD:
+    return RECIPES[PD](w)
+
+
+def _forward(w: Wanted) -> Any:
+    return _pd(w) + Feedforward(w.robot, "elastic")
+
+
+def _without_jumps(law: SuperTwisting) -> SuperTwisting:
+    return replace(law, root_gain=0.0, twist=0.0)
+
+
+MOTOR, BOTH = "motor encoders", "encoders on both sides"
+
+CONTENDERS: tuple[Contender, ...] = (
+    Contender("pd", "PD", MOTOR, _pd),
+    Contender("pid", "PID", MOTOR, _tuned(PID)),
+    Contender(
+        "gravity", "PD + gravity", f"{MOTOR}; masses", lambda w: _pd(w) + GravityCompensation(w.robot, side="motor")
+    ),
+    Contender("feedforward", "PD + feedforward", f"{MOTOR}; elastic model", _forward),
+    Contender("computed", "computed torque", f"{MOTOR}; rigid model", _tuned(ComputedTorque)),
+    Contender("slotine", "Slotine-Li", f"{MOTOR}; rigid model, learns masses", _tuned(SlotineLi)),
+    Contender("robust", "robust", f"{MOTOR}; rigid model, bound of what it misses", _tuned(Robust)),
+    Contender(
+        "twisting", "super-twisting", f"{MOTOR}; rigid model, bound of its change", _tuned(SuperTwisting),
+        _without_jumps,
+    ),
+    Contender(
+        "observer", "observer + PD + feedforward", f"{MOTOR}; elastic and rigid model",
+        lambda w: DisturbanceObserver(w.robot, _forward(w), w.omega * w.whole),
+    ),
+    Contender("full_state", "full state feedback", f"{BOTH}; elastic model", _tuned(FullStateFeedback)),
+    Contender("linearised", "elastic computed torque", f"{BOTH}; elastic model", _tuned(ElasticComputedTorque)),
+    Contender("vdc", "VDC, model", f"{BOTH}; elastic model", _tuned(VDC)),
+    Contender("vdc_filter", "VDC, filter", f"{BOTH}; elastic model", _tuned(VDC, derivatives="filter")),
+    Contender(
+        "adaptive", "adaptive VDC, projection", f"{BOTH}; elastic model, learns it within bounds",
+        _tuned(AdaptiveVDC, body_rate=RATE, joint_rate=RATE),
+    ),
+    Contender(
+        "natural", "adaptive VDC, natural", f"{BOTH}; elastic model, learns it",
+        _tuned(AdaptiveVDC, update="natural", body_rate=NATURAL_RATE, joint_rate=RATE),
+    ),
+)  # fmt: skip
+
+
+def named(keys: Any) -> tuple[Contender, ...]:
+    """Contenders of these keys, in the table's order."""
+    return tuple(c for c in CONTENDERS if c.key in keys)
+
+
+def wanted(robot: Robot, q: Any, bandwidth: float, period: float) -> Wanted:
+    """What gains are made from, critically damped, as `control.tune` has it."""
+    driven = robot.machine.drives
+    M, weight = robot.mass_matrix(q), robot.gravity_forces(q)
+    link = np.array([M[d.v, d.v] for d in driven])
+    rotor = np.array([d.drive.reflected_inertia for d in driven])
+    return Wanted(robot, link, rotor, np.array([weight[d.v] for d in driven]), 2 * np.pi * bandwidth, 1.0, period)
+
+
+def believing(law: Any, model: Robot) -> Any:
+    """The same law, gains and all, with another model in it."""
+    if not isinstance(law, Law):
+        return law
+    found: Mapping[str, Any] = {f.name: getattr(law, f.name) for f in fields(law)}  # type: ignore[arg-type]
+    changed: dict[str, Any] = {}
+    if "parts" in found:
+        changed["parts"] = tuple(believing(part, model) for part in found["parts"])
+    if "law" in found:
+        changed["law"] = believing(found["law"], model)
+    if "robot" in found:
+        changed["robot"] = model
+    if "parameters" in found:
+        changed["parameters"] = None
+    return replace(law, **changed) if changed else law  # type: ignore[type-var]

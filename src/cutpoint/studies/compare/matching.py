@@ -1,0 +1,109 @@
+"""Equal stiffness: the bandwidth at which each law resists as the PD does, and whether it holds the arm there."""
+
+from collections.abc import Callable
+from typing import Any, NamedTuple
+
+import numpy as np
+from cutpoint.control.sampled_loop import SmallSignal, small_signal
+from cutpoint.control.tuning import check_holds
+from cutpoint.errors import InputError
+from cutpoint.studies.chain import Array
+from cutpoint.studies.compare.bench import Bench
+from cutpoint.studies.compare.contenders import CONTENDERS, Contender, wanted
+from cutpoint.studies.compare.runs import DIVERGED, score
+from cutpoint.studies.compare.scenarios import as_modelled
+
+TRIES = 20
+SLOPES = (0.5, 8.0)
+"""Of stiffness over bandwidth, both logarithms; most laws' is 2."""
+
+STEPS = 2 ** (np.arange(1, 9) / 4)
+"""Where a law does not hold at equal stiffness: factors of the bandwidth, down and up, that are tried in turn."""
+
+EXACT = 1e-4
+"""Of the geometric mean of stiffness, relative."""
+
+
+class Match(NamedTuple):
+    """A law at its bandwidth, Hz.  law: None where it is refused everywhere.  refused: why it is at equal stiffness,
+    "" if it is not.  stiffness and damping (n,): N m/rad, N m s/rad; share: geometric mean of stiffness over the PD's."""
+
+    contender: Contender
+    bandwidth: float
+    law: Any
+    stiffness: Array
+    damping: Array
+    share: float
+    refused: str = ""
+
+    @property
+    def equal(self) -> bool:
+        """Whether it runs at equal stiffness."""
+        return not self.refused
+
+
+def matched(bench: Bench, contender: Contender) -> Match:
+    """The law at the stiffness of the PD of the bench's bandwidth; or, if it does not hold there, where it next does."""
+    pd = _signal(bench, _made(bench, CONTENDERS[0], bench.bandwidth)).stiffness
+    try:
+        at = equal_bandwidth(lambda f: _share(bench, contender, f, pd), bench.bandwidth)
+    except InputError as error:
+        empty = np.full(len(pd), np.nan)
+        return Match(contender, np.nan, None, empty, empty, np.nan, str(error))
+    try:
+        return _held(bench, contender, at, pd)
+    except InputError as error:
+        why = str(error)
+    for factor in (f for step in STEPS for f in (1 / step, step)):
+        try:
+            return _held(bench, contender, factor * at, pd)._replace(refused=why)
+        except InputError:
+            continue
+    stiffness, damping = _signal(bench, contender.smooth(_made(bench, contender, at)))
+    return Match(contender, at, None, stiffness, damping, _mean(stiffness / pd), why)
+
+
+def equal_bandwidth(share: Callable[[float], float], guess: float) -> float:
+    """Where a share that grows with bandwidth is one, Hz: by secants of logarithms, which are nearly straight.
+
+    Raises:
+        InputError: none is found within TRIES.
+    """
+    x, slope = np.log(guess), 2.0
+    y = np.log(share(guess))
+    for _ in range(TRIES):
+        if abs(y) < EXACT:
+            return float(np.exp(x))
+        ahead = x - np.clip(y / slope, -1, 1)
+        then = np.log(share(float(np.exp(ahead))))
+        slope = np.clip((then - y) / (ahead - x), *SLOPES)
+        x, y = ahead, then
+    raise InputError(f"at no bandwidth near {guess:g} Hz is it as stiff as the PD", guess=guess)
+
+
+def _held(bench: Bench, contender: Contender, bandwidth: float, pd: Array) -> Match:
+    """Raises InputError where the sampled plant does not hold still under it, or does not make its move."""
+    law = _made(bench, contender, bandwidth)
+    smooth = contender.smooth(law)
+    check_holds(bench.robot, smooth, bench.home, bench.control_period)
+    if score(bench, law, as_modelled(bench)) == DIVERGED:
+        raise InputError("it holds at home, and diverges on the way, though the plant is the model")
+    stiffness, damping = _signal(bench, smooth)
+    return Match(contender, bandwidth, law, stiffness, damping, _mean(stiffness / pd))
+
+
+def _made(bench: Bench, contender: Contender, bandwidth: float) -> Any:
+    return contender.make(wanted(bench.robot, bench.home, bandwidth, bench.control_period))
+
+
+def _signal(bench: Bench, law: Any) -> SmallSignal:
+    return small_signal(bench.robot, law, bench.home, bench.control_period)
+
+
+def _share(bench: Bench, contender: Contender, bandwidth: float, pd: Array) -> float:
+    return _mean(_signal(bench, contender.smooth(_made(bench, contender, bandwidth))).stiffness / pd)
+
+
+def _mean(shares: Array) -> float:
+    """Geometric; zero if one is not positive."""
+    return float(np.exp(np.mean(np.log(shares)))) if (shares > 0).all() else 1e-12

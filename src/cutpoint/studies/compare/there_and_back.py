@@ -1,0 +1,26 @@
+"""A move and its reverse."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from cutpoint.studies.chain import Array
+from cutpoint.trajectories import Trajectory
+
+
+@dataclass(frozen=True, eq=False)
+class ThereAndBack(Trajectory):
+    """`way`, and the same way back in the same time; duration is twice the way's, s."""
+
+    way: Trajectory
+
+    @property
+    def size(self) -> int:
+        return self.way.size
+
+    def _inside(self, t: Array, order: int) -> Array:
+        half, back = self.way.duration, t > self.way.duration
+        found = self.way.derivatives(np.where(back, 2 * half - t, t), order)
+        # time runs backwards: every odd derivative changes its sign
+        found[1::2, back] *= -1
+        return found

@@ -1,0 +1,103 @@
+"""Gains that `tune` gives hold the arm, those it refuses do not, and `slowest_pole` knows how fast."""
+
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+import pytest
+
+from cutpoint import InputError, Log, SimulationError, simulate
+from cutpoint.control import (
+    PD,
+    PID,
+    VDC,
+    AdaptiveVDC,
+    ComputedTorque,
+    ElasticComputedTorque,
+    FullStateFeedback,
+    Robust,
+    SlotineLi,
+    SuperTwisting,
+    slowest_pole,
+    tune,
+)
+from cutpoint.simulation import State
+from law_library import elbow, law
+from robot_library import Array
+
+PERIOD = 1e-3
+UPRIGHT = np.zeros(2)
+"""Where gravity asks no torque, so that every law is at rest on its reference."""
+
+HOLDS = {
+    PD: 40, PID: 20, ComputedTorque: 40, ElasticComputedTorque: 20, FullStateFeedback: 20, VDC: 20, AdaptiveVDC: 8,
+    SlotineLi: 40, Robust: 40, SuperTwisting: 5,
+}  # fmt: skip
+"""Hz that are still accepted."""
+
+
+def pushed(made: Any, seconds: float, push: float = 1e-5) -> Log:
+    """Upright, with links and motors moving a little (rad/s)."""
+    v = push * np.array([1.0, -0.7])
+    return simulate(elbow(), made, duration=seconds, initial=State(UPRIGHT, v, UPRIGHT, 0.3 * v))
+
+
+def size(log: Log) -> Array:
+    """Of the state's deviation, sample by sample; speeds in units of 20 rad/s."""
+    return np.linalg.norm(np.hstack([log["q"], log["v"] / 20, log["theta"], log["theta_dot"] / 20]), axis=1)
+
+
+def rate(log: Log, seconds: float = 0.25) -> float:
+    """1/s at which it grows, or decays where negative, between two windows at the end."""
+    window = round(seconds / PERIOD)
+    x = size(log)[-2 * window :]
+    return float(np.log(np.linalg.norm(x[window:]) / np.linalg.norm(x[:window])) / seconds)
+
+
+@pytest.mark.parametrize("share", [0.1, 1.0])
+@pytest.mark.parametrize("kind", HOLDS)
+def test_a_law_that_tune_accepts_lets_a_small_push_die_away(kind, share):
+    options = {"root_gain": 0.05, "twist": 0.05} if kind is SuperTwisting else {}
+    x = size(pushed(tune(elbow(), HOLDS[kind] * share, kind, **options), 2.0))
+    assert x.max() < 100 * x[0]  # four poles at 2 Hz carry a motor's push a long way
+    assert np.isfinite(x).all() and x[-500:].max() < x[:500].max()
+
+
+@pytest.mark.parametrize("kind", [k for k in HOLDS if k is not SuperTwisting])
+def test_a_bandwidth_too_high_is_refused_with_the_joint_that_swings_and_how_fast(kind):
+    with pytest.raises(InputError, match=r"does not hold .*'(shoulder|elbow)' would swing at [\d.]+ Hz and grow by") as raised:
+        tune(elbow(), 3.0 * HOLDS[kind], kind)
+    pole, told = raised.value.evidence["pole"], str(raised.value)
+    assert told.startswith(kind.__name__) and "; ask for another bandwidth" in told
+    assert pole.size > 1 and raised.value.evidence["joint"] == pole.joint
+    assert f"{pole.joint!r} would swing at {pole.frequency:.1f} Hz" in told
+    assert f"grow by {np.log(pole.size) / PERIOD:.3g}" in told
+
+
+@pytest.mark.parametrize(
+    "name",
+    ["PD", "PID", "computed torque", "elastic computed torque", "full state feedback", "VDC, filter", "speed filter",
+     "robust", "disturbance observer"],
+)  # fmt: skip
+def test_the_slowest_pole_is_how_fast_a_small_motion_dies_in_the_sampled_loop(name):
+    expected = np.log(slowest_pole(elbow(), law(name), UPRIGHT, PERIOD).size) / PERIOD
+    found = rate(pushed(law(name), 3.0 if expected > -10 else 1.0))
+    assert abs(found / expected - 1) < 0.05, f"{found:.4g} 1/s in simulation, {expected:.4g} 1/s by the pole"
+
+
+@pytest.mark.parametrize("kind", [PD, VDC])
+def test_gains_that_are_refused_make_a_small_motion_grow_as_fast_as_the_pole_says(kind):
+    high = tune(elbow(), 10.0, kind, control_period=1e-5)
+    faster = {"kp": 70, "kd": 9} if kind is PD else {"position_gain": 1, "motor_gain": 30}
+    high = replace(high, **{name: x * getattr(high, name) for name, x in faster.items()})
+    pole = slowest_pole(elbow(), high, UPRIGHT, PERIOD)
+    expected = np.log(pole.size) / PERIOD
+    assert expected > 1
+    log = pushed(high, 12 / expected, 1e-9)
+    x = size(log)
+    half = len(x) // 2
+    found = np.log(x[-1] / x[half]) / (PERIOD * (len(x) - 1 - half))
+    assert abs(found / expected - 1) < 0.05
+    assert elbow().joints[int(np.abs(log["theta_dot"][-1]).argmax())] == pole.joint
+    with pytest.raises(SimulationError):
+        pushed(high, 100 / expected + 1)

@@ -1,0 +1,89 @@
+"""Filtering and differentiation: what stays, what goes, and what is not known at the edges."""
+
+import numpy as np
+import pytest
+from machine_logs import PERIOD, positions, recording, times
+
+from cutpoint.errors import InputError
+from cutpoint.identification import derivative, low_pass, low_passed, noise_cutoff
+
+T = times(4000)
+CUTOFF = 20.0
+
+
+@pytest.mark.parametrize("order", [2, 4, 6])
+@pytest.mark.parametrize("frequency", [5.0, 16.0, 20.0, 40.0])
+def test_a_sine_keeps_its_phase_and_the_stated_share_of_its_size(order: int, frequency: float):
+    sine = np.sin(2.0 * np.pi * frequency * T)
+    found = low_pass(sine, PERIOD, CUTOFF, order)
+    # the filter's frequencies are warped by the tangent of the bilinear transform
+    warped = np.tan(np.pi * frequency * PERIOD) / np.tan(np.pi * CUTOFF * PERIOD)
+    share = 1.0 / (1.0 + warped ** (2 * order))
+    middle = slice(1000, 3000)
+    assert np.allclose(found[middle], share * sine[middle], rtol=0.0, atol=1e-6)
+
+
+def test_a_component_at_the_cut_off_is_halved():
+    found = low_pass(np.cos(2.0 * np.pi * CUTOFF * T), PERIOD, CUTOFF)
+    assert np.nanmax(np.abs(found[1000:3000])) == pytest.approx(0.5, abs=1e-6)
+
+
+def test_edges_and_gaps_are_cut_and_the_rest_is_as_if_they_were_not():
+    step = np.where(T < 2.0, 0.0, 1.0)
+    whole = low_pass(step, PERIOD, CUTOFF)
+    assert np.array_equal(np.isnan(whole), (T < 0.075 - 1e-9) | (T > 3.999 - 0.075 + 1e-9))
+    step[1500] = np.nan
+    beside = low_pass(step, PERIOD, CUTOFF)
+    assert np.isnan(beside[1425:1576]).all()
+    assert np.isfinite(beside[[1424, 1576]]).all()
+    known = np.isfinite(beside)
+    assert np.allclose(beside[known], whole[known], rtol=0.0, atol=0.01)
+
+
+def test_a_stretch_shorter_than_its_edges_is_not_known():
+    assert np.isnan(low_pass(np.ones(150), PERIOD, CUTOFF)).all()
+    assert np.isfinite(low_pass(np.ones(151), PERIOD, CUTOFF)).sum() == 1
+
+
+@pytest.mark.parametrize("order", [1, 2])
+def test_derivatives_are_those_of_the_motion(order: int):
+    found = derivative(positions(T), PERIOD, order)
+    assert np.isnan(found[[0, -1]]).all()
+    # central differences of step h err by h^2/6 (h^2/12) of the derivative two orders further
+    error = PERIOD**2 / (6.0 * order) * np.abs(positions(T, order + 2)).max()
+    assert np.abs(found[1:-1] - positions(T, order)[1:-1]).max() <= 1.01 * error
+
+
+@pytest.mark.parametrize("noise", [1e-5, 1e-3])
+def test_the_default_cut_off_parts_motion_from_noise(noise: float):
+    q = positions(T) + noise * np.random.default_rng(11).standard_normal((T.size, 2))
+    cutoff = noise_cutoff(q, PERIOD)
+    assert 2.3 < cutoff < 40.0
+    smooth = low_pass(q, PERIOD, cutoff)
+    error = (smooth - positions(T))[1000:3000]
+    # white noise of which the share 2 cutoff / rate passes; room for what motion is lost
+    assert np.std(error) < 2.0 * noise * np.sqrt(2.0 * cutoff * PERIOD)
+
+
+def test_all_channels_pass_one_filter_so_that_laws_between_them_hold():
+    made = recording(4000)
+    found = low_passed(made, 3.0)
+    known = found.complete()
+    assert known.sum() == 4000 - 2 * 500
+    # the torque is a sum of others: filtered, it still is
+    expected = low_pass(positions(made.time, 2), PERIOD, 3.0) + 2.0 * found["v"]
+    assert np.allclose(found["torque"][known], expected[known], rtol=0.0, atol=1e-9)
+    assert found.notes[-1] == "low-passed at 3 Hz, zero phase, order 4 in each direction"
+
+
+@pytest.mark.parametrize("cutoff", [0.0, -1.0, 500.0, np.nan])
+def test_a_cut_off_that_is_none_is_refused(cutoff: float):
+    with pytest.raises(InputError, match=r"cut-off .* Hz must lie between 0 and half of the sampling rate, 500 Hz"):
+        low_pass(np.ones(100), PERIOD, cutoff)
+
+
+def test_a_third_derivative_and_a_cut_off_of_nothing_are_refused():
+    with pytest.raises(InputError, match=r"order 3 must be 1 or 2"):
+        derivative(np.ones(10), PERIOD, 3)
+    with pytest.raises(InputError, match=r"no column moves over 64 samples or more: state a cut-off in Hz"):
+        noise_cutoff(np.ones((100, 2)), PERIOD)

@@ -1,0 +1,173 @@
+"""Which channels of a log are which quantity, in what units, and on which side."""
+
+import math
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from machine_logs import positions, times
+
+from cutpoint.errors import CutpointError, InputError, ModelError
+from cutpoint.identification import Channel, Recording, Table, parse_mapping, read_recording, recording_of
+
+T = times(100)
+Q, V, TAU = (positions(T, order) for order in range(3))
+
+
+def table(**channels: Any) -> Table:
+    found = {name: each if isinstance(each, Channel) else Channel(each) for name, each in channels.items()}
+    return Table("log.csv", {"t": Channel(T)} | found)
+
+
+def mapped(text: str, log: Table) -> Recording:
+    return recording_of(log, parse_mapping("version: 1\n" + text, "map.yaml"))
+
+
+@pytest.mark.parametrize(
+    ("fields", "factor"),
+    [
+        ("unit: rad", 1.0),
+        ("unit: deg", math.pi / 180.0),
+        ("unit: rev", 2.0 * math.pi),
+        ("unit: mm", 1e-3),
+        ("{unit: counts, counts_per_turn: 4096}", 2.0 * math.pi / 4096),
+        ("{unit: deg, side: motor}", math.pi / 180.0 / -100.0),
+        ("{unit: counts, counts_per_turn: 4096, side: motor, sign: -1}", 2.0 * math.pi / 4096 / 100.0),
+        ("{gain: 0.25}", 0.25),
+    ],
+)
+def test_positions_come_out_in_radians_at_the_joint(fields: str, factor: float):
+    inner = fields.strip("{}")
+    found = mapped(f"ratio: -100\nq: {{channels: x, {inner}}}", table(x=Q))
+    assert np.allclose(found["q"], factor * Q, rtol=1e-15, atol=0.0)
+
+
+@pytest.mark.parametrize(
+    ("quantity", "fields", "factor"),
+    [
+        ("v", "unit: rpm", math.pi / 30.0),
+        ("theta_dot", "unit: counts/s, counts_per_turn: 1000, side: motor", 2.0 * math.pi / 1000 / 50.0),
+        ("torque", "unit: mN m, side: motor", 1e-3 * 50.0),
+        ("torque", "unit: A, gain: 0.11, side: motor", 0.11 * 50.0),
+        ("torque", "unit: V, gain: [35, 70]", np.array([35.0, 70.0])),
+        ("current", "unit: mA, side: motor", 1e-3),
+        ("current", "unit: '%', gain: 0.2, sign: [1, -1]", np.array([0.2, -0.2])),
+    ],
+)
+def test_other_quantities_come_out_in_si_at_the_joint(quantity: str, fields: str, factor: Any):
+    found = mapped(f"ratio: 50\n{quantity}: {{channels: x, {fields}}}", table(x=V))
+    assert np.allclose(found[quantity], factor * V, rtol=1e-15, atol=0.0)
+
+
+def test_an_encoder_may_have_its_zero_elsewhere():
+    found = mapped("q: {channels: x, unit: deg, offset: [0.1, -0.2]}", table(x=Q))
+    assert np.allclose(found["q"], np.radians(Q) + np.array([0.1, -0.2]), rtol=1e-15, atol=1e-15)
+
+
+def test_a_unit_that_the_log_states_holds_unless_the_mapping_states_another():
+    log = table(x=Channel(Q, unit="deg"))
+    assert np.allclose(mapped("q: x", log)["q"], np.radians(Q), rtol=1e-15)
+    assert np.array_equal(mapped("q: {channels: x, unit: rad}", log)["q"], Q)
+
+
+def test_columns_are_picked_by_label_by_number_or_one_by_one():
+    labelled = table(x=Channel(np.column_stack([Q, V]), ("a", "b", "c", "d")))
+    assert np.array_equal(mapped("joints: [c, a]\nq: x", labelled)["q"], np.column_stack([V[:, 0], Q[:, 0]]))
+    assert np.array_equal(mapped("q: [x.d, 'x[1]']", labelled)["q"], np.column_stack([V[:, 1], Q[:, 1]]))
+    assert mapped("q: x", labelled).joints == ("a", "b", "c", "d")
+    assert np.array_equal(mapped("q: [left, right]", table(left=Q[:, 0], right=Q[:, 1]))["q"], Q)
+
+
+@pytest.mark.parametrize(
+    ("time", "step"),
+    [("{channel: t, unit: ms}", 1e-6), ("{channel: t}", 1e-3), ("{period: 0.004}", 4e-3)],
+)
+def test_time_is_a_channel_in_its_unit_or_a_period(time: str, step: float):
+    assert mapped(f"time: {time}\nq: x", table(x=Q)).time == pytest.approx(step * np.arange(100), abs=1e-15)
+
+
+@pytest.mark.parametrize(
+    ("text", "message"),
+    [
+        ("q: y", r"mapping: q: the log has no channel 'y'; there are: 't', 'x', 'w' \(map.yaml:2\)"),
+        ("q: x[2]", r"mapping: q: the log has no channel 'x\[2\]'; there are"),
+        ("q: x\ntime: {channel: z}", r"mapping: time: the log has no channel 'z'; there are: .* \(map.yaml:3\)"),
+        ("{}", r"is not allowed|YAML cannot be read"),
+        ("joints: [a]", r"mapping: names no quantity; those that exist are q, theta, v"),
+        ("p: x", r"mapping: unknown key 'p'; those that exist are 'version', 'joints', 'ratio', 'time', 'q'"),
+        ("q: {channels: x, units: deg}", r"unknown key 'units' in q; those that exist are 'channels', 'unit', 'gain'"),
+        ("q: {unit: deg}", r"'channels' is missing in q \(map.yaml:2\)"),
+        ("q: {channels: []}", r"q.channels \[\] must have 1 entries \(map.yaml:2\)"),
+        ("q: {channels: x, unit: grad}", r"q.unit 'grad' is not known; there are 'rad', 'mrad', 'deg'"),
+        ("q: {channels: x, unit: counts}", r"q.unit 'counts' needs 'counts_per_turn'"),
+        ("v: {channels: x, unit: counts}", r"v.unit 'counts' is not known"),
+        ("torque: {channels: x, unit: A}", r"torque.unit 'A' needs 'gain': what one A is worth in SI"),
+        ("q: {channels: x, sign: 2}", r"q.sign \[2.0\] must be 1 or -1; what scales goes into gain"),
+        ("q: {channels: x, sign: [1, 1, -1]}", r"q.sign has 3 numbers: it must have 1 or 2"),
+        ("q: {channels: x, gain: 0}", r"q.gain must not be zero"),
+        ("q: {channels: x, side: motor}", r"q.side 'motor' needs 'ratio': motor turns per joint turn"),
+        ("q: {channels: x, side: rotor}", r"q.side 'rotor' must be 'link' or 'motor' \(map.yaml:2\)"),
+        ("ratio: 0\nq: x", r"ratio must not be zero"),
+        ("ratio: [1, 2, 3]\nq: x", r"ratio has 3 numbers: it must have 1 or 2"),
+        ("joints: [a, a]\nq: x", r"joints \['a', 'a'\] must be names, each its own"),
+        ("joints: [a]\nq: x", r"q has 2 columns: it must have one for each of a \(map.yaml:3\)"),
+        ("time: {channel: t, period: 1}\nq: x", r"has both 'channel' and 'period'; state one of them"),
+        ("time: {period: -1}\nq: x", r"time.period -1.0 must be positive"),
+        ("q: [x, w]", r"q: channel 'w' was sampled at other times than those beside it"),
+    ],
+)
+def test_a_wrong_mapping_is_refused_at_its_line(text: str, message: str):
+    with pytest.raises(CutpointError, match=message):
+        mapped(text, table(x=Q, w=Q[:50]))
+
+
+def test_a_version_of_the_future_is_refused():
+    with pytest.raises(ModelError, match=r"version 2 is not known; this cutpoint reads 1 \(map.yaml:1\)"):
+        parse_mapping("version: 2\nq: x", "map.yaml")
+
+
+def test_a_missing_channel_among_many_is_answered_with_those_that_come_near():
+    many = table(**{f"filler_{k}": Q for k in range(20)}, actual_position=Q)
+    with pytest.raises(ModelError, match=r"no channel 'actual_positoin'; did you mean 'actual_position'\?"):
+        mapped("q: actual_positoin", many)
+
+
+@pytest.mark.parametrize(
+    "names",
+    [
+        ("q", "qd", "tau"),
+        ("position", "velocity", "effort"),
+        ("/joint_states.position", "/joint_states.velocity", "/joint_states.effort"),
+        ("rec.Actual_Q", "rec.actual_qd", "rec.motor_torque"),
+    ],
+)
+def test_obvious_names_need_no_mapping(names: tuple[str, str, str], tmp_path: Path):
+    np.savez(tmp_path / "log.npz", timestamp=T, **dict(zip(names, (Q, V, TAU), strict=True)))
+    found = read_recording(tmp_path / "log.npz")
+    assert np.array_equal(found["q"], Q)
+    assert np.array_equal(found["v"], V)
+    assert np.array_equal(found["torque"], TAU)
+
+
+@pytest.mark.parametrize("pattern", ["actual_q_{}", "q{}", "q[{}]", "q ({})", "Q-{}"])
+def test_numbered_columns_are_one_quantity(pattern: str):
+    from cutpoint.identification.mapping import obvious_mapping
+
+    log = table(**{pattern.format(k): Q[:, k] for k in range(2)})
+    assert np.array_equal(recording_of(log, obvious_mapping(log))["q"], Q)
+
+
+def test_names_that_say_nothing_are_an_error_that_lists_them(tmp_path: Path):
+    np.savez(tmp_path / "log.npz", t=T, x=Q, y=V)
+    with pytest.raises(InputError, match=r"no channel is named like a position; give a mapping.  There are: 't', 'x'"):
+        read_recording(tmp_path / "log.npz")
+    np.savez(tmp_path / "log.npz", q=Q)
+    with pytest.raises(ModelError, match=r"no channel is named like a time; state 'time: {channel: ...}'"):
+        read_recording(tmp_path / "log.npz")
+
+
+def test_a_channel_as_long_as_no_other_is_refused(tmp_path: Path):
+    np.savez(tmp_path / "log.npz", t=T, q=Q[:60])
+    with pytest.raises(InputError, match=r"q has 60 samples: it must have as many as the time has, 100"):
+        read_recording(tmp_path / "log.npz")

@@ -1,0 +1,106 @@
+"""What looks wrong in a log is said by name; what is surely wrong is refused."""
+
+import math
+from typing import Any
+
+import numpy as np
+import pytest
+from machine_logs import JOINTS, positions, times
+
+import cutpoint
+from cutpoint.errors import InputError
+from cutpoint.identification import Channel, Recording, Table, parse_mapping, recording_of
+from robot_library import load
+
+T = times(3000)
+SPANS = positions(T)
+GOOD = {
+    "q": SPANS,
+    "theta": SPANS + 1e-3,
+    "v": positions(T, 1),
+    "theta_dot": positions(T, 1),
+    "torque": positions(T, 2),
+}
+
+
+def read(**changed: Any) -> Recording:
+    channels = GOOD | {"current": GOOD["torque"]} | changed
+    log = Table("log", {"t": Channel(T)} | {name: Channel(values, JOINTS) for name, values in channels.items()})
+    return recording_of(log, parse_mapping({"version": 1, **{name: name for name in channels}}))
+
+
+def elbow(name: str, values: Any) -> np.ndarray:
+    """A channel of which the elbow's column is another."""
+    changed = np.array(GOOD[name])
+    changed[:, 1] = values
+    return changed
+
+
+def test_nothing_is_said_of_a_good_log():
+    assert read().notes == ()
+
+
+@pytest.mark.parametrize(
+    ("changed", "note"),
+    [
+        ({"q": elbow("q", 0.0)}, "q of elbow never changes: was it measured?"),
+        ({"torque": elbow("torque", np.nan)}, "torque of elbow holds no number"),
+        ({"v": elbow("v", np.where(T < 1.0, np.nan, GOOD["v"][:, 1]))}, "v of elbow misses some samples"),
+        ({"torque": elbow("torque", np.inf)}, "torque of elbow holds no number"),
+        (
+            {"torque": np.clip(GOOD["torque"], -5.0, 5.0)},
+            "torque of shoulder, elbow stays at its extreme: was it cut off?",
+        ),
+        ({"v": np.degrees(GOOD["v"])}, "v of 'elbow' is 57.3 times the rate of q: degrees for radians?"),
+        ({"v": -GOOD["v"]}, "v of 'elbow' is -1 times the rate of q: the sign of one is wrong?"),
+        ({"theta_dot": GOOD["v"] * 30.0 / math.pi}, "theta_dot of 'elbow' is 9.549 times the rate of theta: rpm for"),
+        ({"v": GOOD["v"] / (2.0 * math.pi)}, "v of 'elbow' is 0.1592 times the rate of q: turns for radians?"),
+        (
+            {"theta": 100.0 * SPANS, "theta_dot": 100.0 * GOOD["v"]},
+            "theta of 'elbow' is 100 times q: another unit",
+        ),
+        (
+            {"q": 50.0 * SPANS, "v": 50.0 * GOOD["v"]},
+            "q of shoulder, elbow spans more than 4 turns: degrees",
+        ),
+    ],
+)
+def test_what_looks_wrong_is_noted_by_name(changed: dict[str, np.ndarray], note: str):
+    notes = read(**changed).notes
+    assert any(each.startswith(note) for each in notes), notes
+
+
+def test_a_peak_is_not_taken_for_a_limit():
+    rounded = np.round(GOOD["torque"], 1)
+    assert not [note for note in read(torque=rounded, current=GOOD["torque"]).notes if "cut off" in note]
+
+
+def robot_log(robot: cutpoint.Robot, factor: float) -> Recording:
+    names = tuple(robot.drives)
+    q = factor * 0.5 * np.column_stack([SPANS[:, k % 2] for k in range(len(names))])
+    log = Table("log", {"t": Channel(T), "x": Channel(q), "y": Channel(q)})
+    return recording_of(log, parse_mapping("version: 1\nq: x\ntheta: {channels: y, side: motor}"), robot)
+
+
+def test_a_robot_gives_names_and_ratios():
+    robot = cutpoint.robots.xia2019()
+    found = robot_log(robot, 1.0)
+    assert found.joints == tuple(robot.drives)
+    ratios = [drive.ratio for drive in robot.drives.values()]
+    assert np.allclose(found["theta"], found["q"] / ratios, rtol=1e-15, atol=0.0)
+
+
+def test_positions_far_beyond_the_limits_of_a_robot_are_refused():
+    robot = load("ur10_robot.urdf")
+    with pytest.raises(InputError, match=r"q: joint '.*': position .* exceeds its limits .* degrees.*'unit: deg'"):
+        robot_log(robot, 180.0 / math.pi)
+
+
+def test_a_joint_that_the_robot_lacks_is_refused():
+    log = Table("log", {"t": Channel(T), "q": Channel(SPANS)})
+    mapping = parse_mapping("version: 1\njoints: [elbow, wrist]\nq: q", "map.yaml")
+    robot = cutpoint.robots.xia2019()
+    with pytest.raises(cutpoint.ModelError, match=r"the robot has no driven joint 'elbow'; there are: .*map.yaml:2"):
+        recording_of(log, mapping, robot)
+    with pytest.raises(cutpoint.ModelError, match=r"no driven joint 'joint_0'; .*; state 'joints' in the mapping"):
+        recording_of(log, parse_mapping("version: 1\nq: q"), robot)

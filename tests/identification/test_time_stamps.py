@@ -1,0 +1,91 @@
+"""Time stamps as loggers write them: whatever was done to them, the motion is the one that was."""
+
+import numpy as np
+import pytest
+from machine_logs import JOINTS, positions, times
+
+from cutpoint.errors import InputError
+from cutpoint.identification import Channel, Recording, Table, parse_mapping, recording_of
+
+T = times(400)
+Q = positions(T)
+
+
+def read(stamps: np.ndarray, q: np.ndarray) -> Recording:
+    log = Table("log", {"t": Channel(stamps), "q": Channel(q, JOINTS)})
+    return recording_of(log, parse_mapping("version: 1\nq: q"))
+
+
+def assert_true(found: Recording, least: int) -> None:
+    """Every sample is one that was taken, at its time."""
+    assert found.time.size >= least
+    assert np.allclose(found["q"], positions(found.time), rtol=0.0, atol=1e-12)
+
+
+@pytest.mark.parametrize("start", [0.0, 0.25, -3.0])
+def test_time_counts_from_the_first_sample(start: float):
+    found = read(T + start, Q)
+    assert found.notes == ()
+    assert np.allclose(found.time, T, rtol=0.0, atol=1e-12)
+
+
+def test_shuffled_samples_are_sorted_and_said_to_be():
+    shuffled = np.random.default_rng(1).permutation(T.size)
+    found = read(T[shuffled], Q[shuffled])
+    assert_true(found, T.size)
+    assert "steps of time lead back; samples were sorted by time" in found.notes[0]
+
+
+def test_samples_written_twice_count_once():
+    twice = np.sort(np.concatenate([np.arange(T.size), np.arange(0, T.size, 3)]))
+    found = read(T[twice], Q[twice])
+    assert_true(found, T.size)
+    assert found.notes == ("q: 134 samples were written twice; each counts once",)
+
+
+def test_samples_without_a_time_or_at_that_of_another_are_left_out_if_they_are_few():
+    stamps = T.copy()
+    stamps[[7, 50]] = np.nan, np.inf
+    stamps[200] = stamps[199]
+    stamps[300] = stamps[299] + 1e-9
+    found = read(stamps, Q)
+    assert_true(found, T.size - 4)
+    assert found.notes == (
+        "q: samples without a time: 2 of 400 were left out",
+        "q: samples at the time of another, or right after it: 2 of 398 were left out",
+    )
+
+
+def test_gaps_are_noted_with_the_longest():
+    kept = np.r_[0:100, 101:200, 230:400]
+    found = read(T[kept], Q[kept])
+    assert_true(found, kept.size)
+    assert found.notes == ("q: 1 gaps above 0.0025 s; the longest, 0.031 s, is at 0.199 s",)
+
+
+def test_a_period_that_is_another_units_is_noted():
+    assert read(1000.0 * T, Q).notes == ("q: a period of 1 s is slow for a log; are the times in ms?",)
+
+
+@pytest.mark.parametrize(
+    ("stamps", "message"),
+    [
+        (
+            np.concatenate([T[:250], T[:150]]),
+            r"q: time goes back by 0.249 s at sample 250: a clock was set",
+        ),
+        (np.floor(T / 4e-3) * 4e-3, r"q: samples at the time of another, .*: 300 of 400, more than 5%"),
+        (np.where(np.arange(400) % 4, T, np.nan), r"q: samples without a time: 100 of 400, more than 5%: take another"),
+        (np.zeros(400), r"q: time does not pass: every stamp is 0 s"),
+        (np.full(400, np.nan), r"q: samples without a time: 400 of 400"),
+    ],
+)
+def test_stamps_that_nothing_can_be_made_of_are_refused(stamps: np.ndarray, message: str):
+    with pytest.raises(InputError, match=message):
+        read(stamps, Q)
+
+
+@pytest.mark.parametrize("count", [2, 3])
+def test_too_few_samples_are_refused(count: int):
+    with pytest.raises(InputError, match=rf"q: {count} samples are too few: at least 4 are needed"):
+        read(T[:count], Q[:count])

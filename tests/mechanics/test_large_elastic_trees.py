@@ -1,0 +1,149 @@
+"""Large robots whose joints bend run as loops too: the same results as straight-line code."""
+
+from dataclasses import replace
+from functools import cache
+from typing import Any
+
+import numpy as np
+import pytest
+
+from cutpoint import Robot
+from cutpoint.errors import InputError
+from cutpoint.mechanics.compliance import Flexspline, LinearSpring
+from cutpoint.mechanics.friction import Coulomb, Stribeck
+from cutpoint.mechanics.kinematic_error import KinematicError
+from cutpoint.model import Drive, Mechanism
+from cutpoint.model.drive import Harmonic, Rotor
+from cutpoint.robot import ElasticAccelerations, ElasticTorques
+from cutpoint.rolled import RolledFunction, rolled
+from random_trees import random_tree
+
+INVERSE, FORWARD = "elastic_inverse_dynamics", "elastic_forward_dynamics"
+BACKENDS = ("llvm", "numpy")
+EPS = np.finfo(float).eps
+TREES = {"one body": random_tree(3, 1), "tree of 11": random_tree(4, 11), "tree of 20": random_tree(5, 20)}
+
+
+def linear(rng: np.random.Generator) -> Drive:
+    return Drive(rng.uniform(50.0, 160.0), Rotor(rng.uniform(1e-4, 2e-4)), LinearSpring(rng.uniform(1e4, 3e4)))
+
+
+def full_of_laws(rng: np.random.Generator) -> Drive:
+    """Everything but memory: its numbers differ from joint to joint, its laws do not."""
+    rubs = {"link_friction": Coulomb(rng.uniform(0.5, 1.0), 0.3, 0.02)}
+    rubs |= {"motor_friction": Stribeck(1.0, rng.uniform(1.5, 2.0), 0.4, 0.1, 0.01, per_load=0.05)}
+    spring = Flexspline(rng.uniform(8e3, 9e3), rng.uniform(1e-3, 2e-3))
+    error = KinematicError((Harmonic(2, rng.uniform(1e-5, 1e-4), rng.uniform(0.0, 6.0)),))
+    return replace(linear(rng), compliance=spring, damping=rng.uniform(1.0, 5.0), kinematic_error=error, **rubs)
+
+
+KINDS = {"springs": linear, "all laws": full_of_laws}
+
+
+@cache
+def robot(tree: str, kind: str, backend: str = "numpy") -> Robot:
+    """With NumPy it never loops."""
+    rng = np.random.default_rng(0)
+    return Robot(TREES[tree], drives_of(TREES[tree], kind, rng), backend=backend)
+
+
+def drives_of(mechanism: Mechanism, kind: str, rng: np.random.Generator) -> dict[str, Drive]:
+    return {body.joint.name: KINDS[kind](rng) for body in mechanism.bodies}
+
+
+def given_to(name: str, robot: Robot, *shape: int) -> np.ndarray:
+    """Rates of a motion, or a state near rest of the springs with torques."""
+    given = np.random.default_rng(1).uniform(-1.0, 1.0, (5, *shape, robot.nv))
+    if name == FORWARD:
+        given[2] = given[0] + 1e-3 * given[2]
+    return given
+
+
+def looping(robot: Robot, name: str, backend: str = "llvm", record: type[Any] | None = None) -> RolledFunction:
+    """A function as loops, whatever the robot's size."""
+    return RolledFunction(name, robot.machine, backend, record)
+
+
+@pytest.mark.parametrize("name", [INVERSE, FORWARD])
+@pytest.mark.parametrize("kind", KINDS)
+@pytest.mark.parametrize("tree", TREES)
+def test_elastic_loops_give_what_straight_line_code_gives(tree: str, kind: str, name: str) -> None:
+    ours = robot(tree, kind)
+    given = given_to(name, ours, 11)  # a whole pack of lanes and some that are left
+    given[1:, 1] *= 0.0 if name == INVERSE else 1.0  # at rest
+    expected = getattr(ours, name)(*given)
+    for backend in BACKENDS:
+        found = looping(ours, name, backend, type(expected))(*given)
+        for one, other in zip(found, expected, strict=True):
+            np.testing.assert_allclose(one, other, rtol=0, atol=1e-12 * np.abs(other).max())
+        single = looping(ours, name, backend, type(expected))(*given[:, 10])
+        np.testing.assert_array_equal(single, [x[10] for x in found])
+
+
+def test_accelerations_of_a_large_elastic_robot_are_those_of_its_motor_torques() -> None:
+    ours = Robot(mechanism := random_tree(6, 150), drives_of(mechanism, "springs", np.random.default_rng(2)))
+    motion = 0.1 * given_to(INVERSE, ours)
+    u = looping(ours, INVERSE, record=ElasticTorques)(*motion)
+    function = looping(ours, FORWARD, record=ElasticAccelerations)
+    found = function(*motion[:2], u.theta, u.theta_dot, u.motor_torque)
+    again = looping(ours, INVERSE, record=ElasticTorques)(*motion[:2], found.a, *motion[3:])
+    # a deflection is a small difference of angles: its rounding, times the stiffness, is a torque on link and rotor
+    rounding = EPS * (3e4 * np.abs(u.theta).max() + 150 * np.abs(u.joint_torque).max())
+    np.testing.assert_allclose(again.joint_torque, u.joint_torque, rtol=0, atol=100 * rounding)
+    lightest = min(drive.reflected_inertia for drive in ours.drives.values())
+    np.testing.assert_allclose(found.theta_ddot, u.theta_ddot, rtol=0, atol=100 * rounding / lightest)
+
+
+def test_loops_are_for_large_robots_and_what_they_were_asked_for() -> None:
+    mechanism = random_tree(7, 40)
+    machine = Robot(mechanism, drives_of(mechanism, "springs", np.random.default_rng(0))).machine
+    plain = (INVERSE, False, False, True)
+    assert rolled(plain, machine, "llvm") and rolled(FORWARD, machine, "llvm")
+    assert rolled(plain, machine, "numpy") is None
+    for variant in ((INVERSE, True, False, True), (INVERSE, False, False, False), (FORWARD, "strains")):
+        assert rolled(variant, machine, "llvm") is None
+    assert rolled(plain, robot("tree of 20", "springs").machine, "llvm") is None
+
+
+def oddly(mechanism: Mechanism, case: str) -> dict[str, Drive]:
+    """One drive in the middle is not as loops want it."""
+    drives = drives_of(mechanism, "springs", np.random.default_rng(0))
+    name = mechanism.bodies[1].joint.name
+    odd = {
+        "rigid": lambda d: replace(d, compliance=None),
+        "another law": lambda d: replace(d, compliance=Flexspline(8e3, 1e-3)),
+        "full coupling": lambda d: replace(d, rotor=Rotor(1e-4, coupling="full")),
+    }
+    if case == "none":
+        del drives[name]
+    else:
+        drives[name] = odd[case](drives[name])
+    return drives
+
+
+@pytest.mark.parametrize("case", ["rigid", "another law", "full coupling", "none"])
+def test_what_elastic_loops_do_not_take_goes_without_them(case: str) -> None:
+    mechanism = random_tree(8, 40)
+    machine = Robot(mechanism, oddly(mechanism, case)).machine
+    for key in ((INVERSE, False, False, True), FORWARD):
+        assert rolled(key, machine, "llvm") is None
+
+
+def test_a_robot_that_nothing_takes_is_told_why() -> None:
+    mechanism = random_tree(9, 1001)
+    machine = Robot(mechanism, oddly(mechanism, "another law")).machine
+    name = mechanism.bodies[1].name
+    told = rf"1001 bodies .* loops do not take drives of different kinds, or rigid ones, as at '{name}'"
+    with pytest.raises(InputError, match=told):
+        rolled(FORWARD, machine, "llvm")
+    with pytest.raises(InputError, match=r"loops do not take friction's rates or strains"):
+        rolled((INVERSE, True, False, True), machine, "llvm")
+
+
+def test_wrong_input_of_elastic_loops_is_explained() -> None:
+    function, given = looping(robot("tree of 11", "springs"), INVERSE), np.ones((5, 11))
+    given[3, 4] = np.nan
+    with pytest.raises(InputError, match=r"elastic_inverse_dynamics: jerk\[4\] is nan, every number must be finite"):
+        function(*given)
+    with pytest.raises(InputError, match=r"elastic_inverse_dynamics: snap has shape \(10,\), its last axis must be 11"):
+        function(*np.ones((4, 11)), np.ones(10))

@@ -1,0 +1,172 @@
+"""The integration step: order whatever resists, friction however stiff, and what it costs to be wrong about it."""
+
+from dataclasses import replace
+from functools import cache
+from typing import Any
+
+import numpy as np
+import pytest
+
+from cutpoint import Coulomb, Drive, LinearSpring, Log, Rotor, State, Stribeck, simulate
+from cutpoint.control import PD, Command, Feedforward, Law
+from cutpoint.model import Motor
+from cutpoint.simulation.integrator import fastest_growth, substeps_for
+from cutpoint.simulation.step import GAMMA, TABLEAU
+from cutpoint.trajectories import cycloid
+from robot_library import Array, Robot, robot
+
+B = TABLEAU[:, 1]
+AHEAD = np.diag(TABLEAU[:-1, 0], -1)  # each stage starts from the one before
+IMPLICIT = sum((np.diag(TABLEAU[: 3 - k, 2 + k], -1 - k) for k in range(3)), GAMMA * np.eye(4))
+C, W = AHEAD.sum(axis=1), IMPLICIT.sum(axis=1)
+
+CONDITIONS = {
+    "1": (B.sum(), 1), "c": (B @ C, 1 / 2), "c2": (B @ C**2, 1 / 3), "ac": (B @ AHEAD @ C, 1 / 6),
+    "c3": (B @ C**3, 1 / 4), "cac": (B @ (C * (AHEAD @ C)), 1 / 8), "ac2": (B @ AHEAD @ C**2, 1 / 12),
+    "aac": (B @ AHEAD @ AHEAD @ C, 1 / 24),
+    "w": (B @ W, 0), "aw": (B @ AHEAD @ W, 0), "wc": (B @ IMPLICIT @ C, 0), "ww": (B @ IMPLICIT @ W, 0),
+    "c w": (B @ (C * W), 0),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("name", CONDITIONS)
+def test_the_order_conditions_hold(name):
+    """Order 4 without resistance, 3 with any; the last keeps that where it changes from stage to stage.
+
+    Hairer and Wanner (1996) section IV.7, W-methods.
+    """
+    found, expected = CONDITIONS[name]
+    assert found == pytest.approx(expected, abs=4 * np.finfo(float).eps)
+
+
+def gain(z: float, taken: float) -> float:
+    """What a step makes of y' = z y / h where the implicit part takes it for `taken` y / h."""
+    return float(1 + z * B @ np.linalg.solve(np.eye(4) - z * AHEAD - taken * IMPLICIT, np.ones(4)))
+
+
+@pytest.mark.parametrize("share", [0.8, 1.0, 1.5, 4.0, 100.0])
+def test_what_decays_decays_however_fast_and_however_well_it_is_known(share):
+    assert all(abs(gain(z, share * z)) <= 1.0 for z in -np.logspace(-3, 8, 200))
+    assert abs(gain(-1e9, -1e9)) < 1e-8
+
+
+@cache
+def arm() -> Robot:
+    return robot("xia2019")
+
+
+def each(ours: Robot, **parts: object) -> Robot:
+    return ours.with_drives({name: replace(drive, **parts) for name, drive in ours.drives.items()})
+
+
+@cache
+def swing(kind: str, accuracy: Any = "standard", substeps: int | None = None) -> Array:
+    """Where the arm is after it has fallen for 0.1 s, links and motors."""
+    parts: dict[str, object] = {
+        "link": {"link_friction": Coulomb(0.5, 0.2, 0.5)},
+        "motor": {"link_friction": None, "motor_friction": Coulomb(1.0, 20.0, 0.5)},
+        "spring": {"link_friction": None, "damping": 4.0},
+        "rigid": {"link_friction": Coulomb(0.5, 0.5, 0.05), "compliance": None},
+    }[kind]
+    start = State(q=np.array([1.3, -1.0, 0.9, -0.4, 1.5, 0.2]))
+    log = simulate(each(arm(), **parts), duration=0.1, initial=start, accuracy=accuracy, substeps=substeps)
+    return np.concatenate([log["q"][-1], log["theta"][-1]])
+
+
+@pytest.mark.parametrize("kind", ["link", "motor", "spring", "rigid"])
+def test_with_friction_or_damping_the_step_is_of_order_three_or_more(kind):
+    truth, steps = swing(kind, "reference"), np.array([12, 16, 20, 24])
+    errors = [np.linalg.norm(swing(kind, substeps=int(n)) - truth) for n in steps]
+    assert -np.polyfit(np.log(steps), np.log(errors), 1)[0] > 2.8
+
+
+@pytest.mark.parametrize(("accuracy", "error"), [("standard", 1e-4), ("fine", 1e-6)])
+@pytest.mark.parametrize("kind", ["link", "motor", "spring", "rigid"])
+def test_an_accuracy_keeps_its_promise_with_friction(kind, accuracy, error):
+    assert np.abs(swing(kind, accuracy) - swing(kind, "reference")).max() < error
+
+
+class Push(Law):
+    """A constant torque on joint 1, N m."""
+
+    def __init__(self, torque: float) -> None:
+        self.torque = torque
+
+    def step(self, memory, measurement, reference):
+        return memory, Command(np.array([self.torque, *[0.0] * 5]))
+
+
+def pushed(smoothing: float, **parts: object) -> Log:
+    """Joint 1, about the vertical, under less torque than it takes to break away."""
+    drive = Drive(100.0, Rotor(1.14e-5), LinearSpring(16e3), damping=10.0)
+    law = Stribeck(1.0, 2.0, 0.2, 100.0, smoothing)
+    drives = {name: drive for name in arm().joints} | {"joint1": replace(drive, link_friction=law, **parts)}
+    ours = arm().with_drives(drives).with_gravity([0.0, 0.0, 0.0])
+    return simulate(ours, Push(1.2), duration=1.0, substeps=4)
+
+
+@pytest.mark.parametrize("smoothing", [1e-2, 1e-3, 1e-4])
+@pytest.mark.parametrize("compliance", [LinearSpring(16e3), None])
+def test_smoothed_friction_creeps_as_it_must_however_sharp_it_is(smoothing, compliance):
+    """1.2 N m = 2 N m tanh(v / smoothing) + 0.2 N m s/rad v, at four steps a millisecond."""
+    v = pushed(smoothing, compliance=compliance)["v"][-1, 0]
+    assert 2.0 * np.tanh(v / smoothing) + 0.2 * v == pytest.approx(1.2, rel=1e-6)
+
+
+def test_a_stiffly_damped_spring_moves_as_a_rigid_drive_does():
+    """A damping of 1e5 N m s/rad decays in 20 ns; both ends go together."""
+    start = State(q=np.array([1.3, -1.0, 0.9, -0.4, 1.5, 0.2]))
+    bare = each(arm(), link_friction=None)
+    tied = simulate(each(bare, damping=1e5), duration=0.1, initial=start, substeps=4)
+    rigid = simulate(each(bare, compliance=None), duration=0.1, initial=start, substeps=4)
+    assert np.abs(tied["q"] - rigid["q"]).max() < 2e-5
+    assert np.abs(tied["v"] - tied["theta_dot"]).max() < 1e-2
+
+
+@pytest.mark.parametrize("substeps", [1, 4])
+def test_a_rotor_that_its_carrier_turns_along_may_rub_too(substeps):
+    """Full coupling: its friction stays explicit, the link's does not."""
+    ours = each(arm(), rotor=Rotor(1.14e-5, coupling="full"), motor_friction=Coulomb(1.0, 1.0, 0.05))
+    start = State(q=np.array([1.3, -1.0, 0.9, -0.4, 1.5, 0.2]))
+    logs = [simulate(ours, duration=0.05, initial=start, substeps=n) for n in (substeps, 20 * substeps)]
+    assert np.abs(logs[0]["q"][-1] - logs[1]["q"][-1]).max() < 1e-4
+
+
+@cache
+def paper(accuracy: Any, substeps: int | None = None) -> Array:
+    """RMS errors of the paper's arm on a move of 1 s, rad."""
+    law = PD([2000.0, 2000, 1000, 500, 300, 200], [60.0, 60, 35, 20, 12, 10], side="motor") + Feedforward(arm())
+    move = cycloid(np.deg2rad([45.0, 30, 30, 45, 30, 45]), 1.0)
+    return simulate(arm(), law, move, accuracy=accuracy, substeps=substeps).rms("position_error")
+
+
+@pytest.mark.parametrize(("accuracy", "error"), [("standard", 2e-5), ("fine", 5e-6)])
+def test_stick_slip_scores_are_those_of_much_finer_steps(accuracy, error):
+    assert np.abs(paper(accuracy) - paper("standard", 100)).max() < error
+
+
+def test_smoothing_does_not_set_the_steps_and_falling_friction_does():
+    poses = np.zeros((1, 6))
+    law = Stribeck(0.1, 0.7, 0.03, 0.03, 0.02)
+    sharp = each(arm(), link_friction=replace(law, smoothing=1e-5, stribeck_velocity=1.0))
+    falling = each(arm(), link_friction=replace(law, stribeck_velocity=1e-2, smoothing=1e-3))
+    assert substeps_for(sharp, "standard", 1e-3, poses).number == 4
+    steps = substeps_for(falling, "standard", 1e-3, poses)
+    assert steps.number > 10
+    assert steps.cause.startswith("slipping of 'joint")
+
+
+def test_growth_is_that_of_the_steepest_fall():
+    """Of Stribeck's exponential, sqrt(2/e) (f_s - f_c) / v_s at v_s / sqrt(2), far above where it is smoothed."""
+    law = Stribeck(1.0, 2.0, 0.0, 0.1, 1e-5)
+    ours = arm().with_drives({"joint6": replace(arm().drives["joint6"], link_friction=law)})
+    others = [name for name in ours.joints if name != "joint6"]
+    ours = ours.with_drives({name: replace(ours.drives[name], link_friction=None) for name in others})
+    mobility = np.linalg.inv(ours.mass_matrix(np.zeros(6)))[5, 5]
+    steepest = np.sqrt(2 / np.e) * 1.0 / 0.1
+    assert fastest_growth(ours, np.zeros((1, 6))).rate == pytest.approx(mobility * steepest, rel=1e-2)
+
+
+def test_current_loops_still_set_the_steps():
+    ours = each(arm(), motor=Motor(0.1, bandwidth=3e3))
+    assert substeps_for(ours, "standard", 1e-3, np.zeros((1, 6))).cause.startswith("the current loop of 'joint")
