@@ -12,7 +12,7 @@ from collections import defaultdict
 from collections.abc import Iterator
 from pathlib import Path
 
-from paper import DEFINITIONS, EQUATIONS, NOT_BUILT
+from paper import DEFINITIONS, EQUATIONS
 
 ROOT = Path(__file__).resolve().parents[1]
 PACKAGE = ROOT / "src" / "cutpoint"
@@ -72,9 +72,9 @@ def _docstrings(node: ast.AST, outer: str = "") -> Iterator[tuple[str, str]]:
 
 def _row(number: int, places: list[str]) -> str:
     key = f"({number})"
-    where = "<br>".join(f"`{place}`" for place in places) or f"not built: {NOT_BUILT.get(key, '')}"
+    where = "<br>".join(f"`{place}`" for place in places)
     if key in DEFINITIONS:
-        cells = [key, "a definition", DEFINITIONS[key], where if places else ""]
+        cells = [key, "a definition", DEFINITIONS[key], where]
     else:
         equation = EQUATIONS[key]
         cells = [key, equation.title, equation.correction or "as printed", where]

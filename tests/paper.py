@@ -13,8 +13,7 @@ from transcript import appendix, arm, data, joint, manipulator, simulation
 from transcript.registry import Equation, equations_of
 
 __all__ = [
-    "DEFINITIONS", "EQUATIONS", "NOT_BUILT", "Equation", "appendix", "arm", "data", "joint", "manipulator",
-    "simulation",
+    "DEFINITIONS", "EQUATIONS", "Equation", "appendix", "arm", "data", "joint", "manipulator", "simulation",
 ]  # fmt: skip
 
 DEFINITIONS: dict[str, str] = {
@@ -22,10 +21,5 @@ DEFINITIONS: dict[str, str] = {
     "(19)": "gives the rotor's required net wrench a second name, as (10) does",
     "(24)": "is (19) read from right to left",
 }
-
-NOT_BUILT: dict[str, str] = {
-    "(12)": "the required velocity of a law that feeds positions back; the feedforward takes the desired one",
-}
-"""Equations that the package does not implement, and why."""
 
 EQUATIONS: dict[str, Equation] = equations_of(joint, manipulator, appendix, simulation)

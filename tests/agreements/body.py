@@ -2,11 +2,15 @@
 
 import numpy as np
 
-from agreements.registry import Array, equations, inertia, matrix, motion, pose, six, wrench
+from agreements.registry import Array, equations, inertia, mat3, matrix, motion, pose, six, wrench
 from cutpoint.definitions import matrix_of
 from cutpoint.mechanics.articulated import Articulated
+from cutpoint.mechanics.inverse_dynamics import pull
+from cutpoint.mechanics.joints import Revolute
 from cutpoint.mechanics.rigid_body import acceleration_gradient, net_wrench
-from cutpoint.mechanics.spatial import Motion, Vec3
+from cutpoint.mechanics.spatial import AT_ORIGIN, Motion, Vec3
+from cutpoint.mechanics.system import Segment
+from cutpoint.model.mechanism import WORLD
 from random_trees import rotation
 from transcript import appendix, joint
 
@@ -81,7 +85,11 @@ def net_wrenches(rng):
 
 @equations("(15)", "(16)", "(17)", "(50)")
 def required_net_wrenches(rng):
-    """Without gains: no law of the package feeds body velocities back."""
+    """With a gain in the body's own axes, which are not those of its joint."""
     body, R_BI, g, (V, V_r, V_r_dot) = random_body(rng), rotation(rng), rng.normal(size=3), rng.normal(size=(3, 6))
-    ours = cost(body, V[3:], V_r, V_r_dot, R_BI @ g) + left_out(body, V[3:]) @ V_r
-    return [(ours, joint.required_net_wrench(*body, R_BI, g, V, V_r, V_r_dot, np.zeros((6, 6))))]
+    A, turn = rng.normal(size=(6, 6)), rotation(rng)
+    segment = Segment("body", WORLD, AT_ORIGIN, Revolute(), inertia(*body), slice(0, 1), slice(0, 1), mat3(turn))
+    own = np.kron(np.eye(2), turn)
+    pulled = own @ six(pull(segment, A @ A.T, motion(own.T @ V_r), motion(own.T @ V)))
+    ours = cost(body, V[3:], V_r, V_r_dot, R_BI @ g) + left_out(body, V[3:]) @ V_r + pulled
+    return [(ours, joint.required_net_wrench(*body, R_BI, g, V, V_r, V_r_dot, A @ A.T))]

@@ -6,6 +6,7 @@ from agreements.manipulator import robot
 from agreements.registry import equations
 from cutpoint import Coulomb, Drive, Flexspline, Rotor, Stribeck
 from cutpoint.control import PD, Measurement, Reference
+from cutpoint.control.vdc import required_velocity
 from cutpoint.formats.drive_entry import harmonic_ratio
 from cutpoint.formats.drive_sheet import GearSheet
 from cutpoint.mechanics.harmonic_drive import friction_torque, load_on_motor, motor_position, spring_torque
@@ -57,6 +58,14 @@ def deflection_between_encoders(rng):
     theta = motor_position(drive, q + spring.deflection(tau_f))
     left = joint.flexspline_deflection(theta - q, tau_f / ELL, 2.0, 60.0, ELL, error.value(theta, ELL))
     return [(flexspline.deflection(tau_f), left), (spring_torque(drive, theta, q), tau_f)]
+
+
+@equations("(12)")
+def required_velocity_of_the_joints(rng):
+    gains = rng.uniform(1.0, 50.0, 6)
+    desired, actual = rng.normal(size=(2, 6)), rng.normal(size=(1, 6))
+    found = [v_r.derivative(0) for v_r in required_velocity(gains, desired, actual)]
+    return [(found, joint.required_joint_velocity(desired[1], np.diag(gains), desired[0], actual[0]))]
 
 
 @equations("(4)", "(13)")

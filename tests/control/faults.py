@@ -8,8 +8,6 @@ import numpy as np
 from cutpoint import where
 from cutpoint.control.law import Wrapper
 
-FIELDS = ("q", "v", "theta", "theta_dot", "time")
-
 
 @dataclass(frozen=True, eq=False)
 class Corrupted(Wrapper):

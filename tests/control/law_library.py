@@ -8,7 +8,6 @@ import numpy as np
 
 from cutpoint import Drive, LinearSpring, Robot, Rotor
 from cutpoint.control import (
-    PD,
     PID,
     VDC,
     AdaptiveVDC,
@@ -33,7 +32,7 @@ BANDWIDTH = 3.0
 
 
 @cache
-def elbow(damping: float | None = None) -> Robot:
+def elbow() -> Robot:
     """An arm of two links, upper arm and forearm, whose joints bend; no friction."""
     links = [Link("base")]
     joints = []
@@ -44,7 +43,10 @@ def elbow(damping: float | None = None) -> Robot:
         place[2, 3] = length
         joints.append(Joint(name, "revolute", links[k].name, links[-1].name, place, np.array([0.0, 1.0, 0.0])))
     bare = Robot(build("elbow", links, joints))
-    kinds = [Drive(100.0, Rotor(5e-5), LinearSpring(12e3), damping), Drive(80.0, Rotor(3e-5), LinearSpring(6e3), damping)]
+    kinds = [
+        Drive(100.0, Rotor(5e-5), LinearSpring(12e3)),
+        Drive(80.0, Rotor(3e-5), LinearSpring(6e3)),
+    ]
     return bare.with_drives(dict(zip(bare.joints, kinds, strict=True)))
 
 

@@ -7,9 +7,10 @@ reference; it returns its memory after and the torque, and (VDC) the motor's ref
 from typing import Any
 
 import numpy as np
+from numpy_drives import friction
+from numpy_plant import Plant, along, rates
 from scipy.linalg import expm
 
-from numpy_plant import Plant, along, friction, rates
 from robot_library import Array
 
 Told = tuple[Any, Array]

@@ -1,4 +1,4 @@
-"""A robot for the NumPy laws: Pinocchio's rigid bodies, and drives written down once more."""
+"""A robot for the NumPy laws: Pinocchio's rigid bodies, and the drives of `numpy_drives`."""
 
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -7,8 +7,9 @@ from typing import Any
 
 import numpy as np
 import pinocchio as pin
+from numpy_drives import friction, spring, winding
 
-from cutpoint import Coulomb, LinearSpring, Robot, Stribeck
+from cutpoint import Robot
 from robot_library import Array
 from twins import Twin, pinocchio_of
 
@@ -29,52 +30,16 @@ def along(*derivatives: Array) -> Path:
     return lambda t: sum(d * t**k / np.prod(np.arange(1.0, k + 1)) for k, d in enumerate(derivatives))
 
 
-def friction(law: Any, speed: float, load: float = 0.0) -> float:
-    """Xia (2019) eqs. (54)-(55), sgn smoothed to tanh, viscous friction at its reference temperature."""
-    if law is None:
-        return 0.0
-    return float(np.dot(coefficients(law), columns(law, speed)))
-
-
-def columns(law: Any, speed: float) -> list[float]:
-    """What friction is for each of its coefficients at one."""
-    if law is None:
-        return []
-    sign = np.tanh(speed / law.smoothing)
-    if isinstance(law, Coulomb):
-        return [sign, speed]
-    bump = np.exp(-((speed / law.stribeck_velocity) ** 2))
-    return [(1 - bump) * sign, bump * sign, speed]
-
-
-def coefficients(law: Any) -> list[float]:
-    names = {Coulomb: ["coulomb", "viscous"], Stribeck: ["coulomb", "static", "viscous"], type(None): []}[type(law)]
-    return [getattr(law, name) for name in names]
-
-
-def spring(law: Any, wound: float) -> tuple[float, float]:
-    """tau_f of a deflection, Xia (2019) eq. (2) short of its guard, or of a linear spring; and its slope."""
-    if isinstance(law, LinearSpring):
-        return law.stiffness * wound, law.stiffness
-    x = np.tan(wound * law.hardening * law.stiffness)
-    return x / law.hardening, law.stiffness * (1 + x * x)
-
-
-def winding(law: Any, tau: float, rate: float, rate_2: float) -> Array:
-    """The deflection that a torque makes, and its two time derivatives."""
-    if isinstance(law, LinearSpring):
-        return np.array([tau, rate, rate_2]) / law.stiffness
-    y, K = law.hardening * tau, law.stiffness * (1 + (law.hardening * tau) ** 2)
-    bend = rate_2 - 2 * law.hardening * y / (1 + y * y) * rate**2
-    return np.array([np.arctan(y) / (law.hardening * law.stiffness), rate / K, bend / K])
-
-
 @dataclass(frozen=True)
 class Plant:
-    """The rigid part with rotors of rigid drives as armature (of all drives with `rigid`); one state at a time."""
+    """The rigid part with rotors of rigid drives as armature (of all drives with `rigid`); one state at a time.
+
+    believed: drives with other numbers than the robot's.
+    """
 
     robot: Robot
     rigid: bool = False
+    believed: Any = None
 
     @cached_property
     def twin(self) -> Twin:
@@ -82,7 +47,7 @@ class Plant:
 
     @property
     def drives(self) -> list[Any]:
-        return [*self.robot.drives.values()]
+        return self.believed or [*self.robot.drives.values()]
 
     @property
     def bends(self) -> bool:

@@ -4,12 +4,12 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from law_library import LAWS, elbow, law
 
 from c_builds import CFunction, assert_same_bits
 from cutpoint.control import Guard
 from cutpoint.export import export_controller
 from cutpoint.simulation.control_kernel import law_kernel, law_memory, law_parameters
-from law_library import LAWS, elbow, law
 
 PERIOD = 1e-3
 
@@ -20,7 +20,10 @@ def test_an_exported_law_has_the_bits_of_its_compiled_self(name: str, tmp_path: 
     made = Guard(law("adaptive VDC, natural"), elbow(), torque_limit=5.0) if name == "guard" else law(name)
     export_controller(elbow(), made, tmp_path, period=PERIOD, name="step")
     kernel, rng = law_kernel(elbow(), made), np.random.default_rng(11)
-    function, parameters = CFunction(tmp_path, "step", kernel.graph, flags=("-O1",)), law_parameters(elbow(), made, PERIOD)
+    function, parameters = (
+        CFunction(tmp_path, "step", kernel.graph, flags=("-O1",)),
+        law_parameters(elbow(), made, PERIOD),
+    )
     for scales in ([0.0, 0.0, 1e-9, *[0.1] * 40, 3.0], [1.0, 1e3, 1e9, 1e200], [np.inf], [np.nan]):
         memory = own = law_memory(made)
         for k, scale in enumerate(scales):

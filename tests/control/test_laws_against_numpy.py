@@ -3,9 +3,10 @@
 from typing import Any
 
 import numpy as np
-import pytest
-
 import numpy_laws
+import pytest
+from numpy_plant import Plant
+
 from cutpoint.control import (
     PD,
     PID,
@@ -21,7 +22,6 @@ from cutpoint.control import (
     SpeedFilter,
     SuperTwisting,
 )
-from numpy_plant import Plant
 from robot_library import Array, assert_close, robot
 
 PERIOD = 1e-3

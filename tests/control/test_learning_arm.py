@@ -14,9 +14,7 @@ from robot_library import Array, frictionless, robot
 CYCLE, CYCLES = 5.0, 5
 TURN = 2 * np.pi
 
-ENCODERS = Sensors(
-    link_resolution=TURN / 2**20, motor_resolution=TURN / 2**14 / 100, link_noise=2e-6, motor_noise=2e-6
-)
+ENCODERS = Sensors(link_resolution=TURN / 2**20, motor_resolution=TURN / 2**14 / 100, link_noise=2e-6, motor_noise=2e-6)
 
 
 class Exciting:

@@ -4,11 +4,11 @@ from itertools import pairwise
 
 import numpy as np
 import pytest
+from law_library import at_rest, elbow
 
 from cutpoint import Log, simulate
 from cutpoint.control import FullStateFeedback, tune
 from cutpoint.simulation import State
-from law_library import at_rest, elbow
 from robot_library import Array
 
 POSE = np.array([0.5, -0.8])
@@ -47,7 +47,9 @@ def made_of_nothing(law: FullStateFeedback, period: float, seed: int, seconds: f
         return torque[np.floor(times / HOLD + 1e-6).astype(int)]
 
     start = State(rest, np.zeros(2), theta_d, np.zeros(2))
-    log = simulate(elbow(), law, duration=seconds, control_period=period, initial=start, disturbances=push, accuracy="fine")
+    log = simulate(
+        elbow(), law, duration=seconds, control_period=period, initial=start, disturbances=push, accuracy="fine"
+    )
     brought = (push(log.time)[:-1] * np.diff(log["q"], axis=0)).sum(axis=1)  # the push is constant over each period
     S = stored(law, log)
     lost = np.concatenate([[0.0], np.cumsum(brought)]) - (S - S[0])

@@ -5,6 +5,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from law_library import elbow, law
 
 from cutpoint import InputError, Log, SimulationError, simulate
 from cutpoint.control import (
@@ -22,7 +23,6 @@ from cutpoint.control import (
     tune,
 )
 from cutpoint.simulation import State
-from law_library import elbow, law
 from robot_library import Array
 
 PERIOD = 1e-3
@@ -65,7 +65,9 @@ def test_a_law_that_tune_accepts_lets_a_small_push_die_away(kind, share):
 
 @pytest.mark.parametrize("kind", [k for k in HOLDS if k is not SuperTwisting])
 def test_a_bandwidth_too_high_is_refused_with_the_joint_that_swings_and_how_fast(kind):
-    with pytest.raises(InputError, match=r"does not hold .*'(shoulder|elbow)' would swing at [\d.]+ Hz and grow by") as raised:
+    with pytest.raises(
+        InputError, match=r"does not hold .*'(shoulder|elbow)' would swing at [\d.]+ Hz and grow by"
+    ) as raised:
         tune(elbow(), 3.0 * HOLDS[kind], kind)
     pole, told = raised.value.evidence["pole"], str(raised.value)
     assert told.startswith(kind.__name__) and "; ask for another bandwidth" in told

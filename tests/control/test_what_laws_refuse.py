@@ -4,10 +4,10 @@ from typing import Any
 
 import numpy as np
 import pytest
+from law_library import elbow, law
 
-from cutpoint import InputError, Sensors, simulate
+from cutpoint import InputError
 from cutpoint.control import (
-    PD,
     PID,
     VDC,
     AdaptiveVDC,
@@ -15,16 +15,11 @@ from cutpoint.control import (
     DisturbanceObserver,
     ElasticComputedTorque,
     FullStateFeedback,
-    Measurement,
-    Reference,
     Robust,
     SlotineLi,
     SpeedFilter,
-    SuperTwisting,
     tune,
 )
-from cutpoint.control.law import needs_of
-from law_library import LAWS, elbow, law
 from robot_library import robot
 
 A = np.diag([1.0, 2.0, 3.0, 4.0, 5.0, 6.0])
@@ -61,22 +56,37 @@ REFUSED = {
         lambda: VDC(elbow(), [9.0] * 3, 5.0, 3.0, 60.0),
         r"VDC: position_gain has 3 numbers; it must have one, or one for each of 2 drives",
     ),
-    "a negative gain": (lambda: VDC(elbow(), 9.0, -5.0, 3.0, 60.0), r"VDC: speed_gain = -5.0 must be finite and not neg"),
-    "a gain matrix for numbers": (lambda: VDC(elbow(), 9.0, A[:2, :2], 3.0, 60.0), r"(?s)VDC: speed_gain = .*one for each drive"),
-    "a filter that stands still": (lambda: vdc(derivatives="filter", filter_bandwidth=0.0), r"VDC: filter_bandwidth .*pos"),
+    "a negative gain": (
+        lambda: VDC(elbow(), 9.0, -5.0, 3.0, 60.0),
+        r"VDC: speed_gain = -5.0 must be finite and not neg",
+    ),
+    "a gain matrix for numbers": (
+        lambda: VDC(elbow(), 9.0, A[:2, :2], 3.0, 60.0),
+        r"(?s)VDC: speed_gain = .*one for each drive",
+    ),
+    "a filter that stands still": (
+        lambda: vdc(derivatives="filter", filter_bandwidth=0.0),
+        r"VDC: filter_bandwidth .*pos",
+    ),
     "a filter of no bandwidth": (lambda: vdc(derivatives="filter", filter_bandwidth=np.nan), r"VDC: filter_bandwidth"),
     "unknown derivatives": (lambda: vdc(derivatives="both"), r"VDC: derivatives 'both' must be 'model' or 'filter'"),
     "model derivatives on a mixed robot": (
         lambda: VDC(robot("mixed"), *GAINS),
-        r"VDC: the drive of '\w+' is rigid, so no deflection tells what accelerates its link; take derivatives='filter'",
+        r"VDC: the drive of '\w+' is rigid, so no deflection tells .* its link; take derivatives='filter'",
     ),
     "model derivatives while learning": (
         lambda: AdaptiveVDC(elbow(), *GAINS, derivatives="model"),
         r"AdaptiveVDC: derivatives must be 'filter': a model that is being learnt gives no jerk",
     ),
-    "unknown update": (lambda: AdaptiveVDC(elbow(), *GAINS, update="fast"), r"update 'fast' must be 'projection' or 'nat"),
+    "unknown update": (
+        lambda: AdaptiveVDC(elbow(), *GAINS, update="fast"),
+        r"update 'fast' must be 'projection' or 'nat",
+    ),
     "a negative rate": (lambda: AdaptiveVDC(elbow(), *GAINS, body_rate=-1.0), r"AdaptiveVDC: body_rate = -1.0 must be"),
-    "two rates": (lambda: AdaptiveVDC(elbow(), *GAINS, joint_rate=[1.0, 2.0]), r"AdaptiveVDC: joint_rate has 2 numbers"),
+    "two rates": (
+        lambda: AdaptiveVDC(elbow(), *GAINS, joint_rate=[1.0, 2.0]),
+        r"AdaptiveVDC: joint_rate has 2 numbers",
+    ),
     "numbers that could turn negative": (
         lambda: AdaptiveVDC(elbow(), *GAINS, uncertainty=1.5),
         r"AdaptiveVDC: uncertainty .*1.5.* must be .*(below|less than|at most) 1",
@@ -90,12 +100,27 @@ REFUSED = {
         lambda: FullStateFeedback(elbow(), 9.0, 1.0, 1.5),
         r"FullStateFeedback: shaping \[1.5 1.5\] must be at most 1",
     ),
-    "shaping away the rotor": (lambda: FullStateFeedback(elbow(), 9.0, 1.0, 0.0), r"shaping = 0.0 must be finite and pos"),
-    "a robust law without width": (lambda: Robust(elbow(), 9.0, 5.0, 1.0, 0.0), r"Robust: width = 0.0 must be .*positive"),
+    "shaping away the rotor": (
+        lambda: FullStateFeedback(elbow(), 9.0, 1.0, 0.0),
+        r"shaping = 0.0 must be finite and pos",
+    ),
+    "a robust law without width": (
+        lambda: Robust(elbow(), 9.0, 5.0, 1.0, 0.0),
+        r"Robust: width = 0.0 must be .*positive",
+    ),
     "a PID without limit": (lambda: PID([9.0] * 2, 1.0, 1.0, 0.0), r"PID: limit = 0.0 must be finite and positive"),
-    "a side that there is not": (lambda: ComputedTorque(elbow(), 9.0, 1.0, side="both"), r"side 'both' must be 'motor' or 'l"),
-    "an observer's negative gain": (lambda: DisturbanceObserver(elbow(), law("PD"), -1.0), r"DisturbanceObserver: gain = -1.0"),
-    "a speed filter that stands still": (lambda: SpeedFilter(law("PD"), 0.0), r"SpeedFilter: bandwidth 0.0 Hz must be positive"),
+    "a side that there is not": (
+        lambda: ComputedTorque(elbow(), 9.0, 1.0, side="both"),
+        r"side 'both' must be 'motor' or 'l",
+    ),
+    "an observer's negative gain": (
+        lambda: DisturbanceObserver(elbow(), law("PD"), -1.0),
+        r"DisturbanceObserver: gain = -1.0",
+    ),
+    "a speed filter that stands still": (
+        lambda: SpeedFilter(law("PD"), 0.0),
+        r"SpeedFilter: bandwidth 0.0 Hz must be positive",
+    ),
     "parameters of bending drives for a rigid law": (
         lambda: SlotineLi(elbow(), 9.0, 5.0, parameters=elbow().drive_parameters),
         r"SlotineLi: parameters are numbers of rigid drives; give a robot whose drives are rigid",
@@ -106,7 +131,10 @@ REFUSED = {
     ),
     "tuning for no bandwidth": (lambda: tune(elbow(), np.nan), r"tune: bandwidth nan .*must be positive"),
     "tuning without damping": (lambda: tune(elbow(), 3.0, damping=0.0), r"tune: damping 0.0 .*must be positive"),
-    "tuning without a period": (lambda: tune(elbow(), 3.0, control_period=-1e-3), r"tune: control_period -0.001 .*must be"),
+    "tuning without a period": (
+        lambda: tune(elbow(), 3.0, control_period=-1e-3),
+        r"tune: control_period -0.001 .*must be",
+    ),
     "tuning elsewhere": (lambda: tune(elbow(), 3.0, q=[0.0]), r"tune: q has shape \(1,\)"),
 }
 
@@ -116,48 +144,3 @@ def test_a_law_that_makes_no_sense_is_refused_with_thing_value_and_rule(name):
     make, message = REFUSED[name]
     with pytest.raises(InputError, match=message):
         make()
-
-
-READERS = {
-    "motor": ["PD + gravity", "elastic computed torque", "full state feedback", "VDC, model", "adaptive VDC, projection"],
-    "link": ["PD", "PID", "computed torque", "Slotine-Li", "robust", "disturbance observer", "VDC, filter"],
-}
-
-
-@pytest.mark.parametrize(("sides", "name"), [(sides, name) for sides, names in READERS.items() for name in names])
-def test_a_law_that_reads_a_sensor_which_is_not_there_is_refused(sides, name):
-    with pytest.raises(InputError, match=rf"reads [\w, ]+, and sensors are on the {sides} side only; take a law of that"):
-        simulate(elbow(), law(name), duration=0.01, sensors=Sensors(sides=sides))
-
-
-ONE_SIDED = {
-    "PD": lambda side: PD([9.0] * 2, [1.0] * 2, side=side),
-    "PID": lambda side: PID([9.0] * 2, 1.0, 1.0, 50.0, side=side),
-    "computed torque": lambda side: ComputedTorque(elbow(), 9.0, 1.0, side=side),
-    "Slotine-Li": lambda side: SlotineLi(elbow(), 9.0, 1.0, side=side),
-    "robust": lambda side: Robust(elbow(), 9.0, 1.0, 1.0, side=side),
-    "super-twisting": lambda side: SuperTwisting(elbow(), 9.0, 1.0, 1.0, 1.0, side=side),
-    "observer": lambda side: DisturbanceObserver(elbow(), PD([9.0] * 2, [1.0] * 2, side=side), 1.0, side=side),
-}
-
-
-@pytest.mark.parametrize("side", ["motor", "link"])
-@pytest.mark.parametrize("name", ONE_SIDED)
-def test_a_law_of_one_side_does_with_the_sensors_of_that_side(name, side):
-    log = simulate(elbow(), ONE_SIDED[name](side), duration=0.02, sensors=Sensors(sides=side))
-    assert np.isfinite(log["command_torque"]).all()
-
-
-def test_what_a_law_says_that_it_needs_is_all_that_it_reads():
-    """NaN in a field that it does not name changes nothing."""
-    rng = np.random.default_rng(9)
-    q, v, e, w = 0.1 * rng.normal(size=(4, 2))
-    m = Measurement(0.0, 1e-3, q, v, q + 1e-3 * e, v + w)
-    r = Reference(q, *rng.normal(size=(4, 2)), q, v)
-    for name in LAWS:
-        made = law(name)
-        blind = m._replace(**{x: np.full(2, np.nan) for x in ("q", "v", "theta", "theta_dot") if x not in needs_of(made)})
-        memory, found = made.start(), []
-        for seen in (m, blind):
-            found.append(made.step(memory, seen, r)[1].torque)
-        assert np.array_equal(np.array(found[0], float), np.array(found[1], float)), name

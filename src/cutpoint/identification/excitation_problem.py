@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cutpoint.identification.excitation_bounds import Bounds
-from cutpoint.identification.excitation_information import Criterion, Information, judged
+from cutpoint.identification.excitation_information import Criterion, Information, condition_number, judged
 from cutpoint.identification.excitation_limits import Box, limits_of
 from cutpoint.identification.excitation_series import FourierSeries, still_waves
 from cutpoint.robot import Robot
@@ -101,6 +101,10 @@ class Problem:
     def cost(self, z: Array) -> float:
         """Of the criterion alone."""
         return judged(self.information.regressor(self.motion(z)), self.criterion)[0]
+
+    def condition(self, z: Array) -> float:
+        """Condition number of the regressor."""
+        return condition_number(self.information.regressor(self.motion(z)))
 
     def motion(self, z: Array, fine: bool = False) -> Array:
         """Position to snap (5, N, n) over one period."""

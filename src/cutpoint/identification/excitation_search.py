@@ -16,7 +16,7 @@ from cutpoint.identification.excitation_problem import Problem, Worst
 
 Array = NDArray[np.float64]
 
-PHASES = ((0.3, 0.1), (0.03, 0.01), (3e-3, 1e-3), (3e-4, 1e-4))
+PHASES = ((0.3, 0.01), (0.03, 0.003), (3e-3, 1e-3), (3e-4, 1e-4))
 """Weights of the barriers and where they turn into parabolas, one after another: as steep there at all weights."""
 
 OPTIONS = {"maxiter": 150, "maxcor": 30}
@@ -27,8 +27,11 @@ CENTRES, SPREAD, SWING = 64, 0.5, 0.3
 
 HALVINGS = 10
 
-STILL = 0.05
-"""A motion that keeps its limits only if it is made smaller than that does not count as one."""
+BLIND = 1e6
+"""The condition number from which a motion, such as one that nearly stands still, does not tell all parameters."""
+
+SMALL = 0.01
+"""Of the waves: where limits allow less, the centre is wrong."""
 
 SHOWN_AFTER = 1.0
 """Until then a search passes without a bar, s."""
@@ -87,12 +90,9 @@ def search(
 
 
 def _nothing(found: Found, seconds: float) -> InputError:
-    assert found.worst is not None
     remedy = "allow more there, or move slower (a lower base_frequency), or search longer (seconds=)"
-    return InputError(
-        f"no motion that keeps all limits was found in {seconds:.3g} s; at best, {found.worst.told}: {remedy}",
-        room=found.worst.room,
-    )
+    told = found.worst.told if found.worst else "motions keep all limits, but do not tell all parameters"
+    return InputError(f"no motion was found within all limits in {seconds:.3g} s; at best, {told}: {remedy}")
 
 
 def _random(problem: Problem, rng: np.random.Generator) -> Array:
@@ -105,21 +105,23 @@ def _random(problem: Problem, rng: np.random.Generator) -> Array:
 
 
 def _within(problem: Problem, z: Array, clock: "_Clock") -> Array:
-    """The motion made as small as the limits ask; if they allow none there, a small one where they leave most room.
+    """The motion made as small as the limits ask; if they allow none there, about a centre where they leave most room.
 
     A large one that starts beyond a limit is too often caught there.
     """
     factor = _largest_factor(problem, z)
-    if factor >= STILL:
-        return _scaled(z, factor)
+    if factor < SMALL:
+        z = _scaled(z, SMALL)
 
-    def cost(x: Array) -> tuple[float, Array]:
-        clock.check()
-        value, slope = problem.barrier(x.reshape(problem.shape), PHASES[0][1])
-        return value, slope.ravel()
+        def cost(centre: Array) -> tuple[float, Array]:
+            clock.check()
+            value, slope = problem.barrier(np.vstack([centre, z[1:]]), PHASES[0][1])
+            return value, slope[0]
 
-    result: Any = minimize(cost, _scaled(z, STILL).ravel(), jac=True, method="L-BFGS-B", options=OPTIONS)
-    return result.x.reshape(problem.shape)
+        result: Any = minimize(cost, z[0], jac=True, method="L-BFGS-B", options=OPTIONS)
+        z = np.vstack([result.x, z[1:]])
+        factor = _largest_factor(problem, z)
+    return _scaled(z, max(factor, SMALL))
 
 
 def _improve(
@@ -144,19 +146,17 @@ def _improve(
 
 
 def _consider(problem: Problem, z: Array, found: Found, keep: Callable[[Array, float], None]) -> None:
-    """Keeps the motion, made smaller until it keeps all limits, if it is the best so far."""
+    """Keeps the motion, made smaller until it keeps all limits, if it is the best so far and tells all parameters."""
     worst = problem.worst(z)
     if worst.room < 0.0:
         if found.worst is None or worst.room > found.worst.room:
             found.worst = worst
-        factor = _largest_factor(problem, z)
-        if factor < STILL:
-            return
-        z = _scaled(z, factor)
-    cost = problem.cost(z)
-    if cost < found.cost:
-        found.z, found.cost = z, cost
-        keep(z, cost)
+        z = _scaled(z, _largest_factor(problem, z))
+    if problem.worst(z).room >= 0.0 and problem.condition(z) < BLIND:
+        cost = problem.cost(z)
+        if cost < found.cost:
+            found.z, found.cost = z, cost
+            keep(z, cost)
 
 
 def _largest_factor(problem: Problem, z: Array) -> float:

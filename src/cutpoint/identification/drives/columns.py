@@ -55,13 +55,6 @@ def strain_columns(deflection: Array, reaches: Array) -> Array:
     return np.clip(strains[before] + way[:, None], -reaches, reaches)
 
 
-def merged(stiffness: Array, reaches: Array) -> Array:
-    """Reaches of the elements that take part, each run of neighbours made one of the same torque when all slip."""
-    parts = np.split(np.arange(reaches.size), np.flatnonzero(np.diff((stiffness > 0.0).astype(int))) + 1)
-    runs = [part for part in parts if part.size and stiffness[part[0]] > 0.0]
-    return np.array([stiffness[run] @ reaches[run] / stiffness[run].sum() for run in runs])
-
-
 def slipping(stiffness: Array, reaches: Array) -> MaxwellSlip | None:
     """Elements as the drive's model has them; None where there are none."""
     used = stiffness > 0.0

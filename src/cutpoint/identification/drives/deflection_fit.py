@@ -9,16 +9,19 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.optimize import lsq_linear
 
-from cutpoint.identification.drives.columns import merged, strain_columns, wave_columns
-from cutpoint.identification.drives.spring_laws import Projection, SpringLaw, fitted
-from cutpoint.identification.filtering import derivative, low_pass
+from cutpoint.identification.drives.bounded import bounded_weights
+from cutpoint.identification.drives.columns import strain_columns, wave_columns
+from cutpoint.identification.drives.spring_laws import SpringLaw, fitted
+from cutpoint.identification.filtering import low_pass
 
 Array = NDArray[np.float64]
 
-ROUNDS = 4
+ROUNDS = 3
 """Times that the spring and what acts beside it are fitted in turn: hysteresis of a tenth of the torque settles."""
+
+SEARCHED = 4000
+"""Samples at most from which a law's constants are searched."""
 
 ELEMENTS = 8
 """Of hysteresis, offered to the first round."""
@@ -41,14 +44,6 @@ class Deflections:
     ratio: float
     resolution: float
     cutoff: float
-    band: float | None = None
-
-    def passed(self, columns: Array) -> Array:
-        """Columns (N, ...) in the band in which they are compared, (M, ...), without the ends that a filter loses."""
-        if self.band is None:
-            return columns
-        found = low_pass(columns, self.period, self.band)
-        return found[np.isfinite(found.reshape(len(found), -1)).all(axis=1)]
 
     def smooth(self, values: Array) -> Array:
         """Low-passed, the ends as they are."""
@@ -77,24 +72,23 @@ class DeflectionFit:
 
 def fit_deflection(data: Deflections, law: SpringLaw, orders: Sequence[int], elements: int, damped: bool) -> DeflectionFit:
     """`elements` of hysteresis at most, 0 for none; `damped` seeks the spring's own damping."""
-    raw = np.column_stack([wave_columns(data.ratio * data.theta, orders), np.ones_like(data.theta)])
-    free = raw, data.passed(raw)
-    found = _first(data, law, free[1])
+    free = np.column_stack([wave_columns(data.ratio * data.theta, orders), np.ones_like(data.theta)])
+    found = _first(data, law, free)
     reaches = _offered(data, found, elements)
     for turn in range(ROUNDS if elements or damped else 0):
         found = _round(data, replace(found, reaches=reaches), free, damped, search=turn == 1)
         if turn == 0:
-            reaches = merged(found.stiffness, reaches)
+            reaches = reaches[found.stiffness > 0.0]
     return found
 
 
 def _first(data: Deflections, law: SpringLaw, free: Array) -> DeflectionFit:
     """Without anything beside the spring."""
-    constants = fitted(law, data.torque, data.lead, _projection(data, free))
+    constants = _searched(data, law, free)
     spring = law.deflection(constants, data.torque)
-    target = data.passed(data.lead - spring)
+    target = data.lead - spring
     weights, *_ = np.linalg.lstsq(free, target)
-    columns = np.column_stack([data.passed(law.columns(constants, data.torque)), free])
+    columns = np.column_stack([law.columns(constants, data.torque), free])
     tangent = np.asarray(law.make(constants).tangent(spring))
     left = target - free @ weights
     nothing = np.empty(0)
@@ -103,21 +97,20 @@ def _first(data: Deflections, law: SpringLaw, free: Array) -> DeflectionFit:
     )
 
 
-def _round(data: Deflections, before: DeflectionFit, frees: tuple[Array, Array], damped: bool, search: bool) -> DeflectionFit:
+def _round(data: Deflections, before: DeflectionFit, free: Array, damped: bool, search: bool) -> DeflectionFit:
     """The spring again with what acted beside it, then that again with the spring."""
     law, constants = before.law, before.constants
-    raw, free = frees
-    wound = data.smooth(data.lead - raw @ np.append(before.waves, before.offset))
+    wound = data.smooth(data.lead - free @ np.append(before.waves, before.offset))
     beside = -strain_columns(wound, before.reaches) / before.tangent[:, None]
     rate = -np.gradient(wound, data.period) / before.tangent
-    beside = data.passed(np.column_stack([beside, rate]) if damped else beside)
+    beside = np.column_stack([beside, rate]) if damped else beside
     if search:
-        constants = fitted(law, data.torque, data.lead, _projection(data, np.column_stack([free, beside])))
-    target = data.passed(data.lead - law.deflection(constants, data.torque))
-    own = data.passed(law.columns(constants, data.torque))
+        constants = _searched(data, law, np.column_stack([free, beside]))
+    target = data.lead - law.deflection(constants, data.torque)
+    own = law.columns(constants, data.torque)
     columns = np.column_stack([own, free, beside])
     count = own.shape[1] + free.shape[1]
-    weights = _not_negative(columns, target, count)
+    weights = bounded_weights(columns, target, count)
     # the law's columns let spring and elements settle between them; the next round searches the constants anew
     left = target - columns @ weights
     change, weights = weights[: own.shape[1]], weights[own.shape[1] :]
@@ -145,21 +138,9 @@ def _offered(data: Deflections, found: DeflectionFit, elements: int) -> Array:
     return np.geomspace(max(data.resolution, largest / 30.0), largest, elements)
 
 
-def _projection(data: Deflections, columns: Array) -> Projection:
-    """What of a raw column the others cannot make up, in the band."""
+def _searched(data: Deflections, law: SpringLaw, others: Array) -> Array:
+    """The law's constants from some of the samples, evenly spread: all of them refine these later."""
+    thin = slice(None, None, 1 + data.lead.size // SEARCHED)
+    columns = others[thin]
     basis, _ = np.linalg.qr(columns / np.maximum(np.linalg.norm(columns, axis=0), np.finfo(float).tiny))
-
-    def project(values: Array) -> Array:
-        passed = data.passed(values)
-        return passed - basis @ (basis.T @ passed)
-
-    return project
-
-
-def _not_negative(columns: Array, target: Array, free: int) -> Array:
-    """Least-squares weights, those after the first `free` at least 0."""
-    size = np.maximum(np.linalg.norm(columns, axis=0), np.finfo(float).tiny)
-    reduced = np.linalg.qr(np.column_stack([columns / size, target]), mode="r")
-    lower = np.where(np.arange(size.size) < free, -np.inf, 0.0)
-    found = lsq_linear(reduced[:, :-1], reduced[:, -1], (lower, np.inf), method="bvls")
-    return np.asarray(found.x / size)
+    return fitted(law, data.torque[thin], data.lead[thin], lambda values: values - basis @ (basis.T @ values))

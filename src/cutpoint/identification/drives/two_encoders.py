@@ -33,6 +33,9 @@ LEAST_SAMPLES = 500
 BLOCKS = 10
 """For cross-validation, one after the other."""
 
+SURE = 2.0
+"""Standard errors by which a law with more constants must predict better."""
+
 
 @dataclass(frozen=True, eq=False)
 class SpringEstimate:
@@ -85,8 +88,8 @@ def two_encoders(
     Give all three as sampled, or all through one filter.
     period: s.  ratio: motor turns per joint turn.  resolution: of both encoders together, rad at the joint's side; by
     default the smallest steps that the samples show.  orders: of the kinematic error, waves a turn of the motor; by
-    default those up to 8 that stand out.  laws: spring laws to choose from: the one with the fewest constants that no
-    other beats, by more than its standard error, in predicting what it was not fitted to.
+    default those up to 8 that stand out.  laws: spring laws to choose from by cross-validation; one with more constants
+    must predict what it was not fitted to better by two standard errors of the difference.
     Elements of hysteresis start without strain at the first sample.
 
     Raises:
@@ -134,8 +137,7 @@ def _checked(
     if not (np.isfinite(step) and step >= 0.0):
         raise InputError(f"two_encoders: resolution {resolution} rad must be a number, at least 0")
     cutoff = noise_cutoff(angle - link, period)
-    import os; band=float(os.environ['BAND']) if 'BAND' in os.environ else None; print('cut',cutoff)
-    return Deflections(angle - link, angle, load, period, ratio, step, cutoff, band)
+    return Deflections(angle - link, angle, load, period, ratio, step, cutoff)
 
 
 def _standing_out(fit: DeflectionFit, orders: Sequence[int]) -> list[int]:
@@ -166,12 +168,12 @@ def _block_errors(fit: DeflectionFit) -> Array:
 
 
 def _simplest(errors: Mapping[str, Array]) -> str:
-    """The law of the fewest constants unless one with more is better by more than the difference's standard error."""
+    """The law of the fewest constants unless one with more is surely better."""
     names = [name for name in LAWS if name in errors]
     best = names[0]
     for name in names[1:]:
         gain = errors[best] - errors[name]
-        if gain.mean() > gain.std(ddof=1) / np.sqrt(BLOCKS):
+        if gain.mean() > SURE * gain.std(ddof=1) / np.sqrt(BLOCKS):
             best = name
     return best
 

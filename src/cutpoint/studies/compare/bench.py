@@ -84,7 +84,9 @@ def _check(robot: Robot) -> None:
             raise InputError(f"compare: joint {name!r} slides; errors are compared as angles: lock it", joint=name)
         if not drive.is_elastic:
             remedy = "give it a rotor and a compliance in the drive file"
-            raise InputError(f"compare: the drive of {name!r} is rigid; laws are compared on joints that bend: {remedy}")
+            raise InputError(
+                f"compare: the drive of {name!r} is rigid; laws are compared on joints that bend: {remedy}"
+            )
 
 
 def _ends(robot: Robot) -> tuple[Array, Array]:

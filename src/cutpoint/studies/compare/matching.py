@@ -4,6 +4,7 @@ from collections.abc import Callable
 from typing import Any, NamedTuple
 
 import numpy as np
+
 from cutpoint.control.sampled_loop import SmallSignal, small_signal
 from cutpoint.control.tuning import check_holds
 from cutpoint.errors import InputError

@@ -1,0 +1,142 @@
+"""All drives of a robot from one recording: what encoders on both sides and the motors' torques tell."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from cutpoint.errors import InputError
+from cutpoint.identification.drives.joint_torques import (
+    link_torque,
+    motor_torque_left,
+    spring_reading,
+    transmitted_share,
+)
+from cutpoint.identification.drives.rotor import RotorEstimate, motor_side
+from cutpoint.identification.drives.two_encoders import SpringEstimate, two_encoders
+from cutpoint.identification.filtering import noise_cutoff
+from cutpoint.identification.recording import Recording
+from cutpoint.model.drive import Drive, Motor, Rotor
+from cutpoint.robot import Robot
+
+Array = NDArray[np.float64]
+
+NARROWER = 3.0
+"""Times that the band in which rotors are found is narrower than that of the links' motion: friction that changes sign
+within it is no longer what the filtered speed says."""
+
+
+@dataclass(frozen=True, eq=False)
+class DriveEstimate:
+    """One joint's drive: as far as the recording tells, otherwise as it was.
+
+    spring, rotor: what was found, with its uncertainty.  unidentifiable: what was not, each with the sentence why.
+    """
+
+    drive: Drive
+    spring: SpringEstimate
+    rotor: RotorEstimate
+    unidentifiable: Mapping[str, str]
+
+
+@dataclass(frozen=True, eq=False)
+class DriveEstimates:
+    """robot: with the drives that were found.  joints: each joint's estimate, by name."""
+
+    robot: Robot
+    joints: Mapping[str, DriveEstimate]
+
+    @property
+    def notes(self) -> tuple[str, ...]:
+        """What could not be told, a sentence each."""
+        return tuple(
+            f"{joint}: {thing} cannot be told: {why}"
+            for joint, estimate in self.joints.items()
+            for thing, why in estimate.unidentifiable.items()
+        )
+
+
+def identify_drives(robot: Robot, recording: Recording, resolution: ArrayLike | None = None) -> DriveEstimates:
+    """Springs, kinematic errors, hysteresis, rotors and motor friction of all drives.
+
+    robot: its links and their friction are taken as known; its drives state ratios, and what the recording cannot tell.
+    recording: q, theta, and torque or current of all of its joints, on a uniform time and on one clock.
+    resolution: of both encoders together, rad at the joint's side, one or one for each joint; by default the smallest
+    steps that the samples show.
+
+    The links' motion gives each joint's torque, which calibrates its spring; torques read from the springs give the
+    rotors; and the motors' torques, less what rotors and motor friction take, reach to frequencies that differentiated
+    link encoders do not: from these come the springs in the end.
+
+    Raises:
+        InputError: joints or channels that are missing, times that are not uniform, a floating base.
+    """
+    names = robot.joints
+    if robot.nq != len(names) or set(names) - set(recording.joints):
+        missing = sorted(set(names) - set(recording.joints))
+        raise InputError(f"identify_drives: every joint of a fixed-base robot must be recorded; missing: {missing}")
+    columns = [recording.joints.index(name) for name in names]
+    q, theta = recording["q"][:, columns], recording["theta"][:, columns]
+    given = "torque" if "torque" in recording.channels else "current"
+    effort = recording[given][:, columns]
+    steps = [None] * len(names) if resolution is None else np.broadcast_to(resolution, len(names)).tolist()
+    cutoff = noise_cutoff(q, recording.period)
+    torques = link_torque(robot, q, recording.period, cutoff)
+    found = {
+        name: _joint(
+            Channels(theta[:, k], q[:, k], effort[:, k], torques[:, k], recording.period, given == "current"),
+            robot.drives[name],
+            steps[k],
+            cutoff / NARROWER,
+        )
+        for k, name in enumerate(names)
+    }
+    return DriveEstimates(robot.with_drives({name: each.drive for name, each in found.items()}), found)
+
+
+@dataclass(frozen=True, eq=False)
+class Channels:
+    """One joint's, each (N,): theta, q in rad; effort, the motor's torque in N m or current in A; link_torque, N m."""
+
+    theta: Array
+    q: Array
+    effort: Array
+    link_torque: Array
+    period: float
+    is_current: bool
+
+
+def _joint(joint: Channels, drive: Drive, resolution: float | None, cutoff: float) -> DriveEstimate:
+    """From the links' torque to the spring, to the rotor, to the motor's torque, to the spring again."""
+    ratio, period = drive.ratio, joint.period
+    first = two_encoders(joint.theta, joint.q, joint.link_torque, period, ratio, resolution=resolution)
+    share = transmitted_share(first, joint.theta, ratio)
+    load = joint.link_torque
+    if "stiffness" not in first.unidentifiable:
+        load = spring_reading(first, joint.theta, joint.q, period, ratio)
+    effort = {"current" if joint.is_current else "torque": joint.effort}
+    rotor = motor_side(joint.theta, load, period, ratio, transmission=share, cutoff=cutoff, **effort)
+    torque = joint.effort if rotor.torque_constant is None else joint.effort * rotor.torque_constant * ratio
+    left = motor_torque_left(rotor, joint.theta, torque, period, ratio, share)
+    spring = two_encoders(joint.theta, joint.q, left, period, ratio, resolution=resolution)
+    return _estimate(drive, spring, rotor)
+
+
+def _estimate(drive: Drive, spring: SpringEstimate, rotor: RotorEstimate) -> DriveEstimate:
+    """The drive with what was told; a drive that stays rigid has no parts that act on a deflection."""
+    why = {**spring.unidentifiable, **rotor.unidentifiable}
+    changes: dict[str, object] = {}
+    if "rotor inertia" not in why:
+        changes["rotor"] = replace(drive.rotor, inertia=rotor.inertia) if drive.rotor else Rotor(rotor.inertia)
+    if rotor.friction is not None:
+        changes["motor_friction"] = rotor.friction
+    if rotor.torque_constant is not None:
+        constant = rotor.torque_constant
+        changes["motor"] = replace(drive.motor, torque_constant=constant) if drive.motor else Motor(constant)
+    if "stiffness" not in why:
+        changes["compliance"] = spring.compliance
+    if "compliance" in changes or drive.is_elastic:
+        parts = {name: getattr(spring, name) for name in ("kinematic_error", "hysteresis", "damping")}
+        changes.update({name: part for name, part in parts.items() if part is not None})
+    return DriveEstimate(replace(drive, **changes), spring, rotor, why)  # type: ignore[arg-type]

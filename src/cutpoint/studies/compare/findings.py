@@ -1,0 +1,130 @@
+"""What the numbers say, in sentences that are made of nothing else."""
+
+from collections.abc import Iterable, Mapping
+
+import numpy as np
+
+from cutpoint.studies.compare.contenders import CONTENDERS, OURS
+from cutpoint.studies.compare.results import Results
+from cutpoint.studies.compare.scenarios import SCENARIOS
+from cutpoint.studies.report.page import number
+
+NAMES = {contender.key: contender.name for contender in CONTENDERS}
+COLUMNS = {scenario.key: scenario.name for scenario in SCENARIOS}
+FIXED = ("vdc", "vdc_filter")
+"""Ours that do not learn."""
+
+
+def findings(results: Results) -> tuple[str, ...]:
+    """Of the laws that ran at equal stiffness; those that nothing can be said of say nothing."""
+    found = (
+        leaders(results), ours(results, OURS, "virtual decomposition control"),
+        ours(results, FIXED, "virtual decomposition control that does not learn"), against_feedforward(results),
+        divergences(results), sensors(results), times(results),
+    )  # fmt: skip
+    return tuple(sentence for sentence in found if sentence)
+
+
+def leaders(results: Results) -> str:
+    """Who is best where."""
+    columns: dict[str, list[str]] = {}
+    for scenario in results.outcomes:
+        if (best := results.best(scenario)) is not None:
+            columns.setdefault(best, []).append(f"{COLUMNS[scenario]} ({_milli(results.worst(scenario, best))})")
+    ranked = sorted(columns, key=lambda key: -len(columns[key]))
+    told = "; ".join(f"{NAMES[key]} in {len(columns[key])}: {', '.join(columns[key])}" for key in ranked)
+    none = [COLUMNS[s] for s in results.outcomes if results.best(s) is None]
+    lost = f" No law at equal stiffness gets through all runs of {_listed(none)}." if none else ""
+    return f"The least worst RMS error, in 10^{{−3}} degrees, is that of {told}.{lost}" if told else lost.strip()
+
+
+def ours(results: Results, keys: Iterable[str], what: str) -> str:
+    """Where the best of some laws leads and where it loses against the best of all others, and by how much."""
+    own = [key for key in keys if key in results.matches]
+    others = [key for key in results.matches if key not in OURS]
+    won, lost = list[str](), list[tuple[float, str]]()
+    for scenario in results.outcomes:
+        ahead, rival = results.best(scenario, own), results.best(scenario, others)
+        if rival is None:
+            won += [COLUMNS[scenario]] if ahead else []
+            continue
+        error = results.worst(scenario, ahead) if ahead else np.inf
+        ratio = error / results.worst(scenario, rival)
+        if ratio <= 1:
+            won.append(f"{COLUMNS[scenario]} (by {number(1 / ratio, 1)})")
+        else:
+            by = f"{number(ratio, 1)} times" if np.isfinite(ratio) else "it diverges"
+            lost.append((-ratio, f"{COLUMNS[scenario]} ({by}, to {NAMES[rival]})"))
+    if not own or not (won or lost):
+        return ""
+    defeats = _listed([words for _, words in sorted(lost)]) or "nowhere"
+    return f"The best {what} leads the best other law in {_listed(won) or 'no column'}; it loses in {defeats}."
+
+
+def against_feedforward(results: Results) -> str:
+    """The two laws most like each other: the same model, fed forward or required of what is measured."""
+    if not {"feedforward", *FIXED} <= results.matches.keys():
+        return ""
+    ratios = {}
+    for scenario in results.outcomes:
+        best = results.best(scenario, FIXED)
+        reference = results.worst(scenario, "feedforward")
+        if best and np.isfinite(reference):
+            ratios[scenario] = results.worst(scenario, best) / reference
+    told = _listed([f"{COLUMNS[scenario]} {number(ratio, 2)}" for scenario, ratio in ratios.items()])
+    return f"The better VDC that does not learn has, of the error of PD + feedforward: {told}." if told else ""
+
+
+def divergences(results: Results) -> str:
+    """Who diverged where."""
+    where: dict[str, list[str]] = {key: [] for key in results.matches}
+    for scenario, laws in results.outcomes.items():
+        for key, outcome in laws.items():
+            if outcome.diverged:
+                where[key].append(COLUMNS[scenario])
+    held = [NAMES[key] for key, columns in where.items() if not columns and results.matches[key].law is not None]
+    fell = {key: columns for key, columns in where.items() if columns}
+    if not fell:
+        return "No run diverged."
+    told = "; ".join(f"{NAMES[key]} in {', '.join(columns)}" for key, columns in fell.items())
+    return f"Runs diverged of {told}. None did of {_listed(held) or 'no law'}."
+
+
+def sensors(results: Results) -> str:
+    """Whose errors grow most where sensors are real."""
+    if not {"nominal", "sensors"} <= results.outcomes.keys():
+        return ""
+    growth: Mapping[str, float] = {
+        key: results.worst("sensors", key) / results.worst("nominal", key) for key in results.outcomes["sensors"]
+    }
+    finite = {key: x for key, x in growth.items() if np.isfinite(x)}
+    if not finite:
+        return "No law gets through all runs with steps, noise and differenced speeds."
+    most, least = max(finite, key=lambda key: finite[key]), min(finite, key=lambda key: finite[key])
+    return (
+        f"Steps, noise and differenced speeds multiply the error of {NAMES[most]} by {number(finite[most], 2)}, the "
+        f"most among those that do not diverge, and that of {NAMES[least]} by {number(finite[least], 2)}, the least."
+    )
+
+
+def times(results: Results) -> str:
+    """What steps take."""
+    took = results.nanoseconds
+    if not took:
+        return ""
+    fast, slow = min(took, key=lambda key: took[key]), max(took, key=lambda key: took[key])
+    return (
+        f"A step takes from {number(took[fast], 0)} ns ({NAMES[fast]}) to {number(took[slow], 0)} ns ({NAMES[slow]}), "
+        f"{number(took[slow] / 1e4, 2)} % of a period of 1 ms: time does not decide between them."
+        if took[slow] < 1e5
+        else f"A step takes from {number(took[fast], 0)} ns ({NAMES[fast]}) to {number(took[slow], 0)} ns."
+    )
+
+
+def _milli(x: float) -> str:
+    return number(x, 0 if x >= 100 else 1)
+
+
+def _listed(words: Iterable[str]) -> str:
+    found = [*words]
+    return found[0] if len(found) == 1 else f"{', '.join(found[:-1])} and {found[-1]}" if found else ""

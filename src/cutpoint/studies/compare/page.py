@@ -1,0 +1,96 @@
+"""The comparison as a report."""
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from cutpoint.robot import Robot
+from cutpoint.studies.compare import figures
+from cutpoint.studies.compare.bench import FAST, USUAL, Bench
+from cutpoint.studies.compare.contenders import NATURAL_RATE, RATE, WHOLE_RATE
+from cutpoint.studies.compare.findings import findings
+from cutpoint.studies.compare.results import Results
+from cutpoint.studies.compare.scenarios import LINK_STEP, MOTOR_STEP, NOISE, SCENARIOS, TURN
+from cutpoint.studies.compare.tables import error_tables, further_tables, numbers, refusals, tuning_table
+from cutpoint.studies.report.page import Page, Picture, listed
+
+
+def pages_of(bench: Bench, results: Results, seeds: int) -> list[Page]:
+    return [_tuning(bench, results), _errors(bench, results, seeds), _further(results)]
+
+
+def _tuning(bench: Bench, results: Results) -> Page:
+    method = (
+        f"Every law is tuned at home as `control.tune` has it, with damping 1, and its bandwidth sought at which its "
+        f"stiffness is that of a PD of {bench.bandwidth:g} Hz: by how much a joint's own torque answers when its link "
+        "and its motor are moved together, the law's memory standing still; in the geometric mean over the joints. "
+        "Joints may differ from it, and damping may: Table K1 shows by how much. Torque limits are the robot's, the "
+        f"same for all. Bodies and joints of adaptive VDC learn at {RATE:g}/J by projection, bodies at "
+        f"{NATURAL_RATE:g}/J by the natural update, Slotine-Li at {WHOLE_RATE:g}/J. What of super-twisting jumps at "
+        "rest has no stiffness and comes on top of its linear part, which is matched."
+    )
+    blocks = (method, tuning_table(results), *refusals(results))
+    if results.nanoseconds:
+        caption = "A step of each law, one call from Python on one core; virtual decomposition in the other colour."
+        blocks = (*blocks, Picture("Figure K3", caption, figures.step_bars(results)))
+    return Page("tuning", "Equal stiffness", blocks)
+
+
+def _errors(bench: Bench, results: Results, seeds: int) -> Page:
+    stood = f"The robot is {bench.robot.name}. {_move(bench)} {_scenarios(results, seeds)}"
+    heat = (
+        "Worst RMS error of the links, 10^{−3} degrees, by law and scenario; shaded by how many times the best of the "
+        f"column, which is bold; {figures.WORST:g} times or a run that diverged (∞) is darkest. Virtual decomposition "
+        "is named in the other colour; * marks laws that do not hold at equal stiffness and are not ranked."
+    )
+    bar = "The same errors of some scenarios as bars, on logarithmic axes."
+    pictures = (
+        (Picture("Figure K1", heat, figures.heat_map(results)), Picture("Figure K2", bar, figures.bars(results)))
+        if results.outcomes
+        else ()
+    )
+    blocks = (stood, _sizes(bench.robot), *findings(results), *pictures, *error_tables(results))
+    return Page("errors", "Errors by law and scenario", blocks, {"comparison": numbers(results)})
+
+
+def _further(results: Results) -> Page:
+    words = (
+        "The ideal torques are those of the elastic inverse dynamics of the plant along the reference; what a drive "
+        "remembers, and waves that the model lacks, are not in them. What a motor's torque is off it is feedback, "
+        "mistakes of the model, and chatter."
+    )
+    return Page("further", "Peaks and torques", (words, *further_tables(results)))
+
+
+def _move(bench: Bench) -> str:
+    way = f"from {listed(np.rad2deg(bench.home), 0)} to {listed(np.rad2deg(bench.goal), 0)} degrees"
+    return (
+        f"It moves {way} on a cycloid and back, {USUAL:g} s each way where nothing else is said, under a control period "
+        f"of {1e3 * bench.control_period:g} ms. The rated payload is {bench.payload:g} kg at {bench.frame!r}."
+    )
+
+
+def _scenarios(results: Results, seeds: int) -> str:
+    told = "; ".join(f"{s.name}: {s.what}" for s in SCENARIOS if s.key in results.outcomes)
+    return (
+        f"Each scenario departs from the first in one thing. {told}. Gains stay as they are; what is wrong is the "
+        f"model inside the law. Where chance has a part there are {seeds} runs, and the worst counts."
+    )
+
+
+def _sizes(robot: Robot) -> str:
+    limits = [drive.limits.effort for drive in robot.drives.values()]
+    without = "" if np.isfinite(limits).any() else " The drives state no torque limits."
+    return (
+        f"Encoders have {TURN / LINK_STEP:.0f} steps a turn at the link and {TURN / MOTOR_STEP:.0f} at the motor, and "
+        f"noise of {NOISE:g} rad, at the joint's side. Gears of the whole drives are of the catalogue; kinematic "
+        f"error, ripple and cogging stand at phases of chance. The fast move takes {FAST:g} s.{without}"
+    )
+
+
+def summary(results: Results, done: Sequence[int]) -> tuple[str, ...]:
+    """What stands above the pages; done: how many pairs of law and scenario were run, of how many."""
+    words = "All control laws of the package on one plant, at equal stiffness, each departure from the model alone."
+    if results.complete:
+        return (words,)
+    return (words, f"INCOMPLETE: interrupted after {done[0]} of {done[1]} pairs of law and scenario.")

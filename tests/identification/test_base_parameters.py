@@ -1,0 +1,82 @@
+"""Base parameters: as many as motion tells apart, and enough for every torque."""
+
+import numpy as np
+import pytest
+from two_joints import two_joints
+
+import cutpoint
+from cutpoint import Drive, Robot, Rotor
+from cutpoint.identification import base_parameters
+from robot_library import assert_close, robot, states
+
+ROBOTS = ("xia2019", "ur10", "panda", "panda_coupled", "mixed", "weightless")
+
+SIX_JOINTS = 36
+"""Of arms of six turning joints whose first axis stands upright, as the Puma 560: Khalil and Dombre (2002), ch. 9."""
+
+
+def motions_of(arm: Robot, seed: int, count: int) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    rng = np.random.default_rng(seed)
+    v, a = rng.normal(size=(2, count, arm.nv))
+    return arm.random(rng, count), v, a
+
+
+@pytest.mark.parametrize("name", ROBOTS)
+def test_base_parameters_are_as_many_as_the_regressor_has_rank(name: str) -> None:
+    arm = robot(name)
+    Y = arm.regressor(*motions_of(arm, 7, 500)).reshape(-1, arm.inertial_parameters.size)
+    sizes = np.linalg.svd(Y, compute_uv=False)
+    assert base_parameters(arm).independent.size == (sizes > 1e-10 * sizes[0]).sum()
+
+
+@pytest.mark.parametrize("name", ["xia2019", "ur10"])
+def test_arms_of_six_joints_have_the_textbook_count(name: str) -> None:
+    assert base_parameters(robot(name)).independent.size == SIX_JOINTS
+
+
+@pytest.mark.parametrize("name", ROBOTS)
+def test_base_parameters_give_the_torques_of_all_parameters_whatever_they_are(name: str) -> None:
+    arm = robot(name)
+    found, p = base_parameters(arm), np.random.default_rng(3).normal(size=arm.inertial_parameters.size)
+    moved = states(arm)
+    assert_close(found.regressor(*moved) @ (found.matrix @ p), arm.regressor(*moved) @ p)
+    assert_close(found.regressor(*moved) @ found.nominal, arm.regressor(*moved) @ arm.inertial_parameters)
+
+
+@pytest.mark.parametrize("name", ["rigid", "ur10"])
+def test_with_rotors_base_parameters_give_the_whole_inverse_dynamics(name: str) -> None:
+    arm = robot(name)
+    found, moved = base_parameters(arm, rotors=True), states(arm)
+    assert_close(found.regressor(*moved) @ found.nominal, arm.inverse_dynamics(*moved))
+
+
+def test_two_joints_in_a_vertical_plane_have_six_and_each_is_named() -> None:
+    found = base_parameters(two_joints())
+    assert found.names == (
+        "h_x.upper + 0.5 m.lower",
+        "h_z.upper",
+        "I_yy.upper + 0.25 m.lower",
+        "h_x.lower",
+        "h_z.lower",
+        "I_yy.lower",
+    )
+    assert set(found.unidentifiable) >= {"m.upper", "h_y.upper", "h_y.lower", "I_xz.lower"}
+
+
+def test_a_horizontal_plane_hides_the_first_moment_of_the_first_body() -> None:
+    level = two_joints().with_gravity([0.0, 9.81, 0.0])
+    assert base_parameters(level).names == ("I_yy.upper + 0.25 m.lower", "h_x.lower", "h_z.lower", "I_yy.lower")
+
+
+def test_the_first_rotor_cannot_be_told_from_the_first_body_and_the_second_can() -> None:
+    arm = two_joints().with_drives({"shoulder": Drive(100.0, Rotor(1e-5))})
+    names = base_parameters(arm, rotors=True).names
+    assert "I_yy.upper + 0.25 m.lower + I_m.shoulder" in names and "I_m.elbow" in names
+
+
+def test_a_robot_without_joints_is_refused() -> None:
+    from cutpoint.model.build import build
+    from cutpoint.model.mechanism import Link
+
+    with pytest.raises(cutpoint.InputError, match="has no joint"):
+        base_parameters(Robot(build("block", [Link("block", 1.0)], [])))

@@ -1,0 +1,251 @@
+"""Excitation: motions that tell much of a robot's parameters, within every limit, from rest to rest."""
+
+import json
+from functools import cache
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from matplotlib.image import imread
+from numpy.typing import NDArray
+from two_joints import two_joints, urdf_text
+from typer.testing import CliRunner
+
+import cutpoint
+from cutpoint import Robot
+from cutpoint.cli import app
+from cutpoint.identification import Excitation, base_parameters, excitation
+from cutpoint.identification.excitation_bounds import bounds_of
+from cutpoint.identification.excitation_problem import FINER, SAMPLES, Problem
+from robot_library import assert_close, derivative, robot
+
+Array = NDArray[np.float64]
+
+LONG = 600.0
+"""s: the searches here end after their starts, also on a busy machine."""
+
+BETWEEN = 1.0 - np.cos(np.pi / (FINER * SAMPLES))
+"""Of a limit: what a wave may pass it by between the samples at which it was held against it."""
+
+FLOOR = {"lower": ([-np.inf, -np.inf, -0.2], [np.inf, np.inf, np.inf])}
+
+
+@cache
+def planar(criterion: Any = "determinant", harmonics: int = 4) -> Excitation:
+    return excitation(two_joints(), 5.0, harmonics, criterion=criterion, seconds=LONG, starts=1)
+
+
+@cache
+def bending() -> Excitation:
+    """Of the paper's arm, whose drives bend."""
+    limits = {"speed": 2.0, "acceleration": 8.0, "torque": [50.0, 50.0, 30.0, 20.0, 10.0, 10.0]}
+    boxes = {"tool": ([-np.inf, -np.inf, 0.1], [np.inf, 0.6, np.inf])}
+    return excitation(robots_arm(), harmonics=4, **limits, boxes=boxes, seconds=LONG, starts=1)
+
+
+def robots_arm() -> Robot:
+    return robot("xia2019")
+
+
+FOUND = {"rigid": planar, "elastic": bending}
+
+
+def motion(found: Excitation, count: int = 20_011) -> Array:
+    """Position to snap (5, N, n) at times that are no multiples of the search's."""
+    return found.trajectory.derivatives(np.linspace(0.0, found.trajectory.duration, count), 4)
+
+
+def regressor(arm: Robot, q: Array, v: Array, a: Array) -> Array:
+    """Of base parameters, rotors, viscous and dry friction, stacked; columns of length one."""
+    n = arm.nv
+    friction = [np.eye(n) * x[:, None] for x in (v, np.tanh(v / (0.02 * np.abs(v).max(axis=0))))]
+    Y = np.concatenate([base_parameters(arm, rotors=True).regressor(q, v, a), *friction], axis=-1)
+    Y = Y.reshape(-1, Y.shape[-1])
+    return Y / np.linalg.norm(Y, axis=0)
+
+
+@pytest.mark.parametrize("kind", FOUND)
+def test_every_limit_holds_at_every_time(kind: str) -> None:
+    found = FOUND[kind]()
+    moved, arm = motion(found), found.robot
+    torques = arm.elastic_inverse_dynamics(*moved, quasi_rigid=True).motor_torque
+    seen = {"position": moved[0], "speed": moved[1], "acceleration": moved[2], "torque": torques}
+    for use in found.limits:
+        if use.kind == "place":
+            frame, axis = use.name.split()
+            x = arm.frame_pose(moved[0], frame)[:, "xyz".index(axis), 3]
+        else:
+            x = seen[use.kind][:, arm.joints.index(use.name)]
+        # torques and places are no waves of their own: their crests are narrower than those of the series
+        allowed = 10.0 * BETWEEN * max(abs(x.min()), abs(x.max()))
+        assert use.low - allowed <= x.min() and x.max() <= use.high + allowed
+        assert use.least == pytest.approx(x.min(), abs=10 * allowed + 1e-3 * np.ptp(x))
+
+
+@pytest.mark.parametrize("kind", FOUND)
+def test_limits_are_those_of_robot_and_user(kind: str) -> None:
+    kinds = {(use.kind, use.low, use.high) for use in FOUND[kind]().limits}
+    if kind == "rigid":
+        assert kinds == {("position", -2.0, 2.5), ("speed", -3.0, 3.0), ("torque", -60.0, 60.0)}
+    else:
+        assert {("speed", -2.0, 2.0), ("acceleration", -8.0, 8.0), ("position", -np.pi, np.pi)} <= kinds
+        assert {("torque", -10.0, 10.0), ("place", 0.1, np.inf), ("place", -np.inf, 0.6)} <= kinds
+
+
+@pytest.mark.parametrize(("kind", "order"), [("rigid", 2), ("elastic", 4)])
+def test_a_motion_starts_and_ends_at_rest_so_that_no_motor_jumps(kind: str, order: int) -> None:
+    moved = motion(FOUND[kind]())
+    for k in range(1, order + 1):
+        assert_close(moved[k][[0, -1]], np.zeros((2, moved.shape[-1])), 1e-12, np.abs(moved[k]).max())
+    assert_close(moved[0][-1], moved[0][0], 1e-12)
+
+
+def test_each_derivative_of_a_series_is_that_of_the_one_before() -> None:
+    trajectory = planar().trajectory
+    for t in (0.3, 1.7, 4.9):
+        exact = trajectory.derivatives(t, 7)
+        for k in range(7):
+            slope = derivative(lambda h, k=k, t=t: trajectory.derivatives(t + h, 7)[k])
+            assert_close(slope, exact[k + 1], 1e-9, np.abs(exact[k]).max())
+
+
+def test_periods_repeat() -> None:
+    found = excitation(two_joints(), 5.0, 3, base_frequency=0.4, seconds=LONG, starts=1)
+    q = found.trajectory.derivatives(np.array([0.7, 3.2]), 2)
+    assert found.periods == 2
+    assert_close(q[:, 0], q[:, 1], 1e-12)
+
+
+def test_the_found_motion_tells_more_than_a_random_one_as_large_as_limits_allow() -> None:
+    found = planar()
+    assert found.before is not None
+    # five parameters of a body each, and rotors and friction: the gain is no matter of a few percent
+    assert found.after.log_determinant > found.before.log_determinant + 5.0
+
+
+def test_each_criterion_is_best_at_what_it_is_for() -> None:
+    by_determinant, by_condition = planar("determinant"), planar("condition")
+    assert by_determinant.after.log_determinant > by_condition.after.log_determinant
+    assert by_condition.after.condition < by_determinant.after.condition
+
+
+def test_it_tells_more_than_point_to_point_moves_between_the_same_limits() -> None:
+    found, arm = planar(), two_joints()
+    there = cutpoint.trajectories.cycloid([2.4, -1.9], 2.5, start=[-1.9, 2.4])
+    back = cutpoint.trajectories.cycloid([-1.9, 2.4], 2.5, start=[2.4, -1.9])
+    t = np.linspace(0.0, 2.5, 500)
+    moves = np.concatenate([there.derivatives(t, 2), back.derivatives(t, 2)], axis=1)
+    plain, ours = (np.linalg.cond(regressor(arm, *x[:3])) for x in (moves, motion(found, 1000)))
+    assert ours < 0.2 * plain
+
+
+@pytest.mark.parametrize("criterion", ["determinant", "condition"])
+def test_gradients_are_those_of_the_cost(criterion: Any) -> None:
+    arm = robots_arm()
+    bounds = bounds_of(arm, None, 2.0, 8.0, 20.0)
+    problem = Problem(arm, bounds, {"tool": ([-np.inf] * 3, [0.4, np.inf, 0.4])}, criterion, 0.1, 3)
+    rng = np.random.default_rng(0)
+    z, direction = 0.2 * rng.normal(size=(2, *problem.shape))
+    for weight, softness in ((0.3, 0.1), (1e-2, 1e-2)):
+        _, slope = problem.barred(z, weight, softness)
+        measured = derivative(lambda h, w=weight, s=softness: problem.barred(z + h * direction, w, s)[0], 1e-4)
+        # kinks of the second derivative of the barriers cost a difference some of its digits
+        assert float((slope * direction).sum()) == pytest.approx(float(measured), rel=1e-4)
+
+
+def test_a_resumed_search_goes_on_from_the_file_and_is_never_worse(tmp_path: Path) -> None:
+    file = tmp_path / "best.json"
+    options: dict[str, Any] = {"seconds": LONG, "starts": 1, "resume": file}
+    first = excitation(two_joints(), 5.0, 3, **options)
+    cost = json.loads(file.read_text())["cost"]
+    again = excitation(two_joints(), 5.0, 3, **options, seed=5)
+    assert again.before is None
+    assert again.after.log_determinant >= first.after.log_determinant - 1e-6 * abs(first.after.log_determinant)
+    assert json.loads(file.read_text())["cost"] <= cost + 1e-6 * abs(cost)
+
+
+def test_ctrl_c_returns_the_best_so_far(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    from cutpoint.identification import excitation_search
+
+    def pressed(*_: Any, **__: Any) -> None:
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr(excitation_search, "_improve", pressed)
+    found = excitation(two_joints(), 5.0, 3, seconds=LONG)
+    assert found.starts == 0 and found.before == found.after
+
+
+def test_when_time_is_up_the_best_so_far_is_returned() -> None:
+    whole = planar()
+    short = excitation(two_joints(), 5.0, 4, seconds=0.2)
+    assert short.after.log_determinant <= whole.after.log_determinant + 60.0
+    assert {use.kind for use in short.limits} == {"position", "speed", "torque"}
+
+
+@pytest.mark.parametrize(
+    ("text", "why"),
+    [
+        ("nothing", "not an excitation"),
+        ("[1]", "not an excitation"),
+        ('{"cutpoint_excitation": 1, "joints": ["a"], "base_frequency_Hz": 0.2, "centre": "x"}', "not an excitation"),
+        (
+            '{"cutpoint_excitation": 1, "joints": ["a"], "base_frequency_Hz": 0.2, "centre": [0], "sine": [[0]],'
+            ' "cosine": [[0]]}',
+            "its joints",
+        ),
+    ],
+)
+def test_a_file_that_tells_of_something_else_is_refused_by_its_name(tmp_path: Path, text: str, why: str) -> None:
+    file = tmp_path / "other.json"
+    file.write_text(text)
+    with pytest.raises(cutpoint.InputError, match=rf"(?s){why}.*other\.json"):
+        excitation(two_joints(), 5.0, 3, resume=file)
+
+
+@pytest.mark.parametrize(
+    ("options", "message"),
+    [
+        ({"boxes": {"lower": ([4.0, 4.0, 4.0], [5.0, 5.0, 5.0])}}, r"frame 'lower [xyz]': place runs"),
+        ({"torque": [60.0, 0.1]}, r"joint 'elbow': torque runs"),
+        ({"boxes": {"hand": ([0, 0, 0], [1, 1, 1])}}, r"no frame is named 'hand'"),
+        ({"boxes": {"lower": ([0, 0, 0], [1, -1, 1])}}, r"is empty"),
+        ({"boxes": {"lower": (0.0, [1, 2])}}, r"three numbers"),
+        ({"position": (1.0, 1.0)}, r"joint 'shoulder': position limits 1 and 1"),
+        ({"speed": [1.0, -1.0]}, r"joint 'elbow': speed limit -1"),
+        ({"torque": np.nan}, r"torque limit is NaN"),
+        ({"acceleration": [1.0, 2.0, 3.0]}, r"acceleration limit must be a number, or 2"),
+        ({"duration": 0.0}, r"duration 0.0 s"),
+        ({"base_frequency": 0.33}, r"3.3 periods"),
+        ({"harmonics": 2}, r"harmonics 2"),
+        ({"criterion": "trace"}, r"no criterion is named 'trace'"),
+        ({"starts": 0}, r"starts 0"),
+        ({"seconds": -1.0}, r"seconds -1.0"),
+    ],
+)
+def test_what_cannot_be_done_is_refused_in_words(options: dict[str, Any], message: str) -> None:
+    with pytest.raises(cutpoint.InputError, match=message):
+        excitation(two_joints(), **{"harmonics": 3, "seconds": LONG, "starts": 1, **options})
+
+
+def test_a_joint_without_a_limit_of_speed_is_refused() -> None:
+    with pytest.raises(cutpoint.InputError, match=r"joint 'joint1': neither robot nor drive limits its speed"):
+        excitation(robots_arm())
+
+
+def test_a_floating_base_is_refused() -> None:
+    with pytest.raises(cutpoint.InputError, match=r"floating base"):
+        excitation(robot("floating"))
+
+
+def test_the_command_leaves_a_motion_that_can_be_read_a_picture_and_a_table(tmp_path: Path) -> None:
+    arm, folder = tmp_path / "two.urdf", tmp_path / "out"
+    arm.write_text(urdf_text())
+    options = ["--duration", "5", "--harmonics", "3", "--seconds", "1", "--output", str(folder)]
+    result = CliRunner().invoke(app, ["excite", str(arm), *options])
+    assert result.exit_code == 0, result.output
+    assert "shoulder" in result.output and "-114.6 to 143.2 deg" in result.output and "condition" in result.output
+    motion_of = cutpoint.trajectories.from_csv(folder / "excitation.csv", ["shoulder", "elbow"])
+    assert motion_of.duration == 5.0
+    assert imread(folder / "excitation.png").std() > 0.0
+    assert len(json.loads((folder / "excitation.json").read_text())["sine"]) == 3
