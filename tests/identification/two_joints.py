@@ -7,7 +7,7 @@ import cutpoint
 from cutpoint import Robot
 
 LENGTH = 0.5
-"""m, between the two parallel axes, along y."""
+"""m, between the two axes, both along y."""
 
 LIMITS = '<limit lower="-2" upper="2.5" velocity="3" effort="60"/>'
 
@@ -15,9 +15,8 @@ LIMITS = '<limit lower="-2" upper="2.5" velocity="3" effort="60"/>'
 def urdf_text(limits: str = LIMITS) -> str:
     def link(name: str, mass: float) -> str:
         inertia = f'<inertia ixx="0.01" ixy="0" ixz="0" iyy="{mass * 0.02}" iyz="0" izz="{mass * 0.02}"/>'
-        return (
-            f'<link name="{name}"><inertial><origin xyz="0.2 0.01 0.03"/><mass value="{mass}"/>{inertia}</inertial></link>'
-        )
+        placed = f'<origin xyz="0.2 0.01 0.03"/><mass value="{mass}"/>'
+        return f'<link name="{name}"><inertial>{placed}{inertia}</inertial></link>'
 
     def joint(name: str, parent: str, child: str, x: float) -> str:
         return (

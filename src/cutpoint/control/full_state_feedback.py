@@ -24,7 +24,8 @@ class FullStateFeedback(ModelLaw):
     `shaping` * J as seen by the PD, so that kp (N m/rad) and kd (N m s/rad) act on a joint with less between them and
     the link.  The spring's torque and its rate come from the encoders on both sides.
     shaping: share of the rotor's inertia that is left, above 0 and at most 1; 1 is the plain PD.
-    lead: s, by which the torque's rate anticipates it; half a control period makes up for the hold.
+    lead: s, by which the torque's rate anticipates it; about a control period keeps springs without damping from being
+    driven by the hold.
     For a resting reference the closed loop is passive at the links' port, whatever the environment is.
     """
 

@@ -8,11 +8,12 @@ from typing import Any, Literal, NamedTuple
 
 import numpy as np
 
+from cutpoint.control.guard_limits import LIMITS, limits_of
 from cutpoint.control.interface import Command, Measurement, Reference
 from cutpoint.control.law import Wrapper
 from cutpoint.errors import InputError, unknown_name
 from cutpoint.robot import Robot
-from cutpoint.scalars import Scalar, absolute, clip, leaves, maximum, rebuild, where
+from cutpoint.scalars import Scalar, absolute, clip, leaves, maximum, rebuild, where, with_float_leaves
 
 Reaction = Literal["hold", "ramp", "stop"]
 SEVERITY = {"hold": 1, "ramp": 2, "stop": 3}
@@ -36,8 +37,8 @@ REACTIONS: dict[str, Reaction] = {
     "measurement": "hold", "stale": "hold", "deadline": "ramp", "speed": "ramp", "position": "ramp", "command": "ramp",
 }  # fmt: skip
 """measurement: one that the law needs is not finite; the law is then told the last that was.  stale: its time stamp
-stands still.  deadline: it comes half a period late or later.  speed, position: a joint beyond its limits.  command:
-what the law commands is not finite."""
+stands still.  deadline: it comes half a period late or later.  speed, position: a joint beyond its limits, by the
+link's encoder or, where that says nothing, by the motor's.  command: what the law commands is not finite."""
 
 SENSORS = ("q", "v", "theta", "theta_dot")
 
@@ -89,44 +90,8 @@ class Guard(Wrapper):
                 raise unknown_name("reaction", reaction, SEVERITY)
         if isinstance(self.ramp_time, (int, float)) and not (np.isfinite(self.ramp_time) and self.ramp_time > 0):
             raise InputError(f"Guard: ramp_time {self.ramp_time} s must be positive")
-        limits = [body.joint.limits for body in self._driven]
-        own = [drive.limits for drive in self.robot.drives.values()]
-        found = {
-            "torque_limit": [min(a.effort or np.inf, b.effort) for a, b in zip(limits, own, strict=True)],
-            "speed_limit": [min(a.velocity or np.inf, b.velocity) for a, b in zip(limits, own, strict=True)],
-            "lower": [a.lower for a in limits],
-            "upper": [a.upper for a in limits],
-        }
-        for name, values in found.items():
-            given = getattr(self, name)
-            object.__setattr__(self, name, self._limit(name, values if given is None else given))
-        self._check_limits()
-
-    @property
-    def _driven(self) -> list[Any]:
-        bodies = {body.joint.name: body for body in self.robot.mechanism.bodies}
-        return [bodies[name] for name in self.robot.drives]
-
-    def _limit(self, name: str, value: Any) -> Any:
-        array = np.asarray(value)
-        if array.dtype == object:
-            return array
-        n = len(self.robot.drives)
-        if array.shape not in ((), (n,)) or np.isnan(array).any():
-            raise InputError(f"Guard: {name} {value} must be numbers, one or one for each of {n} drives", limit=name)
-        return np.broadcast_to(array, n).astype(float)
-
-    def _check_limits(self) -> None:
-        if any(limit.dtype == object for limit in (self.torque_limit, self.speed_limit, self.lower, self.upper)):
-            return  # they are being traced
-        names = [*self.robot.drives]
-        for name in ("torque_limit", "speed_limit"):
-            if (k := int(np.argmin(getattr(self, name)))) >= 0 and getattr(self, name)[k] <= 0:
-                found = getattr(self, name)[k]
-                raise InputError(f"Guard: {name} {found} of {names[k]!r} must be positive", joint=names[k])
-        if (self.lower > self.upper).any():
-            k = int((self.lower > self.upper).argmax())
-            raise InputError(f"Guard: lower {self.lower[k]} of {names[k]!r} must not exceed upper, {self.upper[k]}")
+        for name, limit in limits_of(self.robot, {name: getattr(self, name) for name in LIMITS}).items():
+            object.__setattr__(self, name, limit)
 
     @property
     def size(self) -> int:
@@ -134,8 +99,8 @@ class Guard(Wrapper):
         return len(self.robot.drives)
 
     def start(self) -> Watch:
-        nothing = [0.0] * self.size
-        return Watch(-np.inf, nothing * 4, 0.0, 0.0, 1.0, nothing, nothing, nothing, self.inner_start())
+        nothing, inner = [0.0] * self.size, with_float_leaves(self.inner_start())
+        return Watch(-np.inf, nothing * 4, 0.0, 0.0, 1.0, nothing, nothing, nothing, inner)
 
     def step(self, memory: Watch, measurement: Measurement, reference: Reference) -> tuple[Watch, Command]:
         told, odd = self._last_finite(memory, measurement)
@@ -143,7 +108,10 @@ class Guard(Wrapper):
         theta = reference.theta if command.theta is None else command.theta
         theta_dot = reference.theta_dot if command.theta_dot is None else command.theta_dot
         parts = [[*np.broadcast_to(x, self.size)] for x in (command.torque, command.feedforward, theta, theta_dot)]
-        found, severity = self._found(memory, told, odd, parts)
+        # a link without encoder is where its motor is
+        pairs = zip(measurement.q, told.q, told.theta, strict=True)
+        places = [where(_is_odd(raw) > 0, theta, q) for raw, q, theta in pairs]
+        found, severity = self._found(memory, told, odd, places, parts)
         fault = where(memory.fault > 0, memory.fault, found)
         severity = maximum(memory.severity, severity)
         # what is left of the last safe torque
@@ -170,7 +138,7 @@ class Guard(Wrapper):
         return m._replace(**told), odd
 
     def _found(
-        self, memory: Watch, m: Measurement, odd: Scalar, commanded: list[list[Scalar]]
+        self, memory: Watch, m: Measurement, odd: Scalar, places: list[Scalar], commanded: list[list[Scalar]]
     ) -> tuple[Scalar, Scalar]:
         """The first fault of this sample, and how severe the reactions to all of them are."""
         late = m.time - memory.time
@@ -182,7 +150,7 @@ class Guard(Wrapper):
             Fault.SPEED: _any(where(absolute(v) > limit, 1.0, 0.0) for v, limit in zip(speeds, limits, strict=True)),
             Fault.POSITION: _any(
                 where(q < low, 1.0, where(q > high, 1.0, 0.0))
-                for q, low, high in zip(m.q, self.lower, self.upper, strict=True)
+                for q, low, high in zip(places, self.lower, self.upper, strict=True)
             ),
             Fault.COMMAND: _any(_is_odd(x) for part in commanded for x in part),
         }

@@ -97,9 +97,10 @@ def tune(
         InputError: the gains do not hold at q: the linear plant with all its springs, sampled every control_period (s),
             has a pole that grows; it says which joint swings, and how fast.  A law that jumps at rest is not tested.
     """
-    for name, value in {"bandwidth": bandwidth, "damping": damping, "control_period": control_period}.items():
+    asked = {"bandwidth": (bandwidth, " Hz"), "damping": (damping, ""), "control_period": (control_period, " s")}
+    for name, (value, unit) in asked.items():
         if not (np.isfinite(value) and value > 0):
-            raise InputError(f"tune: {name} {value} must be positive")
+            raise InputError(f"tune: {name} {value}{unit} must be positive")
     if law not in RECIPES:
         raise unknown_name("law that can be tuned", getattr(law, "__name__", str(law)), [x.__name__ for x in RECIPES])
     pose = robot.neutral() if q is None else checked_array("tune", "q", q, robot.nq)

@@ -62,8 +62,8 @@ class Use:
 class Excitation:
     """The best motion found: `trajectory` repeats itself `periods` times.
 
-    before: of the first random motion that kept the limits, made as large as they allow; None where the search began
-    with one that was found before.  after: of this one.  starts: how many were made to their end.
+    before: of the first random motion, made as large as the limits allow; None where they allow none there, or where
+    the search went on from a file.  after: of this one.  starts: how many were made to their end.
     """
 
     robot: Robot = field(repr=False)

@@ -17,8 +17,8 @@ Array = NDArray[np.float64]
 SAMPLES = 30
 """In the shortest wave, while searching."""
 
-FINER = 8
-"""Times as many samples see whether limits hold."""
+FINER = 32
+"""Times as many samples see whether limits hold: friction peaks where a joint turns back, for some milliseconds."""
 
 RESERVE = 0.005
 """Of each limit: what the search leaves, since waves may pass between its samples."""

@@ -17,10 +17,13 @@ from cutpoint.identification.excitation_problem import Problem, Worst
 Array = NDArray[np.float64]
 
 PHASES = ((0.3, 0.01), (0.03, 0.003), (3e-3, 1e-3), (3e-4, 1e-4))
-"""Weights of the barriers and where they turn into parabolas, one after another: as steep there at all weights."""
+"""Weights of the barriers and where they turn into parabolas, one after another.
 
-OPTIONS = {"maxiter": 150, "maxcor": 30}
-"""Of L-BFGS in each phase: steps at most, and those remembered."""
+They are steep from the first: what is once far beyond a limit is seldom led back.
+"""
+
+OPTIONS = {"maxiter": 150}
+"""Of L-BFGS: steps in each phase at most."""
 
 CENTRES, SPREAD, SWING = 64, 0.5, 0.3
 """Centres drawn for each start, the share of the range that they lie in, and the waves' standard deviation."""
@@ -121,7 +124,7 @@ def _within(problem: Problem, z: Array, clock: "_Clock") -> Array:
         result: Any = minimize(cost, z[0], jac=True, method="L-BFGS-B", options=OPTIONS)
         z = np.vstack([result.x, z[1:]])
         factor = _largest_factor(problem, z)
-    return _scaled(z, max(factor, SMALL))
+    return _scaled(z, factor or 1.0)
 
 
 def _improve(

@@ -13,7 +13,6 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.optimize import minimize
 
-from cutpoint.identification.least_squares import UNSEEN
 from cutpoint.identification.regression import friction_columns
 from cutpoint.mechanics.friction import Coulomb, Sliding, Stribeck
 
@@ -67,37 +66,42 @@ class FrictionChoice:
 
 def choose_friction(
     joint: str,
-    others: Array,
     torque: Array,
+    others: Array,
+    noise: float,
     speed: Array,
     means: Means,
     load: Array | None = None,
     offset: bool = True,
-) -> FrictionChoice:
+) -> FrictionChoice | None:
     """Coulomb or Stribeck, each symmetric, asymmetric, or growing with load, and the shape that fits best.
 
-    others (M, k): what else the joint's torque (M,) depends on, after means.  speed, load: (N,), before them.
+    torque (M,): friction of a joint, after means, and what may be wrong in what else was subtracted: others (M, k), each
+    at one standard deviation, in torques of a noise, N m.  speed, load: (N,), before means.
     offset: whether the torque may be off by a constant; where friction is asymmetric that stands for it.
-    Of the shapes that were tried on the way to the best for all blocks, each block is judged by the one that fits the
+    None where no law fits that takes energy.  Of the shapes that were tried on the way to the best for all blocks, each block is judged by the one that fits the
     others best.
     """
-    trial = _Trial(_independent(others), torque, speed, means, load, offset)
+    trial = _Trial(torque, others, noise, speed, means, load, offset)
     tried = _tried(trial, float(np.sqrt(np.nanmean(speed**2))))
-    families = [family for family in RICHNESS if family in tried]
-    errors = np.array([_left_out([gram for _, gram in tried[family]]) for family in families])
+    families = [family for family in RICHNESS if tried.get(family)]
+    if not families:
+        return None
+    errors = np.array([trial.left_out([gram for _, gram in tried[family]]) for family in families])
     errors *= BLOCKS / len(torque)
     squares, deviations = errors.mean(axis=1), errors.std(axis=1, ddof=1) / np.sqrt(BLOCKS)
     best = int(np.argmin(squares))
     chosen = families[int(np.argmax(squares <= squares[best] + deviations[best]))]
     sizes = np.sqrt(squares)
     compared = dict(zip(families, map(Held, sizes.tolist(), (deviations / (2.0 * sizes)).tolist()), strict=True))
-    return FrictionChoice(joint, chosen, _best(tried[chosen]), compared)
+    return FrictionChoice(joint, chosen, trial.best(tried[chosen]), compared)
 
 
 @dataclass(frozen=True, eq=False)
 class _Trial:
-    others: Array
     torque: Array
+    others: Array
+    noise: float
     speed: Array
     means: Means
     load: Array | None
@@ -111,7 +115,38 @@ class _Trial:
         return np.array([block.T @ block for block in np.array_split(both, BLOCKS)])
 
     def all(self, laws: list[Sliding]) -> list[Tried]:
-        return [(law, self.gram(law)) for law in laws]
+        """The laws, less those that fit best with friction that would push."""
+        return [(law, gram) for law in laws if self._brakes(law, gram := self.gram(law))]
+
+    def _brakes(self, law: Sliding, gram: Array) -> bool:
+        count = len(law.coefficients) + int(law.per_load is not None and self.load is not None)
+        return bool((self.fits(gram.sum(axis=0))[0][-count:] >= 0.0).all())
+
+    def best(self, tried: list[Tried]) -> Sliding:
+        """The law that fits best."""
+        return min(tried, key=lambda each: self.misfit(each[1]))[0]
+
+    def misfit(self, gram: Array) -> float:
+        """Squares that a law leaves over in all blocks."""
+        return float(self.fits(gram.sum(axis=0))[1])
+
+    def left_out(self, grams: list[Array]) -> Array:
+        """Squared error of each block under the shape and parameters that fit the others best, (BLOCKS,)."""
+        each = np.array(grams)
+        values, misfits = self.fits(each.sum(axis=1, keepdims=True) - each)
+        best = misfits.argmin(axis=0), np.arange(BLOCKS)
+        both = np.concatenate([-values[best], np.ones((BLOCKS, 1))], axis=1)
+        return np.einsum("bi,bij,bj->b", both, each[best], both)
+
+    def fits(self, gram: Array) -> tuple[Array, Array]:
+        """Least squares of the last column by the others, of products (..., c, c): values, and the squares left over."""
+        A, b = gram[..., :-1, :-1].copy(), gram[..., :-1, -1:]
+        rows = np.arange(self.others.shape[1])
+        A[..., rows, rows] += self.noise**2
+        size = np.sqrt(np.maximum(np.diagonal(A, axis1=-2, axis2=-1), np.finfo(float).tiny))[..., None]
+        scaled = A / (size * size.swapaxes(-1, -2)) + RIDGE * np.eye(A.shape[-1])
+        values = np.linalg.solve(scaled, b / size) / size
+        return values[..., 0], gram[..., -1, -1] - (values * b).sum(axis=(-2, -1))
 
 
 def _tried(trial: _Trial, size: float) -> dict[str, list[Tried]]:
@@ -123,50 +158,20 @@ def _tried(trial: _Trial, size: float) -> dict[str, list[Tried]]:
     found: dict[str, list[Tried]] = {}
     for family, laws in plain.items():
         found[family] = _refined(trial, trial.all(laws))
-        law = _best(found[family])
+        if not found[family]:
+            continue
+        law = trial.best(found[family])
         found[f"{family}, asymmetric"] = _refined(trial, trial.all([_with(law, asymmetry=x) for x in ASYMMETRIES]))
         if trial.load is not None and np.nanmax(np.abs(trial.load)) > 0.0:
             found[f"{family}, with load"] = _refined(trial, trial.all([_with(law, per_load=0.0)]))
     return found
 
 
-def _best(tried: list[Tried]) -> Sliding:
-    """The law that fits best."""
-    return min(tried, key=lambda each: _misfit(each[1]))[0]
-
-
-def _left_out(grams: list[Array]) -> Array:
-    """Squared error of each block under the shape and parameters that fit the others best, (BLOCKS,)."""
-    each = np.array(grams)
-    values, misfits = _fits(each.sum(axis=1, keepdims=True) - each)
-    best = misfits.argmin(axis=0), np.arange(BLOCKS)
-    both = np.concatenate([-values[best], np.ones((BLOCKS, 1))], axis=1)
-    return np.einsum("bi,bij,bj->b", both, each[best], both)
-
-
-def _misfit(gram: Array) -> float:
-    return float(_fits(gram.sum(axis=0))[1])
-
-
-def _fits(gram: Array) -> tuple[Array, Array]:
-    """Least squares of the last column by the others, of products (..., c, c): values, and the squares left over."""
-    A, b = gram[..., :-1, :-1], gram[..., :-1, -1:]
-    size = np.sqrt(np.maximum(np.diagonal(A, axis1=-2, axis2=-1), np.finfo(float).tiny))[..., None]
-    scaled = A / (size * size.swapaxes(-1, -2)) + RIDGE * np.eye(A.shape[-1])
-    values = np.linalg.solve(scaled, b / size) / size
-    return values[..., 0], gram[..., -1, -1] - (values * b).sum(axis=(-2, -1))
-
-
-def _independent(columns: Array) -> Array:
-    """Orthonormal columns that span the same."""
-    length = np.linalg.norm(columns, axis=0)
-    U, s, _ = np.linalg.svd(columns[:, length > 0.0] / length[length > 0.0], full_matrices=False)
-    return U[:, s > UNSEEN * s[0]] if s.size else U
-
-
 def _refined(trial: _Trial, tried: list[Tried]) -> list[Tried]:
     """With what is tried on the way to the best shape near these, by variable projection.  Golub and Pereyra (1973)."""
-    law: Any = _best(tried)
+    if not tried:
+        return []
+    law: Any = trial.best(tried)
     names = [name for name in ("smoothing", "stribeck_velocity") if hasattr(law, name)]
     start = np.log([getattr(law, name) for name in names])
     start = start if law.asymmetry is None else np.append(start, np.arctanh(law.asymmetry))
@@ -174,8 +179,9 @@ def _refined(trial: _Trial, tried: list[Tried]) -> list[Tried]:
 
     def misfit(x: Array) -> float:
         side = {} if law.asymmetry is None else {"asymmetry": float(np.tanh(x[-1]))}
-        found.extend(trial.all([_with(law, **dict(zip(names, np.exp(x).tolist(), strict=False)), **side)]))
-        return _misfit(found[-1][1])
+        own = trial.all([_with(law, **dict(zip(names, np.exp(x).tolist(), strict=False)), **side)])
+        found.extend(own)
+        return trial.misfit(own[0][1]) if own else np.inf
 
     steps = np.vstack([start, start + NEAR * np.eye(start.size)])
     options = {"maxfev": TRIALS, "xatol": 1e-2, "fatol": 0.0, "initial_simplex": steps}

@@ -1,6 +1,7 @@
 """Physical bodies without constraints.  Rucker and Wensing (2022), IEEE Robot. Autom. Lett. 7(2), eq. (11).
 
-X = U U^T with U upper triangular, its diagonal exponentials: every ten numbers are a body that can exist.
+X = U U^T with U upper triangular, its diagonal exponentials: every ten numbers are a body that can exist.  Rotors and
+friction, which are single numbers, are bounded by zero instead.
 """
 
 import numpy as np
@@ -15,16 +16,35 @@ Array = NDArray[np.float64]
 UPPER = np.triu_indices(4)
 DIAGONAL = np.flatnonzero(UPPER[0] == UPPER[1])
 
+ENDS = 1e-10
+"""Relative change at which the search ends."""
+
+STEPS = 1000
+
+CLEAR = 1e-6
+"""How far from its bound the search starts."""
+
 
 def solve(fit: Fit) -> Array:
     """The unknowns of a fit, from the file's bodies on.  Raises CutpointError where the search does not end."""
-    start = np.zeros(10 * fit.bodies.count + fit.scale.size + fit.positive.size)
-    # friction starts at what least squares say where all else is the file's
-    others = fit.data[:, fit.first_other :]
-    whole = _unknowns(fit, start)[: fit.first_other]
-    free = np.linalg.lstsq(others, fit.z - fit.data[:, : fit.first_other] @ whole)[0]
-    start[start.size - free.size :] = np.where(fit.positive, np.sqrt(np.maximum(free, 1e-6)), free)
-    found = least_squares(lambda x: _residuals(fit, x), start, jac=lambda x: _slopes(fit, x), method="trf", x_scale="jac")
+    whole = _unknowns(fit, np.zeros(10 * fit.bodies.count + fit.scale.size + fit.positive.size))
+    # rotors start at the file's, friction at what least squares say where all else is the file's
+    whole[fit.first_rotor : fit.first_other] = 1.0
+    free = np.linalg.lstsq(fit.data[:, fit.first_other :], fit.z - fit.data @ whole)[0]
+    start = np.concatenate([np.zeros(10 * fit.bodies.count), np.ones(fit.scale.size), free])
+    low = np.full(start.size, -np.inf)
+    low[10 * fit.bodies.count :] = [*np.zeros(fit.scale.size), *np.where(fit.positive, 0.0, -np.inf)]
+    found = least_squares(
+        lambda x: _residuals(fit, x),
+        np.maximum(start, low + CLEAR),
+        lambda x: _slopes(fit, x),
+        (low, np.inf),
+        x_scale="jac",
+        ftol=ENDS,
+        xtol=ENDS,
+        gtol=ENDS,
+        max_nfev=STEPS,
+    )
     if not found.success:
         raise CutpointError(f"the search for physical bodies did not end: {found.message}; try solver='lmi'")
     return _unknowns(fit, found.x)
@@ -41,8 +61,7 @@ def _factors(fit: Fit, x: Array) -> Array:
 
 def _unknowns(fit: Fit, x: Array) -> Array:
     U = _factors(fit, x)
-    rotors, others = np.split(x[10 * fit.bodies.count :], [fit.scale.size])
-    return np.concatenate([(U @ U.transpose(0, 2, 1)).ravel(), np.exp(rotors), np.where(fit.positive, others**2, others)])
+    return np.concatenate([(U @ U.transpose(0, 2, 1)).ravel(), x[10 * fit.bodies.count :]])
 
 
 def _residuals(fit: Fit, x: Array) -> Array:
@@ -65,8 +84,6 @@ def _slopes(fit: Fit, x: Array) -> Array:
         turned *= U[:, i, i, None, None] if i == j else 1.0
         for body in range(count):
             slope[16 * body : 16 * (body + 1), 10 * body + k] = turned[body].ravel()
-    rotors, others = np.split(x[first:], [fit.scale.size])
-    rest = np.concatenate([np.exp(rotors), np.where(fit.positive, 2.0 * others, 1.0)])
-    slope[16 * count :, first:] = np.diag(rest)
+    slope[16 * count :, first:] = np.eye(x.size - first)
     bodies, rotors = np.split(slope[: fit.first_other], [fit.first_rotor])
     return np.concatenate([fit.data @ slope, 0.5 * bodies / fit.spread, rotors / fit.spread])

@@ -12,11 +12,11 @@ from cutpoint.identification.base_parameters import BaseParameters, base_paramet
 from cutpoint.identification.decimation import Decimation, decimation
 from cutpoint.identification.friction_choice import FrictionChoice, choose_friction
 from cutpoint.identification.instrumental import instrumental_variables
-from cutpoint.identification.least_squares import METHODS, Estimate, least_squares
+from cutpoint.identification.least_squares import METHODS, Estimate, least_squares, solved
 from cutpoint.identification.motion import Motion, motion_of, torques_of
 from cutpoint.identification.physical import Physical, Solver, physical
 from cutpoint.identification.recording import Recording
-from cutpoint.identification.regression import Regression, inertial_columns, regression
+from cutpoint.identification.regression import Regression, regression
 from cutpoint.identification.rigid_robot import RigidModel, laws_with, link_torques, stated_coefficient, stated_laws
 from cutpoint.identification.uncertainty import Parameter, base_sizes, friction_sizes, parameters, untold
 from cutpoint.mechanics.friction import Sliding
@@ -29,8 +29,9 @@ FrictionWish = Literal["choose", "stated"] | Mapping[str, Sliding]
 BANDWIDTH = 10.0
 """Hz of torques that are explained, at most, by default: arms are excited below, drives resonate above."""
 
-SMOOTHER = 0.5
-"""Of the positions' cut-off: what their filter leaves as it is."""
+
+WRONG = 3.0
+"""Standard deviations by which links may be wrong while friction laws are compared."""
 
 LOADED_ROUNDS = 3
 """Rounds in which friction that grows with load learns the load."""
@@ -112,7 +113,7 @@ def identify_rigid(
     offsets: whether torques may be off by a constant each.
     solver, prior_spread: for bodies that can exist, see `physical`.  level: of the intervals.
     cutoff: Hz, of the positions, by default where they sink into their noise.  bandwidth: Hz, of the torques that are
-        explained, by default at most half of that and 10 Hz.
+        explained, by default the same, at most 10 Hz.
     torque_constants: N m at the joint for each ampere, by joint, for recordings of currents.
 
     A commanded torque that is held over a control period acts half a period later: align it before.
@@ -165,7 +166,7 @@ def _log(
     motion, torque = motion_of(robot, recording, cutoff), torques_of(robot, recording, torque_constants)
     stated = np.array([float(drive.reflected_inertia) for drive in robot.drives.values()])
     torque = torque if rotors else torque - stated * motion.w_dot
-    width = min(SMOOTHER * motion.cutoff, BANDWIDTH) if bandwidth is None else bandwidth
+    width = min(motion.cutoff, BANDWIDTH) if bandwidth is None else bandwidth
     known = motion.known() & np.isfinite(torque).all(axis=1)
     return _Log(motion, torque, decimation(known, motion.period, width), stated, width)
 
@@ -219,14 +220,22 @@ def _check(method: str, instruments: Recording | None, level: float) -> None:
 
 
 def _choices(base: BaseParameters, log: _Log, loads: Array, offsets: bool) -> tuple[FrictionChoice, ...]:
-    """The law of each joint that moves, from its own torques."""
-    columns, torque = inertial_columns(base, log.motion, log.means), log.means(log.torque)
-    found: list[FrictionChoice] = []
+    """The law of each joint that moves, from what its links leave over.
+
+    What the links ask for is first told by a fit with the stated laws, and may be wrong by some of its deviations.
+    """
+    laws, b, found = stated_laws(base.robot, log.motion), base.independent.size, list[FrictionChoice]()
+    first = regression(base, laws, log.motion, log.torque, log.means, offsets=offsets, loads=loads)
+    estimate = least_squares(first)
+    variances, axes = np.linalg.eigh(solved(estimate.R, estimate.z)[1][:b, :b])
+    likely = WRONG * axes * np.sqrt(np.maximum(variances, 0.0))
+    torque = first.torque - first.columns[..., :b] @ estimate.values[:b]
     for j, joint in enumerate(base.robot.joints):
-        own = columns[:, j, np.ptp(columns[:, j], axis=0) > 0.0]
-        speed = log.motion.w[:, j]
+        speed, others = log.motion.w[:, j], first.columns[:, j, :b] @ likely
         if np.nanstd(speed) > 0.0:
-            found.append(choose_friction(joint, own, torque[:, j], speed, log.means, loads[:, j], offsets))
+            noise = float(estimate.noise[j])
+            own = choose_friction(joint, torque[:, j], others, noise, speed, log.means, loads[:, j], offsets)
+            found += [own] if own else []
     return tuple(found)
 
 

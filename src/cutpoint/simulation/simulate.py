@@ -123,9 +123,7 @@ def _integrator(loop: ClosedLoop, trajectory: Trajectory | None, accuracy: str, 
     return adaptive_step(loop) if accuracy == "reference" else None
 
 
-def steps_of(
-    robot: Robot, accuracy: str, substeps: int | None, period: float, start: State, reference: Array
-) -> Steps:
+def steps_of(robot: Robot, accuracy: str, substeps: int | None, period: float, start: State, reference: Array) -> Steps:
     """Integration steps a control period: the caller's, or what the accuracy takes."""
     if accuracy not in ("standard", "fine", "reference"):
         raise InputError(f"simulate: accuracy {accuracy!r} must be 'standard', 'fine' or 'reference'")

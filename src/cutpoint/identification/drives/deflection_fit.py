@@ -1,7 +1,7 @@
 """One spring law fitted to a measured deflection, together with all else that the deflection is made of.
 
-theta - q = deflection(tau_f - slipping - damping) + e(theta) + offset, the law's inverse developed to first order in
-what acts beside the spring: less (slipping + damping rate) / tangent.
+theta - q = deflection(tau_f - slipping - damping rate) + e(theta) + offset, the law's inverse developed to first order
+in what acts beside the spring, and in what corrects the torque: both over the law's tangent.
 """
 
 from collections.abc import Sequence
@@ -17,7 +17,7 @@ from cutpoint.identification.filtering import low_pass
 
 Array = NDArray[np.float64]
 
-ROUNDS = 3
+ROUNDS = 4
 """Times that the spring and what acts beside it are fitted in turn: hysteresis of a tenth of the torque settles."""
 
 SEARCHED = 4000
@@ -35,6 +35,7 @@ class Deflections:
     """A joint's measured channels, each (N,), without gaps: theta - q and theta in rad, torque in N m; period, s.
 
     resolution: rad at the joint's side.  cutoff: Hz, of what the deflection's rate and turning points are read from.
+    corrections: (N, m), derivatives of the torque by what is not known of it.
     """
 
     lead: Array
@@ -44,6 +45,7 @@ class Deflections:
     ratio: float
     resolution: float
     cutoff: float
+    corrections: Array
 
     def smooth(self, values: Array) -> Array:
         """Low-passed, the ends as they are."""
@@ -53,7 +55,7 @@ class Deflections:
 
 @dataclass(frozen=True, eq=False)
 class DeflectionFit:
-    """A law's constants, the weights of waves, offset (rad), elements' stiffnesses and damping, and what is left.
+    """A law's constants, weights of waves, offset (rad), corrections, elements' stiffnesses, damping; what is left.
 
     columns: the model's derivatives (N, p) by all of these, in that order.  residual: (N,), rad.  tangent: (N,).
     """
@@ -62,6 +64,7 @@ class DeflectionFit:
     constants: Array
     waves: Array
     offset: float
+    corrections: Array
     stiffness: Array
     damping: float
     reaches: Array
@@ -70,13 +73,15 @@ class DeflectionFit:
     residual: Array = field(repr=False)
 
 
-def fit_deflection(data: Deflections, law: SpringLaw, orders: Sequence[int], elements: int, damped: bool) -> DeflectionFit:
+def fit_deflection(
+    data: Deflections, law: SpringLaw, orders: Sequence[int], elements: int, damped: bool
+) -> DeflectionFit:
     """`elements` of hysteresis at most, 0 for none; `damped` seeks the spring's own damping."""
     free = np.column_stack([wave_columns(data.ratio * data.theta, orders), np.ones_like(data.theta)])
     found = _first(data, law, free)
     reaches = _offered(data, found, elements)
-    for turn in range(ROUNDS if elements or damped else 0):
-        found = _round(data, replace(found, reaches=reaches), free, damped, search=turn == 1)
+    for turn in range(ROUNDS if elements or damped or data.corrections.size else 0):
+        found = _round(data, replace(found, reaches=reaches), free, damped)
         if turn == 0:
             reaches = reaches[found.stiffness > 0.0]
     return found
@@ -93,25 +98,25 @@ def _first(data: Deflections, law: SpringLaw, free: Array) -> DeflectionFit:
     left = target - free @ weights
     nothing = np.empty(0)
     return DeflectionFit(
-        law, constants, weights[:-1], float(weights[-1]), nothing, 0.0, nothing, tangent, columns, left
+        law, constants, weights[:-1], float(weights[-1]), nothing, nothing, 0.0, nothing, tangent, columns, left
     )
 
 
-def _round(data: Deflections, before: DeflectionFit, free: Array, damped: bool, search: bool) -> DeflectionFit:
+def _round(data: Deflections, before: DeflectionFit, free: Array, damped: bool) -> DeflectionFit:
     """The spring again with what acted beside it, then that again with the spring."""
     law, constants = before.law, before.constants
     wound = data.smooth(data.lead - free @ np.append(before.waves, before.offset))
     beside = -strain_columns(wound, before.reaches) / before.tangent[:, None]
     rate = -np.gradient(wound, data.period) / before.tangent
+    waves = free.shape[1] - 1
+    free = np.column_stack([free, data.corrections / before.tangent[:, None]])
     beside = np.column_stack([beside, rate]) if damped else beside
-    if search:
-        constants = _searched(data, law, np.column_stack([free, beside]))
     target = data.lead - law.deflection(constants, data.torque)
     own = law.columns(constants, data.torque)
     columns = np.column_stack([own, free, beside])
     count = own.shape[1] + free.shape[1]
     weights = bounded_weights(columns, target, count)
-    # the law's columns let spring and elements settle between them; the next round searches the constants anew
+    # a step of Gauss and Newton in the constants, so that spring and elements settle between them
     left = target - columns @ weights
     change, weights = weights[: own.shape[1]], weights[own.shape[1] :]
     constants = np.maximum(constants + change, 0.5 * constants)
@@ -119,8 +124,9 @@ def _round(data: Deflections, before: DeflectionFit, free: Array, damped: bool, 
     return DeflectionFit(
         law,
         constants,
-        weights[: free.shape[1] - 1],
-        float(weights[free.shape[1] - 1]),
+        weights[:waves],
+        float(weights[waves]),
+        weights[waves + 1 : free.shape[1]],
         stiffness,
         float(weights[-1]) if damped else 0.0,
         before.reaches,

@@ -8,12 +8,13 @@ from numpy.typing import ArrayLike, NDArray
 
 from cutpoint.errors import InputError
 from cutpoint.identification.drives.joint_torques import (
+    corrected,
     link_torque,
-    motor_torque_left,
-    spring_reading,
+    torque_left,
     transmitted_share,
 )
 from cutpoint.identification.drives.rotor import RotorEstimate, motor_side
+from cutpoint.identification.drives.spring_laws import LAWS
 from cutpoint.identification.drives.two_encoders import SpringEstimate, two_encoders
 from cutpoint.identification.filtering import noise_cutoff
 from cutpoint.identification.recording import Recording
@@ -21,6 +22,9 @@ from cutpoint.model.drive import Drive, Motor, Rotor
 from cutpoint.robot import Robot
 
 Array = NDArray[np.float64]
+
+SHAPE = ("flexspline",)
+"""The law from which springs are read until the best one is chosen: it can be straight too."""
 
 NARROWER = 3.0
 """Times that the band in which rotors are found is narrower than that of the links' motion: friction that changes sign
@@ -57,13 +61,16 @@ class DriveEstimates:
         )
 
 
-def identify_drives(robot: Robot, recording: Recording, resolution: ArrayLike | None = None) -> DriveEstimates:
+def identify_drives(
+    robot: Robot, recording: Recording, resolution: ArrayLike | None = None, torque_delay: float = 0.0
+) -> DriveEstimates:
     """Springs, kinematic errors, hysteresis, rotors and motor friction of all drives.
 
     robot: its links and their friction are taken as known; its drives state ratios, and what the recording cannot tell.
     recording: q, theta, and torque or current of all of its joints, on a uniform time and on one clock.
     resolution: of both encoders together, rad at the joint's side, one or one for each joint; by default the smallest
     steps that the samples show.
+    torque_delay: s by which torque or current acts later than it is stamped: half a period for commands that are held.
 
     The links' motion gives each joint's torque, which calibrates its spring; torques read from the springs give the
     rotors; and the motors' torques, less what rotors and motor friction take, reach to frequencies that differentiated
@@ -80,12 +87,13 @@ def identify_drives(robot: Robot, recording: Recording, resolution: ArrayLike | 
     q, theta = recording["q"][:, columns], recording["theta"][:, columns]
     given = "torque" if "torque" in recording.channels else "current"
     effort = recording[given][:, columns]
+    delay = float(torque_delay)
     steps = [None] * len(names) if resolution is None else np.broadcast_to(resolution, len(names)).tolist()
     cutoff = noise_cutoff(q, recording.period)
     torques = link_torque(robot, q, recording.period, cutoff)
     found = {
         name: _joint(
-            Channels(theta[:, k], q[:, k], effort[:, k], torques[:, k], recording.period, given == "current"),
+            Channels(theta[:, k], q[:, k], effort[:, k], torques[:, k], recording.period, delay, given == "current"),
             robot.drives[name],
             steps[k],
             cutoff / NARROWER,
@@ -104,22 +112,38 @@ class Channels:
     effort: Array
     link_torque: Array
     period: float
+    delay: float
     is_current: bool
 
 
 def _joint(joint: Channels, drive: Drive, resolution: float | None, cutoff: float) -> DriveEstimate:
     """From the links' torque to the spring, to the rotor, to the motor's torque, to the spring again."""
     ratio, period = drive.ratio, joint.period
-    first = two_encoders(joint.theta, joint.q, joint.link_torque, period, ratio, resolution=resolution)
-    share = transmitted_share(first, joint.theta, ratio)
-    load = joint.link_torque
-    if "stiffness" not in first.unidentifiable:
-        load = spring_reading(first, joint.theta, joint.q, period, ratio)
-    effort = {"current" if joint.is_current else "torque": joint.effort}
-    rotor = motor_side(joint.theta, load, period, ratio, transmission=share, cutoff=cutoff, **effort)
-    torque = joint.effort if rotor.torque_constant is None else joint.effort * rotor.torque_constant * ratio
-    left = motor_torque_left(rotor, joint.theta, torque, period, ratio, share)
-    spring = two_encoders(joint.theta, joint.q, left, period, ratio, resolution=resolution)
+    torque, kind = joint.effort, "current" if joint.is_current else "torque"
+    spring = two_encoders(joint.theta, joint.q, joint.link_torque, period, ratio, resolution=resolution, laws=SHAPE)
+    share = transmitted_share(spring, joint.theta, ratio)
+    rotor = motor_side(
+        joint.theta,
+        joint.link_torque,
+        period,
+        ratio,
+        transmission=share,
+        cutoff=cutoff,
+        delay=joint.delay,
+        **{kind: joint.effort},
+    )
+    if rotor.torque_constant is not None:
+        torque = joint.effort * rotor.torque_constant * ratio
+    for laws in (SHAPE, tuple(LAWS)):
+        left, unknowns = torque_left(rotor, joint.theta, torque, period, joint.delay, share)
+        seen = "stiffness" not in spring.unidentifiable
+        spring = two_encoders(
+            joint.theta, joint.q, left, period, ratio,
+            resolution=resolution, laws=laws, torque_unknowns=unknowns if seen else None,
+        )  # fmt: skip
+        share = transmitted_share(spring, joint.theta, ratio)
+        if seen:
+            rotor = corrected(rotor, spring)
     return _estimate(drive, spring, rotor)
 
 

@@ -1,10 +1,11 @@
 """What drives exert on their links, found in three ways: from the links' motion, from encoders, from the motors."""
 
+from dataclasses import replace
+
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from cutpoint.identification.drives.columns import strain_columns
-from cutpoint.identification.drives.rotor import RotorEstimate
+from cutpoint.identification.drives.rotor import RotorEstimate, late
 from cutpoint.identification.drives.two_encoders import SpringEstimate
 from cutpoint.identification.filtering import derivative, low_pass, noise_cutoff
 from cutpoint.robot import Robot
@@ -26,31 +27,52 @@ def link_torque(robot: Robot, q: Array, period: float, cutoff: float | None = No
     return found
 
 
-def spring_reading(spring: SpringEstimate, theta: ArrayLike, q: ArrayLike, period: float, ratio: float) -> Array:
-    """From both encoders of one joint, (N,), rad, and what was found of its spring: (N,), N m."""
-    angle, link = np.asarray(theta, dtype=np.float64), np.asarray(q, dtype=np.float64)
-    wound = angle - link - spring.offset
-    if spring.kinematic_error is not None:
-        wound = wound - spring.kinematic_error.value(angle, ratio)
-    found = np.asarray(spring.compliance.torque(wound))
-    if spring.hysteresis is not None:
-        strains = strain_columns(wound, np.array(spring.hysteresis.reach))
-        found = found + strains @ np.array(spring.hysteresis.stiffness)
-    return found if spring.damping is None else found + spring.damping * np.gradient(wound, period)
+def torque_left(
+    rotor: RotorEstimate,
+    theta: ArrayLike,
+    torque: ArrayLike,
+    period: float,
+    delay: float,
+    transmission: ArrayLike = 1.0,
+) -> tuple[Array, dict[str, Array]]:
+    """From the motor's torque (N,), N m: what is left beside its rotor and its friction, (N,), NaN at the ends; and its
+    derivatives by inertia and friction of the estimate, which `corrected` takes.
 
-
-def motor_torque_left(
-    rotor: RotorEstimate, theta: ArrayLike, torque: ArrayLike, period: float, ratio: float, transmission: ArrayLike = 1.0
-) -> Array:
-    """From the motor's torque (N,), N m: what is left beside its rotor and its friction, (N,); NaN at the ends."""
+    theta: (N,), rad.  period, delay: s.  transmission: 1 - e'(theta).
+    """
     angle, given = np.asarray(theta, dtype=np.float64), np.asarray(torque, dtype=np.float64)
-    time = period * np.arange(angle.size)
-    known = np.isfinite(given)
-    acting = np.interp(time - rotor.delay, time[known], given[known])
-    left = acting + rotor.offset - rotor.inertia * ratio**2 * derivative(angle, period, 2)
-    if rotor.friction is not None:
-        left = left - np.asarray(rotor.friction.torque(derivative(angle, period)))
-    return left / np.asarray(transmission, dtype=np.float64)
+    share = np.asarray(transmission, dtype=np.float64)
+    acting = late(given, period, delay)
+    # differences of samples average what acts between them, torque that is held too; springs act at the samples
+    acceleration, acting = sharpened(derivative(angle, period, 2)), sharpened(acting)
+    speed = derivative(angle, period)
+    by = {
+        "inertia": -acceleration / share,
+        "viscous": -speed / share,
+        "coulomb": -np.tanh(speed / rotor.smoothing) / share,
+    }
+    left = (acting + rotor["offset"]) / share
+    for name, column in by.items():
+        left = left + rotor[name] * column
+    return left, by
+
+
+def sharpened(values: Array) -> Array:
+    """Values (N,) at samples from their averages over a period on either side, with triangular weights."""
+    found = values.copy()
+    found[1:-1] -= (values[2:] - 2.0 * values[1:-1] + values[:-2]) / 12.0
+    return found
+
+
+def corrected(rotor: RotorEstimate, spring: SpringEstimate) -> RotorEstimate:
+    """A rotor with the corrections that its spring's deflection found: see `torque_left`."""
+    names = ("inertia", "viscous", "coulomb")
+    own, theirs = ([each.names.index(name) for name in names] for each in (rotor, spring))
+    values, spread = rotor.values.copy(), rotor.covariance.copy()
+    values[own] += spring.values[theirs]
+    spread[own, :] = spread[:, own] = 0.0
+    spread[np.ix_(own, own)] = spring.covariance[np.ix_(theirs, theirs)]
+    return replace(rotor, values=values, covariance=spread)
 
 
 def transmitted_share(spring: SpringEstimate | None, theta: Array, ratio: float) -> Array:

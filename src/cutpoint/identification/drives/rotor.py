@@ -4,7 +4,6 @@ torque(t - delay) = J theta_ddot + (1 - e'(theta)) tau_f + xi(theta_dot) - offse
 Xia (2019) eqs. (22), (27).
 """
 
-from collections.abc import Mapping
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -33,30 +32,66 @@ LEAST_SAMPLES = 200
 
 @dataclass(frozen=True, eq=False)
 class RotorEstimate:
-    """What a motor's motion and torque tell; None where it was not sought or cannot be told.
+    """What a motor's motion and torque tell.
 
-    inertia: of the rotor about its own axis, on the motor's side, kg m2.  friction: at the joint's side.
-    torque_constant: N m of shaft torque per ampere.  delay: s by which the torque acts later than it is stamped: half
-    a period for commands that are held.  offset: N m that the motor is helped by.
-    names, values, covariance: of all unknowns at the joint's side, (p,), (p,), (p, p); "smoothing" is not among them.
-    scatter: RMS of what is left, N m.  unidentifiable: what cannot be told, each with the sentence why.
+    names, values, covariance: of all unknowns at the joint's side, (p,), (p,), (p, p): "inertia" (kg m2), "offset"
+    (N m), "viscous" (N m s/rad), "coulomb" (N m), and "gain" (N m/A), "delay" (s) where a current, no delay was given.
+    smoothing: rad/s over which dry friction changes sign; its uncertainty is not known.
+    scatter: RMS of what is left, N m.  ratio: motor turns per joint turn.
     """
 
-    inertia: float
-    friction: Coulomb | None
-    torque_constant: float | None
-    delay: float
-    offset: float
     names: tuple[str, ...]
     values: Array
     covariance: Array = field(repr=False)
+    smoothing: float
     scatter: float
-    unidentifiable: Mapping[str, str]
+    ratio: float
+
+    def __getitem__(self, name: str) -> float:
+        return float(self.values[self.names.index(name)])
 
     @property
     def deviations(self) -> dict[str, float]:
         """Standard deviation of each unknown, by name."""
         return dict(zip(self.names, np.sqrt(np.diag(self.covariance)).tolist(), strict=True))
+
+    @property
+    def inertia(self) -> float:
+        """Of the rotor about its own axis, on the motor's side, kg m2."""
+        return self["inertia"] / self.ratio**2
+
+    @property
+    def friction(self) -> Coulomb | None:
+        """At the joint's side; None where it is not told from none."""
+        if "motor friction" in self.unidentifiable:
+            return None
+        return Coulomb(max(self["coulomb"], 0.0), max(self["viscous"], 0.0), self.smoothing)
+
+    @property
+    def torque_constant(self) -> float | None:
+        """N m of shaft torque per ampere; None where no current was given, or it cannot be told."""
+        told = "gain" in self.names and "torque constant" not in self.unidentifiable
+        return self["gain"] / self.ratio if told else None
+
+    @property
+    def unidentifiable(self) -> dict[str, str]:
+        """What cannot be told, "rotor inertia", "motor friction" or "torque constant", each with the sentence why."""
+        found: dict[str, str] = {}
+        if not self._surpasses("inertia", 1.0 / UNCERTAIN):
+            found["rotor inertia"] = self._vague("inertia", "kg m2 at the joint")
+        if not (self._surpasses("coulomb", SIGNIFICANT) or self._surpasses("viscous", SIGNIFICANT)):
+            found["motor friction"] = self._vague("coulomb", "N m")
+        if "gain" in self.names and not self._surpasses("gain", 1.0 / UNCERTAIN):
+            found["torque constant"] = self._vague("gain", "N m/A at the joint")
+        return found
+
+    def _surpasses(self, name: str, times: float) -> bool:
+        value = abs(self[name]) if name == "gain" else self[name]
+        return value > times * self.deviations[name]
+
+    def _vague(self, name: str, unit: str) -> str:
+        figures = f"{self[name]:.3g} +- {self.deviations[name]:.2g} {unit}"
+        return f"{name} {figures} is not told from none: excite with more acceleration and speed"
 
 
 def motor_side(
@@ -69,13 +104,15 @@ def motor_side(
     current: ArrayLike | None = None,
     transmission: ArrayLike = 1.0,
     cutoff: float | None = None,
+    delay: float | None = None,
 ) -> RotorEstimate:
     """Rotor inertia and motor friction from a torque, or these and the torque constant from a current; all (N,).
 
     theta: rad.  joint_torque: what the drive exerts on the link, N m, found otherwise than from the motor.
     torque: the motor's times ratio, N m; or current, A.  transmission: 1 - e'(theta), if it is known.
     period: s.  ratio: motor turns per joint turn.  cutoff: Hz, of the low-pass through which all terms go; by default
-    where the joint torque sinks into its noise.
+    where the joint torque sinks into its noise.  delay: s by which the motor's torque acts later than it is stamped,
+    half a period for commands that are held; by default it is found too.
 
     Raises:
         InputError: neither or both of torque and current, shapes, too few samples.
@@ -86,16 +123,18 @@ def motor_side(
     angle, load = np.asarray(theta, dtype=np.float64), np.asarray(joint_torque, dtype=np.float64)
     if not angle.shape == load.shape == drive.shape or angle.ndim != 1:
         shapes = f"{angle.shape}, {load.shape} and {drive.shape}"
-        raise InputError(f"motor_side: theta, joint_torque and torque or current have shapes {shapes}: each must be (N,)")
+        raise InputError(f"motor_side: theta, joint torque and effort have shapes {shapes}: each must be (N,)")
     band = noise_cutoff(load, period) if cutoff is None else cutoff
     speed = derivative(low_pass(angle, period, min(3.0 * band, 0.45 / period)), period)
-    rate = np.gradient(drive, period)
-    fixed = [-derivative(angle, period, 2), np.ones_like(angle), -rate]
-    names = ["inertia", "offset", "delay"]
+    if delay is not None:
+        drive = late(drive, period, delay)
+    fixed = {"inertia": -derivative(angle, period, 2), "offset": np.ones_like(angle)}
+    if delay is None:
+        fixed["delay"] = -np.gradient(drive, period)
     if current is not None:
-        fixed, names = [*fixed, drive], [*names, "gain"]
+        fixed["gain"] = drive
     target = np.asarray(transmission, dtype=np.float64) * load - (drive if current is None else 0.0)
-    passed = low_pass(np.column_stack([*fixed, -speed, target]), period, band)
+    passed = low_pass(np.column_stack([*fixed.values(), -speed, target]), period, band)
     if np.isfinite(passed).all(axis=1).sum() < LEAST_SAMPLES:
         raise InputError(f"motor_side: less than {LEAST_SAMPLES} samples are left by a filter of {band:.3g} Hz")
 
@@ -111,41 +150,16 @@ def motor_side(
     best = minimize_scalar(lambda x: float(np.sum(fit(np.exp(x))[2] ** 2)), bounds=limits, method="bounded",
                            options={"xatol": 0.05})  # fmt: skip
     smoothing = float(np.exp(best.x))
-    return _estimate(*fit(smoothing), [*names, "viscous", "coulomb"], smoothing, ratio)
+    columns, weights, residual = fit(smoothing)
+    spread, scatter = covariance(columns, residual), float(np.sqrt(np.mean(residual**2)))
+    names = [*fixed]
+    if delay is None and current is not None:
+        scale = np.where(np.array([*names, "", ""]) == "delay", 1.0 / weights[names.index("gain")], 1.0)
+        weights, spread = weights * scale, spread * np.outer(scale, scale)
+    return RotorEstimate((*names, "viscous", "coulomb"), weights, spread, smoothing, scatter, ratio)
 
 
-def _estimate(
-    columns: Array, weights: Array, residual: Array, names: list[str], smoothing: float, ratio: float
-) -> RotorEstimate:
-    spread = covariance(columns, residual)
-    value = dict(zip(names, weights.tolist(), strict=True))
-    error = dict(zip(names, np.sqrt(np.diag(spread)).tolist(), strict=True))
-    why: dict[str, str] = {}
-    if not value["inertia"] > error["inertia"] / UNCERTAIN:
-        why["rotor inertia"] = _vague("the rotor's inertia at the joint", value["inertia"], error["inertia"], "kg m2")
-    friction = None
-    if any(value[name] > SIGNIFICANT * error[name] for name in ("coulomb", "viscous")):
-        friction = Coulomb(value["coulomb"], value["viscous"], smoothing)
-    else:
-        why["motor friction"] = _vague("dry motor friction", value["coulomb"], error["coulomb"], "N m")
-    constant = value["gain"] / ratio if "gain" in value else None
-    if constant is not None and not abs(value["gain"]) > error["gain"] / UNCERTAIN:
-        why["torque constant"] = _vague("the torque constant times ratio", value["gain"], error["gain"], "N m/A")
-        constant = None
-    delay = value["delay"] / value.get("gain", 1.0)
-    return RotorEstimate(
-        value["inertia"] / ratio**2,
-        friction,
-        constant,
-        delay,
-        value["offset"],
-        tuple(names),
-        weights,
-        spread,
-        float(np.sqrt(np.mean(residual**2))),
-        why,
-    )
-
-
-def _vague(thing: str, value: float, error: float, unit: str) -> str:
-    return f"{thing}, {value:.3g} +- {error:.2g} {unit}, is not told from none: excite with more acceleration or speed"
+def late(values: Array, period: float, delay: float) -> Array:
+    """A channel (N,) that acts later than it is stamped, as it acts: linear between samples."""
+    time, known = period * np.arange(values.size), np.isfinite(values)
+    return np.interp(time - delay, time[known], values[known])

@@ -61,6 +61,7 @@ def fitted(law: SpringLaw, torque: Array, rest: Array, project: Projection) -> A
     compliance = _slope(project(torque), target)
     best: Any = None
     for start in law.starts(torque, rest, compliance, project):
+
         def error(logarithms: Array) -> Array:
             return (target - project(law.deflection(np.exp(logarithms), torque))) / scale
 

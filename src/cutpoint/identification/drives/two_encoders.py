@@ -10,7 +10,7 @@ from cutpoint.errors import InputError, unknown_name
 from cutpoint.identification.drives.columns import amplitude_errors, slipping, wave_columns, waves
 from cutpoint.identification.drives.deflection_fit import ELEMENTS, DeflectionFit, Deflections, fit_deflection
 from cutpoint.identification.drives.scatter import covariance
-from cutpoint.identification.drives.spring_laws import LAWS, SpringLaw
+from cutpoint.identification.drives.spring_laws import LAWS
 from cutpoint.identification.filtering import noise_cutoff
 from cutpoint.model.drive import Compliance, Hysteresis, KinematicError
 
@@ -27,6 +27,10 @@ HIGHEST_ORDER = 8
 
 FEWEST_TURNS = 3.0
 """Of the motor: fewer do not tell waves from the spring."""
+
+WIDER = 4.0
+"""Times that the band in which the deflection's rate is taken is wider than what stands out of its noise: within a
+quarter of its cut-off the filter changes nothing."""
 
 LEAST_SAMPLES = 500
 
@@ -81,21 +85,24 @@ def two_encoders(
     laws: Sequence[str] = tuple(LAWS),
     hysteresis: bool = True,
     damping: bool = True,
+    torque_unknowns: Mapping[str, Array] | None = None,
 ) -> SpringEstimate:
     """A joint's spring and all that makes its encoders differ, from channels (N,) on one uniform time; NaN: not known.
 
-    theta, q: the motor's (over ratio) and the link's encoder, rad; joint_torque: what the drive exerts on the link, N m.
+    theta, q: of the encoders on motor (over ratio) and link, rad; joint_torque: what the drive exerts on the link, N m.
     Give all three as sampled, or all through one filter.
     period: s.  ratio: motor turns per joint turn.  resolution: of both encoders together, rad at the joint's side; by
     default the smallest steps that the samples show.  orders: of the kinematic error, waves a turn of the motor; by
     default those up to 8 that stand out.  laws: spring laws to choose from by cross-validation; one with more constants
     must predict what it was not fitted to better by two standard errors of the difference.
     Elements of hysteresis start without strain at the first sample.
+    torque_unknowns: of what is not known of the torque, by name, its derivatives (N,) by it: corrections to be found.
 
     Raises:
         InputError: shapes, an unknown law, too few samples, or channels that do not move.
     """
-    data = _checked(theta, q, joint_torque, period, ratio, resolution)
+    unknowns = dict(torque_unknowns or {})
+    data = _checked(theta, q, joint_torque, [*unknowns.values()], period, ratio, resolution)
     unknown = [name for name in laws if name not in LAWS]
     if unknown or not laws:
         raise unknown_name("spring law", unknown[0] if unknown else "", LAWS)
@@ -109,7 +116,7 @@ def two_encoders(
     if len(kept) < len(tried):
         found = fit_deflection(data, law, kept, ELEMENTS if hysteresis else 0, damping)
     prediction = {name: float(np.sqrt(np.mean(each))) for name, each in errors.items()}
-    return _estimate(data, found, tuple(kept), turns, prediction, hysteresis, damping)
+    return _estimate(data, found, tuple(kept), tuple(unknowns), turns, prediction, hysteresis, damping)
 
 
 def smallest_step(values: Array) -> float:
@@ -121,23 +128,30 @@ def smallest_step(values: Array) -> float:
 
 
 def _checked(
-    theta: ArrayLike, q: ArrayLike, torque: ArrayLike, period: float, ratio: float, resolution: float | None
+    theta: ArrayLike,
+    q: ArrayLike,
+    torque: ArrayLike,
+    corrections: Sequence[ArrayLike],
+    period: float,
+    ratio: float,
+    resolution: float | None,
 ) -> Deflections:
-    arrays = [np.asarray(x, dtype=np.float64) for x in (theta, q, torque)]
+    arrays = [np.asarray(x, dtype=np.float64) for x in (theta, q, torque, *corrections)]
     shapes = [x.shape for x in arrays]
     if arrays[0].ndim != 1 or len(set(shapes)) > 1:
-        raise InputError(f"two_encoders: theta, q and joint_torque have shapes {shapes}: each must be (N,)")
+        raise InputError(f"two_encoders: theta, q, joint torque, unknowns have shapes {shapes}: each must be (N,)")
     known = np.isfinite(np.column_stack(arrays)).all(axis=1)
     if known.sum() < LEAST_SAMPLES:
-        raise InputError(f"two_encoders: {known.sum()} complete samples are too few: at least {LEAST_SAMPLES} are needed")
-    angle, link, load = (x[known] for x in arrays)
+        raise InputError(f"two_encoders: {known.sum()} complete samples are too few: {LEAST_SAMPLES} are needed")
+    angle, link, load, *others = (x[known] for x in arrays)
     if not (np.ptp(load) and np.ptp(angle - link)):
         raise InputError("two_encoders: neither torque nor deflection may stand still: they show no spring")
     step = float(np.hypot(smallest_step(angle), smallest_step(link))) if resolution is None else float(resolution)
     if not (np.isfinite(step) and step >= 0.0):
         raise InputError(f"two_encoders: resolution {resolution} rad must be a number, at least 0")
-    cutoff = noise_cutoff(angle - link, period)
-    return Deflections(angle - link, angle, load, period, ratio, step, cutoff)
+    cutoff = min(WIDER * noise_cutoff(angle - link, period), 0.4 / period)
+    beside = np.column_stack(others) if others else np.empty((load.size, 0))
+    return Deflections(angle - link, angle, load, period, ratio, step, cutoff, beside)
 
 
 def _standing_out(fit: DeflectionFit, orders: Sequence[int]) -> list[int]:
@@ -182,12 +196,13 @@ def _estimate(
     data: Deflections,
     fit: DeflectionFit,
     orders: tuple[int, ...],
+    unknowns: tuple[str, ...],
     turns: float,
     prediction: Mapping[str, float],
     hysteresis: bool,
     damping: bool,
 ) -> SpringEstimate:
-    names, values = _named(fit, orders, damping)
+    names, values = _named(fit, orders, unknowns, damping)
     spread = covariance(fit.columns, fit.residual)
     counts = 0.5 * float(np.ptp(fit.law.deflection(fit.constants, data.torque))) / (data.resolution or np.nan)
     why: dict[str, str] = {}
@@ -226,12 +241,14 @@ def _estimate(
     )
 
 
-def _named(fit: DeflectionFit, orders: Sequence[int], damping: bool) -> tuple[tuple[str, ...], Array]:
+def _named(
+    fit: DeflectionFit, orders: Sequence[int], unknowns: Sequence[str], damping: bool
+) -> tuple[tuple[str, ...], Array]:
     waves_of = [f"{wave} {order}" for order in orders for wave in ("sine", "cosine")]
     elements = [f"element {k + 1}" for k in range(fit.stiffness.size)]
-    names = [*fit.law.constants, *waves_of, "offset", *elements, *(["damping"] if damping else [])]
+    names = [*fit.law.constants, *waves_of, "offset", *unknowns, *elements, *(["damping"] if damping else [])]
     last = [fit.damping] if damping else []
-    return tuple(names), np.concatenate([fit.constants, fit.waves, [fit.offset], fit.stiffness, last])
+    return tuple(names), np.concatenate([fit.constants, fit.waves, [fit.offset], fit.corrections, fit.stiffness, last])
 
 
 def _no_waves(data: Deflections, fit: DeflectionFit, turns: float) -> str:

@@ -1,10 +1,12 @@
 """What every law is tried on: an arm, where it starts and goes, what it may carry."""
 
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
-from cutpoint.errors import InputError
+from cutpoint.errors import InputError, unknown_name
+from cutpoint.formats.catalogue import catalogue_drive
 from cutpoint.robot import Robot
 from cutpoint.studies.chain import Array
 from cutpoint.studies.compare.there_and_back import ThereAndBack
@@ -19,6 +21,9 @@ USUAL, SLOW, FAST = 3.0, 10.0, 1.0
 
 STROKE, SHARE = 1.0, 0.25
 """How far a joint goes from home: rad, at most this share of its range."""
+
+CSG = ("CSG-14-100", "CSG-17-100", "CSG-20-100", "CSG-25-100", "CSG-32-100")
+"""Gears of one series by size."""
 
 RADIUS = 0.05
 """Of a payload, a ball, m."""
@@ -60,19 +65,23 @@ def bench_of(
 
     The paper's arm makes the paper's move; others go from the middle of their joints' ranges (0 where there is none) by
     STROKE rad, at most SHARE of the range, every second joint backwards.
-    payload: rated, kg; 2 for the paper's arm and 3 for others.  frame: what it hangs on; the last by default.
+    payload: rated, kg; 2 for the paper's arm and 3 for others.  frame: what it hangs on; by default the last whose name
+    has "tool" or "tcp" in it, or the last of all.
 
     Raises:
-        InputError: a joint that slides, has several coordinates or a rigid drive, or a payload that is not positive.
+        InputError: a joint that slides, a coordinate without a drive, a rigid drive, a frame that does not exist, or a
+            payload that is not positive.
     """
     _check(robot)
     mine = robot.name == PAPERS_ARM
     payload = (2.0 if mine else 3.0) if payload is None else float(payload)
     if not (np.isfinite(payload) and payload > 0):
         raise InputError(f"compare: payload {payload} kg must be positive", payload=payload)
+    if frame is not None and frame not in robot.frames:
+        raise unknown_name("frame", frame, robot.frames)
     home, goal = (np.zeros(6), np.array(GOAL)) if mine else _ends(robot)
     gears = GEARS if mine else gears_for(robot, home, goal)
-    return Bench(robot, home, goal, frame or robot.frames[-1], payload, gears, bandwidth, control_period)
+    return Bench(robot, home, goal, frame or _hand(robot), payload, gears, bandwidth, control_period)
 
 
 def _check(robot: Robot) -> None:
@@ -83,25 +92,26 @@ def _check(robot: Robot) -> None:
         if kinds[name] == "prismatic":
             raise InputError(f"compare: joint {name!r} slides; errors are compared as angles: lock it", joint=name)
         if not drive.is_elastic:
-            remedy = "give it a rotor and a compliance in the drive file"
-            raise InputError(
-                f"compare: the drive of {name!r} is rigid; laws are compared on joints that bend: {remedy}"
-            )
+            remedy = "laws are compared on joints that bend: give it a rotor and a compliance in the drive file"
+            raise InputError(f"compare: the drive of {name!r} is rigid; {remedy}", joint=name)
+
+
+def _hand(robot: Robot) -> str:
+    named = [frame for frame in robot.frames if "tool" in frame or "tcp" in frame]
+    return [*robot.frames, *named][-1]
 
 
 def _ends(robot: Robot) -> tuple[Array, Array]:
     limits = {body.joint.name: body.joint.limits for body in robot.mechanism.bodies}
     lower, upper = np.array([[limits[name].lower, limits[name].upper] for name in robot.joints]).T
     bounded = np.isfinite(lower) & np.isfinite(upper)
-    home = np.where(bounded, (np.where(bounded, lower, 0) + np.where(bounded, upper, 0)) / 2, 0.0)
-    stroke = np.minimum(STROKE, SHARE * np.where(bounded, np.where(bounded, upper - lower, 0), np.inf))
+    lower, upper = np.where(bounded, (lower, upper), [[-np.pi], [np.pi]])
+    home, stroke = (lower + upper) / 2, np.minimum(STROKE, SHARE * (upper - lower))
     return home, home + stroke * (-1.0) ** np.arange(len(home))
 
 
 def gears_for(robot: Robot, home: Array, goal: Array) -> tuple[str, ...]:
-    """For each drive the smallest gear that may repeat the torque it needs: its effort limit, or that of a fast move."""
-    from cutpoint.formats.catalogue import catalogue_drive
-
+    """For each drive the smallest gear that may repeat its joint's effort limit, or the torque of a fast move."""
     sizes = {name: catalogue_drive(name).ratings for name in CSG}
     peaks = {name: x.repeated_peak_torque or 0.0 for name, x in sizes.items() if x is not None}
     needed = _needed(robot, home, goal)
@@ -109,11 +119,7 @@ def gears_for(robot: Robot, home: Array, goal: Array) -> tuple[str, ...]:
     return tuple(names[0] if names else CSG[-1] for names in fitting)
 
 
-CSG = ("CSG-14-100", "CSG-17-100", "CSG-20-100", "CSG-25-100", "CSG-32-100")
-"""Gears of one series by size."""
-
-
-def _needed(robot: Robot, home: Array, goal: Array) -> Array:
+def _needed(robot: Robot, home: Array, goal: Array) -> Any:
     """N m, each joint."""
     move = cycloid(goal, FAST, home)(np.linspace(0, FAST, 101))
     torque = np.abs(robot.inverse_dynamics(move.q, move.v, move.a)).max(axis=0)

@@ -31,8 +31,8 @@ def heat_map(results: Results) -> Figure:
     axes.imshow(np.where(np.isnan(errors), np.nan, shade), cmap="Oranges", vmin=0, vmax=1.25, aspect="auto")
     for i, key in enumerate(laws):
         for j, scenario in enumerate(scenarios):
-            bold = {"weight": "bold"} if key == ranked[j] else {}
-            axes.text(j, i, _entry(results, scenario.key, key), ha="center", va="center", fontsize=9, **bold)
+            weight = "bold" if key == ranked[j] else "normal"
+            axes.text(j, i, _entry(results, scenario.key, key), ha="center", va="center", fontsize=9, weight=weight)
     _framed(axes, results, [s.name for s in scenarios])
     return figure
 

@@ -1,6 +1,6 @@
 """What the numbers say, in sentences that are made of nothing else."""
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Sequence
 
 import numpy as np
 
@@ -42,23 +42,29 @@ def ours(results: Results, keys: Iterable[str], what: str) -> str:
     """Where the best of some laws leads and where it loses against the best of all others, and by how much."""
     own = [key for key in keys if key in results.matches]
     others = [key for key in results.matches if key not in OURS]
-    won, lost = list[str](), list[tuple[float, str]]()
+    won, lost = dict[str, float](), dict[str, float]()
     for scenario in results.outcomes:
-        ahead, rival = results.best(scenario, own), results.best(scenario, others)
-        if rival is None:
-            won += [COLUMNS[scenario]] if ahead else []
-            continue
-        error = results.worst(scenario, ahead) if ahead else np.inf
-        ratio = error / results.worst(scenario, rival)
+        ratio = _least(results, scenario, own) / _least(results, scenario, others)
         if ratio <= 1:
-            won.append(f"{COLUMNS[scenario]} (by {number(1 / ratio, 1)})")
-        else:
-            by = f"{number(ratio, 1)} times" if np.isfinite(ratio) else "it diverges"
-            lost.append((-ratio, f"{COLUMNS[scenario]} ({by}, to {NAMES[rival]})"))
-    if not own or not (won or lost):
+            won[f"{COLUMNS[scenario]} ({number(1 / ratio, 2)} times less)"] = ratio
+        elif ratio > 1:  # not where nobody gets through
+            rival = NAMES[results.best(scenario, others) or ""]
+            by = f"{number(ratio, 2)} times the error" if np.isfinite(ratio) else "none gets through"
+            lost[f"{COLUMNS[scenario]} ({by}; ahead is {rival})"] = ratio
+    if not (won or lost):
         return ""
-    defeats = _listed([words for _, words in sorted(lost)]) or "nowhere"
-    return f"The best {what} leads the best other law in {_listed(won) or 'no column'}; it loses in {defeats}."
+    defeats = sorted(lost, key=lambda words: -lost[words])
+    return f"The best {what} leads all other laws in {_listed(won) or 'no column'}; it loses {_defeats(defeats)}."
+
+
+def _defeats(words: Sequence[str]) -> str:
+    return f"in {_listed(words)}" if words else "nowhere"
+
+
+def _least(results: Results, scenario: str, among: Iterable[str]) -> float:
+    """Worst RMS error of the best at equal stiffness; infinite where none gets through."""
+    best = results.best(scenario, among)
+    return results.worst(scenario, best) if best else np.inf
 
 
 def against_feedforward(results: Results) -> str:
@@ -87,7 +93,7 @@ def divergences(results: Results) -> str:
     if not fell:
         return "No run diverged."
     told = "; ".join(f"{NAMES[key]} in {', '.join(columns)}" for key, columns in fell.items())
-    return f"Runs diverged of {told}. None did of {_listed(held) or 'no law'}."
+    return f"At least one run diverged of {told}. None did of {_listed(held) or 'no law'}."
 
 
 def sensors(results: Results) -> str:

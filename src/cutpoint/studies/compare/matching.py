@@ -26,8 +26,11 @@ EXACT = 1e-4
 
 
 class Match(NamedTuple):
-    """A law at its bandwidth, Hz.  law: None where it is refused everywhere.  refused: why it is at equal stiffness,
-    "" if it is not.  stiffness and damping (n,): N m/rad, N m s/rad; share: geometric mean of stiffness over the PD's."""
+    """A law at its bandwidth, Hz.
+
+    law: None where it is refused everywhere.  stiffness and damping (n,): N m/rad, N m s/rad.  share: of the PD's
+    stiffness, geometric mean over the joints.  refused: why it is at equal stiffness, "" if it is not.
+    """
 
     contender: Contender
     bandwidth: float
@@ -44,7 +47,7 @@ class Match(NamedTuple):
 
 
 def matched(bench: Bench, contender: Contender) -> Match:
-    """The law at the stiffness of the PD of the bench's bandwidth; or, if it does not hold there, where it next does."""
+    """The law as stiff as the PD of the bench's bandwidth; or, if it does not hold there, where it next does."""
     pd = _signal(bench, _made(bench, CONTENDERS[0], bench.bandwidth)).stiffness
     try:
         at = equal_bandwidth(lambda f: _share(bench, contender, f, pd), bench.bandwidth)

@@ -24,6 +24,7 @@ def _tuning(bench: Bench, results: Results) -> Page:
         f"Every law is tuned at home as `control.tune` has it, with damping 1, and its bandwidth sought at which its "
         f"stiffness is that of a PD of {bench.bandwidth:g} Hz: by how much a joint's own torque answers when its link "
         "and its motor are moved together, the law's memory standing still; in the geometric mean over the joints. "
+        "Springs stay wound as they are in this, so what laws feed back of their torque does not count. "
         "Joints may differ from it, and damping may: Table K1 shows by how much. Torque limits are the robot's, the "
         f"same for all. Bodies and joints of adaptive VDC learn at {RATE:g}/J by projection, bodies at "
         f"{NATURAL_RATE:g}/J by the natural update, Slotine-Li at {WHOLE_RATE:g}/J. What of super-twisting jumps at "
@@ -65,8 +66,8 @@ def _further(results: Results) -> Page:
 def _move(bench: Bench) -> str:
     way = f"from {listed(np.rad2deg(bench.home), 0)} to {listed(np.rad2deg(bench.goal), 0)} degrees"
     return (
-        f"It moves {way} on a cycloid and back, {USUAL:g} s each way where nothing else is said, under a control period "
-        f"of {1e3 * bench.control_period:g} ms. The rated payload is {bench.payload:g} kg at {bench.frame!r}."
+        f"It moves {way} on a cycloid and back, {USUAL:g} s each way where nothing else is said, under a control "
+        f"period of {1e3 * bench.control_period:g} ms. The rated payload is {bench.payload:g} kg at {bench.frame!r}."
     )
 
 

@@ -74,12 +74,13 @@ def _once(duration: float, bench: Bench, seeds: int) -> Iterator[Case]:
 
 def _masses(size: float, bench: Bench, seeds: int) -> Iterator[Case]:
     """All too light, all too heavy, and in turns both ways."""
-    case, turns = as_modelled(bench), (-1.0) ** np.arange(len(bench.robot.mechanism.bodies))
-    for pattern in (0 * turns - 1, 0 * turns + 1, turns, -turns):
-        yield case._replace(model=with_masses(bench.robot, 1 + size * pattern))
+    case, count = as_modelled(bench), len(bench.robot.mechanism.bodies)
+    for even, odd in ((-1, -1), (1, 1), (1, -1), (-1, 1)):
+        factors = [1 + size * (odd if k % 2 else even) for k in range(count)]
+        yield case._replace(model=with_masses(bench.robot, factors))
 
 
-def with_masses(robot: Robot, factors: Sequence[float] | Array) -> Robot:
+def with_masses(robot: Robot, factors: Sequence[float]) -> Robot:
     """Each body, moments of inertia included, this many times as heavy."""
     bodies = [
         replace(body, mass=body.mass * x, inertia=body.inertia * x)

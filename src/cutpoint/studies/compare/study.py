@@ -1,6 +1,7 @@
 """The comparison: laws matched, run scenario by scenario, and the report written."""
 
 from collections.abc import Iterable, Sequence
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -30,6 +31,7 @@ def run(
     bench: Bench | None = None,
     *,
     seeds: int = SEEDS,
+    quick: bool = False,
     laws: Iterable[str] | None = None,
     scenarios: Iterable[str] | None = None,
     progress: bool = True,
@@ -37,6 +39,7 @@ def run(
     """Compares control laws: writes output/index.html, output/figures/*.png and output/results.json.
 
     bench: the paper's arm if not given, see `bench_of`.  seeds: runs of a scenario in which chance has a part.
+    quick: QUICK_SEEDS at most, and no slow move, unless scenarios are named.
     laws, scenarios: keys of those that are run, all if not given; the PD is always there, others are matched to it.
     progress: show a bar while it runs, and tables and findings at its end.  Ctrl-C writes what there is, marked
     incomplete.  Returns what results.json holds.
@@ -47,6 +50,9 @@ def run(
     output, bench = checked_folder(output), bench or bench_of(xia2019())
     chosen = _chosen("law", CONTENDERS, None if laws is None else {CONTENDERS[0].key, *laws})
     plans = _chosen("scenario", SCENARIOS, scenarios)
+    if quick:
+        seeds = min(seeds, QUICK_SEEDS)
+        plans = [plan for plan in plans if plan.key != "slow" or scenarios is not None]
     results = Results()
     with styled(), Progress(console=Console(stderr=True), disable=not progress, transient=True) as bar:
         try:
@@ -82,7 +88,7 @@ def compare(
             if match.law is None:
                 bar.advance(task)
                 continue
-            found[key] = outcome(bench, match.law, cases, lambda: bar.advance(task, 1 / len(cases)))
+            found[key] = outcome(bench, match.law, cases, partial(bar.advance, task, 1 / len(cases)))
     results.complete = True
 
 
@@ -101,5 +107,6 @@ def _settings(bench: Bench, results: Results, seeds: int) -> dict[str, Any]:
         "robot": bench.robot.name, "home": bench.home, "goal": bench.goal, "frame": bench.frame,
         "payload": bench.payload, "gears": bench.gears, "bandwidth": bench.bandwidth,
         "control_period": bench.control_period, "seeds": seeds, "complete": results.complete,
-        "units": {"rms": "1e-3 deg", "peak": "1e-3 deg", "torque": "N m", "stiffness": "N m/rad", "damping": "N m s/rad"},
+        "units": {**dict.fromkeys(("rms", "peak"), "1e-3 deg"), "torque": "N m", "stiffness": "N m/rad",
+                  "damping": "N m s/rad"},
     }  # fmt: skip

@@ -137,9 +137,9 @@ def _scenario(scenario: Scenario, results: Results) -> dict[str, Any]:
 
 
 def _finite(x: Any) -> Any:
-    array = np.asarray(x, float)
-    found = np.where(np.isfinite(array), array.astype(object), None)
-    return found.tolist()
+    if np.ndim(x):
+        return [_finite(each) for each in x]
+    return float(x) if np.isfinite(x) else None
 
 
 def _number(x: float, digits: int) -> str:

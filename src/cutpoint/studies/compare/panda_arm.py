@@ -6,6 +6,7 @@ from importlib.metadata import PackageNotFoundError, files
 from cutpoint.errors import InputError
 from cutpoint.formats.catalogue import catalogue_drive
 from cutpoint.loading import load
+from cutpoint.model.drive import Drive
 from cutpoint.robot import Robot
 from cutpoint.studies.compare.bench import gears_for
 from cutpoint.trajectories.arrays import Array
@@ -35,5 +36,5 @@ def panda() -> Robot:
     return arm.with_drives(drives)
 
 
-def _plain(gear: str):
+def _plain(gear: str) -> Drive:
     return replace(catalogue_drive(gear), hysteresis=None, kinematic_error=None, motor=None)

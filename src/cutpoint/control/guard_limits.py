@@ -1,0 +1,54 @@
+"""What a guard keeps joints within: limits of the robot's file and drives, or others that a user gives."""
+
+from typing import Any
+
+import numpy as np
+
+from cutpoint.errors import InputError
+from cutpoint.robot import Robot
+
+LIMITS = ("torque_limit", "speed_limit", "lower", "upper")
+
+
+def limits_of(robot: Robot, given: dict[str, Any]) -> dict[str, Any]:
+    """Limits (n,) by name, those of the robot where none is given; traced ones pass as they are.
+
+    Raises InputError for a limit that is not positive, NaN, of a wrong size, or below its lower one.
+    """
+    stated = _stated(robot)
+    found = {name: _each(robot, name, stated[name] if x is None else x) for name, x in given.items()}
+    if not any(limit.dtype == object for limit in found.values()):
+        _check(robot, found)
+    return found
+
+
+def _stated(robot: Robot) -> dict[str, list[float]]:
+    """Efforts and speeds that files state as 0 because they do not know them count as none."""
+    joints = {body.joint.name: body.joint.limits for body in robot.mechanism.bodies}
+    pairs = [(joints[name], drive.limits) for name, drive in robot.drives.items()]
+    return {
+        "torque_limit": [min(a.effort or np.inf, b.effort) for a, b in pairs],
+        "speed_limit": [min(a.velocity or np.inf, b.velocity) for a, b in pairs],
+        "lower": [a.lower for a, _ in pairs],
+        "upper": [a.upper for a, _ in pairs],
+    }
+
+
+def _each(robot: Robot, name: str, value: Any) -> Any:
+    array, n = np.asarray(value), len(robot.drives)
+    if array.dtype == object:
+        return array
+    if array.shape not in ((), (n,)) or np.isnan(array).any():
+        raise InputError(f"Guard: {name} {value} must be numbers, one or one for each of {n} drives", limit=name)
+    return np.broadcast_to(array, n).astype(float)
+
+
+def _check(robot: Robot, found: dict[str, Any]) -> None:
+    names = [*robot.drives]
+    for name in ("torque_limit", "speed_limit"):
+        for joint, limit in zip(names, found[name], strict=True):
+            if limit <= 0:
+                raise InputError(f"Guard: {name} {limit} of {joint!r} must be positive", joint=joint)
+    for joint, lower, upper in zip(names, found["lower"], found["upper"], strict=True):
+        if lower > upper:
+            raise InputError(f"Guard: lower {lower} of {joint!r} must not exceed upper, {upper}", joint=joint)

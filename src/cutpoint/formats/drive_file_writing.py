@@ -1,0 +1,81 @@
+"""A drive file that says how each number was found: the entries of `dump_drives`, with remarks on their lines."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+
+from cutpoint.formats.drives import dump_drives
+from cutpoint.formats.safe_yaml import YamlPath, parse_yaml
+from cutpoint.mechanics.friction import Stribeck
+from cutpoint.mechanics.hysteresis import MaxwellSlip
+from cutpoint.model.drive import Drive, Friction
+
+ELEMENTS = 4
+"""Of hysteresis, where what was found has no words of its own."""
+
+
+def remarked_drives(
+    drives: Mapping[str, Drive], remarks: Mapping[str, Mapping[YamlPath, str]], heading: Sequence[str] = ()
+) -> str:
+    """The text of a drive file that loads back to the same drives.
+
+    remarks: by joint and path within its entry, as ("compliance", "linear", "stiffness"); a path that the entry does
+    not state is left out.  heading: lines above.
+    Raises InputError for what a drive file has no words for: see `worded`.
+    """
+    lines = dump_drives(drives).splitlines()
+    places = parse_yaml("\n".join(lines).encode(), "<drive file>").lines
+    for joint, own in remarks.items():
+        for path, remark in own.items():
+            line = places.get(("drives", joint, *path))
+            if line is not None:
+                lines[line - 1] += f"  # {_one_line(remark)}"
+    return "\n".join([*(f"# {_one_line(words)}" for words in heading), *lines, ""])
+
+
+def worded(drive: Drive) -> tuple[Drive, tuple[str, ...]]:
+    """The nearest drive that a drive file has words for, and what was changed for them."""
+    notes: list[str] = []
+    changes: dict[str, Any] = {}
+    if isinstance(drive.hysteresis, MaxwellSlip) and not _is_smooth(drive.hysteresis):
+        changes["hysteresis"] = _smoothed(drive.hysteresis)
+        many = len(drive.hysteresis.reach)
+        notes.append(f"hysteresis of {many} elements written as {ELEMENTS} whose wide loops have the same width and area")
+    for side in ("link_friction", "motor_friction"):
+        law = getattr(drive, side)
+        changes[side] = lowered = _falling(law)
+        if lowered is not law:
+            notes.append(f"{side.replace('_', ' ')} grows with speed near rest; a drive file knows only falling: even")
+    return replace(drive, **changes), tuple(notes)
+
+
+def _is_smooth(law: MaxwellSlip) -> bool:
+    alike = MaxwellSlip.smooth(float(law.friction), law.reach[-1], len(law.reach))
+    return np.allclose([*alike.stiffness, *alike.reach], [*law.stiffness, *law.reach], rtol=1e-12, atol=0.0)
+
+
+def _smoothed(law: MaxwellSlip) -> MaxwellSlip:
+    """Loops whose ends are beyond all reaches are as wide, sum(k r), and lose as much, which sum(k r^2) decides."""
+    unit = MaxwellSlip.smooth(1.0, 1.0, ELEMENTS)
+    reach = (_moment(law) / float(law.friction)) / (_moment(unit) / float(unit.friction))
+    # made of its own width, as the file's reader does, so that all digits come back
+    return MaxwellSlip.smooth(float(law.friction), reach, ELEMENTS)
+
+
+def _moment(law: MaxwellSlip) -> float:
+    return float(np.dot(law.stiffness, np.square(law.reach)))
+
+
+def _falling(law: Friction | None) -> Friction | None:
+    """Friction that is not smaller at rest than in motion: else at both what it is in motion."""
+    sliding: Any = getattr(law, "sliding", law)
+    if not isinstance(sliding, Stribeck) or sliding.static >= sliding.coulomb:
+        return law
+    even = replace(sliding, static=sliding.coulomb)
+    return even if sliding is law else replace(law, sliding=even)  # type: ignore[type-var]
+
+
+def _one_line(words: str) -> str:
+    return " ".join(words.split())

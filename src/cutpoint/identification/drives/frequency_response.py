@@ -1,0 +1,141 @@
+"""A drive's stiffness, damping and rotor inertia from one encoder: how the motor's position answers its torque."""
+
+from dataclasses import dataclass, field
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+from scipy.optimize import least_squares
+from scipy.signal import csd, welch
+
+from cutpoint.errors import InputError
+from cutpoint.identification.drives.two_masses import TwoMasses
+
+Array = NDArray[np.float64]
+ComplexArray = NDArray[np.complex128]
+
+WINDOWS = 8
+"""Lengths of a window in a recording, by default; windows overlap by half."""
+
+NEIGHBOURS = 1.5
+"""Bins over which a Hann window spreads what is at one frequency: that many share one piece of evidence."""
+
+LEAKAGE = 0.01
+"""Of a response: how far windows of a finite length may pull it, however coherent it is."""
+
+COHERENT = 0.2
+"""Of the coherence: below that a frequency tells nothing."""
+
+STARTS = 40
+"""Anti-resonances over the band from which the search may start."""
+
+UNCERTAIN = 0.2
+"""Of an estimate: with a standard deviation above that it counts as unidentifiable."""
+
+
+@dataclass(frozen=True, eq=False)
+class MotorResponse:
+    """response: (F,) complex, rad/(N m), at frequencies (F,), Hz.  coherence: (F,), 0 to 1.  windows: how many.
+    period: s between samples."""
+
+    frequencies: Array
+    response: ComplexArray
+    coherence: Array
+    windows: int
+    period: float
+
+    @property
+    def deviation(self) -> Array:
+        """Standard deviation (F,) of the response's size over its size, and of its phase, rad, but for leakage.
+
+        Bendat and Piersol (2010) section 9.2.
+        """
+        return np.sqrt((1.0 - self.coherence) / (2.0 * self.windows * self.coherence))
+
+
+@dataclass(frozen=True, eq=False)
+class ResponseFit:
+    """masses: what fits best.  deviations: standard deviations over the values themselves, by name.
+    unidentifiable: what the response does not show, each with the sentence why."""
+
+    masses: TwoMasses
+    deviations: dict[str, float]
+    unidentifiable: dict[str, str] = field(default_factory=dict[str, str])
+
+
+def motor_response(torque: ArrayLike, theta: ArrayLike, period: float, window: float | None = None) -> MotorResponse:
+    """How theta (N,), rad, answers a motor's torque (N,), N m, by cross-spectra over Hann windows (H1).
+
+    Noise of the encoder averages out; under feedback it is in the torque too and pulls the response towards the
+    inverse of the controller where the coherence is low: excite by much more than the noise.
+    window: s; by default an eighth of the recording.  Differences of samples, of both alike, keep drift out.
+
+    Raises:
+        InputError: shapes that differ, numbers that are not finite, or a window that is too short or too long.
+    """
+    u, y = (np.asarray(x, dtype=np.float64) for x in (torque, theta))
+    if u.ndim != 1 or u.shape != y.shape or not (np.isfinite(u).all() and np.isfinite(y).all()):
+        raise InputError(f"motor_response: torque and theta of shapes {u.shape}, {y.shape} must be (N,) and finite")
+    length = u.size // WINDOWS if window is None else round(window / period)
+    if not 32 <= length <= u.size // 2:
+        raise InputError(f"motor_response: a window of {length} samples must have 32 at least, half of all at most")
+    shared = {"fs": 1.0 / period, "nperseg": length}
+    du, dy = np.diff(u), np.diff(y)
+    f, inputs = welch(du, **shared)
+    _, outputs = welch(dy, **shared)
+    _, crossed = csd(du, dy, **shared)
+    used = (f > 0.0) & (f < 0.5 / period) & (inputs > 0.0) & (outputs > 0.0)
+    coherence = np.abs(crossed[used]) ** 2 / (inputs[used] * outputs[used])
+    count = 2 * du.size // length - 1
+    return MotorResponse(f[used], crossed[used] / inputs[used], coherence.clip(1e-12, 1.0 - 1e-9), count, period)
+
+
+def fit_response(response: MotorResponse, link_inertia: float, low: float = 0.0, high: float = np.inf) -> ResponseFit:
+    """Two masses that answer alike, the link's inertia known (kg m2 at the joint, other joints as they were held).
+
+    low, high: Hz, the band to be fitted: without dry friction's band below, and what other modes take part in.
+
+    Raises:
+        InputError: a link inertia that is not positive, or too few coherent frequencies in the band.
+    """
+    if not link_inertia > 0.0:
+        raise InputError(f"fit_response: link inertia {link_inertia} kg m2 must be positive")
+    f = response.frequencies
+    used = (f >= low) & (f <= high) & (response.coherence > COHERENT)
+    if used.sum() < 20:
+        raise InputError(f"fit_response: {used.sum()} coherent frequencies from {low} Hz to {high} Hz; 20 are needed")
+    f, measured, weight = f[used], response.response[used], 1.0 / np.hypot(response.deviation[used], LEAKAGE)
+
+    def error(logarithms: Array) -> Array:
+        model = TwoMasses(link_inertia, *np.exp(logarithms)).position_response(f, response.period)
+        off = np.log(measured / model)
+        return np.concatenate([off.real * weight, off.imag * weight])
+
+    starts = [_start(f, measured, link_inertia, at) for at in np.geomspace(f[1], f[-2], STARTS)]
+    best = min(starts, key=lambda start: float(np.sum(np.arctan(error(start)) ** 2)))
+    found = least_squares(error, best, bounds=(best - 12.0, best + 12.0), loss="soft_l1", x_scale=0.3, max_nfev=200)
+    masses = TwoMasses(link_inertia, *np.exp(found.x).tolist())
+    return _judged(masses, np.asarray(found.jac), error(found.x))
+
+
+def _start(f: Array, measured: ComplexArray, link: float, antiresonance: float) -> Array:
+    """Rotor inertia from the response above a frequency, where the link stays behind; the spring from that one."""
+    stiffness = link * (2.0 * np.pi * antiresonance) ** 2
+    above = f > min(2.0 * antiresonance, f[-f.size // 4])
+    rotor = float(np.median(1.0 / (np.abs(measured[above]) * (2.0 * np.pi * f[above]) ** 2)))
+    friction = 0.01 * np.sqrt(stiffness * link)
+    return np.log([rotor, stiffness, friction, friction, friction])
+
+
+def _judged(masses: TwoMasses, slopes: Array, left: Array) -> ResponseFit:
+    """What the response leaves uncertain; noise that is larger than its coherence tells counts as it is."""
+    excess = max(1.0, float(np.mean(np.square(left)))) * NEIGHBOURS
+    spread = np.sqrt(np.diag(np.linalg.pinv(slopes.T @ slopes, hermitian=True)) * excess)
+    blind = np.linalg.norm(slopes, axis=0) < 1e-9
+    names = TwoMasses._fields[1:]
+    deviations = dict(zip(names, np.where(blind, np.inf, spread).tolist(), strict=True))
+    why = {
+        name: f"{getattr(masses, name):.3g} is uncertain by {100.0 * each:.2g} %: excite more, or longer, near it"
+        for name, each in deviations.items()
+        if each > UNCERTAIN
+    }
+    return ResponseFit(masses, deviations, why)

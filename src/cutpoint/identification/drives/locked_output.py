@@ -1,0 +1,148 @@
+"""A drive on a bench, its output locked: the loops of torque over the motor's angle."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+from itertools import pairwise
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from cutpoint.errors import InputError
+from cutpoint.identification.drives.spring_laws import LAWS
+from cutpoint.identification.drives.two_encoders import SpringEstimate, two_encoders
+
+Array = NDArray[np.float64]
+
+REACHED = 0.9
+"""Of the largest torque to both sides: what a sweep must reach to count, and where the curve ends."""
+
+REVERSAL = 0.05
+"""Of the range of torque: a way back by less is noise, no reversal."""
+
+POINTS = 181
+"""Of the curve, over the torques of both directions."""
+
+INNER = 0.1
+"""Of the largest torque: below that a play is still being closed."""
+
+SIGNIFICANT = 4.0
+"""Standard deviations above which a play is told from none."""
+
+
+@dataclass(frozen=True, eq=False)
+class LockedOutput:
+    """Loops of a drive whose output stands still; angles in rad at the joint's side.
+
+    torque: (P,), N m.  rising, falling: (P,), the motor's angle on the way up and down, less their mean.
+    hysteresis_loss: how far the two ways lie apart at no torque, the play included.  lost_motion: how far the middle between them moves
+    between -share and +share of the rated torque; None without a rated torque.
+    backlash: the play, extrapolated to no torque from where it is closed; 0 where it is not told from none.
+    spring: the law and the elements of hysteresis, as of two encoders; without meaning where there is play.
+    unidentifiable: what cannot be told, each with the sentence why.
+    """
+
+    torque: Array = field(repr=False)
+    rising: Array = field(repr=False)
+    falling: Array = field(repr=False)
+    hysteresis_loss: float
+    lost_motion: float | None
+    backlash: float
+    spring: SpringEstimate
+    unidentifiable: dict[str, str]
+
+    @property
+    def middle(self) -> Array:
+        """Between the two ways, (P,), rad: the spring without its hysteresis."""
+        return 0.5 * (self.rising + self.falling)
+
+    @property
+    def stiffness(self) -> Array:
+        """Slope of the middle curve, (P,), N m/rad."""
+        return 1.0 / np.gradient(self.middle, self.torque)
+
+
+def locked_output(
+    theta: ArrayLike,
+    torque: ArrayLike,
+    period: float,
+    ratio: float,
+    *,
+    rated_torque: float | None = None,
+    share: float = 0.03,
+    resolution: float | None = None,
+    laws: Sequence[str] = tuple(LAWS),
+) -> LockedOutput:
+    """Stiffness curve, hysteresis loss, lost motion and backlash from slow loops of torque to both sides.
+
+    theta: the motor's angle over ratio, (N,), rad.  torque: on the locked output, (N,), N m; the motor's times ratio
+    serves too, but then its friction widens the loop.  period: s.  ratio: motor turns per joint turn.
+    share: of the rated torque (N m), between which lost motion is read, 0.03 in makers' catalogues of cycloidal gears.
+    resolution: of the encoder, rad at the joint's side; by default its smallest step.  laws: as in `two_encoders`.
+
+    Raises:
+        InputError: shapes, no complete sweep in both directions.
+    """
+    angle, load = np.asarray(theta, dtype=np.float64), np.asarray(torque, dtype=np.float64)
+    spring = two_encoders(
+        angle, np.zeros_like(angle), load, period, ratio, resolution=resolution, orders=(), laws=laws, damping=False
+    )
+    limit = REACHED * min(float(load.max()), -float(load.min()))
+    at = np.linspace(-limit, limit, POINTS)
+    ways = {direction: _mean_way(angle, load, at, direction) for direction in (1.0, -1.0)}
+    rising, falling = (way - 0.5 * (ways[1.0] + ways[-1.0]).mean() for way in ways.values())
+    middle = 0.5 * (rising + falling)
+    play, error = _play(at, middle)
+    why = {name: sentence for name, sentence in spring.unidentifiable.items() if name != "kinematic_error"}
+    if play < SIGNIFICANT * error:
+        why["backlash"] = f"{play:.2g} +- {error:.2g} rad is not told from none"
+        play = 0.0
+    lost = None
+    if rated_torque is not None:
+        ends = np.interp([-share * rated_torque, share * rated_torque], at, middle)
+        lost = float(ends[1] - ends[0])
+    loss = float(np.interp(0.0, at, falling - rising))
+    return LockedOutput(at, rising, falling, loss, lost, play, spring, why)
+
+
+def _mean_way(angle: Array, load: Array, at: Array, direction: float) -> Array:
+    """The angle at torques `at` on the way up (1) or down (-1), mean of all complete sweeps."""
+    found: list[Array] = []
+    for start, end in pairwise(_reversals(load)):
+        x, y = direction * load[start : end + 1], angle[start : end + 1]
+        if x[0] <= at[0] and x[-1] >= at[-1]:
+            order = np.argsort(x, kind="stable")
+            found.append(np.interp(direction * at, x[order], y[order]))
+    if not found:
+        way = "up" if direction > 0.0 else "down"
+        raise InputError(f"locked_output: no sweep {way} reaches {at[-1]:.3g} N m to both sides; load further")
+    return np.mean(found, axis=0)
+
+
+def _reversals(load: Array) -> list[int]:
+    """Samples at which the torque turns, ends included."""
+    least = REVERSAL * float(np.ptp(load))
+    found, extreme, direction = [0], 0, 0.0
+    for k, x in enumerate(load.tolist()):
+        ahead = (x - load[extreme]) * (direction or 1.0)
+        if ahead > 0.0 or (not direction and abs(ahead) > least):
+            direction = direction or (np.sign(ahead) if abs(ahead) > least else 0.0)
+            extreme = k if direction else extreme
+        elif direction and ahead < -least:
+            found.append(extreme)
+            extreme, direction = k, -direction
+    return [*found, load.size - 1]
+
+
+def _play(torque: Array, middle: Array) -> tuple[float, float]:
+    """The jump of the middle curve at no torque, rad, beside a spring that is straight and cubic, and its deviation.
+
+    A spring that starts softly within the inner tenth of the torque shows as play: no loop tells one from the other.
+    """
+    used = np.abs(torque) > INNER * torque[-1]
+    x, y = torque[used] / torque[-1], middle[used]
+    columns = np.column_stack([np.sign(x) / 2.0, x, x**3, np.ones_like(x)])
+    weights, *_ = np.linalg.lstsq(columns, y)
+    left = y - columns @ weights
+    # the curve is smooth: its departures from the cubic are no noise, so that half of them counts in full
+    error = float(np.abs(left).max()) + float(np.std(left)) / np.sqrt(x.size)
+    return float(weights[0]), error

@@ -1,0 +1,159 @@
+"""The comparison of control laws: equal stiffness, worst of the runs, refusals told, and a report that reloads."""
+
+import json
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from typer.testing import CliRunner
+
+import cutpoint
+from cutpoint.cli import app
+from cutpoint.control import PD, ComputedTorque
+from cutpoint.control.sampled_loop import small_signal
+from cutpoint.errors import CutpointError, InputError
+from cutpoint.studies.compare import bench_of, panda, run
+
+ARM = cutpoint.robots.xia2019()
+PERIOD = 1e-3
+
+
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    folder = tmp_path_factory.mktemp("compare")
+    run(folder, seeds=2, laws=("vdc_filter",), scenarios=("nominal", "friction", "fast"), progress=False)
+    return folder
+
+
+@pytest.fixture(scope="module")
+def results(folder: Path) -> Any:
+    return json.loads((folder / "results.json").read_text(encoding="utf-8"))
+
+
+def test_laws_are_as_stiff_as_the_pd_within_a_hundredth(results):
+    pd, vdc = (np.array(results["comparison"]["laws"][key]["stiffness"]) for key in ("pd", "vdc_filter"))
+    assert np.exp(np.mean(np.log(vdc / pd))) == pytest.approx(1, abs=0.01)
+    law = cutpoint.control.tune(ARM, results["settings"]["bandwidth"], damping=1.0)
+    np.testing.assert_allclose(pd, law.kp, rtol=1e-6)
+
+
+def test_the_worst_of_a_scenario_is_the_largest_of_its_runs(results):
+    scenarios = results["comparison"]["scenarios"]
+    assert scenarios.keys() == {"nominal", "friction", "fast"}
+    for scenario, count in (("nominal", 1), ("friction", 2), ("fast", 1)):
+        for outcome in scenarios[scenario]["laws"].values():
+            assert len(outcome["runs"]) == count
+            for name in ("rms", "peak", "torque"):
+                assert outcome["worst"][name] == max(x[name] for x in outcome["runs"])
+            assert all(0 < x["rms"] < x["peak"] for x in outcome["runs"])
+
+
+def test_the_best_of_a_scenario_has_the_least_worst_error(results):
+    for scenario in results["comparison"]["scenarios"].values():
+        worst = {key: outcome["worst"]["rms"] for key, outcome in scenario["laws"].items()}
+        assert scenario["best"] == min(worst, key=lambda key: worst[key])
+
+
+def test_a_law_without_a_model_does_not_feel_that_the_model_is_wrong(results):
+    scenarios = results["comparison"]["scenarios"]
+    for key, feels in (("pd", False), ("vdc_filter", True)):
+        (nominal,), wrong = (scenarios[s]["laws"][key]["runs"] for s in ("nominal", "friction"))
+        assert (wrong == [nominal] * 2) is not feels
+
+
+def test_the_report_tells_what_the_numbers_say(folder, results):
+    text = (folder / "index.html").read_text(encoding="utf-8")
+    assert "INCOMPLETE" not in text and results["settings"]["complete"]
+    scenarios = results["comparison"]["scenarios"]
+    fast = {key: outcome["worst"]["rms"] for key, outcome in scenarios["fast"]["laws"].items()}
+    assert scenarios["fast"]["best"] == "vdc_filter"
+    assert f"1 s ({fast['vdc_filter']:.1f})" in text
+    assert f"1 s ({fast['pd'] / fast['vdc_filter']:.2f} times less)" in text
+    assert all((folder / "figures" / f"figure_k{k}.png").read_bytes().startswith(b"\x89PNG") for k in (1, 2, 3))
+
+
+@pytest.fixture(scope="module")
+def stiff(tmp_path_factory: pytest.TempPathFactory) -> Any:
+    """At twice the usual bandwidth: more than computed torque can hold."""
+    folder = tmp_path_factory.mktemp("stiff")
+    run(folder, bench_of(ARM, bandwidth=8.0), laws=("computed",), scenarios=("fast",), progress=False)
+    return json.loads((folder / "results.json").read_text(encoding="utf-8")), folder
+
+
+def test_a_law_that_does_not_hold_is_told_and_runs_elsewhere_and_is_not_ranked(stiff):
+    results, folder = stiff
+    law = results["comparison"]["laws"]["computed"]
+    assert "does not hold at this pose" in law["refused"] and law["runs"]
+    assert law["bandwidth"] < 8 and law["share"] < 0.99
+    fast = results["comparison"]["scenarios"]["fast"]
+    assert fast["laws"]["computed"]["worst"]["rms"] < fast["laws"]["pd"]["worst"]["rms"] and fast["best"] == "pd"
+    assert "computed torque is refused at equal stiffness" in (folder / "index.html").read_text(encoding="utf-8")
+
+
+def test_what_an_interruption_leaves_is_written_and_marked(tmp_path, monkeypatch):
+    def interrupted(*_: object) -> None:
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr("cutpoint.studies.compare.study.outcome", interrupted)
+    results = run(tmp_path, laws=(), scenarios=("fast",), progress=False)
+    assert not results["settings"]["complete"]
+    assert results["comparison"]["laws"].keys() == {"pd"} and not results["comparison"]["scenarios"]["fast"]["laws"]
+    assert "INCOMPLETE: interrupted after 0 of 1" in (tmp_path / "index.html").read_text(encoding="utf-8")
+
+
+def test_small_signal_stiffness_of_a_pd_is_its_gains():
+    kp, kd = np.linspace(100, 600, 6), np.linspace(1, 6, 6)
+    for side in ("motor", "link"):
+        found = small_signal(ARM, PD(kp, kd, side=side), np.full(6, 0.3), PERIOD)
+        # differences of some hundred N m over 2e-6: rounding leaves some 1e-8 of N m/rad
+        np.testing.assert_allclose(found.stiffness, kp, rtol=1e-6)
+        np.testing.assert_allclose(found.damping, kd, rtol=1e-6)
+
+
+def test_small_signal_stiffness_of_computed_torque_is_inertia_times_gain_where_nothing_weighs():
+    weightless, q = ARM.with_gravity(np.zeros(3)), np.full(6, 0.3)
+    rotors = np.array([drive.reflected_inertia for drive in ARM.drives.values()])
+    inertia = np.diag(ARM.mass_matrix(q)) + rotors
+    found = small_signal(weightless, ComputedTorque(weightless, 500.0, 40.0), q, PERIOD)
+    np.testing.assert_allclose(found.stiffness, 500.0 * inertia, rtol=1e-6)
+    np.testing.assert_allclose(found.damping, 40.0 * inertia, rtol=1e-6)
+
+
+def test_a_move_comes_back_and_its_derivatives_are_those_of_its_positions():
+    move, step = bench_of(ARM).move(1.0), 1e-6
+    np.testing.assert_allclose(move(2.0).q, move(0.0).q, atol=1e-15)
+    for t in (0.3, 1.4, 1.9):
+        ahead, behind = move.derivatives(t + step), move.derivatives(t - step)
+        scale = np.abs(move.derivatives(t)[1:]).max()
+        np.testing.assert_allclose((ahead - behind)[:-1] / (2 * step), move.derivatives(t)[1:], atol=1e-6 * scale)
+
+
+def test_pandas_drives_may_repeat_what_its_joints_may():
+    arm = panda()
+    bench = bench_of(arm)
+    efforts = [body.joint.limits.effort for body in arm.mechanism.bodies if body.joint.name in arm.joints]
+    assert len(arm.joints) == 7 and bench.frame == "panda_hand_tcp" and bench.payload == 3
+    for drive, effort in zip(arm.drives.values(), efforts, strict=True):
+        assert drive.is_elastic and drive.ratings is not None
+        assert (drive.ratings.repeated_peak_torque or 0) >= effort
+
+
+@pytest.mark.parametrize(
+    ("wrong", "message"),
+    [
+        (lambda: bench_of(ARM, payload=-1.0), r"payload -1.0 kg must be positive"),
+        (lambda: bench_of(ARM, frame="nose"), r"no frame is named 'nose'"),
+        (lambda: bench_of(cutpoint.load(cutpoint.robots.XIA2019_URDF)), r"drive of 'joint1' is rigid"),
+        (lambda: run(Path("x"), laws=("magic",), progress=False), r"no law is named 'magic'; there are: 'pd'"),
+        (lambda: run(Path("x"), scenarios=("rain",), progress=False), r"no scenario is named 'rain'"),
+    ],
+)
+def test_what_cannot_be_compared_is_refused_with_its_cause(wrong, message):
+    with pytest.raises(InputError, match=message):
+        wrong()
+
+
+def test_the_command_refuses_before_it_runs(tmp_path):
+    found = CliRunner().invoke(app, ["compare", "xia2019", "--payload", "0", "--output", str(tmp_path / "new")])
+    assert isinstance(found.exception, CutpointError) and not (tmp_path / "new").exists()
