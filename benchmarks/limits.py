@@ -7,7 +7,7 @@ import time
 from collections.abc import Callable
 
 import numpy as np
-from loops import Machine
+from machine_loops import Machine
 
 from cutpoint.kernels.jit import vector_width
 from cutpoint.kernels.llvm_code import Code

@@ -8,7 +8,7 @@ from tempfile import TemporaryDirectory
 import compilers
 import numpy as np
 from cases import Call, Case, Entry
-from loops import called
+from machine_loops import called
 
 from cutpoint import derivatives
 from cutpoint.kernels import Kernel
@@ -37,13 +37,13 @@ def entries(kernel: Kernel, inputs: list[np.ndarray]) -> dict[str, Entry]:
     single: machine code called once a row.  C99: the same, exported and compiled by gcc.  rows: the kernel on all rows.
     lanes: the kernel on blocks, which the caller keeps as they are.
     """
-    found = {"single": _single(kernel, inputs), "rows": rows(kernel, inputs), "lanes": lanes(kernel, inputs)}
+    found = {"single": single(kernel, inputs), "rows": rows(kernel, inputs), "lanes": lanes(kernel, inputs)}
     if compilers.version("gcc"):
         found["C99"] = _c99(kernel, inputs)
     return found
 
 
-def _single(kernel: Kernel, inputs: list[np.ndarray]) -> Entry:
+def single(kernel: Kernel, inputs: list[np.ndarray]) -> Entry:
     out = _outputs(kernel, len(inputs[0]))
     address = kernel._function.element  # no public way leads to it: a call through Python is what is left out here
     return _entry(called(address, [*inputs, *out], len(inputs[0]), kernel), out)

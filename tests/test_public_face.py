@@ -6,7 +6,7 @@ PACKAGE = """
     Backlash CatalogueSpring Coulomb CutpointError Drive ElastoPlastic Flexspline Grease Harmonic HarmonicSpring
     InputError Kernel KinematicError Limits LinearSpring Log LuGre MaxwellSlip ModelError Motor Ratings Robot
     Rotor Sensors SimulationError State Stribeck TraceError WaveGenerator atan clip compile control cos
-    derivatives exp load log robots simulate sin sqrt tan tanh trajectories where
+    derivatives exp load log robots simulate simulate_many sin sqrt tan tanh trajectories where
 """
 
 ROBOT = """

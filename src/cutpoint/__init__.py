@@ -25,7 +25,7 @@ from cutpoint.scalars import atan, clip, cos, exp, log, sin, sqrt, tan, tanh, wh
 if TYPE_CHECKING:
     from cutpoint import control, derivatives, robots, trajectories
     from cutpoint.loading import load
-    from cutpoint.simulation import Log, Sensors, State, simulate
+    from cutpoint.simulation import Log, Sensors, State, simulate, simulate_many
 
 __version__ = "0.1.0"
 
@@ -34,11 +34,12 @@ __all__ = [
     "Harmonic", "HarmonicSpring", "InputError", "Kernel", "KinematicError", "Limits", "LinearSpring", "Log",
     "LuGre", "MaxwellSlip", "ModelError", "Motor", "Ratings", "Robot", "Rotor", "Sensors", "SimulationError",
     "State", "Stribeck", "TraceError", "WaveGenerator", "atan", "clip", "compile", "control", "cos", "derivatives",
-    "exp", "load", "log", "robots", "simulate", "sin", "sqrt", "tan", "tanh", "trajectories", "where",
+    "exp", "load", "log", "robots", "simulate", "simulate_many", "sin", "sqrt", "tan", "tanh", "trajectories", "where",
 ]  # fmt: skip
 
-_ROOMS = ("control", "derivatives", "formats", "robots", "simulation", "trajectories")
-_ELSEWHERE = {"load": "loading", **dict.fromkeys(("Log", "Sensors", "State", "simulate"), "simulation")}
+_ROOMS = ("control", "derivatives", "formats", "identification", "robots", "simulation", "trajectories")
+_SIMULATION = ("Log", "Sensors", "State", "simulate", "simulate_many")
+_ELSEWHERE = {"load": "loading", **dict.fromkeys(_SIMULATION, "simulation")}
 """The modules of names that are imported at their first use: SciPy and the file formats cost more than all else."""
 
 

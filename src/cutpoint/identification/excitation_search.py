@@ -127,9 +127,7 @@ def _within(problem: Problem, z: Array, clock: "_Clock") -> Array:
     return _scaled(z, factor or 1.0)
 
 
-def _improve(
-    problem: Problem, z: Array, found: Found, clock: "_Clock", keep: Callable[[Array, float], None]
-) -> None:
+def _improve(problem: Problem, z: Array, found: Found, clock: "_Clock", keep: Callable[[Array, float], None]) -> None:
     """From z through all phases."""
     for weight, softness in PHASES:
 

@@ -92,7 +92,7 @@ def _first(data: Deflections, law: SpringLaw, free: Array) -> DeflectionFit:
     constants = _searched(data, law, free)
     spring = law.deflection(constants, data.torque)
     target = data.lead - spring
-    weights, *_ = np.linalg.lstsq(free, target)
+    weights = np.linalg.lstsq(free, target)[0].astype(np.float64)
     columns = np.column_stack([law.columns(constants, data.torque), free])
     tangent = np.asarray(law.make(constants).tangent(spring))
     left = target - free @ weights
@@ -119,7 +119,7 @@ def _round(data: Deflections, before: DeflectionFit, free: Array, damped: bool) 
     # a step of Gauss and Newton in the constants, so that spring and elements settle between them
     left = target - columns @ weights
     change, weights = weights[: own.shape[1]], weights[own.shape[1] :]
-    constants = np.maximum(constants + change, 0.5 * constants)
+    constants = np.clip(constants + change, 0.5 * constants, 2.0 * constants)
     stiffness = weights[free.shape[1] :][: before.reaches.size]
     return DeflectionFit(
         law,

@@ -1,6 +1,7 @@
 """A drive's stiffness, damping and rotor inertia from one encoder: how the motor's position answers its torque."""
 
 from dataclasses import dataclass, field
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -86,7 +87,9 @@ def motor_response(torque: ArrayLike, theta: ArrayLike, period: float, window: f
     used = (f > 0.0) & (f < 0.5 / period) & (inputs > 0.0) & (outputs > 0.0)
     coherence = np.abs(crossed[used]) ** 2 / (inputs[used] * outputs[used])
     count = 2 * du.size // length - 1
-    return MotorResponse(f[used], crossed[used] / inputs[used], coherence.clip(1e-12, 1.0 - 1e-9), count, period)
+    return MotorResponse(
+        f[used], (crossed[used] / inputs[used]).astype(np.complex128), coherence.clip(1e-12, 1.0 - 1e-9), count, period
+    )
 
 
 def fit_response(response: MotorResponse, link_inertia: float, low: float = 0.0, high: float = np.inf) -> ResponseFit:
@@ -107,7 +110,7 @@ def fit_response(response: MotorResponse, link_inertia: float, low: float = 0.0,
 
     def error(logarithms: Array) -> Array:
         model = TwoMasses(link_inertia, *np.exp(logarithms)).position_response(f, response.period)
-        off = np.log(measured / model)
+        off: Any = np.log(measured / model)
         return np.concatenate([off.real * weight, off.imag * weight])
 
     starts = [_start(f, measured, link_inertia, at) for at in np.geomspace(f[1], f[-2], STARTS)]

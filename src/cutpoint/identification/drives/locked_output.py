@@ -34,8 +34,8 @@ class LockedOutput:
     """Loops of a drive whose output stands still; angles in rad at the joint's side.
 
     torque: (P,), N m.  rising, falling: (P,), the motor's angle on the way up and down, less their mean.
-    hysteresis_loss: how far the two ways lie apart at no torque, the play included.  lost_motion: how far the middle between them moves
-    between -share and +share of the rated torque; None without a rated torque.
+    hysteresis_loss: how far the two ways lie apart at no torque, the play included.
+    lost_motion: how far the middle between them moves from -share to +share of the rated torque; None without one.
     backlash: the play, extrapolated to no torque from where it is closed; 0 where it is not told from none.
     spring: the law and the elements of hysteresis, as of two encoders; without meaning where there is play.
     unidentifiable: what cannot be told, each with the sentence why.

@@ -22,6 +22,9 @@ COUNTS = 50.0
 SIGNIFICANT = 4.0
 """Standard deviations above which a wave or damping is told from nothing."""
 
+UNCERTAIN = 0.2
+"""Of the spring's deflection: with a standard deviation above that its stiffness counts as unidentifiable."""
+
 HIGHEST_ORDER = 8
 """Waves a turn of the motor that are looked for where no orders are stated."""
 
@@ -211,6 +214,11 @@ def _estimate(
             f"torque winds the spring by {counts:.3g} steps of the encoders, half its range: {COUNTS:g} are needed; "
             "excite with more torque, or measure more finely"
         )
+    elif (share := _uncertainty(data, fit, spread)) > UNCERTAIN:
+        why["stiffness"] = (
+            f"under the largest torque its deflection is uncertain by {100.0 * share:.2g} %: what else the encoders "
+            "differ by outweighs it, or hides it"
+        )
     if not orders:
         why["kinematic_error"] = _no_waves(data, fit, turns)
     slips = slipping(fit.stiffness, fit.reaches)
@@ -239,6 +247,14 @@ def _estimate(
         prediction,
         why,
     )
+
+
+def _uncertainty(data: Deflections, fit: DeflectionFit, spread: Array) -> float:
+    """Standard deviation of the spring's deflection under the largest torque, over that deflection."""
+    largest = np.array([np.abs(data.torque).max()])
+    by = fit.law.columns(fit.constants, largest)[0]
+    own = spread[: by.size, : by.size]
+    return float(np.sqrt(by @ own @ by) / fit.law.deflection(fit.constants, largest)[0])
 
 
 def _named(

@@ -44,4 +44,4 @@ class TwoMasses(NamedTuple):
         held = expm(A * period)
         z = np.exp(2j * np.pi * frequencies * period)
         states = np.linalg.solve(z[:, None, None] * np.eye(4) - held[:4, :4], held[:4, 4:])
-        return states[:, 2, 0]
+        return states[:, 2, 0].astype(np.complex128)

@@ -16,8 +16,15 @@ from cutpoint.robot import Robot
 
 Path = tuple[str, ...]
 
-UNITS = {"m": "kg", "h": "kg m", "I": "kg m2", "viscous": "N m s/rad", "per_load": "1"}
-"""By how a parameter's name begins; others are torques, N m."""
+UNITS = {
+    "m": ("kg", "kg"),
+    "h": ("kg m", "kg m"),
+    "I": ("kg m2", "kg m2"),
+    "I_m": ("kg m2", "kg"),
+    "viscous": ("N m s/rad", "N s/m"),
+    "per_load": ("1", "1"),
+}
+"""By how a parameter's name begins, on a joint that turns and on one that slides; others are torques."""
 
 
 @dataclass(frozen=True)
@@ -59,8 +66,8 @@ def rigid_numbers(robot: Robot, rigid: RigidEstimate) -> tuple[Number, ...]:
 def _of_parameter(robot: Robot, p: Parameter) -> Number:
     kind, _, owner = p.name.partition(".")
     joint = owner if owner in robot.drives else ""
-    slides = robot.mechanism.bodies[0].joint.kind == "prismatic" and len(robot.drives) == 1
-    unit = UNITS.get(kind, UNITS.get(kind[:1] if "_" in kind or kind == "m" else kind, "N" if slides else "N m"))
+    slides = any(body.joint.name == joint and body.joint.kind == "prismatic" for body in robot.mechanism.bodies)
+    unit = UNITS.get(kind, UNITS.get(kind.split("_")[0], ("N m", "N")))[slides]
     path, scale = _place(robot, kind, joint)
     return Number(joint, p.name, unit, p.value, p.low, p.high, p.physical, p.prior, p.told, p.why, path, scale)
 

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from cutpoint.identification.filtering import low_pass
 from cutpoint.identification.motion import Motion, motion_of, torques_of
 from cutpoint.identification.recording import Recording
-from cutpoint.identification.rigid import BANDWIDTH, SMOOTHER, RigidEstimate
+from cutpoint.identification.rigid import BANDWIDTH, RigidEstimate
 from cutpoint.identification.rigid_robot import link_torques
 from cutpoint.robot import Robot
 
@@ -63,7 +63,7 @@ def torque_errors(
 ) -> TorqueErrors:
     """Before and after, along a whole recording; samples from `held_from` s on count as held out."""
     motion = motion_of(robot, recording, cutoff)
-    width = min(SMOOTHER * motion.cutoff, BANDWIDTH)
+    width = min(motion.cutoff, BANDWIDTH)
     torques = (
         torques_of(robot, recording, constants),
         stated_torque(robot, motion),

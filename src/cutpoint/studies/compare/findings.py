@@ -46,7 +46,8 @@ def ours(results: Results, keys: Iterable[str], what: str) -> str:
     for scenario in results.outcomes:
         ratio = _least(results, scenario, own) / _least(results, scenario, others)
         if ratio <= 1:
-            won[f"{COLUMNS[scenario]} ({number(1 / ratio, 2)} times less)"] = ratio
+            by = f"{number(1 / ratio, 2)} times less" if ratio else "no other gets through"
+            won[f"{COLUMNS[scenario]} ({by})"] = ratio
         elif ratio > 1:  # not where nobody gets through
             rival = NAMES[results.best(scenario, others) or ""]
             by = f"{number(ratio, 2)} times the error" if np.isfinite(ratio) else "none gets through"

@@ -1,6 +1,6 @@
 """The paper's arm under control, with its friction: simulated seconds a second, alone and many at once, and how true.
 
-python benchmarks/loops.py
+python benchmarks/simulations.py
 
 What is true is the RMS of the position error over the move, against that of many more steps: under stick-slip two runs
 drift apart whatever the integrator, their scores do not.  Many at once differ in static friction and encoder noise,

@@ -1,0 +1,94 @@
+"""What encoders on both sides show of drives: loops of torque over deflection, and waves of the kinematic error."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from matplotlib.figure import Figure
+from numpy.typing import NDArray
+
+from cutpoint.identification.drives.identify_drives import DriveEstimates
+from cutpoint.identification.motion import motion_of
+from cutpoint.identification.output.pictures import ROW, thinned, titled
+from cutpoint.identification.recording import Recording
+from cutpoint.identification.rigid import RigidEstimate
+from cutpoint.identification.rigid_robot import link_torques
+from cutpoint.robot import Robot
+from cutpoint.studies.style import MOTOR, SPRING, WIDTH
+
+Array = NDArray[np.float64]
+
+ORDERS = np.arange(0.25, 8.001, 0.05)
+"""Waves a turn of the motor that the spectrum shows."""
+
+
+@dataclass(frozen=True, eq=False)
+class Bending:
+    """One drive: torque on its link, N m, and deflection without kinematic error, rad; angle of the motor, rad, and
+    what the spring leaves of the encoders' difference, rad; each (N,)."""
+
+    torque: Array
+    deflection: Array
+    angle: Array
+    left: Array
+
+
+def bendings(robot: Robot, rigid: RigidEstimate, drives: DriveEstimates, recording: Recording) -> Mapping[str, Bending]:
+    """Of every drive; its torque is the links' motion's, by the identified inertias."""
+    motion = motion_of(robot, recording)
+    load = link_torques(robot, motion, rigid.model.inertial)
+    columns = [recording.joints.index(joint) for joint in robot.joints]
+    lead = recording["theta"][:, columns] - recording["q"][:, columns]
+    theta = recording["theta"][:, columns]
+    found: dict[str, Bending] = {}
+    for j, (joint, drive) in enumerate(robot.drives.items()):
+        friction: Any = drive.link_friction
+        torque = load[:, j] + (friction.torque(motion.v[:, j]) if friction else 0.0)
+        spring: Any = drives.joints[joint].spring
+        error = spring.kinematic_error.value(theta[:, j], drive.ratio) if spring.kinematic_error else 0.0
+        bent = np.asarray(spring.compliance.deflection(torque))
+        left = lead[:, j] - spring.offset - bent
+        found[joint] = Bending(torque, lead[:, j] - spring.offset - error, drive.ratio * theta[:, j], left)
+    return found
+
+
+def loop_picture(robot: Robot, drives: DriveEstimates, found: Mapping[str, Bending]) -> Figure:
+    """Torque over deflection, a panel a joint, and the spring's law."""
+    rows = -(-len(found) // 2)
+    figure = Figure(figsize=(WIDTH, 0.6 + 1.5 * ROW * rows), layout="constrained")
+    panels = list(figure.subplots(rows, 2, squeeze=False).flat)
+    for axes, (joint, each) in zip(panels, found.items(), strict=False):
+        some = thinned(each.torque.size)
+        axes.plot(1e3 * each.deflection[some], each.torque[some], color=MOTOR, linewidth=0.6)
+        known = each.torque[np.isfinite(each.torque)]
+        if known.size:
+            torque = np.linspace(known.min(), known.max(), 100)
+            law: Any = drives.joints[joint].spring.compliance
+            axes.plot(1e3 * np.asarray(law.deflection(torque)), torque, color=SPRING)
+        titled(axes, f"{joint}: torque [N m]")
+        axes.set_xlabel("deflection [mrad]")
+    for axes in panels[len(found) :]:
+        axes.set_visible(False)
+    return figure
+
+
+def wave_picture(found: Mapping[str, Bending]) -> Figure:
+    """Amplitude of what the springs leave, over waves a turn of the motor."""
+    rows = -(-len(found) // 2)
+    figure = Figure(figsize=(WIDTH, 0.6 + ROW * rows), layout="constrained")
+    panels = list(figure.subplots(rows, 2, squeeze=False).flat)
+    for axes, (joint, each) in zip(panels, found.items(), strict=False):
+        axes.plot(ORDERS, 1e6 * amplitudes(each.angle, each.left, ORDERS), color=MOTOR, linewidth=1.0)
+        titled(axes, f"{joint}: amplitude [µrad]")
+        axes.set_xlabel("waves a turn of the motor")
+    for axes in panels[len(found) :]:
+        axes.set_visible(False)
+    return figure
+
+
+def amplitudes(angle: Array, values: Array, orders: Sequence[float] | Array) -> Array:
+    """(k,): of waves sin(order * angle + phase) in values (N,), each order on its own; NaN samples do not count."""
+    known = np.isfinite(angle) & np.isfinite(values)
+    angle, values = angle[known], values[known] - values[known].mean() if known.any() else values[known]
+    return np.array([2.0 * np.abs(np.mean(values * np.exp(-1j * order * angle))) if known.any() else 0.0 for order in orders])

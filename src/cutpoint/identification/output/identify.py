@@ -1,0 +1,175 @@
+"""`identify`: from a log to a robot that one can trust, with what the log cannot tell, and files of both."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field, replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from rich.console import Console
+from rich.progress import Progress, SpinnerColumn, TextColumn, TimeElapsedColumn
+
+from cutpoint.errors import CutpointError, InputError
+from cutpoint.formats.drive_file_writing import worded
+from cutpoint.identification.alignment import aligned
+from cutpoint.identification.drives.identify_drives import DriveEstimates, identify_drives
+from cutpoint.identification.output.numbers import Number, drive_numbers, rigid_numbers
+from cutpoint.identification.output.torque_errors import TorqueErrors, torque_errors, warnings_of
+from cutpoint.identification.read_recording import read_recording
+from cutpoint.identification.recording import UNEVEN, Recording
+from cutpoint.identification.rigid import FrictionWish, Method, RigidEstimate, identify_rigid
+from cutpoint.identification.physical import Solver
+from cutpoint.loading import load
+from cutpoint.robot import Robot
+
+SPRING_PARTS = ("compliance", "damping", "kinematic_error", "hysteresis", "motor")
+"""Of a drive that two encoders tell; rotors and friction come with the links, from the same torques."""
+
+MOST_HELD = 0.9
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class Identification:
+    """A robot as a log tells it.
+
+    robot: the identified one; before: as its files had it.  source: its file, None for a robot that has none.
+    rigid: links, rotors, friction.  drives: springs of the drives, None unless encoders on both sides were recorded.
+    numbers: all that was sought, with intervals.  errors: of torques, before and after.  recording: as used, whole.
+    untold: what this log cannot tell.  notes: what was repaired, what looks wrong, and how it was done.
+    """
+
+    robot: Robot
+    before: Robot
+    source: Path | None
+    rigid: RigidEstimate
+    drives: DriveEstimates | None
+    numbers: tuple[Number, ...]
+    errors: TorqueErrors
+    recording: Recording = field(repr=False)
+    untold: tuple[str, ...]
+    notes: tuple[str, ...]
+
+    def __repr__(self) -> str:
+        told = sum(number.told for number in self.numbers)
+        return f"Identification({self.robot.name!r}: {told} of {len(self.numbers)} numbers told)"
+
+    def save(self, folder: str | Path, *, force: bool = False) -> list[Path]:
+        """Writes robot.urdf, robot.drives.yaml, parameters.json and report.html, each whole or not at all.
+
+        A robot that comes from no URDF gets robot.inertias.json instead of the first.
+        Raises InputError where a folder has such files, unless `force` says to overwrite them.
+        """
+        from cutpoint.identification.output.saving import save
+
+        return save(self, Path(folder), force)
+
+
+def identify(
+    robot: Robot | str | Path,
+    log: Recording | str | Path,
+    mapping: str | Path | Mapping[str, Any] | None = None,
+    drives: str | Path | None = None,
+    *,
+    hold_out: float = 0.3,
+    springs: bool | None = None,
+    friction: FrictionWish = "choose",
+    method: Method = "weighted",
+    solver: Solver = "lmi",
+    cutoff: float | None = None,
+    torque_delay: float = 0.0,
+    torque_constants: Mapping[str, float] | None = None,
+    progress: bool = False,
+) -> Identification:
+    """Inertias, rotors, friction and, from encoders on both sides, springs of a robot's drives, from a log.
+
+    robot: as its files have it, or its file with `drives`.  log, mapping: a recording, or what `read_recording` takes.
+    hold_out: share of the log, at its end, that is not fitted: the model's errors there tell whether it carries over.
+    springs: whether they are sought; by default where both `q` and `theta` were recorded and a drive bends.
+    friction, method, solver, cutoff, torque_constants: as `identify_rigid` has them.
+    torque_delay: s by which torques act later than they are stamped: half a control period for commands that are held.
+    progress: whether to show what is done, on stderr.
+
+    Raises:
+        ModelError, InputError: what is wrong in a file, or does not fit another, or an argument.
+    """
+    if not 0.0 <= hold_out <= MOST_HELD:
+        raise InputError(f"hold_out {hold_out} must be a share of the log, 0 to {MOST_HELD}", hold_out=hold_out)
+    source = None if isinstance(robot, Robot) else Path(robot)
+    columns = (SpinnerColumn(), TextColumn("{task.description}", markup=False), TimeElapsedColumn())
+    with Progress(*columns, console=Console(stderr=True), transient=True, disable=not progress) as bar:
+        task = bar.add_task("reading the log")
+        before = robot if isinstance(robot, Robot) else load(robot, drives)
+        recording = log if isinstance(log, Recording) else read_recording(log, mapping, before)
+        recording = _prepared(recording, torque_delay)
+        start, end = recording.time[[0, -1]]
+        held_from = float(end - hold_out * (end - start)) if hold_out else np.inf
+        fitted = recording.between(float(start), held_from)
+        bar.update(task, description="links, rotors and friction")
+        rigid = identify_rigid(
+            before, fitted, friction=friction, method=method, solver=solver, cutoff=cutoff,
+            torque_constants=torque_constants,
+        )  # fmt: skip
+        bar.update(task, description="springs of the drives")
+        sprung, remarks = _springs(before, rigid, fitted, springs)
+        bar.update(task, description="torques on the part that was held out")
+        errors = torque_errors(before, rigid, recording, held_from, torque_constants, cutoff)
+    after, words = _joined(rigid.robot, sprung)
+    numbers = rigid_numbers(after, rigid)
+    if sprung:
+        numbers += tuple(n for joint, each in sprung.joints.items() for n in drive_numbers(joint, before.drives[joint], each))
+    return Identification(
+        after,
+        before,
+        source,
+        rigid,
+        sprung,
+        numbers,
+        errors,
+        recording,
+        (*rigid.untold, *(sprung.notes if sprung else ())),
+        (*rigid.notes, *map(str, rigid.friction), *remarks, *words, *warnings_of(errors, after.joints)),
+    )
+
+
+def _prepared(recording: Recording, torque_delay: float) -> Recording:
+    """At uniform times, torques at those at which they act."""
+    steps = np.diff(recording.time)
+    if np.abs(steps - steps.mean()).max() > UNEVEN * steps.mean():
+        recording = recording.resampled(float(np.median(steps)))
+    if torque_delay:
+        channels = [name for name in ("torque", "current") if name in recording.channels]
+        # what acts later than it is stamped is stamped too early
+        recording = aligned(recording, dict.fromkeys(recording.joints, -torque_delay), channels)
+    return recording
+
+
+def _springs(
+    before: Robot, rigid: RigidEstimate, fitted: Recording, wanted: bool | None
+) -> tuple[DriveEstimates | None, list[str]]:
+    """The drives' springs, and why they are not there."""
+    both = {"q", "theta"} <= set(fitted.channels)
+    if wanted is None:
+        wanted = both and any(drive.is_elastic for drive in before.drives.values())
+    if not wanted:
+        return None, []
+    if not both:
+        there = ", ".join(fitted.channels)
+        raise InputError(f"springs need positions of both sides, q and theta; the recording holds {there}")
+    try:
+        return identify_drives(rigid.robot, fitted), []
+    except CutpointError as error:
+        return None, [f"springs were not identified: {error}"]
+
+
+def _joined(robot: Robot, sprung: DriveEstimates | None) -> tuple[Robot, list[str]]:
+    """The robot with the springs, in words that a drive file has; and what had to change for these."""
+    notes: list[str] = []
+    drives = {}
+    for joint, drive in robot.drives.items():
+        if sprung:
+            found = sprung.joints[joint].drive
+            parts = SPRING_PARTS if drive.rotor else ("rotor", *SPRING_PARTS)
+            drive = replace(drive, **{name: getattr(found, name) for name in parts})
+        drives[joint], changed = worded(drive)
+        notes += [f"{joint}: {words}" for words in changed]
+    return robot.with_drives(drives), notes

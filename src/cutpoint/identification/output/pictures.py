@@ -1,0 +1,71 @@
+"""Torques as measured and as models have them, and what is left over, a row or a panel a joint."""
+
+from collections.abc import Sequence
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+from numpy.typing import NDArray
+
+from cutpoint.identification.output.torque_errors import TorqueErrors
+from cutpoint.studies.style import FAINT, HAIR, INK, LINK, MOTOR, WIDTH
+
+Array = NDArray[np.float64]
+
+ROW = 1.9
+"""Inches of a panel's height."""
+
+POINTS = 3000
+"""Drawn of each curve or cloud at most."""
+
+LARGEST_PART = 99.5
+"""Percent of the residuals that a panel shows: single outliers would flatten all others."""
+
+
+def torque_picture(errors: TorqueErrors, joints: Sequence[str]) -> Figure:
+    """Measured torque over time, and both models; the part held out on a grey ground."""
+    figure = Figure(figsize=(WIDTH, 0.6 + ROW * len(joints)), layout="constrained")
+    panels = list(figure.subplots(len(joints), 1, sharex=True, squeeze=False).flat)
+    some = thinned(errors.time.size)
+    time = errors.time[some]
+    for j, (axes, joint) in enumerate(zip(panels, joints, strict=True)):
+        axes.plot(time, errors.measured[some, j], color=INK, linewidth=1.0, label="measured")
+        axes.plot(time, errors.before[some, j], color=FAINT, linewidth=1.0, linestyle="--", label="model as in the files")
+        axes.plot(time, errors.after[some, j], color=LINK, linewidth=1.0, label="identified model")
+        if errors.held_out.any():
+            axes.axvspan(errors.time[errors.held_out][0], errors.time[-1], color=HAIR, alpha=0.5, linewidth=0.0)
+        titled(axes, f"{joint}: torque [N m]")
+        axes.margins(x=0.0)
+    panels[0].legend(loc="upper right", ncols=3)
+    panels[-1].set_xlabel("time [s]")
+    return figure
+
+
+def residual_picture(errors: TorqueErrors, joints: Sequence[str]) -> Figure:
+    """What the identified model leaves over, against speed, position and load."""
+    figure = Figure(figsize=(WIDTH, 0.6 + ROW * len(joints)), layout="constrained")
+    grid = figure.subplots(len(joints), 3, sharey="row", squeeze=False)
+    residual = errors.measured - errors.after
+    against = (("speed [rad/s]", errors.v), ("position [rad]", errors.q), ("load of the links [N m]", errors.load))
+    some = thinned(errors.time.size)
+    for j, joint in enumerate(joints):
+        for axes, (label, values) in zip(grid[j], against, strict=True):
+            for part, color in ((~errors.held_out[some], MOTOR), (errors.held_out[some], LINK)):
+                axes.plot(values[some, j][part], residual[some, j][part], ".", color=color, markersize=1.5)
+            if j == len(joints) - 1:
+                axes.set_xlabel(label)
+        titled(grid[j, 0], f"{joint}: residual [N m]")
+        reach = np.abs(residual[np.isfinite(residual[:, j]), j])
+        if reach.size and reach.any():
+            top = 1.1 * float(np.percentile(reach, LARGEST_PART))
+            grid[j, 0].set_ylim(-top, top)
+    return figure
+
+
+def thinned(count: int) -> slice:
+    return slice(None, None, 1 + count // POINTS)
+
+
+def titled(axes: Axes, text: str) -> None:
+    """Names of joints are a user's: nothing in them is mathematics."""
+    axes.set_title(text, parse_math=False)

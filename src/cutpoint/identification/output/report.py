@@ -1,0 +1,101 @@
+"""The report of an identification: one HTML file that needs nothing else."""
+
+import platform
+from collections.abc import Sequence
+from importlib.metadata import version
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+import cutpoint
+from cutpoint.identification.output.drive_pictures import bendings, loop_picture, wave_picture
+from cutpoint.identification.output.numbers import Number
+from cutpoint.identification.output.pictures import residual_picture, torque_picture
+from cutpoint.studies.report.html import Heading, html
+from cutpoint.studies.report.page import Block, Page, Picture, Table
+from cutpoint.studies.style import png, styled
+
+if TYPE_CHECKING:
+    from cutpoint.identification.output.identify import Identification
+
+
+def report(found: "Identification", notes: Sequence[str] = ()) -> str:
+    """The page as HTML; notes: further ones."""
+    pages = [_torques(found), _numbers(found), *_drives(found), _said(found, notes)]
+    with styled():
+        images = {picture.key: png(picture.figure) for page in pages for picture in page.pictures()}
+    return html(_heading(found), pages, images, _versions())
+
+
+def _heading(found: "Identification") -> Heading:
+    recording, told = found.recording, sum(number.told for number in found.numbers)
+    span = float(recording.time[-1] - recording.time[0])
+    about = f"{found.robot.name}: {len(found.robot.joints)} joints, a log of {span:.4g} s, {recording.time.size} samples"
+    held = f"{found.errors.held_out.mean():.0%} of the log, at its end, had no part in the fit." 
+    return Heading("Identification", about, (f"{told} of {len(found.numbers)} numbers are told by this log. {held}",))
+
+
+def _torques(found: "Identification") -> Page:
+    with styled():
+        curves, left = torque_picture(found.errors, found.robot.joints), residual_picture(found.errors, found.robot.joints)
+    width = f"all torques without what is faster than {found.errors.bandwidth:.3g} Hz"
+    blocks: tuple[Block, ...] = (
+        Table("Table 1", f"RMS of torque errors, N m at the joint; {width}", ERROR_COLUMNS, error_rows(found)),
+        Picture("Figure 1", f"Torques of the motors; {width}. The part held out is on grey ground.", curves),
+        Picture("Figure 2", "What the identified model leaves: fitted part blue, held-out part orange.", left),
+    )
+    return Page("torques", "Torques", blocks)
+
+
+ERROR_COLUMNS = ("joint", "torque itself", "model as in the files", "identified, fitted part", "identified, held out")
+
+
+def error_rows(found: "Identification") -> tuple[tuple[str, ...], ...]:
+    errors = found.errors
+    columns = (errors.size(), errors.rms("before"), errors.rms("after"), errors.rms("after", True))
+    return tuple((joint, *map(digits, values)) for joint, *values in zip(found.robot.joints, *columns, strict=True))
+
+
+def _numbers(found: "Identification") -> Page:
+    heads = ("name", "unit", "the log alone", "95 % interval", "in the model", "in the files", "told")
+    rows = tuple(_row(number) for number in found.numbers)
+    table = Table("Table 2", "All that was sought, SI units at the joint's side", heads, rows)
+    how = (
+        "A base parameter is a combination of inertial parameters that torques tell; its name lists what it is made of. "
+        "The model's bodies are those that can exist which come nearest to the log and, where it tells nothing, to the files."
+    )
+    return Page("numbers", "Numbers", (how, table))
+
+
+def _row(n: Number) -> tuple[str, ...]:
+    name = n.name if not n.joint or n.joint in n.name else f"{n.name}, {n.joint}"
+    told = "yes" if n.told else f"no: {n.why}"
+    return (name, n.unit, digits(n.value), f"{digits(n.low)} to {digits(n.high)}", digits(n.used), digits(n.prior), told)
+
+
+def digits(x: float) -> str:
+    return f"{x:.4g}".replace("-", "−") if np.isfinite(x) else "–"
+
+
+def _drives(found: "Identification") -> list[Page]:
+    if found.drives is None:
+        return []
+    bent = bendings(found.robot, found.rigid, found.drives, found.recording)
+    with styled():
+        loops, waves = loop_picture(found.robot, found.drives, bent), wave_picture(bent)
+    blocks = (
+        Picture("Figure 3", "Torque on the link over deflection without kinematic error, and the spring's law (green).", loops),
+        Picture("Figure 4", "What the springs leave of the encoders' difference, over waves a turn of the motor.", waves),
+    )
+    return [Page("drives", "Drives", blocks)]
+
+
+def _said(found: "Identification", notes: Sequence[str]) -> Page:
+    untold = found.untold or ("Everything that was sought is told.",)
+    blocks = ("What this log cannot tell:", *untold, "What was repaired, what looks wrong, and how it was done:")
+    return Page("said", "What this log cannot tell, and notes", (*blocks, *found.notes, *notes))
+
+
+def _versions() -> dict[str, str]:
+    others = {name: version(name) for name in ("numpy", "scipy", "matplotlib")}
+    return {"cutpoint": cutpoint.__version__, "Python": platform.python_version(), **others}

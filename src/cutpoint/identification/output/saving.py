@@ -1,0 +1,113 @@
+"""Files of an identification: the robot, its drives, all numbers, the report."""
+
+import json
+from collections.abc import Mapping
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+import cutpoint
+from cutpoint.errors import InputError
+from cutpoint.files import replacing
+from cutpoint.formats.drive_file_writing import remarked_drives
+from cutpoint.formats.reading import read_bytes
+from cutpoint.formats.safe_xml import MAXIMUM_BYTES
+from cutpoint.formats.urdf_writing import updated_urdf
+from cutpoint.formats.xacro_expansion import expand
+from cutpoint.robot import Robot
+
+if TYPE_CHECKING:
+    from cutpoint.identification.output.identify import Identification
+
+FILES = ("robot.urdf", "robot.inertias.json", "robot.drives.yaml", "parameters.json", "report.html")
+
+
+def check_folder(folder: Path, force: bool) -> None:
+    """Raises InputError for what is no folder, or holds files that would be overwritten."""
+    if folder.exists() and not folder.is_dir():
+        raise InputError(f"output {str(folder)!r} is not a folder; name one, or a new one", output=folder)
+    there = [name for name in FILES if (folder / name).exists()]
+    if there and not force:
+        raise InputError(f"output {str(folder)!r} already holds {', '.join(there)}; name another, or force it", output=folder)
+
+
+def save(found: "Identification", folder: Path, force: bool) -> list[Path]:
+    """All files are made before the first is written, so that those of one run stand beside each other."""
+    from cutpoint.identification.output.report import report
+
+    check_folder(folder, force)
+    files, notes = _model_files(found)
+    sheet = json.dumps(_sheet(found, notes), indent=1, ensure_ascii=False, allow_nan=False)
+    files |= {"parameters.json": sheet.encode(), "report.html": report(found, notes).encode()}
+    folder.mkdir(parents=True, exist_ok=True)
+    for name, content in files.items():
+        with replacing(folder / name) as file:
+            file.write(content)
+    return [folder / name for name in files]
+
+
+def _model_files(found: "Identification") -> tuple[dict[str, bytes], list[str]]:
+    """Robot and drives; and what a reader of these must know."""
+    files, notes = _robot_file(found)
+    remarks = {joint: {} for joint in found.robot.drives}
+    for number in found.numbers:
+        if number.path:
+            remarks[number.joint][number.path] = number.remark
+    heading = [f"Identified by cutpoint {cutpoint.__version__}; remarks are intervals of 95 %, as the log alone tells."]
+    try:
+        files["robot.drives.yaml"] = remarked_drives(found.robot.drives, remarks, heading).encode()
+    except InputError as error:
+        notes.append(f"no drive file was written: {error}")
+    return files, notes
+
+
+def _robot_file(found: "Identification") -> tuple[dict[str, bytes], list[str]]:
+    source = found.source
+    if source is not None and source.suffix.lower() in (".urdf", ".xacro"):
+        is_xacro = source.suffix.lower() == ".xacro"
+        content = expand(source).encode() if is_xacro else read_bytes(source, MAXIMUM_BYTES)
+        text, moved = updated_urdf(content, found.before.mechanism, found.robot.mechanism, str(source))
+        notes = [f"robot.urdf: {words}" for words in moved]
+        return {"robot.urdf": text}, [*notes, *(["robot.urdf is the xacro file expanded"] * is_xacro)]
+    text = json.dumps(bodies_of(found.robot), indent=1, ensure_ascii=False, allow_nan=False).encode()
+    what = "an MJCF file" if source else "a robot in memory"
+    note = f"the robot is {what}, which is not rewritten: put robot.inertias.json's numbers into it by hand"
+    return {"robot.inertias.json": text}, [note]
+
+
+def bodies_of(robot: Robot) -> dict[str, Any]:
+    """Mass (kg), centre of mass (m) and inertia about it (kg m2) of each body, along its link's axes."""
+    return {
+        body.name: {"mass": float(body.mass), "com": body.com.tolist(), "inertia": body.inertia.tolist()}
+        for body in robot.mechanism.bodies
+    }
+
+
+def _sheet(found: "Identification", notes: list[str]) -> Mapping[str, Any]:
+    errors, joints = found.errors, found.robot.joints
+    rms = {
+        "measured": errors.size(),
+        "before": errors.rms("before"),
+        "fitted": errors.rms("after"),
+        "held_out": errors.rms("after", True),
+        "before_held_out": errors.rms("before", True),
+    }
+    return {
+        "cutpoint": cutpoint.__version__,
+        "robot": found.robot.name,
+        "joints": list(joints),
+        "torque_RMS_N_m": {name: [_finite(x) for x in values] for name, values in rms.items()},
+        "numbers": [
+            {name: _finite(x) if isinstance(x, float) else x for name, x in vars(number).items() if name not in ("path", "scale")}
+            for number in found.numbers
+        ],
+        "bodies": bodies_of(found.robot),
+        "untold": list(found.untold),
+        "notes": [*found.notes, *notes],
+    }
+
+
+def _finite(value: Any) -> float | None:
+    """JSON has no NaN and no infinity."""
+    return float(value) if np.isfinite(value) else None

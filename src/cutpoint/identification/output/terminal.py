@@ -1,0 +1,30 @@
+"""An identification for a terminal."""
+
+from rich.table import Table
+from rich.text import Text
+
+from cutpoint.identification.output.identify import Identification
+from cutpoint.identification.output.report import digits
+
+COLUMNS = ("joint", "torque", "files", "identified", "held out", "friction")
+
+
+def table_of(found: Identification) -> Table:
+    """RMS torque of each joint, and errors of the model before and after."""
+    title = f"{found.robot.name}: RMS of torques and of their errors, N m at the joint, below {found.errors.bandwidth:.3g} Hz"
+    table = Table(title=Text(title), title_justify="left")
+    for k, column in enumerate(COLUMNS):
+        table.add_column(column, justify="right" if 0 < k < 5 else "left", overflow="fold")
+    errors = found.errors
+    columns = (errors.size(), errors.rms("before"), errors.rms("after"), errors.rms("after", True))
+    laws = {choice.joint: choice.family for choice in found.rigid.friction}
+    for joint, *values in zip(found.robot.joints, *columns, strict=True):
+        table.add_row(Text(joint), *map(digits, values), laws.get(joint, "as stated"))
+    told = sum(number.told for number in found.numbers)
+    table.caption = f"{told} of {len(found.numbers)} numbers told by this log"
+    return table
+
+
+def sentences(found: Identification) -> list[str]:
+    """What is not told, and all notes, a line each."""
+    return [*(f"not told: {words}" for words in found.untold), *(f"note: {words}" for words in found.notes)]
