@@ -214,11 +214,11 @@ def test_link_side_pd_is_unstable_at_any_gain_and_motor_side_pd_at_none():
         assert fastest_growth(bench, "motor", scale) < -1e-6
 
 
-def test_link_side_pd_chatters_with_friction_and_diverges_without(results):
+def test_link_side_pd_chatters_with_friction_and_swings_without_end_without(results):
     motor, *link = results["table_a1"]["loops"]
     assert max(motor["torque_peak"]) < 100
     assert max(link[0]["torque_peak"]) > 200 and max(link[0]["torque_rms"]) > 5 * max(motor["torque_rms"])
-    assert all(loop["reached"] < 9.0 for loop in link if not loop["friction"])
+    assert all(loop["swing"] > 10 * motor["swing"] for loop in link if not loop["friction"])
 
 
 def test_the_shipped_drives_keep_to_their_catalogue(results):

@@ -41,8 +41,8 @@ def worded(drive: Drive) -> tuple[Drive, tuple[str, ...]]:
     changes: dict[str, Any] = {}
     if isinstance(drive.hysteresis, MaxwellSlip) and not _is_smooth(drive.hysteresis):
         changes["hysteresis"] = _smoothed(drive.hysteresis)
-        many = len(drive.hysteresis.reach)
-        notes.append(f"hysteresis of {many} elements written as {ELEMENTS} whose wide loops have the same width and area")
+        alike = f"{ELEMENTS} whose wide loops have the same width and area"
+        notes.append(f"hysteresis of {len(drive.hysteresis.reach)} elements written as {alike}")
     for side in ("link_friction", "motor_friction"):
         law = getattr(drive, side)
         changes[side] = lowered = _falling(law)

@@ -45,7 +45,8 @@ def updated_urdf(
             fixed = _carried(before, index, places)
             edits |= dict([_edit(content, places[new.name], new)])
             edits |= {span: MOVED for name in fixed if (span := places[name].inertial)}
-            notes += [f"link {new.name!r} now holds mass and inertia of {', '.join(fixed)} too, fixed to it"] * bool(fixed)
+            if fixed:
+                notes.append(f"link {new.name!r} now holds mass and inertia of {', '.join(fixed)} too, fixed to it")
     return _edited(content, edits), tuple(notes)
 
 
@@ -100,7 +101,8 @@ class _Spans:
     """What the parser calls; places of links, by name."""
 
     def __init__(self, content: bytes) -> None:
-        self.content, self.expat = content, None
+        self.content = content
+        self.expat: Any = None  # set once the parser exists: it knows where it is
         self.open: list[tuple[str, str, int]] = []
         self.inertial: tuple[int, int] | None = None
         self.places: dict[str, _Place] = {}
@@ -128,8 +130,7 @@ class _Spans:
 
     @property
     def _here(self) -> int:
-        parser: Any = self.expat
-        return int(parser.CurrentByteIndex)
+        return int(self.expat.CurrentByteIndex)
 
 
 def _places(content: bytes) -> dict[str, _Place]:

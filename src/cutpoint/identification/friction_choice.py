@@ -119,8 +119,10 @@ class _Trial:
         return [(law, gram) for law in laws if self._brakes(law, gram := self.gram(law))]
 
     def _brakes(self, law: Sliding, gram: Array) -> bool:
-        count = len(law.coefficients) + int(law.per_load is not None and self.load is not None)
-        return bool((self.fits(gram.sum(axis=0))[0][-count:] >= 0.0).all())
+        names = [*law.coefficients, *(["per_load"] if law.per_load is not None else [])]
+        values = self.fits(gram.sum(axis=0))[0][-len(names) :]
+        # small viscous friction may come out negative, and is brought to zero later
+        return all(value >= 0.0 for name, value in zip(names, values, strict=True) if name != "viscous")
 
     def best(self, tried: list[Tried]) -> Sliding:
         """The law that fits best."""

@@ -39,8 +39,7 @@ def instrumental_variables(regression: Regression, instruments: Array | None = N
         before, noise = noise, np.maximum(np.sqrt(np.mean(residuals**2, axis=0)), np.finfo(float).tiny)
         if np.abs(noise / before - 1.0).max() < SETTLED:
             break
-    scores = np.einsum("mjc,mj->mc", told, residuals / noise)
-    found = spread(scores, P, seen, residuals / noise)
+    found = spread(told, residuals / noise, P, seen)
     scale = np.sqrt(found.correlation)
     return Estimate(values, found, noise, R / scale, z / scale, residuals)
 

@@ -64,12 +64,11 @@ def least_squares(regression: Regression, method: Method = "weighted") -> Estima
     R, z = split(triangle(_rows(regression, weights)))
     values, P, seen = solved(R, z)
     residuals = regression.residuals(values)
-    scores = np.einsum("mjc,mj->mc", regression.columns, weights**2 * residuals)
     if method == "huber":
         # the slope of Huber's bounded residual is 1 inside the edge and 0 beyond
         inside = np.abs(residuals) <= EDGE * noise
         _, P, seen = solved(*split(triangle(_rows(regression, inside / noise))))
-    found = spread(scores, P, seen, residuals / residuals.std(axis=0))
+    found = spread(weights[..., None] * regression.columns, weights * residuals, P, seen)
     noise = np.sqrt(np.mean(residuals**2, axis=0)) if method != "huber" else noise
     scale = np.sqrt(found.correlation) * (np.sqrt(np.mean((weights * residuals) ** 2)) if method == "ordinary" else 1.0)
     return Estimate(values, found, noise, R / scale, z / scale, residuals)

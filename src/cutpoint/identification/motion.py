@@ -56,6 +56,12 @@ def motion_of(robot: Robot, recording: Recording, cutoff: float | None = None) -
     return Motion(q, *rates, period, cutoff)
 
 
+def sliding_speeds(robot: Robot, motion: Motion) -> Array:
+    """(N, n): what each joint's friction goes by, the motor's speed where friction is stated for that alone."""
+    on_motor = [drive.motor_friction is not None and drive.link_friction is None for drive in robot.drives.values()]
+    return np.where(on_motor, motion.w, motion.v)
+
+
 def torques_of(robot: Robot, recording: Recording, constants: Mapping[str, float] | None = None) -> Array:
     """(N, n): torques of the motors times ratio, N m (N), as recorded, in the order of the robot's joints.
 

@@ -1,6 +1,6 @@
 """Torques as a linear function of what is sought: inertias, rotors, friction and offsets of all joints.
 
-torque = Y(q, v, a) p + I_m w_dot + sum of phi_k(w) c_k + offset, every term through one window (see `decimation`).
+torque = Y(q, v, a) p + I_m w_dot + sum of phi_k(v) c_k + offset, every term through one window (see `decimation`).
 """
 
 from collections.abc import Mapping, Sequence
@@ -13,7 +13,7 @@ from scipy.linalg import qr
 
 from cutpoint.identification.base_parameters import BaseParameters
 from cutpoint.identification.decimation import Decimation
-from cutpoint.identification.motion import Motion
+from cutpoint.identification.motion import Motion, sliding_speeds
 from cutpoint.mechanics.friction import Sliding
 
 Array = NDArray[np.float64]
@@ -65,10 +65,10 @@ def regression(
     transmit, for laws in which friction grows with it.
     """
     inertial = inertial_columns(base, motion, means)
-    joints = base.robot.joints
+    joints, speeds = base.robot.joints, sliding_speeds(base.robot, motion)
     names, friction = [*base.names], []
     for j, joint in enumerate(joints):
-        own, columns = friction_columns(laws[joint], motion.w[:, j], None if loads is None else loads[:, j])
+        own, columns = friction_columns(laws[joint], speeds[:, j], None if loads is None else loads[:, j])
         names += [f"{name}.{joint}" for name in own]
         friction.append(_of_joint(means(columns), j, len(joints)))
     for j, joint in enumerate(joints):

@@ -13,7 +13,7 @@ from cutpoint.identification.decimation import Decimation, decimation
 from cutpoint.identification.friction_choice import FrictionChoice, choose_friction
 from cutpoint.identification.instrumental import instrumental_variables
 from cutpoint.identification.least_squares import METHODS, Estimate, least_squares, solved
-from cutpoint.identification.motion import Motion, motion_of, torques_of
+from cutpoint.identification.motion import Motion, motion_of, sliding_speeds, torques_of
 from cutpoint.identification.physical import Physical, Solver, physical
 from cutpoint.identification.recording import Recording
 from cutpoint.identification.regression import Regression, regression
@@ -193,7 +193,7 @@ def _table(
     base: BaseParameters, found: Regression, estimate: Estimate, bodies: Physical, log: _Log, level: float
 ) -> tuple[Parameter, ...]:
     b, joints = base.independent.size, base.robot.joints
-    torque, speed = (np.sqrt(np.mean(log.means(x) ** 2, axis=0)) for x in (log.torque, log.motion.w))
+    torque, speed = (np.sqrt(np.mean(log.means(x) ** 2, axis=0)) for x in (log.torque, sliding_speeds(base.robot, log.motion)))
     sizes = np.concatenate([base_sizes(base), friction_sizes(found.names[b:], joints, torque, speed)])
     stated = np.array([stated_coefficient(base.robot, name) for name in found.names[b:]])
     prior = np.concatenate([base.nominal, stated])
@@ -230,8 +230,9 @@ def _choices(base: BaseParameters, log: _Log, loads: Array, offsets: bool) -> tu
     variances, axes = np.linalg.eigh(solved(estimate.R, estimate.z)[1][:b, :b])
     likely = WRONG * axes * np.sqrt(np.maximum(variances, 0.0))
     torque = first.torque - first.columns[..., :b] @ estimate.values[:b]
+    speeds = sliding_speeds(base.robot, log.motion)
     for j, joint in enumerate(base.robot.joints):
-        speed, others = log.motion.w[:, j], first.columns[:, j, :b] @ likely
+        speed, others = speeds[:, j], first.columns[:, j, :b] @ likely
         if np.nanstd(speed) > 0.0:
             noise = float(estimate.noise[j])
             own = choose_friction(joint, torque[:, j], others, noise, speed, log.means, loads[:, j], offsets)

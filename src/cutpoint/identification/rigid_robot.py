@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cutpoint.identification.bodies import with_parameters
-from cutpoint.identification.motion import Motion
+from cutpoint.identification.motion import Motion, sliding_speeds
 from cutpoint.identification.regression import CHUNK
 from cutpoint.mechanics.friction import Coulomb, Sliding
 from cutpoint.model.drive import Drive, Rotor
@@ -25,7 +25,7 @@ LEAST = 1e-6
 
 @dataclass(frozen=True, eq=False)
 class RigidModel:
-    """torque = Y(q, v, a) inertial + rotors w_dot + friction(w) + offsets, for all joints of a robot.
+    """torque = Y(q, v, a) inertial + rotors w_dot + friction(v) + offsets, for all joints of a robot.
 
     inertial (10 bodies,); rotors (n,) kg m2 at the joint; offsets (n,) N m; laws by joint.
     """
@@ -39,8 +39,9 @@ class RigidModel:
         """(N, n), NaN where the motion is not known."""
         loads = link_torques(robot, motion, self.inertial)
         found = loads + self.rotors * motion.w_dot + self.offsets
+        speeds = sliding_speeds(robot, motion)
         for j, joint in enumerate(robot.joints):
-            found[:, j] += self.laws[joint].torque(motion.w[:, j], loads[:, j])
+            found[:, j] += self.laws[joint].torque(speeds[:, j], loads[:, j])
         return found
 
     def robot(self, robot: Robot) -> Robot:
@@ -65,7 +66,7 @@ def link_torques(robot: Robot, motion: Motion, inertial: Array) -> Array:
 
 def stated_laws(robot: Robot, motion: Motion) -> dict[str, Sliding]:
     """The sliding law of each joint's drive, or Coulomb's where it states none."""
-    sizes = np.sqrt(np.nanmean(motion.w**2, axis=0))
+    sizes = np.sqrt(np.nanmean(sliding_speeds(robot, motion) ** 2, axis=0))
     found: dict[str, Sliding] = {}
     for j, (joint, drive) in enumerate(robot.drives.items()):
         stated: Any = drive.link_friction or drive.motor_friction

@@ -15,6 +15,10 @@ LONGEST = 0.1
 """Share of a recording beyond which no lag counts."""
 
 
+LEAST = 0.1
+"""Of a residual that a row alone decides: what is taken to be left of it, at least."""
+
+
 class Spread(NamedTuple):
     """covariance (c, c), infinite where nothing was seen.  degrees: of freedom, of Student's t.
 
@@ -36,28 +40,33 @@ class Spread(NamedTuple):
         return float(t.ppf(0.5 + 0.5 * level, self.degrees)) * self.deviations()
 
 
-def spread(scores: Array, P: Array, seen: NDArray[np.bool_], residuals: Array) -> Spread:
-    """The spread of P @ sum of scores (M, c), related as the residuals (M, n; of unit size) are.
+def spread(design: Array, residuals: Array, P: Array, seen: NDArray[np.bool_]) -> Spread:
+    """The spread of P @ sum of design (M, n, c) times residuals (M, n), both weighted.
 
-    Scores of neighbours are multiplied up to a lag, weighted by Bartlett's triangle; what fitting took from the
-    residuals is given back.  The estimated covariance itself is as uncertain as one of 3/2 M / lag samples.
+    Each residual is brought to what it would be had its row not been fitted: MacKinnon and White (1985).  Products of
+    neighbours are added up to a lag, weighted by Bartlett's triangle; so estimated, a covariance is as uncertain as
+    that of 3/2 M / lag samples.
     """
-    M, n = residuals.shape
+    M, n, c = design.shape
     lag, correlation = _memory(residuals)
+    leverage = np.einsum("mjc,mjc->mj", design @ P, design)
+    scores = np.einsum("mjc,mj->mc", design, residuals / np.maximum(1.0 - leverage, LEAST))
     S = scores.T @ scores
     for k in range(1, lag + 1):
         product = scores[k:].T @ scores[:-k]
         S += (1.0 - k / (lag + 1.0)) * (product + product.T)
-    free = max(1.0, M * n / correlation - scores.shape[1])
-    covariance = P @ S @ P * (1.0 + scores.shape[1] / free)
+    covariance = P @ S @ P
     covariance[~seen] = covariance[:, ~seen] = 0.0
     covariance[~seen, ~seen] = np.inf
+    free = max(1.0, M * n / correlation - c)
     return Spread(covariance, min(free, max(1.0, 1.5 * M / (lag + 1.0))), lag, correlation)
 
 
 def _memory(residuals: Array) -> tuple[int, float]:
     """The lag after which residuals know nothing of each other, and their correlation time, both in rows."""
     M = len(residuals)
+    size = np.sqrt(np.mean(residuals**2, axis=0))
+    residuals = residuals / np.where(size > 0.0, size, 1.0)
     padded = np.fft.rfft(residuals, 2 * M, axis=0)
     each = np.fft.irfft((padded * padded.conj()).real, axis=0)[: max(2, int(LONGEST * M))]
     rho = each.sum(axis=1) / max(each[0].sum(), np.finfo(float).tiny)

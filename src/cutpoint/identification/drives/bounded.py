@@ -10,7 +10,7 @@ Array = NDArray[np.float64]
 def bounded_weights(columns: Array, target: Array, free: int) -> Array:
     """Least-squares weights, those after the first `free` at least 0."""
     size = np.maximum(np.linalg.norm(columns, axis=0), np.finfo(float).tiny)
-    reduced = np.linalg.qr(np.column_stack([columns / size, target]), mode="r")
+    reduced = np.asarray(np.linalg.qr(np.column_stack([columns / size, target]), mode="r"))
     lower = np.where(np.arange(size.size) < free, -np.inf, 0.0)
     found = lsq_linear(reduced[:, :-1], reduced[:, -1], (lower, np.inf), method="bvls")
     return np.asarray(found.x / size)

@@ -58,6 +58,7 @@ class DeflectionFit:
     """A law's constants, weights of waves, offset (rad), corrections, elements' stiffnesses, damping; what is left.
 
     columns: the model's derivatives (N, p) by all of these, in that order.  residual: (N,), rad.  tangent: (N,).
+    beside: (N,), rad, what all that acts beside the spring takes from its deflection.
     """
 
     law: SpringLaw
@@ -69,6 +70,7 @@ class DeflectionFit:
     damping: float
     reaches: Array
     tangent: Array = field(repr=False)
+    beside: Array = field(repr=False)
     columns: Array = field(repr=False)
     residual: Array = field(repr=False)
 
@@ -82,29 +84,31 @@ def fit_deflection(
     reaches = _offered(data, found, elements)
     for turn in range(ROUNDS if elements or damped or data.corrections.size else 0):
         found = _round(data, replace(found, reaches=reaches), free, damped)
-        if turn == 0:
+        if turn == ROUNDS - 2:
             reaches = reaches[found.stiffness > 0.0]
     return found
 
 
 def _first(data: Deflections, law: SpringLaw, free: Array) -> DeflectionFit:
     """Without anything beside the spring."""
-    constants = _searched(data, law, free)
+    constants = _searched(law, data.torque, data.lead, free)
     spring = law.deflection(constants, data.torque)
     target = data.lead - spring
     weights = np.linalg.lstsq(free, target)[0].astype(np.float64)
     columns = np.column_stack([law.columns(constants, data.torque), free])
     tangent = np.asarray(law.make(constants).tangent(spring))
     left = target - free @ weights
-    nothing = np.empty(0)
+    none, zero = np.empty(0), np.zeros_like(left)
     return DeflectionFit(
-        law, constants, weights[:-1], float(weights[-1]), nothing, nothing, 0.0, nothing, tangent, columns, left
+        law, constants, weights[:-1], float(weights[-1]), none, none, 0.0, none, tangent, zero, columns, left
     )
 
 
 def _round(data: Deflections, before: DeflectionFit, free: Array, damped: bool) -> DeflectionFit:
     """The spring again with what acted beside it, then that again with the spring."""
     law, constants = before.law, before.constants
+    if before.beside.any():
+        constants = _searched(law, data.torque, data.lead - before.beside, free)
     wound = data.smooth(data.lead - free @ np.append(before.waves, before.offset))
     beside = -strain_columns(wound, before.reaches) / before.tangent[:, None]
     rate = -np.gradient(wound, data.period) / before.tangent
@@ -131,6 +135,7 @@ def _round(data: Deflections, before: DeflectionFit, free: Array, damped: bool) 
         float(weights[-1]) if damped else 0.0,
         before.reaches,
         np.asarray(law.make(constants).tangent(wound)),
+        columns[:, own.shape[1] + waves + 1 :] @ weights[waves + 1 :],
         columns,
         left,
     )
@@ -144,9 +149,9 @@ def _offered(data: Deflections, found: DeflectionFit, elements: int) -> Array:
     return np.geomspace(max(data.resolution, largest / 30.0), largest, elements)
 
 
-def _searched(data: Deflections, law: SpringLaw, others: Array) -> Array:
+def _searched(law: SpringLaw, torque: Array, lead: Array, others: Array) -> Array:
     """The law's constants from some of the samples, evenly spread: all of them refine these later."""
-    thin = slice(None, None, 1 + data.lead.size // SEARCHED)
+    thin = slice(None, None, 1 + lead.size // SEARCHED)
     columns = others[thin]
     basis, _ = np.linalg.qr(columns / np.maximum(np.linalg.norm(columns, axis=0), np.finfo(float).tiny))
-    return fitted(law, data.torque[thin], data.lead[thin], lambda values: values - basis @ (basis.T @ values))
+    return fitted(law, torque[thin], lead[thin], lambda values: values - basis @ (basis.T @ values))

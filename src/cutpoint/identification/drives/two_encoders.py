@@ -28,6 +28,9 @@ UNCERTAIN = 0.2
 HIGHEST_ORDER = 8
 """Waves a turn of the motor that are looked for where no orders are stated."""
 
+SMALLEST_WAVE = 0.1
+"""Of the encoders' resolution: smaller waves are left out."""
+
 FEWEST_TURNS = 3.0
 """Of the motor: fewer do not tell waves from the spring."""
 
@@ -114,7 +117,7 @@ def two_encoders(
     fits = {name: fit_deflection(data, LAWS[name], tried, ELEMENTS if hysteresis else 0, damping) for name in laws}
     errors = {name: _block_errors(fit) for name, fit in fits.items()}
     law = LAWS[_simplest(errors)]
-    kept = orders if orders is not None else _standing_out(fits[law.name], tried)
+    kept = orders if orders is not None else _standing_out(fits[law.name], tried, data.resolution)
     found = fits[law.name]
     if len(kept) < len(tried):
         found = fit_deflection(data, law, kept, ELEMENTS if hysteresis else 0, damping)
@@ -157,13 +160,14 @@ def _checked(
     return Deflections(angle - link, angle, load, period, ratio, step, cutoff, beside)
 
 
-def _standing_out(fit: DeflectionFit, orders: Sequence[int]) -> list[int]:
-    """Orders whose waves are too large to be noise."""
+def _standing_out(fit: DeflectionFit, orders: Sequence[int], resolution: float) -> list[int]:
+    """Orders whose waves are too large to be noise, and large enough to matter."""
     start = fit.constants.size
     among = slice(start, start + fit.waves.size)
     spread = amplitude_errors(fit.waves, covariance(fit.columns, fit.residual)[among, among])
     size = np.hypot(*fit.waves.reshape(-1, 2).T)
-    return [order for order, a, s in zip(orders, size, spread, strict=True) if a > SIGNIFICANT * s]
+    least = SMALLEST_WAVE * resolution
+    return [order for order, a, s in zip(orders, size, spread, strict=True) if a > max(SIGNIFICANT * s, least)]
 
 
 def _block_errors(fit: DeflectionFit) -> Array:

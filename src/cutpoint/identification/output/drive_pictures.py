@@ -9,6 +9,7 @@ from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
 from cutpoint.identification.drives.identify_drives import DriveEstimates
+from cutpoint.identification.filtering import low_pass
 from cutpoint.identification.motion import motion_of
 from cutpoint.identification.output.pictures import ROW, thinned, titled
 from cutpoint.identification.recording import Recording
@@ -25,8 +26,8 @@ ORDERS = np.arange(0.25, 8.001, 0.05)
 
 @dataclass(frozen=True, eq=False)
 class Bending:
-    """One drive: torque on its link, N m, and deflection without kinematic error, rad; angle of the motor, rad, and
-    what the spring leaves of the encoders' difference, rad; each (N,)."""
+    """One drive: torque on its link, N m, and deflection without kinematic error, rad, both through one filter; angle of
+    the motor, rad, and what the spring leaves of the encoders' difference, rad; each (N,)."""
 
     torque: Array
     deflection: Array
@@ -34,8 +35,10 @@ class Bending:
     left: Array
 
 
-def bendings(robot: Robot, rigid: RigidEstimate, drives: DriveEstimates, recording: Recording) -> Mapping[str, Bending]:
-    """Of every drive; its torque is the links' motion's, by the identified inertias."""
+def bendings(
+    robot: Robot, rigid: RigidEstimate, drives: DriveEstimates, recording: Recording, bandwidth: float
+) -> Mapping[str, Bending]:
+    """Of every drive; its torque is the links' motion's, by the identified inertias.  bandwidth: Hz, of the loops."""
     motion = motion_of(robot, recording)
     load = link_torques(robot, motion, rigid.model.inertial)
     columns = [recording.joints.index(joint) for joint in robot.joints]
@@ -49,7 +52,8 @@ def bendings(robot: Robot, rigid: RigidEstimate, drives: DriveEstimates, recordi
         error = spring.kinematic_error.value(theta[:, j], drive.ratio) if spring.kinematic_error else 0.0
         bent = np.asarray(spring.compliance.deflection(torque))
         left = lead[:, j] - spring.offset - bent
-        found[joint] = Bending(torque, lead[:, j] - spring.offset - error, drive.ratio * theta[:, j], left)
+        loop = low_pass(np.column_stack([torque, lead[:, j] - spring.offset - error]), motion.period, bandwidth)
+        found[joint] = Bending(loop[:, 0], loop[:, 1], drive.ratio * theta[:, j], left)
     return found
 
 
@@ -88,7 +92,14 @@ def wave_picture(found: Mapping[str, Bending]) -> Figure:
 
 
 def amplitudes(angle: Array, values: Array, orders: Sequence[float] | Array) -> Array:
-    """(k,): of waves sin(order * angle + phase) in values (N,), each order on its own; NaN samples do not count."""
+    """(k,): of waves sin(order * angle + phase) in values (N,), each order on its own; NaN samples do not count.
+
+    All angles count alike, however long the motor stays there.
+    """
     known = np.isfinite(angle) & np.isfinite(values)
-    angle, values = angle[known], values[known] - values[known].mean() if known.any() else values[known]
-    return np.array([2.0 * np.abs(np.mean(values * np.exp(-1j * order * angle))) if known.any() else 0.0 for order in orders])
+    way = np.abs(np.gradient(angle[known])) if known.sum() > 1 else np.zeros(1)
+    if not way.any():
+        return np.zeros(len(orders))
+    share, angle, values = way / way.sum(), angle[known], values[known]
+    apart = share * (values - share @ values)
+    return np.array([2.0 * np.abs(apart @ np.exp(-1j * order * angle)) for order in orders])

@@ -13,17 +13,19 @@ from cutpoint.errors import CutpointError, InputError
 from cutpoint.formats.drive_file_writing import worded
 from cutpoint.identification.alignment import aligned
 from cutpoint.identification.drives.identify_drives import DriveEstimates, identify_drives
-from cutpoint.identification.output.numbers import Number, drive_numbers, rigid_numbers
+from cutpoint.identification.output.drive_numbers import drive_numbers
+from cutpoint.identification.output.numbers import Number, rigid_numbers
 from cutpoint.identification.output.torque_errors import TorqueErrors, torque_errors, warnings_of
+from cutpoint.identification.physical import Solver
 from cutpoint.identification.read_recording import read_recording
 from cutpoint.identification.recording import UNEVEN, Recording
 from cutpoint.identification.rigid import FrictionWish, Method, RigidEstimate, identify_rigid
-from cutpoint.identification.physical import Solver
 from cutpoint.loading import load
+from cutpoint.model.drive import Rotor
 from cutpoint.robot import Robot
 
 SPRING_PARTS = ("compliance", "damping", "kinematic_error", "hysteresis", "motor")
-"""Of a drive that two encoders tell; rotors and friction come with the links, from the same torques."""
+"""Of a drive that two encoders tell; rotors and friction come with the links."""
 
 MOST_HELD = 0.9
 
@@ -94,41 +96,53 @@ def identify(
     """
     if not 0.0 <= hold_out <= MOST_HELD:
         raise InputError(f"hold_out {hold_out} must be a share of the log, 0 to {MOST_HELD}", hold_out=hold_out)
-    source = None if isinstance(robot, Robot) else Path(robot)
+    how: dict[str, Any] = {"method": method, "solver": solver, "cutoff": cutoff, "torque_constants": torque_constants}
     columns = (SpinnerColumn(), TextColumn("{task.description}", markup=False), TimeElapsedColumn())
     with Progress(*columns, console=Console(stderr=True), transient=True, disable=not progress) as bar:
         task = bar.add_task("reading the log")
         before = robot if isinstance(robot, Robot) else load(robot, drives)
         recording = log if isinstance(log, Recording) else read_recording(log, mapping, before)
         recording = _prepared(recording, torque_delay)
-        start, end = recording.time[[0, -1]]
-        held_from = float(end - hold_out * (end - start)) if hold_out else np.inf
-        fitted = recording.between(float(start), held_from)
+        fitted, held_from = _fitted(recording, hold_out)
         bar.update(task, description="links, rotors and friction")
-        rigid = identify_rigid(
-            before, fitted, friction=friction, method=method, solver=solver, cutoff=cutoff,
-            torque_constants=torque_constants,
-        )  # fmt: skip
+        rigid = identify_rigid(before, fitted, friction=friction, **how)
         bar.update(task, description="springs of the drives")
         sprung, remarks = _springs(before, rigid, fitted, springs)
+        apart = sprung is not None and all("rotor inertia" not in x.unidentifiable for x in sprung.joints.values())
+        if sprung and apart:
+            bar.update(task, description="links again, with the rotors that the motors tell")
+            rigid = _with_rotors(before, rigid, sprung, fitted, how)
         bar.update(task, description="torques on the part that was held out")
         errors = torque_errors(before, rigid, recording, held_from, torque_constants, cutoff)
     after, words = _joined(rigid.robot, sprung)
-    numbers = rigid_numbers(after, rigid)
-    if sprung:
-        numbers += tuple(n for joint, each in sprung.joints.items() for n in drive_numbers(joint, before.drives[joint], each))
     return Identification(
-        after,
-        before,
-        source,
-        rigid,
-        sprung,
-        numbers,
-        errors,
-        recording,
-        (*rigid.untold, *(sprung.notes if sprung else ())),
-        (*rigid.notes, *map(str, rigid.friction), *remarks, *words, *warnings_of(errors, after.joints)),
+        robot=after,
+        before=before,
+        source=None if isinstance(robot, Robot) else Path(robot),
+        rigid=rigid,
+        drives=sprung,
+        numbers=_numbers(before, after, rigid, sprung, apart),
+        errors=errors,
+        recording=recording,
+        untold=(*rigid.untold, *(sprung.notes if sprung else ())),
+        notes=(*rigid.notes, *map(str, rigid.friction), *remarks, *words, *warnings_of(errors, after.joints)),
     )
+
+
+def _fitted(recording: Recording, hold_out: float) -> tuple[Recording, float]:
+    """The part that is fitted, and the time, s, from which on samples are held out."""
+    start, end = recording.time[[0, -1]].tolist()
+    held_from = end - hold_out * (end - start) if hold_out else np.inf
+    return recording.between(start, held_from), held_from
+
+
+def _numbers(
+    before: Robot, after: Robot, rigid: RigidEstimate, sprung: DriveEstimates | None, apart: bool
+) -> tuple[Number, ...]:
+    found = rigid_numbers(after, rigid)
+    for joint, each in sprung.joints.items() if sprung else ():
+        found += drive_numbers(joint, before.drives[joint], each, apart)
+    return found
 
 
 def _prepared(recording: Recording, torque_delay: float) -> Recording:
@@ -159,6 +173,19 @@ def _springs(
         return identify_drives(rigid.robot, fitted), []
     except CutpointError as error:
         return None, [f"springs were not identified: {error}"]
+
+
+def _with_rotors(
+    before: Robot, rigid: RigidEstimate, sprung: DriveEstimates, fitted: Recording, how: Mapping[str, Any]
+) -> RigidEstimate:
+    """Links and friction where rotors are known: torques tell sums of both, the motors' sides tell them apart."""
+    drives = {
+        joint: replace(drive, rotor=replace(drive.rotor or Rotor(0.0), inertia=sprung.joints[joint].rotor.inertia))
+        for joint, drive in before.drives.items()
+    }
+    laws = {choice.joint: choice.law for choice in rigid.friction} or "stated"
+    found = identify_rigid(before.with_drives(drives), fitted, friction=laws, rotors=False, **how)
+    return replace(found, friction=rigid.friction)
 
 
 def _joined(robot: Robot, sprung: DriveEstimates | None) -> tuple[Robot, list[str]]:

@@ -30,7 +30,7 @@ def torque_picture(errors: TorqueErrors, joints: Sequence[str]) -> Figure:
     time = errors.time[some]
     for j, (axes, joint) in enumerate(zip(panels, joints, strict=True)):
         axes.plot(time, errors.measured[some, j], color=INK, linewidth=1.0, label="measured")
-        axes.plot(time, errors.before[some, j], color=FAINT, linewidth=1.0, linestyle="--", label="model as in the files")
+        axes.plot(time, errors.before[some, j], color=FAINT, linewidth=1.0, linestyle="--", label="the files' model")
         axes.plot(time, errors.after[some, j], color=LINK, linewidth=1.0, label="identified model")
         if errors.held_out.any():
             axes.axvspan(errors.time[errors.held_out][0], errors.time[-1], color=HAIR, alpha=0.5, linewidth=0.0)

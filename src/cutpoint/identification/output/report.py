@@ -30,15 +30,17 @@ def report(found: "Identification", notes: Sequence[str] = ()) -> str:
 def _heading(found: "Identification") -> Heading:
     recording, told = found.recording, sum(number.told for number in found.numbers)
     span = float(recording.time[-1] - recording.time[0])
-    about = f"{found.robot.name}: {len(found.robot.joints)} joints, a log of {span:.4g} s, {recording.time.size} samples"
-    held = f"{found.errors.held_out.mean():.0%} of the log, at its end, had no part in the fit." 
+    joints = len(found.robot.joints)
+    about = f"{found.robot.name}: {joints} joints, a log of {span:.4g} s, {recording.time.size} samples"
+    held = f"{found.errors.held_out.mean():.0%} of the log, at its end, had no part in the fit."
     return Heading("Identification", about, (f"{told} of {len(found.numbers)} numbers are told by this log. {held}",))
 
 
 def _torques(found: "Identification") -> Page:
+    errors, joints = found.errors, found.robot.joints
     with styled():
-        curves, left = torque_picture(found.errors, found.robot.joints), residual_picture(found.errors, found.robot.joints)
-    width = f"all torques without what is faster than {found.errors.bandwidth:.3g} Hz"
+        curves, left = torque_picture(errors, joints), residual_picture(errors, joints)
+    width = f"all torques without what is faster than {errors.bandwidth:.3g} Hz"
     blocks: tuple[Block, ...] = (
         Table("Table 1", f"RMS of torque errors, N m at the joint; {width}", ERROR_COLUMNS, error_rows(found)),
         Picture("Figure 1", f"Torques of the motors; {width}. The part held out is on grey ground.", curves),
@@ -61,16 +63,17 @@ def _numbers(found: "Identification") -> Page:
     rows = tuple(_row(number) for number in found.numbers)
     table = Table("Table 2", "All that was sought, SI units at the joint's side", heads, rows)
     how = (
-        "A base parameter is a combination of inertial parameters that torques tell; its name lists what it is made of. "
-        "The model's bodies are those that can exist which come nearest to the log and, where it tells nothing, to the files."
+        "A base parameter is a combination of inertial parameters that torques tell; its name lists what it is made of."
+        " The model's bodies are those that can exist which come nearest to the log and, where it tells nothing, to the"
+        " files."
     )
     return Page("numbers", "Numbers", (how, table))
 
 
 def _row(n: Number) -> tuple[str, ...]:
     name = n.name if not n.joint or n.joint in n.name else f"{n.name}, {n.joint}"
-    told = "yes" if n.told else f"no: {n.why}"
-    return (name, n.unit, digits(n.value), f"{digits(n.low)} to {digits(n.high)}", digits(n.used), digits(n.prior), told)
+    told, interval = "yes" if n.told else f"no: {n.why}", f"{digits(n.low)} to {digits(n.high)}"
+    return (name, n.unit, digits(n.value), interval, digits(n.used), digits(n.prior), told)
 
 
 def digits(x: float) -> str:
@@ -80,13 +83,12 @@ def digits(x: float) -> str:
 def _drives(found: "Identification") -> list[Page]:
     if found.drives is None:
         return []
-    bent = bendings(found.robot, found.rigid, found.drives, found.recording)
+    bent = bendings(found.robot, found.rigid, found.drives, found.recording, found.errors.bandwidth)
     with styled():
         loops, waves = loop_picture(found.robot, found.drives, bent), wave_picture(bent)
-    blocks = (
-        Picture("Figure 3", "Torque on the link over deflection without kinematic error, and the spring's law (green).", loops),
-        Picture("Figure 4", "What the springs leave of the encoders' difference, over waves a turn of the motor.", waves),
-    )
+    over = "Torque on the link over deflection without kinematic error, and the spring's law (green)."
+    left = "What the springs leave of the encoders' difference, over waves a turn of the motor."
+    blocks = (Picture("Figure 3", over, loops), Picture("Figure 4", left, waves))
     return [Page("drives", "Drives", blocks)]
 
 

@@ -15,6 +15,7 @@ from cutpoint.formats.reading import read_bytes
 from cutpoint.formats.safe_xml import MAXIMUM_BYTES
 from cutpoint.formats.urdf_writing import updated_urdf
 from cutpoint.formats.xacro_expansion import expand
+from cutpoint.identification.output.numbers import Number
 from cutpoint.robot import Robot
 
 if TYPE_CHECKING:
@@ -29,7 +30,8 @@ def check_folder(folder: Path, force: bool) -> None:
         raise InputError(f"output {str(folder)!r} is not a folder; name one, or a new one", output=folder)
     there = [name for name in FILES if (folder / name).exists()]
     if there and not force:
-        raise InputError(f"output {str(folder)!r} already holds {', '.join(there)}; name another, or force it", output=folder)
+        names = ", ".join(there)
+        raise InputError(f"output {str(folder)!r} already holds {names}; name another, or force it", output=folder)
 
 
 def save(found: "Identification", folder: Path, force: bool) -> list[Path]:
@@ -50,7 +52,7 @@ def save(found: "Identification", folder: Path, force: bool) -> list[Path]:
 def _model_files(found: "Identification") -> tuple[dict[str, bytes], list[str]]:
     """Robot and drives; and what a reader of these must know."""
     files, notes = _robot_file(found)
-    remarks = {joint: {} for joint in found.robot.drives}
+    remarks: dict[str, dict[tuple[str, ...], str]] = {joint: {} for joint in found.robot.drives}
     for number in found.numbers:
         if number.path:
             remarks[number.joint][number.path] = number.remark
@@ -98,14 +100,16 @@ def _sheet(found: "Identification", notes: list[str]) -> Mapping[str, Any]:
         "robot": found.robot.name,
         "joints": list(joints),
         "torque_RMS_N_m": {name: [_finite(x) for x in values] for name, values in rms.items()},
-        "numbers": [
-            {name: _finite(x) if isinstance(x, float) else x for name, x in vars(number).items() if name not in ("path", "scale")}
-            for number in found.numbers
-        ],
+        "numbers": [_number(number) for number in found.numbers],
         "bodies": bodies_of(found.robot),
         "untold": list(found.untold),
         "notes": [*found.notes, *notes],
     }
+
+
+def _number(number: Number) -> dict[str, Any]:
+    fields = {name: value for name, value in vars(number).items() if name not in ("path", "scale")}
+    return {name: _finite(value) if isinstance(value, float) else value for name, value in fields.items()}
 
 
 def _finite(value: Any) -> float | None:

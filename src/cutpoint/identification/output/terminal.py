@@ -11,7 +11,8 @@ COLUMNS = ("joint", "torque", "files", "identified", "held out", "friction")
 
 def table_of(found: Identification) -> Table:
     """RMS torque of each joint, and errors of the model before and after."""
-    title = f"{found.robot.name}: RMS of torques and of their errors, N m at the joint, below {found.errors.bandwidth:.3g} Hz"
+    band = f"below {found.errors.bandwidth:.3g} Hz"
+    title = f"{found.robot.name}: RMS of torques and of their errors, N m at the joint, {band}"
     table = Table(title=Text(title), title_justify="left")
     for k, column in enumerate(COLUMNS):
         table.add_column(column, justify="right" if 0 < k < 5 else "left", overflow="fold")

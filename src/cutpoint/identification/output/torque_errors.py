@@ -20,6 +20,10 @@ WORSE = 2.0
 """Times the error of the part that was fitted: above that on the rest, the model does not carry over."""
 
 
+STILL = 0.1
+"""Of the RMS speed on the part that was fitted."""
+
+
 @dataclass(frozen=True, eq=False)
 class TorqueErrors:
     """Torques of the motors, each (N, n), N m at the joint, all through one filter; NaN where something is not known.
@@ -46,6 +50,10 @@ class TorqueErrors:
     def size(self) -> Array:
         """(n,) N m: RMS of the measured torques about their mean."""
         return self._rms(self.measured - np.nanmean(self.measured, axis=0), False)
+
+    def speed(self, held_out: bool = False) -> Array:
+        """(n,) rad/s: RMS."""
+        return self._rms(self.v, held_out)
 
     def _rms(self, values: Array, held_out: bool) -> Array:
         squares = np.square(values[self.held_out == held_out])
@@ -88,13 +96,17 @@ def stated_torque(robot: Robot, motion: Motion) -> Array:
 
 
 def warnings_of(errors: TorqueErrors, joints: tuple[str, ...]) -> list[str]:
-    """Sentences on joints whose held-out torques are explained much worse than those that were fitted."""
+    """Sentences on joints whose held-out torques judge nothing, or are explained much worse than those fitted."""
     fitted, held, before = errors.rms("after"), errors.rms("after", True), errors.rms("before")
+    moved, moves = errors.speed(), errors.speed(True)
     notes: list[str] = []
     for j, joint in enumerate(joints):
+        if moves[j] < STILL * moved[j]:
+            notes.append(f"{joint} hardly moves on the part held out: its error there judges nothing")
         if held[j] > WORSE * fitted[j]:
-            times = f"{held[j] / fitted[j]:.1f} times that of the part that was fitted"
-            notes.append(f"{joint}: torque error on the part held out is {times}: the motion is another there, or the machine")
+            times = f"{held[j] / fitted[j]:.1f} times that on the part that was fitted"
+            reason = "it moves otherwise there, or the machine changed"
+            notes.append(f"{joint}: torque error on the part held out is {times}: {reason}")
         if fitted[j] > before[j]:
             notes.append(f"{joint}: the identified model explains its torque worse than the files did")
     return notes

@@ -34,8 +34,10 @@ Slotine-Li.  Chosen once, on the paper's arm, in the middle of what was tried: 1
 
 
 class Contender(NamedTuple):
-    """key: in results.  needs: what it asks for, in words.  make: the law for these gains.  smooth: what of it is
-    differenced for its stiffness."""
+    """key: in results.  needs: sides of encoders; its model, and what else it asks for.  make: the law for these gains.
+
+    smooth: what of it is differenced for its stiffness.
+    """
 
     key: str
     name: str
@@ -60,7 +62,8 @@ def _without_jumps(law: SuperTwisting) -> SuperTwisting:
     return replace(law, root_gain=0.0, twist=0.0)
 
 
-MOTOR, BOTH = "motor encoders", "encoders on both sides"
+MOTOR, BOTH = "motor", "both"
+"""Sides on which a law needs encoders."""
 
 CONTENDERS: tuple[Contender, ...] = (
     Contender("pd", "PD", MOTOR, _pd),
@@ -68,28 +71,28 @@ CONTENDERS: tuple[Contender, ...] = (
     Contender(
         "gravity", "PD + gravity", f"{MOTOR}; masses", lambda w: _pd(w) + GravityCompensation(w.robot, side="motor")
     ),
-    Contender("feedforward", "PD + feedforward", f"{MOTOR}; elastic model", _forward),
-    Contender("computed", "computed torque", f"{MOTOR}; rigid model", _tuned(ComputedTorque)),
-    Contender("slotine", "Slotine-Li", f"{MOTOR}; rigid model, learns masses", _tuned(SlotineLi, rate=WHOLE_RATE)),
-    Contender("robust", "robust", f"{MOTOR}; rigid model, bound of what it misses", _tuned(Robust)),
+    Contender("feedforward", "PD + feedforward", f"{MOTOR}; elastic", _forward),
+    Contender("computed", "computed torque", f"{MOTOR}; rigid", _tuned(ComputedTorque)),
+    Contender("slotine", "Slotine-Li", f"{MOTOR}; rigid, learns", _tuned(SlotineLi, rate=WHOLE_RATE)),
+    Contender("robust", "robust", f"{MOTOR}; rigid, bound", _tuned(Robust)),
     Contender(
-        "twisting", "super-twisting", f"{MOTOR}; rigid model, bound of its change", _tuned(SuperTwisting),
+        "twisting", "super-twisting", f"{MOTOR}; rigid, bound", _tuned(SuperTwisting),
         _without_jumps,
     ),
     Contender(
-        "observer", "observer + PD + feedforward", f"{MOTOR}; elastic and rigid model",
+        "observer", "observer on feedforward", f"{MOTOR}; elastic",
         lambda w: DisturbanceObserver(w.robot, _forward(w), w.omega * w.whole),
     ),
-    Contender("full_state", "full state feedback", f"{BOTH}; elastic model", _tuned(FullStateFeedback)),
-    Contender("linearised", "elastic computed torque", f"{BOTH}; elastic model", _tuned(ElasticComputedTorque)),
-    Contender("vdc", "VDC, model", f"{BOTH}; elastic model", _tuned(VDC)),
-    Contender("vdc_filter", "VDC, filter", f"{BOTH}; elastic model", _tuned(VDC, derivatives="filter")),
+    Contender("full_state", "full state feedback", f"{BOTH}; elastic", _tuned(FullStateFeedback)),
+    Contender("linearised", "elastic computed torque", f"{BOTH}; elastic", _tuned(ElasticComputedTorque)),
+    Contender("vdc", "VDC (model)", f"{BOTH}; elastic", _tuned(VDC)),
+    Contender("vdc_filter", "VDC (filter)", f"{BOTH}; elastic", _tuned(VDC, derivatives="filter")),
     Contender(
-        "adaptive", "adaptive VDC, projection", f"{BOTH}; elastic model, learns it within bounds",
+        "adaptive", "adaptive VDC (projection)", f"{BOTH}; elastic, learns",
         _tuned(AdaptiveVDC, body_rate=RATE, joint_rate=RATE),
     ),
     Contender(
-        "natural", "adaptive VDC, natural", f"{BOTH}; elastic model, learns it",
+        "natural", "adaptive VDC (natural)", f"{BOTH}; elastic, learns",
         _tuned(AdaptiveVDC, update="natural", body_rate=NATURAL_RATE, joint_rate=RATE),
     ),
 )  # fmt: skip

@@ -83,18 +83,23 @@ def against_feedforward(results: Results) -> str:
 
 
 def divergences(results: Results) -> str:
-    """Who diverged where."""
-    where: dict[str, list[str]] = {key: [] for key in results.matches}
-    for scenario, laws in results.outcomes.items():
-        for key, outcome in laws.items():
-            if outcome.diverged:
-                where[key].append(COLUMNS[scenario])
-    held = [NAMES[key] for key, columns in where.items() if not columns and results.matches[key].law is not None]
-    fell = {key: columns for key, columns in where.items() if columns}
-    if not fell:
-        return "No run diverged."
-    told = "; ".join(f"{NAMES[key]} in {', '.join(columns)}" for key, columns in fell.items())
-    return f"At least one run diverged of {told}. None did of {_listed(held) or 'no law'}."
+    """Who diverged where; apart from where all did."""
+    ran = [key for key, match in results.matches.items() if match.law is not None]
+    fell = {
+        scenario: [key for key, outcome in laws.items() if outcome.diverged]
+        for scenario, laws in results.outcomes.items()
+    }
+    lost = [scenario for scenario, keys in fell.items() if keys and len(keys) == len(results.outcomes[scenario])]
+    where = {key: [COLUMNS[s] for s, keys in fell.items() if key in keys and s not in lost] for key in ran}
+    held = [NAMES[key] for key, columns in where.items() if not columns]
+    told = "; ".join(f"{NAMES[key]} in {', '.join(columns)}" for key, columns in where.items() if columns)
+    everywhere = f"Under every law at least one run of {_listed([COLUMNS[s] for s in lost])} diverged. " if lost else ""
+    apart = "Apart from that, at" if lost else "At"
+    return (
+        everywhere
+        + (f"{apart} least one run diverged of {told}." if told else "")
+        + (f" None did of {_listed(held)}." if held else "")
+    )
 
 
 def sensors(results: Results) -> str:

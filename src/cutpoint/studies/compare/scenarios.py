@@ -180,8 +180,8 @@ SCENARIOS: tuple[Scenario, ...] = (
     ),
     Scenario("late", "late", "the same sensors, one period late", partial(_sensors, 1, False)),
     Scenario(
-        "damped", "late, damped", f"the same, late, on drives whose springs lose {DAMPING:g} N m s/rad, as the model "
-        "knows", partial(_sensors, 1, True),
+        "damped", "late but damped", f"as late, on drives whose springs lose {DAMPING:g} N m s/rad, known to the model",
+        partial(_sensors, 1, True),
     ),
     Scenario("payload_0.5", "payload 0.5", "half of the rated payload, unknown to the model", partial(_payload, 0.5)),
     Scenario("payload_1", "payload 1", "the rated payload, unknown to the model", partial(_payload, 1.0)),

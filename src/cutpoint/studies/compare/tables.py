@@ -31,11 +31,11 @@ def tuning_table(results: Results) -> Table:
     pd = results.matches[CONTENDERS[0].key]
     rows = [_tuning_row(match, pd, results.nanoseconds.get(key)) for key, match in results.matches.items()]
     caption = (
-        "Laws at the stiffness of the PD, critically damped: bandwidth that `tune` is asked for; stiffness and damping "
-        "beside the PD's, geometric mean over the joints, and from the least joint to the most; a step's time, one "
-        "call from Python on one core."
+        "Laws at the stiffness of the PD, critically damped: sides with encoders, and the model in it; bandwidth that "
+        "`tune` is asked for; stiffness and damping beside the PD's, geometric mean over the joints, and from the "
+        "least joint to the most; a step's time, one call from Python on one core."
     )
-    columns = ("", "needs", "bandwidth [Hz]", "stiffness", "joints", "damping", "joints", "a step [ns]")
+    columns = ("", "needs", "Hz", "stiffness", "joints", "damping", "joints", "ns")
     return Table("Table K1", caption, columns, tuple(rows))
 
 
@@ -49,7 +49,7 @@ def _tuning_row(match: Match, pd: Match, nanoseconds: float | None) -> tuple[str
 def _shares(ratios: Any) -> tuple[str, str]:
     if not (np.asarray(ratios) > 0).all():
         return "–", "–"
-    return number(float(np.exp(np.mean(np.log(ratios)))), 3), f"{number(min(ratios), 2)} to {number(max(ratios), 2)}"
+    return number(float(np.exp(np.mean(np.log(ratios)))), 3), f"{number(min(ratios), 2)}–{number(max(ratios), 2)}"
 
 
 def error_tables(results: Results) -> tuple[Table, ...]:
@@ -73,7 +73,7 @@ def _halves(
     ran = [scenario for scenario in SCENARIOS if scenario.key in results.outcomes]
     first = [scenario for scenario in ran if scenario.key in MODEL_SIDE]
     second = [scenario for scenario in ran if scenario.key not in MODEL_SIDE]
-    mark = f"; {BEST} is the best at equal stiffness" if marked else ""
+    mark = (f"; {BEST} is the best at equal stiffness" if marked else "") + "; ∞: of how many runs how many diverged"
     notes = zip(labels, (first, second), strict=True)
     return tuple(_table(results, label, f"{what}{mark}.", half, of, marked) for label, half in notes if half)
 
@@ -91,7 +91,7 @@ def _cell(outcome: Outcome | None, of: Callable[[Outcome], float], best: bool) -
     if outcome is None:
         return "–"
     if outcome.diverged:
-        return f"{outcome.diverged} of {len(outcome.scores)} diverged"
+        return f"∞ {outcome.diverged}/{len(outcome.scores)}"
     x = of(outcome)
     return number(x, 0 if x >= 100 else 1 if x >= 10 else 2) + (f" {BEST}" if best else "")
 
@@ -105,8 +105,8 @@ def _refusal(match: Match) -> str:
     at = (
         f"it runs at {number(match.bandwidth, 2)} Hz, {number(match.share, 2)} of the PD's stiffness, and is not ranked"
     )
-    outcome = at if match.law is not None else "no bandwidth within a factor of four serves: it does not run"
-    return f"{match.contender.name} is refused at equal stiffness: {match.refused}. So {outcome}."
+    outcome = at if match.law is not None else "no bandwidth within a factor of four serves, and it does not run"
+    return f"{match.contender.name} is refused at equal stiffness: {match.refused}; {outcome}."
 
 
 def numbers(results: Results) -> dict[str, Any]:

@@ -28,6 +28,13 @@ class Loop(NamedTuple):
         """Whether it got to the end."""
         return bool(self.log.time[-1] > DURATION - 1e-6)
 
+    @property
+    def swing(self) -> float:
+        """How fast the spring that swings most does, RMS over the second half, rad/s."""
+        late = self.log.time >= self.log.time[-1] / 2
+        winding = (self.log["theta_dot"] - self.log["v"])[late]
+        return float(np.sqrt(np.mean(winding**2, axis=0)).max())
+
 
 def page(bench: Bench) -> Page:
     loops = _loops(bench)
@@ -71,6 +78,7 @@ def _table(loops: list[Loop]) -> Table:
             number(np.rad2deg(loop.log.rms("position_error")).max(), 2) if loop.held else "grows",
             number(loop.log.max("command_torque").max(), 0) if loop.held else "grows",
             number(loop.log.rms("feedback_torque").max(), 1) if loop.held else "grows",
+            number(loop.swing, 2),
         )
 
     columns = (
@@ -81,6 +89,7 @@ def _table(loops: list[Loop]) -> Table:
         "RMS error, worst joint [deg]",
         "peak torque [N m]",
         "RMS torque, worst joint [N m]",
+        "springs swing at [rad/s], RMS, worst joint",
     )
     caption = "PD alone along (57), without feedforward and without torque limits."
     return Table("Table A1", caption, columns, tuple(line(loop) for loop in loops))
@@ -93,8 +102,10 @@ def _verdict(loops: list[Loop]) -> str:
         "link-side loop does not track but swings against its friction with torques of up to "
         f"{link.log.max('command_torque').max():.0f} N m, where the motor-side loop at the same gains needs "
         f"{motor.log.max('command_torque').max():.0f} N m. Lower gains swing less and sag more; without friction every "
-        "one of them grows until the hardened spring outruns the integration step and the run stops. An undamped "
-        "elastic plant of this stiffness under pure link-side PD cannot have given Table 4: motor-side velocity, "
+        "one of them grows until the hardening of its springs bounds it, and the springs go on swinging at "
+        f"{min(loop.swing for loop in loops if not loop.friction):.1f} rad/s and more, where the motor-side loop's "
+        f"swing at {motor.swing:.2f}. An undamped elastic "
+        "plant of this stiffness under pure link-side PD cannot have given Table 4: motor-side velocity, "
         "damping in the drive, or a rigid plant must have been there."
     )
 
@@ -125,14 +136,14 @@ def _figure(bench: Bench, loops: list[Loop]) -> Figure:
 
 
 def _results(loops: list[Loop]) -> dict[str, dict[str, object]]:
-    units = {"position": "deg", "torque": "N m", "reached": "s"}
+    units = {"position": "deg", "torque": "N m", "reached": "s", "swing": "rad/s"}
     return {"table_a1": {"units": units, "loops": [_described(loop) for loop in loops]}}
 
 
 def _described(loop: Loop) -> dict[str, object]:
     """What was run and, of a loop that held, how well."""
     described: dict[str, object] = {"side": loop.side, "gain_scale": loop.scale, "friction": loop.friction}
-    described["reached"] = loop.log.time[-1]
+    described |= {"reached": loop.log.time[-1], "swing": loop.swing}
     if loop.held:
         described["position_rms"] = np.rad2deg(loop.log.rms("position_error"))
         described["torque_rms"] = loop.log.rms("feedback_torque")

@@ -1,0 +1,135 @@
+"""Numbers of drives that two encoders tell: spring, hysteresis, kinematic error, rotor."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from scipy.stats import norm
+
+from cutpoint.identification.drives.columns import amplitude_errors
+from cutpoint.identification.drives.identify_drives import DriveEstimate
+from cutpoint.identification.drives.rotor import RotorEstimate
+from cutpoint.identification.drives.two_encoders import SpringEstimate
+from cutpoint.identification.output.numbers import Number, Path
+from cutpoint.model.drive import Drive
+
+NOTHING = float("nan")
+
+UNITS: Mapping[str, str] = {
+    **dict.fromkeys(("stiffness", "k1", "k2", "k3"), "N m/rad"),
+    **dict.fromkeys(("t1", "t2", "coulomb, by the motor alone"), "N m"),
+    **dict.fromkeys(("damping", "viscous, by the motor alone"), "N m s/rad"),
+    "hardening": "1/(N m)",
+    "hysteresis loss": "rad",
+    "rotor inertia": "kg m2",
+    "torque constant times ratio": "N m/A",
+}
+
+SUMS = {"t2": ("t1", "t2 - t1")}
+"""Constants of spring laws that are sums of unknowns."""
+
+
+@dataclass(frozen=True)
+class _Rows:
+    """margin: standard deviations to the interval's ends.  why: what is not told, each with the reason."""
+
+    joint: str
+    margin: float
+    why: Mapping[str, str]
+
+    def row(
+        self,
+        name: str,
+        found: tuple[float, float],
+        path: Path,
+        prior: float = NOTHING,
+        thing: str = "",
+        scale: float = 1.0,
+    ) -> Number:
+        """found: value and standard deviation.  thing: of `why`.  Without a path the model does without it."""
+        value, reach = found[0], self.margin * found[1]
+        why = self.why.get(thing, "")
+        used = (prior if why else value) if path else NOTHING
+        unit = UNITS.get(name, "rad")
+        return Number(
+            self.joint, name, unit, value, value - reach, value + reach, used, prior, not why, why, path, scale
+        )  # fmt: skip
+
+
+def drive_numbers(
+    joint: str, before: Drive, found: DriveEstimate, rotors: bool, level: float = 0.95
+) -> tuple[Number, ...]:
+    """Of one drive; before: as the files state it.  rotors: whether the model takes its rotors from here."""
+    rows = _Rows(joint, float(norm.ppf(0.5 + 0.5 * level)), found.unidentifiable)
+    spring, stated = found.spring, float(before.reflected_inertia)
+    own = [
+        rows.row(name, each, ("compliance", spring.law, name), _stated(before.compliance, name), "stiffness")
+        for name in vars(spring.compliance)
+        if (each := _found(spring, *SUMS.get(name, (name,))))
+    ]
+    damping = _found(spring, "damping")
+    if damping:
+        own.append(rows.row("damping", damping, ("damping",), _stated(before, "damping"), "damping"))
+    return (*own, *_loops(rows, spring), *_waves(rows, spring), *_of_rotor(rows, found.rotor, stated, rotors))
+
+
+def _found(estimate: SpringEstimate | RotorEstimate, *names: str) -> tuple[float, float] | None:
+    """Value and standard deviation of a sum of unknowns; None where it was not sought."""
+    if not set(names) <= set(estimate.names):
+        return None
+    where = [estimate.names.index(name) for name in names]
+    variance = float(estimate.covariance[np.ix_(where, where)].sum())
+    return float(estimate.values[where].sum()), float(np.sqrt(max(variance, 0.0)))
+
+
+def _of_rotor(rows: _Rows, rotor: RotorEstimate, stated: float, used: bool) -> list[Number]:
+    """Of the motor's side; its friction is a second opinion on that which is found with the links."""
+    scale, ratio = 1.0 / rotor.ratio**2, rotor.ratio
+    inertia, gain = _found(rotor, "inertia"), _found(rotor, "gain")
+    own: list[Number] = []
+    if inertia:
+        path: Path = ("rotor", "inertia") if used else ()
+        own.append(rows.row("rotor inertia", inertia, path, stated, "rotor inertia", scale))
+    if gain:
+        path = ("motor", "torque_constant")
+        own.append(rows.row("torque constant times ratio", gain, path, NOTHING, "torque constant", 1.0 / ratio))
+    for name in ("coulomb", "viscous"):
+        each = _found(rotor, name)
+        own += [rows.row(f"{name}, by the motor alone", each, (), NOTHING, "motor friction")] if each else []
+    return own
+
+
+def _waves(rows: _Rows, spring: SpringEstimate) -> list[Number]:
+    """Amplitudes of the kinematic error's waves."""
+    if spring.kinematic_error is None:
+        return []
+    error: Any = spring.kinematic_error
+    start = spring.names.index(f"sine {error.harmonics[0].order}")
+    among = slice(start, start + 2 * len(error.harmonics))
+    deviations = amplitude_errors(spring.values[among], spring.covariance[among, among]).tolist()
+    further: list[Path] = [("kinematic_error", "harmonics", str(k)) for k in range(len(error.harmonics) - 1)]
+    return [
+        rows.row(f"kinematic error, order {wave.order}", (float(wave.amplitude), deviation), path)
+        for wave, deviation, path in zip(
+            error.harmonics, deviations, [("kinematic_error", "amplitude"), *further], strict=True
+        )
+    ]
+
+
+def _loops(rows: _Rows, spring: SpringEstimate) -> list[Number]:
+    """Width of wide loops at zero torque, 2 sum(stiffness reach) over the spring's stiffness."""
+    law: Any = spring.hysteresis
+    if law is None:
+        return []
+    values = zip(spring.names, spring.values.tolist(), strict=True)
+    used = [k for k, (name, x) in enumerate(values) if name.startswith("element") and x > 0.0]
+    softness = float(spring.compliance.deflection(law.friction)) / float(law.friction)
+    slope = 2.0 * softness * np.array(law.reach)
+    deviation = float(np.sqrt(slope @ spring.covariance[np.ix_(used, used)] @ slope))
+    return [rows.row("hysteresis loss", (float(slope @ law.stiffness), deviation), ("hysteresis", "loss"))]
+
+
+def _stated(part: Any, name: str) -> float:
+    value = getattr(part, name, None)
+    return NOTHING if value is None else float(value)

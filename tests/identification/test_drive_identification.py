@@ -1,0 +1,114 @@
+"""All drives of an arm from one recording, encoders of 2^-20 of a turn on both sides."""
+
+from typing import NamedTuple
+
+import numpy as np
+import pytest
+from drive_benches import PERIOD, STEP, measured, supposed_arm, true_arm
+
+import cutpoint
+from cutpoint.errors import InputError
+from cutpoint.identification import Recording
+from cutpoint.identification.drives import DriveEstimates, identify_drives
+
+DURATION = 12.0
+NAMES = [f"joint{k}" for k in range(1, 7)]
+SEEN = NAMES[:5]
+"""Joints whose springs the motion winds by more than 50 steps of the encoders; joint 6 turns a link about its axis."""
+
+
+class Case(NamedTuple):
+    true: cutpoint.Robot
+    recording: Recording
+    found: DriveEstimates
+
+
+def case(**defects: bool) -> Case:
+    true = true_arm(**defects)
+    recording = measured(true, DURATION)
+    return Case(true, recording, identify_drives(supposed_arm(true), recording, STEP, torque_delay=PERIOD / 2.0))
+
+
+@pytest.fixture(scope="module", params=[True, False], ids=["hysteresis", "no hysteresis"])
+def arm(request: pytest.FixtureRequest) -> Case:
+    return case(hysteresis=request.param)
+
+
+@pytest.fixture(scope="module")
+def smooth() -> Case:
+    return case(waves=False, hysteresis=False)
+
+
+def test_stiffness_is_found_within_two_percent_wherever_the_encoders_resolve_it(arm: Case):
+    for name in SEEN:
+        spring, true = arm.found.joints[name].spring, arm.true.drives[name].compliance
+        assert spring.counts > 50.0
+        assert float(spring.compliance.tangent(0.0)) == pytest.approx(true.stiffness, rel=0.02)
+        largest = true.torque(spring.counts * STEP)
+        for share in (0.25, 0.5, 1.0):
+            assert spring.compliance.deflection(share * largest) == pytest.approx(
+                true.deflection(share * largest), rel=0.02
+            )
+
+
+def test_rotor_inertia_is_found_within_three_percent(arm: Case):
+    for name in NAMES:
+        assert arm.found.joints[name].rotor.inertia == pytest.approx(1.14e-5, rel=0.03)
+
+
+def test_kinematic_errors_are_found_within_five_percent_at_their_orders_and_phases(arm: Case):
+    for name in NAMES:
+        found = arm.found.joints[name].spring.kinematic_error
+        assert found is not None
+        waves = {wave.order: wave for wave in found.harmonics}
+        for wave in arm.true.drives[name].kinematic_error.harmonics:
+            assert waves[wave.order].amplitude == pytest.approx(wave.amplitude, rel=0.05)
+            assert np.cos(waves[wave.order].phase - wave.phase) > np.cos(0.05)
+
+
+def test_only_what_the_encoders_do_not_resolve_is_declared_unidentifiable(arm: Case):
+    declared = {(name, thing) for name, each in arm.found.joints.items() for thing in each.unidentifiable}
+    assert {name for name, thing in declared if thing == "stiffness"} == {"joint6"}
+    assert not {thing for _, thing in declared} & {"kinematic_error", "rotor inertia", "motor friction", "damping"}
+    # elements open the loops by 2 (0.08 1e-4 + 0.04 3e-4) = 4e-5 rad at best, less where the deflection is small
+    slipping = arm.true.drives["joint1"].hysteresis is not None
+    unresolved = {name for name, thing in declared if thing == "hysteresis"}
+    assert unresolved <= {"joint6"} if slipping else unresolved == set(NAMES)
+    assert all(len(each.split()) > 8 for each in arm.found.notes)
+
+
+def test_drives_change_in_nothing_but_what_was_told(arm: Case):
+    supposed = supposed_arm(arm.true)
+    for name in NAMES:
+        before, after = supposed.drives[name], arm.found.robot.drives[name]
+        assert after.link_friction == before.link_friction
+        assert after.limits == before.limits
+        assert after.rotor.in_link_inertia == before.rotor.in_link_inertia
+        assert after.rotor.inertia == arm.found.joints[name].rotor.inertia
+    assert arm.found.robot.drives["joint6"].compliance == supposed.drives["joint6"].compliance
+
+
+def test_motor_friction_is_found(arm: Case):
+    for name in NAMES:
+        found = arm.found.joints[name].rotor.friction
+        assert found is not None
+        assert found.coulomb == pytest.approx(1.0, rel=0.03)
+        assert found.viscous == pytest.approx(0.5, rel=0.06)
+
+
+def test_a_drive_that_turns_true_has_no_kinematic_error(smooth: Case):
+    for each in smooth.found.joints.values():
+        assert each.spring.kinematic_error is None
+        assert each.unidentifiable["kinematic_error"].startswith("no wave stands out of the noise: of order 2, one of")
+        assert each.drive.kinematic_error is None
+
+
+def test_an_arm_that_was_identified_moves_as_it_was_recorded(arm: Case):
+    before = np.sqrt(np.mean((measured(supposed_arm(arm.true), 2.0)["q"] - arm.recording["q"][:2001]) ** 2, axis=0))
+    after = np.sqrt(np.mean((measured(arm.found.robot, 2.0)["q"] - arm.recording["q"][:2001]) ** 2, axis=0))
+    assert (after[:5] < 0.1 * before[:5]).all()
+
+
+def test_every_joint_must_be_recorded(arm: Case):
+    with pytest.raises(InputError, match=r"must be recorded; missing: \['joint1', 'joint3',"):
+        identify_drives(arm.true, arm.recording.joint("joint2"))

@@ -1,0 +1,167 @@
+"""Single drives: laws of springs, torque constants, frequency responses, loops with a locked output."""
+
+from functools import cache
+
+import numpy as np
+import pytest
+from drive_benches import PERIOD, RATIO, STEP, TURN, one_joint, shaken, wound
+
+import cutpoint
+from cutpoint.errors import InputError
+from cutpoint.identification.drives import (
+    TwoMasses,
+    fit_response,
+    locked_output,
+    motor_response,
+    motor_side,
+    two_encoders,
+)
+
+T = PERIOD * np.arange(8000)
+SPRINGS = {
+    "linear": cutpoint.LinearSpring(12e3),
+    "flexspline": cutpoint.Flexspline(16e3, 0.04),
+    "catalogue": cutpoint.CatalogueSpring(13e3, 22e3, 30e3, 7.0, 25.0),
+}
+
+
+def channels(spring, seed: int = 0, torque_scale: float = 30.0) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """theta and q as encoders show them, and the torque."""
+    torque = torque_scale * (0.6 * np.sin(TURN * 0.5 * T) + 0.4 * np.sin(TURN * 1.3 * T + 1.0))
+    q = 0.5 * np.sin(TURN * 0.2 * T) + 1e-3 * seed
+    theta = q + spring.deflection(torque) + 2e-4
+    return np.round(theta * RATIO / STEP) * STEP / RATIO, np.round(q / STEP) * STEP, torque
+
+
+@pytest.mark.parametrize("law", SPRINGS)
+def test_the_law_that_the_spring_follows_is_chosen_and_its_curve_found(law: str):
+    theta, q, torque = channels(SPRINGS[law])
+    found = two_encoders(theta, q, torque, PERIOD, RATIO, hysteresis=False, damping=False)
+    assert found.law == law
+    at = np.linspace(2.0, 28.0, 14)
+    expected = SPRINGS[law].deflection(at)
+    assert np.allclose(found.compliance.deflection(at), expected, rtol=0.0, atol=0.002 * expected.max())
+    assert found.offset == pytest.approx(2e-4, abs=0.1 * STEP)
+    assert found.kinematic_error is None
+
+
+def test_deviations_cover_the_errors_that_the_encoders_make():
+    errors = []
+    for seed in range(12):
+        found = two_encoders(*channels(SPRINGS["linear"], seed), PERIOD, RATIO, laws=["linear"], hysteresis=False)
+        errors.append((found.values[0] - 12e3) / found.deviations["stiffness"])
+    assert 0.3 < np.sqrt(np.mean(np.square(errors))) < 2.5
+
+
+def test_a_spring_that_torque_hardly_winds_is_declared_unidentifiable():
+    for scale, told in ((2.0, False), (10.0, True)):
+        found = two_encoders(*channels(SPRINGS["linear"], 0, scale), PERIOD, RATIO, laws=["linear"], resolution=STEP)
+        assert ("stiffness" not in found.unidentifiable) == told
+        assert (found.counts > 50.0) == told
+
+
+def test_unknown_samples_do_not_count():
+    theta, q, torque = channels(SPRINGS["linear"])
+    torque[100:300], q[4000:4010] = np.nan, np.nan
+    found = two_encoders(theta, q, torque, PERIOD, RATIO, laws=["linear"], hysteresis=False)
+    assert found.values[0] == pytest.approx(12e3, rel=1e-3)
+
+
+def test_a_current_tells_the_torque_constant_beside_inertia_and_friction():
+    rng = np.random.default_rng(4)
+    rate, phase = TURN * np.array([0.4, 1.1, 2.3]), rng.uniform(0.0, TURN, 3)
+    angle = T[:, None] * rate + phase
+    theta, speed, acceleration = ((0.3 * rate**k * np.sin(angle + k * np.pi / 2)).sum(axis=1) for k in range(3))
+    load = 12.0 * np.sin(theta) + 3.0 * np.sin(TURN * 0.7 * T)
+    torque = 0.15 * acceleration + load + 2.0 * np.tanh(speed / 0.05) + 0.8 * speed
+    found = motor_side(theta, load, PERIOD, RATIO, current=torque / (RATIO * 0.07), cutoff=30.0)
+    assert found.torque_constant == pytest.approx(0.07, rel=2e-3)
+    assert found.inertia == pytest.approx(0.15 / RATIO**2, rel=5e-3)
+    assert found.friction is not None
+    assert found.friction.coulomb == pytest.approx(2.0, rel=0.02)
+    assert found.friction.viscous == pytest.approx(0.8, rel=0.05)
+    assert abs(found["delay"]) < 0.1 * PERIOD
+
+
+def test_a_motor_that_does_not_accelerate_tells_no_inertia():
+    theta = 0.5 * T
+    load = 3.0 * np.sin(TURN * 0.7 * T)
+    noise = 0.1 * np.random.default_rng(1).standard_normal(T.size)
+    found = motor_side(theta, load, PERIOD, RATIO, torque=load + 2.0 + noise, cutoff=30.0, delay=0.0)
+    assert "rotor inertia" in found.unidentifiable
+
+
+@cache
+def response(stiffness: float):
+    return motor_response(*shaken(one_joint(stiffness), 20.0), PERIOD)
+
+
+@pytest.mark.parametrize("stiffness", [2000.0, 8000.0])
+def test_one_encoder_and_the_torque_tell_stiffness_damping_and_rotor(stiffness: float):
+    fit = fit_response(response(stiffness), 0.5)
+    assert fit.masses.stiffness == pytest.approx(stiffness, rel=0.01)
+    assert fit.masses.rotor == pytest.approx(0.2, rel=0.01)
+    assert fit.masses.damping == pytest.approx(3.0, rel=0.05)
+    for name, true in (("stiffness", stiffness), ("rotor", 0.2), ("damping", 3.0)):
+        assert abs(np.log(getattr(fit.masses, name) / true)) < 5.0 * fit.deviations[name]
+    assert fit.masses.antiresonance == pytest.approx(np.sqrt(stiffness / 0.5) / TURN, rel=0.005)
+
+
+def test_the_measured_response_is_that_of_two_masses_under_a_held_torque():
+    found = response(8000.0)
+    band = (found.frequencies > 3.0) & (found.frequencies < 300.0)
+    model = TwoMasses(0.5, 0.2, 8000.0, 3.0, 0.5, 1.5).position_response(found.frequencies, PERIOD)
+    off = np.abs(found.response / model - 1.0)[band]
+    assert np.median(off) < 0.02
+    assert (found.coherence[band] > 0.9).mean() > 0.9
+
+
+TORQUE = 40.0 * np.sin(TURN * np.arange(3000) / 1000.0)
+SLIPPING = cutpoint.MaxwellSlip((1200.0, 700.0), (1e-4, 4e-4))
+
+
+@cache
+def loops(gap: float):
+    spring = cutpoint.LinearSpring(16e3)
+    angle = wound(cutpoint.Backlash(spring, gap) if gap else spring, SLIPPING, TORQUE)
+    return locked_output(np.round(angle / 6e-7) * 6e-7, TORQUE, 8e-3, RATIO, rated_torque=40.0, resolution=6e-7)
+
+
+def test_a_locked_output_shows_stiffness_hysteresis_loss_and_lost_motion():
+    found = loops(0.0)
+    assert found.spring.law == "linear"
+    assert float(found.spring.compliance.tangent(0.0)) == pytest.approx(16e3, rel=0.005)
+    # both elements slip: 2 (1200 1e-4 + 700 4e-4) / 16000
+    assert found.hysteresis_loss == pytest.approx(5.0e-5, rel=0.05)
+    assert found.lost_motion == pytest.approx(2.0 * 0.03 * 40.0 / 16e3, rel=0.1)
+    assert found.spring.hysteresis is not None
+    assert found.spring.hysteresis.friction == pytest.approx(SLIPPING.friction, rel=0.1)
+    assert found.backlash == 0.0
+    assert "backlash" in found.unidentifiable
+
+
+def test_a_play_shows_between_the_loops_and_beside_the_spring():
+    found = loops(6e-4)
+    assert found.backlash == pytest.approx(6e-4, rel=0.1)
+    assert found.lost_motion == pytest.approx(6e-4 + 2.0 * 0.03 * 40.0 / 16e3, rel=0.1)
+    outer = np.abs(found.torque) > 10.0
+    assert np.median(found.stiffness[outer]) == pytest.approx(16e3, rel=0.05)
+
+
+@pytest.mark.parametrize(
+    ("call", "message"),
+    [
+        (lambda: two_encoders(T, T[1:], T, PERIOD, RATIO), r"unknowns have shapes .* each must be \(N,\)"),
+        (lambda: two_encoders(T, T, T, PERIOD, RATIO), r"they show no spring"),
+        (lambda: two_encoders(T[:9], T[:9], T[:9], PERIOD, RATIO), r"9 complete samples are too few: 500 are needed"),
+        (lambda: two_encoders(T, 0 * T, T, PERIOD, RATIO, laws=["steel"]), r"no spring law is named 'steel'"),
+        (lambda: motor_side(T, T, PERIOD, RATIO), r"give either torque or current"),
+        (lambda: motor_response(T, T, PERIOD, 1e-3), r"a window of 1 samples must have 32 at least"),
+        (lambda: fit_response(response(8000.0), 0.0), r"link inertia 0.0 kg m2 must be positive"),
+        (lambda: fit_response(response(8000.0), 0.5, low=600.0), r"0 coherent frequencies"),
+        (lambda: locked_output(1e-4 * T, T + 1.0, PERIOD, RATIO), r"no sweep up reaches"),
+    ],
+)
+def test_what_shows_no_drive_is_refused(call, message: str):
+    with pytest.raises(InputError, match=message):
+        call()
