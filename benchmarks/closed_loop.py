@@ -24,7 +24,7 @@ import cutpoint
 from cutpoint.errors import SimulationError
 from cutpoint.simulation.plant import State
 from cutpoint.studies.cost.timing import Timing, in_turns
-from cutpoint.trajectories import Trajectory, cycloid
+from cutpoint.trajectories import Trajectory
 
 DURATION, PERIOD, KP, KD = 2.0, 1e-3, 4000.0, 200.0
 """s, s, N m/rad, N m s/rad."""
@@ -77,16 +77,6 @@ def measured(given: Case) -> dict:
     more = in_turns({name: partial(run, 3 * steps[name]) for name, run in simulations.items()})
     a_step = {name: (more[name].least - x.least) / (2 * steps[name] * PERIODS) for name, x in times.items()}
     return {"robot": given.name, "apart": apart, "substeps": steps, "a step": a_step, "speed": _speeds(times)}
-
-
-def own_arm() -> dict:
-    """The arm that comes with cutpoint: flexspline and friction in every joint."""
-    print("the paper's arm, closed loop", file=sys.stderr)
-    robot, goal = cutpoint.robots.xia2019(), np.deg2rad([90.0, 60.0, 60.0, 90.0, 60.0, 90.0])
-    trajectory = cycloid(goal, DURATION)
-    run = partial(cutpoint.simulate, robot, cutpoint.control.tune(robot, 5.0), trajectory)
-    steps = run().meta["substeps"]
-    return {"substeps": steps, "speed": _speeds(in_turns({"cutpoint": run}))["cutpoint"]}
 
 
 def _speeds(times: Mapping[str, Timing]) -> dict[str, dict[str, float]]:

@@ -1,7 +1,8 @@
 """docs/benchmarks.md from the results of a run."""
 
 from function_sections import elastic, from_memory, functions, parameters
-from run_sections import chains, closed_loop, latency, python_calls, steps
+from goals import goals
+from run_sections import chains, closed_loop, latency, laws, python_calls, steps
 from tables import NONE
 
 _INTRODUCTION = """# Benchmarks
@@ -43,9 +44,11 @@ def document(results: dict) -> str:
         "flops": limits["flops"] / 1e9, "copy": limits["copy"] / 1e9, "store": limits["store"] / 1e9,
     }  # fmt: skip
     tables = [
-        functions(results["tasks"], limits), elastic(results["elastic"]), parameters(results["parameters"]),
+        goals(results), functions(results["tasks"], limits), elastic(results["elastic"]),
+        parameters(results["parameters"]),
         from_memory(results["from memory"], limits), chains(results["chains"]), python_calls(results["from Python"]),
-        closed_loop(results["closed loop"], results["own arm"]), steps(results["steps"]), latency(results["latency"]),
+        closed_loop(results["closed loop"], results["own arm"]), steps(results["steps"]), laws(results["laws"]),
+        latency(results["latency"]),
     ]  # fmt: skip
     head = _INTRODUCTION.format(**facts, packages=packages, worst=_worst(results), none=NONE)
     return head + "".join(f"\n{text}" for text in tables if text)

@@ -48,16 +48,16 @@ Inverse dynamics, from and to memory; a share of what copying as many bytes take
 
 def functions(tasks: list[dict], limits: dict) -> str:
     head = f"robot | task | cutpoint | its C, gcc | Pinocchio C++ | MuJoCo C | CasADi | CasADi, lean | {_RATIO}"
-    one = table(head, [_one_call(task, "single") for task in tasks], "one call")
+    one = table(head, [_one_call(task, "single") for task in tasks])
     head = "robot | task | rows | lanes | Pinocchio C++ | CasADi | quickest peer / rows | / lanes | of peak | of stores"
-    many = table(head, [_batch(task, limits) for task in tasks], "batch")
+    many = table(head, [_batch(task, limits) for task in tasks])
     return _ONE_CALL + one + _BATCH + many
 
 
 def _one_call(task: dict, ours: str) -> Row:
     reached = times_as_quick(task["times"], ours, PEERS)
     shown = cells(task["times"], (ours, "C99", *PEERS))
-    return Row((task["robot"], task["task"]), [*shown, ratio(reached)], reached)
+    return Row((task["robot"], task["task"]), [*shown, ratio(reached)])
 
 
 def _batch(task: dict, limits: dict) -> Row:
@@ -68,7 +68,7 @@ def _batch(task: dict, limits: dict) -> Row:
     seconds = 1e-9 * times["lanes"]["least"]
     shares = [share(task["flops"] / seconds / limits["flops"]), share(task["bytes out"] / seconds / limits["store"])]
     ratios = [ratio(x) for x in reached.values()]
-    return Row((task["robot"], task["task"]), [*shown, *casadi, *ratios, *shares], reached["rows"])
+    return Row((task["robot"], task["task"]), [*shown, *casadi, *ratios, *shares])
 
 
 def elastic(rows: list[dict]) -> str:
@@ -76,10 +76,10 @@ def elastic(rows: list[dict]) -> str:
     names, found, ways = ("single", "C99", "rows", "lanes", "Pinocchio", "CasADi", "CasADi, lean"), [], []
     for row in rows:
         reached = times_as_quick(row["times"], "single", PEERS)
-        found.append(Row((row["robot"],), [*cells(row["times"], names), ratio(reached)], reached))
+        found.append(Row((row["robot"],), [*cells(row["times"], names), ratio(reached)]))
         ways += [f"{row['robot']}: {row['times']['Pinocchio']['build']}"] if "Pinocchio" in row["times"] else []
     told = f"\nPinocchio on {'; on '.join(ways)}.\n" if ways else ""
-    return _ELASTIC.format(accuracy=f"{rows[0]['allowed']:.0e} of the largest") + table(head, found, "elastic") + told
+    return _ELASTIC.format(accuracy=f"{rows[0]['allowed']:.0e} of the largest") + table(head, found) + told
 
 
 def parameters(rows: list[dict]) -> str:
@@ -98,6 +98,6 @@ def from_memory(rows: list[dict], limits: dict) -> str:
         shares = {kind: least / x for kind, x in row["seconds"].items()}
         shown = [f"{1e3 * row['seconds'][kind]:.1f}" for kind in shares]
         told = [row["robot"], f"{row['bytes'] / 1e6:.0f}", f"{1e3 * least:.1f}"]
-        found.append(Row(told[:1], [*told[1:], *shown, *map(share, shares.values())], shares["lanes"]))
+        found.append(Row(told[:1], [*told[1:], *shown, *map(share, shares.values())]))
     head = "robot | MB | copying, ms | rows, ms | lanes, ms | rows: share | lanes: share"
-    return _MEMORY + table(head, found, "from memory")
+    return _MEMORY + table(head, found)

@@ -18,14 +18,16 @@ import compilers
 import ours
 import pinocchio_cpp
 from chains import chains
-from closed_loop import closed_loop, own_arm
+from closed_loop import closed_loop
 from document import document
 from elastic import elastic_inverse_dynamics
 from from_memory import from_memory
 from latency import CALLS, latency
+from laws import laws
 from limits import limits
 from parameters import parameters_as_inputs
 from python_calls import python_calls
+from simulations import loops
 from steps import steps
 from tasks import tasks
 
@@ -54,7 +56,8 @@ def _measured(calls: int) -> dict:
     return {
         "limits": limits(), "tasks": tasks(), "elastic": elastic_inverse_dynamics(),
         "parameters": parameters_as_inputs(), "from memory": from_memory(), "chains": chains(),
-        "from Python": python_calls(), "closed loop": closed_loop(), "own arm": own_arm(), "steps": steps(),
+        "from Python": python_calls(), "closed loop": closed_loop(), "own arm": loops(), "steps": steps(),
+        "laws": laws(),
         "latency": latency(calls=calls),
     }  # fmt: skip
 

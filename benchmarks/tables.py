@@ -3,8 +3,6 @@
 from collections.abc import Mapping, Sequence
 from typing import NamedTuple
 
-from remarks import missed
-
 Times = Mapping[str, Mapping[str, float]]
 """By contender, median and least, ns."""
 
@@ -12,20 +10,18 @@ NONE = "–"
 
 
 class Row(NamedTuple):
-    """names: its first cells, which say what it is of.  reached: what `remarks.TARGETS` is about."""
+    """names: its first cells, which say what it is of."""
 
     names: Sequence[str]
     cells: Sequence[str]
-    reached: float | None = None
 
 
-def table(head: str, rows: Sequence[Row], section: str = "") -> str:
-    """head: titles with bars between.  section: whose targets hold; none if not given."""
+def table(head: str, rows: Sequence[Row]) -> str:
+    """head: titles with bars between."""
     titles = [title.strip() for title in head.split("|")]
     lines = [f"| {' | '.join(titles)} |", f"|{'-|' * len(titles)}"]
     lines += [f"| {' | '.join([*row.names, *row.cells])} |" for row in rows]
-    told = [line for row in rows if (line := missed(section, " ".join(row.names), row.reached))]
-    return "\n".join([*lines, *([""] if told else []), *told]) + "\n"
+    return "\n".join(lines) + "\n"
 
 
 def cells(times: Times, names: Sequence[str]) -> list[str]:

@@ -217,6 +217,65 @@ def excite(
         console.print(f"saved: {path}", soft_wrap=True, highlight=False, markup=False)
 
 
+@app.command(epilog="Example: cutpoint identify arm.urdf log.csv --drives arm.drives.yaml --mapping map.yaml")
+def identify(
+    robot: RobotFile,
+    log: Annotated[Path, typer.Argument(metavar="LOG", help="CSV, NPZ, MAT, Parquet, a ROS 2 bag, or a log of ours.")],
+    mapping: Annotated[
+        Path | None,
+        typer.Option(
+            metavar="FILE", help="Which channels of the log are what (YAML); found by their names if not given."
+        ),
+    ] = None,
+    drives: Drives = None,
+    output: Annotated[
+        Path,
+        typer.Option(metavar="DIR", help="Folder for robot.urdf, robot.drives.yaml, parameters.json, report.html."),
+    ] = Path("identified"),
+    hold_out: Annotated[
+        float, typer.Option(help="Share of the log, at its end, that judges the model and is not fitted.")
+    ] = 0.3,
+    method: Annotated[
+        Literal["ordinary", "weighted", "huber", "instrumental"],
+        typer.Option(help="Least squares; huber bears outliers, instrumental noisy positions."),
+    ] = "weighted",
+    solver: Annotated[
+        Literal["lmi", "lmi_trace", "log_cholesky"],
+        typer.Option(help="For bodies that can exist: lmi needs the extra 'identify', log_cholesky does not."),
+    ] = "lmi",
+    springs: Annotated[
+        bool | None,
+        typer.Option(
+            "--springs/--no-springs", help="The drives' springs; if both encoders are in the log, by default."
+        ),
+    ] = None,
+    delay: Annotated[
+        float, typer.Option(help="s by which torques act later than stamped: half a control period for commands.")
+    ] = 0.0,
+    force: Annotated[bool, typer.Option("--force", help="Overwrite the files of an earlier run.")] = False,
+) -> None:
+    """Identify masses, inertias, friction and drives from a log, with intervals, and what the log cannot tell.
+
+    First let the machine follow a motion of cutpoint excite, and record positions, of motor and link if there are
+    encoders on both, and torques or currents.  What the log has in degrees, counts or percent, or at the motor's shaft,
+    a mapping file says: see docs/identification.md.
+    """
+    from cutpoint.identification.output import identify as identified
+    from cutpoint.identification.output.saving import check_folder
+    from cutpoint.identification.output.terminal import sentences, table_of
+
+    check_folder(output, force)
+    if str(robot) == "xia2019":
+        robot, drives = cutpoint.robots.XIA2019_URDF, drives or cutpoint.robots.XIA2019_DRIVES
+    how: Any = {"hold_out": hold_out, "method": method, "solver": solver, "springs": springs, "torque_delay": delay}
+    found = identified(robot, log, mapping, drives, progress=True, **how)
+    console.print(table_of(found))
+    for sentence in sentences(found):
+        console.print(sentence, highlight=False, markup=False)
+    for path in found.save(output, force=force):
+        console.print(f"saved: {path}", soft_wrap=True, highlight=False, markup=False)
+
+
 @app.command(epilog="Example: cutpoint drive CSG-20-100 --plot drive.png")
 def drive(
     name: Annotated[

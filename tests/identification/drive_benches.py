@@ -67,8 +67,8 @@ def excitation(duration: float, seed: int = 3, speed: float = 1.5) -> Sines:
     return Sines(duration, centre, plain.amplitude * speed / fastest, rate, phase)
 
 
-def true_arm(waves: bool = True, hysteresis: bool = True) -> cutpoint.Robot:
-    """The paper's arm with motor friction and damped springs, and with these defects."""
+def true_arm(hysteresis: bool) -> cutpoint.Robot:
+    """The paper's arm with motor friction damped springs, kinematic errors, and hysteresis if wanted."""
     robot = cutpoint.robots.xia2019()
     drives = {}
     for k, (name, drive) in enumerate(robot.drives.items()):
@@ -76,7 +76,7 @@ def true_arm(waves: bool = True, hysteresis: bool = True) -> cutpoint.Robot:
         error = (cutpoint.Harmonic(2, 2e-4, 0.3 + k), cutpoint.Harmonic(4, 5e-5, 1.0 - k))
         drives[name] = replace(
             drive,
-            kinematic_error=cutpoint.KinematicError(error) if waves else None,
+            kinematic_error=cutpoint.KinematicError(error),
             hysteresis=cutpoint.MaxwellSlip((0.08 * stiffness, 0.04 * stiffness), (1e-4, 3e-4)) if hysteresis else None,
             motor_friction=cutpoint.Coulomb(1.0, 0.5, 0.05),
             damping=2e-4 * stiffness,

@@ -10,6 +10,7 @@ import cutpoint
 from cutpoint.errors import InputError
 from cutpoint.identification import Recording
 from cutpoint.identification.drives import DriveEstimates, identify_drives
+from cutpoint.model.drive import Hysteresis
 
 DURATION = 12.0
 NAMES = [f"joint{k}" for k in range(1, 7)]
@@ -23,32 +24,36 @@ class Case(NamedTuple):
     found: DriveEstimates
 
 
-def case(**defects: bool) -> Case:
-    true = true_arm(**defects)
+@pytest.fixture(scope="module", params=[True, False], ids=["hysteresis", "no hysteresis"])
+def arm(request: pytest.FixtureRequest) -> Case:
+    true = true_arm(hysteresis=request.param)
     recording = measured(true, DURATION)
     return Case(true, recording, identify_drives(supposed_arm(true), recording, STEP, torque_delay=PERIOD / 2.0))
 
 
-@pytest.fixture(scope="module", params=[True, False], ids=["hysteresis", "no hysteresis"])
-def arm(request: pytest.FixtureRequest) -> Case:
-    return case(hysteresis=request.param)
-
-
-@pytest.fixture(scope="module")
-def smooth() -> Case:
-    return case(waves=False, hysteresis=False)
+def sticking(hysteresis: Hysteresis | None) -> float:
+    """What elements add to the stiffness while none of them slips, N m/rad."""
+    return sum(hysteresis.stiffness) if hysteresis else 0.0
 
 
 def test_stiffness_is_found_within_two_percent_wherever_the_encoders_resolve_it(arm: Case):
     for name in SEEN:
-        spring, true = arm.found.joints[name].spring, arm.true.drives[name].compliance
+        spring, true = arm.found.joints[name].spring, arm.true.drives[name]
         assert spring.counts > 50.0
-        assert float(spring.compliance.tangent(0.0)) == pytest.approx(true.stiffness, rel=0.02)
-        largest = true.torque(spring.counts * STEP)
+        # small motions do not tell a spring from elements that hardly slip: what holds them is the sum of both
+        found = float(spring.compliance.tangent(0.0)) + sticking(spring.hysteresis)
+        assert found == pytest.approx(true.compliance.stiffness + sticking(true.hysteresis), rel=0.02)
+
+
+def test_the_spring_alone_is_found_along_its_curve(arm: Case):
+    for name in SEEN:
+        spring, true = arm.found.joints[name].spring, arm.true.drives[name]
+        largest = true.compliance.torque(spring.counts * STEP)
+        # beside elements that hardly slip the spring alone is told less well than their sum
+        rel = 0.04 if true.hysteresis else 0.02
         for share in (0.25, 0.5, 1.0):
-            assert spring.compliance.deflection(share * largest) == pytest.approx(
-                true.deflection(share * largest), rel=0.02
-            )
+            expected = true.compliance.deflection(share * largest)
+            assert float(spring.compliance.deflection(share * largest)) == pytest.approx(expected, rel=rel)
 
 
 def test_rotor_inertia_is_found_within_three_percent(arm: Case):
@@ -94,13 +99,6 @@ def test_motor_friction_is_found(arm: Case):
         assert found is not None
         assert found.coulomb == pytest.approx(1.0, rel=0.03)
         assert found.viscous == pytest.approx(0.5, rel=0.06)
-
-
-def test_a_drive_that_turns_true_has_no_kinematic_error(smooth: Case):
-    for each in smooth.found.joints.values():
-        assert each.spring.kinematic_error is None
-        assert each.unidentifiable["kinematic_error"].startswith("no wave stands out of the noise: of order 2, one of")
-        assert each.drive.kinematic_error is None
 
 
 def test_an_arm_that_was_identified_moves_as_it_was_recorded(arm: Case):

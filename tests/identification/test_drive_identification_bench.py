@@ -43,6 +43,7 @@ def test_the_law_that_the_spring_follows_is_chosen_and_its_curve_found(law: str)
     assert np.allclose(found.compliance.deflection(at), expected, rtol=0.0, atol=0.002 * expected.max())
     assert found.offset == pytest.approx(2e-4, abs=0.1 * STEP)
     assert found.kinematic_error is None
+    assert found.unidentifiable["kinematic_error"].startswith("no wave stands out of the noise: of order 2, one of")
 
 
 def test_deviations_cover_the_errors_that_the_encoders_make():

@@ -77,7 +77,7 @@ def decimation(known: NDArray[np.bool_], period: float, bandwidth: float) -> Dec
         rate = 0.5 / period
         raise InputError(f"bandwidth {bandwidth} Hz must lie between 0 and half of the sampling rate, {rate:g} Hz")
     step = max(1, int(0.5 / (bandwidth * period)))
-    window = firwin(2 * CROSSINGS * step + 1, bandwidth, fs=1.0 / period) if step > 1 else np.ones(1)
+    window: Any = firwin(2 * CROSSINGS * step + 1, bandwidth, fs=1.0 / period) if step > 1 else np.ones(1)
     unknown = np.concatenate([[0], np.cumsum(~known)])
     starts = np.arange(0, known.size - window.size + 1, step)
     starts = starts[unknown[starts + window.size] == unknown[starts]]

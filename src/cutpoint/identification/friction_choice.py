@@ -7,6 +7,7 @@ The Elements of Statistical Learning, section 7.10.
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
+from functools import cached_property
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -39,7 +40,14 @@ TRIALS = 20
 RIDGE = 1e-12
 """Of a column's square: what keeps columns that one block alone excites from being divided by zero."""
 
-RICHNESS = ("coulomb", "coulomb, asymmetric", "coulomb, with load", "stribeck", "stribeck, asymmetric", "stribeck, with load")
+RICHNESS = (
+    "coulomb",
+    "coulomb, asymmetric",
+    "coulomb, with load",
+    "stribeck",
+    "stribeck, asymmetric",
+    "stribeck, with load",
+)
 """Families, the simplest first."""
 
 
@@ -76,11 +84,11 @@ def choose_friction(
 ) -> FrictionChoice | None:
     """Coulomb or Stribeck, each symmetric, asymmetric, or growing with load, and the shape that fits best.
 
-    torque (M,): friction of a joint, after means, and what may be wrong in what else was subtracted: others (M, k), each
-    at one standard deviation, in torques of a noise, N m.  speed, load: (N,), before means.
+    torque (M,): friction of a joint, after means, and what may be wrong in what else was subtracted: others (M, k),
+    each at one standard deviation, in torques of a noise, N m.  speed, load: (N,), before means.
     offset: whether the torque may be off by a constant; where friction is asymmetric that stands for it.
-    None where no law fits that takes energy.  Of the shapes that were tried on the way to the best for all blocks, each block is judged by the one that fits the
-    others best.
+    Of the shapes that were tried on the way to the best for all blocks, each block is judged by the one that fits the
+    others best.  None where no law fits that takes energy.
     """
     trial = _Trial(torque, others, noise, speed, means, load, offset)
     tried = _tried(trial, float(np.sqrt(np.nanmean(speed**2))))
@@ -111,8 +119,18 @@ class _Trial:
         """Products of [others, friction, torque] with themselves, of each block, (BLOCKS, c, c)."""
         columns = self.means(friction_columns(law, self.speed, self.load)[1])
         ones = np.ones((len(self.torque), int(self.offset and law.asymmetry is None)))
-        both = np.column_stack([self.others, ones, columns, self.torque])
-        return np.array([block.T @ block for block in np.array_split(both, BLOCKS)])
+        own = np.column_stack([ones, columns, self.torque])
+        k = self.others.shape[1]
+        found = np.empty((BLOCKS, k + own.shape[1], k + own.shape[1]))
+        found[:, :k, :k] = self._of_others
+        for gram, A, B in zip(found, *(np.array_split(x, BLOCKS) for x in (self.others, own)), strict=True):
+            gram[:k, k:], gram[k:, k:] = A.T @ B, B.T @ B
+            gram[k:, :k] = gram[:k, k:].T
+        return found
+
+    @cached_property
+    def _of_others(self) -> Array:
+        return np.array([block.T @ block for block in np.array_split(self.others, BLOCKS)])
 
     def all(self, laws: list[Sliding]) -> list[Tried]:
         """The laws, less those that fit best with friction that would push."""
@@ -141,7 +159,7 @@ class _Trial:
         return np.einsum("bi,bij,bj->b", both, each[best], both)
 
     def fits(self, gram: Array) -> tuple[Array, Array]:
-        """Least squares of the last column by the others, of products (..., c, c): values, and the squares left over."""
+        """Least squares of the last column by the others, of products (..., c, c): values, and squares left over."""
         A, b = gram[..., :-1, :-1].copy(), gram[..., :-1, -1:]
         rows = np.arange(self.others.shape[1])
         A[..., rows, rows] += self.noise**2

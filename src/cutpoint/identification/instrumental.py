@@ -1,7 +1,7 @@
 """Parameters by instrumental variables: noise in measured positions does not bias them.
 
-Janot, Vandanjon and Gautier (2014), IEEE Trans. Control Syst. Technol. 22(1).  Columns of a regression are made of noisy
-positions, and least squares shrink what noise multiplies.  Instruments move as the columns do and know nothing of
+Janot, Vandanjon and Gautier (2014), IEEE Trans. Control Syst. Technol. 22(1).  Columns of a regression are made of
+noisy positions, and least squares shrink what noise multiplies.  Instruments move as the columns do and know nothing of
 their noise: columns of the motion that was asked for, of a simulated one, or, if noise is short-lived, earlier ones.
 """
 
@@ -33,12 +33,14 @@ def instrumental_variables(regression: Regression, instruments: Array | None = N
     check_size(regression)
     noise = np.ones(regression.torque.shape[1])
     for _ in range(ROUNDS):
-        told, R, z = _second_stage(regression, instruments, noise)
-        values, P, seen = solved(R, z)
-        residuals = regression.residuals(values)
+        _, R, z = _second_stage(regression, instruments, noise)
+        residuals = regression.residuals(solved(R, z)[0])
         before, noise = noise, np.maximum(np.sqrt(np.mean(residuals**2, axis=0)), np.finfo(float).tiny)
         if np.abs(noise / before - 1.0).max() < SETTLED:
             break
+    told, R, z = _second_stage(regression, instruments, noise)
+    values, P, seen = solved(R, z)
+    residuals = regression.residuals(values)
     found = spread(told, residuals / noise, P, seen)
     scale = np.sqrt(found.correlation)
     return Estimate(values, found, noise, R / scale, z / scale, residuals)

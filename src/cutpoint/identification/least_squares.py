@@ -105,7 +105,7 @@ def split(both: Array) -> tuple[Array, Array]:
 def _weighted(regression: Regression) -> tuple[Array, Array]:
     """Each joint's noise (n,) and the parameters, from the joints' triangles alone."""
     factors, rows = regression.factors, len(regression.times)
-    noise = np.ones(len(factors))
+    noise, values = np.ones(len(factors)), np.zeros(factors.shape[2] - 1)
     for _ in range(ROUNDS):
         values = solved(*split(triangle((factors / noise[:, None, None]).reshape(-1, factors.shape[2]))))[0]
         before, noise = noise, np.linalg.norm(factors @ [*-values, 1.0], axis=1) / np.sqrt(rows)

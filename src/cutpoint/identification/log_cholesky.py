@@ -4,6 +4,8 @@ X = U U^T with U upper triangular, its diagonal exponentials: every ten numbers 
 friction, which are single numbers, are bounded by zero instead.
 """
 
+from typing import Any
+
 import numpy as np
 from numpy.typing import NDArray
 from scipy.optimize import least_squares
@@ -34,10 +36,11 @@ def solve(fit: Fit) -> Array:
     start = np.concatenate([np.zeros(10 * fit.bodies.count), np.ones(fit.scale.size), free])
     low = np.full(start.size, -np.inf)
     low[10 * fit.bodies.count :] = [*np.zeros(fit.scale.size), *np.where(fit.positive, 0.0, -np.inf)]
+    slopes: Any = lambda x: _slopes(fit, x)  # noqa: E731
     found = least_squares(
         lambda x: _residuals(fit, x),
         np.maximum(start, low + CLEAR),
-        lambda x: _slopes(fit, x),
+        slopes,
         (low, np.inf),
         x_scale="jac",
         ftol=ENDS,

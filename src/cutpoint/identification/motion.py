@@ -52,8 +52,8 @@ def motion_of(robot: Robot, recording: Recording, cutoff: float | None = None) -
     cutoff = noise_cutoff(np.column_stack([*sides.values()]), period) if cutoff is None else cutoff
     smooth = {name: low_pass(x, period, cutoff) for name, x in sides.items()}
     q, theta = (smooth.get(name, next(iter(smooth.values()))) for name in ("q", "theta"))
-    rates = [derivative(x, period, order) for x in (q, theta) for order in (1, 2)]
-    return Motion(q, *rates, period, cutoff)
+    v, a, w, w_dot = (derivative(x, period, order) for x in (q, theta) for order in (1, 2))
+    return Motion(q, v, a, w, w_dot, period, cutoff)
 
 
 def sliding_speeds(robot: Robot, motion: Motion) -> Array:

@@ -6,6 +6,7 @@ torque = Y(q, v, a) p + I_m w_dot + sum of phi_k(v) c_k + offset, every term thr
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
+from itertools import pairwise
 
 import numpy as np
 from numpy.typing import NDArray
@@ -129,4 +130,4 @@ def _chunks(means: Decimation) -> Sequence[slice]:
     span = means.starts - means.starts[0]
     edges = np.searchsorted(span, np.arange(0, span[-1] + 1, CHUNK))
     edges = np.unique(np.append(edges, means.size))
-    return [slice(int(a), int(b)) for a, b in zip(edges[:-1], edges[1:], strict=True)]
+    return [slice(a, b) for a, b in pairwise(edges.tolist())]

@@ -1,24 +1,23 @@
 """From a recording to a rigid model one can trust: bodies, rotors, friction, and what the log cannot tell of them."""
 
 from collections.abc import Mapping
-from dataclasses import dataclass
-from typing import Literal, NamedTuple
+from typing import Literal
 
 import numpy as np
 from numpy.typing import NDArray
 
 from cutpoint.errors import InputError, unknown_name
 from cutpoint.identification.base_parameters import BaseParameters, base_parameters
-from cutpoint.identification.decimation import Decimation, decimation
+from cutpoint.identification.decimation import decimation
 from cutpoint.identification.friction_choice import FrictionChoice, choose_friction
 from cutpoint.identification.instrumental import instrumental_variables
 from cutpoint.identification.least_squares import METHODS, Estimate, least_squares, solved
 from cutpoint.identification.motion import Motion, motion_of, sliding_speeds, torques_of
-from cutpoint.identification.physical import Physical, Solver, physical
+from cutpoint.identification.physical import Solver, physical
 from cutpoint.identification.recording import Recording
 from cutpoint.identification.regression import Regression, regression
-from cutpoint.identification.rigid_robot import RigidModel, laws_with, link_torques, stated_coefficient, stated_laws
-from cutpoint.identification.uncertainty import Parameter, base_sizes, friction_sizes, parameters, untold
+from cutpoint.identification.rigid_estimate import Fitted, Log, RigidEstimate, estimate_of
+from cutpoint.identification.rigid_robot import link_torques, stated_laws
 from cutpoint.mechanics.friction import Sliding
 from cutpoint.robot import Robot
 
@@ -35,56 +34,6 @@ WRONG = 3.0
 
 LOADED_ROUNDS = 3
 """Rounds in which friction that grows with load learns the load."""
-
-
-@dataclass(frozen=True, eq=False, repr=False)
-class RigidEstimate:
-    """What a recording tells of a robot.
-
-    robot: with new inertias, rotors and friction, bodies that can exist.  model: the same as one equation of torques.
-    parameters: base parameters, friction and offsets, each with its interval and whether the log tells it.
-    residuals: (M, n) N m, what the intervals' fit leaves over, at times (M,), s; noise (n,), its size.
-    friction: how each joint's law was chosen, if it was.  untold: what this log cannot tell, in sentences.
-    notes: what was done to the recording, and how.
-    """
-
-    robot: Robot
-    model: RigidModel
-    parameters: tuple[Parameter, ...]
-    residuals: Array
-    times: Array
-    noise: Array
-    untold: tuple[str, ...]
-    notes: tuple[str, ...]
-    friction: tuple[FrictionChoice, ...] = ()
-
-    def __getitem__(self, name: str) -> Parameter:
-        """A parameter by its name.  An unknown one is an InputError that lists those there are."""
-        named = {each.name: each for each in self.parameters}
-        if name not in named:
-            raise unknown_name("identified parameter", name, named)
-        return named[name]
-
-    def __repr__(self) -> str:
-        told = sum(each.told for each in self.parameters)
-        return f"RigidEstimate({self.robot.name!r}: {told} of {len(self.parameters)} parameters told)"
-
-    def prediction(self, recording: Recording, cutoff: float | None = None) -> Array:
-        """(N, n): torques of the motors, N m at the joint, for a recording's motion; NaN where that is not known.
-
-        cutoff: of the positions, Hz, as in `identify_rigid`.
-        """
-        return self.model.torque(self.robot, motion_of(self.robot, recording, cutoff))
-
-
-class _Log(NamedTuple):
-    """A recording as it is used: all samples, and what makes means of them.  stated: reflected rotors (n,), kg m2."""
-
-    motion: Motion
-    torque: Array
-    means: Decimation
-    stated: Array
-    width: float
 
 
 def identify_rigid(
@@ -127,32 +76,24 @@ def identify_rigid(
     laws = _laws(robot, log.motion, friction, choices)
     asked = None if instruments is None else _asked(robot, recording, instruments, log.motion.cutoff)
     is_loaded = any(law.per_load is not None for law in laws.values())
+    fitted = None
     for _ in range(LOADED_ROUNDS if is_loaded else 1):
+        loads = link_torques(robot, log.motion, fitted.bodies.inertial) if fitted else loads
         found = regression(base, laws, log.motion, log.torque, log.means, offsets=offsets, loads=loads)
         estimate = _estimate(base, laws, log, found, asked, method, offsets, loads)
         bodies = physical(base, found.names, estimate.R, estimate.z, solver=solver, prior_spread=prior_spread)
-        if is_loaded:
-            loads = link_torques(robot, log.motion, bodies.inertial)
-    rotor_inertias = bodies.rotors if rotors else log.stated
-    others = dict(zip(found.names[base.independent.size :], bodies.others.tolist(), strict=True))
-    model = RigidModel(
-        bodies.inertial,
-        rotor_inertias,
-        np.array([others.get(f"offset.{joint}", 0.0) for joint in robot.joints]),
-        laws_with(laws, others),
-    )
-    table = _table(base, found, estimate, bodies, log, level)
-    return RigidEstimate(
-        robot=model.robot(robot),
-        model=model,
-        parameters=table,
-        residuals=estimate.residuals,
-        times=found.times[len(found.times) - len(estimate.residuals) :],
-        noise=estimate.noise,
-        untold=untold(table, base),
-        notes=(*recording.notes, *_notes(log, found, estimate)),
-        friction=choices,
-    )
+        fitted = Fitted(base, laws, log, found, estimate, bodies)
+    assert fitted is not None
+    return estimate_of(fitted, level, choices, recording.notes)
+
+
+def _check(method: str, instruments: Recording | None, level: float) -> None:
+    if method not in (*METHODS, "instrumental"):
+        raise unknown_name("method of identification", method, (*METHODS, "instrumental"))
+    if instruments is not None and method != "instrumental":
+        raise InputError(f"instruments go with method='instrumental', not with {method!r}", method=method)
+    if not 0.0 < level < 1.0:
+        raise InputError(f"level {level} must lie between 0 and 1, as 0.95", level=level)
 
 
 def _log(
@@ -162,19 +103,19 @@ def _log(
     cutoff: float | None,
     bandwidth: float | None,
     torque_constants: Mapping[str, float] | None,
-) -> _Log:
+) -> Log:
     motion, torque = motion_of(robot, recording, cutoff), torques_of(robot, recording, torque_constants)
     stated = np.array([float(drive.reflected_inertia) for drive in robot.drives.values()])
     torque = torque if rotors else torque - stated * motion.w_dot
     width = min(motion.cutoff, BANDWIDTH) if bandwidth is None else bandwidth
     known = motion.known() & np.isfinite(torque).all(axis=1)
-    return _Log(motion, torque, decimation(known, motion.period, width), stated, width)
+    return Log(motion, torque, decimation(known, motion.period, width), None if rotors else stated, width)
 
 
 def _estimate(
     base: BaseParameters,
     laws: Mapping[str, Sliding],
-    log: _Log,
+    log: Log,
     found: Regression,
     asked: Motion | None,
     method: Method,
@@ -189,37 +130,7 @@ def _estimate(
     return instrumental_variables(found, other.columns)
 
 
-def _table(
-    base: BaseParameters, found: Regression, estimate: Estimate, bodies: Physical, log: _Log, level: float
-) -> tuple[Parameter, ...]:
-    b, joints = base.independent.size, base.robot.joints
-    torque, speed = (np.sqrt(np.mean(log.means(x) ** 2, axis=0)) for x in (log.torque, sliding_speeds(base.robot, log.motion)))
-    sizes = np.concatenate([base_sizes(base), friction_sizes(found.names[b:], joints, torque, speed)])
-    stated = np.array([stated_coefficient(base.robot, name) for name in found.names[b:]])
-    prior = np.concatenate([base.nominal, stated])
-    return parameters(found.names, estimate, bodies.base, prior, sizes, level)
-
-
-def _notes(log: _Log, found: Regression, estimate: Estimate) -> list[str]:
-    lag, step = estimate.spread.lag, float(np.median(np.diff(found.times)))
-    return [
-        f"positions low-passed at {log.motion.cutoff:.4g} Hz, torques explained up to {log.width:.4g} Hz: "
-        f"{len(found.times)} means of {log.means.window.size} samples, {step:.4g} s apart",
-        f"intervals take residuals to be related over {lag} means, {lag * step:.3g} s, "
-        f"and have {estimate.spread.degrees:.0f} degrees of freedom",
-    ]
-
-
-def _check(method: str, instruments: Recording | None, level: float) -> None:
-    if method not in (*METHODS, "instrumental"):
-        raise unknown_name("method of identification", method, (*METHODS, "instrumental"))
-    if instruments is not None and method != "instrumental":
-        raise InputError(f"instruments go with method='instrumental', not with {method!r}", method=method)
-    if not 0.0 < level < 1.0:
-        raise InputError(f"level {level} must lie between 0 and 1, as 0.95", level=level)
-
-
-def _choices(base: BaseParameters, log: _Log, loads: Array, offsets: bool) -> tuple[FrictionChoice, ...]:
+def _choices(base: BaseParameters, log: Log, loads: Array, offsets: bool) -> tuple[FrictionChoice, ...]:
     """The law of each joint that moves, from what its links leave over.
 
     What the links ask for is first told by a fit with the stated laws, and may be wrong by some of its deviations.

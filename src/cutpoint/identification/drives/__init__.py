@@ -4,7 +4,8 @@ from cutpoint.identification.drives.frequency_response import MotorResponse, Res
 from cutpoint.identification.drives.identify_drives import DriveEstimate, DriveEstimates, identify_drives
 from cutpoint.identification.drives.locked_output import LockedOutput, locked_output
 from cutpoint.identification.drives.rotor import RotorEstimate, motor_side
-from cutpoint.identification.drives.two_encoders import SpringEstimate, two_encoders
+from cutpoint.identification.drives.spring_estimate import SpringEstimate
+from cutpoint.identification.drives.two_encoders import two_encoders
 from cutpoint.identification.drives.two_masses import TwoMasses
 
 __all__ = [

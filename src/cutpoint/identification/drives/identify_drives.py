@@ -14,8 +14,9 @@ from cutpoint.identification.drives.joint_torques import (
     transmitted_share,
 )
 from cutpoint.identification.drives.rotor import RotorEstimate, motor_side
+from cutpoint.identification.drives.spring_estimate import SpringEstimate
 from cutpoint.identification.drives.spring_laws import LAWS
-from cutpoint.identification.drives.two_encoders import SpringEstimate, two_encoders
+from cutpoint.identification.drives.two_encoders import two_encoders
 from cutpoint.identification.filtering import noise_cutoff
 from cutpoint.identification.recording import Recording
 from cutpoint.model.drive import Drive, Motor, Rotor

@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from cutpoint.identification.drives.rotor import RotorEstimate, late
-from cutpoint.identification.drives.two_encoders import SpringEstimate
+from cutpoint.identification.drives.spring_estimate import SpringEstimate
 from cutpoint.identification.filtering import derivative, low_pass, noise_cutoff
 from cutpoint.robot import Robot
 

@@ -8,8 +8,9 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from cutpoint.errors import InputError
+from cutpoint.identification.drives.spring_estimate import SpringEstimate
 from cutpoint.identification.drives.spring_laws import LAWS
-from cutpoint.identification.drives.two_encoders import SpringEstimate, two_encoders
+from cutpoint.identification.drives.two_encoders import two_encoders
 
 Array = NDArray[np.float64]
 

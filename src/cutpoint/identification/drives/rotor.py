@@ -5,6 +5,7 @@ Xia (2019) eqs. (22), (27).
 """
 
 from dataclasses import dataclass, field
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -138,25 +139,40 @@ def motor_side(
     if np.isfinite(passed).all(axis=1).sum() < LEAST_SAMPLES:
         raise InputError(f"motor_side: less than {LEAST_SAMPLES} samples are left by a filter of {band:.3g} Hz")
 
-    def fit(smoothing: float) -> tuple[Array, Array, Array]:
-        dry = low_pass(-np.tanh(speed / smoothing), period, band)
-        columns = np.column_stack([passed[:, :-1], dry])
-        known = np.isfinite(columns).all(axis=1) & np.isfinite(passed[:, -1])
-        weights = bounded_weights(columns[known], passed[known, -1], len(fixed))
-        return columns[known], weights, passed[known, -1] - columns[known] @ weights
-
-    moving = float(np.sqrt(np.nanmean(speed**2)))
-    limits = (np.log(0.01 * SMOOTHEST * moving), np.log(SMOOTHEST * moving))
-    best = minimize_scalar(lambda x: float(np.sum(fit(np.exp(x))[2] ** 2)), bounds=limits, method="bounded",
-                           options={"xatol": 0.05})  # fmt: skip
-    smoothing = float(np.exp(best.x))
-    columns, weights, residual = fit(smoothing)
+    smoothing = _best_smoothing(speed, passed, len(fixed), period, band)
+    columns, weights, residual = _fit(smoothing, speed, passed, len(fixed), period, band)
     spread, scatter = covariance(columns, residual), float(np.sqrt(np.mean(residual**2)))
     names = [*fixed]
     if delay is None and current is not None:
+        # the column of the delay came with the torque constant
         scale = np.where(np.array([*names, "", ""]) == "delay", 1.0 / weights[names.index("gain")], 1.0)
         weights, spread = weights * scale, spread * np.outer(scale, scale)
     return RotorEstimate((*names, "viscous", "coulomb"), weights, spread, smoothing, scatter, ratio)
+
+
+def _fit(
+    smoothing: float, speed: Array, passed: Array, free: int, period: float, band: float
+) -> tuple[Array, Array, Array]:
+    """Columns, weights and what is left, with dry friction that changes sign over a smoothing, rad/s.
+
+    passed: the columns without it, the first `free` of either sign, and the target last.
+    """
+    dry = low_pass(-np.tanh(speed / smoothing), period, band)
+    columns = np.column_stack([passed[:, :-1], dry])
+    known = np.isfinite(columns).all(axis=1) & np.isfinite(passed[:, -1])
+    weights = bounded_weights(columns[known], passed[known, -1], free)
+    return columns[known], weights, passed[known, -1] - columns[known] @ weights
+
+
+def _best_smoothing(speed: Array, passed: Array, free: int, period: float, band: float) -> float:
+    largest = SMOOTHEST * float(np.sqrt(np.nanmean(speed**2)))
+
+    def error(logarithm: float) -> float:
+        return float(np.sum(_fit(float(np.exp(logarithm)), speed, passed, free, period, band)[2] ** 2))
+
+    bounds = (np.log(0.01 * largest), np.log(largest))
+    best: Any = minimize_scalar(error, bounds=bounds, method="bounded", options={"xatol": 0.05})
+    return float(np.exp(best.x))
 
 
 def late(values: Array, period: float, delay: float) -> Array:

@@ -1,29 +1,20 @@
 """A drive's spring, kinematic error and hysteresis from encoders on both of its sides and the torque that it exerts."""
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from cutpoint.errors import InputError, unknown_name
-from cutpoint.identification.drives.columns import amplitude_errors, slipping, wave_columns, waves
+from cutpoint.identification.drives.columns import amplitude_errors
 from cutpoint.identification.drives.deflection_fit import ELEMENTS, DeflectionFit, Deflections, fit_deflection
+from cutpoint.identification.drives.law_choice import block_errors, simplest
 from cutpoint.identification.drives.scatter import covariance
+from cutpoint.identification.drives.spring_estimate import FEWEST_TURNS, SIGNIFICANT, SpringEstimate, estimate_of
 from cutpoint.identification.drives.spring_laws import LAWS
 from cutpoint.identification.filtering import noise_cutoff
-from cutpoint.model.drive import Compliance, Hysteresis, KinematicError
 
 Array = NDArray[np.float64]
-
-COUNTS = 50.0
-"""Of the encoders' resolution: springs that torque winds by less, half of the range, are declared unidentifiable."""
-
-SIGNIFICANT = 4.0
-"""Standard deviations above which a wave or damping is told from nothing."""
-
-UNCERTAIN = 0.2
-"""Of the spring's deflection: with a standard deviation above that its stiffness counts as unidentifiable."""
 
 HIGHEST_ORDER = 8
 """Waves a turn of the motor that are looked for where no orders are stated."""
@@ -31,52 +22,11 @@ HIGHEST_ORDER = 8
 SMALLEST_WAVE = 0.1
 """Of the encoders' resolution: smaller waves are left out."""
 
-FEWEST_TURNS = 3.0
-"""Of the motor: fewer do not tell waves from the spring."""
-
 WIDER = 4.0
 """Times that the band in which the deflection's rate is taken is wider than what stands out of its noise: within a
 quarter of its cut-off the filter changes nothing."""
 
 LEAST_SAMPLES = 500
-
-BLOCKS = 10
-"""For cross-validation, one after the other."""
-
-SURE = 2.0
-"""Standard errors by which a law with more constants must predict better."""
-
-
-@dataclass(frozen=True, eq=False)
-class SpringEstimate:
-    """What two encoders tell of a drive; None where it was not sought, not found, or cannot be told.
-
-    compliance: of the law that predicts best, N m and rad at the joint's side.  damping: N m s/rad.
-    kinematic_error, hysteresis: as a Drive takes them.  offset: rad between the encoders' zeros.
-    names, values, covariance: of all unknowns, (p,), (p,), (p, p), in SI.
-    counts: half the range of the spring's deflection, in steps of the encoders.  scatter: RMS of what is left, rad.
-    prediction: for each law that was tried, RMS of what it leaves of samples that it was not fitted to, rad.
-    unidentifiable: "stiffness", "kinematic_error", "hysteresis" or "damping", each with the sentence why.
-    """
-
-    law: str
-    compliance: Compliance
-    damping: float | None
-    kinematic_error: KinematicError | None
-    hysteresis: Hysteresis | None
-    offset: float
-    names: tuple[str, ...]
-    values: Array
-    covariance: Array = field(repr=False)
-    counts: float
-    scatter: float
-    prediction: Mapping[str, float]
-    unidentifiable: Mapping[str, str]
-
-    @property
-    def deviations(self) -> dict[str, float]:
-        """Standard deviation of each unknown, by name."""
-        return dict(zip(self.names, np.sqrt(np.diag(self.covariance)).tolist(), strict=True))
 
 
 def two_encoders(
@@ -115,14 +65,14 @@ def two_encoders(
     turns = abs(ratio) * float(np.ptp(data.theta)) / (2.0 * np.pi)
     tried = orders if orders is not None else range(1, HIGHEST_ORDER + 1) if turns >= FEWEST_TURNS else ()
     fits = {name: fit_deflection(data, LAWS[name], tried, ELEMENTS if hysteresis else 0, damping) for name in laws}
-    errors = {name: _block_errors(fit) for name, fit in fits.items()}
-    law = LAWS[_simplest(errors)]
+    errors = {name: block_errors(fit) for name, fit in fits.items()}
+    law = LAWS[simplest(errors)]
     kept = orders if orders is not None else _standing_out(fits[law.name], tried, data.resolution)
     found = fits[law.name]
     if len(kept) < len(tried):
         found = fit_deflection(data, law, kept, ELEMENTS if hysteresis else 0, damping)
     prediction = {name: float(np.sqrt(np.mean(each))) for name, each in errors.items()}
-    return _estimate(data, found, tuple(kept), tuple(unknowns), turns, prediction, hysteresis, damping)
+    return estimate_of(data, found, tuple(kept), tuple(unknowns), turns, prediction, hysteresis, damping)
 
 
 def smallest_step(values: Array) -> float:
@@ -168,112 +118,3 @@ def _standing_out(fit: DeflectionFit, orders: Sequence[int], resolution: float) 
     size = np.hypot(*fit.waves.reshape(-1, 2).T)
     least = SMALLEST_WAVE * resolution
     return [order for order, a, s in zip(orders, size, spread, strict=True) if a > max(SIGNIFICANT * s, least)]
-
-
-def _block_errors(fit: DeflectionFit) -> Array:
-    """Mean square of what each block's samples are left with by a fit to all others, (BLOCKS,), rad2.
-
-    The law's constants move along their tangents; what slips stays where it was found.
-    """
-    used = fit.columns.any(axis=0)
-    size = np.linalg.norm(fit.columns[:, used], axis=0)
-    columns = np.array_split(fit.columns[:, used] / size, BLOCKS)
-    targets = np.array_split(fit.residual, BLOCKS)
-    grams = [x.T @ x for x in columns]
-    sides = [x.T @ y for x, y in zip(columns, targets, strict=True)]
-    found = []
-    for k, (x, y) in enumerate(zip(columns, targets, strict=True)):
-        weights, *_ = np.linalg.lstsq(sum(grams) - grams[k], sum(sides) - sides[k])
-        found.append(float(np.mean((y - x @ weights) ** 2)))
-    return np.array(found)
-
-
-def _simplest(errors: Mapping[str, Array]) -> str:
-    """The law of the fewest constants unless one with more is surely better."""
-    names = [name for name in LAWS if name in errors]
-    best = names[0]
-    for name in names[1:]:
-        gain = errors[best] - errors[name]
-        if gain.mean() > SURE * gain.std(ddof=1) / np.sqrt(BLOCKS):
-            best = name
-    return best
-
-
-def _estimate(
-    data: Deflections,
-    fit: DeflectionFit,
-    orders: tuple[int, ...],
-    unknowns: tuple[str, ...],
-    turns: float,
-    prediction: Mapping[str, float],
-    hysteresis: bool,
-    damping: bool,
-) -> SpringEstimate:
-    names, values = _named(fit, orders, unknowns, damping)
-    spread = covariance(fit.columns, fit.residual)
-    counts = 0.5 * float(np.ptp(fit.law.deflection(fit.constants, data.torque))) / (data.resolution or np.nan)
-    why: dict[str, str] = {}
-    if counts < COUNTS:
-        why["stiffness"] = (
-            f"torque winds the spring by {counts:.3g} steps of the encoders, half its range: {COUNTS:g} are needed; "
-            "excite with more torque, or measure more finely"
-        )
-    elif (share := _uncertainty(data, fit, spread)) > UNCERTAIN:
-        why["stiffness"] = (
-            f"under the largest torque its deflection is uncertain by {100.0 * share:.2g} %: what else the encoders "
-            "differ by outweighs it, or hides it"
-        )
-    if not orders:
-        why["kinematic_error"] = _no_waves(data, fit, turns)
-    slips = slipping(fit.stiffness, fit.reaches)
-    opening = 2.0 * float(np.sum(fit.stiffness * fit.reaches / np.median(fit.tangent)))
-    if hysteresis and opening < data.resolution:
-        slips = None
-        why["hysteresis"] = (
-            f"loops open by {opening:.2g} rad, less than the encoders' step of {data.resolution:.2g} rad"
-        )
-    damped = fit.damping if damping else None
-    if damping and fit.damping < SIGNIFICANT * np.sqrt(spread[-1, -1]):
-        damped = None
-        why["damping"] = f"{fit.damping:.3g} +- {np.sqrt(spread[-1, -1]):.2g} N m s/rad is not told from none"
-    return SpringEstimate(
-        fit.law.name,
-        fit.law.make(fit.constants),
-        damped,
-        waves(orders, fit.waves),
-        slips,
-        fit.offset,
-        names,
-        values,
-        spread,
-        counts,
-        float(np.sqrt(np.mean(fit.residual**2))),
-        prediction,
-        why,
-    )
-
-
-def _uncertainty(data: Deflections, fit: DeflectionFit, spread: Array) -> float:
-    """Standard deviation of the spring's deflection under the largest torque, over that deflection."""
-    largest = np.array([np.abs(data.torque).max()])
-    by = fit.law.columns(fit.constants, largest)[0]
-    own = spread[: by.size, : by.size]
-    return float(np.sqrt(by @ own @ by) / fit.law.deflection(fit.constants, largest)[0])
-
-
-def _named(
-    fit: DeflectionFit, orders: Sequence[int], unknowns: Sequence[str], damping: bool
-) -> tuple[tuple[str, ...], Array]:
-    waves_of = [f"{wave} {order}" for order in orders for wave in ("sine", "cosine")]
-    elements = [f"element {k + 1}" for k in range(fit.stiffness.size)]
-    names = [*fit.law.constants, *waves_of, "offset", *unknowns, *elements, *(["damping"] if damping else [])]
-    last = [fit.damping] if damping else []
-    return tuple(names), np.concatenate([fit.constants, fit.waves, [fit.offset], fit.corrections, fit.stiffness, last])
-
-
-def _no_waves(data: Deflections, fit: DeflectionFit, turns: float) -> str:
-    if turns < FEWEST_TURNS:
-        return f"the motor turned {turns:.2g} times: {FEWEST_TURNS:g} are needed to tell its waves from the spring"
-    columns = np.column_stack([fit.columns, wave_columns(data.ratio * data.theta, [2])])
-    noise = np.sqrt(np.diag(covariance(columns, fit.residual))[-2:].max())
-    return f"no wave stands out of the noise: of order 2, one of {SIGNIFICANT * noise:.2g} rad would"

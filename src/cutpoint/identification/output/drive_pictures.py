@@ -26,8 +26,8 @@ ORDERS = np.arange(0.25, 8.001, 0.05)
 
 @dataclass(frozen=True, eq=False)
 class Bending:
-    """One drive: torque on its link, N m, and deflection without kinematic error, rad, both through one filter; angle of
-    the motor, rad, and what the spring leaves of the encoders' difference, rad; each (N,)."""
+    """One drive, each (N,): torque on its link, N m, and deflection without kinematic error, rad, through one filter;
+    angle of the motor, rad, and what the spring leaves of the encoders' difference, rad."""
 
     torque: Array
     deflection: Array

@@ -93,13 +93,12 @@ def divergences(results: Results) -> str:
     where = {key: [COLUMNS[s] for s, keys in fell.items() if key in keys and s not in lost] for key in ran}
     held = [NAMES[key] for key, columns in where.items() if not columns]
     told = "; ".join(f"{NAMES[key]} in {', '.join(columns)}" for key, columns in where.items() if columns)
-    everywhere = f"Under every law at least one run of {_listed([COLUMNS[s] for s in lost])} diverged. " if lost else ""
-    apart = "Apart from that, at" if lost else "At"
-    return (
-        everywhere
-        + (f"{apart} least one run diverged of {told}." if told else "")
-        + (f" None did of {_listed(held)}." if held else "")
-    )
+    sentences = [
+        f"Under every law at least one run of {_listed([COLUMNS[s] for s in lost])} diverged." if lost else "",
+        f"{'Apart from that, at' if lost else 'At'} least one run diverged of {told}." if told else "",
+        f"None did of {_listed(held)}." if told and held else "No other run diverged." if lost else "",
+    ]
+    return " ".join(x for x in sentences if x) or "No run diverged."
 
 
 def sensors(results: Results) -> str:

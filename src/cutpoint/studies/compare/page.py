@@ -5,6 +5,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from cutpoint.robot import Robot
+from cutpoint.simulation.simulate import torque_limits
 from cutpoint.studies.compare import figures
 from cutpoint.studies.compare.bench import FAST, USUAL, Bench
 from cutpoint.studies.compare.contenders import NATURAL_RATE, RATE, WHOLE_RATE
@@ -80,12 +81,15 @@ def _scenarios(results: Results, seeds: int) -> str:
 
 
 def _sizes(robot: Robot) -> str:
-    limits = [drive.limits.effort for drive in robot.drives.values()]
-    without = "" if np.isfinite(limits).any() else " The drives state no torque limits."
+    limits = torque_limits(robot)
+    bounds = (
+        f"Torques are limited to {listed(limits, 0)} N m" if np.isfinite(limits).all() else "Not all limits are stated"
+    )
+    bounds = bounds if np.isfinite(limits).any() else "The robot states no limits of torques"
     return (
         f"Encoders have {TURN / LINK_STEP:.0f} steps a turn at the link and {TURN / MOTOR_STEP:.0f} at the motor, and "
         f"noise of {NOISE:g} rad, at the joint's side. Gears of the whole drives are of the catalogue; kinematic "
-        f"error, ripple and cogging stand at phases of chance. The fast move takes {FAST:g} s.{without}"
+        f"error, ripple and cogging stand at phases of chance. The fast move takes {FAST:g} s. {bounds}."
     )
 
 

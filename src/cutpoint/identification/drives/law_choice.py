@@ -1,0 +1,46 @@
+"""Which spring law predicts best what it was not fitted to."""
+
+from collections.abc import Mapping
+
+import numpy as np
+from numpy.typing import NDArray
+
+from cutpoint.identification.drives.deflection_fit import DeflectionFit
+from cutpoint.identification.drives.spring_laws import LAWS
+
+Array = NDArray[np.float64]
+
+BLOCKS = 10
+"""For cross-validation, one after the other."""
+
+SURE = 2.0
+"""Standard errors by which a law with more constants must predict better."""
+
+
+def block_errors(fit: DeflectionFit) -> Array:
+    """Mean square of what each block's samples are left with by a fit to all others, (BLOCKS,), rad2.
+
+    The law's constants move along their tangents; what slips stays where it was found.
+    """
+    used = fit.columns.any(axis=0)
+    size = np.linalg.norm(fit.columns[:, used], axis=0)
+    columns = np.array_split(fit.columns[:, used] / size, BLOCKS)
+    targets = np.array_split(fit.residual, BLOCKS)
+    grams = [x.T @ x for x in columns]
+    sides = [x.T @ y for x, y in zip(columns, targets, strict=True)]
+    found = []
+    for k, (x, y) in enumerate(zip(columns, targets, strict=True)):
+        weights, *_ = np.linalg.lstsq(sum(grams) - grams[k], sum(sides) - sides[k])
+        found.append(float(np.mean((y - x @ weights) ** 2)))
+    return np.array(found)
+
+
+def simplest(errors: Mapping[str, Array]) -> str:
+    """The law of the fewest constants unless one with more is surely better."""
+    names = [name for name in LAWS if name in errors]
+    best = names[0]
+    for name in names[1:]:
+        gain = errors[best] - errors[name]
+        if gain.mean() > SURE * gain.std(ddof=1) / np.sqrt(BLOCKS):
+            best = name
+    return best

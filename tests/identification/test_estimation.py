@@ -1,0 +1,155 @@
+"""Models from logs: intervals hold the truth as often as they say, bodies exist, and new motions are predicted."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from scipy.stats import binom
+from simulated_logs import NOISE, known_arm, recorded
+
+from cutpoint import Coulomb, Robot
+from cutpoint.errors import InputError
+from cutpoint.identification import Recording
+from cutpoint.identification.rigid import identify_rigid
+from cutpoint.identification.rigid_robot import RigidModel, stated_laws
+from cutpoint.model.places import Places
+from cutpoint.model.validation import check_body
+
+CUTOFF = 40.0
+ARMS = 20
+
+
+def exists(robot: Robot) -> bool:
+    """Raises ModelError for a body that mass cannot have."""
+    for body in robot.mechanism.bodies:
+        check_body(body, [body.name], Places(None))
+    return all(body.mass > 0.0 for body in robot.mechanism.bodies)
+
+
+@pytest.mark.parametrize("method", ["weighted", "instrumental"])
+def test_intervals_hold_the_truth_as_often_as_they_say(method: str):
+    hits = []
+    for seed in range(ARMS):
+        arm = known_arm(seed, 2 + seed % 2)
+        found = identify_rigid(
+            arm.file, recorded(arm.robot, seed), friction="stated", method=method, solver="lmi_trace", cutoff=CUTOFF
+        )  # type: ignore[arg-type]
+        base, truth = arm.base()
+        true = dict(zip(base.names, truth, strict=True)) | {p.name: p.prior for p in found.parameters[truth.size :]}
+        hits += [p.low <= true[p.name] <= p.high for p in found.parameters if np.isfinite(p.high)]
+    # hits of one arm are related: as if a third of them were not, the count lies within what chance allows
+    count, hit = len(hits) // 3, sum(hits) // 3
+    assert binom.cdf(hit, count, 0.95) > 0.005
+    assert binom.sf(hit - 1, count, 0.95) > 0.005
+
+
+@pytest.mark.parametrize(("solver", "seed"), [("lmi", 0), ("lmi", 1), ("lmi_trace", 1), ("log_cholesky", 0)])
+def test_identified_bodies_exist_and_predict_new_motions(solver: str, seed: int):
+    arm = known_arm(seed)
+    found = identify_rigid(arm.file, recorded(arm.robot, seed), solver=solver, cutoff=CUTOFF)  # type: ignore[arg-type]
+    assert exists(found.robot)
+    assert (found.model.rotors >= 0.0).all()
+    new = recorded(arm.robot, seed + 100)
+    floor = truly(arm.robot, arm.file, new) - new["torque"]
+    missed = found.prediction(new, CUTOFF) - new["torque"]
+    known = np.isfinite(missed).all(axis=1)
+    assert (missed[known].std(axis=0) < 2.0 * floor[known].std(axis=0)).all()
+    assert (found.noise < NOISE).all()
+
+
+def truly(robot: Robot, file: Robot, recording: Recording) -> np.ndarray:
+    """What the true parameters predict of a recording."""
+    from cutpoint.identification.motion import motion_of
+
+    motion = motion_of(robot, recording, CUTOFF)
+    rotors = np.array([float(drive.reflected_inertia) for drive in robot.drives.values()])
+    laws = stated_laws(robot, motion)
+    return RigidModel(robot.inertial_parameters, rotors, np.zeros(len(laws)), laws).torque(file, motion)
+
+
+def test_two_ways_to_bodies_that_exist_agree():
+    arm = known_arm(2)
+    recording = recorded(arm.robot, 2)
+    by_cones, by_factors = (
+        identify_rigid(arm.file, recording, friction="stated", cutoff=CUTOFF, solver=solver)
+        for solver in ("lmi_trace", "log_cholesky")
+    )
+    assert np.allclose(by_cones.model.inertial, by_factors.model.inertial, rtol=0.0, atol=1e-4)
+
+
+@pytest.mark.parametrize("smoothing", [0.03, 0.1])
+def test_the_shape_of_friction_is_found_and_no_richer_law_is_taken(smoothing: float):
+    arm = known_arm(1)
+    drives = {
+        joint: replace(drive, link_friction=Coulomb(1.5, 0.3, smoothing)) for joint, drive in arm.robot.drives.items()
+    }
+    found = identify_rigid(arm.file, recorded(arm.robot.with_drives(drives), 1), cutoff=CUTOFF)
+    assert {choice.family for choice in found.friction} == {"coulomb"}
+    assert [choice.law.smoothing for choice in found.friction] == pytest.approx([smoothing] * 3, rel=0.2)
+    assert "of (RMS of held-out torques, N m) coulomb" in str(found.friction[0])
+
+
+def test_a_joint_that_does_not_move_is_said_to_tell_nothing():
+    arm = known_arm(0)
+    recording = recorded(arm.robot, 0)
+    q, torque = (np.array(recording[name]) for name in ("q", "torque"))
+    q[:, 2] = q[0, 2]
+    still = Recording(recording.time, recording.joints, q=q, torque=torque)
+    found = identify_rigid(arm.file, still, friction="stated", cutoff=CUTOFF)
+    joint = still.joints[2]
+    assert not found[f"viscous.{joint}"].told
+    assert f"viscous.{joint}: this motion does not excite it" in " ".join(found.untold)
+    assert exists(found.robot)
+
+
+def test_outliers_do_not_lead_huber_astray():
+    arm = known_arm(1, 2)
+    recording = recorded(arm.robot, 1)
+    torque = np.array(recording["torque"])
+    torque[2000:2300] += 20.0
+    hit = replace(recording, torque=torque)
+    misses = {}
+    for method in ("weighted", "huber"):
+        found = identify_rigid(arm.file, hit, friction="stated", method=method, cutoff=CUTOFF)  # type: ignore[arg-type]
+        told = [p for p in found.parameters if p.name.startswith("coulomb")]
+        misses[method] = max(abs(p.value - p.prior) for p in told)
+    assert misses["huber"] < 0.2 * misses["weighted"]
+
+
+def test_currents_are_torques_by_the_constants_that_are_given():
+    arm = known_arm(0)
+    recording = recorded(arm.robot, 0)
+    constants = dict(zip(arm.file.joints, (2.0, 4.0, 8.0), strict=True))
+    order = [arm.file.joints.index(joint) for joint in recording.joints]
+    current = recording["torque"] / np.array(list(constants.values()))[order]
+    asked = {"friction": "stated", "solver": "lmi_trace", "cutoff": CUTOFF}
+    whole = identify_rigid(arm.file, recording, **asked)
+    found = identify_rigid(
+        arm.file, replace(recording, torque=None, current=current), torque_constants=constants, **asked
+    )
+    assert [p.value for p in found.parameters] == pytest.approx([p.value for p in whole.parameters], rel=1e-9, abs=1e-9)
+
+
+@pytest.mark.parametrize(
+    ("options", "message"),
+    [
+        ({"method": "least"}, r"no method of identification is named 'least'; there are: 'ordinary', 'weighted'"),
+        ({"solver": "sdp"}, r"no solver is named 'sdp'"),
+        ({"prior_spread": 0.0}, r"prior_spread 0.0 must be positive"),
+        ({"level": 95.0}, r"level 95.0 must lie between 0 and 1, as 0.95"),
+        ({"friction": "viscous"}, r"friction 'viscous' must be 'choose', 'stated', or laws by joint"),
+        ({"friction": {"elbow": Coulomb(1.0, 0.0, 0.1)}}, r"no driven joint is named 'elbow'"),
+        ({"bandwidth": 600.0}, r"bandwidth 600.0 Hz must lie between 0 and half of the sampling rate, 500 Hz"),
+        ({"torque_constants": {"joint0": 1.0}}, r"the recording holds no current; there are: q, torque"),
+    ],
+)
+def test_what_cannot_be_identified_is_refused(options: dict[str, object], message: str):
+    arm = known_arm(0)
+    with pytest.raises(InputError, match=message):
+        identify_rigid(arm.file, recorded(arm.robot, 0), **({"friction": "stated", "cutoff": CUTOFF} | options))  # type: ignore[arg-type]
+
+
+def test_a_joint_that_was_not_recorded_is_named():
+    arm = known_arm(0)
+    with pytest.raises(InputError, match=r"joint 'joint1' was not recorded; there are: joint0"):
+        identify_rigid(arm.file, recorded(arm.robot, 0).joint("joint0"))

@@ -1,0 +1,186 @@
+"""Files that an identification leaves: the user's own robot file with other inertias, and drives with their intervals."""
+
+import re
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import cutpoint
+from cutpoint import Coulomb, Drive, Harmonic, KinematicError, LinearSpring, MaxwellSlip, Rotor, Stribeck
+from cutpoint.errors import InputError
+from cutpoint.formats import parse_drives, parse_urdf
+from cutpoint.formats.drive_file_writing import remarked_drives, worded
+from cutpoint.formats.urdf_writing import updated_urdf
+from cutpoint.identification.bodies import with_parameters
+from cutpoint.model import Mechanism
+from robot_library import mixed_drives, tree, urdf
+
+INERTIAL = re.compile(rb"<inertial>.*?</inertial>", re.DOTALL)
+
+ODD = b"""<?xml version='1.0' encoding='UTF-8'?>\r
+<!-- an arm; <inertial> in a comment is none -->\r
+<robot name='odd'>\r
+  <link name = 'base' />\r
+  <link name='upper'>\r
+    <!-- kept -->\r
+    <inertial>\r
+      <origin rpy='0.1 0.2 0.3' xyz='0.1 0 0'/> <mass value='2'/>\r
+      <inertia ixx='0.02' ixy='0' ixz='0' iyy='0.03' iyz='0' izz='0.025'/>\r
+    </inertial>\r
+    <visual><geometry><mesh filename="a>b.stl"/></geometry></visual>\r
+  </link>\r
+  <link name='wrist'/>\r
+  <link name='gripper'><inertial><mass value='0.5'/>\r
+    <inertia ixx='0.001' ixy='0' ixz='0' iyy='0.001' iyz='0' izz='0.001'/></inertial></link>\r
+  <joint name='elbow' type='revolute'><parent link='base'/><child link='upper'/><axis xyz='0 1 0'/></joint>\r
+  <joint name='roll' type='continuous'><parent link='upper'/><child link='wrist'/><origin xyz='0.4 0 0'/></joint>\r
+  <joint name='mount' type='fixed'><parent link='wrist'/><child link='gripper'/>\r
+    <origin xyz='0 0.1 0.2' rpy='1 0 0'/></joint>\r
+</robot>\r
+"""
+"""Two kinds of line ends, quotes and comments, a link that closes itself and one that is fixed to it."""
+
+
+def heavier(mechanism: Mechanism, seed: int = 0) -> Mechanism:
+    """Every body scaled by a factor of its own, which keeps it possible."""
+    rng = np.random.default_rng(seed)
+    robot = cutpoint.Robot(mechanism)
+    factors = np.repeat(rng.uniform(0.5, 2.0, len(mechanism.bodies)), 10)
+    return with_parameters(mechanism, robot.inertial_parameters * factors)
+
+
+def parameters(mechanism: Mechanism) -> np.ndarray:
+    return cutpoint.Robot(mechanism).inertial_parameters
+
+
+@pytest.mark.parametrize("content", [ODD, urdf("ur10_robot.urdf").read_bytes(), urdf("panda.urdf").read_bytes()])
+def test_inertias_come_back_from_the_text(content: bytes):
+    before = parse_urdf(content, mimic="coupled")
+    after = heavier(before)
+    text, _ = updated_urdf(content, before, after)
+    found, wanted = parameters(parse_urdf(text, mimic="coupled")), parameters(after)
+    assert np.abs(found - wanted).max() <= 1e-12 * np.abs(wanted).max()
+
+
+@pytest.mark.parametrize("content", [ODD, urdf("ur10_robot.urdf").read_bytes()])
+def test_no_byte_outside_inertials_changes(content: bytes):
+    before = parse_urdf(content)
+    assert updated_urdf(content, before, before) == (content, ())
+    text, _ = updated_urdf(content, before, heavier(before))
+    assert text != content
+    parts = [part for part in INERTIAL.split(content) if part]
+    position = 0
+    for part in parts if content is not ODD else parts[:1]:
+        position = text.index(part, position) + len(part)
+    for kept in (b"<!-- kept -->", b'"a>b.stl"', b"<joint name='mount'") if content is ODD else ():
+        assert kept in text
+
+
+def test_only_links_that_changed_are_touched():
+    before = parse_urdf(ODD)
+    bodies = (before.bodies[0], heavier(before).bodies[1])
+    text, _ = updated_urdf(ODD, before, Mechanism(before.name, bodies, before.frames))
+    end = ODD.index(b"<link name='wrist'")
+    assert text[:end] == ODD[:end]
+
+
+def test_mass_fixed_to_a_link_goes_there_and_is_said():
+    before = parse_urdf(ODD)
+    text, notes = updated_urdf(ODD, before, heavier(before))
+    assert notes == ("link 'wrist' now holds mass and inertia of gripper too, fixed to it",)
+    gripper = text[text.index(b"<link name='gripper'>") :]
+    assert b"<inertial>" not in gripper[: gripper.index(b"</link>")]
+
+
+def test_a_text_of_another_robot_is_refused():
+    other = parse_urdf(urdf("ur10_robot.urdf").read_bytes())
+    with pytest.raises(InputError, match=r"the URDF has no link 'shoulder_link'"):
+        updated_urdf(ODD, other, other)
+    mine = parse_urdf(ODD)
+    with pytest.raises(cutpoint.ModelError):
+        updated_urdf(b"<!DOCTYPE robot>" + ODD[ODD.index(b"<robot") :], mine, heavier(mine))
+
+
+def test_drives_come_back_with_their_remarks():
+    robot = tree(seed=3, size=5)
+    drives = mixed_drives(robot)
+    remarks = {
+        joint: {
+            ("rotor", "inertia"): "1 to 2",
+            ("nowhere",): "lost",
+            ("friction", "link", "coulomb"): "two\nlines # : x",
+        }
+        for joint in drives
+    }
+    text = remarked_drives(drives, remarks, ["of a log\nversion: 7"])
+    found = parse_drives(text, robot.mechanism)
+    assert found == drives
+    assert text.count("# 1 to 2") == sum(drive.rotor is not None for drive in drives.values())
+    assert "coulomb: 0.4  # two lines # : x" in text and "lost" not in text
+
+
+@pytest.mark.parametrize("name", ["a: b", "- x", "#1", "'quoted'", "ü", "1.0", "true"])
+def test_names_that_are_yaml_stay_names(name: str):
+    content = (
+        "<robot name='r'><link name='a'/><link name='b'><inertial><mass value='1'/><inertia ixx='1' iyy='1' izz='1'"
+    )
+    content += f" ixy='0' ixz='0' iyz='0'/></inertial></link><joint type='continuous' name=\"{name}\">"
+    mechanism = parse_urdf(content + "<parent link='a'/><child link='b'/></joint></robot>")
+    drives = {name: Drive(ratio=50.0, rotor=Rotor(1e-5))}
+    text = remarked_drives(drives, {name: {("rotor", "inertia"): "told"}})
+    assert parse_drives(text, mechanism) == drives
+    assert "inertia: 1.0e-05  # told" in text
+
+
+FOUND = MaxwellSlip((430.0, 280.0, 40.0, 500.0), (1e-4, 4e-4, 7e-4, 1.2e-3))
+"""Elements as encoders tell them: in no order that a file could state."""
+
+
+def loop(law: MaxwellSlip, reach: float) -> tuple[float, float]:
+    """Width at zero strain sum, N m, and area, J, of a loop of a deflection between -reach and reach."""
+    path = np.concatenate([np.linspace(reach, -reach, 20001), np.linspace(-reach, reach, 20001)])
+    strains, torques = tuple(law.reach), []
+    for before, after in zip(path[:-1], path[1:], strict=True):
+        strains = law.strains(strains, after - before)
+        torques.append(law.torque(strains))
+    torque, middle = np.array(torques), 0.5 * (path[:-1] + path[1:])
+    return float(torque.max() - torque.min()), float(np.sum(torque * np.diff(path))) if middle.size else 0.0
+
+
+def test_hysteresis_in_a_files_words_keeps_wide_loops():
+    drive = Drive(ratio=100.0, rotor=Rotor(1e-5), compliance=LinearSpring(7e3), hysteresis=FOUND)
+    found, notes = worded(drive)
+    assert isinstance(found.hysteresis, MaxwellSlip)
+    assert "hysteresis of 4 elements" in notes[0]
+    for a, b in zip(loop(found.hysteresis, 5e-3), loop(FOUND, 5e-3), strict=True):
+        assert abs(a - b) < 1e-3 * abs(b)  # steps of the path
+
+
+def test_what_a_file_can_say_is_not_changed():
+    smooth = MaxwellSlip.smooth(1.5, 2e-3, 5)
+    error = KinematicError((Harmonic(2, 1e-4, 0.3), Harmonic(4, 2e-5, 0.0)))
+    drive = Drive(100.0, Rotor(1e-5), LinearSpring(7e3), 3.0, hysteresis=smooth, kinematic_error=error)
+    assert worded(drive) == (drive, ())
+
+
+def test_every_worded_drive_can_be_written(tmp_path: Path):
+    robot = tree(seed=1, size=1)
+    (joint,) = robot.joints
+    rising = Stribeck(coulomb=1.0, static=0.9, viscous=0.1, stribeck_velocity=0.1, smoothing=0.02)
+    drive, notes = worded(
+        Drive(
+            100.0,
+            Rotor(1e-5),
+            LinearSpring(7e3),
+            hysteresis=FOUND,
+            link_friction=Coulomb(0.1, 0.2, 0.03),
+            motor_friction=rising,
+        )
+    )
+    assert len(notes) == 2
+    (found,) = parse_drives(remarked_drives({joint: drive}, {}), robot.mechanism).values()
+    assert found.motor_friction == drive.motor_friction and found.link_friction == drive.link_friction
+    assert isinstance(found.hysteresis, MaxwellSlip) and isinstance(drive.hysteresis, MaxwellSlip)
+    assert np.allclose(found.hysteresis.stiffness, drive.hysteresis.stiffness, rtol=1e-12)
+    assert np.allclose(found.hysteresis.reach, drive.hysteresis.reach, rtol=1e-12)
