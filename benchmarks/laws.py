@@ -72,7 +72,8 @@ def _entries(robot: cutpoint.Robot, law: object) -> dict[str, ours.Entry]:
         else 1e-2 * rng.normal(size=(COUNT, *p.shape))
         for p in kernel.graph.inputs
     ]  # fmt: skip
-    return {"single": ours.single(kernel, inputs), "lanes": ours.lanes(kernel, inputs)}
+    many = ours.lanes if law_memory(law).size else ours.rows  # blocks have no shape without numbers
+    return {"single": ours.single(kernel, inputs), "lanes": many(kernel, inputs)}
 
 
 if __name__ == "__main__":

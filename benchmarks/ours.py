@@ -46,7 +46,9 @@ def entries(kernel: Kernel, inputs: list[np.ndarray]) -> dict[str, Entry]:
 def single(kernel: Kernel, inputs: list[np.ndarray]) -> Entry:
     out = _outputs(kernel, len(inputs[0]))
     address = kernel._function.element  # no public way leads to it: a call through Python is what is left out here
-    return _entry(called(address, [*inputs, *out], len(inputs[0]), kernel), out)
+    given, found = ([x for x in arrays if x.size] for arrays in (inputs, out))
+    unread = [np.zeros(1)] if len(given) + len(found) < len(inputs) + len(out) else []  # see `kernels.empty_ports`
+    return _entry(called(address, [*given, *unread, *found], len(inputs[0]), kernel), out)
 
 
 def _c99(kernel: Kernel, inputs: list[np.ndarray]) -> Entry:
@@ -66,7 +68,10 @@ def rows(kernel: Kernel, inputs: list[np.ndarray]) -> Entry:
 
 def lanes(kernel: Kernel, inputs: list[np.ndarray]) -> Entry:
     blocks, count = kernel.blocks, len(inputs[0])
-    given = [blocks.of(x) if x.ndim > 1 else np.repeat(x[:, None], blocks.width, axis=1) for x in inputs]
+    given = [
+        blocks.of(x) if x.ndim > len(port.shape) else np.repeat(x[:, None], blocks.width, axis=1)
+        for x, port in zip(inputs, kernel.graph.inputs, strict=True)
+    ]
     out = [blocks.of(x) for x in _outputs(kernel, count)]
     call = partial(blocks, *given, out=tuple(out) if len(out) > 1 else out[0])
     call()
@@ -84,7 +89,8 @@ def _entry(call: Call, out: list[np.ndarray]) -> Entry:
 
 def _joined(out: list[np.ndarray]) -> np.ndarray:
     """All outputs of a row together."""
-    return np.stack(out, axis=1) if len(out) > 1 else out[0].copy()
+    alike = len({x.shape for x in out}) == 1
+    return np.stack(out, axis=1) if alike and len(out) > 1 else out[0].copy()
 
 
 def _address(library: ctypes.CDLL, name: str) -> int:

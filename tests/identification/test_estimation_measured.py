@@ -7,7 +7,7 @@ import pytest
 from measured import EMPS, UR10, UR10_MAPPING, emps_mapping
 
 from cutpoint import Coulomb, Robot
-from cutpoint.identification import read_recording
+from cutpoint.identification import low_pass, read_recording
 from cutpoint.identification.rigid import identify_rigid
 from cutpoint.model import Joint, Link
 from cutpoint.model.build import build
@@ -47,3 +47,11 @@ def test_a_chosen_friction_law_predicts_an_arm_better_than_a_stated_one(tmp_path
     torque = np.sqrt(np.mean(new["current"] ** 2, axis=0))
     assert (missed["choose"][:5] < 0.15 * torque[:5]).all()
     assert (missed["choose"][:3] < 0.8 * missed["stated"][:3]).all()
+
+
+def test_the_slide_predicts_its_other_log_whose_pulses_are_in_its_command():
+    found = identify_rigid(slide(), read_recording(EMPS, emps_mapping()), friction={"slide": SIGN})
+    new = read_recording(EMPS.with_name("DATA_EMPS_PULSES.mat"), emps_mapping())
+    errors = low_pass(found.prediction(new, 60.0) - new["torque"], new.period, 10.0)
+    known = np.isfinite(errors)
+    assert np.sqrt(np.mean(errors[known] ** 2)) < 0.05 * np.sqrt(np.mean(new["torque"][known] ** 2))

@@ -389,3 +389,24 @@ def test_an_array_that_lies_otherwise_in_memory_is_noticed(field: str, monkeypat
 def test_a_numpy_of_another_abi_is_noticed(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(numpy_api, "_VERSIONS", (0x03000000,))
     assert not numpy_api.arrays_are_as_expected.__wrapped__()
+
+
+@pytest.mark.parametrize("sizes", [{"q": 2, "e": 0}, {"e": 0, "q": 2}, {"e": 0, "q": 2, "f": (3, 0)}])
+def test_arguments_and_results_without_numbers_go_the_short_way_too(sizes):
+    """Laws without memory have them."""
+
+    class Both(NamedTuple):
+        twice: Any
+        nothing: Any
+        sum: Any
+
+    def both(q: Any, e: Any, **_: Any) -> Both:
+        return Both([2 * q[0], 2 * q[1]], [*e], q[0] + q[1])
+
+    kernel = compile(both, **sizes)
+    given = [np.arange(1.0, 3.0) if name == "q" else np.zeros(size) for name, size in sizes.items()]
+    for call in (kernel.call, kernel.general):
+        found = call(*given)
+        assert np.array_equal(found.twice, [2.0, 4.0])
+        assert found.nothing.shape == (0,)
+        assert found.sum == 3.0

@@ -51,7 +51,7 @@ def bodies_of(mechanism: Mechanism) -> Bodies:
     mass = max(MASS * float(prior[:, 3, 3].mean()), np.finfo(float).tiny)
     radius = RADIUS * max(float(np.linalg.norm(body.placement[:3, 3])) for body in mechanism.bodies) or RADIUS
     grown = [_with_volume(L, mass, radius) for L in prior]
-    roots = np.linalg.cholesky(np.array(grown))
+    roots = np.linalg.cholesky(np.array(grown, dtype=np.float64)).astype(np.float64)
     # L = C X C^T, and p of L by the inverse of the basis
     to_parameters = np.linalg.pinv(BASIS.reshape(10, 16).T)
     maps = np.array([to_parameters @ np.kron(C, C) for C in roots])

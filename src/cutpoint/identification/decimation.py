@@ -41,7 +41,7 @@ class Decimation:
     @property
     def times(self) -> Array:
         """(M,) s, the middles of the windows, counted from the first sample."""
-        return self.period * (self.starts + self.window.size // 2)
+        return self.period * (self.starts + self.window.size // 2).astype(np.float64)
 
     def samples(self, rows: slice) -> slice:
         """The samples that some of the means are made of."""

@@ -21,7 +21,7 @@ class BlockFunction(Protocol):
 
 def block_function(graph: Graph, name: str, function: Function) -> BlockFunction:
     """function: the graph as a function of rows, which does the work where there is no machine code for packs."""
-    if function.element is None:
+    if function.element is None or not all(p.size for p in (*graph.inputs, *graph.outputs)):
         return RowsOfBlocks(graph, function)
     from cutpoint.kernels.lowering import lower
     from cutpoint.kernels.packs import width_of_packs

@@ -14,15 +14,19 @@ _BATCH = Port("batch", ())
 
 
 class AroundEmptyPorts:
-    """A compiled graph with the same call as a Gufunc."""
+    """A compiled graph with the same call as a Gufunc.
 
-    element = None
+    Attributes:
+        element: the address of its code, which takes no pointers to what is empty, and one to a number that it does not
+            read, between inputs and outputs; None where all outputs are empty.
+    """
 
     def __init__(self, graph: Graph, name: str) -> None:
         self._graph, self._precision = graph, graph.precision
         outputs = [p for p in graph.outputs if p.size]
         inputs = [*(p for p in graph.inputs if p.size), _BATCH]
         self._inner = Gufunc(graph, inputs, outputs, name) if outputs else None
+        self.element = self._inner.element if self._inner else None
 
     def call(self, *arguments: Any, out: Any = None) -> Any:
         pairs = [(p, as_numbers(a, self._precision)) for p, a in zip(self._graph.inputs, arguments, strict=True)]
@@ -32,7 +36,7 @@ class AroundEmptyPorts:
             full = [a for p, a in pairs if p.size]
             filled = tuple(t for p, t in zip(self._graph.outputs, targets, strict=True) if p.size)
             self._inner.call(*full, np.broadcast_to(self._precision.dtype.type(0), batch), out=filled)
-        results = targets if out is not None else [t[()] for t in targets]
+        results = targets if out is not None else [t if t.ndim else t[()] for t in targets]
         return results[0] if len(results) == 1 else tuple(results)
 
     def _targets(self, batch: tuple[int, ...], out: Any) -> list[np.ndarray]:

@@ -66,11 +66,14 @@ def _ir(given: Sequence[Port], outputs: Sequence[Port], front: Front) -> str:
     shapes = [f"[{len(p.shape)} x i64] [{', '.join(f'i64 {n}' for n in p.shape)}]" for p in outputs]
     constants = [f"@shape{k} = private constant {shape}" for k, shape in enumerate(shapes)]
     externals = [f"@{name} = external global i8" for name in (*_OBJECTS, *(x[1:] for x in bound))]
-    pointers = ", ".join(["ptr"] * (len(given) + len(bound) + len(outputs)))
     head = f"define ptr @{_FUNCTION}(ptr %self, ptr %arguments, i64 %count, ptr %names) {{\nentry:"
     code = Code()
-    sources = [*recognised(code, given, finite=front.finite), *bound]
+    found = [x for x, port in zip(recognised(code, given, finite=front.finite), given, strict=True) if port.size]
+    sources = [*found, *bound]
+    if not sources or not all(port.size for port in (*given, *outputs)):  # see `empty_ports`
+        sources.append("null")
     _answer(code, sources, outputs, recorded=front.record is not None)
+    pointers = ", ".join(["ptr"] * (len(sources) + sum(port.size > 0 for port in outputs)))
     code.open(ELSEWHERE)
     found = code.let("call ptr @PyObject_Vectorcall(ptr @general, ptr %arguments, i64 %count, ptr %names)")
     body = [*code.lines, f"ret ptr {found}", "}", ""]
@@ -83,7 +86,8 @@ def _answer(code: Code, sources: list[str], outputs: Sequence[Port], *, recorded
     owner = None if alone else _made(code, f"PyTuple_New(i64 {len(outputs)})")
     arrays = [_made(code, _new_array(p, k), owner, k) if p.shape else None for k, p in enumerate(outputs)]
     places = [field(code, x, DATA, "ptr") if x else code.let("alloca double") for x in arrays]
-    code.lines.append(f"call void @element({', '.join(f'ptr {p}' for p in (*sources, *places))})")
+    filled = [place for place, port in zip(places, outputs, strict=True) if port.size]
+    code.lines.append(f"call void @element({', '.join(f'ptr {p}' for p in (*sources, *filled))})")
     results = [
         x or _made(code, f"PyArray_Scalar(ptr {place}, ptr @float64, ptr null)", owner, k)
         for k, (x, place) in enumerate(zip(arrays, places, strict=True))

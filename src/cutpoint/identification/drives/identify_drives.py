@@ -135,7 +135,7 @@ def _joint(joint: Channels, drive: Drive, resolution: float | None, cutoff: floa
     )
     if rotor.torque_constant is not None:
         torque = joint.effort * rotor.torque_constant * ratio
-    for laws in (SHAPE, tuple(LAWS)):
+    for laws in (SHAPE, SHAPE, tuple(LAWS)):
         left, unknowns = torque_left(rotor, joint.theta, torque, period, joint.delay, share)
         seen = "stiffness" not in spring.unidentifiable
         spring = two_encoders(

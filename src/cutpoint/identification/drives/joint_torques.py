@@ -54,6 +54,9 @@ def torque_left(
     left = (acting + rotor["offset"]) / share
     for name, column in by.items():
         left = left + rotor[name] * column
+    # dry friction's own law is linear in its smoothing only nearby
+    direction = np.tanh(speed / rotor.smoothing)
+    by["smoothing"] = rotor["coulomb"] * (1.0 - direction**2) * speed / rotor.smoothing**2 / share
     return left, by
 
 
@@ -72,7 +75,9 @@ def corrected(rotor: RotorEstimate, spring: SpringEstimate) -> RotorEstimate:
     values[own] += spring.values[theirs]
     spread[own, :] = spread[:, own] = 0.0
     spread[np.ix_(own, own)] = spring.covariance[np.ix_(theirs, theirs)]
-    return replace(rotor, values=values, covariance=spread)
+    smoothing = rotor.smoothing + float(spring.values[spring.names.index("smoothing")])
+    smoothing = min(max(smoothing, 0.5 * rotor.smoothing), 2.0 * rotor.smoothing)
+    return replace(rotor, values=values, covariance=spread, smoothing=smoothing)
 
 
 def transmitted_share(spring: SpringEstimate | None, theta: Array, ratio: float) -> Array:

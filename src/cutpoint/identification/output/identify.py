@@ -104,10 +104,14 @@ def identify(
         recording = log if isinstance(log, Recording) else read_recording(log, mapping, before)
         recording = _prepared(recording, torque_delay)
         fitted, held_from = _fitted(recording, hold_out)
+        springs = _wanted(before, recording) if springs is None else springs
+        if springs and not {"q", "theta"} <= set(recording.channels):
+            there = ", ".join(recording.channels)
+            raise InputError(f"springs need positions of both sides, q and theta; the recording holds {there}")
         bar.update(task, description="links, rotors and friction")
         rigid = identify_rigid(before, fitted, friction=friction, **how)
         bar.update(task, description="springs of the drives")
-        sprung, remarks = _springs(before, rigid, fitted, springs)
+        sprung, remarks = _springs(rigid, fitted) if springs else (None, [])
         apart = sprung is not None and all("rotor inertia" not in x.unidentifiable for x in sprung.joints.values())
         if sprung and apart:
             bar.update(task, description="links again, with the rotors that the motors tell")
@@ -157,18 +161,14 @@ def _prepared(recording: Recording, torque_delay: float) -> Recording:
     return recording
 
 
-def _springs(
-    before: Robot, rigid: RigidEstimate, fitted: Recording, wanted: bool | None
-) -> tuple[DriveEstimates | None, list[str]]:
-    """The drives' springs, and why they are not there."""
-    both = {"q", "theta"} <= set(fitted.channels)
-    if wanted is None:
-        wanted = both and any(drive.is_elastic for drive in before.drives.values())
-    if not wanted:
-        return None, []
-    if not both:
-        there = ", ".join(fitted.channels)
-        raise InputError(f"springs need positions of both sides, q and theta; the recording holds {there}")
+def _wanted(before: Robot, recording: Recording) -> bool:
+    """Whether springs can be found, and there are any."""
+    both = {"q", "theta"} <= set(recording.channels)
+    return both and any(drive.is_elastic for drive in before.drives.values())
+
+
+def _springs(rigid: RigidEstimate, fitted: Recording) -> tuple[DriveEstimates | None, list[str]]:
+    """The drives' springs, or why they are not there: what was found of the links is worth having without."""
     try:
         return identify_drives(rigid.robot, fitted), []
     except CutpointError as error:

@@ -16,6 +16,7 @@ from cutpoint.formats.safe_xml import MAXIMUM_BYTES
 from cutpoint.formats.urdf_writing import updated_urdf
 from cutpoint.formats.xacro_expansion import expand
 from cutpoint.identification.output.numbers import Number
+from cutpoint.identification.output.report import report
 from cutpoint.robot import Robot
 
 if TYPE_CHECKING:
@@ -36,8 +37,6 @@ def check_folder(folder: Path, force: bool) -> None:
 
 def save(found: "Identification", folder: Path, force: bool) -> list[Path]:
     """All files are made before the first is written, so that those of one run stand beside each other."""
-    from cutpoint.identification.output.report import report
-
     check_folder(folder, force)
     files, notes = _model_files(found)
     sheet = json.dumps(_sheet(found, notes), indent=1, ensure_ascii=False, allow_nan=False)
