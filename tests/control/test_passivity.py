@@ -75,7 +75,7 @@ def test_in_continuous_time_storage_grows_by_what_comes_in_less_what_damping_tak
     """At 1000 random states and pushes: S' = v tau - kd theta_dot^2, S' by central differences along the motion."""
     robot, rng, count = elbow(), np.random.default_rng(0), 1000
     law = tune(robot, 3.0, FullStateFeedback, q=POSE, lead=0.0)
-    rest, theta_d = at_rest(POSE)
+    rest, _ = at_rest(POSE)
     K = np.array([d.compliance.stiffness for d in robot.drives.values()])
     q = rest + rng.normal(size=(count, 2))
     theta, v, w = q + 5.0 / K * rng.normal(size=(count, 2)), *rng.normal(size=(2, count, 2))

@@ -11,6 +11,8 @@ import test_drives_that_remember as remember
 import test_elastic_against_rotor_bodies as rotor_bodies
 import test_elastic_laws as elastic_laws
 import test_every_joint_kind as joint_kinds
+import test_laws_against_numpy as against_numpy
+import test_laws_of_adaptation as adaptation
 import test_laws_of_motion as laws
 import test_rotors_as_bodies as rotors_as_bodies
 import test_sensors as sensing
@@ -20,6 +22,7 @@ from mutation import holds, mutated
 
 import test_package_agrees_with_paper as paper
 from cutpoint import Drive, Flexspline, Robot, definitions, robots
+from cutpoint.control import vdc
 from cutpoint.formats import drive_entry
 from cutpoint.mechanics import (
     assembly,
@@ -285,6 +288,20 @@ MUTANTS = {
         "",
         elastic_laws.test_strains_are_counted_there_and_back,
         {},
+    ),
+    "a spring that nothing pulls to where it shall be wound": Mutant(
+        vdc.joint_command,
+        " + gain.spring * lag",
+        "",
+        against_numpy.test_vdc_is_its_equations,
+        {"name": "linear", "derivatives": "model", "pulled": False},
+    ),
+    "a rotor's spin that its carrier does not turn": Mutant(
+        Spin.reaction,
+        " + omega.cross(momentum)",
+        "",
+        adaptation.test_rate_of_the_mass_matrix_less_twice_c_is_skew_with_fully_coupled_rotors,
+        {"name": "xia2019"},
     ),
 }
 
