@@ -7,6 +7,8 @@ import tempfile
 import pytest
 from hypothesis import HealthCheck, settings
 
+from measured_data import DATA, TESTS
+
 settings.register_profile("here", deadline=None, max_examples=50)
 settings.register_profile(
     "ci", deadline=None, max_examples=50, derandomize=True, suppress_health_check=[HealthCheck.too_slow]
@@ -34,6 +36,8 @@ def skipped_tests(config: pytest.Config) -> int:
 
 def pytest_terminal_summary(terminalreporter: pytest.TerminalReporter, config: pytest.Config) -> None:
     terminalreporter.write_line(f"{skipped_tests(config)} skipped tests")
+    if not DATA.is_dir():
+        terminalreporter.write_line(f"not run, as they need the measured data in {DATA}: {', '.join(TESTS)}")
 
 
 def pytest_sessionfinish(session: pytest.Session) -> None:

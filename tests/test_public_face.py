@@ -10,12 +10,12 @@ PACKAGE = """
 """
 
 ROBOT = """
-    bias_forces coordinate_rates coriolis_matrix cuts derivatives_needed difference drive_coefficients drive_parameters
-    drive_regressor drive_torque elastic_energy elastic_forward_dynamics elastic_inverse_dynamics forward_dynamics
-    frame_pose frames friction_torques from_rotor gravity gravity_forces inertial_parameters integrate inverse_dynamics jacobian
-    joints kernel kinetic_energy linearize machine machine_with mass_matrix modes momentum name neutral nq nv
-    potential_energy power_flows random regressor static_deflection strain_names subsystems to_rotor trace_key
-    velocity_map with_base with_drives with_gravity with_payload
+    bias_forces coordinate_rates coriolis_matrix cuts derivatives_needed difference drive_coefficients
+    drive_parameters drive_regressor drive_torque elastic_energy elastic_forward_dynamics elastic_inverse_dynamics
+    forward_dynamics frame_pose frames friction_torques from_rotor gravity gravity_forces inertial_parameters
+    integrate inverse_dynamics jacobian joints kernel kinetic_energy linearize machine machine_with mass_matrix
+    modes momentum name neutral nq nv potential_energy power_flows random regressor static_deflection strain_names
+    subsystems to_rotor trace_key velocity_map with_base with_drives with_gravity with_payload
 """
 
 CONTROL = """

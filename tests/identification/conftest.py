@@ -1,11 +1,5 @@
-"""Measurements of real machines, which lie beside the repository and are no part of it."""
+"""Which tests can run without the measurements of real machines."""
 
-import pytest
-from measured import DATA
+from measured_data import DATA, TESTS
 
-collect_ignore = [] if DATA.is_dir() else ["test_measured_machines.py"]
-
-
-def pytest_terminal_summary(terminalreporter: pytest.TerminalReporter) -> None:
-    if collect_ignore:
-        terminalreporter.write_line(f"{', '.join(collect_ignore)} needs the measured data in {DATA}")
+collect_ignore = [] if DATA.is_dir() else [*TESTS]

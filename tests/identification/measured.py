@@ -5,7 +5,7 @@ from typing import Any
 
 from scipy.io import loadmat
 
-DATA = Path(__file__).resolve().parents[3] / "shared" / "data"
+from measured_data import DATA
 
 EMPS = DATA / "emps" / "DATA_EMPS.mat"
 KUKA = DATA / "kuka_kr300"

@@ -8,9 +8,8 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from cutpoint.mechanics.rigid_body import inertia_of, parameters_of
-from cutpoint.mechanics.spatial import Inertia, Mat3, Vec3
-from cutpoint.scalars import Scalar, clip, sqrt
+from cutpoint.mechanics.pseudo_inertia import parameters_of_pseudo_inertia, pseudo_inertia
+from cutpoint.scalars import Scalar, clip
 
 Matrix = list[list[Scalar]]
 
@@ -18,30 +17,6 @@ Matrix = list[list[Scalar]]
 def projected(p: Scalar, s: Scalar, rate: Scalar, low: Scalar, high: Scalar, period: Scalar) -> Scalar:
     """p' = rate s, stopped at its bounds.  Zhu (2010) section 2.10, the projection function P, sampled."""
     return clip(p + period * rate * s, low, high)
-
-
-def nominal_sizes(p: Sequence[Scalar]) -> list[float]:
-    """How large ten inertial parameters are: mass, that times radius of gyration, that times its square."""
-    m, *_, xx, _, _, yy, _, zz = p
-    radius = sqrt((xx + yy + zz) / (2 * m)) if m else 0.0
-    return [m] + [m * radius] * 3 + [m * radius * radius] * 6
-
-
-def pseudo_inertia(p: Sequence[Scalar]) -> Matrix:
-    """[sum of r r^T dm, h; h^T, m] of ten inertial parameters: positive definite for every body that has volume.
-
-    Wensing, Kim and Slotine (2018).
-    """
-    M = inertia_of(p)
-    rows = [[*row, h] for row, h in zip(M.second_moment, M.first_moment, strict=True)]
-    return [*rows, [*M.first_moment, M.mass]]
-
-
-def parameters_of_pseudo_inertia(L: Matrix) -> list[Scalar]:
-    """The ten parameters of a pseudo-inertia."""
-    (xx, xy, xz, hx), (_, yy, yz, hy), (_, _, zz, hz), (_, _, _, m) = L
-    rotational = Mat3(Vec3(yy + zz, -xy, -xz), Vec3(-xy, xx + zz, -yz), Vec3(-xz, -yz, xx + yy))
-    return parameters_of(Inertia(m, Vec3(hx, hy, hz), rotational))
 
 
 def factor(p: Sequence[float]) -> Matrix:

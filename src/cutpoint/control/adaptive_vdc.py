@@ -23,6 +23,7 @@ from cutpoint.mechanics.inverse_dynamics import (
     required_motions,
     rotor_efforts,
 )
+from cutpoint.mechanics.pseudo_inertia import nominal_sizes
 from cutpoint.mechanics.rigid_body import body_regressor, inertia_of, parameters_of
 from cutpoint.mechanics.system import Segment
 from cutpoint.model.drive import Drive
@@ -131,7 +132,7 @@ class AdaptiveVDC(VDC):
         if self.update == "natural":
             return adaptation.natural(estimate, s, rate, period)
         nominal_p = parameters_of(body.inertia)
-        numbers = zip(estimate, s, nominal_p, adaptation.nominal_sizes(nominal_p), strict=True)
+        numbers = zip(estimate, s, nominal_p, nominal_sizes(nominal_p), strict=True)
         return [
             adaptation.projected(p, s_k, rate * size * size, p_0 - share * size, p_0 + share * size, period)
             for p, s_k, p_0, size in numbers

@@ -5,10 +5,10 @@ from typing import Any
 
 import numpy as np
 
-from cutpoint.control.adaptation import nominal_sizes
 from cutpoint.control.gains import gains
 from cutpoint.control.interface import Command, Measurement, Reference
 from cutpoint.control.rigid_law import RigidLaw
+from cutpoint.mechanics.pseudo_inertia import nominal_sizes
 from cutpoint.mechanics.regressor import required_torque_regressor
 from cutpoint.mechanics.rigid_body import parameters_of
 

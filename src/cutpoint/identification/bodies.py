@@ -9,7 +9,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from cutpoint.control.adaptation import pseudo_inertia
+from cutpoint.mechanics.pseudo_inertia import pseudo_inertia
 from cutpoint.model.mechanism import Body, Mechanism
 
 Array = NDArray[np.float64]

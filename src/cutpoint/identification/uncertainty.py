@@ -6,9 +6,9 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from cutpoint.control.adaptation import nominal_sizes
 from cutpoint.identification.base_parameters import BaseParameters
 from cutpoint.identification.least_squares import Estimate
+from cutpoint.mechanics.pseudo_inertia import nominal_sizes
 
 Array = NDArray[np.float64]
 

@@ -8,6 +8,9 @@ from cutpoint.identification.output.report import digits
 
 COLUMNS = ("joint", "torque", "files", "identified", "held out", "friction")
 
+SHOWN = 6
+"""Lines at most on what is not told."""
+
 
 def table_of(found: Identification) -> Table:
     """RMS torque of each joint, and errors of the model before and after."""
@@ -27,5 +30,9 @@ def table_of(found: Identification) -> Table:
 
 
 def sentences(found: Identification) -> list[str]:
-    """What is not told, and all notes, a line each."""
-    return [*(f"not told: {words}" for words in found.untold), *(f"note: {words}" for words in found.notes)]
+    """What is not told, and what was done or looks wrong, a line each; the report has all of it."""
+    untold = [f"not told: {words}" for words in found.untold]
+    if len(untold) > SHOWN:
+        untold[SHOWN - 1 :] = [f"not told: {len(untold) - SHOWN + 1} more numbers, see the report"]
+    choices = {str(choice) for choice in found.rigid.friction}
+    return [*untold, *(f"note: {words}" for words in found.notes if words not in choices)]

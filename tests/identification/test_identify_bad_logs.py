@@ -1,0 +1,119 @@
+"""What `identify` says of logs that are not good, and what it does not take."""
+
+import re
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from arm_logs import TIME, Array, channels, motions, run, write_arm, write_log
+
+from cutpoint.identification.output import identify
+
+
+@pytest.fixture(scope="module")
+def files(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    return write_arm(tmp_path_factory.mktemp("arm"))
+
+
+def elbow(name: str, change: Any) -> dict[str, Array]:
+    """The good log, of which one channel of the elbow is another."""
+    found = channels()
+    found[name][:, 1] = change(found[name][:, 1])
+    return found
+
+
+def gaps(x: Array) -> Array:
+    return np.where((TIME > 3.0) & (TIME < 3.2), np.nan, x)
+
+
+@pytest.mark.parametrize(
+    ("changed", "note"),
+    [
+        (lambda: elbow("q", lambda x: np.full_like(x, 0.3)), "q of elbow never changes: was it measured?"),
+        (
+            lambda: elbow("torque", lambda x: np.clip(x, -9.0, 9.0)),
+            "torque of elbow stays at its extreme: was it cut off?",
+        ),
+        (lambda: elbow("q", gaps), "q of elbow misses some samples"),
+        (lambda: channels() | {"v": np.degrees(motions()[1])}, "times the rate of q: degrees for radians?"),
+    ],
+)
+def test_what_looks_wrong_is_in_the_report(files: Path, tmp_path: Path, changed: Any, note: str):
+    status, text = run(files, write_log(tmp_path / "log.csv", changed()), tmp_path / "out")
+    assert status == 0, text
+    assert note in text
+    assert note in " ".join((tmp_path / "out" / "report.html").read_text().split())
+
+
+def test_a_joint_that_stood_still_is_not_told(files: Path, tmp_path: Path):
+    log = write_log(tmp_path / "log.csv", elbow("q", lambda x: np.full_like(x, 0.3)))
+    found = identify(files / "arm.urdf", log, drives=files / "rigid.yaml")
+    assert not any(n.told for n in found.numbers if n.name in ("viscous.elbow", "I_m.elbow"))
+    assert any("viscous.elbow" in sentence for sentence in found.untold)
+
+
+def shuffled() -> dict[str, Array]:
+    order = np.random.default_rng(2).permutation(TIME.size)
+    return {name: x[order] for name, x in ({"t": TIME} | channels()).items()}
+
+
+@pytest.mark.parametrize(
+    ("columns", "joint", "message"),
+    [
+        (channels, "wrist", r"no driven joint 'wrist'"),
+        (lambda: channels() | {"q": np.degrees(channels()["q"])}, "elbow", r"exceeds its limits .* degrees"),
+        (lambda: {"q": channels()["q"]}, "elbow", r"holds no torque or current"),
+        (lambda: channels() | {"q": np.zeros_like(TIME[:, None] * [1, 1])}, "elbow", r"no column moves"),
+        (lambda: channels() | {"t": np.zeros_like(TIME)}, "elbow", r"q/torque: "),
+    ],
+)
+def test_what_is_surely_wrong_is_refused(files: Path, tmp_path: Path, columns: Any, joint: str, message: str):
+    status, text = run(files, write_log(tmp_path / "log.csv", columns(), ("shoulder", joint)), tmp_path / "out")
+    assert status == 1 and re.search(message, text), text
+    assert not (tmp_path / "out").exists()
+
+
+def test_shuffled_samples_are_put_in_order_and_said(files: Path, tmp_path: Path):
+    order = np.random.default_rng(2).permutation(TIME.size)
+    shuffled = {name: x[order] for name, x in ({"t": TIME} | channels()).items()}
+    found, good = (
+        identify(files / "arm.urdf", write_log(tmp_path / name, log), drives=files / "rigid.yaml", friction="stated")
+        for name, log in (("shuffled.csv", shuffled), ("good.csv", channels()))
+    )
+    assert any("samples were sorted by time" in note for note in found.notes)
+    assert found.numbers == good.numbers
+
+
+def test_uneven_times_are_resampled_and_said(files: Path, tmp_path: Path):
+    time = TIME + 4e-4 * np.random.default_rng(3).uniform(-1.0, 1.0, TIME.size)
+    log = write_log(tmp_path / "log.csv", {"t": time} | channels(time))
+    found = identify(files / "arm.urdf", log, drives=files / "rigid.yaml", friction="stated")
+    assert any("resampled to a period of 0.00" in note for note in found.notes)
+    assert (found.errors.rms("after", held_out=True) < 0.05 * found.errors.rms("before", held_out=True)).all()
+
+
+def test_currents_count_with_the_drives_torque_constants(files: Path, tmp_path: Path):
+    given = channels()
+    logs = (given, {"q": given["q"], "current": given["torque"] / 10.0})
+    by_torque, by_current = (
+        identify(
+            files / "arm.urdf", write_log(tmp_path / "log.csv", log), drives=files / "rigid.yaml", friction="stated"
+        )
+        for log in logs
+    )
+    for a, b in zip(by_current.numbers, by_torque.numbers, strict=True):
+        assert a.value == pytest.approx(b.value, rel=1e-5, abs=1e-6)  # nine digits in the file
+
+
+def test_springs_need_both_encoders(files: Path, tmp_path: Path):
+    log = write_log(tmp_path / "log.csv", channels())
+    status, text = run(files, log, tmp_path / "out", "--springs")
+    assert status == 1 and "springs need positions of both sides" in text
+
+
+@pytest.mark.parametrize("share", ["-0.1", "0.95", "nan"])
+def test_a_hold_out_that_is_no_share_is_refused(files: Path, tmp_path: Path, share: str):
+    log = write_log(tmp_path / "log.csv", channels())
+    status, text = run(files, log, tmp_path / "out", "--hold-out", share)
+    assert status == 1 and "must be a share of the log" in text
