@@ -8,15 +8,16 @@ from typing import Any
 
 import numpy as np
 import pytest
-from arm_logs import TIME, channels, motions, run, wound, write_arm, write_log
+from arm_logs import LAW, TIME, TRUTH, channels, motions, run, wound, write_arm, write_log
 from two_joints import urdf_text
 
 import cutpoint
-from cutpoint import LinearSpring, Robot
+from cutpoint import Drive, LinearSpring, Robot, Rotor
 from cutpoint.errors import InputError
 from cutpoint.formats import parse_urdf
 from cutpoint.identification import Recording
 from cutpoint.identification.output import Identification, identify, saving
+from cutpoint.identification.output.drive_pictures import amplitudes
 
 
 @pytest.fixture(scope="module")
@@ -35,6 +36,23 @@ def test_the_model_explains_what_it_was_not_fitted_to(found: Identification):
     for j in range(2):
         assert found.errors.rms("after", held_out=True)[j] < 0.05 * found.errors.rms("before", held_out=True)[j]
     assert found.errors.held_out.mean() == pytest.approx(0.3, abs=1e-3)
+
+
+@pytest.mark.parametrize("log", [channels, wound])
+def test_files_that_are_right_explain_torques_as_they_are(log: Any):
+    rotor = Drive(100.0, Rotor(4e-5), LinearSpring(7e3), motor_friction=LAW)
+    drive = rotor if log is wound else Drive(link_friction=LAW)
+    robot = Robot(TRUTH.mechanism, dict.fromkeys(TRUTH.joints, drive))
+    found = identify(robot, Recording(TIME, TRUTH.joints, **log()), friction="stated")
+    # noise of 0.01 N m, of which a tenth of the band is left, and friction's steps through the filter
+    assert (found.errors.rms("before") < 0.02).all() and (found.errors.rms("after") < 0.02).all()
+
+
+def test_waves_have_their_amplitude_however_long_the_motor_rests():
+    angle = np.concatenate([np.zeros(4000), np.linspace(0.0, 80.0 * np.pi, 6000), np.full(9000, 80.0 * np.pi)])
+    values = 3.0 * np.sin(2.0 * angle + 0.7) + 0.5 * np.sin(5.0 * angle) + 10.0
+    values[100:200] = np.nan
+    assert np.allclose(amplitudes(angle, values, [1.0, 2.0, 5.0]), [0.0, 3.0, 0.5], atol=0.02)
 
 
 def test_springs_and_rotors_are_those_of_the_truth(found: Identification):
@@ -123,6 +141,16 @@ def test_names_are_escaped_and_a_robot_in_memory_is_told_as_json(tmp_path: Path)
     assert "&lt;script&gt;alert(1)&lt;/script&gt;" in saved["report.html"]
     assert "robot.urdf" not in saved and '"lower"' in saved["robot.inertias.json"]
     assert "a robot in memory, which is not rewritten" in saved["report.html"]
+
+
+def test_a_xacro_file_is_left_expanded(tmp_path: Path):
+    opened = '<robot xmlns:xacro="http://www.ros.org/wiki/xacro" '
+    (tmp_path / "arm.xacro").write_text(urdf_text().replace("<robot ", opened))
+    found = identify(tmp_path / "arm.xacro", Recording(TIME, TRUTH.joints, **channels()), friction="stated")
+    saved = found.save(tmp_path / "out")
+    again = cutpoint.load(saved[0]).inertial_parameters
+    assert np.abs(again - found.robot.inertial_parameters).max() <= 1e-12 * np.abs(again).max()
+    assert "robot.urdf is the xacro file expanded" in saved[-1].read_text()
 
 
 PENDULUM = """<mujoco model="pendulum"><worldbody><body name="arm">

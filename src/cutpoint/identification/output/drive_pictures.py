@@ -63,13 +63,13 @@ def loop_picture(robot: Robot, drives: DriveEstimates, found: Mapping[str, Bendi
     figure = Figure(figsize=(WIDTH, 0.6 + 1.5 * ROW * rows), layout="constrained")
     panels = list(figure.subplots(rows, 2, squeeze=False).flat)
     for axes, (joint, each) in zip(panels, found.items(), strict=False):
-        some = thinned(each.torque.size)
-        axes.plot(1e3 * each.deflection[some], each.torque[some], color=MOTOR, linewidth=0.6)
         known = each.torque[np.isfinite(each.torque)]
         if known.size:
             torque = np.linspace(known.min(), known.max(), 100)
             law: Any = drives.joints[joint].spring.compliance
-            axes.plot(1e3 * np.asarray(law.deflection(torque)), torque, color=SPRING)
+            axes.plot(1e3 * np.asarray(law.deflection(torque)), torque, color=SPRING, linewidth=3.0)
+        some = thinned(each.torque.size)
+        axes.plot(1e3 * each.deflection[some], each.torque[some], color=MOTOR, linewidth=0.6)
         titled(axes, f"{joint}: torque [N m]")
         axes.set_xlabel("deflection [mrad]")
     for axes in panels[len(found) :]:

@@ -1,6 +1,7 @@
 """`identify`: from a log to a robot that one can trust, with what the log cannot tell, and files of both."""
 
-from collections.abc import Mapping
+from collections.abc import Callable, Generator, Mapping
+from contextlib import contextmanager
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any
@@ -9,19 +10,19 @@ import numpy as np
 from rich.console import Console
 from rich.progress import Progress, SpinnerColumn, TextColumn, TimeElapsedColumn
 
-from cutpoint.errors import CutpointError, InputError
+from cutpoint.errors import InputError
 from cutpoint.formats.drive_file_writing import worded
 from cutpoint.identification.alignment import aligned
-from cutpoint.identification.drives.identify_drives import DriveEstimates, identify_drives
+from cutpoint.identification.drives.identify_drives import DriveEstimates
 from cutpoint.identification.output.drive_numbers import drive_numbers
+from cutpoint.identification.output.estimates import Estimates, estimates, springs_wanted
 from cutpoint.identification.output.numbers import Number, rigid_numbers
 from cutpoint.identification.output.torque_errors import TorqueErrors, torque_errors, warnings_of
 from cutpoint.identification.physical import Solver
 from cutpoint.identification.read_recording import read_recording
 from cutpoint.identification.recording import UNEVEN, Recording
-from cutpoint.identification.rigid import FrictionWish, Method, RigidEstimate, identify_rigid
+from cutpoint.identification.rigid import FrictionWish, Method, RigidEstimate
 from cutpoint.loading import load
-from cutpoint.model.drive import Rotor
 from cutpoint.robot import Robot
 
 SPRING_PARTS = ("compliance", "damping", "kinematic_error", "hysteresis", "motor")
@@ -97,27 +98,16 @@ def identify(
     if not 0.0 <= hold_out <= MOST_HELD:
         raise InputError(f"hold_out {hold_out} must be a share of the log, 0 to {MOST_HELD}", hold_out=hold_out)
     how: dict[str, Any] = {"method": method, "solver": solver, "cutoff": cutoff, "torque_constants": torque_constants}
-    columns = (SpinnerColumn(), TextColumn("{task.description}", markup=False), TimeElapsedColumn())
-    with Progress(*columns, console=Console(stderr=True), transient=True, disable=not progress) as bar:
-        task = bar.add_task("reading the log")
+    with _saying(progress) as say:
+        say("reading the log")
         before = robot if isinstance(robot, Robot) else load(robot, drives)
         recording = log if isinstance(log, Recording) else read_recording(log, mapping, before)
         recording = _prepared(recording, torque_delay)
         fitted, held_from = _fitted(recording, hold_out)
-        springs = _wanted(before, recording) if springs is None else springs
-        if springs and not {"q", "theta"} <= set(recording.channels):
-            there = ", ".join(recording.channels)
-            raise InputError(f"springs need positions of both sides, q and theta; the recording holds {there}")
-        bar.update(task, description="links, rotors and friction")
-        rigid = identify_rigid(before, fitted, friction=friction, **how)
-        bar.update(task, description="springs of the drives")
-        sprung, remarks = _springs(rigid, fitted) if springs else (None, [])
-        apart = sprung is not None and all("rotor inertia" not in x.unidentifiable for x in sprung.joints.values())
-        if sprung and apart:
-            bar.update(task, description="links again, with the rotors that the motors tell")
-            rigid = _with_rotors(before, rigid, sprung, fitted, how)
-        bar.update(task, description="torques on the part that was held out")
-        errors = torque_errors(before, rigid, recording, held_from, torque_constants, cutoff)
+        found = estimates(before, fitted, friction, springs_wanted(before, fitted, springs), how, say)
+        say("torques on the part that was held out")
+        errors = torque_errors(before, found.rigid, recording, held_from, torque_constants, cutoff)
+    rigid, sprung = found.rigid, found.drives
     after, words = _joined(rigid.robot, sprung)
     return Identification(
         robot=after,
@@ -125,12 +115,21 @@ def identify(
         source=None if isinstance(robot, Robot) else Path(robot),
         rigid=rigid,
         drives=sprung,
-        numbers=_numbers(before, after, rigid, sprung, apart),
+        numbers=_numbers(before, after, found),
         errors=errors,
         recording=recording,
         untold=(*rigid.untold, *(sprung.notes if sprung else ())),
-        notes=(*rigid.notes, *map(str, rigid.friction), *remarks, *words, *warnings_of(errors, after.joints)),
+        notes=(*rigid.notes, *map(str, rigid.friction), *found.remarks, *words, *warnings_of(errors, after.joints)),
     )
+
+
+@contextmanager
+def _saying(progress: bool) -> Generator[Callable[[str], None], None, None]:
+    """A function to say what is done now; it shows on stderr how long that takes."""
+    columns = (SpinnerColumn(), TextColumn("{task.description}", markup=False), TimeElapsedColumn())
+    with Progress(*columns, console=Console(stderr=True), transient=True, disable=not progress) as bar:
+        task = bar.add_task("")
+        yield lambda words: bar.update(task, description=words)
 
 
 def _fitted(recording: Recording, hold_out: float) -> tuple[Recording, float]:
@@ -140,13 +139,11 @@ def _fitted(recording: Recording, hold_out: float) -> tuple[Recording, float]:
     return recording.between(start, held_from), held_from
 
 
-def _numbers(
-    before: Robot, after: Robot, rigid: RigidEstimate, sprung: DriveEstimates | None, apart: bool
-) -> tuple[Number, ...]:
-    found = rigid_numbers(after, rigid)
-    for joint, each in sprung.joints.items() if sprung else ():
-        found += drive_numbers(joint, before.drives[joint], each, apart)
-    return found
+def _numbers(before: Robot, after: Robot, found: Estimates) -> tuple[Number, ...]:
+    numbers = rigid_numbers(after, found.rigid)
+    for joint, each in found.drives.joints.items() if found.drives else ():
+        numbers += drive_numbers(joint, before.drives[joint], each, found.apart)
+    return numbers
 
 
 def _prepared(recording: Recording, torque_delay: float) -> Recording:
@@ -159,33 +156,6 @@ def _prepared(recording: Recording, torque_delay: float) -> Recording:
         # what acts later than it is stamped is stamped too early
         recording = aligned(recording, dict.fromkeys(recording.joints, -torque_delay), channels)
     return recording
-
-
-def _wanted(before: Robot, recording: Recording) -> bool:
-    """Whether springs can be found, and there are any."""
-    both = {"q", "theta"} <= set(recording.channels)
-    return both and any(drive.is_elastic for drive in before.drives.values())
-
-
-def _springs(rigid: RigidEstimate, fitted: Recording) -> tuple[DriveEstimates | None, list[str]]:
-    """The drives' springs, or why they are not there: what was found of the links is worth having without."""
-    try:
-        return identify_drives(rigid.robot, fitted), []
-    except CutpointError as error:
-        return None, [f"springs were not identified: {error}"]
-
-
-def _with_rotors(
-    before: Robot, rigid: RigidEstimate, sprung: DriveEstimates, fitted: Recording, how: Mapping[str, Any]
-) -> RigidEstimate:
-    """Links and friction where rotors are known: torques tell sums of both, the motors' sides tell them apart."""
-    drives = {
-        joint: replace(drive, rotor=replace(drive.rotor or Rotor(0.0), inertia=sprung.joints[joint].rotor.inertia))
-        for joint, drive in before.drives.items()
-    }
-    laws = {choice.joint: choice.law for choice in rigid.friction} or "stated"
-    found = identify_rigid(before.with_drives(drives), fitted, friction=laws, rotors=False, **how)
-    return replace(found, friction=rigid.friction)
 
 
 def _joined(robot: Robot, sprung: DriveEstimates | None) -> tuple[Robot, list[str]]:

@@ -87,7 +87,10 @@ def _drives(found: "Identification") -> list[Page]:
     with styled():
         loops, waves = loop_picture(found.robot, found.drives, bent), wave_picture(bent)
     over = "Torque on the link over deflection without kinematic error, and the spring's law (green)."
-    left = "What the springs leave of the encoders' difference, over waves a turn of the motor."
+    left = (
+        "What the springs leave of the encoders' difference, over waves a turn of the motor."
+        " Waves of the kinematic error that come faster than the drive rings wind its spring, and show smaller."
+    )
     blocks = (Picture("Figure 3", over, loops), Picture("Figure 4", left, waves))
     return [Page("drives", "Drives", blocks)]
 
