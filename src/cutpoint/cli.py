@@ -204,7 +204,7 @@ def excite(
     machine follows it: bodies may touch, since nothing here knows their shapes.
     """
     from cutpoint.identification import excitation
-    from cutpoint.identification.excitation_table import FILES, save, table_of
+    from cutpoint.identification.excitation.table import FILES, save, table_of
 
     loaded = _robot(robot, drives)
     output.mkdir(parents=True, exist_ok=True)

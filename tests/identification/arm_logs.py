@@ -9,7 +9,7 @@ from typer.testing import CliRunner
 
 from cutpoint import Coulomb, Robot
 from cutpoint.cli import app
-from cutpoint.identification.bodies import with_parameters
+from cutpoint.identification.rigid.bodies import with_parameters
 
 Array = np.ndarray
 

@@ -9,9 +9,9 @@ import cutpoint
 from cutpoint import Coulomb, Drive, Robot, Rotor
 from cutpoint.control import PD
 from cutpoint.identification import Recording
-from cutpoint.identification.base_parameters import BaseParameters, base_parameters
-from cutpoint.identification.bodies import bodies_of, with_parameters
-from cutpoint.identification.excitation_series import FourierSeries, still_waves
+from cutpoint.identification.excitation.series import FourierSeries, still_waves
+from cutpoint.identification.rigid.base_parameters import BaseParameters, base_parameters
+from cutpoint.identification.rigid.bodies import bodies_of, with_parameters
 from cutpoint.simulation import Sensors
 from random_trees import random_tree
 

@@ -11,7 +11,8 @@ from rosbags.rosbag2 import StoragePlugin, Writer
 from rosbags.typesys import Stores, get_typestore
 
 from cutpoint.errors import InputError
-from cutpoint.identification import bag_storage, read_recording, read_table
+from cutpoint.identification import read_recording, read_table
+from cutpoint.identification.logs import bag_storage
 
 STORE = get_typestore(Stores.ROS2_JAZZY)
 STATE, ARRAY = "sensor_msgs/msg/JointState", "std_msgs/msg/Float64MultiArray"

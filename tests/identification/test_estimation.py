@@ -10,8 +10,8 @@ from simulated_logs import NOISE, known_arm, recorded
 from cutpoint import Coulomb, Robot
 from cutpoint.errors import InputError
 from cutpoint.identification import Recording
-from cutpoint.identification.rigid import identify_rigid
-from cutpoint.identification.rigid_robot import RigidModel, stated_laws
+from cutpoint.identification.rigid.identify_rigid import identify_rigid
+from cutpoint.identification.rigid.rigid_robot import RigidModel, stated_laws
 from cutpoint.model.places import Places
 from cutpoint.model.validation import check_body
 
@@ -59,7 +59,7 @@ def test_identified_bodies_exist_and_predict_new_motions(solver: str, seed: int)
 
 def truly(robot: Robot, file: Robot, recording: Recording) -> np.ndarray:
     """What the true parameters predict of a recording."""
-    from cutpoint.identification.motion import motion_of
+    from cutpoint.identification.conditioning.motion import motion_of
 
     motion = motion_of(robot, recording, CUTOFF)
     rotors = np.array([float(drive.reflected_inertia) for drive in robot.drives.values()])

@@ -8,7 +8,7 @@ from measured import EMPS, UR10, UR10_MAPPING, emps_mapping
 
 from cutpoint import Coulomb, Robot
 from cutpoint.identification import low_pass, read_recording
-from cutpoint.identification.rigid import identify_rigid
+from cutpoint.identification.rigid.identify_rigid import identify_rigid
 from cutpoint.model import Joint, Link
 from cutpoint.model.build import build
 from robot_library import load

@@ -16,8 +16,8 @@ import cutpoint
 from cutpoint import Robot
 from cutpoint.cli import app
 from cutpoint.identification import Excitation, base_parameters, excitation
-from cutpoint.identification.excitation_bounds import bounds_of
-from cutpoint.identification.excitation_problem import FINER, SAMPLES, Problem
+from cutpoint.identification.excitation.bounds import bounds_of
+from cutpoint.identification.excitation.problem import FINER, SAMPLES, Problem
 from robot_library import assert_close, derivative, robot
 
 Array = NDArray[np.float64]
@@ -161,7 +161,7 @@ def test_a_resumed_search_goes_on_from_the_file_and_is_never_worse(tmp_path: Pat
 
 
 def test_ctrl_c_returns_the_best_so_far(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    from cutpoint.identification import excitation_search
+    from cutpoint.identification.excitation import search as excitation_search
 
     def pressed(*_: Any, **__: Any) -> None:
         raise KeyboardInterrupt

@@ -13,8 +13,9 @@ import scipy.io
 from machine_logs import positions, times
 
 from cutpoint.errors import InputError
-from cutpoint.identification import read_mat, read_npz, read_table
-from cutpoint.identification import table as tables
+from cutpoint.identification import read_table
+from cutpoint.identification.logs import read_mat, read_npz
+from cutpoint.identification.logs import table as tables
 
 ENDINGS = (".csv", ".npz", ".mat", ".parquet", ".db3", ".mcap")
 

@@ -12,7 +12,7 @@ from cutpoint.errors import InputError
 from cutpoint.formats import parse_drives, parse_urdf
 from cutpoint.formats.drive_file_writing import remarked_drives, worded
 from cutpoint.formats.urdf_writing import MOVED, updated_urdf
-from cutpoint.identification.bodies import with_parameters
+from cutpoint.identification.rigid.bodies import with_parameters
 from cutpoint.model import Mechanism
 from robot_library import COULOMB, mixed_drives, tree, urdf
 

@@ -152,7 +152,7 @@ def test_obvious_names_need_no_mapping(names: tuple[str, str, str], tmp_path: Pa
 
 @pytest.mark.parametrize("pattern", ["actual_q_{}", "q{}", "q[{}]", "q ({})", "Q-{}"])
 def test_numbered_columns_are_one_quantity(pattern: str):
-    from cutpoint.identification.mapping import obvious_mapping
+    from cutpoint.identification.logs.mapping import obvious_mapping
 
     log = table(**{pattern.format(k): Q[:, k] for k in range(2)})
     assert np.array_equal(recording_of(log, obvious_mapping(log))["q"], Q)

@@ -1,26 +1,32 @@
 """Models from logs of real machines.
 
-This room reads logs and brings them into a state one can compute with.  It counts the parameters that a robot's motion
-tells, and finds motions that tell most of them.
+`identify` does it all: it reads a log, brings it into a state one can compute with, finds links, rotors, friction and
+springs with their uncertainty, and says what the log cannot tell.  `excitation` finds motions that tell most.
 """
 
-from cutpoint.identification.alignment import aligned, skews
-from cutpoint.identification.base_parameters import BaseParameters, base_parameters
-from cutpoint.identification.clock_skew import Skew, clock_skew
-from cutpoint.identification.excitation import Excitation, excitation
-from cutpoint.identification.filtering import derivative, low_pass, low_passed, noise_cutoff
-from cutpoint.identification.mapping import load_mapping, parse_mapping
-from cutpoint.identification.read_recording import read_recording, recording_of
-from cutpoint.identification.reading import read_table
-from cutpoint.identification.recording import Recording
-from cutpoint.identification.table import Channel, Table
-from cutpoint.identification.torque_laws import arm_torque, single_joint_torque
+from cutpoint.identification.conditioning.alignment import aligned, skews
+from cutpoint.identification.conditioning.clock_skew import Skew, clock_skew
+from cutpoint.identification.conditioning.filtering import derivative, low_pass, low_passed, noise_cutoff
+from cutpoint.identification.conditioning.torque_laws import arm_torque, single_joint_torque
+from cutpoint.identification.drives.identify_drives import DriveEstimates, identify_drives
+from cutpoint.identification.excitation.excitation import Excitation, excitation
+from cutpoint.identification.logs.mapping import load_mapping, parse_mapping
+from cutpoint.identification.logs.read_recording import read_recording, recording_of
+from cutpoint.identification.logs.reading import read_table
+from cutpoint.identification.logs.recording import Recording
+from cutpoint.identification.logs.table import Channel, Table
+from cutpoint.identification.output.identify import Identification, identify
+from cutpoint.identification.rigid.base_parameters import BaseParameters, base_parameters
+from cutpoint.identification.rigid.identify_rigid import RigidEstimate, identify_rigid
 
 __all__ = [
     "BaseParameters",
     "Channel",
+    "DriveEstimates",
     "Excitation",
+    "Identification",
     "Recording",
+    "RigidEstimate",
     "Skew",
     "Table",
     "aligned",
@@ -29,6 +35,9 @@ __all__ = [
     "clock_skew",
     "derivative",
     "excitation",
+    "identify",
+    "identify_drives",
+    "identify_rigid",
     "load_mapping",
     "low_pass",
     "low_passed",

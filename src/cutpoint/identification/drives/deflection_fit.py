@@ -10,10 +10,10 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 from numpy.typing import NDArray
 
+from cutpoint.identification.conditioning.filtering import low_pass
 from cutpoint.identification.drives.bounded import bounded_weights
 from cutpoint.identification.drives.columns import strain_columns, wave_columns
 from cutpoint.identification.drives.spring_laws import SpringLaw, fitted
-from cutpoint.identification.filtering import low_pass
 
 Array = NDArray[np.float64]
 

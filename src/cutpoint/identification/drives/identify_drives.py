@@ -7,6 +7,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from cutpoint.errors import InputError
+from cutpoint.identification.conditioning.filtering import noise_cutoff
 from cutpoint.identification.drives.joint_torques import (
     corrected,
     link_torque,
@@ -17,8 +18,7 @@ from cutpoint.identification.drives.rotor import RotorEstimate, motor_side
 from cutpoint.identification.drives.spring_estimate import SpringEstimate
 from cutpoint.identification.drives.spring_laws import LAWS
 from cutpoint.identification.drives.two_encoders import two_encoders
-from cutpoint.identification.filtering import noise_cutoff
-from cutpoint.identification.recording import Recording
+from cutpoint.identification.logs.recording import Recording
 from cutpoint.model.drive import Drive, Motor, Rotor
 from cutpoint.robot import Robot
 

@@ -5,9 +5,9 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from cutpoint.identification.conditioning.filtering import derivative, low_pass, noise_cutoff
 from cutpoint.identification.drives.rotor import RotorEstimate, late
 from cutpoint.identification.drives.spring_estimate import SpringEstimate
-from cutpoint.identification.filtering import derivative, low_pass, noise_cutoff
 from cutpoint.robot import Robot
 
 Array = NDArray[np.float64]

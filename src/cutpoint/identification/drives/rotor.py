@@ -12,9 +12,9 @@ from numpy.typing import ArrayLike, NDArray
 from scipy.optimize import minimize_scalar
 
 from cutpoint.errors import InputError
+from cutpoint.identification.conditioning.filtering import derivative, low_pass, noise_cutoff
 from cutpoint.identification.drives.bounded import bounded_weights
 from cutpoint.identification.drives.scatter import covariance
-from cutpoint.identification.filtering import derivative, low_pass, noise_cutoff
 from cutpoint.mechanics.friction import Coulomb
 
 Array = NDArray[np.float64]

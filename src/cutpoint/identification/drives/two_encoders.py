@@ -6,13 +6,13 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from cutpoint.errors import InputError, unknown_name
+from cutpoint.identification.conditioning.filtering import noise_cutoff
 from cutpoint.identification.drives.columns import amplitude_errors
 from cutpoint.identification.drives.deflection_fit import ELEMENTS, DeflectionFit, Deflections, fit_deflection
 from cutpoint.identification.drives.law_choice import block_errors, simplest
 from cutpoint.identification.drives.scatter import covariance
 from cutpoint.identification.drives.spring_estimate import FEWEST_TURNS, SIGNIFICANT, SpringEstimate, estimate_of
 from cutpoint.identification.drives.spring_laws import LAWS
-from cutpoint.identification.filtering import noise_cutoff
 
 Array = NDArray[np.float64]
 

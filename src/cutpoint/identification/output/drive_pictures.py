@@ -8,13 +8,13 @@ import numpy as np
 from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
+from cutpoint.identification.conditioning.filtering import low_pass
+from cutpoint.identification.conditioning.motion import motion_of
 from cutpoint.identification.drives.identify_drives import DriveEstimates
-from cutpoint.identification.filtering import low_pass
-from cutpoint.identification.motion import motion_of
+from cutpoint.identification.logs.recording import Recording
 from cutpoint.identification.output.pictures import ROW, thinned, titled
-from cutpoint.identification.recording import Recording
-from cutpoint.identification.rigid import RigidEstimate
-from cutpoint.identification.rigid_robot import link_torques
+from cutpoint.identification.rigid.identify_rigid import RigidEstimate
+from cutpoint.identification.rigid.rigid_robot import link_torques
 from cutpoint.robot import Robot
 from cutpoint.studies.style import MOTOR, SPRING, WIDTH
 

@@ -6,8 +6,8 @@ from typing import Any, NamedTuple
 
 from cutpoint.errors import CutpointError, InputError
 from cutpoint.identification.drives.identify_drives import DriveEstimates, identify_drives
-from cutpoint.identification.recording import Recording
-from cutpoint.identification.rigid import FrictionWish, RigidEstimate, identify_rigid
+from cutpoint.identification.logs.recording import Recording
+from cutpoint.identification.rigid.identify_rigid import FrictionWish, RigidEstimate, identify_rigid
 from cutpoint.model.drive import Rotor
 from cutpoint.robot import Robot
 

@@ -12,16 +12,16 @@ from rich.progress import Progress, SpinnerColumn, TextColumn, TimeElapsedColumn
 
 from cutpoint.errors import InputError
 from cutpoint.formats.drive_file_writing import worded
-from cutpoint.identification.alignment import aligned
+from cutpoint.identification.conditioning.alignment import aligned
 from cutpoint.identification.drives.identify_drives import DriveEstimates
+from cutpoint.identification.logs.read_recording import read_recording
+from cutpoint.identification.logs.recording import UNEVEN, Recording
 from cutpoint.identification.output.drive_numbers import drive_numbers
 from cutpoint.identification.output.estimates import Estimates, estimates, springs_wanted
 from cutpoint.identification.output.numbers import Number, rigid_numbers
 from cutpoint.identification.output.torque_errors import TorqueErrors, torque_errors, warnings_of
-from cutpoint.identification.physical import Solver
-from cutpoint.identification.read_recording import read_recording
-from cutpoint.identification.recording import UNEVEN, Recording
-from cutpoint.identification.rigid import FrictionWish, Method, RigidEstimate
+from cutpoint.identification.rigid.identify_rigid import FrictionWish, Method, RigidEstimate
+from cutpoint.identification.rigid.physical import Solver
 from cutpoint.loading import load
 from cutpoint.robot import Robot
 

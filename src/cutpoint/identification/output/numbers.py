@@ -2,8 +2,8 @@
 
 from dataclasses import dataclass
 
-from cutpoint.identification.rigid import RigidEstimate
-from cutpoint.identification.uncertainty import Parameter
+from cutpoint.identification.rigid.identify_rigid import RigidEstimate
+from cutpoint.identification.rigid.uncertainty import Parameter
 from cutpoint.robot import Robot
 
 Path = tuple[str, ...]

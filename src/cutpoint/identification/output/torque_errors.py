@@ -7,11 +7,11 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from cutpoint.identification.filtering import low_pass
-from cutpoint.identification.motion import Motion, motion_of, torques_of
-from cutpoint.identification.recording import Recording
-from cutpoint.identification.rigid import BANDWIDTH, RigidEstimate
-from cutpoint.identification.rigid_robot import link_torques
+from cutpoint.identification.conditioning.filtering import low_pass
+from cutpoint.identification.conditioning.motion import Motion, motion_of, torques_of
+from cutpoint.identification.logs.recording import Recording
+from cutpoint.identification.rigid.identify_rigid import BANDWIDTH, RigidEstimate
+from cutpoint.identification.rigid.rigid_robot import link_torques
 from cutpoint.robot import Robot
 
 Array = NDArray[np.float64]

@@ -1,0 +1,1 @@
+"""Recordings made fit to compute with: clocks, filters, derivatives, fewer rows."""

@@ -1,0 +1,104 @@
+"""Channels of two clocks brought to one."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from cutpoint.errors import InputError
+from cutpoint.identification.conditioning.clock_skew import Skew, clock_skew
+from cutpoint.identification.logs.recording import Recording
+from cutpoint.identification.logs.resampling import on_grid
+
+Array = NDArray[np.float64]
+
+LINK_SIDE = ("q", "v")
+"""The channels of a link's encoder, which often has a clock of its own."""
+
+
+STANDS_OUT = 2.0
+"""Uncertainties: a measured delay that is less than that is not corrected."""
+
+
+def skews(recording: Recording, later: str = "q", earlier: str = "theta") -> dict[str, Skew]:
+    """By how much one channel is later than another, of each joint that shows it.
+
+    A drive's deflection under friction looks like a delay.  Where torque was recorded, a second fit lets it bend the
+    drive; friction on the motor's side, which bends nothing, misleads that one.  The delay is their mean, and half of
+    their difference is part of the uncertainty.
+
+    Raises InputError: times that are not uniform, a channel that was not recorded, or no joint of which both move.
+    """
+    period = recording.period
+    found = {
+        joint: _skew(recording[later][:, k], recording[earlier][:, k], recording.channels.get("torque"), k, period)
+        for k, joint in enumerate(recording.joints)
+        if _moves(recording[later][:, k]) and _moves(recording[earlier][:, k])
+    }
+    if not found:
+        raise InputError(f"no joint moves in both {later!r} and {earlier!r}: nothing shows a delay")
+    return found
+
+
+def aligned(
+    recording: Recording, delays: Mapping[str, Skew | float] | None = None, channels: Sequence[str] = LINK_SIDE
+) -> Recording:
+    """Channels moved to earlier times by their joints' delays, s; by default the link's to the motor's, as measured.
+
+    Joints without a delay, or with one that does not stand out of its uncertainty, stay as they are, and a note says
+    so.  NaN at the ends, where nothing was sampled.
+    Raises InputError as `skews` does, and for a joint that was not recorded.
+    """
+    measured = skews(recording) if delays is None else delays
+    unknown = set(measured) - set(recording.joints)
+    if unknown:
+        raise InputError(f"no joint {sorted(unknown)[0]!r} was recorded; there are: {', '.join(recording.joints)}")
+    seconds = np.array([_delay(measured.get(joint, 0.0)) for joint in recording.joints])
+    there = [name for name in channels if name in recording.channels]
+    moved = {name: _earlier(recording.time, recording[name], seconds) for name in there}
+    return replace(recording, **moved).with_notes(_notes(", ".join(there), measured))
+
+
+def _skew(x: Array, y: Array, torques: Array | None, column: int, period: float) -> Skew:
+    plain = clock_skew(x, y, period)
+    if torques is None:
+        return plain
+    torque = torques[:, column]
+    known = np.isfinite(torque)
+    load = np.where(known, torque, 0.0)
+    bent = clock_skew(np.where(known, x, np.nan), y, period, lambda y, *_: np.column_stack([y, load]))
+    uncertainty = float(np.hypot(plain.uncertainty, 0.5 * (plain.delay - bent.delay)))
+    return Skew(0.5 * (plain.delay + bent.delay), uncertainty, plain.residual)
+
+
+def _delay(given: Skew | float) -> float:
+    """s to correct."""
+    if isinstance(given, Skew):
+        return given.delay if abs(given.delay) > STANDS_OUT * given.uncertainty else 0.0
+    return float(given)
+
+
+def _moves(x: Array) -> bool:
+    known = x[np.isfinite(x)]
+    return bool(known.size and np.ptp(known) > 0.0)
+
+
+def _earlier(time: Array, values: Array, delays: Array) -> Array:
+    """Each column at the times at which it was late."""
+    columns = [on_grid(time, x, time + tau) if tau else x for x, tau in zip(values.T, delays, strict=True)]
+    return np.column_stack(columns)
+
+
+def _notes(channels: str, measured: Mapping[str, Skew | float]) -> list[str]:
+    words = {joint: _words(each) for joint, each in measured.items()}
+    moved = [f"{joint} by {words[joint]}" for joint, each in measured.items() if _delay(each)]
+    stayed = [f"{joint} ({words[joint]})" for joint, each in measured.items() if not _delay(each)]
+    notes = [f"{channels} moved to earlier times: {', '.join(moved)}"] if moved else []
+    return [*notes, f"{channels} not moved, as no delay stands out: {', '.join(stayed)}"] if stayed else notes
+
+
+def _words(given: Skew | float) -> str:
+    if isinstance(given, Skew):
+        return f"{1e3 * given.delay:.3f} +- {1e3 * given.uncertainty:.3f} ms"
+    return f"{1e3 * given:.3f} ms"

@@ -1,0 +1,122 @@
+"""Zero-phase low-pass filtering and differentiation, with a stated bandwidth, never across a gap."""
+
+from collections.abc import Iterator
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.signal import butter, sosfiltfilt, welch
+
+from cutpoint.errors import InputError
+from cutpoint.identification.logs.recording import Recording
+
+Array = NDArray[np.float64]
+
+ORDER = 4
+"""Of the Butterworth filter, which runs forwards and backwards."""
+
+CUT_PERIODS = 1.5
+"""Periods of the cut-off that are cut at each end and beside each gap: there the filter does not know what came before.
+By then the response to a step has settled to 1 %, at the default order."""
+
+ABOVE_FLOOR = 10.0
+"""Times the noise floor's power: where the spectrum falls below that, motion ends."""
+
+WINDOWS = 4
+"""Windows over a recording, each half over the next, for its spectrum."""
+
+LOWEST_CYCLES = 4.0
+"""Cycles of the default cut-off in a recording, at least."""
+
+HIGHEST = 0.4
+"""Of the sampling rate: the largest default cut-off."""
+
+
+def low_pass(values: Array, period: float, cutoff: float, order: int = ORDER) -> Array:
+    """Values (N, ...) without what is faster than a cut-off, in time with the original; NaN at edges.
+
+    A Butterworth filter forwards and backwards: a component at the cut-off (Hz) is halved, one at frequency f keeps
+    1 / (1 + (f / cutoff)^(2 order)).  A stretch between gaps that is shorter than what its edges lose is NaN.
+
+    Raises InputError: a cut-off that is not between 0 and half of the sampling rate.
+    """
+    if not 0.0 < cutoff < 0.5 / period:
+        raise InputError(f"cut-off {cutoff} Hz must lie between 0 and half of the sampling rate, {0.5 / period:g} Hz")
+    sections = butter(order, cutoff, fs=1.0 / period, output="sos")
+    edge = int(np.ceil(CUT_PERIODS / (cutoff * period)))
+    found = np.full(values.shape, np.nan)
+    for part, column, result in _stretches(values, found):
+        if part.stop - part.start > 2 * edge:
+            smooth = sosfiltfilt(sections, column[part], padlen=min(3 * edge, part.stop - part.start - 1))
+            result[part.start + edge : part.stop - edge] = smooth[edge:-edge]
+    return found
+
+
+def derivative(values: Array, period: float, order: int = 1) -> Array:
+    """First or second time derivative of values (N, ...) by central differences; NaN at edges.
+
+    A component of a tenth of the sampling rate comes out 0.935 of its size (0.967 for the second derivative), slower
+    ones nearer to it, and noise grows with its frequency: low-pass first.
+    """
+    if order not in (1, 2):
+        raise InputError(f"order {order} must be 1 or 2")
+    found = np.full(values.shape, np.nan)
+    if order == 1:
+        found[1:-1] = (values[2:] - values[:-2]) / (2.0 * period)
+    else:
+        found[1:-1] = (values[2:] - 2.0 * values[1:-1] + values[:-2]) / period**2
+    return found
+
+
+def noise_cutoff(values: Array, period: float) -> float:
+    """Hz, where the motion in values (N, ...) sinks into their noise: the highest of all columns.
+
+    The floor is the median power density of the upper half of the spectrum, of the longest stretch without gaps; the
+    cut-off is where the density first falls below ten times that.  Motion that lies below the floor cannot be seen.
+    """
+    found = 0.0
+    for column in values.reshape(len(values), -1).T:
+        longest = max(_parts(column), key=lambda part: part.stop - part.start, default=slice(0, 0))
+        x = column[longest]
+        if x.size >= 16 * WINDOWS and np.ptp(x) > 0.0:
+            found = max(found, _cutoff(x, period))
+    if not found:
+        raise InputError(f"no column moves over {16 * WINDOWS} samples or more: state a cut-off in Hz")
+    return found
+
+
+def low_passed(recording: Recording, cutoff: float | None = None, order: int = ORDER) -> Recording:
+    """All channels through one filter, so that what follows from another still does.
+
+    cutoff: Hz; by default where the positions sink into their noise, see `noise_cutoff`.
+    Raises InputError: times that are not uniform, or a cut-off that is out of bounds.
+    """
+    period = recording.period
+    if cutoff is None:
+        positions = [values for name, values in recording.channels.items() if name in ("q", "theta")]
+        cutoff = noise_cutoff(np.column_stack(positions or [*recording.channels.values()]), period)
+    found = recording.with_channels(lambda values: low_pass(values, period, cutoff, order))
+    return found.with_notes([f"low-passed at {cutoff:.4g} Hz, zero phase, order {order} in each direction"])
+
+
+def _cutoff(x: Array, period: float) -> float:
+    window = 2 * x.size // (WINDOWS + 1)
+    frequencies, power = welch(x, 1.0 / period, window="blackmanharris", nperseg=window, detrend="linear")
+    floor = np.median(power[power.size // 2 :])
+    below = np.flatnonzero(power < ABOVE_FLOOR * floor)
+    below = below[below > int(np.argmax(power))]
+    highest = HIGHEST / period
+    wanted = float(frequencies[below[0]]) if below.size else highest
+    return float(np.clip(wanted, LOWEST_CYCLES / (x.size * period), highest))
+
+
+def _stretches(values: Array, found: Array) -> Iterator[tuple[slice, Array, Array]]:
+    """Each stretch without NaN, with its column of values and of results."""
+    for column, result in zip(values.reshape(len(values), -1).T, found.reshape(len(found), -1).T, strict=True):
+        for part in _parts(column):
+            yield part, column, result
+
+
+def _parts(column: Array) -> list[slice]:
+    known = np.concatenate([[False], np.isfinite(column), [False]])
+    edges = np.flatnonzero(known[1:] != known[:-1])
+    return [slice(int(a), int(b)) for a, b in edges.reshape(-1, 2)]

@@ -1,0 +1,105 @@
+"""A recording as the equations want it: every joint of the robot in order, with speeds, accelerations and torques."""
+
+from collections.abc import Mapping
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from cutpoint.errors import InputError, unknown_name
+from cutpoint.identification.conditioning.filtering import derivative, low_pass, noise_cutoff
+from cutpoint.identification.logs.recording import Recording
+from cutpoint.robot import Robot
+
+Array = NDArray[np.float64]
+
+
+class Motion(NamedTuple):
+    """How joints moved, each (N, n), a column for each joint of the robot; NaN where nothing is known.
+
+    q, v, a of the links; w, w_dot: speed and acceleration of the motors over ratio; rad, rad/s, rad/s2 (m ...).
+    period: s between samples.  cutoff: Hz, of the positions.
+    """
+
+    q: Array
+    v: Array
+    a: Array
+    w: Array
+    w_dot: Array
+    period: float
+    cutoff: float
+
+    def known(self) -> NDArray[np.bool_]:
+        """Which samples hold every number, (N,)."""
+        return np.asarray(np.isfinite(np.column_stack([self.q, self.v, self.a, self.w, self.w_dot])).all(axis=1))
+
+
+def motion_of(robot: Robot, recording: Recording, cutoff: float | None = None) -> Motion:
+    """Positions without what is faster than a cut-off (Hz), and their derivatives.
+
+    cutoff: by default where the positions sink into their noise, see `noise_cutoff`.  Where only one side of the gear
+    was measured, it stands for both.
+
+    Raises InputError: joints that were not recorded, no positions, uneven times, speeds without a drive.
+    """
+    if robot.nv != len(robot.joints):
+        driven = f"{len(robot.joints)} drives and {robot.nv} speeds"
+        raise InputError(f"robot {robot.name!r} has {driven}: identification needs a drive for each; lock the others")
+    period, channels = recording.period, _channels(robot, recording)
+    sides = {name: channels[name] for name in ("q", "theta") if name in channels}
+    if not sides:
+        raise InputError(f"the recording holds no positions, q or theta; there are: {', '.join(channels)}")
+    cutoff = noise_cutoff(np.column_stack([*sides.values()]), period) if cutoff is None else cutoff
+    smooth = {name: low_pass(x, period, cutoff) for name, x in sides.items()}
+    q, theta = (smooth.get(name, next(iter(smooth.values()))) for name in ("q", "theta"))
+    v, a, w, w_dot = (derivative(x, period, order) for x in (q, theta) for order in (1, 2))
+    return Motion(q, v, a, w, w_dot, period, cutoff)
+
+
+def sliding_speeds(robot: Robot, motion: Motion) -> Array:
+    """(N, n): what each joint's friction goes by, the motor's speed where friction is stated for that alone."""
+    on_motor = [drive.motor_friction is not None and drive.link_friction is None for drive in robot.drives.values()]
+    return np.where(on_motor, motion.w, motion.v)
+
+
+def torques_of(robot: Robot, recording: Recording, constants: Mapping[str, float] | None = None) -> Array:
+    """(N, n): torques of the motors times ratio, N m (N), as recorded, in the order of the robot's joints.
+
+    constants: N m at the joint for each ampere of its motor, by joint; then currents are taken.  They also are where no
+    torque was recorded, with the constants of the drives' motors.
+
+    Raises InputError: joints that were not recorded, neither torques nor currents, currents without a constant.
+    """
+    channels = _channels(robot, recording)
+    if "torque" in channels and constants is None:
+        return channels["torque"]
+    if "current" not in channels:
+        wanted = "current" if constants is not None else "torque or current"
+        raise InputError(f"the recording holds no {wanted}; there are: {', '.join(channels)}")
+    unknown = set(constants or {}) - set(robot.joints)
+    if unknown:
+        raise unknown_name("driven joint", sorted(unknown)[0], robot.joints)
+    return channels["current"] * [_constant(robot, joint, constants or {}) for joint in robot.joints]
+
+
+def _channels(robot: Robot, recording: Recording) -> dict[str, Array]:
+    missing = [joint for joint in robot.joints if joint not in recording.joints]
+    if missing:
+        known = ", ".join(recording.joints)
+        raise InputError(f"joint {missing[0]!r} was not recorded; there are: {known}; map its channels, or lock it")
+    columns = [recording.joints.index(joint) for joint in robot.joints]
+    return {name: x[:, columns] for name, x in recording.channels.items()}
+
+
+def _constant(robot: Robot, joint: str, given: Mapping[str, float]) -> float:
+    """N m at the joint for each ampere."""
+    drive = robot.drives[joint]
+    if joint in given:
+        return given[joint]
+    if drive.motor is None:
+        raise InputError(
+            f"joint {joint!r}: only its current was recorded, and its drive has no motor with a torque constant; "
+            "state one, or give torque_constants={...} in N m at the joint for each ampere",
+            joint=joint,
+        )
+    return float(drive.motor.torque_constant * drive.ratio)

@@ -1,0 +1,202 @@
+"""`excitation`: the motion along which torques tell most of a robot's parameters.
+
+Swevers, Ganseman, Tuekel, De Schutter and Van Brussel (1997), Optimal robot excitation and identification, IEEE Trans.
+Robot. Autom. 13(5).
+"""
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from cutpoint.errors import InputError, unknown_name
+from cutpoint.identification.excitation.bounds import bounds_of
+from cutpoint.identification.excitation.file import Start, read_start, write_csv, write_start
+from cutpoint.identification.excitation.information import Criterion, condition_number, log_determinant
+from cutpoint.identification.excitation.limits import Box
+from cutpoint.identification.excitation.problem import Problem
+from cutpoint.identification.excitation.search import Found, search
+from cutpoint.identification.excitation.series import FourierSeries
+from cutpoint.robot import Robot
+from cutpoint.trajectories.arrays import positive
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+Array = NDArray[np.float64]
+
+CRITERIA = ("determinant", "condition")
+
+FEWEST, MOST = 3, 50
+"""Harmonics: fewer leave no motion that starts at rest up to the snap."""
+
+
+@dataclass(frozen=True)
+class Quality:
+    """How much a motion tells: log det(W^T W / N) over N samples, and the condition number of W, of scaled columns."""
+
+    log_determinant: float
+    condition: float
+
+
+@dataclass(frozen=True)
+class Use:
+    """What a motion uses of a limit: least and largest value, and what is allowed; infinite where nothing is stated.
+
+    kind: position, speed, acceleration, torque, or place.  name: the joint, or frame and axis.
+    """
+
+    kind: str
+    name: str
+    unit: str
+    least: float
+    largest: float
+    low: float
+    high: float
+
+
+@dataclass(frozen=True, eq=False)
+class Excitation:
+    """The best motion found: `trajectory` repeats itself `periods` times.
+
+    before: of the first random motion, made as large as the limits allow; None where they allow none there, or where
+    the search went on from a file.  after: of this one.  starts: how many were made to their end.
+    """
+
+    robot: Robot = field(repr=False)
+    trajectory: FourierSeries
+    criterion: Criterion
+    before: Quality | None
+    after: Quality
+    limits: tuple[Use, ...] = field(repr=False)
+    starts: int
+
+    @property
+    def periods(self) -> int:
+        """How often the motion repeats itself."""
+        return round(self.trajectory.duration * self.trajectory.base_frequency)
+
+    def save_csv(self, path: str | Path, rate: float = 200.0) -> None:
+        """Write the positions, rad (m), at a rate, Hz, as `trajectories.from_csv` reads them."""
+        write_csv(Path(path), self.robot, self.trajectory, rate)
+
+    def plot(self) -> "Figure":
+        """Positions, speeds and motor torques of one period with their limits, a row a joint."""
+        from cutpoint.identification.excitation.picture import figure_of
+
+        return figure_of(self.robot, self.trajectory, self.limits)
+
+
+def excitation(
+    robot: Robot,
+    duration: float = 10.0,
+    harmonics: int = 5,
+    base_frequency: float | None = None,
+    *,
+    criterion: Criterion = "determinant",
+    position: tuple[ArrayLike, ArrayLike] | None = None,
+    speed: ArrayLike | None = None,
+    acceleration: ArrayLike | None = None,
+    torque: ArrayLike | None = None,
+    boxes: Mapping[str, Box] | None = None,
+    seconds: float = 30.0,
+    starts: int | None = None,
+    seed: int = 0,
+    resume: str | Path | None = None,
+) -> Excitation:
+    """The finite Fourier series along which torques tell most of inertias, rotors and friction, within all limits.
+
+    It starts and ends at rest, speed and acceleration zero; jerk and snap too if a drive bends.  Of the regressor W of
+    base parameters, rotors' inertias and friction, rows over the joints' torque limits and columns times nominal
+    parameters, it makes det(W^T W) large or the condition number small.  Bodies may touch: nothing here knows shapes.
+
+    A progress bar shows on stderr when the search takes long.  Ctrl-C ends it, with the best motion until then.
+
+    Args:
+        duration: s, a whole number of periods of the base frequency.
+        harmonics: of the base frequency, 3 at least.
+        base_frequency: Hz; by default one period in the whole duration.
+        criterion: "determinant", the largest, or "condition", the smallest.
+        position: low and high, each a number or one a joint, rad (m).  As all limits, on top of those that robot and
+            drives state; a joint without any is kept within half a turn (1 m) of zero.
+        speed: rad/s (m/s), a number or one a joint; as acceleration, rad/s2, and torque, N m, of motors at the joint.
+        boxes: where frames must stay, in the world: {"tool": (low, high)}, each (3,), m, infinite where free.
+        seconds: the search's time.  starts: at most so many random starts.  seed: of the random starts.
+        resume: a JSON file, written after each improvement, and begun from where it exists.
+
+    Raises:
+        InputError: an argument is wrong, a joint's speed is not limited, the file tells of another robot or series, or
+            no motion that keeps all limits was found; then it names limit and joint.
+    """
+    frequency = _frequency(duration, base_frequency)
+    _check(robot, harmonics, criterion, starts, seconds)
+    bounds = bounds_of(robot, position, speed, acceleration, torque)
+    problem = Problem(robot, bounds, boxes or {}, criterion, frequency, harmonics)
+    file = None if resume is None else Path(resume)
+    begin = None if file is None else read_start(file, robot, frequency, harmonics)
+
+    def keep(z: Array, cost: float) -> None:
+        if file is not None:
+            write_start(file, robot, Start(problem.series(z, duration), criterion, cost))
+
+    known = None if begin is None else problem.coordinates(begin)
+    return _result(robot, problem, duration, search(problem, known, seconds, starts, seed, keep))
+
+
+def _result(robot: Robot, problem: Problem, duration: float, found: Found) -> Excitation:
+    assert found.z is not None
+    before = None if found.first is None else _quality(problem, found.first)
+    return Excitation(
+        robot,
+        problem.series(found.z, duration),
+        problem.criterion,
+        before,
+        _quality(problem, found.z),
+        _uses(problem, found.z),
+        found.starts,
+    )
+
+
+def _quality(problem: Problem, z: Array) -> Quality:
+    W = problem.information.regressor(problem.motion(z))
+    return Quality(log_determinant(W), condition_number(W))
+
+
+def _uses(problem: Problem, z: Array) -> tuple[Use, ...]:
+    motion = problem.motion(z, fine=True)
+    found: list[Use] = []
+    for limit in problem.limits:
+        x = limit.values(motion)
+        columns = zip(limit.names, limit.units, x.min(axis=0), x.max(axis=0), limit.low, limit.high, strict=True)
+        found += [Use(limit.kind, name, unit, *map(float, numbers)) for name, unit, *numbers in columns]
+    return tuple(found)
+
+
+def _frequency(duration: float, base_frequency: float | None) -> float:
+    positive("duration", duration, "s")
+    if base_frequency is None:
+        return 1.0 / duration
+    periods = duration * positive("base_frequency", base_frequency, "Hz")
+    if round(periods) < 1 or abs(periods - round(periods)) > 1e-9 * periods:
+        raise InputError(
+            f"duration {duration:g} s holds {periods:.6g} periods of base_frequency {base_frequency:g} Hz: "
+            "it must be a whole number, or the motion would not end at rest",
+            periods=periods,
+        )
+    return base_frequency
+
+
+def _check(robot: Robot, harmonics: int, criterion: str, starts: int | None, seconds: float) -> None:
+    if not len(robot.joints) == robot.nv == robot.nq:
+        rule = "every one must be driven, and have one coordinate: a floating base cannot be commanded"
+        raise InputError(f"robot {robot.name!r} has {robot.nv} speeds and {len(robot.joints)} driven joints: {rule}")
+    if not FEWEST <= harmonics <= MOST:
+        raise InputError(f"harmonics {harmonics} must lie between {FEWEST} and {MOST}", harmonics=harmonics)
+    if criterion not in CRITERIA:
+        raise unknown_name("criterion", criterion, CRITERIA)
+    if starts is not None and starts < 1:
+        raise InputError(f"starts {starts} must be 1 or more", starts=starts)
+    positive("seconds", seconds, "s")

@@ -1,0 +1,99 @@
+"""Files of an excitation: the best series so far, to go on from, and positions over time, for a robot to follow."""
+
+import json
+from pathlib import Path
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from cutpoint.errors import InputError
+from cutpoint.files import check_readable, replacing
+from cutpoint.identification.excitation.bounds import units_of
+from cutpoint.identification.excitation.series import FourierSeries
+from cutpoint.robot import Robot
+from cutpoint.trajectories import Trajectory
+from cutpoint.trajectories.arrays import positive
+
+Array = NDArray[np.float64]
+
+VERSION = 1
+
+LARGEST_FILE = 10_000_000
+"""Bytes: far more than the coefficients of a hundred joints."""
+
+
+class Start(NamedTuple):
+    """A series that keeps all limits, and what it costs by a criterion: see `judged`."""
+
+    series: FourierSeries
+    criterion: str
+    cost: float
+
+
+def write_start(path: Path, robot: Robot, start: Start) -> None:
+    """All of it in SI units, whole or not at all."""
+    series = start.series
+    sheet = {
+        "cutpoint_excitation": VERSION,
+        "robot": robot.name,
+        "joints": list(robot.joints),
+        "duration_s": series.duration,
+        "base_frequency_Hz": series.base_frequency,
+        "criterion": start.criterion,
+        "cost": start.cost,
+        "centre": series.centre.tolist(),
+        "sine": series.sine.tolist(),
+        "cosine": series.cosine.tolist(),
+    }
+    with replacing(path) as file:
+        file.write(json.dumps(sheet, indent=1, ensure_ascii=False, allow_nan=False).encode())
+
+
+def read_start(path: Path, robot: Robot, base_frequency: float, harmonics: int) -> FourierSeries | None:
+    """The series of a file that `write_start` wrote; None where there is no file yet.
+
+    Raises InputError: it is no such file, or tells of other joints, harmonics or another base frequency.
+    """
+    if not path.exists():
+        return None
+    check_readable(path, LARGEST_FILE)
+    try:
+        sheet = json.loads(path.read_bytes())
+        joints, version = sheet["joints"], sheet["cutpoint_excitation"]
+        told = float(sheet["base_frequency_Hz"])
+        centre, sine, cosine = (np.array(sheet[key], dtype=np.float64) for key in ("centre", "sine", "cosine"))
+    except (ValueError, TypeError, KeyError, RecursionError) as error:
+        raise InputError(f"file is not an excitation that was written here: {error!r}", place=path) from error
+    fits = {
+        "version": (version, VERSION),
+        "joints": (joints, list(robot.joints)),
+        "base frequency in Hz": (told, base_frequency),
+        "shapes of coefficients": (
+            [centre.shape, sine.shape, cosine.shape],
+            [(robot.nv,), (harmonics, robot.nv), (harmonics, robot.nv)],
+        ),
+    }
+    _check(path, fits, [centre, sine, cosine])
+    return FourierSeries(1.0 / base_frequency, base_frequency, centre, sine, cosine)
+
+
+def _check(path: Path, fits: dict[str, tuple[Any, Any]], coefficients: list[Array]) -> None:
+    for what, (found, wanted) in fits.items():
+        if found != wanted:
+            remedy = "name another file to begin anew"
+            raise InputError(f"its {what}, {found!r}, must be {wanted!r} to go on from it; {remedy}", place=path)
+    if not all(np.isfinite(x).all() for x in coefficients):
+        raise InputError("its coefficients must be finite", place=path)
+
+
+def write_csv(path: Path, robot: Robot, trajectory: Trajectory, rate: float) -> None:
+    """Positions, rad (m), at a rate, Hz, with the units in the first line, as `trajectories.from_csv` reads them."""
+    count = round(trajectory.duration * positive("rate", rate, "Hz"))
+    times = np.linspace(0.0, trajectory.duration, count + 1)
+    columns = [f"{name} [{unit}]" for name, unit in zip(robot.joints, units_of(robot), strict=True)]
+    rows = [",".join(["t [s]", *columns])]
+    for t, q in zip(times, trajectory.derivatives(times, 0)[0], strict=True):
+        rows.append(",".join([f"{t:.9g}", *(f"{x:.12g}" for x in q)]))
+    with replacing(path) as file:
+        file.write(("\n".join(rows) + "\n").encode())

@@ -1,0 +1,145 @@
+"""How much torques measured along a motion tell of a robot's parameters: the regressor, two criteria, their gradients.
+
+Swevers et al. (1997), section III; Gautier and Khalil (1992), Int. J. Robotics Research 11(4).
+"""
+
+from typing import Any, Literal, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.linalg import cholesky, eigh, eigvalsh, get_lapack_funcs
+
+from cutpoint import definitions
+from cutpoint.identification.excitation.bounds import Bounds, joints_of
+from cutpoint.identification.excitation.kernels import pullback
+from cutpoint.identification.rigid.base_parameters import base_parameters
+from cutpoint.robot import Robot
+
+Array = NDArray[np.float64]
+Criterion = Literal["determinant", "condition"]
+
+CROSSING = 0.02
+"""Of the largest speed: dry friction changes sign over that."""
+
+FRICTION = 0.05
+"""Of the torque scale: nominal dry friction, and viscous friction at the largest speed."""
+
+LIGHTEST, THINNEST = 0.01, 0.1
+"""Of the bodies' mean mass and of their mean radius of gyration: what counts as a body's own at least."""
+
+TINY = 1e-14
+"""Of the trace of W^T W: what is added to its diagonal, so that a motion that shows nothing has a criterion."""
+
+
+class Scales(NamedTuple):
+    """torque (n,), N m (N): a joint's torque limit, or the RMS of random motions.  speed (n,): the largest, rad/s."""
+
+    torque: Array
+    speed: Array
+
+
+class Information:
+    """The regressor of a motion, rows over the torque's scale, columns times the parameters' nominal sizes.
+
+    Columns: base parameters with rotors, dry and viscous friction of each joint.
+    """
+
+    def __init__(self, robot: Robot, bounds: Bounds) -> None:
+        self.base, self.scales = base_parameters(robot, rotors=True), _scales(robot, bounds)
+        inertial = self.base.independent < 10 * len(robot.mechanism.bodies)
+        chosen = self.base.independent[inertial]
+        self._inertial, self._rotors = np.flatnonzero(inertial), np.flatnonzero(~inertial)
+        self._rotor_joints = self.base.independent[~inertial] - 10 * len(robot.mechanism.bodies)
+        self._gradient = pullback(robot, lambda m, **x: _columns(m, chosen, **x), (robot.nv, chosen.size), 2)
+        torque, speed = self.scales
+        sizes = np.abs(self.base.matrix) @ _sizes(robot)
+        self._sizes = np.concatenate([sizes, FRICTION * torque, FRICTION * torque / speed])
+
+    @property
+    def parameters(self) -> int:
+        """How many are told apart."""
+        return self._sizes.size
+
+    def regressor(self, motion: Array) -> Array:
+        """W of a motion (5, N, n): (N, n, columns), without unit."""
+        _, v, _, *_ = motion
+        W = np.zeros((*v.shape, self.parameters))
+        b, n = self.base.independent.size, v.shape[1]
+        joints = np.arange(n)
+        W[..., :b] = self.base.regressor(*motion[:3])
+        W[:, joints, b + joints] = np.tanh(v / (CROSSING * self.scales.speed))
+        W[:, joints, b + n + joints] = v
+        return W * self._sizes / self.scales.torque[:, None]
+
+    def gradient(self, motion: Array, weights: Array) -> Array:
+        """(5, N, n): of the sum of weights times W, both (N, n, columns)."""
+        weights = weights * self._sizes / self.scales.torque[:, None]
+        b, n = self.base.independent.size, motion.shape[-1]
+        joints, crossing = np.arange(n), CROSSING * self.scales.speed
+        found = self._gradient(motion, np.ascontiguousarray(weights[..., self._inertial]))
+        found[2][:, self._rotor_joints] += weights[:, self._rotor_joints, self._rotors]
+        dry = weights[:, joints, b + joints] * (1.0 - np.tanh(motion[1] / crossing) ** 2) / crossing
+        found[1] += dry + weights[:, joints, b + n + joints]
+        return found
+
+
+def judged(W: Array, criterion: Criterion) -> tuple[float, Array]:
+    """The cost of W (N, n, columns), to be small, and its slope.
+
+    Of A = W^T W / N: - log det A per column, or the logarithm of W's condition number.
+    """
+    A = _gram(W)
+    A += TINY * A.trace() * np.eye(len(A))
+    if criterion == "determinant":
+        half = cholesky(A, lower=True)
+        invert: Any = get_lapack_funcs("trtri", (half,))
+        inverse = invert(half, lower=1)[0]
+        cost, slope = -2.0 * float(np.log(np.diag(half)).mean()), -(inverse.T @ inverse) / len(A)
+    else:
+        size, vectors = eigh(A)
+        low, high = vectors[:, 0] / np.sqrt(size[0]), vectors[:, -1] / np.sqrt(size[-1])
+        cost = 0.5 * float(np.log(size[-1] / size[0]))
+        slope = 0.5 * (np.outer(high, high) - np.outer(low, low))
+    return cost, W @ slope * (2.0 / len(W))
+
+
+def log_determinant(W: Array) -> float:
+    """log det(W^T W / N)."""
+    return float(np.linalg.slogdet(_gram(W))[1])
+
+
+def condition_number(W: Array) -> float:
+    """The largest singular value over the smallest, good to four digits up to 1e6, and 1e7 at most."""
+    size = eigvalsh(_gram(W))
+    return float(np.sqrt(size[-1] / max(size[0], TINY * size[-1])))
+
+
+def _gram(W: Array) -> Array:
+    """W^T W / N, sample by sample: products this small stay in one thread, and threads of a busy machine wait long."""
+    return (W.transpose(0, 2, 1) @ W).mean(axis=0)
+
+
+def _columns(m: definitions.Machine, chosen: NDArray[np.intp], **motion: Any) -> list[list[Any]]:
+    return [[row[k] for k in chosen] for row in definitions.torque_regressor(m, **motion)]
+
+
+def _scales(robot: Robot, bounds: Bounds) -> Scales:
+    rng, count = np.random.default_rng(0), 200
+    q = rng.uniform(bounds.low, bounds.high, (count, robot.nv))
+    v, a = rng.uniform(-1.0, 1.0, (2, count, robot.nv)) * bounds.speed
+    typical = np.sqrt(np.mean(robot.inverse_dynamics(q, v, a) ** 2, axis=0))
+    typical = np.maximum(typical, 1e-3 * typical.max(initial=0.0) or 1.0)
+    return Scales(np.where(np.isfinite(bounds.torque), bounds.torque, typical), bounds.speed)
+
+
+def _sizes(robot: Robot) -> Array:
+    """Nominal sizes of all parameters: m, m r and m r^2 of each body, r its radius of gyration; rotors' inertias."""
+    p = robot.inertial_parameters.reshape(-1, 10)
+    mass, turning = p[:, 0], p[:, [4, 7, 9]].sum(axis=1) / 2.0
+    m = np.maximum(mass, LIGHTEST * mass.mean() or 1.0)
+    mean = np.sqrt(turning.sum() / m.sum()) or 1.0
+    r = np.maximum(np.sqrt(turning / m), THINNEST * mean)
+    own = {body.joint.name: k for k, body in enumerate(robot.mechanism.bodies)}
+    carried = [m[own[joint.name]] * r[own[joint.name]] ** 2 for joint in joints_of(robot)]
+    rotors = [float(d.reflected_inertia) or x for d, x in zip(robot.drives.values(), carried, strict=True)]
+    return np.concatenate([(m[:, None] * r[:, None] ** [0, 1, 1, 1, 2, 2, 2, 2, 2, 2]).ravel(), rotors])

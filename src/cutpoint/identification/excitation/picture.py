@@ -1,0 +1,55 @@
+"""An excitation as a picture."""
+
+from collections.abc import Sequence
+from typing import TYPE_CHECKING
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+from numpy.typing import NDArray
+
+from cutpoint.identification.excitation.bounds import units_of
+from cutpoint.identification.excitation.series import FourierSeries
+from cutpoint.robot import Robot
+
+if TYPE_CHECKING:
+    from cutpoint.identification.excitation.excitation import Use
+
+Array = NDArray[np.float64]
+
+AXIS_WIDTH, AXIS_HEIGHT = 3.6, 1.5
+"""Inches."""
+
+SAMPLES = 1000
+
+
+def figure_of(robot: Robot, trajectory: FourierSeries, limits: Sequence["Use"]) -> Figure:
+    """Position, speed and motor torque over one period, a row a joint; limits are dashed, where they are stated."""
+    time = np.linspace(0.0, 1.0 / trajectory.base_frequency, SAMPLES)
+    motion = trajectory.derivatives(time, 4)
+    torque = robot.elastic_inverse_dynamics(*motion, quasi_rigid=True).motor_torque
+    stated = {(use.kind, use.name): (use.low, use.high) for use in limits}
+    rows = len(robot.joints)
+    figure = Figure(figsize=(0.6 + 3 * AXIS_WIDTH, 0.6 + AXIS_HEIGHT * rows), layout="constrained")
+    axes = figure.subplots(rows, 3, sharex=True, squeeze=False)
+    for k, (name, unit) in enumerate(zip(robot.joints, units_of(robot), strict=True)):
+        shown, factor = ("deg", 180.0 / np.pi) if unit == "rad" else ("m", 1.0)
+        force = "N m" if unit == "rad" else "N"
+        _draw(axes[k, 0], time, factor * motion[0][:, k], factor, stated.get(("position", name)))
+        _draw(axes[k, 1], time, factor * motion[1][:, k], factor, stated.get(("speed", name)))
+        _draw(axes[k, 2], time, torque[:, k], 1.0, stated.get(("torque", name)))
+        titles = (f"position [{shown}]", f"speed [{shown}/s]", f"motor torque [{force}]")
+        for axis, title in zip(axes[k], titles, strict=True):
+            axis.set_title(f"{name}: {title}", loc="left", fontsize="medium", parse_math=False)
+    for axis in axes[-1]:
+        axis.set_xlabel("time [s]")
+    return figure
+
+
+def _draw(axis: Axes, time: Array, values: Array, factor: float, allowed: tuple[float, float] | None) -> None:
+    axis.plot(time, values, linewidth=1.0)
+    for bound in allowed or ():
+        axis.axhline(factor * bound, color="0.4", linewidth=0.8, linestyle="--")
+    axis.margins(x=0.0)
+    axis.grid(alpha=0.3)
+    axis.ticklabel_format(useOffset=False)

@@ -1,0 +1,207 @@
+"""The search for the best excitation: many starts, each led by barriers that harden, until time is up."""
+
+import time
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+from rich.console import Console
+from rich.progress import Progress, TaskID
+from scipy.optimize import minimize
+
+from cutpoint.errors import InputError
+from cutpoint.identification.excitation.problem import Problem, Worst
+
+Array = NDArray[np.float64]
+
+PHASES = ((0.3, 0.01), (0.03, 0.003), (3e-3, 1e-3), (3e-4, 1e-4))
+"""Weights of the barriers and where they turn into parabolas, one after another.
+
+They are steep from the first: what is once far beyond a limit is seldom led back.
+"""
+
+OPTIONS = {"maxiter": 150}
+"""Of L-BFGS: steps in each phase at most."""
+
+CENTRES, SPREAD, SWING = 64, 0.5, 0.3
+"""Centres drawn for each start, the share of the range that they lie in, and the waves' standard deviation."""
+
+HALVINGS = 10
+
+BLIND = 1e6
+"""The condition number from which a motion, such as one that nearly stands still, does not tell all parameters."""
+
+SMALL = 0.01
+"""Of the waves: where limits allow less, the centre is wrong."""
+
+SHOWN_AFTER = 1.0
+"""Until then a search passes without a bar, s."""
+
+
+@dataclass
+class Found:
+    """The best z that keeps all limits, and its cost; first: the random one that all began with, if it kept them.
+
+    worst: the limit that motions came nearest to keeping.
+    """
+
+    z: Array | None = None
+    cost: float = np.inf
+    first: Array | None = None
+    starts: int = 0
+    worst: Worst | None = None
+
+
+class TimeIsUpError(Exception):
+    """The search has had its seconds."""
+
+
+def search(
+    problem: Problem,
+    begin: Array | None,
+    seconds: float,
+    starts: int | None,
+    seed: int,
+    keep: Callable[[Array, float], None],
+) -> Found:
+    """The best of what was found until time is up, so many starts are made, or Ctrl-C is pressed.
+
+    begin: where the first start is made, a random place without.  keep: told of every improvement, z and its cost.
+
+    Raises InputError if no motion that keeps all limits was found: it names the limit and the joint.
+    """
+    found, rng, clock = Found(), np.random.default_rng(seed), _Clock(seconds)
+    with clock:
+        try:
+            while starts is None or found.starts < starts:
+                z = _within(problem, _random(problem, rng) if begin is None else begin, clock)
+                _consider(problem, z, found, keep)
+                if begin is None and not found.starts:
+                    found.first = found.z
+                _improve(problem, z, found, clock, keep)
+                begin, found.starts = None, found.starts + 1
+        except TimeIsUpError:
+            pass
+        except KeyboardInterrupt:
+            if found.z is None:
+                raise
+    if found.z is None:
+        raise _nothing(found, clock.passed)
+    return found
+
+
+def _nothing(found: Found, seconds: float) -> InputError:
+    remedy = "allow more there, or move slower (a lower base_frequency), or search longer (seconds=)"
+    told = found.worst.told if found.worst else "motions keep all limits, but do not tell all parameters"
+    return InputError(f"no motion was found within all limits in {seconds:.3g} s; at best, {told}: {remedy}")
+
+
+def _random(problem: Problem, rng: np.random.Generator) -> Array:
+    """A random motion about the centre, of many, where standing still is farthest from all limits."""
+    rows, joints = problem.shape
+    centres = rng.uniform(-SPREAD, SPREAD, (CENTRES, joints))
+    z = SWING * rng.standard_normal((rows, joints))
+    z[0] = centres[problem.standing(centres).argmax()]
+    return z
+
+
+def _within(problem: Problem, z: Array, clock: "_Clock") -> Array:
+    """The motion made as small as the limits ask; if they allow none there, about a centre where they leave most room.
+
+    A large one that starts beyond a limit is too often caught there.
+    """
+    factor = _largest_factor(problem, z)
+    if factor < SMALL:
+        z = _scaled(z, SMALL)
+
+        def cost(centre: Array) -> tuple[float, Array]:
+            clock.check()
+            value, slope = problem.barrier(np.vstack([centre, z[1:]]), PHASES[0][1])
+            return value, slope[0]
+
+        result: Any = minimize(cost, z[0], jac=True, method="L-BFGS-B", options=OPTIONS)
+        z = np.vstack([result.x, z[1:]])
+        factor = _largest_factor(problem, z)
+    return _scaled(z, factor or 1.0)
+
+
+def _improve(problem: Problem, z: Array, found: Found, clock: "_Clock", keep: Callable[[Array, float], None]) -> None:
+    """From z through all phases."""
+    for weight, softness in PHASES:
+
+        def cost(x: Array, weight: float = weight, softness: float = softness) -> tuple[float, Array]:
+            clock.check()
+            value, slope = problem.barred(x.reshape(problem.shape), weight, softness)
+            return value, slope.ravel()
+
+        def step(x: Array) -> None:
+            nonlocal z
+            z = x.reshape(problem.shape).copy()
+
+        try:
+            minimize(cost, z.ravel(), jac=True, method="L-BFGS-B", callback=step, options=OPTIONS)
+        finally:
+            _consider(problem, z, found, keep)
+
+
+def _consider(problem: Problem, z: Array, found: Found, keep: Callable[[Array, float], None]) -> None:
+    """Keeps the motion, made smaller until it keeps all limits, if it is the best so far and tells all parameters."""
+    worst = problem.worst(z)
+    if worst.room < 0.0:
+        if found.worst is None or worst.room > found.worst.room:
+            found.worst = worst
+        z = _scaled(z, _largest_factor(problem, z))
+    if problem.worst(z).room >= 0.0 and problem.condition(z) < BLIND:
+        cost = problem.cost(z)
+        if cost < found.cost:
+            found.z, found.cost = z, cost
+            keep(z, cost)
+
+
+def _largest_factor(problem: Problem, z: Array) -> float:
+    """By which the waves may be scaled so that all limits hold, by bisection; 0 where standing still breaks one."""
+    least, most = 0.0, 1.0
+    for _ in range(HALVINGS):
+        middle = (least + most) / 2.0
+        least, most = (middle, most) if problem.worst(_scaled(z, middle)).room >= 0.0 else (least, middle)
+    return least
+
+
+def _scaled(z: Array, factor: float) -> Array:
+    return np.vstack([z[:1], factor * z[1:]])
+
+
+class _Clock:
+    """Raises TimeIsUpError once the seconds have passed, and shows on stderr how many have."""
+
+    def __init__(self, seconds: float) -> None:
+        self._seconds, self._begin, self._shown = seconds, time.perf_counter(), SHOWN_AFTER
+        self._progress: Progress | None = None
+        self._task = TaskID(0)
+
+    @property
+    def passed(self) -> float:
+        """s."""
+        return time.perf_counter() - self._begin
+
+    def check(self) -> None:
+        passed = self.passed
+        if passed > self._seconds:
+            raise TimeIsUpError
+        if passed < self._shown:
+            return
+        if self._progress is None:
+            self._progress = Progress(console=Console(stderr=True), transient=True)
+            self._progress.start()
+            self._task = self._progress.add_task("exciting", total=self._seconds)
+        self._progress.update(self._task, completed=passed)
+        self._shown = passed + 0.1
+
+    def __enter__(self) -> "_Clock":
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        if self._progress is not None:
+            self._progress.stop()

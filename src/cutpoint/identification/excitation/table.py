@@ -1,0 +1,54 @@
+"""An excitation for a terminal, and its files in a folder."""
+
+from pathlib import Path
+
+import numpy as np
+from rich.table import Table
+
+from cutpoint.identification.excitation.excitation import Excitation, Quality, Use
+
+FILES = ("excitation.csv", "excitation.json", "excitation.png")
+"""The motion; the series, to resume from; the picture."""
+
+
+def table_of(found: Excitation) -> Table:
+    """What the motion uses of every limit, and what it tells of the parameters."""
+    told = f"{found.robot.name}: excitation of {found.trajectory.duration:g} s, {found.trajectory.harmonics} harmonics"
+    table = Table(title=told, title_justify="left")
+    for k, column in enumerate(("joint", "quantity", "range used", "limit", "used")):
+        table.add_column(column, justify="left" if k < 2 else "right", overflow="fold")
+    for use in sorted(found.limits, key=lambda use: use.name):
+        factor, unit = _for_people(use.unit)
+        table.add_row(
+            use.name,
+            use.kind,
+            f"{factor * use.least:.4g} to {factor * use.largest:.4g} {unit}",
+            f"{factor * use.low:.4g} to {factor * use.high:.4g} {unit}",
+            _share(use),
+        )
+    began = "" if found.before is None else f"a random motion: {_words(found.before)}; "
+    table.caption = f"{began}this one: {_words(found.after)}"
+    return table
+
+
+def save(found: Excitation, folder: Path) -> list[Path]:
+    """Writes motion and picture beside the series that the search has left there."""
+    found.save_csv(folder / FILES[0])
+    found.plot().savefig(folder / FILES[2])
+    return [folder / name for name in FILES]
+
+
+def _share(use: Use) -> str:
+    """How near it comes to the nearer bound, 100 % at it, from the middle between two."""
+    if not np.isfinite(use.high - use.low):
+        return "-"
+    middle, reach = (use.high + use.low) / 2.0, (use.high - use.low) / 2.0
+    return f"{max(use.largest - middle, middle - use.least) / reach:.1%}"
+
+
+def _words(quality: Quality) -> str:
+    return f"log det {quality.log_determinant:.1f}, condition {quality.condition:.3g}"
+
+
+def _for_people(unit: str) -> tuple[float, str]:
+    return (180.0 / np.pi, unit.replace("rad", "deg")) if unit.startswith("rad") else (1.0, unit)

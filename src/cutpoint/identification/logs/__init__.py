@@ -1,0 +1,1 @@
+"""Logs of machines: read, named, brought into units, and looked at with suspicion."""

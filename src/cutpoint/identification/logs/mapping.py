@@ -1,0 +1,93 @@
+"""Mapping files (YAML, version 1): which channels of a log are which quantity.  `mapping_sheet.py` has the fields."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import yaml
+
+from cutpoint.formats.drive_section import Section
+from cutpoint.formats.reading import read_bytes
+from cutpoint.formats.safe_yaml import MAXIMUM_BYTES, YamlDocument, parse_yaml
+from cutpoint.identification.logs.default_mapping import default_mapping
+from cutpoint.identification.logs.mapping_sheet import ChannelSheet, MappingSheet
+from cutpoint.identification.logs.recording import QUANTITIES
+from cutpoint.identification.logs.table import Table
+from cutpoint.identification.logs.units import COUNTS, UNITS, WITH_GAIN
+
+VERSION = 1
+
+
+@dataclass(frozen=True, eq=False)
+class ChannelMap:
+    """A mapping, and where its fields stand, for messages."""
+
+    sheet: MappingSheet
+    section: Section
+
+    @property
+    def quantities(self) -> dict[str, ChannelSheet]:
+        """The quantities that are mapped, by name."""
+        found = {name: getattr(self.sheet, name) for name in QUANTITIES}
+        return {name: sheet for name, sheet in found.items() if sheet is not None}
+
+
+def load_mapping(path: str | Path) -> ChannelMap:
+    """The mapping in a file.  Raises ModelError, with file and line, for whatever is wrong in it."""
+    return parse_mapping(read_bytes(Path(path), MAXIMUM_BYTES), str(path))
+
+
+def parse_mapping(content: str | bytes | Mapping[str, Any], place: str = "<mapping>") -> ChannelMap:
+    """The mapping of a text, or of a dict of the same fields.  Raises ModelError."""
+    if isinstance(content, Mapping):
+        content = yaml.safe_dump(dict(content), sort_keys=False)
+    document = parse_yaml(content.encode() if isinstance(content, str) else content, place)
+    section = Section("mapping", document, ((),))
+    found = ChannelMap(section.read(MappingSheet, document.value), section)
+    _check(found)
+    return found
+
+
+def obvious_mapping(table: Table) -> ChannelMap:
+    """The mapping that the channels' names suggest.  Raises InputError where they suggest none."""
+    return ChannelMap(default_mapping(table), Section("mapping", YamlDocument(table.file, None, {}), ((),)))
+
+
+def _check(mapping: ChannelMap) -> None:
+    """The rules that join several fields."""
+    sheet, section = mapping.sheet, mapping.section
+    if sheet.version != VERSION:
+        raise section.error(("version",), f"version {sheet.version:g} is not known; this cutpoint reads {VERSION}")
+    if not mapping.quantities:
+        raise section.error((), f"names no quantity; those that exist are {', '.join(QUANTITIES)}")
+    if sheet.time.period is not None and sheet.time.channel is not None:
+        raise section.error(("time",), "has both 'channel' and 'period'; state one of them")
+    if sheet.joints and len(set(sheet.joints)) < len(sheet.joints):
+        raise section.error(("joints",), f"joints {sheet.joints} must be names, each its own")
+    if sheet.ratio and 0.0 in sheet.ratio:
+        raise section.error(("ratio",), "ratio must not be zero")
+    for name, quantity in mapping.quantities.items():
+        _check_quantity(name, quantity, section)
+
+
+def _check_quantity(name: str, sheet: ChannelSheet, section: Section) -> None:
+    if set(sheet.sign) - {1.0, -1.0}:
+        raise section.error((name, "sign"), f"{name}.sign {sheet.sign} must be 1 or -1; what scales goes into gain")
+    if sheet.gain and 0.0 in sheet.gain:
+        raise section.error((name, "gain"), f"{name}.gain must not be zero")
+    if sheet.unit is not None:
+        check_unit(name, sheet, sheet.unit, section)
+
+
+def check_unit(name: str, sheet: ChannelSheet, unit: str, section: Section) -> None:
+    """Raises ModelError for a unit that the quantity cannot have, or that needs a number beside it."""
+    if unit == COUNTS.get(name):
+        if sheet.counts_per_turn is None and sheet.gain is None:
+            raise section.error((name, "unit"), f"{name}.unit {unit!r} needs 'counts_per_turn'")
+    elif unit in WITH_GAIN and unit not in UNITS[name]:
+        if sheet.gain is None:
+            raise section.error((name, "unit"), f"{name}.unit {unit!r} needs 'gain': what one {unit} is worth in SI")
+    elif unit not in UNITS[name]:
+        known = ", ".join(map(repr, UNITS[name]))
+        raise section.error((name, "unit"), f"{name}.unit {unit!r} is not known; there are {known}, or one with 'gain'")

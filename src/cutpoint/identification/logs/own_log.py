@@ -1,0 +1,29 @@
+"""Our own logs, as `Log.save` writes them: simulated measurements are read like those of a machine."""
+
+import zipfile
+from pathlib import Path
+
+from cutpoint.identification.logs.table import Channel, Table
+from cutpoint.simulation.log import Log
+
+
+def is_own_log(path: Path) -> bool:
+    """Whether a file begins as ours do."""
+    if path.suffix == ".npz":
+        if not zipfile.is_zipfile(path):
+            return False
+        with zipfile.ZipFile(path) as archive:
+            return "header.npy" in archive.namelist()
+    with path.open("rb") as file:
+        return file.read(17) == b'# {"cutpoint_log"'
+
+
+def read_own_log(path: Path) -> Table:
+    """The channels of a log, with its joints and units.  Raises InputError for a file that is none."""
+    log = Log.load(path)
+    found: dict[str, Channel] = {}
+    for name, values in log.channels.items():
+        unit = log.units[name]
+        labels = log.joints if values.ndim == 2 else ()
+        found[name] = Channel(values, labels, unit if isinstance(unit, str) else "", log.time)
+    return Table(str(path), found)

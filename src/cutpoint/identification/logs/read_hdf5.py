@@ -1,0 +1,41 @@
+"""Logs as MATLAB files of version 7.3, which are HDF5."""
+
+from pathlib import Path
+from typing import Any
+
+from cutpoint.errors import InputError
+from cutpoint.identification.logs.table import Channel, Table, channel, check_size, optional
+from cutpoint.simulation.log_files import UNREADABLE
+
+REFERENCES = "#refs#"
+"""Where MATLAB keeps what cells and objects point to."""
+
+
+def read_hdf5(path: Path) -> Table:
+    """The matrices of numbers, by their path: `rec.position`.  Only this file is read, whatever links it holds.
+
+    Raises InputError: no HDF5, or arrays of more than `LARGEST` bytes; CutpointError where h5py is missing.
+    """
+    h5py = optional("h5py", "a .mat file of version 7.3")
+    channels: dict[str, Channel] = {}
+    size = 0
+
+    def visit(name: str, item: Any) -> None:
+        nonlocal size
+        # data outside of the file, or composed of other files, would let a log read what it likes
+        if not isinstance(item, h5py.Dataset) or name.startswith(REFERENCES) or item.is_virtual or item.external:
+            return
+        if item.dtype.kind in "fiub" and "MATLAB_empty" not in item.attrs:
+            size += item.nbytes
+            check_size(size, "arrays", str(path))
+            if found := channel(item[()]):
+                channels[name.replace("/", ".")] = found
+
+    try:
+        with h5py.File(path, "r") as file:
+            file.visititems(visit)  # follows neither soft nor external links
+    except InputError:
+        raise
+    except UNREADABLE as error:
+        raise InputError(f"file is not a MATLAB file that can be read: {error}", place=path) from error
+    return Table(str(path), channels)

@@ -1,0 +1,75 @@
+"""Logs as MATLAB files, to version 7; of version 7.3, which is HDF5, see `read_hdf5`."""
+
+import zlib
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from scipy.io import loadmat
+from scipy.io.matlab import MatReadError, mat_struct
+
+from cutpoint.errors import InputError
+from cutpoint.identification.logs.read_hdf5 import read_hdf5
+from cutpoint.identification.logs.table import LARGEST, Table, channel
+from cutpoint.simulation.log_files import UNREADABLE
+
+HEADER = 128
+"""Bytes before the first element of a version 5 file: MathWorks, MAT-File Format, "Level 5 MAT-File Format"."""
+
+COMPRESSED = 15
+"""The tag of an element that zlib packed: the same, table 1-1."""
+
+DEEPEST = 8
+"""Structures within structures."""
+
+
+def read_mat(path: Path) -> Table:
+    """The matrices of numbers in a .mat, by name; the fields of structures as `rec.position`.
+
+    Raises InputError: no MATLAB file, or one that unpacks to more than `LARGEST` bytes.
+    """
+    with path.open("rb") as file:
+        start = file.read(HEADER)
+    if start.startswith(b"MATLAB 7.3"):
+        return read_hdf5(path)
+    try:
+        if start.startswith(b"MATLAB 5.0"):
+            _check_unpacked(path, "little" if start[126:] == b"IM" else "big")
+        found = loadmat(path, struct_as_record=False, squeeze_me=True, chars_as_strings=False)
+    except (*UNREADABLE, MatReadError, MemoryError, NotImplementedError) as error:
+        raise InputError(f"file is not a MATLAB file that can be read: {error}", place=path) from error
+    channels = {name: channel(values) for name, values in _leaves("", found, DEEPEST)}
+    return Table(str(path), {name: each for name, each in channels.items() if each is not None})
+
+
+def _leaves(prefix: str, found: dict[str, Any], depth: int) -> Iterator[tuple[str, Any]]:
+    """The arrays in structures, by their path."""
+    for name, value in found.items():
+        if isinstance(name, str) and not name.startswith("_"):
+            if isinstance(value, mat_struct) and depth:
+                yield from _leaves(f"{prefix}{name}.", vars(value), depth - 1)
+            elif isinstance(value, np.ndarray):
+                yield prefix + name, value
+
+
+def _check_unpacked(path: Path, order: Any) -> None:
+    """Raises ValueError if the packed elements hold more than `LARGEST` bytes: SciPy unpacks whatever they promise."""
+    left = LARGEST
+    with path.open("rb") as file:
+        file.seek(HEADER)
+        while len(tag := file.read(8)) == 8:
+            kind, size = int.from_bytes(tag[:4], order), int.from_bytes(tag[4:], order)
+            packed = file.read(min(size, LARGEST))
+            if kind == COMPRESSED:
+                left -= _unpacked_size(packed, left)
+
+
+def _unpacked_size(packed: bytes, most: int, piece: int = 2**20) -> int:
+    stream, size = zlib.decompressobj(), 0
+    while packed and not stream.eof:
+        size += len(stream.decompress(packed, piece))
+        packed = stream.unconsumed_tail
+        if size > most:
+            raise ValueError(f"it unpacks to more than {LARGEST:,} bytes")
+    return size

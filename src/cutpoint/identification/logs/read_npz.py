@@ -1,0 +1,44 @@
+"""Logs as NumPy archives: an array for each channel."""
+
+import zipfile
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from cutpoint.errors import InputError
+from cutpoint.identification.logs.table import Table, channel, check_size
+from cutpoint.simulation.log_files import UNREADABLE
+
+
+def read_npz(path: Path) -> Table:
+    """The arrays of numbers in an .npz, by name; Python objects are never unpickled.
+
+    Raises InputError: no archive of arrays, or one that unpacks to more than is read.
+    """
+    try:
+        with zipfile.ZipFile(path) as archive:
+            check_size(sum(member.file_size for member in archive.infolist()), "archive", str(path))
+            names = [name for name in archive.namelist() if name.endswith(".npy")]
+            found = {name.removesuffix(".npy"): _array(archive, name) for name in names}
+    except InputError:
+        raise
+    except UNREADABLE as error:
+        raise InputError(f"file is not an archive of NumPy arrays: {error}", place=path) from error
+    channels = {name: channel(values) for name, values in found.items() if values is not None}
+    return Table(str(path), {name: each for name, each in channels.items() if each is not None})
+
+
+def _array(archive: zipfile.ZipFile, name: str) -> NDArray[Any] | None:
+    """A member's numbers; None for objects and texts, ValueError for one that promises more than it holds."""
+    member = archive.getinfo(name)
+    with archive.open(member) as file:
+        read = {(1, 0): np.lib.format.read_array_header_1_0, (2, 0): np.lib.format.read_array_header_2_0}
+        shape, _, dtype = read[np.lib.format.read_magic(file)](file)
+    if dtype.kind not in "fiub":
+        return None
+    if dtype.itemsize * int(np.prod(shape, dtype=object)) > member.file_size:
+        raise ValueError(f"{name} of type {dtype} and shape {shape} is larger than its {member.file_size} bytes")
+    with archive.open(member) as file:
+        return np.lib.format.read_array(file, allow_pickle=False)

@@ -1,0 +1,58 @@
+"""Logs as Parquet files: a column for each channel; lists of a fixed length are a column for each joint."""
+
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from cutpoint.errors import InputError
+from cutpoint.identification.logs.table import Channel, Table, channel, check_size, optional
+
+
+def read_parquet(path: Path) -> Table:
+    """Columns of numbers by name, the fields of structures as `rec.position`; dates and durations become seconds.
+
+    Raises InputError: no Parquet file, or one that unpacks to more than is read; CutpointError where pyarrow is
+    missing.
+    """
+    pyarrow = optional("pyarrow", "a Parquet file")
+    parquet = optional("pyarrow.parquet", "a Parquet file")
+    try:
+        # opened here, so that a path is never taken for an address
+        with path.open("rb") as stream, parquet.ParquetFile(stream) as file:
+            about = file.metadata
+            check_size(sum(about.row_group(k).total_byte_size for k in range(about.num_row_groups)), "table", str(path))
+            table = file.read()
+    except (pyarrow.ArrowException, OSError, ValueError) as error:
+        if isinstance(error, InputError):
+            raise
+        raise InputError(f"file is not a Parquet file that can be read: {error}", place=path) from error
+    while any(pyarrow.types.is_struct(field.type) for field in table.schema):
+        table = table.flatten()
+    found = {name: _channel(table.column(k)) for k, name in enumerate(table.column_names)}
+    return Table(str(path), {name: each for name, each in found.items() if each is not None})
+
+
+def _channel(column: Any) -> Channel | None:
+    """A column as a channel; None for one of texts, or of lists that differ in length."""
+    types, compute = (optional(f"pyarrow.{part}", "a Parquet file") for part in ("types", "compute"))
+    if types.is_timestamp(column.type) or types.is_duration(column.type):
+        return channel(_seconds(column), unit="s")
+    lists = types.is_list(column.type) or types.is_fixed_size_list(column.type) or types.is_large_list(column.type)
+    inner = column.type.value_type if lists else column.type
+    if not (types.is_floating(inner) or types.is_integer(inner)):
+        return None
+    if not lists:
+        return channel(column.to_numpy())
+    flat = column.combine_chunks().flatten().to_numpy(zero_copy_only=False)
+    lengths = compute.unique(compute.list_value_length(column)).to_pylist()
+    return channel(flat.reshape(-1, *lengths)) if len(lengths) == 1 and not column.null_count else None
+
+
+def _seconds(column: Any) -> NDArray[np.float64]:
+    """Since the first of them, so that no digit is lost; NaN where there is none."""
+    found = column.to_numpy()
+    known = found[~np.isnat(found)]
+    since = found - known[0] if known.size else found - found
+    return np.where(np.isnat(since), np.nan, since / np.timedelta64(1, "s"))

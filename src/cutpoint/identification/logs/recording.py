@@ -1,0 +1,135 @@
+"""What sensors of a machine said over time, in the units and on the side of the joint that the models use."""
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from cutpoint.errors import InputError, unknown_name
+from cutpoint.identification.logs.resampling import on_grid, uniform_times
+
+Array = NDArray[np.float64]
+
+QUANTITIES = ("q", "theta", "v", "theta_dot", "torque", "current")
+"""The channels that a recording may have."""
+
+UNEVEN = 1e-3
+"""Share of the period by which steps of a uniform time may differ: what text files round away."""
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class Recording:
+    """Measured channels over common times, each (N, n) with a column per joint or None; NaN where nothing is known.
+
+    time: (N,), s, increasing, from 0 at the first sample as read.
+    joints: their n names, each its own.
+    q, v: the link's position and speed, rad, rad/s (m, m/s).
+    theta, theta_dot: the motor's over ratio, rad, rad/s (m, m/s).
+    torque: the motor's times ratio, N m (N), as commanded or measured.
+    current: the motor's, A.
+    notes: what was repaired, and what looks wrong, in words for a reader.
+
+    Raises:
+        InputError: times that do not increase, names or shapes that do not fit, infinite numbers, no channel at all.
+    """
+
+    time: Array
+    joints: tuple[str, ...]
+    q: Array | None = None
+    theta: Array | None = None
+    v: Array | None = None
+    theta_dot: Array | None = None
+    torque: Array | None = None
+    current: Array | None = None
+    notes: tuple[str, ...] = ()
+
+    def __post_init__(self) -> None:
+        time = _frozen(self.time)
+        if time.ndim != 1 or time.size < 2 or not np.isfinite(time).all() or (np.diff(time) <= 0.0).any():
+            raise InputError(f"time of shape {time.shape} must be (N,), at least two, finite and increasing")
+        if not self.joints or len(set(self.joints)) < len(self.joints) or "" in self.joints:
+            raise InputError(f"joints {self.joints} must be names, each its own", joints=self.joints)
+        object.__setattr__(self, "time", time)
+        object.__setattr__(self, "joints", tuple(self.joints))
+        if not self.channels:
+            raise InputError(f"a recording needs one of {', '.join(QUANTITIES)}")
+        for name, values in self.channels.items():
+            object.__setattr__(self, name, _checked(name, values, (time.size, len(self.joints))))
+
+    def __repr__(self) -> str:
+        span = f"{self.time.size} samples over {self.time[-1] - self.time[0]:g} s"
+        return f"Recording({span}: {', '.join(self.channels)} of {', '.join(self.joints)}; {len(self.notes)} notes)"
+
+    @property
+    def channels(self) -> dict[str, Array]:
+        """The channels there are, (N, n), by name."""
+        found = {name: getattr(self, name) for name in QUANTITIES}
+        return {name: values for name, values in found.items() if values is not None}
+
+    def __getitem__(self, name: str) -> Array:
+        """A channel, (N, n).  One that was not recorded is an InputError that lists those that were."""
+        if name not in self.channels:
+            raise unknown_name("recorded channel", name, self.channels)
+        return self.channels[name]
+
+    @property
+    def period(self) -> float:
+        """s between samples.  Raises InputError where the times are not uniform: `resampled` makes them so."""
+        steps = np.diff(self.time)
+        period = float(self.time[-1] - self.time[0]) / steps.size
+        if np.abs(steps - period).max() > UNEVEN * period:
+            raise InputError(
+                f"times are not uniform: steps from {steps.min():.3g} s to {steps.max():.3g} s; "
+                f"take recording.resampled({np.median(steps):.3g})"
+            )
+        return period
+
+    def between(self, start: float, end: float) -> "Recording":
+        """The samples from `start` to `end` s, both included.  Raises InputError where there are less than two."""
+        kept = (self.time >= start) & (self.time <= end)
+        if kept.sum() < 2:
+            span = f"from {self.time[0]:g} s to {self.time[-1]:g} s"
+            raise InputError(f"less than two samples from {start} s to {end} s: the recording runs {span}")
+        return self.with_channels(lambda values: values[kept], time=self.time[kept])
+
+    def resampled(self, period: float) -> "Recording":
+        """On a uniform time, from the first sample on; NaN in gaps.  See `resampling.on_grid`."""
+        grid = uniform_times(self.time, period)
+        note = f"resampled to a period of {period:g} s from one of {np.median(np.diff(self.time)):.6g} s"
+        return self.with_channels(lambda values: on_grid(self.time, values, grid), time=grid).with_notes([note])
+
+    def joint(self, name: str) -> "Recording":
+        """One joint's channels, (N, 1).  An unknown name is an InputError that lists those there are."""
+        if name not in self.joints:
+            raise unknown_name("joint", name, self.joints)
+        column = self.joints.index(name)
+        return self.with_channels(lambda values: values[:, column : column + 1], joints=(name,))
+
+    def complete(self) -> NDArray[np.bool_]:
+        """Which samples hold a number in every channel of every joint, (N,) of bool."""
+        return np.asarray(np.isfinite(np.column_stack([*self.channels.values()])).all(axis=1))
+
+    def with_channels(self, change: Callable[[Array], Array], **others: Any) -> "Recording":
+        """A recording with every channel changed in the same way, and other fields replaced."""
+        return replace(self, **{name: change(values) for name, values in self.channels.items()}, **others)
+
+    def with_notes(self, notes: Sequence[str]) -> "Recording":
+        """A recording with further notes."""
+        return replace(self, notes=(*self.notes, *notes))
+
+
+def _frozen(values: Any) -> Array:
+    copy = np.array(values, dtype=np.float64)
+    copy.setflags(write=False)
+    return copy
+
+
+def _checked(name: str, values: Any, shape: tuple[int, int]) -> Array:
+    found = _frozen(values)
+    if found.shape != shape:
+        raise InputError(f"channel {name!r} has shape {found.shape}: it must be {shape}, samples and joints")
+    if np.isinf(found).any():
+        raise InputError(f"channel {name!r} holds infinite numbers: mark what is not known as NaN")
+    return found

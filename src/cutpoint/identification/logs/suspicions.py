@@ -1,0 +1,120 @@
+"""What looks wrong in a recording: channels that say nothing, are cut off, or are in other units than stated."""
+
+import math
+from collections.abc import Callable, Iterator
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.integrate import cumulative_trapezoid
+
+from cutpoint.door import check_configuration
+from cutpoint.errors import InputError
+from cutpoint.identification.logs.recording import Recording
+from cutpoint.robot import Robot
+
+Array = NDArray[np.float64]
+
+CUT_OFF = 0.01
+"""Share of the samples: more than that at one and the same extreme is no motion."""
+
+IN_A_ROW = 5
+"""Samples at the extreme, one after the other: those of a peak are fewer."""
+
+TURNS = 4.0
+"""Turns: positions that span more are hardly an arm's."""
+
+FITS = 0.1
+"""By how much a factor that should be 1 may differ: noise and deflection make it differ by less."""
+
+EXPLANATIONS = {
+    -1.0: "the sign of one is wrong",
+    180.0 / math.pi: "degrees for radians",
+    math.pi / 180.0: "radians for degrees",
+    30.0 / math.pi: "rpm for rad/s",
+    1.0 / (2.0 * math.pi): "turns for radians",
+}
+
+
+def refuse_degrees(recording: Recording, robot: Robot) -> None:
+    """Raises InputError for positions far beyond a joint's limits, as those of degrees read as radians are."""
+    drives = list(robot.drives)
+    for name in ("q", "theta"):
+        for joint, x in _columns(recording, name):
+            if joint in drives and np.isfinite(x).any():
+                furthest = np.zeros(len(drives))
+                furthest[drives.index(joint)] = x[np.nanargmax(np.abs(x))]
+                try:
+                    check_configuration(robot.mechanism, furthest.tolist())
+                except InputError as error:
+                    raise InputError(f"{name}: {error}; in a mapping, 'unit: deg'", **error.evidence) from error
+
+
+def suspicions(recording: Recording) -> list[str]:
+    """A note for each thing that looks wrong; the joints that it is about by name."""
+    notes: list[str] = []
+    for name in recording.channels:
+        notes += _noted(recording, name, "holds no number", lambda x: not np.isfinite(x).any())
+        notes += _noted(recording, name, "misses some samples", lambda x: 0 < int(np.isnan(x).sum()) < x.size)
+        notes += _noted(recording, name, "never changes: was it measured?", _is_constant)
+    for name in ("torque", "current"):
+        notes += _noted(recording, name, "stays at its extreme: was it cut off?", _is_cut_off)
+    for name in ("q", "theta"):
+        rule = f"spans more than {TURNS:g} turns: degrees for radians?"
+        notes += _noted(recording, name, rule, lambda x: float(np.ptp(_known(x))) > TURNS * 2.0 * math.pi)
+    return [*notes, *_disagreements(recording)]
+
+
+def _disagreements(recording: Recording) -> Iterator[str]:
+    """Notes on channels of which one should follow from the other."""
+    for whole, rate in (("q", "v"), ("theta", "theta_dot")):
+        for (joint, x), (_, v) in zip(_columns(recording, whole), _columns(recording, rate), strict=False):
+            travelled = cumulative_trapezoid(np.nan_to_num(v), recording.time, initial=0.0)
+            yield from _remark(f"{rate} of {joint!r}", f"the rate of {whole}", _factor(travelled, x, recording.time))
+    for (joint, x), (_, theta) in zip(_columns(recording, "q"), _columns(recording, "theta"), strict=False):
+        yield from _remark(f"theta of {joint!r}", "q", _factor(theta, x, recording.time))
+
+
+def _factor(found: Array, expected: Array, time: Array) -> float | None:
+    """f of found = f * expected + offset + drift * time, by least squares; None where nothing moves."""
+    known = np.isfinite(found) & np.isfinite(expected)
+    if known.sum() < 4 or _is_constant(found[known]) or _is_constant(expected[known]):
+        return None
+    regressors = np.column_stack([expected, np.ones_like(time), time])[known]
+    return float(np.linalg.lstsq(regressors, found[known])[0][0])
+
+
+def _remark(thing: str, other: str, factor: float | None) -> Iterator[str]:
+    if factor is None or abs(factor - 1.0) < FITS:
+        return
+    near = [words for value, words in EXPLANATIONS.items() if abs(factor / value - 1.0) < FITS]
+    yield f"{thing} is {factor:.4g} times {other}: {near[0] if near else 'another unit, side or joint'}?"
+
+
+def _noted(recording: Recording, name: str, rule: str, is_wrong: Callable[[Array], bool]) -> list[str]:
+    joints = [joint for joint, x in _columns(recording, name) if is_wrong(x)]
+    return [f"{name} of {', '.join(joints)} {rule}"] if joints else []
+
+
+def _columns(recording: Recording, name: str) -> list[tuple[str, Array]]:
+    values = recording.channels.get(name)
+    return [] if values is None else list(zip(recording.joints, values.T, strict=True))
+
+
+def _known(x: Array) -> Array:
+    found = x[np.isfinite(x)]
+    return found if found.size else np.zeros(1)
+
+
+def _is_constant(x: Array) -> bool:
+    return bool(np.isfinite(x).any() and np.ptp(_known(x)) == 0.0)
+
+
+def _is_cut_off(x: Array) -> bool:
+    if _is_constant(x) or not np.isfinite(x).any():
+        return False
+    for extreme in (np.nanmin(x), np.nanmax(x)):
+        at = x == extreme
+        ends = np.flatnonzero(np.diff(np.concatenate([[False], at, [False]])))
+        if at.mean() > CUT_OFF and np.diff(ends)[::2].max() >= IN_A_ROW:
+            return True
+    return False

@@ -1,0 +1,121 @@
+"""Time stamps as loggers write them: put in order, said aloud, or refused."""
+
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from cutpoint.errors import InputError
+from cutpoint.identification.logs.resampling import longest_step
+
+Array = NDArray[np.float64]
+
+FEWEST = 4
+"""Samples of a log that is one."""
+
+BAD = 0.05
+"""Share of the samples that may be left out for their time stamps."""
+
+CLOSE = 0.1
+"""Periods: of two samples closer than that, the later is left out.  A spline through both would follow their noise."""
+
+SET_BACK = 10.0
+"""Periods: where few steps lead back, one further than that means that a clock was set, or that two runs follow."""
+
+SLOW = 0.5
+"""s: nobody logs a moving machine at a longer period, so milliseconds are suspected."""
+
+
+class Ordered(NamedTuple):
+    """times (M,), s, increasing from 0; start: the first stamp, s; rows (M,): where in the log each comes from."""
+
+    times: Array
+    start: float
+    rows: NDArray[np.intp]
+    notes: list[str]
+
+
+def ordered(stamps: Array, values: Array, name: str) -> Ordered:
+    """Stamps (N,), s, in order, each once, with a note for all that was done.
+
+    values: (N, columns) at these stamps; a repeated row is left out without further ado.  name: the log, for messages.
+
+    Raises InputError: too few samples, a clock that was set back, or more than `BAD` of them unusable.
+    """
+    notes: list[str] = []
+    rows = _finite(stamps, name, notes)
+    rows = _sorted(stamps, rows, name, notes)
+    rows = _apart(stamps, values, rows, name, notes)
+    times = stamps[rows] - stamps[rows[0]]
+    _remark(times, name, notes)
+    return Ordered(times, float(stamps[rows[0]]), rows, notes)
+
+
+def _finite(stamps: Array, name: str, notes: list[str]) -> NDArray[np.intp]:
+    rows = np.flatnonzero(np.isfinite(stamps))
+    _leave_out(stamps.size - rows.size, stamps.size, f"{name}: samples without a time", notes)
+    if rows.size < FEWEST:
+        raise InputError(f"{name}: {rows.size} samples are too few: at least {FEWEST} are needed")
+    return rows
+
+
+def _sorted(stamps: Array, rows: NDArray[np.intp], name: str, notes: list[str]) -> NDArray[np.intp]:
+    steps = np.diff(stamps[rows])
+    back = np.flatnonzero(steps < 0.0)
+    if not back.size:
+        return rows
+    period = float(np.median(np.abs(steps)))
+    worst = int(np.argmin(steps))
+    if back.size < BAD * rows.size and -steps[worst] > SET_BACK * period:
+        raise InputError(
+            f"{name}: time goes back by {-steps[worst]:.6g} s at sample {rows[worst + 1]}: a clock was set, "
+            "or two runs follow each other; give them as two files",
+            sample=int(rows[worst + 1]),
+        )
+    notes.append(f"{name}: {back.size} of {rows.size} steps of time lead back; samples were sorted by time")
+    return rows[np.argsort(stamps[rows], kind="stable")]
+
+
+def _apart(stamps: Array, values: Array, rows: NDArray[np.intp], name: str, notes: list[str]) -> NDArray[np.intp]:
+    again = np.flatnonzero(np.diff(stamps[rows]) == 0.0) + 1
+    same = [k for k in again if np.array_equal(values[rows[k]], values[rows[k - 1]], equal_nan=True)]
+    if same:
+        notes.append(f"{name}: {len(same)} samples were written twice; each counts once")
+        rows = np.delete(rows, same)
+    steps = np.diff(stamps[rows])
+    if not (steps > 0.0).any():
+        raise InputError(f"{name}: time does not pass: every stamp is {stamps[rows[0]]:g} s")
+    close = np.flatnonzero(steps < CLOSE * np.median(steps[steps > 0.0])) + 1
+    rule = f"{name}: samples at the time of another, or right after it"
+    _leave_out(close.size, rows.size, rule, notes)
+    rows = np.delete(rows, close)
+    if rows.size < FEWEST:
+        raise InputError(f"{name}: {rows.size} samples are too few: at least {FEWEST} are needed")
+    return rows
+
+
+def _leave_out(count: int, among: int, what: str, notes: list[str]) -> None:
+    """Notes that a few samples are left out.  Raises InputError if they are not few."""
+    if count > BAD * among:
+        raise InputError(
+            f"{what}: {count} of {among}, more than {BAD:.0%}: take another time channel, "
+            "or state `time: {period: ...}` in the mapping if samples are evenly spaced",
+            count=count,
+        )
+    if count:
+        notes.append(f"{what}: {count} of {among} were left out")
+
+
+def _remark(times: Array, name: str, notes: list[str]) -> None:
+    """Notes on gaps, and on a period that is another unit's."""
+    steps, longest = np.diff(times), longest_step(times)
+    period = float(np.median(steps))
+    gaps = np.flatnonzero(steps > longest)
+    if gaps.size:
+        worst = int(np.argmax(steps))
+        notes.append(
+            f"{name}: {gaps.size} gaps above {longest:.3g} s; "
+            f"the longest, {steps[worst]:.3g} s, is at {times[worst]:.6g} s"
+        )
+    if period > SLOW:
+        notes.append(f"{name}: a period of {period:g} s is slow for a log; are the times in ms?")

@@ -1,0 +1,1 @@
+"""Links, rotors and friction from torques and motion."""

@@ -1,0 +1,213 @@
+"""Which friction law a joint follows, judged by torques that had no part in fitting it.
+
+A law that is richer always fits better; whether it also predicts better, blocks of the recording tell that are left
+out in turn.  The simplest law within one standard error of the best is taken.  Hastie, Tibshirani, Friedman (2009),
+The Elements of Statistical Learning, section 7.10.
+"""
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, replace
+from functools import cached_property
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.optimize import minimize
+
+from cutpoint.identification.rigid.regression import friction_columns
+from cutpoint.mechanics.friction import Coulomb, Sliding, Stribeck
+
+Array = NDArray[np.float64]
+Means = Callable[[Array], Array]
+Tried = tuple[Sliding, Array]
+"""A law, and the products of its columns with all else, see `_Trial.gram`."""
+
+BLOCKS = 8
+"""Contiguous blocks that are left out in turn."""
+
+SMOOTHINGS = np.geomspace(0.005, 0.5, 5)
+STRIBECKS = np.geomspace(0.02, 2.0, 5)
+"""Shapes that are tried, in RMS speeds of the joint."""
+
+ASYMMETRIES = (-0.3, -0.1, 0.1, 0.3)
+
+NEAR = 0.3
+"""How far the search for the best shape first steps, in logarithms."""
+
+TRIALS = 20
+"""Shapes that it tries."""
+
+RIDGE = 1e-12
+"""Of a column's square: what keeps columns that one block alone excites from being divided by zero."""
+
+RICHNESS = (
+    "coulomb",
+    "coulomb, asymmetric",
+    "coulomb, with load",
+    "stribeck",
+    "stribeck, asymmetric",
+    "stribeck, with load",
+)
+"""Families, the simplest first."""
+
+
+class Held(NamedTuple):
+    """error: RMS of torques that were left out, N m.  deviation: its standard error over the blocks."""
+
+    error: float
+    deviation: float
+
+
+@dataclass(frozen=True)
+class FrictionChoice:
+    """The law that a joint's torques speak for, and how each family did."""
+
+    joint: str
+    family: str
+    law: Sliding
+    compared: Mapping[str, Held]
+
+    def __str__(self) -> str:
+        each = ", ".join(f"{name} {held.error:.4g}" for name, held in self.compared.items())
+        return f"{self.joint}: {self.family} friction, of (RMS of held-out torques, N m) {each}"
+
+
+def choose_friction(
+    joint: str,
+    torque: Array,
+    others: Array,
+    noise: float,
+    speed: Array,
+    means: Means,
+    load: Array | None = None,
+    offset: bool = True,
+) -> FrictionChoice | None:
+    """Coulomb or Stribeck, each symmetric, asymmetric, or growing with load, and the shape that fits best.
+
+    torque (M,): friction of a joint, after means, and what may be wrong in what else was subtracted: others (M, k),
+    each at one standard deviation, in torques of a noise, N m.  speed, load: (N,), before means.
+    offset: whether the torque may be off by a constant; where friction is asymmetric that stands for it.
+    Of the shapes that were tried on the way to the best for all blocks, each block is judged by the one that fits the
+    others best.  None where no law fits that takes energy.
+    """
+    trial = _Trial(torque, others, noise, speed, means, load, offset)
+    tried = _tried(trial, float(np.sqrt(np.nanmean(speed**2))))
+    families = [family for family in RICHNESS if tried.get(family)]
+    if not families:
+        return None
+    errors = np.array([trial.left_out([gram for _, gram in tried[family]]) for family in families])
+    errors *= BLOCKS / len(torque)
+    squares, deviations = errors.mean(axis=1), errors.std(axis=1, ddof=1) / np.sqrt(BLOCKS)
+    best = int(np.argmin(squares))
+    chosen = families[int(np.argmax(squares <= squares[best] + deviations[best]))]
+    sizes = np.sqrt(squares)
+    compared = dict(zip(families, map(Held, sizes.tolist(), (deviations / (2.0 * sizes)).tolist()), strict=True))
+    return FrictionChoice(joint, chosen, trial.best(tried[chosen]), compared)
+
+
+@dataclass(frozen=True, eq=False)
+class _Trial:
+    torque: Array
+    others: Array
+    noise: float
+    speed: Array
+    means: Means
+    load: Array | None
+    offset: bool
+
+    def gram(self, law: Sliding) -> Array:
+        """Products of [others, friction, torque] with themselves, of each block, (BLOCKS, c, c)."""
+        columns = self.means(friction_columns(law, self.speed, self.load)[1])
+        ones = np.ones((len(self.torque), int(self.offset and law.asymmetry is None)))
+        own = np.column_stack([ones, columns, self.torque])
+        k = self.others.shape[1]
+        found = np.empty((BLOCKS, k + own.shape[1], k + own.shape[1]))
+        found[:, :k, :k] = self._of_others
+        for gram, A, B in zip(found, *(np.array_split(x, BLOCKS) for x in (self.others, own)), strict=True):
+            gram[:k, k:], gram[k:, k:] = A.T @ B, B.T @ B
+            gram[k:, :k] = gram[:k, k:].T
+        return found
+
+    @cached_property
+    def _of_others(self) -> Array:
+        return np.array([block.T @ block for block in np.array_split(self.others, BLOCKS)])
+
+    def all(self, laws: list[Sliding]) -> list[Tried]:
+        """The laws, less those that fit best with friction that would push."""
+        return [(law, gram) for law in laws if self._brakes(law, gram := self.gram(law))]
+
+    def _brakes(self, law: Sliding, gram: Array) -> bool:
+        names = [*law.coefficients, *(["per_load"] if law.per_load is not None else [])]
+        values = self.fits(gram.sum(axis=0))[0][-len(names) :]
+        # small viscous friction may come out negative, and is brought to zero later
+        return all(value >= 0.0 for name, value in zip(names, values, strict=True) if name != "viscous")
+
+    def best(self, tried: list[Tried]) -> Sliding:
+        """The law that fits best."""
+        return min(tried, key=lambda each: self.misfit(each[1]))[0]
+
+    def misfit(self, gram: Array) -> float:
+        """Squares that a law leaves over in all blocks."""
+        return float(self.fits(gram.sum(axis=0))[1])
+
+    def left_out(self, grams: list[Array]) -> Array:
+        """Squared error of each block under the shape and parameters that fit the others best, (BLOCKS,)."""
+        each = np.array(grams)
+        values, misfits = self.fits(each.sum(axis=1, keepdims=True) - each)
+        best = misfits.argmin(axis=0), np.arange(BLOCKS)
+        both = np.concatenate([-values[best], np.ones((BLOCKS, 1))], axis=1)
+        return np.einsum("bi,bij,bj->b", both, each[best], both)
+
+    def fits(self, gram: Array) -> tuple[Array, Array]:
+        """Least squares of the last column by the others, of products (..., c, c): values, and squares left over."""
+        A, b = gram[..., :-1, :-1].copy(), gram[..., :-1, -1:]
+        rows = np.arange(self.others.shape[1])
+        A[..., rows, rows] += self.noise**2
+        size = np.sqrt(np.maximum(np.diagonal(A, axis1=-2, axis2=-1), np.finfo(float).tiny))[..., None]
+        scaled = A / (size * size.swapaxes(-1, -2)) + RIDGE * np.eye(A.shape[-1])
+        values = np.linalg.solve(scaled, b / size) / size
+        return values[..., 0], gram[..., -1, -1] - (values * b).sum(axis=(-2, -1))
+
+
+def _tried(trial: _Trial, size: float) -> dict[str, list[Tried]]:
+    """Laws by family, with their products; size: RMS speed."""
+    plain: dict[str, list[Sliding]] = {
+        "coulomb": [Coulomb(1.0, 0.0, size * x) for x in SMOOTHINGS],
+        "stribeck": [Stribeck(1.0, 1.0, 0.0, size * y, size * x) for x in SMOOTHINGS for y in STRIBECKS if y > x],
+    }
+    found: dict[str, list[Tried]] = {}
+    for family, laws in plain.items():
+        found[family] = _refined(trial, trial.all(laws))
+        if not found[family]:
+            continue
+        law = trial.best(found[family])
+        found[f"{family}, asymmetric"] = _refined(trial, trial.all([_with(law, asymmetry=x) for x in ASYMMETRIES]))
+        if trial.load is not None and np.nanmax(np.abs(trial.load)) > 0.0:
+            found[f"{family}, with load"] = _refined(trial, trial.all([_with(law, per_load=0.0)]))
+    return found
+
+
+def _refined(trial: _Trial, tried: list[Tried]) -> list[Tried]:
+    """With what is tried on the way to the best shape near these, by variable projection.  Golub and Pereyra (1973)."""
+    if not tried:
+        return []
+    law: Any = trial.best(tried)
+    names = [name for name in ("smoothing", "stribeck_velocity") if hasattr(law, name)]
+    start = np.log([getattr(law, name) for name in names])
+    start = start if law.asymmetry is None else np.append(start, np.arctanh(law.asymmetry))
+    found = [*tried]
+
+    def misfit(x: Array) -> float:
+        side = {} if law.asymmetry is None else {"asymmetry": float(np.tanh(x[-1]))}
+        own = trial.all([_with(law, **dict(zip(names, np.exp(x).tolist(), strict=False)), **side)])
+        found.extend(own)
+        return trial.misfit(own[0][1]) if own else np.inf
+
+    steps = np.vstack([start, start + NEAR * np.eye(start.size)])
+    options = {"maxfev": TRIALS, "xatol": 1e-2, "fatol": 0.0, "initial_simplex": steps}
+    minimize(misfit, start, method="Nelder-Mead", options=options)
+    return found
+
+
+def _with(law: Any, **changed: Any) -> Sliding:
+    return replace(law, **changed)

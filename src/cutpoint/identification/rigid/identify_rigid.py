@@ -1,0 +1,169 @@
+"""From a recording to a rigid model one can trust: bodies, rotors, friction, and what the log cannot tell of them."""
+
+from collections.abc import Mapping
+from typing import Literal
+
+import numpy as np
+from numpy.typing import NDArray
+
+from cutpoint.errors import InputError, unknown_name
+from cutpoint.identification.conditioning.decimation import decimation
+from cutpoint.identification.conditioning.motion import Motion, motion_of, sliding_speeds, torques_of
+from cutpoint.identification.logs.recording import Recording
+from cutpoint.identification.rigid.base_parameters import BaseParameters, base_parameters
+from cutpoint.identification.rigid.friction_choice import FrictionChoice, choose_friction
+from cutpoint.identification.rigid.instrumental import instrumental_variables
+from cutpoint.identification.rigid.least_squares import METHODS, Estimate, least_squares, solved
+from cutpoint.identification.rigid.physical import Solver, physical
+from cutpoint.identification.rigid.regression import Regression, regression
+from cutpoint.identification.rigid.rigid_estimate import Fitted, Log, RigidEstimate, estimate_of
+from cutpoint.identification.rigid.rigid_robot import link_torques, stated_laws
+from cutpoint.mechanics.friction import Sliding
+from cutpoint.robot import Robot
+
+Array = NDArray[np.float64]
+Method = Literal["ordinary", "weighted", "huber", "instrumental"]
+FrictionWish = Literal["choose", "stated"] | Mapping[str, Sliding]
+
+BANDWIDTH = 10.0
+"""Hz of torques that are explained, at most, by default: arms are excited below, drives resonate above."""
+
+
+WRONG = 3.0
+"""Standard deviations by which links may be wrong while friction laws are compared."""
+
+LOADED_ROUNDS = 3
+"""Rounds in which friction that grows with load learns the load."""
+
+
+def identify_rigid(
+    robot: Robot,
+    recording: Recording,
+    *,
+    friction: FrictionWish = "choose",
+    method: Method = "weighted",
+    instruments: Recording | None = None,
+    rotors: bool = True,
+    offsets: bool = True,
+    solver: Solver = "lmi",
+    prior_spread: float = 0.5,
+    level: float = 0.95,
+    cutoff: float | None = None,
+    bandwidth: float | None = None,
+    torque_constants: Mapping[str, float] | None = None,
+) -> RigidEstimate:
+    """Inertias of all bodies, rotors, friction and offsets that explain a recording's torques.
+
+    friction: "choose" the law of each joint, see `choose_friction`; as "stated" by the drives, or Coulomb's; or laws by
+        joint, of which the shape counts.
+    method: "ordinary" or "weighted" least squares, "huber" with outliers, "instrumental" where noise of the positions
+        matters; instruments: then, the motion that was asked for or simulated, at the same times.
+    rotors: whether the inertia of every joint's rotor is sought; if not, it is what the drives state.
+    offsets: whether torques may be off by a constant each.
+    solver, prior_spread: for bodies that can exist, see `physical`.  level: of the intervals.
+    cutoff: Hz, of the positions, by default where they sink into their noise.  bandwidth: Hz, of the torques that are
+        explained, by default the same, at most 10 Hz.
+    torque_constants: N m at the joint for each ampere, by joint, for recordings of currents.
+
+    A commanded torque that is held over a control period acts half a period later: align it before.
+    Raises InputError: arguments that do not fit each other or the recording.  CutpointError: a missing solver.
+    """
+    _check(method, instruments, level)
+    log = _log(robot, recording, rotors, cutoff, bandwidth, torque_constants)
+    base = base_parameters(robot, rotors=rotors)
+    loads = link_torques(robot, log.motion, robot.inertial_parameters)
+    choices = _choices(base, log, loads, offsets) if friction == "choose" else ()
+    laws = _laws(robot, log.motion, friction, choices)
+    asked = None if instruments is None else _asked(robot, recording, instruments, log.motion.cutoff)
+    is_loaded = any(law.per_load is not None for law in laws.values())
+    fitted = None
+    for _ in range(LOADED_ROUNDS if is_loaded else 1):
+        loads = link_torques(robot, log.motion, fitted.bodies.inertial) if fitted else loads
+        found = regression(base, laws, log.motion, log.torque, log.means, offsets=offsets, loads=loads)
+        estimate = _estimate(base, laws, log, found, asked, method, offsets, loads)
+        bodies = physical(base, found.names, estimate.R, estimate.z, solver=solver, prior_spread=prior_spread)
+        fitted = Fitted(base, laws, log, found, estimate, bodies)
+    assert fitted is not None
+    return estimate_of(fitted, level, choices, recording.notes)
+
+
+def _check(method: str, instruments: Recording | None, level: float) -> None:
+    if method not in (*METHODS, "instrumental"):
+        raise unknown_name("method of identification", method, (*METHODS, "instrumental"))
+    if instruments is not None and method != "instrumental":
+        raise InputError(f"instruments go with method='instrumental', not with {method!r}", method=method)
+    if not 0.0 < level < 1.0:
+        raise InputError(f"level {level} must lie between 0 and 1, as 0.95", level=level)
+
+
+def _log(
+    robot: Robot,
+    recording: Recording,
+    rotors: bool,
+    cutoff: float | None,
+    bandwidth: float | None,
+    torque_constants: Mapping[str, float] | None,
+) -> Log:
+    motion, torque = motion_of(robot, recording, cutoff), torques_of(robot, recording, torque_constants)
+    stated = np.array([float(drive.reflected_inertia) for drive in robot.drives.values()])
+    torque = torque if rotors else torque - stated * motion.w_dot
+    width = min(motion.cutoff, BANDWIDTH) if bandwidth is None else bandwidth
+    known = motion.known() & np.isfinite(torque).all(axis=1)
+    return Log(motion, torque, decimation(known, motion.period, width), None if rotors else stated, width)
+
+
+def _estimate(
+    base: BaseParameters,
+    laws: Mapping[str, Sliding],
+    log: Log,
+    found: Regression,
+    asked: Motion | None,
+    method: Method,
+    offsets: bool,
+    loads: Array,
+) -> Estimate:
+    if method != "instrumental":
+        return least_squares(found, method)
+    if asked is None:
+        return instrumental_variables(found)
+    other = regression(base, laws, asked, log.torque, log.means, offsets=offsets, loads=loads)
+    return instrumental_variables(found, other.columns)
+
+
+def _choices(base: BaseParameters, log: Log, loads: Array, offsets: bool) -> tuple[FrictionChoice, ...]:
+    """The law of each joint that moves, from what its links leave over.
+
+    What the links ask for is first told by a fit with the stated laws, and may be wrong by some of its deviations.
+    """
+    laws, b, found = stated_laws(base.robot, log.motion), base.independent.size, list[FrictionChoice]()
+    first = regression(base, laws, log.motion, log.torque, log.means, offsets=offsets, loads=loads)
+    estimate = least_squares(first)
+    variances, axes = np.linalg.eigh(solved(estimate.R, estimate.z)[1][:b, :b])
+    likely = WRONG * axes * np.sqrt(np.maximum(variances, 0.0))
+    torque = first.torque - first.columns[..., :b] @ estimate.values[:b]
+    speeds = sliding_speeds(base.robot, log.motion)
+    for j, joint in enumerate(base.robot.joints):
+        speed, others = speeds[:, j], first.columns[:, j, :b] @ likely
+        if np.nanstd(speed) > 0.0:
+            noise = float(estimate.noise[j])
+            own = choose_friction(joint, torque[:, j], others, noise, speed, log.means, loads[:, j], offsets)
+            found += [own] if own else []
+    return tuple(found)
+
+
+def _laws(robot: Robot, motion: Motion, wish: FrictionWish, choices: tuple[FrictionChoice, ...]) -> dict[str, Sliding]:
+    laws = stated_laws(robot, motion) | {choice.joint: choice.law for choice in choices}
+    if isinstance(wish, Mapping):
+        for joint, law in wish.items():
+            if joint not in laws:
+                raise unknown_name("driven joint", joint, laws)
+            laws[joint] = law
+    elif wish not in ("choose", "stated"):
+        raise InputError(f"friction {wish!r} must be 'choose', 'stated', or laws by joint", friction=wish)
+    return laws
+
+
+def _asked(robot: Robot, recording: Recording, instruments: Recording, cutoff: float) -> Motion:
+    if not np.array_equal(recording.time, instruments.time):
+        raise InputError("instruments must have the recording's times: take the reference at recording.time")
+    return motion_of(robot, instruments, cutoff)

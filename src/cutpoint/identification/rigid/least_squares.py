@@ -1,0 +1,136 @@
+"""Parameters of a regression by least squares: ordinary, weighted by each joint's noise, or robust to outliers."""
+
+from typing import Literal, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from cutpoint.errors import InputError, unknown_name
+from cutpoint.identification.rigid.regression import Regression, triangle
+from cutpoint.identification.rigid.sandwich import Spread, spread
+
+Array = NDArray[np.float64]
+Method = Literal["ordinary", "weighted", "huber"]
+METHODS = ("ordinary", "weighted", "huber")
+
+UNSEEN = 1e-9
+"""Of the largest singular value of columns of unit length: directions below that are not excited at all."""
+
+EDGE = 1.345
+"""Standard deviations beyond which Huber's weight falls: 95 % as efficient as least squares on normal noise."""
+
+ROUNDS = 50
+SETTLED = 1e-6
+"""Reweighting ends when no joint's noise changes by more than that of itself."""
+
+NORMAL = 0.6745
+"""Median of |x| of a standard normal x."""
+
+
+class Estimate(NamedTuple):
+    """What a regression tells of its parameters.
+
+    values (c,).  spread: covariance and degrees of freedom.  noise (n,): standard deviation of each joint's residuals.
+    R (c, c), z (c,): ||R x - z||^2 is the weighted sum of squares beyond its minimum, in which one is a variance.
+    residuals (M, n).
+    """
+
+    values: Array
+    spread: Spread
+    noise: Array
+    R: Array
+    z: Array
+    residuals: Array
+
+
+def least_squares(regression: Regression, method: Method = "weighted") -> Estimate:
+    """ordinary: all torques weigh alike.  weighted: each joint's by its noise, iterated.  huber: moreover, residuals
+    beyond 1.345 standard deviations count by their size, not by its square.  Huber (1964).
+
+    A direction that the motion does not excite stays zero, with an infinite variance.
+    Raises InputError: an unknown method, or fewer rows than parameters.
+    """
+    if method not in METHODS:
+        raise unknown_name("method of least squares", method, METHODS)
+    check_size(regression)
+    if method == "ordinary":
+        noise, values = np.ones(regression.torque.shape[1]), None
+    else:
+        noise, values = _weighted(regression)
+    weights = np.broadcast_to(1.0 / noise, regression.torque.shape)
+    if method == "huber":
+        assert values is not None
+        weights, noise = _huber(regression, values, noise)
+    R, z = split(triangle(_rows(regression, weights)))
+    values, P, seen = solved(R, z)
+    residuals = regression.residuals(values)
+    if method == "huber":
+        # the slope of Huber's bounded residual is 1 inside the edge and 0 beyond
+        inside = np.abs(residuals) <= EDGE * noise
+        _, P, seen = solved(*split(triangle(_rows(regression, inside / noise))))
+    found = spread(weights[..., None] * regression.columns, weights * residuals, P, seen)
+    noise = np.sqrt(np.mean(residuals**2, axis=0)) if method != "huber" else noise
+    scale = np.sqrt(found.correlation) * (np.sqrt(np.mean((weights * residuals) ** 2)) if method == "ordinary" else 1.0)
+    return Estimate(values, found, noise, R / scale, z / scale, residuals)
+
+
+def check_size(regression: Regression) -> None:
+    """Raises InputError for fewer rows than parameters."""
+    rows, count = regression.torque.size, len(regression.names)
+    if rows < 2 * count:
+        raise InputError(
+            f"{rows} torques are too few for {count} parameters: record a longer motion, or raise the bandwidth",
+            rows=rows,
+            parameters=count,
+        )
+
+
+def solved(R: Array, z: Array) -> tuple[Array, Array, NDArray[np.bool_]]:
+    """x of R x = z, (R^T R)^-1, and which parameters are seen at all, (c,); directions that are not are left out."""
+    length = np.linalg.norm(R, axis=0)
+    length[length == 0.0] = 1.0
+    U, s, Vt = np.linalg.svd(R / length)
+    kept = s > UNSEEN * s[0]
+    inverse = Vt[kept].T / s[kept]
+    seen = (Vt[~kept] ** 2).sum(axis=0) < UNSEEN
+    P = inverse @ inverse.T / np.outer(length, length)
+    return inverse @ (U[:, kept].T @ z) / length, P, seen
+
+
+def split(both: Array) -> tuple[Array, Array]:
+    """R and z of a triangle of [columns, torque]."""
+    return both[:-1, :-1], both[:-1, -1]
+
+
+def _weighted(regression: Regression) -> tuple[Array, Array]:
+    """Each joint's noise (n,) and the parameters, from the joints' triangles alone."""
+    factors, rows = regression.factors, len(regression.times)
+    noise, values = np.ones(len(factors)), np.zeros(factors.shape[2] - 1)
+    for _ in range(ROUNDS):
+        values = solved(*split(triangle((factors / noise[:, None, None]).reshape(-1, factors.shape[2]))))[0]
+        before, noise = noise, np.linalg.norm(factors @ [*-values, 1.0], axis=1) / np.sqrt(rows)
+        noise = np.maximum(noise, np.finfo(float).eps * np.linalg.norm(factors[:, :, -1], axis=1))
+        noise[noise == 0.0] = 1.0
+        if np.abs(noise / before - 1.0).max() < SETTLED:
+            break
+    return noise, values
+
+
+def _huber(regression: Regression, values: Array, noise: Array) -> tuple[Array, Array]:
+    """Weights (M, n) that bound each residual's pull, and the noise (n,) of those that are no outliers."""
+    weights = np.ones_like(regression.torque)
+    for _ in range(ROUNDS):
+        residuals = regression.residuals(values)
+        before, noise = noise, np.maximum(np.median(np.abs(residuals), axis=0) / NORMAL, np.finfo(float).tiny)
+        size = np.abs(residuals) / noise
+        weights = np.sqrt(np.minimum(1.0, EDGE / np.maximum(size, EDGE))) / noise
+        values = solved(*split(triangle(_rows(regression, weights))))[0]
+        if np.abs(noise / before - 1.0).max() < SETTLED:
+            break
+    return weights, noise
+
+
+def _rows(regression: Regression, weights: Array) -> Array:
+    """Weighted rows of [columns, torque], (M n, c + 1)."""
+    both = np.concatenate([regression.columns, regression.torque[..., None]], axis=2)
+    return (weights[..., None] * both).reshape(-1, both.shape[2])

@@ -1,0 +1,92 @@
+"""Physical bodies without constraints.  Rucker and Wensing (2022), IEEE Robot. Autom. Lett. 7(2), eq. (11).
+
+X = U U^T with U upper triangular, its diagonal exponentials: every ten numbers are a body that can exist.  Rotors and
+friction, which are single numbers, are bounded by zero instead.
+"""
+
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.optimize import least_squares
+
+from cutpoint.errors import CutpointError
+from cutpoint.identification.rigid.physical import Fit
+
+Array = NDArray[np.float64]
+
+UPPER = np.triu_indices(4)
+DIAGONAL = np.flatnonzero(UPPER[0] == UPPER[1])
+
+ENDS = 1e-10
+"""Relative change at which the search ends."""
+
+STEPS = 1000
+
+CLEAR = 1e-6
+"""How far from its bound the search starts."""
+
+
+def solve(fit: Fit) -> Array:
+    """The unknowns of a fit, from the file's bodies on.  Raises CutpointError where the search does not end."""
+    whole = _unknowns(fit, np.zeros(10 * fit.bodies.count + fit.scale.size + fit.positive.size))
+    # rotors start at the file's, friction at what least squares say where all else is the file's
+    whole[fit.first_rotor : fit.first_other] = 1.0
+    free = np.linalg.lstsq(fit.data[:, fit.first_other :], fit.z - fit.data @ whole)[0]
+    start = np.concatenate([np.zeros(10 * fit.bodies.count), np.ones(fit.scale.size), free])
+    low = np.full(start.size, -np.inf)
+    low[10 * fit.bodies.count :] = [*np.zeros(fit.scale.size), *np.where(fit.positive, 0.0, -np.inf)]
+    slopes: Any = lambda x: _slopes(fit, x)  # noqa: E731
+    found = least_squares(
+        lambda x: _residuals(fit, x),
+        np.maximum(start, low + CLEAR),
+        slopes,
+        (low, np.inf),
+        x_scale="jac",
+        ftol=ENDS,
+        xtol=ENDS,
+        gtol=ENDS,
+        max_nfev=STEPS,
+    )
+    if not found.success:
+        raise CutpointError(f"the search for physical bodies did not end: {found.message}; try solver='lmi'")
+    return _unknowns(fit, found.x)
+
+
+def _factors(fit: Fit, x: Array) -> Array:
+    """U of each body, (bodies, 4, 4)."""
+    U = np.zeros((fit.bodies.count, 4, 4))
+    own = x[: 10 * fit.bodies.count].reshape(-1, 10).copy()
+    own[:, DIAGONAL] = np.exp(own[:, DIAGONAL])
+    U[:, *UPPER] = own
+    return U
+
+
+def _unknowns(fit: Fit, x: Array) -> Array:
+    U = _factors(fit, x)
+    return np.concatenate([(U @ U.transpose(0, 2, 1)).ravel(), x[10 * fit.bodies.count :]])
+
+
+def _residuals(fit: Fit, x: Array) -> Array:
+    unknowns = _unknowns(fit, x)
+    X, rotors, _ = fit.unpacked(unknowns)
+    apart = np.concatenate([0.5 * (X - np.eye(4)).ravel(), rotors - fit.stated])
+    return np.concatenate([fit.data @ unknowns - fit.z, apart / fit.spread])
+
+
+def _slopes(fit: Fit, x: Array) -> Array:
+    """Of the residuals, by the chain rule over each body's U."""
+    count, first = fit.bodies.count, 10 * fit.bodies.count
+    U = _factors(fit, x)
+    slope = np.zeros((16 * count + x.size - first, x.size))
+    for k, (i, j) in enumerate(zip(*UPPER, strict=True)):
+        # d(U U^T) for U_ij alone: column j of U in row i, and mirrored
+        turned = np.zeros((count, 4, 4))
+        turned[:, i, :] = U[:, :, j]
+        turned += turned.transpose(0, 2, 1)
+        turned *= U[:, i, i, None, None] if i == j else 1.0
+        for body in range(count):
+            slope[16 * body : 16 * (body + 1), 10 * body + k] = turned[body].ravel()
+    slope[16 * count :, first:] = np.eye(x.size - first)
+    bodies, rotors = np.split(slope[: fit.first_other], [fit.first_rotor])
+    return np.concatenate([fit.data @ slope, 0.5 * bodies / fit.spread, rotors / fit.spread])

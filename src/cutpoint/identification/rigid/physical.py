@@ -1,0 +1,145 @@
+"""All parameters of all bodies, of those that can exist the ones that fit a log best and lie near the file's.
+
+Torques tell combinations of parameters only; what they leave open stays as in the file, by a distance between bodies
+that depends on no frame and no unit.  Traversaro et al. (2016), IROS; Lee, Wensing and Park (2019), IEEE Trans.
+Robot. 36(1), for the entropic distance; Rucker and Wensing (2022), IEEE Robot. Autom. Lett. 7(2), for log-Cholesky.
+"""
+
+from collections.abc import Sequence
+from importlib import import_module
+from typing import Any, Literal, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from cutpoint.errors import CutpointError, InputError, unknown_name
+from cutpoint.identification.rigid.base_parameters import BaseParameters
+from cutpoint.identification.rigid.bodies import Bodies, bodies_of
+
+Array = NDArray[np.float64]
+
+Solver = Literal["lmi", "lmi_trace", "log_cholesky"]
+SOLVERS = ("lmi", "lmi_trace", "log_cholesky")
+
+
+class Physical(NamedTuple):
+    """inertial: (10 bodies,), of bodies that can exist.  rotors: (n,) kg m2 at the joint, or () without.
+    others: friction, not negative, and offsets, in the regression's order.  base: what follows for all its parameters.
+    """
+
+    inertial: Array
+    rotors: Array
+    others: Array
+    base: Array
+
+
+class Fit(NamedTuple):
+    """Minimise |data @ unknowns - z|^2 + sum of distances / spread^2 over [X.ravel() of bodies, rotors, others].
+
+    The distance of a body that is (1 + e) times the file's is e^2, nearly, and so is a rotor's.
+    scale (rotors,): their size in the file, or in the arm where the file has none.  stated: whether it has.
+    positive: which of the others must not be negative.
+    """
+
+    data: Array
+    z: Array
+    bodies: Bodies
+    scale: Array
+    stated: NDArray[np.bool_]
+    positive: NDArray[np.bool_]
+    spread: float
+
+    @property
+    def first_rotor(self) -> int:
+        return 16 * self.bodies.count
+
+    @property
+    def first_other(self) -> int:
+        return self.first_rotor + self.scale.size
+
+    def unpacked(self, unknowns: Array) -> tuple[Array, Array, Array]:
+        """X (bodies, 4, 4), rotors as shares of their scale, others."""
+        rotors, others = self.first_rotor, self.first_other
+        return unknowns[:rotors].reshape(-1, 4, 4), unknowns[rotors:others], unknowns[others:]
+
+
+def physical(
+    base: BaseParameters,
+    names: Sequence[str],
+    R: Array,
+    z: Array,
+    *,
+    solver: Solver = "lmi",
+    prior_spread: float = 0.5,
+) -> Physical:
+    """The physical parameters nearest to R x = z (base parameters first, then friction and offsets, by names).
+
+    solver: "lmi", with the entropic distance to the file's bodies; "lmi_trace", with its quadratic approximation, both
+    by cvxpy and Clarabel; "log_cholesky", the latter without constraints, by SciPy alone.
+    prior_spread: standard deviation of the bodies from the file's, as a share: 0.5 is half of a body's mass.
+
+    Raises InputError: an unknown solver, a spread that is not positive.  CutpointError: a solver that is not there.
+    """
+    if solver not in SOLVERS:
+        raise unknown_name("solver", solver, SOLVERS)
+    if not (np.isfinite(prior_spread) and prior_spread > 0.0):
+        raise InputError(f"prior_spread {prior_spread} must be positive, as a share: 0.5 is half of a body's mass")
+    fit = _fit(base, names, R, z, prior_spread)
+    if solver == "log_cholesky":
+        from cutpoint.identification.rigid.log_cholesky import solve
+
+        unknowns = solve(fit)
+    else:
+        unknowns = _by_cones(fit, entropic=solver == "lmi")
+    X, rotors, others = fit.unpacked(unknowns)
+    others = np.where(fit.positive, np.maximum(others, 0.0), others)
+    inertial, rotors = fit.bodies.parameters(X), np.maximum(rotors, 0.0) * fit.scale
+    found = np.concatenate([base.matrix @ np.concatenate([inertial, rotors]), others])
+    return Physical(inertial, rotors, others, found)
+
+
+def _fit(base: BaseParameters, names: Sequence[str], R: Array, z: Array, spread: float) -> Fit:
+    robot, b = base.robot, base.independent.size
+    bodies = bodies_of(robot.mechanism)
+    reflected = np.array([float(drive.reflected_inertia) for drive in robot.drives.values()] if base.rotors else [])
+    arm = np.diag(robot.mass_matrix(robot.neutral()))[: reflected.size]
+    scale = np.where(reflected > 0.0, reflected, np.maximum(arm, np.finfo(float).tiny))
+    ten = 10 * bodies.count
+    links = base.matrix[:, :ten].reshape(b, -1, 10)
+    blocks = np.einsum("rbp,bpk->rbk", links, bodies.maps).reshape(b, -1)
+    data = np.concatenate([R[:, :b] @ np.concatenate([blocks, base.matrix[:, ten:] * scale], axis=1), R[:, b:]], axis=1)
+    positive = np.array([not name.startswith("offset.") for name in names[b:]], dtype=bool)
+    return Fit(data, z, bodies, scale, reflected > 0.0, positive, spread)
+
+
+def _by_cones(fit: Fit, entropic: bool) -> Array:
+    """The unknowns by a conic program."""
+    cp = _cvxpy()
+    X = [cp.Variable((4, 4), PSD=True) for _ in range(fit.bodies.count)]
+    rotors = cp.Variable(fit.scale.size, nonneg=True) if fit.scale.size else None
+    others = cp.Variable(fit.positive.size) if fit.positive.size else None
+    parts = [*(cp.vec(each, order="C") for each in X), *(x for x in (rotors, others) if x is not None)]
+    misfit = cp.sum_squares(fit.data @ cp.hstack(parts) - fit.z)
+    distance = sum(_distance(cp, each, entropic) for each in X)
+    if rotors is not None:
+        distance += cp.sum_squares(rotors - fit.stated)
+    bounds = [others[fit.positive] >= 0] if others is not None and fit.positive.any() else []
+    problem = cp.Problem(cp.Minimize(misfit + distance / fit.spread**2), bounds)
+    problem.solve(solver=cp.CLARABEL)
+    if problem.status not in ("optimal", "optimal_inaccurate"):
+        raise CutpointError(f"the search for physical bodies ended {problem.status}: try solver='log_cholesky'")
+    return np.concatenate([np.ravel(x.value) for x in [*X, rotors, others] if x is not None])
+
+
+def _distance(cp: Any, X: Any, entropic: bool) -> Any:
+    """Between a body and the file's, which is the unit matrix."""
+    return (cp.trace(X) - cp.log_det(X) - 4) / 2 if entropic else cp.sum_squares(X - np.eye(4)) / 4
+
+
+def _cvxpy() -> Any:
+    try:
+        import_module("clarabel")
+        return import_module("cvxpy")
+    except ImportError as error:
+        rule = "bodies by linear matrix inequalities need cvxpy and clarabel: pip install 'cutpoint[identify]'"
+        raise CutpointError(f"{rule}, or take solver='log_cholesky'") from error

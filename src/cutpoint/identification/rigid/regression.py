@@ -1,0 +1,133 @@
+"""Torques as a linear function of what is sought: inertias, rotors, friction and offsets of all joints.
+
+torque = Y(q, v, a) p + I_m w_dot + sum of phi_k(v) c_k + offset, every term through one window (see `decimation`).
+"""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from itertools import pairwise
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.linalg import qr
+
+from cutpoint.identification.conditioning.decimation import Decimation
+from cutpoint.identification.conditioning.motion import Motion, sliding_speeds
+from cutpoint.identification.rigid.base_parameters import BaseParameters
+from cutpoint.mechanics.friction import Sliding
+
+Array = NDArray[np.float64]
+
+CHUNK = 4096
+"""Samples whose regressor is in memory at once."""
+
+
+@dataclass(frozen=True, eq=False)
+class Regression:
+    """torque (M, n) = columns (M, n, c) @ parameters (c,) + what they leave over, at times (M,), s.
+
+    M is what decimation left of the recording's samples: 8 M n c bytes, 30 MB for 100 s of a seven-joint arm.
+    """
+
+    names: tuple[str, ...]
+    columns: Array
+    torque: Array
+    times: Array
+
+    @cached_property
+    def factors(self) -> Array:
+        """Triangles (n, c + 1, c + 1) of each joint's [columns, torque]: all that least squares want to know."""
+        both = np.concatenate([self.columns, self.torque[..., None]], axis=2)
+        return np.array([triangle(both[:, j]) for j in range(both.shape[1])])
+
+    def residuals(self, values: Array) -> Array:
+        """(M, n): torques that parameters (c,) do not explain."""
+        return self.torque - self.columns @ values
+
+    def part(self, rows: NDArray[np.bool_] | slice) -> "Regression":
+        """Some of the times."""
+        return Regression(self.names, self.columns[rows], self.torque[rows], self.times[rows])
+
+
+def regression(
+    base: BaseParameters,
+    laws: Mapping[str, Sliding],
+    motion: Motion,
+    torque: Array,
+    means: Decimation,
+    *,
+    offsets: bool = True,
+    loads: Array | None = None,
+) -> Regression:
+    """Of a motion and its torques (N, n): base parameters, then each joint's friction, then offsets, by name.
+
+    laws: a friction law for each joint, whose own coefficients do not matter.  loads: (N, n) N m that the drives
+    transmit, for laws in which friction grows with it.
+    """
+    inertial = inertial_columns(base, motion, means)
+    joints, speeds = base.robot.joints, sliding_speeds(base.robot, motion)
+    names, friction = [*base.names], []
+    for j, joint in enumerate(joints):
+        own, columns = friction_columns(laws[joint], speeds[:, j], None if loads is None else loads[:, j])
+        names += [f"{name}.{joint}" for name in own]
+        friction.append(_of_joint(means(columns), j, len(joints)))
+    for j, joint in enumerate(joints):
+        # dry friction that differs by direction is an offset, but for the moments of rest
+        if offsets and laws[joint].asymmetry is None:
+            names.append(f"offset.{joint}")
+            friction.append(_of_joint(np.ones((means.size, 1)), j, len(joints)))
+    return Regression(tuple(names), np.concatenate([inertial, *friction], axis=2), means(torque), means.times)
+
+
+def inertial_columns(base: BaseParameters, motion: Motion, means: Decimation) -> Array:
+    """(M, n, b): columns of the base parameters, with the motors' own acceleration at their rotors.
+
+    A rotor that counts with its link, as the first joint's does, is taken to move with it.
+    """
+    bodies, n = 10 * len(base.robot.mechanism.bodies), len(base.robot.joints)
+    links = base.independent[base.independent < bodies]
+    rotors = base.independent[base.independent >= bodies] - bodies
+    found = np.empty((means.size, n, base.independent.size))
+    for rows in _chunks(means):
+        samples = means.samples(rows)
+        Y = base.robot.regressor(*(np.nan_to_num(x[samples]) for x in (motion.q, motion.v, motion.a)))
+        found[rows, :, : links.size] = means(Y[..., links], rows)
+    w_dot = means(motion.w_dot)
+    for k, j in enumerate(rotors, start=links.size):
+        found[:, :, k] = _of_joint(w_dot[:, [j]], int(j), n)[..., 0]
+    return found
+
+
+def friction_columns(law: Sliding, speed: Array, load: Array | None = None) -> tuple[list[str], Array]:
+    """Names of a law's coefficients, and their columns (N, k) at a joint's speed (N,) and load (N,)."""
+    names, columns = [*law.coefficients], [np.asarray(x) for x in law.columns(speed)]
+    if law.per_load is not None and load is not None:
+        direction = np.asarray(law.direction(speed))
+        bent = direction if law.asymmetry is None else direction * (1.0 + law.asymmetry * direction)
+        names, columns = [*names, "per_load"], [*columns, np.abs(load) * bent]
+    return names, np.column_stack(columns)
+
+
+def triangle(rows: Array) -> Array:
+    """R (k, k) of rows (m, k) = Q R, a chunk at a time."""
+    width = rows.shape[1]
+    R = np.zeros((0, width))
+    for start in range(0, len(rows), CHUNK):
+        R = np.asarray(qr(np.concatenate([R, rows[start : start + CHUNK]]), mode="r", check_finite=False)[0])[:width]
+    return np.concatenate([R, np.zeros((width - len(R), width))])
+
+
+def _of_joint(columns: Array, joint: int, joints: int) -> Array:
+    """Columns (M, k) as those of all joints' torques, (M, n, k)."""
+    found = np.zeros((columns.shape[0], joints, columns.shape[1]))
+    found[:, joint] = columns
+    return found
+
+
+def _chunks(means: Decimation) -> Sequence[slice]:
+    """Rows whose windows span about CHUNK samples each."""
+    span = means.starts - means.starts[0]
+    edges = np.searchsorted(span, np.arange(0, span[-1] + 1, CHUNK))
+    edges = np.unique(np.append(edges, means.size))
+    return [slice(a, b) for a, b in pairwise(edges.tolist())]

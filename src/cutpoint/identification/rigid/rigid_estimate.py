@@ -1,0 +1,132 @@
+"""What a recording tells of a robot: a model, intervals, and what remains untold."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from cutpoint.errors import unknown_name
+from cutpoint.identification.conditioning.decimation import Decimation
+from cutpoint.identification.conditioning.motion import Motion, motion_of, sliding_speeds
+from cutpoint.identification.logs.recording import Recording
+from cutpoint.identification.rigid.base_parameters import BaseParameters
+from cutpoint.identification.rigid.friction_choice import FrictionChoice
+from cutpoint.identification.rigid.least_squares import Estimate
+from cutpoint.identification.rigid.physical import Physical
+from cutpoint.identification.rigid.regression import Regression
+from cutpoint.identification.rigid.rigid_robot import RigidModel, laws_with, stated_coefficient
+from cutpoint.identification.rigid.uncertainty import Parameter, base_sizes, friction_sizes, parameters, untold
+from cutpoint.mechanics.friction import Sliding
+from cutpoint.robot import Robot
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class RigidEstimate:
+    """What a recording tells of a robot.
+
+    robot: with new inertias, rotors and friction, bodies that can exist.  model: the same as one equation of torques.
+    parameters: base parameters, friction and offsets, each with its interval and whether the log tells it.
+    residuals: (M, n) N m, what the intervals' fit leaves over, at times (M,), s; noise (n,), its size.
+    friction: how each joint's law was chosen, if it was.  untold: what this log cannot tell, in sentences.
+    notes: what was done to the recording, and how.
+    """
+
+    robot: Robot
+    model: RigidModel
+    parameters: tuple[Parameter, ...]
+    residuals: Array
+    times: Array
+    noise: Array
+    untold: tuple[str, ...]
+    notes: tuple[str, ...]
+    friction: tuple[FrictionChoice, ...] = ()
+
+    def __getitem__(self, name: str) -> Parameter:
+        """A parameter by its name.  An unknown one is an InputError that lists those there are."""
+        named = {each.name: each for each in self.parameters}
+        if name not in named:
+            raise unknown_name("identified parameter", name, named)
+        return named[name]
+
+    def __repr__(self) -> str:
+        told = sum(each.told for each in self.parameters)
+        return f"RigidEstimate({self.robot.name!r}: {told} of {len(self.parameters)} parameters told)"
+
+    def prediction(self, recording: Recording, cutoff: float | None = None) -> Array:
+        """(N, n): torques of the motors, N m at the joint, for a recording's motion; NaN where that is not known.
+
+        cutoff: of the positions, Hz, as in `identify_rigid`.
+        """
+        return self.model.torque(self.robot, motion_of(self.robot, recording, cutoff))
+
+
+class Log(NamedTuple):
+    """A recording as it is used: all samples, and what makes means of them.
+
+    stated: reflected inertias (n,), kg m2, of rotors that are not sought.  width: Hz, of the means.
+    """
+
+    motion: Motion
+    torque: Array
+    means: Decimation
+    stated: Array | None
+    width: float
+
+
+class Fitted(NamedTuple):
+    """What was fitted to what."""
+
+    base: BaseParameters
+    laws: Mapping[str, Sliding]
+    log: Log
+    regression: Regression
+    estimate: Estimate
+    bodies: Physical
+
+
+def estimate_of(
+    fitted: Fitted, level: float, choices: tuple[FrictionChoice, ...], notes: tuple[str, ...]
+) -> RigidEstimate:
+    """All that is told of a fit, with intervals at a level."""
+    base, laws, log, found, estimate, bodies = fitted
+    robot, table = base.robot, _table(fitted, level)
+    others = dict(zip(found.names[base.independent.size :], bodies.others.tolist(), strict=True))
+    offsets = np.array([others.get(f"offset.{joint}", 0.0) for joint in robot.joints])
+    rotors = bodies.rotors if log.stated is None else log.stated
+    model = RigidModel(bodies.inertial, rotors, offsets, laws_with(laws, others))
+    return RigidEstimate(
+        robot=model.robot(robot),
+        model=model,
+        parameters=table,
+        residuals=estimate.residuals,
+        times=found.times[len(found.times) - len(estimate.residuals) :],
+        noise=estimate.noise,
+        untold=untold(table, base),
+        notes=(*notes, *_notes(log, found, estimate)),
+        friction=choices,
+    )
+
+
+def _table(fitted: Fitted, level: float) -> tuple[Parameter, ...]:
+    base, _, log, found, estimate, bodies = fitted
+    b, joints = base.independent.size, base.robot.joints
+    channels = log.torque, sliding_speeds(base.robot, log.motion)
+    torque, speed = (np.sqrt(np.mean(log.means(x) ** 2, axis=0)) for x in channels)
+    sizes = np.concatenate([base_sizes(base), friction_sizes(found.names[b:], joints, torque, speed)])
+    stated = np.array([stated_coefficient(base.robot, name) for name in found.names[b:]])
+    prior = np.concatenate([base.nominal, stated])
+    return parameters(found.names, estimate, bodies.base, prior, sizes, level)
+
+
+def _notes(log: Log, found: Regression, estimate: Estimate) -> list[str]:
+    lag, step = estimate.spread.lag, float(np.median(np.diff(found.times)))
+    return [
+        f"positions low-passed at {log.motion.cutoff:.4g} Hz, torques explained up to {log.width:.4g} Hz: "
+        f"{len(found.times)} means of {log.means.window.size} samples, {step:.4g} s apart",
+        f"intervals take residuals to be related over {lag} means, {lag * step:.3g} s, "
+        f"and have {estimate.spread.degrees:.0f} degrees of freedom",
+    ]

@@ -1,0 +1,106 @@
+"""What an identified robot is made of, and what its motors must give for a motion."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from cutpoint.identification.conditioning.motion import Motion, sliding_speeds
+from cutpoint.identification.rigid.bodies import with_parameters
+from cutpoint.identification.rigid.regression import CHUNK
+from cutpoint.mechanics.friction import Coulomb, Sliding
+from cutpoint.model.drive import Drive, Rotor
+from cutpoint.robot import Robot
+
+Array = NDArray[np.float64]
+
+AT_REST = 0.02
+"""Of the RMS speed: where a drive states no friction, its sign changes over that."""
+
+LEAST = 1e-6
+"""Of the inertia at a joint: a rotor behind a spring has at least that."""
+
+
+@dataclass(frozen=True, eq=False)
+class RigidModel:
+    """torque = Y(q, v, a) inertial + rotors w_dot + friction(v) + offsets, for all joints of a robot.
+
+    inertial (10 bodies,); rotors (n,) kg m2 at the joint; offsets (n,) N m; laws by joint.
+    """
+
+    inertial: Array
+    rotors: Array
+    offsets: Array
+    laws: Mapping[str, Sliding]
+
+    def torque(self, robot: Robot, motion: Motion) -> Array:
+        """(N, n), NaN where the motion is not known."""
+        loads = link_torques(robot, motion, self.inertial)
+        found = loads + self.rotors * motion.w_dot + self.offsets
+        speeds = sliding_speeds(robot, motion)
+        for j, joint in enumerate(robot.joints):
+            found[:, j] += self.laws[joint].torque(speeds[:, j], loads[:, j])
+        return found
+
+    def robot(self, robot: Robot) -> Robot:
+        """The robot with these bodies, rotors and friction; springs, limits and motors are as they were."""
+        arm = np.diag(robot.mass_matrix(robot.neutral()))
+        drives = {
+            joint: _driven(drive, self.laws[joint], float(self.rotors[j]), LEAST * float(arm[j]))
+            for j, (joint, drive) in enumerate(robot.drives.items())
+        }
+        return Robot(with_parameters(robot.mechanism, self.inertial), drives, backend=robot.backend)
+
+
+def link_torques(robot: Robot, motion: Motion, inertial: Array) -> Array:
+    """(N, n): what the links ask of their joints, for inertial parameters (10 bodies,); NaN where nothing is known."""
+    found = np.full(motion.q.shape, np.nan)
+    known = np.flatnonzero(np.isfinite(np.column_stack([motion.q, motion.v, motion.a])).all(axis=1))
+    for start in range(0, known.size, CHUNK):
+        rows = known[start : start + CHUNK]
+        found[rows] = robot.regressor(motion.q[rows], motion.v[rows], motion.a[rows]) @ inertial
+    return found
+
+
+def stated_laws(robot: Robot, motion: Motion) -> dict[str, Sliding]:
+    """The sliding law of each joint's drive, or Coulomb's where it states none."""
+    sizes = np.sqrt(np.nanmean(sliding_speeds(robot, motion) ** 2, axis=0))
+    found: dict[str, Sliding] = {}
+    for j, (joint, drive) in enumerate(robot.drives.items()):
+        stated: Any = drive.link_friction or drive.motor_friction
+        fallback = Coulomb(1.0, 0.0, max(AT_REST * float(sizes[j]), 1e-9))
+        found[joint] = getattr(stated, "sliding", stated) or fallback
+    return found
+
+
+def stated_coefficient(robot: Robot, name: str) -> float:
+    """What the robot's drive states of `coulomb.joint1`; NaN where it states no such thing, 0 for an offset."""
+    kind, _, joint = name.partition(".")
+    drive = robot.drives[joint]
+    stated: Any = drive.link_friction or drive.motor_friction
+    value = getattr(getattr(stated, "sliding", stated), kind, None)
+    return 0.0 if kind == "offset" else float("nan") if value is None else float(value)
+
+
+def laws_with(laws: Mapping[str, Sliding], told: Mapping[str, float]) -> dict[str, Sliding]:
+    """The laws with the coefficients that a regression calls `coulomb.joint1`."""
+    found: dict[str, Sliding] = {}
+    for joint, law in laws.items():
+        law = law.with_coefficients([told[f"{name}.{joint}"] for name in law.coefficients])
+        own: Any = law
+        found[joint] = law if law.per_load is None else replace(own, per_load=told.get(f"per_load.{joint}", 0.0))
+    return found
+
+
+def _driven(drive: Drive, law: Sliding, reflected: float, least: float) -> Drive:
+    """The drive with an identified rotor, whose mass is in the links', and all of its friction on one side: the motor's
+    if there alone it was stated, or if it grows with load; else the link's."""
+    inertia = max(reflected, least if drive.is_elastic else 0.0) / drive.ratio**2
+    rotor = replace(drive.rotor or Rotor(0.0), inertia=inertia, in_link_inertia=True) if inertia else drive.rotor
+    on_motor = law.per_load is not None or (drive.motor_friction is not None and drive.link_friction is None)
+    stated: Any = drive.motor_friction if on_motor else drive.link_friction
+    friction: Any = replace(stated, sliding=law) if hasattr(stated, "sliding") and law.plateau(0) > 0 else law
+    sides = {"motor_friction": friction if on_motor else None, "link_friction": None if on_motor else friction}
+    return replace(drive, rotor=rotor, **sides)

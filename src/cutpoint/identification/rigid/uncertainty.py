@@ -1,0 +1,86 @@
+"""What a log tells of each parameter, and what it cannot tell."""
+
+from collections.abc import Sequence
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from cutpoint.identification.rigid.base_parameters import BaseParameters
+from cutpoint.identification.rigid.least_squares import Estimate
+from cutpoint.mechanics.pseudo_inertia import nominal_sizes
+
+Array = NDArray[np.float64]
+
+TOLD = 0.3
+"""A parameter is told if its standard deviation is at most that much of its size, here or in the file."""
+
+
+class Parameter(NamedTuple):
+    """A base parameter, or one of friction, or an offset, in SI units at the joint's side.
+
+    value, low, high: as the log alone tells it, with its interval.  physical: its value with bodies that can exist.
+    prior: its value in the robot's files; NaN where they have none.  told: whether this log tells it; why not, if not.
+    """
+
+    name: str
+    value: float
+    low: float
+    high: float
+    physical: float
+    prior: float
+    told: bool
+    why: str
+
+
+def parameters(
+    names: Sequence[str], estimate: Estimate, physical: Array, prior: Array, sizes: Array, level: float
+) -> tuple[Parameter, ...]:
+    """All parameters with their intervals at a level, as 0.95.  sizes (c,): how large each is in such a robot."""
+    values, deviations, margins = estimate.values, estimate.spread.deviations(), estimate.spread.margins(level)
+    reference = np.maximum(np.abs(values), sizes)
+    found: list[Parameter] = []
+    for k, name in enumerate(names):
+        why = _why(float(deviations[k]), float(reference[k]))
+        ends = float(values[k] - margins[k]), float(values[k] + margins[k])
+        found.append(Parameter(name, float(values[k]), *ends, float(physical[k]), float(prior[k]), not why, why))
+    return tuple(found)
+
+
+def _why(deviation: float, reference: float) -> str:
+    if np.isinf(deviation):
+        return "this motion does not excite it, or not apart from others"
+    if deviation > TOLD * reference:
+        return f"its standard deviation, {deviation:.3g}, is {deviation / reference:.0%} of its usual size"
+    return ""
+
+
+def untold(found: Sequence[Parameter], base: BaseParameters) -> tuple[str, ...]:
+    """Sentences on what a log leaves open."""
+    said = [f"{each.name}: {each.why}; the robot keeps what its file says nearby" for each in found if not each.told]
+    if base.unidentifiable:
+        some = ", ".join(base.unidentifiable[:4]) + (" ..." if len(base.unidentifiable) > 4 else "")
+        said.append(f"no torque of any motion tells {len(base.unidentifiable)} single parameters: {some}")
+    return tuple(said)
+
+
+def base_sizes(base: BaseParameters) -> Array:
+    """How large base parameters (b,) are in a robot like this: as their leading one is in a body like its own, or the
+    whole is in the file, the larger."""
+    robot = base.robot
+    natural = [x for p in robot.inertial_parameters.reshape(-1, 10) for x in nominal_sizes(p.tolist())]
+    if base.rotors:
+        reflected = np.array([float(drive.reflected_inertia) for drive in robot.drives.values()])
+        natural += np.where(reflected > 0.0, reflected, np.diag(robot.mass_matrix(robot.neutral()))).tolist()
+    return np.maximum(np.abs(np.array(natural)[base.independent]), np.abs(base.nominal))
+
+
+def friction_sizes(names: Sequence[str], joints: Sequence[str], torque: Array, speed: Array) -> Array:
+    """Of friction and offsets, (k,): a tenth of the joint's RMS torque (n,), at its RMS speed (n,) if viscous."""
+    found: list[float] = []
+    for name in names:
+        kind, _, joint = name.partition(".")
+        j = joints.index(joint)
+        share = {"viscous": 1.0 / max(speed[j], np.finfo(float).tiny), "per_load": 1.0 / max(torque[j], 1e-300)}
+        found.append(0.1 * torque[j] * share.get(kind, 1.0))
+    return np.array(found)
