@@ -26,7 +26,7 @@ from cutpoint.simulation.plant import State
 from cutpoint.studies.cost.timing import Timing, in_turns
 from cutpoint.trajectories import Trajectory
 
-DURATION, PERIOD, KP, KD = 2.0, 1e-3, 4000.0, 200.0
+DURATION, PERIOD, KP, KD = 10.0, 1e-3, 4000.0, 200.0
 """s, s, N m/rad, N m s/rad."""
 
 PERIODS = round(DURATION / PERIOD)
