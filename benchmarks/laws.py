@@ -4,7 +4,7 @@ python benchmarks/laws.py      prints them
 """
 
 import sys
-from dataclasses import asdict
+from dataclasses import asdict, replace
 
 import numpy as np
 import ours
@@ -37,19 +37,26 @@ def laws() -> list[dict]:
     print("control laws", file=sys.stderr)
     robot = cutpoint.robots.xia2019()
     made = _laws(robot)
-    entries = {name: _entries(robot, law) for name, law in made.items()}
+    linear = _with_linear_drives(robot)
+    made |= {"VDC, derivatives of the model; linear springs, no friction": (linear, tune(linear, BANDWIDTH, VDC))}
+    entries = {name: _entries(*law) for name, law in made.items()}
     single = in_turns({name: x["single"].call for name, x in entries.items()}, COUNT)
     lanes = in_turns({name: x["lanes"].call for name, x in entries.items()}, COUNT)
     return [
-        {"law": name, "operations": sum(law_kernel(robot, made[name]).operations.values()),
+        {"law": name, "operations": sum(law_kernel(*made[name]).operations.values()),
          "single": asdict(single[name]), "lanes": asdict(lanes[name])}
         for name in made
     ]  # fmt: skip
 
 
-def _laws(robot: cutpoint.Robot) -> dict[str, object]:
+def _with_linear_drives(robot: cutpoint.Robot) -> cutpoint.Robot:
+    linear = {"compliance": cutpoint.LinearSpring(1e4), "link_friction": None}
+    return robot.with_drives({name: replace(drive, **linear) for name, drive in robot.drives.items()})
+
+
+def _laws(robot: cutpoint.Robot) -> dict[str, tuple[cutpoint.Robot, object]]:
     pd = tune(robot, BANDWIDTH, PD) + Feedforward(robot)
-    return {
+    made = {
         "PD": tune(robot, BANDWIDTH, PD), "PID": tune(robot, BANDWIDTH, PID), "PD + Feedforward": pd,
         "PD + Feedforward in a Guard": Guard(pd, robot),
         "DisturbanceObserver around PD + Feedforward": DisturbanceObserver(robot, pd, np.ones(6)),
@@ -62,6 +69,7 @@ def _laws(robot: cutpoint.Robot) -> dict[str, object]:
         "AdaptiveVDC, projection": tune(robot, BANDWIDTH, AdaptiveVDC),
         "AdaptiveVDC, natural": tune(robot, BANDWIDTH, AdaptiveVDC, update="natural"),
     }  # fmt: skip
+    return {name: (robot, law) for name, law in made.items()}
 
 
 def _entries(robot: cutpoint.Robot, law: object) -> dict[str, ours.Entry]:

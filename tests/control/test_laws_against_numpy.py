@@ -103,14 +103,14 @@ def test_vdc_is_its_equations(name, derivatives, pulled):
     ours = robot(name)
     gain = body_gains(len(ours.mechanism.bodies)) if pulled else None
     # two derivatives of the required torque: 1e-16 * 17^2 / reach^2 of it, through the rotor's inertia over stiffness
-    agree(vdc_of(ours, derivatives=derivatives, body_gain=gain), numpy_laws.vdc, Plant(ours), 1e-9, stiff=True)
+    agree(vdc_of(ours, derivatives=derivatives, body_gain=gain), numpy_laws.vdc, Plant(ours), 1e-10, stiff=True)
 
 
 @pytest.mark.parametrize("name", ["linear", "xia2019"])
 def test_elastic_computed_torque_gives_the_links_the_snap_it_wants(name):
     ours = robot(name)
     law = ElasticComputedTorque(ours, spread(6, 10.0, 30.0))
-    agree(law, numpy_laws.elastic_computed_torque, Plant(ours), 1e-9, stiff=True)
+    agree(law, numpy_laws.elastic_computed_torque, Plant(ours), 1e-10, stiff=True)
 
 
 @pytest.mark.parametrize("name", ["xia2019", "damped"])
