@@ -1,0 +1,1 @@
+"""One thin command per job, by what they are about."""

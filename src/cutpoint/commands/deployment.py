@@ -1,0 +1,36 @@
+"""Code for other machines."""
+
+from pathlib import Path
+from typing import Annotated, Literal
+
+import typer
+
+from cutpoint.commands.shared import (
+    Drives,
+    RobotFile,
+    app,
+    console,
+    robot_of,
+)
+
+
+@app.command(epilog="Example: cutpoint export xia2019 --function elastic_inverse_dynamics --to c deployed")
+def export(
+    robot: RobotFile,
+    folder: Annotated[Path, typer.Argument(metavar="DIR", help="Folder for the files; made if it is not there.")],
+    function: Annotated[str, typer.Option(help="What to export: a method of Robot, such as inverse_dynamics.")],
+    to: Annotated[
+        Literal["c", "cuda"],
+        typer.Option(help="What to write: c, a package of C99 with a header for C++17, or cuda, CUDA C."),
+    ] = "c",
+    drives: Drives = None,
+    frame: Annotated[str | None, typer.Option(help="For jacobian and frame_pose: of which frame.")] = None,
+    name: Annotated[str | None, typer.Option(help="Of the C function, the same if not given.")] = None,
+    force: Annotated[bool, typer.Option("--force", help="Overwrite files that cutpoint has not written.")] = False,
+) -> None:
+    """Write a robot's function as code for machines without Python, equal to ours to the last bit, with its check."""
+    from cutpoint.export import export_function
+
+    options = {} if frame is None else {"frame": frame}
+    for path in export_function(robot_of(robot, drives), function, folder, to=to, name=name, force=force, **options):
+        console.print(f"{to}: {path}", soft_wrap=True, highlight=False, markup=False)

@@ -1,0 +1,108 @@
+"""Drives: whether they are large enough, and what one of them is."""
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+from rich.console import Console
+
+import cutpoint
+from cutpoint.commands.shared import (
+    Degrees,
+    Drives,
+    Mimics,
+    RobotFile,
+    app,
+    check_target,
+    check_targets,
+    console,
+    numbers_of,
+    robot_of,
+)
+from cutpoint.errors import InputError
+
+
+@app.command(epilog="Example: cutpoint check arm.urdf cycle.csv --drives arm.drives.yaml --dwell 0.5 --plot check.png")
+def check(
+    robot: RobotFile,
+    trajectory: Annotated[
+        Path | None, typer.Argument(metavar="TRAJECTORY", help="CSV file of one cycle: time, and positions by joint.")
+    ] = None,
+    drives: Drives = None,
+    to: Annotated[str, typer.Option(help="Without a file: final positions of a cycloid, as in simulate.")] = "",
+    duration: Annotated[float | None, typer.Option(help="Of the cycloid, s.")] = None,
+    start: Annotated[str, typer.Option("--from", help="Of the cycloid: initial positions; zero if not given.")] = "",
+    degrees: Degrees = False,
+    mimic: Mimics = "independent",
+    dwell: Annotated[float, typer.Option(help="Pause after the motion, s, in its last position.")] = 0.0,
+    period: Annotated[float, typer.Option(help="Longest time between samples, s.")] = 1e-3,
+    life: Annotated[float | None, typer.Option(help="Hours asked of the gears.")] = None,
+    json: Annotated[Path | None, typer.Option("--json", metavar="FILE", help="Save all numbers: .json.")] = None,
+    plot: Annotated[
+        Path | None, typer.Option(metavar="FILE", help="Save the torque-speed planes: .png, .pdf or .svg.")
+    ] = None,
+) -> None:
+    """Whether the drives are large enough for a motion that is repeated, by which margin, and how long gears last.
+
+    Exit status: 0 if every limit that is stated holds, 3 if some margin is below 1, 1 on wrong input.
+    """
+    from cutpoint.studies.sizing import sizing
+    from cutpoint.studies.sizing.table import sentences, table_of
+
+    check_targets(None, plot)
+    check_target("json", json, (".json",))
+    loaded = robot_of(robot, drives, mimic)
+    cycle = cycle_of(loaded, trajectory, (start, to), duration, degrees)
+    found = sizing(loaded, cycle, dwell=dwell, period=period, life=life)
+    console.print(table_of(found))
+    for sentence in sentences(found):
+        console.print(sentence, highlight=False, markup=False)
+    if json:
+        found.save(json)
+        console.print(f"numbers saved to {json}")
+    if plot:
+        found.plot().savefig(plot)
+        console.print(f"picture saved to {plot}")
+    if not found.holds:
+        raise typer.Exit(3)
+
+
+def cycle_of(
+    robot: cutpoint.Robot, file: Path | None, ends: tuple[str, str], duration: float | None, degrees: bool
+) -> "cutpoint.trajectories.Trajectory":
+    """The motion of a file, or a cycloid between two ends."""
+    start, end = ends
+    if file is not None:
+        if start or end or duration is not None or degrees:
+            rule = "--to, --from, --duration and --degrees do not go with it; its first line names the units"
+            raise InputError(f"trajectory {str(file)!r} is a motion already: {rule}", path=file)
+        return cutpoint.trajectories.from_csv(file, robot.joints)
+    if not end or duration is None:
+        raise InputError("a motion is needed: a CSV file TRAJECTORY, or --to with --duration")
+    places = {"start": numbers_of(robot, "from", start, degrees), "end": numbers_of(robot, "to", end, degrees)}
+    return cutpoint.trajectories.cycloid(duration=duration, **places)
+
+
+@app.command(epilog="Example: cutpoint drive CSG-20-100 --plot drive.png")
+def drive(
+    name: Annotated[
+        str | None, typer.Argument(metavar="NAME", help="Of the catalogue; all are listed without.")
+    ] = None,
+    as_yaml: Annotated[bool, typer.Option("--yaml", help="Only its drive-file entry, to paste.")] = False,
+    plot: Annotated[Path | None, typer.Option(metavar="FILE", help="Save its curves: .png, .pdf or .svg.")] = None,
+) -> None:
+    """Show a drive of the catalogue: its data sheet, with sources, and what the laws give back."""
+    from cutpoint.studies.drive import catalogue_table, entry_text, print_drive, save_picture
+
+    if name is None:
+        if as_yaml or plot:
+            raise InputError("--yaml and --plot need the NAME of a drive; cutpoint drive lists them")
+        return console.print(catalogue_table())
+    check_targets(None, plot)
+    if as_yaml:
+        console.print(entry_text(name), soft_wrap=True, highlight=False, markup=False, end="")
+    else:
+        print_drive(name, console)
+    if plot:
+        save_picture(name, plot)
+        (Console(stderr=True) if as_yaml else console).print(f"picture saved to {plot}")

@@ -1,0 +1,115 @@
+"""From logs of machines to models."""
+
+from pathlib import Path
+from typing import Annotated, Any, Literal
+
+import typer
+
+import cutpoint
+from cutpoint.commands.shared import (
+    Drives,
+    RobotFile,
+    app,
+    console,
+    robot_of,
+)
+
+
+@app.command(epilog="Example: cutpoint excite arm.urdf --drives arm.drives.yaml --seconds 60 --output excited")
+def excite(
+    robot: RobotFile,
+    drives: Drives = None,
+    duration: Annotated[float, typer.Option(help="Of the motion, s: a whole number of its periods.")] = 10.0,
+    harmonics: Annotated[int, typer.Option(help="Waves in each joint, multiples of the base frequency.")] = 5,
+    base_frequency: Annotated[
+        float | None, typer.Option(help="Hz; one period in the whole duration if not given.")
+    ] = None,
+    criterion: Annotated[
+        Literal["determinant", "condition"], typer.Option(help="Largest det(W^T W) or smallest condition number of W.")
+    ] = "determinant",
+    speed: Annotated[
+        float | None, typer.Option(help="Largest speed of every joint, rad/s (m/s): below what robot and drives state.")
+    ] = None,
+    acceleration: Annotated[float | None, typer.Option(help="Largest acceleration, rad/s2 (m/s2).")] = None,
+    torque: Annotated[float | None, typer.Option(help="Largest torque of every motor at its joint, N m (N).")] = None,
+    seconds: Annotated[float, typer.Option(help="To search; Ctrl-C ends it earlier, with the best until then.")] = 30.0,
+    output: Annotated[
+        Path, typer.Option(metavar="DIR", help="Folder for excitation.csv, .json (to go on from) and .png.")
+    ] = Path("excitation"),
+) -> None:
+    """Find the motion along which torques tell most of a robot's inertias and friction, within its limits.
+
+    Run it again with the same --output to search on from what was found.  Watch the motion in simulation before a
+    machine follows it: bodies may touch, since nothing here knows their shapes.
+    """
+    from cutpoint.identification import excitation
+    from cutpoint.identification.excitation.table import FILES, save, table_of
+
+    loaded = robot_of(robot, drives)
+    output.mkdir(parents=True, exist_ok=True)
+    found = excitation(
+        loaded, duration, harmonics, base_frequency, criterion=criterion, speed=speed, acceleration=acceleration,
+        torque=torque, seconds=seconds, resume=output / FILES[1],
+    )  # fmt: skip
+    console.print(table_of(found))
+    for path in save(found, output):
+        console.print(f"saved: {path}", soft_wrap=True, highlight=False, markup=False)
+
+
+@app.command(epilog="Example: cutpoint identify arm.urdf log.csv --drives arm.drives.yaml --mapping map.yaml")
+def identify(
+    robot: RobotFile,
+    log: Annotated[Path, typer.Argument(metavar="LOG", help="CSV, NPZ, MAT, Parquet, a ROS 2 bag, or a log of ours.")],
+    mapping: Annotated[
+        Path | None,
+        typer.Option(
+            metavar="FILE", help="Which channels of the log are what (YAML); found by their names if not given."
+        ),
+    ] = None,
+    drives: Drives = None,
+    output: Annotated[
+        Path,
+        typer.Option(metavar="DIR", help="Folder for robot.urdf, robot.drives.yaml, parameters.json, report.html."),
+    ] = Path("identified"),
+    hold_out: Annotated[
+        float, typer.Option(help="Share of the log, at its end, that judges the model and is not fitted.")
+    ] = 0.3,
+    method: Annotated[
+        Literal["ordinary", "weighted", "huber", "instrumental"],
+        typer.Option(help="Least squares; huber bears outliers, instrumental noisy positions."),
+    ] = "weighted",
+    solver: Annotated[
+        Literal["lmi", "lmi_trace", "log_cholesky"],
+        typer.Option(help="For bodies that can exist: lmi needs the extra 'identify', log_cholesky does not."),
+    ] = "lmi",
+    springs: Annotated[
+        bool | None,
+        typer.Option(
+            "--springs/--no-springs", help="The drives' springs; if both encoders are in the log, by default."
+        ),
+    ] = None,
+    delay: Annotated[
+        float, typer.Option(help="s by which torques act later than stamped: half a control period for commands.")
+    ] = 0.0,
+    force: Annotated[bool, typer.Option("--force", help="Overwrite the files of an earlier run.")] = False,
+) -> None:
+    """Identify masses, inertias, friction and drives from a log, with intervals, and what the log cannot tell.
+
+    First let the machine follow a motion of cutpoint excite, and record positions, of motor and link if there are
+    encoders on both, and torques or currents.  What the log has in degrees, counts or percent, or at the motor's shaft,
+    a mapping file says: see docs/identification.md.
+    """
+    from cutpoint.identification.output import identify as identified
+    from cutpoint.identification.output.saving import check_folder
+    from cutpoint.identification.output.terminal import sentences, table_of
+
+    check_folder(output, force)
+    if str(robot) == "xia2019":
+        robot, drives = cutpoint.robots.XIA2019_URDF, drives or cutpoint.robots.XIA2019_DRIVES
+    how: Any = {"hold_out": hold_out, "method": method, "solver": solver, "springs": springs, "torque_delay": delay}
+    found = identified(robot, log, mapping, drives, progress=True, **how)
+    console.print(table_of(found))
+    for sentence in sentences(found):
+        console.print(sentence, highlight=False, markup=False)
+    for path in found.save(output, force=force):
+        console.print(f"saved: {path}", soft_wrap=True, highlight=False, markup=False)

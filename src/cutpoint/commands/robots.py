@@ -1,0 +1,116 @@
+"""A robot: what it is, what moves it, how it moves, how it rings."""
+
+from pathlib import Path
+from typing import Annotated, Any
+
+import numpy as np
+import typer
+
+import cutpoint
+from cutpoint.commands.shared import (
+    Degrees,
+    Drives,
+    Mimics,
+    RobotFile,
+    Rung,
+    app,
+    check_targets,
+    console,
+    keep,
+    numbers_of,
+    robot_of,
+)
+from cutpoint.commands.tables import drive_table, error_table, modes_table, robot_table, torque_table
+from cutpoint.door import check_configuration
+from cutpoint.errors import SimulationError
+
+
+@app.command(epilog="Example: cutpoint inspect arm.urdf --drives arm.drives.yaml")
+def inspect(robot: RobotFile, drives: Drives = None, mimic: Mimics = "independent") -> None:
+    """Show what a robot is: joints, bodies, limits, drives, and where virtual decomposition cuts it."""
+    loaded = robot_of(robot, drives, mimic)
+    console.print(robot_table(loaded))
+    console.print(drive_table(loaded))
+
+
+@app.command(epilog="Example: cutpoint torque xia2019 --q 0,30,60,0,45,0 --degrees")
+def torque(
+    robot: RobotFile,
+    q: Annotated[str, typer.Option(help="Positions, rad (m), separated by commas, in the order of inspect.")],
+    v: Annotated[str, typer.Option(help="Speeds, rad/s; zero if not given.")] = "",
+    a: Annotated[str, typer.Option(help="Accelerations, rad/s2; zero if not given.")] = "",
+    drives: Drives = None,
+    degrees: Degrees = False,
+    mimic: Mimics = "independent",
+) -> None:
+    """Torques that hold or move a robot; with elastic drives, where their motors must stand."""
+    loaded = robot_of(robot, drives, mimic)
+    position, speed, acceleration = (numbers_of(loaded, *given, degrees) for given in (("q", q), ("v", v), ("a", a)))
+    check_configuration(loaded.mechanism, position.tolist())
+    still = np.zeros(len(loaded.joints))
+    torques = loaded.elastic_inverse_dynamics(position, speed, acceleration, still, still, quasi_rigid=True)
+    console.print(torque_table(loaded, position, speed, acceleration, torques))
+
+
+@app.command(
+    epilog="Example: cutpoint simulate xia2019 --to 90,60,60,90,60,90 --degrees --duration 10 --output run.npz"
+)
+def simulate(
+    robot: RobotFile,
+    to: Annotated[str, typer.Option(help="Final positions, rad (m), separated by commas, in the order of inspect.")],
+    duration: Annotated[float, typer.Option(help="Duration of the motion, s.")],
+    start: Annotated[str, typer.Option("--from", help="Initial positions; zero if not given.")] = "",
+    drives: Drives = None,
+    degrees: Degrees = False,
+    mimic: Mimics = "independent",
+    bandwidth: Annotated[float, typer.Option(help="Bandwidth of the PD on the motors, Hz.")] = 5.0,
+    feedforward: Annotated[Rung, typer.Option(help="How much of the model is fed forward.")] = "elastic",
+    period: Annotated[float, typer.Option(help="Control period, s.")] = 1e-3,
+    output: Annotated[Path | None, typer.Option(metavar="FILE", help="Save the log: .npz or .csv.")] = None,
+    plot: Annotated[
+        Path | None, typer.Option(metavar="FILE", help="Save a picture of the run: .png, .pdf or .svg.")
+    ] = None,
+) -> None:
+    """Move a robot along a cycloid, (57), under PD on its motors and feedforward, and report the errors."""
+    from cutpoint.control import Feedforward, tune
+
+    check_targets(output, plot)
+    loaded = robot_of(robot, drives, mimic)
+    ends = {"start": numbers_of(loaded, "from", start, degrees), "end": numbers_of(loaded, "to", to, degrees)}
+    trajectory = cutpoint.trajectories.cycloid(duration=duration, **ends)
+    controller: Any = tune(loaded, bandwidth)
+    if feedforward != "none":
+        controller = controller + Feedforward(loaded, feedforward)
+    try:
+        log = cutpoint.simulate(loaded, controller, trajectory, control_period=period)
+    except SimulationError as error:
+        if error.log is not None:
+            keep(error.log, output, plot)
+        raise
+    console.print(error_table(loaded, log))
+    keep(log, output, plot)
+
+
+@app.command(epilog="Example: cutpoint modes xia2019 --q 0,30,60,0,45,0 --degrees --plot modes.png")
+def modes(
+    robot: RobotFile,
+    q: Annotated[str, typer.Option(help="Positions, rad (m), separated by commas; zero if not given.")] = "",
+    drives: Drives = None,
+    degrees: Degrees = False,
+    friction: Annotated[
+        bool, typer.Option("--friction", help="With friction's slope at rest; it damps, or locks, what swings.")
+    ] = False,
+    plot: Annotated[
+        Path | None, typer.Option(metavar="FILE", help="Save the frequency responses: .png, .pdf or .svg.")
+    ] = None,
+) -> None:
+    """Frequencies at which the drives ring, at rest, and how a motor's torque moves motor and link over frequency."""
+    check_targets(None, plot)
+    loaded = robot_of(robot, drives)
+    position = numbers_of(loaded, "q", q, degrees)
+    check_configuration(loaded.mechanism, position.tolist())
+    found = loaded.modes(position, friction=friction)
+    console.print(modes_table(loaded, found))
+    if plot:
+        found.plot().savefig(plot)
+        console.print(f"picture saved to {plot}")

@@ -1,0 +1,78 @@
+"""What commands share: the application, options that many have, and what they do with files."""
+
+import sys
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any, Literal
+
+import numpy as np
+import typer
+from rich.console import Console
+
+import cutpoint
+from cutpoint.commands.tables import listed_numbers
+from cutpoint.door import driven_joints
+from cutpoint.errors import InputError
+
+if TYPE_CHECKING:
+    from cutpoint.simulation import Log
+
+app = typer.Typer(
+    help="Dynamics, simulation and control of robots whose joints bend.",
+    no_args_is_help=True,
+    add_completion=False,
+    pretty_exceptions_enable=False,
+)
+console = Console(width=None if sys.stdout.isatty() else 120)
+
+RobotFile = Annotated[
+    Path, typer.Argument(metavar="ROBOT", help="URDF, xacro or MJCF file, or xia2019, the paper's arm.")
+]
+Drives = Annotated[Path | None, typer.Option(metavar="FILE", help="Drive file (YAML): see docs/drive-file.md.")]
+Mimics = Annotated[
+    Literal["independent", "coupled"],
+    typer.Option("--mimic", help="Mimic joints as coordinates of their own, or tied to their leader."),
+]
+Degrees = Annotated[bool, typer.Option("--degrees", help="Angles, and their rates, are given in degrees.")]
+Rung = Literal["none", "gravity", "rigid", "rotor", "friction", "elastic"]
+
+
+def robot_of(
+    path: Path, drives: Path | None, mimic: Literal["independent", "coupled"] = "independent"
+) -> cutpoint.Robot:
+    """The robot of a file, or one that comes with the package."""
+    if str(path) != "xia2019":
+        return cutpoint.load(path, drives, mimic=mimic)
+    return cutpoint.load(cutpoint.robots.XIA2019_URDF, drives or cutpoint.robots.XIA2019_DRIVES)
+
+
+def numbers_of(robot: cutpoint.Robot, option: str, text: str, degrees: bool) -> Any:
+    """One number a joint, in SI units."""
+    numbers = listed_numbers(option, text, len(robot.joints))
+    if not degrees:
+        return numbers
+    slides = [robot.mechanism.bodies[i].joint.kind == "prismatic" for i in driven_joints(robot.mechanism).values()]
+    return np.where(slides, numbers, np.radians(numbers))
+
+
+def check_targets(output: Path | None, plot: Path | None) -> None:
+    """Before anything is computed: files can be written where they are wanted, and their kinds are known."""
+    check_target("output", output, (".npz", ".csv"))
+    check_target("plot", plot, (".png", ".pdf", ".svg"))
+
+
+def check_target(option: str, path: Path | None, kinds: tuple[str, ...]) -> None:
+    if path is None:
+        return
+    if path.suffix.lower() not in kinds:
+        raise InputError(f"--{option} {str(path)!r} must end in {', '.join(kinds)}", path=path)
+    if not path.parent.is_dir():
+        raise InputError(f"--{option} {str(path)!r}: folder {str(path.parent)!r} does not exist", path=path)
+
+
+def keep(log: "Log", output: Path | None, plot: Path | None) -> None:
+    if output:
+        log.save(output)
+        console.print(f"log saved to {output}")
+    if plot:
+        log.plot("q", "reference_q").savefig(plot)
+        console.print(f"picture saved to {plot}")

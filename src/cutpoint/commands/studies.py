@@ -1,0 +1,64 @@
+"""Studies: pages with figures."""
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from cutpoint.commands.shared import (
+    Drives,
+    app,
+    robot_of,
+)
+
+
+@app.command(epilog="Example: cutpoint paper --output paper")
+def paper(
+    output: Annotated[
+        Path, typer.Option(metavar="DIR", help="Folder for the report, its figures and results.json.")
+    ] = Path("paper"),
+) -> None:
+    """Carry out section IV of Xia et al. (2019), its numbers beside ours, as a report to open in a browser."""
+    from cutpoint.studies.paper import run
+
+    run(output)
+
+
+@app.command(epilog="Example: cutpoint cost --output cost")
+def cost(
+    output: Annotated[
+        Path, typer.Option(metavar="DIR", help="Folder for the report, its figure and cost.json.")
+    ] = Path("cost"),
+    largest: Annotated[int, typer.Option(help="Number of joints to go to, 6 at least.", min=6)] = 64,
+) -> None:
+    """What inverse dynamics costs against the number of joints, by virtual decomposition and by its rivals."""
+    from cutpoint.studies.cost import run
+
+    run(output, largest=largest)
+
+
+@app.command(epilog="Example: cutpoint compare arm.urdf --drives arm.drives.yaml --quick --output compare")
+def compare(
+    robot: Annotated[
+        Path,
+        typer.Argument(metavar="ROBOT", help="Robot file; xia2019, the paper's arm; or panda, of example-robot-data."),
+    ] = Path("xia2019"),
+    drives: Drives = None,
+    output: Annotated[
+        Path, typer.Option(metavar="DIR", help="Folder for the report, its figures and results.json.")
+    ] = Path("compare"),
+    bandwidth: Annotated[float, typer.Option(help="Of the PD that all laws are matched to, Hz.")] = 4.0,
+    period: Annotated[float, typer.Option(help="Control period, s.")] = 1e-3,
+    payload: Annotated[
+        float | None, typer.Option(help="Rated, kg; 2 for the paper's arm, 3 for others, if not given.")
+    ] = None,
+    frame: Annotated[str | None, typer.Option(help="Where the payload hangs; the tool's if not given.")] = None,
+    seeds: Annotated[int, typer.Option(help="Runs of a scenario in which chance has a part.", min=1)] = 64,
+    quick: Annotated[bool, typer.Option("--quick", help="4 seeds at most, and no slow move.")] = False,
+) -> None:
+    """Compare all control laws on one arm at equal stiffness, each departure from the model on its own."""
+    from cutpoint.studies.compare import bench_of, panda, run
+
+    loaded = panda() if str(robot) == "panda" else robot_of(robot, drives)
+    bench = bench_of(loaded, bandwidth=bandwidth, control_period=period, payload=payload, frame=frame)
+    run(output, bench, seeds=seeds, quick=quick)
