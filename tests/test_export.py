@@ -89,7 +89,7 @@ def test_an_exported_law_commands_what_the_loop_commands(arm: cutpoint.Robot, tm
     reference = move.derivatives(log.time, 4)
     measured = [log[f"measured_{key}"] for key in ("q", "theta", "v", "theta_dot")]
     for k, time in enumerate(log.time):
-        torque, _, theta, _, memory = step(*(x[k] for x in (*measured, *reference)), time, memory, parameters)
+        torque, _, theta, _, _, memory = step(*(x[k] for x in (*measured, *reference)), time, memory, parameters)
         assert_same_bits(torque, log["command_torque"][k])
         assert_same_bits(theta, log["motor_reference"][k])
     assert memory[-1] == len(log.time)

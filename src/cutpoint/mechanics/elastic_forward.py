@@ -106,7 +106,8 @@ def driven_accelerations(
     for d, effort in zip(drives, efforts, strict=True):
         tau[d.v], inertia[d.v] = tau[d.v] + effort.on_link, inertia[d.v] + effort.inertia
     system = replace(system, armature=tuple(inertia))
-    if any(spin.elastic for spin in system.spins):
+    # what nothing drives keeps its symmetries to the last bit in the recursion: linear models rest on that
+    if any(spin.elastic for spin in system.spins) or (system.nv > len(drives) and not system.has_followers):
         motors = zip(drives, efforts, theta_dot, strict=True)
         a, A = give_way(system, q, v, tau, {}, {d.segment: (e.left, w) for d, e, w in motors if d.drive.is_elastic})
     else:  # takes fewer operations than the recursion, whatever arm it is
