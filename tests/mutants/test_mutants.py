@@ -22,7 +22,7 @@ from mutation import holds, mutated
 
 import test_package_agrees_with_paper as paper
 from cutpoint import Drive, Flexspline, Robot, definitions, robots
-from cutpoint.control import vdc
+from cutpoint.control import joint_law
 from cutpoint.formats import drive_entry
 from cutpoint.mechanics import (
     assembly,
@@ -290,7 +290,7 @@ MUTANTS = {
         {},
     ),
     "a spring that nothing pulls to where it shall be wound": Mutant(
-        vdc.joint_command,
+        joint_law.joint_command,
         " + gain.spring * lag",
         "",
         against_numpy.test_vdc_is_its_equations,

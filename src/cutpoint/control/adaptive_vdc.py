@@ -8,8 +8,9 @@ import numpy as np
 from cutpoint.control import adaptation, command_filter
 from cutpoint.control.gains import gains
 from cutpoint.control.interface import Command, Measurement, Reference
+from cutpoint.control.joint_law import JointGains, RequiredTorque, joint_command
 from cutpoint.control.joint_parameters import JointPower, adapted, nominal, with_numbers
-from cutpoint.control.vdc import TURN, VDC, JointGains, RequiredTorque, joint_command, required_velocity
+from cutpoint.control.vdc import TURN, VDC, required_velocity
 from cutpoint.errors import InputError
 from cutpoint.mechanics.elastic_forward import DriveState
 from cutpoint.mechanics.harmonic_drive import friction_torque

@@ -5,55 +5,26 @@ speeds of the joint.
 """
 
 from dataclasses import dataclass
-from typing import Any, Literal, NamedTuple
+from typing import Any, Literal
 
 import numpy as np
 
 from cutpoint.control import command_filter
 from cutpoint.control.gains import gain_matrices, gains
 from cutpoint.control.interface import Command, Measurement, Reference
+from cutpoint.control.joint_law import JointGains, RequiredTorque, joint_command
 from cutpoint.control.model_law import ModelLaw
 from cutpoint.definitions import Machine
 from cutpoint.errors import InputError
 from cutpoint.mechanics.elastic_forward import DriveState
 from cutpoint.mechanics.harmonic_drive import (
-    deflection,
     friction_torque,
-    load_on_motor,
-    motor_position,
-    transmission,
 )
 from cutpoint.mechanics.inverse_dynamics import quasi_rigid, required_efforts
 from cutpoint.mechanics.link_motion import link_motion, torques_on_links
-from cutpoint.model.drive import Drive
-from cutpoint.scalars import Jet, Scalar
+from cutpoint.scalars import Jet
 
 TURN = 2 * np.pi
-
-
-class JointGains(NamedTuple):
-    """k_vq (N m s/rad), k_vkappa (N m s/rad) and the gain of the spring (1/s), one each."""
-
-    speed: Any
-    motor: Any
-    spring: Any
-
-
-class RequiredTorque(NamedTuple):
-    """What a joint's drive must exert on its link, with derivatives, N m; and what its rotor takes beside its own spin,
-    as it goes along with what carries it, N m."""
-
-    tau_r: Jet
-    rotor: Any
-
-
-class JointCommand(NamedTuple):
-    """What a joint subsystem asks of its motor: torque, N m; and how it shall move, rad, rad/s, rad/s2."""
-
-    torque: Any
-    theta: Any
-    theta_dot: Any
-    theta_ddot: Any
 
 
 def required_velocity(position_gain: Any, desired: Any, actual: Any) -> list[Jet]:
@@ -63,33 +34,6 @@ def required_velocity(position_gain: Any, desired: Any, actual: Any) -> list[Jet
     """
     rates = [d_next + position_gain * (d - x) for d, d_next, x in zip(desired, desired[1:], actual, strict=False)]
     return [Jet(*x) for x in zip(*rates, strict=True)]
-
-
-def joint_command(
-    drive: Drive, at: DriveState, q_d: Scalar, v_r: Jet, required: RequiredTorque, gain: JointGains
-) -> JointCommand:
-    """The joint's law, from the required motion and torque of its link.  Xia (2019) eqs. (13), (22), (27)-(28).
-
-    kappa_r' = v_r + d delta_r/dt + beta (delta_r - delta): beside what bends the drive as tau_r asks, the motor makes
-    up for a spring that is not wound as required.  With v_r for kappa_r' a rigid drive's law is the same.
-    """
-    tau_r, rotor = required
-    if drive.compliance is None:
-        speed, load = v_r.derivative(0), tau_r.derivative(0) + rotor
-        torque = load + friction_torque(drive.motor_friction, speed, load) + gain.motor * (speed - at.v)
-        return JointCommand(torque, q_d, speed, v_r.derivative(1))
-    # how the spring shall be wound, and how far it is from it
-    wound = drive.compliance.deflection(tau_r)
-    if drive.damping is not None:  # which bears its share; its own rates are left out
-        borne = tau_r.derivative(0) - drive.damping * wound.derivative(1)
-        wound = Jet.of_taylor([drive.compliance.deflection(borne), *wound.c[1:]])
-    turns = transmission(drive, Jet(at.theta, at.theta_dot))
-    lag = wound - Jet(deflection(drive, at.theta, at.q), _value(turns) * at.theta_dot - at.v)
-    kappa_r = (v_r + wound.rate() + gain.spring * lag) / turns
-    speed, acceleration = kappa_r.derivative(0), kappa_r.derivative(1)
-    load = load_on_motor(drive, tau_r.derivative(0), at.theta, speed)
-    torque = drive.reflected_inertia * acceleration + rotor + load + gain.motor * (speed - at.theta_dot)
-    return JointCommand(torque, motor_position(drive, q_d + wound.derivative(0)), speed, acceleration)
 
 
 @dataclass(frozen=True, eq=False)
