@@ -3,6 +3,7 @@
 import gc
 import time
 from collections import namedtuple
+from itertools import pairwise
 from typing import Any
 
 import numpy as np
@@ -12,8 +13,9 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from cutpoint.kernels import compile, graph_of
+from cutpoint.kernels.graph import reach
 from cutpoint.kernels.lowering import lower
-from cutpoint.kernels.nodes import ELEMENTARY, PRIMITIVES
+from cutpoint.kernels.nodes import ELEMENTARY, PRIMITIVES, Node
 from cutpoint.scalars import cos, exp, sin
 
 recipes = st.lists(steps, min_size=1, max_size=25)
@@ -57,6 +59,28 @@ def test_a_fingerprint_of_one_output_ignores_the_others_and_new_inputs() -> None
 @settings(deadline=None)
 def test_lowering_leaves_only_primitives(recipe: list[Step]) -> None:
     assert set(lower(graph(recipe)).operations) <= set(PRIMITIVES) - set(ELEMENTARY)
+
+
+@given(recipes)
+@settings(deadline=None)
+def test_lowered_nodes_are_those_that_results_need_operands_before_users(recipe: list[Step]) -> None:
+    lowered = lower(graph(recipe))
+    seen: set[int] = set()
+    for x in lowered.nodes:
+        assert {y.serial for y in x.args if isinstance(y, Node)} <= seen and x.serial not in seen
+        seen.add(x.serial)
+    assert seen == {x.serial for x in reach(lowered.results)}
+
+
+def test_chains_that_do_not_wait_for_each_other_take_turns() -> None:
+    def power(x: Any) -> Any:
+        for _ in range(10):
+            x = x * x
+        return x
+
+    lowered = lower(graph_of(lambda a, b: [power(a), power(b)], a=(), b=()))
+    products = [x for x in lowered.nodes if x.op == "mul"]
+    assert all(later.args[0] is not earlier for earlier, later in pairwise(products))
 
 
 def test_a_product_used_once_in_a_sum_is_fused_and_no_other() -> None:

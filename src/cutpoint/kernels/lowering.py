@@ -11,13 +11,15 @@ from cutpoint.kernels.fusion import fuse
 from cutpoint.kernels.graph import Graph, rewrite
 from cutpoint.kernels.nodes import ELEMENTARY, Node, Trace
 from cutpoint.kernels.precision import FLOAT64
+from cutpoint.kernels.scheduling import Scheduled
 
 _FUNCTIONS = {op: getattr(elementary, op) for op in ELEMENTARY}
 
 
 def lower(graph: Graph) -> Graph:
-    """Elementary functions replaced by their arithmetic, then products and sums fused, then constants rounded."""
-    return with_rounded_constants(fuse(expand(graph)))
+    """Elementary functions replaced by their arithmetic, products and sums fused, constants rounded, all in order."""
+    found = with_rounded_constants(fuse(expand(graph)))
+    return Scheduled(found.inputs, found.outputs, found.results, found.precision)
 
 
 def expand(graph: Graph) -> Graph:
