@@ -31,13 +31,10 @@ def _sin_cos(x: Any, c: Coefficients) -> tuple[Any, Any]:
     """Both at once: Cody and Waite's reduction by multiples of pi/2, a polynomial each, then the quadrant."""
     y, n, r = _reduced(x, 2 / math.pi, c.half_pi, c)
     z = _select(n * n < 4.0 ** (c.precision.fraction - 2), r * r, math.nan)  # beyond, n is not whole
-    sine = _fma(r * z, _polynomial(z, c.sin), r)
-    cosine = _fma(z * z, _polynomial(z, c.cos), _fma(z, -0.5, 1.0))
     node = x.trace.node
-    return (
-        node("flip", y, 1, node("pick", y, 0, cosine, sine)),
-        node("flip", y + 1, 1, node("pick", y, 0, sine, cosine)),
-    )
+    sine = node("flip", y, 1, _fma(r * z, _polynomial(z, c.sin), r))
+    cosine = node("flip", y, 1, _polynomial(z, (*c.cos, -0.5, 1.0)))
+    return node("pick", y, 0, cosine, sine), node("pick", y, 0, -sine, cosine)
 
 
 def exp(x: Any, c: Coefficients) -> Any:

@@ -128,6 +128,10 @@ def _flip(code: Code, lanes: Lanes, a: str, bit: int, c: str) -> str:
 
 
 def _pick(code: Code, lanes: Lanes, a: str, bit: int, c: str, d: str) -> str:
+    if lanes.width > 1:
+        bits = _whole(code, lanes, "and", _bits(code, lanes, a), 1 << bit)
+        chosen = code.let(f"icmp ne {lanes.whole} {bits}, {lanes.integer(0)}")
+        return lanes.apply(code, "select", chosen, c, d)
     # by masks: a select on an integer condition becomes a jump on processors without AVX-512
     mask = _whole(code, lanes, "ashr", _to_top(code, lanes, a, bit), lanes.precision.bits - 1)
     yes = _whole(code, lanes, "and", _bits(code, lanes, c), mask)
