@@ -17,6 +17,8 @@ def in_order(kernel: str, ports: Sequence[Port], arguments: Sequence[Any], named
     Raises:
         InputError: one is missing, unknown or given twice.
     """
+    if len(arguments) == len(ports) and not named:
+        return [*arguments]
     names = [p.name for p in ports]
     if len(arguments) > len(names):
         raise InputError(f"{kernel}: {len(arguments)} arguments given, it takes {len(names)}: {', '.join(names)}")

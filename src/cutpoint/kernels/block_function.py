@@ -13,10 +13,15 @@ _USUAL_WIDTH = 8
 
 
 class BlockFunction(Protocol):
-    """A graph ready to run on blocks: call(*arrays, out=None) as a NumPy generalised ufunc of axes (*shape, width)."""
+    """A graph ready to run on blocks.
+
+    call(*arrays, out=None): a NumPy generalised ufunc of axes (*shape, width).  direct: the same with less between, for
+    C-contiguous arrays.
+    """
 
     width: int
     call: Callable[..., Any]
+    direct: Callable[..., Any]
 
 
 def block_function(graph: Graph, name: str, function: Function) -> BlockFunction:
@@ -42,16 +47,17 @@ class MachineBlocks:
         self._inputs, self._outputs = wide(graph.inputs, width), wide(graph.outputs, width)
         text = block_loop(lowered, graph.inputs, graph.outputs, width)
         self._gufunc = LoopGufunc(text, FUNCTION, graph.precision, self._inputs, self._outputs, name)
+        self.direct = self._gufunc.call
 
     def call(self, *arguments: Any, out: Any = None) -> Any:
         """Inputs whose blocks are not C-contiguous are copied first."""
         arrays = [_tidy(p, np.asarray(x)) for p, x in zip(self._inputs, arguments, strict=True)]
         if out is None:
-            return self._gufunc.call(*arrays)
+            return self.direct(*arrays)
         for port, target in zip(self._outputs, out if isinstance(out, tuple) else (out,), strict=False):
             if isinstance(target, np.ndarray) and _tidy(port, target) is not target:
                 raise ValueError(f"blocks of out for {port.name} must be C-contiguous")
-        return self._gufunc.call(*arrays, out=out)
+        return self.direct(*arrays, out=out)
 
 
 class RowsOfBlocks:
@@ -60,6 +66,7 @@ class RowsOfBlocks:
     def __init__(self, graph: Graph, function: Function) -> None:
         self.width = _USUAL_WIDTH
         self._inputs, self._outputs, self._call = graph.inputs, graph.outputs, function.call
+        self.direct = self.call
 
     def call(self, *arguments: Any, out: Any = None) -> Any:
         arrays = [_lane_first(p, np.asarray(x)) for p, x in zip(self._inputs, arguments, strict=True)]

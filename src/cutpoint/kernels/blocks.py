@@ -36,6 +36,7 @@ class Blocks:
             self._function = block_function(graph, name, function)
         self.width = width = self._function.width
         self._name, self._make = name, record and record._make  # type: ignore[attr-defined]
+        self._dtype, self._block = graph.precision.dtype, (width,)
         self._wide = replace(graph, inputs=wide(graph.inputs, width), outputs=wide(graph.outputs, width))
 
     def __call__(self, *arguments: Any, out: Any = None, threads: int | None = None, **named: Any) -> Any:
@@ -45,14 +46,15 @@ class Blocks:
             InputError: an argument is missing, unknown, or of a shape or kind that does not fit; what is in `out` has
                 blocks that are not C-contiguous.
         """
-        given = [self._spread(x) for x in in_order(self._name, self._wide.inputs, arguments, named)]
-        count = 1 if threads is None else checked(self._name, threads)
+        given = in_order(self._name, self._wide.inputs, arguments, named)
         try:
-            if self._wide.precision is not FLOAT64:
-                given = [as_numbers(x, self._wide.precision) for x in given]
-            result = self._function.call(*given, out=out) if count == 1 else self._threaded(count, given, out)
+            if threads is None and self._are_ready(given, out):
+                direct = self._function.direct
+                result = direct(*given) if out is None else direct(*given, out=out)
+            else:
+                result = self._general([*map(self._spread, given)], out, threads)
         except (TypeError, ValueError) as error:
-            raise explained(self._name, self._wide, given, out, error) from None
+            raise explained(self._name, self._wide, [*map(self._spread, given)], out, error) from None
         if self._make is None:
             return result
         return self._make(result if len(self._wide.outputs) > 1 else (result,))
@@ -86,6 +88,21 @@ class Blocks:
             rule = f"it must be (blocks, ..., {self.width}) with at least {count} rows"
             raise InputError(f"{self._name}: an array of blocks has shape {array.shape}, {rule}")
         return np.moveaxis(array, -1, 1).reshape(len(array) * self.width, *array.shape[1:-1])[:count]
+
+    def _are_ready(self, given: list[Any], out: Any) -> bool:
+        """Whether everything can be read and written as it lies."""
+        for x in given if out is None else (*given, *out) if isinstance(out, tuple) else (*given, out):
+            if type(x) is not np.ndarray or x.dtype is not self._dtype or not x.flags.c_contiguous:
+                return False
+            if x.shape[-1:] != self._block:
+                return False
+        return True
+
+    def _general(self, given: list[Any], out: Any, threads: int | None) -> Any:
+        count = 1 if threads is None else checked(self._name, threads)
+        if self._wide.precision is not FLOAT64:
+            given = [as_numbers(x, self._wide.precision) for x in given]
+        return self._function.call(*given, out=out) if count == 1 else self._threaded(count, given, out)
 
     def _spread(self, x: Any) -> Any:
         """An array with one number for all of a block, with as many as the block holds."""

@@ -6,7 +6,7 @@ from typing import Any, NamedTuple
 
 from cutpoint.kernels.algebra import Operand
 from cutpoint.kernels.graph import Graph, rewrite
-from cutpoint.kernels.nodes import Node, Trace
+from cutpoint.kernels.nodes import CONDITIONS, Node, Trace
 from cutpoint.kernels.ports import Port
 
 HOISTED = "hoisted"
@@ -38,7 +38,8 @@ def _frontier(graph: Graph, fixed: Container[int]) -> list[Node]:
     read: set[int] = {x.serial for x in graph.results if isinstance(x, Node)}
     for x in graph.nodes:
         operands = [y for y in x.args if isinstance(y, Node)]
-        if x.args[0] in fixed if x.op == "input" else all(y.serial in still for y in operands):
+        known = x.args[0] in fixed if x.op == "input" else all(y.serial in still for y in operands)
+        if known and x.op not in CONDITIONS:  # memory holds numbers alone
             still[x.serial] = x
         else:
             read.update(y.serial for y in operands)
