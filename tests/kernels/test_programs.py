@@ -324,3 +324,16 @@ def test_what_never_changes_is_computed_once_and_to_the_same_bits() -> None:
         for _ in range(7):
             expected = one(expected, np.array([rate]))
         np.testing.assert_array_equal(x, expected)
+
+
+@pytest.mark.parametrize("backend", BACKENDS)
+def test_a_condition_on_what_never_changes_chooses_anew_in_each_run(backend: str) -> None:
+    def grow(x: Any, rate: Any) -> Any:
+        return [where(rate[0] < 0.5, x[0] + 1, x[0] * 2)]
+
+    regions = [Region("x", 1), Region("rate", 1)]
+    program = compile_program(Loop("ticks", [Stage(grow, ("x", "rate"), ("x",))]), regions, backend=backend)
+    for rate, expected in ((0.1, 4.0), (0.9, 8.0)):
+        x = np.array([1.0])
+        program.run({"ticks": 3}, x=x, rate=np.array([rate]))
+        assert x[0] == expected

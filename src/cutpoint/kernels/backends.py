@@ -1,12 +1,15 @@
 """What can run a graph on arrays: LLVM where it is installed, NumPy everywhere."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from functools import cache
 from typing import Any, Protocol
 
 from cutpoint.errors import InputError, unknown_name
 from cutpoint.kernels.graph import Graph
 from cutpoint.kernels.numpy_backend import NumpyFunction
+
+MOST_OPERATIONS = 200_000
+"""That are compiled: it takes time that grows with their square, for so many two or three minutes."""
 
 
 class Function(Protocol):
@@ -34,15 +37,28 @@ def chosen(backend: str) -> str:
 
 
 def array_function(graph: Graph, name: str, backend: str) -> Function:
-    """The graph as a function of arrays."""
+    """The graph as a function of arrays.
+
+    Raises:
+        InputError: it is too long to compile.
+    """
     if backend == "numpy":
         return NumpyFunction(graph)
+    check_length(name, [graph])
     from cutpoint.kernels.empty_ports import AroundEmptyPorts
     from cutpoint.kernels.gufunc import Gufunc
 
     if graph.inputs and all(p.size for p in (*graph.inputs, *graph.outputs)):
         return Gufunc(graph, graph.inputs, graph.outputs, name)
     return AroundEmptyPorts(graph, name)
+
+
+def check_length(name: str, graphs: Iterable[Graph]) -> None:
+    """Raises InputError if compiling would take many minutes."""
+    operations = sum(len(graph.nodes) for graph in graphs)
+    if operations > MOST_OPERATIONS:
+        told = f"{name}: {operations} operations a call, at most {MOST_OPERATIONS} compile"
+        raise InputError(f"{told}; use backend='numpy', or a smaller model", operations=operations)
 
 
 @cache

@@ -57,10 +57,11 @@ class _Argument:
             code.store(value, target, loop.iteration if inward else 0, kind)
 
 
-def batch_loop(graph: Graph, inputs: Sequence[Port], outputs: Sequence[Port], width: int | None) -> str:
+def batch_loop(graph: Graph, inputs: Sequence[Port], outputs: Sequence[Port], lanes: int, width: int | None) -> str:
     """The module's text.  The ports are the graph's own, less those of size 0; more inputs at the end are not read.
 
-    width: how many elements a pack holds; None if there are no packs.
+    lanes: how many numbers the processor takes side by side.  width: how many elements a pack holds; None if there are
+    no packs.  The graph has yet to be lowered.
     """
     code = Code()
     arguments, first_stride = [], len(inputs) + len(outputs)
@@ -79,8 +80,8 @@ def batch_loop(graph: Graph, inputs: Sequence[Port], outputs: Sequence[Port], wi
         _one(code, arguments[: len(inputs)], arguments[len(inputs) :], tidy)
     # results, not processor flags, tell of overflow and NaN: both sides of a select are computed
     code.let(f"call i32 @feclearexcept(i32 {_ALL_EXCEPTIONS})")
-    head = f"{Lanes(1, graph.precision).declarations}{_HEADER}"
-    return "\n".join([element.element(graph, inputs, outputs), head, *code.lines, "ret void", "}", ""])
+    head = "".join(Lanes(x, graph.precision).declarations for x in (1, lanes)) + _HEADER
+    return "\n".join([element.element(graph, inputs, outputs, lanes), head, *code.lines, "ret void", "}", ""])
 
 
 def _is_apart(code: Code, arguments: list[_Argument], inputs: int) -> list[str]:

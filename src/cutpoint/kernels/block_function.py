@@ -28,24 +28,23 @@ def block_function(graph: Graph, name: str, function: Function) -> BlockFunction
     """function: the graph as a function of rows, which does the work where there is no machine code for packs."""
     if function.element is None or not all(p.size for p in (*graph.inputs, *graph.outputs)):
         return RowsOfBlocks(graph, function)
-    from cutpoint.kernels.lowering import lower
     from cutpoint.kernels.packs import width_of_packs
 
-    lowered = lower(graph)
-    width = width_of_packs(lowered, graph.inputs, graph.outputs)
-    return MachineBlocks(graph, lowered, name, width) if width else RowsOfBlocks(graph, function)
+    width = width_of_packs(graph, graph.inputs, graph.outputs)
+    return MachineBlocks(graph, name, width) if width else RowsOfBlocks(graph, function)
 
 
 class MachineBlocks:
     """Machine code that reads and writes blocks where they are."""
 
-    def __init__(self, graph: Graph, lowered: Graph, name: str, width: int) -> None:
+    def __init__(self, graph: Graph, name: str, width: int) -> None:
         from cutpoint.kernels.block_loop import FUNCTION, block_loop
         from cutpoint.kernels.loop_gufunc import LoopGufunc
+        from cutpoint.kernels.lowering import lower
 
         self.width = width
         self._inputs, self._outputs = wide(graph.inputs, width), wide(graph.outputs, width)
-        text = block_loop(lowered, graph.inputs, graph.outputs, width)
+        text = block_loop(lower(graph), graph.inputs, graph.outputs, width)
         self._gufunc = LoopGufunc(text, FUNCTION, graph.precision, self._inputs, self._outputs, name)
         self.direct = self._gufunc.call
 

@@ -1,39 +1,59 @@
 """LLVM IR of a graph for one element of a batch."""
 
 import math
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 
 from cutpoint.kernels.algebra import Operand
 from cutpoint.kernels.graph import Graph
-from cutpoint.kernels.llvm import Lanes, straight_line
+from cutpoint.kernels.llvm import Lanes, StraightLine, straight_line
 from cutpoint.kernels.llvm_code import Code
 from cutpoint.kernels.ports import Port
+from cutpoint.kernels.side_by_side import side_by_side
 
 FUNCTION = "element"
 
 
-def element(graph: Graph, inputs: Sequence[Port], outputs: Sequence[Port]) -> str:
+def element(graph: Graph, inputs: Sequence[Port], outputs: Sequence[Port], width: int) -> str:
     """The function's text: void element(const real *input, ..., real *output, ...), each C-contiguous.
 
     Outputs must not overlap inputs.  The ports are the graph's own, less those of size 0; more inputs at the end are
-    not read.
+    not read.  width: how many numbers the processor takes side by side.  The graph has yet to be lowered.
     """
-    code, lanes, count = Code(), Lanes(1, graph.precision), len(inputs) + len(outputs)
+    code, count, parts = Code(), len(inputs) + len(outputs), side_by_side(graph, width)
+    lanes, wide = (Lanes(x, graph.precision) for x in (1, width))
     memory = [f"%argument{k}" for k in range(count)]
     read, write = _slots(inputs, memory), _slots(outputs, memory[len(inputs) :])
-    for port, pointer in zip(outputs, memory[len(inputs) :], strict=True):
-        if any(_is_zero(x) for x in graph.output(port.name)):
-            code.zero(pointer, port.size * graph.precision.item)
-    for slot, x in enumerate(graph.results):
-        if isinstance(x, float) and not _is_zero(x):
-            code.store(lanes.constant(x), *write[slot], lanes.real)
-    # each result leaves as soon as it is there, so that few must be held at a time
-    straight_line(
-        code, graph, lambda slot: code.load(*read[slot], lanes.real),
-        lambda slot, value: code.store(value, *write[slot], lanes.real), lanes,
-    )  # fmt: skip
+    _constants(code, parts.rest, lanes, dict(zip(memory[len(inputs) :], outputs, strict=True)))
+    in_vectors: dict[int, tuple[str, int]] = {}
+
+    def load(slot: int) -> str:
+        return wide.one_of(code, *in_vectors[slot]) if slot in in_vectors else code.load(*read[slot], lanes.real)
+
+    def ready(slot: int, value: str) -> None:
+        # each result leaves as soon as it is there, so that few must be held at a time
+        if slot < len(write):
+            code.store(value, *write[slot], lanes.real)
+
+    rest = StraightLine(code, parts.rest, load, ready, lanes)
+    for group in parts.groups:
+        arguments = wide.joined(code, rest.written(group.arguments))
+        found = straight_line(code, group.graph, lambda _, x=arguments: x, lanes=wide)
+        for vector, slots in zip(found, group.values, strict=True):
+            in_vectors |= {slot: (vector, k) for k, slot in enumerate(slots)}
+    rest.written(range(len(graph.results)))
     head = f"define void @{FUNCTION}({', '.join(f'ptr {pointer}' for pointer in memory)}) {{\nentry:"
     return "\n".join([head, *code.lines, "ret void", "}", ""])
+
+
+def _constants(code: Code, graph: Graph, lanes: Lanes, outputs: Mapping[str, Port]) -> None:
+    """Results that are known beforehand, in the memory of the outputs."""
+    for pointer, port in outputs.items():
+        values = graph.output(port.name)
+        if any(map(_is_zero, values)):
+            code.zero(pointer, port.size * graph.precision.item)
+        for k, x in enumerate(values):
+            if isinstance(x, float) and not _is_zero(x):
+                code.store(lanes.constant(x), pointer, k, lanes.real)
 
 
 def _is_zero(x: Operand) -> bool:

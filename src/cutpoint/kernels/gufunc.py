@@ -12,9 +12,8 @@ from cutpoint.kernels import element
 from cutpoint.kernels.batch_loop import FUNCTION, batch_loop
 from cutpoint.kernels.graph import Graph
 from cutpoint.kernels.jit import Compiled
-from cutpoint.kernels.lowering import lower
 from cutpoint.kernels.numpy_api import new_gufunc
-from cutpoint.kernels.packs import Packs
+from cutpoint.kernels.packs import Packs, lanes_of
 from cutpoint.kernels.ports import Port
 
 _NO_IDENTITY = -1
@@ -35,9 +34,9 @@ class Gufunc:
         numbers = sum(p.size for p in (*inputs, *outputs))
         if numbers > _MOST_NUMBERS:
             raise InputError(f"{name}: {numbers} numbers a call, at most {_MOST_NUMBERS} compile; use backend='numpy'")
-        lowered = lower(graph)
-        self._packs = Packs(lowered, inputs, outputs, name)
-        self._code = Compiled(batch_loop(lowered, inputs, outputs, self._packs.width), FUNCTION, element.FUNCTION)
+        self._packs = Packs(graph, inputs, outputs, name)
+        text = batch_loop(graph, inputs, outputs, lanes_of(graph.precision), self._packs.width)
+        self._code = Compiled(text, FUNCTION, element.FUNCTION)
         self.element: int | None = self._code.addresses[element.FUNCTION]
         self._loops = (ctypes.c_void_p * 1)(self._code.address)
         self._data = (ctypes.c_void_p * 1)(ctypes.addressof(self._packs.table))

@@ -21,8 +21,7 @@ from cutpoint.kernels.arguments import in_order
 from cutpoint.kernels.derivatives import jacobian_of
 from cutpoint.kernels.graph import Graph
 from cutpoint.kernels.jit import Compiled
-from cutpoint.kernels.lowering import lower
-from cutpoint.kernels.packs import Packs
+from cutpoint.kernels.packs import Packs, lanes_of
 from cutpoint.kernels.ports import Port
 from cutpoint.kernels.precision import FLOAT64
 from cutpoint.kernels.replay import as_function
@@ -117,9 +116,9 @@ def _merged(x: Any, moves: bool, size: int, length: int) -> Any:
 def _registered(graph: Graph, name: str) -> str:
     """What XLA knows the graph's machine code by."""
     inputs, outputs = ([p for p in ports if p.size] for ports in (graph.inputs, graph.outputs))
-    lowered, target = lower(graph), f"cutpoint {next(_serials)}: {name}"
-    packs = Packs(lowered, inputs, outputs, name)
-    loop = Compiled(batch_loop.batch_loop(lowered, inputs, outputs, packs.width), batch_loop.FUNCTION)
+    target, lanes = f"cutpoint {next(_serials)}: {name}", lanes_of(graph.precision)
+    packs = Packs(graph, inputs, outputs, name)
+    loop = Compiled(batch_loop.batch_loop(graph, inputs, outputs, lanes, packs.width), batch_loop.FUNCTION)
     floats = _ways_of_floats()
     symbols = {
         xla_call.LOOP: loop.address, xla_call.PACKS: ctypes.addressof(packs.table),

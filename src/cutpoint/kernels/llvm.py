@@ -1,10 +1,10 @@
 """LLVM IR of a graph: straight-line code in single static assignment, no fast-math, no contraction."""
 
 import struct
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from typing import Any
 
-from cutpoint.kernels.graph import Graph
+from cutpoint.kernels.graph import Graph, reach
 from cutpoint.kernels.llvm_code import Code
 from cutpoint.kernels.nodes import Node
 from cutpoint.kernels.precision import FLOAT64, Precision
@@ -62,11 +62,14 @@ class Lanes:
         return code.let(f"shufflevector {self.real} {first}, {self.real} poison, {everywhere}")
 
     def joined(self, code: Code, numbers: list[str]) -> str:
-        """So many numbers side by side."""
-        found = "poison"
+        """Numbers side by side, zeros after them."""
+        found = "zeroinitializer"
         for lane, number in enumerate(numbers):
             found = code.let(f"insertelement {self.real} {found}, {self.one} {number}, i64 {lane}")
         return found
+
+    def one_of(self, code: Code, vector: str, lane: int) -> str:
+        return code.let(f"extractelement {self.real} {vector}, i64 {lane}")
 
     def apply(self, code: Code, op: str, *arguments: str) -> str:
         """The name of one instruction's value."""
@@ -89,29 +92,51 @@ def straight_line(
     ready: Callable[[int, str], None] = lambda *_: None,
     lanes: Lanes = SCALAR,
 ) -> list[str]:
-    """Writes a lowered graph's operations and returns the names of its results.
+    """Writes a lowered graph's operations and returns the names of its results; see `StraightLine`."""
+    return StraightLine(code, graph, load, ready, lanes).written(range(len(graph.results)))
 
-    load(slot) names an input's value; ready(slot, name) hears of a result as soon as it is there.
-    """
-    names: dict[int, str] = {}
-    slots: dict[int, list[int]] = {}
-    for slot, x in enumerate(graph.results):
-        if isinstance(x, Node):
-            slots.setdefault(x.serial, []).append(slot)
 
-    def name(x: Any) -> str:
-        return names[x.serial] if isinstance(x, Node) else lanes.constant(x) if isinstance(x, float) else x
+class StraightLine:
+    """A lowered graph's operations, written as they are asked for."""
 
-    for x in graph.nodes:
+    def __init__(
+        self,
+        code: Code,
+        graph: Graph,
+        load: Callable[[int], str],
+        ready: Callable[[int, str], None] = lambda *_: None,
+        lanes: Lanes = SCALAR,
+    ) -> None:
+        """load(slot) names an input's value; ready(slot, name) hears of a result as soon as it is there."""
+        self._code, self._graph, self._load, self._ready, self._lanes = code, graph, load, ready, lanes
+        self._names: dict[int, str] = {}
+        self._slots: dict[int, list[int]] = {}
+        for slot, x in enumerate(graph.results):
+            if isinstance(x, Node):
+                self._slots.setdefault(x.serial, []).append(slot)
+
+    def written(self, slots: Iterable[int]) -> list[str]:
+        """Of results, with all that they need."""
+        wanted = [self._graph.results[slot] for slot in slots]
+        needed = {x.serial for x in reach(wanted)} - self._names.keys()
+        for x in self._graph.nodes:
+            if x.serial in needed:
+                self._write(x)
+        return [self._name(x) for x in wanted]
+
+    def _write(self, x: Node) -> None:
         if x.op == "input":
-            names[x.serial] = load(x.args[0])
+            name = self._load(x.args[0])
         elif x.op in _FORMS:
-            names[x.serial] = lanes.apply(code, x.op, *map(name, x.args))
+            name = self._lanes.apply(self._code, x.op, *map(self._name, x.args))
         else:
-            names[x.serial] = _SEQUENCES[x.op](code, lanes, *map(name, x.args))
-        for slot in slots.get(x.serial, ()):
-            ready(slot, names[x.serial])
-    return [name(x) for x in graph.results]
+            name = _SEQUENCES[x.op](self._code, self._lanes, *map(self._name, x.args))
+        self._names[x.serial] = name
+        for slot in self._slots.get(x.serial, ()):
+            self._ready(slot, name)
+
+    def _name(self, x: Any) -> str:
+        return self._names[x.serial] if isinstance(x, Node) else self._lanes.constant(x) if isinstance(x, float) else x
 
 
 def _fms(code: Code, lanes: Lanes, a: str, b: str, c: str) -> str:

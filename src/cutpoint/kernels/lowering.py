@@ -17,8 +17,13 @@ _FUNCTIONS = {op: getattr(elementary, op) for op in ELEMENTARY}
 
 
 def lower(graph: Graph) -> Graph:
-    """Elementary functions replaced by their arithmetic, products and sums fused, constants rounded, all in order."""
-    found = with_rounded_constants(fuse(expand(graph)))
+    """Products and sums fused, elementary functions replaced by their arithmetic, constants rounded, all in order."""
+    return in_primitives(fuse(graph))
+
+
+def in_primitives(graph: Graph) -> Graph:
+    """A graph that is fused already, in primitives, rounded and in order."""
+    found = with_rounded_constants(expand(graph))
     return Scheduled(found.inputs, found.outputs, found.results, found.precision)
 
 

@@ -3,7 +3,7 @@
 import itertools
 from typing import Any
 
-from cutpoint.errors import TraceError
+from cutpoint.errors import InputError, TraceError
 
 PRIMITIVES = {
     "input": "the number in slot a of the inputs, laid one after another",
@@ -35,6 +35,9 @@ ELEMENTARY = ("sin", "cos", "tan", "exp", "log", "tanh", "atan")
 
 CONDITIONS = frozenset({"lt", "le", "and", "or", "not"})
 COMMUTATIVE = frozenset({"add", "mul", "and", "or"})
+
+MOST_OPERATIONS = 2_000_000
+"""Of one trace, those included that no result needs: they take some ten seconds and a gigabyte."""
 
 _serials = itertools.count()
 
@@ -70,6 +73,7 @@ class Trace:
 
         Raises:
             TraceError: an operand belongs to another trace, or this trace has ended.
+            InputError: there are too many nodes.
         """
         # serials are ints and constants texts, so neither is ever taken for the other; repr tells -0.0 from 0.0
         key = (op, *[x.serial if isinstance(x, Node) else repr(x) for x in args])
@@ -79,6 +83,9 @@ class Trace:
     def _add(self, key: tuple[Any, ...], op: str, args: tuple[Any, ...]) -> Node:
         if any(isinstance(x, Node) and x.trace is not self for x in args):
             raise TraceError("numbers of two traces meet in one operation; make both inputs of one function")
+        if len(self._table) >= MOST_OPERATIONS:
+            told = f"more than {MOST_OPERATIONS} operations in one function are too many to trace"
+            raise InputError(f"{told}; split it, or take a smaller model")
         node = Node.__new__(self._kinds[op in CONDITIONS])
         node.op, node.args, node.trace, node.serial = op, args, self, next(_serials)
         self._table[key] = node

@@ -10,13 +10,15 @@ from collections.abc import Sequence
 
 from cutpoint.kernels.graph import Graph
 from cutpoint.kernels.jit import Compiled, vector_width
+from cutpoint.kernels.lowering import lower
 from cutpoint.kernels.pack_loop import FUNCTION, pack_loop
 from cutpoint.kernels.ports import Port
-from cutpoint.kernels.precision import FLOAT64
+from cutpoint.kernels.precision import FLOAT64, Precision
 from cutpoint.kernels.waiting import shown
 
 _MOST_NODES = 2**14
-"""More would take seconds to compile; packs of 12,000 were measured to be six times as fast as single elements."""
+"""Of a graph that is yet to be lowered.  More would take seconds to compile; packs of 12,000 operations were measured
+to be six times as fast as single elements."""
 
 _MOST_NUMBERS = 2**12
 """In all arguments together: those of a whole pack lie on the stack."""
@@ -26,7 +28,7 @@ _SOON = 0.05
 
 
 class Packs:
-    """Makes the loop over packs of a lowered graph.
+    """Makes the loop over packs of a graph.
 
     Attributes:
         width: how many elements a pack holds; None if the graph is too large for packs.
@@ -47,7 +49,8 @@ class Packs:
         try:
             with self._lock, shown(f"{self._name} for batches"):
                 if self._code is None and self.width is not None:
-                    self._code = Compiled(pack_loop(*self._parts, self.width), FUNCTION)
+                    graph, inputs, outputs = self._parts
+                    self._code = Compiled(pack_loop(lower(graph), inputs, outputs, self.width), FUNCTION)
                     self.table[0] = self._code.address
         except KeyboardInterrupt:
             # nothing can be raised through machine code: once more, when that has returned
@@ -55,6 +58,11 @@ class Packs:
 
 
 def width_of_packs(graph: Graph, inputs: Sequence[Port], outputs: Sequence[Port]) -> int | None:
-    """How many elements a pack of a lowered graph holds; None if the graph is too large for packs."""
+    """How many elements a pack of a graph holds; None if the graph is too large for packs."""
     fits = len(graph.nodes) <= _MOST_NODES and sum(p.size for p in (*inputs, *outputs)) <= _MOST_NUMBERS
-    return vector_width() * FLOAT64.item // graph.precision.item if fits else None
+    return lanes_of(graph.precision) if fits else None
+
+
+def lanes_of(precision: Precision) -> int:
+    """How many numbers the processor takes side by side."""
+    return vector_width() * FLOAT64.item // precision.item

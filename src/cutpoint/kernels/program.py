@@ -5,7 +5,7 @@ from collections.abc import Callable, Mapping, Sequence
 
 import numpy as np
 
-from cutpoint.kernels.backends import chosen
+from cutpoint.kernels.backends import check_length, chosen
 from cutpoint.kernels.program_arrays import check_run
 from cutpoint.kernels.program_numpy import NumpyProgram
 from cutpoint.kernels.program_plan import Plan, plan
@@ -22,7 +22,7 @@ def compile_program(body: Loop, regions: Sequence[Region], backend: str = "auto"
         backend: "llvm" for machine code, "numpy", or "auto": LLVM where llvmlite is installed.
 
     Raises:
-        InputError: regions, stages and loops do not fit together.
+        InputError: regions, stages and loops do not fit together, or they are too long to compile.
         TraceError: a stage needs a value where there is none yet, or returns something else than its regions.
     """
     start = time.perf_counter()
@@ -43,6 +43,7 @@ class Program:
         if backend == "llvm":
             from cutpoint.kernels.program_llvm import LlvmProgram
 
+            check_length("a stepping program", plan.graphs.values())
             self._runner = LlvmProgram(plan)
         else:
             self._runner = NumpyProgram(plan)

@@ -39,8 +39,9 @@ class Scheduled(Graph):
 class _Schedule:
     """Nodes by their place in depth-first order.
 
-    operands, users: of each, without repetition.  path: cycles from its beginning to the last result that waits for it.
-    missing: operands that have not begun.  unread: users that have not begun.  there: cycle in which operands are.
+    operands, users: of each, without repetition.  missing: operands that have not begun.  unread: users that have not.
+    growth: how many more registers are held once it has begun.  there: cycle in which its operands are.
+    rank: the first has the longest way from its beginning to the last result that waits for it.
     """
 
     def __init__(self, nodes: Sequence[Node]) -> None:
@@ -51,39 +52,53 @@ class _Schedule:
             for operand in operands:
                 self._users[operand].append(k)
         self._cycles = [_CYCLES.get(x.op, _OTHER_CYCLES) for x in nodes]
-        self._path = [0] * len(nodes)
-        for k in reversed(range(len(nodes))):
-            self._path[k] = self._cycles[k] + max((self._path[user] for user in self._users[k]), default=0)
         self._missing, self._unread = ([*map(len, x)] for x in (self._operands, self._users))
-        self._there = [0] * len(nodes)
+        self._growth = [int(n > 0) for n in self._unread]
+        self._begun: set[int] = set()
+        for operand in range(len(nodes)):
+            self._free(operand)
+        self._there, self._rank = [0] * len(nodes), self._ranks()
+
+    def _ranks(self) -> list[int]:
+        way = [*self._cycles]
+        for k in reversed(range(len(way))):
+            way[k] += max((way[user] for user in self._users[k]), default=0)
+        ranks = [0] * len(way)
+        for rank, k in enumerate(sorted(range(len(way)), key=lambda k: -way[k])):
+            ranks[k] = rank
+        return ranks
 
     def order(self) -> list[int]:
         ready = [k for k, missing in enumerate(self._missing) if not missing]
         order: list[int] = []
         slot = held = 0
+        there, rank, growth = self._there, self._rank, self._growth
         while ready:
             cycle = slot // _AT_ONCE
             if held < _REGISTERS:
-                k = max(ready, key=lambda k: (self._there[k] <= cycle, self._path[k], -k))
+                k = min(ready, key=lambda k: (there[k] > cycle, rank[k]))
             else:
-                k = min(ready, key=lambda k: (self._growth(k), self._there[k], -self._path[k], k))
-            slot = max(slot, self._there[k] * _AT_ONCE)
+                k = min(ready, key=lambda k: (growth[k], there[k], rank[k]))
+            slot = max(slot, there[k] * _AT_ONCE)
             ready.remove(k)
             order.append(k)
-            held += self._growth(k)
+            held += growth[k]
             ready += self._begin(k, slot // _AT_ONCE)
             slot += 1
         return order
 
-    def _growth(self, k: int) -> int:
-        """How many more registers are held once it has begun."""
-        return bool(self._users[k]) - sum(self._unread[operand] == 1 for operand in self._operands[k])
-
     def _begin(self, k: int, cycle: int) -> list[int]:
         """What has now all its operands."""
+        self._begun.add(k)
         for operand in self._operands[k]:
             self._unread[operand] -= 1
+            self._free(operand)
         for user in self._users[k]:
             self._missing[user] -= 1
             self._there[user] = max(self._there[user], cycle + self._cycles[k])
         return [user for user in self._users[k] if not self._missing[user]]
+
+    def _free(self, operand: int) -> None:
+        """Its register, by the last that reads it."""
+        if self._unread[operand] == 1:
+            self._growth[next(user for user in self._users[operand] if user not in self._begun)] -= 1

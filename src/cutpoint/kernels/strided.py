@@ -64,12 +64,12 @@ class Strided:
         from cutpoint.kernels.packs import width_of_packs
         from cutpoint.kernels.strided_loop import FUNCTION, strided_loop
 
-        lowered, inputs, outputs = lower(self._graph), self._graph.inputs, self._graph.outputs
-        width = width_of_packs(lowered, inputs, outputs)
+        graph, inputs, outputs = self._graph, self._graph.inputs, self._graph.outputs
+        width = width_of_packs(graph, inputs, outputs)
         if width is None:
             return self._otherwise
-        text = strided_loop(lowered, inputs, outputs, width)
-        self._owner = LoopGufunc(text, FUNCTION, lowered.precision, inputs, outputs, self._name)
+        text = strided_loop(lower(graph), inputs, outputs, width)
+        self._owner = LoopGufunc(text, FUNCTION, graph.precision, inputs, outputs, self._name)
         return self._owner.call
 
     def _is_broken(self, x: np.ndarray, own: slice, strides: tuple[int | None, ...]) -> bool:
