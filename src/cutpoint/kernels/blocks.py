@@ -36,7 +36,6 @@ class Blocks:
             self._function = block_function(graph, name, function)
         self.width = width = self._function.width
         self._name, self._make = name, record and record._make  # type: ignore[attr-defined]
-        self._dtype, self._block = graph.precision.dtype, (width,)
         self._wide = replace(graph, inputs=wide(graph.inputs, width), outputs=wide(graph.outputs, width))
 
     def __call__(self, *arguments: Any, out: Any = None, threads: int | None = None, **named: Any) -> Any:
@@ -46,15 +45,23 @@ class Blocks:
             InputError: an argument is missing, unknown, or of a shape or kind that does not fit; what is in `out` has
                 blocks that are not C-contiguous.
         """
-        given = in_order(self._name, self._wide.inputs, arguments, named)
+        if threads is None and not named and _lie_ready(arguments, out):
+            direct = self._function.direct
+            try:
+                return self._made(direct(*arguments) if out is None else direct(*arguments, out=out))
+            except (TypeError, ValueError):
+                pass  # the longer way says why, or mends it
+        given = [self._spread(x) for x in in_order(self._name, self._wide.inputs, arguments, named)]
+        count = 1 if threads is None else checked(self._name, threads)
         try:
-            if threads is None and self._are_ready(given, out):
-                direct = self._function.direct
-                result = direct(*given) if out is None else direct(*given, out=out)
-            else:
-                result = self._general([*map(self._spread, given)], out, threads)
+            if self._wide.precision is not FLOAT64:
+                given = [as_numbers(x, self._wide.precision) for x in given]
+            result = self._function.call(*given, out=out) if count == 1 else self._threaded(count, given, out)
         except (TypeError, ValueError) as error:
-            raise explained(self._name, self._wide, [*map(self._spread, given)], out, error) from None
+            raise explained(self._name, self._wide, given, out, error) from None
+        return self._made(result)
+
+    def _made(self, result: Any) -> Any:
         if self._make is None:
             return result
         return self._make(result if len(self._wide.outputs) > 1 else (result,))
@@ -89,21 +96,6 @@ class Blocks:
             raise InputError(f"{self._name}: an array of blocks has shape {array.shape}, {rule}")
         return np.moveaxis(array, -1, 1).reshape(len(array) * self.width, *array.shape[1:-1])[:count]
 
-    def _are_ready(self, given: list[Any], out: Any) -> bool:
-        """Whether everything can be read and written as it lies."""
-        for x in given if out is None else (*given, *out) if isinstance(out, tuple) else (*given, out):
-            if type(x) is not np.ndarray or x.dtype is not self._dtype or not x.flags.c_contiguous:
-                return False
-            if x.shape[-1:] != self._block:
-                return False
-        return True
-
-    def _general(self, given: list[Any], out: Any, threads: int | None) -> Any:
-        count = 1 if threads is None else checked(self._name, threads)
-        if self._wide.precision is not FLOAT64:
-            given = [as_numbers(x, self._wide.precision) for x in given]
-        return self._function.call(*given, out=out) if count == 1 else self._threaded(count, given, out)
-
     def _spread(self, x: Any) -> Any:
         """An array with one number for all of a block, with as many as the block holds."""
         if isinstance(x, np.ndarray) and x.ndim and x.shape[-1] == 1:
@@ -115,6 +107,14 @@ class Blocks:
         operations = len(self._wide.nodes) * self.width
         ports = (self._wide.inputs, self._wide.outputs)
         return Threaded(*ports, operations, self._function.call, self._wide.precision)
+
+
+def _lie_ready(arguments: tuple[Any, ...], out: Any) -> bool:
+    """Whether everything that is read and written lies in order; what does not fit otherwise NumPy refuses."""
+    for x in arguments if out is None else (*arguments, *out) if type(out) is tuple else (*arguments, out):
+        if type(x) is not np.ndarray or not x.flags.c_contiguous:
+            return False
+    return True
 
 
 def _aligned(shape: tuple[int, ...], precision: Precision) -> np.ndarray:
