@@ -20,6 +20,13 @@ Measured for inverse dynamics of a 6R arm, 190 MB: 10 to 25 % less time.  For ar
 """
 
 
+_OPERATIONS_A_STORE = 3
+"""Where there are fewer, stores are waited for: depth-first order, in which they come at all times, is quicker.
+
+Measured for an arm's regressor in batches of 1 MB: 10 to 20 % less time.
+"""
+
+
 class _Memory:
     """One port's blocks."""
 
@@ -38,6 +45,8 @@ def block_loop(graph: Graph, inputs: Sequence[Port], outputs: Sequence[Port], wi
     The ports are the graph's own.  An output may be an input: results wait in scratch memory then.
     """
     code, lanes = Code(), Lanes(width, graph.precision)
+    if len(graph.nodes) < _OPERATIONS_A_STORE * len(graph.results):
+        graph = Graph(graph.inputs, graph.outputs, graph.results, graph.precision)
     scratch = [code.let(f"alloca {lanes.real}, i64 {port.size}") for port in outputs]
     arguments = [_Memory(code, number) for number in range(len(inputs) + len(outputs))]
     sources, targets = arguments[: len(inputs)], arguments[len(inputs) :]
@@ -67,15 +76,21 @@ def block_loop(graph: Graph, inputs: Sequence[Port], outputs: Sequence[Port], wi
 
 
 def _block(code: Code, graph: Graph, lanes: Lanes, read: list[tuple[str, int]], write: list[tuple[str, int]]) -> None:
-    """One block from memory to memory."""
+    """One block from memory to memory; stores of constants among those of results, since they have to wait as these."""
+    constants = [(slot, lanes.constant(x)) for slot, x in enumerate(graph.results) if isinstance(x, float)]
+    each = -(-len(constants) // max(len(graph.results) - len(constants), 1))
 
-    def ready(slot: int, value: str) -> None:
+    def store(slot: int, value: str) -> None:
         code.store(value, *write[slot], lanes.real, align=lanes.item)  # all that NumPy promises
 
-    for slot, x in enumerate(graph.results):
-        if isinstance(x, float):
-            ready(slot, lanes.constant(x))
+    def ready(slot: int, value: str) -> None:
+        store(slot, value)
+        for _ in range(min(each, len(constants))):
+            store(*constants.pop())
+
     straight_line(code, graph, lambda slot: code.load(*read[slot], lanes.real, align=lanes.item), ready, lanes)
+    for constant in constants:
+        store(*constant)
 
 
 def _streams(code: Code, arguments: list[_Memory], targets: list[_Memory], count: str, lanes: Lanes) -> str:

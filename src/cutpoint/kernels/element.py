@@ -2,6 +2,7 @@
 
 import math
 from collections.abc import Mapping, Sequence
+from itertools import groupby
 
 from cutpoint.kernels.algebra import Operand
 from cutpoint.kernels.graph import Graph
@@ -46,14 +47,17 @@ def element(graph: Graph, inputs: Sequence[Port], outputs: Sequence[Port], width
 
 
 def _constants(code: Code, graph: Graph, lanes: Lanes, outputs: Mapping[str, Port]) -> None:
-    """Results that are known beforehand, in the memory of the outputs."""
+    """Results that are known beforehand, in the memory of the outputs; zeros in a row by as few stores as it takes."""
     for pointer, port in outputs.items():
-        values = graph.output(port.name)
-        if any(map(_is_zero, values)):
-            code.zero(pointer, port.size * graph.precision.item)
-        for k, x in enumerate(values):
-            if isinstance(x, float) and not _is_zero(x):
-                code.store(lanes.constant(x), pointer, k, lanes.real)
+        slot = 0
+        for is_zero, some in groupby(graph.output(port.name), _is_zero):
+            values = [*some]
+            if is_zero:
+                code.zero(code.at(pointer, slot, lanes.real), len(values) * graph.precision.item)
+            for k, x in enumerate(values):
+                if isinstance(x, float) and not is_zero:
+                    code.store(lanes.constant(x), pointer, slot + k, lanes.real)
+            slot += len(values)
 
 
 def _is_zero(x: Operand) -> bool:
