@@ -123,10 +123,10 @@ class Compiled:
 
     def made(self, name: str) -> Kernel:
         """A kernel that has been made, the latest variant of this name."""
-        if isinstance(self._functions.get(name), RolledFunction):
-            n = len(self.machine.system.segments)
-            raise InputError(f"{name}: of {n} bodies it runs as loops over them, and has no kernel", name=name)
         if name not in self._kernels:
+            if any(isinstance(f, RolledFunction) and f.name == name for f in self._functions.values()):
+                n = len(self.machine.system.segments)
+                raise InputError(f"{name}: of {n} bodies it runs as loops over them, and has no kernel", name=name)
             raise unknown_name("compiled function", name, self._kernels)
         return self._kernels[name]
 

@@ -1,5 +1,6 @@
 """Large robots whose joints bend run as loops too: the same results as straight-line code."""
 
+from collections.abc import Callable
 from dataclasses import replace
 from functools import cache
 from typing import Any
@@ -9,13 +10,18 @@ import pytest
 
 from cutpoint import Robot
 from cutpoint.errors import InputError
+from cutpoint.kernels.program_llvm import program_ir
+from cutpoint.kernels.program_plan import plan
 from cutpoint.mechanics.compliance import Flexspline, LinearSpring
 from cutpoint.mechanics.friction import Coulomb, Stribeck
 from cutpoint.mechanics.kinematic_error import KinematicError
 from cutpoint.model import Drive, Mechanism
 from cutpoint.model.drive import Harmonic, Rotor
 from cutpoint.robot import ElasticAccelerations, ElasticTorques
-from cutpoint.rolled import RolledFunction, rolled
+from cutpoint.rolled import RECIPES, RolledFunction, rolled
+from cutpoint.rolled.bodies import columns_of
+from cutpoint.rolled.passes import one_by_one, side_by_side
+from large_robots import assert_close, chain
 from random_trees import random_tree
 
 INVERSE, FORWARD = "elastic_inverse_dynamics", "elastic_forward_dynamics"
@@ -100,44 +106,111 @@ def test_loops_are_for_large_robots_and_what_they_were_asked_for() -> None:
     plain = (INVERSE, False, False, True)
     assert rolled(plain, machine, "llvm") and rolled(FORWARD, machine, "llvm")
     assert rolled(plain, machine, "numpy") is None
-    for variant in ((INVERSE, True, False, True), (INVERSE, False, False, False), (FORWARD, "strains")):
+    for variant in ((INVERSE, False, False, False), (FORWARD, "strains")):
         assert rolled(variant, machine, "llvm") is None
     assert rolled(plain, robot("tree of 20", "springs").machine, "llvm") is None
 
 
-def oddly(mechanism: Mechanism, case: str) -> dict[str, Drive]:
-    """One drive in the middle is not as loops want it."""
-    drives = drives_of(mechanism, "springs", np.random.default_rng(0))
-    name = mechanism.bodies[1].joint.name
-    odd = {
-        "rigid": lambda d: replace(d, compliance=None),
-        "another law": lambda d: replace(d, compliance=Flexspline(8e3, 1e-3)),
-        "full coupling": lambda d: replace(d, rotor=Rotor(1e-4, coupling="full")),
+RIGID = Drive(80.0, Rotor(1e-4))
+BUILDS: dict[str, Callable[[int, Drive], Drive | None]] = {
+    "rigid ones": lambda k, drive: RIGID if k % 3 else drive,
+    "rigid ones with full coupling": lambda k, drive: (
+        replace(RIGID, rotor=Rotor(1e-4, coupling="full")) if k % 2 else drive
+    ),
+    "two laws": lambda k, drive: replace(drive, compliance=Flexspline(8e3, 1e-3)) if k % 2 else drive,
+    "joints without one": lambda k, drive: drive if k % 3 else None,
+    "all of it": lambda k, drive: (None, RIGID, drive, replace(drive, compliance=Flexspline(8e3, 1e-3)))[k % 4],
+}
+
+
+def mixed(mechanism: Mechanism, case: str) -> dict[str, Drive]:
+    """Drives of several structures."""
+    drives = enumerate(drives_of(mechanism, "springs", np.random.default_rng(0)).items())
+    built = {name: BUILDS[case](k, drive) for k, (name, drive) in drives}
+    return {name: drive for name, drive in built.items() if drive}
+
+
+@pytest.mark.parametrize(("case", "backend"), [("all of it", "llvm"), *((case, "numpy") for case in BUILDS)])
+def test_loops_take_drives_of_several_structures(case: str, backend: str) -> None:
+    mechanism = random_tree(4, 11)
+    ours = Robot(mechanism, mixed(mechanism, case), backend="numpy")
+    q = ours.random(1, (9,))
+    assert_close(looping(ours, "static_deflection", backend)(q), ours.static_deflection(q))
+    for name in (INVERSE, FORWARD):
+        rng, sizes = (
+            np.random.default_rng(1),
+            [ours.nv] * 5 if name == INVERSE else [ours.nv] * 2 + [len(ours.drives)] * 3,
+        )
+        given = [rng.uniform(-1.0, 1.0, (9, n)) * (1.0 if k < 2 else 1e-3) for k, n in enumerate(sizes)]
+        expected = getattr(ours, name)(*given)
+        function = looping(ours, name, backend, type(expected))
+        for found, other, single in zip(function(*given), expected, function(*(x[8] for x in given)), strict=True):
+            np.testing.assert_allclose(found, other, rtol=0, atol=1e-12 * np.abs(other).max())
+            np.testing.assert_array_equal(single, found[8])
+
+
+@pytest.mark.parametrize("name", [INVERSE, FORWARD, "static_deflection"])
+def test_code_for_mixed_drives_is_as_long_for_sixteen_bodies_as_for_a_thousand(name: str) -> None:
+    texts = []
+    for size in (16, 1024):
+        machine = Robot(mechanism := chain(size), mixed(mechanism, "all of it")).machine
+        columns = columns_of(machine.system, machine.drives)
+        built = [arrange(RECIPES[name].steps(columns), columns, 8) for arrange in (one_by_one, side_by_side)]
+        texts.append([program_ir(plan(x.body, x.regions)) for x in built])
+    assert texts[0] == texts[1]
+
+
+def coupled(mechanism: Mechanism, every: int = 2) -> Robot:
+    """Heavy rotors with full coupling, one of so many behind a spring."""
+    full = Drive(80.0, Rotor(1e-4, coupling="full"), LinearSpring(2e4))
+    drives = {
+        body.joint.name: full if k % every == 0 else replace(full, compliance=None)
+        for k, body in enumerate(mechanism.bodies)
+        if body.joint.kind != "floating"
     }
-    if case == "none":
-        del drives[name]
-    else:
-        drives[name] = odd[case](drives[name])
-    return drives
+    return Robot(mechanism, drives, backend="numpy")
 
 
-@pytest.mark.parametrize("case", ["rigid", "another law", "full coupling", "none"])
-def test_what_elastic_loops_do_not_take_goes_without_them(case: str) -> None:
-    mechanism = random_tree(8, 40)
-    machine = Robot(mechanism, oddly(mechanism, case)).machine
-    for key in ((INVERSE, False, False, True), FORWARD):
-        assert rolled(key, machine, "llvm") is None
+@pytest.mark.parametrize("backend", ["llvm", "numpy"])
+@pytest.mark.parametrize("floating", [False, True])
+def test_loops_feel_rotors_behind_springs(floating: bool, backend: str) -> None:
+    mechanism = random_tree(4, 11, floating=floating)
+    plain, full = coupled(mechanism), coupled(mechanism, every=1)
+    for ours in (plain, full):
+        n = len(ours.drives)
+        rng = np.random.default_rng(1)
+        q, (v, a, jerk, snap) = ours.random(2, (9,)), rng.uniform(-1.0, 1.0, (4, 9, ours.nv))
+        theta, theta_dot, torque = q[:, -n:] + 1e-3 * rng.normal(size=(9, n)), *rng.normal(size=(2, 9, n))
+        asked = {FORWARD: (q, v, theta, theta_dot, torque), (INVERSE, False, True, True): (q, v, a, jerk, snap)}
+        for key, given in asked.items():
+            options = {} if key == FORWARD else {"quasi_rigid": True}
+            expected = getattr(ours, key if key == FORWARD else INVERSE)(*given, **options)
+            function = RolledFunction(key, ours.machine, backend, type(expected))
+            for found, other, single in zip(function(*given), expected, function(*(x[8] for x in given)), strict=True):
+                np.testing.assert_allclose(found, other, rtol=0, atol=1e-12 * np.abs(other).max())
+                np.testing.assert_array_equal(single, found[8])
+
+
+def test_loops_let_friction_s_rates_through_springs() -> None:
+    ours = robot("tree of 11", "all laws")
+    given = given_to(INVERSE, ours, 11)
+    expected = ours.elastic_inverse_dynamics(*given, friction_rates=True)
+    found = RolledFunction((INVERSE, True, False, True), ours.machine, "llvm", ElasticTorques)(*given)
+    for one, other in zip(found, expected, strict=True):
+        np.testing.assert_allclose(one, other, rtol=0, atol=1e-12 * np.abs(other).max())
 
 
 def test_a_robot_that_nothing_takes_is_told_why() -> None:
-    mechanism = random_tree(9, 1001)
-    machine = Robot(mechanism, oddly(mechanism, "another law")).machine
-    name = mechanism.bodies[1].name
-    told = rf"1001 bodies .* loops do not take drives of different kinds, or rigid ones, as at '{name}'"
-    with pytest.raises(InputError, match=told):
+    machine = coupled(random_tree(9, 1001)).machine
+    with pytest.raises(InputError, match=r"1001 bodies .* loops do not take rotors with full coupling behind springs"):
+        rolled((INVERSE, False, False, True), machine, "llvm")
+    with pytest.raises(InputError, match=r"loops do not take strains"):
+        rolled((INVERSE, True, False, False), machine, "llvm")
+    errors = [KinematicError((Harmonic(order, 1e-5, 0.0),)) for order in range(1, 7)]
+    kinds = {f"joint{k}": replace(linear(np.random.default_rng(k)), kinematic_error=x) for k, x in enumerate(errors)}
+    machine = Robot(random_tree(9, 1001), kinds).machine
+    with pytest.raises(InputError, match=r"loops do not take drives of 7 structures, but 6 at most"):
         rolled(FORWARD, machine, "llvm")
-    with pytest.raises(InputError, match=r"loops do not take friction's rates or strains"):
-        rolled((INVERSE, True, False, True), machine, "llvm")
 
 
 def test_wrong_input_of_elastic_loops_is_explained() -> None:

@@ -15,32 +15,19 @@ from cutpoint.compiled import machine_of
 from cutpoint.errors import InputError
 from cutpoint.kernels.program_llvm import program_ir
 from cutpoint.kernels.program_plan import plan
-from cutpoint.model import Drive, Joint, Link, Mechanism
-from cutpoint.model.build import build
+from cutpoint.model import Drive, Mechanism
 from cutpoint.model.drive import Rotor
 from cutpoint.rolled import RECIPES, RolledFunction
 from cutpoint.rolled import rolled as suited_to
 from cutpoint.rolled.bodies import Columns, rows_of
 from cutpoint.rolled.passes import one_by_one, side_by_side
-from random_trees import placement, random_tree
+from large_robots import assert_close, chain
+from random_trees import random_tree
 
 DYNAMICS = ("inverse_dynamics", "forward_dynamics")
 RIGID = ("inverse_dynamics", "bias_forces", "gravity_forces", "forward_dynamics", "mass_matrix")
 BACKENDS = ("llvm", "numpy")
 EPS = np.finfo(float).eps
-
-
-def chain(size: int, kinds: tuple[str, ...] = ("revolute",)) -> Mechanism:
-    """Random bodies and places, all within some metres."""
-    rng, links, joints = np.random.default_rng(size), [Link("base")], []
-    for k in range(size):
-        com, T = rng.normal(0.0, 0.1, 3), placement(rng)
-        T[:3, 3] *= min(1.0, 10 / size)
-        links.append(Link(f"link{k}", rng.uniform(0.5, 2.0), com, np.diag(rng.uniform(0.01, 0.015, 3))))
-        kind, along, pitch = kinds[k % len(kinds)], np.eye(3)[k % 3], 0.1
-        stated = {"pitch": pitch} if kind == "helical" else {}
-        joints.append(Joint(f"joint{k}", kind, links[-2].name, links[-1].name, T, along, **stated))  # type: ignore[arg-type]
-    return build("chain", links, joints)
 
 
 def states(robot: Robot, *shape: int, seed: int = 0) -> np.ndarray:
@@ -52,11 +39,6 @@ def states(robot: Robot, *shape: int, seed: int = 0) -> np.ndarray:
 def rolled(robot: Robot, name: str, backend: str) -> RolledFunction:
     """A function as loops, whatever the robot's size."""
     return RolledFunction(name, robot.machine, backend)
-
-
-def assert_close(ours: np.ndarray, theirs: np.ndarray, rtol: float = 1e-12) -> None:
-    """To within a share of the largest number: torques at the tips of long chains are sums that all but vanish."""
-    np.testing.assert_allclose(ours, theirs, rtol=0, atol=rtol * np.abs(theirs).max())
 
 
 TREES = {

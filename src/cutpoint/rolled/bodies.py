@@ -4,34 +4,76 @@ Numbers that are the same whole number for all bodies (an axis's zeros, a turn b
 others it reads.  So one piece of code, of one size, serves trees of any size.
 """
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 
 import numpy as np
 
 from cutpoint.mechanics.elastic import Driven
-from cutpoint.mechanics.joints import Helical, Prismatic
+from cutpoint.mechanics.joints import Helical, JointKind, Prismatic
+from cutpoint.mechanics.rigid_body import inertia_of, parameters_of
 from cutpoint.mechanics.rotors import Spin
-from cutpoint.mechanics.spatial import IDENTITY, ZERO, Inertia, Mat3, Pose, Vec3
-from cutpoint.mechanics.system import Segment, System
-from cutpoint.model.drive import Drive
+from cutpoint.mechanics.spatial import IDENTITY, Pose
+from cutpoint.mechanics.system import Place, Segment, System
 from cutpoint.model.mechanism import WORLD
+from cutpoint.rolled.drives import Model, drive_rows, models_of
 from cutpoint.rolled.subsystem import OneAxis, Subsystem, is_nothing, mat3, vec3
-from cutpoint.scalars import Scalar, leaves, rebuild
+from cutpoint.scalars import Scalar, rebuild, where
 
 Array = np.ndarray
 
-BODY = 31
+BODY = 33
 """Numbers of a body and its joint; those of its drive follow."""
+
+SPRUNG = 29
+"""Among them, the momentum of a rotor behind a spring at unit speed."""
+
+BASE = -2
+"""Where a body's number is asked for, a base that moves freely."""
+
+BASE_NUMBERS = 23
+"""Of a base that moves freely: its joint's placement, its inertia, and the highest number of a body that it carries."""
+
+
+def base_of(system: System) -> Segment | None:
+    """The first body, if its joint has several axes; all others are numbered from the one after it."""
+    first = system.segments[0]
+    return first if len(first.joint.axes) > 1 else None
+
+
+def bodies_of(system: System) -> range:
+    """All others."""
+    return range(int(base_of(system) is not None), len(system.segments))
+
+
+def parents_of(system: System) -> Array:
+    """(n,) numbers of the bodies' parents, WORLD or BASE."""
+    given = np.array([body.parent for body in system.segments])
+    return given if base_of(system) is None else np.where(given > 0, given - 1, np.where(given == 0, BASE, WORLD))[1:]
+
+
+def place_of(system: System, frame: str) -> Place:
+    """A frame's body by its number, WORLD or BASE, and its pose there."""
+    place, first = system.frames[frame], int(base_of(system) is not None)
+    return place if place.body == WORLD else Place(place.body - first if place.body >= first else BASE, place.pose)
+
+
+def base_row(system: System) -> Array:
+    """(BASE_NUMBERS,) those of the first body."""
+    X, M = system.segments[0].placement, system.segments[0].inertia
+    placed = (*(x for row in X.rotation for x in row), *X.position)
+    return np.array([*placed, *parameters_of(M), _last_carried(system)[0] - 1.0])
 
 
 def rows_of(system: System, drives: Sequence[Driven] = ()) -> Array:
-    """(n, BODY and more) each body's numbers, in the order of `subsystem`, and its drive's, one for each if any."""
-    spins = {spin.joint: spin for spin in system.spins if not spin.elastic}
-    last = _last_carried(system)
-    rows = [[*_row(system, i, spins.get(i)), i, last[i]] for i in range(len(system.segments))]
-    for driven in drives:
-        rows[driven.segment] += leaves(driven.drive)
-    return np.array(rows, dtype=np.float64)
+    """(n, BODY and more) each body's numbers, in the order of `subsystem`, and its drive's, if drives are given."""
+    spins, last, bodies = {spin.joint: spin for spin in system.spins}, _last_carried(system), bodies_of(system)
+    rows = [[*_row(system, i, spins.get(i)), i - bodies.start, last[i] - bodies.start] for i in bodies]
+    return np.hstack([np.array(rows, dtype=np.float64), drive_rows(bodies, drives)])
+
+
+def columns_of(system: System, drives: Sequence[Driven] = ()) -> "Columns":
+    base = base_of(system)
+    return Columns(rows_of(system, drives), models_of(bodies_of(system), drives), base.joint if base else None)
 
 
 def _last_carried(system: System) -> list[int]:
@@ -46,46 +88,58 @@ def _last_carried(system: System) -> list[int]:
 def _row(system: System, i: int, spin: Spin | None) -> list[Scalar]:
     body, joint = system.segments[i], system.segments[i].joint
     R, M = body.placement.rotation, body.inertia
-    (xx, xy, xz), (_, yy, yz), (_, _, zz) = M.rotational
     slide = joint.pitch if isinstance(joint, Helical) else int(isinstance(joint, Prismatic))
     screw = (int(not isinstance(joint, Prismatic)), slide)
     placed = (*(x for row in R for x in row), *body.placement.position)
-    heavy = (M.mass, *M.first_moment, xx, xy, xz, yy, yz, zz)
-    return [*placed, *heavy, *screw, system.armature[i], *(spin.axis if spin else ZERO), spin.geared if spin else 0]
+    return [*placed, *parameters_of(M), *screw, system.armature[body.v.start], *_coupling(spin)]
+
+
+def _coupling(spin: Spin | None) -> list[Scalar]:
+    """A rotor's axis, and its momentum at unit speed: rigidly geared, or behind a spring with its own inertia."""
+    if spin is None:
+        return [0] * 6
+    return [*spin.axis, *((0, spin.geared, spin.inertia) if spin.elastic else (spin.geared, 0, 0))]
 
 
 class Columns:
     """Which of the bodies' numbers are code and which are read.
 
-    stated: the first, by column.  read: (n, width), the others.
+    stated: the first, by column.  read: (n, width), the others.  are_coupled: whether rotors with full coupling are
+    behind springs.
     """
 
-    def __init__(self, rows: Array, drives: Sequence[Driven] = ()) -> None:
-        """drives: of which the first serves as a model of all."""
+    def __init__(self, rows: Array, models: Sequence[Model] = (), base: JointKind | None = None) -> None:
+        """models: of the drives' structures.  base: its joint, if there is one."""
+        self.base, self.models = base, models
+        self.are_coupled = bool(rows[:, SPRUNG].any())
         first = rows[0]
         same = (rows == first).all(axis=0) & np.isin(first, (-1.0, 0.0, 1.0))
         self.stated = {int(k): int(first[k]) for k in np.flatnonzero(same)}
         self.read = np.ascontiguousarray(rows[:, ~same])
         self.width = self.read.shape[1]
         self._columns = rows.shape[1]
-        self._drive = drives[0].drive if drives else None
 
     def subsystem(self, read: Iterable[Scalar]) -> Subsystem:
         """The body whose row holds these."""
         row = iter(self._whole(read))
         pose = Pose(mat3(row), vec3(row))
-        mass, first_moment = next(row), vec3(row)
-        xx, xy, xz, yy, yz, zz = (next(row) for _ in range(6))
-        inertia = Inertia(mass, first_moment, Mat3(Vec3(xx, xy, xz), Vec3(xy, yy, yz), Vec3(xz, yz, zz)))
-        joint, armature, axis, geared = OneAxis(next(row), next(row)), next(row), vec3(row), next(row)
+        inertia = inertia_of([next(row) for _ in range(10)])
+        joint, armature, axis = OneAxis(next(row), next(row)), next(row), vec3(row)
+        geared, sprung, J = next(row), next(row), next(row)
         number, last = next(row), next(row)
         own = Segment("", WORLD, pose, joint, inertia, slice(0, 1), slice(0, 1), IDENTITY)
         spin = None if is_nothing(geared) else Spin(0, 0, axis, 0, geared, False)
-        return Subsystem(own, armature, spin, number, last)
+        behind = None if is_nothing(sprung) else Spin(0, 0, axis, J, sprung, True)
+        return Subsystem(own, armature, spin, number, last, behind)
 
-    def drive(self, read: Iterable[Scalar]) -> Drive:
-        """The drive of the body whose row holds these."""
-        return rebuild(self._drive, iter(self._whole(read)[BODY:]))
+    def by_drive(self, read: Iterable[Scalar], step: Callable[[Model], list[Scalar]]) -> list[Scalar]:
+        """What a step finds for the drive of the body whose row holds these."""
+        kind, *row = self._whole(read)[BODY:]
+        numbers, found = iter(row), list[Scalar]()
+        for k, model in enumerate(self.models):
+            own = step(rebuild(model, numbers))
+            found = [where(kind < k, x, y) for x, y in zip(found, own, strict=True)] if k else own
+        return found
 
     def _whole(self, read: Iterable[Scalar]) -> list[Scalar]:
         others = iter(read)

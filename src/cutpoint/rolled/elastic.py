@@ -1,15 +1,19 @@
 """Robots whose joints bend, as passes: rigid bodies' passes, and what each drive does alone.
 
-Every joint has an elastic drive, all of one structure, and rotors with reduced coupling.
+Some joints may have rigid drives, or none.
 """
 
 from typing import Any
 
 from cutpoint.kernels import Stage
-from cutpoint.mechanics.elastic import DEFAULT, Driven, motor_motion, motor_torque
+from cutpoint.mechanics.elastic import DEFAULT, Driven, Options, motor_motion, motor_torque
 from cutpoint.mechanics.elastic_forward import DriveState, drive_effort
+from cutpoint.mechanics.harmonic_drive import motor_position
 from cutpoint.mechanics.strains import UNKNOWN
+from cutpoint.rolled import coupling
+from cutpoint.rolled.base import base_in
 from cutpoint.rolled.bodies import Columns
+from cutpoint.rolled.drives import Model
 from cutpoint.rolled.forward import forward_dynamics
 from cutpoint.rolled.passes import WITH_RATES, Pass, Steps
 from cutpoint.rolled.steps import RATES, inverse_dynamics
@@ -17,20 +21,32 @@ from cutpoint.rolled.steps import RATES, inverse_dynamics
 MOTOR = ("motor_torque", "theta", "theta_dot", "theta_ddot", "joint_torque")
 
 
-def elastic_inverse_dynamics(columns: Columns) -> Steps:
+def elastic_inverse_dynamics(columns: Columns, options: Options = DEFAULT) -> Steps:
     """Motor torques and motor motion, from joint torques with two derivatives."""
     rigid, m = inverse_dynamics(columns, WITH_RATES), WITH_RATES.coefficients
 
     def motor(row: Any, tau: Any, q: Any, *rates: Any) -> Any:
         (torque,), (speed,) = WITH_RATES.scalars(tau), WITH_RATES.rate(rates, 0)
-        driven = Driven(columns.drive(row), 0, 0, 0)
-        found = motor_motion(driven, torque, q[0], speed, DEFAULT, UNKNOWN)
-        theta = [[found.theta.derivative(k)] for k in range(3)]
-        return [motor_torque(driven, found, None, [], None)], *theta, [torque.derivative(0)]
+
+        def asked(drive: Model) -> list[Any]:
+            if drive is None:
+                return [0] * 4
+            driven = Driven(drive, 0, 0, 0)
+            found = motor_motion(driven, torque, q[0], speed, options, UNKNOWN)
+            return [motor_torque(driven, found, None, [], None), *(found.theta.derivative(k) for k in range(3))]
+
+        return *([x] for x in columns.by_drive(row, asked)), [torque.derivative(0)]
 
     alone = Pass("alone", Stage(motor, ("body", "tau", *RATES[:-1]), MOTOR))
-    kept = {**rigid.kept, "tau": m}
-    return rigid._replace(kept=kept, numbers=(*RATES, *MOTOR), passes=[*rigid.passes, alone])
+    kept, apart = {**rigid.kept, "tau": m}, {**rigid.apart}
+    if base := base_in(columns):
+        apart["base.joint_torque"] = apart.pop("base.tau")
+        rigid.passes[-1] = base.bears(WITH_RATES, "joint_torque")
+    passes = [*rigid.passes, alone]
+    if columns.are_coupled:
+        passes = _before_inward(passes, coupling.carried(columns, WITH_RATES, RATES[1:]))
+        passes += [coupling.pushed(columns, WITH_RATES)]
+    return rigid._replace(kept=kept, numbers=(*RATES, *MOTOR), passes=passes, apart=apart)
 
 
 def elastic_forward_dynamics(columns: Columns) -> Steps:
@@ -38,9 +54,43 @@ def elastic_forward_dynamics(columns: Columns) -> Steps:
     rigid, state = forward_dynamics(columns), ("q", "v", "theta", "theta_dot")
 
     def drive(row: Any, motor_torque: Any, *at: Any) -> Any:
-        effort = drive_effort(columns.drive(row), DriveState(*(x for (x,) in at)), motor_torque[0], UNKNOWN)
-        return [effort.on_link], [effort.alpha]
+        def effort(drive: Model) -> list[Any]:
+            if drive is None:
+                return [0, 0]
+            found = drive_effort(drive, DriveState(*(x for (x,) in at)), motor_torque[0], UNKNOWN)
+            return [found.on_link, found.alpha]
 
-    alone = Pass("alone", Stage(drive, ("body", "motor_torque", *state), ("tau", "theta_ddot")))
+        return [[x] for x in columns.by_drive(row, effort)]
+
+    def follow(row: Any, theta_ddot: Any, a: Any) -> Any:
+        return columns.by_drive(row, lambda drive: theta_ddot if drive and drive.is_elastic else a)
+
+    passes = [Pass("alone", Stage(drive, ("body", "motor_torque", *state), ("tau", "theta_ddot"))), *rigid.passes]
+    if columns.are_coupled:
+        passes = [*_before_inward(passes, coupling.let_spin(columns)), coupling.left_behind(columns)]
+    if not all(drive and drive.is_elastic for drive in columns.models):  # a rigid drive's motor moves with its link
+        passes += [Pass("alone", Stage(follow, ("body", "theta_ddot", "a"), ("theta_ddot",)))]
     numbers = (*state, "motor_torque", "a", "theta_ddot")
-    return rigid._replace(kept={**rigid.kept, "tau": 1}, numbers=numbers, passes=[alone, *rigid.passes])
+    return rigid._replace(kept={**rigid.kept, "tau": 1}, numbers=numbers, passes=passes)
+
+
+def static_deflection(columns: Columns) -> Steps:
+    """How far each motor leads its link when nothing moves, rad: the spring's answer to gravity."""
+    rigid = inverse_dynamics(columns)
+
+    def bends(row: Any, q: Any, tau: Any) -> Any:
+        def bent(drive: Model) -> list[Any]:
+            if drive is None or drive.compliance is None:
+                return [0]
+            return [motor_position(drive, q[0] + drive.compliance.deflection(tau[0])) - q[0]]
+
+        return columns.by_drive(row, bent)
+
+    alone = Pass("alone", Stage(bends, ("body", "q", "tau"), ("deflection",)))
+    return rigid._replace(numbers=(*rigid.numbers, "deflection"), passes=[*rigid.passes, alone])
+
+
+def _before_inward(passes: list[Pass], one: Pass) -> list[Pass]:
+    """With another one before the first that goes inward: what is borne must be whole then."""
+    first = [p.way for p in passes].index("inward")
+    return [*passes[:first], one, *passes[first:]]

@@ -8,14 +8,13 @@ from cutpoint.mechanics.forward_dynamics import prepare
 from cutpoint.mechanics.joints import dot
 from cutpoint.mechanics.rigid_body import acceleration_gradient
 from cutpoint.mechanics.spatial import IDENTITY, ZERO, Motion, Pose, Vec3, Wrench
+from cutpoint.rolled.base import base_in, sizes_apart
 from cutpoint.rolled.bodies import Columns
-from cutpoint.rolled.passes import BASE, PLAIN, Pass, Scalars, Steps
-from cutpoint.rolled.steps import flat, motion_of, placing, pose_of, wrench_of
+from cutpoint.rolled.packing import articulated, flat, motion_of, pose_of, upper, wrench_of
+from cutpoint.rolled.passes import PLAIN, UPWARD, Pass, Steps
+from cutpoint.rolled.steps import placing
 from cutpoint.rolled.subsystem import Subsystem
 from cutpoint.scalars import Scalar
-
-UPPER = [(j, k) for j in range(6) for k in range(j, 6)]
-"""Entries of a symmetric (6, 6) matrix that are kept."""
 
 
 def forward_dynamics(columns: Columns) -> Steps:
@@ -24,7 +23,7 @@ def forward_dynamics(columns: Columns) -> Steps:
     There no inertia that passes from body to body is ever turned.  turned: the body's axes in the world's, and where it
     is in its parent.  resistance: inertia and bias wrench, then those of all that the body carries too.
     """
-    place, pose = placing(columns, PLAIN, ("q",))
+    (place, pose), base = placing(columns, PLAIN, ("q",)), base_in(columns)
 
     def outward(row: Any, at: Any, v: Any, above: Any, carrier: Any) -> Any:
         turned = _turned_pose(pose_of(above), pose_of(pose.all(at)))
@@ -34,16 +33,16 @@ def forward_dynamics(columns: Columns) -> Steps:
         body = along(row, turned).body
         omega_p = Vec3(*omega) - body.joint.motion(v).angular
         found = prepare(body, body.placement, Motion(ZERO, omega_p), acceleration_gradient(ZERO, omega_p, omega_p), v)
-        return [*found.bias], [*_upper(found.M), *found.P]
+        return [*found.bias], [*upper(found.M), *found.P]
 
     def inward(row: Any, turned: Any, v: Any, tau: Any, bias: Any, resistance: Any, carrier: Any, borne: Any) -> Any:
-        own, M = along(row, turned), _articulated(resistance)
+        own, M = along(row, turned), articulated(resistance)
         P = wrench_of(resistance[21:]) + M * motion_of(bias)
         M_p, P_p, step = _give_way(own, M, P, tau[0])
         P_p = wrench_of(borne[21:]) + P_p
         if own.spin:
             P_p = P_p + own.spin.reaction(Vec3(*carrier), v[0], 0)
-        return [step.own, *step.share], [*_upper(_articulated(borne) + M_p), *P_p]
+        return [step.own, *step.share], [*upper(articulated(borne) + M_p), *P_p]
 
     def give_way(row: Any, turned: Any, bias: Any, step: Any, carried: Any) -> Any:
         body, A = along(row, turned).body, motion_of(carried)
@@ -56,16 +55,19 @@ def forward_dynamics(columns: Columns) -> Steps:
     known, inner = ("body", "turned", "v"), ("tau", "bias", "resistance", "carrier", "borne")
     passes = [
         Pass("alone", place),
+        *([base.resists()] if base else []),
         Pass("outward", Stage(outward, ("body", "pose", "v", "above", "carrier"), ("turned", "omega"))),
         Pass("alone", Stage(alone, (*known, "omega"), ("bias", "resistance"))),
         Pass("inward", Stage(inward, (*known, *inner), ("step", "borne"))),
+        *([base.gives_way()] if base else []),
         Pass("outward", Stage(give_way, ("body", "turned", "bias", "step", "carried"), ("a", "acceleration"))),
     ]
     pairs = {"above": "turned", "carrier": "omega", "borne": "resistance", "carried": "acceleration"}
     views = tuple(View(name, of, "parent") for name, of in pairs.items())
     kept = {"pose": pose.size, "turned": 12, "omega": 3, "bias": 6, "resistance": 27, "step": 7, "acceleration": 6}
-    world = {"turned": flat(IDENTITY), "acceleration": [(BASE, k) for k in range(6)]}
-    return Steps(kept, ("q", "v", "tau", "a"), views, world, passes)
+    world = {"turned": flat(IDENTITY), "acceleration": [(UPWARD, k) for k in range(6)]}
+    numbers = ("q", "v", "tau", "a")
+    return Steps(kept, numbers, views, world, passes, *sizes_apart(base, numbers))
 
 
 def _give_way(own: Subsystem, M: Articulated, P: Wrench, tau: Scalar) -> tuple[Articulated, Wrench, Yield]:
@@ -89,14 +91,3 @@ def _turned_pose(above: Pose, X: Pose) -> list[Scalar]:
     """A body's axes in the world's, and its place in its parent along the world's, from those of its parent."""
     R_p = above.rotation
     return [*flat(R_p @ X.rotation), *(R_p @ X.position)]
-
-
-def _upper(M: Articulated) -> list[Scalar]:
-    return [M.rows[j][k] for j, k in UPPER]
-
-
-def _articulated(numbers: Scalars) -> Articulated:
-    rows: list[list[Any]] = [[0] * 6 for _ in range(6)]
-    for (j, k), x in zip(UPPER, numbers, strict=False):
-        rows[j][k] = rows[k][j] = x
-    return Articulated(rows)

@@ -15,9 +15,10 @@ from cutpoint.definitions import Machine
 from cutpoint.door import checked_array
 from cutpoint.errors import InputError
 from cutpoint.kernels import backends
-from cutpoint.rolled.bodies import Columns, rows_of
+from cutpoint.mechanics.system import System
+from cutpoint.rolled.bodies import bodies_of, columns_of
 from cutpoint.rolled.memory import Task
-from cutpoint.rolled.recipes import PLAIN_VARIANTS, RECIPES
+from cutpoint.rolled.recipes import OF_DRIVES, OF_FRAMES, RECIPES
 from cutpoint.rolled.runs import Many, One
 from cutpoint.rolled.suited import unsuited
 
@@ -40,17 +41,33 @@ def rolled(
     Raises:
         InputError: the robot is too large for anything but loops, and has something that they do not take.
     """
-    name = key[0] if isinstance(key, tuple) else key
-    bodies, recipe = len(machine.system.segments), RECIPES.get(name)
+    asked, frame = without_frame(key)
+    name, bodies = name_of(key), size_of(machine.system, frame)
+    recipe = RECIPES.get(asked) or RECIPES.get(name)
     if recipe is None or bodies <= recipe.above or backends.chosen(backend) != "llvm":
         return None
-    odd = recipe.odd if key not in (name, *PLAIN_VARIANTS) else unsuited(machine, recipe.reads_drives)
+    odd = unsuited(machine, recipe.reads_drives, recipe.takes_coupled) if asked in RECIPES else recipe.odd
     if odd is None:
-        return RolledFunction(name, machine, backend, record)
+        return RolledFunction(asked, machine, backend, record, frame)
     if bodies > TOO_LARGE:
         complaint = f"{bodies} bodies are too many for code without loops, and loops do not take {odd}"
         raise InputError(f"{name}: {complaint}; at most {TOO_LARGE} bodies, or backend='numpy', can do", bodies=bodies)
     return None
+
+
+def name_of(key: Any) -> str:
+    return key[0] if isinstance(key, tuple) else key
+
+
+def without_frame(key: Any) -> tuple[Any, str | None]:
+    """A key and the frame that it says, if it is that of a function of frames."""
+    name = name_of(key)
+    return ((name, *key[2:]), key[1]) if name in OF_FRAMES else (key, None)
+
+
+def size_of(system: System, frame: str | None) -> int:
+    """How many bodies a function is about: all, or those that carry a frame."""
+    return len(system.chain_to(system.frames[frame].body)) if frame else len(system.segments)
 
 
 class RolledFunction:
@@ -61,14 +78,21 @@ class RolledFunction:
     """
 
     def __init__(
-        self, name: str, machine: Machine, backend: str, record: type[tuple[Any, ...]] | None = None
+        self,
+        key: Any,
+        machine: Machine,
+        backend: str,
+        record: type[tuple[Any, ...]] | None = None,
+        frame: str | None = None,
     ) -> None:
+        """key: of its recipe.  frame: the one it is about, if it is about any."""
         start = time.perf_counter()
-        self.name, self._record, recipe = name, record, RECIPES[name]
-        self._inputs, self._bodies = recipe.inputs, len(machine.system.segments)
+        self.name, self._record, recipe = name_of(key), record, RECIPES[key]
         drives = machine.drives if recipe.reads_drives else ()
-        columns = Columns(rows_of(machine.system, drives), drives)
-        self._task = Task(recipe, machine.system, columns, backend)
+        columns = columns_of(machine.system, drives)
+        self._driven = [d.segment - bodies_of(machine.system).start for d in drives]
+        self._are_all_driven = len(self._driven) in (0, len(columns.read))
+        self._task = Task(recipe, machine.system, columns, backend, frame)
         self._one = One(self._task, LANES)
         self._quick = self._shortcut()
         self.compile_seconds = time.perf_counter() - start
@@ -82,8 +106,8 @@ class RolledFunction:
         return self._quick(*given)
 
     def _shortcut(self) -> Callable[..., Any]:
-        """For single calls, with less between."""
-        if self._one.program.backend != "llvm" or len(self._task.shape) > 1:  # a matrix is kept with padded rows
+        """For single calls, with less between, where inputs and outputs lie in memory as they are given."""
+        if self._one.program.backend != "llvm" or self._task.is_in_parts or not self._are_all_driven:
             return self._general
         from cutpoint.kernels.fastcall import Front
         from cutpoint.kernels.program_front import front_of
@@ -93,9 +117,21 @@ class RolledFunction:
         return front_of(memory.run, self.name, memory.inputs, memory.outputs, front)
 
     def _general(self, *given: ArrayLike) -> Any:
-        pairs = zip(self._inputs, given, strict=True)
-        found = self._batch([checked_array(self.name, key, x, self._bodies) for key, x in pairs])
+        pairs = zip(self._task.recipe.inputs, given, strict=True)
+        found = self._batch([self._at_bodies(key, x) for key, x in pairs])
+        if not self._are_all_driven:
+            names = self._task.recipe.outputs
+            found = [x[..., self._driven] if k in OF_DRIVES else x for k, x in zip(names, found, strict=True)]
         return self._record(*found) if self._record else found[0]
+
+    def _at_bodies(self, key: str, given: ArrayLike) -> Array:
+        """An input, checked; of drives, with zeros for the bodies that have none."""
+        if self._are_all_driven or key not in OF_DRIVES:
+            return checked_array(self.name, key, given, self._task.size(key))
+        x = checked_array(self.name, key, given, len(self._driven))
+        spread = np.zeros((*x.shape[:-1], self._task.bodies))
+        spread[..., self._driven] = x
+        return spread
 
     @cached_property
     def _many(self) -> Many:
@@ -107,18 +143,19 @@ class RolledFunction:
         Matrices one by one: their entries are many at once already.
         """
         try:
-            shape = np.broadcast_shapes(*(x.shape for x in given))
+            shape = np.broadcast_shapes(*(x.shape[:-1] for x in given))
         except ValueError:
-            found = ", ".join(f"{name} {x.shape[:-1]}" for name, x in zip(self._inputs, given, strict=True))
+            pairs = zip(self._task.recipe.inputs, given, strict=True)
+            found = ", ".join(f"{name} {x.shape[:-1]}" for name, x in pairs)
             raise InputError(f"{self.name}: leading axes do not broadcast: {found}") from None
-        rows = [np.broadcast_to(x, shape).reshape(-1, self._bodies) for x in given]
-        own = self._task.shape
-        found = [np.empty((len(rows[0]), *own)) for _ in self._task.recipe.outputs]
-        wide = len(rows[0]) // LANES * LANES if len(own) == 1 else 0
+        rows = [np.broadcast_to(x, (*shape, x.shape[-1])).reshape(-1, x.shape[-1]) for x in given]
+        shapes = [self._task.shape(name) for name in self._task.recipe.outputs]
+        found = [np.empty((len(rows[0]), *own)) for own in shapes]
+        wide = len(rows[0]) // LANES * LANES if not self._task.is_in_parts else 0
         if wide:
             self._many([x[:wide] for x in rows], [x[:wide] for x in found])
         memory = self._one.spare.take()
         for k in range(wide, len(rows[0])):
-            memory([x[k] for x in rows], [x[k] for x in found])
+            memory([x[k] for x in rows], [x[k, ...] for x in found])
         self._one.spare.give_back(memory)
-        return [x.reshape(shape[:-1] + own) for x in found]
+        return [x.reshape(shape + own)[()] for x, own in zip(found, shapes, strict=True)]

@@ -1,17 +1,20 @@
 """The mass matrix as passes: composite inertias inward, then every pair of bodies.
 
-All about the world's origin and along its axes, where what bodies carry is a plain sum.
+All about the world's origin and along its axes, where what bodies carry is a plain sum.  A base that moves freely
+stands there too: where it is makes no difference.
 """
 
 from typing import Any
 
 from cutpoint.kernels import Stage, View
-from cutpoint.mechanics.rigid_body import inertia_of
-from cutpoint.mechanics.spatial import IDENTITY, ZERO, Inertia, Vec3, Wrench
+from cutpoint.mechanics.rigid_body import inertia_of, parameters_of
+from cutpoint.mechanics.spatial import IDENTITY, ZERO, Vec3, Wrench
+from cutpoint.rolled.base import base_in, sizes_apart
 from cutpoint.rolled.bodies import Columns
-from cutpoint.rolled.passes import PLAIN, Pass, Steps
-from cutpoint.rolled.steps import flat, motion_of, placing, pose_of, wrench_of
-from cutpoint.scalars import Scalar, where
+from cutpoint.rolled.kinematics import ABOVE, world_poses
+from cutpoint.rolled.packing import flat, motion_of, pose_of, wrench_of
+from cutpoint.rolled.passes import Pass, Steps
+from cutpoint.scalars import where
 
 
 def mass_matrix(columns: Columns) -> Steps:
@@ -21,18 +24,15 @@ def mass_matrix(columns: Columns) -> Steps:
     of the rotor that turns them.  span: the body's number, the last number that it carries, and what the joint alone
     feels of its rotor.
     """
-    place, pose = placing(columns, PLAIN, ("q",))
-
-    def outward(at: Any, above: Any) -> Any:
-        X = pose_of(above) @ pose_of(pose.all(at))
-        return [*flat(X.rotation), *X.position]
+    base = base_in(columns)
+    placed, kept = world_poses(columns, [base.stands()] if base else [])
 
     def alone(row: Any, turned: Any) -> Any:
         body, X = columns.subsystem(row).body, pose_of(turned)
         own = body.joint.motion([1])
         angular = X.rotation @ own.angular
         linear = X.rotation @ own.linear + X.position.cross(angular)
-        return [*linear, *angular], _ten(body.inertia.seen_from_parent(X))
+        return [*linear, *angular], parameters_of(body.inertia.seen_from_parent(X))
 
     def inward(carried: Any, borne: Any) -> Any:
         return [x + y for x, y in zip(borne, carried, strict=True)]
@@ -46,16 +46,18 @@ def mass_matrix(columns: Columns) -> Steps:
         return [*F], [own.number, own.last, felt]
 
     passes = [
-        Pass("alone", place),
-        Pass("outward", Stage(outward, ("pose", "above"), ("turned",))),
+        *placed,
         Pass("alone", Stage(alone, ("body", "turned"), ("column", "carried"))),
         Pass("inward", Stage(inward, ("carried", "borne"), ("borne",))),
         Pass("alone", Stage(momentum, ("body", "turned", "column", "carried"), ("momentum", "span"))),
+        *(base.couples() if base else []),
         Pass("pairs", Stage(_entry, ("held", "column", "momentum", "span"), ("matrix",))),
     ]
-    views = (View("above", "turned", "parent"), View("borne", "carried", "parent"))
-    kept = {"pose": pose.size, "turned": 12, "column": 6, "carried": 10, "momentum": 6, "span": 3}
-    return Steps(kept, ("q",), views, {"turned": flat(IDENTITY)}, passes)
+    views = (ABOVE, View("borne", "carried", "parent"))
+    kept |= {"column": 6, "carried": 10, "momentum": 6, "span": 3}
+    tied, apart = ({"tied": base.axes}, {"base.block": base.axes**2}) if base else ({}, {})
+    sizes, constants = sizes_apart(base, ("q",))
+    return Steps({**kept, **tied}, ("q",), views, {"turned": flat(IDENTITY)}, passes, {**sizes, **apart}, constants)
 
 
 def _entry(held: Any, column: Any, momentum: Any, span: Any) -> Any:
@@ -64,9 +66,3 @@ def _entry(held: Any, column: Any, momentum: Any, span: Any) -> Any:
     inside, outside = (number <= span[0]) & (span[0] <= last), (span[0] <= number) & (number <= span[1])
     coupled = where(inside, motion.power(wrench_of(momentum)), where(outside, motion_of(column).power(F), 0))
     return [coupled + where(inside & outside, felt, 0)]
-
-
-def _ten(M: Inertia) -> list[Scalar]:
-    """In the order of `inertia_of`."""
-    (xx, xy, xz), (_, yy, yz), (_, _, zz) = M.rotational
-    return [M.mass, *M.first_moment, xx, xy, xz, yy, yz, zz]

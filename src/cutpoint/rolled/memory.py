@@ -5,9 +5,11 @@ from typing import Generic, TypeVar
 
 import numpy as np
 
-from cutpoint.mechanics.system import System
+from cutpoint.mechanics.spatial import AT_ORIGIN
+from cutpoint.mechanics.system import Place, System
 from cutpoint.model.mechanism import WORLD
-from cutpoint.rolled.bodies import Columns
+from cutpoint.rolled.bodies import BASE, Columns, base_row, parents_of, place_of
+from cutpoint.rolled.packing import flat
 from cutpoint.rolled.recipes import Recipe
 
 Array = np.ndarray
@@ -16,29 +18,55 @@ T = TypeVar("T")
 MATRIX = "matrix"
 """The region with a number for every pair of bodies."""
 
+COLUMN = "column"
+"""The region with a column of a Jacobian for every body."""
+
 LINE = 64
 """Bytes of a line of the cache, where each array begins."""
 
 
 class Task:
-    """What calls of one function need to know: its recipe, its robot and the backend."""
+    """What calls of one function need to know: its recipe, its robot, the frame it is about, and the backend."""
 
-    def __init__(self, recipe: Recipe, system: System, columns: Columns, backend: str) -> None:
+    def __init__(self, recipe: Recipe, system: System, columns: Columns, backend: str, frame: str | None) -> None:
         self.recipe, self.columns, self.backend = recipe, columns, backend
-        self.steps, self.bodies = recipe.steps(columns), len(system.segments)
-        self._parents = np.array([b.parent for b in system.segments], dtype=np.int64)
+        self.steps, self.bodies = recipe.steps(columns), len(columns.read)
+        place = place_of(system, frame) if frame else Place(WORLD, AT_ORIGIN)
+        R, p, number = place.pose.rotation, place.pose.position, np.inf if place.body == WORLD else place.body
+        known = {"frame": (*flat(R), *p, number), "gravity": [*system.gravity]}
+        known |= {"base.body": base_row(system)} if columns.base else {}
+        self.constants = {k: np.array(known[k], dtype=np.float64) for k in self.steps.constants}
+        self._parents, self._tip = parents_of(system), np.array([place.body])
         base = [*system.base_acceleration]
         told = {k: [base[x[1]] if isinstance(x, tuple) else x for x in row] for k, row in self.steps.world.items()}
         self.world = {name: np.array(row, dtype=np.float64) for name, row in told.items()}
 
-    @property
-    def shape(self) -> tuple[int, ...]:
-        """Of each output."""
-        return (self.bodies, self.bodies) if MATRIX in self.recipe.outputs else (self.bodies,)
+    def of_base(self, name: str) -> int:
+        """How many of a vector's numbers are a base's; they come first."""
+        return self.steps.apart.get(f"base.{name}", 0)
 
-    def parents(self, world: int) -> Array:
-        """(n,) the row of each body's parent, given the world's."""
-        return np.where(self._parents == WORLD, world, self._parents)
+    def size(self, name: str) -> int:
+        """Of an input."""
+        return self.of_base(name) + self.bodies
+
+    def shape(self, name: str) -> tuple[int, ...]:
+        """Of an output."""
+        speeds = self.bodies + (len(self.columns.base.axes) if self.columns.base else 0)
+        in_parts = {MATRIX: (speeds, speeds), COLUMN: (6, speeds)}
+        return {**in_parts, **self.steps.shapes}.get(name, (self.size(name),))
+
+    @property
+    def is_in_parts(self) -> bool:
+        """Whether its output is put together after the loops."""
+        return self.recipe.outputs[0] in (MATRIX, COLUMN)
+
+    def rows(self, world: int) -> dict[str, Array]:
+        """Lists of rows, given the world's; the base's is the one after it."""
+        numbers = {"parent": self._parents, "world": np.array([WORLD]), "base": np.array([BASE]), "tip": self._tip}
+        lists = {k: np.select([x == WORLD, x == BASE], [world, world + 1], x) for k, x in numbers.items()}
+        views = [self.steps.views, *(self.steps.rows_of(p) for p in self.steps.passes if p.way == "once")]
+        used = {view.index for some in views for view in some}
+        return {name: rows.astype(np.int64) for name, rows in lists.items() if name in used}
 
 
 class Spare(Generic[T]):
@@ -58,8 +86,8 @@ class Spare(Generic[T]):
         self._free.append(memory)
 
 
-def aligned(rows: int, size: int) -> Array:
-    """(rows, size) zeros that begin where a line of the cache does."""
-    room = np.zeros(rows * size + LINE // 8)
-    skipped = -room.ctypes.data % LINE // 8
-    return room[skipped : skipped + rows * size].reshape(rows, size)
+def aligned(size: int, head: int = 0) -> Array:
+    """(head + size,) zeros, where those after the head begin where a line of the cache does."""
+    room = np.zeros(head + size + LINE // 8)
+    skipped = -(room.ctypes.data + 8 * head) % LINE // 8
+    return room[skipped : skipped + head + size]

@@ -1,8 +1,9 @@
 """A function as passes over bodies, and passes as loops: for one configuration, or for several side by side."""
 
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import replace
 from itertools import groupby
+from types import MappingProxyType
 from typing import Any, Literal, NamedTuple
 
 from cutpoint.kernels import Loop, Region, Stage, Traced, View, graph_of
@@ -12,26 +13,35 @@ from cutpoint.scalars import Jet, Scalar
 
 Scalars = Sequence[Scalar]
 
-BASE = "base acceleration"
-"""In a row of the world, (BASE, k) stands for the k-th of its six numbers."""
+UPWARD = "upward acceleration"
+"""In a row of the world, (UPWARD, k) stands for the k-th of its six numbers."""
+
+SINGLE = ("base", "world", "tip")
+"""Rows beyond the bodies' own, and that of the body whose frame is asked about, by which passes that run once call a
+region's row: "base.motion"."""
 
 
 class Pass(NamedTuple):
     """A step of every body: alone, outward (parents first) or inward (children first); or of every pair of bodies.
 
-    Of a pair, the stage reads first what is "held" of one, which is all that it reads of the other.
+    A step may also run once, for what stands apart: see `SINGLE`.  Of a pair, the stage reads first what is "held" of
+    one, which is all that it reads of the other.
     """
 
-    way: Literal["alone", "outward", "inward", "pairs"]
+    way: Literal["alone", "outward", "inward", "pairs", "once"]
     stage: Stage
+
+
+NONE: Mapping[str, int] = MappingProxyType({})
 
 
 class Steps(NamedTuple):
     """A function as passes over the bodies.
 
-    kept: sizes of regions that have a row for each body, and a last one for the world.  numbers: names of regions with
-    one number for each body, inputs and outputs.  views: rows of a body's parent.  world: how the world's rows begin;
-    they are zero elsewhere.
+    kept: sizes of regions that have a row for each body, and others for what is in `SINGLE`.  numbers: names of regions
+    with one number for each body, inputs and outputs.  views: rows of a body's parent.  world: how the world's rows
+    begin; they are zero elsewhere.  apart: sizes of regions without rows, of passes that run once.  constants: of those
+    that hold the robot's numbers.  shapes: of outputs that are not a number for each body.
     """
 
     kept: dict[str, int]
@@ -39,10 +49,19 @@ class Steps(NamedTuple):
     views: tuple[View, ...]
     world: dict[str, list[Any]]
     passes: list[Pass]
+    apart: Mapping[str, int] = NONE
+    constants: Mapping[str, int] = NONE
+    shapes: Mapping[str, tuple[int, ...]] = MappingProxyType({})
 
     @property
     def sizes(self) -> dict[str, int]:
         return {**self.kept, **dict.fromkeys(self.numbers, 1)}
+
+    def rows_of(self, p: Pass) -> tuple[View, ...]:
+        """What a pass that runs once calls by the name of its row."""
+        names = dict.fromkeys((*p.stage.reads, *p.stage.writes))
+        split = {name: name.split(".") for name in names if name not in {**self.apart, **self.constants}}
+        return tuple(View(name, of, row) for name, (row, of) in split.items())
 
 
 class Rolled(NamedTuple):
@@ -55,13 +74,17 @@ class Rolled(NamedTuple):
 def side_by_side(steps: Steps, columns: Columns, lanes: int) -> Rolled:
     """So many configurations in each step, "groups" of them in turn, over "bodies"."""
 
-    def loop(passes: Iterable[Pass], inward: bool) -> Loop:
-        stages = [replace(p.stage, lanes=lanes) for p in passes]
-        return Loop("bodies", stages, ("body", *steps.kept), None, steps.numbers, inward, steps.views)
+    def joined(passes: Iterable[Pass], way: str) -> list[Loop]:
+        if way == "once":
+            return [Loop(1, [replace(p.stage, lanes=lanes)], views=steps.rows_of(p)) for p in passes]
+        stages, inward = [replace(p.stage, lanes=lanes) for p in passes], way == "inward"
+        return [Loop("bodies", stages, ("body", *steps.kept), None, steps.numbers, inward, steps.views)]
 
-    loops = [loop(some, inward) for inward, some in groupby(steps.passes, key=lambda p: p.way == "inward")]
-    regions = [Region(name, size * lanes, lanes) for name, size in steps.sizes.items()]
-    return Rolled(Loop("groups", loops), (Region("body", columns.width), *regions))
+    kinds = groupby(steps.passes, key=lambda p: p.way if p.way in ("inward", "once") else "outward")
+    loops = [loop for way, some in kinds for loop in joined(some, way)]
+    regions = [Region(name, size * lanes, lanes) for name, size in {**steps.sizes, **steps.apart}.items()]
+    constants = [Region(name, size) for name, size in {"body": columns.width, **steps.constants}.items()]
+    return Rolled(Loop("groups", loops, tuple(steps.apart)), (*constants, *regions))
 
 
 def one_by_one(steps: Steps, columns: Columns, lanes: int) -> Rolled:
@@ -73,9 +96,12 @@ def one_by_one(steps: Steps, columns: Columns, lanes: int) -> Rolled:
             return Loop("blocks", [replace(p.stage, lanes=lanes)], tuple(sizes))
         if p.way == "pairs":
             return _pairs(p.stage, lanes)
+        if p.way == "once":
+            return LaneLoop(1, [p.stage], views=steps.rows_of(p))
         return LaneLoop("bodies", [p.stage], tuple(sizes), backward=p.way == "inward", views=steps.views)
 
     regions = [Region(name, size * lanes, lanes) for name, size in sizes.items()]
+    regions += [Region(name, size) for name, size in {**steps.apart, **steps.constants}.items()]
     for p in steps.passes:
         if p.way == "pairs":
             regions += [Region(p.stage.reads[0], sum(sizes[name] for name in p.stage.reads[1:]))]
@@ -123,9 +149,9 @@ class Order(NamedTuple):
         return [*numbers] if m == 1 else [Jet.of_taylor(numbers[k : k + m]) for k in range(0, len(numbers), m)]
 
     def rate(self, rates: Sequence[Scalars], k: int) -> list[Scalar]:
-        """The k-th derivative of a body's coordinate, of which all rates are given, each as a list of one number."""
-        first, *others = [x for (x,) in rates[k : k + self.coefficients]]
-        return [Jet(first, *others) if others else first]
+        """The k-th derivative of a joint's coordinates, of which all rates are given."""
+        first, *others = rates[k : k + self.coefficients]
+        return [Jet(*numbers) for numbers in zip(first, *others, strict=True)] if others else [*first]
 
     def _taylor(self, scalar: Scalar) -> list[Scalar]:
         rest = [0] * (self.coefficients - 1)

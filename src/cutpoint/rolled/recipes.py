@@ -1,9 +1,13 @@
 """Which functions loop, and how."""
 
-from collections.abc import Callable
-from typing import NamedTuple
+from collections.abc import Callable, Mapping
+from functools import partial
+from itertools import product
+from typing import Any, NamedTuple, get_args
 
-from cutpoint.rolled import elastic, forward, mass, steps
+from cutpoint.mechanics.elastic import DEFAULT, Options
+from cutpoint.mechanics.kinematics import ExpressedIn
+from cutpoint.rolled import elastic, forward, kinematics, mass, steps, totals
 from cutpoint.rolled.bodies import Columns
 from cutpoint.rolled.passes import Steps
 
@@ -12,7 +16,9 @@ class Recipe(NamedTuple):
     """A function as loops.
 
     inputs: those that are given; the others are zero.  above: how many bodies the last robot has that straight-line
-    code suits.  reads_drives: whether drives have numbers in it.  odd: what its variants want that loops do not take.
+    code suits, or how many carry the last frame that it suits.  reads_drives: whether drives have numbers in it.  odd:
+    what its variants want that loops do not take.  takes_coupled: whether it takes rotors with full coupling behind
+    springs.
 
     Measured on chains: in single calls loops take two thirds of the time from some 12 bodies on, in batches twice the
     time up to the size given; beyond it straight-line code takes more than 2 s to compile, or its batches are slower.
@@ -24,24 +30,44 @@ class Recipe(NamedTuple):
     above: int
     reads_drives: bool = False
     odd: str = "external wrenches"
+    takes_coupled: bool = False
+
+
+def _elastic_inverse(options: Options) -> Recipe:
+    passes = partial(elastic.elastic_inverse_dynamics, options=options)
+    return Recipe(passes, steps.RATES, elastic.MOTOR, 24, True, "strains", options.quasi_rigid)
 
 
 STATE = ("q", "v", "theta", "theta_dot", "motor_torque")
 
-RECIPES = {
+RECIPES: Mapping[Any, Recipe] = {
     "inverse_dynamics": Recipe(steps.inverse_dynamics, ("q", "v", "a"), ("tau",), 64),
     "bias_forces": Recipe(steps.inverse_dynamics, ("q", "v"), ("tau",), 64),
     "gravity_forces": Recipe(steps.inverse_dynamics, ("q",), ("tau",), 64),
     "forward_dynamics": Recipe(forward.forward_dynamics, ("q", "v", "tau"), ("a",), 32),
     "mass_matrix": Recipe(mass.mass_matrix, ("q",), ("matrix",), 24),
-    "elastic_inverse_dynamics": Recipe(
-        elastic.elastic_inverse_dynamics, steps.RATES, elastic.MOTOR, 24, True, "friction's rates or strains"
-    ),
+    ("frame_pose",): Recipe(kinematics.frame_pose, ("q",), ("placement",), 64),
+    "kinetic_energy": Recipe(totals.kinetic_energy, ("q", "v"), ("total",), 64),
+    "potential_energy": Recipe(totals.potential_energy, ("q",), ("total",), 64),
+    "momentum": Recipe(totals.momentum, ("q", "v"), ("total",), 64),
+    **{
+        ("jacobian", way): Recipe(partial(kinematics.jacobian, expressed_in=way), ("q",), ("column",), 128)
+        for way in get_args(ExpressedIn)
+    },
+    **{
+        ("elastic_inverse_dynamics", *choice, True): _elastic_inverse(Options(*choice))
+        for choice in product((False, True), repeat=2)
+    },
+    "elastic_inverse_dynamics": _elastic_inverse(DEFAULT),
+    "static_deflection": Recipe(elastic.static_deflection, ("q",), ("deflection",), 64, True, takes_coupled=True),
     "elastic_forward_dynamics": Recipe(
-        elastic.elastic_forward_dynamics, STATE, ("a", "theta_ddot"), 32, True, "strains"
+        elastic.elastic_forward_dynamics, STATE, ("a", "theta_ddot"), 32, True, "strains", True
     ),
 }
+"""By name, or by a key that begins with it."""
 
-PLAIN_VARIANTS = {("elastic_inverse_dynamics", False, quasi_rigid, True) for quasi_rigid in (False, True)}
-"""Keys of variants that are what the recipes say: no rates of friction, no strains; without full coupling nothing is
-quasi-rigid."""
+OF_DRIVES = ("theta", "theta_dot", "theta_ddot", "motor_torque", "deflection")
+"""Inputs and outputs with a number for each drive."""
+
+OF_FRAMES = ("frame_pose", "jacobian")
+"""Functions whose keys say a frame after the name."""

@@ -1,13 +1,13 @@
 """Runs of a function's loops: on one configuration, or on several side by side."""
 
 from collections.abc import Callable, Iterable, Sequence
+from math import prod
 
 import numpy as np
 
 from cutpoint.kernels import Program, compile_program
-from cutpoint.rolled.memory import MATRIX, Spare, Task, aligned
+from cutpoint.rolled.memory import COLUMN, MATRIX, Spare, Task, aligned
 from cutpoint.rolled.passes import one_by_one, side_by_side
-from cutpoint.rolled.recipes import Recipe
 
 Array = np.ndarray
 
@@ -27,39 +27,71 @@ class One:
     def _memory(self) -> "OneMemory":
         task, lanes = self._task, self._lanes
         n, blocks = task.bodies, -(-task.bodies // lanes)
-        rows = {**dict.fromkeys(("body", *task.steps.sizes), blocks + 1), MATRIX: n * blocks}
-        arrays = {r.name: aligned(rows.get(r.name, 1), r.size) for r in self._rolled.regions}
+        rows = {**dict.fromkeys(("body", *task.steps.kept), blocks + 1), MATRIX: n * blocks}
+        sizes = {r.name: r.size for r in self._rolled.regions}
+        arrays: dict[str, Array] = {k: aligned(rows.get(k, 1) * x).reshape(-1, x) for k, x in sizes.items()}
+        vectors = {name: aligned((blocks + 1) * lanes, task.of_base(name)) for name in task.steps.numbers}
+        for name, whole in vectors.items():
+            head = task.of_base(name)
+            arrays[name] = whole[head:].reshape(-1, lanes)
+            arrays |= {f"base.{name}": whole[:head]} if head else {}
         by_body = {k: arrays[k].reshape(blocks + 1, -1, lanes).swapaxes(1, 2) for k in ("body", *task.steps.kept)}
         for k in range(n):
             by_body["body"][k // lanes, k % lanes] = task.columns.read[k]
         for name, numbers in task.world.items():
             by_body[name][blocks, 0, : len(numbers)] = numbers
-        arrays["parent"] = task.parents(blocks * lanes)
+        arrays |= task.constants | task.rows(blocks * lanes)
         if MATRIX in arrays:
             arrays["self"] = np.arange(n)
         run = self.program.bound({"bodies": n, "blocks": blocks}, **arrays)
-        return OneMemory(task.recipe, arrays, run, n)
+        return OneMemory(task, arrays, vectors, run)
 
 
 class OneMemory:
-    """What the loops of one call read and write."""
+    """What the loops of one call read and write.
 
-    def __init__(self, recipe: Recipe, arrays: dict[str, Array], run: Callable[[], int], n: int) -> None:
-        self.run = run
-        self.inputs = {k: arrays[k].reshape(-1)[:n] for k in recipe.inputs}
-        self.outputs = {k: _without_padding(arrays[k], k, n) for k in recipe.outputs}
+    inputs, outputs: arrays by name; a matrix is no output, it is put together from its parts.
+    """
+
+    def __init__(self, task: Task, arrays: dict[str, Array], vectors: dict[str, Array], run: Callable[[], int]) -> None:
+        self.run, self._task, self._arrays = run, task, arrays
+        self.inputs = {k: vectors[k][: task.size(k)] for k in task.recipe.inputs}
+        shapes = {} if task.is_in_parts else {k: task.shape(k) for k in task.recipe.outputs}
+        own = {k: vectors.get(k, arrays[k].reshape(-1)) for k in shapes}
+        self.outputs = {k: x[: prod(shapes[k])].reshape(shapes[k]) for k, x in own.items()}
 
     def __call__(self, given: Iterable[Array], found: Iterable[Array]) -> None:
         """Checked arrays (n,) in, results into others."""
         for own, x in zip(self.inputs.values(), given, strict=True):
             own[:] = x
         self.run()
-        for own, x in zip(self.outputs.values(), found, strict=True):
-            x[:] = own
+        for name, x in zip(self._task.recipe.outputs, found, strict=True):
+            if name == MATRIX:
+                self._put_together(x)
+            elif name == COLUMN:
+                self._put_columns_together(x)
+            else:
+                x[...] = self.outputs[name]
 
+    def _put_together(self, M: Array) -> None:
+        """The matrix, of pairs of bodies without the padding, and of what a base's speeds share with them."""
+        n = self._task.bodies
+        k, arrays = len(M) - n, self._arrays
+        M[k:, k:] = arrays[MATRIX].reshape(n, -1)[:, :n]
+        if k:
+            rows = self._by_number("tied", k)
+            M[:k, :k], M[:k, k:], M[k:, :k] = arrays["base.block"].reshape(k, k), rows, rows.T
 
-def _without_padding(array: Array, name: str, n: int) -> Array:
-    return array.reshape(n, -1)[:, :n] if name == MATRIX else array.reshape(-1)[:n]
+    def _put_columns_together(self, J: Array) -> None:
+        k = J.shape[1] - self._task.bodies
+        J[:, k:] = self._by_number(COLUMN, 6)
+        if k:
+            J[:, :k] = self._arrays["base.columns"].reshape(k, 6).T
+
+    def _by_number(self, name: str, size: int) -> Array:
+        """(size, bodies) what is kept of each body."""
+        kept = self._arrays[name]
+        return kept.reshape(len(kept), size, -1).swapaxes(0, 1).reshape(size, -1)[:, : self._task.bodies]
 
 
 class Many:
@@ -81,31 +113,40 @@ class Many:
     def _memory(self) -> "ManyMemory":
         task, n = self._task, self._task.bodies
         rows = {**dict.fromkeys(task.steps.numbers, self._groups * n), "body": n}
-        arrays = {r.name: aligned(rows.get(r.name, n + 1), r.size) for r in self._rolled.regions}
+        rows |= dict.fromkeys(task.steps.kept, n + 2) | dict.fromkeys(task.steps.apart, self._groups)
+        arrays = {r.name: aligned(rows.get(r.name, 1) * r.size).reshape(-1, r.size) for r in self._rolled.regions}
         arrays["body"][:] = task.columns.read
         for name, numbers in task.world.items():
             arrays[name][n].reshape(-1, self._lanes)[: len(numbers)] = numbers[:, None]
-        arrays["parent"] = task.parents(n)
-        return ManyMemory(self.program, task.recipe, arrays, n, self._lanes)
+        arrays |= task.constants | task.rows(n)
+        return ManyMemory(self.program, task, arrays, self._lanes)
 
 
 class ManyMemory:
     """The same for several configurations."""
 
-    def __init__(self, program: Program, recipe: Recipe, arrays: dict[str, Array], n: int, lanes: int) -> None:
-        self._program, self._arrays, self._n, self._lanes = program, arrays, n, lanes
-        # by group, lane, body
-        seen = {k: arrays[k].reshape(-1, n, lanes).swapaxes(1, 2) for k in (*recipe.inputs, *recipe.outputs)}
-        self._inputs, self._outputs = ([seen[k] for k in names] for names in (recipe.inputs, recipe.outputs))
+    def __init__(self, program: Program, task: Task, arrays: dict[str, Array], lanes: int) -> None:
+        self._program, self._arrays, self._n, self._lanes = program, arrays, task.bodies, lanes
+        self._inputs = [self._parts(task, name) for name in task.recipe.inputs]
+        self._outputs = [self._parts(task, name) for name in task.recipe.outputs]
         self._runs: dict[int, Callable[[], int]] = {}
 
+    def _parts(self, task: Task, name: str) -> list[tuple[slice, Array]]:
+        """By group, lane, number: the bodies' and before them a base's; or those of no body."""
+        head, n = task.of_base(name), prod(task.steps.shapes.get(name, (task.bodies,)))
+        parts = [(slice(head, None), self._arrays[name], n), (slice(head), self._arrays.get(f"base.{name}"), head)]
+        return [(s, x.reshape(-1, size, self._lanes).swapaxes(1, 2)) for s, x, size in parts if x is not None]
+
     def __call__(self, given: Sequence[Array], found: Sequence[Array]) -> None:
-        lanes, n = self._lanes, self._n
-        groups = len(found[0]) // lanes
-        for own, x in zip(self._inputs, given, strict=True):
-            own[:groups] = x.reshape(groups, lanes, n)
+        groups = len(found[0]) // self._lanes
+        for parts, x in zip(self._inputs, given, strict=True):
+            whole = x.reshape(groups, self._lanes, -1)
+            for some, own in parts:
+                own[:groups] = whole[..., some]
         if groups not in self._runs:
-            self._runs[groups] = self._program.bound({"groups": groups, "bodies": n}, **self._arrays)
+            self._runs[groups] = self._program.bound({"groups": groups, "bodies": self._n}, **self._arrays)
         self._runs[groups]()
-        for own, x in zip(self._outputs, found, strict=True):
-            x.reshape(groups, lanes, n)[:] = own[:groups]
+        for parts, x in zip(self._outputs, found, strict=True):
+            whole = x.reshape(groups, self._lanes, -1)
+            for some, own in parts:
+                whole[..., some] = own[:groups]

@@ -6,10 +6,11 @@ from typing import Any
 from cutpoint.kernels import Stage, View
 from cutpoint.mechanics.inverse_dynamics import BodyMotion, move
 from cutpoint.mechanics.rigid_body import acceleration_gradient, net_wrench
-from cutpoint.mechanics.spatial import AT_ORIGIN, ZERO, Mat3, Motion, Pose, Vec3, Wrench
+from cutpoint.mechanics.spatial import AT_ORIGIN, ZERO, Motion, Vec3
+from cutpoint.rolled.base import base_in, sizes_apart
 from cutpoint.rolled.bodies import Columns
-from cutpoint.rolled.passes import BASE, PLAIN, Kept, Order, Pass, Scalars, Steps
-from cutpoint.rolled.subsystem import mat3
+from cutpoint.rolled.packing import flat, motion_of, pose_of, wrench_of
+from cutpoint.rolled.passes import PLAIN, UPWARD, Kept, Order, Pass, Steps
 from cutpoint.scalars import Scalar
 
 RATES = ("q", "v", "a", "jerk", "snap")
@@ -22,7 +23,7 @@ def inverse_dynamics(columns: Columns, order: Order = PLAIN) -> Steps:
     motion: angular velocity and acceleration; linear velocities take no part.  wrench: what a body's motion costs, then
     what it bears of its children too.  order: torques come out with their rates where motions have theirs.
     """
-    m = order.coefficients
+    m, base = order.coefficients, base_in(columns)
     rates = RATES[: m + 2]
     place, pose = placing(columns, order, rates[:m])
 
@@ -52,14 +53,17 @@ def inverse_dynamics(columns: Columns, order: Order = PLAIN) -> Steps:
 
     passes = [
         Pass("alone", place),
+        *([base.moves(order, rates)] if base else []),
         Pass("outward", Stage(outward, ("body", "pose", "carrier", *rates[1:]), ("motion",))),
         Pass("alone", Stage(cost, ("body", "motion"), ("wrench",))),
         Pass("inward", Stage(inward, ("body", "pose", "wrench", "carrier", "borne", *rates[1:]), ("tau", "borne"))),
+        *([base.bears(order)] if base else []),
     ]
     views = (View("carrier", "motion", "parent"), View("borne", "wrench", "parent"))
     kept = {"pose": pose.size, "motion": 9 * m, "wrench": 6 * m}
-    base = [x for n in range(6) for x in ((BASE, n), *[0] * (m - 1))]
-    return Steps(kept, (*rates, "tau"), views, {"motion": [0] * (3 * m) + base}, passes)
+    upward = [x for n in range(6) for x in ((UPWARD, n), *[0] * (m - 1))]
+    numbers = (*rates, "tau")
+    return Steps(kept, numbers, views, {"motion": [0] * (3 * m) + upward}, passes, *sizes_apart(base, numbers))
 
 
 def placing(columns: Columns, order: Order, rates: Sequence[str]) -> tuple[Stage, Kept]:
@@ -72,19 +76,3 @@ def placing(columns: Columns, order: Order, rates: Sequence[str]) -> tuple[Stage
 
     pose = Kept(lambda body, q: placed(body, *([x] for x in q)), body=columns.width, q=len(rates))
     return Stage(lambda *given: pose.some(placed(*given)), ("body", *rates), ("pose",)), pose
-
-
-def flat(A: Mat3) -> list[Scalar]:
-    return [x for row in A for x in row]
-
-
-def motion_of(six: Scalars) -> Motion:
-    return Motion(Vec3(*six[:3]), Vec3(*six[3:]))
-
-
-def wrench_of(six: Scalars) -> Wrench:
-    return Wrench(Vec3(*six[:3]), Vec3(*six[3:]))
-
-
-def pose_of(twelve: Scalars) -> Pose:
-    return Pose(mat3(iter(twelve[:9])), Vec3(*twelve[9:]))

@@ -44,7 +44,8 @@ class Along(JointKind):
 class Subsystem:
     """A body with its joint, and the rotor that its parent carries: armature and spin, 0 and None where there is none.
 
-    number, last: the body's, and the highest number of one that it carries; numbers are in depth-first order.
+    behind: the spin of one behind a spring.  number, last: the body's, and the highest number of one that it carries;
+    numbers are in depth-first order.
     """
 
     body: Segment
@@ -52,6 +53,7 @@ class Subsystem:
     spin: Spin | None
     number: Scalar
     last: Scalar
+    behind: Spin | None = None
 
     def along_the_world(self, X: Pose) -> "Subsystem":
         """The same along the world's axes.  X: its own axes in the world's, and along those its place in its parent."""
@@ -59,7 +61,8 @@ class Subsystem:
         assert isinstance(joint, OneAxis)
         along, inertia = Along(z, joint.turn, joint.slide), self.body.inertia.seen_from_parent(Pose(R, ZERO))
         body = replace(self.body, placement=Pose(IDENTITY, X.position), joint=along, inertia=inertia)
-        return replace(self, body=body, spin=replace(self.spin, axis=z) if self.spin else None)
+        spins = {"spin": self.spin, "behind": self.behind}
+        return replace(self, body=body, **{name: spin and replace(spin, axis=z) for name, spin in spins.items()})
 
 
 def vec3(numbers: Iterator[Scalar]) -> Vec3:

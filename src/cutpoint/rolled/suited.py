@@ -2,30 +2,33 @@
 
 from cutpoint.definitions import Machine
 from cutpoint.mechanics.joints import Helical, Prismatic, Revolute
-from cutpoint.model.mechanism import WORLD
-from cutpoint.scalars import structure_of
+from cutpoint.rolled.bodies import bodies_of
+from cutpoint.rolled.drives import models_of
+
+MOST_STRUCTURES = 6
+"""Of drives: each body computes what it would do with every one of them, and chooses."""
 
 
-def unsuited(machine: Machine, elastic: bool) -> str | None:
-    """What loops do not take, if there is anything: they need one coordinate of its own for each body.
+def unsuited(machine: Machine, elastic: bool, takes_coupled: bool) -> str | None:
+    """What loops do not take, if there is anything: they need one coordinate of its own for each body,
+    but for a base that moves freely.
 
-    elastic: whether drives take part; then each body needs one, all of one structure.
+    elastic: whether drives take part; takes_coupled: also with rotors with full coupling.
     """
-    for body in machine.system.segments:
+    for body in (machine.system.segments[i] for i in bodies_of(machine.system)):
         if body.follower:
             return f"the joint of {body.name!r}, which follows another"
         if type(body.joint) not in (Revolute, Prismatic, Helical):
             return f"the joint of {body.name!r}, of kind {type(body.joint).__name__.lower()}"
-    return _odd_drive(machine) if elastic else None
+    return _odd_drive(machine, takes_coupled) if elastic else None
 
 
-def _odd_drive(machine: Machine) -> str | None:
-    bodies, drives = machine.system.segments, machine.drives
-    if [driven.segment for driven in drives] != [*range(len(bodies))]:
-        return "joints without a drive"
-    for body, driven in zip(bodies, drives, strict=True):
-        if not driven.drive.is_elastic or structure_of(driven.drive) != structure_of(drives[0].drive):
-            return f"drives of different kinds, or rigid ones, as at {body.name!r}"
-        if driven.drive.rotor and driven.drive.rotor.coupling == "full" and body.parent != WORLD:
-            return f"rotors with full coupling behind springs, as at {body.name!r}"
+def _odd_drive(machine: Machine, takes_coupled: bool) -> str | None:
+    system, models = machine.system, models_of(bodies_of(machine.system), machine.drives)
+    if len(models) > MOST_STRUCTURES:
+        return f"drives of {len(models)} structures, but {MOST_STRUCTURES} at most"
+    for spin in system.spins:
+        if spin.elastic and not takes_coupled:
+            joint = system.segments[spin.joint].name
+            return f"rotors with full coupling behind springs, as at {joint!r}, unless quasi_rigid=True"
     return None

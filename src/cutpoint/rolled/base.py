@@ -1,0 +1,129 @@
+"""A base that moves freely, as passes that run once: a root whose joint has several axes, before bodies of one each."""
+
+from collections.abc import Sequence
+from typing import Any
+
+from cutpoint.kernels import Stage
+from cutpoint.mechanics.articulated import NO_ROTOR, accelerations
+from cutpoint.mechanics.elastic import coordinate_jets
+from cutpoint.mechanics.forward_dynamics import prepare
+from cutpoint.mechanics.inverse_dynamics import motions
+from cutpoint.mechanics.joints import JointKind
+from cutpoint.mechanics.rigid_body import inertia_of, net_wrench, parameters_of
+from cutpoint.mechanics.spatial import IDENTITY, NO_ROTATION, STILL, ZERO, Pose, Vec3
+from cutpoint.mechanics.system import Segment, System
+from cutpoint.model.mechanism import WORLD
+from cutpoint.rolled.bodies import BASE_NUMBERS, Columns
+from cutpoint.rolled.packing import articulated, flat, motion_of, pose_of, upper, wrench_of
+from cutpoint.rolled.passes import Order, Pass, Scalars
+from cutpoint.scalars import where
+
+
+def base_in(columns: Columns) -> "Base | None":
+    """The base of a tree, if it has one."""
+    return Base(columns.base) if columns.base else None
+
+
+def sizes_apart(base: "Base | None", names: Sequence[str]) -> tuple[dict[str, int], dict[str, int]]:
+    """Sizes of a base's numbers: of its parts of what has these names, and of those that do not change."""
+    if base is None:
+        return {}, {}
+    return {f"base.{x}": base.kind.coordinates if x == "q" else base.axes for x in names}, {"base.body": BASE_NUMBERS}
+
+
+class Base:
+    """A base as passes take it.
+
+    Names of regions that begin with "base." are its own numbers, or its row among those of the bodies.
+    """
+
+    def __init__(self, kind: JointKind) -> None:
+        self.kind, self.axes = kind, len(kind.axes)
+
+    def segment(self, row: Scalars) -> Segment:
+        q, v = slice(0, self.kind.coordinates), slice(0, self.axes)
+        return Segment("", WORLD, pose_of(row[:12]), self.kind, inertia_of(row[12:22]), q, v, IDENTITY)
+
+    def moves(self, order: Order, rates: Sequence[str]) -> Pass:
+        """Its motion, and what that costs it."""
+        m = order.coefficients
+
+        def moves(row: Any, world: Any, *given: Any) -> Any:
+            own, gravity = self.segment(row), -Vec3(*world[3 * m :: m][:3])
+            alone = System((own,), gravity, {}, own.q.stop, own.v.stop, (0,) * own.v.stop)
+            v, a = order.rate(given, 1), order.rate(given, 2)
+            q = given[0] if m == 1 else coordinate_jets(alone, given[0], v)
+            (moved,) = motions(alone, q, v, a)
+            return order.packed([*moved.V.angular, *moved.A]), order.packed(net_wrench(own.inertia, moved.A, moved.U))
+
+        reads = ("base.body", "world.motion", *(f"base.{rate}" for rate in rates))
+        return Pass("once", Stage(moves, reads, ("base.motion", "base.wrench")))
+
+    def bears(self, order: Order, written: str = "tau") -> Pass:
+        """What its joint must bear of all wrenches."""
+
+        def bears(wrench: Any) -> Any:
+            return self.kind.effort(wrench_of(wrench[:: order.coefficients]))
+
+        return Pass("once", Stage(bears, ("base.wrench",), (f"base.{written}",)))
+
+    def resists(self) -> Pass:
+        """Where it is, how fast it turns, and how it resists, along the world's axes but for its bias."""
+
+        def resists(row: Any, q: Any, v: Any) -> Any:
+            own = self.segment(row)
+            X = own.placement @ self.kind.pose(q)
+            found, turn = prepare(own, X, STILL, NO_ROTATION, v), Pose(X.rotation, ZERO)
+            M, P = found.M.seen_from_parent(turn), turn.inward(found.P)
+            return [*flat(X.rotation), *X.position], [*(X.rotation @ found.V.angular)], [*found.bias], [*upper(M), *P]
+
+        reads, writes = ("base.body", "base.q", "base.v"), ("turned", "omega", "bias", "resistance")
+        return Pass("once", Stage(resists, reads, [f"base.{name}" for name in writes]))
+
+    def gives_way(self) -> Pass:
+        """Its acceleration, axis by axis in its own frame.  Featherstone (2008) eqs. (7.38)-(7.44)."""
+
+        def gives_way(turned: Any, resistance: Any, bias: Any, tau: Any, world: Any) -> Any:
+            X = pose_of(turned)
+            back = Pose(X.rotation.T, ZERO)
+            M, P = articulated(resistance).seen_from_parent(back), back.inward(wrench_of(resistance[21:]))
+            steps = M.give_way(self.kind.axes, P + M * motion_of(bias), tau, [NO_ROTOR] * self.axes)[2]
+            carried = X.outward(motion_of(world))
+            a = accelerations(steps, carried)
+            A = carried + motion_of(bias) + self.kind.motion(a)
+            return a, [*(X.rotation @ A.linear), *(X.rotation @ A.angular)]
+
+        reads = ("base.turned", "base.resistance", "base.bias", "base.tau", "world.acceleration")
+        return Pass("once", Stage(gives_way, reads, ("base.a", "base.acceleration")))
+
+    def is_placed(self) -> Pass:
+        """Where it is in the world."""
+
+        def is_placed(row: Any, q: Any) -> Any:
+            X = pose_of(row[:12]) @ self.kind.pose(q)
+            return [*flat(X.rotation), *X.position]
+
+        return Pass("once", Stage(is_placed, ("base.body", "base.q"), ("base.turned",)))
+
+    def stands(self) -> Pass:
+        """A base at the world's origin, and its inertia."""
+
+        def stands(row: Any) -> Any:
+            return [*flat(IDENTITY), *ZERO], parameters_of(self.segment(row).inertia)
+
+        return Pass("once", Stage(stands, ("base.body",), ("base.turned", "base.carried")))
+
+    def couples(self) -> list[Pass]:
+        """What the momentum of each body that it carries asks of its axes, and what its own motions ask of them."""
+
+        def couples(base: Any, span: Any, momentum: Any) -> Any:
+            carried = span[0] <= base[-1]
+            return [where(carried, effort, 0) for effort in self.kind.effort(wrench_of(momentum))]
+
+        def moved(carried: Any) -> Any:
+            units = [[int(j == k) for j in range(self.axes)] for k in range(self.axes)]
+            rows = [self.kind.effort(inertia_of(carried) * self.kind.motion(unit)) for unit in units]
+            return [rows[max(j, k)][min(j, k)] for j in range(self.axes) for k in range(self.axes)]
+
+        alone = Pass("alone", Stage(couples, ("base.body", "span", "momentum"), ("tied",)))
+        return [alone, Pass("once", Stage(moved, ("base.carried",), ("base.block",)))]

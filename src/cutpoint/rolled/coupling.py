@@ -1,0 +1,65 @@
+"""Rotors with full coupling behind springs, as passes beside those of rigid bodies: see the mechanics' `rotors`."""
+
+from typing import Any
+
+from cutpoint.kernels import Stage
+from cutpoint.mechanics.articulated import Articulated
+from cutpoint.mechanics.spatial import Vec3, Wrench
+from cutpoint.rolled.bodies import Columns
+from cutpoint.rolled.drives import Model
+from cutpoint.rolled.packing import articulated, motion_of, pose_of, upper, wrench_of
+from cutpoint.rolled.passes import Order, Pass
+
+
+def carried(columns: Columns, order: Order, rates: tuple[str, ...]) -> Pass:
+    """What a rotor that moves with its joint, as if its drive did not bend, costs its carrier."""
+
+    def reacts(row: Any, carrier: Any, borne: Any, *given: Any) -> Any:
+        own, omega = columns.subsystem(row), Vec3(*order.scalars(carrier)[:3])
+        (speed,), (acceleration,) = (order.rate(given, k) for k in (0, 1))
+        assert own.behind is not None
+        return order.packed(wrench_of(order.scalars(borne)) + own.behind.reaction(omega, speed, acceleration))
+
+    return Pass("inward", Stage(reacts, ("body", "carrier", "borne", *rates), ("borne",)))
+
+
+def pushed(columns: Columns, order: Order) -> Pass:
+    """What the motor exerts besides, as its carrier turns."""
+
+    def pushes(row: Any, carrier: Any, motor_torque: Any) -> Any:
+        own, A = columns.subsystem(row), motion_of(order.scalars(carrier)[3:])
+        assert own.behind is not None
+        (first, *_) = order.packed([own.behind.torque(A.angular)])
+        return [motor_torque[0] + first]
+
+    return Pass("outward", Stage(pushes, ("body", "carrier", "motor_torque"), ("motor_torque",)))
+
+
+def let_spin(columns: Columns) -> Pass:
+    """What a rotor's spin costs its carrier, which it does not follow about its axis."""
+
+    def spins(row: Any, turned: Any, omega: Any, speed: Any, alpha: Any, borne: Any) -> Any:
+        own = columns.subsystem(row).along_the_world(pose_of(turned)).behind
+        assert own is not None
+        P: Wrench = wrench_of(borne[21:]) + own.reaction(Vec3(*omega), speed[0], alpha[0])
+        return [*upper(articulated(borne) + Articulated.about(own.axis, -own.inertia)), *P]
+
+    reads = ("body", "turned", "carrier", "theta_dot", "theta_ddot", "borne")
+    return Pass("inward", Stage(spins, reads, ("borne",)))
+
+
+def left_behind(columns: Columns) -> Pass:
+    """What its carrier turns by, such a rotor need not turn itself."""
+
+    def lags(row: Any, turned: Any, acceleration: Any, theta_ddot: Any) -> Any:
+        own, A = columns.subsystem(row).along_the_world(pose_of(turned)).behind, motion_of(acceleration)
+        assert own is not None
+        turn = own.axis.dot(A.angular)
+
+        def own_turn(drive: Model) -> list[Any]:
+            is_coupled = drive and drive.is_elastic and drive.rotor and drive.rotor.coupling == "full"
+            return [theta_ddot[0] - turn / drive.ratio if drive and is_coupled else theta_ddot[0]]
+
+        return columns.by_drive(row, own_turn)
+
+    return Pass("outward", Stage(lags, ("body", "turned", "carried", "theta_ddot"), ("theta_ddot",)))

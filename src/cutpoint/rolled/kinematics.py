@@ -1,0 +1,94 @@
+"""Where a frame is and how it moves with each speed, as passes.  Whose frame it is, is no part of the code."""
+
+from typing import Any
+
+from cutpoint.definitions import matrix_of
+from cutpoint.kernels import Stage, View
+from cutpoint.mechanics.kinematics import ExpressedIn
+from cutpoint.mechanics.spatial import IDENTITY, ZERO, Motion, Pose
+from cutpoint.rolled.base import Base, base_in, sizes_apart
+from cutpoint.rolled.bodies import Columns
+from cutpoint.rolled.packing import flat, pose_of
+from cutpoint.rolled.passes import PLAIN, Pass, Steps
+from cutpoint.rolled.steps import placing
+from cutpoint.scalars import where
+
+FRAME = {"frame": 13}
+"""Of a frame: its pose in its body's frame, and the number of that body, whose row is "tip"; of the world, infinity."""
+
+ABOVE = View("above", "turned", "parent")
+
+
+def frame_pose(columns: Columns) -> Steps:
+    """A frame in the world, (4, 4)."""
+    base = base_in(columns)
+
+    def shown(turned: Any, frame: Any) -> Any:
+        return [x for row in matrix_of(pose_of(turned) @ pose_of(frame[:12])) for x in row]
+
+    passes, kept = world_poses(columns, [base.is_placed()] if base else [])
+    found = Pass("once", Stage(shown, ("tip.turned", "frame"), ("placement",)))
+    return _of_frame(base, kept, [*passes, found], {"placement": 16})._replace(shapes={"placement": (4, 4)})
+
+
+def jacobian(columns: Columns, expressed_in: ExpressedIn) -> Steps:
+    """A frame's Jacobian, (6, nv): the columns of the mechanics' own, every body along the world's axes.
+
+    seen: the axes along which velocities are told, and the point whose velocity it is, in the world.  column: of a body
+    that carries the frame, what its joint's unit speed means there; of all others, zeros.
+    """
+    base = base_in(columns)
+
+    def at_frame(turned: Any, frame: Any) -> Any:
+        X = pose_of(turned) @ pose_of(frame[:12])
+        axes, point = flat(X.rotation if expressed_in == "local" else IDENTITY), X.position
+        return [*axes, *(ZERO if expressed_in == "world" else point)]
+
+    def column(row: Any, turned: Any, seen: Any, frame: Any) -> Any:
+        own, tip = columns.subsystem(row), frame[12]
+        carries = (own.number <= tip) & (tip <= own.last)
+        return [where(carries, x, 0) for x in _seen(own.body.joint.motion([1]), pose_of(turned), pose_of(seen))]
+
+    passes, kept = world_poses(columns, [base.is_placed()] if base else [])
+    passes += [Pass("once", Stage(at_frame, ("tip.turned", "frame"), ("seen",)))]
+    passes += [Pass("alone", Stage(column, ("body", "turned", "seen", "frame"), ("column",)))]
+    apart = {"seen": 12}
+    if base:
+        passes, apart = [*passes, _of_base(base)], {**apart, "base.columns": 6 * base.axes}
+    return _of_frame(base, {**kept, "column": 6}, passes, apart)
+
+
+def world_poses(columns: Columns, first: list[Pass]) -> tuple[list[Pass], dict[str, int]]:
+    """Every body's pose in the world, kept as "turned", and what else is kept.  first: what places a base."""
+    place, pose = placing(columns, PLAIN, ("q",))
+
+    def outward(at: Any, above: Any) -> Any:
+        X = pose_of(above) @ pose_of(pose.all(at))
+        return [*flat(X.rotation), *X.position]
+
+    passes = [Pass("alone", place), *first, Pass("outward", Stage(outward, ("pose", "above"), ("turned",)))]
+    return passes, {"pose": pose.size, "turned": 12}
+
+
+def _of_base(base: Base) -> Pass:
+    """What a base's own speeds mean at a frame that it carries."""
+
+    def columns(row: Any, turned: Any, seen: Any, frame: Any) -> Any:
+        units = [[int(j == k) for j in range(base.axes)] for k in range(base.axes)]
+        motions = [_seen(base.kind.motion(unit), pose_of(turned), pose_of(seen)) for unit in units]
+        return [where(frame[12] <= row[-1], x, 0) for V in motions for x in V]
+
+    return Pass("once", Stage(columns, ("base.body", "base.turned", "seen", "frame"), ("base.columns",)))
+
+
+def _seen(V: Motion, X: Pose, frame: Pose) -> Motion:
+    """A motion of a body at X, as another frame that is fixed to the body has it."""
+    to_frame = Pose(frame.rotation.T @ X.rotation, frame.rotation.T @ (X.position - frame.position))
+    angular = to_frame.rotation @ V.angular
+    return Motion(to_frame.rotation @ V.linear + to_frame.position.cross(angular), angular)
+
+
+def _of_frame(base: Base | None, kept: dict[str, int], passes: list[Pass], apart: dict[str, int]) -> Steps:
+    sizes, constants = sizes_apart(base, ("q",))
+    world = {"turned": flat(IDENTITY)}
+    return Steps(kept, ("q",), (ABOVE,), world, passes, {**sizes, **apart}, {**constants, **FRAME})
