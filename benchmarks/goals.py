@@ -41,8 +41,7 @@ WHERE = """
   arithmetic is done.
 * One call from Python, general: NumPy looks at types, shapes and strides of each argument for the gufunc; the shortcut
   that plain arrays take does not.
-* Closed loop: steps are {steps} times as quick as CasADi's; checks, references and the log of all channels are the
-  rest.
+* Closed loop: steps are {steps} times as quick as CasADi's; checks, references and the log are the rest.
 * Of the multiply-adds: additions and products that have no partner count for one of the two that a core can do.
 """
 

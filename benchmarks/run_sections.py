@@ -27,7 +27,7 @@ _LOOP = """## Closed loop with elastic joints
 Simulated seconds a second, medians, best in brackets: drives of 1e4 N m/rad with rotors of 1 kg m2 at the joint,
 without friction, motors' PD at 1 kHz on sines of 0.5 rad, in the longest steps that keep every link within 1e-4 rad.
 All take Runge-Kutta steps of fourth order; in short ones they are {apart:.0e} rad apart.  cutpoint by `simulate`, its
-references and its log of all channels included; CasADi's forward dynamics in a loop of C, which logs positions; MuJoCo
+references and its log of positions included; CasADi's forward dynamics in a loop of C, which logs positions; MuJoCo
 with two hinges a joint, in a loop of C.
 
 """
@@ -35,7 +35,7 @@ with two hinges a joint, in a loop of C.
 _OWN_ARM = """
 The paper's arm with flexspline and friction, PD and elastic feedforward, simulated seconds a second by `simulate` and
 by `simulate_many`, runs that differ in friction and noise, of which the RMS error is kept.  Under stick-slip two runs
-drift apart whatever the integrator does, their scores do not: how far those are off, beside 200 steps a period.
+drift apart whatever the integrator does, their scores do not: how far the worst is off, beside 200 steps a period.
 
 """
 

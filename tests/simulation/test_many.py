@@ -34,7 +34,7 @@ def same(one: Log, other: Log) -> bool:
 def test_a_run_among_many_is_the_run_alone_to_the_last_bit(backend):
     """Plants that the law does not know, other gains, noise and starts: eleven runs, two packs."""
     ours, count = robot("xia2019", backend), 11 if backend == "llvm" else 3
-    shared: dict[str, Any] = {"duration": 0.02 if backend == "llvm" else 3e-3, "substeps": 3}
+    shared: dict[str, Any] = {"duration": 0.02 if backend == "llvm" else 3e-3, "substeps": 4}
     plants = [weaker(ours, 1 + 0.05 * k) for k in range(count)]
     laws = [PD(KP / (10 + k), KD / 10) + Feedforward(ours) for k in range(count)]
     sensors = [Sensors(motor_noise=1e-5, speeds="differenced", delay=2e-3, seed=k) for k in range(count)]

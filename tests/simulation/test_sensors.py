@@ -7,6 +7,7 @@ import pytest
 
 from cutpoint import InputError, Log, Sensors, simulate
 from cutpoint.control import PD
+from cutpoint.simulation.noise import noise_beside
 from cutpoint.trajectories import quintic
 from robot_library import frictionless, robot
 
@@ -49,6 +50,32 @@ def test_noise_has_its_deviation_and_comes_again_with_its_seed():
         assert abs(noise.mean()) < 0.2 * deviation
         assert np.array_equal(log[f"measured_{name}"], again[f"measured_{name}"])
         assert not np.array_equal(log[f"measured_{name}"], other[f"measured_{name}"])
+
+
+@pytest.mark.parametrize("backend", ["llvm", "numpy"])
+def test_noise_is_normal_and_nothing_repeats(backend):
+    """Moments of N numbers are within 5 of their standard deviations, sqrt(1, 2, 15, 96 / N); tails as normal ones."""
+    noise = noise_beside([1, 2], 20000, 6, backend)
+    assert noise.shape == (20000, 12)
+    for power, moment, variance in ((1, 0, 1), (2, 1, 2), (3, 0, 15), (4, 3, 96)):
+        assert np.abs(np.mean(noise**power, axis=0) - moment).max() < 5 * np.sqrt(variance / len(noise))
+    assert np.mean(np.abs(noise) > 3) == pytest.approx(0.0027, rel=0.15)
+    assert np.abs(np.corrcoef(noise.T) - np.eye(12)).max() < 5 / np.sqrt(len(noise))
+    assert np.abs(np.corrcoef(noise[1:, 0], noise[:-1, 0])[0, 1]) < 5 / np.sqrt(len(noise))
+    assert len(np.unique(noise)) == noise.size
+
+
+@pytest.mark.parametrize("samples", [1, 511, 512, 1300])
+def test_a_longer_run_begins_with_the_noise_of_a_shorter(samples):
+    whole = noise_beside([3, 4, 5], 2000, 7, "llvm")
+    assert np.array_equal(noise_beside([3, 4, 5], samples, 7, "llvm"), whole[:samples])
+    assert np.array_equal(noise_beside([4], samples, 7, "llvm"), whole[:samples, 1::3])
+    numpys = noise_beside([4], samples, 7, "numpy")
+    assert np.allclose(numpys, whole[:samples, 1::3], rtol=1e-13, atol=1e-14)  # of angles up to 2 pi, near a zero
+
+
+def test_runs_without_noise_draw_none():
+    assert noise_beside([1, 2], 10, 0, "llvm").shape == (10, 0)
 
 
 def test_sides_have_noise_of_their_own():

@@ -81,7 +81,7 @@ def program_ir(plan: Plan) -> str:
                 if isinstance(item, Loop):
                     loop(item, inside, turns)
                     at_hand.clear()
-                elif item.lanes > 1 and isinstance(following, Stage) and following.lanes == 1:
+                elif item.lanes > 1 and isinstance(following, Stage) and following.lanes in (1, item.lanes):
                     with code.aside() as wide:
                         stages[item].write(code, inside, at_hand)
                     with code.aside() as narrow:
@@ -135,7 +135,7 @@ def _after_all(code: Code, around: Sequence[_Turn], count: str | int, row: str) 
 
 
 def _in_turn(first: list[str], second: list[str]) -> list[str]:
-    """Two independent stretches of code as one: lanes wait long for each other and leave room for single numbers."""
+    """Two independent stretches of code as one: lanes wait long for each other and leave room for others."""
     order = [((k + 0.5) / len(lines), line) for lines in (first, second) for k, line in enumerate(lines)]
     return [line for _, line in sorted(order, key=lambda pair: pair[0])]
 

@@ -1,6 +1,7 @@
 """Spring laws between motor and link, both at the joint's side: torque of a deflection and its inverse.
 
-Deflection in rad (m), torque in N m (N).  Every law is odd and strictly increasing, and its inverse is exact.
+Deflection in rad (m), torque in N m (N).  Every law is odd and strictly increasing, and its inverse is exact.  Where a
+number of the drive divides, its inverse is a factor, which is found once.
 """
 
 from dataclasses import dataclass
@@ -23,7 +24,7 @@ class LinearSpring:
         return self.stiffness * deflection
 
     def deflection(self, torque: Scalar) -> Scalar:
-        return torque / self.stiffness
+        return torque * (1 / self.stiffness)
 
     def tangent(self, deflection: Scalar) -> Scalar:
         """d torque / d deflection, N m/rad."""
@@ -50,13 +51,13 @@ class Flexspline:
         """tau_f of the deflection.  Xia (2019) eq. (2)."""
         x = deflection * (self.hardening * self.stiffness)
         inside = clip(x, -POLE_GUARD, POLE_GUARD)
-        return (tan(inside) + _SECANT2 * (x - inside)) / self.hardening
+        return (tan(inside) + _SECANT2 * (x - inside)) * (1 / self.hardening)
 
     def deflection(self, torque: Scalar) -> Scalar:
         """The inverse law, atan(c_f tau_f) / (c_f K_f0).  Xia (2019) eq. (2)."""
         y = torque * self.hardening
         inside = clip(y, -_TAN, _TAN)
-        return (atan(inside) + (y - inside) / _SECANT2) / (self.hardening * self.stiffness)
+        return (atan(inside) + (y - inside) * (1 / _SECANT2)) * (1 / (self.hardening * self.stiffness))
 
     def tangent(self, deflection: Scalar) -> Scalar:
         """d torque / d deflection, N m/rad."""

@@ -5,6 +5,7 @@ A whole number, a truth value, a text, or any object that is no number is struct
 
 from collections.abc import Callable, Hashable, Iterator
 from dataclasses import fields, is_dataclass, replace
+from functools import cache
 from typing import Any
 
 import numpy as np
@@ -40,8 +41,8 @@ def map_leaves(function: Callable[[Any], Any], record: Any, structure: tuple[typ
     if isinstance(record, dict):
         return {key: map_leaves(function, part, structure) for key, part in record.items()}
     if is_dataclass(record) and not isinstance(record, type):
-        names = [f.name for f in fields(record) if f.init]
-        return replace(record, **{name: map_leaves(function, getattr(record, name), structure) for name in names})
+        parts = {name: map_leaves(function, getattr(record, name), structure) for name in _fields(type(record))}
+        return replace(record, **parts)
     if isinstance(record, structure) or not hasattr(type(record), "__neg__"):
         return record
     return function(record)
@@ -59,12 +60,17 @@ def structure_of(record: Any) -> Hashable:
     if isinstance(record, dict):
         return (dict, *((key, structure_of(part)) for key, part in record.items()))
     if is_dataclass(record) and not isinstance(record, type):
-        return (type(record), *(structure_of(getattr(record, f.name)) for f in fields(record) if f.init))
+        return (type(record), *(structure_of(getattr(record, name)) for name in _fields(type(record))))
     if isinstance(record, (*_STRUCTURE, str, bytes, type(None))):
         return (type(record), record)
     if hasattr(type(record), "__neg__"):
         return float
     return (type(record), getattr(record, "trace_key", id(record)))
+
+
+@cache
+def _fields(kind: type) -> tuple[str, ...]:
+    return tuple(f.name for f in fields(kind) if f.init)
 
 
 def _array(elements: list[Any], shape: tuple[int, ...]) -> np.ndarray:

@@ -1,7 +1,7 @@
 """Compiled loops, kept for runs that differ in numbers only."""
 
 from collections import OrderedDict
-from collections.abc import Hashable
+from collections.abc import Callable, Hashable
 from dataclasses import replace
 from typing import Any
 
@@ -15,10 +15,19 @@ KEPT = 16
 _kept: OrderedDict[Hashable, tuple[dict[Hashable, Program], Any]] = OrderedDict()
 
 
-def programs_for(robot: Robot, controller: Any, encoders: Encoders, memory: Any) -> dict[Hashable, Program]:
-    """The programs compiled so far for loops of this structure, to be added to."""
+def programs_for(
+    robot: Robot,
+    controller: Any,
+    encoders: Encoders,
+    memory: Any,
+    structure: Callable[[Any], Hashable] = structure_of,
+) -> dict[Hashable, Program]:
+    """The programs compiled so far for loops of this structure, to be added to.
+
+    structure: of the controller; one may know it from before.
+    """
     seedless = replace(encoders, seed=0)
-    key = (robot.trace_key, *(structure_of(part) for part in (controller, seedless, memory)))
+    key = (robot.trace_key, structure(controller), structure_of(seedless), structure_of(memory))
     # what the key names by identity must live as long as the key
     programs, owners = _kept.pop(key, ({}, (robot, controller)))
     _kept[key] = programs, owners

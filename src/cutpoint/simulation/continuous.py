@@ -22,7 +22,7 @@ def check_continuous(loop: ClosedLoop) -> None:
     what = None
     if leaves(loop.memory):
         what = f"{type(loop.controller).__name__} remembers"
-    elif loop.encoders.memory(*[[0.0] * loop.layout.n] * 4) or loop.encoders.is_noisy:
+    elif loop.encoders.memory(*[[0.0] * loop.layout.n] * 4) or loop.encoders.normals:
         what = "sensors with noise, delay or differences go by samples"
     elif loop.layout.state != loop.robot.nq + loop.robot.nv + 2 * loop.layout.n:
         what = "drives with current loops, hysteresis or presliding go by samples"

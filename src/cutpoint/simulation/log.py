@@ -92,7 +92,8 @@ class Log:
 
     def rms(self, name: str) -> Array:
         """Root mean square over the samples, (n,) or (), in the channel's unit."""
-        return np.sqrt(np.mean(np.square(self[name]), axis=0))
+        values = self[name]
+        return np.sqrt(np.einsum("n...,n...->...", values, values) / len(values))
 
     def max(self, name: str) -> Array:
         """Largest absolute value, (n,) or (), in the channel's unit."""

@@ -18,6 +18,7 @@ from cutpoint.kernels import Loop, Program, Region, Stage, compile_program
 from cutpoint.mechanics.motor import within_limits
 from cutpoint.robot import Robot
 from cutpoint.scalars import Scalar, clip, leaves, rebuild, where, with_float_leaves
+from cutpoint.simulation.channels import recorded_for
 from cutpoint.simulation.lanes import Lanes
 from cutpoint.simulation.layout import Layout, array_of
 from cutpoint.simulation.plant import is_uniform, own_parts, sizes
@@ -36,6 +37,9 @@ INTEGRATION = ("origin", "total", "resistance", "earlier", "tableau", "elapsed",
                "steps")  # fmt: skip
 """Regions that only the fixed steps use."""
 
+FELT = {"motor_torque", "joint_torque", "friction_torque"}
+"""Channels that `PlantStages.feel` finds."""
+
 
 @dataclass(frozen=True, eq=False)
 class ClosedLoop:
@@ -44,7 +48,7 @@ class ClosedLoop:
     memory: the controller's memory at the start, a record.  parameters: numbers of drives, controller, sensors, torque
     limits, then the control period.  programs: those compiled so far for loops of this structure.
     runs: how many runs of this structure go side by side, in lanes.  own_rows: whether each has a reference and
-    disturbances of its own, or all the same.
+    disturbances of its own, or all the same.  kept: the log's channels that are wanted; None for all.
     """
 
     robot: Robot
@@ -55,11 +59,12 @@ class ClosedLoop:
     programs: dict[Hashable, Program]
     runs: int = 1
     own_rows: bool = False
+    kept: frozenset[str] | None = None
 
     @cached_property
     def layout(self) -> Layout:
         n, parts = len(self.robot.drives), sizes(self.robot.machine)
-        return Layout(n, parts.v, sum(parts), 2 * n if self.encoders.is_noisy else 0)
+        return Layout(n, parts.v, sum(parts), self.encoders.normals)
 
     @cached_property
     def plant(self) -> PlantStages:
@@ -73,6 +78,10 @@ class ClosedLoop:
     @cached_property
     def channels(self) -> dict[str, int]:
         """What is recorded each period, with its length, in order."""
+        return self._recordable if self.kept is None else recorded_for(self.kept, self._recordable)
+
+    @property
+    def _recordable(self) -> dict[str, int]:
         n, nv = self.layout.n, self.layout.nv
         return {
             **sizes(self.robot.machine)._asdict(), "measured_q": n, "measured_theta": n, "measured_v": n,
@@ -142,6 +151,12 @@ class ClosedLoop:
         told = [clip(within_limits(d.drive, u, own.at.theta_dot), -limit, limit) for d, own, u, limit in motors]
         return self.lanes.padded(told), torque
 
+    def record(self, *regions: Scalars) -> Scalars:
+        """What the log keeps of a sample."""
+        numbers = iter(self.plant.record(*regions))
+        found = {name: [next(numbers) for _ in range(size)] for name, size in self._recordable.items()}
+        return [x for name in self.channels for x in found[name]]
+
     def watch(self, state: Scalars, fault: Scalars) -> Scalars:
         """Not zero once the state has diverged or is not finite."""
         found = fault[0]
@@ -157,14 +172,14 @@ class ClosedLoop:
         sense: before the controller.  command: sense, and the controller.  after: all that follows.  output: what
         follows, but for integration.  Raises TraceError for a whole or a command whose controller cannot be traced.
         """
-        key = (part, self.runs, self.own_rows)
+        key = (part, self.runs, self.own_rows, self.kept)
         if key not in self.programs:
             body = {
                 "whole": [*self._before, self._control, *self._after],
                 "sense": self._before,
                 "command": [*self._before, self._control],
                 "after": self._after,
-                "output": self._after[:3],
+                "output": self._told,
             }[part]
             until = "fault" if self.runs == 1 else None  # runs side by side do not stop for one of them
             ticks = Loop("ticks", body, streams=("row", "noise", "record"), until=until)
@@ -182,15 +197,19 @@ class ClosedLoop:
         return Stage(self.control, ("measured", "memory", "row", "parameters"), ("command", "memory"), self.runs)
 
     @property
-    def _after(self) -> list[Any]:
-        plant, numbers, runs = self.plant, self._numbers_of_drives, self.runs
+    def _told(self) -> list[Any]:
+        plant, runs = self.plant, self.runs
+        feel = ("state", "torque", "torque_before", self._numbers_of_drives)
         return [
             Stage(self.actuate, ("state", "command", "torque", "parameters"), ("torque", "torque_before"), runs),
-            Stage(plant.feel, ("state", "torque", "torque_before", numbers), ("felt",), self._width),
-            Stage(plant.record, ("state", "measured", "command", "felt"), ("record",), runs),
-            Loop("substeps", self._step, streams=("elapsed",)),
-            Stage(self.watch, ("state", "fault"), ("fault",), runs),
+            *([Stage(plant.feel, feel, ("felt",), self._width)] if self.channels.keys() & FELT else []),
+            Stage(self.record, ("state", "measured", "command", "felt"), ("record",), runs),
         ]
+
+    @property
+    def _after(self) -> list[Any]:
+        integrate = Loop("substeps", self._step, streams=("elapsed",))
+        return [*self._told, integrate, Stage(self.watch, ("state", "fault"), ("fault",), self.runs)]
 
     @property
     def _step(self) -> list[Any]:

@@ -2,7 +2,7 @@
 
 import time
 import warnings
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Collection, Sequence
 from concurrent.futures import FIRST_COMPLETED, Future, ThreadPoolExecutor, wait
 from dataclasses import dataclass, field, replace
 from threading import Event
@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 
 from cutpoint.errors import InputError, SimulationError, TraceError
 from cutpoint.robot import Robot
+from cutpoint.scalars import structure_of
 from cutpoint.simulation.integrator import Steps
 from cutpoint.simulation.log import Log
 from cutpoint.simulation.packs import Pack, Setup, packs_of
@@ -77,6 +78,7 @@ def simulate_many(
     disturbances: Disturbance | Sequence[Disturbance] | None = None,
     accuracy: Literal["standard", "fine"] = "standard",
     substeps: int | None = None,
+    channels: Collection[str] | None = None,
     each: Callable[[Log], Any] | None = None,
     threads: int = 1,
 ) -> Runs:
@@ -86,7 +88,8 @@ def simulate_many(
     run.  Runs of other structures, mechanisms or laws are compiled and packed apart; a law that cannot be compiled is
     run by run a Python callback.
     duration: s; that of the longest trajectory by default.  substeps: by default what the run that needs most needs.
-    each: a function of a log whose result is kept instead, as soon as its pack is done; logs of 10 s take 7 MB each.
+    channels: names of those that logs are to have; logs of 10 s take 7 MB each with all.
+    each: a function of a log whose result is kept instead, as soon as its pack is done.
     Runs give what `simulate` gives with as many substeps, to the last bit.  One that diverges does not stop the others.
     Ctrl-C ends all, and what there is until then is returned.
     Raises InputError for wrong arguments.
@@ -103,13 +106,13 @@ def simulate_many(
     if duration is None:
         duration = max((t.duration for t in runs["trajectory"] if t is not None), default=None)
     times = sample_times(None, duration, control_period)
-    setups, steps = _setups(runs, times, control_period, accuracy, substeps)
+    setups, steps = _setups(runs, times, control_period, accuracy, substeps, channels)
     settings: dict[str, object] = {"accuracy": accuracy, "substeps": steps.number, "steps_set_by": steps.cause}
     packs = packs_of(setups, _structure, times=times, steps=steps, settings=settings)
     alone = _untraceable(packs)
     found = _run_all([pack for pack in packs if pack not in alone], times, threads, each or (lambda log: log))
     for number in [setup.number for pack in alone for setup in pack.setups]:
-        own = {name: values[number] for name, values in runs.items()}
+        own = {name: values[number] for name, values in runs.items()} | {"channels": channels}
         found[number] = _alone(own, float(times[-1]), control_period, steps.number, settings, each)
     for number in range(len(setups)):
         found.setdefault(number, SimulationError("interrupted before it ended"))
@@ -129,7 +132,12 @@ def _dealt(given: dict[str, Any]) -> dict[str, list[Any]]:
 
 
 def _setups(
-    runs: dict[str, list[Any]], times: Array, period: float, accuracy: str, substeps: int | None
+    runs: dict[str, list[Any]],
+    times: Array,
+    period: float,
+    accuracy: str,
+    substeps: int | None,
+    channels: Collection[str] | None,
 ) -> tuple[list[Setup], Steps]:
     """All runs before they start, and the integration steps they share; what runs have in common is made once."""
     known: dict[Any, Any] = {}
@@ -140,12 +148,15 @@ def _setups(
             known[key] = make(*given)
         return known[key]
 
+    def structure(law: Any) -> Any:
+        return once(structure_of, law, given=(law,))
+
     setups: list[Setup] = []
     steps = Steps(0, "")
     for k, (robot, law, trajectory, initial, sensors, pushed) in enumerate(zip(*runs.values(), strict=True)):
         rest = initial if trajectory is None else None
         reference = once(reference_at, robot.mechanism, trajectory, rest, given=(robot, trajectory, initial, times))
-        loop, start, told = prepared(robot, law, period, initial, reference, sensors)
+        loop, start, told = prepared(robot, law, period, initial, reference, sensors, channels, structure)
         rows = once(rows_of, reference, pushed, given=(loop, times, reference, pushed))
         given = (robot, accuracy, substeps, period, start, reference)
         steps = max(steps, once(steps_of, robot, reference, initial, given=given))

@@ -12,10 +12,18 @@ from cutpoint.errors import SimulationError
 from cutpoint.kernels import Program
 from cutpoint.simulation.integrator import Steps
 from cutpoint.simulation.log import Log, Run
-from cutpoint.simulation.loop import BEYOND, ClosedLoop
+from cutpoint.simulation.loop import ClosedLoop
 from cutpoint.simulation.plant import State
 from cutpoint.simulation.recording import log_of
-from cutpoint.simulation.runner import diagnosis, next_chunk, run_samples, working_memory
+from cutpoint.simulation.runner import (
+    FIRST_CHUNK,
+    first_numbers,
+    next_chunk,
+    run,
+    run_samples,
+    shared_numbers,
+    working_memory,
+)
 from cutpoint.simulation.simulate import noise_of
 
 Array = NDArray[np.float64]
@@ -58,12 +66,12 @@ class Pack:
     def run(self, goes_on: Callable[[int], bool]) -> dict[int, Log | SimulationError]:
         """All runs' logs or what stopped them; goes_on hears how many samples were done, and may end it."""
         program, memory = self.program(), self._memory()
-        total, done, chunk = len(self.times), 0, 1
+        total, done, chunk = len(self.times), 0, FIRST_CHUNK
         while done < total and goes_on(done):
             before, ticks = time.perf_counter(), min(chunk, total - done)
             done += run_samples(program, memory, done, ticks, self.steps.number)
             chunk = next_chunk(ticks, time.perf_counter() - before)
-        record = memory["record"].reshape(total, -1, WIDTH)
+        record = memory["record"].reshape(total, memory["record"].shape[1] // WIDTH, WIDTH)
         found = enumerate(zip(self.setups, memory["fault"], strict=False))
         return {s.number: self._outcome(s, record[:, :, k], done, bool(fault)) for k, (s, fault) in found}
 
@@ -72,17 +80,21 @@ class Pack:
 
     def _memory(self) -> dict[str, Array]:
         """Regions with the runs' numbers side by side; the last run fills the lanes that are left."""
-        count, loop = len(self.times), self._loop(self.setups[0])
-        setups = [*self.setups, *[self.setups[-1]] * (WIDTH - len(self.setups))]
-        alone = [
-            working_memory(self._loop(s), s.start, s.told, s.rows, noise_of(s.loop, count), s.limits, self.steps.number)
-            for s in setups
-        ]
-        memory = {name: alone[0][name] for name in loop.shared}
-        for name in alone[0].keys() - memory.keys() - {"record"}:
-            numbers = np.stack([m[name] for m in alone], axis=-1)
-            memory[name] = numbers.reshape(*numbers.shape[:-2], -1)
-        return memory | {"record": np.zeros((count, alone[0]["record"].shape[1] * WIDTH))}
+        loops = [self._loop(s) for s in self._filled]
+        rows = [s.rows for s in self._filled]
+        memory: dict[str, Array] = {region.name: np.zeros(region.size) for region in loops[0].regions()}
+        memory |= shared_numbers(loops[0], self.steps.number)
+        own = [first_numbers(x, s.start, s.told, s.limits) for x, s in zip(loops, self._filled, strict=True)]
+        memory |= {name: _beside([numbers[name] for numbers in own]) for name in own[0]}
+        memory["row"] = _beside(rows) if self.own_rows else rows[0]
+        memory["noise"] = noise_of(loops, len(self.times))
+        memory["record"] = np.zeros((len(self.times), WIDTH * sum(loops[0].channels.values())))
+        return memory
+
+    @property
+    def _filled(self) -> list[Setup]:
+        """The setups, lane by lane."""
+        return [*self.setups, *[self.setups[-1]] * (WIDTH - len(self.setups))]
 
     def _outcome(self, setup: Setup, record: Array, done: int, failed: bool) -> Log | SimulationError:
         """The run's log, or an error that holds what there is of it."""
@@ -90,10 +102,7 @@ class Pack:
         if not done:
             return SimulationError("interrupted before it began")
         if failed:
-            states = record[:done, : loop.layout.state]
-            lost = ~(np.abs(states) < BEYOND).all(axis=1)
-            done = int(lost.argmax()) if lost.any() else done
-            cause = diagnosis(loop, states[min(done, len(states) - 1)], record[done - 1], done)
+            loop, record, done, cause = self._again(setup)
         elif done < len(self.times):
             cause = f"interrupted at t = {self.times[done - 1]:g} s; the log holds all until then"
         log = log_of(loop, record[:done], self.times, setup.reference, self.settings)
@@ -101,6 +110,19 @@ class Pack:
         if cause is None:
             return log
         return SimulationError(cause, log=log, time=float(self.times[done - 1]), diverged=failed)
+
+    def _again(self, setup: Setup) -> tuple[ClosedLoop, Array, int, str | None]:
+        """A run that was lost, by itself until there, with all channels: loop, record, how many samples, and why."""
+        loop, steps = replace(setup.loop, kept=None), self.steps.number
+        noise = noise_of([loop], len(self.times))
+        memory = working_memory(loop, setup.start, setup.told, setup.rows, noise, setup.limits, steps)
+        outcome = run(loop, memory, steps, None)
+        return loop, memory["record"], outcome.ticks, outcome.cause
+
+
+def _beside(numbers: Sequence[Array]) -> Array:
+    """Numbers of several runs, (..., n) each, side by side: number f of run l is at f * runs + l."""
+    return np.stack(numbers, axis=-1).reshape(*numbers[0].shape[:-1], -1)
 
 
 def packs_of(setups: Sequence[Setup], structure: Callable[[Setup], Any], **common: Any) -> list[Pack]:

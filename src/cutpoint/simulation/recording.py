@@ -5,6 +5,7 @@ from numpy.typing import NDArray
 
 from cutpoint.mechanics.harmonic_drive import slipping_torque
 from cutpoint.mechanics.strains import count, dealt, taken
+from cutpoint.simulation.channels import BASE_COORDINATES, BASE_SPEEDS, DIFFERENCES, MEMORY
 from cutpoint.simulation.log import Log
 from cutpoint.simulation.loop import ClosedLoop
 
@@ -13,40 +14,45 @@ Array = NDArray[np.float64]
 POSITIONS = ("q", "theta", "measured_q", "measured_theta", "motor_reference", "reference_q", "position_error",
              "motor_position_error")  # fmt: skip
 SPEEDS = ("v", "theta_dot", "measured_v", "measured_theta_dot", "motor_speed_reference", "reference_v")
-MEMORY = ("link_strain", "motor_strain", "hysteresis_torque")
-BASE_COORDINATES = ("base_x", "base_y", "base_z", "base_qx", "base_qy", "base_qz", "base_qw")
-BASE_SPEEDS = ("base_vx", "base_vy", "base_vz", "base_wx", "base_wy", "base_wz")
 
 
 def log_of(loop: ClosedLoop, record: Array, times: Array, reference: Array, meta: dict[str, object]) -> Log:
-    """Everything recorded, and what follows from it; a floating base's coordinates and speeds one channel each."""
-    channels: dict[str, Array] = {}
-    start = 0
+    """Everything recorded, and what follows from it; a floating base's coordinates and speeds one channel each.
+
+    Where only some channels are wanted, these.
+    """
+    channels = _recorded(loop, record)
+    channels["reference_q"], channels["reference_v"] = reference[:2, : len(record)]
+    differences = {name: pair for name, pair in DIFFERENCES.items() if _is_wanted(loop, name)}
+    channels |= {name: channels[whole] - channels[part] for name, (whole, part) in differences.items()}
+    channels, units = {name: _read_only(x) for name, x in channels.items() if _is_wanted(loop, name)}, _units(loop)
+    about = {"robot": loop.robot.name, "control_period": loop.period, **meta}
+    units = {name: units[name] for name in channels}
+    return Log(_read_only(times)[: len(record)], channels, units, tuple(loop.robot.drives), about)
+
+
+def _is_wanted(loop: ClosedLoop, name: str) -> bool:
+    return loop.kept is None or name in loop.kept
+
+
+def _recorded(loop: ClosedLoop, record: Array) -> dict[str, Array]:
+    """What was recorded, channel by channel, a column a drive."""
+    channels, start, drives = dict[str, Array](), 0, loop.robot.machine.drives
     for name, size in loop.channels.items():
         channels[name] = record[:, start : start + size]
         start += size
-    del channels["current"]  # it is in motor_torque
-    faults = channels.pop("fault")[:, 0]
-    if getattr(loop.controller, "reports_faults", False):
-        channels["fault"] = faults
-    channels.update(_remembered(loop, channels.pop("strains")))
-    drives, samples = loop.robot.machine.drives, len(record)
-    units = _units(loop)
-    if loop.robot.nv > len(drives):
-        for names, whole, unit in ((BASE_COORDINATES, "q", "m"), (BASE_SPEEDS, "v", "m/s")):
-            for k, name in enumerate(names):
-                channels[name] = channels[whole][:, k]
-                units[name] = unit if k < 3 else {"m": "", "m/s": "rad/s"}[unit]
-    channels["q"] = _columns(channels["q"], [d.q for d in drives])
-    for name in ("v", "friction_torque"):
-        channels[name] = _columns(channels[name], [d.v for d in drives])
-    channels["reference_q"], channels["reference_v"] = reference[0, :samples], reference[1, :samples]
-    channels["position_error"] = channels["reference_q"] - channels["q"]
-    channels["motor_position_error"] = channels["motor_reference"] - channels["theta"]
-    channels["feedback_torque"] = channels["command_torque"] - channels["feedforward_torque"]
-    about = {"robot": loop.robot.name, "control_period": loop.period, **meta}
-    channels, units = {name: _read_only(x) for name, x in channels.items()}, {name: units[name] for name in channels}
-    return Log(_read_only(times)[:samples], channels, units, tuple(loop.robot.drives), about)
+    channels.pop("current", None)  # it is in motor_torque
+    if "fault" in channels:
+        faults = channels.pop("fault")[:, 0]
+        channels |= {"fault": faults} if getattr(loop.controller, "reports_faults", False) else {}
+    channels |= _remembered(loop, channels.pop("strains")) if "strains" in channels else {}
+    for names, whole in ((BASE_COORDINATES, "q"), (BASE_SPEEDS, "v")):
+        if loop.robot.nv > len(drives) and whole in channels:
+            channels |= {name: channels[whole][:, k] for k, name in enumerate(names)}
+    for name, which in (("q", "q"), ("v", "v"), ("friction_torque", "v")):
+        if name in channels:
+            channels[name] = _columns(channels[name], [getattr(d, which) for d in drives])
+    return channels
 
 
 def _columns(values: Array, which: list[int]) -> Array:
@@ -78,10 +84,12 @@ def _units(loop: ClosedLoop) -> dict[str, str | tuple[str, ...]]:
     kinds = {body.joint.name: body.joint.kind for body in loop.robot.mechanism.bodies}
     slides = [kinds[name] == "prismatic" for name in loop.robot.drives]
     angle, speed, torque = (_one_or_each(slides, *pair) for pair in (("rad", "m"), ("rad/s", "m/s"), ("N m", "N")))
-    units: dict[str, str | tuple[str, ...]] = {name: torque for name in loop.channels}
+    units: dict[str, str | tuple[str, ...]] = dict.fromkeys(loop.channels, torque)
     units["feedback_torque"] = units["hysteresis_torque"] = torque
     units["fault"] = ""
     units["link_strain"] = units["motor_strain"] = angle
+    for names, straight, turning in ((BASE_COORDINATES, "m", ""), (BASE_SPEEDS, "m/s", "rad/s")):
+        units.update({name: straight if k < 3 else turning for k, name in enumerate(names)})
     units.update({name: angle for name in POSITIONS})
     units.update({name: speed for name in SPEEDS})
     return units

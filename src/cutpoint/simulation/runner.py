@@ -22,7 +22,7 @@ Array = NDArray[np.float64]
 Integrate = Callable[[dict[str, Array], Array], None]
 """Of a loop's memory and a period's row."""
 
-CHUNK_SECONDS = 0.1
+FIRST_CHUNK, CHUNK_SECONDS = 64, 0.1
 SHOW_PROGRESS_AFTER = 1.0
 
 
@@ -45,20 +45,28 @@ def working_memory(
 
     told: the motors' first commands, N m.
     """
+    regions: dict[str, Array] = {region.name: np.zeros(region.size) for region in loop.regions()}
+    regions |= first_numbers(loop, start, told, limits) | shared_numbers(loop, substeps)
+    return regions | {"row": rows, "noise": noise, "record": np.zeros((len(rows), sum(loop.channels.values())))}
+
+
+def first_numbers(loop: ClosedLoop, start: State, told: Array, limits: Array) -> dict[str, Array]:
+    """Regions that are not zero at the start of a run, and are its own."""
     driven = loop.robot.machine.drives
     seen = [start.q[[d.q for d in driven]], start.v[[d.v for d in driven]], start.theta, start.theta_dot]
-    memory: dict[str, Array] = {region.name: np.zeros(region.size // loop.runs) for region in loop.regions()}
     state = np.array(loop.lanes.padded(np.concatenate(start)))
-    middles: Array = (np.arange(substeps, dtype=np.float64) + 0.5) * (loop.period / substeps)
     torque = np.array(loop.lanes.padded(told))
-    memory.update(torque=torque, torque_before=torque.copy(), elapsed=middles[:, None])
-    memory.update(state=state, origin=state.copy(), total=state.copy(), row=rows, noise=noise, tableau=TABLEAU.copy())
-    memory["sensing"] = np.array(loop.encoders.memory(*seen), float)
-    memory["memory"] = loop.initial_memory()
-    memory["steps"] = np.array([loop.period / substeps])
-    memory["parameters"], memory["numbers"] = loop.parameters(limits), loop.numbers()
-    memory["record"] = np.zeros((len(rows), sum(loop.channels.values())))
-    return memory
+    return {
+        "state": state, "origin": state.copy(), "total": state.copy(), "torque": torque, "torque_before": torque.copy(),
+        "sensing": np.array(loop.encoders.memory(*seen), float), "memory": loop.initial_memory(),
+        "parameters": loop.parameters(limits), "numbers": loop.numbers(),
+    }  # fmt: skip
+
+
+def shared_numbers(loop: ClosedLoop, substeps: int) -> dict[str, Array]:
+    """Regions of the integrator's own numbers."""
+    middles: Array = (np.arange(substeps, dtype=np.float64) + 0.5) * (loop.period / substeps)
+    return {"elapsed": middles[:, None], "tableau": TABLEAU.copy(), "steps": np.array([loop.period / substeps])}
 
 
 def run(loop: ClosedLoop, memory: dict[str, Array], substeps: int, integrate: Integrate | None) -> Outcome:
@@ -67,7 +75,7 @@ def run(loop: ClosedLoop, memory: dict[str, Array], substeps: int, integrate: In
     integrate: takes the state from one sample to the next; None takes fixed steps.
     """
     advance = _advance(loop, memory, substeps, integrate)
-    total, done, chunk = len(memory["row"]), 0, 1
+    total, done, chunk = len(memory["row"]), 0, FIRST_CHUNK
     started = time.perf_counter()
     with Bar(total * loop.period) as bar:
         try:
@@ -77,8 +85,7 @@ def run(loop: ClosedLoop, memory: dict[str, Array], substeps: int, integrate: In
                 reached = advance(done, ticks)
                 done += reached
                 if memory["fault"][0]:
-                    state = np.array(loop.lanes.dense(memory["state"]))
-                    return Outcome(done, diagnosis(loop, state, memory["record"][done - 1], done), diverged=True)
+                    return Outcome(done, diagnosis(loop, memory, done), diverged=True)
                 now = time.perf_counter()
                 chunk = next_chunk(ticks, now - before)
                 if now - started > SHOW_PROGRESS_AFTER:
@@ -143,12 +150,15 @@ def run_samples(program: Any, memory: dict[str, Array], first: int, ticks: int, 
     return program.run({"ticks": ticks, "substeps": substeps}, **{**memory, **rows})
 
 
-def diagnosis(loop: ClosedLoop, state: Array, before: Array, done: int) -> str:
+def diagnosis(loop: ClosedLoop, memory: dict[str, Array], done: int) -> str:
     """When the state left the finite world and what was largest then, or a sample before where it is no number."""
+    state = np.array(loop.lanes.dense(memory["state"]))
     if np.isfinite(state).all():
         found = _largest(loop, state)
+    elif loop.kept is None:
+        found = f"the state is not finite; a sample earlier {_largest(loop, memory['record'][done - 1, : len(state)])}"
     else:
-        found = f"the state is not finite; a sample earlier {_largest(loop, before[: len(state)])}"
+        found = "the state is not finite"
     remedy = "lower the gains, check the sides they act on, or take more substeps"
     return f"diverged at t = {done * loop.period:g} s: {found}; {remedy}"
 

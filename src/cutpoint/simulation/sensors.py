@@ -51,8 +51,9 @@ class Encoders:
     sides: str = "both"
 
     @property
-    def is_noisy(self) -> bool:
-        return any(x is not None for x in self.noise)
+    def normals(self) -> int:
+        """How many random numbers a sample takes."""
+        return sum(self.size for x in self.noise if x is not None)
 
     def memory(self, q: Numbers, v: Numbers, theta: Numbers, theta_dot: Numbers) -> list[float]:
         """Memory at rest in a state: samples still on their way, and the positions measured last; without noise."""
@@ -64,7 +65,9 @@ class Encoders:
         """What is measured, and the memory after: sample and measurement are q, theta, v, theta_dot, n each."""
         n = 2 * self.size
         noises, steps = self._spread(self.noise), self._spread(self.resolution)
-        positions = [*map(_encode, sample[:n], noises, steps, noise or [0] * n)]
+        normals = iter(noise)
+        drawn = [0 if x is None else next(normals) for x in noises]
+        positions = [*map(_encode, sample[:n], noises, steps, drawn)]
         line = [*memory[: 2 * n * self.delay], *positions, *sample[n:]]
         measured, line = line[: 2 * n], line[2 * n :]
         if not self.differenced:

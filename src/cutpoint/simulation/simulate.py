@@ -1,6 +1,6 @@
 """`simulate`: a robot, a controller and a reference in; a log out."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Collection, Hashable, Sequence
 from dataclasses import dataclass, replace
 from typing import Any, Literal
 
@@ -12,13 +12,14 @@ from cutpoint.control.law import Law
 from cutpoint.door import check_configuration, checked_array
 from cutpoint.errors import InputError, SimulationError
 from cutpoint.robot import Robot
-from cutpoint.scalars import with_float_leaves
+from cutpoint.scalars import structure_of, with_float_leaves
 from cutpoint.simulation.adaptive import adaptive_step
 from cutpoint.simulation.cache import programs_for
 from cutpoint.simulation.continuous import check_continuous, continuous_step
 from cutpoint.simulation.integrator import Steps, substeps_for
 from cutpoint.simulation.log import Log, Run
 from cutpoint.simulation.loop import ClosedLoop
+from cutpoint.simulation.noise import noise_beside
 from cutpoint.simulation.plant import State, sizes
 from cutpoint.simulation.recording import log_of
 from cutpoint.simulation.runner import run, working_memory
@@ -63,6 +64,7 @@ def simulate(
     accuracy: Accuracy = "standard",
     substeps: int | None = None,
     hold: bool = True,
+    channels: Collection[str] | None = None,
 ) -> Log:
     """Simulate the robot under a sampled controller: plant, sensors, controller and limits in one compiled loop.
 
@@ -80,14 +82,15 @@ def simulate(
         adaptive DOP853 at rtol 1e-12, slow.  substeps: integration steps a control period, instead of those.
     hold: False lets the controller act at every instant, as proofs in continuous time have it, for laws, sensors and
         drives without memory; it is integrated as "reference" is, and logged each control period.
+    channels: names of those that the log is to have, which saves time and memory; all by default.
     Returns a Log with one sample each control period, time 0 and the end included.
     Raises InputError for wrong arguments, SimulationError (with the log so far) on divergence or Ctrl-C.
     """
     times = sample_times(trajectory, duration, control_period)
     reference = reference_at(robot, trajectory, initial, times)
-    loop, start, told = prepared(robot, controller, control_period, initial, reference, sensors)
+    loop, start, told = prepared(robot, controller, control_period, initial, reference, sensors, channels)
     steps = steps_of(robot, accuracy if hold else "reference", substeps, control_period, start, reference)
-    rows, noise = rows_of(loop, times, reference, disturbances), noise_of(loop, len(times))
+    rows, noise = rows_of(loop, times, reference, disturbances), noise_of([loop], len(times))
     memory = working_memory(loop, start, told, rows, noise, torque_limits(robot), steps.number)
     integrate = _integrator(loop, trajectory, accuracy, hold)
     outcome = run(loop, memory, steps.number, integrate)
@@ -100,9 +103,19 @@ def simulate(
 
 
 def prepared(
-    robot: Robot, controller: Any, period: float, initial: State | None, reference: Array, sensors: Sensors | None
+    robot: Robot,
+    controller: Any,
+    period: float,
+    initial: State | None,
+    reference: Array,
+    sensors: Sensors | None,
+    channels: Collection[str] | None,
+    structure: Callable[[Any], Hashable] = structure_of,
 ) -> tuple[ClosedLoop, State, Array]:
-    """The loop, the state it starts from, and what its motors are told until the first sample, N m."""
+    """The loop, the state it starts from, and what its motors are told until the first sample, N m.
+
+    structure: `structure_of`, or one that knows what it was asked before.
+    """
     law, told = _law(robot, controller), np.zeros(len(robot.drives))
     start = _initial(robot, initial, reference)
     if controller is not None:
@@ -111,8 +124,9 @@ def prepared(
     encoders = encoders_of(sensors or Sensors(), len(robot.drives), period)
     _check_sensors(law, encoders.sides)
     remembers = with_float_leaves(law.start() if hasattr(law, "start") else ())
-    programs = programs_for(robot, law, encoders, remembers)
-    return ClosedLoop(robot, law, encoders, remembers, period, programs), start, told
+    programs = programs_for(robot, law, encoders, remembers, structure)
+    kept = None if channels is None else frozenset(channels)
+    return ClosedLoop(robot, law, encoders, remembers, period, programs, kept=kept), start, told
 
 
 def _integrator(loop: ClosedLoop, trajectory: Trajectory | None, accuracy: str, hold: bool) -> Any:
@@ -252,6 +266,7 @@ def rows_of(loop: ClosedLoop, times: Array, reference: Array, disturbances: Dist
     return np.ascontiguousarray(np.concatenate(parts, axis=1))
 
 
-def noise_of(loop: ClosedLoop, samples: int) -> Array:
-    """Standard normal numbers of a run, a row a sample."""
-    return np.random.default_rng(loop.encoders.seed).standard_normal((samples, loop.layout.noise))
+def noise_of(loops: Sequence[ClosedLoop], samples: int) -> Array:
+    """Standard normal numbers of runs side by side, a row a sample."""
+    seeds = [loop.encoders.seed for loop in loops]
+    return noise_beside(seeds, samples, loops[0].layout.noise, loops[0].robot.backend)

@@ -1,0 +1,38 @@
+"""The channels of a log: which follow from others, and what must be recorded for those that are wanted."""
+
+from collections.abc import Collection, Mapping
+
+from cutpoint.errors import unknown_name
+
+BASE_COORDINATES = ("base_x", "base_y", "base_z", "base_qx", "base_qy", "base_qz", "base_qw")
+BASE_SPEEDS = ("base_vx", "base_vy", "base_vz", "base_wx", "base_wy", "base_wz")
+MEMORY = ("link_strain", "motor_strain", "hysteresis_torque")
+
+DIFFERENCES = {
+    "position_error": ("reference_q", "q"), "motor_position_error": ("motor_reference", "theta"),
+    "feedback_torque": ("command_torque", "feedforward_torque"),
+}  # fmt: skip
+"""Channels that are one less another."""
+
+SOURCES: Mapping[str, tuple[str, ...]] = {
+    **DIFFERENCES, "reference_q": (), "reference_v": (),
+    **dict.fromkeys(MEMORY, ("strains",)), **dict.fromkeys(BASE_COORDINATES, ("q",)),
+    **dict.fromkeys(BASE_SPEEDS, ("v",)),
+}  # fmt: skip
+"""Channels that are not recorded, and what they follow from."""
+
+ONLY_RECORDED = ("current", "strains")
+"""What is recorded without being a channel: a current is in motor_torque."""
+
+
+def recorded_for(wanted: Collection[str], recorded: Mapping[str, int]) -> dict[str, int]:
+    """What must be recorded for these channels, of all that can be.
+
+    Raises InputError for a channel that no log has.
+    """
+    known = [*(name for name in recorded if name not in ONLY_RECORDED), *SOURCES]
+    for name in wanted:
+        if name not in known:
+            raise unknown_name("channel", name, known)
+    needed = {source for name in wanted for source in SOURCES.get(name, (name,))}
+    return {name: size for name, size in recorded.items() if name in needed}

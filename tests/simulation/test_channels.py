@@ -1,0 +1,73 @@
+"""Logs of some channels: what is wanted is what the whole log has, to the last bit."""
+
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+import pytest
+
+from cutpoint import InputError, Log, MaxwellSlip, Robot, Sensors, SimulationError, State, simulate
+from cutpoint.control import PD
+from cutpoint.simulation import simulate_many
+from cutpoint.trajectories import cycloid
+from robot_library import robot
+
+SOFT = PD([200.0] * 6, [20.0] * 6)
+MOVE = cycloid(np.full(6, 0.4), 0.2)
+
+
+def remembering() -> Robot:
+    """Springs with hysteresis: their strains are recorded, and told as torques."""
+    ours, loops = robot("linear"), MaxwellSlip((800.0,), (1e-5,))
+    return ours.with_drives({name: replace(drive, hysteresis=loops) for name, drive in ours.drives.items()})
+
+
+def run(kind: str, **options: Any) -> Log:
+    if kind == "mixed_floating":
+        moving = State(v=0.1 * np.cos(np.arange(robot(kind).nv)))
+        return simulate(robot(kind), None, duration=5e-3, initial=moving, **options)
+    return simulate(remembering(), SOFT, MOVE, duration=5e-3, sensors=Sensors(motor_noise=1e-5), **options)
+
+
+@pytest.mark.parametrize("kind", ["remembering", "mixed_floating"])
+def test_wanted_channels_are_those_of_the_whole_log(kind):
+    """Every fourth, so that what some follow from is recorded but not wanted."""
+    whole = run(kind)
+    for first in range(4):
+        wanted = [*whole.channels][first::4]
+        some = run(kind, channels=wanted)
+        assert [*some.channels] == wanted
+        assert all(np.array_equal(some[name], whole[name]) for name in wanted)
+        assert all(some.units[name] == whole.units[name] for name in wanted)
+
+
+@pytest.mark.parametrize("channels", [(), ("friction_torque", "position_error"), ("reference_v",)])
+def test_runs_side_by_side_keep_what_is_wanted_too(channels):
+    sensors = [Sensors(motor_noise=1e-5, seed=k) for k in range(3)]
+    common: dict[str, Any] = {"duration": 0.01, "substeps": 4}
+    runs = simulate_many(robot("xia2019"), SOFT, MOVE, sensors=sensors, channels=channels, **common)
+    for log, own in zip(runs, sensors, strict=True):
+        whole = simulate(robot("xia2019"), SOFT, MOVE, sensors=own, **common)
+        assert {*log.channels} == {*channels}
+        assert all(np.array_equal(log[name], whole[name]) for name in channels)
+
+
+def test_a_run_that_is_lost_among_many_tells_all_that_it_was():
+    laws = [SOFT, PD([1e6] * 6, [1e5] * 6)]
+    runs = simulate_many(robot("linear"), laws, MOVE, channels=["q"], substeps=4)
+    with pytest.raises(SimulationError) as alone:
+        simulate(robot("linear"), laws[1], MOVE, substeps=4)
+    assert str(runs.errors[1]) == str(alone.value)
+    assert np.array_equal(runs.errors[1].log["joint_torque"], alone.value.log["joint_torque"])
+    assert [*runs[0].channels] == ["q"]
+
+
+def test_a_run_that_is_lost_alone_says_so_without_its_state():
+    with pytest.raises(SimulationError, match=r"diverged at t = \S+ s: ") as caught:
+        simulate(robot("linear"), PD([1e6] * 6, [1e5] * 6), MOVE, substeps=4, channels=["joint_torque"])
+    assert [*caught.value.log.channels] == ["joint_torque"]
+
+
+def test_a_channel_that_no_log_has_is_refused_with_those_there_are():
+    with pytest.raises(InputError, match=r"no channel is named 'torque'; there are: .*'joint_torque'"):
+        run("remembering", channels=["torque"])
