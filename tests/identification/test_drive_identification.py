@@ -49,11 +49,21 @@ def test_the_spring_alone_is_found_along_its_curve(arm: Case):
     for name in SEEN:
         spring, true = arm.found.joints[name].spring, arm.true.drives[name]
         largest = true.compliance.torque(spring.counts * STEP)
-        # beside elements that hardly slip the spring alone is told less well than their sum
-        rel = 0.04 if true.hysteresis else 0.02
+        # the longer element of joint 4, which is wound by 75 steps, hardly slips and passes for spring
+        rel = 0.025 if true.hysteresis and name == "joint4" else 0.02
         for share in (0.25, 0.5, 1.0):
             expected = true.compliance.deflection(share * largest)
             assert float(spring.compliance.deflection(share * largest)) == pytest.approx(expected, rel=rel)
+
+
+def test_elements_of_hysteresis_are_found_with_their_reaches(arm: Case):
+    # joint 4 is wound by 75 steps: its longer element hardly slips
+    for name in ("joint1", "joint2", "joint3", "joint5"):
+        found, true = arm.found.joints[name].spring.hysteresis, arm.true.drives[name].hysteresis
+        assert (found is None) == (true is None)
+        if found and true:
+            assert found.reach == pytest.approx(true.reach, rel=0.1)
+            assert found.stiffness == pytest.approx(true.stiffness, rel=0.2)
 
 
 def test_rotor_inertia_is_found_within_three_percent(arm: Case):

@@ -26,7 +26,7 @@ def exists(robot: Robot) -> bool:
     return all(body.mass > 0.0 for body in robot.mechanism.bodies)
 
 
-@pytest.mark.parametrize("method", ["weighted", "instrumental"])
+@pytest.mark.parametrize("method", ["huber", "weighted", "instrumental"])
 def test_intervals_hold_the_truth_as_often_as_they_say(method: str):
     hits = []
     for seed in range(ARMS):

@@ -1,6 +1,7 @@
 """Excitation: motions that tell much of a robot's parameters, within every limit, from rest to rest."""
 
 import json
+import re
 from functools import cache
 from pathlib import Path
 from typing import Any
@@ -244,3 +245,29 @@ def test_the_command_leaves_a_motion_that_can_be_read_a_picture_and_a_table(tmp_
     assert motion_of.duration == 5.0
     assert imread(folder / "excitation.png").std() > 0.0
     assert len(json.loads((folder / "excitation.json").read_text())["sine"]) == 3
+
+
+def test_the_command_keeps_the_last_frame_or_the_named_one_in_a_box(tmp_path: Path) -> None:
+    options = ["excite", "xia2019", "--harmonics", "3", "--speed", "1", "--seconds", "1", "--output", str(tmp_path)]
+    box = ["--box", "-9", "-9", "0.1", "9", "0.6", "inf"]
+    for frame, given in (("tool", []), ("link6", ["--frame", "link6"])):
+        result = CliRunner().invoke(app, [*options, *box, *given])
+        assert result.exit_code == 0, result.output
+        places = [line for line in result.output.splitlines() if f"{frame} " in line and "place" in line]
+        assert len(places) == 3 and "0.1 to inf m" in places[2]
+
+
+@pytest.mark.parametrize(
+    ("given", "message"),
+    [
+        (["--box", "0", "0", "1", "1", "1", "0"], r"frame 'tool': box from \[0. 0. 1.\] to \[1. 1. 0.\] is empty"),
+        (["--box", "0", "0", "0", "1", "1", "1", "--frame", "hand"], r"no frame is named 'hand'"),
+        (["--frame", "tool"], r"--frame 'tool' .* give that too, --box"),
+        (["--box", "0", "0", "0", "1", "1"], r"'--box' requires 6 arguments"),
+        (["--box", "0", "0", "0", "1", "1", "high"], r"--box.* number"),
+    ],
+)
+def test_a_box_that_is_none_is_refused_by_the_command(given: list[str], message: str, tmp_path: Path) -> None:
+    result = CliRunner().invoke(app, ["excite", "xia2019", "--speed", "1", "--output", str(tmp_path), *given])
+    assert result.exit_code != 0
+    assert re.search(message, " ".join(f"{result.output} {result.exception}".split()))

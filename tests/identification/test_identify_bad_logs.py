@@ -62,7 +62,13 @@ def shuffled() -> dict[str, Array]:
     ("columns", "joint", "message"),
     [
         (channels, "wrist", r"no driven joint 'wrist'"),
-        (lambda: channels() | {"q": np.degrees(channels()["q"])}, "elbow", r"exceeds its limits .* degrees"),
+        (lambda: channels() | {"q": np.degrees(channels()["q"])}, "elbow", r"beyond its limits; .* degrees"),
+        (
+            lambda: channels() | {"q": np.round(1304 * channels()["q"])},
+            "elbow",
+            r"counts: .* unit: counts, counts_per_turn",
+        ),
+        (lambda: elbow("torque", lambda x: np.nan * x), "elbow", r"torque of joint 'elbow' holds no number"),
         (lambda: {"q": channels()["q"]}, "elbow", r"holds no torque or current"),
         (lambda: channels() | {"q": np.zeros_like(TIME[:, None] * [1, 1])}, "elbow", r"no column moves"),
         (lambda: channels() | {"t": np.zeros_like(TIME)}, "elbow", r"q/torque: "),

@@ -16,7 +16,7 @@ from cutpoint import Drive, LinearSpring, Robot, Rotor
 from cutpoint.errors import InputError
 from cutpoint.formats import parse_urdf
 from cutpoint.identification import Recording
-from cutpoint.identification.output import Identification, identify, saving
+from cutpoint.identification.output import Identification, estimates, identify, saving, steps
 from cutpoint.identification.output.drive_pictures import amplitudes
 
 
@@ -36,6 +36,16 @@ def test_the_model_explains_what_it_was_not_fitted_to(found: Identification):
     for j in range(2):
         assert found.errors.rms("after", held_out=True)[j] < 0.05 * found.errors.rms("before", held_out=True)[j]
     assert found.errors.held_out.mean() == pytest.approx(0.3, abs=1e-3)
+
+
+def test_plain_least_squares_stand_beside_what_was_identified(found: Identification, tmp_path: Path):
+    _, _, numbers, page = (path.read_text() for path in found.save(tmp_path))
+    sheet, plain = json.loads(numbers), found.errors.rms("plain", held_out=True)
+    assert sheet["torque_RMS_N_m"]["plain_held_out"] == plain.tolist()
+    for j, ratio in enumerate(found.errors.to_plain()):
+        assert ratio.value == pytest.approx(found.errors.rms("after", held_out=True)[j] / plain[j], rel=0.05)
+        assert sheet["held_out_over_plain"][j] == ratio._asdict()
+        assert f"{ratio.low:.2f} to {ratio.high:.2f}: " in page
 
 
 @pytest.mark.parametrize("log", [channels, wound])
@@ -105,6 +115,31 @@ def test_a_run_that_dies_leaves_no_file(found: Identification, tmp_path: Path, m
     with pytest.raises(KeyboardInterrupt):
         found.save(tmp_path / "new")
     assert not (tmp_path / "new").exists()
+
+
+def test_ctrl_c_while_springs_are_sought_keeps_the_links(files: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
+    def pressed(*_: Any) -> None:
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr(estimates, "identify_drives", pressed)
+    log = write_log(tmp_path / "wound.csv", wound())
+    found = identify(files / "arm.urdf", log, drives=files / "sprung.yaml", friction="stated")
+    assert found.drives is None and found.rigid["coulomb.elbow"].told
+    assert "springs were not identified: Ctrl-C was pressed while they were sought" in found.notes
+
+
+def test_progress_counts_every_step_on_stderr_and_leaves_nothing(files: Path, monkeypatch: pytest.MonkeyPatch):
+    seen: list[tuple[float, float | None]] = []
+
+    class Watched(steps.Progress):
+        def update(self, task_id: Any, **changed: Any) -> None:
+            super().update(task_id, **changed)
+            seen.append((self.tasks[0].completed, self.tasks[0].total))
+
+    monkeypatch.setattr(steps, "Progress", Watched)
+    log = Recording(TIME, TRUTH.joints, **channels())
+    identify(files / "arm.urdf", log, drives=files / "rigid.yaml", friction="stated", progress=True)
+    assert seen == [(0, 3), (1, 3), (2, 3)]
 
 
 class Tags(HTMLParser):
@@ -185,5 +220,6 @@ def test_nothing_held_out_judges_nothing(files: Path, tmp_path: Path):
     log = write_log(tmp_path / "log.csv", channels())
     found = identify(files / "arm.urdf", log, drives=files / "rigid.yaml", hold_out=0.0, friction="stated")
     assert np.isnan(found.errors.rms("after", held_out=True)).all()
+    assert np.isnan(found.errors.to_plain()).all() and not np.any(found.errors.resting())
     found.save(tmp_path / "out")
     assert (tmp_path / "out" / "report.html").stat().st_size > 10_000

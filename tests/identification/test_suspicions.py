@@ -92,7 +92,7 @@ def test_a_robot_gives_names_and_ratios():
 
 def test_positions_far_beyond_the_limits_of_a_robot_are_refused():
     robot = load("ur10_robot.urdf")
-    with pytest.raises(InputError, match=r"q: joint '.*': position .* exceeds its limits .* degrees.*'unit: deg'"):
+    with pytest.raises(InputError, match=r"q of joint '.*' runs from .* beyond its limits; .* degrees: .* unit: deg}'"):
         robot_log(robot, 180.0 / math.pi)
 
 

@@ -13,6 +13,9 @@ from cutpoint.commands.shared import (
     console,
     robot_of,
 )
+from cutpoint.errors import InputError
+
+Corners = tuple[float, float, float, float, float, float]
 
 
 @app.command(epilog="Example: cutpoint excite arm.urdf --drives arm.drives.yaml --seconds 60 --output excited")
@@ -32,6 +35,13 @@ def excite(
     ] = None,
     acceleration: Annotated[float | None, typer.Option(help="Largest acceleration, rad/s2 (m/s2).")] = None,
     torque: Annotated[float | None, typer.Option(help="Largest torque of every motor at its joint, N m (N).")] = None,
+    box: Annotated[
+        Corners | None,
+        typer.Option(metavar="X0 Y0 Z0 X1 Y1 Z1", help="Two corners in the world, m, between which the flange stays."),
+    ] = None,
+    frame: Annotated[
+        str | None, typer.Option(help="What stays in the box; by default the last frame that the last joint carries.")
+    ] = None,
     seconds: Annotated[float, typer.Option(help="To search; Ctrl-C ends it earlier, with the best until then.")] = 30.0,
     output: Annotated[
         Path, typer.Option(metavar="DIR", help="Folder for excitation.csv, .json (to go on from) and .png.")
@@ -46,14 +56,26 @@ def excite(
     from cutpoint.identification.excitation.table import FILES, save, table_of
 
     loaded = robot_of(robot, drives)
+    boxes = _boxes(loaded, box, frame)
     output.mkdir(parents=True, exist_ok=True)
     found = excitation(
         loaded, duration, harmonics, base_frequency, criterion=criterion, speed=speed, acceleration=acceleration,
-        torque=torque, seconds=seconds, resume=output / FILES[1],
+        torque=torque, boxes=boxes, seconds=seconds, resume=output / FILES[1],
     )  # fmt: skip
     console.print(table_of(found))
     for path in save(found, output):
         console.print(f"saved: {path}", soft_wrap=True, highlight=False, markup=False)
+
+
+def _boxes(robot: cutpoint.Robot, box: Corners | None, frame: str | None) -> dict[str, Any]:
+    """Of the frame that was named, or that is last on the last body."""
+    if box is None:
+        if frame is not None:
+            raise InputError(f"--frame {frame!r} says what stays in a box: give that too, --box X0 Y0 Z0 X1 Y1 Z1")
+        return {}
+    frames, last = robot.mechanism.frames, len(robot.mechanism.bodies) - 1
+    name = frame or [each for each, place in frames.items() if place.body == last][-1]
+    return {name: (box[:3], box[3:])}
 
 
 @app.command(epilog="Example: cutpoint identify arm.urdf log.csv --drives arm.drives.yaml --mapping map.yaml")
@@ -77,7 +99,7 @@ def identify(
     method: Annotated[
         Literal["ordinary", "weighted", "huber", "instrumental"],
         typer.Option(help="Least squares; huber bears outliers, instrumental noisy positions."),
-    ] = "weighted",
+    ] = "huber",
     solver: Annotated[
         Literal["lmi", "lmi_trace", "log_cholesky"],
         typer.Option(help="For bodies that can exist: lmi needs the extra 'identify', log_cholesky does not."),

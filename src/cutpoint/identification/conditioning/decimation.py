@@ -83,5 +83,8 @@ def decimation(known: NDArray[np.bool_], period: float, bandwidth: float) -> Dec
     starts = starts[unknown[starts + window.size] == unknown[starts]]
     if starts.size < 2:
         longest = window.size * period
-        raise InputError(f"the recording has no two stretches of {longest:.3g} s without gaps: raise the bandwidth")
+        raise InputError(
+            f"the recording has no two stretches of {longest:.3g} s in which every joint's positions and torques are "
+            f"known, of {known.size * period:.3g} s: record more, or raise the bandwidth"
+        )
     return Decimation(window, starts, period)

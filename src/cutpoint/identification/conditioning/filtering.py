@@ -80,7 +80,8 @@ def noise_cutoff(values: Array, period: float) -> float:
         if x.size >= 16 * WINDOWS and np.ptp(x) > 0.0:
             found = max(found, _cutoff(x, period))
     if not found:
-        raise InputError(f"no column moves over {16 * WINDOWS} samples or more: state a cut-off in Hz")
+        rule = f"no column moves over {16 * WINDOWS} samples or more without a gap"
+        raise InputError(f"{rule}, of {len(values)}: record more, map another channel, or state a cut-off in Hz")
     return found
 
 

@@ -49,6 +49,7 @@ def motion_of(robot: Robot, recording: Recording, cutoff: float | None = None) -
     sides = {name: channels[name] for name in ("q", "theta") if name in channels}
     if not sides:
         raise InputError(f"the recording holds no positions, q or theta; there are: {', '.join(channels)}")
+    _refuse_empty(robot, sides)
     cutoff = noise_cutoff(np.column_stack([*sides.values()]), period) if cutoff is None else cutoff
     smooth = {name: low_pass(x, period, cutoff) for name, x in sides.items()}
     q, theta = (smooth.get(name, next(iter(smooth.values()))) for name in ("q", "theta"))
@@ -72,10 +73,13 @@ def torques_of(robot: Robot, recording: Recording, constants: Mapping[str, float
     """
     channels = _channels(robot, recording)
     if "torque" in channels and constants is None:
+        _refuse_empty(robot, {"torque": channels["torque"]})
         return channels["torque"]
     if "current" not in channels:
         wanted = "current" if constants is not None else "torque or current"
-        raise InputError(f"the recording holds no {wanted}; there are: {', '.join(channels)}")
+        remedy = "map one, or name its columns as in 'torque.JOINT' or 'current.JOINT'"
+        raise InputError(f"the recording holds no {wanted}; there are: {', '.join(channels)}; {remedy}")
+    _refuse_empty(robot, {"current": channels["current"]})
     unknown = set(constants or {}) - set(robot.joints)
     if unknown:
         raise unknown_name("driven joint", sorted(unknown)[0], robot.joints)
@@ -89,6 +93,15 @@ def _channels(robot: Robot, recording: Recording) -> dict[str, Array]:
         raise InputError(f"joint {missing[0]!r} was not recorded; there are: {known}; map its channels, or lock it")
     columns = [recording.joints.index(joint) for joint in robot.joints]
     return {name: x[:, columns] for name, x in recording.channels.items()}
+
+
+def _refuse_empty(robot: Robot, channels: Mapping[str, Array]) -> None:
+    """Raises InputError for a joint of which a channel holds nothing."""
+    for name, values in channels.items():
+        for joint, x in zip(robot.joints, values.T, strict=True):
+            if not np.isfinite(x).any():
+                rule = f"{name} of joint {joint!r} holds no number in the whole log"
+                raise InputError(f"{rule}: map another channel, or lock the joint", joint=joint)
 
 
 def _constant(robot: Robot, joint: str, given: Mapping[str, float]) -> float:

@@ -8,9 +8,10 @@ Array = NDArray[np.float64]
 
 
 def bounded_weights(columns: Array, target: Array, free: int) -> Array:
-    """Least-squares weights, those after the first `free` at least 0."""
-    size = np.maximum(np.linalg.norm(columns, axis=0), np.finfo(float).tiny)
+    """Least-squares weights, those after the first `free` at least 0; of columns that are nothing, 0."""
+    size = np.linalg.norm(columns, axis=0)
+    size[size == 0.0] = 1.0
     reduced = np.asarray(np.linalg.qr(np.column_stack([columns / size, target]), mode="r"))
     lower = np.where(np.arange(size.size) < free, -np.inf, 0.0)
     found = lsq_linear(reduced[:, :-1], reduced[:, -1], (lower, np.inf), method="bvls")
-    return np.asarray(found.x / size)
+    return np.where(columns.any(axis=0), found.x / size, 0.0)

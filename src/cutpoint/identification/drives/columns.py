@@ -11,6 +11,9 @@ from cutpoint.model.drive import Harmonic
 
 Array = NDArray[np.float64]
 
+NEARBY = 0.02
+"""Of a reach, for derivatives: what slips turns at samples, not between them."""
+
 
 def wave_columns(motor_angle: Array, orders: Sequence[int]) -> Array:
     """Sine and cosine (N, 2 k) of k waves a turn of the motor, at its angle (N,), rad."""
@@ -53,6 +56,29 @@ def strain_columns(deflection: Array, reaches: Array) -> Array:
     before = np.searchsorted(starts, np.arange(path.size), side="right") - 1
     way = path - path[starts[before]]
     return np.clip(strains[before] + way[:, None], -reaches, reaches)
+
+
+def reach_columns(deflection: Array, stiffness: Array, reaches: Array) -> Array:
+    """Derivatives (N, k), N m/rad, of elements' torques by their reaches."""
+    ends = [strain_columns(deflection, reaches * (1.0 + x)) for x in (NEARBY, -NEARBY)]
+    return stiffness * (ends[0] - ends[1]) / (2.0 * NEARBY * reaches)
+
+
+def paired(stiffness: Array, reaches: Array, apart: float) -> tuple[Array, Array]:
+    """Elements (k,) with those two and two as one whose reaches differ by a factor `apart` at most: as stiff as both.
+
+    One element that slips between two of the reaches that were offered comes out as these two.
+    """
+    found: list[tuple[float, float]] = []
+    left = [(float(k), float(r)) for k, r in zip(stiffness, reaches, strict=True) if k > 0.0]
+    while left:
+        k, r = left.pop(0)
+        if left and left[0][1] <= apart * r:
+            other, longer = left.pop(0)
+            k, r = k + other, (k * r + other * longer) / (k + other)
+        found.append((k, r))
+    both = np.array(found).reshape(-1, 2)
+    return both[:, 0], both[:, 1]
 
 
 def slipping(stiffness: Array, reaches: Array) -> MaxwellSlip | None:

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from cutpoint.identification.conditioning.filtering import low_pass
 from cutpoint.identification.drives.bounded import bounded_weights
-from cutpoint.identification.drives.columns import strain_columns, wave_columns
+from cutpoint.identification.drives.columns import paired, reach_columns, strain_columns, wave_columns
 from cutpoint.identification.drives.spring_laws import SpringLaw, fitted
 
 Array = NDArray[np.float64]
@@ -25,6 +25,12 @@ SEARCHED = 4000
 
 ELEMENTS = 8
 """Of hysteresis, offered to the first round."""
+
+RANGE = 30.0
+"""Times that the longest reach offered is as long as the shortest."""
+
+APART = 1.01 * RANGE ** (1.0 / (ELEMENTS - 1))
+"""Times at most by which reaches that were offered next to each other differ."""
 
 LARGEST_REACH = 0.6
 """Of the largest deflection: elements that slip only beyond it are part of the spring, for all that one can see."""
@@ -59,6 +65,7 @@ class DeflectionFit:
 
     columns: the model's derivatives (N, p) by all of these, in that order.  residual: (N,), rad.  tangent: (N,).
     beside: (N,), rad, what all that acts beside the spring takes from its deflection.
+    moving: whether the elements' reaches were sought too; then columns have their derivatives before the elements'.
     """
 
     law: SpringLaw
@@ -73,6 +80,7 @@ class DeflectionFit:
     beside: Array = field(repr=False)
     columns: Array = field(repr=False)
     residual: Array = field(repr=False)
+    moving: bool = False
 
 
 def fit_deflection(
@@ -86,7 +94,16 @@ def fit_deflection(
         found = _round(data, replace(found, reaches=reaches), free, damped)
         if turn == ROUNDS - 2:
             reaches = reaches[found.stiffness > 0.0]
-    return found
+    return _with_reaches(data, found, free, damped) if found.stiffness.any() else found
+
+
+def _with_reaches(data: Deflections, before: DeflectionFit, free: Array, damped: bool) -> DeflectionFit:
+    """With fewer elements, whose reaches are sought too, if that leaves less."""
+    stiffness, reaches = paired(before.stiffness, before.reaches, APART)
+    found = replace(before, stiffness=stiffness, reaches=reaches, moving=True)
+    for _ in range(ROUNDS):
+        found = _round(data, found, free, damped)
+    return found if float(np.linalg.norm(found.residual)) < float(np.linalg.norm(before.residual)) else before
 
 
 def _first(data: Deflections, law: SpringLaw, free: Array) -> DeflectionFit:
@@ -107,13 +124,17 @@ def _first(data: Deflections, law: SpringLaw, free: Array) -> DeflectionFit:
 def _round(data: Deflections, before: DeflectionFit, free: Array, damped: bool) -> DeflectionFit:
     """The spring again with what acted beside it, then that again with the spring."""
     law, constants = before.law, before.constants
-    if before.beside.any():
+    # with reaches that move, the steps below move the constants too
+    if before.beside.any() and not before.moving:
         constants = _searched(law, data.torque, data.lead - before.beside, free)
     wound = data.smooth(data.lead - free @ np.append(before.waves, before.offset))
     beside = -strain_columns(wound, before.reaches) / before.tangent[:, None]
     rate = -np.gradient(wound, data.period) / before.tangent
     waves = free.shape[1] - 1
-    free = np.column_stack([free, data.corrections / before.tangent[:, None]])
+    acting = [data.corrections]
+    if before.moving:
+        acting.append(-reach_columns(wound, before.stiffness, before.reaches))
+    free = np.column_stack([free, *(each / before.tangent[:, None] for each in acting)])
     beside = np.column_stack([beside, rate]) if damped else beside
     target = data.lead - law.deflection(constants, data.torque)
     own = law.columns(constants, data.torque)
@@ -125,19 +146,24 @@ def _round(data: Deflections, before: DeflectionFit, free: Array, damped: bool) 
     change, weights = weights[: own.shape[1]], weights[own.shape[1] :]
     constants = np.clip(constants + change, 0.5 * constants, 2.0 * constants)
     stiffness = weights[free.shape[1] :][: before.reaches.size]
+    known = waves + 1 + data.corrections.shape[1]
+    reaches = before.reaches
+    if before.moving:
+        reaches = np.clip(reaches + weights[known : free.shape[1]], 0.7 * reaches, 1.4 * reaches)
     return DeflectionFit(
         law,
         constants,
         weights[:waves],
         float(weights[waves]),
-        weights[waves + 1 : free.shape[1]],
+        weights[waves + 1 : known],
         stiffness,
         float(weights[-1]) if damped else 0.0,
-        before.reaches,
+        reaches,
         np.asarray(law.make(constants).tangent(wound)),
         columns[:, own.shape[1] + waves + 1 :] @ weights[waves + 1 :],
         columns,
         left,
+        before.moving,
     )
 
 
@@ -146,7 +172,7 @@ def _offered(data: Deflections, found: DeflectionFit, elements: int) -> Array:
     largest = LARGEST_REACH * 0.5 * float(np.ptp(found.law.deflection(found.constants, data.torque)))
     if not elements or largest <= data.resolution:
         return np.empty(0)
-    return np.geomspace(max(data.resolution, largest / 30.0), largest, elements)
+    return np.geomspace(max(data.resolution, largest / RANGE), largest, elements)
 
 
 def _searched(law: SpringLaw, torque: Array, lead: Array, others: Array) -> Array:

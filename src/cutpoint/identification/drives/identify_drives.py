@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from cutpoint.errors import InputError
-from cutpoint.identification.conditioning.filtering import noise_cutoff
+from cutpoint.identification.conditioning.filtering import low_pass, noise_cutoff
 from cutpoint.identification.drives.joint_torques import (
     corrected,
     link_torque,
@@ -17,7 +17,7 @@ from cutpoint.identification.drives.joint_torques import (
 from cutpoint.identification.drives.rotor import RotorEstimate, motor_side
 from cutpoint.identification.drives.spring_estimate import SpringEstimate
 from cutpoint.identification.drives.spring_laws import LAWS
-from cutpoint.identification.drives.two_encoders import two_encoders
+from cutpoint.identification.drives.two_encoders import smallest_step, two_encoders
 from cutpoint.identification.logs.recording import Recording
 from cutpoint.model.drive import Drive, Motor, Rotor
 from cutpoint.robot import Robot
@@ -30,6 +30,14 @@ SHAPE = ("flexspline",)
 NARROWER = 3.0
 """Times that the band in which rotors are found is narrower than that of the links' motion: friction that changes sign
 within it is no longer what the filtered speed says."""
+
+
+WIDER = 2.0
+"""Times the frequency at which the deflection sinks into its noise: up to there springs are told.  Noise beyond, of
+torques and accelerations, would make springs seem stiffer and rotors lighter than they are."""
+
+HIGHEST = 0.4
+"""Of the sampling rate."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -135,11 +143,16 @@ def _joint(joint: Channels, drive: Drive, resolution: float | None, cutoff: floa
     )
     if rotor.torque_constant is not None:
         torque = joint.effort * rotor.torque_constant * ratio
+    band = min(WIDER * noise_cutoff(joint.theta - joint.q, period), HIGHEST / period)
+    if resolution is None:
+        resolution = float(np.hypot(smallest_step(joint.theta), smallest_step(joint.q)))
+    theta, q = (low_pass(x, period, band) for x in (joint.theta, joint.q))
     for laws in (SHAPE, SHAPE, tuple(LAWS)):
         left, unknowns = torque_left(rotor, joint.theta, torque, period, joint.delay, share)
+        left, unknowns = low_pass(left, period, band), {k: low_pass(x, period, band) for k, x in unknowns.items()}
         seen = "stiffness" not in spring.unidentifiable
         spring = two_encoders(
-            joint.theta, joint.q, left, period, ratio,
+            theta, q, left, period, ratio,
             resolution=resolution, laws=laws, torque_unknowns=unknowns if seen else None,
         )  # fmt: skip
         share = transmitted_share(spring, joint.theta, ratio)

@@ -13,8 +13,11 @@ Array = NDArray[np.float64]
 BLOCKS = 10
 """For cross-validation, one after the other."""
 
-SURE = 2.0
+SURE = 1.5
 """Standard errors by which a law with more constants must predict better."""
+
+WORTH = 0.02
+"""Of the squares: what it must gain, for samples of a motion that repeats itself are no new ones."""
 
 
 def block_errors(fit: DeflectionFit) -> Array:
@@ -41,6 +44,6 @@ def simplest(errors: Mapping[str, Array]) -> str:
     best = names[0]
     for name in names[1:]:
         gain = errors[best] - errors[name]
-        if gain.mean() > SURE * gain.std(ddof=1) / np.sqrt(BLOCKS):
+        if gain.mean() > max(SURE * gain.std(ddof=1) / np.sqrt(BLOCKS), WORTH * errors[best].mean()):
             best = name
     return best

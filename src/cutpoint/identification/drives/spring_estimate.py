@@ -125,9 +125,11 @@ def _named(
 ) -> tuple[tuple[str, ...], Array]:
     waves_of = [f"{wave} {order}" for order in orders for wave in ("sine", "cosine")]
     elements = [f"element {k + 1}" for k in range(fit.stiffness.size)]
-    names = [*fit.law.constants, *waves_of, "offset", *unknowns, *elements, *(["damping"] if damping else [])]
+    reaches = [f"reach {k + 1}" for k in range(fit.stiffness.size if fit.moving else 0)]
+    names = [*fit.law.constants, *waves_of, "offset", *unknowns, *reaches, *elements, *(["damping"] if damping else [])]
     last = [fit.damping] if damping else []
-    return tuple(names), np.concatenate([fit.constants, fit.waves, [fit.offset], fit.corrections, fit.stiffness, last])
+    slipping = [*(fit.reaches if fit.moving else []), *fit.stiffness, *last]
+    return tuple(names), np.concatenate([fit.constants, fit.waves, [fit.offset], fit.corrections, slipping])
 
 
 def _no_waves(data: Deflections, fit: DeflectionFit, turns: float) -> str:

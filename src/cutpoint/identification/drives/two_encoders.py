@@ -50,7 +50,7 @@ def two_encoders(
     period: s.  ratio: motor turns per joint turn.  resolution: of both encoders together, rad at the joint's side; by
     default the smallest steps that the samples show.  orders: of the kinematic error, waves a turn of the motor; by
     default those up to 8 that stand out.  laws: spring laws to choose from by cross-validation; one with more constants
-    must predict what it was not fitted to better by two standard errors of the difference.
+    must predict what it was not fitted to better by 1.5 standard errors of the difference, and by 2 % of the squares.
     Elements of hysteresis start without strain at the first sample.
     torque_unknowns: of what is not known of the torque, by name, its derivatives (N,) by it: corrections to be found.
 

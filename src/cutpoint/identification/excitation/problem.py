@@ -73,7 +73,8 @@ class Problem:
     def barred(self, z: Array, weight: float, softness: float) -> tuple[float, Array]:
         """The cost with a relaxed logarithmic barrier at every limit, and its gradient, as z.
 
-        Hauser and Saccon (2006), A barrier function method for the optimization of trajectory functionals.
+        Hauser and Saccon (2006), A barrier function method for the optimization of trajectory functionals with
+        constraints, IEEE CDC.
         """
         motion = self.motion(z)
         cost, slope = judged(self.information.regressor(motion), self.criterion)

@@ -59,7 +59,7 @@ def _read(text: TextIO, path: Path) -> Table:
         numbers.extend(math.nan if value is None else value for value in values)
     table = np.array(numbers).reshape(-1, len(names))
     if len(table) < 2:
-        raise InputError(f"file holds {len(table)} samples below the line of names", place=path)
+        raise InputError(f"file holds {len(table)} samples below the line of names: at least 2 are needed", place=path)
     return Table(str(path), {n: Channel(table[:, k], (), units[k]) for k, n in enumerate(names) if k not in texts})
 
 

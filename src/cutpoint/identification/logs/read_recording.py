@@ -56,7 +56,7 @@ def recording_of(table: Table, mapping: ChannelMap, robot: Robot | None = None) 
     time, channels, notes = _in_order(table, mapping, {name: each.stamps for name, each in columns.items()}, values)
     recording = Recording(time, joints, **channels, notes=tuple(notes))
     if robot:
-        refuse_degrees(recording, robot)
+        refuse_degrees(recording, robot, table.file)
     return recording.with_notes(suspicions(recording))
 
 

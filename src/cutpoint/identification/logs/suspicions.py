@@ -35,8 +35,8 @@ EXPLANATIONS = {
 }
 
 
-def refuse_degrees(recording: Recording, robot: Robot) -> None:
-    """Raises InputError for positions far beyond a joint's limits, as those of degrees read as radians are."""
+def refuse_degrees(recording: Recording, robot: Robot, file: str = "") -> None:
+    """Raises InputError for positions far beyond a joint's limits, as those of degrees or counts as radians are."""
     drives = list(robot.drives)
     for name in ("q", "theta"):
         for joint, x in _columns(recording, name):
@@ -46,7 +46,15 @@ def refuse_degrees(recording: Recording, robot: Robot) -> None:
                 try:
                     check_configuration(robot.mechanism, furthest.tolist())
                 except InputError as error:
-                    raise InputError(f"{name}: {error}; in a mapping, 'unit: deg'", **error.evidence) from error
+                    raise InputError(_beyond(name, joint, x), place=file or None, **error.evidence) from error
+
+
+def _beyond(name: str, joint: str, x: Array) -> str:
+    counted = bool((_known(x) == np.round(_known(x))).all())
+    unit, which = ("counts", "counts, counts_per_turn: ...") if counted else ("degrees", "deg")
+    span = f"from {np.nanmin(x):.4g} to {np.nanmax(x):.4g} rad, far beyond its limits"
+    remedy = f"in a mapping, '{name}: {{channels: ..., unit: {which}}}'"
+    return f"{name} of joint {joint!r} runs {span}; this looks like {unit}: {remedy}"
 
 
 def suspicions(recording: Recording) -> list[str]:

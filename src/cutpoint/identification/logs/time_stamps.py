@@ -7,6 +7,7 @@ from numpy.typing import NDArray
 
 from cutpoint.errors import InputError
 from cutpoint.identification.logs.resampling import longest_step
+from cutpoint.identification.logs.units import TIMES
 
 Array = NDArray[np.float64]
 
@@ -23,7 +24,7 @@ SET_BACK = 10.0
 """Periods: where few steps lead back, one further than that means that a clock was set, or that two runs follow."""
 
 SLOW = 0.5
-"""s: nobody logs a moving machine at a longer period, so milliseconds are suspected."""
+"""s: nobody logs a moving machine at a longer period, so another unit is suspected."""
 
 
 class Ordered(NamedTuple):
@@ -118,4 +119,6 @@ def _remark(times: Array, name: str, notes: list[str]) -> None:
             f"the longest, {steps[worst]:.3g} s, is at {times[worst]:.6g} s"
         )
     if period > SLOW:
-        notes.append(f"{name}: a period of {period:g} s is slow for a log; are the times in ms?")
+        unit = next((unit for unit, factor in TIMES.items() if factor * period <= SLOW), "ns")
+        remedy = f"state 'time: {{channel: ..., unit: {unit}}}' in a mapping"
+        notes.append(f"{name}: a period of {period:g} s is slow for a log; are the times in {unit}?  Then {remedy}")

@@ -1,12 +1,13 @@
 """Estimates of links and drives from one recording, each by the help of the other."""
 
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from dataclasses import replace
 from typing import Any, NamedTuple
 
 from cutpoint.errors import CutpointError, InputError
 from cutpoint.identification.drives.identify_drives import DriveEstimates, identify_drives
 from cutpoint.identification.logs.recording import Recording
+from cutpoint.identification.output.steps import Steps
 from cutpoint.identification.rigid.identify_rigid import FrictionWish, RigidEstimate, identify_rigid
 from cutpoint.model.drive import Rotor
 from cutpoint.robot import Robot
@@ -27,7 +28,7 @@ def estimates(
     friction: FrictionWish,
     springs: bool,
     how: Mapping[str, Any],
-    say: Callable[[str], None],
+    say: Steps,
 ) -> Estimates:
     """Links first, then springs by these, then links again by the rotors that the motors' sides tell.
 
@@ -37,11 +38,13 @@ def estimates(
     rigid = identify_rigid(before, fitted, friction=friction, **how)
     if not springs:
         return Estimates(rigid, None)
+    say.expect(2)
     say("springs of the drives")
     try:
         drives = identify_drives(rigid.robot, fitted)
-    except CutpointError as error:  # what was found of the links is worth having without
-        return Estimates(rigid, None, remarks=(f"springs were not identified: {error}",))
+    except (CutpointError, KeyboardInterrupt) as error:  # what was found of the links is worth having without
+        why = error if isinstance(error, CutpointError) else "Ctrl-C was pressed while they were sought"
+        return Estimates(rigid, None, remarks=(f"springs were not identified: {why}",))
     if any("rotor inertia" in each.unidentifiable for each in drives.joints.values()):
         return Estimates(rigid, drives)
     say("links again, by the rotors that the motors tell")

@@ -1,14 +1,11 @@
 """`identify`: from a log to a robot that one can trust, with what the log cannot tell, and files of both."""
 
-from collections.abc import Callable, Generator, Mapping
-from contextlib import contextmanager
+from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any
 
 import numpy as np
-from rich.console import Console
-from rich.progress import Progress, SpinnerColumn, TextColumn, TimeElapsedColumn
 
 from cutpoint.errors import InputError
 from cutpoint.formats.drive_file_writing import worded
@@ -17,9 +14,11 @@ from cutpoint.identification.drives.identify_drives import DriveEstimates
 from cutpoint.identification.logs.read_recording import read_recording
 from cutpoint.identification.logs.recording import UNEVEN, Recording
 from cutpoint.identification.output.drive_numbers import drive_numbers
+from cutpoint.identification.output.error_warnings import warnings_of
 from cutpoint.identification.output.estimates import Estimates, estimates, springs_wanted
 from cutpoint.identification.output.numbers import Number, rigid_numbers
-from cutpoint.identification.output.torque_errors import TorqueErrors, torque_errors, warnings_of
+from cutpoint.identification.output.steps import Steps
+from cutpoint.identification.output.torque_errors import TorqueErrors, torque_errors
 from cutpoint.identification.rigid.identify_rigid import FrictionWish, Method, RigidEstimate
 from cutpoint.identification.rigid.physical import Solver
 from cutpoint.loading import load
@@ -76,7 +75,7 @@ def identify(
     hold_out: float = 0.3,
     springs: bool | None = None,
     friction: FrictionWish = "choose",
-    method: Method = "weighted",
+    method: Method = "huber",
     solver: Solver = "lmi",
     cutoff: float | None = None,
     torque_delay: float = 0.0,
@@ -90,7 +89,7 @@ def identify(
     springs: whether they are sought; by default where both `q` and `theta` were recorded and a drive bends.
     friction, method, solver, cutoff, torque_constants: as `identify_rigid` has them.
     torque_delay: s by which torques act later than they are stamped: half a control period for commands that are held.
-    progress: whether to show what is done, on stderr.
+    progress: whether to show a bar with what is done, on stderr.  Ctrl-C while springs are sought leaves those out.
 
     Raises:
         ModelError, InputError: what is wrong in a file, or does not fit another, or an argument.
@@ -98,7 +97,7 @@ def identify(
     if not 0.0 <= hold_out <= MOST_HELD:
         raise InputError(f"hold_out {hold_out} must be a share of the log, 0 to {MOST_HELD}", hold_out=hold_out)
     how: dict[str, Any] = {"method": method, "solver": solver, "cutoff": cutoff, "torque_constants": torque_constants}
-    with _saying(progress) as say:
+    with Steps(3, progress) as say:
         say("reading the log")
         before = robot if isinstance(robot, Robot) else load(robot, drives)
         recording = log if isinstance(log, Recording) else read_recording(log, mapping, before)
@@ -121,15 +120,6 @@ def identify(
         untold=(*rigid.untold, *(sprung.notes if sprung else ())),
         notes=(*rigid.notes, *map(str, rigid.friction), *found.remarks, *words, *warnings_of(errors, after.joints)),
     )
-
-
-@contextmanager
-def _saying(progress: bool) -> Generator[Callable[[str], None], None, None]:
-    """A function to say what is done now; it shows on stderr how long that takes."""
-    columns = (SpinnerColumn(), TextColumn("{task.description}", markup=False), TimeElapsedColumn())
-    with Progress(*columns, console=Console(stderr=True), transient=True, disable=not progress) as bar:
-        task = bar.add_task("")
-        yield lambda words: bar.update(task, description=words)
 
 
 def _fitted(recording: Recording, hold_out: float) -> tuple[Recording, float]:

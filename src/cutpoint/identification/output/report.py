@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 import cutpoint
+from cutpoint.identification.output.block_bootstrap import Ratio
 from cutpoint.identification.output.drive_pictures import bendings, loop_picture, wave_picture
 from cutpoint.identification.output.numbers import Number
 from cutpoint.identification.output.pictures import residual_picture, torque_picture
@@ -43,19 +44,32 @@ def _torques(found: "Identification") -> Page:
     width = f"all torques without what is faster than {errors.bandwidth:.3g} Hz"
     blocks: tuple[Block, ...] = (
         Table("Table 1", f"RMS of torque errors, N m at the joint; {width}", ERROR_COLUMNS, error_rows(found)),
+        "Plain least squares: rigid bodies, Coulomb and viscous friction and an offset, every joint's torque alike."
+        " The last column is an interval of 95 % of the identified model's error over theirs, by a bootstrap of blocks"
+        " of time: better or worse where it leaves out one.",
         Picture("Figure 1", f"Torques of the motors; {width}. The part held out is on grey ground.", curves),
         Picture("Figure 2", "What the identified model leaves: fitted part blue, held-out part orange.", left),
     )
     return Page("torques", "Torques", blocks)
 
 
-ERROR_COLUMNS = ("joint", "torque itself", "model as in the files", "identified, fitted part", "identified, held out")
+ERROR_COLUMNS = (
+    "joint",
+    "torque itself",
+    "model as in the files",
+    "identified, fitted part",
+    "identified, held out",
+    "plain least squares, held out",
+    "identified over plain, held out",
+)
 
 
 def error_rows(found: "Identification") -> tuple[tuple[str, ...], ...]:
     errors = found.errors
     columns = (errors.size(), errors.rms("before"), errors.rms("after"), errors.rms("after", True))
-    return tuple((joint, *map(digits, values)) for joint, *values in zip(found.robot.joints, *columns, strict=True))
+    plain, ratios = errors.rms("plain", True), map(ratio_words, errors.to_plain())
+    rows = zip(found.robot.joints, ratios, *columns, plain, strict=True)
+    return tuple((joint, *map(digits, values), ratio) for joint, ratio, *values in rows)
 
 
 def _numbers(found: "Identification") -> Page:
@@ -78,6 +92,14 @@ def _row(n: Number) -> tuple[str, ...]:
 
 def digits(x: float) -> str:
     return f"{x:.4g}".replace("-", "−") if np.isfinite(x) else "–"
+
+
+def ratio_words(ratio: Ratio) -> str:
+    """The interval and what it says, as "0.25 to 0.47: better"."""
+    if np.isnan(ratio.value):
+        return "–"
+    verdict = "better" if ratio.is_less else "worse" if ratio.is_more else "unsure"
+    return f"{ratio.low:.2f} to {ratio.high:.2f}: {verdict}"
 
 
 def _drives(found: "Identification") -> list[Page]:

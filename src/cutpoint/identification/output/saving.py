@@ -93,12 +93,15 @@ def _sheet(found: "Identification", notes: list[str]) -> Mapping[str, Any]:
         "fitted": errors.rms("after"),
         "held_out": errors.rms("after", True),
         "before_held_out": errors.rms("before", True),
+        "plain_held_out": errors.rms("plain", True),
     }
+    ratios = [{name: _finite(x) for name, x in ratio._asdict().items()} for ratio in errors.to_plain()]
     return {
         "cutpoint": cutpoint.__version__,
         "robot": found.robot.name,
         "joints": list(joints),
         "torque_RMS_N_m": {name: [_finite(x) for x in values] for name, values in rms.items()},
+        "held_out_over_plain": ratios,
         "numbers": [_number(number) for number in found.numbers],
         "bodies": bodies_of(found.robot),
         "untold": list(found.untold),

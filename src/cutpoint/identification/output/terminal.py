@@ -4,9 +4,9 @@ from rich.table import Table
 from rich.text import Text
 
 from cutpoint.identification.output.identify import Identification
-from cutpoint.identification.output.report import digits
+from cutpoint.identification.output.report import error_rows
 
-COLUMNS = ("joint", "torque", "files", "identified", "held out", "friction")
+COLUMNS = ("joint", "torque", "files", "identified", "held out", "plain", "held out over plain", "friction")
 
 SHOWN = 6
 """Lines at most on what is not told."""
@@ -18,14 +18,13 @@ def table_of(found: Identification) -> Table:
     title = f"{found.robot.name}: RMS of torques and of their errors, N m at the joint, {band}"
     table = Table(title=Text(title), title_justify="left")
     for k, column in enumerate(COLUMNS):
-        table.add_column(column, justify="right" if 0 < k < 5 else "left", overflow="fold")
-    errors = found.errors
-    columns = (errors.size(), errors.rms("before"), errors.rms("after"), errors.rms("after", True))
+        table.add_column(column, justify="right" if 0 < k < 6 else "left", overflow="fold")
     laws = {choice.joint: choice.family for choice in found.rigid.friction}
-    for joint, *values in zip(found.robot.joints, *columns, strict=True):
-        table.add_row(Text(joint), *map(digits, values), laws.get(joint, "as stated"))
+    for joint, *words in error_rows(found):
+        table.add_row(Text(joint), *words, laws.get(joint, "as stated"))
     told = sum(number.told for number in found.numbers)
-    table.caption = f"{told} of {len(found.numbers)} numbers told by this log"
+    what = "plain: least squares with Coulomb and viscous friction, on the part held out too"
+    table.caption = f"{told} of {len(found.numbers)} numbers told by this log; {what}"
     return table
 
 

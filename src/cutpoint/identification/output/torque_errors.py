@@ -10,18 +10,16 @@ from numpy.typing import NDArray
 from cutpoint.identification.conditioning.filtering import low_pass
 from cutpoint.identification.conditioning.motion import Motion, motion_of, torques_of
 from cutpoint.identification.logs.recording import Recording
+from cutpoint.identification.output.block_bootstrap import Ratio, error_ratio
+from cutpoint.identification.output.plain_model import plain_model
 from cutpoint.identification.rigid.identify_rigid import BANDWIDTH, RigidEstimate
 from cutpoint.identification.rigid.rigid_robot import link_torques
 from cutpoint.robot import Robot
 
 Array = NDArray[np.float64]
 
-WORSE = 2.0
-"""Times the error of the part that was fitted: above that on the rest, the model does not carry over."""
-
-
-STILL = 0.1
-"""Of the RMS speed on the part that was fitted."""
+RESTS = 0.05
+"""Of the RMS speed on the part that was fitted: a joint that is slower may stick."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -29,7 +27,8 @@ class TorqueErrors:
     """Torques of the motors, each (N, n), N m at the joint, all through one filter; NaN where something is not known.
 
     measured: as recorded.  before, after: as the robot's files say, and as the identified model does, for the motion
-    q, v.  load: what the links ask, as identified.  held_out: (N,), samples that had no part in the fit.
+    q, v.  plain: as plain least squares do, see `plain_model`.  load: what the links ask, as identified.
+    held_out: (N,), samples that had no part in the fit.
     bandwidth: Hz, of the torques.
     """
 
@@ -37,6 +36,7 @@ class TorqueErrors:
     measured: Array
     before: Array
     after: Array
+    plain: Array
     q: Array
     v: Array
     load: Array
@@ -44,8 +44,17 @@ class TorqueErrors:
     bandwidth: float
 
     def rms(self, model: str, held_out: bool = False) -> Array:
-        """(n,) N m: error of the model "before" or "after"; NaN where nothing was held out."""
+        """(n,) N m: error of the model "before", "after" or "plain"; NaN where nothing was held out."""
         return self._rms(self.measured - getattr(self, model), held_out)
+
+    def to_plain(self) -> tuple[Ratio, ...]:
+        """Of each joint, on what was held out: RMS error of the model "after" to that of "plain", and its interval."""
+        errors = [(self.measured - model)[self.held_out] for model in (self.after, self.plain)]
+        known = np.isfinite(np.hstack(errors)).all(axis=1)
+        # what is faster was filtered out: samples that are closer tell the same
+        width = max(1, round(0.5 / (self.bandwidth * float(np.median(np.diff(self.time))))))
+        first, second = (_thinned(error[known] ** 2, width) for error in errors)
+        return tuple(error_ratio(a, b) for a, b in zip(first.T, second.T, strict=True))
 
     def size(self) -> Array:
         """(n,) N m: RMS of the measured torques about their mean."""
@@ -54,6 +63,12 @@ class TorqueErrors:
     def speed(self, held_out: bool = False) -> Array:
         """(n,) rad/s: RMS."""
         return self._rms(self.v, held_out)
+
+    def resting(self) -> tuple[Array, Array]:
+        """Shares (n,) of what was held out while each joint rests: of time, and of squared error of "after"."""
+        held, squares = self.held_out, np.square(self.measured - self.after)[self.held_out]
+        rests = np.abs(self.v[held]) < RESTS * self.speed()
+        return rests.sum(axis=0) / max(held.sum(), 1), _share(np.where(rests, squares, 0.0), squares)
 
     def _rms(self, values: Array, held_out: bool) -> Array:
         squares = np.square(values[self.held_out == held_out])
@@ -72,15 +87,28 @@ def torque_errors(
     """Before and after, along a whole recording; samples from `held_from` s on count as held out."""
     motion = motion_of(robot, recording, cutoff)
     width = min(motion.cutoff, BANDWIDTH)
+    recorded, held = torques_of(robot, recording, constants), recording.time >= held_from
     torques = (
-        torques_of(robot, recording, constants),
+        recorded,
         stated_torque(robot, motion),
         rigid.model.torque(robot, motion),
+        plain_model(robot, motion, recorded, ~held, width).torque(robot, motion),
         link_torques(robot, motion, rigid.model.inertial),
     )
-    measured, before, after, load = (low_pass(x, motion.period, width) for x in torques)
-    held = recording.time >= held_from
-    return TorqueErrors(recording.time, measured, before, after, motion.q, motion.v, load, held, width)
+    measured, before, after, plain, load = (low_pass(x, motion.period, width) for x in torques)
+    return TorqueErrors(recording.time, measured, before, after, plain, motion.q, motion.v, load, held, width)
+
+
+def _share(part: Array, whole: Array) -> Array:
+    """Of sums over rows, what is not known left out; 0 of nothing."""
+    total = np.nansum(whole, axis=0)
+    return np.nansum(part, axis=0) / np.where(total > 0.0, total, 1.0)
+
+
+def _thinned(values: Array, width: int) -> Array:
+    """Means over as many rows; what is left at the end counts for nothing."""
+    rows = len(values) // width
+    return values[: rows * width].reshape(rows, width, values.shape[1]).mean(axis=1)
 
 
 def stated_torque(robot: Robot, motion: Motion) -> Array:
@@ -93,20 +121,3 @@ def stated_torque(robot: Robot, motion: Motion) -> Array:
             friction: Any = law
             found[:, j] += friction.torque(speed, load[:, j]) if friction else 0.0
     return found
-
-
-def warnings_of(errors: TorqueErrors, joints: tuple[str, ...]) -> list[str]:
-    """Sentences on joints whose held-out torques judge nothing, or are explained much worse than those fitted."""
-    fitted, held, before = errors.rms("after"), errors.rms("after", True), errors.rms("before")
-    moved, moves = errors.speed(), errors.speed(True)
-    notes: list[str] = []
-    for j, joint in enumerate(joints):
-        if moves[j] < STILL * moved[j]:
-            notes.append(f"{joint} hardly moves on the part held out: its error there judges nothing")
-        if held[j] > WORSE * fitted[j]:
-            times = f"{held[j] / fitted[j]:.1f} times that on the part that was fitted"
-            reason = "it moves otherwise there, or the machine changed"
-            notes.append(f"{joint}: torque error on the part held out is {times}: {reason}")
-        if fitted[j] > before[j]:
-            notes.append(f"{joint}: the identified model explains its torque worse than the files did")
-    return notes

@@ -12,7 +12,8 @@ from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.optimize import minimize
+from scipy.linalg import cholesky, solve_triangular
+from scipy.optimize import minimize, nnls
 
 from cutpoint.identification.rigid.regression import friction_columns
 from cutpoint.mechanics.friction import Coulomb, Sliding, Stribeck
@@ -81,21 +82,19 @@ def choose_friction(
     means: Means,
     load: Array | None = None,
     offset: bool = True,
-) -> FrictionChoice | None:
+) -> FrictionChoice:
     """Coulomb or Stribeck, each symmetric, asymmetric, or growing with load, and the shape that fits best.
 
     torque (M,): friction of a joint, after means, and what may be wrong in what else was subtracted: others (M, k),
     each at one standard deviation, in torques of a noise, N m.  speed, load: (N,), before means.
     offset: whether the torque may be off by a constant; where friction is asymmetric that stands for it.
     Of the shapes that were tried on the way to the best for all blocks, each block is judged by the one that fits the
-    others best.  None where no law fits that takes energy.
+    others best.  Every law takes energy: none of its parts pushes.
     """
     trial = _Trial(torque, others, noise, speed, means, load, offset)
     tried = _tried(trial, float(np.sqrt(np.nanmean(speed**2))))
-    families = [family for family in RICHNESS if tried.get(family)]
-    if not families:
-        return None
-    errors = np.array([trial.left_out([gram for _, gram in tried[family]]) for family in families])
+    families = [family for family in RICHNESS if family in tried]
+    errors = np.array([trial.left_out(tried[family]) for family in families])
     errors *= BLOCKS / len(torque)
     squares, deviations = errors.mean(axis=1), errors.std(axis=1, ddof=1) / np.sqrt(BLOCKS)
     best = int(np.argmin(squares))
@@ -133,40 +132,41 @@ class _Trial:
         return np.array([block.T @ block for block in np.array_split(self.others, BLOCKS)])
 
     def all(self, laws: list[Sliding]) -> list[Tried]:
-        """The laws, less those that fit best with friction that would push."""
-        return [(law, gram) for law in laws if self._brakes(law, gram := self.gram(law))]
-
-    def _brakes(self, law: Sliding, gram: Array) -> bool:
-        names = [*law.coefficients, *(["per_load"] if law.per_load is not None else [])]
-        values = self.fits(gram.sum(axis=0))[0][-len(names) :]
-        # small viscous friction may come out negative, and is brought to zero later
-        return all(value >= 0.0 for name, value in zip(names, values, strict=True) if name != "viscous")
+        return [(law, self.gram(law)) for law in laws]
 
     def best(self, tried: list[Tried]) -> Sliding:
         """The law that fits best."""
-        return min(tried, key=lambda each: self.misfit(each[1]))[0]
+        return min(tried, key=self.misfit)[0]
 
-    def misfit(self, gram: Array) -> float:
+    def misfit(self, tried: Tried) -> float:
         """Squares that a law leaves over in all blocks."""
-        return float(self.fits(gram.sum(axis=0))[1])
+        law, gram = tried
+        return self.fit(law, gram.sum(axis=0))[1]
 
-    def left_out(self, grams: list[Array]) -> Array:
+    def left_out(self, tried: list[Tried]) -> Array:
         """Squared error of each block under the shape and parameters that fit the others best, (BLOCKS,)."""
-        each = np.array(grams)
-        values, misfits = self.fits(each.sum(axis=1, keepdims=True) - each)
-        best = misfits.argmin(axis=0), np.arange(BLOCKS)
-        both = np.concatenate([-values[best], np.ones((BLOCKS, 1))], axis=1)
-        return np.einsum("bi,bij,bj->b", both, each[best], both)
+        errors = np.empty(BLOCKS)
+        for block in range(BLOCKS):
+            fits = [(self.fit(law, gram.sum(axis=0) - gram[block]), gram[block]) for law, gram in tried]
+            (values, _), own = min(fits, key=lambda each: each[0][1])
+            both = np.append(-values, 1.0)
+            errors[block] = both @ own @ both
+        return errors
 
-    def fits(self, gram: Array) -> tuple[Array, Array]:
-        """Least squares of the last column by the others, of products (..., c, c): values, and squares left over."""
-        A, b = gram[..., :-1, :-1].copy(), gram[..., :-1, -1:]
-        rows = np.arange(self.others.shape[1])
-        A[..., rows, rows] += self.noise**2
-        size = np.sqrt(np.maximum(np.diagonal(A, axis1=-2, axis2=-1), np.finfo(float).tiny))[..., None]
-        scaled = A / (size * size.swapaxes(-1, -2)) + RIDGE * np.eye(A.shape[-1])
-        values = np.linalg.solve(scaled, b / size) / size
-        return values[..., 0], gram[..., -1, -1] - (values * b).sum(axis=(-2, -1))
+    def fit(self, law: Sliding, gram: Array) -> tuple[Array, float]:
+        """Least squares of the last column by the others, of products (c, c), friction never negative: values, and
+        squares left over."""
+        A, b, others = gram[:-1, :-1].copy(), gram[:-1, -1], self.others.shape[1]
+        A[range(others), range(others)] += self.noise**2
+        size = np.sqrt(np.maximum(np.diag(A), np.finfo(float).tiny))
+        R = cholesky(A / np.outer(size, size) + RIDGE * np.eye(size.size))
+        y = solve_triangular(R, b / size, trans=1)
+        free = others + int(self.offset and law.asymmetry is None)
+        # the triangle's last rows hold friction alone
+        friction, _ = nnls(R[free:, free:], y[free:])
+        rest = solve_triangular(R[:free, :free], y[:free] - R[:free, free:] @ friction)
+        values = np.append(rest, friction) / size
+        return values, float(gram[-1, -1] - 2.0 * values @ b + values @ A @ values)
 
 
 def _tried(trial: _Trial, size: float) -> dict[str, list[Tried]]:
@@ -178,8 +178,6 @@ def _tried(trial: _Trial, size: float) -> dict[str, list[Tried]]:
     found: dict[str, list[Tried]] = {}
     for family, laws in plain.items():
         found[family] = _refined(trial, trial.all(laws))
-        if not found[family]:
-            continue
         law = trial.best(found[family])
         found[f"{family}, asymmetric"] = _refined(trial, trial.all([_with(law, asymmetry=x) for x in ASYMMETRIES]))
         if trial.load is not None and np.nanmax(np.abs(trial.load)) > 0.0:
@@ -189,8 +187,6 @@ def _tried(trial: _Trial, size: float) -> dict[str, list[Tried]]:
 
 def _refined(trial: _Trial, tried: list[Tried]) -> list[Tried]:
     """With what is tried on the way to the best shape near these, by variable projection.  Golub and Pereyra (1973)."""
-    if not tried:
-        return []
     law: Any = trial.best(tried)
     names = [name for name in ("smoothing", "stribeck_velocity") if hasattr(law, name)]
     start = np.log([getattr(law, name) for name in names])
@@ -199,9 +195,8 @@ def _refined(trial: _Trial, tried: list[Tried]) -> list[Tried]:
 
     def misfit(x: Array) -> float:
         side = {} if law.asymmetry is None else {"asymmetry": float(np.tanh(x[-1]))}
-        own = trial.all([_with(law, **dict(zip(names, np.exp(x).tolist(), strict=False)), **side)])
-        found.extend(own)
-        return trial.misfit(own[0][1]) if own else np.inf
+        found.extend(trial.all([_with(law, **dict(zip(names, np.exp(x).tolist(), strict=False)), **side)]))
+        return trial.misfit(found[-1])
 
     steps = np.vstack([start, start + NEAR * np.eye(start.size)])
     options = {"maxfev": TRIALS, "xatol": 1e-2, "fatol": 0.0, "initial_simplex": steps}

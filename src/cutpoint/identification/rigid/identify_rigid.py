@@ -1,6 +1,7 @@
 """From a recording to a rigid model one can trust: bodies, rotors, friction, and what the log cannot tell of them."""
 
 from collections.abc import Mapping
+from dataclasses import replace
 from typing import Literal
 
 import numpy as np
@@ -12,6 +13,7 @@ from cutpoint.identification.conditioning.motion import Motion, motion_of, slidi
 from cutpoint.identification.logs.recording import Recording
 from cutpoint.identification.rigid.base_parameters import BaseParameters, base_parameters
 from cutpoint.identification.rigid.friction_choice import FrictionChoice, choose_friction
+from cutpoint.identification.rigid.friction_shape import best_shapes
 from cutpoint.identification.rigid.instrumental import instrumental_variables
 from cutpoint.identification.rigid.least_squares import METHODS, Estimate, least_squares, solved
 from cutpoint.identification.rigid.physical import Solver, physical
@@ -41,7 +43,7 @@ def identify_rigid(
     recording: Recording,
     *,
     friction: FrictionWish = "choose",
-    method: Method = "weighted",
+    method: Method = "huber",
     instruments: Recording | None = None,
     rotors: bool = True,
     offsets: bool = True,
@@ -56,8 +58,9 @@ def identify_rigid(
 
     friction: "choose" the law of each joint, see `choose_friction`; as "stated" by the drives, or Coulomb's; or laws by
         joint, of which the shape counts.
-    method: "ordinary" or "weighted" least squares, "huber" with outliers, "instrumental" where noise of the positions
-        matters; instruments: then, the motion that was asked for or simulated, at the same times.
+    method: "huber", for which torques that are far off count by their size alone, as those of a joint that shakes as it
+        turns back; "ordinary" or "weighted" least squares; "instrumental" where noise of the positions matters;
+        instruments: then, the motion that was asked for or simulated, at the same times.
     rotors: whether the inertia of every joint's rotor is sought; if not, it is what the drives state.
     offsets: whether torques may be off by a constant each.
     solver, prior_spread: for bodies that can exist, see `physical`.  level: of the intervals.
@@ -146,9 +149,10 @@ def _choices(base: BaseParameters, log: Log, loads: Array, offsets: bool) -> tup
         speed, others = speeds[:, j], first.columns[:, j, :b] @ likely
         if np.nanstd(speed) > 0.0:
             noise = float(estimate.noise[j])
-            own = choose_friction(joint, torque[:, j], others, noise, speed, log.means, loads[:, j], offsets)
-            found += [own] if own else []
-    return tuple(found)
+            found.append(choose_friction(joint, torque[:, j], others, noise, speed, log.means, loads[:, j], offsets))
+    chosen = {each.joint: each.law for each in found}
+    shaped = best_shapes(base, laws | chosen, chosen, log, loads, offsets)
+    return tuple(replace(each, law=shaped[each.joint]) for each in found)
 
 
 def _laws(robot: Robot, motion: Motion, wish: FrictionWish, choices: tuple[FrictionChoice, ...]) -> dict[str, Sliding]:

@@ -53,21 +53,18 @@ def least_squares(regression: Regression, method: Method = "weighted") -> Estima
     if method not in METHODS:
         raise unknown_name("method of least squares", method, METHODS)
     check_size(regression)
-    if method == "ordinary":
-        noise, values = np.ones(regression.torque.shape[1]), None
-    else:
-        noise, values = _weighted(regression)
-    weights = np.broadcast_to(1.0 / noise, regression.torque.shape)
     if method == "huber":
-        assert values is not None
-        weights, noise = _huber(regression, values, noise)
-    R, z = split(triangle(_rows(regression, weights)))
+        weights, noise = huber_weights(regression)
+    else:
+        noise = np.ones(regression.torque.shape[1]) if method == "ordinary" else _weighted(regression)[0]
+        weights = np.broadcast_to(1.0 / noise, regression.torque.shape)
+    R, z = split(triangle(weighted_rows(regression, weights)))
     values, P, seen = solved(R, z)
     residuals = regression.residuals(values)
     if method == "huber":
         # the slope of Huber's bounded residual is 1 inside the edge and 0 beyond
         inside = np.abs(residuals) <= EDGE * noise
-        _, P, seen = solved(*split(triangle(_rows(regression, inside / noise))))
+        _, P, seen = solved(*split(triangle(weighted_rows(regression, inside / noise))))
     found = spread(weights[..., None] * regression.columns, weights * residuals, P, seen)
     noise = np.sqrt(np.mean(residuals**2, axis=0)) if method != "huber" else noise
     scale = np.sqrt(found.correlation) * (np.sqrt(np.mean((weights * residuals) ** 2)) if method == "ordinary" else 1.0)
@@ -102,6 +99,27 @@ def split(both: Array) -> tuple[Array, Array]:
     return both[:-1, :-1], both[:-1, -1]
 
 
+def huber_weights(regression: Regression) -> tuple[Array, Array]:
+    """Weights (M, n) that bound each residual's pull, and the noise (n,) of those that are no outliers."""
+    noise, values = _weighted(regression)
+    weights = np.ones_like(regression.torque)
+    for _ in range(ROUNDS):
+        residuals = regression.residuals(values)
+        before, noise = noise, np.maximum(np.median(np.abs(residuals), axis=0) / NORMAL, np.finfo(float).tiny)
+        size = np.abs(residuals) / noise
+        weights = np.sqrt(np.minimum(1.0, EDGE / np.maximum(size, EDGE))) / noise
+        values = solved(*split(triangle(weighted_rows(regression, weights))))[0]
+        if np.abs(noise / before - 1.0).max() < SETTLED:
+            break
+    return weights, noise
+
+
+def weighted_rows(regression: Regression, weights: Array) -> Array:
+    """Weighted rows of [columns, torque], (M n, c + 1)."""
+    both = np.concatenate([regression.columns, regression.torque[..., None]], axis=2)
+    return (weights[..., None] * both).reshape(-1, both.shape[2])
+
+
 def _weighted(regression: Regression) -> tuple[Array, Array]:
     """Each joint's noise (n,) and the parameters, from the joints' triangles alone."""
     factors, rows = regression.factors, len(regression.times)
@@ -114,23 +132,3 @@ def _weighted(regression: Regression) -> tuple[Array, Array]:
         if np.abs(noise / before - 1.0).max() < SETTLED:
             break
     return noise, values
-
-
-def _huber(regression: Regression, values: Array, noise: Array) -> tuple[Array, Array]:
-    """Weights (M, n) that bound each residual's pull, and the noise (n,) of those that are no outliers."""
-    weights = np.ones_like(regression.torque)
-    for _ in range(ROUNDS):
-        residuals = regression.residuals(values)
-        before, noise = noise, np.maximum(np.median(np.abs(residuals), axis=0) / NORMAL, np.finfo(float).tiny)
-        size = np.abs(residuals) / noise
-        weights = np.sqrt(np.minimum(1.0, EDGE / np.maximum(size, EDGE))) / noise
-        values = solved(*split(triangle(_rows(regression, weights))))[0]
-        if np.abs(noise / before - 1.0).max() < SETTLED:
-            break
-    return weights, noise
-
-
-def _rows(regression: Regression, weights: Array) -> Array:
-    """Weighted rows of [columns, torque], (M n, c + 1)."""
-    both = np.concatenate([regression.columns, regression.torque[..., None]], axis=2)
-    return (weights[..., None] * both).reshape(-1, both.shape[2])

@@ -59,24 +59,25 @@ def regression(
     *,
     offsets: bool = True,
     loads: Array | None = None,
+    inertial: Array | None = None,
 ) -> Regression:
     """Of a motion and its torques (N, n): base parameters, then each joint's friction, then offsets, by name.
 
     laws: a friction law for each joint, whose own coefficients do not matter.  loads: (N, n) N m that the drives
-    transmit, for laws in which friction grows with it.
+    transmit, for laws in which friction grows with it.  inertial: as `inertial_columns` has them, where they are known.
     """
-    inertial = inertial_columns(base, motion, means)
+    inertial = inertial_columns(base, motion, means) if inertial is None else inertial
     joints, speeds = base.robot.joints, sliding_speeds(base.robot, motion)
     names, friction = [*base.names], []
     for j, joint in enumerate(joints):
         own, columns = friction_columns(laws[joint], speeds[:, j], None if loads is None else loads[:, j])
         names += [f"{name}.{joint}" for name in own]
-        friction.append(_of_joint(means(columns), j, len(joints)))
+        friction.append(of_joint(means(columns), j, len(joints)))
     for j, joint in enumerate(joints):
         # dry friction that differs by direction is an offset, but for the moments of rest
         if offsets and laws[joint].asymmetry is None:
             names.append(f"offset.{joint}")
-            friction.append(_of_joint(np.ones((means.size, 1)), j, len(joints)))
+            friction.append(of_joint(np.ones((means.size, 1)), j, len(joints)))
     return Regression(tuple(names), np.concatenate([inertial, *friction], axis=2), means(torque), means.times)
 
 
@@ -95,7 +96,7 @@ def inertial_columns(base: BaseParameters, motion: Motion, means: Decimation) ->
         found[rows, :, : links.size] = means(Y[..., links], rows)
     w_dot = means(motion.w_dot)
     for k, j in enumerate(rotors, start=links.size):
-        found[:, :, k] = _of_joint(w_dot[:, [j]], int(j), n)[..., 0]
+        found[:, :, k] = of_joint(w_dot[:, [j]], int(j), n)[..., 0]
     return found
 
 
@@ -118,7 +119,7 @@ def triangle(rows: Array) -> Array:
     return np.concatenate([R, np.zeros((width - len(R), width))])
 
 
-def _of_joint(columns: Array, joint: int, joints: int) -> Array:
+def of_joint(columns: Array, joint: int, joints: int) -> Array:
     """Columns (M, k) as those of all joints' torques, (M, n, k)."""
     found = np.zeros((columns.shape[0], joints, columns.shape[1]))
     found[:, joint] = columns

@@ -1,0 +1,101 @@
+"""How sure it is that one model errs less than another, where errors know of those before them.
+
+Squares of both models' errors are drawn anew together, in blocks around a circle: Politis and Romano (1992), in
+Exploring the Limits of Bootstrap.  A block's length: Politis and White (2004), Econometric Reviews 23(1), as corrected
+by Patton, Politis and White (2009), Econometric Reviews 28(4).
+"""
+
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.stats import t
+
+Array = NDArray[np.float64]
+
+DRAWS = 1000
+
+LONGER = 3.0
+"""Times the length that tells the spread best: intervals cover with longer blocks.  Of two models that err alike, their
+errors related over up to 20 of 200 or 600 samples, intervals of 95 % then hold 1 in 89 to 96 cases of 100."""
+
+FEWEST_BLOCKS = 4
+
+FEWEST = 16
+"""Samples from which on there is an interval."""
+
+QUIET = 2.0
+"""Standard deviations of white noise's correlations: what stays below is none."""
+
+QUIET_LAGS = 5
+"""As many correlations that are none, one after another, end the errors' memory."""
+
+
+class Ratio(NamedTuple):
+    """Of one model's RMS error to another's, with its interval; NaN where there are too few samples."""
+
+    value: float
+    low: float
+    high: float
+
+    @property
+    def is_less(self) -> bool:
+        """Whether the first surely errs less."""
+        return self.high < 1.0
+
+    @property
+    def is_more(self) -> bool:
+        """Whether it surely errs more."""
+        return self.low > 1.0
+
+
+def error_ratio(first: Array, second: Array, level: float = 0.95, seed: int = 0) -> Ratio:
+    """Of two models' squared errors (N,) at the same times, in order; the interval holds the truth with a probability.
+
+    The logarithm of the ratio is taken to be Student's, with as many degrees of freedom as there are blocks, less one.
+    """
+    both = np.column_stack([first, second])
+    count, (a, b) = len(both), both.sum(axis=0)
+    if count < FEWEST or not min(a, b) > 0.0:
+        return Ratio(*3 * [float("nan")])
+    # how the ratio moves with each sample, to first order
+    length = min(int(np.ceil(LONGER * block_length(first - a / b * second))), count // FEWEST_BLOCKS)
+    # means of few blocks differ from the mean of all by less than from the truth
+    spread = _spread(both, length, seed) / np.sqrt(1.0 - length / count)
+    reach = float(t.ppf(0.5 + 0.5 * level, count / length - 1.0)) * spread
+    value = np.sqrt(a / b)
+    return Ratio(float(value), float(value * np.exp(-reach)), float(value * np.exp(reach)))
+
+
+def _spread(both: Array, length: int, seed: int) -> float:
+    """Standard deviation of the logarithm of the ratio, of squares (N, 2) that are drawn in blocks of a length."""
+    count = len(both)
+    sums = np.cumsum(np.concatenate([np.zeros((1, 2)), both, both[:length]]), axis=0)
+    blocks = sums[length:] - sums[:-length]
+    starts = np.random.default_rng(seed).integers(0, count, (DRAWS, -(-count // length)))
+    drawn = np.maximum(blocks[starts].sum(axis=1), np.finfo(float).tiny)
+    return float(np.std(0.5 * np.log(drawn[:, 0] / drawn[:, 1])))
+
+
+def block_length(x: Array) -> float:
+    """Samples in a block with which the spread of the mean of x (N,) is told best, 1 at least."""
+    count = x.size
+    x = x - x.mean()
+    padded = np.fft.rfft(x, 2 * count)
+    R = np.fft.irfft((padded * padded.conj()).real)[:count] / count
+    lags = min(2 * _memory(R), count - 1)
+    k = np.arange(1, lags + 1)
+    # flat up to half of the lags, then falling to nothing
+    weighted = 2.0 * np.clip(2.0 * (1.0 - k / lags), 0.0, 1.0) * R[k]
+    g, G = R[0] + weighted.sum(), (k * weighted).sum()
+    wanted = (1.5 * count) ** (1.0 / 3.0) * np.abs(G / g) ** (2.0 / 3.0) if g else 1.0
+    return float(np.clip(wanted, 1.0, min(3.0 * np.sqrt(count), count / 3.0)))
+
+
+def _memory(R: Array) -> int:
+    """The lag, 1 at least, after which correlations of autocovariances R (N,) are none."""
+    count = R.size
+    loud = np.abs(R) >= QUIET * np.sqrt(np.log10(count) / count) * R[0]
+    most = min(int(np.sqrt(count)) + QUIET_LAGS, count - QUIET_LAGS - 1)
+    ends = (m for m in range(1, most) if not loud[m + 1 : m + 1 + QUIET_LAGS].any())
+    return next(ends, max(most, 1))

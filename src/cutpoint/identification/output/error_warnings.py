@@ -1,0 +1,66 @@
+"""What errors of torques warn of, in sentences."""
+
+import numpy as np
+
+from cutpoint.identification.output.block_bootstrap import Ratio
+from cutpoint.identification.output.torque_errors import TorqueErrors
+
+WORSE = 2.0
+"""Times the error of the part that was fitted: above that on the rest, the model does not carry over."""
+
+STILL = 0.1
+"""Of the RMS speed on the part that was fitted."""
+
+POOR = 0.5
+"""Of the torque itself: a model that leaves more was fitted to something else."""
+
+SMALL = 0.02
+"""Of the torque itself: no more needs no words, whoever errs less."""
+
+UNLIKE = 30.0
+"""Times what the files ask of all joints, or that part of it: no mass is so wrong."""
+
+TINY = float(np.finfo(float).tiny)
+
+MOST = 0.5
+"""Of the squared error: what is said to make most of it."""
+
+
+def warnings_of(errors: TorqueErrors, joints: tuple[str, ...]) -> list[str]:
+    """On joints whose held-out torques judge nothing, or are explained much worse than those fitted, or than by plain
+    least squares."""
+    each = enumerate(zip(joints, errors.to_plain(), strict=True))
+    return _of_all(errors) + [f"{joint}{note}" for j, (joint, ratio) in each for note in _of_joint(errors, j, ratio)]
+
+
+def _of_all(errors: TorqueErrors) -> list[str]:
+    known = np.isfinite(errors.before)
+    times = float(np.linalg.norm(errors.measured[known]) / max(np.linalg.norm(errors.before[known]), TINY))
+    if 1.0 / UNLIKE < times < UNLIKE:
+        return []
+    check = "check their unit, and whether they are of the motor's shaft or of the joint"
+    return [f"torques are {times:.3g} times what the robot's files ask for this motion: {check}"]
+
+
+def _of_joint(errors: TorqueErrors, j: int, ratio: Ratio) -> list[str]:
+    fitted, held, before = errors.rms("after")[j], errors.rms("after", True)[j], errors.rms("before")[j]
+    time, squares = (float(share[j]) for share in errors.resting())
+    notes: list[str] = []
+    if fitted > POOR * errors.size()[j]:
+        what = f"{fitted:.3g} of {errors.size()[j]:.3g} N m of its torque are not explained"
+        notes.append(f": {what}: check its columns, signs and units")
+    if errors.speed(True)[j] < STILL * errors.speed()[j]:
+        notes.append(" hardly moves on the part held out: its error there judges nothing")
+    if held > WORSE * fitted:
+        times = f"{held / fitted:.1f} times that on the part that was fitted"
+        reason = "it moves otherwise there, or the machine changed"
+        notes.append(f": torque error on the part held out is {times}: {reason}")
+    if squares > MOST > time:
+        when = f"the {time:.0%} of time in which it rests, where friction is whatever holds it and no law tells it"
+        notes.append(f": {squares:.0%} of its squared torque error on the part held out comes from {when}")
+    if ratio.is_more and held > SMALL * errors.size()[j]:
+        times = f"{ratio.low:.2f} to {ratio.high:.2f} times that of plain least squares"
+        notes.append(f": torque error on the part held out is {times}: check signs and units, or record longer")
+    if fitted > before:
+        notes.append(": the identified model explains its torque worse than the files did")
+    return notes

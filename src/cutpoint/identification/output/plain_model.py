@@ -1,0 +1,48 @@
+"""What anyone would fit first: rigid bodies, Coulomb and viscous friction and an offset by ordinary least squares.
+
+The yardstick of what is identified with more care.  No body need exist, all joints' torques weigh alike, friction
+changes its sign where a joint turns back.  Gautier (1997), ICRA, for the filters that torques and columns share.
+"""
+
+import numpy as np
+from numpy.typing import NDArray
+
+from cutpoint.identification.conditioning.decimation import decimation
+from cutpoint.identification.conditioning.motion import Motion, sliding_speeds
+from cutpoint.identification.rigid.base_parameters import BaseParameters, base_parameters
+from cutpoint.identification.rigid.least_squares import least_squares
+from cutpoint.identification.rigid.regression import regression
+from cutpoint.identification.rigid.rigid_robot import RigidModel, laws_with
+from cutpoint.mechanics.friction import Coulomb
+from cutpoint.robot import Robot
+
+Array = NDArray[np.float64]
+
+AT_REST = 0.02
+"""Of the RMS speed, over which Coulomb friction changes its sign."""
+
+
+def plain_model(robot: Robot, motion: Motion, torque: Array, fitted: NDArray[np.bool_], width: float) -> RigidModel:
+    """The model of torques (N, n), N m at the joint, explained up to a width, Hz, where samples are fitted (N,).
+
+    Raises InputError: too few samples.
+    """
+    base = base_parameters(robot, rotors=True)
+    sizes = np.sqrt(np.nanmean(sliding_speeds(robot, motion)[fitted] ** 2, axis=0))
+    smoothings = np.maximum(AT_REST * sizes, 1e-9).tolist()
+    laws = {joint: Coulomb(1.0, 0.0, smoothing) for joint, smoothing in zip(robot.joints, smoothings, strict=True)}
+    known = motion.known() & np.isfinite(torque).all(axis=1)
+    found = regression(base, laws, motion, torque, decimation(known & fitted, motion.period, width))
+    values = least_squares(found, "ordinary").values
+    inertial, rotors = _single(base, values)
+    others = dict(zip(found.names[base.independent.size :], values[base.independent.size :].tolist(), strict=True))
+    offsets = np.array([others[f"offset.{joint}"] for joint in robot.joints])
+    return RigidModel(inertial, rotors, offsets, laws_with(laws, others))
+
+
+def _single(base: BaseParameters, values: Array) -> tuple[Array, Array]:
+    """Inertial parameters (10 bodies,) and rotors (n,) in which all but those that stand for combinations are zero."""
+    found = np.zeros(len(base.parameters))
+    found[base.independent] = values[: base.independent.size]
+    bodies = 10 * len(base.robot.mechanism.bodies)
+    return found[:bodies], found[bodies:]

@@ -1,0 +1,93 @@
+"""How sharply friction changes with speed, fitted together with all that is linear, and robust to outliers.
+
+Where a joint turns back or shakes, filtered speeds tell little of friction, and a few torques are far off.  By their
+squares these alone would decide over the shape: Huber's weights bound them, and steps are those of Gauss and Newton.
+"""
+
+from collections.abc import Collection, Mapping
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from cutpoint.identification.conditioning.motion import sliding_speeds
+from cutpoint.identification.rigid.base_parameters import BaseParameters
+from cutpoint.identification.rigid.least_squares import huber_weights, solved, split, weighted_rows
+from cutpoint.identification.rigid.regression import Regression, inertial_columns, of_joint, regression, triangle
+from cutpoint.identification.rigid.rigid_estimate import Log
+from cutpoint.identification.rigid.rigid_robot import laws_with
+from cutpoint.mechanics.friction import Sliding
+
+Array = NDArray[np.float64]
+Laws = Mapping[str, Sliding]
+Shape = tuple[str, str]
+"""A joint, and the name of what shapes its law."""
+
+STEPS = 12
+LONGEST = 0.3
+"""Step, in the logarithm of a speed."""
+
+SETTLED = 1e-3
+NEARLY = 0.05
+"""Of a last step: a law that still moves by more is left as it was, for nothing tells its shape."""
+
+CHANGE = 1e-4
+"""In the logarithm of a speed, for derivatives."""
+
+
+def best_shapes(
+    base: BaseParameters, laws: Laws, joints: Collection[str], log: Log, loads: Array, offsets: bool
+) -> dict[str, Sliding]:
+    """The laws, those of some joints with the shapes that explain the torques best.  loads: (N, n), N m."""
+    inertial = inertial_columns(base, log.motion, log.means)
+    found, steps = dict(laws), dict[Shape, float]()
+    for _ in range(STEPS if joints else 0):
+        linear = regression(
+            base, found, log.motion, log.torque, log.means, offsets=offsets, loads=loads, inertial=inertial
+        )
+        steps = _steps(base, found, joints, log, loads, linear)
+        for (joint, name), step in steps.items():
+            found[joint] = _moved(found[joint], name, step)
+        if max(map(abs, steps.values())) < SETTLED:
+            break
+    lost = {joint for (joint, _), step in steps.items() if abs(step) > NEARLY}
+    return {joint: laws[joint] if joint in lost else law for joint, law in found.items()}
+
+
+def _steps(
+    base: BaseParameters, laws: Laws, joints: Collection[str], log: Log, loads: Array, linear: Regression
+) -> dict[Shape, float]:
+    """Of each shape, from here to where the torques are explained best as far as one sees from here."""
+    weights, _ = huber_weights(linear)
+    values = solved(*split(triangle(weighted_rows(linear, weights))))[0]
+    told = laws_with(laws, dict(zip(linear.names, values.tolist(), strict=True)))
+    shapes = [(joint, name) for joint in joints for name in _names(laws[joint])]
+    slopes = _slopes(base, told, shapes, log, loads)
+    both = replace(linear, columns=np.concatenate([linear.columns, slopes], axis=2))
+    steps = solved(*split(triangle(weighted_rows(both, weights))))[0][-len(shapes) :]
+    return dict(zip(shapes, np.clip(steps, -LONGEST, LONGEST).tolist(), strict=True))
+
+
+def _slopes(base: BaseParameters, laws: Laws, shapes: list[Shape], log: Log, loads: Array) -> Array:
+    """Derivatives (M, n, k) of the torques by shapes."""
+    order, speeds = base.robot.joints, sliding_speeds(base.robot, log.motion)
+    found: list[Array] = []
+    for joint, name in shapes:
+        j = order.index(joint)
+        ends = [_moved(laws[joint], name, x).torque(speeds[:, j], loads[:, j]) for x in (CHANGE, -CHANGE)]
+        slope = log.means((ends[0] - ends[1]) / (2.0 * CHANGE))
+        found.append(of_joint(slope[:, None], j, len(order)))
+    return np.concatenate(found, axis=2)
+
+
+def _names(law: Sliding) -> list[str]:
+    names = [name for name in ("smoothing", "stribeck_velocity") if hasattr(law, name)]
+    return names if law.asymmetry is None else [*names, "asymmetry"]
+
+
+def _moved(law: Any, name: str, step: float) -> Any:
+    """A speed by a step in its logarithm, an asymmetry by one in its inverse hyperbolic tangent."""
+    value = float(getattr(law, name))
+    new = np.tanh(np.arctanh(value) + step) if name == "asymmetry" else value * np.exp(step)
+    return replace(law, **{name: float(new)})

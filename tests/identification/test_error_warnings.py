@@ -1,0 +1,52 @@
+"""What is said of torque errors on the part of a log that was held out."""
+
+import re
+
+import numpy as np
+import pytest
+
+from cutpoint.identification.output.error_warnings import warnings_of
+from cutpoint.identification.output.torque_errors import TorqueErrors
+
+TIME = 0.01 * np.arange(4000)
+HELD = TIME >= 28.0
+NOISE = np.random.default_rng(0).normal(size=(3, TIME.size))
+TORQUE = 20.0 * np.cos(1.3 * TIME)
+MOVES = np.sin(2.0 * TIME)
+RESTS = HELD & (np.abs(np.modf(TIME / 4.0)[0] - 0.5) < 0.05)
+STUCK = np.where(RESTS, 2.0, 0.1)
+
+
+def said(after: object = 0.1, plain: object = 0.1, before: object = 1.0, speed: object = MOVES) -> list[str]:
+    """Of a joint whose models err by noise times these."""
+    models = [(TORQUE - noise * size)[:, None] for noise, size in zip(NOISE, (before, after, plain), strict=True)]
+    v = np.broadcast_to(np.asarray(speed), TIME.shape)[:, None]
+    return warnings_of(TorqueErrors(TIME, TORQUE[:, None], *models, 0.0 * v, v, 0.0 * v, HELD, 10.0), ("elbow",))
+
+
+def test_a_model_that_carries_over_is_not_spoken_of():
+    assert said() == []
+    assert said(plain=0.05) == []
+
+
+@pytest.mark.parametrize(
+    ("errors", "words"),
+    [
+        ({"speed": np.where(HELD, 0.01, 1.0) * MOVES}, r"elbow hardly moves on the part held out: .* judges nothing"),
+        ({"after": np.where(HELD, 0.3, 0.1), "plain": 0.3}, r"elbow: .* is 3\.\d times that on the part .* fitted"),
+        ({"after": 2.0}, r"elbow: .* held out is 1\d\.\d\d to 2\d\.\d\d times that of plain least squares: check"),
+        ({"after": 10.0, "plain": 10.0}, r"elbow: 9\.\d+ of 14\.\d N m of its torque are not explained: check"),
+        ({"before": 0.999 * TORQUE / NOISE[0]}, r"torques are 1e\+03 times what the robot's files ask .* check"),
+        ({"before": 0.05}, r"elbow: the identified model explains its torque worse than the files did"),
+        (
+            {
+                "after": np.where(RESTS, 2.0, 0.1),
+                "plain": np.where(RESTS, 2.0, 0.1),
+                "speed": np.where(RESTS, 0.0, 1.0),
+            },
+            r"elbow: 9\d% of its squared torque error .* comes from the \d+% of time in which it rests",
+        ),
+    ],
+)
+def test_each_thing_that_is_wrong_is_said_with_its_joint(errors: dict[str, object], words: str):
+    assert any(re.match(words, note) for note in said(**errors)), said(**errors)
