@@ -4,12 +4,16 @@ from collections.abc import Sequence
 from functools import cached_property
 from typing import Any
 
+import numpy as np
+
 from cutpoint.kernels.arguments import as_numbers, explained, in_order
 from cutpoint.kernels.backends import Function
 from cutpoint.kernels.graph import Graph
 from cutpoint.kernels.precision import FLOAT64
-from cutpoint.kernels.strided import Strided
+from cutpoint.kernels.strided import WORTH_MAKING, Strided
 from cutpoint.kernels.threads import Threaded, checked
+
+_ARRAY = np.ndarray
 
 
 class ArrayCall:
@@ -20,9 +24,16 @@ class ArrayCall:
         self._name, self._graph, self._function = name, graph, function
         self._strided = None if function.element is None else Strided(graph, name, function.call)
         self._make = record and record._make  # type: ignore[attr-defined]
+        self._direct = function.call if graph.precision is FLOAT64 and record is None else None
+        self._count, self._short = len(graph.inputs), min((p.size for p in graph.inputs), default=0) * WORTH_MAKING
 
     def __call__(self, *arguments: Any, out: Any = None, threads: int | None = None, **named: Any) -> Any:
         """See `Kernel.__call__`."""
+        if self._direct and out is None and threads is None and not named and self._are_few(arguments):
+            try:
+                return self._direct(*arguments)
+            except (TypeError, ValueError) as error:
+                raise explained(self._name, self._graph, arguments, out, error) from None
         if named or len(arguments) != len(self._graph.inputs):
             arguments = tuple(in_order(self._name, self._graph.inputs, arguments, named))
         count = 1 if threads is None else checked(self._name, threads)
@@ -35,6 +46,15 @@ class ArrayCall:
         if self._make is None:
             return result
         return self._make(result if len(self._graph.outputs) > 1 else (result,))
+
+    def _are_few(self, arguments: tuple[Any, ...]) -> bool:
+        """Whether there is nothing to gain or to mend: an array for each input, none of them long."""
+        if len(arguments) != self._count:
+            return False
+        for x in arguments:
+            if type(x) is not _ARRAY or x.size >= self._short:
+                return False
+        return True
 
     def _run(self, arguments: Sequence[Any], out: Any) -> Any:
         call = self._function.call
