@@ -51,9 +51,10 @@ class ArrayCall:
         """Whether there is nothing to gain or to mend: an array for each input, none of them long."""
         if len(arguments) != self._count:
             return False
-        for x in arguments:
-            if type(x) is not _ARRAY or x.size >= self._short:
-                return False
+        for x in arguments:  # plainly written out: all calls but plain single ones come here
+            if type(x) is _ARRAY and x.size < self._short:
+                continue
+            return False
         return True
 
     def _run(self, arguments: Sequence[Any], out: Any) -> Any:

@@ -8,7 +8,7 @@ from dataclasses import replace
 from typing import Any, NamedTuple
 
 from cutpoint.mechanics.elastic import Driven
-from cutpoint.mechanics.forward_dynamics import give_way, through_mass_matrix
+from cutpoint.mechanics.forward_dynamics import give_way, is_shallow, through_mass_matrix
 from cutpoint.mechanics.harmonic_drive import (
     friction_torque,
     load_on_motor,
@@ -107,10 +107,11 @@ def driven_accelerations(
         tau[d.v], inertia[d.v] = tau[d.v] + effort.on_link, inertia[d.v] + effort.inertia
     system = replace(system, armature=tuple(inertia))
     # what nothing drives keeps its symmetries to the last bit in the recursion: linear models rest on that
-    if any(spin.elastic for spin in system.spins) or (system.nv > len(drives) and not system.has_followers):
+    solves = system.has_followers or (system.nv == len(drives) and is_shallow(system))
+    if any(spin.elastic for spin in system.spins) or not solves:
         motors = zip(drives, efforts, theta_dot, strict=True)
         a, A = give_way(system, q, v, tau, {}, {d.segment: (e.left, w) for d, e, w in motors if d.drive.is_elastic})
-    else:  # takes fewer operations than the recursion, whatever arm it is
+    else:
         a, A = through_mass_matrix(system, q, v, tau), []
     alpha = {
         d.segment: e.alpha + e.follows * a[d.v] if d.drive.is_elastic else a[d.v]

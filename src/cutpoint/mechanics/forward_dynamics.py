@@ -1,6 +1,7 @@
 """Joint accelerations under joint torques, in time proportional to the number of bodies.
 
-Featherstone (2008) chapter 7.
+Featherstone (2008) chapter 7.  Where few joints carry a body, as on most arms, solving with the mass matrix takes fewer
+operations, chapter 6.
 """
 
 from collections.abc import Mapping, Sequence
@@ -17,6 +18,13 @@ from cutpoint.model.mechanism import WORLD
 from cutpoint.scalars import Scalar
 
 Scalars = Sequence[Scalar]
+
+FEW = 6
+"""Joints that carry a body, it included, on average over all bodies: up to 11 in a chain, more on trees.
+
+Counted on chains and trees with random axes: there both ways take about as many operations, of 6 joints in a chain the
+mass matrix takes four fifths; it was measured to take three quarters of the time on arms.
+"""
 
 
 @dataclass(slots=True, eq=False)
@@ -55,7 +63,17 @@ def forward_dynamics(
     if system.has_followers:
         return through_mass_matrix(system, q, v, tau, contact)
     rigid = replace(system, spins=tuple(spin for spin in system.spins if not spin.elastic))
+    if is_shallow(rigid):
+        return through_mass_matrix(rigid, q, v, tau, contact)
     return give_way(rigid, q, v, tau, contact or {}, {})[0]
+
+
+def is_shallow(system: System) -> bool:
+    """Whether few joints carry a body, each of one axis."""
+    carrying: list[int] = []
+    for body in system.segments:
+        carrying.append(1 + (0 if body.parent == WORLD else carrying[body.parent]))
+    return sum(carrying) <= FEW * len(carrying) and all(len(body.joint.axes) == 1 for body in system.segments)
 
 
 def give_way(
@@ -132,7 +150,7 @@ def _is_nothing(x: Scalar) -> bool:
 def through_mass_matrix(
     system: System, q: Scalars, v: Scalars, tau: Scalars, contact: Mapping[str, Wrench] | None = None
 ) -> list[Scalar]:
-    """M a = tau - bias, solved as it stands: where coordinates that follow others tie distant joints together."""
+    """M a = tau - bias, solved as it stands: also where coordinates that follow others tie distant joints together."""
     bias = inverse_dynamics(system, q, v, [0] * system.nv, contact)
     return solve_symmetric(mass_matrix(system, q), [t - b for t, b in zip(tau, bias, strict=True)])
 
