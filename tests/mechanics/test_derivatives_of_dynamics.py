@@ -12,7 +12,8 @@ from cutpoint.analysis.derivatives import kernels_of
 from cutpoint.errors import InputError
 from cutpoint.model import Link
 from cutpoint.model.build import build
-from random_trees import tree_of_every_kind
+from large_robots import chain
+from random_trees import random_tree, tree_of_every_kind
 from robot_library import BACKENDS, Array, Robot, assert_close, derivative, robot, states
 from twins import Twin
 
@@ -79,9 +80,14 @@ def test_coordinates_instead_of_tangents_are_caught(monkeypatch: pytest.MonkeyPa
     robot.cache_clear()
 
 
-@pytest.mark.parametrize("seed", range(4))
+SLIDING = ("revolute", "prismatic", "helical", "revolute")
+TREES = [*map(tree_of_every_kind, range(4)), chain(5, SLIDING), chain(7, SLIDING[1:]), random_tree(3, 8)]
+"""Of every kind of joint, and of such with one axis each, of which the mechanics have rules of their own."""
+
+
+@pytest.mark.parametrize("seed", range(len(TREES)))
 def test_slopes_of_every_joint_kind_are_those_of_integration(seed: int) -> None:
-    ours = Robot(tree_of_every_kind(seed), backend="numpy")
+    ours = Robot(TREES[seed], backend="numpy")
     rng = np.random.default_rng(seed)
     q, (v, a) = ours.random(seed), rng.uniform(-2, 2, (2, ours.nv))
     unit = np.eye(ours.nv)

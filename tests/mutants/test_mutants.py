@@ -6,6 +6,7 @@ import pytest
 import test_against_pinocchio as oracle
 import test_closed_loop as closed_loop
 import test_decomposition_laws as decomposition
+import test_derivatives_of_dynamics as slopes
 import test_drive_laws as drive_laws
 import test_drives_that_remember as remember
 import test_elastic_against_rotor_bodies as rotor_bodies
@@ -36,6 +37,7 @@ from cutpoint.mechanics import (
     rigid_body,
     rotations,
     strains,
+    torque_derivatives,
 )
 from cutpoint.mechanics.friction import Sliding
 from cutpoint.mechanics.hysteresis import MaxwellSlip
@@ -302,6 +304,27 @@ MUTANTS = {
         "",
         adaptation.test_rate_of_the_mass_matrix_less_twice_c_is_skew_with_fully_coupled_rotors,
         {"name": "xia2019"},
+    ),
+    "a slope of torque by position without the turning of the wrench itself": Mutant(
+        torque_derivatives.torque_derivatives,
+        " + S[i].cross_wrench(F[i])",
+        "",
+        slopes.test_slopes_of_every_joint_kind_are_those_of_integration,
+        {"seed": 6},
+    ),
+    "a cloud whose points drift the wrong way round": Mutant(
+        torque_derivatives.Cloud.seen_from_parent,
+        "_outer(momentum, r)",
+        "_outer(r, momentum)",
+        slopes.test_slopes_of_every_joint_kind_are_those_of_integration,
+        {"seed": 6},
+    ),
+    "a slide that meets no other acceleration further on": Mutant(
+        torque_derivatives._by_position,
+        " + m.U @ S.linear",
+        "",
+        slopes.test_slopes_of_every_joint_kind_are_those_of_integration,
+        {"seed": 4},
     ),
 }
 
