@@ -10,6 +10,7 @@ from cutpoint.kernels.lane_memory import ALL_EXCEPTIONS
 from cutpoint.kernels.llvm import Lanes, straight_line
 from cutpoint.kernels.llvm_code import Code
 from cutpoint.kernels.ports import Port
+from cutpoint.kernels.scheduling import depth_first
 
 FUNCTION = "block_loop"
 
@@ -46,7 +47,7 @@ def block_loop(graph: Graph, inputs: Sequence[Port], outputs: Sequence[Port], wi
     """
     code, lanes = Code(), Lanes(width, graph.precision)
     if len(graph.nodes) < _OPERATIONS_A_STORE * len(graph.results):
-        graph = Graph(graph.inputs, graph.outputs, graph.results, graph.precision)
+        graph = depth_first(graph)
     scratch = [code.let(f"alloca {lanes.real}, i64 {port.size}") for port in outputs]
     arguments = [_Memory(code, number) for number in range(len(inputs) + len(outputs))]
     sources, targets = arguments[: len(inputs)], arguments[len(inputs) :]

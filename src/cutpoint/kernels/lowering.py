@@ -11,7 +11,7 @@ from cutpoint.kernels.fusion import fuse
 from cutpoint.kernels.graph import Graph, rewrite
 from cutpoint.kernels.nodes import ELEMENTARY, Node, Trace
 from cutpoint.kernels.precision import FLOAT64
-from cutpoint.kernels.scheduling import Scheduled
+from cutpoint.kernels.scheduling import scheduled
 
 _FUNCTIONS = {op: getattr(elementary, op) for op in ELEMENTARY}
 
@@ -23,8 +23,7 @@ def lower(graph: Graph) -> Graph:
 
 def in_primitives(graph: Graph) -> Graph:
     """A graph that is fused already, in primitives, rounded and in order."""
-    found = with_rounded_constants(expand(graph))
-    return Scheduled(found.inputs, found.outputs, found.results, found.precision)
+    return scheduled(with_rounded_constants(expand(graph)))
 
 
 def expand(graph: Graph) -> Graph:

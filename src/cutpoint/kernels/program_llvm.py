@@ -14,6 +14,7 @@ from cutpoint.kernels.llvm_code import Code
 from cutpoint.kernels.lowering import lower
 from cutpoint.kernels.nodes import Node
 from cutpoint.kernels.program_plan import LaneLoop, Plan
+from cutpoint.kernels.scheduling import depth_first, scheduled
 from cutpoint.kernels.stepping import Loop, Stage
 
 _FUNCTION = "program"
@@ -144,7 +145,7 @@ class _Stage:
     """A stage lowered; what it computes from numbers that never change is computed here, before all loops."""
 
     def __init__(self, code: Code, plan: Plan, stage: Stage, regions: Mapping[str, str]) -> None:
-        graph, self.lanes = lower(plan.graphs[stage]), Lanes(stage.lanes)
+        graph, self.lanes = depth_first(lower(plan.graphs[stage])), Lanes(stage.lanes)
         laned = {name for name in (*plan.regions, *plan.views) if plan.is_laned(stage, name)}
         changing, self._plan = plan.changing, plan
         self._steps = dict.fromkeys(laned, stage.lanes)
@@ -164,7 +165,8 @@ class _Stage:
         root = self._plan.root
         late = {k for k, (name, *_) in enumerate(self._sources) if root(name) in map(root, awaited)}
         before, self._rest = hoist(self._graph, set(range(self._first_begun)) - late)
-        self._begun = straight_line(code, before, lambda slot: self._load(code, regions, slot, {}), lanes=self.lanes)
+        first = scheduled(before)
+        self._begun = straight_line(code, first, lambda slot: self._load(code, regions, slot, {}), lanes=self.lanes)
 
     def write(self, code: Code, regions: Mapping[str, str], at_hand: dict[Place, str]) -> None:
         """Reads, computes, then writes what has changed.
@@ -177,7 +179,7 @@ class _Stage:
             return self._load(code, regions, slot, at_hand)
 
         graph, self._rest = self._rest, self._graph
-        values = straight_line(code, graph, load, lanes=self.lanes)
+        values = straight_line(code, scheduled(graph), load, lanes=self.lanes)
         width = self.lanes.width
         for x, value, (name, k) in zip(graph.results, values, self._targets, strict=True):
             if not self._is_input(x, (name, k)):

@@ -6,6 +6,7 @@ once the registers are full, one that sets some free.  Cooper and Torczon (2012)
 it was measured to save 10 to 30 % of the time of an arm's dynamics, in lanes and one by one, by LLVM and by gcc.
 """
 
+from bisect import insort
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
@@ -21,6 +22,9 @@ _CYCLES = {"input": 5, "div": 16, "sqrt": 20, "add": 3, "sub": 3, "neg": 1, "sel
 _OTHER_CYCLES = 4
 """How long results are waited for, about as on today's processors."""
 
+_LOOKED_AT = 256
+"""Operations among which the next is sought, those with the longest way first: arms have no more, so time is linear."""
+
 _MOST_NODES = 2**12
 """Longer code waits for its own instructions, from memory, more than for operands: it stays depth first."""
 
@@ -34,6 +38,16 @@ class Scheduled(Graph):
         """The nodes that the results need: operands before users."""
         nodes = super().nodes
         return tuple(nodes[k] for k in _Schedule(nodes).order()) if len(nodes) <= _MOST_NODES else nodes
+
+
+def scheduled(graph: Graph) -> Scheduled:
+    """The same graph in that order, which is found when it is asked for."""
+    return Scheduled(graph.inputs, graph.outputs, graph.results, graph.precision)
+
+
+def depth_first(graph: Graph) -> Graph:
+    """The same graph in the order of its results."""
+    return Graph(graph.inputs, graph.outputs, graph.results, graph.precision)
 
 
 class _Schedule:
@@ -69,21 +83,22 @@ class _Schedule:
         return ranks
 
     def order(self) -> list[int]:
-        ready = [k for k, missing in enumerate(self._missing) if not missing]
+        ready = sorted((k for k, missing in enumerate(self._missing) if not missing), key=self._rank.__getitem__)
         order: list[int] = []
         slot = held = 0
         there, rank, growth = self._there, self._rank, self._growth
         while ready:
-            cycle = slot // _AT_ONCE
+            cycle, first = slot // _AT_ONCE, ready[:_LOOKED_AT]
             if held < _REGISTERS:
-                k = min(ready, key=lambda k: (there[k] > cycle, rank[k]))
+                k = min(first, key=lambda k: (there[k] > cycle, rank[k]))
             else:
-                k = min(ready, key=lambda k: (growth[k], there[k], rank[k]))
+                k = min(first, key=lambda k: (growth[k], there[k], rank[k]))
             slot = max(slot, there[k] * _AT_ONCE)
             ready.remove(k)
             order.append(k)
             held += growth[k]
-            ready += self._begin(k, slot // _AT_ONCE)
+            for user in self._begin(k, slot // _AT_ONCE):
+                insort(ready, user, key=rank.__getitem__)
             slot += 1
         return order
 

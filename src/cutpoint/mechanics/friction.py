@@ -8,13 +8,10 @@ from abc import ABC, abstractmethod
 from dataclasses import dataclass, replace
 from typing import Any, ClassVar, Self, cast
 
-from cutpoint.scalars import Scalar, absolute, exp, tanh
+from cutpoint.scalars import Scalar, absolute, exp, sqrt, tanh
 
 STATED_AT = 25
 """Temperature for which viscous friction is stated, deg C."""
-
-FAR = 10
-"""Speed over smoothing beyond which motion is far from rest."""
 
 
 @dataclass(frozen=True)
@@ -78,13 +75,14 @@ class Sliding(ABC):
         return replace(cast(Any, self), **dict(zip(self.coefficients, values, strict=True)))
 
     def resistance(self, speed: Scalar, load: Scalar = 0) -> Scalar:
-        """How xi resists a change of speed, N m s/rad, never less than 0: its slope near rest, xi / speed far from it.
+        """How xi resists a change of speed, N m s/rad, never less than 0: about xi / speed.
 
-        With its slope alone, which is nothing there, a step that brakes could leap over rest and back for ever.
+        With its slope, which is next to nothing once it slides, a step that brakes leaps over rest, and one that
+        breaks away does so too early.  1 / sqrt(1 + x^2) is tanh(x) / x but for 8 %, without a tanh.
         """
-        direction, x = self.direction(speed), speed * (1 / self.smoothing)
-        steepness = 1 - direction * direction + direction * x / (x * x + FAR * FAR)
-        return self.dry(speed, load, direction) * steepness * (1 / self.smoothing) + self.viscosity
+        x = speed * (1 / self.smoothing)
+        size = self.dry(speed, load, 0 if self.asymmetry is None else self.direction(speed))
+        return size * (1 / (sqrt(1 + x * x) * self.smoothing)) + self.viscosity
 
     def share_of_load(self, speed: Scalar) -> Scalar:
         """What of the load's size friction takes at a speed."""
