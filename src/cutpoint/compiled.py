@@ -21,7 +21,7 @@ from cutpoint.mechanics.assembly import lean_framing, system_of
 from cutpoint.mechanics.elastic import Driven
 from cutpoint.mechanics.reframing import Framing
 from cutpoint.model import Drive, Mechanism
-from cutpoint.rolled import RolledFunction, rolled
+from cutpoint.rolled import JointByJoint, RolledFunction, check_length, joint_by_joint, rolled
 from cutpoint.scalars import leaves, rebuild
 
 JOINT_QUANTITIES = frozenset({
@@ -109,14 +109,23 @@ class Compiled:
         """
         found = self._functions.get(key)
         if found is None:
-            found = self._functions[key] = rolled(key, self.machine, self._backend, record) or self._straight(
-                key, definition, inputs.split(), reads_drives, record
+            found = self._functions[key] = (
+                rolled(key, self.machine, self._backend, record)
+                or self._joint_by_joint(key, definition, inputs.split(), reads_drives)
+                or self._straight(key, definition, inputs.split(), reads_drives, record)
             )
         return found
+
+    def _joint_by_joint(
+        self, key: Any, definition: Callable[..., Any], inputs: Sequence[str], reads_drives: bool
+    ) -> JointByJoint | None:
+        machine = self.machine if reads_drives else self.machine._replace(drives=[])
+        return joint_by_joint(key, definition, {x: self.size_of(x) for x in inputs}, machine, self._backend)
 
     def _straight(self, key: Any, *how: Any) -> Callable[..., Any]:
         """A function as a kernel: code without loops."""
         name = key[0] if isinstance(key, tuple) else key
+        check_length(name, self.machine.system, self._backend)
         made = self._compile(name, *how)
         self._kernels[name] = made.kernel
         return made.quick()
@@ -124,7 +133,7 @@ class Compiled:
     def made(self, name: str) -> Kernel:
         """A kernel that has been made, the latest variant of this name."""
         if name not in self._kernels:
-            if any(isinstance(f, RolledFunction) and f.name == name for f in self._functions.values()):
+            if any(isinstance(f, (RolledFunction, JointByJoint)) and f.name == name for f in self._functions.values()):
                 n = len(self.machine.system.segments)
                 raise InputError(f"{name}: of {n} bodies it runs as loops over them, and has no kernel", name=name)
             raise unknown_name("compiled function", name, self._kernels)

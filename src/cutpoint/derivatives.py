@@ -1,7 +1,8 @@
 """Derivatives of a robot's dynamics, exact to rounding, as functions compiled at their first call.
 
 They stand beside `Robot`, which offers the functions themselves, and are called like its methods: leading axes are
-batches, a wrong shape or a number that is not finite raises InputError that names it.  d_q is taken along tangent
+batches, a wrong shape or a number that is not finite raises InputError that names it.  Of robots of more than 24 bodies
+they are not compiled but swept, one configuration after another: see `derivative_sweeps`.  d_q is taken along tangent
 directions, those of `Robot.integrate`: they are q itself but for quaternions and planar joints.
 """
 
@@ -13,11 +14,15 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from cutpoint import derivative_definitions as definitions
+from cutpoint import derivative_sweeps as sweeps
 from cutpoint.errors import InputError
 from cutpoint.mechanics.elastic import Options
 from cutpoint.robot import Robot
 
 Array = NDArray[np.float64]
+
+MOST_COMPILED = 48
+"""Bodies beyond which derivatives of an elastic inverse dynamics are more than can be compiled."""
 
 
 class InverseDynamicsDerivatives(NamedTuple):
@@ -67,12 +72,16 @@ class ElasticForwardDynamicsDerivatives(NamedTuple):
 
 def inverse_dynamics(robot: Robot, q: ArrayLike, v: ArrayLike, a: ArrayLike) -> InverseDynamicsDerivatives:
     """Of `Robot.inverse_dynamics`, joint torques of a motion."""
+    if sweeps.is_swept(robot):
+        return InverseDynamicsDerivatives(*sweeps.inverse_dynamics(robot, q=q, v=v, a=a))
     definition = definitions.inverse_dynamics
     return _function(robot, "inverse_dynamics", definition, "q v a", record=InverseDynamicsDerivatives)(q, v, a)
 
 
 def forward_dynamics(robot: Robot, q: ArrayLike, v: ArrayLike, tau: ArrayLike) -> ForwardDynamicsDerivatives:
     """Of `Robot.forward_dynamics`, accelerations under joint torques."""
+    if sweeps.is_swept(robot):
+        return ForwardDynamicsDerivatives(*sweeps.forward_dynamics(robot, q=q, v=v, tau=tau))
     definition = definitions.forward_dynamics
     return _function(robot, "forward_dynamics", definition, "q v tau", record=ForwardDynamicsDerivatives)(q, v, tau)
 
@@ -99,6 +108,8 @@ def elastic_inverse_dynamics(
             f"coupling take {needed} derivatives of the position; or say quasi_rigid=True",
             needed=needed,
         )
+    if len(robot.mechanism.bodies) > MOST_COMPILED:
+        raise sweeps.too_large(len(robot.mechanism.bodies), MOST_COMPILED)
     definition = partial(definitions.elastic_inverse_dynamics, options=options)
     function = _function(robot, "elastic_inverse_dynamics", definition, " ".join(names), True, variant=options)
     found = function(*given[: len(names)])
@@ -109,6 +120,9 @@ def elastic_forward_dynamics(
     robot: Robot, q: ArrayLike, v: ArrayLike, theta: ArrayLike, theta_dot: ArrayLike, motor_torque: ArrayLike
 ) -> ElasticForwardDynamicsDerivatives:
     """Of `Robot.elastic_forward_dynamics`, accelerations of links and motors under motor torques."""
+    if sweeps.is_swept(robot):
+        state = {"q": q, "v": v, "theta": theta, "theta_dot": theta_dot, "motor_torque": motor_torque}
+        return ElasticForwardDynamicsDerivatives(*sweeps.elastic_forward_dynamics(robot, **state))
     definition, inputs = definitions.elastic_forward_dynamics, "q v theta theta_dot motor_torque"
     record = ElasticForwardDynamicsDerivatives
     function = _function(robot, "elastic_forward_dynamics", definition, inputs, True, record=record)

@@ -9,7 +9,7 @@ from typing import Any, NamedTuple
 from cutpoint import definitions, kernels
 from cutpoint.definitions import Machine
 from cutpoint.kernels import Kernel
-from cutpoint.mechanics.elastic import DEFAULT
+from cutpoint.mechanics.elastic import DEFAULT, ElasticMotion
 from cutpoint.mechanics.elastic_forward import elastic_forward_dynamics
 from cutpoint.mechanics.kinematics import coordinate_rates
 from cutpoint.robot import Robot
@@ -59,8 +59,7 @@ def _compiled(structure: _Structure) -> Kernels:
         return made if structure.friction else without_friction(made)
 
     def steady(q: Scalars, v: Scalars, parameters: Scalars) -> Any:
-        still = {f"derivative_{k}": [0] * nv for k in range(2, robot.derivatives_needed + 1)}
-        return definitions.elastic_inverse_dynamics(machine(parameters), DEFAULT, q, v=v, **still)
+        return steady_motion(machine(parameters), robot.derivatives_needed, q, v)
 
     def slopes(direction: Scalars, parameters: Scalars, **state: Scalars) -> Slopes:
         return slopes_along(machine(parameters), [*state.values()], direction)
@@ -71,6 +70,12 @@ def _compiled(structure: _Structure) -> Kernels:
         kernels.compile(steady, backend=robot.backend, q=nq, v=nv, parameters=robot.drive_parameters.size),
         kernels.compile(slopes, backend=robot.backend, **sizes),
     )
+
+
+def steady_motion(machine: Machine, derivatives: int, q: Scalars, v: Scalars) -> ElasticMotion:
+    """What motors do for a motion at constant speed.  derivatives: of the position, that the machine takes."""
+    still = {f"derivative_{k}": [0] * len(v) for k in range(2, derivatives + 1)}
+    return definitions.elastic_inverse_dynamics(machine, DEFAULT, q, v=v, **still)
 
 
 def without_friction(machine: Machine) -> Machine:

@@ -1,13 +1,16 @@
 """A robot with elastic joints, linearised: Jacobians of its equations of motion, exact to rounding."""
 
+from typing import Any
+
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from cutpoint.analysis.derivatives import kernels_of
+from cutpoint import derivative_sweeps as sweeps
+from cutpoint.analysis.derivatives import kernels_of, steady_motion, without_friction
 from cutpoint.analysis.linear_model import LinearModel, OperatingPoint
 from cutpoint.door import checked_array
 from cutpoint.errors import InputError
-from cutpoint.robot import Robot
+from cutpoint.robot import ElasticTorques, Robot
 
 Array = NDArray[np.float64]
 
@@ -69,11 +72,20 @@ def _operating_point(
         if own.v.stop - own.v.start > 1 and v[own.v].any():
             what = f"linearize: v of {body.joint.kind} joint {body.joint.name!r}"
             raise InputError(f"{what} must be zero: its tangent frame would turn", joint=body.joint.name)
-    steady = kernels_of(robot, friction).steady(q, v, robot.drive_parameters)
+    steady = _steady(robot, q, v, friction)
     torque = steady.motor_torque
     if motor_torque is not None:
         torque = _one("motor_torque", motor_torque, len(robot.drives))
     return OperatingPoint(q, v, steady.theta, steady.theta_dot, torque)
+
+
+def _steady(robot: Robot, q: Array, v: Array, friction: bool) -> Any:
+    """What motors do for a motion at constant speed."""
+    if sweeps.is_swept(robot):
+        machine = robot.machine if friction else without_friction(robot.machine)
+        found = steady_motion(machine, robot.derivatives_needed, q.tolist(), v.tolist())
+        return ElasticTorques(*(np.array(x, float) for x in found))
+    return kernels_of(robot, friction).steady(q, v, robot.drive_parameters)
 
 
 def _one(name: str, value: ArrayLike, size: int) -> Array:
@@ -87,12 +99,20 @@ def _plant(robot: Robot, point: OperatingPoint, friction: bool) -> tuple[Array, 
     """x' of all motors, rigid ones too: for each direction of (x, motor torques), and at the point itself."""
     nv, drives = robot.nv, len(robot.drives)
     directions = np.eye(2 * nv + 3 * drives)
-    state = (point.q, point.v, point.theta, point.theta_dot, point.motor_torque)
-    found = kernels_of(robot, friction).slopes(*state, directions, robot.drive_parameters)
-    value, slopes = found.value[0], found.slope.T
+    value, slopes = _slopes(robot, point, directions, friction)
     v, theta_dot = directions[nv : 2 * nv], directions[2 * nv + drives : 2 * (nv + drives)]
     by_direction = np.vstack([v, slopes[:nv], theta_dot, slopes[nv:]])
     return by_direction, np.concatenate([point.v, value[:nv], point.theta_dot, value[nv:]])
+
+
+def _slopes(robot: Robot, point: OperatingPoint, directions: Array, friction: bool) -> tuple[Array, Array]:
+    """[a; theta_ddot] of all motors, and how fast they change along each direction, a column each."""
+    state = (point.q, point.v, point.theta, point.theta_dot, point.motor_torque)
+    if sweeps.is_swept(robot):
+        machine = robot.machine if friction else without_friction(robot.machine)
+        return sweeps.swept(sweeps.accelerations, machine, *(x.tolist() for x in state))
+    found = kernels_of(robot, friction).slopes(*state, directions, robot.drive_parameters)
+    return found.value[0], found.slope.T
 
 
 def _kept(robot: Robot) -> list[int]:

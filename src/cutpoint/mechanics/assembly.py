@@ -50,9 +50,11 @@ def system_of(
     frames = {f.name: Place(f.body, pose_of(_seen(given, f.body, f.placement))) for f in mechanism.frames.values()}
     gravity = vec3(fallen(given.world, mechanism.gravity) if framing else mechanism.gravity)
     system = System(tuple(segments.values()), gravity, frames, nq, nv, (0,) * nv)
+    turning = {name for name, drive in (drives or {}).items() if drive.rotor}
     seats = {
         body.joint.name: pose_of(_seen(given, body.parent, body.placement @ turn))
         for body, turn in zip(mechanism.bodies, turns, strict=True)
+        if body.joint.name in turning
     }
     return _with_rotors(system, segments, seats, drives or {})
 
@@ -88,7 +90,7 @@ def _with_rotors(
 ) -> System:
     """Armature of rigid drives, spins of fully coupled ones, and the mass of rotors that no link holds yet.
 
-    seats: the joints' frames, as the user knows them with z along the axis, in their carriers'.
+    seats: the joints' frames where there is a rotor, as the user knows them with z along the axis, in their carriers'.
     """
     segments, armature, spins = [*system.segments], [*system.armature], []
     indices = {name: i for i, name in enumerate(joints)}
@@ -119,10 +121,13 @@ def _seen(framing: Framing, body: int, placement: Array) -> Array:
 
 def _turn_to_z(body: Body) -> Array:
     """Rotation (4, 4) whose z axis is the joint's axis; exact where the axis is one of x, y, z."""
-    turn = np.eye(4)
-    if body.joint.kind in ("floating", "spherical"):
-        return turn
-    z = np.asarray(body.joint.axis, float)
+    kind, axis = body.joint.kind, np.asarray(body.joint.axis, float)
+    return _turn_to(0.0, 0.0, 1.0) if kind in ("floating", "spherical") else _turn_to(*axis.tolist())
+
+
+@lru_cache(maxsize=256)
+def _turn_to(*along: float) -> Array:
+    turn, z = np.eye(4), np.array(along)
     k = int(np.argmax(np.abs(z)))
     x = np.zeros(3)
     x[(k + 1) % 3] = 1.0
@@ -130,6 +135,7 @@ def _turn_to_z(body: Body) -> Array:
         x = x - z * (z @ x)
         x = x / np.linalg.norm(x)
     turn[:3, :3] = np.column_stack([x, np.cross(z, x), z])
+    turn.flags.writeable = False
     return turn
 
 
@@ -153,13 +159,17 @@ def number(x: float) -> Scalar:
 
 
 def vec3(v: Array) -> Vec3:
-    return Vec3(*(number(x) for x in v))
+    return _vec3(v.tolist())
 
 
 def mat3(A: Array) -> Mat3:
-    return Mat3(*(vec3(row) for row in A))
+    return Mat3(*map(_vec3, A.tolist()))
 
 
 def pose_of(matrix: Array) -> Pose:
     """A (4, 4) pose as scalars."""
     return Pose(mat3(matrix[:3, :3]), vec3(matrix[:3, 3]))
+
+
+def _vec3(v: list[float]) -> Vec3:
+    return Vec3(*map(number, v))

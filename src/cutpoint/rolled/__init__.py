@@ -1,6 +1,8 @@
 """Large robots: their equations as loops over bodies, compiled once for a tree of any size."""
 
-from cutpoint.rolled.functions import RolledFunction, rolled
+from cutpoint.rolled.alone import JointByJoint, joint_by_joint
+from cutpoint.rolled.functions import TOO_LARGE, RolledFunction, rolled
 from cutpoint.rolled.recipes import RECIPES
+from cutpoint.rolled.suited import check_length
 
-__all__ = ["RECIPES", "RolledFunction", "rolled"]
+__all__ = ["RECIPES", "TOO_LARGE", "JointByJoint", "RolledFunction", "check_length", "joint_by_joint", "rolled"]

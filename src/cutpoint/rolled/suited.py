@@ -1,9 +1,17 @@
-"""Which robots loops take."""
+"""Which robots loops take, and which are too large for functions without loops."""
 
 from cutpoint.definitions import Machine
+from cutpoint.errors import InputError
+from cutpoint.kernels import backends, nodes
 from cutpoint.mechanics.joints import Helical, Prismatic, Revolute
+from cutpoint.mechanics.system import System
+from cutpoint.model.mechanism import WORLD
 from cutpoint.rolled.bodies import bodies_of
 from cutpoint.rolled.drives import models_of
+
+LEAST = {"coriolis_matrix": 8, "regressor": 9, "velocity_map": 3}
+"""Operations for each pair of a body and a joint that turns it: half of what chains with parallel axes take, counted on
+24 bodies; of all trees without followers these take fewest."""
 
 MOST_STRUCTURES = 6
 """Of drives: each body computes what it would do with every one of them, and chooses."""
@@ -32,3 +40,15 @@ def _odd_drive(machine: Machine, takes_coupled: bool) -> str | None:
             joint = system.segments[spin.joint].name
             return f"rotors with full coupling behind springs, as at {joint!r}, unless quasi_rigid=True"
     return None
+
+
+def check_length(name: str, system: System, backend: str) -> None:
+    """Raises InputError for a function that surely takes more operations than this backend can, before it is traced."""
+    most = backends.MOST_OPERATIONS if backends.chosen(backend) == "llvm" else nodes.MOST_OPERATIONS
+    turning: list[int] = []
+    for body in system.segments:
+        carried = 0 if body.parent == WORLD else turning[body.parent]
+        turning.append(carried + int(not isinstance(body.joint, Prismatic)))
+    if LEAST.get(name, 0) * sum(turning) > most and not system.has_followers:
+        complaint = f"of {len(turning)} bodies it takes far more than {most} operations; take a smaller model"
+        raise InputError(f"{name}: {complaint}", bodies=len(turning))

@@ -12,6 +12,7 @@ from cutpoint.control.law import Law
 from cutpoint.door import check_configuration, checked_array
 from cutpoint.errors import InputError, SimulationError
 from cutpoint.robot import Robot
+from cutpoint.rolled import TOO_LARGE
 from cutpoint.scalars import structure_of, with_float_leaves
 from cutpoint.simulation.adaptive import adaptive_step
 from cutpoint.simulation.cache import programs_for
@@ -116,6 +117,7 @@ def prepared(
 
     structure: `structure_of`, or one that knows what it was asked before.
     """
+    check_size(robot)
     law, told = _law(robot, controller), np.zeros(len(robot.drives))
     start = _initial(robot, initial, reference)
     if controller is not None:
@@ -127,6 +129,17 @@ def prepared(
     programs = programs_for(robot, law, encoders, remembers, structure)
     kept = None if channels is None else frozenset(channels)
     return ClosedLoop(robot, law, encoders, remembers, period, programs, kept=kept), start, told
+
+
+def check_size(robot: Robot) -> None:
+    """Raises InputError for a robot whose step cannot be compiled, before time is spent on it."""
+    bodies = len(robot.mechanism.bodies)
+    if bodies > TOO_LARGE:
+        raise InputError(
+            f"simulate: {bodies} bodies are too many for one compiled step, at most {TOO_LARGE}; integrate "
+            "robot.elastic_forward_dynamics, which loops over bodies, with an integrator of your own",
+            bodies=bodies,
+        )
 
 
 def _integrator(loop: ClosedLoop, trajectory: Trajectory | None, accuracy: str, hold: bool) -> Any:

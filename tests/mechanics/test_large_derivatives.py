@@ -1,0 +1,108 @@
+"""Derivatives of large robots, which are swept instead of compiled: the same as compiled ones, and as Pinocchio's."""
+
+from typing import Any
+
+import numpy as np
+import pinocchio
+import pytest
+from test_large_trees import model_of
+
+from cutpoint import Drive, LinearSpring, Robot, Rotor, derivative_sweeps, derivatives
+from cutpoint.errors import InputError
+from cutpoint.model import Mechanism
+from large_robots import assert_close, based, chain
+from random_trees import tree_of_every_kind
+
+EPS = np.finfo(float).eps
+SMALL = {"chain": chain(5), "floating": based("floating", 4), **{f"tree {k}": tree_of_every_kind(k) for k in (3, 5)}}
+
+
+def sprung(mechanism: Mechanism, coupling: Any = "reduced") -> Robot:
+    drive = Drive(100.0, Rotor(1e-4, coupling=coupling), LinearSpring(2e4), damping=2.0)
+    return Robot(mechanism, dict.fromkeys(Robot(mechanism).joints, drive), backend="numpy")
+
+
+def states(robot: Robot, *shape: int) -> dict[str, np.ndarray]:
+    rng = np.random.default_rng(1)
+    q, theta = robot.random(rng, shape), rng.normal(size=(*shape, len(robot.drives)))
+    driven = q[..., [d.q for d in robot.machine.drives]]
+    motors = {"theta": driven + 1e-3 * theta, "theta_dot": theta, "motor_torque": 10 * theta}
+    return {"q": q, "v": rng.normal(size=(*shape, robot.nv)), "a": rng.normal(size=(*shape, robot.nv)), **motors}
+
+
+@pytest.mark.parametrize("coupling", ["reduced", "full"])
+@pytest.mark.parametrize("name", SMALL)
+def test_swept_derivatives_are_the_compiled_ones(name: str, coupling: str) -> None:
+    robot = sprung(SMALL[name], coupling)
+    s = states(robot, 2)
+    q, v, a = s.pop("q"), s.pop("v"), s.pop("a")
+    compiled = (
+        derivatives.inverse_dynamics(robot, q, v, a),
+        derivatives.forward_dynamics(robot, q, v, a),
+        derivatives.elastic_forward_dynamics(robot, q, v, **s),
+    )
+    swept = (
+        derivative_sweeps.inverse_dynamics(robot, q=q, v=v, a=a),
+        derivative_sweeps.forward_dynamics(robot, q=q, v=v, tau=a),
+        derivative_sweeps.elastic_forward_dynamics(robot, q=q, v=v, **s),
+    )
+    for theirs, ours in zip(compiled, swept, strict=True):
+        for x, y in zip(ours, theirs, strict=True):
+            assert x.shape == y.shape
+            np.testing.assert_allclose(x, y, rtol=0, atol=1e-12 * np.abs(y).max(initial=1.0))
+
+
+def test_derivatives_of_a_chain_of_96_are_pinocchios() -> None:
+    robot = Robot(chain(96))
+    model = model_of(robot.mechanism)
+    data, s = model.createData(), states(robot)
+    q, v, a = s["q"], s["v"], s["a"]
+    pinocchio.computeRNEADerivatives(model, data, q, v, a)
+    ours = derivatives.inverse_dynamics(robot, q, v, a)
+    assert_close(ours.d_q, data.dtau_dq)
+    assert_close(ours.d_v, data.dtau_dv)
+    assert_close(ours.d_a, robot.mass_matrix(q))
+    tau = robot.inverse_dynamics(q, v, a)
+    pinocchio.computeABADerivatives(model, data, q, v, tau)
+    upper = np.triu(data.Minv)
+    accuracy = 100 * EPS * np.linalg.cond(robot.mass_matrix(q))
+    for x, y in zip(
+        derivatives.forward_dynamics(robot, q, v, tau),
+        (data.ddq_dq, data.ddq_dv, upper + np.triu(upper, 1).T),
+        strict=True,
+    ):
+        assert_close(x, y, rtol=accuracy)
+
+
+def test_a_long_elastic_chain_has_a_mode_for_every_drive_and_balances() -> None:
+    robot = sprung(chain(30))
+    q = robot.random(2)
+    modes = robot.modes(q)
+    assert len(modes.frequencies) == 30
+    assert np.abs(modes.model.drift).max() < 1e-9 * np.abs(robot.gravity_forces(q)).max()
+
+
+def test_a_batch_of_a_large_robot_is_its_configurations_one_by_one() -> None:
+    robot = Robot(chain(25))
+    s = states(robot, 2)
+    whole = derivatives.inverse_dynamics(robot, s["q"], s["v"], s["a"][0])
+    one = derivatives.inverse_dynamics(robot, s["q"][1], s["v"][1], s["a"][0])
+    np.testing.assert_array_equal(whole.d_q[1], one.d_q)
+    assert derivatives.inverse_dynamics(robot, s["q"][:0], s["v"][:0], s["a"][0]).d_v.shape == (0, 25, 25)
+    with pytest.raises(InputError, match=r"leading axes do not broadcast: q \(2,\), v \(3,\)"):
+        derivatives.inverse_dynamics(robot, s["q"], np.zeros((3, 25)), s["a"])
+
+
+@pytest.mark.parametrize("name", ["inverse_dynamics", "forward_dynamics", "elastic_inverse_dynamics"])
+def test_what_is_too_large_is_refused_with_a_remedy(name: str) -> None:
+    robot = Robot(chain(501), backend="numpy")
+    zeros = [np.zeros(501)] * (5 if name.startswith("elastic") else 3)
+    with pytest.raises(InputError, match=r"501 bodies are too many, at most (500|48); take differences"):
+        getattr(derivatives, name)(robot, *zeros)
+
+
+@pytest.mark.parametrize("name", ["coriolis_matrix", "regressor", "velocity_map"])
+def test_matrices_that_cannot_be_compiled_are_refused_before_they_are_traced(name: str) -> None:
+    robot, inputs = Robot(chain(400)), {"coriolis_matrix": 2, "regressor": 3, "velocity_map": 1}
+    with pytest.raises(InputError, match=rf"{name}: of 400 bodies it takes far more than 200000 operations"):
+        getattr(robot, name)(*[np.zeros(400)] * inputs[name])

@@ -1,0 +1,32 @@
+"""Simulation of large robots: how many steps they take, and what is refused."""
+
+import time
+
+import numpy as np
+import pytest
+import scipy.linalg
+
+from cutpoint import Drive, LinearSpring, Robot, Rotor, simulate
+from cutpoint.errors import InputError
+from cutpoint.simulation.integrator import FEW, fastest_mode
+from large_robots import chain
+
+
+def test_the_fastest_mode_of_a_long_chain_is_found_within_four_percent() -> None:
+    size = FEW // 2 + 1
+    stiffness = dict(zip(range(size), np.linspace(1e4, 2e4, size), strict=True))
+    drives = {f"joint{k}": Drive(100.0, Rotor(1e-4), LinearSpring(K)) for k, K in stiffness.items()}
+    robot = Robot(chain(size), drives)
+    q, K = robot.random(1), np.diag([*stiffness.values()])
+    inertia = scipy.linalg.block_diag(robot.mass_matrix(q), np.eye(size))  # J = ratio^2 1e-4 = 1 kg m2
+    squares = scipy.linalg.eigh(np.block([[K, -K], [-K, K]]), inertia, eigvals_only=True)
+    found = fastest_mode(robot, q[None])
+    assert found.rate**2 == pytest.approx(squares.max(), rel=0.04)
+    assert found.cause.startswith("the spring of 'joint")
+
+
+def test_a_robot_too_large_to_simulate_is_refused_at_once() -> None:
+    robot, start = Robot(chain(1001)), time.perf_counter()
+    with pytest.raises(InputError, match=r"1001 bodies are too many for one compiled step, at most 1000; integrate"):
+        simulate(robot, duration=0.01)
+    assert time.perf_counter() - start < 2.0
