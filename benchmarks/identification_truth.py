@@ -131,6 +131,8 @@ def _covered(hits: Mapping[str, list[bool]]) -> list[str]:
 if __name__ == "__main__":
     parser = argparse.ArgumentParser()
     parser.add_argument("--arms", type=int, default=20)
-    arms = parser.parse_args().arms
+    parser.add_argument("--first", type=int, default=0, help="number of the first arm")
+    asked = parser.parse_args()
     with ProcessPoolExecutor(2) as pool:
-        print(told([*track(pool.map(case, range(arms)), "arms", total=arms)]))
+        seeds = range(asked.first, asked.first + asked.arms)
+        print(told([*track(pool.map(case, seeds), "arms", total=asked.arms)]))

@@ -89,6 +89,33 @@ def test_the_shape_of_friction_is_found_and_no_richer_law_is_taken(smoothing: fl
     assert "of (RMS of held-out torques, N m) coulomb" in str(found.friction[0])
 
 
+def test_variances_grow_with_the_square_of_what_rotors_are_known_to():
+    arm = known_arm(1, 2)
+    recording = recorded(arm.robot, 1)
+    variances = []
+    for error in (0.0, 0.01, 0.02):
+        found = identify_rigid(
+            arm.file, recording, friction="stated", rotors=False, rotor_errors=dict.fromkeys(arm.file.joints, error)
+        )
+        variances.append(np.array([(p.high - p.low) ** 2 for p in found.parameters]))
+    none, once, twice = variances
+    assert (once >= none).all()
+    assert (once > 1.1 * none).any()
+    assert twice - none == pytest.approx(4.0 * (once - none), rel=1e-6, abs=1e-9 * none.max())
+
+
+def test_intervals_know_that_the_shape_of_friction_was_sought():
+    arm = known_arm(1, 2)
+    recording = recorded(arm.robot, 1)
+    chosen = identify_rigid(arm.file, recording, cutoff=CUTOFF)
+    laws = {choice.joint: choice.law for choice in chosen.friction}
+    given = identify_rigid(arm.file, recording, friction=laws, cutoff=CUTOFF)
+    for joint in laws:
+        name = f"coulomb.{joint}"
+        assert chosen[name].value == pytest.approx(given[name].value, rel=1e-6)
+        assert chosen[name].high - chosen[name].low > given[name].high - given[name].low
+
+
 def test_a_joint_that_does_not_move_is_said_to_tell_nothing():
     arm = known_arm(0)
     recording = recorded(arm.robot, 0)

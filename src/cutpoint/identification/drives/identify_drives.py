@@ -15,7 +15,7 @@ from cutpoint.identification.drives.joint_torques import (
     transmitted_share,
 )
 from cutpoint.identification.drives.rotor import RotorEstimate, motor_side
-from cutpoint.identification.drives.spring_estimate import SpringEstimate
+from cutpoint.identification.drives.spring_estimate import UNCERTAIN, SpringEstimate
 from cutpoint.identification.drives.spring_laws import LAWS
 from cutpoint.identification.drives.two_encoders import smallest_step, two_encoders
 from cutpoint.identification.logs.recording import Recording
@@ -150,7 +150,8 @@ def _joint(joint: Channels, drive: Drive, resolution: float | None, cutoff: floa
     for laws in (SHAPE, SHAPE, tuple(LAWS)):
         left, unknowns = torque_left(rotor, joint.theta, torque, period, joint.delay, share)
         left, unknowns = low_pass(left, period, band), {k: low_pass(x, period, band) for k, x in unknowns.items()}
-        seen = "stiffness" not in spring.unidentifiable
+        # a spring that is wound by too little to be stated can still tell the rotor from the links
+        seen = spring.deviations["stiffness"] < UNCERTAIN * spring["stiffness"]
         spring = two_encoders(
             theta, q, left, period, ratio,
             resolution=resolution, laws=laws, torque_unknowns=unknowns if seen else None,

@@ -1,14 +1,15 @@
-"""Which spring law predicts best what it was not fitted to."""
+"""Which of several fits of a deflection predicts best what it was not fitted to."""
 
-from collections.abc import Mapping
+from collections.abc import Hashable, Mapping
+from typing import TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
 
 from cutpoint.identification.drives.deflection_fit import DeflectionFit
-from cutpoint.identification.drives.spring_laws import LAWS
 
 Array = NDArray[np.float64]
+Name = TypeVar("Name", bound=Hashable)
 
 BLOCKS = 10
 """For cross-validation, one after the other."""
@@ -38,12 +39,17 @@ def block_errors(fit: DeflectionFit) -> Array:
     return np.array(found)
 
 
-def simplest(errors: Mapping[str, Array]) -> str:
-    """The law of the fewest constants unless one with more is surely better."""
-    names = [name for name in LAWS if name in errors]
-    best = names[0]
-    for name in names[1:]:
+def simplest(errors: Mapping[Name, Array]) -> Name:
+    """Of fits from the simplest on, the first unless a later one is surely better."""
+    best, *others = errors
+    for name in others:
         gain = errors[best] - errors[name]
         if gain.mean() > max(SURE * gain.std(ddof=1) / np.sqrt(BLOCKS), WORTH * errors[best].mean()):
             best = name
     return best
+
+
+def not_worse(errors: Mapping[Name, Array], best: Name) -> list[Name]:
+    """Other fits that do not surely predict worse than the best, by one standard error of the difference."""
+    lost = {name: each - errors[best] for name, each in errors.items() if name != best}
+    return [name for name, each in lost.items() if each.mean() <= each.std(ddof=1) / np.sqrt(BLOCKS)]

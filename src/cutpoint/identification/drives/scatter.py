@@ -8,6 +8,9 @@ Array = NDArray[np.float64]
 WINDOWS = 25
 """Errors that change within a share of the recording, one part in this many, are accounted for."""
 
+DEGREES = 1.5 * WINDOWS
+"""Of freedom, of Student's t: how uncertain such a covariance itself is."""
+
 
 def covariance(jacobian: Array, residual: Array) -> Array:
     """Covariance (p, p) of p estimates from the model's derivatives (N, p) and its residual (N,).

@@ -8,6 +8,7 @@ from numpy.typing import NDArray
 
 from cutpoint.identification.drives.columns import slipping, wave_columns, waves
 from cutpoint.identification.drives.deflection_fit import DeflectionFit, Deflections
+from cutpoint.identification.drives.law_choice import block_errors, not_worse, simplest
 from cutpoint.identification.drives.scatter import covariance
 from cutpoint.model.drive import Compliance, Hysteresis, KinematicError
 
@@ -52,6 +53,9 @@ class SpringEstimate:
     prediction: Mapping[str, float]
     unidentifiable: Mapping[str, str]
 
+    def __getitem__(self, name: str) -> float:
+        return float(self.values[self.names.index(name)])
+
     @property
     def deviations(self) -> dict[str, float]:
         """Standard deviation of each unknown, by name."""
@@ -60,7 +64,7 @@ class SpringEstimate:
 
 def estimate_of(
     data: Deflections,
-    fit: DeflectionFit,
+    rivals: Mapping[int, DeflectionFit],
     orders: tuple[int, ...],
     unknowns: tuple[str, ...],
     turns: float,
@@ -68,8 +72,16 @@ def estimate_of(
     hysteresis: bool,
     damping: bool,
 ) -> SpringEstimate:
+    """rivals: fits by the elements that they were offered, the fewest or the most of which are taken; whichever do not
+    surely predict worse count as uncertainty."""
+    errors = {count: block_errors(each) for count, each in rivals.items()}
+    best = simplest({count: errors[count] for count in (min(errors), max(errors))})
+    fit = rivals[best]
     names, values = _named(fit, orders, unknowns, damping)
     spread = covariance(fit.columns, fit.residual)
+    for other in not_worse(errors, best):
+        apart = _apart(names, values, *_named(rivals[other], orders, unknowns, damping))
+        spread = spread + np.outer(apart, apart)
     counts = 0.5 * float(np.ptp(fit.law.deflection(fit.constants, data.torque))) / (data.resolution or np.nan)
     why: dict[str, str] = {}
     if counts < COUNTS:
@@ -130,6 +142,12 @@ def _named(
     last = [fit.damping] if damping else []
     slipping = [*(fit.reaches if fit.moving else []), *fit.stiffness, *last]
     return tuple(names), np.concatenate([fit.constants, fit.waves, [fit.offset], fit.corrections, slipping])
+
+
+def _apart(names: Sequence[str], values: Array, others: Sequence[str], theirs: Array) -> Array:
+    """By how much another fit's values differ, (p,); elements, which are others there, do not count."""
+    known = {name: x for name, x in zip(others, theirs.tolist(), strict=True) if not name.startswith(("reach", "elem"))}
+    return np.array([known.get(name, x) - x for name, x in zip(names, values.tolist(), strict=True)])
 
 
 def _no_waves(data: Deflections, fit: DeflectionFit, turns: float) -> str:

@@ -28,6 +28,9 @@ quarter of its cut-off the filter changes nothing."""
 
 LEAST_SAMPLES = 500
 
+OFFERED = (0, ELEMENTS // 2, ELEMENTS)
+"""Elements of hysteresis: none or all, chosen as the law is; what fewer change counts as uncertainty."""
+
 
 def two_encoders(
     theta: ArrayLike,
@@ -64,15 +67,17 @@ def two_encoders(
         raise unknown_name("spring law", unknown[0] if unknown else "", LAWS)
     turns = abs(ratio) * float(np.ptp(data.theta)) / (2.0 * np.pi)
     tried = orders if orders is not None else range(1, HIGHEST_ORDER + 1) if turns >= FEWEST_TURNS else ()
-    fits = {name: fit_deflection(data, LAWS[name], tried, ELEMENTS if hysteresis else 0, damping) for name in laws}
+    fits = {
+        name: fit_deflection(data, law, tried, ELEMENTS if hysteresis else 0, damping)
+        for name, law in LAWS.items()
+        if name in laws
+    }
     errors = {name: block_errors(fit) for name, fit in fits.items()}
     law = LAWS[simplest(errors)]
     kept = orders if orders is not None else _standing_out(fits[law.name], tried, data.resolution)
-    found = fits[law.name]
-    if len(kept) < len(tried):
-        found = fit_deflection(data, law, kept, ELEMENTS if hysteresis else 0, damping)
+    rivals = {k: fit_deflection(data, law, kept, k, damping) for k in (OFFERED if hysteresis else (0,))}
     prediction = {name: float(np.sqrt(np.mean(each))) for name, each in errors.items()}
-    return estimate_of(data, found, tuple(kept), tuple(unknowns), turns, prediction, hysteresis, damping)
+    return estimate_of(data, rivals, tuple(kept), tuple(unknowns), turns, prediction, hysteresis, damping)
 
 
 def smallest_step(values: Array) -> float:

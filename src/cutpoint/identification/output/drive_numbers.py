@@ -5,11 +5,12 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from scipy.stats import norm
+from scipy.stats import t
 
 from cutpoint.identification.drives.columns import amplitude_errors
 from cutpoint.identification.drives.identify_drives import DriveEstimate
 from cutpoint.identification.drives.rotor import RotorEstimate
+from cutpoint.identification.drives.scatter import DEGREES
 from cutpoint.identification.drives.two_encoders import SpringEstimate
 from cutpoint.identification.output.numbers import Number, Path
 from cutpoint.model.drive import Drive
@@ -61,7 +62,7 @@ def drive_numbers(
     joint: str, before: Drive, found: DriveEstimate, rotors: bool, level: float = 0.95
 ) -> tuple[Number, ...]:
     """Of one drive; before: as the files state it.  rotors: whether the model takes its rotors from here."""
-    rows = _Rows(joint, float(norm.ppf(0.5 + 0.5 * level)), found.unidentifiable)
+    rows = _Rows(joint, float(t.ppf(0.5 + 0.5 * level, DEGREES)), found.unidentifiable)
     spring, stated = found.spring, float(before.reflected_inertia)
     own = [
         rows.row(name, each, ("compliance", spring.law, name), _stated(before.compliance, name), "stiffness")

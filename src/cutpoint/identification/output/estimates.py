@@ -48,7 +48,8 @@ def estimates(
     if any("rotor inertia" in each.unidentifiable for each in drives.joints.values()):
         return Estimates(rigid, drives)
     say("links again, by the rotors that the motors tell")
-    return Estimates(_with_rotors(before, rigid, drives, fitted, how), drives, apart=True)
+    again = _with_rotors(before, drives, fitted, friction=rigid.friction or friction, **how)
+    return Estimates(again, drives, apart=True)
 
 
 def springs_wanted(before: Robot, recording: Recording, springs: bool | None) -> bool:
@@ -65,14 +66,11 @@ def springs_wanted(before: Robot, recording: Recording, springs: bool | None) ->
     return springs
 
 
-def _with_rotors(
-    before: Robot, rigid: RigidEstimate, sprung: DriveEstimates, fitted: Recording, how: Mapping[str, Any]
-) -> RigidEstimate:
+def _with_rotors(before: Robot, sprung: DriveEstimates, fitted: Recording, **how: Any) -> RigidEstimate:
     """Links and friction where rotors are known: torques tell sums of both, the motors' sides tell them apart."""
     drives = {
         joint: replace(drive, rotor=replace(drive.rotor or Rotor(0.0), inertia=sprung.joints[joint].rotor.inertia))
         for joint, drive in before.drives.items()
     }
-    laws = {choice.joint: choice.law for choice in rigid.friction} or "stated"
-    found = identify_rigid(before.with_drives(drives), fitted, friction=laws, rotors=False, **how)
-    return replace(found, friction=rigid.friction)
+    errors = {joint: each.rotor.deviations["inertia"] for joint, each in sprung.joints.items()}
+    return identify_rigid(before.with_drives(drives), fitted, rotors=False, rotor_errors=errors, **how)

@@ -62,23 +62,25 @@ def _steps(
     weights, _ = huber_weights(linear)
     values = solved(*split(triangle(weighted_rows(linear, weights))))[0]
     told = laws_with(laws, dict(zip(linear.names, values.tolist(), strict=True)))
-    shapes = [(joint, name) for joint in joints for name in _names(laws[joint])]
-    slopes = _slopes(base, told, shapes, log, loads)
+    shapes, slopes = shape_slopes(base, told, joints, log, loads)
     both = replace(linear, columns=np.concatenate([linear.columns, slopes], axis=2))
     steps = solved(*split(triangle(weighted_rows(both, weights))))[0][-len(shapes) :]
     return dict(zip(shapes, np.clip(steps, -LONGEST, LONGEST).tolist(), strict=True))
 
 
-def _slopes(base: BaseParameters, laws: Laws, shapes: list[Shape], log: Log, loads: Array) -> Array:
-    """Derivatives (M, n, k) of the torques by shapes."""
+def shape_slopes(
+    base: BaseParameters, laws: Laws, joints: Collection[str], log: Log, loads: Array
+) -> tuple[list[Shape], Array]:
+    """Shapes of some joints' laws, k in all, and derivatives (M, n, k) of the torques by them."""
+    shapes = [(joint, name) for joint in joints for name in _names(laws[joint])]
     order, speeds = base.robot.joints, sliding_speeds(base.robot, log.motion)
-    found: list[Array] = []
+    found: list[Array] = [np.empty((log.means.size, len(order), 0))]
     for joint, name in shapes:
         j = order.index(joint)
         ends = [_moved(laws[joint], name, x).torque(speeds[:, j], loads[:, j]) for x in (CHANGE, -CHANGE)]
         slope = log.means((ends[0] - ends[1]) / (2.0 * CHANGE))
         found.append(of_joint(slope[:, None], j, len(order)))
-    return np.concatenate(found, axis=2)
+    return shapes, np.concatenate(found, axis=2)
 
 
 def _names(law: Sliding) -> list[str]:

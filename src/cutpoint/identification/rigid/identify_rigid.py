@@ -13,19 +13,19 @@ from cutpoint.identification.conditioning.motion import Motion, motion_of, slidi
 from cutpoint.identification.logs.recording import Recording
 from cutpoint.identification.rigid.base_parameters import BaseParameters, base_parameters
 from cutpoint.identification.rigid.friction_choice import FrictionChoice, choose_friction
-from cutpoint.identification.rigid.friction_shape import best_shapes
+from cutpoint.identification.rigid.friction_shape import best_shapes, shape_slopes
 from cutpoint.identification.rigid.instrumental import instrumental_variables
 from cutpoint.identification.rigid.least_squares import METHODS, Estimate, least_squares, solved
 from cutpoint.identification.rigid.physical import Solver, physical
 from cutpoint.identification.rigid.regression import Regression, regression
 from cutpoint.identification.rigid.rigid_estimate import Fitted, Log, RigidEstimate, estimate_of
-from cutpoint.identification.rigid.rigid_robot import link_torques, stated_laws
+from cutpoint.identification.rigid.rigid_robot import laws_with, link_torques, stated_laws
 from cutpoint.mechanics.friction import Sliding
 from cutpoint.robot import Robot
 
 Array = NDArray[np.float64]
 Method = Literal["ordinary", "weighted", "huber", "instrumental"]
-FrictionWish = Literal["choose", "stated"] | Mapping[str, Sliding]
+FrictionWish = Literal["choose", "stated"] | Mapping[str, Sliding] | tuple[FrictionChoice, ...]
 
 BANDWIDTH = 10.0
 """Hz of torques that are explained, at most, by default: arms are excited below, drives resonate above."""
@@ -53,11 +53,12 @@ def identify_rigid(
     cutoff: float | None = None,
     bandwidth: float | None = None,
     torque_constants: Mapping[str, float] | None = None,
+    rotor_errors: Mapping[str, float] | None = None,
 ) -> RigidEstimate:
     """Inertias of all bodies, rotors, friction and offsets that explain a recording's torques.
 
     friction: "choose" the law of each joint, see `choose_friction`; as "stated" by the drives, or Coulomb's; or laws by
-        joint, of which the shape counts.
+        joint, of which the shape counts; or what another fit chose, whose shapes are sought again.
     method: "huber", for which torques that are far off count by their size alone, as those of a joint that shakes as it
         turns back; "ordinary" or "weighted" least squares; "instrumental" where noise of the positions matters;
         instruments: then, the motion that was asked for or simulated, at the same times.
@@ -67,6 +68,8 @@ def identify_rigid(
     cutoff: Hz, of the positions, by default where they sink into their noise.  bandwidth: Hz, of the torques that are
         explained, by default the same, at most 10 Hz.
     torque_constants: N m at the joint for each ampere, by joint, for recordings of currents.
+    rotor_errors: standard deviations, kg m2 at the joint, of the inertias of rotors that are not sought, by joint.
+    Intervals of least squares know that shapes of friction were sought, and that rotors are known to their errors.
 
     A commanded torque that is held over a control period acts half a period later: align it before.
     Raises InputError: arguments that do not fit each other or the recording.  CutpointError: a missing solver.
@@ -76,6 +79,8 @@ def identify_rigid(
     base = base_parameters(robot, rotors=rotors)
     loads = link_torques(robot, log.motion, robot.inertial_parameters)
     choices = _choices(base, log, loads, offsets) if friction == "choose" else ()
+    if isinstance(friction, tuple):
+        choices = _shaped(friction, base, log, loads, offsets)
     laws = _laws(robot, log.motion, friction, choices)
     asked = None if instruments is None else _asked(robot, recording, instruments, log.motion.cutoff)
     is_loaded = any(law.per_load is not None for law in laws.values())
@@ -84,6 +89,10 @@ def identify_rigid(
         loads = link_torques(robot, log.motion, fitted.bodies.inertial) if fitted else loads
         found = regression(base, laws, log.motion, log.torque, log.means, offsets=offsets, loads=loads)
         estimate = _estimate(base, laws, log, found, asked, method, offsets, loads)
+        if method != "instrumental":
+            told = laws_with(laws, dict(zip(found.names, estimate.values.tolist(), strict=True)))
+            _, shapes = shape_slopes(base, told, [choice.joint for choice in choices], log, loads)
+            estimate = least_squares(found, method, shapes, _rotor_torques(base, log, rotor_errors or {}))
         bodies = physical(base, found.names, estimate.R, estimate.z, solver=solver, prior_spread=prior_spread)
         fitted = Fitted(base, laws, log, found, estimate, bodies)
     assert fitted is not None
@@ -150,9 +159,22 @@ def _choices(base: BaseParameters, log: Log, loads: Array, offsets: bool) -> tup
         if np.nanstd(speed) > 0.0:
             noise = float(estimate.noise[j])
             found.append(choose_friction(joint, torque[:, j], others, noise, speed, log.means, loads[:, j], offsets))
-    chosen = {each.joint: each.law for each in found}
-    shaped = best_shapes(base, laws | chosen, chosen, log, loads, offsets)
-    return tuple(replace(each, law=shaped[each.joint]) for each in found)
+    return _shaped(tuple(found), base, log, loads, offsets)
+
+
+def _shaped(
+    choices: tuple[FrictionChoice, ...], base: BaseParameters, log: Log, loads: Array, offsets: bool
+) -> tuple[FrictionChoice, ...]:
+    """The same laws, with the shapes that explain the torques of all joints best."""
+    chosen = {each.joint: each.law for each in choices}
+    shaped = best_shapes(base, stated_laws(base.robot, log.motion) | chosen, chosen, log, loads, offsets)
+    return tuple(replace(each, law=shaped[each.joint]) for each in choices)
+
+
+def _rotor_torques(base: BaseParameters, log: Log, errors: Mapping[str, float]) -> Array:
+    """(M, n, n): torques that each rotor would ask for more were it heavier by its error."""
+    sizes = np.array([errors.get(joint, 0.0) for joint in base.robot.joints])
+    return np.asarray(log.means(log.motion.w_dot * sizes)[..., None] * np.eye(sizes.size))
 
 
 def _laws(robot: Robot, motion: Motion, wish: FrictionWish, choices: tuple[FrictionChoice, ...]) -> dict[str, Sliding]:
@@ -162,7 +184,7 @@ def _laws(robot: Robot, motion: Motion, wish: FrictionWish, choices: tuple[Frict
             if joint not in laws:
                 raise unknown_name("driven joint", joint, laws)
             laws[joint] = law
-    elif wish not in ("choose", "stated"):
+    elif not isinstance(wish, tuple) and wish not in ("choose", "stated"):
         raise InputError(f"friction {wish!r} must be 'choose', 'stated', or laws by joint", friction=wish)
     return laws
 

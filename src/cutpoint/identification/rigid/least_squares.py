@@ -1,5 +1,6 @@
 """Parameters of a regression by least squares: ordinary, weighted by each joint's noise, or robust to outliers."""
 
+from dataclasses import replace
 from typing import Literal, NamedTuple
 
 import numpy as np
@@ -43,11 +44,15 @@ class Estimate(NamedTuple):
     residuals: Array
 
 
-def least_squares(regression: Regression, method: Method = "weighted") -> Estimate:
+def least_squares(
+    regression: Regression, method: Method = "weighted", shapes: Array | None = None, known: Array | None = None
+) -> Estimate:
     """ordinary: all torques weigh alike.  weighted: each joint's by its noise, iterated.  huber: moreover, residuals
     beyond 1.345 standard deviations count by their size, not by its square.  Huber (1964).
 
     A direction that the motion does not excite stays zero, with an infinite variance.
+    What the spread counts beside noise: shapes (M, n, k), the torques' slopes by what the same torques were fitted by
+    before; known (M, n, k), N m that one standard deviation of each known thing makes.
     Raises InputError: an unknown method, or fewer rows than parameters.
     """
     if method not in METHODS:
@@ -59,16 +64,27 @@ def least_squares(regression: Regression, method: Method = "weighted") -> Estima
         noise = np.ones(regression.torque.shape[1]) if method == "ordinary" else _weighted(regression)[0]
         weights = np.broadcast_to(1.0 / noise, regression.torque.shape)
     R, z = split(triangle(weighted_rows(regression, weights)))
-    values, P, seen = solved(R, z)
+    values = solved(R, z)[0]
     residuals = regression.residuals(values)
-    if method == "huber":
-        # the slope of Huber's bounded residual is 1 inside the edge and 0 beyond
-        inside = np.abs(residuals) <= EDGE * noise
-        _, P, seen = solved(*split(triangle(weighted_rows(regression, inside / noise))))
-    found = spread(weights[..., None] * regression.columns, weights * residuals, P, seen)
+    # the slope of Huber's bounded residual is 1 inside the edge and 0 beyond
+    slope = (np.abs(residuals) <= EDGE * noise) / noise if method == "huber" else weights
+    found = _spread(regression, residuals, weights, slope, (shapes, known))
     noise = np.sqrt(np.mean(residuals**2, axis=0)) if method != "huber" else noise
     scale = np.sqrt(found.correlation) * (np.sqrt(np.mean((weights * residuals) ** 2)) if method == "ordinary" else 1.0)
     return Estimate(values, found, noise, R / scale, z / scale, residuals)
+
+
+def _spread(
+    regression: Regression, residuals: Array, weights: Array, slope: Array, beside: tuple[Array | None, Array | None]
+) -> Spread:
+    """slope (M, n): of the weighted residuals by the torques.  beside: shapes and known, as above."""
+    nothing = np.empty((*residuals.shape, 0))
+    shapes, known = (nothing if x is None else x for x in beside)
+    both = replace(regression, columns=np.concatenate([regression.columns, shapes], axis=2))
+    _, P, seen = solved(*split(triangle(weighted_rows(both, slope))))
+    found = spread(weights[..., None] * both.columns, weights * residuals, P, seen)
+    pull = P @ np.einsum("mjc,mj,mjk->ck", both.columns, slope**2, known)
+    return found.first(len(regression.names), pull)
 
 
 def check_size(regression: Regression) -> None:

@@ -31,6 +31,11 @@ class Spread(NamedTuple):
     lag: int
     correlation: float
 
+    def first(self, count: int, known: Array) -> "Spread":
+        """Of the first parameters alone.  known (c, k): how far what was taken as known may pull each, k at a time."""
+        pulled = self.covariance + known @ known.T
+        return self._replace(covariance=pulled[:count, :count])
+
     def deviations(self) -> Array:
         """Standard deviations, (c,)."""
         return np.sqrt(np.diag(self.covariance))
