@@ -45,8 +45,8 @@ def true_error(found: Identification) -> np.ndarray:
     return np.sqrt(np.nanmean(left[errors.held_out] ** 2, axis=0))
 
 
-# on motion 12 the last joints do not tell Stribeck's friction from Coulomb's: with laws chosen, joint 3 is missed by 4.5
-# times as much there
+# on motion 12 the last joints do not tell Stribeck's friction from Coulomb's: with laws chosen, joint 3 is missed by
+# 4.5 times as much there
 @pytest.mark.parametrize(("friction", "motion"), [("stated", 12), ("choose", 1)])
 def test_torques_held_out_are_missed_by_twice_as_much_as_the_true_arm_misses_at_most(friction: Any, motion: int):
     found = identify(wrong_files(), recorded(motion), friction=friction, torque_delay=0.5 * PERIOD)
