@@ -34,7 +34,8 @@ class ForwardDynamicsDerivatives(NamedTuple):
 
 
 def inverse_dynamics(m: Machine, q: Scalars, v: Scalars, a: Scalars) -> InverseDynamicsDerivatives:
-    """By the mechanics' own rules where they take the joints: on Panda that is two thirds of the derived operations."""
+    """By the mechanics' own rules where they take the joints: on Panda in seven tenths of the derived operations, on UR10
+    in as many."""
     if torque_derivatives.suits(m.system):
         return InverseDynamicsDerivatives(*torque_derivatives.torque_derivatives(m.system, q, v, a))
     d_q, d_v, d_a = jacobian_of(partial(definitions.inverse_dynamics, m))(q=q, v=v, a=a)
@@ -44,8 +45,8 @@ def inverse_dynamics(m: Machine, q: Scalars, v: Scalars, a: Scalars) -> InverseD
 def forward_dynamics(m: Machine, q: Scalars, v: Scalars, tau: Scalars) -> ForwardDynamicsDerivatives:
     """From M d_a = d_tau - d(inverse dynamics at that a).  Carpentier and Mansard (2018).
 
-    On the paper's arm and on UR10 that takes two thirds of the operations that the derived recursion takes, on Panda
-    half of them.
+    That takes three fifths of the operations of the derived recursion on the paper's arm, four fifths on UR10, and half
+    on Panda.
     """
     M, bias = definitions.mass(m, q), definitions.bias_forces(m, q, v)
     a = solve_symmetric(M, [t - b for t, b in zip(tau, bias, strict=True)])

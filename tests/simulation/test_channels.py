@@ -71,3 +71,14 @@ def test_a_run_that_is_lost_alone_says_so_without_its_state():
 def test_a_channel_that_no_log_has_is_refused_with_those_there_are():
     with pytest.raises(InputError, match=r"no channel is named 'torque'; there are: .*'joint_torque'"):
         run("remembering", channels=["torque"])
+
+
+@pytest.mark.parametrize("absent", ["base_x", "fault", "link_strain", "nothing"])
+def test_a_channel_that_the_run_does_not_have_is_refused(absent):
+    with pytest.raises(InputError, match=rf"no channel is named '{absent}'; there are: 'q', 'v'"):
+        simulate(robot("linear"), SOFT, MOVE, duration=5e-3, channels=["q", absent])
+
+
+def test_one_name_is_no_collection_of_names():
+    with pytest.raises(InputError, match=r"channels='theta' must be a collection of names: channels=\['theta'\]"):
+        simulate(robot("linear"), SOFT, MOVE, duration=5e-3, channels="theta")

@@ -29,14 +29,6 @@ class Change(NamedTuple):
     omega: Vec3
 
 
-class TorqueDerivatives(NamedTuple):
-    """d torque / d (q, v, a), a row for each torque."""
-
-    d_q: Matrix
-    d_v: Matrix
-    d_a: Matrix
-
-
 @dataclass(slots=True, eq=False)
 class Cloud:
     """What a body and all that it carries ask of its joint when its frame's motion changes, in its axes.
@@ -91,8 +83,11 @@ class Effort(NamedTuple):
         return Effort(F, X.rotation @ self.moment + (u * 2).cross(F.force))
 
 
-def torque_derivatives(system: System, q: Scalars, v: Scalars, a: Scalars) -> TorqueDerivatives:
-    """Of joints of one axis each, without followers and fully coupled rotors: see `suits`."""
+def torque_derivatives(system: System, q: Scalars, v: Scalars, a: Scalars) -> tuple[Matrix, Matrix, Matrix]:
+    """d torque / d (q, v, a), N m (N) for each rad (m) and its rates, a row for each torque.
+
+    Of joints of one axis each, without followers and fully coupled rotors: see `suits`.
+    """
     moved, n = motions(system, q, v, a), system.nv
     X, S = [m.X for m in moved], [body.joint.motion([1]) for body in system.segments]
     F = bear(system, X, net_wrenches(system, moved, v, a), {})
@@ -115,7 +110,7 @@ def torque_derivatives(system: System, q: Scalars, v: Scalars, a: Scalars) -> To
             felt_q, felt_v, at = X[at].inward(felt_q), X[at].inward(felt_v), system.segments[at].parent
     for k, I_m in enumerate(system.armature):
         d_a[k][k] = d_a[k][k] + I_m
-    return TorqueDerivatives(d_q, d_v, d_a)
+    return d_q, d_v, d_a
 
 
 def suits(system: System) -> bool:

@@ -25,12 +25,12 @@ ONLY_RECORDED = ("current", "strains")
 """What is recorded without being a channel: a current is in motor_torque."""
 
 
-def recorded_for(wanted: Collection[str], recorded: Mapping[str, int]) -> dict[str, int]:
-    """What must be recorded for these channels, of all that can be.
+def recorded_for(wanted: Collection[str], recorded: Mapping[str, int], absent: Collection[str]) -> dict[str, int]:
+    """What must be recorded for these channels, of all that can be.  absent: those that the run does not have.
 
-    Raises InputError for a channel that no log has.
+    Raises InputError for any other.
     """
-    known = [*(name for name in recorded if name not in ONLY_RECORDED), *SOURCES]
+    known = [name for name in (*recorded, *SOURCES) if name not in (*ONLY_RECORDED, *absent)]
     for name in wanted:
         if name not in known:
             raise unknown_name("channel", name, known)

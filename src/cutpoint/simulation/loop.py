@@ -18,7 +18,7 @@ from cutpoint.kernels import Loop, Program, Region, Stage, compile_program
 from cutpoint.mechanics.motor import within_limits
 from cutpoint.robot import Robot
 from cutpoint.scalars import Scalar, clip, leaves, rebuild, where, with_float_leaves
-from cutpoint.simulation.channels import recorded_for
+from cutpoint.simulation.channels import BASE_COORDINATES, BASE_SPEEDS, MEMORY, recorded_for
 from cutpoint.simulation.lanes import Lanes
 from cutpoint.simulation.layout import Layout, array_of
 from cutpoint.simulation.plant import is_uniform, own_parts, sizes
@@ -78,7 +78,16 @@ class ClosedLoop:
     @cached_property
     def channels(self) -> dict[str, int]:
         """What is recorded each period, with its length, in order."""
-        return self._recordable if self.kept is None else recorded_for(self.kept, self._recordable)
+        return self._recordable if self.kept is None else recorded_for(self.kept, self._recordable, self._absent)
+
+    @property
+    def _absent(self) -> list[str]:
+        """Channels that logs of other robots and laws have."""
+        floats = self.robot.nv > len(self.robot.drives)
+        reports = getattr(self.controller, "reports_faults", False)
+        remembers = self._recordable["strains"] > 0
+        base, fault = (*BASE_COORDINATES, *BASE_SPEEDS), ("fault",)
+        return [*(() if floats else base), *(() if reports else fault), *(() if remembers else MEMORY)]
 
     @property
     def _recordable(self) -> dict[str, int]:

@@ -68,7 +68,7 @@ def _read_only(values: Array) -> Array:
 
 
 def _remembered(loop: ClosedLoop, strains: Array) -> dict[str, Array]:
-    """What drives remember, one column a drive, where any of them does: strains of friction, torque of hysteresis."""
+    """What drives remember, a column a drive, where any does or it was asked for: strains, torque of hysteresis."""
     channels = {name: np.zeros((len(strains), loop.layout.n)) for name in MEMORY}
     drives = [d.drive for d in loop.robot.machine.drives]
     for k, (drive, columns) in enumerate(zip(drives, dealt([*map(count, drives)], [*strains.T]), strict=True)):
@@ -76,7 +76,7 @@ def _remembered(loop: ClosedLoop, strains: Array) -> dict[str, Array]:
         for name, values in zip(MEMORY, (held.link, held.motor, slipping_torque(drive, held.spring)), strict=True):
             if values is not None:
                 channels[name][:, k] = values
-    return {name: values for name, values in channels.items() if values.any()}
+    return {name: values for name, values in channels.items() if values.any() or loop.kept is not None}
 
 
 def _units(loop: ClosedLoop) -> dict[str, str | tuple[str, ...]]:

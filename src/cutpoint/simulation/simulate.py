@@ -127,6 +127,8 @@ def prepared(
     _check_sensors(law, encoders.sides)
     remembers = with_float_leaves(law.start() if hasattr(law, "start") else ())
     programs = programs_for(robot, law, encoders, remembers, structure)
+    if isinstance(channels, str):
+        raise InputError(f"channels={channels!r} must be a collection of names: channels=[{channels!r}]", name=channels)
     kept = None if channels is None else frozenset(channels)
     return ClosedLoop(robot, law, encoders, remembers, period, programs, kept=kept), start, told
 
