@@ -34,8 +34,8 @@ class ForwardDynamicsDerivatives(NamedTuple):
 
 
 def inverse_dynamics(m: Machine, q: Scalars, v: Scalars, a: Scalars) -> InverseDynamicsDerivatives:
-    """By the mechanics' own rules where they take the joints: on Panda in seven tenths of the derived operations, on UR10
-    in as many."""
+    """By the mechanics' own rules where they take the joints: in seven tenths of the derived operations on Panda, in as
+    many on UR10."""
     if torque_derivatives.suits(m.system):
         return InverseDynamicsDerivatives(*torque_derivatives.torque_derivatives(m.system, q, v, a))
     d_q, d_v, d_a = jacobian_of(partial(definitions.inverse_dynamics, m))(q=q, v=v, a=a)
