@@ -1,5 +1,6 @@
 """Models from logs: intervals hold the truth as often as they say, bodies exist, and new motions are predicted."""
 
+import sys
 from dataclasses import replace
 
 import numpy as np
@@ -8,7 +9,7 @@ from scipy.stats import binom
 from simulated_logs import NOISE, known_arm, recorded
 
 from cutpoint import Coulomb, Robot
-from cutpoint.errors import InputError
+from cutpoint.errors import CutpointError, InputError
 from cutpoint.identification import Recording
 from cutpoint.identification.rigid.identify_rigid import identify_rigid
 from cutpoint.identification.rigid.rigid_robot import RigidModel, stated_laws
@@ -180,3 +181,13 @@ def test_a_joint_that_was_not_recorded_is_named():
     arm = known_arm(0)
     with pytest.raises(InputError, match=r"joint 'joint1' was not recorded; there are: joint0"):
         identify_rigid(arm.file, recorded(arm.robot, 0).joint("joint0"))
+
+
+def test_a_solver_that_is_not_installed_is_named_before_any_work(monkeypatch: pytest.MonkeyPatch) -> None:
+    known = known_arm(0, 2)
+    few = Recording(np.arange(3) * 1e-3, known.file.joints, q=np.zeros((3, 2)), torque=np.zeros((3, 2)))
+    with pytest.raises(InputError, match=r"samples|moves"):
+        identify_rigid(known.file, few)
+    monkeypatch.setitem(sys.modules, "clarabel", None)
+    with pytest.raises(CutpointError, match=r"pip install 'cutpoint\[identify\]', or take .*--solver log_cholesky"):
+        identify_rigid(known.file, few)

@@ -37,7 +37,9 @@ def excite(
     torque: Annotated[float | None, typer.Option(help="Largest torque of every motor at its joint, N m (N).")] = None,
     box: Annotated[
         Corners | None,
-        typer.Option(metavar="X0 Y0 Z0 X1 Y1 Z1", help="Two corners in the world, m, between which the flange stays."),
+        typer.Option(
+            metavar="X0 Y0 Z0 X1 Y1 Z1", help="Low and high corner, m, in the world; the flange stays between."
+        ),
     ] = None,
     frame: Annotated[
         str | None, typer.Option(help="What stays in the box; by default the last frame that the last joint carries.")

@@ -16,7 +16,7 @@ from cutpoint.identification.rigid.friction_choice import FrictionChoice, choose
 from cutpoint.identification.rigid.friction_shape import best_shapes, shape_slopes
 from cutpoint.identification.rigid.instrumental import instrumental_variables
 from cutpoint.identification.rigid.least_squares import METHODS, Estimate, least_squares, solved
-from cutpoint.identification.rigid.physical import Solver, physical
+from cutpoint.identification.rigid.physical import Solver, check_solver, physical
 from cutpoint.identification.rigid.regression import Regression, regression
 from cutpoint.identification.rigid.rigid_estimate import Fitted, Log, RigidEstimate, estimate_of
 from cutpoint.identification.rigid.rigid_robot import laws_with, link_torques, stated_laws
@@ -75,6 +75,7 @@ def identify_rigid(
     Raises InputError: arguments that do not fit each other or the recording.  CutpointError: a missing solver.
     """
     _check(method, instruments, level)
+    check_solver(solver)
     log = _log(robot, recording, rotors, cutoff, bandwidth, torque_constants)
     base = base_parameters(robot, rotors=rotors)
     loads = link_torques(robot, log.motion, robot.inertial_parameters)

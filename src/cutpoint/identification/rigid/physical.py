@@ -81,8 +81,7 @@ def physical(
 
     Raises InputError: an unknown solver, a spread that is not positive.  CutpointError: a solver that is not there.
     """
-    if solver not in SOLVERS:
-        raise unknown_name("solver", solver, SOLVERS)
+    check_solver(solver)
     if not (np.isfinite(prior_spread) and prior_spread > 0.0):
         raise InputError(f"prior_spread {prior_spread} must be positive, as a share: 0.5 is half of a body's mass")
     fit = _fit(base, names, R, z, prior_spread)
@@ -140,10 +139,18 @@ def _distance(cp: Any, X: Any, entropic: bool) -> Any:
     return (cp.trace(X) - cp.log_det(X) - 4) / 2 if entropic else cp.sum_squares(X - np.eye(4)) / 4
 
 
+def check_solver(solver: str) -> None:
+    """Raises InputError for one that is unknown, CutpointError for one that is not installed."""
+    if solver not in SOLVERS:
+        raise unknown_name("solver", solver, SOLVERS)
+    if solver != "log_cholesky":
+        _cvxpy()
+
+
 def _cvxpy() -> Any:
     try:
         import_module("clarabel")
         return import_module("cvxpy")
     except ImportError as error:
         rule = "bodies by linear matrix inequalities need cvxpy and clarabel: pip install 'cutpoint[identify]'"
-        raise CutpointError(f"{rule}, or take solver='log_cholesky'") from error
+        raise CutpointError(f"{rule}, or take solver='log_cholesky', --solver log_cholesky") from error
