@@ -27,6 +27,7 @@ def said(after: object = 0.1, plain: object = 0.1, before: object = 1.0, speed: 
 def test_a_model_that_carries_over_is_not_spoken_of():
     assert said() == []
     assert said(plain=0.05) == []
+    assert said(before=0.0999) == []
 
 
 @pytest.mark.parametrize(

@@ -17,6 +17,9 @@ POOR = 0.5
 SMALL = 0.02
 """Of the torque itself: no more needs no words, whoever errs less."""
 
+MORE = 1.05
+"""Times the error of the files' model: up to there both explain the torques alike."""
+
 UNLIKE = 30.0
 """Times what the files ask of all joints, or that part of it: no mass is so wrong."""
 
@@ -61,6 +64,6 @@ def _of_joint(errors: TorqueErrors, j: int, ratio: Ratio) -> list[str]:
     if ratio.is_more and held > SMALL * errors.size()[j]:
         times = f"{ratio.low:.2f} to {ratio.high:.2f} times that of plain least squares"
         notes.append(f": torque error on the part held out is {times}: check signs and units, or record longer")
-    if fitted > before:
+    if fitted > MORE * before:
         notes.append(": the identified model explains its torque worse than the files did")
     return notes
