@@ -1,5 +1,6 @@
 """Recordings of simulated arms, of which all parameters are known."""
 
+from collections.abc import Collection
 from typing import NamedTuple
 
 import numpy as np
@@ -27,11 +28,11 @@ class Known(NamedTuple):
     robot: Robot
     file: Robot
 
-    def base(self) -> tuple[BaseParameters, Array]:
+    def base(self, rotors: bool | Collection[str] = True) -> tuple[BaseParameters, Array]:
         """Base parameters as the wrong file orders them, and their true values."""
-        base = base_parameters(self.file, rotors=True)
-        rotors = [float(drive.reflected_inertia) for drive in self.robot.drives.values()]
-        return base, base.matrix @ [*self.robot.inertial_parameters, *rotors]
+        base = base_parameters(self.file, rotors=rotors)
+        reflected = [float(self.robot.drives[self.robot.joints[j]].reflected_inertia) for j in base.rotors]
+        return base, base.matrix @ [*self.robot.inertial_parameters, *reflected]
 
 
 def known_arm(seed: int, size: int = 3) -> Known:

@@ -74,6 +74,17 @@ def test_the_first_rotor_cannot_be_told_from_the_first_body_and_the_second_can()
     assert "I_yy.upper + 0.25 m.lower + I_m.shoulder" in names and "I_m.elbow" in names
 
 
+def test_rotors_count_at_the_joints_that_are_named() -> None:
+    arm = two_joints().with_drives({joint: Drive(100.0, Rotor(1e-5)) for joint in two_joints().joints})
+    found = base_parameters(arm, rotors=["elbow"])
+    assert "I_m.elbow" in found.names and not any("I_m.shoulder" in name for name in found.names)
+    q, v, a = states(arm)
+    without = arm.with_drives({"shoulder": Drive(100.0, Rotor(0.0))})
+    assert_close(found.regressor(q, v, a) @ found.nominal, without.inverse_dynamics(q, v, a))
+    with pytest.raises(cutpoint.InputError, match="no driven joint is named 'wrist'; there are: 'shoulder', 'elbow'"):
+        base_parameters(arm, rotors=["wrist"])
+
+
 def test_a_robot_without_joints_is_refused() -> None:
     from cutpoint.model.build import build
     from cutpoint.model.mechanism import Link

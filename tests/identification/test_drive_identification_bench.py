@@ -54,6 +54,36 @@ def test_deviations_cover_the_errors_that_the_encoders_make():
     assert 0.3 < np.sqrt(np.mean(np.square(errors))) < 2.5
 
 
+def test_noise_of_the_torque_does_not_stiffen_a_spring_whose_encoders_are_known():
+    """Fitted as if torque of this noise were known, the spring would come out 1 + (noise / torque)^2 times as stiff."""
+    found, naive = [], []
+    for seed in range(8):
+        theta, q, torque = channels(SPRINGS["linear"], seed)
+        size = 0.2 * torque.std()
+        noisy = torque + size * np.random.default_rng(seed).normal(size=torque.size)
+        for stiffness, noise in ((found, STEP / np.sqrt(12.0)), (naive, np.inf)):
+            estimate = two_encoders(
+                theta, q, noisy, PERIOD, RATIO, laws=["linear"], hysteresis=False, damping=False, noise=noise
+            )
+            stiffness.append((estimate["stiffness"], estimate.deviations["stiffness"]))
+    values, deviations = np.array(found).T
+    assert values.mean() == pytest.approx(12e3, abs=3.0 * deviations.mean() / np.sqrt(values.size))
+    assert np.mean(naive, axis=0)[0] == pytest.approx(12e3 * 1.04, rel=0.005)
+
+
+def test_what_few_samples_tell_has_intervals_that_hold_as_often_as_they_say():
+    """A spring that is wound for 80 ms, with noise of the torque that changes within 20 ms."""
+    rng, pulse = np.random.default_rng(5), 30.0 * np.exp(-(((T - 2.0) / 0.04) ** 2))
+    hits = 0
+    for _ in range(100):
+        noise = np.convolve(rng.normal(size=T.size), np.ones(20) / 20.0, "same")
+        q = 0.5 * np.sin(TURN * 0.2 * T)
+        theta = q + pulse / 12e3 + 1e-5 * noise
+        found = two_encoders(theta, q, pulse, PERIOD, RATIO, laws=["linear"], orders=[], hysteresis=False)
+        hits += abs(found["stiffness"] - 12e3) < 2.0 * found.deviations["stiffness"]
+    assert 88 < hits < 100
+
+
 def test_a_spring_that_torque_hardly_winds_is_declared_unidentifiable():
     for scale, told in ((2.0, False), (10.0, True)):
         found = two_encoders(*channels(SPRINGS["linear"], 0, scale), PERIOD, RATIO, laws=["linear"], resolution=STEP)

@@ -8,7 +8,7 @@ import pytest
 from scipy.stats import binom
 from simulated_logs import NOISE, known_arm, recorded
 
-from cutpoint import Coulomb, Robot
+from cutpoint import Coulomb, Robot, Rotor
 from cutpoint.errors import CutpointError, InputError
 from cutpoint.identification import Recording
 from cutpoint.identification.rigid.identify_rigid import identify_rigid
@@ -103,6 +103,20 @@ def test_variances_grow_with_the_square_of_what_rotors_are_known_to():
     assert (once >= none).all()
     assert (once > 1.1 * none).any()
     assert twice - none == pytest.approx(4.0 * (once - none), rel=1e-6, abs=1e-9 * none.max())
+
+
+def test_some_rotors_are_sought_beside_others_that_are_known():
+    arm = known_arm(1, 3)
+    first, *others = arm.robot.joints
+    drives = {joint: replace(arm.file.drives[joint], rotor=arm.robot.drives[joint].rotor) for joint in others}
+    file = arm.file.with_drives({first: replace(arm.file.drives[first], rotor=Rotor(1e-4)), **drives})
+    found = identify_rigid(file, recorded(arm.robot, 1), friction="stated", rotors=[first], cutoff=CUTOFF)
+    reflected = [float(arm.robot.drives[joint].reflected_inertia) for joint in others]
+    assert found.model.rotors[1:].tolist() == reflected
+    base, truth = arm.base([first])
+    assert {p.name for p in found.parameters} >= set(base.names)
+    for name, true in zip(base.names, truth.tolist(), strict=True):
+        assert abs(found[name].value - true) < 3.0 * (found[name].high - found[name].value)
 
 
 def test_intervals_know_that_the_shape_of_friction_was_sought():

@@ -5,14 +5,14 @@ in what acts beside the spring, and in what corrects the torque: both over the l
 """
 
 from collections.abc import Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import replace
 
 import numpy as np
 from numpy.typing import NDArray
 
-from cutpoint.identification.conditioning.filtering import low_pass
 from cutpoint.identification.drives.bounded import bounded_weights
 from cutpoint.identification.drives.columns import paired, reach_columns, strain_columns, wave_columns
+from cutpoint.identification.drives.deflections import DeflectionFit, Deflections
 from cutpoint.identification.drives.spring_laws import SpringLaw, fitted
 
 Array = NDArray[np.float64]
@@ -34,53 +34,6 @@ APART = 1.01 * RANGE ** (1.0 / (ELEMENTS - 1))
 
 LARGEST_REACH = 0.6
 """Of the largest deflection: elements that slip only beyond it are part of the spring, for all that one can see."""
-
-
-@dataclass(frozen=True, eq=False)
-class Deflections:
-    """A joint's measured channels, each (N,), without gaps: theta - q and theta in rad, torque in N m; period, s.
-
-    resolution: rad at the joint's side.  cutoff: Hz, of what the deflection's rate and turning points are read from.
-    corrections: (N, m), derivatives of the torque by what is not known of it.
-    """
-
-    lead: Array
-    theta: Array
-    torque: Array
-    period: float
-    ratio: float
-    resolution: float
-    cutoff: float
-    corrections: Array
-
-    def smooth(self, values: Array) -> Array:
-        """Low-passed, the ends as they are."""
-        found = low_pass(values, self.period, self.cutoff)
-        return np.where(np.isfinite(found), found, values)
-
-
-@dataclass(frozen=True, eq=False)
-class DeflectionFit:
-    """A law's constants, weights of waves, offset (rad), corrections, elements' stiffnesses, damping; what is left.
-
-    columns: the model's derivatives (N, p) by all of these, in that order.  residual: (N,), rad.  tangent: (N,).
-    beside: (N,), rad, what all that acts beside the spring takes from its deflection.
-    moving: whether the elements' reaches were sought too; then columns have their derivatives before the elements'.
-    """
-
-    law: SpringLaw
-    constants: Array
-    waves: Array
-    offset: float
-    corrections: Array
-    stiffness: Array
-    damping: float
-    reaches: Array
-    tangent: Array = field(repr=False)
-    beside: Array = field(repr=False)
-    columns: Array = field(repr=False)
-    residual: Array = field(repr=False)
-    moving: bool = False
 
 
 def fit_deflection(

@@ -45,12 +45,14 @@ class DriveEstimate:
     """One joint's drive: as far as the recording tells, otherwise as it was.
 
     spring, rotor: what was found, with its uncertainty.  unidentifiable: what was not, each with the sentence why.
+    apart: whether the spring told the rotor from the link; otherwise they are told apart by what was known of the link.
     """
 
     drive: Drive
     spring: SpringEstimate
     rotor: RotorEstimate
     unidentifiable: Mapping[str, str]
+    apart: bool
 
 
 @dataclass(frozen=True, eq=False)
@@ -147,6 +149,8 @@ def _joint(joint: Channels, drive: Drive, resolution: float | None, cutoff: floa
     if resolution is None:
         resolution = float(np.hypot(smallest_step(joint.theta), smallest_step(joint.q)))
     theta, q = (low_pass(x, period, band) for x in (joint.theta, joint.q))
+    noise = _noise_below(joint.theta - joint.q - (theta - q), period, band)
+    seen = False
     for laws in (SHAPE, SHAPE, tuple(LAWS)):
         left, unknowns = torque_left(rotor, joint.theta, torque, period, joint.delay, share)
         left, unknowns = low_pass(left, period, band), {k: low_pass(x, period, band) for k, x in unknowns.items()}
@@ -154,15 +158,20 @@ def _joint(joint: Channels, drive: Drive, resolution: float | None, cutoff: floa
         seen = spring.deviations["stiffness"] < UNCERTAIN * spring["stiffness"]
         spring = two_encoders(
             theta, q, left, period, ratio,
-            resolution=resolution, laws=laws, torque_unknowns=unknowns if seen else None,
+            resolution=resolution, laws=laws, torque_unknowns=unknowns if seen else None, noise=noise,
         )  # fmt: skip
         share = transmitted_share(spring, joint.theta, ratio)
         if seen:
             rotor = corrected(rotor, spring)
-    return _estimate(drive, spring, rotor)
+    return _estimate(drive, spring, rotor, seen)
 
 
-def _estimate(drive: Drive, spring: SpringEstimate, rotor: RotorEstimate) -> DriveEstimate:
+def _noise_below(rest: Array, period: float, band: float) -> float:
+    """RMS of white noise below a frequency, Hz, from what is left above it (N,)."""
+    return float(np.nanstd(rest) * np.sqrt(band / (0.5 / period - band)))
+
+
+def _estimate(drive: Drive, spring: SpringEstimate, rotor: RotorEstimate, apart: bool) -> DriveEstimate:
     """The drive with what was told; a drive that stays rigid has no parts that act on a deflection."""
     why = {**spring.unidentifiable, **rotor.unidentifiable}
     changes: dict[str, object] = {}
@@ -178,4 +187,4 @@ def _estimate(drive: Drive, spring: SpringEstimate, rotor: RotorEstimate) -> Dri
     if "compliance" in changes or drive.is_elastic:
         parts = {name: getattr(spring, name) for name in ("kinematic_error", "hysteresis", "damping")}
         changes.update({name: part for name, part in parts.items() if part is not None})
-    return DriveEstimate(replace(drive, **changes), spring, rotor, why)  # type: ignore[arg-type]
+    return DriveEstimate(replace(drive, **changes), spring, rotor, why, apart)  # type: ignore[arg-type]

@@ -6,7 +6,7 @@ from typing import TypeVar
 import numpy as np
 from numpy.typing import NDArray
 
-from cutpoint.identification.drives.deflection_fit import DeflectionFit
+from cutpoint.identification.drives.deflections import DeflectionFit
 
 Array = NDArray[np.float64]
 Name = TypeVar("Name", bound=Hashable)

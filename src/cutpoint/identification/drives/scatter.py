@@ -2,7 +2,6 @@
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.fft import next_fast_len
 
 Array = NDArray[np.float64]
 
@@ -49,12 +48,12 @@ def _as_found(scores: Array, length: int) -> Array:
 
 def _alike(columns: Array, residual: Array, length: int) -> Array:
     """The same of columns (N, p) times noise whose autocovariance is the residual's (N,), with the same weights."""
-    N, size = residual.size, next_fast_len(2 * residual.size, real=True)
+    N, size = residual.size, 1 << (2 * residual.size).bit_length()
     power = np.abs(np.fft.rfft(residual, size)) ** 2
     lags = np.minimum(np.arange(size), size - np.arange(size))
     tapered = np.fft.irfft(power, size) / N * np.maximum(1.0 - lags / length, 0.0)
     spectrum = np.fft.rfft(tapered).real
-    spectrum[1 : -1 if size % 2 == 0 else None] *= 2.0  # the negative frequencies
+    spectrum[1:-1] *= 2.0  # the negative frequencies
     parts = np.fft.rfft(columns, size, axis=0)
     return np.asarray((parts.conj().T @ (spectrum[:, None] * parts)).real / size)
 

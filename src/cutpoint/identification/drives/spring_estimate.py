@@ -7,9 +7,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cutpoint.identification.drives.columns import slipping, wave_columns, waves
-from cutpoint.identification.drives.deflection_fit import DeflectionFit, Deflections
+from cutpoint.identification.drives.deflections import DeflectionFit, Deflections
 from cutpoint.identification.drives.law_choice import block_errors, not_worse, simplest
 from cutpoint.identification.drives.scatter import covariance
+from cutpoint.identification.drives.torque_noise import without_attenuation
 from cutpoint.model.drive import Compliance, Hysteresis, KinematicError
 
 Array = NDArray[np.float64]
@@ -82,6 +83,8 @@ def estimate_of(
     for other in not_worse(errors, best):
         apart = _apart(names, values, *_named(rivals[other], orders, unknowns, damping))
         spread = spread + np.outer(apart, apart)
+    fit = without_attenuation(data, fit)
+    values = fit.values
     counts = 0.5 * float(np.ptp(fit.law.deflection(fit.constants, data.torque))) / (data.resolution or np.nan)
     why: dict[str, str] = {}
     if counts < COUNTS:
@@ -139,9 +142,7 @@ def _named(
     elements = [f"element {k + 1}" for k in range(fit.stiffness.size)]
     reaches = [f"reach {k + 1}" for k in range(fit.stiffness.size if fit.moving else 0)]
     names = [*fit.law.constants, *waves_of, "offset", *unknowns, *reaches, *elements, *(["damping"] if damping else [])]
-    last = [fit.damping] if damping else []
-    slipping = [*(fit.reaches if fit.moving else []), *fit.stiffness, *last]
-    return tuple(names), np.concatenate([fit.constants, fit.waves, [fit.offset], fit.corrections, slipping])
+    return tuple(names), fit.values
 
 
 def _apart(names: Sequence[str], values: Array, others: Sequence[str], theirs: Array) -> Array:

@@ -31,13 +31,14 @@ HARDENING = 0.5
 
 @dataclass(frozen=True)
 class SpringLaw:
-    """constants: their names and units.  make: the law of constants.  starts: constants to search from, given torque
-    (N,), the rest of the deflection (N,), a compliance (rad/(N m)), and the projection."""
+    """constants: their names; so many of the first are stiffnesses.  make: the law of constants.  starts: constants to
+    search from, given torque (N,), the rest of the deflection (N,), a compliance (rad/(N m)), and the projection."""
 
     name: str
     constants: tuple[str, ...]
     make: Callable[[Array], Any]
     starts: Callable[[Array, Array, float, Projection], list[Array]]
+    stiffnesses: int = 1
 
     def deflection(self, constants: Array, torque: Array) -> Array:
         return np.asarray(self.make(constants).deflection(torque), dtype=np.float64)
@@ -112,6 +113,7 @@ CATALOGUE = SpringLaw(
     ("k1", "k2", "k3", "t1", "t2 - t1"),
     lambda c: CatalogueSpring(*(float(x) for x in (*c[:4], c[3] + c[4]))),
     _catalogue_starts,
+    stiffnesses=3,
 )
 LAWS = {law.name: law for law in (LINEAR, FLEXSPLINE, CATALOGUE)}
 """From the one with the fewest constants on."""

@@ -8,7 +8,8 @@ from numpy.typing import ArrayLike, NDArray
 from cutpoint.errors import InputError, unknown_name
 from cutpoint.identification.conditioning.filtering import noise_cutoff
 from cutpoint.identification.drives.columns import amplitude_errors
-from cutpoint.identification.drives.deflection_fit import ELEMENTS, DeflectionFit, Deflections, fit_deflection
+from cutpoint.identification.drives.deflection_fit import ELEMENTS, fit_deflection
+from cutpoint.identification.drives.deflections import DeflectionFit, Deflections
 from cutpoint.identification.drives.law_choice import block_errors, simplest
 from cutpoint.identification.drives.scatter import covariance
 from cutpoint.identification.drives.spring_estimate import FEWEST_TURNS, SIGNIFICANT, SpringEstimate, estimate_of
@@ -45,6 +46,7 @@ def two_encoders(
     hysteresis: bool = True,
     damping: bool = True,
     torque_unknowns: Mapping[str, Array] | None = None,
+    noise: float = np.inf,
 ) -> SpringEstimate:
     """A joint's spring and all that makes its encoders differ, from channels (N,) on one uniform time; NaN: not known.
 
@@ -56,12 +58,13 @@ def two_encoders(
     must predict what it was not fitted to better by 1.5 standard errors of the difference, and by 2 % of the squares.
     Elements of hysteresis start without strain at the first sample.
     torque_unknowns: of what is not known of the torque, by name, its derivatives (N,) by it: corrections to be found.
+    noise: RMS of the encoders', rad; what a fit leaves beyond that is the torque's.  By default all is the encoders'.
 
     Raises:
         InputError: shapes, an unknown law, too few samples, or channels that do not move.
     """
     unknowns = dict(torque_unknowns or {})
-    data = _checked(theta, q, joint_torque, [*unknowns.values()], period, ratio, resolution)
+    data = _checked(theta, q, joint_torque, [*unknowns.values()], period, ratio, resolution, noise)
     unknown = [name for name in laws if name not in LAWS]
     if unknown or not laws:
         raise unknown_name("spring law", unknown[0] if unknown else "", LAWS)
@@ -96,6 +99,7 @@ def _checked(
     period: float,
     ratio: float,
     resolution: float | None,
+    noise: float,
 ) -> Deflections:
     arrays = [np.asarray(x, dtype=np.float64) for x in (theta, q, torque, *corrections)]
     shapes = [x.shape for x in arrays]
@@ -112,7 +116,7 @@ def _checked(
         raise InputError(f"two_encoders: resolution {resolution} rad must be a number, at least 0")
     cutoff = min(WIDER * noise_cutoff(angle - link, period), 0.4 / period)
     beside = np.column_stack(others) if others else np.empty((load.size, 0))
-    return Deflections(angle - link, angle, load, period, ratio, step, cutoff, beside)
+    return Deflections(angle - link, angle, load, period, ratio, step, cutoff, beside, noise)
 
 
 def _standing_out(fit: DeflectionFit, orders: Sequence[int], resolution: float) -> list[int]:

@@ -27,6 +27,8 @@ UNITS: Mapping[str, str] = {
     "torque constant times ratio": "N m/A",
 }
 
+NOT_APART = "its spring, which would tell it from the link, is not seen; what torques tell of it is with the links"
+
 SUMS = {"t2": ("t1", "t2 - t1")}
 """Constants of spring laws that are sums of unknowns."""
 
@@ -61,8 +63,9 @@ class _Rows:
 def drive_numbers(
     joint: str, before: Drive, found: DriveEstimate, rotors: bool, level: float = 0.95
 ) -> tuple[Number, ...]:
-    """Of one drive; before: as the files state it.  rotors: whether the model takes its rotors from here."""
-    rows = _Rows(joint, float(t.ppf(0.5 + 0.5 * level, DEGREES)), found.unidentifiable)
+    """Of one drive; before: as the files state it.  rotors: whether the model takes its rotor from here."""
+    why = found.unidentifiable if rotors else {"rotor inertia": NOT_APART, **found.unidentifiable}
+    rows = _Rows(joint, float(t.ppf(0.5 + 0.5 * level, DEGREES)), why)
     spring, stated = found.spring, float(before.reflected_inertia)
     own = [
         rows.row(name, each, ("compliance", spring.law, name), _stated(before.compliance, name), "stiffness")

@@ -1,6 +1,6 @@
 """Estimates of links and drives from one recording, each by the help of the other."""
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from typing import Any, NamedTuple
 
@@ -9,16 +9,16 @@ from cutpoint.identification.drives.identify_drives import DriveEstimates, ident
 from cutpoint.identification.logs.recording import Recording
 from cutpoint.identification.output.steps import Steps
 from cutpoint.identification.rigid.identify_rigid import FrictionWish, RigidEstimate, identify_rigid
-from cutpoint.model.drive import Rotor
+from cutpoint.model.drive import Drive, Rotor
 from cutpoint.robot import Robot
 
 
 class Estimates(NamedTuple):
-    """drives: None if not sought, or not found, as remarks say.  apart: whether rotors come from there."""
+    """drives: None if not sought, or not found, as remarks say.  apart: joints whose rotors come from there."""
 
     rigid: RigidEstimate
     drives: DriveEstimates | None
-    apart: bool = False
+    apart: tuple[str, ...] = ()
     remarks: tuple[str, ...] = ()
 
 
@@ -45,11 +45,13 @@ def estimates(
     except (CutpointError, KeyboardInterrupt) as error:  # what was found of the links is worth having without
         why = error if isinstance(error, CutpointError) else "Ctrl-C was pressed while they were sought"
         return Estimates(rigid, None, remarks=(f"springs were not identified: {why}",))
-    if any("rotor inertia" in each.unidentifiable for each in drives.joints.values()):
+    found = drives.joints.items()
+    apart = tuple(joint for joint, each in found if each.apart and "rotor inertia" not in each.unidentifiable)
+    if not apart:
         return Estimates(rigid, drives)
     say("links again, by the rotors that the motors tell")
-    again = _with_rotors(before, drives, fitted, friction=rigid.friction or friction, **how)
-    return Estimates(again, drives, apart=True)
+    again = _with_rotors(before, drives, apart, fitted, friction=rigid.friction or friction, **how)
+    return Estimates(again, drives, apart)
 
 
 def springs_wanted(before: Robot, recording: Recording, springs: bool | None) -> bool:
@@ -66,11 +68,16 @@ def springs_wanted(before: Robot, recording: Recording, springs: bool | None) ->
     return springs
 
 
-def _with_rotors(before: Robot, sprung: DriveEstimates, fitted: Recording, **how: Any) -> RigidEstimate:
+def _with_rotors(
+    before: Robot, sprung: DriveEstimates, apart: Sequence[str], fitted: Recording, **how: Any
+) -> RigidEstimate:
     """Links and friction where rotors are known: torques tell sums of both, the motors' sides tell them apart."""
-    drives = {
-        joint: replace(drive, rotor=replace(drive.rotor or Rotor(0.0), inertia=sprung.joints[joint].rotor.inertia))
-        for joint, drive in before.drives.items()
-    }
-    errors = {joint: each.rotor.deviations["inertia"] for joint, each in sprung.joints.items()}
-    return identify_rigid(before.with_drives(drives), fitted, rotors=False, rotor_errors=errors, **how)
+    rotors = {joint: sprung.joints[joint].rotor for joint in apart}
+    drives = {joint: _turning(before.drives[joint], rotor.inertia) for joint, rotor in rotors.items()}
+    errors = {joint: rotor.deviations["inertia"] for joint, rotor in rotors.items()}
+    sought = [joint for joint in before.joints if joint not in apart]
+    return identify_rigid(before.with_drives(drives), fitted, rotors=sought, rotor_errors=errors, **how)
+
+
+def _turning(drive: Drive, inertia: float) -> Drive:
+    return replace(drive, rotor=replace(drive.rotor or Rotor(0.0), inertia=inertia))

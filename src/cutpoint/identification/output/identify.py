@@ -132,7 +132,7 @@ def _fitted(recording: Recording, hold_out: float) -> tuple[Recording, float]:
 def _numbers(before: Robot, after: Robot, found: Estimates) -> tuple[Number, ...]:
     numbers = rigid_numbers(after, found.rigid)
     for joint, each in found.drives.joints.items() if found.drives else ():
-        numbers += drive_numbers(joint, before.drives[joint], each, found.apart)
+        numbers += drive_numbers(joint, before.drives[joint], each, joint in found.apart)
     return numbers
 
 

@@ -5,14 +5,14 @@ random motions with column pivoting counts the combinations that act on their ow
 preference, chooses the parameters that stand for them.
 """
 
-from collections.abc import Sequence
+from collections.abc import Collection, Sequence
 from dataclasses import dataclass, field
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 from scipy.linalg import qr
 
-from cutpoint.errors import InputError
+from cutpoint.errors import InputError, unknown_name
 from cutpoint.model.mechanism import Body
 from cutpoint.robot import Robot
 
@@ -36,16 +36,17 @@ ROWS = 4
 class BaseParameters:
     """The combinations of a robot's parameters p that its torques determine: base = matrix @ p.
 
-    parameters: names of p, (p,), as "I_zz.link3"; with rotors their inertias at the joints follow, as "I_m.joint3".
+    parameters: names of p, (p,), as "I_zz.link3"; inertias of rotors at the joints follow, as "I_m.joint3".
     independent: indices (b,) of the parameters that stand for the combinations; their columns of the regressor alone,
     times the base parameters, make the torques.  matrix: (b, p).  unidentifiable: names of what no torque shows.
+    rotors: of which joints, by number, they count.
     """
 
     parameters: tuple[str, ...]
     independent: Indices
     matrix: Array = field(repr=False)
     robot: Robot = field(repr=False)
-    rotors: bool
+    rotors: tuple[int, ...] = ()
 
     @property
     def names(self) -> tuple[str, ...]:
@@ -72,18 +73,19 @@ class BaseParameters:
         return " ".join(_term(float(row[k]), self.parameters[k], first=k == own) for k in order)
 
 
-def base_parameters(robot: Robot, *, rotors: bool = False) -> BaseParameters:
+def base_parameters(robot: Robot, *, rotors: bool | Collection[str] = False) -> BaseParameters:
     """The base parameters of a robot in its field of gravity, with those of its bodies that are fixed together as one.
 
-    rotors: count the inertia of every drive's rotor, felt at the joint (ratio^2 times its own, as an armature), as one
-    more parameter; behind a drive that bends this takes the motor to move as its joint does.
+    rotors: count the inertia of every drive's rotor, or of these joints', felt at the joint (ratio^2 times its own, as
+    an armature), as one more parameter; behind a drive that bends this takes the motor to move as its joint does.
     The same robot always gets the same ones: the random motions are seeded.
 
-    Raises InputError for a robot without a joint.
+    Raises InputError for a robot without a joint, or a joint that it does not have.
     """
     if not robot.nv:
         raise InputError(f"robot {robot.name!r} has no joint that moves: no torque tells its parameters")
-    W = _observed(robot, rotors)
+    counted = _counted(robot, rotors)
+    W = _observed(robot, counted)
     length = np.linalg.norm(W, axis=0)
     felt = length > TOLERANCE * length.max()
     scaled = np.where(felt, W, 0.0) / np.where(felt, length, 1.0)
@@ -92,13 +94,23 @@ def base_parameters(robot: Robot, *, rotors: bool = False) -> BaseParameters:
     share[np.abs(share) < NOTHING] = 0.0
     share[:, kept] = np.eye(len(kept))
     matrix = share * np.where(felt, length, 0.0) / length[kept, None]
-    return BaseParameters(_names(robot, rotors), kept, matrix, robot, rotors)
+    return BaseParameters(_names(robot, counted), kept, matrix, robot, counted)
 
 
-def _observed(robot: Robot, rotors: bool) -> Array:
+def _counted(robot: Robot, rotors: bool | Collection[str]) -> tuple[int, ...]:
+    """Numbers of the joints whose rotors count."""
+    if isinstance(rotors, bool):
+        return tuple(range(len(robot.joints))) if rotors else ()
+    for joint in rotors:
+        if joint not in robot.joints:
+            raise unknown_name("driven joint", joint, robot.joints)
+    return tuple(j for j, joint in enumerate(robot.joints) if joint in rotors)
+
+
+def _observed(robot: Robot, rotors: Sequence[int]) -> Array:
     """The regressor of random motions, stacked: (rows, p)."""
     rng = np.random.default_rng(0)
-    columns = 10 * len(robot.mechanism.bodies) + (len(robot.joints) if rotors else 0)
+    columns = 10 * len(robot.mechanism.bodies) + len(rotors)
     count = -(-ROWS * columns // robot.nv)
     v, a = rng.standard_normal((2, count, robot.nv))
     return _regressor(robot, robot.random(rng, count), v, a, rotors).reshape(-1, columns)
@@ -132,24 +144,23 @@ def _taken_on(body: Body) -> Sequence[int]:
     return 0, 1 + along, diagonal[(along + 2) % 3]
 
 
-def _regressor(robot: Robot, q: ArrayLike, v: ArrayLike, a: ArrayLike, rotors: bool) -> Array:
+def _regressor(robot: Robot, q: ArrayLike, v: ArrayLike, a: ArrayLike, rotors: Sequence[int]) -> Array:
     Y = robot.regressor(q, v, a)
-    if not rotors:
-        return Y
-    armatures = np.zeros((*Y.shape[:-1], len(robot.joints)))
-    for k, driven in enumerate(robot.machine.drives):
-        armatures[..., driven.v, k] = np.asarray(a, float)[..., driven.v]
+    armatures = np.zeros((*Y.shape[:-1], len(rotors)))
+    for k, joint in enumerate(rotors):
+        at = robot.machine.drives[joint].v
+        armatures[..., at, k] = np.asarray(a, float)[..., at]
     return np.concatenate([Y, armatures], axis=-1)
 
 
-def _parameters_of(robot: Robot, rotors: bool) -> Array:
-    reflected = [drive.reflected_inertia for drive in robot.drives.values()] if rotors else []
+def _parameters_of(robot: Robot, rotors: Sequence[int]) -> Array:
+    reflected = [robot.drives[robot.joints[j]].reflected_inertia for j in rotors]
     return np.array([*robot.inertial_parameters, *reflected], dtype=np.float64)
 
 
-def _names(robot: Robot, rotors: bool) -> tuple[str, ...]:
+def _names(robot: Robot, rotors: Sequence[int]) -> tuple[str, ...]:
     bodies = [f"{symbol}.{body.name}" for body in robot.mechanism.bodies for symbol in SYMBOLS]
-    return (*bodies, *(f"I_m.{joint}" for joint in (robot.joints if rotors else ())))
+    return (*bodies, *(f"I_m.{robot.joints[j]}" for j in rotors))
 
 
 def _term(coefficient: float, name: str, first: bool) -> str:

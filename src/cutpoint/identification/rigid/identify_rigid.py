@@ -1,6 +1,6 @@
 """From a recording to a rigid model one can trust: bodies, rotors, friction, and what the log cannot tell of them."""
 
-from collections.abc import Mapping
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import replace
 from typing import Literal
 
@@ -45,7 +45,7 @@ def identify_rigid(
     friction: FrictionWish = "choose",
     method: Method = "huber",
     instruments: Recording | None = None,
-    rotors: bool = True,
+    rotors: bool | Collection[str] = True,
     offsets: bool = True,
     solver: Solver = "lmi",
     prior_spread: float = 0.5,
@@ -62,7 +62,7 @@ def identify_rigid(
     method: "huber", for which torques that are far off count by their size alone, as those of a joint that shakes as it
         turns back; "ordinary" or "weighted" least squares; "instrumental" where noise of the positions matters;
         instruments: then, the motion that was asked for or simulated, at the same times.
-    rotors: whether the inertia of every joint's rotor is sought; if not, it is what the drives state.
+    rotors: whether the inertia of every joint's rotor is sought, or of which; others are what the drives state.
     offsets: whether torques may be off by a constant each.
     solver, prior_spread: for bodies that can exist, see `physical`.  level: of the intervals.
     cutoff: Hz, of the positions, by default where they sink into their noise.  bandwidth: Hz, of the torques that are
@@ -76,8 +76,8 @@ def identify_rigid(
     """
     _check(method, instruments, level)
     check_solver(solver)
-    log = _log(robot, recording, rotors, cutoff, bandwidth, torque_constants)
     base = base_parameters(robot, rotors=rotors)
+    log = _log(robot, recording, base.rotors, cutoff, bandwidth, torque_constants)
     loads = link_torques(robot, log.motion, robot.inertial_parameters)
     choices = _choices(base, log, loads, offsets) if friction == "choose" else ()
     if isinstance(friction, tuple):
@@ -112,17 +112,18 @@ def _check(method: str, instruments: Recording | None, level: float) -> None:
 def _log(
     robot: Robot,
     recording: Recording,
-    rotors: bool,
+    rotors: Sequence[int],
     cutoff: float | None,
     bandwidth: float | None,
     torque_constants: Mapping[str, float] | None,
 ) -> Log:
     motion, torque = motion_of(robot, recording, cutoff), torques_of(robot, recording, torque_constants)
     stated = np.array([float(drive.reflected_inertia) for drive in robot.drives.values()])
-    torque = torque if rotors else torque - stated * motion.w_dot
+    stated[[*rotors]] = 0.0
+    torque = torque - stated * motion.w_dot
     width = min(motion.cutoff, BANDWIDTH) if bandwidth is None else bandwidth
     known = motion.known() & np.isfinite(torque).all(axis=1)
-    return Log(motion, torque, decimation(known, motion.period, width), None if rotors else stated, width)
+    return Log(motion, torque, decimation(known, motion.period, width), stated, width)
 
 
 def _estimate(

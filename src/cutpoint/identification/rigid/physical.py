@@ -24,7 +24,7 @@ SOLVERS = ("lmi", "lmi_trace", "log_cholesky")
 
 
 class Physical(NamedTuple):
-    """inertial: (10 bodies,), of bodies that can exist.  rotors: (n,) kg m2 at the joint, or () without.
+    """inertial: (10 bodies,), of bodies that can exist.  rotors: kg m2 at the joint, of those that are sought.
     others: friction, not negative, and offsets, in the regression's order.  base: what follows for all its parameters.
     """
 
@@ -101,8 +101,9 @@ def physical(
 def _fit(base: BaseParameters, names: Sequence[str], R: Array, z: Array, spread: float) -> Fit:
     robot, b = base.robot, base.independent.size
     bodies = bodies_of(robot.mechanism)
-    reflected = np.array([float(drive.reflected_inertia) for drive in robot.drives.values()] if base.rotors else [])
-    arm = np.diag(robot.mass_matrix(robot.neutral()))[: reflected.size]
+    counted = [*base.rotors]
+    reflected = np.array([float(drive.reflected_inertia) for drive in robot.drives.values()])[counted]
+    arm = np.diag(robot.mass_matrix(robot.neutral()))[counted]
     scale = np.where(reflected > 0.0, reflected, np.maximum(arm, np.finfo(float).tiny))
     ten = 10 * bodies.count
     links = base.matrix[:, :ten].reshape(b, -1, 10)

@@ -88,7 +88,7 @@ def inertial_columns(base: BaseParameters, motion: Motion, means: Decimation) ->
     """
     bodies, n = 10 * len(base.robot.mechanism.bodies), len(base.robot.joints)
     links = base.independent[base.independent < bodies]
-    rotors = base.independent[base.independent >= bodies] - bodies
+    rotors = [base.rotors[k] for k in base.independent[base.independent >= bodies] - bodies]
     found = np.empty((means.size, n, base.independent.size))
     for rows in _chunks(means):
         samples = means.samples(rows)
@@ -96,7 +96,7 @@ def inertial_columns(base: BaseParameters, motion: Motion, means: Decimation) ->
         found[rows, :, : links.size] = means(Y[..., links], rows)
     w_dot = means(motion.w_dot)
     for k, j in enumerate(rotors, start=links.size):
-        found[:, :, k] = of_joint(w_dot[:, [j]], int(j), n)[..., 0]
+        found[:, :, k] = of_joint(w_dot[:, [j]], j, n)[..., 0]
     return found
 
 

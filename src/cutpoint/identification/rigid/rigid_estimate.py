@@ -67,13 +67,13 @@ class RigidEstimate:
 class Log(NamedTuple):
     """A recording as it is used: all samples, and what makes means of them.
 
-    stated: reflected inertias (n,), kg m2, of rotors that are not sought.  width: Hz, of the means.
+    stated: reflected inertias (n,), kg m2, of rotors that are not sought, 0 of others.  width: Hz, of the means.
     """
 
     motion: Motion
     torque: Array
     means: Decimation
-    stated: Array | None
+    stated: Array
     width: float
 
 
@@ -96,7 +96,8 @@ def estimate_of(
     robot, table = base.robot, _table(fitted, level)
     others = dict(zip(found.names[base.independent.size :], bodies.others.tolist(), strict=True))
     offsets = np.array([others.get(f"offset.{joint}", 0.0) for joint in robot.joints])
-    rotors = bodies.rotors if log.stated is None else log.stated
+    rotors = log.stated.copy()
+    rotors[[*base.rotors]] = bodies.rotors
     model = RigidModel(bodies.inertial, rotors, offsets, laws_with(laws, others))
     return RigidEstimate(
         robot=model.robot(robot),

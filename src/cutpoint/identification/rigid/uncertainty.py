@@ -71,7 +71,8 @@ def base_sizes(base: BaseParameters) -> Array:
     natural = [x for p in robot.inertial_parameters.reshape(-1, 10) for x in nominal_sizes(p.tolist())]
     if base.rotors:
         reflected = np.array([float(drive.reflected_inertia) for drive in robot.drives.values()])
-        natural += np.where(reflected > 0.0, reflected, np.diag(robot.mass_matrix(robot.neutral()))).tolist()
+        rotors = np.where(reflected > 0.0, reflected, np.diag(robot.mass_matrix(robot.neutral())))
+        natural += rotors[[*base.rotors]].tolist()
     return np.maximum(np.abs(np.array(natural)[base.independent]), np.abs(base.nominal))
 
 

@@ -1,0 +1,83 @@
+"""A joint's deflection as it was measured, and one law's fit to it with all else that a deflection is made of."""
+
+from dataclasses import dataclass, field, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from cutpoint.identification.conditioning.filtering import low_pass
+from cutpoint.identification.drives.spring_laws import SpringLaw
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True, eq=False)
+class Deflections:
+    """A joint's measured channels, each (N,), without gaps: theta - q and theta in rad, torque in N m; period, s.
+
+    resolution: rad at the joint's side.  cutoff: Hz, of what the deflection's rate and turning points are read from.
+    corrections: (N, m), derivatives of the torque by what is not known of it.  noise: RMS of the lead's own, rad.
+    """
+
+    lead: Array
+    theta: Array
+    torque: Array
+    period: float
+    ratio: float
+    resolution: float
+    cutoff: float
+    corrections: Array
+    noise: float = np.inf
+
+    def smooth(self, values: Array) -> Array:
+        """Low-passed, the ends as they are."""
+        found = low_pass(values, self.period, self.cutoff)
+        return np.where(np.isfinite(found), found, values)
+
+
+@dataclass(frozen=True, eq=False)
+class DeflectionFit:
+    """A law's constants, weights of waves, offset (rad), corrections, elements' stiffnesses, damping; what is left.
+
+    columns: the model's derivatives (N, p) by all of these, in that order.  residual: (N,), rad.  tangent: (N,).
+    beside: (N,), rad, what all that acts beside the spring takes from its deflection.
+    moving: whether the elements' reaches were sought too; then columns have their derivatives before the elements'.
+    """
+
+    law: SpringLaw
+    constants: Array
+    waves: Array
+    offset: float
+    corrections: Array
+    stiffness: Array
+    damping: float
+    reaches: Array
+    tangent: Array = field(repr=False)
+    beside: Array = field(repr=False)
+    columns: Array = field(repr=False)
+    residual: Array = field(repr=False)
+    moving: bool = False
+
+    @property
+    def values(self) -> Array:
+        """All unknowns (p,), in the columns' order."""
+        moving = self.reaches if self.moving else self.reaches[:0]
+        parts = [self.constants, self.waves, [self.offset], self.corrections, moving, self.stiffness, [self.damping]]
+        return np.concatenate(parts)[: self.columns.shape[1]]
+
+    def moved(self, step: Array, residual: Array) -> "DeflectionFit":
+        """With all unknowns a step (p,) on, and what is then left."""
+        sizes = [self.constants.size, self.waves.size, 1, self.corrections.size, self.reaches.size * self.moving]
+        parts = np.split(self.values + step, np.cumsum([*sizes, self.stiffness.size]))
+        constants, waves, offset, corrections, reaches, stiffness, damping = parts
+        return replace(
+            self,
+            constants=constants,
+            waves=waves,
+            offset=float(offset[0]),
+            corrections=corrections,
+            reaches=reaches if self.moving else self.reaches,
+            stiffness=stiffness,
+            damping=float(damping[0]) if damping.size else 0.0,
+            residual=residual,
+        )

@@ -1,0 +1,52 @@
+"""A spring's fit where the torque is noisy too: fitted to it as if it were known, a spring seems stiffer than it is."""
+
+import numpy as np
+from numpy.typing import NDArray
+
+from cutpoint.identification.drives.deflections import DeflectionFit, Deflections
+
+Array = NDArray[np.float64]
+
+ROUNDS = 3
+"""Each leaves of the last step a share that is small where noise is."""
+
+RELIABLE = 0.5
+"""Of what tells the spring apart from all else: at least as much must be no noise, or nothing is done."""
+
+
+def without_attenuation(data: Deflections, fit: DeflectionFit) -> DeflectionFit:
+    """The fit with the stiffness for which what is left does not go with the torques' best estimates.
+
+    What is left beyond the deflection's own noise is the torque's: the best estimate of each torque then is off the
+    measured one by that share of what is left there.  Deming (1943); Fuller (1987) section 1.3.
+    """
+    share = 1.0 - data.noise**2 / max(float(np.mean(fit.residual**2)), np.finfo(float).tiny)
+    for _ in range(ROUNDS if share > 0.0 else 0):
+        fit = _softened(data, fit, data.torque + share * fit.tangent * fit.residual)
+    return fit
+
+
+def _softened(data: Deflections, fit: DeflectionFit, torque: Array) -> DeflectionFit:
+    """All stiffnesses by one factor, with the deflection under other torques (N,) as instrument; what has no bound
+    moves with them."""
+    count, first = fit.law.stiffnesses, fit.constants.size
+    beside = slice(first, first + fit.waves.size + 1 + fit.corrections.size)
+    columns = fit.columns[:, beside]
+    size = np.linalg.norm(columns, axis=0)
+    columns = columns / np.where(size > 0.0, size, 1.0)
+    deflection = fit.law.deflection(fit.constants, data.torque)
+    instrument = _beside(columns, fit.law.deflection(fit.constants, torque))
+    alone = _beside(columns, deflection)
+    if not instrument @ alone > RELIABLE * (alone @ alone):
+        return fit
+    softer = float(instrument @ fit.residual / (instrument @ alone))
+    weights = np.linalg.lstsq(columns, fit.residual - softer * deflection)[0]
+    step = np.zeros(fit.columns.shape[1])
+    step[:count] = fit.constants[:count] * (1.0 / (1.0 + softer) - 1.0)
+    step[beside] = weights / np.where(size > 0.0, size, 1.0)
+    return fit.moved(step, fit.residual - softer * deflection - columns @ weights)
+
+
+def _beside(columns: Array, values: Array) -> Array:
+    """What of values (N,) the columns (N, k) do not explain."""
+    return np.asarray(values - columns @ np.linalg.lstsq(columns, values)[0])
