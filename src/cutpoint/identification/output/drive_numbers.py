@@ -8,7 +8,7 @@ import numpy as np
 from scipy.stats import t
 
 from cutpoint.identification.drives.columns import amplitude_errors
-from cutpoint.identification.drives.identify_drives import DriveEstimate
+from cutpoint.identification.drives.one_drive import DriveEstimate
 from cutpoint.identification.drives.rotor import RotorEstimate
 from cutpoint.identification.drives.scatter import DEGREES
 from cutpoint.identification.drives.two_encoders import SpringEstimate

@@ -38,10 +38,9 @@ def estimates(
     rigid = identify_rigid(before, fitted, friction=friction, **how)
     if not springs:
         return Estimates(rigid, None)
-    say.expect(2)
-    say("springs of the drives")
+    say.expect(1 + len(before.joints))
     try:
-        drives = identify_drives(rigid.robot, fitted)
+        drives = identify_drives(rigid.robot, fitted, say=lambda joint: say(f"spring of {joint}"))
     except (CutpointError, KeyboardInterrupt) as error:  # what was found of the links is worth having without
         why = error if isinstance(error, CutpointError) else "Ctrl-C was pressed while they were sought"
         return Estimates(rigid, None, remarks=(f"springs were not identified: {why}",))

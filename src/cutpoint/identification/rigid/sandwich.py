@@ -1,10 +1,12 @@
-"""How far estimates may be off when residuals follow each other.  Newey and West (1987), Econometrica 55(3)."""
+"""How far estimates may be off when residuals follow each other."""
 
 from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 from scipy.stats import t
+
+from cutpoint.identification.conditioning.correlated_noise import alike, as_found, at_least
 
 Array = NDArray[np.float64]
 
@@ -48,19 +50,17 @@ class Spread(NamedTuple):
 def spread(design: Array, residuals: Array, P: Array, seen: NDArray[np.bool_]) -> Spread:
     """The spread of P @ sum of design (M, n, c) times residuals (M, n), both weighted.
 
-    Each residual is brought to what it would be had its row not been fitted: MacKinnon and White (1985).  Products of
-    neighbours are added up to a lag, weighted by Bartlett's triangle; so estimated, a covariance is as uncertain as
-    that of 3/2 M / lag samples.
+    Each residual is brought to what it would be had its row not been fitted: MacKinnon and White (1985).  As found, a
+    covariance is as uncertain as that of 3/2 M / lag samples.
     """
     M, n, c = design.shape
     lag, correlation = _memory(residuals)
     leverage = np.einsum("mjc,mjc->mj", design @ P, design)
-    scores = np.einsum("mjc,mj->mc", design, residuals / np.maximum(1.0 - leverage, LEAST))
-    S = scores.T @ scores
-    for k in range(1, lag + 1):
-        product = scores[k:].T @ scores[:-k]
-        S += (1.0 - k / (lag + 1.0)) * (product + product.T)
-    covariance = P @ S @ P
+    left = residuals / np.maximum(1.0 - leverage, LEAST)
+    found = as_found(np.einsum("mjc,mj->mc", design, left), lag + 1)
+    # noise of one joint is taken to know nothing of another's
+    steady = sum(alike(design[:, j], left[:, j], lag + 1) for j in range(n))
+    covariance = at_least(P @ found @ P, P @ steady @ P)
     covariance[~seen] = covariance[:, ~seen] = 0.0
     covariance[~seen, ~seen] = np.inf
     free = max(1.0, M * n / correlation - c)

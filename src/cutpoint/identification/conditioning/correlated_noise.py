@@ -1,0 +1,43 @@
+"""How far sums of columns times noise may be off where noise follows itself: two estimates, and the larger of both.
+
+As found, scores need no model of the noise, but say little where few samples tell a parameter.  Taken to be alike all
+along, noise is known from all samples.  Both weigh what is so many samples apart by Bartlett's triangle: Newey and West
+(1987), Econometrica 55(3).
+"""
+
+import numpy as np
+from numpy.typing import NDArray
+
+Array = NDArray[np.float64]
+
+
+def as_found(scores: Array, length: int) -> Array:
+    """Covariance (p, p) of the sum of scores (N, p), each related to others less than a length away.
+
+    From their sums over all windows of that length, each a sample after the other.
+    """
+    N = len(scores)
+    summed = np.cumsum(np.vstack([np.zeros_like(scores[:1]), scores]), axis=0)
+    # windows that begin before the first sample and end after the last count each pair as often as the others
+    ends = np.arange(1, N + length)
+    windows = summed[np.minimum(ends, N)] - summed[np.maximum(ends - length, 0)]
+    return np.asarray(windows.T @ windows / length)
+
+
+def alike(columns: Array, residual: Array, length: int) -> Array:
+    """The same of columns (N, p) times noise that has everywhere the autocovariance of a residual (N,)."""
+    N, size = residual.size, 1 << (2 * residual.size).bit_length()
+    power = np.abs(np.fft.rfft(residual, size)) ** 2
+    lags = np.minimum(np.arange(size), size - np.arange(size))
+    tapered = np.fft.irfft(power, size) / N * np.maximum(1.0 - lags / length, 0.0)
+    spectrum = np.fft.rfft(tapered).real
+    spectrum[1:-1] *= 2.0  # the negative frequencies
+    parts = np.fft.rfft(columns, size, axis=0)
+    return np.asarray((parts.conj().T @ (spectrum[:, None] * parts)).real / size)
+
+
+def at_least(covariance: Array, other: Array) -> Array:
+    """A covariance (p, p) with each deviation no smaller than another one's."""
+    own, least = np.diag(covariance), np.diag(other)
+    larger = np.sqrt(np.maximum(least / np.where(own > 0.0, own, 1.0), 1.0))
+    return covariance * np.outer(larger, larger)
