@@ -118,7 +118,7 @@ def test_a_run_that_dies_leaves_no_file(found: Identification, tmp_path: Path, m
 
 
 def test_ctrl_c_while_springs_are_sought_keeps_the_links(files: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
-    def pressed(*_: Any) -> None:
+    def pressed(*_: Any, **__: Any) -> None:
         raise KeyboardInterrupt
 
     monkeypatch.setattr(estimates, "identify_drives", pressed)

@@ -10,6 +10,12 @@ from numpy.typing import NDArray
 
 Array = NDArray[np.float64]
 
+FARTHEST = 3.0
+"""Standard deviations, by the median: what is farther off counts as that far where noise is taken to be alike."""
+
+NORMAL = 0.6745
+"""Median of |x| of a standard normal x."""
+
 
 def as_found(scores: Array, length: int) -> Array:
     """Covariance (p, p) of the sum of scores (N, p), each related to others less than a length away.
@@ -25,7 +31,9 @@ def as_found(scores: Array, length: int) -> Array:
 
 
 def alike(columns: Array, residual: Array, length: int) -> Array:
-    """The same of columns (N, p) times noise that has everywhere the autocovariance of a residual (N,)."""
+    """The same of columns (N, p) times noise that has everywhere the autocovariance of most of a residual (N,)."""
+    edge = FARTHEST * float(np.median(np.abs(residual))) / NORMAL
+    residual = np.clip(residual, -edge, edge)
     N, size = residual.size, 1 << (2 * residual.size).bit_length()
     power = np.abs(np.fft.rfft(residual, size)) ** 2
     lags = np.minimum(np.arange(size), size - np.arange(size))

@@ -1,8 +1,8 @@
 """Which friction law a joint follows, judged by torques that had no part in fitting it.
 
 A law that is richer always fits better; whether it also predicts better, blocks of the recording tell that are left
-out in turn.  The simplest law within one standard error of the best is taken.  Hastie, Tibshirani, Friedman (2009),
-The Elements of Statistical Learning, section 7.10.
+out in turn.  Of laws within one standard error of the best the expected one is taken, or else the simplest.  Hastie,
+Tibshirani, Friedman (2009), The Elements of Statistical Learning, section 7.10.
 """
 
 from collections.abc import Callable, Mapping
@@ -82,23 +82,27 @@ def choose_friction(
     means: Means,
     load: Array | None = None,
     offset: bool = True,
+    expected: Sliding | None = None,
 ) -> FrictionChoice:
     """Coulomb or Stribeck, each symmetric, asymmetric, or growing with load, and the shape that fits best.
 
     torque (M,): friction of a joint, after means, and what may be wrong in what else was subtracted: others (M, k),
     each at one standard deviation, in torques of a noise, N m.  speed, load: (N,), before means.
     offset: whether the torque may be off by a constant; where friction is asymmetric that stands for it.
+    expected: a law with the shape that the drive's file states; nothing where it states none.
     Of the shapes that were tried on the way to the best for all blocks, each block is judged by the one that fits the
     others best.  Every law takes energy: none of its parts pushes.
     """
     trial = _Trial(torque, others, noise, speed, means, load, offset)
-    tried = _tried(trial, float(np.sqrt(np.nanmean(speed**2))))
+    tried = _tried(trial, float(np.sqrt(np.nanmean(speed**2))), expected)
     families = [family for family in RICHNESS if family in tried]
     errors = np.array([trial.left_out(tried[family]) for family in families])
     errors *= BLOCKS / len(torque)
     squares, deviations = errors.mean(axis=1), errors.std(axis=1, ddof=1) / np.sqrt(BLOCKS)
     best = int(np.argmin(squares))
-    chosen = families[int(np.argmax(squares <= squares[best] + deviations[best]))]
+    alike = [families[k] for k in np.flatnonzero(squares <= squares[best] + deviations[best])]
+    known = None if expected is None else _family(expected)
+    chosen = known if known in alike else alike[0]
     sizes = np.sqrt(squares)
     compared = dict(zip(families, map(Held, sizes.tolist(), (deviations / (2.0 * sizes)).tolist()), strict=True))
     return FrictionChoice(joint, chosen, trial.best(tried[chosen]), compared)
@@ -169,12 +173,19 @@ class _Trial:
         return values, float(gram[-1, -1] - 2.0 * values @ b + values @ A @ values)
 
 
-def _tried(trial: _Trial, size: float) -> dict[str, list[Tried]]:
+def _family(law: Sliding) -> str:
+    load, side = law.per_load is not None, law.asymmetry is not None
+    return f"{type(law).__name__.lower()}{', with load' if load else ', asymmetric' if side else ''}"
+
+
+def _tried(trial: _Trial, size: float, expected: Sliding | None) -> dict[str, list[Tried]]:
     """Laws by family, with their products; size: RMS speed."""
     plain: dict[str, list[Sliding]] = {
         "coulomb": [Coulomb(1.0, 0.0, size * x) for x in SMOOTHINGS],
         "stribeck": [Stribeck(1.0, 1.0, 0.0, size * y, size * x) for x in SMOOTHINGS for y in STRIBECKS if y > x],
     }
+    if expected is not None:
+        plain[type(expected).__name__.lower()].append(_with(expected, per_load=None, asymmetry=None))
     found: dict[str, list[Tried]] = {}
     for family, laws in plain.items():
         found[family] = _refined(trial, trial.all(laws))

@@ -19,7 +19,7 @@ from cutpoint.identification.rigid.least_squares import METHODS, Estimate, least
 from cutpoint.identification.rigid.physical import Solver, check_solver, physical
 from cutpoint.identification.rigid.regression import Regression, regression
 from cutpoint.identification.rigid.rigid_estimate import Fitted, Log, RigidEstimate, estimate_of
-from cutpoint.identification.rigid.rigid_robot import laws_with, link_torques, stated_laws
+from cutpoint.identification.rigid.rigid_robot import is_stated, laws_with, link_torques, stated_laws
 from cutpoint.mechanics.friction import Sliding
 from cutpoint.robot import Robot
 
@@ -160,7 +160,8 @@ def _choices(base: BaseParameters, log: Log, loads: Array, offsets: bool) -> tup
         speed, others = speeds[:, j], first.columns[:, j, :b] @ likely
         if np.nanstd(speed) > 0.0:
             noise = float(estimate.noise[j])
-            found.append(choose_friction(joint, torque[:, j], others, noise, speed, log.means, loads[:, j], offsets))
+            own, load, law = torque[:, j], loads[:, j], laws[joint] if is_stated(base.robot, joint) else None
+            found.append(choose_friction(joint, own, others, noise, speed, log.means, load, offsets, law))
     return _shaped(tuple(found), base, log, loads, offsets)
 
 

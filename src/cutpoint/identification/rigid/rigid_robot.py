@@ -75,6 +75,12 @@ def stated_laws(robot: Robot, motion: Motion) -> dict[str, Sliding]:
     return found
 
 
+def is_stated(robot: Robot, joint: str) -> bool:
+    """Whether a joint's drive states friction."""
+    drive = robot.drives[joint]
+    return drive.link_friction is not None or drive.motor_friction is not None
+
+
 def stated_coefficient(robot: Robot, name: str) -> float:
     """What the robot's drive states of `coulomb.joint1`; NaN where it states no such thing, 0 for an offset."""
     kind, _, joint = name.partition(".")
