@@ -5,6 +5,8 @@ from typing import Literal, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.ndimage import uniform_filter1d
+from scipy.special import erf
 
 from cutpoint.errors import InputError, unknown_name
 from cutpoint.identification.rigid.regression import Regression, triangle
@@ -19,6 +21,9 @@ UNSEEN = 1e-9
 
 EDGE = 1.345
 """Standard deviations beyond which Huber's weight falls: 95 % as efficient as least squares on normal noise."""
+
+NEARBY = 11
+"""Rows over which residuals are alike in size."""
 
 ROUNDS = 50
 SETTLED = 1e-6
@@ -66,12 +71,21 @@ def least_squares(
     R, z = split(triangle(weighted_rows(regression, weights)))
     values = solved(R, z)[0]
     residuals = regression.residuals(values)
-    # the slope of Huber's bounded residual is 1 inside the edge and 0 beyond
-    slope = (np.abs(residuals) <= EDGE * noise) / noise if method == "huber" else weights
+    slope = _slope(residuals, noise) if method == "huber" else weights
     found = _spread(regression, residuals, weights, slope, (shapes, known))
     noise = np.sqrt(np.mean(residuals**2, axis=0)) if method != "huber" else noise
     scale = np.sqrt(found.correlation) * (np.sqrt(np.mean((weights * residuals) ** 2)) if method == "ordinary" else 1.0)
     return Estimate(values, found, noise, R / scale, z / scale, residuals)
+
+
+def _slope(residuals: Array, noise: Array) -> Array:
+    """(M, n): of Huber's bounded residuals, over the noise.
+
+    It is 1 inside the edge and 0 beyond; of residuals that are as large as those nearby, so many lie inside on average.
+    """
+    size = np.sqrt(uniform_filter1d(residuals**2, NEARBY, axis=0))
+    share = erf(EDGE * noise / np.maximum(size, np.finfo(float).tiny) / np.sqrt(2.0))
+    return np.asarray(np.sqrt(share) / noise)
 
 
 def _spread(
