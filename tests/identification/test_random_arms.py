@@ -5,7 +5,8 @@ import pytest
 from judged_arms import Case, case
 from scipy.stats import binom
 
-ARMS = range(200, 206)
+ARMS = (*range(200, 205), 247)
+"""The last one's third spring is hardly wound: compliances of a catalogue's curve come out next to nothing."""
 
 
 @pytest.fixture(scope="module")

@@ -25,6 +25,9 @@ FARTHEST = 5.0
 CORNERS = (0.1, 0.2, 0.35, 0.5, 0.7, 0.85)
 """Of the largest torque: where a catalogue's stiffness may change, to start the search from."""
 
+LEAST = 0.01
+"""Of a catalogue's largest compliance: a smaller one is none to start the search from."""
+
 HARDENING = 0.5
 """Times one over the largest torque: hardening to start the search from."""
 
@@ -64,7 +67,10 @@ def fitted(law: SpringLaw, torque: Array, rest: Array, project: Projection) -> A
     for start in law.starts(torque, rest, compliance, project):
 
         def error(logarithms: Array) -> Array:
-            return (target - project(law.deflection(np.exp(logarithms), torque))) / scale
+            with np.errstate(all="ignore"):
+                left = (target - project(law.deflection(np.exp(logarithms), torque))) / scale
+            # constants for which the law cannot be inverted explain nothing
+            return left if np.isfinite(left).all() else np.ones_like(left)
 
         origin = np.log(start)
         found = least_squares(error, origin, bounds=(origin - FARTHEST, origin + FARTHEST), x_scale=0.3, max_nfev=30)
@@ -99,7 +105,7 @@ def _catalogue_starts(torque: Array, rest: Array, compliance: float, project: Pr
         columns = np.column_stack([project(part) for part in (low, middle - low, torque - middle)])
         compliances, *_ = np.linalg.lstsq(columns, target)
         error = float(np.sum((target - columns @ compliances) ** 2))
-        if compliances.min() > 0.0 and error < best:
+        if compliances.min() > LEAST * compliances.max() and error < best:
             best, found = error, np.array([*(1.0 / compliances), first, second - first])
     return [found]
 
