@@ -1,9 +1,10 @@
 """Zero-phase low-pass filtering and differentiation, with a stated bandwidth, never across a gap."""
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.ndimage import binary_erosion
 from scipy.signal import butter, sosfiltfilt, welch
 
 from cutpoint.errors import InputError
@@ -42,13 +43,26 @@ def low_pass(values: Array, period: float, cutoff: float, order: int = ORDER) ->
     if not 0.0 < cutoff < 0.5 / period:
         raise InputError(f"cut-off {cutoff} Hz must lie between 0 and half of the sampling rate, {0.5 / period:g} Hz")
     sections = butter(order, cutoff, fs=1.0 / period, output="sos")
-    edge = int(np.ceil(CUT_PERIODS / (cutoff * period)))
+    edge = _edge(period, cutoff)
     found = np.full(values.shape, np.nan)
     for part, column, result in _stretches(values, found):
         if part.stop - part.start > 2 * edge:
             smooth = sosfiltfilt(sections, column[part], padlen=min(3 * edge, part.stop - part.start - 1))
             result[part.start + edge : part.stop - edge] = smooth[edge:-edge]
     return found
+
+
+def low_pass_together(channels: Sequence[Array], period: float, cutoff: float) -> list[Array]:
+    """Channels (N,) of one linear equation, each without what is faster than a cut-off: it still holds.
+
+    What is unknown of one is left out of all, so that each begins and ends at the same samples.  Beside edges as much
+    again is cut, for what is differentiated only then.
+    """
+    columns = np.column_stack(channels)
+    columns[~np.isfinite(columns).all(axis=1)] = np.nan
+    found = low_pass(columns, period, cutoff)
+    inside = binary_erosion(np.isfinite(found[:, 0]), np.ones(2 * _edge(period, cutoff) + 1))
+    return [*np.where(inside[:, None], found, np.nan).T]
 
 
 def derivative(values: Array, period: float, order: int = 1) -> Array:
@@ -97,6 +111,10 @@ def low_passed(recording: Recording, cutoff: float | None = None, order: int = O
         cutoff = noise_cutoff(np.column_stack(positions or [*recording.channels.values()]), period)
     found = recording.with_channels(lambda values: low_pass(values, period, cutoff, order))
     return found.with_notes([f"low-passed at {cutoff:.4g} Hz, zero phase, order {order} in each direction"])
+
+
+def _edge(period: float, cutoff: float) -> int:
+    return int(np.ceil(CUT_PERIODS / (cutoff * period)))
 
 
 def _cutoff(x: Array, period: float) -> float:

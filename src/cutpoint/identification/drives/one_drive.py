@@ -6,7 +6,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from cutpoint.identification.conditioning.filtering import low_pass, noise_cutoff
+from cutpoint.identification.conditioning.filtering import low_pass, low_pass_together, noise_cutoff
 from cutpoint.identification.drives.joint_torques import corrected, torque_left, transmitted_share
 from cutpoint.identification.drives.rotor import RotorEstimate, motor_side
 from cutpoint.identification.drives.spring_estimate import UNCERTAIN, SpringEstimate
@@ -80,17 +80,19 @@ def drive_of(joint: Channels, drive: Drive, resolution: float | None, cutoff: fl
     band = min(WIDER * noise_cutoff(joint.theta - joint.q, period), HIGHEST / period)
     if resolution is None:
         resolution = float(np.hypot(smallest_step(joint.theta), smallest_step(joint.q)))
-    theta, q = (low_pass(x, period, band) for x in (joint.theta, joint.q))
-    noise = _noise_below(joint.theta - joint.q - (theta - q), period, band)
+    lead = joint.theta - joint.q
+    noise = _noise_below(lead - low_pass(lead, period, band), period, band)
     seen = False
     for laws in (SHAPE, SHAPE, tuple(LAWS)):
         left, unknowns = torque_left(rotor, joint.theta, torque, period, joint.delay, share)
-        left, unknowns = low_pass(left, period, band), {k: low_pass(x, period, band) for k, x in unknowns.items()}
+        channels = joint.theta, joint.q, left, *unknowns.values()
+        theta, q, left, *columns = low_pass_together(channels, period, band)
         # a spring that is wound by too little to be stated can still tell the rotor from the links
         seen = spring.deviations["stiffness"] < UNCERTAIN * spring["stiffness"]
         spring = two_encoders(
             theta, q, left, period, ratio,
-            resolution=resolution, laws=laws, torque_unknowns=unknowns if seen else None, noise=noise,
+            resolution=resolution, laws=laws, noise=noise,
+            torque_unknowns=dict(zip(unknowns, columns, strict=True)) if seen else None,
         )  # fmt: skip
         share = transmitted_share(spring, joint.theta, ratio)
         if seen:

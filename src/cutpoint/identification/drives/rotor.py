@@ -12,7 +12,7 @@ from numpy.typing import ArrayLike, NDArray
 from scipy.optimize import minimize_scalar
 
 from cutpoint.errors import InputError
-from cutpoint.identification.conditioning.filtering import derivative, low_pass, noise_cutoff
+from cutpoint.identification.conditioning.filtering import derivative, low_pass, low_pass_together, noise_cutoff
 from cutpoint.identification.drives.bounded import bounded_weights
 from cutpoint.identification.drives.scatter import covariance
 from cutpoint.mechanics.friction import Coulomb
@@ -135,7 +135,7 @@ def motor_side(
     if current is not None:
         fixed["gain"] = drive
     target = np.asarray(transmission, dtype=np.float64) * load - (drive if current is None else 0.0)
-    passed = low_pass(np.column_stack([*fixed.values(), -speed, target]), period, band)
+    passed = np.column_stack(low_pass_together([*fixed.values(), -speed, target], period, band))
     if np.isfinite(passed).all(axis=1).sum() < LEAST_SAMPLES:
         raise InputError(f"motor_side: less than {LEAST_SAMPLES} samples are left by a filter of {band:.3g} Hz")
 

@@ -24,9 +24,20 @@ def covariance(jacobian: Array, residual: Array) -> Array:
     inverse = np.linalg.pinv(scaled.T @ scaled, hermitian=True)
     length = max(1, residual.size // WINDOWS)
     found, steady = as_found(scaled * residual[:, None], length), alike(scaled, residual, length)
-    spread = at_least(inverse @ found @ inverse, inverse @ steady @ inverse)
+    spread = at_least(inverse @ found @ inverse, inverse @ steady @ inverse) / _left(
+        residual, int(size.astype(bool).sum())
+    )
     spread = spread / np.outer(size, size).clip(np.finfo(float).tiny)
     return _without(spread, _undetermined(scaled.T @ scaled))
+
+
+def _left(residual: Array, fitted: int) -> float:
+    """Share of the noise's power that a fit of so many parameters leaves in a residual (N,), at least a half.
+
+    Noise of a narrow band is as many numbers as its correlation allows: N rho(0)^2 / sum rho(k)^2.
+    """
+    power = np.abs(np.fft.rfft(residual)) ** 2
+    return max(0.5, 1.0 - fitted * float(np.mean(power**2)) / (residual.size * float(np.mean(power)) ** 2))
 
 
 def _undetermined(gram: Array) -> NDArray[np.bool_]:
