@@ -7,8 +7,9 @@ import pinocchio as pin
 import pytest
 from test_against_pinocchio import twin_of
 
-from cutpoint import Drive, LinearSpring, Rotor, derivative_definitions, derivatives, robots
+from cutpoint import Drive, LinearSpring, Rotor, derivatives, robots
 from cutpoint.analysis.derivatives import kernels_of
+from cutpoint.derivatives import definitions
 from cutpoint.errors import InputError
 from cutpoint.model import Link
 from cutpoint.model.build import build
@@ -65,7 +66,7 @@ def test_forward_dynamics(name: str, backend: str) -> None:
 
 @pytest.mark.parametrize("name", ["xia2019", "floating"])
 def test_an_acceleration_with_the_wrong_sign_is_caught(name: str, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(derivative_definitions, "_negated", lambda rows: rows)
+    monkeypatch.setattr(definitions, "_negated", lambda rows: rows)
     robot.cache_clear()
     with pytest.raises(AssertionError):
         test_forward_dynamics(name, "numpy")
@@ -73,7 +74,7 @@ def test_an_acceleration_with_the_wrong_sign_is_caught(name: str, monkeypatch: p
 
 
 def test_coordinates_instead_of_tangents_are_caught(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(derivative_definitions, "_along_tangents", lambda m, q, rows: [row[:-1] for row in rows])
+    monkeypatch.setattr(definitions, "_along_tangents", lambda m, q, rows: [row[:-1] for row in rows])
     robot.cache_clear()
     with pytest.raises(AssertionError):
         test_inverse_dynamics("floating", "numpy")

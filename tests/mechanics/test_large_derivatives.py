@@ -7,7 +7,8 @@ import pinocchio
 import pytest
 from test_large_trees import model_of
 
-from cutpoint import Drive, LinearSpring, Robot, Rotor, derivative_sweeps, derivatives
+from cutpoint import Drive, LinearSpring, Robot, Rotor, derivatives
+from cutpoint.derivatives import sweeps
 from cutpoint.errors import InputError
 from cutpoint.model import Mechanism
 from large_robots import assert_close, based, chain
@@ -42,9 +43,9 @@ def test_swept_derivatives_are_the_compiled_ones(name: str, coupling: str) -> No
         derivatives.elastic_forward_dynamics(robot, q, v, **s),
     )
     swept = (
-        derivative_sweeps.inverse_dynamics(robot, q=q, v=v, a=a),
-        derivative_sweeps.forward_dynamics(robot, q=q, v=v, tau=a),
-        derivative_sweeps.elastic_forward_dynamics(robot, q=q, v=v, **s),
+        sweeps.inverse_dynamics(robot, q=q, v=v, a=a),
+        sweeps.forward_dynamics(robot, q=q, v=v, tau=a),
+        sweeps.elastic_forward_dynamics(robot, q=q, v=v, **s),
     )
     for theirs, ours in zip(compiled, swept, strict=True):
         for x, y in zip(ours, theirs, strict=True):

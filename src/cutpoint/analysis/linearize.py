@@ -5,9 +5,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from cutpoint import derivative_sweeps as sweeps
 from cutpoint.analysis.derivatives import kernels_of, steady_motion, without_friction
 from cutpoint.analysis.linear_model import LinearModel, OperatingPoint
+from cutpoint.derivatives import sweeps
 from cutpoint.door import checked_array
 from cutpoint.errors import InputError
 from cutpoint.robot import ElasticTorques, Robot

@@ -24,10 +24,8 @@ def covariance(jacobian: Array, residual: Array) -> Array:
     inverse = np.linalg.pinv(scaled.T @ scaled, hermitian=True)
     length = max(1, residual.size // WINDOWS)
     found, steady = as_found(scaled * residual[:, None], length), alike(scaled, residual, length)
-    spread = at_least(inverse @ found @ inverse, inverse @ steady @ inverse) / _left(
-        residual, int(size.astype(bool).sum())
-    )
-    spread = spread / np.outer(size, size).clip(np.finfo(float).tiny)
+    spread = at_least(inverse @ found @ inverse, inverse @ steady @ inverse)
+    spread = spread / np.outer(size, size).clip(np.finfo(float).tiny) / _left(residual, int(np.count_nonzero(size)))
     return _without(spread, _undetermined(scaled.T @ scaled))
 
 
@@ -37,7 +35,8 @@ def _left(residual: Array, fitted: int) -> float:
     Noise of a narrow band is as many numbers as its correlation allows: N rho(0)^2 / sum rho(k)^2.
     """
     power = np.abs(np.fft.rfft(residual)) ** 2
-    return max(0.5, 1.0 - fitted * float(np.mean(power**2)) / (residual.size * float(np.mean(power)) ** 2))
+    numbers = residual.size * np.mean(power) ** 2 / max(float(np.mean(power**2)), np.finfo(float).tiny)
+    return max(0.5, 1.0 - fitted / max(float(numbers), 1.0))
 
 
 def _undetermined(gram: Array) -> NDArray[np.bool_]:

@@ -2,7 +2,7 @@
 
 They stand beside `Robot`, which offers the functions themselves, and are called like its methods: leading axes are
 batches, a wrong shape or a number that is not finite raises InputError that names it.  Of robots of more than 24 bodies
-they are not compiled but swept, one configuration after another: see `derivative_sweeps`.  d_q is taken along tangent
+they are not compiled but swept, one configuration after another: see `sweeps`.  d_q is taken along tangent
 directions, those of `Robot.integrate`: they are q itself but for quaternions and planar joints.
 """
 
@@ -13,8 +13,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from cutpoint import derivative_definitions as definitions
-from cutpoint import derivative_sweeps as sweeps
+from cutpoint.derivatives import definitions, sweeps
 from cutpoint.errors import InputError
 from cutpoint.mechanics.elastic import Options
 from cutpoint.robot import Robot
