@@ -111,6 +111,12 @@ def test_motor_friction_is_found(arm: Case):
         assert found.viscous == pytest.approx(0.5, rel=0.06)
 
 
+def test_damping_is_found_where_no_element_slips_beside_it(arm: Case):
+    for name in SEEN:
+        if arm.true.drives[name].hysteresis is None:
+            assert arm.found.joints[name].spring.damping == pytest.approx(arm.true.drives[name].damping, rel=0.03)
+
+
 def test_an_arm_that_was_identified_moves_as_it_was_recorded(arm: Case):
     before = np.sqrt(np.mean((measured(supposed_arm(arm.true), 2.0)["q"] - arm.recording["q"][:2001]) ** 2, axis=0))
     after = np.sqrt(np.mean((measured(arm.found.robot, 2.0)["q"] - arm.recording["q"][:2001]) ** 2, axis=0))

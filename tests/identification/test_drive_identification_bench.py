@@ -54,6 +54,19 @@ def test_deviations_cover_the_errors_that_the_encoders_make():
     assert 0.3 < np.sqrt(np.mean(np.square(errors))) < 2.5
 
 
+@pytest.mark.parametrize("frequency", [5.0, 50.0])
+def test_damping_is_found_however_fast_the_spring_swings(frequency: float):
+    torque = 20.0 * np.sin(TURN * 0.5 * T) + 10.0 * np.sin(TURN * frequency * T)
+    stiffness, damping = 12e3, 6.0
+    # K x + D x' = torque, wave by wave
+    shift = damping * TURN / stiffness * np.array([0.5, frequency])
+    sizes = np.array([20.0, 10.0]) / (stiffness * np.hypot(1.0, shift))
+    lead = sum(a * np.sin(TURN * f * T - np.arctan(s)) for a, f, s in zip(sizes, (0.5, frequency), shift, strict=True))
+    found = two_encoders(lead, 0.0 * T, torque, PERIOD, RATIO, laws=["linear"], orders=[], hysteresis=False)
+    assert found.damping == pytest.approx(damping, rel=2e-3)
+    assert found["stiffness"] == pytest.approx(stiffness, rel=1e-4)
+
+
 def test_noise_of_the_torque_does_not_stiffen_a_spring_whose_encoders_are_known():
     """Fitted as if torque of this noise were known, the spring would come out 1 + (noise / torque)^2 times as stiff."""
     found, naive = [], []

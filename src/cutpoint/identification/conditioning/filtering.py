@@ -55,13 +55,13 @@ def low_pass(values: Array, period: float, cutoff: float, order: int = ORDER) ->
 def low_pass_together(channels: Sequence[Array], period: float, cutoff: float) -> list[Array]:
     """Channels (N,) of one linear equation, each without what is faster than a cut-off: it still holds.
 
-    What is unknown of one is left out of all, so that each begins and ends at the same samples.  Beside edges as much
-    again is cut, for what is differentiated only then.
+    What is unknown of one is left out of all, so that each begins and ends at the same samples.  Beside edges half as
+    much again is cut, for what is differentiated only then.
     """
     columns = np.column_stack(channels)
     columns[~np.isfinite(columns).all(axis=1)] = np.nan
     found = low_pass(columns, period, cutoff)
-    inside = binary_erosion(np.isfinite(found[:, 0]), np.ones(2 * _edge(period, cutoff) + 1))
+    inside = binary_erosion(np.isfinite(found[:, 0]), np.ones(2 * (_edge(period, cutoff) // 2) + 1))
     return [*np.where(inside[:, None], found, np.nan).T]
 
 

@@ -82,7 +82,7 @@ def _round(data: Deflections, before: DeflectionFit, free: Array, damped: bool) 
         constants = _searched(law, data.torque, data.lead - before.beside, free)
     wound = data.smooth(data.lead - free @ np.append(before.waves, before.offset))
     beside = -strain_columns(wound, before.reaches) / before.tangent[:, None]
-    rate = -np.gradient(wound, data.period) / before.tangent
+    rate = -data.rate(wound) / before.tangent
     waves = free.shape[1] - 1
     acting = [data.corrections]
     if before.moving:

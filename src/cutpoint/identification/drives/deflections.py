@@ -34,6 +34,12 @@ class Deflections:
         found = low_pass(values, self.period, self.cutoff)
         return np.where(np.isfinite(found), found, values)
 
+    def rate(self, values: Array) -> Array:
+        """By differences of fourth order: simple ones are 6 % short at a tenth of the sampling rate."""
+        found = np.gradient(values, self.period)
+        found[1:-1] -= (found[2:] - 2.0 * found[1:-1] + found[:-2]) / 6.0
+        return found
+
 
 @dataclass(frozen=True, eq=False)
 class DeflectionFit:
