@@ -6,6 +6,7 @@ from machine_logs import PERIOD, positions, recording, times
 
 from cutpoint.errors import InputError
 from cutpoint.identification import derivative, low_pass, low_passed, noise_cutoff
+from cutpoint.identification.conditioning.filtering import low_pass_together
 
 T = times(4000)
 CUTOFF = 20.0
@@ -87,3 +88,16 @@ def test_a_third_derivative_and_a_cut_off_of_nothing_are_refused():
         derivative(np.ones(10), PERIOD, 3)
     with pytest.raises(InputError, match=r"no column moves over 64 samples or more without a gap, of 100"):
         noise_cutoff(np.ones((100, 2)), PERIOD)
+
+
+def test_an_equation_of_channels_holds_up_to_the_edges_though_one_begins_later():
+    one = np.exp(-5.0 * T) * np.cos(40.0 * T)
+    twice = 2.0 * one
+    twice[:5], twice[900:903] = np.nan, np.nan
+    first, second = low_pass_together([one, twice], PERIOD, 20.0)
+    known = np.isfinite(first)
+    assert known.sum() > 0.7 * T.size and (known == np.isfinite(second)).all()
+    assert np.abs(second - 2.0 * first)[known].max() < 1e-12
+    # each by itself begins where it is known: near the start they differ by a share of what the filter cannot know
+    alone = [low_pass(x, PERIOD, 20.0) for x in (one, twice)]
+    assert np.nanmax(np.abs(alone[1] - 2.0 * alone[0])) > 1e-6
