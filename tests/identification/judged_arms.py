@@ -7,24 +7,22 @@ from dataclasses import replace
 from typing import NamedTuple
 
 import numpy as np
-from simulated_logs import NOISE, Known, known_arm, motion
+from simulated_logs import NOISE, Known, exists, known_arm, motion
 
 import cutpoint
 from cutpoint import LinearSpring, Robot, Rotor, Sensors
 from cutpoint.control import PD
-from cutpoint.errors import CutpointError
 from cutpoint.identification import Recording, low_pass
 from cutpoint.identification.conditioning.motion import motion_of
 from cutpoint.identification.output import Identification, identify
 from cutpoint.identification.output.torque_errors import stated_torque
-from cutpoint.model.places import Places
-from cutpoint.model.validation import check_body
 
 PERIOD = 1e-3
 STEP = 2.0 * np.pi / 2**20
 """s; rad, of the links' encoders."""
 
-DRIVES = {"stiffness": "stiffness", "rotor inertia": "rotor inertia", "damping": "damping"}
+KINDS = ("coulomb", "viscous", "offset", "stiffness", "rotor inertia", "damping")
+"""Of numbers; all others are base parameters."""
 
 
 class Case(NamedTuple):
@@ -42,7 +40,7 @@ def case(seed: int) -> Case:
     errors, true = found.errors, motion_of(known.robot, found.recording)
     left = errors.measured - low_pass(stated_torque(known.robot, true), true.period, errors.bandwidth)
     floor = np.sqrt(np.nanmean(left[errors.held_out] ** 2, axis=0))
-    return Case(_hits(known, found), _exists(found.robot), errors.rms("after", held_out=True) / floor)
+    return Case(_hits(known, found), exists(found.robot), errors.rms("after", held_out=True) / floor)
 
 
 def _hits(known: Known, found: Identification) -> dict[str, list[bool]]:
@@ -64,16 +62,7 @@ def _hits(known: Known, found: Identification) -> dict[str, list[bool]]:
 
 def _kind(name: str) -> str:
     first = name.split(".")[0]
-    return first if first in ("coulomb", "viscous", "offset") else DRIVES.get(name, "base parameters")
-
-
-def _exists(robot: Robot) -> bool:
-    try:
-        for body in robot.mechanism.bodies:
-            check_body(body, [body.name], Places(None))
-    except CutpointError:
-        return False
-    return all(body.mass > 0.0 for body in robot.mechanism.bodies)
+    return first if first in KINDS else "base parameters"
 
 
 def _with_springs(known: Known, seed: int) -> Known:

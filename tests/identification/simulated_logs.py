@@ -9,10 +9,13 @@ from numpy.typing import NDArray
 import cutpoint
 from cutpoint import Coulomb, Drive, Robot, Rotor
 from cutpoint.control import PD
+from cutpoint.errors import ModelError
 from cutpoint.identification import Recording
 from cutpoint.identification.excitation.series import FourierSeries, still_waves
 from cutpoint.identification.rigid.base_parameters import BaseParameters, base_parameters
 from cutpoint.identification.rigid.bodies import bodies_of, with_parameters
+from cutpoint.model.places import Places
+from cutpoint.model.validation import check_body
 from cutpoint.simulation import Sensors
 from random_trees import random_tree
 
@@ -71,3 +74,14 @@ def recorded(robot: Robot, seed: int) -> Recording:
     held[1:] = 0.5 * (held[1:] + held[:-1])
     noise = NOISE * np.random.default_rng(seed).normal(size=held.shape)
     return Recording(log.time, log.joints, q=log["measured_q"], torque=held + noise)
+
+
+def exists(robot: Robot) -> bool:
+    """Whether all bodies are such as mass can have."""
+    bodies = robot.mechanism.bodies
+    try:
+        for body in bodies:
+            check_body(body, [body.name], Places(None))
+    except ModelError:
+        return False
+    return all(body.mass > 0.0 for body in bodies)

@@ -6,25 +6,16 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from scipy.stats import binom
-from simulated_logs import NOISE, known_arm, recorded
+from simulated_logs import NOISE, exists, known_arm, recorded
 
 from cutpoint import Coulomb, Robot, Rotor
 from cutpoint.errors import CutpointError, InputError
 from cutpoint.identification import Recording
 from cutpoint.identification.rigid.identify_rigid import identify_rigid
 from cutpoint.identification.rigid.rigid_robot import RigidModel, stated_laws
-from cutpoint.model.places import Places
-from cutpoint.model.validation import check_body
 
 CUTOFF = 40.0
 ARMS = 20
-
-
-def exists(robot: Robot) -> bool:
-    """Raises ModelError for a body that mass cannot have."""
-    for body in robot.mechanism.bodies:
-        check_body(body, [body.name], Places(None))
-    return all(body.mass > 0.0 for body in robot.mechanism.bodies)
 
 
 @pytest.mark.parametrize("method", ["huber", "weighted", "instrumental"])

@@ -24,8 +24,7 @@ NARROWER = 3.0
 within it is no longer what the filtered speed says."""
 
 WIDER = 2.0
-"""Times the frequency at which the deflection sinks into its noise: up to there springs are told.  Noise beyond, of
-torques and accelerations, would make springs seem stiffer and rotors lighter than they are."""
+"""Times the frequency at which the deflection sinks into its noise: up to there springs are told."""
 
 HIGHEST = 0.4
 """Of the sampling rate."""
@@ -48,7 +47,10 @@ class DriveEstimate:
 
 @dataclass(frozen=True, eq=False)
 class Channels:
-    """One joint's, each (N,): theta, q in rad; effort, the motor's torque in N m or current in A; link_torque, N m."""
+    """One joint's, each (N,): theta, q in rad; effort, the motor's torque in N m or current in A; link_torque, N m.
+
+    period, delay: s.
+    """
 
     theta: Array
     q: Array
@@ -60,7 +62,10 @@ class Channels:
 
 
 def drive_of(joint: Channels, drive: Drive, resolution: float | None, cutoff: float) -> DriveEstimate:
-    """From the links' torque to the spring, to the rotor, to the motor's torque, to the spring again."""
+    """From the links' torque to the spring, to the rotor, to the motor's torque, to the spring again.
+
+    resolution: rad at the joint's side, None for the smallest steps that the samples show.  cutoff: Hz, for the rotor.
+    """
     ratio, period = drive.ratio, joint.period
     torque, kind = joint.effort, "current" if joint.is_current else "torque"
     spring = two_encoders(joint.theta, joint.q, joint.link_torque, period, ratio, resolution=resolution, laws=SHAPE)
@@ -77,10 +82,10 @@ def drive_of(joint: Channels, drive: Drive, resolution: float | None, cutoff: fl
     )
     if rotor.torque_constant is not None:
         torque = joint.effort * rotor.torque_constant * ratio
-    band = min(WIDER * noise_cutoff(joint.theta - joint.q, period), HIGHEST / period)
     if resolution is None:
         resolution = float(np.hypot(smallest_step(joint.theta), smallest_step(joint.q)))
     lead = joint.theta - joint.q
+    band = min(WIDER * noise_cutoff(lead, period), HIGHEST / period)
     noise = _noise_below(lead - low_pass(lead, period, band), period, band)
     seen = False
     for laws in (SHAPE, SHAPE, tuple(LAWS)):

@@ -32,7 +32,8 @@ def covariance(jacobian: Array, residual: Array) -> Array:
 def _left(residual: Array, fitted: int) -> float:
     """Share of the noise's power that a fit of so many parameters leaves in a residual (N,), at least a half.
 
-    Noise of a narrow band is as many numbers as its correlation allows: N rho(0)^2 / sum rho(k)^2.
+    Noise of a narrow band is as many numbers as its correlation allows: N rho(0)^2 / sum rho(k)^2, here of its spectrum
+    by Parseval's theorem.
     """
     power = np.abs(np.fft.rfft(residual)) ** 2
     numbers = residual.size * np.mean(power) ** 2 / max(float(np.mean(power**2)), np.finfo(float).tiny)

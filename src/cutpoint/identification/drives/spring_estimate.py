@@ -75,56 +75,70 @@ def estimate_of(
 ) -> SpringEstimate:
     """rivals: fits by the elements that they were offered, the fewest or the most of which are taken; whichever do not
     surely predict worse count as uncertainty."""
+    fit, names, spread = _chosen(rivals, orders, unknowns, damping)
+    fit = without_attenuation(data, fit)
+    counts = 0.5 * float(np.ptp(fit.law.deflection(fit.constants, data.torque))) / (data.resolution or np.nan)
+    sentences = {
+        "stiffness": _weak(data, fit, spread, counts),
+        "kinematic_error": "" if orders else _no_waves(data, fit, turns),
+        "hysteresis": _closed(data, fit) if hysteresis else "",
+        "damping": _undamped(fit, float(np.sqrt(spread[-1, -1]))) if damping else "",
+    }
+    why = {thing: sentence for thing, sentence in sentences.items() if sentence}
+    return SpringEstimate(
+        law=fit.law.name,
+        compliance=fit.law.make(fit.constants),
+        damping=fit.damping if damping and "damping" not in why else None,
+        kinematic_error=waves(orders, fit.waves),
+        hysteresis=None if "hysteresis" in why else slipping(fit.stiffness, fit.reaches),
+        offset=fit.offset,
+        names=names,
+        values=fit.values,
+        covariance=spread,
+        counts=counts,
+        scatter=float(np.sqrt(np.mean(fit.residual**2))),
+        prediction=prediction,
+        unidentifiable=why,
+    )
+
+
+def _chosen(
+    rivals: Mapping[int, DeflectionFit], orders: Sequence[int], unknowns: Sequence[str], damping: bool
+) -> tuple[DeflectionFit, tuple[str, ...], Array]:
+    """The fit that predicts best, with its unknowns' names and covariance."""
     errors = {count: block_errors(each) for count, each in rivals.items()}
     best = simplest({count: errors[count] for count in (min(errors), max(errors))})
-    fit = rivals[best]
-    names, values = _named(fit, orders, unknowns, damping)
+    fit, names = rivals[best], _names(rivals[best], orders, unknowns, damping)
     spread = covariance(fit.columns, fit.residual)
-    for other in not_worse(errors, best):
-        apart = _apart(names, values, *_named(rivals[other], orders, unknowns, damping))
+    for other in (rivals[count] for count in not_worse(errors, best)):
+        apart = _apart(names, fit.values, _names(other, orders, unknowns, damping), other.values)
         spread = spread + np.outer(apart, apart)
-    fit = without_attenuation(data, fit)
-    values = fit.values
-    counts = 0.5 * float(np.ptp(fit.law.deflection(fit.constants, data.torque))) / (data.resolution or np.nan)
-    why: dict[str, str] = {}
+    return fit, names, spread
+
+
+def _weak(data: Deflections, fit: DeflectionFit, spread: Array, counts: float) -> str:
     if counts < COUNTS:
-        why["stiffness"] = (
+        return (
             f"torque winds the spring by {counts:.3g} steps of the encoders, half its range: {COUNTS:g} are needed; "
             "excite with more torque, or measure more finely"
         )
-    elif (share := _uncertainty(data, fit, spread)) > UNCERTAIN:
-        why["stiffness"] = (
+    if (share := _uncertainty(data, fit, spread)) > UNCERTAIN:
+        return (
             f"under the largest torque its deflection is uncertain by {100.0 * share:.2g} %: what else the encoders "
             "differ by outweighs it, or hides it"
         )
-    if not orders:
-        why["kinematic_error"] = _no_waves(data, fit, turns)
-    slips = slipping(fit.stiffness, fit.reaches)
+    return ""
+
+
+def _closed(data: Deflections, fit: DeflectionFit) -> str:
     opening = 2.0 * float(np.sum(fit.stiffness * fit.reaches / np.median(fit.tangent)))
-    if hysteresis and opening < data.resolution:
-        slips = None
-        why["hysteresis"] = (
-            f"loops open by {opening:.2g} rad, less than the encoders' step of {data.resolution:.2g} rad"
-        )
-    damped = fit.damping if damping else None
-    if damping and fit.damping < SIGNIFICANT * np.sqrt(spread[-1, -1]):
-        damped = None
-        why["damping"] = f"{fit.damping:.3g} +- {np.sqrt(spread[-1, -1]):.2g} N m s/rad is not told from none"
-    return SpringEstimate(
-        fit.law.name,
-        fit.law.make(fit.constants),
-        damped,
-        waves(orders, fit.waves),
-        slips,
-        fit.offset,
-        names,
-        values,
-        spread,
-        counts,
-        float(np.sqrt(np.mean(fit.residual**2))),
-        prediction,
-        why,
-    )
+    seen = opening >= data.resolution
+    return "" if seen else f"loops open by {opening:.2g} rad, less than the encoders' step of {data.resolution:.2g} rad"
+
+
+def _undamped(fit: DeflectionFit, deviation: float) -> str:
+    told = fit.damping >= SIGNIFICANT * deviation
+    return "" if told else f"{fit.damping:.3g} +- {deviation:.2g} N m s/rad is not told from none"
 
 
 def _uncertainty(data: Deflections, fit: DeflectionFit, spread: Array) -> float:
@@ -135,14 +149,12 @@ def _uncertainty(data: Deflections, fit: DeflectionFit, spread: Array) -> float:
     return float(np.sqrt(by @ own @ by) / fit.law.deflection(fit.constants, largest)[0])
 
 
-def _named(
-    fit: DeflectionFit, orders: Sequence[int], unknowns: Sequence[str], damping: bool
-) -> tuple[tuple[str, ...], Array]:
+def _names(fit: DeflectionFit, orders: Sequence[int], unknowns: Sequence[str], damping: bool) -> tuple[str, ...]:
+    """Of all unknowns, in the order of the fit's values."""
     waves_of = [f"{wave} {order}" for order in orders for wave in ("sine", "cosine")]
     elements = [f"element {k + 1}" for k in range(fit.stiffness.size)]
     reaches = [f"reach {k + 1}" for k in range(fit.stiffness.size if fit.moving else 0)]
-    names = [*fit.law.constants, *waves_of, "offset", *unknowns, *reaches, *elements, *(["damping"] if damping else [])]
-    return tuple(names), fit.values
+    return (*fit.law.constants, *waves_of, "offset", *unknowns, *reaches, *elements, *(["damping"] if damping else []))
 
 
 def _apart(names: Sequence[str], values: Array, others: Sequence[str], theirs: Array) -> Array:

@@ -9,6 +9,7 @@ from scipy.ndimage import uniform_filter1d
 from scipy.special import erf
 
 from cutpoint.errors import InputError, unknown_name
+from cutpoint.identification.conditioning.correlated_noise import NORMAL
 from cutpoint.identification.rigid.regression import Regression, triangle
 from cutpoint.identification.rigid.sandwich import Spread, spread
 
@@ -28,9 +29,6 @@ NEARBY = 11
 ROUNDS = 50
 SETTLED = 1e-6
 """Reweighting ends when no joint's noise changes by more than that of itself."""
-
-NORMAL = 0.6745
-"""Median of |x| of a standard normal x."""
 
 
 class Estimate(NamedTuple):
