@@ -248,7 +248,8 @@ def test_the_command_leaves_a_motion_that_can_be_read_a_picture_and_a_table(tmp_
 
 
 def test_the_command_keeps_the_last_frame_or_the_named_one_in_a_box(tmp_path: Path) -> None:
-    options = ["excite", "xia2019", "--harmonics", "3", "--speed", "1", "--seconds", "1", "--output", str(tmp_path)]
+    # a first motion within the box takes a quick machine about a second
+    options = ["excite", "xia2019", "--harmonics", "3", "--speed", "1", "--seconds", "5", "--output", str(tmp_path)]
     box = ["--box", "-9", "-9", "0.1", "9", "0.6", "inf"]
     for frame, given in (("tool", []), ("link6", ["--frame", "link6"])):
         result = CliRunner().invoke(app, [*options, *box, *given])
