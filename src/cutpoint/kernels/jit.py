@@ -5,6 +5,7 @@ third to the compile time, so the code generator works on the text as it stands.
 """
 
 import itertools
+import sys
 import threading
 from collections.abc import Mapping
 from functools import cache
@@ -99,7 +100,9 @@ def _machine(optimisation: int) -> binding.TargetMachine:
 
 @cache
 def _linker() -> binding.LLJIT:
-    return binding.create_lljit_compiler(_machine(OPTIMISATION))
+    # code reaches no farther than 2 GiB for its constants: JITLink lays them beside it, whatever holes memory has; the
+    # older linker, which LLVM still prefers for Windows, does not
+    return binding.create_lljit_compiler(_machine(OPTIMISATION), use_jit_link=sys.platform != "win32")
 
 
 @cache
