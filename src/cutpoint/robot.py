@@ -2,7 +2,7 @@
 
 from collections.abc import Mapping, Sequence
 from functools import cache, cached_property, partial
-from typing import TYPE_CHECKING, Any, Literal, NamedTuple
+from typing import TYPE_CHECKING, Any, Literal, NamedTuple, get_args
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -219,9 +219,7 @@ class Robot:
         expressed_in: "local", the frame's own axes; "local_world_aligned", the same velocity along the world's axes;
         "world", the velocity of the point of the frame's body that passes the world's origin.
         """
-        if expressed_in not in ("local", "world", "local_world_aligned"):
-            raise unknown_name("way to express a Jacobian", expressed_in, ("local", "world", "local_world_aligned"))
-        definition = partial(definitions.jacobian, frame=self._frame(frame), expressed_in=expressed_in)
+        definition = _jacobian_of(self._frame(frame), expressed_in)
         return self._function(("jacobian", frame, expressed_in), definition, "q")(q)
 
     def frame_pose(self, q: ArrayLike, frame: str) -> Array:
@@ -421,7 +419,7 @@ class Robot:
         """
         return self._compiled.with_parameters(parameters, lean)
 
-    @property
+    @cached_property
     def trace_key(self) -> Any:
         """Equal for robots that one trace serves: the same mechanism, driven through drives of the same structure."""
         return (id(self.mechanism), self.backend, structure_of(dict(self.drives)))
@@ -466,6 +464,13 @@ def _motion(derivatives: int) -> str:
 def _with_options(friction_rates: bool, quasi_rigid: bool) -> Any:
     options = Options(friction_rates, quasi_rigid)
     return partial(definitions.elastic_inverse_dynamics, options=options)
+
+
+@cache
+def _jacobian_of(frame: str, expressed_in: ExpressedIn) -> Any:
+    if expressed_in not in (known := get_args(ExpressedIn)):
+        raise unknown_name("way to express a Jacobian", expressed_in, known)
+    return partial(definitions.jacobian, frame=frame, expressed_in=expressed_in)
 
 
 def _on_frames(definition: Any, frames: Sequence[str]) -> Any:

@@ -3,6 +3,7 @@
 from collections import defaultdict
 from collections.abc import Container, Sequence
 from dataclasses import dataclass
+from functools import cached_property
 from itertools import combinations
 from typing import Any, NamedTuple
 
@@ -53,7 +54,7 @@ class Plan:
     single: dict[Stage, frozenset[str]]
     single_views: frozenset[str]
 
-    @property
+    @cached_property
     def sizes(self) -> dict[str, int]:
         return {name: region.size for name, region in self.regions.items()}
 

@@ -4,6 +4,7 @@ Where all drives are alike, stages of drives are seen from one of them: see `ker
 """
 
 from dataclasses import dataclass
+from functools import cached_property
 
 from cutpoint.definitions import Machine
 from cutpoint.mechanics import strains
@@ -69,7 +70,7 @@ class PlantStages:
         drives = zip(*self._drives(parameters, state), strict=True)
         return _by_field([[*resistance(d, own.at, own.strains, GAMMA * steps[0])] for d, own in drives])
 
-    @property
+    @cached_property
     def knows_turns(self) -> bool:
         """Whether sines and cosines are found before the accelerations: all at once, where drives are alike."""
         return is_uniform(self.robot.machine) and not self.robot.machine.system.has_followers
