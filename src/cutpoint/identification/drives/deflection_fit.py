@@ -35,6 +35,9 @@ APART = 1.01 * RANGE ** (1.0 / (ELEMENTS - 1))
 LARGEST_REACH = 0.6
 """Of the largest deflection: elements that slip only beyond it are part of the spring, for all that one can see."""
 
+BESIDE, POSITIVE = ("corrections", "reaches", "elements", "damping"), ("elements", "damping")
+"""What acts beside the spring, and what of it cannot be negative."""
+
 
 def fit_deflection(
     data: Deflections, law: SpringLaw, orders: Sequence[int], elements: int, damped: bool
@@ -76,48 +79,49 @@ def _first(data: Deflections, law: SpringLaw, free: Array) -> DeflectionFit:
 
 def _round(data: Deflections, before: DeflectionFit, free: Array, damped: bool) -> DeflectionFit:
     """The spring again with what acted beside it, then that again with the spring."""
-    law, constants = before.law, before.constants
-    # with reaches that move, the steps below move the constants too
+    constants = before.constants
+    # with reaches that move, the step below moves the constants too
     if before.beside.any() and not before.moving:
-        constants = _searched(law, data.torque, data.lead - before.beside, free)
+        constants = _searched(before.law, data.torque, data.lead - before.beside, free)
     wound = data.smooth(data.lead - free @ np.append(before.waves, before.offset))
-    beside = -strain_columns(wound, before.reaches) / before.tangent[:, None]
-    rate = -data.rate(wound) / before.tangent
-    waves = free.shape[1] - 1
-    acting = [data.corrections]
-    if before.moving:
-        acting.append(-reach_columns(wound, before.stiffness, before.reaches))
-    free = np.column_stack([free, *(each / before.tangent[:, None] for each in acting)])
-    beside = np.column_stack([beside, rate]) if damped else beside
-    target = data.lead - law.deflection(constants, data.torque)
-    own = law.columns(constants, data.torque)
-    columns = np.column_stack([own, free, beside])
-    count = own.shape[1] + free.shape[1]
-    weights = bounded_weights(columns, target, count)
+    blocks = _blocks(data, replace(before, constants=constants), free, wound, damped)
+    columns = np.column_stack([*blocks.values()])
+    target = data.lead - before.law.deflection(constants, data.torque)
+    weights = bounded_weights(columns, target, sum(blocks[name].shape[1] for name in blocks if name not in POSITIVE))
+    ends = np.cumsum([block.shape[1] for block in blocks.values()])
+    found = dict(zip(blocks, np.split(weights, ends[:-1]), strict=True))
     # a step of Gauss and Newton in the constants, so that spring and elements settle between them
-    left = target - columns @ weights
-    change, weights = weights[: own.shape[1]], weights[own.shape[1] :]
-    constants = np.clip(constants + change, 0.5 * constants, 2.0 * constants)
-    stiffness = weights[free.shape[1] :][: before.reaches.size]
-    known = waves + 1 + data.corrections.shape[1]
-    reaches = before.reaches
+    constants, reaches = np.clip(constants + found["constants"], 0.5 * constants, 2.0 * constants), before.reaches
     if before.moving:
-        reaches = np.clip(reaches + weights[known : free.shape[1]], 0.7 * reaches, 1.4 * reaches)
-    return DeflectionFit(
-        law,
-        constants,
-        weights[:waves],
-        float(weights[waves]),
-        weights[waves + 1 : known],
-        stiffness,
-        float(weights[-1]) if damped else 0.0,
-        reaches,
-        np.asarray(law.make(constants).tangent(wound)),
-        columns[:, own.shape[1] + waves + 1 :] @ weights[waves + 1 :],
-        columns,
-        left,
-        before.moving,
+        reaches = np.clip(reaches + found["reaches"], 0.7 * reaches, 1.4 * reaches)
+    return replace(
+        before,
+        constants=constants,
+        waves=found["waves"],
+        offset=float(found["offset"][0]),
+        corrections=found["corrections"],
+        stiffness=found["elements"],
+        damping=float(found["damping"].sum()),
+        reaches=reaches,
+        tangent=np.asarray(before.law.make(constants).tangent(wound)),
+        beside=np.sum([blocks[name] @ found[name] for name in BESIDE], axis=0),
+        columns=columns,
+        residual=target - columns @ weights,
     )
+
+
+def _blocks(data: Deflections, fit: DeflectionFit, free: Array, wound: Array, damped: bool) -> dict[str, Array]:
+    """Derivatives of the deflection, (N, k) each, in the order of `DeflectionFit.columns`.  wound: (N,), rad."""
+    none, tangent = np.empty((wound.size, 0)), fit.tangent[:, None]
+    return {
+        "constants": fit.law.columns(fit.constants, data.torque),
+        "waves": free[:, :-1],
+        "offset": free[:, -1:],
+        "corrections": data.corrections / tangent,
+        "reaches": -reach_columns(wound, fit.stiffness, fit.reaches) / tangent if fit.moving else none,
+        "elements": -strain_columns(wound, fit.reaches) / tangent,
+        "damping": -data.rate(wound)[:, None] / tangent if damped else none,
+    }
 
 
 def _offered(data: Deflections, found: DeflectionFit, elements: int) -> Array:

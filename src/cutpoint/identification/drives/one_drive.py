@@ -66,29 +66,36 @@ def drive_of(joint: Channels, drive: Drive, resolution: float | None, cutoff: fl
 
     resolution: rad at the joint's side, None for the smallest steps that the samples show.  cutoff: Hz, for the rotor.
     """
-    ratio, period = drive.ratio, joint.period
-    torque, kind = joint.effort, "current" if joint.is_current else "torque"
+    ratio, period, kind = drive.ratio, joint.period, "current" if joint.is_current else "torque"
     spring = two_encoders(joint.theta, joint.q, joint.link_torque, period, ratio, resolution=resolution, laws=SHAPE)
-    share = transmitted_share(spring, joint.theta, ratio)
     rotor = motor_side(
         joint.theta,
         joint.link_torque,
         period,
         ratio,
-        transmission=share,
+        transmission=transmitted_share(spring, joint.theta, ratio),
         cutoff=cutoff,
         delay=joint.delay,
         **{kind: joint.effort},
     )
-    if rotor.torque_constant is not None:
-        torque = joint.effort * rotor.torque_constant * ratio
     if resolution is None:
         resolution = float(np.hypot(smallest_step(joint.theta), smallest_step(joint.q)))
+    return _estimate(drive, *_from_motor(joint, ratio, spring, rotor, resolution))
+
+
+def _from_motor(
+    joint: Channels, ratio: float, spring: SpringEstimate, rotor: RotorEstimate, resolution: float
+) -> tuple[SpringEstimate, RotorEstimate, bool]:
+    """The spring by the motor's torque, and the rotor by the spring; whether that told the rotor from the links."""
+    torque, period = joint.effort, joint.period
+    if rotor.torque_constant is not None:
+        torque = joint.effort * rotor.torque_constant * ratio
     lead = joint.theta - joint.q
     band = min(WIDER * noise_cutoff(lead, period), HIGHEST / period)
     noise = _noise_below(lead - low_pass(lead, period, band), period, band)
     seen = False
     for laws in (SHAPE, SHAPE, tuple(LAWS)):
+        share = transmitted_share(spring, joint.theta, ratio)
         left, unknowns = torque_left(rotor, joint.theta, torque, period, joint.delay, share)
         channels = joint.theta, joint.q, left, *unknowns.values()
         theta, q, left, *columns = low_pass_together(channels, period, band)
@@ -99,10 +106,9 @@ def drive_of(joint: Channels, drive: Drive, resolution: float | None, cutoff: fl
             resolution=resolution, laws=laws, noise=noise,
             torque_unknowns=dict(zip(unknowns, columns, strict=True)) if seen else None,
         )  # fmt: skip
-        share = transmitted_share(spring, joint.theta, ratio)
         if seen:
             rotor = corrected(rotor, spring)
-    return _estimate(drive, spring, rotor, seen)
+    return spring, rotor, seen
 
 
 def _noise_below(rest: Array, period: float, band: float) -> float:
