@@ -11,7 +11,7 @@ from simulated_logs import NOISE, exists, known_arm, recorded
 from cutpoint import Coulomb, Robot, Rotor
 from cutpoint.errors import CutpointError, InputError
 from cutpoint.identification import Recording
-from cutpoint.identification.rigid.identify_rigid import identify_rigid
+from cutpoint.identification.rigid.identify_rigid import Method, identify_rigid
 from cutpoint.identification.rigid.rigid_robot import RigidModel, stated_laws
 
 CUTOFF = 40.0
@@ -19,13 +19,13 @@ ARMS = 20
 
 
 @pytest.mark.parametrize("method", ["huber", "weighted", "instrumental"])
-def test_intervals_hold_the_truth_as_often_as_they_say(method: str):
+def test_intervals_hold_the_truth_as_often_as_they_say(method: Method):
     hits = []
     for seed in range(ARMS):
         arm = known_arm(seed, 2 + seed % 2)
         found = identify_rigid(
             arm.file, recorded(arm.robot, seed), friction="stated", method=method, solver="lmi_trace", cutoff=CUTOFF
-        )  # type: ignore[arg-type]
+        )
         base, truth = arm.base()
         true = dict(zip(base.names, truth, strict=True)) | {p.name: p.prior for p in found.parameters[truth.size :]}
         hits += [p.low <= true[p.name] <= p.high for p in found.parameters if np.isfinite(p.high)]
@@ -81,14 +81,14 @@ def test_the_shape_of_friction_is_found_and_no_richer_law_is_taken(smoothing: fl
     assert "of (RMS of held-out torques, N m) coulomb" in str(found.friction[0])
 
 
-def test_variances_grow_with_the_square_of_what_rotors_are_known_to():
+@pytest.mark.parametrize("method", ["huber", "instrumental"])
+def test_variances_grow_with_the_square_of_what_rotors_are_known_to(method: Method):
     arm = known_arm(1, 2)
     recording = recorded(arm.robot, 1)
     variances = []
     for error in (0.0, 0.01, 0.02):
-        found = identify_rigid(
-            arm.file, recording, friction="stated", rotors=False, rotor_errors=dict.fromkeys(arm.file.joints, error)
-        )
+        errors = dict.fromkeys(arm.file.joints, error)
+        found = identify_rigid(arm.file, recording, friction="stated", method=method, rotors=False, rotor_errors=errors)
         variances.append(np.array([(p.high - p.low) ** 2 for p in found.parameters]))
     none, once, twice = variances
     assert (once >= none).all()
@@ -110,12 +110,13 @@ def test_some_rotors_are_sought_beside_others_that_are_known():
         assert abs(found[name].value - true) < 3.0 * (found[name].high - found[name].value)
 
 
-def test_intervals_know_that_the_shape_of_friction_was_sought():
+@pytest.mark.parametrize("method", ["huber", "instrumental"])
+def test_intervals_know_that_the_shape_of_friction_was_sought(method: Method):
     arm = known_arm(1, 2)
     recording = recorded(arm.robot, 1)
-    chosen = identify_rigid(arm.file, recording, cutoff=CUTOFF)
+    chosen = identify_rigid(arm.file, recording, method=method, cutoff=CUTOFF)
     laws = {choice.joint: choice.law for choice in chosen.friction}
-    given = identify_rigid(arm.file, recording, friction=laws, cutoff=CUTOFF)
+    given = identify_rigid(arm.file, recording, friction=laws, method=method, cutoff=CUTOFF)
     for joint in laws:
         name = f"coulomb.{joint}"
         assert chosen[name].value == pytest.approx(given[name].value, rel=1e-6)
@@ -142,8 +143,9 @@ def test_outliers_do_not_lead_huber_astray():
     torque[2000:2300] += 20.0
     hit = replace(recording, torque=torque)
     misses = {}
-    for method in ("weighted", "huber"):
-        found = identify_rigid(arm.file, hit, friction="stated", method=method, cutoff=CUTOFF)  # type: ignore[arg-type]
+    methods: tuple[Method, ...] = ("weighted", "huber")
+    for method in methods:
+        found = identify_rigid(arm.file, hit, friction="stated", method=method, cutoff=CUTOFF)
         told = [p for p in found.parameters if p.name.startswith("coulomb")]
         misses[method] = max(abs(p.value - p.prior) for p in told)
     assert misses["huber"] < 0.2 * misses["weighted"]

@@ -2,6 +2,7 @@
 
 from collections.abc import Collection, Mapping, Sequence
 from dataclasses import replace
+from functools import partial
 from typing import Literal
 
 import numpy as np
@@ -69,7 +70,7 @@ def identify_rigid(
         explained, by default the same, at most 10 Hz.
     torque_constants: N m at the joint for each ampere, by joint, for recordings of currents.
     rotor_errors: standard deviations, kg m2 at the joint, of the inertias of rotors that are not sought, by joint.
-    Intervals of least squares know that shapes of friction were sought, and that rotors are known to their errors.
+    Intervals know that shapes of friction were sought, and that rotors are known to their errors.
 
     A commanded torque that is held over a control period acts half a period later: align it before.
     Raises InputError: arguments that do not fit each other or the recording.  CutpointError: a missing solver.
@@ -88,12 +89,11 @@ def identify_rigid(
     fitted = None
     for _ in range(LOADED_ROUNDS if is_loaded else 1):
         loads = link_torques(robot, log.motion, fitted.bodies.inertial) if fitted else loads
-        found = regression(base, laws, log.motion, log.torque, log.means, offsets=offsets, loads=loads)
-        estimate = _estimate(base, laws, log, found, asked, method, offsets, loads)
-        if method != "instrumental":
-            told = laws_with(laws, dict(zip(found.names, estimate.values.tolist(), strict=True)))
-            _, shapes = shape_slopes(base, told, [choice.joint for choice in choices], log, loads)
-            estimate = least_squares(found, method, shapes, _rotor_torques(base, log, rotor_errors or {}))
+        of = partial(regression, base, laws, torque=log.torque, means=log.means, offsets=offsets, loads=loads)
+        found, instead = of(log.motion), None if asked is None else of(asked).columns
+        told = laws_with(laws, dict(zip(found.names, _estimate(found, method, instead).values.tolist(), strict=True)))
+        _, shapes = shape_slopes(base, told, [choice.joint for choice in choices], log, loads)
+        estimate = _estimate(found, method, instead, shapes, _rotor_torques(base, log, rotor_errors or {}))
         bodies = physical(base, found.names, estimate.R, estimate.z, solver=solver, prior_spread=prior_spread)
         fitted = Fitted(base, laws, log, found, estimate, bodies)
     assert fitted is not None
@@ -126,22 +126,11 @@ def _log(
     return Log(motion, torque, decimation(known, motion.period, width), stated, width)
 
 
-def _estimate(
-    base: BaseParameters,
-    laws: Mapping[str, Sliding],
-    log: Log,
-    found: Regression,
-    asked: Motion | None,
-    method: Method,
-    offsets: bool,
-    loads: Array,
-) -> Estimate:
-    if method != "instrumental":
-        return least_squares(found, method)
-    if asked is None:
-        return instrumental_variables(found)
-    other = regression(base, laws, asked, log.torque, log.means, offsets=offsets, loads=loads)
-    return instrumental_variables(found, other.columns)
+def _estimate(found: Regression, method: Method, instruments: Array | None, *beside: Array) -> Estimate:
+    """beside: shapes and known, which the spread counts."""
+    if method == "instrumental":
+        return instrumental_variables(found, instruments, *beside)
+    return least_squares(found, method, *beside)
 
 
 def _choices(base: BaseParameters, log: Log, loads: Array, offsets: bool) -> tuple[FrictionChoice, ...]:

@@ -5,13 +5,15 @@ noisy positions, and least squares shrink what noise multiplies.  Instruments mo
 their noise: columns of the motion that was asked for, of a simulated one, or, if noise is short-lived, earlier ones.
 """
 
+from dataclasses import replace
+
 import numpy as np
 from numpy.typing import NDArray
 
 from cutpoint.errors import InputError
 from cutpoint.identification.rigid.least_squares import ROUNDS, SETTLED, Estimate, check_size, solved
 from cutpoint.identification.rigid.regression import Regression, triangle
-from cutpoint.identification.rigid.sandwich import spread
+from cutpoint.identification.rigid.sandwich import Spread, spread
 
 Array = NDArray[np.float64]
 
@@ -19,14 +21,21 @@ LATER = 3
 """Rows after which windows of a decimation share no sample worth mentioning."""
 
 
-def instrumental_variables(regression: Regression, instruments: Array | None = None) -> Estimate:
+def instrumental_variables(
+    regression: Regression, instruments: Array | None = None, shapes: Array | None = None, known: Array | None = None
+) -> Estimate:
     """Two stages, weighted by each joint's noise and iterated: what instruments (M, n, c) tell of the columns takes
     their place.  By default they are the columns of three rows before.
 
+    shapes, known: what the spread counts beside noise, as in `least_squares`.
     Raises InputError: instruments of another shape, or fewer rows than parameters.
     """
+    nothing = np.empty((*regression.torque.shape, 0))
+    shapes, known = (nothing if x is None else x for x in (shapes, known))
     if instruments is None:
-        regression, instruments = lagged(regression, LATER)
+        rows, before = lagged(regression.times, LATER)
+        instruments, regression = regression.columns[before], regression.part(rows)
+        shapes, known = shapes[rows], known[rows]
     if instruments.shape != regression.columns.shape:
         rule = f"must have the columns' shape, {regression.columns.shape}"
         raise InputError(f"instruments of shape {instruments.shape} {rule}", shape=instruments.shape)
@@ -38,22 +47,32 @@ def instrumental_variables(regression: Regression, instruments: Array | None = N
         before, noise = noise, np.maximum(np.sqrt(np.mean(residuals**2, axis=0)), np.finfo(float).tiny)
         if np.abs(noise / before - 1.0).max() < SETTLED:
             break
-    told, R, z = _second_stage(regression, instruments, noise)
-    values, P, seen = solved(R, z)
+    _, R, z = _second_stage(regression, instruments, noise)
+    values = solved(R, z)[0]
     residuals = regression.residuals(values)
-    found = spread(told, residuals / noise, P, seen)
+    found = _spread(regression, instruments, residuals, noise, shapes, known)
     scale = np.sqrt(found.correlation)
     return Estimate(values, found, noise, R / scale, z / scale, residuals)
 
 
-def lagged(regression: Regression, rows: int) -> tuple[Regression, Array]:
-    """The regression without its first rows, and the columns of so many rows before, where no gap is in between."""
-    times = regression.times
+def lagged(times: Array, rows: int) -> tuple[NDArray[np.intp], NDArray[np.intp]]:
+    """The rows at times (M,) that have another so many rows before them, with no gap in between; and those others."""
     step = float(np.median(np.diff(times)))
     if len(times) <= rows:
         raise InputError(f"{len(times)} rows are too few for instruments of {rows} rows before: record a longer motion")
-    whole = times[rows:] - times[:-rows] < (rows + 0.5) * step
-    return regression.part(slice(rows, None)).part(whole), regression.columns[:-rows][whole]
+    before = np.flatnonzero(times[rows:] - times[:-rows] < (rows + 0.5) * step)
+    return before + rows, before
+
+
+def _spread(
+    regression: Regression, instruments: Array, residuals: Array, noise: Array, shapes: Array, known: Array
+) -> Spread:
+    """shapes (M, n, k), known (M, n, k): as above; shapes are their own instruments."""
+    both = replace(regression, columns=np.concatenate([regression.columns, shapes], axis=2))
+    told, R, z = _second_stage(both, np.concatenate([instruments, shapes], axis=2), noise)
+    _, P, seen = solved(R, z)
+    pull = P @ np.einsum("mjc,mjk->ck", told, known / noise[:, None])
+    return spread(told, residuals / noise, P, seen).first(len(regression.names), pull)
 
 
 def _second_stage(regression: Regression, instruments: Array, noise: Array) -> tuple[Array, Array, Array]:

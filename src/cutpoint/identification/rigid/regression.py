@@ -45,7 +45,7 @@ class Regression:
         """(M, n): torques that parameters (c,) do not explain."""
         return self.torque - self.columns @ values
 
-    def part(self, rows: NDArray[np.bool_] | slice) -> "Regression":
+    def part(self, rows: NDArray[np.bool_ | np.intp] | slice) -> "Regression":
         """Some of the times."""
         return Regression(self.names, self.columns[rows], self.torque[rows], self.times[rows])
 
