@@ -35,10 +35,15 @@ class Deflections:
         return np.where(np.isfinite(found), found, values)
 
     def rate(self, values: Array) -> Array:
-        """By differences of fourth order: simple ones are 6 % short at a tenth of the sampling rate."""
-        found = np.gradient(values, self.period)
-        found[1:-1] -= (found[2:] - 2.0 * found[1:-1] + found[:-2]) / 6.0
-        return found
+        """By differences of sixth order: simple ones are 6 % short at a tenth of the sampling rate, of fourth 0.5 %."""
+        simple = np.gradient(values, self.period)
+        bent = _bent(simple)
+        return simple - bent / 6.0 + _bent(bent) / 30.0
+
+
+def _bent(values: Array) -> Array:
+    """Second differences (N,), none at the ends."""
+    return np.pad(np.diff(values, 2), 1)
 
 
 @dataclass(frozen=True, eq=False)

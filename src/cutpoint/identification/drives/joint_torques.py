@@ -42,9 +42,10 @@ def torque_left(
     """
     angle, given = np.asarray(theta, dtype=np.float64), np.asarray(torque, dtype=np.float64)
     share = np.asarray(transmission, dtype=np.float64)
-    acting = late(given, period, delay)
     # differences of samples average what acts between them, torque that is held too; springs act at the samples
-    acceleration, acting = sharpened(derivative(angle, period, 2)), sharpened(acting)
+    part = delay / period % 1.0
+    acceleration = sharpened(derivative(angle, period, 2))
+    acting = sharpened(late(given, period, delay), 4.0 * part * (1.0 - part))
     speed = derivative(angle, period)
     by = {
         "inertia": -acceleration / share,
@@ -60,10 +61,13 @@ def torque_left(
     return left, by
 
 
-def sharpened(values: Array) -> Array:
-    """Values (N,) at samples from their averages over a period on either side, with triangular weights."""
+def sharpened(values: Array, share: float = 1.0) -> Array:
+    """Values (N,) at samples from their averages over a period on either side, with triangular weights.
+
+    share: of them that is an average; of a torque that is held all, half a period late, of one that was measured none.
+    """
     found = values.copy()
-    found[1:-1] -= (values[2:] - 2.0 * values[1:-1] + values[:-2]) / 12.0
+    found[1:-1] -= share * (values[2:] - 2.0 * values[1:-1] + values[:-2]) / 12.0
     return found
 
 

@@ -26,21 +26,24 @@ def estimates(
     before: Robot,
     fitted: Recording,
     friction: FrictionWish,
-    springs: bool,
+    stamped: Recording | None,
+    torque_delay: float,
     how: Mapping[str, Any],
     say: Steps,
 ) -> Estimates:
     """Links first, then springs by these, then links again by the rotors that the motors' sides tell.
 
+    fitted: torques where they act.  stamped: as they are stamped, of which springs want to know how they were held
+    until then; None where no springs are sought.
     how: further arguments of `identify_rigid`.  say: told what is done now.  Errors are those of `identify_rigid`.
     """
     say("links, rotors and friction")
     rigid = identify_rigid(before, fitted, friction=friction, **how)
-    if not springs:
+    if stamped is None:
         return Estimates(rigid, None)
     say.expect(1 + len(before.joints))
     try:
-        drives = identify_drives(rigid.robot, fitted, say=lambda joint: say(f"spring of {joint}"))
+        drives = identify_drives(rigid.robot, stamped, None, torque_delay, lambda joint: say(f"spring of {joint}"))
     except (CutpointError, KeyboardInterrupt) as error:  # what was found of the links is worth having without
         why = error if isinstance(error, CutpointError) else "Ctrl-C was pressed while they were sought"
         return Estimates(rigid, None, remarks=(f"springs were not identified: {why}",))

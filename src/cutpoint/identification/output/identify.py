@@ -101,9 +101,11 @@ def identify(
         say("reading the log")
         before = robot if isinstance(robot, Robot) else load(robot, drives)
         recording = log if isinstance(log, Recording) else read_recording(log, mapping, before)
-        recording = _prepared(recording, torque_delay)
+        stamped = _at_uniform_times(recording)
+        recording = _acting(stamped, torque_delay)
         fitted, held_from = _fitted(recording, hold_out)
-        found = estimates(before, fitted, friction, springs_wanted(before, fitted, springs), how, say)
+        drives_see = _fitted(stamped, hold_out)[0] if springs_wanted(before, fitted, springs) else None
+        found = estimates(before, fitted, friction, drives_see, torque_delay, how, say)
         say("torques on the part that was held out")
         errors = torque_errors(before, found.rigid, recording, held_from, torque_constants, cutoff)
     rigid, sprung = found.rigid, found.drives
@@ -136,16 +138,20 @@ def _numbers(before: Robot, after: Robot, found: Estimates) -> tuple[Number, ...
     return numbers
 
 
-def _prepared(recording: Recording, torque_delay: float) -> Recording:
-    """At uniform times, torques at those at which they act."""
+def _at_uniform_times(recording: Recording) -> Recording:
     steps = np.diff(recording.time)
     if np.abs(steps - steps.mean()).max() > UNEVEN * steps.mean():
-        recording = recording.resampled(float(np.median(steps)))
-    if torque_delay:
-        channels = [name for name in ("torque", "current") if name in recording.channels]
-        # what acts later than it is stamped is stamped too early
-        recording = aligned(recording, dict.fromkeys(recording.joints, -torque_delay), channels)
+        return recording.resampled(float(np.median(steps)))
     return recording
+
+
+def _acting(recording: Recording, torque_delay: float) -> Recording:
+    """Torques at the times at which they act."""
+    if not torque_delay:
+        return recording
+    channels = [name for name in ("torque", "current") if name in recording.channels]
+    # what acts later than it is stamped is stamped too early
+    return aligned(recording, dict.fromkeys(recording.joints, -torque_delay), channels)
 
 
 def _joined(robot: Robot, sprung: DriveEstimates | None) -> tuple[Robot, list[str]]:
