@@ -102,6 +102,9 @@ def _refuse_empty(robot: Robot, channels: Mapping[str, Array]) -> None:
             if not np.isfinite(x).any():
                 rule = f"{name} of joint {joint!r} holds no number in the whole log"
                 raise InputError(f"{rule}: map another channel, or lock the joint", joint=joint)
+        if not (np.nanmax(values, axis=0) > np.nanmin(values, axis=0)).any():
+            rule = f"{name} never changes in the whole log, of no joint: map another channel"
+            raise InputError(rule)
 
 
 def _constant(robot: Robot, joint: str, given: Mapping[str, float]) -> float:

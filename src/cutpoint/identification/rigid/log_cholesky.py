@@ -18,7 +18,7 @@ Array = NDArray[np.float64]
 UPPER = np.triu_indices(4)
 DIAGONAL = np.flatnonzero(UPPER[0] == UPPER[1])
 
-ENDS = 1e-10
+ENDS = 1e-6
 """Relative change at which the search ends."""
 
 STEPS = 1000
@@ -37,17 +37,18 @@ def solve(fit: Fit) -> Array:
     low = np.full(start.size, -np.inf)
     low[10 * fit.bodies.count :] = [*np.zeros(fit.scale.size), *np.where(fit.positive, 0.0, -np.inf)]
     slopes: Any = lambda x: _slopes(fit, x)  # noqa: E731
-    found = least_squares(
-        lambda x: _residuals(fit, x),
-        np.maximum(start, low + CLEAR),
-        slopes,
-        (low, np.inf),
-        x_scale="jac",
-        ftol=ENDS,
-        xtol=ENDS,
-        gtol=ENDS,
-        max_nfev=STEPS,
-    )
+    with np.errstate(over="ignore", invalid="ignore"):  # a step that is too long is taken back
+        found = least_squares(
+            lambda x: _residuals(fit, x),
+            np.maximum(start, low + CLEAR),
+            slopes,
+            (low, np.inf),
+            method="dogbox",  # numbers at their bounds do not keep the others from going on
+            ftol=ENDS,
+            xtol=ENDS,
+            gtol=ENDS,
+            max_nfev=STEPS,
+        )
     if not found.success:
         raise CutpointError(f"the search for physical bodies did not end: {found.message}; try solver='lmi'")
     return _unknowns(fit, found.x)

@@ -129,7 +129,11 @@ def _by_cones(fit: Fit, entropic: bool) -> Array:
     with warnings.catch_warnings():
         # of a solution within reduced tolerances, which is good enough here
         warnings.filterwarnings("ignore", r"Solution may be inaccurate", UserWarning)
-        problem.solve(solver=cp.CLARABEL)
+        try:
+            problem.solve(solver=cp.CLARABEL)
+        except cp.error.SolverError as error:
+            remedy = "check the torques' unit and the motion, or try solver='log_cholesky', --solver log_cholesky"
+            raise CutpointError(f"the search for physical bodies failed: {remedy}") from error
     if problem.status not in ("optimal", "optimal_inaccurate"):
         raise CutpointError(f"the search for physical bodies ended {problem.status}: try solver='log_cholesky'")
     return np.concatenate([np.ravel(x.value) for x in [*X, rotors, others] if x is not None])
