@@ -6,6 +6,7 @@ from two_joints import two_joints
 
 import cutpoint
 from cutpoint import Drive, Robot, Rotor
+from cutpoint.formats import parse_urdf
 from cutpoint.identification import base_parameters
 from robot_library import assert_close, robot, states
 
@@ -91,3 +92,23 @@ def test_a_robot_without_joints_is_refused() -> None:
 
     with pytest.raises(cutpoint.InputError, match="has no joint"):
         base_parameters(Robot(build("block", [Link("block", 1.0)], [])))
+
+
+THREE_JOINTS = """<robot name="three"><link name="base"/>{links}
+<joint name="a" type="continuous"><parent link="base"/><child link="l1"/><origin rpy="{right} 0 0"/>
+  <axis xyz="0 1 0"/></joint>
+<joint name="b" type="continuous"><parent link="l1"/><child link="l2"/><origin xyz="0.1 0 0.2"/>
+  <axis xyz="0 0 1"/></joint>
+<joint name="c" type="continuous"><parent link="l2"/><child link="l3"/><origin xyz="0.3 0 0" rpy="0 0 0.4"/>
+  <axis xyz="0 0 1"/></joint></robot>"""
+LINK = """<link name="l{k}"><inertial><origin xyz="0.1 0.02 0.03"/><mass value="2"/>
+<inertia ixx="0.02" iyy="0.03" izz="0.04" ixy="0" ixz="0" iyz="0"/></inertial></link>"""
+
+
+def test_an_axis_that_is_upright_but_for_rounding_does_not_feel_the_weight() -> None:
+    text = THREE_JOINTS.replace("{links}", "".join(LINK.format(k=k) for k in (1, 2, 3)))
+    exact, rounded = (
+        base_parameters(Robot(parse_urdf(text.format(right=angle)))).independent.tolist()
+        for angle in (repr(np.pi / 2), "1.5708")
+    )
+    assert rounded == exact

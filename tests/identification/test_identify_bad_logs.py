@@ -69,6 +69,7 @@ def shuffled() -> dict[str, Array]:
             r"counts: .* unit: counts, counts_per_turn",
         ),
         (lambda: elbow("torque", lambda x: np.nan * x), "elbow", r"torque of joint 'elbow' holds no number"),
+        (lambda: channels() | {"torque": np.zeros_like(channels()["q"])}, "elbow", r"torque never changes"),
         (lambda: {"q": channels()["q"]}, "elbow", r"holds no torque or current"),
         (lambda: channels() | {"q": np.zeros_like(TIME[:, None] * [1, 1])}, "elbow", r"no column moves"),
         (lambda: channels() | {"t": np.zeros_like(TIME)}, "elbow", r"q/torque: "),

@@ -73,17 +73,16 @@ def torques_of(robot: Robot, recording: Recording, constants: Mapping[str, float
     """
     channels = _channels(robot, recording)
     if "torque" in channels and constants is None:
-        _refuse_empty(robot, {"torque": channels["torque"]})
-        return channels["torque"]
+        return _telling(robot, "torque", channels["torque"])
     if "current" not in channels:
         wanted = "current" if constants is not None else "torque or current"
         remedy = "map one, or name its columns as in 'torque.JOINT' or 'current.JOINT'"
         raise InputError(f"the recording holds no {wanted}; there are: {', '.join(channels)}; {remedy}")
-    _refuse_empty(robot, {"current": channels["current"]})
+    current = _telling(robot, "current", channels["current"])
     unknown = set(constants or {}) - set(robot.joints)
     if unknown:
         raise unknown_name("driven joint", sorted(unknown)[0], robot.joints)
-    return channels["current"] * [_constant(robot, joint, constants or {}) for joint in robot.joints]
+    return current * [_constant(robot, joint, constants or {}) for joint in robot.joints]
 
 
 def _channels(robot: Robot, recording: Recording) -> dict[str, Array]:
@@ -102,15 +101,22 @@ def _refuse_empty(robot: Robot, channels: Mapping[str, Array]) -> None:
             if not np.isfinite(x).any():
                 rule = f"{name} of joint {joint!r} holds no number in the whole log"
                 raise InputError(f"{rule}: map another channel, or lock the joint", joint=joint)
-        if not (np.nanmax(values, axis=0) > np.nanmin(values, axis=0)).any():
-            rule = f"{name} never changes in the whole log, of no joint: map another channel"
-            raise InputError(rule)
+
+
+def _telling(robot: Robot, name: str, values: Array) -> Array:
+    """Torques or currents as they are.  Raises InputError where one holds nothing, or none ever changes."""
+    _refuse_empty(robot, {name: values})
+    if not (np.nanmax(values, axis=0) > np.nanmin(values, axis=0)).any():
+        raise InputError(f"{name} never changes in the whole log, of any joint: map another channel")
+    return values
 
 
 def _constant(robot: Robot, joint: str, given: Mapping[str, float]) -> float:
     """N m at the joint for each ampere."""
     drive = robot.drives[joint]
     if joint in given:
+        if not (np.isfinite(given[joint]) and given[joint] != 0.0):
+            raise InputError(f"torque_constants[{joint!r}] is {given[joint]}: it must be finite and not 0", joint=joint)
         return given[joint]
     if drive.motor is None:
         raise InputError(
