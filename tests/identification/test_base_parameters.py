@@ -109,6 +109,6 @@ def test_an_axis_that_is_upright_but_for_rounding_does_not_feel_the_weight() -> 
     text = THREE_JOINTS.replace("{links}", "".join(LINK.format(k=k) for k in (1, 2, 3)))
     exact, rounded = (
         base_parameters(Robot(parse_urdf(text.format(right=angle)))).independent.tolist()
-        for angle in (repr(np.pi / 2), "1.5708")
+        for angle in (repr(np.pi / 2), "1.570796")
     )
     assert rounded == exact

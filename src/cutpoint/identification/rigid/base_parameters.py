@@ -22,9 +22,9 @@ Indices = NDArray[np.intp]
 SYMBOLS = ("m", "h_x", "h_y", "h_z", "I_xx", "I_xy", "I_xz", "I_yy", "I_yz", "I_zz")
 """Mass, first moment and inertia about the frame's origin of a body: the order of `Robot.inertial_parameters`."""
 
-TOLERANCE = 5e-5
-"""Of a column's length: what of a dependent column the others may leave unexplained.  Robot files round right angles to
-1.5708: axes that are parallel but for that tell nothing that a log could show."""
+TOLERANCE = 1e-5
+"""Of a column's length: what of a dependent column the others may leave unexplained.  Robot files round angles: what
+axes tell that are parallel but for that, no log shows."""
 
 NOTHING = 1e-6
 """Of a column's length: a share below is such rounding, and is set to zero."""
