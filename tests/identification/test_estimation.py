@@ -1,5 +1,6 @@
 """Models from logs: intervals hold the truth as often as they say, bodies exist, and new motions are predicted."""
 
+import re
 import sys
 from dataclasses import replace
 
@@ -11,6 +12,7 @@ from simulated_logs import NOISE, exists, known_arm, recorded
 from cutpoint import Coulomb, Robot, Rotor
 from cutpoint.errors import CutpointError, InputError
 from cutpoint.identification import Recording
+from cutpoint.identification.rigid.bodies import bodies_of, with_parameters
 from cutpoint.identification.rigid.identify_rigid import Method, identify_rigid
 from cutpoint.identification.rigid.rigid_robot import RigidModel, stated_laws
 
@@ -135,6 +137,30 @@ def test_a_joint_that_does_not_move_is_said_to_tell_nothing():
     assert not found[f"viscous.{joint}"].told
     assert f"viscous.{joint}: this motion does not excite it" in " ".join(found.untold)
     assert exists(found.robot)
+
+
+@pytest.mark.parametrize("late", [-0.006, 0.0, 0.006])
+def test_torques_that_come_late_are_said_with_by_how_much(late: float):
+    arm = known_arm(1, 2)
+    recording = recorded(arm.robot, 1)
+    time, torque = recording.time, np.array(recording["torque"])
+    moved = np.column_stack([np.interp(time - late, time, x) for x in torque.T])
+    notes = identify_rigid(arm.file, replace(recording, torque=moved), friction="stated", cutoff=CUTOFF).notes
+    said = [re.match(r"torques come (\S+) \+- (\S+) ms (later|earlier) than the motion", note) for note in notes]
+    found = [(1e-3 if x[3] == "later" else -1e-3) * float(x[1]) for x in said if x]
+    assert found == pytest.approx([late] if late else [], abs=1.5e-3)
+
+
+def test_a_file_of_placeholders_is_said_to_hold_the_bodies_back():
+    arm = known_arm(1, 2)
+    bodies = bodies_of(arm.file.mechanism)
+    tiny = np.tile(1e-5 * np.eye(4), (bodies.count, 1, 1))
+    file = Robot(with_parameters(arm.file.mechanism, bodies.parameters(tiny)), dict(arm.file.drives))
+    notes = [
+        identify_rigid(x, recorded(arm.robot, 1), friction="stated", cutoff=CUTOFF).notes for x in (arm.file, file)
+    ]
+    strained = ["leave the intervals of" in " ".join(each) for each in notes]
+    assert strained == [False, True]
 
 
 def test_outliers_do_not_lead_huber_astray():

@@ -124,3 +124,10 @@ def test_a_hold_out_that_is_no_share_is_refused(files: Path, tmp_path: Path, sha
     log = write_log(tmp_path / "log.csv", channels())
     status, text = run(files, log, tmp_path / "out", "--hold-out", share)
     assert status == 1 and "must be a share of the log" in text
+
+
+@pytest.mark.parametrize("delay", ["nan", "100"])
+def test_a_delay_that_leaves_nothing_is_refused(files: Path, tmp_path: Path, delay: str):
+    log = write_log(tmp_path / "log.csv", channels())
+    status, text = run(files, log, tmp_path / "out", "--delay", delay)
+    assert status == 1 and re.search(r"torque_delay .* must be shorter than the log", " ".join(text.split())), text

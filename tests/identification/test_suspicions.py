@@ -10,6 +10,7 @@ from machine_logs import JOINTS, positions, times
 import cutpoint
 from cutpoint.errors import InputError
 from cutpoint.identification import Channel, Recording, Table, parse_mapping, recording_of
+from cutpoint.identification.logs.suspicions import suspicions
 from robot_library import load
 
 T = times(3000)
@@ -59,6 +60,7 @@ def test_nothing_is_said_of_a_good_log():
             {"theta": 100.0 * SPANS, "theta_dot": 100.0 * GOOD["v"]},
             "theta of 'elbow' is 100 times q: another unit",
         ),
+        ({"theta": SPANS + 0.5}, "theta of 'elbow' is always near 0.5 rad ahead of q: have both one zero?"),
         (
             {"q": 50.0 * SPANS, "v": 50.0 * GOOD["v"]},
             "q of shoulder, elbow spans more than 4 turns: degrees",
@@ -104,3 +106,9 @@ def test_a_joint_that_the_robot_lacks_is_refused():
         recording_of(log, mapping, robot)
     with pytest.raises(cutpoint.ModelError, match=r"no driven joint 'joint_0'; .*; state 'joints' in the mapping"):
         recording_of(log, parse_mapping("version: 1\nq: q"), robot)
+
+
+def test_motion_across_a_gap_is_no_disagreement():
+    kept = np.r_[0:800, 1500:3000]
+    notes = suspicions(Recording(T[kept], JOINTS, **{name: x[kept] for name, x in GOOD.items()}))
+    assert not [note for note in notes if "times the rate" in note]

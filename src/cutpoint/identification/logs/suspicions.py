@@ -5,11 +5,11 @@ from collections.abc import Callable, Iterator
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.integrate import cumulative_trapezoid
 
 from cutpoint.door import check_configuration
 from cutpoint.errors import InputError
 from cutpoint.identification.logs.recording import Recording
+from cutpoint.identification.logs.resampling import longest_step
 from cutpoint.robot import Robot
 
 Array = NDArray[np.float64]
@@ -22,6 +22,9 @@ IN_A_ROW = 5
 
 TURNS = 4.0
 """Turns: positions that span more are hardly an arm's."""
+
+APART = 0.02
+"""rad: a spring that gave way as far at rest would not be one of a drive."""
 
 FITS = 0.1
 """By how much a factor that should be 1 may differ: noise and deflection make it differ by less."""
@@ -74,12 +77,23 @@ def suspicions(recording: Recording) -> list[str]:
 
 def _disagreements(recording: Recording) -> Iterator[str]:
     """Notes on channels of which one should follow from the other."""
+    time = recording.time
     for whole, rate in (("q", "v"), ("theta", "theta_dot")):
         for (joint, x), (_, v) in zip(_columns(recording, whole), _columns(recording, rate), strict=False):
-            travelled = cumulative_trapezoid(np.nan_to_num(v), recording.time, initial=0.0)
-            yield from _remark(f"{rate} of {joint!r}", f"the rate of {whole}", _factor(travelled, x, recording.time))
+            travelled = 0.5 * (v[1:] + v[:-1]) * np.diff(time)
+            factor = _factor(*_ways(time, travelled, np.diff(x)), time[1:])
+            yield from _remark(f"{rate} of {joint!r}", f"the rate of {whole}", factor)
     for (joint, x), (_, theta) in zip(_columns(recording, "q"), _columns(recording, "theta"), strict=False):
-        yield from _remark(f"theta of {joint!r}", "q", _factor(theta, x, recording.time))
+        yield from _remark(f"theta of {joint!r}", "q", _factor(theta, x, time))
+        lead = _known(theta - x)
+        if abs(float(np.median(lead))) > max(APART, float(np.ptp(lead))):
+            yield f"theta of {joint!r} is always near {np.median(lead):.3g} rad ahead of q: have both one zero?"
+
+
+def _ways(time: Array, first: Array, second: Array) -> tuple[Array, Array]:
+    """Ways (N - 1,) that steps of two kinds make, without those across a gap and those that either does not know."""
+    known = (np.diff(time) <= longest_step(time)) & np.isfinite(first) & np.isfinite(second)
+    return np.cumsum(np.where(known, first, 0.0)), np.cumsum(np.where(known, second, 0.0))
 
 
 def _factor(found: Array, expected: Array, time: Array) -> float | None:

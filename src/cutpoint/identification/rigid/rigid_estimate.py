@@ -13,11 +13,19 @@ from cutpoint.identification.conditioning.motion import Motion, motion_of, slidi
 from cutpoint.identification.logs.recording import Recording
 from cutpoint.identification.rigid.base_parameters import BaseParameters
 from cutpoint.identification.rigid.friction_choice import FrictionChoice
+from cutpoint.identification.rigid.lateness import lateness_note
 from cutpoint.identification.rigid.least_squares import Estimate
 from cutpoint.identification.rigid.physical import Physical
 from cutpoint.identification.rigid.regression import Regression
 from cutpoint.identification.rigid.rigid_robot import RigidModel, laws_with, stated_coefficient
-from cutpoint.identification.rigid.uncertainty import Parameter, base_sizes, friction_sizes, parameters, untold
+from cutpoint.identification.rigid.uncertainty import (
+    Parameter,
+    base_sizes,
+    friction_sizes,
+    parameters,
+    strained,
+    untold,
+)
 from cutpoint.mechanics.friction import Sliding
 from cutpoint.robot import Robot
 
@@ -107,7 +115,7 @@ def estimate_of(
         times=found.times[len(found.times) - len(estimate.residuals) :],
         noise=estimate.noise,
         untold=untold(table, base),
-        notes=(*notes, *_notes(log, found, estimate)),
+        notes=(*notes, *_notes(log, found, estimate), *strained(table), *lateness_note(found, estimate.values)),
         friction=choices,
     )
 

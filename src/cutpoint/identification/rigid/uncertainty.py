@@ -16,6 +16,10 @@ TOLD = 0.3
 """A parameter is told if its standard deviation is at most that much of its size, here or in the file."""
 
 
+STRAINED = 2.0
+"""Half widths of an interval from its middle: farther off, a model's number is not what the log tells."""
+
+
 class Parameter(NamedTuple):
     """A base parameter, or one of friction, or an offset, in SI units at the joint's side.
 
@@ -62,6 +66,16 @@ def untold(found: Sequence[Parameter], base: BaseParameters) -> tuple[str, ...]:
         some = ", ".join(base.unidentifiable[:4]) + (" ..." if len(base.unidentifiable) > 4 else "")
         said.append(f"no torque of any motion tells {len(base.unidentifiable)} single parameters: {some}")
     return tuple(said)
+
+
+def strained(found: Sequence[Parameter]) -> list[str]:
+    """A sentence if bodies that can exist, near the file's, could not take on what the log tells."""
+    far = [x.name for x in found if x.told and abs(x.physical - x.value) > STRAINED * (x.high - x.value)]
+    if not far:
+        return []
+    some = ", ".join(far[:3]) + (" ..." if len(far) > 3 else "")
+    reason = "the file's bodies, near which they stay, may be placeholders, or far too light"
+    return [f"the model's bodies leave the intervals of {len(far)} told numbers, {some}: {reason}"]
 
 
 def base_sizes(base: BaseParameters) -> Array:
