@@ -6,7 +6,7 @@ from pathlib import Path
 import pytest
 
 from cutpoint.errors import InputError
-from cutpoint.files import check_readable, replacing
+from cutpoint.files import check_readable, check_target_file, check_target_folder, replacing
 
 
 def test_a_file_is_replaced_at_once_or_not_at_all(tmp_path: Path):
@@ -40,3 +40,23 @@ def test_what_is_no_file_or_too_large_is_refused(tmp_path: Path):
             check_readable(tmp_path / name, 7)
     with pytest.raises(InputError, match=r"'.*none' does not exist; give the path of a file"):
         check_readable(tmp_path / "none", 7)
+
+
+def test_asking_for_a_place_leaves_nothing_there(tmp_path: Path):
+    check_target_file(tmp_path / "result.npz")
+    check_target_folder(tmp_path)
+    check_target_folder(tmp_path / "new" / "newer")
+    assert os.listdir(tmp_path) == []
+
+
+def test_a_place_where_no_file_can_be_is_told_by_its_own_name(tmp_path: Path):
+    (tmp_path / "file").write_bytes(b"")
+    long = "x" * 300
+    with pytest.raises(InputError, match=r"--output '\S+/file' is not a folder"):
+        check_target_folder(tmp_path / "file" / "new", "--output")
+    for check, path in ((check_target_file, tmp_path / long), (check_target_folder, tmp_path / long)):
+        with pytest.raises(InputError, match=rf"--output '\S+/{long}' cannot be written \(File name too long\)"):
+            check(path, "--output")
+    gone = tmp_path / "none" / "result"
+    with pytest.raises(InputError, match=r"file '\S+/none/result' cannot be written"), replacing(gone):
+        raise AssertionError("there is no file to write to")

@@ -23,7 +23,7 @@ def main() -> None:
     # what a command makes stays until its end: looking for garbage more often, and once more at the end, finds none
     gc.set_threshold(100_000)
     atexit.register(gc.freeze)
-    stderr = Console(stderr=True)
+    stderr = Console(stderr=True, emoji=False)
 
     def show(message: Warning | str, category: type[Warning], *_: Any, **__: Any) -> None:
         stderr.print(f"[yellow]warning:[/] {escape(str(message))}", highlight=False)

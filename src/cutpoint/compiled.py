@@ -14,7 +14,8 @@ import numpy as np
 from cutpoint import kernels
 from cutpoint.definitions import Machine
 from cutpoint.door import are_finite_vectors, checked_array
-from cutpoint.errors import InputError, unknown_name
+from cutpoint.errors import InputError
+from cutpoint.idle_joints import check_moves_inertia
 from cutpoint.kernels import Kernel
 from cutpoint.mechanics import strains
 from cutpoint.mechanics.assembly import lean_framing, system_of
@@ -31,6 +32,8 @@ JOINT_QUANTITIES = frozenset({
     "elastic_forward_dynamics_derivatives", "drive_regressor",
 })  # fmt: skip
 """Functions that tell nothing of single bodies: what they give is the same on the lean machine, in fewer operations."""
+
+DIVIDE_BY_INERTIA = frozenset(name for name in JOINT_QUANTITIES if "forward_dynamics" in name)
 
 
 def machine_of(mechanism: Mechanism, drives: Mapping[str, Drive], framing: Framing | None = None) -> Machine:
@@ -106,9 +109,14 @@ class Compiled:
             inputs: their names in order, blanks between.
             reads_drives: whether the definition needs the drives.
             record: the NamedTuple that holds the outputs.
+
+        Raises:
+            ModelError: it divides by inertia, and a joint moves none.
         """
         found = self._functions.get(key)
         if found is None:
+            if (key[0] if isinstance(key, tuple) else key) in DIVIDE_BY_INERTIA:
+                check_moves_inertia(self._mechanism, self.machine)
             found = self._functions[key] = (
                 rolled(key, self.machine, self._backend, record)
                 or self._joint_by_joint(key, definition, inputs.split(), reads_drives)
@@ -136,7 +144,10 @@ class Compiled:
             if any(isinstance(f, (RolledFunction, JointByJoint)) and f.name == name for f in self._functions.values()):
                 n = len(self.machine.system.segments)
                 raise InputError(f"{name}: of {n} bodies it runs as loops over them, and has no kernel", name=name)
-            raise unknown_name("compiled function", name, self._kernels)
+            there = f"there are: {', '.join(map(repr, self._kernels))}" if self._kernels else "there is none yet"
+            remedy = "functions compile at their first call, so call it once first"
+            told = f"no compiled function is named {name!r}, {there}; {remedy}"
+            raise InputError(told, name=name, known=[*self._kernels])
         return self._kernels[name]
 
     def _compile(

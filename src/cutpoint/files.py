@@ -20,10 +20,56 @@ def check_readable(path: Path, largest: int) -> None:
         raise InputError(f"file of {size:,} bytes is too large: at most {largest:,} are read", place=path, size=size)
 
 
+def check_target_file(path: Path, name: str = "output") -> None:
+    """To be asked before the work whose result is to be written.
+
+    name: what the path is called in errors.
+
+    Raises:
+        InputError: the path is a folder, or no file can be written beside it.
+    """
+    with _told(path, name):
+        if path.is_dir():
+            raise InputError(f"{name} {str(path)!r} is a folder; name a file in it", path=path)
+        if not path.parent.is_dir():
+            rule = f"folder {str(path.parent)!r} does not exist; make it, or name another"
+            raise InputError(f"{name} {str(path)!r}: {rule}", path=path)
+        with tempfile.NamedTemporaryFile(prefix=f".{path.name}.", dir=path.parent):
+            pass
+
+
+def check_target_folder(folder: Path, name: str = "output") -> None:
+    """The same for a folder that is there or will be made.
+
+    Raises:
+        InputError: it is there and no folder, or cannot be made or written to.
+    """
+    with _told(folder, name):
+        there = next(path for path in (folder, *folder.absolute().parents) if path.exists())
+        if not there.is_dir():
+            raise InputError(f"{name} {str(there)!r} is not a folder; name one, or a new one", output=folder)
+        with tempfile.TemporaryDirectory(prefix=f".{folder.name}.", dir=there):
+            pass
+
+
+@contextmanager
+def _told(path: Path, name: str) -> Generator[None, None, None]:
+    """What the system refuses is told of the path that the user gave."""
+    try:
+        yield
+    except OSError as error:
+        what = f"{name} {str(path)!r} cannot be written ({error.strerror}); name a place where files can be made"
+        raise InputError(what, path=path) from error
+
+
 @contextmanager
 def replacing(path: Path) -> Generator[BinaryIO, None, None]:
-    """A file to write to that takes the path's place when all went well, and else leaves what was there."""
-    descriptor, temporary = tempfile.mkstemp(prefix=f".{path.name}.", dir=path.parent)
+    """A file to write to that takes the path's place when all went well, and else leaves what was there.
+
+    Raises InputError where no file can be made.
+    """
+    with _told(path, "file"):
+        descriptor, temporary = tempfile.mkstemp(prefix=f".{path.name}.", dir=path.parent)
     try:
         with open(descriptor, "wb") as file:
             yield file

@@ -164,6 +164,8 @@ def test_wrong_operating_points_are_refused():
         ours.linearize(np.zeros(6), v=[0, 0, 0, np.nan, 0, 0])
     with pytest.raises(InputError, match="motor_torque has shape"):
         ours.linearize(np.zeros(6), motor_torque=np.zeros(7))
+    with pytest.raises(InputError, match=r"one entry for each drive, but floating joint '\w+' has coordinates too"):
+        floating.linearize(np.zeros(len(floating.joints)))
     with pytest.raises(InputError, match="must be zero: its tangent frame would turn"):
         floating.linearize(floating.neutral(), v=np.ones(floating.nv))
 

@@ -6,8 +6,9 @@ import numpy as np
 import pytest
 from law_library import elbow, law
 
-from cutpoint import InputError
+from cutpoint import InputError, Robot
 from cutpoint.control import (
+    PD,
     PID,
     VDC,
     AdaptiveVDC,
@@ -15,16 +16,27 @@ from cutpoint.control import (
     DisturbanceObserver,
     ElasticComputedTorque,
     FullStateFeedback,
+    GravityCompensation,
     Robust,
     SlotineLi,
     SpeedFilter,
+    slowest_pole,
     tune,
 )
+from cutpoint.model import Joint, Link
+from cutpoint.model.build import build
 from robot_library import robot
 
 A = np.diag([1.0, 2.0, 3.0, 4.0, 5.0, 6.0])
 TILTED = A + np.eye(6, k=1)
 GAINS = (9.0, 5.0, 3.0, 60.0)
+
+
+def balls() -> Robot:
+    """An arm with a hinge on a ball joint."""
+    links = [Link("base"), *(Link(name, 1.0, inertia=np.eye(3)) for name in ("upper", "lower"))]
+    joints = [Joint("socket", "spherical", "base", "upper"), Joint("hinge", "revolute", "upper", "lower")]
+    return Robot(build("balls", links, joints))
 
 
 def vdc(**options: Any) -> VDC:
@@ -92,6 +104,16 @@ REFUSED = {
         r"AdaptiveVDC: uncertainty .*1.5.* must be .*(below|less than|at most) 1",
     ),
     "a floating base": (lambda: VDC(robot("floating"), *GAINS), r"VDC: a floating base has no motor"),
+    "gravity compensation of a floating base": (
+        lambda: GravityCompensation(robot("floating")),
+        r"GravityCompensation: a floating base has no motor \('root_joint'\)",
+    ),
+    "tuning a floating base": (lambda: tune(robot("floating"), 3.0), r"tune: a floating base has no motor"),
+    "tuning a ball joint": (lambda: tune(balls(), 3.0), r"tune: a spherical joint has no motor \('socket'\)"),
+    "a pole of a ball joint": (
+        lambda: slowest_pole(balls(), PD([1.0], [1.0]), [0.0] * 5, 1e-3),
+        r"slowest_pole: a spherical joint has no motor \('socket'\)",
+    ),
     "elastic computed torque of a rigid drive": (
         lambda: ElasticComputedTorque(robot("rigid"), 10.0),
         r"ElasticComputedTorque: the drive of 'joint1' is rigid; take ComputedTorque for it",

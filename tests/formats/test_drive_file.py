@@ -3,6 +3,7 @@
 import math
 from pathlib import Path
 
+import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
@@ -19,6 +20,7 @@ from cutpoint.mechanics.kinematic_error import Harmonic, KinematicError
 from cutpoint.mechanics.presliding import ElastoPlastic, LuGre
 from cutpoint.mechanics.wave_generator import HarmonicSpring, WaveGenerator
 from cutpoint.model import Drive, Limits, Motor, Ratings, Rotor
+from cutpoint.robot import Robot
 
 ROBOT = parse_urdf(ARM)
 JOINTS = [body.joint.name for body in ROBOT.bodies]
@@ -69,6 +71,17 @@ def test_every_field_reaches_its_place() -> None:
         motor=Motor(0.12),
     )
     assert isinstance(drive.damping, float)
+
+
+@pytest.mark.parametrize("theta", [-0.4, 0.0, 0.7])
+def test_an_unloaded_output_lags_its_motor_by_the_kinematic_error(theta: float) -> None:
+    """q = theta - e(theta), with e as docs/drive-file.md states it: a measured phase goes in with this sign."""
+    drive = shoulder("""{ratio: 100, rotor: {inertia: 1e-5}, compliance: {linear: {stiffness: 1e4}},
+      kinematic_error: {amplitude: 1e-4, order: 2, phase: 0.3}}""")
+    robot = Robot(ROBOT, {"shoulder": drive}, backend="numpy")
+    lag = 1e-4 * math.sin(2 * 100 * theta + 0.3)
+    torques = robot.drive_torque([theta, 0.0, 0.0], [theta - lag, 0.0, 0.0])
+    np.testing.assert_allclose(torques, 0.0, atol=1e4 * 1e-15)
 
 
 def test_link_friction_without_static_is_coulomb_and_viscous() -> None:

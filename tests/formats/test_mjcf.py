@@ -176,6 +176,13 @@ def test_a_drive_file_comes_before_the_armature(tmp_path: Path, ending: str) -> 
     assert arm.gravity[2] == -1.6
 
 
+@pytest.mark.parametrize("bodies", ["", '<body name="rack"><geom size="1" contype="0" conaffinity="0"/></body>'])
+def test_a_document_without_joints_is_a_robot_that_stands(bodies: str) -> None:
+    robot, drives = parse_mjcf(f"<mujoco><worldbody>{bodies}</worldbody></mujoco>")
+    assert (robot.bodies, drives) == ((), {})
+    assert set(robot.frames) >= {"world"} | ({"rack"} if bodies else set())
+
+
 def test_gravity_that_is_switched_off_is_off() -> None:
     off = '<option><flag gravity="disable" contact="disable"/></option>'
     np.testing.assert_array_equal(read(one_body("", off)).gravity, np.zeros(3))
@@ -261,6 +268,10 @@ REFUSED = {
     "an axis without length": (
         one_body('<joint axis="0 0 0"/>'),
         "MuJoCo cannot compile this file: Error: axis too small in joint .* (arm.xml)",
+    ),
+    "a quaternion too long to square": (
+        one_body('<body name="tip" quat="1e200 0 1e200 0"><joint/><geom size="1"/></body>'),
+        "body 'tip': MuJoCo finds no direction in its quat; give one of length 1",
     ),
     "inertia of a shape from a file": (
         MASSLESS,

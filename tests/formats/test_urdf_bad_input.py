@@ -44,6 +44,15 @@ LINKS = {
         "link 'arm': principal moments of inertia -0.1, 0.1, 0.1 kg m2: none must be negative;"
         " check <inertia> and its <origin> (arm.urdf:3)",
     ),
+    "inertia without mass": (
+        link("arm", 0),
+        "link 'arm': principal moments of inertia 0.1, 0.1, 0.1 kg m2: without mass (0 kg) there is no inertia;"
+        " state the mass, or leave <inertial> out (arm.urdf:3)",
+    ),
+    "mass beyond machines": (
+        link("arm", "1e300"),
+        "link 'arm': mass must not exceed 1e+12 in SI units, as in no machine, got 1e+300; check its unit (arm.urdf:3)",
+    ),
     "no inertial": (
         link("arm", None),
         "link 'arm': moves with joint 'elbow' but has no mass and carries none; give it an <inertial> (arm.urdf:3)",

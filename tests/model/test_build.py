@@ -238,6 +238,19 @@ LINKS = {
         Link("arm", 1.0, com=np.zeros(2)),
         "com must have shape (3,) and hold real numbers, got shape (2,) of float64",
     ),
+    "mass of a mountain range": (
+        Link("arm", 1e300),
+        "mass must not exceed 1e+12 in SI units, as in no machine, got 1e+300; check its unit",
+    ),
+    "com beyond the moon": (
+        Link("arm", 1.0, np.array([0.0, -1e200, 0.0])),
+        "com must not exceed 1e+12 in SI units, as in no machine, got 1e+200; check its unit",
+    ),
+    "inertia without mass": (
+        Link("arm", 0.0, inertia=np.diag([0.1, 0.2, 0.2])),
+        "principal moments of inertia 0.1, 0.2, 0.2 kg m2: without mass (0 kg) there is no inertia;"
+        " state the mass, or leave <inertial> out",
+    ),
 }
 
 
@@ -257,6 +270,10 @@ JOINTS = {
     "scaled placement": (
         {"placement": np.diag([2.0, 2.0, 2.0, 1.0])},
         "placement must be a proper rotation and a translation (R R^T = 1, det R = 1, last row 0 0 0 1)",
+    ),
+    "placement beyond the moon": (
+        {"placement": pose(np.eye(3), np.array([0.0, 0.0, 1e308]))},
+        "placement must not exceed 1e+12 in SI units, as in no machine, got 1e+308; check its unit",
     ),
     "unknown kind": (
         {"kind": "screw"},
@@ -289,6 +306,24 @@ def test_a_wrong_joint_is_refused(case: str) -> None:
     with pytest.raises(ModelError) as caught:
         build("r", [ball("base"), ball("arm")], [joint], place="arm.urdf")
     assert str(caught.value) == f"joint 'j': {message} (arm.urdf)"
+
+
+@pytest.mark.parametrize("length", [1e-5, 1.0, 1e150, 1e200, 8e307])
+@pytest.mark.parametrize("kind", ["revolute", "universal"])
+def test_an_axis_of_any_length_has_its_direction(kind: str, length: float) -> None:
+    axis, second = length * np.array([1.0, -2.0, 2.0]), length * np.array([2.0, 2.0, 1.0])
+    joint = Joint("j", kind, "base", "arm", axis=axis, second_axis=second)  # pyright: ignore[reportArgumentType]
+    bodies = build("r", [ball("base"), ball("arm")], [joint]).bodies
+    found = np.array([body.joint.axis for body in bodies])
+    np.testing.assert_allclose(found, np.array([[1.0, -2.0, 2.0], [2.0, 2.0, 1.0]])[: len(bodies)] / 3, rtol=1e-15)
+
+
+def test_inertia_without_mass_counts_on_a_body_that_has_some() -> None:
+    links = [ball("base"), ball("arm"), Link("disc", inertia=np.eye(3)), Link("frame")]
+    joints = [Joint("j", "revolute", "base", "arm")]
+    joints += [Joint(f"on_{name}", "fixed", "arm", name) for name in ("disc", "frame")]
+    body = build("r", links, joints).bodies[0]
+    np.testing.assert_allclose(body.inertia, 1.1 * np.eye(3), rtol=1e-15)
 
 
 @given(st.floats(0.0, 1.0), st.floats(0.0, 1.0), st.floats(0.0, 1.0), PLACEMENTS)

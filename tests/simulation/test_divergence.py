@@ -5,7 +5,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from cutpoint import InputError, SimulationError, State, simulate
+from cutpoint import InputError, Sensors, SimulationError, State, simulate, simulate_many, where
 from cutpoint.control import PD, Feedforward
 from cutpoint.simulation import UntracedControllerWarning
 from cutpoint.trajectories import cycloid
@@ -38,6 +38,28 @@ def test_a_command_that_is_no_number_stops_the_run(accuracy):
     assert 5 <= len(caught.value.log.time) <= 7
 
 
+def kick_at_the_end(memory: Any, m: Any, r: Any) -> Any:
+    """So hard from 10 ms on that nothing is finite a millisecond later."""
+    return memory, where(m.time > 9.5e-3, 1e9, 0.0) * np.ones(6)
+
+
+@pytest.mark.parametrize("accuracy", ["standard", "reference"])
+def test_what_would_follow_the_last_sample_does_not_count(accuracy):
+    ours, until = frictionless(robot("xia2019")), 0.01
+    with pytest.raises(SimulationError, match=r"diverged at t = 0.011 s"):
+        simulate(ours, kick_at_the_end, duration=0.012)
+    log = simulate(ours, kick_at_the_end, duration=until, accuracy=accuracy)
+    assert log.time[-1] == pytest.approx(until) and all(np.isfinite(x).all() for x in log.channels.values())
+
+
+def test_what_would_follow_the_last_sample_does_not_count_among_many():
+    ours = frictionless(robot("xia2019"))
+    runs = simulate_many([ours, ours], kick_at_the_end, duration=0.01, channels=["q"])
+    alone = simulate(ours, kick_at_the_end, duration=0.01, channels=["q"])
+    assert not runs.errors and [*runs[1].channels] == ["q"]
+    assert np.array_equal(runs[1]["q"], alone["q"])
+
+
 def test_an_error_in_a_controller_is_the_users_own():
     def broken(memory: Any, m: Any, r: Any) -> Any:
         raise ZeroDivisionError("mine")
@@ -61,6 +83,10 @@ def test_an_error_in_a_controller_is_the_users_own():
         ({"duration": 1.0, "disturbances": lambda t: np.zeros((3, 6))}, "disturbances.times. has shape .3, 6."),
         ({"duration": 1.0, "controller": PD([1.0] * 5, [1.0] * 5)}, "PD is for 5 drives, the robot has 6"),
         ({"duration": 1.0, "controller": 7}, "controller 7 has no step"),
+        ({"duration": 1e12}, r"duration 1e\+12 s at control_period 0.001 s takes 1e\+15 samples, at most 10,000,000"),
+        ({"duration": 1.0, "control_period": 1e-12}, r"duration 1 s at control_period 1e-12 s takes 1e\+12 samples"),
+        ({"duration": 1.0, "sensors": Sensors(delay=10.0)}, r"delay 10 s is 1e\+04 control .* at most 1000 can"),
+        ({"duration": 1.0, "sensors": Sensors(delay=1e9)}, r"delay 1e\+09 s is 1e\+12 control periods of 0.001 s"),
         ({"trajectory": cycloid([0.1] * 5, 1.0)}, "the trajectory has 5 joints, the robot has 6 drives"),
     ],
 )

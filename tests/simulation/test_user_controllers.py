@@ -113,3 +113,38 @@ def test_two_makers_of_a_motor_reference_are_refused():
 def test_memory_starts_anew_in_every_run():
     law = PID()
     assert np.array_equal(run(law)["q"], run(law)["q"])
+
+
+@pytest.mark.parametrize("is_called_back", [False, True])
+@pytest.mark.parametrize(
+    ("returned", "message"),
+    [
+        (np.zeros(6), r"\(memory, command\), not an array of shape \(6,\)"),
+        (np.zeros(2), r"\(memory, command\), not an array of shape \(2,\)"),
+        (Command(np.zeros(6)), r"\(memory, command\), not a Command of 5"),
+        (None, r"\(memory, command\), not None"),
+        (((), None), r"\(memory, command\) whose torque is 6 numbers, one a drive, or one for all; it is None"),
+        (((), np.zeros(3)), r"\(memory, command\) whose torque is 6 numbers, .* it is an array of shape \(3,\)"),
+        (((), ["a"] * 6), r"\(memory, command\) whose torque is 6 numbers"),
+        (((), Command(0.0, theta=[0.0] * 5)), r"\(memory, command\) whose theta is 6 numbers, .* it is a list of 5"),
+    ],
+)
+def test_a_step_that_returns_something_else_is_told_what_it_must(returned, message, is_called_back):
+    def mine(memory: Any, m: Any, r: Any) -> Any:
+        return returned if not is_called_back or m.q[0] < 1e3 else None
+
+    with warnings.catch_warnings(), pytest.raises(InputError, match=f"controller mine: step must return {message}"):
+        warnings.simplefilter("ignore", UntracedControllerWarning)
+        run(mine)
+
+
+def test_a_memory_that_grows_is_refused():
+    def growing(memory: Any, m: Any, r: Any) -> Any:
+        return (*memory, 1.0), np.zeros(6)
+
+    with pytest.raises(InputError, match=r"growing: step must return as many .* as start\(\) gave, 0; it returned 1"):
+        run(growing)
+
+
+def test_one_number_is_the_torque_of_all_drives():
+    assert np.array_equal(run(lambda s, m, r: (s, 2))["q"], run(lambda s, m, r: (s, np.full(6, 2.0)))["q"])

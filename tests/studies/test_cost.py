@@ -140,3 +140,18 @@ def test_an_output_that_is_a_file_is_refused_before_anything_is_measured(tmp_pat
     (tmp_path / "cost").write_text("mine")
     with pytest.raises(InputError, match="cost' is not a folder"):
         run(tmp_path / "cost", progress=False)
+
+
+def test_a_report_of_its_own_may_be_written_over_and_anothers_not(output, tmp_path, monkeypatch):
+    def begin(*_):
+        raise InterruptedError("it began")
+
+    monkeypatch.setattr("cutpoint.studies.cost.study.measured", begin)
+    with pytest.raises(InterruptedError, match="it began"):
+        run(output, progress=False)
+    for name in ("index.html", "cost.json"):
+        other = tmp_path / name.replace(".", "_")
+        other.mkdir()
+        (other / name).write_text('{"versions": []}')
+        with pytest.raises(InputError, match=f"holds {name} that this study did not write; name another folder"):
+            run(other, progress=False)

@@ -8,6 +8,7 @@ from typing import Any, NamedTuple
 
 from cutpoint import definitions, kernels
 from cutpoint.definitions import Machine
+from cutpoint.idle_joints import check_moves_inertia
 from cutpoint.kernels import Kernel
 from cutpoint.mechanics.elastic import DEFAULT, ElasticMotion
 from cutpoint.mechanics.elastic_forward import elastic_forward_dynamics
@@ -45,13 +46,14 @@ class _Structure:
 
 
 def kernels_of(robot: Robot, friction: bool) -> Kernels:
-    """The kernels of a robot, with its friction or without."""
+    """The kernels of a robot, with its friction or without.  Raises ModelError: a joint moves no inertia."""
     return _compiled(_Structure(robot.trace_key, friction, robot))
 
 
 @lru_cache(maxsize=16)
 def _compiled(structure: _Structure) -> Kernels:
     robot = structure.robot
+    check_moves_inertia(robot.mechanism, robot.machine)
     nq, nv, drives = robot.nq, robot.nv, len(robot.drives)
 
     def machine(parameters: Scalars) -> Machine:

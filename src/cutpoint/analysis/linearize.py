@@ -10,6 +10,7 @@ from cutpoint.analysis.linear_model import LinearModel, OperatingPoint
 from cutpoint.derivatives import sweeps
 from cutpoint.door import checked_array
 from cutpoint.errors import InputError
+from cutpoint.idle_joints import check_moves_inertia
 from cutpoint.robot import ElasticTorques, Robot
 
 Array = NDArray[np.float64]
@@ -41,6 +42,7 @@ def linearize(
     Raises:
         InputError: a wrong shape or number, a batch, v on a joint of several coordinates (its tangent frame turns), or
             a robot that cannot move.
+        ModelError: a joint can move while nothing with inertia does.
     """
     point = _operating_point(robot, q, v, motor_torque, friction)
     by_direction, drift = _plant(robot, point, friction)
@@ -66,7 +68,7 @@ def _operating_point(
 ) -> OperatingPoint:
     if not robot.nv:
         raise InputError(f"linearize: robot {robot.name!r} has no joint that moves, so there is nothing to linearise")
-    q = _one("q", q, robot.nq)
+    q = _configuration(robot, q)
     v = _one("v", np.zeros(robot.nv) if v is None else v, robot.nv)
     for body, own in zip(robot.mechanism.bodies, robot.machine.system.segments, strict=True):
         if own.v.stop - own.v.start > 1 and v[own.v].any():
@@ -86,6 +88,14 @@ def _steady(robot: Robot, q: Array, v: Array, friction: bool) -> Any:
         found = steady_motion(machine, robot.derivatives_needed, q.tolist(), v.tolist())
         return ElasticTorques(*(np.array(x, float) for x in found))
     return kernels_of(robot, friction).steady(q, v, robot.drive_parameters)
+
+
+def _configuration(robot: Robot, q: ArrayLike) -> Array:
+    several = [body.joint for body in robot.mechanism.bodies if body.joint.kind in ("planar", "spherical", "floating")]
+    if several and np.shape(q) == (len(robot.joints),):
+        what = f"{several[0].kind} joint {several[0].name!r} has coordinates too, {robot.nq} are needed in all"
+        raise InputError(f"linearize: q has one entry for each drive, but {what}: start from robot.neutral()", name="q")
+    return _one("q", q, robot.nq)
 
 
 def _one(name: str, value: ArrayLike, size: int) -> Array:
@@ -109,6 +119,7 @@ def _slopes(robot: Robot, point: OperatingPoint, directions: Array, friction: bo
     """[a; theta_ddot] of all motors, and how fast they change along each direction, a column each."""
     state = (point.q, point.v, point.theta, point.theta_dot, point.motor_torque)
     if sweeps.is_swept(robot):
+        check_moves_inertia(robot.mechanism, robot.machine)
         machine = robot.machine if friction else without_friction(robot.machine)
         return sweeps.swept(sweeps.accelerations, machine, *(x.tolist() for x in state))
     found = kernels_of(robot, friction).slopes(*state, directions, robot.drive_parameters)

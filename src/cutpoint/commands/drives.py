@@ -54,15 +54,15 @@ def check(
     loaded = robot_of(robot, drives, mimic)
     cycle = cycle_of(loaded, trajectory, (start, to), duration, degrees)
     found = sizing(loaded, cycle, dwell=dwell, period=period, life=life)
-    console.print(table_of(found))
-    for sentence in sentences(found):
-        console.print(sentence, highlight=False, markup=False)
     if json:
         found.save(json)
         console.print(f"numbers saved to {json}")
     if plot:
         found.plot().savefig(plot)
         console.print(f"picture saved to {plot}")
+    console.print(table_of(found))
+    for sentence in sentences(found):
+        console.print(sentence, highlight=False)
     if not found.holds:
         raise typer.Exit(3)
 
@@ -105,4 +105,4 @@ def drive(
         print_drive(name, console)
     if plot:
         save_picture(name, plot)
-        (Console(stderr=True) if as_yaml else console).print(f"picture saved to {plot}")
+        (Console(stderr=True, markup=False, emoji=False) if as_yaml else console).print(f"picture saved to {plot}")

@@ -14,6 +14,7 @@ from cutpoint.commands.shared import (
     robot_of,
 )
 from cutpoint.errors import InputError
+from cutpoint.files import check_target_folder
 
 Corners = tuple[float, float, float, float, float, float]
 
@@ -59,13 +60,15 @@ def excite(
 
     loaded = robot_of(robot, drives)
     boxes = _boxes(loaded, box, frame)
+    check_target_folder(output, "--output")
     output.mkdir(parents=True, exist_ok=True)
     found = excitation(
         loaded, duration, harmonics, base_frequency, criterion=criterion, speed=speed, acceleration=acceleration,
         torque=torque, boxes=boxes, seconds=seconds, resume=output / FILES[1],
     )  # fmt: skip
+    saved = save(found, output)
     console.print(table_of(found))
-    for path in save(found, output):
+    for path in saved:
         console.print(f"saved: {path}", soft_wrap=True, highlight=False, markup=False)
 
 
@@ -128,12 +131,14 @@ def identify(
     from cutpoint.identification.output.terminal import sentences, table_of
 
     check_folder(output, force)
+    check_target_folder(output, "--output")
     if str(robot) == "xia2019":
         robot, drives = cutpoint.robots.XIA2019_URDF, drives or cutpoint.robots.XIA2019_DRIVES
     how: Any = {"hold_out": hold_out, "method": method, "solver": solver, "springs": springs, "torque_delay": delay}
     found = identified(robot, log, mapping, drives, progress=True, **how)
+    saved = found.save(output, force=force)
     console.print(table_of(found))
     for sentence in sentences(found):
         console.print(sentence, highlight=False, markup=False)
-    for path in found.save(output, force=force):
+    for path in saved:
         console.print(f"saved: {path}", soft_wrap=True, highlight=False, markup=False)

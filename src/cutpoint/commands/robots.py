@@ -87,8 +87,9 @@ def simulate(
         if error.log is not None:
             keep(error.log, output, plot)
         raise
-    console.print(error_table(loaded, log))
+    # what was asked for is saved before anything is printed: a terminal may fail
     keep(log, output, plot)
+    console.print(error_table(loaded, log))
 
 
 @app.command(epilog="Example: cutpoint modes xia2019 --q 0,30,60,0,45,0 --degrees --plot modes.png")
@@ -110,7 +111,7 @@ def modes(
     position = numbers_of(loaded, "q", q, degrees)
     check_configuration(loaded.mechanism, position.tolist())
     found = loaded.modes(position, friction=friction)
-    console.print(modes_table(loaded, found))
     if plot:
         found.plot().savefig(plot)
         console.print(f"picture saved to {plot}")
+    console.print(modes_table(loaded, found))

@@ -12,6 +12,7 @@ import cutpoint
 from cutpoint.commands.tables import listed_numbers
 from cutpoint.door import driven_joints
 from cutpoint.errors import InputError
+from cutpoint.files import check_target_file
 
 if TYPE_CHECKING:
     from cutpoint.simulation import Log
@@ -22,7 +23,8 @@ app = typer.Typer(
     add_completion=False,
     pretty_exceptions_enable=False,
 )
-console = Console(width=None if sys.stdout.isatty() else 120)
+# names of robots and files are printed as they are: brackets and colons in them are no markup
+console = Console(width=None if sys.stdout.isatty() else 120, markup=False, emoji=False)
 
 RobotFile = Annotated[
     Path, typer.Argument(metavar="ROBOT", help="URDF, xacro or MJCF file, or xia2019, the paper's arm.")
@@ -46,7 +48,12 @@ def robot_of(
 
 
 def numbers_of(robot: cutpoint.Robot, option: str, text: str, degrees: bool) -> Any:
-    """One number a joint, in SI units."""
+    """One number a joint, in SI units.  Raises InputError for a robot with joints that take more."""
+    for body in robot.mechanism.bodies:
+        if body.joint.kind in ("floating", "spherical", "planar"):
+            found = f"joint {body.joint.name!r} is {body.joint.kind}"
+            rule = "one number a joint is all that can be stated here; take the robot in Python"
+            raise InputError(f"--{option}: {found}, and {rule}", joint=body.joint.name)
     numbers = listed_numbers(option, text, len(robot.joints))
     if not degrees:
         return numbers
@@ -65,8 +72,7 @@ def check_target(option: str, path: Path | None, kinds: tuple[str, ...]) -> None
         return
     if path.suffix.lower() not in kinds:
         raise InputError(f"--{option} {str(path)!r} must end in {', '.join(kinds)}", path=path)
-    if not path.parent.is_dir():
-        raise InputError(f"--{option} {str(path)!r}: folder {str(path.parent)!r} does not exist", path=path)
+    check_target_file(path, f"--{option}")
 
 
 def keep(log: "Log", output: Path | None, plot: Path | None) -> None:

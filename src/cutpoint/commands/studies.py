@@ -10,6 +10,7 @@ from cutpoint.commands.shared import (
     app,
     robot_of,
 )
+from cutpoint.errors import InputError
 
 
 @app.command(epilog="Example: cutpoint paper --output paper")
@@ -59,6 +60,9 @@ def compare(
     """Compare all control laws on one arm at equal stiffness, each departure from the model on its own."""
     from cutpoint.studies.compare import bench_of, panda, run
 
+    if str(robot) == "panda" and drives is not None:
+        remedy = "leave --drives out, or give the path of your robot file with it"
+        raise InputError(f"--drives {str(drives)!r}: panda comes with drives of its own; {remedy}", path=drives)
     loaded = panda() if str(robot) == "panda" else robot_of(robot, drives)
     bench = bench_of(loaded, bandwidth=bandwidth, control_period=period, payload=payload, frame=frame)
     run(output, bench, seeds=seeds, quick=quick)

@@ -7,6 +7,7 @@ import numpy as np
 
 from cutpoint.control.interface import Command, Measurement, Reference
 from cutpoint.control.law import Law
+from cutpoint.control.model_law import check_all_driven
 from cutpoint.definitions import gravity_forces
 from cutpoint.errors import InputError
 from cutpoint.robot import Robot
@@ -26,6 +27,7 @@ class GravityCompensation(Law):
     def __post_init__(self) -> None:
         if self.side not in ("motor", "link"):
             raise InputError(f"GravityCompensation: side {self.side!r} must be 'motor' or 'link'")
+        check_all_driven("GravityCompensation", self.robot)
 
     @property
     def needs(self) -> tuple[str, ...]:

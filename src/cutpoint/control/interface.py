@@ -8,6 +8,8 @@ from typing import Any, NamedTuple, Protocol
 
 import numpy as np
 
+from cutpoint.errors import InputError
+
 
 class Measurement(NamedTuple):
     """What the sensors tell: time and control period (s); link q, v and motor theta, theta_dot (rad, rad/s)."""
@@ -55,3 +57,42 @@ class Controller(Protocol):
 def as_command(result: Any) -> Command:
     """A law may return bare torques."""
     return result if isinstance(result, Command) else Command(np.asarray(result))
+
+
+def stepped(law: Controller, memory: Any, measurement: Measurement, reference: Reference) -> tuple[Any, Command]:
+    """Memory and command after a law's step.
+
+    Raises:
+        InputError: the step returns anything but (memory, command), or a command that is not one number a drive, or
+            one for all.
+    """
+    result: Any = law.step(memory, measurement, reference)
+    if not isinstance(result, (tuple, list)) or len(result) != 2:
+        raise InputError(f"controller {name_of(law)}: step must return (memory, command), not {_described(result)}")
+    command, n = as_command(result[1]), len(measurement.q)
+    for name in ("torque", "feedforward", "theta", "theta_dot"):
+        part = getattr(command, name)
+        if not (_is_one_each(part, n) or (part is None and name.startswith("theta"))):
+            rule = f"step must return (memory, command) whose {name} is {n} numbers, one a drive, or one for all"
+            raise InputError(f"controller {name_of(law)}: {rule}; it is {_described(part)}")
+    return result[0], command
+
+
+def name_of(law: Any) -> str:
+    """A law's class, or the name of the function that it is."""
+    function = getattr(law, "function", law)
+    return getattr(function, "__name__", type(function).__name__)
+
+
+def _is_one_each(part: Any, n: int) -> bool:
+    """Whether it is one number for all drives, or one each; numbers may be traced."""
+    array = np.asarray(part)
+    traced = array.dtype == object and all(hasattr(type(x), "__neg__") for x in array.flat)
+    return (traced or array.dtype.kind in "biuf") and array.shape in ((), (n,))
+
+
+def _described(thing: Any) -> str:
+    if isinstance(thing, (tuple, list)):
+        return f"a {type(thing).__name__} of {len(thing)}"
+    array = np.asarray(thing)
+    return f"an array of shape {array.shape} of {array.dtype}" if array.ndim else repr(array.item())

@@ -4,7 +4,7 @@ from dataclasses import dataclass
 from functools import reduce
 from typing import Any
 
-from cutpoint.control.interface import Command, Controller, Measurement, Reference, as_command
+from cutpoint.control.interface import Command, Controller, Measurement, Reference, stepped
 from cutpoint.errors import InputError
 from cutpoint.scalars import maximum
 
@@ -56,10 +56,10 @@ class Sum(Law):
         made = Command(0)
         # the maker of the motor reference first, so that the others see it
         for k in sorted(range(len(self.parts)), key=lambda k: not _makes_reference(self.parts[k])):
-            memories[k], result = self.parts[k].step(memory[k], measurement, reference)
-            commands.append(as_command(result))
-            if commands[-1].theta is not None:
-                made = commands[-1]
+            memories[k], told = stepped(self.parts[k], memory[k], measurement, reference)
+            commands.append(told)
+            if told.theta is not None:
+                made = told
                 reference = reference._replace(theta=made.theta, theta_dot=made.theta_dot)
         torque, feedforward = sum(c.torque for c in commands), sum(c.feedforward for c in commands)
         fault = reduce(maximum, [c.fault for c in commands])
@@ -96,8 +96,7 @@ class Wrapper(Law):
         return self.law.start() if hasattr(self.law, "start") else ()
 
     def inner_step(self, memory: Any, measurement: Measurement, reference: Reference) -> tuple[Any, Command]:
-        after, result = self.law.step(memory, measurement, reference)
-        return after, as_command(result)
+        return stepped(self.law, memory, measurement, reference)
 
 
 def needs_of(law: Controller) -> tuple[str, ...]:

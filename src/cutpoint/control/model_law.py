@@ -21,9 +21,7 @@ class ModelLaw(Law):
     parameters: Any = field(default=None, repr=False, kw_only=True)
 
     def __post_init__(self) -> None:
-        if self.robot.nv != len(self.robot.joints):
-            name = type(self).__name__
-            raise InputError(f"{name}: a floating base has no motor; its motion is not in the reference")
+        check_all_driven(type(self).__name__, self.robot)
         if self.parameters is None:
             object.__setattr__(self, "parameters", self.robot.drive_parameters)
 
@@ -41,6 +39,19 @@ class ModelLaw(Law):
         """Fields as they are kept, once they are checked."""
         for name, value in values.items():
             object.__setattr__(self, name, value)
+
+
+def check_all_driven(name: str, robot: Robot) -> None:
+    """Raises InputError if a joint has no drive: measurements and references know nothing of it.
+
+    name: who asks.
+    """
+    driven = {d.v for d in robot.machine.drives}
+    for body, own in zip(robot.mechanism.bodies, robot.machine.system.segments, strict=True):
+        if own.v.start not in driven:
+            what = "a floating base" if body.joint.kind == "floating" else f"a {body.joint.kind} joint"
+            rule = f"{what} has no motor ({body.joint.name!r}), and laws are told of joints with motors only"
+            raise InputError(f"{name}: {rule}; PD and PID with gains of your own do without", joint=body.joint.name)
 
 
 def stiffened(robot: Robot) -> Robot:

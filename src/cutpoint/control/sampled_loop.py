@@ -10,7 +10,7 @@ from scipy.linalg import expm
 from cutpoint import kernels
 from cutpoint.control.interface import Measurement, Reference, as_command
 from cutpoint.control.law import Law
-from cutpoint.control.model_law import ModelLaw
+from cutpoint.control.model_law import ModelLaw, check_all_driven
 from cutpoint.door import checked_array
 from cutpoint.robot import Robot
 from cutpoint.scalars import leaves, rebuild, with_float_leaves
@@ -49,8 +49,9 @@ def slowest_pole(robot: Robot, law: Any, q: ArrayLike, period: float) -> Sampled
 
     The robot is linear about q and moves exactly between samples; the law is differenced about rest.  Neither has
     friction, whose slope at rest is that of its smoothing.  Laws that jump at rest have no slope, and this says nothing
-    of them.
+    of them.  Raises InputError: a joint has no motor.
     """
+    check_all_driven("slowest_pole", robot)
     q, law = checked_array("slowest_pole", "q", q, robot.nq), without_friction(law)
     model = robot.linearize(q)
     count, n = len(model.states), len(robot.drives)

@@ -10,6 +10,7 @@ from cutpoint.control.adaptive_vdc import AdaptiveVDC
 from cutpoint.control.computed_torque import ComputedTorque
 from cutpoint.control.elastic_computed_torque import ElasticComputedTorque
 from cutpoint.control.full_state_feedback import FullStateFeedback
+from cutpoint.control.model_law import check_all_driven
 from cutpoint.control.pd import PD
 from cutpoint.control.pid import PID
 from cutpoint.control.robust import Robust
@@ -96,6 +97,7 @@ def tune(
     Raises:
         InputError: the gains do not hold at q: the linear plant with all its springs, sampled every control_period (s),
             has a pole that grows; it says which joint swings, and how fast.  A law that jumps at rest is not tested.
+            Or a joint, such as a floating base, has no motor.
     """
     asked = {"bandwidth": (bandwidth, " Hz"), "damping": (damping, ""), "control_period": (control_period, " s")}
     for name, (value, unit) in asked.items():
@@ -103,6 +105,7 @@ def tune(
             raise InputError(f"tune: {name} {value}{unit} must be positive")
     if law not in RECIPES:
         raise unknown_name("law that can be tuned", getattr(law, "__name__", str(law)), [x.__name__ for x in RECIPES])
+    check_all_driven("tune", robot)
     pose = robot.neutral() if q is None else checked_array("tune", "q", q, robot.nq)
     made = RECIPES[law](_wanted(robot, pose, 2 * np.pi * bandwidth, damping, control_period), **options)
     if law is not SuperTwisting:

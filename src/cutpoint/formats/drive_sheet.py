@@ -55,7 +55,7 @@ class DriveSheet(Sheet):
     damping: float | None = quantity("N m s/rad", "N s/m", "of the spring, at the joint's side", None, ge=0)
     hysteresis: HysteresisSheet | None = Field(None, description="of the spring; needs `compliance`")
     kinematic_error: KinematicErrorSheet | None = Field(
-        None, description="deviation of the output from ratio-true rotation; needs `compliance`"
+        None, description="by how much the unloaded output lags ratio-true rotation; needs `compliance`"
     )
     friction: FrictionSheet | None = Field(None, description="on either side of the spring")
     motor: MotorSheet | None = Field(None, description="what lies between a torque command and the shaft")

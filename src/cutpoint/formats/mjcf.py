@@ -15,6 +15,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 from scipy.spatial.transform import Rotation
 
+from cutpoint.errors import ModelError
 from cutpoint.formats.drives import drive_of
 from cutpoint.formats.mjcf_losses import NotCarriedOver, losses
 from cutpoint.formats.mjcf_model import BALL, FREE, HINGE, SLIDE, compiled, name_of, package
@@ -102,7 +103,8 @@ class _Tree:
     def add_body(self, b: int) -> None:
         """A body, and the joints that lead to it one after the other from the body that carries it."""
         model, name = self.model, name_of(self.model, "body", b)
-        carrier, at = name_of(model, "body", model.body_parentid[b]), _placement(model.body_pos[b], model.body_quat[b])
+        carrier = name_of(model, "body", model.body_parentid[b])
+        at = _placement(name, model.body_pos[b], model.body_quat[b])
         first, count = model.body_jntadr[b], model.body_jntnum[b]
         for j in range(first, first + count):
             anchor = model.jnt_pos[j] if model.jnt_type[j] in (HINGE, BALL) else np.zeros(3)
@@ -114,7 +116,7 @@ class _Tree:
             carrier, at = child, pose(np.eye(3), -anchor)
         if carrier != name:
             self.joints.append(Joint(f"{name}_fixed", "fixed", carrier, name, at))
-        axes = _placement(model.body_ipos[b], model.body_iquat[b])[:3, :3]
+        axes = _placement(name, model.body_ipos[b], model.body_iquat[b])[:3, :3]
         inertia = axes @ np.diag(model.body_inertia[b]) @ axes.T
         self.links.append(Link(name, float(model.body_mass[b]), np.array(model.body_ipos[b]), inertia))
 
@@ -142,7 +144,9 @@ def _limits(model: Any, j: int) -> Limits:
     return Limits(lower, upper, effort=effort)
 
 
-def _placement(position: Array, quaternion: Array) -> Array:
-    """(4, 4) of a position and a quaternion (w, x, y, z)."""
+def _placement(body: str, position: Array, quaternion: Array) -> Array:
+    """(4, 4) of a position and a quaternion (w, x, y, z), which MuJoCo leaves zero where its length overflowed."""
+    if not quaternion.any():
+        raise ModelError(f"body {body!r}: MuJoCo finds no direction in its quat; give one of length 1", body=body)
     w, x, y, z = quaternion
     return pose(Rotation.from_quat([x, y, z, w]).as_matrix(), np.array(position))

@@ -51,7 +51,7 @@ def _of_joints(model: Any) -> list[str]:
 def _any(model: Any, what: str) -> Any:
     """Rows of an array that later versions of MuJoCo have, where any entry is not zero."""
     rows = getattr(model, what, None)
-    return np.False_ if rows is None else np.any(rows.reshape(len(rows), -1) != 0.0, axis=1)
+    return np.False_ if rows is None else np.any(rows != 0.0, axis=tuple(range(1, rows.ndim)))
 
 
 def _joints_of(model: Any, dofs: Any) -> Any:

@@ -62,7 +62,7 @@ class HysteresisSheet(Sheet):
 
 
 class KinematicErrorSheet(WaveSheet):
-    """What the output deviates from ratio-true rotation: waves over the wave generator's turn."""
+    """By how much the unloaded output lags ratio-true rotation: waves over the wave generator's turn."""
 
     amplitude: float = quantity("rad", "m", "half of the catalogue's transmission accuracy, at the joint's side", ge=0)
     order: float = quantity("1", "1", "waves for each turn of the wave generator, a whole number", 2.0, ge=1)

@@ -1,4 +1,4 @@
-"""Kinematic error: what a drive's output deviates from ratio-true rotation, a sum of harmonics of the wave generator.
+"""Kinematic error: how far a drive's unloaded output lags ratio-true rotation, harmonics of the wave generator.
 
 Its reaction on the motor follows from power: the spring's torque works on the deflection theta - q - e(theta), so the
 motor bears tau_f (1 - e'(theta)).  Tuttle and Seering (1996); theta_err in Xia (2019) eq. (3).

@@ -11,6 +11,7 @@ from cutpoint.model.holding import hold
 from cutpoint.model.lumping import NOTHING, MassProperties, lumped, placed
 from cutpoint.model.mechanism import STANDARD_GRAVITY, WORLD, Array, Body, Frame, Joint, Link, Mechanism
 from cutpoint.model.places import Places
+from cutpoint.model.pose import unit_vector
 from cutpoint.model.tree import depth_first
 from cutpoint.model.universal import expanded
 from cutpoint.model.validation import (
@@ -131,8 +132,8 @@ def _properties(link: Link) -> MassProperties:
 def _with_unit_axis(joint: Joint) -> Joint:
     if joint.kind not in WITH_AXIS:
         return joint
-    second = None if joint.second_axis is None else _unit(joint.second_axis)
-    return replace(joint, axis=_unit(joint.axis), second_axis=second)
+    second = None if joint.second_axis is None else _frozen(unit_vector(joint.second_axis))
+    return replace(joint, axis=_frozen(unit_vector(joint.axis)), second_axis=second)
 
 
 def _floating_joint(root: str, joints: Sequence[Joint], places: Places) -> Joint:
@@ -140,10 +141,6 @@ def _floating_joint(root: str, joints: Sequence[Joint], places: Places) -> Joint
         complaint = "this name is taken by the joint that floating_base adds; rename it"
         raise places.error(f"joint {FLOATING_JOINT!r}", complaint, joint=FLOATING_JOINT)
     return Joint(FLOATING_JOINT, "floating", parent=WORLD_LINK, child=root)
-
-
-def _unit(axis: Array) -> Array:
-    return _frozen(axis / np.linalg.norm(axis))
 
 
 def _frozen(array: Array) -> Array:

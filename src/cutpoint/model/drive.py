@@ -130,7 +130,7 @@ class Drive:
     damping: of the spring, N m s/rad at the joint's side; None is none.
     link_friction acts on the link's speed, motor_friction on the rotor's over ratio; both at the joint's side.
     limits: of the drive, at the joint's side.
-    kinematic_error: what an elastic drive's output deviates from ratio-true rotation; None is none.
+    kinematic_error: by how much an elastic drive's unloaded output lags ratio-true rotation; None is none.
     hysteresis: slipping elements in parallel to the compliance; None is none.
     motor: what lies between a torque command and the shaft; None is a motor that does as it is told.
     ratings: what the maker allows; only sizing reads them.

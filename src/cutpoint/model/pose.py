@@ -22,6 +22,12 @@ def rotation_about(axis: Array, angle: float) -> Array:
     return np.eye(3) + np.sin(angle) * cross + (1.0 - np.cos(angle)) * (cross @ cross)
 
 
+def unit_vector(direction: Array) -> Array:
+    """(3,) along a direction of any length: a power of two, which rounds nothing, brings it near 1 before squaring."""
+    near = np.ldexp(direction, -np.frexp(np.max(np.abs(direction)))[1])
+    return near / np.linalg.norm(near)
+
+
 def roll_pitch_yaw(angles: Array) -> Array:
     """(3, 3) rotation Rz(yaw) Ry(pitch) Rx(roll) of fixed-axis angles (3,) in rad, in the order URDF states them."""
     x, y, z = np.eye(3)

@@ -6,19 +6,23 @@ together.  Tolerances on principal moments: RELATIVE of the largest one, plus wh
 would give.
 """
 
+import math
 from collections.abc import Mapping, Sequence
-from typing import Any, get_args
+from typing import get_args
 
 import numpy as np
 
 from cutpoint.model.lumping import MassProperties
 from cutpoint.model.mechanism import Array, Body, Joint, JointKind, Limits, Link
 from cutpoint.model.places import Places, listed, those_that_exist
-from cutpoint.model.pose import is_rigid
+from cutpoint.model.pose import is_rigid, unit_vector
 
 RELATIVE = 1e-6
 GYRATION = 1e-6
 """Radius of gyration, m, below which a tensor is taken for rounding."""
+
+LARGEST = 1e12
+"""Masses, inertias and places (SI) beyond it belong to no machine, and their products overflow."""
 
 AXIS_MINIMUM = 1e-6
 """Shorter axes have no direction that can be trusted."""
@@ -46,11 +50,11 @@ WITH_AXIS: tuple[JointKind, ...] = (*ONE_COORDINATE, "universal", "planar")
 
 
 def check_link(link: Link, places: Places) -> None:
-    """Shapes, finite numbers, mass not negative, inertia symmetric."""
+    """Shapes, finite numbers of a size that machines have, mass not negative, inertia symmetric."""
     thing = f"link {link.name!r}"
-    _check_numbers(thing, "mass", link.mass, (), places)
-    _check_numbers(thing, "com", link.com, (3,), places)
-    _check_numbers(thing, "inertia", link.inertia, (3, 3), places)
+    for what, value, shape in (("mass", link.mass, ()), ("com", link.com, (3,)), ("inertia", link.inertia, (3, 3))):
+        _check_numbers(thing, what, value, shape, places)
+        _check_size(thing, what, value, places)
     if link.mass < 0.0:
         raise places.error(thing, f"mass {link.mass!r} kg must not be negative", link=link.name, mass=link.mass)
     skew = np.max(np.abs(link.inertia - link.inertia.T))
@@ -66,6 +70,7 @@ def check_joint(joint: Joint, places: Places) -> None:
         complaint = f"kind {joint.kind!r} is not supported; {those_that_exist(joint.kind, get_args(JointKind))}"
         raise places.error(thing, complaint, joint=joint.name, kind=joint.kind)
     _check_numbers(thing, "placement", joint.placement, (4, 4), places)
+    _check_size(thing, "placement", joint.placement, places)
     if not is_rigid(joint.placement):
         complaint = "placement must be a proper rotation and a translation (R R^T = 1, det R = 1, last row 0 0 0 1)"
         raise places.error(thing, complaint, joint=joint.name, placement=joint.placement)
@@ -83,10 +88,10 @@ def _check_own_numbers(joint: Joint, places: Places) -> None:
     """What some kinds need and others do not: axis, second axis, pitch; and that a follower has one coordinate."""
     thing = f"joint {joint.name!r}"
     if joint.kind in WITH_AXIS:
-        _check_axis(thing, "axis", joint.axis, places)
+        _checked_axis(thing, "axis", joint.axis, places)
     if joint.kind == "universal":
-        _check_axis(thing, "second_axis", joint.second_axis, places)
-        if np.linalg.norm(np.cross(_unit(joint.axis), _unit(joint.second_axis))) < AXIS_MINIMUM:
+        second = _checked_axis(thing, "second_axis", joint.second_axis, places)
+        if np.linalg.norm(np.cross(unit_vector(joint.axis), unit_vector(second))) < AXIS_MINIMUM:
             complaint = f"second_axis {joint.second_axis} must not be parallel to axis {joint.axis}"
             raise places.error(thing, complaint, joint=joint.name)
     if joint.kind == "helical":
@@ -100,16 +105,13 @@ def _check_own_numbers(joint: Joint, places: Places) -> None:
         raise places.error(thing, complaint, joint=joint.name)
 
 
-def _check_axis(thing: str, what: str, axis: Array | None, places: Places) -> None:
+def _checked_axis(thing: str, what: str, axis: Array | None, places: Places) -> Array:
     if axis is None:
         raise places.error(thing, f"needs a {what}, a direction (3,)", what=what)
     _check_numbers(thing, what, axis, (3,), places)
-    if np.linalg.norm(axis) < AXIS_MINIMUM:
+    if math.hypot(*axis) < AXIS_MINIMUM:
         raise places.error(thing, f"{what} {axis} has no length; give it a direction", what=what)
-
-
-def _unit(axis: Any) -> Array:
-    return np.asarray(axis) / np.linalg.norm(axis)
+    return axis
 
 
 def check_limits(thing: str, limits: Limits, unit: Mapping[str, str], places: Places) -> None:
@@ -131,10 +133,14 @@ def check_gravity(gravity: Array, places: Places) -> None:
 
 
 def check_body(body: Body, pieces: Sequence[str], places: Places) -> None:
-    """A lumped tensor that mass can have: no negative principal moment, none above the sum of the other two."""
+    """A lumped tensor that mass can have: none without mass, no negative principal moment, none above the sum of the
+    other two."""
     small, middle, large = np.linalg.eigvalsh(body.inertia)
     tolerance = RELATIVE * max(large, -small) + GYRATION**2 * body.mass
-    if small < -tolerance:
+    remedy = "check <inertia> and its <origin>"
+    if body.mass == 0.0 and np.any(body.inertia):
+        rule, remedy = "without mass (0 kg) there is no inertia", "state the mass, or leave <inertial> out"
+    elif small < -tolerance:
         rule = "none must be negative"
     elif large > small + middle + tolerance:
         rule = "the largest must not exceed the sum of the others (triangle inequality)"
@@ -142,7 +148,7 @@ def check_body(body: Body, pieces: Sequence[str], places: Places) -> None:
         return
     moments = f"principal moments of inertia {small:.4g}, {middle:.4g}, {large:.4g} kg m2"
     lump = f" (lumped: {listed(pieces)})" if list(pieces) != [body.name] else ""
-    complaint = f"{moments}{lump}: {rule}; check <inertia> and its <origin>"
+    complaint = f"{moments}{lump}: {rule}; {remedy}"
     raise places.error(f"link {body.name!r}", complaint, link=body.name, inertia=body.inertia)
 
 
@@ -166,3 +172,10 @@ def _check_numbers(thing: str, what: str, value: float | Array, shape: tuple[int
         raise places.error(thing, complaint, what=what, value=value)
     if not np.all(np.isfinite(found)):
         raise places.error(thing, f"{what} must be finite, got {value}", what=what, value=value)
+
+
+def _check_size(thing: str, what: str, value: float | Array, places: Places) -> None:
+    largest = float(np.max(np.abs(value)))
+    if largest > LARGEST:
+        rule = f"{what} must not exceed {LARGEST:g} in SI units, as in no machine, got {largest:g}; check its unit"
+        raise places.error(thing, rule, what=what, value=value)

@@ -6,6 +6,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from cutpoint.idle_joints import check_moves_inertia
 from cutpoint.mechanics.harmonic_drive import friction_resistance
 from cutpoint.mechanics.linearly_implicit import is_carried
 from cutpoint.mechanics.motor import TURN
@@ -137,9 +138,14 @@ def _largest_eigenvalue(A: Array) -> tuple[float, Array]:
 
 
 def _link_mobility(robot: Robot, q: Array) -> Array:
-    """M^-1 of the driven joints."""
+    """M^-1 of the driven joints.  Raises ModelError: a joint moves no inertia."""
     driven = np.array([d.v for d in robot.machine.drives], int)
-    return np.asarray(np.linalg.inv(robot.mass_matrix(q)), np.float64)[np.ix_(driven, driven)]
+    try:
+        whole = np.linalg.inv(robot.mass_matrix(q))
+    except np.linalg.LinAlgError:
+        check_moves_inertia(robot.mechanism, robot.machine)
+        raise
+    return np.asarray(whole, np.float64)[np.ix_(driven, driven)]
 
 
 def _rotor_mobility(robot: Robot) -> Array:

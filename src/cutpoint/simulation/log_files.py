@@ -18,7 +18,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cutpoint.errors import InputError
-from cutpoint.files import check_readable, replacing
+from cutpoint.files import check_readable, check_target_file, replacing
 from cutpoint.simulation.log import Array, Log, column_name
 
 VERSION = 1
@@ -47,8 +47,9 @@ UNREADABLE = (
 
 
 def save(log: Log, path: Path) -> None:
-    """Writes the log, or leaves what was there."""
+    """Writes the log, or leaves what was there.  Raises InputError for a path that cannot be written."""
     write = _by_ending(path, {".npz": _write_npz, ".csv": _write_csv})
+    check_target_file(path, "log")
     with replacing(path) as file:
         write(log, file)
         size = max(file.tell(), sum(values.nbytes for values in log.channels.values()))

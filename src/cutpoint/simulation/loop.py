@@ -12,8 +12,9 @@ from typing import Any, Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from cutpoint.control.interface import Command, Measurement, Reference, as_command
+from cutpoint.control.interface import Command, Measurement, Reference, name_of, stepped
 from cutpoint.definitions import Machine
+from cutpoint.errors import InputError
 from cutpoint.kernels import Loop, Program, Region, Stage, compile_program
 from cutpoint.mechanics.motor import within_limits
 from cutpoint.robot import Robot
@@ -147,8 +148,12 @@ class ClosedLoop:
         """Command: torque, the part of it that is feedforward, motor reference and its speed; and a fault."""
         _, controller, _, _, period = self._numbers(parameters)
         before = rebuild(self.memory, iter(memory))
-        after, command = controller.step(before, *self.seen(measured, row, period))
-        return self.command_of(as_command(command), row), leaves(with_float_leaves(after))
+        after, command = stepped(controller, before, *self.seen(measured, row, period))
+        remembered = leaves(with_float_leaves(after))
+        if len(remembered) != len(memory):
+            rule = f"step must return as many numbers of memory as start() gave, {len(memory)}"
+            raise InputError(f"controller {name_of(controller)}: {rule}; it returned {len(remembered)}")
+        return self.command_of(command, row), remembered
 
     def actuate(
         self, state: Scalars, command: Scalars, torque: Scalars, parameters: Scalars

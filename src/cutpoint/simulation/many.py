@@ -11,6 +11,7 @@ from typing import Any, Literal
 import numpy as np
 from numpy.typing import NDArray
 
+from cutpoint.control.interface import name_of
 from cutpoint.errors import InputError, SimulationError, TraceError
 from cutpoint.robot import Robot
 from cutpoint.scalars import structure_of
@@ -176,7 +177,7 @@ def _untraceable(packs: list[Pack]) -> list[Pack]:
         try:
             pack.program()
         except TraceError as error:
-            name = type(pack.setups[0].loop.controller).__name__
+            name = name_of(pack.setups[0].loop.controller)
             told = f"controller {name} runs as a Python callback, run by run: {error}"
             warnings.warn(told, UntracedControllerWarning, stacklevel=3)
             found.append(pack)

@@ -101,8 +101,8 @@ class Pack:
         loop, cause = setup.loop, None
         if not done:
             return SimulationError("interrupted before it began")
-        if failed:
-            loop, record, done, cause = self._again(setup)
+        if failed and (again := self._again(setup))[-1]:  # nothing, where it is lost after its last sample
+            loop, record, done, cause = again
         elif done < len(self.times):
             cause = f"interrupted at t = {self.times[done - 1]:g} s; the log holds all until then"
         log = log_of(loop, record[:done], self.times, setup.reference, self.settings)

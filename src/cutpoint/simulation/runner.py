@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from rich.console import Console
 from rich.progress import Progress, TaskID
 
-from cutpoint.control.interface import as_command
+from cutpoint.control.interface import name_of, stepped
 from cutpoint.errors import TraceError
 from cutpoint.mechanics.strains import names
 from cutpoint.simulation.loop import INTEGRATION, ClosedLoop
@@ -84,7 +84,7 @@ def run(loop: ClosedLoop, memory: dict[str, Array], substeps: int, integrate: In
                 ticks = min(chunk, total - done)
                 reached = advance(done, ticks)
                 done += reached
-                if memory["fault"][0]:
+                if memory["fault"][0] and done < total:  # what follows the last sample is not asked for
                     return Outcome(done, diagnosis(loop, memory, done), diverged=True)
                 now = time.perf_counter()
                 chunk = next_chunk(ticks, now - before)
@@ -112,7 +112,7 @@ def _advance(
             return lambda first, ticks: run_samples(whole, memory, first, ticks, substeps)
         sense, call = loop.program("command"), None
     except TraceError as error:
-        name = type(loop.controller).__name__
+        name = name_of(loop.controller)
         warnings.warn(f"controller {name} runs as a Python callback: {error}", UntracedControllerWarning, stacklevel=4)
         sense, call = loop.program("sense"), _callback(loop)
     after = loop.program("output" if integrate else "after")
@@ -122,7 +122,7 @@ def _advance(
         if call:
             memory["command"][:] = call(memory["measured"], memory["row"][first])
         run_samples(after, memory, first, 1, None if integrate else substeps)
-        if integrate:
+        if integrate and first + 1 < len(memory["row"]):
             integrate(memory, memory["row"][first])
         return 1
 
@@ -135,8 +135,8 @@ def _callback(loop: ClosedLoop) -> Callable[[Array, Array], list[float]]:
 
     def call(measured: Array, row: Array) -> list[float]:
         nonlocal remembered
-        remembered, command = loop.controller.step(remembered, *loop.seen(measured, row, loop.period))
-        return loop.command_of(as_command(command), row)
+        remembered, command = stepped(loop.controller, remembered, *loop.seen(measured, row, loop.period))
+        return loop.command_of(command, row)
 
     return call
 

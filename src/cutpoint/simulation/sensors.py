@@ -15,6 +15,9 @@ Numbers = Sequence[float]
 
 _TO_WHOLE = 6755399441055744.0  # 1.5 * 2^52: adding it rounds a double to a whole number, to even
 
+MOST_DELAYED = 24_000
+"""Numbers on their way, four a drive and control period: as many more take minutes to compile into a step."""
+
 
 @dataclass(frozen=True, eq=False)
 class Sensors:
@@ -23,7 +26,7 @@ class Sensors:
     link_resolution, motor_resolution: smallest step, rad at the joint's side (a motor encoder's step over ratio).
     link_noise, motor_noise: standard deviation, rad at the joint's side, from a generator with this seed.
     Each is one number for all drives or one for each; None is a perfect encoder.
-    delay: s, a whole number of control periods.
+    delay: s, a whole number of control periods; of six drives at most 1000, see MOST_DELAYED.
     speeds: "true", or "differenced" from positions as measured, over one control period.
     sides: where there are encoders; a controller is told NaN of the other side.
     """
@@ -96,6 +99,10 @@ def encoders_of(sensors: Sensors, size: int, period: float) -> Encoders:
         raise InputError(f"sensors: speeds {sensors.speeds!r} must be 'true' or 'differenced'")
     if sensors.sides not in ("both", "motor", "link"):
         raise InputError(f"sensors: sides {sensors.sides!r} must be 'both', 'motor' or 'link'")
+    if steps > (most := MOST_DELAYED // (4 * max(size, 1))):
+        found = f"delay {sensors.delay:g} s is {steps:.4g} control periods of {period} s"
+        rule = f"of {size} drives at most {most} can be delayed; shorten it, or lengthen control_period"
+        raise InputError(f"sensors: {found}, {rule}", delay=sensors.delay)
     resolution = [_each(sensors, side + "_resolution", size) for side in ("link", "motor")]
     noise = [_each(sensors, side + "_noise", size) for side in ("link", "motor")]
     return Encoders(resolution, noise, round(steps), sensors.speeds == "differenced", sensors.seed, size, sensors.sides)

@@ -31,6 +31,9 @@ Array = NDArray[np.float64]
 Accuracy = Literal["standard", "fine", "reference"]
 Disturbance = Callable[[Array], ArrayLike]
 
+MOST_SAMPLES = 10_000_000
+"""Of a run: hours at 1 kHz, and with six joints and all channels some 10 GB."""
+
 
 @dataclass(frozen=True)
 class FreeResponse(Law):
@@ -72,7 +75,8 @@ def simulate(
     controller: a law of `cutpoint.control`, or anything with a `step(memory, measurement, reference)` that returns
         (memory, command) and, if it remembers, `start() -> memory`; or that function itself.  None: no torque.
     trajectory: the links' reference; None holds the initial configuration.
-    duration: s; the trajectory's own by default.  control_period: s; the command is held between samples.
+    duration: s; the trajectory's own by default; rounded to the nearest whole number of control periods.
+    control_period: s; the command is held between samples.
     initial: State(q, v, theta, theta_dot, current, strains); what is left None is where the reference starts, with each
         motor leading its link by what gravity bends the drive, theta = q + delta(g(q)), currents that hold against
         gravity, and no strains.
@@ -84,7 +88,7 @@ def simulate(
     hold: False lets the controller act at every instant, as proofs in continuous time have it, for laws, sensors and
         drives without memory; it is integrated as "reference" is, and logged each control period.
     channels: names of those that the log is to have, which saves time and memory; all by default.
-    Returns a Log with one sample each control period, time 0 and the end included.
+    Returns a Log with one sample each control period, time 0 and the end, as rounded, included.
     Raises InputError for wrong arguments, SimulationError (with the log so far) on divergence or Ctrl-C.
     """
     times = sample_times(trajectory, duration, control_period)
@@ -188,6 +192,10 @@ def sample_times(trajectory: Trajectory | None, duration: float | None, period: 
         raise InputError(f"simulate: control_period {period} s must be positive")
     if not (np.isfinite(duration) and duration >= period):
         raise InputError(f"simulate: duration {duration} s must be at least one control period, {period} s")
+    if not duration / period < MOST_SAMPLES:
+        found = f"duration {duration:g} s at control_period {period:g} s takes {duration / period:.3g} samples"
+        remedy = "shorten the duration, lengthen the control_period, or run in parts, each from where the last ended"
+        raise InputError(f"simulate: {found}, at most {MOST_SAMPLES:,} are kept in memory; {remedy}")
     return np.arange(round(duration / period) + 1, dtype=np.float64) * period
 
 

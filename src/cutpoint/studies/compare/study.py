@@ -45,9 +45,10 @@ def run(
     incomplete.  Returns what results.json holds.
 
     Raises:
-        InputError: output is there and is not a folder, or a law or scenario is not known.
+        InputError: output is no folder, cannot be written, or holds a report by others; a law or scenario is not
+            known.
     """
-    output, bench = checked_folder(output), bench or bench_of(xia2019())
+    output, bench = checked_folder(output, "results.json"), bench or bench_of(xia2019())
     chosen = _chosen("law", CONTENDERS, None if laws is None else {CONTENDERS[0].key, *laws})
     plans = _chosen("scenario", SCENARIOS, scenarios)
     if quick:

@@ -35,9 +35,9 @@ def run(output: Path, *, largest: int = max(SIZES), progress: bool = True) -> di
     end.  Returns what cost.json holds.
 
     Raises:
-        InputError: output is there and is not a folder.
+        InputError: output is no folder, cannot be written, or holds a report by others.
     """
-    output = checked_folder(output)
+    output = checked_folder(output, "cost.json")
     sizes = [n for n in SIZES if n <= max(largest, ARM)]
     with styled(), Progress(console=Console(stderr=True), disable=not progress, transient=True) as bar:
         task = bar.add_task("chains", total=sum(sizes))

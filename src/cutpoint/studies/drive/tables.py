@@ -3,8 +3,8 @@
 from itertools import groupby
 
 from rich.console import Console
-from rich.markup import escape
 from rich.table import Table
+from rich.text import Text
 
 from cutpoint.formats.catalogue import catalogue_gear, catalogue_names
 from cutpoint.formats.catalogue_sheets import CatalogueGear, Source
@@ -37,9 +37,9 @@ def print_drive(name: str, console: Console) -> None:
         if table.row_count:
             console.print(table)
     if note := estimate_note(name):
-        console.print(f"[yellow]{escape(note)}[/]")
+        console.print(Text(note, style="yellow"))
     for source in _sources(specimen.gear):
-        console.print(f"[bold]{source.key}[/]: {escape(_citation(source))}", highlight=False)
+        console.print(Text.assemble((source.key, "bold"), f": {_citation(source)}"))
 
 
 def _sheet(specimen: Specimen) -> Table:
@@ -55,7 +55,7 @@ def _sheet(specimen: Specimen) -> Table:
             line.value,
             line.unit,
             line.source,
-            f"[{_STATUS.get(line.status, 'dim')}]{line.status}[/]",
+            Text(line.status, style=_STATUS.get(line.status, "dim")),
         )
         before = line.group
     return table
@@ -64,8 +64,7 @@ def _sheet(specimen: Specimen) -> Table:
 def _laws(specimen: Specimen) -> Table:
     table = _table("what the laws give back", "quantity", "laws", "sheet", "unit", "remark")
     for line in derived(specimen):
-        colour = _STATUS.get(line.remark, "default")
-        table.add_row(*line[:-1], f"[{colour}]{escape(line.remark)}[/]")
+        table.add_row(*line[:-1], Text(line.remark, style=_STATUS.get(line.remark, "default")))
     return table
 
 

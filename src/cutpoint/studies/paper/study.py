@@ -50,9 +50,9 @@ def run(output: Path, *, progress: bool = True) -> dict[str, Any]:
     before everything is computed.  Returns what results.json holds, by table and figure.
 
     Raises:
-        InputError: output is there and is not a folder.
+        InputError: output is no folder, cannot be written, or holds a report by others.
     """
-    output = checked_folder(output)
+    output = checked_folder(output, "results.json")
     with styled(), Progress(console=Console(stderr=True), disable=not progress, transient=True) as bar:
         pages = _made(bar)
         drawing = bar.add_task("writing the report", total=None)

@@ -9,22 +9,34 @@ from typing import Any
 
 import cutpoint
 from cutpoint.errors import InputError
-from cutpoint.files import replacing
+from cutpoint.files import check_target_folder, replacing
 from cutpoint.studies.report.html import Heading, html
 from cutpoint.studies.report.page import Page, plain
 from cutpoint.studies.style import png
 
 
-def checked_folder(output: Path) -> Path:
-    """The path of a folder that is there or can be made.
+def checked_folder(output: Path, name: str) -> Path:
+    """The path of a folder that a report, with `name` as its JSON file, can be written to.
 
     Raises:
-        InputError: output is there and is not a folder.
+        InputError: output is there and is not a folder, cannot be written, or holds files of these names by others.
     """
     output = Path(output)
-    if output.exists() and not output.is_dir():
-        raise InputError(f"output {str(output)!r} is not a folder; name one, or a new one", output=output)
+    check_target_folder(output)
+    there = [each for each in ("index.html", name) if (output / each).exists()]
+    if there and not _is_ours(output / name):
+        names = " and ".join(there)
+        remedy = "name another folder, or move them away"
+        raise InputError(f"output {str(output)!r} holds {names} that this study did not write; {remedy}", output=output)
     return output
+
+
+def _is_ours(path: Path) -> bool:
+    """Whether a JSON file is one that `write` left."""
+    try:
+        return "cutpoint" in json.loads(path.read_bytes())["versions"]
+    except (OSError, ValueError, LookupError, TypeError, RecursionError):
+        return False
 
 
 def write(output: Path, heading: Heading, pages: Sequence[Page], settings: Mapping[str, Any], name: str) -> Any:

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from cutpoint.control.model_law import check_all_driven
 from cutpoint.door import check_configuration
 from cutpoint.errors import InputError
 from cutpoint.files import replacing
@@ -172,8 +173,7 @@ def _peaks(drive: Drive, load: Load, k: int) -> float | None:
 
 
 def _check(robot: Robot, trajectory: Trajectory, dwell: float, period: float, life: float | None) -> None:
-    if robot.nv != len(robot.joints):
-        raise InputError("sizing: a floating base has no motor; its motion is not in the trajectory")
+    check_all_driven("sizing", robot)
     if trajectory.size != robot.nv:
         raise InputError(f"sizing: the trajectory has {trajectory.size} joints, the robot has {robot.nv} drives")
     if not (np.isfinite(dwell) and dwell >= 0):

@@ -1,0 +1,73 @@
+"""What every command does with names, and with places for its files."""
+
+from pathlib import Path
+
+import pytest
+from typer.testing import CliRunner
+
+from cutpoint import InputError, Log, robots
+from cutpoint.cli import app
+
+ONE_JOINT = """<robot name="[/]arm:eyes:"><link name="base"/><link name="a[red]"><inertial><origin xyz="0.1 0 0"/>
+<mass value="1"/><inertia ixx="0.1" ixy="0" ixz="0" iyy="0.1" iyz="0" izz="0.1"/></inertial></link>
+<joint name="{joint}" type="revolute"><parent link="base"/><child link="a[red]"/><axis xyz="0 1 0"/>
+<limit lower="-1" upper="1" effort="10" velocity="3"/></joint></robot>"""
+
+BAD_PLACES = {
+    "a folder that is not there": ("none/run.npz", r"'none/run.npz': folder 'none' does not exist; make it"),
+    "a folder": ("folder.npz", r"'folder.npz' is a folder; name a file in it"),
+    "a file as a folder": ("file/run.npz", r"'file/run.npz': folder 'file' does not exist"),
+}
+
+
+def printed(*arguments: str) -> str:
+    result = CliRunner().invoke(app, arguments)
+    assert result.exit_code == 0, result.output
+    return result.output
+
+
+def refuse(*_: object, **__: object) -> None:
+    raise AssertionError("work was done first")
+
+
+@pytest.mark.parametrize("joint", ["finger[left]", "j[/x]", "[bold]j[/bold]", ":eyes:"])
+def test_names_are_printed_as_they_are_whatever_brackets_and_colons_they_hold(
+    joint: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    Path("arm.urdf").write_text(ONE_JOINT.format(joint=joint), encoding="utf-8")
+    described = printed("inspect", "arm.urdf")
+    assert described.count(f"│ {joint} ") == 2 and "[/]arm:eyes:" in described and "a[red]" in described
+    assert f"│ {joint} " in printed("torque", "arm.urdf", "--q", "0.1")
+    options = ("--to", "0.01", "--duration", "0.02", "--feedforward", "rigid", "--output", "l[b]og.npz")
+    told = printed("simulate", "arm.urdf", *options)
+    assert f"│ {joint} " in told and "l[b]og.npz" in told
+    assert Log.load("l[b]og.npz").joints == (joint,)
+
+
+@pytest.mark.parametrize("case", BAD_PLACES)
+def test_an_output_that_cannot_be_written_is_refused_before_the_work(
+    case: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setattr("cutpoint.simulate", refuse)
+    Path("folder.npz").mkdir()
+    Path("file").write_text("mine")
+    output, message = BAD_PLACES[case]
+    arguments = ["simulate", "xia2019", "--to", "", "--duration", "1", "--output", output]
+    with pytest.raises(InputError, match=f"--output {message}"):
+        CliRunner().invoke(app, arguments, catch_exceptions=False)
+
+
+@pytest.mark.parametrize("study", ["paper", "cost", "compare"])
+def test_a_report_goes_to_no_folder_that_holds_anothers(study: str, tmp_path: Path) -> None:
+    (tmp_path / "index.html").write_text("mine")
+    with pytest.raises(InputError, match=r"holds index.html that this study did not write; name another folder"):
+        CliRunner().invoke(app, [study, "--output", str(tmp_path)], catch_exceptions=False)
+    assert (tmp_path / "index.html").read_text() == "mine"
+
+
+def test_drives_of_a_file_are_not_forgotten_on_an_arm_that_has_its_own() -> None:
+    arguments = ["compare", "panda", "--drives", str(robots.XIA2019_DRIVES)]
+    with pytest.raises(InputError, match=r"panda comes with drives of its own; leave --drives out"):
+        CliRunner().invoke(app, arguments, catch_exceptions=False)
