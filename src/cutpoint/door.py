@@ -16,6 +16,9 @@ Array = NDArray[np.float64]
 
 FLOAT64 = np.dtype(np.float64)
 
+ENDLESS = 1e5
+"""rad or m: limits beyond, as some files state them for joints that turn on and on, are none."""
+
 
 def are_finite_vectors(values: Iterable[Any]) -> bool:
     """Whether all are arrays (n,) of finite float64: the quick look at a single call's arguments.
@@ -53,8 +56,8 @@ def random_coordinates(
     """Coordinates (*shape, count) of a joint at random: see `Robot.random`."""
     free = np.pi if joint.kind in ("revolute", "continuous", "helical") else 1.0
     if count == 1:
-        lower = joint.limits.lower if np.isfinite(joint.limits.lower) else -free
-        upper = joint.limits.upper if np.isfinite(joint.limits.upper) else free
+        lower = joint.limits.lower if abs(joint.limits.lower) < ENDLESS else -free
+        upper = joint.limits.upper if abs(joint.limits.upper) < ENDLESS else free
         return rng.uniform(min(lower, upper), max(lower, upper), (*shape, 1))
     if joint.kind == "planar":
         return rng.uniform(-1.0, 1.0, (*shape, 3)) * [1.0, 1.0, np.pi]

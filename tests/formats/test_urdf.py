@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 from urdf_text import ARM, joint, link, robot
 
+from cutpoint import Robot
 from cutpoint.errors import InputError, ModelError
 from cutpoint.formats import DegreesWarning, MimicWarning, load_urdf, parse_urdf
 from cutpoint.model import WORLD, Limits, Mechanism
@@ -170,3 +171,10 @@ def test_xacro_elements_in_a_urdf_are_pointed_out() -> None:
     text = f'<robot {XACRO}>\n<xacro:macro name="m"/></robot>'
     with pytest.raises(ModelError, match=r"xacro elements; give it the ending \.xacro \(arm\.urdf:2\)"):
         parse_urdf(text, "arm.urdf")
+
+
+@pytest.mark.parametrize(("end", "most"), [(1e16, np.pi), (2.5, 2.5)])
+def test_random_positions_take_limits_that_no_joint_has_for_none(end: float, most: float) -> None:
+    limits = f'<limit lower="{-end}" upper="{end}" effort="1" velocity="1"/>'
+    q = Robot(parse_urdf(one_joint(limits))).random(0, 1000)
+    assert 0.9 * most < np.abs(q).max() <= most
