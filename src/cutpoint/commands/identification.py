@@ -131,7 +131,6 @@ def identify(
     from cutpoint.identification.output.terminal import sentences, table_of
 
     check_folder(output, force)
-    check_target_folder(output, "--output")
     if str(robot) == "xia2019":
         robot, drives = cutpoint.robots.XIA2019_URDF, drives or cutpoint.robots.XIA2019_DRIVES
     how: Any = {"hold_out": hold_out, "method": method, "solver": solver, "springs": springs, "torque_delay": delay}

@@ -54,11 +54,6 @@ class Controller(Protocol):
     def step(self, memory: Any, measurement: Measurement, reference: Reference) -> tuple[Any, Any]: ...
 
 
-def as_command(result: Any) -> Command:
-    """A law may return bare torques."""
-    return result if isinstance(result, Command) else Command(np.asarray(result))
-
-
 def stepped(law: Controller, memory: Any, measurement: Measurement, reference: Reference) -> tuple[Any, Command]:
     """Memory and command after a law's step.
 
@@ -69,7 +64,9 @@ def stepped(law: Controller, memory: Any, measurement: Measurement, reference: R
     result: Any = law.step(memory, measurement, reference)
     if not isinstance(result, (tuple, list)) or len(result) != 2:
         raise InputError(f"controller {name_of(law)}: step must return (memory, command), not {_described(result)}")
-    command, n = as_command(result[1]), len(measurement.q)
+    # a law may return bare torques
+    command = result[1] if isinstance(result[1], Command) else Command(np.asarray(result[1]))
+    n = len(measurement.q)
     for name in ("torque", "feedforward", "theta", "theta_dot"):
         part = getattr(command, name)
         if not (_is_one_each(part, n) or (part is None and name.startswith("theta"))):

@@ -8,7 +8,7 @@ from numpy.typing import ArrayLike, NDArray
 from scipy.linalg import expm
 
 from cutpoint import kernels
-from cutpoint.control.interface import Measurement, Reference, as_command
+from cutpoint.control.interface import Measurement, Reference, stepped
 from cutpoint.control.law import Law
 from cutpoint.control.model_law import ModelLaw, check_all_driven
 from cutpoint.door import checked_array
@@ -135,8 +135,8 @@ def _step_kernel(robot: Robot, law: Any, start: Any) -> Any:
         seen = Measurement(0.0, period, *(np.array(x) for x in (q, v, theta, theta_dot)))
         target, still = np.array(held), np.zeros(n)
         reference = Reference(target, still, still, still, still, target, still)
-        after, result = own.step(rebuild(start, iter(memory)), seen, reference)
-        return _Step([*np.broadcast_to(as_command(result).torque, n)], leaves(with_float_leaves(after)))
+        after, command = stepped(own, rebuild(start, iter(memory)), seen, reference)
+        return _Step([*np.broadcast_to(command.torque, n)], leaves(with_float_leaves(after)))
 
     sizes = dict.fromkeys(("q", "v", "theta", "theta_dot", "held"), n)
     counts = {"memory": len(leaves(start)), "numbers": len(leaves(law)) + 1}

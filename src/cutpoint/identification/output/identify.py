@@ -148,7 +148,8 @@ def _at_uniform_times(recording: Recording) -> Recording:
 def _acting(recording: Recording, torque_delay: float) -> Recording:
     """Torques at the times at which they act."""
     if not abs(torque_delay) < (span := float(np.ptp(recording.time))):
-        raise InputError(f"torque_delay {torque_delay} s must be shorter than the log, {span:g} s", delay=torque_delay)
+        rule = f"must be shorter than the log, {span:g} s; 0.0005 is half a millisecond"
+        raise InputError(f"torque_delay {torque_delay} s {rule}", delay=torque_delay)
     if not torque_delay:
         return recording
     channels = [name for name in ("torque", "current") if name in recording.channels]

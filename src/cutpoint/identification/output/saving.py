@@ -9,7 +9,7 @@ import numpy as np
 
 import cutpoint
 from cutpoint.errors import InputError
-from cutpoint.files import replacing
+from cutpoint.files import check_target_folder, replacing
 from cutpoint.formats.drive_file_writing import remarked_drives
 from cutpoint.formats.reading import read_bytes
 from cutpoint.formats.safe_xml import MAXIMUM_BYTES
@@ -26,9 +26,8 @@ FILES = ("robot.urdf", "robot.inertias.json", "robot.drives.yaml", "parameters.j
 
 
 def check_folder(folder: Path, force: bool) -> None:
-    """Raises InputError for what is no folder, or holds files that would be overwritten."""
-    if folder.exists() and not folder.is_dir():
-        raise InputError(f"output {str(folder)!r} is not a folder; name one, or a new one", output=folder)
+    """Raises InputError for what is no folder, cannot be written to, or holds files that would be overwritten."""
+    check_target_folder(folder)
     there = [name for name in FILES if (folder / name).exists()]
     if there and not force:
         names = ", ".join(there)

@@ -74,7 +74,7 @@ def strained(found: Sequence[Parameter]) -> list[str]:
     if not far:
         return []
     some = ", ".join(far[:3]) + (" ..." if len(far) > 3 else "")
-    reason = "the file's bodies, near which they stay, may be placeholders, or far too light"
+    reason = "the file's bodies, near which they stay, may be placeholders: state about what they weigh"
     return [f"the model's bodies leave the intervals of {len(far)} told numbers, {some}: {reason}"]
 
 
