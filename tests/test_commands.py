@@ -67,7 +67,26 @@ def test_a_report_goes_to_no_folder_that_holds_anothers(study: str, tmp_path: Pa
     assert (tmp_path / "index.html").read_text() == "mine"
 
 
-def test_drives_of_a_file_are_not_forgotten_on_an_arm_that_has_its_own() -> None:
-    arguments = ["compare", "panda", "--drives", str(robots.XIA2019_DRIVES)]
-    with pytest.raises(InputError, match=r"panda comes with drives of its own; leave --drives out"):
-        CliRunner().invoke(app, arguments, catch_exceptions=False)
+@pytest.mark.parametrize("option", [("--drives", str(robots.XIA2019_DRIVES)), ("--lock", "panda_joint7=0")])
+def test_what_is_said_of_a_file_is_not_forgotten_on_an_arm_that_comes_as_it_is(option: tuple[str, str]) -> None:
+    with pytest.raises(InputError, match=rf"panda comes as it is; leave {option[0]} out"):
+        CliRunner().invoke(app, ["compare", "panda", *option], catch_exceptions=False)
+
+
+def test_joints_are_locked_and_gravity_turned_as_the_options_say(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    Path("arm.urdf").write_text(ONE_JOINT.format(joint="swing"), encoding="utf-8")
+    hanging = printed("torque", "arm.urdf", "--q", "0")
+    lying = printed("torque", "arm.urdf", "--q", "0", "--gravity", "0", "-9.81", "0")
+    assert "-0.981" in hanging and "-0.981" not in lying
+    locked = [f"--lock=joint{k}=0.1" for k in range(2, 7)]
+    told = printed("torque", "xia2019", "--q", "0.1", *locked)
+    assert "joint1" in told and "joint2" not in told
+
+
+@pytest.mark.parametrize("lock", ["joint2", "joint2=", "=0.1", "joint2=0.1rad"])
+def test_a_lock_without_joint_or_place_is_refused(lock: str) -> None:
+    with pytest.raises(InputError, match=r"must be JOINT=PLACE, such as finger_joint=0.02, in rad \(m\)"):
+        CliRunner().invoke(app, ["inspect", "xia2019", "--lock", lock], catch_exceptions=False)

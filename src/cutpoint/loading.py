@@ -1,6 +1,6 @@
 """`load`: a robot from the files a user brings."""
 
-from collections.abc import Mapping
+from collections.abc import Collection, Mapping
 from pathlib import Path
 from typing import Literal
 
@@ -29,7 +29,8 @@ def load(
     drives: a file, or drives by joint name; a joint without one is driven rigidly, with the friction (and an MJCF's
     armature) that the robot file states.
     gravity: acceleration of free fall in the world's frame, m/s2; None is (0, 0, -9.81), or what an MJCF file states.
-    lock: coordinates at which joints are held fixed, by name.  backend: how kernels are compiled.
+    lock: coordinates at which joints are held fixed, by name; their drives are passed over.
+    backend: how kernels are compiled.
     Of a URDF only: floating_base carries the root link on a free joint; mimic joints are "independent" coordinates, or
     "coupled" to their leader.
     Raises ModelError, with file and line, for whatever is wrong in the files.
@@ -38,7 +39,7 @@ def load(
     if suffix in (".urdf", ".xacro"):
         fall = STANDARD_GRAVITY if gravity is None else gravity
         mechanism = load_urdf(path, gravity=fall, floating_base=floating_base, lock=lock, mimic=mimic)
-        return Robot(mechanism, _drives(mechanism, {}, drives), backend=backend)
+        return Robot(mechanism, _drives(mechanism, {}, drives, lock or {}), backend=backend)
     if suffix not in (".mjcf", ".xml"):
         raise ModelError(f"robot file {str(path)!r} must be a .urdf, .xacro, .mjcf or .xml")
     if floating_base or mimic != "independent":
@@ -46,14 +47,18 @@ def load(
     from cutpoint.formats import load_mjcf  # slow to import
 
     mechanism, stated = load_mjcf(path, gravity=gravity, lock=lock)
-    return Robot(mechanism, _drives(mechanism, stated, drives), backend=backend)
+    return Robot(mechanism, _drives(mechanism, stated, drives, lock or {}), backend=backend)
 
 
 def _drives(
-    mechanism: Mechanism, stated: Mapping[str, Drive], given: str | Path | Mapping[str, Drive] | None
+    mechanism: Mechanism,
+    stated: Mapping[str, Drive],
+    given: str | Path | Mapping[str, Drive] | None,
+    locked: Collection[str],
 ) -> dict[str, Drive]:
     """For every driven joint: what is given, or what the robot file states, or its friction alone."""
     joints = {body.joint.name: body.joint for body in mechanism.bodies}
     drives = {name: drive_of(joints[name]) for name in driven_joints(mechanism)} | dict(stated)
-    drives.update(load_drives(given, mechanism) if isinstance(given, (str, Path)) else given or {})
-    return drives
+    if isinstance(given, (str, Path)):
+        return drives | load_drives(given, mechanism, locked)
+    return drives | {name: drive for name, drive in (given or {}).items() if name not in locked}

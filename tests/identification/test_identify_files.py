@@ -97,6 +97,15 @@ def test_mass_fixed_to_a_link_goes_there_and_is_said():
     assert b"<inertial>" not in gripper[: gripper.index(b"</link>")]
 
 
+def test_what_a_locked_joint_carried_is_in_the_link_before_it_and_the_lock_is_said():
+    before = parse_urdf(ODD, lock={"roll": 0.3})
+    after = heavier(before)
+    text, notes = updated_urdf(ODD, before, after)
+    assert "load it with roll locked as now: what these move has no mass left" in notes
+    found, wanted = parameters(parse_urdf(text, lock={"roll": 0.3})), parameters(after)
+    assert np.abs(found - wanted).max() <= 1e-12 * np.abs(wanted).max()
+
+
 def test_a_text_of_another_robot_is_refused():
     other = parse_urdf(urdf("ur10_robot.urdf").read_bytes())
     with pytest.raises(InputError, match=r"the URDF has no link 'shoulder_link'"):

@@ -158,6 +158,43 @@ def test_numbered_columns_are_one_quantity(pattern: str):
     assert np.array_equal(recording_of(log, obvious_mapping(log))["q"], Q)
 
 
+@pytest.mark.parametrize(
+    "names",
+    [
+        ("q_left_elbow", "left_elbow_q", "tau_left_elbow"),
+        ("left_elbow_pos", "left_elbow_Pos", "left_elbow_effort"),
+        ("/joint_states/position/left_elbow", "left_elbow/position", "left_elbow.torque"),
+    ],
+)
+def test_columns_are_found_by_the_names_of_the_robots_joints_in_any_order(names: tuple[str, str, str]):
+    from cutpoint.identification.logs.mapping import obvious_mapping
+
+    position, other, effort = names
+    columns = {other.replace("elbow", "elbow_2"): Q[:, 1], position: Q[:, 0]}
+    log = table(**columns, **{effort.replace("elbow", "elbow_2"): TAU[:, 1], effort: TAU[:, 0]})
+    found = recording_of(log, obvious_mapping(log, ("left_elbow", "left_elbow_2")))
+    assert found.joints == ("left_elbow", "left_elbow_2")
+    assert np.array_equal(found["q"], Q) and np.array_equal(found["torque"], TAU)
+
+
+@pytest.mark.parametrize("ends", [(".a", ".b"), ("1", "2"), ("_01", "_10")])
+def test_columns_of_one_quantity_follow_those_of_the_position_whatever_their_order(ends: tuple[str, str]):
+    from cutpoint.identification.logs.mapping import obvious_mapping
+
+    a, b = ends
+    log = table(**{f"q{a}": Q[:, 0], f"q{b}": Q[:, 1], f"tau{b}": TAU[:, 1], f"tau{a}": TAU[:, 0]})
+    found = recording_of(log, obvious_mapping(log))
+    assert np.array_equal(found["q"], Q) and np.array_equal(found["torque"], TAU)
+
+
+def test_columns_that_are_named_otherwise_than_the_positions_are_refused():
+    from cutpoint.identification.logs.mapping import obvious_mapping
+
+    log = table(**{"q.a": Q[:, 0], "q.b": Q[:, 1], "tau1": TAU[:, 0], "tau2": TAU[:, 1]})
+    with pytest.raises(InputError, match=r"columns 'tau1', 'tau2': none of them is named like 'q.a'; name them alike"):
+        obvious_mapping(log)
+
+
 def test_names_that_say_nothing_are_an_error_that_lists_them(tmp_path: Path):
     np.savez(tmp_path / "log.npz", t=T, x=Q, y=V)
     with pytest.raises(InputError, match=r"no channel is named like a position; give a mapping.  There are: 't', 'x'"):

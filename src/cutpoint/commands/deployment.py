@@ -7,6 +7,9 @@ import typer
 
 from cutpoint.commands.shared import (
     Drives,
+    Gravity,
+    Locks,
+    Mimics,
     RobotFile,
     app,
     console,
@@ -24,6 +27,9 @@ def export(
         typer.Option(help="What to write: c, a package of C99 with a header for C++17, or cuda, CUDA C."),
     ] = "c",
     drives: Drives = None,
+    mimic: Mimics = "independent",
+    lock: Locks = None,
+    gravity: Gravity = None,
     frame: Annotated[str | None, typer.Option(help="For jacobian and frame_pose: of which frame.")] = None,
     name: Annotated[str | None, typer.Option(help="Of the C function, the same if not given.")] = None,
     force: Annotated[bool, typer.Option("--force", help="Overwrite files that cutpoint has not written.")] = False,
@@ -32,5 +38,6 @@ def export(
     from cutpoint.export import export_function
 
     options = {} if frame is None else {"frame": frame}
-    for path in export_function(robot_of(robot, drives), function, folder, to=to, name=name, force=force, **options):
+    loaded = robot_of(robot, drives, mimic, lock, gravity)
+    for path in export_function(loaded, function, folder, to=to, name=name, force=force, **options):
         console.print(f"{to}: {path}", soft_wrap=True, highlight=False, markup=False)

@@ -10,6 +10,8 @@ import cutpoint
 from cutpoint.commands.shared import (
     Degrees,
     Drives,
+    Gravity,
+    Locks,
     Mimics,
     RobotFile,
     app,
@@ -34,6 +36,8 @@ def check(
     start: Annotated[str, typer.Option("--from", help="Of the cycloid: initial positions; zero if not given.")] = "",
     degrees: Degrees = False,
     mimic: Mimics = "independent",
+    lock: Locks = None,
+    gravity: Gravity = None,
     dwell: Annotated[float, typer.Option(help="Pause after the motion, s, in its last position.")] = 0.0,
     period: Annotated[float, typer.Option(help="Longest time between samples, s.")] = 1e-3,
     life: Annotated[float | None, typer.Option(help="Hours asked of the gears.")] = None,
@@ -51,7 +55,7 @@ def check(
 
     check_targets(None, plot)
     check_target("json", json, (".json",))
-    loaded = robot_of(robot, drives, mimic)
+    loaded = robot_of(robot, drives, mimic, lock, gravity)
     cycle = cycle_of(loaded, trajectory, (start, to), duration, degrees)
     found = sizing(loaded, cycle, dwell=dwell, period=period, life=life)
     if json:

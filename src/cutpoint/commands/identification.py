@@ -8,6 +8,9 @@ import typer
 import cutpoint
 from cutpoint.commands.shared import (
     Drives,
+    Gravity,
+    Locks,
+    Mimics,
     RobotFile,
     app,
     console,
@@ -23,6 +26,9 @@ Corners = tuple[float, float, float, float, float, float]
 def excite(
     robot: RobotFile,
     drives: Drives = None,
+    mimic: Mimics = "independent",
+    lock: Locks = None,
+    gravity: Gravity = None,
     duration: Annotated[float, typer.Option(help="Of the motion, s: a whole number of its periods.")] = 10.0,
     harmonics: Annotated[int, typer.Option(help="Waves in each joint, multiples of the base frequency.")] = 5,
     base_frequency: Annotated[
@@ -58,10 +64,9 @@ def excite(
     from cutpoint.identification import excitation
     from cutpoint.identification.excitation.table import FILES, save, table_of
 
-    loaded = robot_of(robot, drives)
+    loaded = robot_of(robot, drives, mimic, lock, gravity)
     boxes = _boxes(loaded, box, frame)
     check_target_folder(output, "--output")
-    output.mkdir(parents=True, exist_ok=True)
     found = excitation(
         loaded, duration, harmonics, base_frequency, criterion=criterion, speed=speed, acceleration=acceleration,
         torque=torque, boxes=boxes, seconds=seconds, resume=output / FILES[1],
@@ -94,6 +99,9 @@ def identify(
         ),
     ] = None,
     drives: Drives = None,
+    mimic: Mimics = "independent",
+    lock: Locks = None,
+    gravity: Gravity = None,
     output: Annotated[
         Path,
         typer.Option(metavar="DIR", help="Folder for robot.urdf, robot.drives.yaml, parameters.json, report.html."),
@@ -131,10 +139,10 @@ def identify(
     from cutpoint.identification.output.terminal import sentences, table_of
 
     check_folder(output, force)
-    if str(robot) == "xia2019":
-        robot, drives = cutpoint.robots.XIA2019_URDF, drives or cutpoint.robots.XIA2019_DRIVES
+    loaded = robot_of(robot, drives, mimic, lock, gravity)
     how: Any = {"hold_out": hold_out, "method": method, "solver": solver, "springs": springs, "torque_delay": delay}
-    found = identified(robot, log, mapping, drives, progress=True, **how)
+    file = cutpoint.robots.XIA2019_URDF if str(robot) == "xia2019" else robot
+    found = identified(loaded, log, mapping, source=file, progress=True, **how)
     saved = found.save(output, force=force)
     console.print(table_of(found))
     for sentence in sentences(found):

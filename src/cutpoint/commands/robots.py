@@ -10,6 +10,8 @@ import cutpoint
 from cutpoint.commands.shared import (
     Degrees,
     Drives,
+    Gravity,
+    Locks,
     Mimics,
     RobotFile,
     Rung,
@@ -26,9 +28,15 @@ from cutpoint.errors import SimulationError
 
 
 @app.command(epilog="Example: cutpoint inspect arm.urdf --drives arm.drives.yaml")
-def inspect(robot: RobotFile, drives: Drives = None, mimic: Mimics = "independent") -> None:
+def inspect(
+    robot: RobotFile,
+    drives: Drives = None,
+    mimic: Mimics = "independent",
+    lock: Locks = None,
+    gravity: Gravity = None,
+) -> None:
     """Show what a robot is: joints, bodies, limits, drives, and where virtual decomposition cuts it."""
-    loaded = robot_of(robot, drives, mimic)
+    loaded = robot_of(robot, drives, mimic, lock, gravity)
     console.print(robot_table(loaded))
     console.print(drive_table(loaded))
 
@@ -42,9 +50,11 @@ def torque(
     drives: Drives = None,
     degrees: Degrees = False,
     mimic: Mimics = "independent",
+    lock: Locks = None,
+    gravity: Gravity = None,
 ) -> None:
     """Torques that hold or move a robot; with elastic drives, where their motors must stand."""
-    loaded = robot_of(robot, drives, mimic)
+    loaded = robot_of(robot, drives, mimic, lock, gravity)
     position, speed, acceleration = (numbers_of(loaded, *given, degrees) for given in (("q", q), ("v", v), ("a", a)))
     check_configuration(loaded.mechanism, position.tolist())
     still = np.zeros(len(loaded.joints))
@@ -63,6 +73,8 @@ def simulate(
     drives: Drives = None,
     degrees: Degrees = False,
     mimic: Mimics = "independent",
+    lock: Locks = None,
+    gravity: Gravity = None,
     bandwidth: Annotated[float, typer.Option(help="Bandwidth of the PD on the motors, Hz.")] = 5.0,
     feedforward: Annotated[Rung, typer.Option(help="How much of the model is fed forward.")] = "elastic",
     period: Annotated[float, typer.Option(help="Control period, s.")] = 1e-3,
@@ -75,7 +87,7 @@ def simulate(
     from cutpoint.control import Feedforward, tune
 
     check_targets(output, plot)
-    loaded = robot_of(robot, drives, mimic)
+    loaded = robot_of(robot, drives, mimic, lock, gravity)
     ends = {"start": numbers_of(loaded, "from", start, degrees), "end": numbers_of(loaded, "to", to, degrees)}
     trajectory = cutpoint.trajectories.cycloid(duration=duration, **ends)
     controller: Any = tune(loaded, bandwidth)
@@ -98,6 +110,9 @@ def modes(
     q: Annotated[str, typer.Option(help="Positions, rad (m), separated by commas; zero if not given.")] = "",
     drives: Drives = None,
     degrees: Degrees = False,
+    mimic: Mimics = "independent",
+    lock: Locks = None,
+    gravity: Gravity = None,
     friction: Annotated[
         bool, typer.Option("--friction", help="With friction's slope at rest; it damps, or locks, what swings.")
     ] = False,
@@ -107,7 +122,7 @@ def modes(
 ) -> None:
     """Frequencies at which the drives ring, at rest, and how a motor's torque moves motor and link over frequency."""
     check_targets(None, plot)
-    loaded = robot_of(robot, drives)
+    loaded = robot_of(robot, drives, mimic, lock, gravity)
     position = numbers_of(loaded, "q", q, degrees)
     check_configuration(loaded.mechanism, position.tolist())
     found = loaded.modes(position, friction=friction)

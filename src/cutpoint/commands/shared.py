@@ -34,17 +34,43 @@ Mimics = Annotated[
     Literal["independent", "coupled"],
     typer.Option("--mimic", help="Mimic joints as coordinates of their own, or tied to their leader."),
 ]
+Locks = Annotated[
+    list[str] | None,
+    typer.Option("--lock", metavar="JOINT=PLACE", help="Hold a joint fixed at a place, rad (m); once for each joint."),
+]
+Gravity = Annotated[
+    tuple[float, float, float] | None,
+    typer.Option(metavar="X Y Z", help="Free fall in the world's frame, m/s2; 0 0 -9.81, or as an MJCF file states."),
+]
 Degrees = Annotated[bool, typer.Option("--degrees", help="Angles, and their rates, are given in degrees.")]
 Rung = Literal["none", "gravity", "rigid", "rotor", "friction", "elastic"]
 
 
 def robot_of(
-    path: Path, drives: Path | None, mimic: Literal["independent", "coupled"] = "independent"
+    path: Path,
+    drives: Path | None,
+    mimic: Literal["independent", "coupled"] = "independent",
+    lock: list[str] | None = None,
+    gravity: tuple[float, float, float] | None = None,
 ) -> cutpoint.Robot:
     """The robot of a file, or one that comes with the package."""
-    if str(path) != "xia2019":
-        return cutpoint.load(path, drives, mimic=mimic)
-    return cutpoint.load(cutpoint.robots.XIA2019_URDF, drives or cutpoint.robots.XIA2019_DRIVES)
+    if str(path) == "xia2019":
+        path, drives = cutpoint.robots.XIA2019_URDF, drives or cutpoint.robots.XIA2019_DRIVES
+    return cutpoint.load(path, drives, mimic=mimic, lock=_places_of(lock or []), gravity=gravity)
+
+
+def _places_of(locks: list[str]) -> dict[str, float]:
+    """Where joints are locked.  Raises InputError."""
+    places: dict[str, float] = {}
+    for lock in locks:
+        joint, _, place = lock.rpartition("=")
+        try:
+            places[joint] = float(place)
+        except ValueError:
+            joint = ""
+        if not joint:
+            raise InputError(f"--lock {lock!r} must be JOINT=PLACE, such as finger_joint=0.02, in rad (m)", lock=lock)
+    return places
 
 
 def numbers_of(robot: cutpoint.Robot, option: str, text: str, degrees: bool) -> Any:

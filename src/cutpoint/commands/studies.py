@@ -7,6 +7,9 @@ import typer
 
 from cutpoint.commands.shared import (
     Drives,
+    Gravity,
+    Locks,
+    Mimics,
     app,
     robot_of,
 )
@@ -45,6 +48,9 @@ def compare(
         typer.Argument(metavar="ROBOT", help="Robot file; xia2019, the paper's arm; or panda, of example-robot-data."),
     ] = Path("xia2019"),
     drives: Drives = None,
+    mimic: Mimics = "independent",
+    lock: Locks = None,
+    gravity: Gravity = None,
     output: Annotated[
         Path, typer.Option(metavar="DIR", help="Folder for the report, its figures and results.json.")
     ] = Path("compare"),
@@ -60,9 +66,10 @@ def compare(
     """Compare all control laws on one arm at equal stiffness, each departure from the model on its own."""
     from cutpoint.studies.compare import bench_of, panda, run
 
-    if str(robot) == "panda" and drives is not None:
-        remedy = "leave --drives out, or give the path of your robot file with it"
-        raise InputError(f"--drives {str(drives)!r}: panda comes with drives of its own; {remedy}", path=drives)
-    loaded = panda() if str(robot) == "panda" else robot_of(robot, drives)
+    given = {"--drives": drives, "--lock": lock, "--gravity": gravity, "--mimic": mimic != "independent"}
+    if str(robot) == "panda" and any(given.values()):
+        named = ", ".join(option for option, value in given.items() if value)
+        raise InputError(f"panda comes as it is; leave {named} out, or give the path of your robot file with it")
+    loaded = panda() if str(robot) == "panda" else robot_of(robot, drives, mimic, lock, gravity)
     bench = bench_of(loaded, bandwidth=bandwidth, control_period=period, payload=payload, frame=frame)
     run(output, bench, seeds=seeds, quick=quick)

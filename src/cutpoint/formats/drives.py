@@ -1,6 +1,6 @@
 """Drive files (YAML, version 1): what drives each joint of a robot.  `docs/drive-file.md` describes every field."""
 
-from collections.abc import Mapping
+from collections.abc import Collection, Mapping
 from pathlib import Path
 from typing import Any
 
@@ -29,16 +29,19 @@ OF_A_SPRING = ("hysteresis", "kinematic_error")
 """What a catalogue says of a drive's spring, and does not say of a drive that is stated to be rigid."""
 
 
-def load_drives(path: str | Path, mechanism: Mechanism) -> dict[str, Drive]:
+def load_drives(path: str | Path, mechanism: Mechanism, locked: Collection[str] = ()) -> dict[str, Drive]:
     """The drives that a file gives to joints of a robot, by joint.
 
+    locked: joints whose drives are passed over, since they are held fixed.
     Raises ModelError, with file and line, for whatever is wrong in the file or does not fit the robot.
     """
     path = Path(path)
-    return parse_drives(read_bytes(path, MAXIMUM_BYTES), mechanism, str(path))
+    return parse_drives(read_bytes(path, MAXIMUM_BYTES), mechanism, str(path), locked)
 
 
-def parse_drives(content: str | bytes, mechanism: Mechanism, place: str = "<string>") -> dict[str, Drive]:
+def parse_drives(
+    content: str | bytes, mechanism: Mechanism, place: str = "<string>", locked: Collection[str] = ()
+) -> dict[str, Drive]:
     """The drives of a drive file in memory; `place` names it in messages.  Errors as in `load_drives`."""
     document = parse_yaml(content.encode() if isinstance(content, str) else content, place)
     whole = Section("drive file", document, ((),))
@@ -48,6 +51,8 @@ def parse_drives(content: str | bytes, mechanism: Mechanism, place: str = "<stri
     joints = {body.joint.name: body.joint for body in mechanism.bodies}
     drives = {}
     for name, entry in sheet.drives.items():
+        if name in locked:
+            continue
         section = Section(f"joint {name!r}", document, (("drives", name), ("defaults",)))
         joint = _driven(name, joints, mechanism, section)
         section = Section(section.thing, document, section.roots, slides=joint.kind == "prismatic")

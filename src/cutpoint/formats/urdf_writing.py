@@ -8,7 +8,7 @@ import numpy as np
 from defusedxml.ElementTree import DefusedXMLParser
 
 from cutpoint.errors import InputError
-from cutpoint.formats.safe_xml import parse_xml
+from cutpoint.formats.safe_xml import Element, parse_xml
 from cutpoint.model.mechanism import WORLD, Body, Mechanism
 
 _TAG = re.compile(rb"""<[^\s/>]+(?:\s+[^\s=]+\s*=\s*(?:"[^"]*"|'[^']*'))*\s*/?>""")
@@ -32,7 +32,7 @@ def updated_urdf(
     A body that changed is one link with all that is fixed to it: the link that moves gets mass and inertia of all.
     Raises ModelError where the text cannot be read, InputError where it is not the robot's.
     """
-    parse_xml(content, place)
+    root = parse_xml(content, place)
     places = _places(content)
     missing = [body.name for body in before.bodies if body.name not in places]
     if missing or content[:2] in (b"\xff\xfe", b"\xfe\xff"):
@@ -47,6 +47,8 @@ def updated_urdf(
             edits |= {span: MOVED for name in fixed if (span := places[name].inertial)}
             if fixed:
                 notes.append(f"link {new.name!r} now holds mass and inertia of {', '.join(fixed)} too, fixed to it")
+            if locked := _locked(before, index, root):
+                notes.append(f"load it with {', '.join(locked)} locked as now: what these move has no mass left")
     return _edited(content, edits), tuple(notes)
 
 
@@ -62,6 +64,17 @@ def _carried(mechanism: Mechanism, index: int, places: Mapping[str, _Place]) -> 
         for name, at in places.items()
         if at.inertial and name != own and name in frames and frames[name].body == index != WORLD
     ]
+
+
+def _locked(mechanism: Mechanism, index: int, root: Element) -> list[str]:
+    """Joints that the file lets move, and that hold a link fixed to a body."""
+    frames, own = mechanism.frames, mechanism.bodies[index].name
+    found: list[str] = []
+    for joint in root.all("joint"):
+        child = next(joint.all("child")).attributes["link"].strip()
+        if joint.attributes["type"] != "fixed" and child != own and frames[child].body == index:
+            found.append(joint.attributes["name"])
+    return found
 
 
 def _edit(content: bytes, at: _Place, body: Body) -> tuple[tuple[int, int], bytes]:

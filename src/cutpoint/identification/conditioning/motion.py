@@ -89,7 +89,8 @@ def _channels(robot: Robot, recording: Recording) -> dict[str, Array]:
     missing = [joint for joint in robot.joints if joint not in recording.joints]
     if missing:
         known = ", ".join(recording.joints)
-        raise InputError(f"joint {missing[0]!r} was not recorded; there are: {known}; map its channels, or lock it")
+        rule = "map its channels, or lock it (--lock at the command line)"
+        raise InputError(f"joint {missing[0]!r} was not recorded; there are: {known}; {rule}")
     columns = [recording.joints.index(joint) for joint in robot.joints]
     return {name: x[:, columns] for name, x in recording.channels.items()}
 

@@ -46,6 +46,7 @@ def write_start(path: Path, robot: Robot, start: Start) -> None:
         "sine": series.sine.tolist(),
         "cosine": series.cosine.tolist(),
     }
+    path.parent.mkdir(parents=True, exist_ok=True)
     with replacing(path) as file:
         file.write(json.dumps(sheet, indent=1, ensure_ascii=False, allow_nan=False).encode())
 

@@ -1,6 +1,6 @@
 """Mapping files (YAML, version 1): which channels of a log are which quantity.  `mapping_sheet.py` has the fields."""
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -49,9 +49,9 @@ def parse_mapping(content: str | bytes | Mapping[str, Any], place: str = "<mappi
     return found
 
 
-def obvious_mapping(table: Table) -> ChannelMap:
+def obvious_mapping(table: Table, joints: Sequence[str] = ()) -> ChannelMap:
     """The mapping that the channels' names suggest.  Raises InputError where they suggest none."""
-    return ChannelMap(default_mapping(table), Section("mapping", YamlDocument(table.file, None, {}), ((),)))
+    return ChannelMap(default_mapping(table, joints), Section("mapping", YamlDocument(table.file, None, {}), ((),)))
 
 
 def _check(mapping: ChannelMap) -> None:

@@ -39,7 +39,7 @@ def read_recording(
         InputError: what is wrong in the log: see `read_table` and `ordered`; or positions that are degrees.
     """
     table = read_table(path)
-    chart = obvious_mapping(table) if mapping is None else _mapping(mapping)
+    chart = obvious_mapping(table, tuple(robot.drives) if robot else ()) if mapping is None else _mapping(mapping)
     return recording_of(table, chart, robot)
 
 

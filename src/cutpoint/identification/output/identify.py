@@ -80,6 +80,7 @@ def identify(
     cutoff: float | None = None,
     torque_delay: float = 0.0,
     torque_constants: Mapping[str, float] | None = None,
+    source: str | Path | None = None,
     progress: bool = False,
 ) -> Identification:
     """Inertias, rotors, friction and, from encoders on both sides, springs of a robot's drives, from a log.
@@ -89,6 +90,7 @@ def identify(
     springs: whether they are sought; by default where both `q` and `theta` were recorded and a drive bends.
     friction, method, solver, cutoff, torque_constants: as `identify_rigid` has them.
     torque_delay: s by which torques act later than they are stamped: half a control period for commands that are held.
+    source: the file of a robot that is given as one, with joints locked for example: `save` writes it anew.
     progress: whether to show a bar with what is done, on stderr.  Ctrl-C while springs are sought leaves those out.
 
     Raises:
@@ -113,7 +115,7 @@ def identify(
     return Identification(
         robot=after,
         before=before,
-        source=None if isinstance(robot, Robot) else Path(robot),
+        source=Path(source) if source else None if isinstance(robot, Robot) else Path(robot),
         rigid=rigid,
         drives=sprung,
         numbers=_numbers(before, after, found),
