@@ -63,6 +63,8 @@ class Robot:
         backend: Backend = "auto",
     ) -> None:
         """drives: by joint name; a joint without one is driven rigidly.  backend: how kernels are compiled."""
+        if backend not in get_args(Backend):
+            raise unknown_name("backend", backend, get_args(Backend))
         self.mechanism = mechanism
         self.drives: Mapping[str, Drive] = validated_drives(mechanism, drives or {})
         self.backend: Backend = backend

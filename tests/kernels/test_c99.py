@@ -156,6 +156,14 @@ def test_names_that_c_cannot_take_are_refused(name: str, argument: str, tmp_path
     assert not [*tmp_path.iterdir()]
 
 
+@pytest.mark.parametrize("name", ["sin", "sinf", "fmal", "main", "memcpy", "y0"])
+def test_a_function_is_not_called_as_one_of_cs_library_is(name: str, tmp_path: Path) -> None:
+    kernel = compile(lambda x: x * 2, name=name, x=())
+    with pytest.raises(InputError, match=r"C's own library has a function of this name: rename it|no word of C"):
+        kernel.to_c(tmp_path)
+    assert not [*tmp_path.iterdir()]
+
+
 def test_two_arguments_of_one_name_are_refused(tmp_path: Path) -> None:
     with pytest.raises(InputError, match="'result' names two things"):
         compile(lambda result: result * 2, name="law", result=()).to_c(tmp_path)

@@ -1,5 +1,7 @@
 """What the public face of a robot refuses: each with one error that names thing, value and rule."""
 
+from typing import Any, cast
+
 import numpy as np
 import pytest
 
@@ -60,6 +62,12 @@ def test_arguments_are_refused(backend, call, message):
         (Drive(motor_friction=Coulomb(1.0, -0.5, 0.1)), "viscous -0.5 must not be negative"),
         (Drive(link_friction=Coulomb(1.0, 0.5, 0.0)), "smoothing 0.0 must be positive"),
         (Drive(link_friction=Stribeck(1.0, 2.0, 0.0, 0.0, 0.1)), "stribeck_velocity 0.0 must be positive"),
+        (Drive(ratio=cast("Any", "100")), "joint 'joint2': ratio must be a number, got '100'"),
+        (Drive(rotor=Rotor(cast("Any", None))), "joint 'joint2': inertia must be a number, got None"),
+        (Drive(rotor=cast("Any", 1e-5)), "joint 'joint2': rotor must be a Rotor, got 1e-05"),
+        (Drive(compliance=cast("Any", 1e4)), "joint 'joint2': compliance must be a Compliance, got 10000.0"),
+        (Drive(link_friction=Coulomb("1", 0.0, 0.1)), "joint 'joint2': coulomb must be a number, got '1'"),
+        (cast("Any", 100.0), "joint 'joint2': its drive must be a Drive, got 100.0"),
     ],
 )
 def test_drives_that_make_no_sense_are_refused(drive, message):
@@ -87,6 +95,11 @@ def test_payloads_that_make_no_sense_are_refused(payload, message):
 def test_a_mounting_that_is_no_placement_is_refused(placement):
     with pytest.raises(ModelError, match=r"placement must be \(4, 4\), a proper rotation and a translation"):
         robot("xia2019").with_base(placement)
+
+
+def test_a_backend_that_does_not_exist_is_refused():
+    with pytest.raises(InputError, match="no backend is named 'fast'; there are: 'auto', 'llvm', 'numpy'"):
+        Robot(robot("xia2019").mechanism, backend=cast("Any", "fast"))
 
 
 def test_errors_keep_their_evidence():

@@ -203,7 +203,7 @@ LOCKS = {
         {"j2": 0.0},
         "lock of joint 'j2': the joint is fixed; it must be one of revolute, continuous, prismatic, helical",
     ),
-    "nan": ({"j1": np.nan}, "lock of joint 'j1': value nan must be finite"),
+    "nan": ({"j1": np.nan}, "lock of joint 'j1': value nan must be a finite number"),
 }
 
 

@@ -5,12 +5,10 @@ those are refused, and contraction is switched off, at the head of the file.
 """
 
 import math
-import re
 from collections.abc import Sequence
 from string import Template
 from typing import Any
 
-from cutpoint.errors import InputError
 from cutpoint.kernels.graph import Graph
 from cutpoint.kernels.nodes import CONDITIONS, Node
 from cutpoint.kernels.ports import Port
@@ -68,19 +66,6 @@ static inline $real cutpoint_significand($real a) {
 }
 """The primitives that look at bits; PRIMITIVES says what they mean."""
 
-_RESERVED = frozenset({
-    "alignas", "alignof", "and", "and_eq", "asm", "auto", "bitand", "bitor", "bool", "break", "case", "catch", "char",
-    "class", "compl", "const", "const_cast", "constexpr", "continue", "decltype", "default", "delete", "do", "double",
-    "dynamic_cast", "else", "enum", "explicit", "export", "extern", "false", "float", "for", "friend", "goto", "if",
-    "inline", "int", "long", "mutable", "namespace", "new", "noexcept", "not", "not_eq", "nullptr", "operator", "or",
-    "or_eq", "private", "protected", "public", "register", "reinterpret_cast", "restrict", "return", "short",
-    "signed", "sizeof", "static", "static_assert", "static_cast", "struct", "switch", "template", "this",
-    "thread_local", "throw", "true", "try", "typedef", "typeid", "typename", "union", "unsigned", "using", "virtual",
-    "void", "volatile", "wchar_t", "while", "xor", "xor_eq", "fma", "fmaf", "sqrt", "sqrtf", "memcpy", "uint32_t",
-    "uint64_t", "main",
-})  # fmt: skip
-"""Words of C and C++, and what the code calls."""
-
 
 def words(precision: Precision) -> dict[str, Any]:
     """What stands in templates for numbers of this precision, and for their bits."""
@@ -96,20 +81,6 @@ def number(x: float, precision: Precision) -> str:
     x = precision.rounded(x)
     text = "NAN" if math.isnan(x) else "INFINITY" if math.isinf(x) else f"{abs(x).hex()}{precision.suffix}"
     return f"(-{text})" if math.copysign(1, x) < 0 and not math.isnan(x) else text
-
-
-def check_names(function: str, inputs: Sequence[Port], outputs: Sequence[Port]) -> None:
-    """Raises InputError for a name that C or C++ cannot take, or that two arguments share."""
-    names = [function, *(p.name for p in (*inputs, *outputs))]
-    for name in names:
-        if not re.fullmatch("(?!cutpoint_)[A-Za-z][A-Za-z0-9_]*", name) or name in _RESERVED:
-            rule = "must start with a letter, hold ASCII letters, digits and underscores, and be no word of C or C++"
-            raise InputError(f"{function}: {name!r} cannot be a name in C; it {rule}: rename it", name=name)
-    twice = [name for name in names[1:] if names.count(name) > 1]
-    if twice:
-        raise InputError(
-            f"{function}: {twice[0]!r} names two things; in C each must have a name of its own", name=twice[0]
-        )
 
 
 def parameters(inputs: Sequence[Port], outputs: Sequence[Port], precision: Precision) -> str:

@@ -9,7 +9,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from cutpoint.kernels import c99
+from cutpoint.kernels import c99, c_names
 from cutpoint.kernels.graph import Graph
 from cutpoint.kernels.lowering import lower
 from cutpoint.kernels.ports import Port
@@ -60,7 +60,7 @@ def texts(
     Raises InputError for names that C cannot take.
     """
     inputs, outputs = ([p for p in ports if p.size] for ports in (graph.inputs, graph.outputs))
-    c99.check_names(name, inputs, outputs)
+    c_names.check_names(name, inputs, outputs)
     primitive = lower(graph)
     precision = graph.precision
     fields = {

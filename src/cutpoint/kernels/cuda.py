@@ -9,7 +9,7 @@ from collections.abc import Sequence
 from string import Template
 from typing import Any
 
-from cutpoint.kernels import c99
+from cutpoint.kernels import c99, c_names
 from cutpoint.kernels.graph import Graph
 from cutpoint.kernels.lowering import lower
 from cutpoint.kernels.nodes import CONDITIONS, Node
@@ -68,7 +68,7 @@ _OWN = [Port(name, ()) for name in ("count", "blockIdx", "blockDim", "threadIdx"
 def check_names(name: str, graph: Graph) -> None:
     """Raises InputError for a name that CUDA C cannot take, or that two arguments share."""
     inputs, outputs = full(graph)
-    c99.check_names(name, [*_OWN, *inputs, *map(_step, inputs)], outputs)
+    c_names.check_names(name, [*_OWN, *inputs, *map(_step, inputs)], outputs)
 
 
 def full(graph: Graph) -> tuple[list[Port], list[Port]]:

@@ -1,11 +1,12 @@
 """What drives a joint: gear, rotor, compliance, friction, limits.  Data only; the laws live in `mechanics/`."""
 
 from dataclasses import dataclass
-from typing import Any, Literal, Protocol
+from typing import Any, Literal, Protocol, runtime_checkable
 
 from cutpoint.model.mechanism import UNLIMITED, Limits
 
 
+@runtime_checkable
 class Compliance(Protocol):
     """A spring law between motor and link, both at the joint's side.
 
@@ -18,6 +19,7 @@ class Compliance(Protocol):
     def energy(self, deflection: Any) -> Any: ...
 
 
+@runtime_checkable
 class KinematicError(Protocol):
     """A deviation e(theta) of the output, rad at the joint's side, periodic in the wave generator's turns."""
 
@@ -27,6 +29,7 @@ class KinematicError(Protocol):
     def motor_position(self, output: Any, ratio: Any) -> Any: ...
 
 
+@runtime_checkable
 class Friction(Protocol):
     """A friction law: torque that opposes a velocity, N m (N) at the joint's side.
 
@@ -40,6 +43,7 @@ class Friction(Protocol):
     def resistance(self, speed: Any, load: Any = 0) -> Any: ...
 
 
+@runtime_checkable
 class Hysteresis(Protocol):
     """Elements in parallel to a spring that follow its deflection and slip; strains in rad (m), at the joint's side."""
 

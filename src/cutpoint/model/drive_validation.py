@@ -7,14 +7,33 @@ from typing import Any
 import numpy as np
 
 from cutpoint.errors import ModelError
-from cutpoint.model.drive import Drive, Motor
+from cutpoint.model.drive import (
+    Compliance,
+    Drive,
+    Friction,
+    Hysteresis,
+    KinematicError,
+    Motor,
+    Ratings,
+    Rotor,
+)
+from cutpoint.model.mechanism import Limits
 from cutpoint.scalars import leaves
 
 _POSITIVE = ("stiffness", "hardening", "stribeck_velocity", "smoothing", "gap", "distance", "reach")
 _NOT_NEGATIVE = ("coulomb", "static", "viscous", "damping", "per_load")
 
+_PARTS: dict[str, type] = {
+    "rotor": Rotor, "compliance": Compliance, "link_friction": Friction, "motor_friction": Friction, "limits": Limits,
+    "kinematic_error": KinematicError, "hysteresis": Hysteresis, "motor": Motor, "ratings": Ratings,
+}  # fmt: skip
+
+_NO_NUMBERS = ("in_link_inertia", "coupling", "ripple", "cogging")
+
+
 def check_drive(name: str, drive: Drive) -> None:
-    """Numbers finite, ratio not zero, an elastic drive with a rotor; each law and part within its own bounds."""
+    """Parts of their kinds, numbers finite, ratio not zero, a rotor where it bends; each part within its own bounds."""
+    _check_kinds(name, drive)
     for number in leaves([getattr(drive, field.name) for field in fields(drive) if field.name != "limits"]):
         if not np.isfinite(number):
             raise ModelError(f"joint {name!r}: its drive holds {number}, every number must be finite", joint=name)
@@ -40,6 +59,27 @@ def check_drive(name: str, drive: Drive) -> None:
     _check_motor(name, drive.motor)
     for law in (drive.compliance, drive.hysteresis, drive.link_friction, drive.motor_friction):
         _check_constants(name, law)
+
+
+def _check_kinds(name: str, drive: Any) -> None:
+    """Each part is what its field says; numbers are no texts, and are there where they must be."""
+    if not isinstance(drive, Drive):
+        raise ModelError(f"joint {name!r}: its drive must be a Drive, got {drive!r}", joint=name)
+    for what, kind in _PARTS.items():
+        part = getattr(drive, what)
+        if part is not None and not isinstance(part, kind):
+            raise ModelError(f"joint {name!r}: {what} must be a {kind.__name__}, got {part!r}", joint=name)
+    for part in (drive, drive.rotor, drive.motor, drive.ratings):
+        for field in fields(part) if part else ():
+            value = getattr(part, field.name)
+            left_out = value is None and field.default is None
+            if field.name not in (*_PARTS, *_NO_NUMBERS) and not left_out:
+                _check_number(name, field.name, value)
+
+
+def _check_number(name: str, what: str, value: Any) -> None:
+    if isinstance(value, bool) or not hasattr(type(value), "__neg__"):
+        raise ModelError(f"joint {name!r}: {what} must be a number, got {value!r}", joint=name)
 
 
 def _check_friction(name: str, drive: Drive) -> None:
@@ -89,6 +129,9 @@ def _check_motor(name: str, motor: Motor | None) -> None:
 def _check_constants(name: str, law: Any) -> None:
     """Constants of spring and friction laws: positive where a law divides by them, otherwise not negative."""
     parts = (law, getattr(law, "sliding", None), getattr(law, "spring", None))
+    for part, constant in product(parts, (*_POSITIVE, *_NOT_NEGATIVE)):
+        if constant != "per_load" and not isinstance(value := getattr(part, constant, 0.0), (tuple, np.ndarray)):
+            _check_number(name, constant, value)
     for part, constant in product(parts, _POSITIVE):
         if part is not None and np.min(getattr(part, constant, 1.0)) <= 0:
             value = getattr(part, constant)

@@ -90,8 +90,8 @@ class _Holder:
             raise self.places.error(thing, f"no joint has this name; {those_that_exist(name, self.by_name)}")
         if joint.kind not in ONE_COORDINATE:
             raise self.places.error(thing, f"the joint is {joint.kind}; it must be one of {', '.join(ONE_COORDINATE)}")
-        if not np.isfinite(value):
-            raise self.places.error(thing, f"value {value!r} must be finite")
+        if not isinstance(value, (int, float, np.number)) or not np.isfinite(value):
+            raise self.places.error(thing, f"value {value!r} must be a finite number")
         outside = not joint.limits.lower <= value <= joint.limits.upper
         if joint.kind == "revolute" and outside and abs(value) > DEGREES_BEYOND:
             radians = f"{value:g} degrees are {np.deg2rad(value):.6g} rad"
