@@ -13,7 +13,7 @@ import numpy as np
 
 from cutpoint import kernels
 from cutpoint.definitions import Machine
-from cutpoint.door import are_finite_vectors, checked_array
+from cutpoint.door import LARGEST, are_plain_vectors, checked_array
 from cutpoint.errors import InputError
 from cutpoint.idle_joints import check_moves_inertia
 from cutpoint.kernels import Kernel
@@ -183,7 +183,7 @@ class RobotFunction(NamedTuple):
     record: type[tuple[Any, ...]] | None
 
     def __call__(self, *given: Any) -> Any:
-        if not are_finite_vectors(given):  # of the wrong length they are the kernel's to refuse
+        if not are_plain_vectors(given):  # of the wrong length they are the kernel's to refuse
             pairs = zip(self.sizes.items(), given, strict=True)
             given = tuple(checked_array(self.name, key, x, size) for (key, size), x in pairs)
         result = self.kernel.general(*given, *self.added)
@@ -191,4 +191,4 @@ class RobotFunction(NamedTuple):
 
     def quick(self) -> Callable[..., Any]:
         """The same, quickest for single calls."""
-        return self.kernel.shortcut(self, bound=self.added, finite=True, record=self.record)
+        return self.kernel.shortcut(self, bound=self.added, largest=LARGEST, record=self.record)

@@ -1,6 +1,5 @@
 """What is checked once, where a user hands something in: arrays, drives, configurations."""
 
-import math
 from collections.abc import Iterable, Mapping, Sequence
 from typing import Any
 
@@ -20,21 +19,28 @@ ENDLESS = 1e5
 """rad or m: limits beyond, as some files state them for joints that turn on and on, are none."""
 
 
-def are_finite_vectors(values: Iterable[Any]) -> bool:
-    """Whether all are arrays (n,) of finite float64: the quick look at a single call's arguments.
+LARGEST = 1e15
+"""Of an argument, in SI: an angle beyond it is known to an eighth of a turn at best, and no machine has the rest."""
 
-    A sum of squares is finite only if every number is; where it overflows, `checked_array` looks closer.
+
+def are_plain_vectors(values: Iterable[Any]) -> bool:
+    """Whether all are arrays (n,) of float64, finite and none beyond LARGEST: the quick look at one call's arguments.
+
+    A sum of squares is small only if every number is; where it is not, `checked_array` looks closer.
     """
     squares = 0.0
     for x in values:
         if type(x) is not np.ndarray or x.dtype is not FLOAT64 or x.ndim != 1:
             return False
         squares += x.dot(x)
-    return math.isfinite(squares)
+    return squares < LARGEST * LARGEST
 
 
 def checked_array(function: str, name: str, value: ArrayLike, size: int | tuple[()]) -> Array:
-    """The value as float64 with a last axis of this size, every number finite.  Raises InputError."""
+    """The value as float64 with a last axis of this size, every number finite, none beyond LARGEST.
+
+    Raises InputError.
+    """
     try:
         array = np.asarray(value).astype(np.float64, casting="same_kind", copy=False)
     except (TypeError, ValueError) as error:
@@ -43,10 +49,11 @@ def checked_array(function: str, name: str, value: ArrayLike, size: int | tuple[
         raise InputError(
             f"{function}: {name} has shape {array.shape}, its last axis must be {size}", name=name, shape=array.shape
         )
-    if not np.isfinite(array).all():
-        where = tuple(int(i) for i in np.argwhere(~np.isfinite(array))[0])
+    if array.size and not (array.min() >= -LARGEST and array.max() <= LARGEST):
+        where = tuple(int(i) for i in np.argwhere(~(np.abs(array) <= LARGEST))[0])
         place = f"{name}[{', '.join(map(str, where))}]"
-        raise InputError(f"{function}: {place} is {array[where]}, every number must be finite", name=name, index=where)
+        rule = "every number must be finite" + (f" and within {LARGEST:g}" if np.isfinite(array[where]) else "")
+        raise InputError(f"{function}: {place} is {array[where]}, {rule}", name=name, index=where)
     return array
 
 

@@ -52,7 +52,7 @@ class Robot:
 
     Every function takes batches: leading axes broadcast as in NumPy.  Angles in rad, torques in N m, at the joint's
     (link) side; prismatic joints in m and N.  q has nq entries, v and a have nv, theta and motor torques one a drive.
-    A wrong shape, or a number that is not finite, raises InputError that names it.
+    A wrong shape, or a number that is not finite or beyond 1e15, raises InputError that names it.
     """
 
     def __init__(

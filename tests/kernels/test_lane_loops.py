@@ -105,7 +105,7 @@ def test_a_front_takes_vectors_and_gives_its_callers_their_own() -> None:
     arrays, parents = memory(n, np.ones((n, 2))), np.array([n, *range(n - 1)])
     run = program("llvm").bound({"blocks": 3, "nodes": n}, parents=parents, **arrays)
     own = {"x": arrays["x"].reshape(-1)[:4]}, {"total": arrays["total"].reshape(-1)[:4]}
-    front = front_of(run, "walk", *own, Front(lambda *given: ("general", *given), finite=True))
+    front = front_of(run, "walk", *own, Front(lambda *given: ("general", *given), largest=1e15))
     x = np.array([0.1, 0.2, 0.3, 0.4])
     first = front(x)
     kept = first.copy()

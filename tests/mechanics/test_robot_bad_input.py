@@ -18,6 +18,8 @@ NAN = np.array([0.0, 0.0, 0.0, np.nan, 0.0, 0.0])
     [
         (lambda r: r.inverse_dynamics(NAN, Q, Q), r"inverse_dynamics: q\[3\] is nan, every number must be finite"),
         (lambda r: r.inverse_dynamics(Q, Q, [[0] * 6, [np.inf] * 6]), r"inverse_dynamics: a\[1, 0\] is inf"),
+        (lambda r: r.mass_matrix(Q + 1e16), r"mass_matrix: q\[0\] is 1e\+16, every number must be .* within 1e\+15"),
+        (lambda r: r.mass_matrix([Q, Q - 1e16]), r"mass_matrix: q\[1, 0\] is -1e\+16, every number must be finite and"),
         (lambda r: r.mass_matrix(Q[:5]), r"mass_matrix: q has shape \(5,\), its last axis must be 6"),
         (lambda r: r.mass_matrix(0.0), r"mass_matrix: q has shape \(\), its last axis must be 6"),
         (lambda r: r.mass_matrix(np.zeros((6, 1))), r"q has shape \(6, 1\), its last axis must be 6"),

@@ -2,7 +2,7 @@
 
 It takes what is cheap to recognise: plain arrays of float64, tidy in memory and of exactly the inputs' shapes, and
 floats for scalars.  It makes new outputs and runs the kernel's code on their memory.  Anything else - batches, lists,
-views, keywords, numbers that are not finite where that matters, mistakes - it hands on as it came to a general
+views, keywords, numbers that are too large or none where that matters, mistakes - it hands on as it came to a general
 function, which converts, broadcasts and explains.
 """
 
@@ -33,7 +33,7 @@ class Front(NamedTuple):
 
     general: Callable[..., Any]
     bound: Sequence[np.ndarray] = ()
-    finite: bool = False
+    largest: float | None = None
     record: type[tuple[Any, ...]] | None = None
 
 
@@ -68,7 +68,7 @@ def _ir(given: Sequence[Port], outputs: Sequence[Port], front: Front) -> str:
     externals = [f"@{name} = external global i8" for name in (*_OBJECTS, *(x[1:] for x in bound))]
     head = f"define ptr @{_FUNCTION}(ptr %self, ptr %arguments, i64 %count, ptr %names) {{\nentry:"
     code = Code()
-    found = [x for x, port in zip(recognised(code, given, finite=front.finite), given, strict=True) if port.size]
+    found = [x for x, port in zip(recognised(code, given, front.largest), given, strict=True) if port.size]
     sources = [*found, *bound]
     if not sources or not all(port.size for port in (*given, *outputs)):  # see `empty_ports`
         sources.append("null")

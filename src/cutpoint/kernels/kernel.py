@@ -111,7 +111,7 @@ class Kernel:
         general: Callable[..., Any],
         *,
         bound: Sequence[np.ndarray] = (),
-        finite: bool = False,
+        largest: float | None = None,
         record: type[tuple[Any, ...]] | None = None,
     ) -> Callable[..., Any]:
         """A built-in function that runs the kernel on plain single arguments and hands on all others: see `fastcall`.
@@ -119,7 +119,7 @@ class Kernel:
         Args:
             general: what takes the others; all of them where this backend, Python or NumPy knows no shortcut.
             bound: arrays for the last inputs, which callers then do not give.
-            finite: whether numbers that are not finite are for `general`.
+            largest: magnitude of a number beyond which, as with NaN, `general` is called; None for any.
             record: the NamedTuple that holds the outputs.
         """
         if self._function.element is None or self.graph.precision is not FLOAT64:
@@ -128,7 +128,7 @@ class Kernel:
 
         if not is_possible():
             return general
-        front = Front(general, bound, finite, record)
+        front = Front(general, bound, largest, record)
         return fastcall(self._function, self.name, self.graph.inputs, self.graph.outputs, front)
 
     def to_c(self, folder: str | Path, *, force: bool = False) -> tuple[Path, ...]:

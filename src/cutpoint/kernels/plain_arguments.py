@@ -1,5 +1,6 @@
 """LLVM IR that recognises plain arguments of a Python call: one test after another, the first that fails leaves."""
 
+import struct
 from collections.abc import Sequence
 
 from cutpoint.kernels.jit import vector_width
@@ -12,13 +13,13 @@ ELSEWHERE = "%general"
 """Where calls go whose arguments are not plain."""
 
 
-def recognised(code: Code, ports: Sequence[Port], *, finite: bool) -> list[str]:
+def recognised(code: Code, ports: Sequence[Port], largest: float | None) -> list[str]:
     """Pointers to the arguments' numbers; what is not recognised leaves for ELSEWHERE."""
     _require(code, code.let(f"icmp eq i64 %count, {len(ports)}"), code.let("icmp eq ptr %names, null"))
     objects = [code.load("%arguments", k, "ptr") for k in range(len(ports))]
     found = [(_array if p.shape else _scalar)(code, x, p) for x, p in zip(objects, ports, strict=True)]
-    if finite:
-        _require_finite(code, [(pointer, port.size) for pointer, port in zip(found, ports, strict=True)])
+    if largest is not None:
+        _require_within(code, [(pointer, port.size) for pointer, port in zip(found, ports, strict=True)], largest)
     return found
 
 
@@ -53,25 +54,32 @@ def _scalar(code: Code, x: str, port: Port) -> str:
     return code.let(f"phi ptr [ {inside}, {array} ], [ {value}, {number} ]")
 
 
-def _require_finite(code: Code, arguments: list[tuple[str, int]]) -> None:
-    """x - x is zero unless x is infinite or no number."""
+def _require_within(code: Code, arguments: list[tuple[str, int]], largest: float) -> None:
     width, conditions = vector_width(), []
     for pointer, size in arguments:
         if size >= width:
             with code.loop(size // width) as loop:
                 block = code.at(pointer, code.let(f"mul i64 {loop.iteration}, {width}"))
-                _require(code, _are_finite(code, block, width))
+                _require(code, _are_within(code, block, width, largest))
         if size % width:
-            conditions.append(_are_finite(code, code.at(pointer, size // width * width), size % width))
+            conditions.append(_are_within(code, code.at(pointer, size // width * width), size % width, largest))
     if conditions:
         _require(code, *conditions)
 
 
-def _are_finite(code: Code, pointer: str, size: int) -> str:
+def _are_within(code: Code, pointer: str, size: int, largest: float) -> str:
+    """By the squares, which are greater, or unordered, for what is beyond, infinite or no number."""
     kind = f"<{size} x double>"
     x = code.load(pointer, 0, kind, align=8)
-    odd = code.let(f"fcmp une {kind} {code.let(f'fsub {kind} {x}, {x}')}, zeroinitializer")
+    square = code.let(f"fmul {kind} {x}, {x}")
+    odd = code.let(f"fcmp ugt {kind} {square}, {splat(largest * largest, size)}")
     return code.let(f"icmp eq i{size} {code.let(f'bitcast <{size} x i1> {odd} to i{size}')}, 0")
+
+
+def splat(x: float, size: int) -> str:
+    """A constant in every lane of a vector."""
+    bits = struct.unpack("<Q", struct.pack("<d", x))[0]
+    return f"<{', '.join([f'double 0x{bits:016x}'] * size)}>"
 
 
 def field(code: Code, x: str, offset: int, kind: str) -> str:

@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from cutpoint.definitions import Machine
-from cutpoint.door import checked_array
+from cutpoint.door import LARGEST, checked_array
 from cutpoint.errors import InputError
 from cutpoint.kernels import backends
 from cutpoint.mechanics.system import System
@@ -101,7 +101,7 @@ class RolledFunction:
         """The outputs (..., n); from several threads at once.
 
         Raises:
-            InputError: a wrong shape, or a number that is not finite.
+            InputError: a wrong shape, a number that is not finite, or beyond what machines have.
         """
         return self._quick(*given)
 
@@ -113,7 +113,7 @@ class RolledFunction:
         from cutpoint.kernels.program_front import front_of
 
         memory = self._one.spare.take()
-        front = Front(self._general, finite=True, record=self._record)
+        front = Front(self._general, largest=LARGEST, record=self._record)
         return front_of(memory.run, self.name, memory.inputs, memory.outputs, front)
 
     def _general(self, *given: ArrayLike) -> Any:
