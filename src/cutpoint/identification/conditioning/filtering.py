@@ -20,7 +20,23 @@ CUT_PERIODS = 1.5
 By then the response to a step has settled to 1 %, at the default order."""
 
 ABOVE_FLOOR = 10.0
-"""Times the noise floor's power: where the spectrum falls below that, motion ends."""
+"""Times the noise floor's power: what is above that is motion."""
+
+APART = 4.0
+"""Times its frequency: where nothing is above the noise as far as that, motion ends.  Its harmonics are nearer."""
+
+STILL = 1e-3
+"""Of the way that the liveliest channel goes: one that goes less stands still, and has noise alone."""
+
+CLEAR = 1e3
+"""Times the noise floor's power: motion that is not to be lost."""
+
+LOSS = 0.1
+"""Of the power of the noise that the filter leaves: as much of what is clear it may take.  Noise averages out, a loss
+does not."""
+
+FINER = 2.0**0.125
+"""Ratio of cut-offs that are tried, one after the other."""
 
 WINDOWS = 4
 """Windows over a recording, each half over the next, for its spectrum."""
@@ -82,21 +98,20 @@ def derivative(values: Array, period: float, order: int = 1) -> Array:
 
 
 def noise_cutoff(values: Array, period: float) -> float:
-    """Hz, where the motion in values (N, ...) sinks into their noise: the highest of all columns.
+    """Hz, where the motion in values (N, ...) sinks into their noise: the highest of all columns that move.
 
-    The floor is the median power density of the upper half of the spectrum, of the longest stretch without gaps; the
-    cut-off is where the density first falls below ten times that.  Motion that lies below the floor cannot be seen.
+    The floor is the median power density of the upper half of the spectrum, of the longest stretch without gaps; motion
+    is what lies ten times above, up to where nothing does over two octaves.  The cut-off is the lowest one beyond
+    with which the filter takes next to nothing of the motion, beside the noise that it leaves.  Motion below the floor
+    cannot be seen.
     """
-    found = 0.0
-    for column in values.reshape(len(values), -1).T:
-        longest = max(_parts(column), key=lambda part: part.stop - part.start, default=slice(0, 0))
-        x = column[longest]
-        if x.size >= 16 * WINDOWS and np.ptp(x) > 0.0:
-            found = max(found, _cutoff(x, period))
-    if not found:
+    columns = [column[_longest(column)] for column in values.reshape(len(values), -1).T]
+    ways = np.array([np.ptp(x) if x.size >= 16 * WINDOWS else 0.0 for x in columns])
+    found = [_cutoff(x, period) for x, way in zip(columns, ways, strict=True) if way > STILL * ways.max()]
+    if not any(found):
         rule = f"no column moves over {16 * WINDOWS} samples or more without a gap"
         raise InputError(f"{rule}, of {len(values)}: record more, map another channel, or state a cut-off in Hz")
-    return found
+    return max(found)
 
 
 def low_passed(recording: Recording, cutoff: float | None = None, order: int = ORDER) -> Recording:
@@ -118,14 +133,37 @@ def _edge(period: float, cutoff: float) -> int:
 
 
 def _cutoff(x: Array, period: float) -> float:
+    """Of one channel (N,); 0 where all is noise."""
     window = 2 * x.size // (WINDOWS + 1)
     frequencies, power = welch(x, 1.0 / period, window="blackmanharris", nperseg=window, detrend="linear")
-    floor = np.median(power[power.size // 2 :])
-    below = np.flatnonzero(power < ABOVE_FLOOR * floor)
-    below = below[below > int(np.argmax(power))]
-    highest = HIGHEST / period
-    wanted = float(frequencies[below[0]]) if below.size else highest
-    return float(np.clip(wanted, LOWEST_CYCLES / (x.size * period), highest))
+    floor = float(np.median(power[power.size // 2 :]))
+    loud = power > ABOVE_FLOOR * floor
+    if not loud.any():
+        return 0.0
+    peak, highest = int(np.argmax(power)), HIGHEST / period
+    quiet = np.flatnonzero(~loud[peak:])
+    cutoff = max(float(frequencies[peak + quiet[0]]), LOWEST_CYCLES / (x.size * period)) if quiet.size else highest
+    lines = _lines(power > CLEAR * floor, peak)
+    motion, at = power[lines] * frequencies[1], frequencies[lines]
+    while cutoff < highest and _lost(motion, at / cutoff) > LOSS * floor * cutoff:
+        cutoff *= FINER
+    return min(cutoff, highest)
+
+
+def _lines(clear: NDArray[np.bool_], peak: int) -> NDArray[np.intp]:
+    """Bins of a spectrum that are clear, each less than APART times beyond another, from the peak on."""
+    found = np.flatnonzero(clear)
+    gaps = np.flatnonzero((found[1:] > APART * (found[:-1] + 1)) & (found[:-1] >= peak))
+    return found[: gaps[0] + 1] if gaps.size else found
+
+
+def _lost(power: Array, ratios: Array) -> float:
+    """Of power at frequencies over the cut-off, what the filter takes."""
+    return float(np.sum(power * (1.0 - 1.0 / (1.0 + ratios ** (2 * ORDER))) ** 2))
+
+
+def _longest(column: Array) -> slice:
+    return max(_parts(column), key=lambda part: part.stop - part.start, default=slice(0, 0))
 
 
 def _stretches(values: Array, found: Array) -> Iterator[tuple[slice, Array, Array]]:

@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cutpoint.errors import InputError, unknown_name
-from cutpoint.identification.conditioning.filtering import derivative, low_pass, noise_cutoff
+from cutpoint.identification.conditioning.filtering import STILL, derivative, low_pass, noise_cutoff
 from cutpoint.identification.logs.recording import Recording
 from cutpoint.robot import Robot
 
@@ -51,10 +51,24 @@ def motion_of(robot: Robot, recording: Recording, cutoff: float | None = None) -
         raise InputError(f"the recording holds no positions, q or theta; there are: {', '.join(channels)}")
     _refuse_empty(robot, sides)
     cutoff = noise_cutoff(np.column_stack([*sides.values()]), period) if cutoff is None else cutoff
-    smooth = {name: low_pass(x, period, cutoff) for name, x in sides.items()}
+    smooth = {name: _without_noise_at_rest(low_pass(x, period, cutoff)) for name, x in sides.items()}
     q, theta = (smooth.get(name, next(iter(smooth.values()))) for name in ("q", "theta"))
     v, a, w, w_dot = (derivative(x, period, order) for x in (q, theta) for order in (1, 2))
     return Motion(q, v, a, w, w_dot, period, cutoff)
+
+
+def still_joints(robot: Robot, motion: Motion) -> list[str]:
+    """Joints that stood still in the whole motion."""
+    return [joint for joint, v in zip(robot.joints, motion.v.T, strict=True) if not np.nan_to_num(v).any()]
+
+
+def _without_noise_at_rest(positions: Array) -> Array:
+    """Positions (N, n) of joints that stand still, beside the liveliest, without what their encoders flicker."""
+    known = np.isfinite(positions)
+    low = np.min(positions, axis=0, where=known, initial=np.inf)
+    high = np.max(positions, axis=0, where=known, initial=-np.inf)
+    stands = high - low <= STILL * np.max(high - low)
+    return np.where(known & stands, (low + high) / 2.0, positions)
 
 
 def sliding_speeds(robot: Robot, motion: Motion) -> Array:

@@ -151,7 +151,9 @@ class _Trial:
         """Squared error of each block under the shape and parameters that fit the others best, (BLOCKS,)."""
         errors = np.empty(BLOCKS)
         for block in range(BLOCKS):
-            fits = [(self.fit(law, gram.sum(axis=0) - gram[block]), gram[block]) for law, gram in tried]
+            # summed, not subtracted from the sum of all, which rounding may leave without a root
+            rest = np.arange(BLOCKS) != block
+            fits = [(self.fit(law, gram[rest].sum(axis=0)), gram[block]) for law, gram in tried]
             (values, _), own = min(fits, key=lambda each: each[0][1])
             both = np.append(-values, 1.0)
             errors[block] = both @ own @ both

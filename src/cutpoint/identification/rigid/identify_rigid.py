@@ -19,7 +19,7 @@ from cutpoint.identification.rigid.instrumental import instrumental_variables
 from cutpoint.identification.rigid.least_squares import METHODS, Estimate, least_squares, solved
 from cutpoint.identification.rigid.physical import Solver, check_solver, physical
 from cutpoint.identification.rigid.regression import Regression, regression
-from cutpoint.identification.rigid.rigid_estimate import Fitted, Log, RigidEstimate, estimate_of
+from cutpoint.identification.rigid.rigid_estimate import Fitted, Log, RigidEstimate, estimate_of, sizes_of_others
 from cutpoint.identification.rigid.rigid_robot import is_stated, laws_with, link_torques, stated_laws
 from cutpoint.mechanics.friction import Sliding
 from cutpoint.robot import Robot
@@ -94,7 +94,8 @@ def identify_rigid(
         told = laws_with(laws, dict(zip(found.names, _estimate(found, method, instead).values.tolist(), strict=True)))
         _, shapes = shape_slopes(base, told, [choice.joint for choice in choices], log, loads)
         estimate = _estimate(found, method, instead, shapes, _rotor_torques(base, log, rotor_errors or {}))
-        bodies = physical(base, found.names, estimate.R, estimate.z, solver=solver, prior_spread=prior_spread)
+        sizes = sizes_of_others(base, log, found.names[base.independent.size :])
+        bodies = physical(base, found.names, estimate.R, estimate.z, sizes, solver=solver, prior_spread=prior_spread)
         fitted = Fitted(base, laws, log, found, estimate, bodies)
     assert fitted is not None
     return estimate_of(fitted, level, choices, recording.notes)

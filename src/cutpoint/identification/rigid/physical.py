@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 from cutpoint.errors import CutpointError, InputError, unknown_name
 from cutpoint.identification.rigid.base_parameters import BaseParameters
 from cutpoint.identification.rigid.bodies import Bodies, bodies_of
+from cutpoint.identification.rigid.rigid_robot import stated_coefficient
 
 Array = NDArray[np.float64]
 
@@ -34,12 +35,17 @@ class Physical(NamedTuple):
     base: Array
 
 
+LOOSE = 20.0
+"""Times its usual size: how far friction or an offset may be from the file's.  Told, they hardly feel it."""
+
+
 class Fit(NamedTuple):
     """Minimise |data @ unknowns - z|^2 + sum of distances / spread^2 over [X.ravel() of bodies, rotors, others].
 
-    The distance of a body that is (1 + e) times the file's is e^2, nearly, and so is a rotor's.
+    The distance of a body that is (1 + e) times the file's is e^2, nearly, and so is a rotor's; others are spread over
+    LOOSE sizes.
     scale (rotors,): their size in the file, or in the arm where the file has none.  stated: whether it has.
-    positive: which of the others must not be negative.
+    sizes (others,): what they are shares of.  prior: the file's, as shares.  positive: which must not be negative.
     """
 
     data: Array
@@ -47,6 +53,8 @@ class Fit(NamedTuple):
     bodies: Bodies
     scale: Array
     stated: NDArray[np.bool_]
+    sizes: Array
+    prior: Array
     positive: NDArray[np.bool_]
     spread: float
 
@@ -59,7 +67,7 @@ class Fit(NamedTuple):
         return self.first_rotor + self.scale.size
 
     def unpacked(self, unknowns: Array) -> tuple[Array, Array, Array]:
-        """X (bodies, 4, 4), rotors as shares of their scale, others."""
+        """X (bodies, 4, 4), rotors as shares of their scale, others of their sizes."""
         rotors, others = self.first_rotor, self.first_other
         return unknowns[:rotors].reshape(-1, 4, 4), unknowns[rotors:others], unknowns[others:]
 
@@ -69,12 +77,14 @@ def physical(
     names: Sequence[str],
     R: Array,
     z: Array,
+    sizes: Array,
     *,
     solver: Solver = "lmi",
     prior_spread: float = 0.5,
 ) -> Physical:
     """The physical parameters nearest to R x = z (base parameters first, then friction and offsets, by names).
 
+    sizes: of friction and offsets, as they usually are in such a robot.
     solver: "lmi", with the entropic distance to the file's bodies; "lmi_trace", with its quadratic approximation, both
     by cvxpy and Clarabel; "log_cholesky", the latter without constraints, by SciPy alone.
     prior_spread: standard deviation of the bodies from the file's, as a share: 0.5 is half of a body's mass.
@@ -84,7 +94,7 @@ def physical(
     check_solver(solver)
     if not (np.isfinite(prior_spread) and prior_spread > 0.0):
         raise InputError(f"prior_spread {prior_spread} must be positive, as a share: 0.5 is half of a body's mass")
-    fit = _fit(base, names, R, z, prior_spread)
+    fit = _fit(base, names, R, z, sizes, prior_spread)
     if solver == "log_cholesky":
         from cutpoint.identification.rigid.log_cholesky import solve
 
@@ -92,13 +102,13 @@ def physical(
     else:
         unknowns = _by_cones(fit, entropic=solver == "lmi")
     X, rotors, others = fit.unpacked(unknowns)
-    others = np.where(fit.positive, np.maximum(others, 0.0), others)
+    others = np.where(fit.positive, np.maximum(others, 0.0), others) * fit.sizes
     inertial, rotors = fit.bodies.parameters(X), np.maximum(rotors, 0.0) * fit.scale
     found = np.concatenate([base.matrix @ np.concatenate([inertial, rotors]), others])
     return Physical(inertial, rotors, others, found)
 
 
-def _fit(base: BaseParameters, names: Sequence[str], R: Array, z: Array, spread: float) -> Fit:
+def _fit(base: BaseParameters, names: Sequence[str], R: Array, z: Array, sizes: Array, spread: float) -> Fit:
     robot, b = base.robot, base.independent.size
     bodies = bodies_of(robot.mechanism)
     counted = [*base.rotors]
@@ -108,9 +118,11 @@ def _fit(base: BaseParameters, names: Sequence[str], R: Array, z: Array, spread:
     ten = 10 * bodies.count
     links = base.matrix[:, :ten].reshape(b, -1, 10)
     blocks = np.einsum("rbp,bpk->rbk", links, bodies.maps).reshape(b, -1)
-    data = np.concatenate([R[:, :b] @ np.concatenate([blocks, base.matrix[:, ten:] * scale], axis=1), R[:, b:]], axis=1)
+    inertial = R[:, :b] @ np.concatenate([blocks, base.matrix[:, ten:] * scale], axis=1)
+    prior = np.nan_to_num([stated_coefficient(robot, name) for name in names[b:]]) / sizes
     positive = np.array([not name.startswith("offset.") for name in names[b:]], dtype=bool)
-    return Fit(data, z, bodies, scale, reflected > 0.0, positive, spread)
+    data = np.concatenate([inertial, R[:, b:] * sizes], axis=1)
+    return Fit(data, z, bodies, scale, reflected > 0.0, sizes, prior, positive, spread)
 
 
 def _by_cones(fit: Fit, entropic: bool) -> Array:
@@ -124,6 +136,7 @@ def _by_cones(fit: Fit, entropic: bool) -> Array:
     distance = sum(_distance(cp, each, entropic) for each in X)
     if rotors is not None:
         distance += cp.sum_squares(rotors - fit.stated)
+    misfit += cp.sum_squares(others - fit.prior) / LOOSE**2 if others is not None else 0.0
     bounds = [others[fit.positive] >= 0] if others is not None and fit.positive.any() else []
     problem = cp.Problem(cp.Minimize(misfit + distance / fit.spread**2), bounds)
     with warnings.catch_warnings():

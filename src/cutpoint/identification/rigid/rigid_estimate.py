@@ -1,6 +1,6 @@
 """What a recording tells of a robot: a model, intervals, and what remains untold."""
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import NamedTuple
 
@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from cutpoint.errors import unknown_name
 from cutpoint.identification.conditioning.decimation import Decimation
-from cutpoint.identification.conditioning.motion import Motion, motion_of, sliding_speeds
+from cutpoint.identification.conditioning.motion import Motion, motion_of, sliding_speeds, still_joints
 from cutpoint.identification.logs.recording import Recording
 from cutpoint.identification.rigid.base_parameters import BaseParameters
 from cutpoint.identification.rigid.friction_choice import FrictionChoice
@@ -115,20 +115,36 @@ def estimate_of(
         times=found.times[len(found.times) - len(estimate.residuals) :],
         noise=estimate.noise,
         untold=untold(table, base),
-        notes=(*notes, *_notes(log, found, estimate), *strained(table), *lateness_note(found, estimate.values)),
+        notes=(
+            *notes,
+            *_standing(robot, log),
+            *_notes(log, found, estimate),
+            *strained(table),
+            *lateness_note(found, estimate.values),
+        ),
         friction=choices,
     )
 
 
 def _table(fitted: Fitted, level: float) -> tuple[Parameter, ...]:
     base, _, log, found, estimate, bodies = fitted
-    b, joints = base.independent.size, base.robot.joints
-    channels = log.torque, sliding_speeds(base.robot, log.motion)
-    torque, speed = (np.sqrt(np.mean(log.means(x) ** 2, axis=0)) for x in channels)
-    sizes = np.concatenate([base_sizes(base), friction_sizes(found.names[b:], joints, torque, speed)])
+    b = base.independent.size
+    sizes = np.concatenate([base_sizes(base), sizes_of_others(base, log, found.names[b:])])
     stated = np.array([stated_coefficient(base.robot, name) for name in found.names[b:]])
     prior = np.concatenate([base.nominal, stated])
     return parameters(found.names, estimate, bodies.base, prior, sizes, level)
+
+
+def sizes_of_others(base: BaseParameters, log: Log, names: Sequence[str]) -> Array:
+    """How large friction and offsets (k,) are in a robot that moves and works as in this log."""
+    channels = log.torque, sliding_speeds(base.robot, log.motion)
+    torque, speed = (np.sqrt(np.mean(log.means(x) ** 2, axis=0)) for x in channels)
+    return friction_sizes(names, base.robot.joints, torque, speed)
+
+
+def _standing(robot: Robot, log: Log) -> list[str]:
+    still = ", ".join(still_joints(robot, log.motion))
+    return [f"{still} stood still: what moves with these alone, and their friction, is not told"] if still else []
 
 
 def _notes(log: Log, found: Regression, estimate: Estimate) -> list[str]:

@@ -91,11 +91,15 @@ def base_sizes(base: BaseParameters) -> Array:
 
 
 def friction_sizes(names: Sequence[str], joints: Sequence[str], torque: Array, speed: Array) -> Array:
-    """Of friction and offsets, (k,): a tenth of the joint's RMS torque (n,), at its RMS speed (n,) if viscous."""
+    """Of friction and offsets, (k,): a tenth of the joint's RMS torque (n,), at its RMS speed (n,) if viscous.
+
+    Where that is nothing, 1 N m and 1 rad/s stand for it.
+    """
+    torque, speed = (np.where(x > 0.0, x, 1.0) for x in (torque, speed))
     found: list[float] = []
     for name in names:
         kind, _, joint = name.partition(".")
         j = joints.index(joint)
-        share = {"viscous": 1.0 / max(speed[j], np.finfo(float).tiny), "per_load": 1.0 / max(torque[j], 1e-300)}
+        share = {"viscous": 1.0 / speed[j], "per_load": 1.0 / torque[j]}
         found.append(0.1 * torque[j] * share.get(kind, 1.0))
     return np.array(found)
