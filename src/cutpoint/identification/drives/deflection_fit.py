@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cutpoint.identification.drives.bounded import bounded_weights
-from cutpoint.identification.drives.columns import paired, reach_columns, strain_columns, wave_columns
+from cutpoint.identification.drives.columns import paired, reach_columns, strain_columns
 from cutpoint.identification.drives.deflections import DeflectionFit, Deflections
 from cutpoint.identification.drives.spring_laws import SpringLaw, fitted
 
@@ -43,7 +43,7 @@ def fit_deflection(
     data: Deflections, law: SpringLaw, orders: Sequence[int], elements: int, damped: bool
 ) -> DeflectionFit:
     """`elements` of hysteresis at most, 0 for none; `damped` seeks the spring's own damping."""
-    free = np.column_stack([wave_columns(data.ratio * data.theta, orders), np.ones_like(data.theta)])
+    free = np.column_stack([data.waves(orders), np.ones_like(data.theta)])
     found = _first(data, law, free)
     reaches = _offered(data, found, elements)
     for turn in range(ROUNDS if elements or damped or data.corrections.size else 0):

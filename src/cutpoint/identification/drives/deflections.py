@@ -1,11 +1,13 @@
 """A joint's deflection as it was measured, and one law's fit to it with all else that a deflection is made of."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 
 import numpy as np
 from numpy.typing import NDArray
 
 from cutpoint.identification.conditioning.filtering import low_pass
+from cutpoint.identification.drives.columns import wave_columns
 from cutpoint.identification.drives.spring_laws import SpringLaw
 
 Array = NDArray[np.float64]
@@ -17,6 +19,7 @@ class Deflections:
 
     resolution: rad at the joint's side.  cutoff: Hz, of what the deflection's rate and turning points are read from.
     corrections: (N, m), derivatives of the torque by what is not known of it.  noise: RMS of the lead's own, rad.
+    band: Hz, of the filter that all of them went through; None if there was none.
     """
 
     lead: Array
@@ -28,6 +31,15 @@ class Deflections:
     cutoff: float
     corrections: Array
     noise: float = np.inf
+    band: float | None = None
+
+    def waves(self, orders: Sequence[int]) -> Array:
+        """Sine and cosine (N, 2 k) of the motor's angle, k waves a turn, through the same filter as all else."""
+        columns = wave_columns(self.ratio * self.theta, orders)
+        if self.band is None:
+            return columns
+        found = low_pass(columns, self.period, self.band)
+        return np.where(np.isfinite(found), found, columns)
 
     def smooth(self, values: Array) -> Array:
         """Low-passed, the ends as they are."""

@@ -103,7 +103,7 @@ def _from_motor(
         seen = spring.deviations["stiffness"] < UNCERTAIN * spring["stiffness"]
         spring = two_encoders(
             theta, q, left, period, ratio,
-            resolution=resolution, laws=laws, noise=noise,
+            resolution=resolution, laws=laws, noise=noise, band=band,
             torque_unknowns=dict(zip(unknowns, columns, strict=True)) if seen else None,
         )  # fmt: skip
         if seen:

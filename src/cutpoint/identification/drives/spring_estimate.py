@@ -6,7 +6,7 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import NDArray
 
-from cutpoint.identification.drives.columns import slipping, wave_columns, waves
+from cutpoint.identification.drives.columns import slipping, waves
 from cutpoint.identification.drives.deflections import DeflectionFit, Deflections
 from cutpoint.identification.drives.law_choice import block_errors, not_worse, simplest
 from cutpoint.identification.drives.scatter import covariance
@@ -17,6 +17,9 @@ Array = NDArray[np.float64]
 
 COUNTS = 50.0
 """Of the encoders' resolution: springs that torque winds by less, half of the range, are declared unidentifiable."""
+
+OPEN = 2.0
+"""Times the encoders' resolution: loops that open by less are declared unidentifiable."""
 
 UNCERTAIN = 0.2
 """Of the spring's deflection: with a standard deviation above that its stiffness counts as unidentifiable."""
@@ -132,8 +135,9 @@ def _weak(data: Deflections, fit: DeflectionFit, spread: Array, counts: float) -
 
 def _closed(data: Deflections, fit: DeflectionFit) -> str:
     opening = 2.0 * float(np.sum(fit.stiffness * fit.reaches / np.median(fit.tangent)))
-    seen = opening >= data.resolution
-    return "" if seen else f"loops open by {opening:.2g} rad, less than the encoders' step of {data.resolution:.2g} rad"
+    if opening >= OPEN * data.resolution:
+        return ""
+    return f"loops open by {opening:.2g} rad, less than {OPEN:g} steps of the encoders, {data.resolution:.2g} rad each"
 
 
 def _undamped(fit: DeflectionFit, deviation: float) -> str:
@@ -166,6 +170,6 @@ def _apart(names: Sequence[str], values: Array, others: Sequence[str], theirs: A
 def _no_waves(data: Deflections, fit: DeflectionFit, turns: float) -> str:
     if turns < FEWEST_TURNS:
         return f"the motor turned {turns:.2g} times: {FEWEST_TURNS:g} are needed to tell its waves from the spring"
-    columns = np.column_stack([fit.columns, wave_columns(data.ratio * data.theta, [2])])
+    columns = np.column_stack([fit.columns, data.waves([2])])
     noise = np.sqrt(np.diag(covariance(columns, fit.residual))[-2:].max())
     return f"no wave stands out of the noise: of order 2, one of {SIGNIFICANT * noise:.2g} rad would"

@@ -47,11 +47,12 @@ def two_encoders(
     damping: bool = True,
     torque_unknowns: Mapping[str, Array] | None = None,
     noise: float = np.inf,
+    band: float | None = None,
 ) -> SpringEstimate:
     """A joint's spring and all that makes its encoders differ, from channels (N,) on one uniform time; NaN: not known.
 
     theta, q: of the encoders on motor (over ratio) and link, rad; joint_torque: what the drive exerts on the link, N m.
-    Give all three as sampled, or all through one filter.
+    Give all three as sampled, or all through one low-pass filter, whose cut-off is band, Hz.
     period: s.  ratio: motor turns per joint turn.  resolution: of both encoders together, rad at the joint's side; by
     default the smallest steps that the samples show.  orders: of the kinematic error, waves a turn of the motor; by
     default those up to 8 that stand out.  laws: spring laws to choose from by cross-validation; one with more constants
@@ -64,7 +65,7 @@ def two_encoders(
         InputError: shapes, an unknown law, too few samples, or channels that do not move.
     """
     unknowns = dict(torque_unknowns or {})
-    data = _checked(theta, q, joint_torque, [*unknowns.values()], period, ratio, resolution, noise)
+    data = _checked(theta, q, joint_torque, [*unknowns.values()], period, ratio, resolution, noise, band)
     unknown = [name for name in laws if name not in LAWS]
     if unknown or not laws:
         raise unknown_name("spring law", unknown[0] if unknown else "", LAWS)
@@ -100,6 +101,7 @@ def _checked(
     ratio: float,
     resolution: float | None,
     noise: float,
+    band: float | None,
 ) -> Deflections:
     arrays = [np.asarray(x, dtype=np.float64) for x in (theta, q, torque, *corrections)]
     shapes = [x.shape for x in arrays]
@@ -116,7 +118,7 @@ def _checked(
         raise InputError(f"two_encoders: resolution {resolution} rad must be a number, at least 0")
     cutoff = min(WIDER * noise_cutoff(angle - link, period), 0.4 / period)
     beside = np.column_stack(others) if others else np.empty((load.size, 0))
-    return Deflections(angle - link, angle, load, period, ratio, step, cutoff, beside, noise)
+    return Deflections(angle - link, angle, load, period, ratio, step, cutoff, beside, noise, band)
 
 
 def _standing_out(fit: DeflectionFit, orders: Sequence[int], resolution: float) -> list[int]:

@@ -12,6 +12,9 @@ from cutpoint.identification.rigid.identify_rigid import FrictionWish, RigidEsti
 from cutpoint.model.drive import Drive, Rotor
 from cutpoint.robot import Robot
 
+FINE = 200.0
+"""Steps of the encoders in half of a deflection's range: with fewer, what turning points tell is biased."""
+
 
 class Estimates(NamedTuple):
     """drives: None if not sought, or not found, as remarks say.  apart: joints whose rotors come from there."""
@@ -47,13 +50,23 @@ def estimates(
     except (CutpointError, KeyboardInterrupt) as error:  # what was found of the links is worth having without
         why = error if isinstance(error, CutpointError) else "Ctrl-C was pressed while they were sought"
         return Estimates(rigid, None, remarks=(f"springs were not identified: {why}",))
-    found = drives.joints.items()
+    found, remarks = drives.joints.items(), _coarse(drives)
     apart = tuple(joint for joint, each in found if each.apart and "rotor inertia" not in each.unidentifiable)
     if not apart:
-        return Estimates(rigid, drives)
+        return Estimates(rigid, drives, (), remarks)
     say("links again, by the rotors that the motors tell")
     again = _with_rotors(before, drives, apart, fitted, friction=rigid.friction or friction, **how)
-    return Estimates(again, drives, apart)
+    return Estimates(again, drives, apart, remarks)
+
+
+def _coarse(drives: DriveEstimates) -> tuple[str, ...]:
+    """A sentence if encoders are coarse beside what springs give way."""
+    counts = {joint: each.spring.counts for joint, each in drives.joints.items() if each.spring.counts < FINE}
+    if not counts:
+        return ()
+    told = ", ".join(f"{joint} {count:.0f}" for joint, count in counts.items())
+    few = f"half of a deflection's range is few steps of the encoders ({told})"
+    return (f"{few}: below {FINE:g}, rotors came out light by some percent, damping wrong by more, beside intervals",)
 
 
 def springs_wanted(before: Robot, recording: Recording, springs: bool | None) -> bool:

@@ -39,6 +39,10 @@ LOOSE = 20.0
 """Times its usual size: how far friction or an offset may be from the file's.  Told, they hardly feel it."""
 
 
+SHARPEST = 1e7
+"""Torques over their noise, all together: of logs that are more exact a solver would not see bodies beside them."""
+
+
 class Fit(NamedTuple):
     """Minimise |data @ unknowns - z|^2 + sum of distances / spread^2 over [X.ravel() of bodies, rotors, others].
 
@@ -94,7 +98,8 @@ def physical(
     check_solver(solver)
     if not (np.isfinite(prior_spread) and prior_spread > 0.0):
         raise InputError(f"prior_spread {prior_spread} must be positive, as a share: 0.5 is half of a body's mass")
-    fit = _fit(base, names, R, z, sizes, prior_spread)
+    blunt = min(1.0, SHARPEST / max(float(np.linalg.norm(z)), 1.0))
+    fit = _fit(base, names, blunt * R, blunt * z, sizes, prior_spread)
     if solver == "log_cholesky":
         from cutpoint.identification.rigid.log_cholesky import solve
 
