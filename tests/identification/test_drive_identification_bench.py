@@ -8,6 +8,7 @@ from drive_benches import PERIOD, RATIO, STEP, TURN, one_joint, shaken, wound
 
 import cutpoint
 from cutpoint.errors import InputError
+from cutpoint.identification import low_pass
 from cutpoint.identification.drives import (
     TwoMasses,
     fit_response,
@@ -95,6 +96,19 @@ def test_what_few_samples_tell_has_intervals_that_hold_as_often_as_they_say():
         found = two_encoders(theta, q, pulse, PERIOD, RATIO, laws=["linear"], orders=[], hysteresis=False)
         hits += abs(found["stiffness"] - 12e3) < 2.0 * found.deviations["stiffness"]
     assert 88 < hits < 100
+
+
+@pytest.mark.parametrize("band", [20.0, 40.0])
+def test_waves_that_a_filter_weakens_come_out_at_their_size(band: float):
+    time = PERIOD * np.arange(20000)
+    theta = 0.5 * np.sin(0.4 * np.pi * time)  # waves of order 2 at up to 20 Hz
+    torque = 50.0 * np.sin(0.9 * np.pi * time)
+    lead = torque / 8e3 + 1e-4 * np.sin(2.0 * RATIO * theta + 0.3)
+    channels = [theta, theta - lead + 1e-6 * np.random.default_rng(0).normal(size=time.size), torque]
+    smooth = [low_pass(x, PERIOD, band) for x in channels]
+    found = two_encoders(*smooth, PERIOD, RATIO, resolution=1e-6, orders=[2], hysteresis=False, band=band)
+    assert found.kinematic_error
+    assert found.kinematic_error.harmonics[0].amplitude == pytest.approx(1e-4, rel=0.02)
 
 
 def test_a_spring_that_torque_hardly_winds_is_declared_unidentifiable():

@@ -12,7 +12,7 @@ from arm_logs import LAW, TIME, TRUTH, channels, motions, run, wound, write_arm,
 from two_joints import urdf_text
 
 import cutpoint
-from cutpoint import Drive, LinearSpring, Robot, Rotor
+from cutpoint import Coulomb, Drive, LinearSpring, Robot, Rotor
 from cutpoint.errors import InputError
 from cutpoint.formats import parse_urdf
 from cutpoint.identification import Recording
@@ -56,6 +56,23 @@ def test_files_that_are_right_explain_torques_as_they_are(log: Any):
     found = identify(robot, Recording(TIME, TRUTH.joints, **log()), friction="stated")
     # noise of 0.01 N m, of which a tenth of the band is left, and friction's steps through the filter
     assert (found.errors.rms("before") < 0.02).all() and (found.errors.rms("after") < 0.02).all()
+
+
+@pytest.mark.parametrize("flicker", [0.0, 1e-5])
+def test_a_joint_that_stands_still_keeps_the_friction_that_its_file_states(flicker: float):
+    drive = Drive(100.0, Rotor(0.0), link_friction=Coulomb(2.0, 1.0, 0.05))
+    before = Robot(TRUTH.mechanism, dict.fromkeys(TRUTH.joints, drive))
+    q, v, a = (x * [1.0, 0.0] for x in motions())
+    torque = TRUTH.inverse_dynamics(q, v, a) + [1.0, 0.0] * LAW.torque(v)
+    rng = np.random.default_rng(2)
+    noisy = q + [1e-6, flicker] * rng.normal(size=q.shape), torque + 0.01 * rng.normal(size=q.shape)
+    found = identify(before, Recording(TIME, TRUTH.joints, q=noisy[0], torque=noisy[1]), friction="stated")
+    assert "elbow stood still: what moves with these alone, and their friction, is not told" in found.notes
+    numbers = {(number.joint, number.name): number for number in found.numbers}
+    for name, stated, true in (("coulomb", 2.0, 4.0), ("viscous", 1.0, 3.0)):
+        still, moving = numbers["elbow", f"{name}.elbow"], numbers["shoulder", f"{name}.shoulder"]
+        assert not still.told and still.used == pytest.approx(stated, rel=1e-3)
+        assert moving.told and moving.used == pytest.approx(true, rel=0.05)
 
 
 def test_waves_have_their_amplitude_however_long_the_motor_rests():

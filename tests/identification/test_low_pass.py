@@ -66,6 +66,25 @@ def test_the_default_cut_off_parts_motion_from_noise(noise: float):
     assert np.std(error) < 2.0 * noise * np.sqrt(2.0 * cutoff * PERIOD)
 
 
+@pytest.mark.parametrize("periods", [1, 3, 10, 40])
+def test_the_default_cut_off_keeps_the_harmonics_of_a_motion_however_often_it_is_repeated(periods: int):
+    t = PERIOD * np.arange(periods * 5000)
+    waves = [(k / 5.0, 0.5 / k**2) for k in (1, 2, 4, 5)]
+    q = sum(size * np.sin(2.0 * np.pi * f * t + f) for f, size in waves)
+    noisy = np.asarray(q)[:, None] + 1e-4 * np.random.default_rng(3).standard_normal((t.size, 1))
+    cutoff = noise_cutoff(noisy, PERIOD)
+    assert 1.0 < cutoff < 10.0
+    smooth, middle = low_pass(np.asarray(q), PERIOD, cutoff), slice(t.size // 4, -t.size // 4)
+    # what is lost of the motion is less than what is left of the noise
+    assert np.abs(smooth - q)[middle].max() < 1e-4 * np.sqrt(2.0 * cutoff * PERIOD)
+
+
+def test_a_channel_that_flickers_while_another_moves_does_not_raise_the_cut_off():
+    still = 1e-5 * (np.random.default_rng(5).random(T.size) < 0.3)
+    both = np.column_stack([positions(T)[:, 0] + 1e-5 * np.random.default_rng(6).standard_normal(T.size), still])
+    assert noise_cutoff(both, PERIOD) == noise_cutoff(both[:, :1], PERIOD)
+
+
 def test_all_channels_pass_one_filter_so_that_laws_between_them_hold():
     made = recording(4000)
     found = low_passed(made, 3.0)
