@@ -10,6 +10,7 @@ import numpy as np
 from cutpoint.errors import InputError
 from cutpoint.formats.drive_file_writing import worded
 from cutpoint.identification.conditioning.alignment import aligned
+from cutpoint.identification.conditioning.spikes import without_spikes
 from cutpoint.identification.drives.identify_drives import DriveEstimates
 from cutpoint.identification.logs.read_recording import read_recording
 from cutpoint.identification.logs.recording import UNEVEN, Recording
@@ -103,7 +104,7 @@ def identify(
         say("reading the log")
         before = robot if isinstance(robot, Robot) else load(robot, drives)
         recording = log if isinstance(log, Recording) else read_recording(log, mapping, before)
-        stamped = _at_uniform_times(recording)
+        stamped = _at_uniform_times(without_spikes(recording))
         recording = _acting(stamped, torque_delay)
         fitted, held_from = _fitted(recording, hold_out)
         drives_see = _fitted(stamped, hold_out)[0] if springs_wanted(before, fitted, springs) else None

@@ -1,0 +1,71 @@
+"""Single samples that are no measurements: a bit that fell over, a frame that was lost."""
+
+from dataclasses import replace
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.ndimage import correlate1d, maximum_filter1d, median_filter
+
+from cutpoint.identification.logs.recording import Recording
+
+Array = NDArray[np.float64]
+
+NEIGHBOURS = 5
+"""Samples whose median is what the middle one should be near."""
+
+CUBIC = np.array([-1.0, 4.0, 0.0, 4.0, -1.0]) / 6.0
+"""Weights of the same neighbours that say what a smooth curve has between them."""
+
+ROUNDS = 3
+"""Over a channel: of two spikes side by side one is found after the other."""
+
+MOST_ARE = 0.95
+"""Share of the samples that are as near as noise and motion have them."""
+
+FAR = 10.0
+"""Times as far as most samples are."""
+
+SELDOM = 0.02
+"""Share of the samples: what happens more often is no accident."""
+
+
+def without_spikes(recording: Recording) -> Recording:
+    """Samples of any channel that stand alone, far from their neighbours, replaced by these; notes say how many."""
+    channels = {name: np.array(values) for name, values in recording.channels.items()}
+    notes: list[str] = []
+    for name, values in channels.items():
+        for joint, column in zip(recording.joints, values.T, strict=True):
+            if count := _mended(column):
+                rule = f"{count} samples stand out of their neighbours more than {FAR:g} times as far as others do"
+                notes.append(f"{name} of {joint}: {rule}; replaced by these")
+    return replace(recording, **channels).with_notes(notes) if notes else recording
+
+
+def _mended(column: Array) -> int:
+    """Spikes of a channel (N,), which is changed; 0 where there are none, or more than spikes are."""
+    known = np.flatnonzero(np.isfinite(column))
+    if known.size < NEIGHBOURS:
+        return 0
+    x, mended = column[known], np.zeros(known.size, bool)
+    for _ in range(ROUNDS):
+        curve = correlate1d(x, CUBIC, mode="nearest")
+        spikes = _spikes(x, np.abs(x - curve))
+        x[spikes] = curve[spikes]
+        mended |= spikes
+    if mended.sum() > SELDOM * x.size:
+        return 0
+    column[known] = x
+    return int(mended.sum())
+
+
+def _spikes(x: Array, off_curve: Array) -> NDArray[np.bool_]:
+    """Which samples are farthest of those nearby, and as far from the median: a step is near that, a turn near both."""
+    away = np.abs(x - median_filter(x, NEIGHBOURS, mode="nearest"))
+    usual = max(float(np.quantile(off_curve, MOST_ARE)), _finest_step(x))
+    farthest = off_curve == maximum_filter1d(off_curve, NEIGHBOURS, mode="nearest")
+    return farthest & (off_curve > FAR * usual) & (away > 0.5 * off_curve)
+
+
+def _finest_step(x: Array) -> float:
+    steps = np.abs(np.diff(x))
+    return float(np.min(steps, where=steps > 0.0, initial=np.inf))

@@ -1,0 +1,54 @@
+"""Single samples that are no measurements do not reach the fit, and everything else does."""
+
+import numpy as np
+import pytest
+from arm_logs import LAW, TIME, TRUTH, channels
+
+from cutpoint import Drive, Robot
+from cutpoint.identification import Recording, identify
+from cutpoint.identification.conditioning.spikes import without_spikes
+
+RNG = np.random.default_rng(4)
+
+
+def recorded(**changed: np.ndarray) -> Recording:
+    return Recording(TIME, TRUTH.joints, **(channels() | changed))
+
+
+@pytest.mark.parametrize("name", ["q", "torque"])
+@pytest.mark.parametrize("size", [2.0, -20.0])
+def test_samples_that_stand_alone_are_replaced_by_their_neighbours_and_counted(name: str, size: float):
+    clean = channels()[name]
+    spiked = clean.copy()
+    where = RNG.choice(np.arange(10, TIME.size - 10, 8), 20, replace=False)
+    spiked[where, 1] += size
+    found = without_spikes(recorded(**{name: spiked}))
+    rule = "20 samples stand out of their neighbours more than 10 times as far as others do; replaced by these"
+    assert found.notes == (f"{name} of elbow: {rule}",)
+    untouched = np.delete(np.arange(TIME.size), where)
+    assert np.array_equal(found[name][untouched], clean[untouched])
+    assert np.abs(found[name] - clean).max() < 0.1 * abs(size)
+
+
+@pytest.mark.parametrize("kind", ["steps", "coarse", "held", "noise", "gaps"])
+def test_steps_coarse_encoders_held_values_noise_and_gaps_are_no_spikes(kind: str):
+    torque = channels()["torque"]
+    changed = {
+        "steps": torque + 30.0 * (np.sin(7.0 * TIME) > 0.0)[:, None],
+        "coarse": np.round(torque / 2.0) * 2.0,
+        "held": torque[(np.arange(TIME.size) // 10) * 10],
+        "noise": torque + RNG.normal(size=torque.shape),
+        "gaps": np.where((np.arange(TIME.size) % 997 < 40)[:, None], np.nan, torque),
+    }[kind]
+    before = recorded(torque=changed)
+    assert without_spikes(before) is before
+
+
+def test_friction_is_found_in_spite_of_spikes():
+    spiked = channels()["torque"].copy()
+    spiked[RNG.choice(TIME.size, 30, replace=False)] += 300.0
+    robot = Robot(TRUTH.mechanism, dict.fromkeys(TRUTH.joints, Drive(link_friction=LAW)))
+    found = identify(robot, recorded(torque=spiked), friction="stated")
+    for number in found.numbers:
+        if number.name.startswith("coulomb"):
+            assert number.value == pytest.approx(LAW.coulomb, rel=0.02)
