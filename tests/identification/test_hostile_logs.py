@@ -62,7 +62,7 @@ def test_python_objects_are_not_unpickled(tmp_path: Path):
         read_table(tmp_path / "log.npz")
     with zipfile.ZipFile(tmp_path / "log.npz", "w") as archive:
         archive.writestr("q.npy", packed.getvalue())
-    with pytest.raises(InputError, match=r"log holds no channel of numbers"):
+    with pytest.raises(InputError, match=r"log holds no channel of numbers; 'q' holds Python objects"):
         read_npz.read_npz(tmp_path / "log.npz")
 
 
@@ -123,13 +123,24 @@ def test_a_log_reads_no_other_file(tmp_path: Path):
             "1,2,3\n4,5,6\n",
             r"first line '1, 2, 3' must name the columns, as in 't, q1, q2, tau1, tau2' \(.*log.csv:1\)",
         ),
-        ("# a remark\n\nt,q\n0,1\n1\n", r"1 cells must be 2, as in the line of names \(.*log.csv:5\)"),
+        ("# a remark\n\nt,q\n0,1\n1\n2,3\n", r"1 cells must be 2, as in the line of names \(.*log.csv:5\)"),
+        ("t,q\n0,1\n1,2,3\n", r"3 cells must be 2, as in the line of names \(.*log.csv:3\)"),
         ("t,q,q\n0,1,2\n", r"column 'q' is named twice: each must have a name of its own \(.*log.csv:1\)"),
-        ("t,q\n0,1\n1,bent\n", r"column 'q' holds 'bent' among numbers \(.*log.csv:3\)"),
+        (
+            "t,q\ns,furlong\n0,1\n1,2\n",
+            r"below the names holds 's, furlong': .* 'furlong' is neither; .*\(.*log.csv:2\)",
+        ),
         ("t,q\n" + "1" * 200_000 + ",2\n", r"file is not UTF-8 text in columns: field larger"),
     ],
 )
 def test_a_wrong_text_is_refused_at_its_line(tmp_path: Path, text: str, message: str):
     (tmp_path / "log.csv").write_text(text)
     with pytest.raises(InputError, match=message):
+        read_table(tmp_path / "log.csv")
+
+
+@pytest.mark.parametrize("encoding", ["utf-16", "utf-16-le", "latin-1"])
+def test_a_text_in_another_encoding_is_refused_with_what_to_save_it_as(tmp_path: Path, encoding: str):
+    (tmp_path / "log.csv").write_bytes("t,q1 [°]\n0,1\n1,2\n".encode(encoding))
+    with pytest.raises(InputError, match=r"file is not UTF-8 text.* save it as UTF-8"):
         read_table(tmp_path / "log.csv")

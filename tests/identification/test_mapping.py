@@ -71,6 +71,23 @@ def test_a_unit_that_the_log_states_holds_unless_the_mapping_states_another():
     assert np.array_equal(mapped("q: {channels: x, unit: rad}", log)["q"], Q)
 
 
+def test_every_column_has_the_unit_that_the_log_states_for_it():
+    angles = {"a": Channel(Q[:, 0], unit="deg"), "b": Channel(Q[:, 1], unit="rad")}
+    torques = {"c": Channel(V[:, 0], unit="N m"), "d": Channel(V[:, 1], unit="mN m")}
+    found = mapped("q: [a, b]\ntorque: [c, d]", table(**angles, **torques))
+    assert np.allclose(found["q"], Q * [math.pi / 180.0, 1.0], rtol=1e-15, atol=0.0)
+    assert np.allclose(found["torque"], V * [1.0, 1e-3], rtol=1e-15, atol=0.0)
+    assert np.array_equal(mapped("q: {channels: [a, b], unit: rad}", table(**angles))["q"], Q)
+    with pytest.raises(ModelError, match=r"q: one of its columns states the unit 'deg', another none; state 'q.unit'"):
+        mapped("q: [a, x]", table(a=angles["a"], x=Q[:, 1]))
+
+
+def test_units_follow_their_columns_where_labels_pick_them():
+    own = {"x.a": Channel(Q[:, :1], ("a",), "deg"), "x.b": Channel(Q[:, 1:], ("b",), "rad")}
+    found = mapped("joints: [b, a]\nq: [x.a, x.b]", table(**own))
+    assert np.allclose(found["q"], Q[:, ::-1] * [1.0, math.pi / 180.0], rtol=1e-15, atol=0.0)
+
+
 def test_columns_are_picked_by_label_by_number_or_one_by_one():
     labelled = table(x=Channel(np.column_stack([Q, V]), ("a", "b", "c", "d")))
     assert np.array_equal(mapped("joints: [c, a]\nq: x", labelled)["q"], np.column_stack([V[:, 0], Q[:, 0]]))
@@ -85,6 +102,18 @@ def test_columns_are_picked_by_label_by_number_or_one_by_one():
 )
 def test_time_is_a_channel_in_its_unit_or_a_period(time: str, step: float):
     assert mapped(f"time: {time}\nq: x", table(x=Q)).time == pytest.approx(step * np.arange(100), abs=1e-15)
+
+
+@pytest.mark.parametrize(("stated", "step"), [("", 1e-6), ("unit: s", 1e-3), ("unit: us", 1e-9)])
+def test_a_time_is_in_the_mappings_unit_else_in_that_of_the_log(stated: str, step: float):
+    log = table(stamp=Channel(T, unit="ms"), x=Q)
+    found = mapped(f"time: {{channel: stamp, {stated}}}\nq: x", log)
+    assert found.time == pytest.approx(step * np.arange(100), abs=1e-15)
+
+
+def test_a_unit_that_is_no_time_is_refused():
+    with pytest.raises(ModelError, match=r"time: channel 'w' is in 'min', of which no time is known; state time.unit"):
+        mapped("time: {channel: w}\nq: x", table(w=Channel(T, unit="min"), x=Q))
 
 
 @pytest.mark.parametrize(
@@ -113,7 +142,7 @@ def test_time_is_a_channel_in_its_unit_or_a_period(time: str, step: float):
         ("joints: [a, a]\nq: x", r"joints \['a', 'a'\] must be names, each its own"),
         ("joints: [a]\nq: x", r"q has 2 columns: it must have one for each of a \(map.yaml:3\)"),
         ("time: {channel: t, period: 1}\nq: x", r"has both 'channel' and 'period'; state one of them"),
-        ("time: {period: -1}\nq: x", r"time.period -1.0 must be positive"),
+        ("time: {period: -1}\nq: x", r"time.period -1.0 s must be positive"),
         ("q: [x, w]", r"q: channel 'w' was sampled at other times than those beside it"),
     ],
 )
@@ -192,6 +221,58 @@ def test_columns_that_are_named_otherwise_than_the_positions_are_refused():
 
     log = table(**{"q.a": Q[:, 0], "q.b": Q[:, 1], "tau1": TAU[:, 0], "tau2": TAU[:, 1]})
     with pytest.raises(InputError, match=r"columns 'tau1', 'tau2': none of them is named like 'q.a'; name them alike"):
+        obvious_mapping(log)
+
+
+def obvious(*names: str, joints: tuple[str, ...] = ()) -> Recording:
+    """Of columns of these names; column k is k times the first joint's motion."""
+    from cutpoint.identification.logs.mapping import obvious_mapping
+
+    log = table(**{name: (k + 1.0) * Q[:, 0] for k, name in enumerate(names)})
+    return recording_of(log, obvious_mapping(log, joints))
+
+
+@pytest.mark.parametrize(
+    ("names", "taken"),
+    [
+        (("desired/q0", "desired/q1", "actual/q0", "actual/q1"), (3.0, 4.0)),
+        (("q0", "q1", "ref/q0", "ref/q1"), (1.0, 2.0)),
+        (("Setpoint.q0", "measured.q0"), (2.0,)),
+        (("cmd/q0", "q0"), (2.0,)),
+        (("desired/q0", "desired/q1", "actual/q0"), (3.0,)),
+        (("desired/q0", "actual/position0"), (2.0,)),
+        (("cmd/q0", "cmd/q1"), (1.0, 2.0)),
+    ],
+)
+def test_what_was_measured_is_taken_and_not_what_was_asked_for(names: tuple[str, ...], taken: tuple[float, ...]):
+    assert np.array_equal(obvious(*names)["q"], np.outer(Q[:, 0], taken))
+
+
+def test_a_commanded_torque_is_taken_if_it_is_alone():
+    assert np.array_equal(obvious("q0", "command/tau0")["torque"][:, 0], 2.0 * Q[:, 0])
+    assert np.array_equal(obvious("q0", "command/tau0", "tau0")["torque"][:, 0], 3.0 * Q[:, 0])
+
+
+@pytest.mark.parametrize(
+    "names",
+    [
+        ("left/q0", "right/q0", "right/tau0", "left/tau0"),
+        ("q0", "actual/q0"),
+        ("desired/q0", "target/q0"),
+        ("q0", "left/tau0", "right/tau0"),
+    ],
+)
+def test_columns_that_are_named_alike_are_refused_by_name(names: tuple[str, ...]):
+    with pytest.raises(InputError, match=r"'.*0' and '.*0' are named alike: .*; give a mapping"):
+        obvious(*names)
+
+
+def test_of_matrices_that_are_named_alike_the_one_that_names_the_robots_joints_is_taken():
+    from cutpoint.identification.logs.mapping import obvious_mapping
+
+    log = table(**{"arm.position": Channel(Q, ("a", "b")), "hand.position": Channel(V, ("c", "d"))})
+    assert np.array_equal(recording_of(log, obvious_mapping(log, ("c", "d")))["q"], V)
+    with pytest.raises(InputError, match=r"'arm.position' and 'hand.position' are named alike"):
         obvious_mapping(log)
 
 

@@ -63,6 +63,36 @@ def test_gaps_are_noted_with_the_longest():
     assert found.notes == ("q: 1 gaps above 0.0025 s; the longest, 0.031 s, is at 0.199 s",)
 
 
+def test_a_clock_that_leaps_ahead_leaves_ten_seconds_of_which_nothing_is_known():
+    leapt = read(T + np.where(np.arange(T.size) < 250, 0.0, 3600.0), Q)
+    assert np.allclose(leapt.time, T + np.where(np.arange(T.size) < 250, 0.0, 10.0 - 1e-3), rtol=0.0, atol=1e-9)
+    assert np.array_equal(leapt["q"], Q)
+    assert leapt.notes[1] == (
+        "time: 1 gaps above 10 s, the first, 3600 s, at 0.249 s; 10 s are left of each, and later times are moved "
+        "to earlier ones"
+    )
+    assert np.isfinite(leapt.resampled(1e-3)["q"]).sum() == Q.size
+
+
+@pytest.mark.parametrize("gap", [9.9, 1.0])
+def test_a_shorter_gap_stays_as_long_as_it_was(gap: float):
+    found = read(T + np.where(np.arange(T.size) < 250, 0.0, gap), Q)
+    assert found.time[-1] == pytest.approx(T[-1] + gap)
+    assert len(found.notes) == 1
+
+
+def test_channels_of_their_own_times_stay_together_across_a_long_gap():
+    stamps = T + np.where(np.arange(T.size) < 250, 0.0, 3600.0)
+    own = stamps[::2] + 0.25e-3
+    log = Table("log", {"q": Channel(Q, JOINTS, stamps=stamps), "v": Channel(positions(own), JOINTS, stamps=own)})
+    found = recording_of(log, parse_mapping("version: 1\nq: q\nv: v"))
+    both = found.complete()
+    # positions(t) stand for both; a spline of step h errs by h^4 |q| at most, and q < 7e3
+    motion = positions(stamps)
+    assert both.sum() > 390
+    assert np.allclose(found["v"][both], motion[both], rtol=0.0, atol=7e3 * 2e-3**4)
+
+
 def test_a_period_that_is_another_units_is_noted():
     for factor, unit in ((1e3, "ms"), (1e6, "us"), (1e9, "ns")):
         (note,) = read(factor * T, Q).notes
@@ -74,7 +104,7 @@ def test_a_period_that_is_another_units_is_noted():
     [
         (
             np.concatenate([T[:250], T[:150]]),
-            r"q: time goes back by 0.249 s at sample 250: a clock was set",
+            r"q: time goes back by 0.249 s at sample 250: a clock was set, .*; cut the log there, and give one part",
         ),
         (np.floor(T / 4e-3) * 4e-3, r"q: samples at the time of another, .*: 300 of 400, more than 5%"),
         (np.where(np.arange(400) % 4, T, np.nan), r"q: samples without a time: 100 of 400, more than 5%: take another"),

@@ -1,58 +1,46 @@
 """Which channels are which where their names say so, as those of ROS, RTDE and our own logs do."""
 
-import re
 from collections.abc import Iterable, Mapping, Sequence
+from typing import NamedTuple
 
 from cutpoint.errors import InputError
+from cutpoint.identification.logs.channel_names import KNOWN, NAMES, is_wished, letters, name_and_label
 from cutpoint.identification.logs.mapping_sheet import MappingSheet
 from cutpoint.identification.logs.table import Table
 from cutpoint.model.places import listed
 
-TIME = ("time", "t", "timestamp", "timestamps", "stamp", "stamps", "timesec", "times")
-"""Names of times; here and below only letters count, and of a path only the end."""
 
-NAMES = {
-    "q": (
-        "measuredq",
-        "q",
-        "actualq",
-        "position",
-        "positions",
-        "pos",
-        "jointposition",
-        "jointpositions",
-        "linkposition",
-    ),
-    "theta": ("measuredtheta", "theta", "motorposition", "motorpositions", "qmotor"),
-    "v": ("measuredv", "v", "qd", "dq", "qdot", "actualqd", "velocity", "velocities", "vel", "jointvelocity"),
-    "theta_dot": ("measuredthetadot", "thetadot", "motorvelocity", "motorvelocities", "dtheta", "qdmotor"),
-    "torque": ("motortorque", "tau", "torque", "torques", "effort", "efforts", "actualtorque", "commandtorque"),
-    "current": ("current", "currents", "motorcurrent", "motorcurrents", "actualcurrent"),
-}
-"""Of each quantity, the likeliest first."""
+class Group(NamedTuple):
+    """Channels of one known name, by what tells them apart: a joint, a number, or nothing.
 
+    twins: of those that another one is named like, which one.  wished: whether all were asked for, not measured.
+    """
 
-KNOWN = frozenset(name for names in NAMES.values() for name in names)
-
-Groups = dict[str, dict[str, str]]
-"""Channels by the known name that theirs has, and by what tells them apart: a joint, a number, or nothing."""
+    channels: dict[str, str]
+    twins: dict[str, str]
+    wished: bool
 
 
 def default_mapping(table: Table, joints: Sequence[str] = ()) -> MappingSheet:
     """The mapping that names suggest, all in SI: a matrix `q`, or columns `q1`, `q_2`, `q[3]`, `q.elbow`, `elbow_pos`.
 
     joints: of the robot, if it is known; columns that are named after them are found by their names.
-    Raises InputError where no name suggests a position, or columns of one quantity are not named as another's are.
+    Of columns that are named alike, as `desired/q1` and `actual/q1`, those that were asked for are left aside.
+
+    Raises InputError where no name suggests a position, where columns are named alike and nothing says which one was
+    measured, or where those of one quantity are not named as another's are.
     """
     groups = _groups(table, joints)
-    likeliest = {quantity: next((name for name in names if name in groups), "") for quantity, names in NAMES.items()}
+    likeliest = {quantity: _likeliest(names, groups) for quantity, names in NAMES.items()}
     first = likeliest["q"] or likeliest["theta"]
     if not first:
         there = listed(list(table.channels))
-        raise InputError(f"no channel is named like a position; give a mapping.  There are: {there}", place=table.file)
-    labels = _in_order(groups[first], joints)
+        rule = f"no channel is named like a position; give a mapping.  There are: {there}{table.besides}"
+        raise InputError(rule, place=table.file)
+    positions = groups[first].channels
+    labels = _in_order(positions, joints)
     found = {
-        quantity: {"channels": _channels(groups[first], groups[name], labels, table)}
+        quantity: {"channels": _channels(positions, groups[name], labels, table)}
         for quantity, name in likeliest.items()
         if name
     }
@@ -60,24 +48,35 @@ def default_mapping(table: Table, joints: Sequence[str] = ()) -> MappingSheet:
     return MappingSheet.model_validate({"version": 1.0, "joints": named, **found})
 
 
-def time_channel(names: Iterable[str]) -> str | None:
-    """The first channel that is named like a time."""
-    by_letters = {_letters(name): name for name in reversed(list(names))}
-    return next((by_letters[name] for name in TIME if name in by_letters), None)
-
-
-def _groups(table: Table, joints: Sequence[str]) -> Groups:
-    """The first matrix of a known name, or all columns."""
-    groups: Groups = {}
+def _groups(table: Table, joints: Sequence[str]) -> dict[str, Group]:
+    """By known name: the matrices of that name, or all columns."""
+    found: dict[str, list[tuple[str, str]]] = {}
     for name, channel in table.channels.items():
-        if channel.width > 1 and _letters(name) in KNOWN:
-            groups.setdefault(_letters(name), {"": name})
-    matrices = frozenset(groups)
+        if channel.width > 1 and letters(name) in KNOWN:
+            found.setdefault(letters(name), []).append(("", name))
+    matrices = frozenset(found)
     for name, channel in table.channels.items():
-        known, label = _named(name, joints)
+        known, label = name_and_label(name, joints)
         if channel.width == 1 and known in KNOWN - matrices:
-            groups.setdefault(known, {}).setdefault(label, name)
-    return groups
+            found.setdefault(known, []).append((label, name))
+    return {known: _group(columns, table, joints) for known, columns in found.items()}
+
+
+def _group(columns: list[tuple[str, str]], table: Table, joints: Sequence[str]) -> Group:
+    """One channel of each label: of several, those of the robot's joints, and those that were measured."""
+    rules = (lambda name: bool(set(joints) & set(table.channels[name].labels)), lambda name: not is_wished(name))
+    for is_better in rules:
+        better = [column for column in columns if is_better(column[1])]
+        if better and len({label for label, _ in columns}) < len(columns):
+            columns = better
+    channels: dict[str, str] = {}
+    twins = {channels[label]: name for label, name in columns if channels.setdefault(label, name) != name}
+    return Group(channels, twins, all(is_wished(name) for name in channels.values()))
+
+
+def _likeliest(names: Sequence[str], groups: Mapping[str, Group]) -> str:
+    """The first of the names that something has, before all of what was only asked for."""
+    return min((name for name in names if name in groups), key=lambda name: groups[name].wished, default="")
 
 
 def _in_order(group: Mapping[str, str], joints: Sequence[str]) -> list[str]:
@@ -87,45 +86,23 @@ def _in_order(group: Mapping[str, str], joints: Sequence[str]) -> list[str]:
     return sorted(group, key=int) if all(label.isdigit() for label in group) else list(group)
 
 
-def _channels(first: Mapping[str, str], group: Mapping[str, str], labels: Sequence[str], table: Table) -> list[str]:
+def _channels(first: Mapping[str, str], group: Group, labels: Sequence[str], table: Table) -> list[str]:
     """A quantity's columns in the order of the position's.  Raises InputError."""
-    if set(labels) <= set(group):
-        return [group[label] for label in labels]
-    if (_are_numbers(labels) and _are_numbers(group)) or "" in (*first, *group):
-        return [group[label] for label in _in_order(group, ())]
-    lacking = next(label for label in labels if label not in group)
-    rule = f"none of them is named like {first[lacking]!r}; name them alike, or give a mapping"
-    raise InputError(f"columns {listed(list(group.values()))}: {rule}", place=table.file)
+    own = group.channels
+    if not set(labels) <= set(own):
+        if not ((_are_numbers(labels) and _are_numbers(own)) or "" in (*first, *own)):
+            lacking = next(label for label in labels if label not in own)
+            rule = f"none of them is named like {first[lacking]!r}; name them alike, or give a mapping"
+            raise InputError(f"columns {listed(list(own.values()))}: {rule}{table.besides}", place=table.file)
+        labels = _in_order(own, ())
+    found = [own[label] for label in labels]
+    twin = next((name for name in found if name in group.twins), None)
+    if twin:
+        rule = "nothing says which one was measured on this robot; give a mapping that does"
+        raise InputError(f"{twin!r} and {group.twins[twin]!r} are named alike: {rule}", place=table.file)
+    return found
 
 
 def _are_numbers(labels: Iterable[str]) -> bool:
     """Whether columns are told apart by numbers, or need not be."""
     return all(label.isdigit() or not label for label in labels)
-
-
-def _named(name: str, joints: Sequence[str]) -> tuple[str, str]:
-    """The letters of a column's name without its joint or its number, and these: `q_elbow`, `q.elbow`, `q1`."""
-    # longest first: `elbow_2` is not `elbow`
-    for joint in sorted(joints, key=len, reverse=True):
-        before, there, after = _parted(name, joint)
-        rest = _letters(f"{before}{after}".strip("._-/ []()"))
-        if there and rest in KNOWN:
-            return rest, joint
-    numbered = re.fullmatch(r"(.*?)[\s_-]*[\[(]?(\d+)[\])]?", name)
-    if numbered and _letters(numbered[1]) in KNOWN:
-        return _letters(numbered[1]), str(int(numbered[2]))
-    if _letters(name) in KNOWN:
-        return _letters(name), ""
-    stem, _, label = name.rpartition(".")
-    return _letters(stem), label
-
-
-def _parted(name: str, joint: str) -> tuple[str, str, str]:
-    """What stands before a joint's name, that name as a word of its own, and what stands after it."""
-    found = re.search(rf"(?<![A-Za-z0-9]){re.escape(joint)}(?![A-Za-z0-9])", name)
-    return (name[: found.start()], joint, name[found.end() :]) if found else (name, "", "")
-
-
-def _letters(name: str) -> str:
-    """Of the end of a path, in small letters."""
-    return re.sub(r"[^a-z]", "", re.split(r"[./]", name)[-1].lower())

@@ -1,10 +1,13 @@
-"""The mapping file's fields: which channels of a log are which quantity, and in what units and on which side."""
+"""The mapping file's fields: which channels of a log are which quantity, and in what units and on which side.
+
+`docs/log-mapping.md` says the same in prose and is checked against this.
+"""
 
 from typing import Annotated, Any, Literal
 
 from pydantic import BeforeValidator, Field
 
-from cutpoint.formats.sheet import Sheet
+from cutpoint.formats.sheet import Sheet, quantity
 
 
 def _as_list(value: Any) -> Any:
@@ -24,26 +27,28 @@ Names = Annotated[list[str], BeforeValidator(_as_list), Field(min_length=1)]
 class ChannelSheet(Sheet):
     """One quantity.  Its value is sign * gain * unit * what the log says, brought to the joint's side, plus offset."""
 
-    channels: Names = Field(description="of the log: one matrix, or one channel for each joint")
-    unit: str | None = Field(None, description="of the log's numbers; as the log states it, or SI, if not stated")
-    gain: Numbers | None = Field(None, description="what a unit is worth: N m for each A, or V, or %")
-    counts_per_turn: Annotated[list[Annotated[float, Field(gt=0)]], BeforeValidator(_as_list)] | None = Field(
-        None, description="of an encoder whose unit is counts or counts/s, at the side that it is on"
+    channels: Names = Field(description="names in the log: one matrix, or one channel or column for each joint")
+    unit: str | None = Field(None, description="of all columns; what the log states for each, or SI, if not stated")
+    gain: Numbers | None = quantity("SI", "SI", "what one `unit` is worth: N m for each A, or V, or %", None)
+    counts_per_turn: Annotated[list[Annotated[float, Field(gt=0)]], BeforeValidator(_as_list)] | None = quantity(
+        "counts", "counts", "of an encoder whose unit is counts or counts/s, at the side that it is on", None
     )
     sign: Numbers = Field([1.0], description="1, or -1 where the log counts the other way than the robot")
     side: Literal["link", "motor"] = Field(
         "link",
-        description="motor: as at the rotor's shaft; ratio divides positions and speeds, and multiplies torques",
+        description="motor: as at the rotor's shaft; `ratio` divides positions and speeds, and multiplies torques",
     )
-    offset: Numbers = Field([0.0], description="added in the end, SI at the joint's side: where an encoder's zero lies")
+    offset: Numbers = quantity("SI", "SI", "added in the end, at the joint's side: where an encoder's zero lies", [0.0])
 
 
 class TimeSheet(Sheet):
     """When samples were taken: a channel, or a period where the log has none."""
 
-    channel: str | None = Field(None, description="of the log; one called t, time or timestamp if not stated")
-    unit: Literal["s", "ms", "us", "ns"] = Field("s", description="of the channel")
-    period: float | None = Field(None, gt=0, description="s between samples, instead of a channel")
+    channel: str | None = Field(None, description="of the log; the first that is named like a time, if not stated")
+    unit: Literal["s", "ms", "us", "ns"] | None = Field(
+        None, description="of the channel; what the log states, or s, if not stated"
+    )
+    period: float | None = quantity("s", "s", "between samples, instead of a channel", None, gt=0)
 
 
 Quantity = Annotated[ChannelSheet | None, BeforeValidator(_as_channels)]
@@ -54,11 +59,13 @@ class MappingSheet(Sheet):
 
     version: float = Field(description="of this format: 1")
     joints: Names | None = Field(None, description="names, in the order of columns; picks columns that the log labels")
-    ratio: Numbers | None = Field(None, description="signed motor turns per joint turn; the robot's if not stated")
+    ratio: Numbers | None = quantity(
+        "1", "rad/m", "signed motor turns per joint turn; the robot's drives', if not stated", None
+    )
     time: TimeSheet = Field(TimeSheet.model_validate({}), description="when samples were taken")
     q: Quantity = Field(None, description="position of the link")
     theta: Quantity = Field(None, description="position of the motor")
     v: Quantity = Field(None, description="speed of the link")
     theta_dot: Quantity = Field(None, description="speed of the motor")
-    torque: Quantity = Field(None, description="of the motor, commanded or measured")
-    current: Quantity = Field(None, description="of the motor")
+    torque: Quantity = Field(None, description="torque or force of the motor, commanded or measured")
+    current: Quantity = Field(None, description="current of the motor")

@@ -8,20 +8,31 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cutpoint.identification.logs.mapping import ChannelMap, check_unit
-from cutpoint.identification.logs.mapping_sheet import ChannelSheet
 from cutpoint.identification.logs.table import Channel, Table
 from cutpoint.identification.logs.units import COUNTS, UNITS
+from cutpoint.identification.logs.wrapping import spans
 
 Array = NDArray[np.float64]
 
 
 class Columns(NamedTuple):
-    """Channels side by side: values (N, n), labels of their columns, and a unit and stamps where the log has them."""
+    """Channels side by side: values (N, n), labels and units of their columns, and stamps where the log has them."""
 
     values: Array
     labels: tuple[str, ...]
-    unit: str
+    units: tuple[str, ...]
     stamps: Array | None
+
+
+class Measured(NamedTuple):
+    """A quantity in SI at the joint's side, values (N, n), and stamps (N,) where the log has its own for it.
+
+    spans: (k, n), after how much its sensor may start anew; see `wrapping.spans`.
+    """
+
+    values: Array
+    stamps: Array | None
+    spans: Array
 
 
 def columns_of(name: str, mapping: ChannelMap, table: Table) -> Columns:
@@ -33,39 +44,52 @@ def columns_of(name: str, mapping: ChannelMap, table: Table) -> Columns:
             complaint = f"{name}: channel {wanted!r} was sampled at other times than those beside it"
             raise mapping.section.error((name, "channels"), complaint)
     labels = tuple(label for channel in channels for label in channel.labels)
+    units = tuple(channel.unit for channel in channels for _ in range(channel.width))
     values = np.column_stack([channel.values for channel in channels])
-    return Columns(values, labels if len(labels) == values.shape[1] else (), first.unit, first.stamps)
+    return Columns(values, labels if len(labels) == values.shape[1] else (), units, first.stamps)
 
 
-def picked(name: str, columns: Columns, joints: Sequence[str], mapping: ChannelMap) -> Array:
-    """The columns of these joints, (N, n): by their labels, or all where there are as many.  Raises ModelError."""
+def picked(name: str, columns: Columns, joints: Sequence[str], mapping: ChannelMap) -> Columns:
+    """The columns of these joints: by their labels, or all where there are as many.  Raises ModelError."""
     if set(joints) <= set(columns.labels):
-        return columns.values[:, [columns.labels.index(joint) for joint in joints]]
+        chosen = [columns.labels.index(joint) for joint in joints]
+        units = tuple(columns.units[k] for k in chosen)
+        return Columns(columns.values[:, chosen], tuple(joints), units, columns.stamps)
     if columns.values.shape[1] != len(joints):
         shown = f", labelled {', '.join(columns.labels)}" if columns.labels else ""
         complaint = (
             f"{name} has {columns.values.shape[1]} columns{shown}: it must have one for each of {', '.join(joints)}"
         )
         raise mapping.section.error((name, "channels"), complaint)
-    return columns.values
+    return columns
 
 
-def in_si(name: str, values: Array, unit: str, ratio: Array | None, mapping: ChannelMap) -> Array:
-    """Values (N, n) in the log's unit as SI at the joint's side.
+def in_si(name: str, columns: Columns, ratio: Array | None, slides: NDArray[np.bool_], mapping: ChannelMap) -> Measured:
+    """Columns in the log's units as SI at the joint's side.
 
-    unit: as the log states it.  ratio: (n,), or None where nobody stated it.
+    ratio: (n,), or None where nobody stated it.  slides: (n,), which joints are known to slide.
     Raises ModelError: a unit or a side that needs a number, lists of another length than there are joints.
     """
-    sheet, joints = mapping.quantities[name], values.shape[1]
-    lists = {key: sized(name, key, getattr(sheet, key), joints, mapping) for key in ("sign", "offset")}
-    factor = lists["sign"] * _unit_factor(name, sheet, unit, joints, mapping)
+    sheet, joints = mapping.quantities[name], columns.values.shape[1]
+    sign, offset, gain, per_turn = (
+        sized(name, key, given, joints, mapping)
+        for key, given in (
+            ("sign", sheet.sign),
+            ("offset", sheet.offset),
+            ("gain", sheet.gain or [1.0]),
+            ("counts_per_turn", sheet.counts_per_turn or [np.nan]),
+        )
+    )
+    units = _units(name, columns, mapping)
+    factor = sign * gain * _unit_factors(name, units, per_turn)
     if sheet.side == "motor" and name != "current":
         if ratio is None:
             raise mapping.section.error(
                 (name, "side"), f"{name}.side 'motor' needs 'ratio': motor turns per joint turn"
             )
         factor = factor * ratio if name == "torque" else factor / ratio
-    return values * factor + lists["offset"]
+    anew = np.where(slides & (sheet.side == "link"), np.nan, np.abs(factor) * spans(name, units, per_turn))
+    return Measured(columns.values * factor + offset, columns.stamps, anew)
 
 
 def sized(name: str, key: str, given: Sequence[float], joints: int, mapping: ChannelMap) -> Array:
@@ -83,14 +107,24 @@ def _channel(name: str, wanted: str, mapping: ChannelMap, table: Table) -> Chann
     return channel
 
 
-def _unit_factor(name: str, sheet: ChannelSheet, stated: str, joints: int, mapping: ChannelMap) -> Array:
-    """What the log's numbers are multiplied with, (n,)."""
-    unit = sheet.unit or stated or next(iter(UNITS[name]))
-    check_unit(name, sheet, unit, mapping.section)
-    gain = sized(name, "gain", sheet.gain or [1.0], joints, mapping)
-    if unit == COUNTS.get(name) and sheet.counts_per_turn:
-        return gain * 2.0 * math.pi / sized(name, "counts_per_turn", sheet.counts_per_turn, joints, mapping)
-    return gain * UNITS[name].get(unit, 1.0)
+def _units(name: str, columns: Columns, mapping: ChannelMap) -> list[str]:
+    """Of each column: the mapping's, the log's, or SI.  Raises ModelError where the log states those of some alone."""
+    sheet, si = mapping.quantities[name], next(iter(UNITS[name]))
+    units = [sheet.unit or stated or si for stated in columns.units]
+    for unit in dict.fromkeys(units):
+        check_unit(name, sheet, unit, mapping.section)
+    stated = next((unit for unit in units if UNITS[name].get(unit) != 1.0), None)
+    if stated and not sheet.unit and "" in columns.units:
+        rule = f"{name}: one of its columns states the unit {stated!r}, another none; state '{name}.unit' in a mapping"
+        raise mapping.section.error((name, "unit"), rule)
+    return units
+
+
+def _unit_factors(name: str, units: Sequence[str], per_turn: Array) -> Array:
+    """What the log's numbers are multiplied with, (n,), but for a gain."""
+    factors = np.array([UNITS[name].get(unit, 1.0) for unit in units])
+    counted = np.array([unit == COUNTS.get(name) for unit in units]) & np.isfinite(per_turn)
+    return np.where(counted, 2.0 * math.pi / per_turn, factors)
 
 
 def stated_ratio(joints: Sequence[str], ratios: Mapping[str, float], mapping: ChannelMap) -> Array | None:

@@ -11,9 +11,11 @@ from cutpoint.errors import InputError
 from cutpoint.identification.logs.table import Table, channel, check_size
 from cutpoint.simulation.log_files import UNREADABLE
 
+OBJECTS = "Python objects"
+
 
 def read_npz(path: Path) -> Table:
-    """The arrays of numbers in an .npz, by name; Python objects are never unpickled.
+    """The arrays of numbers in an .npz, by name; Python objects are never unpickled, and a note names them.
 
     Raises InputError: no archive of arrays, or one that unpacks to more than is read.
     """
@@ -26,18 +28,21 @@ def read_npz(path: Path) -> Table:
         raise
     except UNREADABLE as error:
         raise InputError(f"file is not an archive of NumPy arrays: {error}", place=path) from error
-    channels = {name: channel(values) for name, values in found.items() if values is not None}
-    return Table(str(path), {name: each for name, each in channels.items() if each is not None})
+    channels = {name: channel(values) for name, values in found.items() if not isinstance(values, str)}
+    left_out = {name: kind for name, kind in found.items() if isinstance(kind, str)}
+    remedy = "they are never read; save an array of numbers"
+    notes = tuple(f"{name!r} holds {OBJECTS}: {remedy}" for name, kind in left_out.items() if kind == OBJECTS)
+    return Table(str(path), {name: each for name, each in channels.items() if each is not None}, left_out, notes)
 
 
-def _array(archive: zipfile.ZipFile, name: str) -> NDArray[Any] | None:
-    """A member's numbers; None for objects and texts, ValueError for one that promises more than it holds."""
+def _array(archive: zipfile.ZipFile, name: str) -> NDArray[Any] | str:
+    """A member's numbers, or what it holds instead; ValueError for one that promises more than it holds."""
     member = archive.getinfo(name)
     with archive.open(member) as file:
         read = {(1, 0): np.lib.format.read_array_header_1_0, (2, 0): np.lib.format.read_array_header_2_0}
         shape, _, dtype = read[np.lib.format.read_magic(file)](file)
     if dtype.kind not in "fiub":
-        return None
+        return {"O": OBJECTS, "U": "text", "S": "text"}.get(dtype.kind, f"{dtype}, no numbers")
     if dtype.itemsize * int(np.prod(shape, dtype=object)) > member.file_size:
         raise ValueError(f"{name} of type {dtype} and shape {shape} is larger than its {member.file_size} bytes")
     with archive.open(member) as file:

@@ -31,7 +31,9 @@ def read_parquet(path: Path) -> Table:
     while any(pyarrow.types.is_struct(field.type) for field in table.schema):
         table = table.flatten()
     found = {name: _channel(table.column(k)) for k, name in enumerate(table.column_names)}
-    return Table(str(path), {name: each for name, each in found.items() if each is not None})
+    kinds = dict(zip(table.column_names, table.schema.types, strict=True))
+    left_out = {name: f"no numbers, but {kinds[name]}" for name, each in found.items() if each is None}
+    return Table(str(path), {name: each for name, each in found.items() if each is not None}, left_out)
 
 
 def _channel(column: Any) -> Channel | None:

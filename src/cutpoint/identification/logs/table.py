@@ -10,12 +10,16 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cutpoint.errors import CutpointError, InputError
+from cutpoint.identification.logs.units import name_and_unit
 from cutpoint.model.places import those_that_exist
 
 Array = NDArray[np.float64]
 
 LARGEST = 1_000_000_000
 """Bytes of a log file, and of the arrays it unpacks to: as for our own logs."""
+
+SHOWN = 4
+"""Channels without numbers that a message names."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -44,14 +48,20 @@ class Channel:
 
 @dataclass(frozen=True, eq=False)
 class Table:
-    """The channels of a log file, by name."""
+    """The channels of a log file, by name.
+
+    left_out: what else has a name there, and what it holds instead of numbers: `text, such as 'idle'`.
+    notes: what was repaired in reading, in words for a reader.
+    """
 
     file: str
     channels: Mapping[str, Channel] = field(default_factory=dict[str, Channel])
+    left_out: Mapping[str, str] = field(default_factory=dict[str, str])
+    notes: tuple[str, ...] = ()
 
     def __post_init__(self) -> None:
         if not self.channels:
-            raise InputError("log holds no channel of numbers", place=self.file)
+            raise InputError(f"log holds no channel of numbers{self.besides}", place=self.file)
 
     def find(self, name: str) -> Channel | None:
         """The channel of a name, or a column of one: `effort.elbow` by its label, `rec.speed[2]` counted from 0."""
@@ -63,11 +73,20 @@ class Table:
         place = re.fullmatch(r"(.+)\[(\d{1,4})\]", name)
         if place and place[1] in self.channels and int(place[2]) < self.channels[place[1]].width:
             return self.channels[place[1]].column(int(place[2]))
-        return None
+        bare, unit = name_and_unit(name)
+        return self.find(bare) if unit else None
 
     def missing(self, name: str) -> str:
         """What to say of a name that nothing is found under."""
-        return f"the log has no channel {name!r}; {those_that_exist(name, self.channels)}"
+        if name in self.left_out:
+            return f"the log's channel {name!r} holds {self.left_out[name]}: it must hold numbers"
+        return f"the log has no channel {name!r}; {those_that_exist(name, self.channels)}{self.besides}"
+
+    @property
+    def besides(self) -> str:
+        """The end of a message about what is missing: what was left out, as it may be that."""
+        found = [f"{name!r} holds {what}" for name, what in self.left_out.items()]
+        return "".join(f"; {each}" for each in found[:SHOWN]) + ("; ..." if len(found) > SHOWN else "")
 
 
 def channel(values: Any, **words: Any) -> Channel | None:

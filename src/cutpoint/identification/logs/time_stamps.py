@@ -26,6 +26,12 @@ SET_BACK = 10.0
 SLOW = 0.5
 """s: nobody logs a moving machine at a longer period, so another unit is suspected."""
 
+LONGEST_GAP = 10.0
+"""s, or `LONGEST_GAP_STEPS` steps if those are longer: what is left of a gap that is longer.  A clock that leaps by an
+hour would else fill the log with samples of which nothing is known."""
+
+LONGEST_GAP_STEPS = 100.0
+
 
 class Ordered(NamedTuple):
     """times (M,), s, increasing from 0; start: the first stamp, s; rows (M,): where in the log each comes from."""
@@ -52,6 +58,19 @@ def ordered(stamps: Array, values: Array, name: str) -> Ordered:
     return Ordered(times, float(stamps[rows[0]]), rows, notes)
 
 
+def without_long_gaps(times: Array, notes: list[str]) -> Array:
+    """Times (N,), s, of which those after a long gap are moved to earlier ones, with a note."""
+    steps = np.diff(times)
+    kept = max(LONGEST_GAP, LONGEST_GAP_STEPS * float(np.median(steps)))
+    far = steps > kept
+    if not far.any():
+        return times
+    first = int(np.argmax(far))
+    found = f"{far.sum()} gaps above {kept:.3g} s, the first, {steps[first]:.6g} s, at {times[first]:.6g} s"
+    notes.append(f"time: {found}; {kept:.3g} s are left of each, and later times are moved to earlier ones")
+    return times - np.concatenate([[0.0], np.cumsum(np.where(far, steps - kept, 0.0))])
+
+
 def _finite(stamps: Array, name: str, notes: list[str]) -> NDArray[np.intp]:
     rows = np.flatnonzero(np.isfinite(stamps))
     _leave_out(stamps.size - rows.size, stamps.size, f"{name}: samples without a time", notes)
@@ -70,7 +89,7 @@ def _sorted(stamps: Array, rows: NDArray[np.intp], name: str, notes: list[str]) 
     if back.size < BAD * rows.size and -steps[worst] > SET_BACK * period:
         raise InputError(
             f"{name}: time goes back by {-steps[worst]:.6g} s at sample {rows[worst + 1]}: a clock was set, "
-            "or two runs follow each other; give them as two files",
+            "or two runs follow each other; cut the log there, and give one part",
             sample=int(rows[worst + 1]),
         )
     notes.append(f"{name}: {back.size} of {rows.size} steps of time lead back; samples were sorted by time")

@@ -1,6 +1,7 @@
-"""Units that logs are written in, and what their numbers are multiplied with to be SI."""
+"""Units that logs are written in, what their numbers are multiplied with to be SI, and how titles spell them."""
 
 import math
+import re
 
 ANGLES = {"rad": 1.0, "mrad": 1e-3, "deg": math.pi / 180.0, "rev": 2.0 * math.pi, "m": 1.0, "mm": 1e-3}
 SPEEDS = {f"{unit}/s": factor for unit, factor in ANGLES.items()} | {"rpm": math.pi / 30.0}
@@ -11,8 +12,48 @@ TIMES = {"s": 1.0, "ms": 1e-3, "us": 1e-6, "ns": 1e-9}
 UNITS = {"q": ANGLES, "theta": ANGLES, "v": SPEEDS, "theta_dot": SPEEDS, "torque": TORQUES, "current": CURRENTS}
 """By quantity; the first of each is SI."""
 
+LENGTHS = ("m", "mm")
+"""Units of positions that no turn is a number of."""
+
 COUNTS = {"q": "counts", "theta": "counts", "v": "counts/s", "theta_dot": "counts/s"}
 """Of an encoder, by quantity: `counts_per_turn` says how many."""
 
 WITH_GAIN = ("A", "mA", "V", "%", "1")
 """Units that only a gain makes a torque (or a current) of: a motor's current, an amplifier's command, a share."""
+
+SPELLINGS = {
+    "rad": ("radian", "radians"),
+    "deg": ("°", "º", "degs", "degree", "degrees"),
+    "rev": ("turn", "turns", "revs"),
+    "counts": ("count", "cnt", "cnts", "inc", "ticks"),
+    "rpm": ("1/min", "rev/min", "r/min", "U/min"),
+    "s": ("sec", "second", "seconds"),
+    "ms": ("msec", "milliseconds"),
+    "us": ("µs", "μs", "usec", "microseconds"),
+    "ns": ("nsec", "nanoseconds"),
+}
+"""Of units in the titles of columns, beside the unit itself; large and small letters alike."""
+
+KNOWN = frozenset(unit for units in (*UNITS.values(), TIMES) for unit in units) | {*COUNTS.values(), *WITH_GAIN} - {"1"}
+
+_SPELT = {spelling.lower(): unit for unit, those in SPELLINGS.items() for spelling in (unit, *those)}
+
+
+def known_unit(text: str) -> str | None:
+    """The unit that a text spells, `°/sec`, `N.m` or `[Nm]`, or None."""
+    text = re.sub(r"^([mk]?N)[\s.·⋅*-]*m$", r"\1 m", text.strip(" []()"))
+    whole, _, per = text.partition("/")
+    rate = f"{_SPELT.get(whole.strip().lower(), whole.strip())}/s" if _SPELT.get(per.strip().lower()) == "s" else ""
+    return next((unit for unit in (text, _SPELT.get(text.lower()), rate) if unit in KNOWN), None)
+
+
+def name_and_unit(title: str) -> tuple[str, str]:
+    """What a column's title says: `q1 [deg]`, `Time(ms)`; brackets may hold any unit, parentheses a known one."""
+    found = re.fullmatch(r"(.*?)\s*(?:\[([^\[\]]*)\]|\(([^()]*)\))", title)
+    if not found:
+        return title, ""
+    name, bracketed, inner = found[1], found[2], found[2] if found[3] is None else found[3]
+    unit = known_unit(inner)
+    if unit is None and (bracketed is None or re.search(r"\d", inner)):
+        return title, ""  # a number, as in q[3] and q(3), or a word that belongs to the name
+    return name, unit or inner.strip(" -")

@@ -1,0 +1,72 @@
+"""What names of channels say: a quantity, a joint or a number, and whether it was measured or asked for."""
+
+import re
+from collections.abc import Iterable, Sequence
+
+TIME = ("time", "t", "timestamp", "timestamps", "stamp", "stamps", "timesec", "times")
+"""Names of times; here and below only letters count, and of a path only the end."""
+
+NAMES = {
+    "q": (
+        "measuredq",
+        "q",
+        "actualq",
+        "position",
+        "positions",
+        "pos",
+        "jointposition",
+        "jointpositions",
+        "linkposition",
+    ),
+    "theta": ("measuredtheta", "theta", "motorposition", "motorpositions", "qmotor"),
+    "v": ("measuredv", "v", "qd", "dq", "qdot", "actualqd", "velocity", "velocities", "vel", "jointvelocity"),
+    "theta_dot": ("measuredthetadot", "thetadot", "motorvelocity", "motorvelocities", "dtheta", "qdmotor"),
+    "torque": ("motortorque", "tau", "torque", "torques", "effort", "efforts", "actualtorque", "commandtorque"),
+    "current": ("current", "currents", "motorcurrent", "motorcurrents", "actualcurrent"),
+}
+"""Of each quantity, the likeliest first."""
+
+
+KNOWN = frozenset(name for names in NAMES.values() for name in names)
+
+WISHED = re.compile(r"(desired|des|target|command|commanded|cmd|reference|ref|setpoint|goal|demand)s?", re.I)
+"""Words in the names of what was asked for, beside which another column of the same name is what was measured."""
+
+
+def time_channel(names: Iterable[str]) -> str | None:
+    """The first channel that is named like a time."""
+    by_letters = {letters(name): name for name in reversed(list(names))}
+    return next((by_letters[name] for name in TIME if name in by_letters), None)
+
+
+def is_wished(name: str) -> bool:
+    """Whether a word of a name says that it was asked for."""
+    return any(WISHED.fullmatch(word) for word in re.split(r"[^A-Za-z]+", name))
+
+
+def name_and_label(name: str, joints: Sequence[str]) -> tuple[str, str]:
+    """The letters of a column's name without its joint or its number, and these: `q_elbow`, `q.elbow`, `q1`."""
+    # longest first: `elbow_2` is not `elbow`
+    for joint in sorted(joints, key=len, reverse=True):
+        before, there, after = _parted(name, joint)
+        rest = letters(f"{before}{after}".strip("._-/ []()"))
+        if there and rest in KNOWN:
+            return rest, joint
+    numbered = re.fullmatch(r"(.*?)[\s_-]*[\[(]?(\d+)[\])]?", name)
+    if numbered and letters(numbered[1]) in KNOWN:
+        return letters(numbered[1]), str(int(numbered[2]))
+    if letters(name) in KNOWN:
+        return letters(name), ""
+    stem, _, label = name.rpartition(".")
+    return letters(stem), label
+
+
+def _parted(name: str, joint: str) -> tuple[str, str, str]:
+    """What stands before a joint's name, that name as a word of its own, and what stands after it."""
+    found = re.search(rf"(?<![A-Za-z0-9]){re.escape(joint)}(?![A-Za-z0-9])", name)
+    return (name[: found.start()], joint, name[found.end() :]) if found else (name, "", "")
+
+
+def letters(name: str) -> str:
+    """Of the end of a path, in small letters."""
+    return re.sub(r"[^a-z]", "", re.split(r"[./]", name)[-1].lower())

@@ -1,0 +1,82 @@
+"""Quantities that were sampled at times of their own, in order, without jumps, and at the times of the first."""
+
+from collections.abc import Mapping, Sequence
+
+import numpy as np
+from numpy.typing import NDArray
+
+from cutpoint.errors import InputError
+from cutpoint.identification.logs.channel_names import time_channel
+from cutpoint.identification.logs.mapping import ChannelMap
+from cutpoint.identification.logs.quantity import Measured
+from cutpoint.identification.logs.resampling import on_grid
+from cutpoint.identification.logs.table import Table
+from cutpoint.identification.logs.time_stamps import Ordered, ordered, without_long_gaps
+from cutpoint.identification.logs.units import TIMES
+from cutpoint.identification.logs.wrapping import unwrapped
+
+Array = NDArray[np.float64]
+
+
+def at_common_times(
+    table: Table, mapping: ChannelMap, joints: Sequence[str], measured: Mapping[str, Measured]
+) -> tuple[Array, dict[str, Array], list[str]]:
+    """All quantities at the times of the first, which count from 0; and notes.
+
+    Raises InputError: see `ordered`; quantities that never ran together.  ModelError where the log has no times.
+    """
+    common: Ordered | None = None
+    channels: dict[str, Array] = {}
+    notes: list[str] = []
+    for stamps in {id(each.stamps): each.stamps for each in measured.values()}.values():
+        group = {name: each for name, each in measured.items() if each.stamps is stamps}
+        times = _times(table, mapping, len(next(iter(group.values())).values)) if stamps is None else stamps
+        found = _ordered_together(times, {name: each.values for name, each in group.items()}, table)
+        notes += found.notes
+        common = common or found
+        for name, each in group.items():
+            kept = np.where(np.isfinite(each.values), each.values, np.nan)[found.rows]
+            whole = unwrapped(name, found.times, kept, each.spans, joints, notes)
+            channels[name] = whole if found is common else _brought(name, whole, found, common, notes)
+    assert common is not None
+    return without_long_gaps(common.times, notes), channels, notes
+
+
+def _ordered_together(times: Array, values: Mapping[str, Array], table: Table) -> Ordered:
+    for name, each in values.items():
+        if len(each) != len(times):
+            rule = f"it must have as many as the time has, {len(times)}"
+            raise InputError(f"{name} has {len(each)} samples: {rule}; is it another log's?", place=table.file)
+    return ordered(times, np.column_stack([*values.values()]), "/".join(values))
+
+
+def _brought(name: str, values: Array, own: Ordered, common: Ordered, notes: list[str]) -> Array:
+    """Values from their own times to the common ones."""
+    later = own.start - common.start
+    if later > common.times[-1] or later + own.times[-1] < 0.0:
+        raise InputError(f"{name} was recorded {later:g} s after the first channel: they never ran together")
+    notes.append(f"{name}: brought to the times of the first channel, from a log of its own")
+    return on_grid(own.times + later, values, common.times)
+
+
+def _times(table: Table, mapping: ChannelMap, count: int) -> Array:
+    """Time of each sample, s.  Raises ModelError where the log has none, and the mapping does not help."""
+    sheet, section = mapping.sheet.time, mapping.section
+    if sheet.period is not None:
+        return sheet.period * np.arange(count, dtype=np.float64)
+    name = sheet.channel or time_channel(table.channels)
+    if name is None:
+        remedy = "state 'time: {channel: ...}', or its 'period'"
+        if text := time_channel(table.left_out):
+            rule = f"{table.missing(text)}, s, or date-times such as 2024-05-01 12:00:00.25"
+            raise section.error(("time",), f"time: {rule}; write one of these, or state 'time: {{period: ...}}'")
+        raise section.error(("time",), f"no channel is named like a time; {remedy}")
+    channel = table.find(name)
+    if channel is None or channel.width > 1:
+        raise section.error(("time", "channel"), f"time: {table.missing(name)}")
+    unit = sheet.unit or channel.unit or "s"
+    if unit not in TIMES:
+        known = ", ".join(map(repr, TIMES))
+        rule = f"time: channel {name!r} is in {unit!r}, of which no time is known; state time.unit, one of {known}"
+        raise section.error(("time",), rule)
+    return TIMES[unit] * channel.values

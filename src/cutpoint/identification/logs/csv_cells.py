@@ -1,0 +1,95 @@
+"""The cells of a text: numbers, date-times, words, and those in which a logger says that it has nothing."""
+
+import math
+import re
+from array import array
+from collections import Counter
+
+import numpy as np
+
+from cutpoint.identification.logs.table import Channel, Table
+
+UNKNOWN = ("", "nan", "null", "none", "na", "n/a")
+"""Cells in which a logger says that it has no number."""
+
+DATE_TIME = re.compile(r"(\d{4}-\d\d-\d\d)[T ](\d\d:\d\d(?::\d\d(?:[.,]\d{1,9})?)?) ?(?:Z|UTC|([+-]\d\d):?(\d\d))?")
+"""ISO 8601, as pandas and most loggers write it."""
+
+
+def split(row: list[str], delimiter: str) -> list[str]:
+    """Cells without the blanks around them; between blanks, any number of which divides, nothing is no cell."""
+    cells = [cell.strip() for cell in row]
+    return [cell for cell in cells if cell] if delimiter == " " else cells
+
+
+def number(cell: str, delimiter: str) -> float | None:
+    """The number in a cell, NaN for one that says it has none, None for a word."""
+    if cell.lower() in UNKNOWN:
+        return math.nan
+    try:
+        return float(cell if delimiter == "," else cell.replace(",", "."))
+    except ValueError:
+        return None
+
+
+def nanoseconds(cell: str) -> int | None:
+    """Of a date-time, since 1970 (UTC where it states its zone), or None for what is none."""
+    found = DATE_TIME.fullmatch(cell)
+    if not found:
+        return None
+    try:
+        instant = np.datetime64(f"{found[1]}T{found[2].replace(',', '.')}", "ns").astype(np.int64)
+    except ValueError:
+        return None
+    zone = 60 * int(found[3]) + int(found[3][0] + found[4]) if found[3] else 0
+    return int(instant) - zone * 60 * 10**9
+
+
+def is_word(cell: str, delimiter: str) -> bool:
+    """Whether a cell holds neither a number nor a date-time, nor nothing."""
+    return number(cell, delimiter) is None and nanoseconds(cell) is None
+
+
+class Cells:
+    """The cells of samples as numbers, NaN for a word; date-times count in s from the first of their column."""
+
+    def __init__(self, width: int, delimiter: str) -> None:
+        self.width, self.delimiter = width, delimiter
+        self.numbers = array("d")
+        self.starts: dict[int, int] = {}
+        self.words: Counter[int] = Counter()
+        self.examples: dict[int, str] = {}
+
+    def add(self, row: list[str]) -> None:
+        for k, cell in enumerate(row):
+            value = number(cell, self.delimiter)
+            self.numbers.append(self._word(k, cell) if value is None else value)
+
+    def _word(self, k: int, cell: str) -> float:
+        instant = nanoseconds(cell)
+        if instant is not None:
+            return 1e-9 * (instant - self.starts.setdefault(k, instant))
+        self.words[k] += 1
+        self.examples.setdefault(k, cell[:40])
+        return math.nan
+
+    @property
+    def count(self) -> int:
+        """Of samples."""
+        return len(self.numbers) // self.width
+
+    def table(self, file: str, names: list[str], units: list[str], notes: list[str]) -> Table:
+        """Columns of numbers; those of words are left out, and single words among numbers are missing samples."""
+        table = np.array(self.numbers).reshape(-1, self.width)
+        channels: dict[str, Channel] = {}
+        left_out: dict[str, str] = {}
+        for k, name in enumerate(names):
+            count, example = self.words[k], self.examples.get(k)
+            if count >= max(1, np.isfinite(table[:, k]).sum()):
+                left_out[name] = f"text, such as {example!r}"
+                continue
+            channels[name] = Channel(table[:, k], (), "s" if k in self.starts else units[k])
+            if count:
+                cells = f"{count} of {self.count} cells hold text, such as {example!r}"
+                notes.append(f"column {name!r}: {cells}, and count as missing")
+        return Table(file, channels, left_out, tuple(notes))

@@ -1,0 +1,95 @@
+"""What a text says before its numbers: how its cells are divided, what its columns are called, and in what units."""
+
+import csv
+import re
+from collections.abc import Iterator
+from itertools import chain
+from typing import NamedTuple, TextIO
+
+from cutpoint.errors import InputError
+from cutpoint.identification.logs.csv_cells import is_word, number, split
+from cutpoint.identification.logs.units import known_unit, name_and_unit
+
+LONGEST_LINE = 100_000
+"""Characters of the line that names the columns."""
+
+COMMENTS = ("#", "%")
+
+NO_UNIT = ("", "-", "1")
+"""Cells of a column without a unit in a line of units."""
+
+
+class Header(NamedTuple):
+    """names, units: of the columns.  delimiter: between cells.  line: the number of the last line before `rest`."""
+
+    names: list[str]
+    units: list[str]
+    delimiter: str
+    line: int
+    rest: Iterator[str]
+
+
+def read_header(text: TextIO, file: str) -> Header:
+    """The line of names: the first that is no comment, or a comment right above numbers of as many cells.
+
+    Excel's `sep=;` before it says what divides cells.  Else it is a semicolon, a tab, a comma or blanks, the first of
+    these that the line holds.
+
+    Raises InputError: a first line without names, a name twice, a text that is not UTF-8.
+    """
+    line, first, comment = 1, text.readline(LONGEST_LINE), ""
+    told = re.fullmatch(r'"?sep=(.)"?\s*', first)
+    if told:
+        line, first = 2, text.readline(LONGEST_LINE)
+    while first.startswith(COMMENTS) or first.isspace():
+        comment = first if first.strip() else comment
+        line, first = line + 1, text.readline(LONGEST_LINE)
+    if "\0" in first:
+        raise InputError(f"file is not UTF-8 text: line {line} holds zero bytes; save it as UTF-8", place=file)
+    delimiter = told[1] if told else _delimiter(first)
+    titles, above = _cells(first, delimiter), _cells(comment.strip("#% \r\n"), told[1] if told else _delimiter(comment))
+    if _are_numbers(titles) and len(above) == len(titles) and not _are_numbers(above):
+        return Header(*_named(above, f"{file}:{line - 1}"), delimiter, line - 1, chain([first], text))
+    return Header(*_named(titles, f"{file}:{line}"), delimiter, line, text)
+
+
+def units_below(cells: list[str], delimiter: str, place: str) -> list[str] | None:
+    """Units, if the line under the names states those of the columns; None if it is a sample.
+
+    Raises InputError for a line of words of which one is no unit.
+    """
+    stated = [cell for cell in cells if cell not in NO_UNIT]
+    # dashes alone are missing samples
+    if not any(re.search(r"[^\W\d_]|[°%]", cell) for cell in stated) or not all(is_word(c, delimiter) for c in stated):
+        return None
+    units = ["" if cell in NO_UNIT else known_unit(cell) for cell in cells]
+    if None in units:
+        shown, wrong = ", ".join(cells[:8])[:200], cells[units.index(None)][:40]
+        rule = f"it must hold numbers, or the columns' units, and {wrong!r} is neither; take it out, or mend it"
+        raise InputError(f"the line below the names holds '{shown}': {rule}", place=place)
+    return [unit or "" for unit in units]
+
+
+def _delimiter(line: str) -> str:
+    return next((mark for mark in ";\t," if mark in line), " ")
+
+
+def _cells(line: str, delimiter: str) -> list[str]:
+    return split(next(csv.reader([line], delimiter=delimiter), []), delimiter)
+
+
+def _are_numbers(titles: list[str]) -> bool:
+    return not any(titles) or all(number(title, " ") is not None for title in titles)
+
+
+def _named(titles: list[str], place: str) -> tuple[list[str], list[str]]:
+    """Names and units of the columns; one without a name, as pandas writes its index, is called by its place."""
+    if _are_numbers(titles):
+        shown = ", ".join(titles[:8])
+        raise InputError(f"first line '{shown}' must name the columns, as in 't, q1, q2, tau1, tau2'", place=place)
+    found = [name_and_unit(title) for title in titles]
+    names = [name or f"column {k}" for k, (name, _) in enumerate(found)]
+    for name in names:
+        if names.count(name) > 1:
+            raise InputError(f"column {name!r} is named twice: each must have a name of its own", place=place)
+    return names, [unit for _, unit in found]

@@ -1,0 +1,83 @@
+"""Positions whose sensor starts anew after a turn, or its counter after 2^n counts: put together again."""
+
+from collections.abc import Sequence
+
+import numpy as np
+from numpy.typing import NDArray
+
+from cutpoint.identification.logs.units import COUNTS, LENGTHS, UNITS
+
+Array = NDArray[np.float64]
+
+TURN = 2.0 * np.pi
+
+COUNTERS = 2.0 ** np.arange(8, 33)
+"""Counts after which counters of 8 to 32 bits start anew."""
+
+NEARBY = np.array([-3, -2, -1, 1, 2, 3])
+"""Steps beside a jump, of which the middle one is what the jump would have been."""
+
+PRECISE = 1e-3
+"""Of a turn: by that much a jump may differ from one, beside what neighbouring steps differ by."""
+
+UNSURE = 0.25
+"""Of a turn: where neighbouring steps differ by more, no jump is taken for one."""
+
+LOST = 20.0
+"""Periods: across a longer gap nobody knows whether the joint turned on."""
+
+
+def spans(name: str, units: Sequence[str], per_turn: Array) -> Array:
+    """(k, n) in the log's units: a turn, and what counters count to; NaN where a quantity or its unit has none.
+
+    per_turn: (n,), counts, NaN where nobody stated them.
+    """
+    counted = np.array([unit == COUNTS.get(name) for unit in units])
+    turns = {unit: TURN / factor for unit, factor in UNITS[name].items() if unit not in LENGTHS}
+    turn = np.where(counted, per_turn, [turns.get(unit, np.nan) for unit in units])
+    found = np.vstack([turn, np.where(counted, COUNTERS[:, None], np.nan)])
+    return found if name in ("q", "theta") else np.full_like(found, np.nan)
+
+
+def unwrapped(name: str, times: Array, values: Array, anew: Array, joints: Sequence[str], notes: list[str]) -> Array:
+    """Positions (N, n) without jumps by what their sensors start anew after, (k, n), with a note for each joint.
+
+    They count on from the first sample; after whole turns of the joint, which nothing tells apart, their middle is the
+    one within half a turn of zero.
+    """
+    found = values.copy()
+    for joint, x, spans in zip(joints, found.T, anew.T, strict=True):
+        known = np.isfinite(x)
+        t, longest = times[known], float(np.abs(np.diff(x[known])).max(initial=0.0))
+        for place in np.flatnonzero(0.5 * spans < longest):
+            jumps = _jumps(t, x[known], spans[place], is_counter=bool(place))
+            if jumps.any():
+                x[known] -= spans[place] * np.concatenate([[0.0], np.cumsum(jumps)])
+                if np.isclose(spans[place], TURN):
+                    x -= TURN * np.round(0.5 * (np.nanmin(x) + np.nanmax(x)) / TURN)
+                what = f"{COUNTERS[place - 1]:.0f} counts" if place else f"a turn, {spans[0]:.4g} rad at the joint,"
+                notes.append(f"{name} of {joint!r}: {np.abs(jumps).sum():.0f} jumps by {what} were put together again")
+                break
+    return found
+
+
+def _jumps(times: Array, x: Array, span: float, is_counter: bool) -> Array:
+    """Of each step of positions (N,) without gaps: 1 where it is a jump upwards by a span, -1 downwards, 0 else."""
+    steps, passed = np.diff(x), np.diff(times)
+    jumps = np.zeros(steps.size)
+    within = np.ptp(x) < (1.0 + PRECISE) * span
+    if steps.size < NEARBY.size or (is_counter and not within):
+        return jumps
+    # of a sensor that is always within one turn, the shorter of two ways is taken for its step
+    rates = (steps - span * np.round(steps / span) if within else steps) / passed
+    changes = np.abs(np.diff(rates))
+    usual = float(np.median(changes[changes > 0.0])) if changes.any() else 0.0
+    at = np.flatnonzero((np.abs(steps) > 0.5 * span) & (passed <= LOST * np.median(passed)))
+    near = np.concatenate([np.full(3, np.nan), rates, np.full(3, np.nan)])[at[:, None] + 3 + NEARBY]
+    rate = np.nanmedian(near, axis=1)
+    unlike = np.nanmedian(np.abs(near - rate[:, None]), axis=1)
+    reach = 3.0 * (unlike + usual) * passed[at] + PRECISE * span
+    jump = np.sign(steps[at])
+    is_turn = np.abs(steps[at] - jump * span - rate * passed[at]) <= reach
+    jumps[at] = np.where(is_turn & (reach <= UNSURE * span), jump, 0.0)
+    return jumps

@@ -1,0 +1,158 @@
+"""Tables as machines and spreadsheets write them: headers, units, gaps and ends that are not as they should be."""
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+from machine_logs import positions, times
+
+from cutpoint.errors import CutpointError, InputError
+from cutpoint.identification import Recording, read_recording, read_table
+from cutpoint.identification.logs.units import name_and_unit
+
+T = times(200)
+Q, TAU = positions(T), positions(T, 2)
+NUMBERS = np.column_stack([T, Q, TAU])
+HEADER = "t,q1,q2,tau1,tau2"
+
+
+def lines(delimiter: str = ",") -> list[str]:
+    return [delimiter.join(map(repr, row)) for row in NUMBERS.tolist()]
+
+
+def read(folder: Path, *text: str) -> Recording:
+    (folder / "log.csv").write_text("\n".join(text))
+    return read_recording(folder / "log.csv")
+
+
+def assert_read(found: Recording, missing: int = 0) -> None:
+    """All that was written, but for the first samples."""
+    assert np.allclose(found.time, T[: found.time.size], rtol=0.0, atol=1e-12)
+    assert np.array_equal(found["q"][missing:], Q[missing : found.time.size])
+    assert np.array_equal(found["torque"][missing:], TAU[missing : found.time.size])
+
+
+@pytest.mark.parametrize(
+    "above",
+    [
+        ["sep=,", HEADER],
+        ['"sep=,"', "# exported by hand", HEADER],
+        [f"# {HEADER}"],
+        ["# a remark", f"# {HEADER}"],
+        ["# t q1 q2 tau1 tau2", ""],
+        [HEADER, "s,rad,rad,Nm,Nm"],
+        [HEADER, "[s],-,,[N·m],(N.m)"],
+        ["t (s),q1 [rad],q2 (radians),tau1[Nm],tau2 [N m]"],
+    ],
+)
+def test_whatever_stands_above_its_numbers_a_table_is_read(tmp_path: Path, above: list[str]):
+    found = read(tmp_path, *above, *lines())
+    assert_read(found)
+    assert found.notes == ()
+
+
+def test_excels_first_line_says_what_divides_cells(tmp_path: Path):
+    assert_read(read(tmp_path, "sep=|", HEADER.replace(",", "|"), *lines("|")))
+
+
+def test_what_numpy_writes_is_read(tmp_path: Path):
+    for delimiter, header in ((" ", HEADER), (" ", HEADER.replace(",", " ")), (",", HEADER)):
+        np.savetxt(tmp_path / "log.txt", NUMBERS, "%.17g", delimiter, header=header)
+        assert_read(read_recording(tmp_path / "log.txt"))
+
+
+def test_a_remark_above_numbers_is_no_header(tmp_path: Path):
+    with pytest.raises(InputError, match=r"first line '0.0, .*' must name the columns, .*:2\)"):
+        read(tmp_path, "# made by hand", *lines())
+
+
+def test_a_line_of_units_counts_for_its_columns(tmp_path: Path):
+    found = read(tmp_path, HEADER, "ms,°,rad,mNm,kN m", *lines())
+    assert found.time[-1] == pytest.approx(1e-3 * T[-1])
+    assert np.allclose(found["q"], Q * [np.pi / 180.0, 1.0], rtol=1e-15, atol=0.0)
+    assert np.allclose(found["torque"], TAU * [1e-3, 1e3], rtol=1e-15, atol=0.0)
+
+
+@pytest.mark.parametrize(
+    ("title", "found"),
+    [
+        ("q1 [°]", ("q1", "deg")),
+        ("q1(deg)", ("q1", "deg")),
+        ("Time(ms)", ("Time", "ms")),
+        ("v [°/sec]", ("v", "deg/s")),
+        ("v [1/min]", ("v", "rpm")),
+        ("q [grad]", ("q", "grad")),
+        ("q[3]", ("q[3]", "")),
+        ("q (3)", ("q (3)", "")),
+        ("q (elbow)", ("q (elbow)", "")),
+        ("q [-]", ("q", "")),
+        ("q", ("q", "")),
+        ("", ("", "")),
+    ],
+)
+def test_titles_say_names_and_units(title: str, found: tuple[str, str]):
+    assert name_and_unit(title) == found
+
+
+@pytest.mark.parametrize("word", ["--", "start", "1.2.3"])
+def test_words_among_numbers_are_missing_samples_with_a_note(tmp_path: Path, word: str):
+    first = f"0.0,{word},{word},{TAU[0, 0]!r},{TAU[0, 1]!r}"
+    found = read(tmp_path, HEADER, first, *lines()[1:])
+    assert_read(found, missing=1)
+    assert np.isnan(found["q"][0]).all()
+    assert found.notes[0] == f"column 'q1': 1 of 200 cells hold text, such as '{word}', and count as missing"
+
+
+def test_a_column_of_words_is_named_where_it_is_missed(tmp_path: Path):
+    words = [f"home,{line}" for line in lines()]
+    with pytest.raises(
+        InputError, match=r"no channel is named like a position; .*'x5'; 'q1' holds text, such as 'home'"
+    ):
+        read(tmp_path, "q1,t,x2,x3,x4,x5", *words)
+    with pytest.raises(CutpointError, match=r"q: the log's channel 'q1' holds text, such as 'home': it must hold num"):
+        read_recording(tmp_path / "log.csv", {"version": 1, "q": "q1"})
+
+
+@pytest.mark.parametrize(
+    "form", ["2024-02-29 23:59:59.{:03d}", "2024-02-29T23:59:59,{:03d}Z", "1999-12-31 23:59:59.{:03d}000+0530"]
+)
+def test_date_times_are_seconds(tmp_path: Path, form: str):
+    rows = [";".join([form.format(k), *line.split(";")[1:]]) for k, line in enumerate(lines(";"))]
+    assert_read(read(tmp_path, HEADER.replace(",", ";"), *rows))
+
+
+def test_date_times_in_two_zones_are_of_one_clock(tmp_path: Path):
+    zones = ("2024-03-31T01:59:59.{:03d}+01:00", "2024-03-31T02:59:59.{:03d}+02:00")
+    rows = [",".join([zones[k // 100].format(k), *line.split(",")[1:]]) for k, line in enumerate(lines())]
+    assert_read(read(tmp_path, HEADER, *rows))
+
+
+def test_times_of_day_are_refused_with_what_to_write(tmp_path: Path):
+    rows = [",".join([f"23:59:59.{k:03d}", *line.split(",")[1:]]) for k, line in enumerate(lines())]
+    with pytest.raises(
+        CutpointError, match=r"channel 't' holds text, such as '23:59:59.000': .* or date-times such as"
+    ):
+        read(tmp_path, HEADER, *rows)
+
+
+def test_a_last_line_that_was_cut_off_is_left_out(tmp_path: Path):
+    found = read(tmp_path, HEADER, *lines()[:150], "0.15,0.1,0.")
+    assert_read(found)
+    assert found.time.size == 150
+    assert found.notes == ("line 152, the last, was cut off, 3 of 5 cells, and is left out",)
+
+
+def test_objects_in_an_archive_are_named(tmp_path: Path):
+    np.savez(tmp_path / "log.npz", t=T, q=Q, tau=TAU.astype(object))
+    found = read_recording(tmp_path / "log.npz")
+    assert found.notes == ("'tau' holds Python objects: they are never read; save an array of numbers",)
+    with pytest.raises(CutpointError, match=r"torque: the log's channel 'tau' holds Python objects"):
+        read_recording(tmp_path / "log.npz", {"version": 1, "q": "q", "torque": "tau"})
+
+
+def test_a_column_is_found_by_its_title_too(tmp_path: Path):
+    (tmp_path / "log.csv").write_text("\n".join(["t,q1 [deg],q2 (rad),x,y", *lines()]))
+    table = read_table(tmp_path / "log.csv")
+    assert table.find("q1 [deg]") is table.find("q1") is not None
+    assert table.find("q2 (rad)") is table.find("q2") is not None
+    assert table.find("q3 [deg]") is None
