@@ -156,3 +156,8 @@ def test_a_column_is_found_by_its_title_too(tmp_path: Path):
     assert table.find("q1 [deg]") is table.find("q1") is not None
     assert table.find("q2 (rad)") is table.find("q2") is not None
     assert table.find("q3 [deg]") is None
+
+
+def test_an_array_called_header_does_not_make_a_log_ours(tmp_path: Path):
+    np.savez(tmp_path / "log.npz", header=np.array("written by my own logger"), time=T, q=Q, tau=TAU)
+    assert_read(read_recording(tmp_path / "log.npz"))

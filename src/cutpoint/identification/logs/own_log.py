@@ -6,6 +6,9 @@ from pathlib import Path
 from cutpoint.identification.logs.table import Channel, Table
 from cutpoint.simulation.log import Log
 
+LONGEST_START = 1000
+"""Bytes of a member within which its text begins."""
+
 
 def is_own_log(path: Path) -> bool:
     """Whether a file begins as ours do."""
@@ -13,7 +16,10 @@ def is_own_log(path: Path) -> bool:
         if not zipfile.is_zipfile(path):
             return False
         with zipfile.ZipFile(path) as archive:
-            return "header.npy" in archive.namelist()
+            if "header.npy" not in archive.namelist():
+                return False
+            with archive.open("header.npy") as header:
+                return '{"cutpoint_log"'.encode("utf-32-le") in header.read(LONGEST_START)
     with path.open("rb") as file:
         return file.read(17) == b'# {"cutpoint_log"'
 
