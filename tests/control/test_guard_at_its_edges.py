@@ -1,5 +1,7 @@
 """What a guard lets in and out in single samples, which sensors it watches, and what it refuses."""
 
+import math
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -8,7 +10,7 @@ from faults import Corrupted
 from law_library import LAWS, elbow, law
 from test_guard import LIMIT, MOVE, PERIOD, WHILE, assert_reacts, guarded
 
-from cutpoint import InputError, Sensors, simulate
+from cutpoint import InputError, Limits, Robot, Sensors, simulate
 from cutpoint.control import PD, Fault, Guard, Measurement, Reference
 from cutpoint.control.law import needs_of
 from cutpoint.scalars import leaves
@@ -78,6 +80,27 @@ def test_without_link_encoders_positions_are_watched_on_the_motors():
     beyond = int((log["measured_theta"][:, 0] > 0.004).argmax())
     assert beyond > 0
     assert np.array_equal(log["fault"].ravel(), np.where(np.arange(101) < beyond, 0, Fault.POSITION))
+
+
+def test_limits_are_the_tighter_ones_of_joint_and_drive():
+    told = [Limits(-2.0, 1.0, 3.0, 40.0), Limits(velocity=0.0, effort=0.0)]  # a file's zeros say nothing
+    own = [Limits(-1.0, 2.0, 4.0, 30.0), Limits(-0.5, math.inf, 5.0, 60.0)]
+    limited = elbow_with(told, own)
+    guard = Guard(law("PD"), limited)
+    assert [*guard.lower] == [-1.0, -0.5] and [*guard.upper] == [1.0, math.inf]
+    assert [*guard.speed_limit] == [3.0, 5.0] and [*guard.torque_limit] == [30.0, 60.0]
+    _, command = guard.step(guard.start(), rest()[0]._replace(q=np.array([0.0, -0.6])), rest()[1])
+    assert command.fault == Fault.POSITION
+    with pytest.raises(InputError, match=r"Guard: lower 1.5 of 'shoulder' must not exceed upper, 1.0"):
+        Guard(law("PD"), elbow_with(told, [Limits(lower=1.5), *own[1:]]))
+
+
+def elbow_with(told: list[Limits], own: list[Limits]) -> Robot:
+    """The arm with limits that its robot file and its drives state."""
+    arm = elbow()
+    bodies = [replace(b, joint=replace(b.joint, limits=x)) for b, x in zip(arm.mechanism.bodies, told, strict=True)]
+    drives = {name: replace(d, limits=x) for (name, d), x in zip(arm.drives.items(), own, strict=True)}
+    return Robot(replace(arm.mechanism, bodies=tuple(bodies)), drives)
 
 
 @pytest.mark.parametrize(

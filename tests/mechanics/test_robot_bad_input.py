@@ -1,15 +1,56 @@
 """What the public face of a robot refuses: each with one error that names thing, value and rule."""
 
+from dataclasses import replace
 from typing import Any, cast
 
 import numpy as np
 import pytest
 
-from cutpoint import Coulomb, Drive, Flexspline, InputError, LinearSpring, ModelError, Robot, Rotor, Stribeck
+from cutpoint import (
+    CatalogueSpring,
+    Coulomb,
+    Drive,
+    ElastoPlastic,
+    Flexspline,
+    Harmonic,
+    InputError,
+    KinematicError,
+    Limits,
+    LinearSpring,
+    LuGre,
+    MaxwellSlip,
+    ModelError,
+    Motor,
+    Ratings,
+    Robot,
+    Rotor,
+    Stribeck,
+)
+from cutpoint.mechanics.backlash import Backlash
+from cutpoint.mechanics.friction import Grease
+from cutpoint.mechanics.wave_generator import HarmonicSpring, WaveGenerator
 from robot_library import BACKENDS, robot
 
 Q = np.zeros(6)
 NAN = np.array([0.0, 0.0, 0.0, np.nan, 0.0, 0.0])
+DRY, WAVE = Coulomb(1.0, 0.5, 0.1), Harmonic(6, 0.6)
+
+
+def elastic(**parts: Any) -> Drive:
+    return Drive(**{"ratio": 100.0, "rotor": Rotor(1e-5), "compliance": LinearSpring(1e4), **parts})
+
+
+def waved(**numbers: float) -> Drive:
+    wave = replace(WaveGenerator(60.0, 2.0, 100.0, 0.02), **numbers)
+    return elastic(compliance=HarmonicSpring(Flexspline(16e3, 0.05), wave))
+
+
+def erring(*waves: Harmonic) -> Drive:
+    return elastic(kinematic_error=KinematicError(waves))
+
+
+def slipping(stiffness: Any, reach: Any) -> Drive:
+    return elastic(hysteresis=MaxwellSlip(stiffness, reach))
 
 
 @pytest.mark.parametrize("backend", BACKENDS)
@@ -70,11 +111,58 @@ def test_arguments_are_refused(backend, call, message):
         (Drive(compliance=cast("Any", 1e4)), "joint 'joint2': compliance must be a Compliance, got 10000.0"),
         (Drive(link_friction=Coulomb("1", 0.0, 0.1)), "joint 'joint2': coulomb must be a number, got '1'"),
         (cast("Any", 100.0), "joint 'joint2': its drive must be a Drive, got 100.0"),
+        (elastic(damping=-5.0), "damping -5.0 must not be negative"),
+        (Drive(damping=5.0), "damping 5.0 needs an elastic drive; give it a compliance"),
+        (Drive(limits=Limits(effort=-5.0)), "effort -5.0 must be positive, in limits"),
+        (Drive(limits=Limits(effort=0.0)), "effort 0.0 must be positive, in limits"),
+        (Drive(limits=Limits(velocity=-1.0)), "velocity -1.0 must be positive, in limits"),
+        (Drive(limits=Limits(lower=1.0, upper=-1.0)), "upper -1.0 must be above lower 1.0, in limits"),
+        (Drive(limits=cast("Any", None)), "limits must be a Limits, got None"),
+        (Drive(rotor=Rotor(1e-5, cast("Any", "no"))), "in_link_inertia 'no' must be True or False, in rotor"),
+        (
+            Drive(rotor=Rotor(1e-5, coupling=cast("Any", "none"))),
+            "coupling 'none' must be 'reduced' or 'full', in rotor",
+        ),
+        (Drive(rotor=Rotor(1e-5, False, 0.4, 4e-6)), "transverse 4e-06 must be at least half of inertia 1e-05"),
+        (elastic(compliance=CatalogueSpring(500.0, 600.0, 700.0, 9.0, 4.0)), "t2 4.0 must be above t1 9.0, in compl"),
+        (elastic(compliance=CatalogueSpring(500.0, 0.0, 700.0, 4.0, 9.0)), "k2 0.0 must be positive, in compliance"),
+        (elastic(compliance=Backlash(cast("Any", 1e4), 1e-3)), "spring must have torque.*, got 10000.0, in compliance"),
+        (elastic(compliance=Backlash(LinearSpring(-3.0), 1e-3)), "stiffness -3.0 must be .*, in compliance.spring"),
+        (waved(hardening=0.0), "hardening 0.0 must be positive, in compliance.wave_generator"),
+        (waved(blend=-0.1), "blend -0.1 must be positive, in compliance.wave_generator"),
+        (waved(ratio=-100.0), "ratio -100.0 must be positive, in compliance.wave_generator"),
+        (erring(Harmonic(cast("Any", 1.5), 1e-5)), r"order 1.5 must be a whole .*, in kinematic_error.harmonics\[0\]"),
+        (erring(Harmonic(2, 1e-5), Harmonic(2, -1e-5)), r"amplitude -1e-05 must not be neg.*harmonics\[1\]"),
+        (erring(), "kinematic_error must have a harmonic; None is no error"),
+        (
+            Drive(motor=Motor(0.1, ripple=(Harmonic(0, 0.1),))),
+            r"order 0 must be a whole number above 0, in motor.ripple",
+        ),
+        (Drive(motor=Motor(0.1, cogging=(Harmonic(-6, 0.1),))), r"order -6 must be a whole .*, in motor.cogging\[0\]"),
+        (Drive(motor=Motor(0.1, cogging=cast("Any", WAVE))), "motor.cogging must be a tuple of Harmonic, got Harm"),
+        (Drive(motor=Motor(0.1, ripple=(WAVE, WAVE))), "torque ripple, 1.2 in the sum of its waves, must stay below 1"),
+        (Drive(motor=Motor(0.1, voltage_limit=48.0)), "voltage_limit 48.0 needs the resistance, ohm, in motor"),
+        (slipping((1e3, 2e3), (1e-4,)), "hysteresis must state both of each element, got 2 stiffness and 1 reach"),
+        (slipping(100.0, 1e-3), "stiffness must be a tuple of numbers, .* got 100.0, in hysteresis"),
+        (slipping((), ()), r"stiffness must be a tuple of numbers, .* got \(\), in hysteresis"),
+        (slipping((1e3, 0.0), (1e-4, 2e-4)), "stiffness 0.0 must be positive, in hysteresis"),
+        (Drive(link_friction=Stribeck(0.0, -1.0, 0.0, 0.1, 0.1)), "static -1.0 must not be negative, in link_friction"),
+        (Drive(link_friction=LuGre(DRY, 0.0, 1.0)), "distance 0.0 must be positive, in link_friction"),
+        (Drive(motor_friction=ElastoPlastic(DRY, 0.0, 1.0, 0.7)), "distance 0.0 must be positive, in motor_friction"),
+        (Drive(link_friction=LuGre(cast("Any", LuGre(DRY, 1e-4, 1.0)), 1e-4, 1.0)), "sliding must have plateau, torq"),
+        (Drive(link_friction=LuGre(replace(DRY, coulomb=0.0), 1e-4, 1.0)), "presliding needs dry friction, got none"),
+        (Drive(link_friction=replace(DRY, grease=cast("Any", 40.0))), "grease must have temperature, thinning, got 40"),
+        (
+            Drive(link_friction=replace(DRY, grease=Grease(40.0, -1.0))),
+            "thinning -1.0 must not .*, in link_friction.gre",
+        ),
+        (Drive(ratings=Ratings(rated_torque=0.0)), "rated_torque 0.0 must be positive, in ratings"),
     ],
 )
 def test_drives_that_make_no_sense_are_refused(drive, message):
-    with pytest.raises(ModelError, match=message):
+    with pytest.raises(ModelError, match=message) as refused:
         robot("xia2019").with_drives({"joint2": drive})
+    assert str(refused.value).startswith("joint 'joint2': ")
 
 
 @pytest.mark.parametrize(

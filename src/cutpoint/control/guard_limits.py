@@ -23,14 +23,14 @@ def limits_of(robot: Robot, given: dict[str, Any]) -> dict[str, Any]:
 
 
 def _stated(robot: Robot) -> dict[str, list[float]]:
-    """Efforts and speeds that files state as 0 because they do not know them count as none."""
+    """The tighter of joint and drive.  Efforts and speeds that a file states as 0, not knowing them, count as none."""
     joints = {body.joint.name: body.joint.limits for body in robot.mechanism.bodies}
     pairs = [(joints[name], drive.limits) for name, drive in robot.drives.items()]
     return {
         "torque_limit": [min(a.effort or np.inf, b.effort) for a, b in pairs],
         "speed_limit": [min(a.velocity or np.inf, b.velocity) for a, b in pairs],
-        "lower": [a.lower for a, _ in pairs],
-        "upper": [a.upper for a, _ in pairs],
+        "lower": [max(a.lower, b.lower) for a, b in pairs],
+        "upper": [min(a.upper, b.upper) for a, b in pairs],
     }
 
 

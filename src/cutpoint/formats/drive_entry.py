@@ -15,6 +15,7 @@ from cutpoint.mechanics.hysteresis import MaxwellSlip
 from cutpoint.mechanics.kinematic_error import KinematicError
 from cutpoint.mechanics.wave_generator import HarmonicSpring, WaveGenerator
 from cutpoint.model.drive import Compliance, Drive, Harmonic, Motor, Ratings, Rotor
+from cutpoint.model.drive_validation import complaints
 from cutpoint.model.mechanism import Limits
 
 
@@ -23,12 +24,12 @@ def to_drive(sheet: DriveSheet, section: Section) -> Drive:
 
     Raises ModelError: ratio and gear both, a zero ratio, a gear on a joint that slides, both or neither spring law, an
     elastic drive without rotor, a rotor's mass that its link already holds or that no body can have, damping without a
-    spring, static below Coulomb friction, bounds out of order.
+    spring, static below Coulomb friction, bounds out of order; and what `check_drive` refuses.
     """
     friction, rotor, ratio = sheet.friction, sheet.rotor, _ratio(sheet, section)
     _check_elastic(sheet, section)
     spring = _compliance(sheet.compliance, ratio, section) if sheet.compliance else None
-    return Drive(
+    drive = Drive(
         ratio=ratio,
         rotor=_rotor(rotor, section) if rotor else None,
         compliance=Backlash(spring, sheet.backlash) if spring and sheet.backlash else spring,
@@ -41,6 +42,14 @@ def to_drive(sheet: DriveSheet, section: Section) -> Drive:
         limits=_limits(sheet.limits, section) if sheet.limits else Limits(),
         ratings=Ratings(**sheet.ratings.model_dump()) if sheet.ratings else None,
     )
+    for field, words in complaints(drive):
+        part, *rest = field.split(".")
+        raise section.error((*_SIDES.get(part, (part,)), *rest), words)
+    return drive
+
+
+_SIDES = {"link_friction": ("friction", "link"), "motor_friction": ("friction", "motor")}
+"""Where a file has what a drive has by other names."""
 
 
 def _ratio(sheet: DriveSheet, section: Section) -> float:

@@ -7,6 +7,7 @@ import numpy as np
 
 from cutpoint.errors import InputError
 from cutpoint.formats.friction_entry import friction_entry
+from cutpoint.formats.spring_sheets import MOST_ELEMENTS
 from cutpoint.mechanics.backlash import Backlash
 from cutpoint.mechanics.catalogue import CatalogueSpring
 from cutpoint.mechanics.compliance import Flexspline, LinearSpring
@@ -36,7 +37,7 @@ def to_entry(drive: Drive) -> dict[str, Any]:
         "friction": _stated(friction),
         "motor": drive.motor and _motor_entry(drive.motor),
         "limits": _stated(_limits_entry(drive.limits)),
-        "ratings": drive.ratings and _stated({name: _number(x) for name, x in vars(drive.ratings).items()}),
+        "ratings": drive.ratings and (_stated({name: _number(x) for name, x in vars(drive.ratings).items()}) or {}),
     }
     return {"ratio": float(drive.ratio)} | (_stated(fields) or {})
 
@@ -51,7 +52,7 @@ def _spring_entry(law: Compliance | None) -> dict[str, Any] | None:
             return {"flexspline": {"stiffness": float(stiffness), "hardening": float(hardening)}}
         case CatalogueSpring():
             return {"catalogue": {name: float(value) for name, value in vars(law).items()}}
-        case HarmonicSpring(flexspline, wave):
+        case HarmonicSpring(Flexspline() as flexspline, wave):
             own = {name: float(getattr(wave, name)) for name in ("stiffness", "hardening", "blend")}
             return (_spring_entry(flexspline) or {}) | {"wave_generator": own}
     raise InputError(f"a drive file has no words for {law!r}", law=law)
@@ -61,7 +62,7 @@ def _hysteresis_entry(law: Any, spring: Compliance | None) -> dict[str, Any] | N
     """Only elements that follow `MaxwellSlip.smooth` have words."""
     if law is None:
         return None
-    if isinstance(law, MaxwellSlip) and spring is not None:
+    if isinstance(law, MaxwellSlip) and spring is not None and len(law.reach) <= MOST_ELEMENTS:
         elements, reach = len(law.reach), law.reach[-1]
         alike = MaxwellSlip.smooth(float(law.friction), reach, elements)
         if np.allclose([*alike.stiffness, *alike.reach], [*law.stiffness, *law.reach], rtol=1e-12, atol=0.0):
@@ -93,6 +94,8 @@ def _motor_entry(motor: Motor) -> dict[str, Any]:
 
 def _rotor_entry(rotor: Rotor) -> dict[str, Any]:
     """Its own mass only where the link does not hold it: elsewhere it means nothing, and reading would refuse it."""
+    if rotor.inertia == 0:
+        raise InputError(f"a drive file has no words for {rotor!r}; a rotor without inertia is none", rotor=rotor)
     own = () if rotor.in_link_inertia else ("mass", "transverse", "position")
     entry = {"inertia": float(rotor.inertia), "in_link_inertia": bool(rotor.in_link_inertia)}
     entry |= {name: float(value) for name in own if (value := getattr(rotor, name))}

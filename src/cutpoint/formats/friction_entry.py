@@ -35,6 +35,9 @@ def friction_entry(law: Friction | None) -> dict[str, Any] | None:
     match law:
         case None:
             return None
+        case Stribeck(coulomb=coulomb, static=static) if static < coulomb:
+            rule = f"static {static} must not be below coulomb {coulomb}"
+            raise InputError(f"a drive file has no words for friction that rises from rest: {rule}", law=law)
         case Stribeck() | Coulomb():
             values = {name: value for name, value in vars(law).items() if value is not None and name != "grease"}
             grease = {"grease": {name: float(x) for name, x in vars(law.grease).items()}} if law.grease else {}

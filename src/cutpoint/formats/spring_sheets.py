@@ -4,6 +4,9 @@ from pydantic import Field
 
 from cutpoint.formats.sheet import Sheet, WaveSheet, quantity
 
+MOST_ELEMENTS = 16
+"""Of hysteresis, that a file may ask for."""
+
 
 class LinearSheet(Sheet):
     """A spring of constant stiffness."""
@@ -58,7 +61,9 @@ class HysteresisSheet(Sheet):
     reach: float | None = quantity(
         "rad", "m", "deflection after a turning point over which it opens; `loss` if not stated", None, gt=0
     )
-    elements: float = quantity("1", "1", "number of elements, each a state of the simulation", 4.0, ge=1, le=16)
+    elements: float = quantity(
+        "1", "1", "number of elements, each a state of the simulation", 4.0, ge=1, le=MOST_ELEMENTS
+    )
 
 
 class KinematicErrorSheet(WaveSheet):
