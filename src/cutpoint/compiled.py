@@ -7,13 +7,12 @@ them never compiles again.
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 from functools import cached_property
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 
 from cutpoint import kernels
 from cutpoint.definitions import Machine
-from cutpoint.door import LARGEST, are_plain_vectors, checked_array
 from cutpoint.errors import InputError
 from cutpoint.idle_joints import check_moves_inertia
 from cutpoint.kernels import Kernel
@@ -22,8 +21,11 @@ from cutpoint.mechanics.assembly import lean_framing, system_of
 from cutpoint.mechanics.elastic import Driven
 from cutpoint.mechanics.reframing import Framing
 from cutpoint.model import Drive, Mechanism
-from cutpoint.rolled import JointByJoint, RolledFunction, check_length, joint_by_joint, rolled
+from cutpoint.model.mechanism import frozen
+from cutpoint.robot_function import RobotFunction
+from cutpoint.rolled import JointByJoint, check_length, joint_by_joint, rolled
 from cutpoint.scalars import leaves, rebuild
+from cutpoint.special_robots import MATRICES, quaternions_of, with_empty_matrices, with_quaternions
 
 JOINT_QUANTITIES = frozenset({
     "inverse_dynamics", "forward_dynamics", "bias_forces", "gravity_forces", "coriolis_matrix", "mass_matrix",
@@ -65,10 +67,11 @@ class Compiled:
     def __init__(self, mechanism: Mechanism, drives: Mapping[str, Drive], backend: str) -> None:
         self._mechanism, self._drives, self._backend = mechanism, dict(drives), backend
         self.machine = machine_of(mechanism, drives)
-        self.parameters = np.array(leaves([*drives.values()]), dtype=float)
+        self.parameters = frozen(np.array(leaves([*drives.values()]), dtype=float))
         self._rotors_are_felt = any(rotor_is_felt(drive) for drive in drives.values())
         self._functions: dict[Any, Callable[..., Any]] = {}
         self._kernels: dict[str, Kernel] = {}
+        self._loops: set[str] = set()
 
     def size_of(self, name: str) -> int | tuple[()]:
         """Length of an input's last axis; () for a single number."""
@@ -81,6 +84,11 @@ class Compiled:
         if name == "strains":
             return sum(map(strains.count, self._drives.values()))
         return self.machine.system.nq if name in ("q", "q_next") else self.machine.system.nv
+
+    @cached_property
+    def quaternions(self) -> dict[str, slice]:
+        """Where they stand in q, by the joint's name."""
+        return quaternions_of(self._mechanism, self.machine.system)
 
     @cached_property
     def lean(self) -> Machine:
@@ -115,14 +123,36 @@ class Compiled:
         """
         found = self._functions.get(key)
         if found is None:
-            if (key[0] if isinstance(key, tuple) else key) in DIVIDE_BY_INERTIA:
+            name = key[0] if isinstance(key, tuple) else key
+            if name in DIVIDE_BY_INERTIA:
                 check_moves_inertia(self._mechanism, self.machine)
-            found = self._functions[key] = (
-                rolled(key, self.machine, self._backend, record)
-                or self._joint_by_joint(key, definition, inputs.split(), reads_drives)
-                or self._straight(key, definition, inputs.split(), reads_drives, record)
-            )
+            found = self._made(key, name, definition, inputs.split(), reads_drives, record)
+            if self.quaternions:
+                found = with_quaternions(found, name, inputs.split(), self.quaternions)
+            if name in MATRICES and not self.machine.system.nv:
+                found = with_empty_matrices(found)
+            self._functions[key] = found
         return found
+
+    def _made(
+        self,
+        key: Any,
+        name: str,
+        definition: Callable[..., Any],
+        inputs: Sequence[str],
+        reads_drives: bool,
+        record: type[tuple[Any, ...]] | None,
+    ) -> Callable[..., Any]:
+        """A function as loops, where they take it and suit it, or as a kernel: code without loops."""
+        loops = rolled(key, self.machine, self._backend, record)
+        loops = loops or self._joint_by_joint(key, definition, inputs, reads_drives)
+        if loops:
+            self._loops.add(name)
+            return loops
+        check_length(name, self.machine.system, self._backend)
+        made = self._compile(name, definition, inputs, reads_drives, record)
+        self._kernels[name] = made.kernel
+        return made.quick()
 
     def _joint_by_joint(
         self, key: Any, definition: Callable[..., Any], inputs: Sequence[str], reads_drives: bool
@@ -130,18 +160,10 @@ class Compiled:
         machine = self.machine if reads_drives else self.machine._replace(drives=[])
         return joint_by_joint(key, definition, {x: self.size_of(x) for x in inputs}, machine, self._backend)
 
-    def _straight(self, key: Any, *how: Any) -> Callable[..., Any]:
-        """A function as a kernel: code without loops."""
-        name = key[0] if isinstance(key, tuple) else key
-        check_length(name, self.machine.system, self._backend)
-        made = self._compile(name, *how)
-        self._kernels[name] = made.kernel
-        return made.quick()
-
     def made(self, name: str) -> Kernel:
         """A kernel that has been made, the latest variant of this name."""
         if name not in self._kernels:
-            if any(isinstance(f, (RolledFunction, JointByJoint)) and f.name == name for f in self._functions.values()):
+            if name in self._loops:
                 n = len(self.machine.system.segments)
                 raise InputError(f"{name}: of {n} bodies it runs as loops over them, and has no kernel", name=name)
             there = f"there are: {', '.join(map(repr, self._kernels))}" if self._kernels else "there is none yet"
@@ -157,7 +179,7 @@ class Compiled:
         inputs: Sequence[str],
         reads_drives: bool,
         record: type[tuple[Any, ...]] | None,
-    ) -> "RobotFunction":
+    ) -> RobotFunction:
         """With the drives' numbers as an input if the definition reads drives, or if links feel some rotor."""
         sizes = {x: self.size_of(x) for x in inputs}
         parametric = bool(self.parameters.size) and (reads_drives or self._rotors_are_felt)
@@ -171,24 +193,3 @@ class Compiled:
         shapes = {**sizes, "parameters": self.parameters.size} if parametric else sizes
         kernel = kernels.compile(traced, name=name, backend=self._backend, **shapes)
         return RobotFunction(name, kernel, sizes, [self.parameters] if parametric else [], record)
-
-
-class RobotFunction(NamedTuple):
-    """A kernel behind the door: the inputs that users give with their sizes, and what the robot adds."""
-
-    name: str
-    kernel: Kernel
-    sizes: dict[str, Any]
-    added: list[Any]
-    record: type[tuple[Any, ...]] | None
-
-    def __call__(self, *given: Any) -> Any:
-        if not are_plain_vectors(given):  # of the wrong length they are the kernel's to refuse
-            pairs = zip(self.sizes.items(), given, strict=True)
-            given = tuple(checked_array(self.name, key, x, size) for (key, size), x in pairs)
-        result = self.kernel.general(*given, *self.added)
-        return self.record(*result) if self.record else result
-
-    def quick(self) -> Callable[..., Any]:
-        """The same, quickest for single calls."""
-        return self.kernel.shortcut(self, bound=self.added, largest=LARGEST, record=self.record)

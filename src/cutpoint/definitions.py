@@ -144,7 +144,7 @@ def frame_pose(m: Machine, q: Scalars, frame: str) -> list[Scalars]:
 
 
 def jacobian(m: Machine, q: Scalars, frame: str, expressed_in: kinematics.ExpressedIn) -> list[Scalars]:
-    return transposed([[*column] for column in kinematics.jacobian(m.system, q, frame, expressed_in)])
+    return transposed([[*column] for column in kinematics.jacobian(m.system, q, frame, expressed_in)]) or [[]] * 6
 
 
 def velocity_map(m: Machine, q: Scalars) -> list[Scalars]:

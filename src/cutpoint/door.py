@@ -1,13 +1,15 @@
-"""What is checked once, where a user hands something in: arrays, drives, configurations."""
+"""What is checked once, where a user hands something in: arrays, kinds and names, drives, configurations."""
 
 from collections.abc import Iterable, Mapping, Sequence
+from operator import index
+from reprlib import repr as shortened
 from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from cutpoint.errors import InputError, ModelError, unknown_name
-from cutpoint.model import Drive, Joint, Mechanism
+from cutpoint.model import Drive, Mechanism
 from cutpoint.model.drive_validation import check_drive
 from cutpoint.model.validation import DRIVEN_KINDS
 
@@ -15,12 +17,11 @@ Array = NDArray[np.float64]
 
 FLOAT64 = np.dtype(np.float64)
 
-ENDLESS = 1e5
-"""rad or m: limits beyond, as some files state them for joints that turn on and on, are none."""
-
-
 LARGEST = 1e15
 """Of an argument, in SI: an angle beyond it is known to an eighth of a turn at best, and no machine has the rest."""
+
+DRIVES = "a Drive for each of some joints, by name"
+"""What arguments that give drives must be."""
 
 
 def are_plain_vectors(values: Iterable[Any]) -> bool:
@@ -43,8 +44,9 @@ def checked_array(function: str, name: str, value: ArrayLike, size: int | tuple[
     """
     try:
         array = np.asarray(value).astype(np.float64, casting="same_kind", copy=False)
-    except (TypeError, ValueError) as error:
-        raise InputError(f"{function}: {name} must be numbers of shape (..., {size}): {error}") from None
+    except (TypeError, ValueError):
+        shape = f" of shape (..., {size})" if isinstance(size, int) else ""
+        raise refused(function, name, value, f"numbers{shape}") from None
     if isinstance(size, int) and (not array.ndim or array.shape[-1] != size):
         raise InputError(
             f"{function}: {name} has shape {array.shape}, its last axis must be {size}", name=name, shape=array.shape
@@ -57,20 +59,34 @@ def checked_array(function: str, name: str, value: ArrayLike, size: int | tuple[
     return array
 
 
-def random_coordinates(
-    joint: Joint, count: int, rng: np.random.Generator, shape: tuple[int, ...]
-) -> NDArray[np.float64]:
-    """Coordinates (*shape, count) of a joint at random: see `Robot.random`."""
-    free = np.pi if joint.kind in ("revolute", "continuous", "helical") else 1.0
-    if count == 1:
-        lower = joint.limits.lower if abs(joint.limits.lower) < ENDLESS else -free
-        upper = joint.limits.upper if abs(joint.limits.upper) < ENDLESS else free
-        return rng.uniform(min(lower, upper), max(lower, upper), (*shape, 1))
-    if joint.kind == "planar":
-        return rng.uniform(-1.0, 1.0, (*shape, 3)) * [1.0, 1.0, np.pi]
-    turn = rng.standard_normal((*shape, 4))
-    turn /= np.linalg.norm(turn, axis=-1, keepdims=True)
-    return turn if joint.kind == "spherical" else np.concatenate([rng.uniform(-1.0, 1.0, (*shape, 3)), turn], axis=-1)
+def refused(function: str, name: str, value: Any, rule: str) -> InputError:
+    """An error for an argument of the wrong kind: what it must be, and what it is."""
+    found = f"an array {value.shape} of {value.dtype}" if isinstance(value, np.ndarray) else shortened(value)
+    return InputError(f"{function}: {name} must be {rule}, got {found}", name=name)
+
+
+def check_kind(function: str, name: str, value: Any, kind: type | tuple[type, ...], rule: str) -> None:
+    """Raises InputError for an argument that is not of a kind.  rule: what it must be, in words."""
+    if not isinstance(value, kind):
+        raise refused(function, name, value, rule)
+
+
+def checked_name(kind: str, name: Any, known: Iterable[str]) -> str:
+    """One of the names that are known.  Raises InputError that lists them."""
+    if not isinstance(name, str) or name not in known:
+        raise unknown_name(kind, name, known)
+    return name
+
+
+def checked_shape(function: str, name: str, value: Any) -> tuple[int, ...]:
+    """The shape of a batch, from a length or several.  Raises InputError."""
+    try:
+        shape = tuple(map(index, value if isinstance(value, Iterable) else [value]))
+    except TypeError:
+        shape = (-1,)
+    if any(length < 0 for length in shape):
+        raise refused(function, name, value, "a whole number from 0, or a tuple of them")
+    return shape
 
 
 def driven_joints(mechanism: Mechanism) -> dict[str, int]:
@@ -85,6 +101,7 @@ def driven_joints(mechanism: Mechanism) -> dict[str, int]:
 def validated_drives(mechanism: Mechanism, drives: Mapping[str, Drive]) -> dict[str, Drive]:
     """A drive for every driven joint, in their order.  Raises ModelError or InputError."""
     joints = driven_joints(mechanism)
+    check_kind("Robot", "drives", drives, Mapping, DRIVES)
     for name, drive in drives.items():
         if name not in joints:
             raise unknown_name("driven joint", name, joints)

@@ -5,8 +5,8 @@ from dataclasses import replace
 import numpy as np
 
 from cutpoint import definitions
+from cutpoint.configurations import random_coordinates
 from cutpoint.definitions import Machine
-from cutpoint.door import random_coordinates
 from cutpoint.errors import ModelError
 from cutpoint.mechanics.spatial import IDENTITY, ZERO, Inertia
 from cutpoint.mechanics.system import System

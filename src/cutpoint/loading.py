@@ -1,12 +1,14 @@
 """`load`: a robot from the files a user brings."""
 
 from collections.abc import Collection, Mapping
+from os import PathLike
 from pathlib import Path
+from types import NoneType
 from typing import Literal
 
 from numpy.typing import ArrayLike
 
-from cutpoint.door import driven_joints
+from cutpoint.door import DRIVES, check_kind, driven_joints
 from cutpoint.errors import InputError, ModelError
 from cutpoint.formats import drive_of, load_drives, load_urdf
 from cutpoint.model import Drive, Mechanism
@@ -35,6 +37,9 @@ def load(
     "coupled" to their leader.
     Raises ModelError, with file and line, for whatever is wrong in the files.
     """
+    check_kind("load", "path", path, (str, PathLike), "the path of a robot file")
+    check_kind("load", "drives", drives, (str, PathLike, Mapping, NoneType), f"the path of a drive file, or {DRIVES}")
+    check_kind("load", "lock", lock, (Mapping, NoneType), "a coordinate for each joint that is held, by name")
     suffix = Path(path).suffix.lower()
     if suffix in (".urdf", ".xacro"):
         fall = STANDARD_GRAVITY if gravity is None else gravity
@@ -59,6 +64,6 @@ def _drives(
     """For every driven joint: what is given, or what the robot file states, or its friction alone."""
     joints = {body.joint.name: body.joint for body in mechanism.bodies}
     drives = {name: drive_of(joints[name]) for name in driven_joints(mechanism)} | dict(stated)
-    if isinstance(given, (str, Path)):
+    if isinstance(given, (str, PathLike)):
         return drives | load_drives(given, mechanism, locked)
     return drives | {name: drive for name, drive in (given or {}).items() if name not in locked}

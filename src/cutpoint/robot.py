@@ -1,29 +1,29 @@
 """A robot: what a user loads, asks and simulates."""
 
-from collections.abc import Mapping, Sequence
-from functools import cache, cached_property, partial
-from typing import TYPE_CHECKING, Any, Literal, NamedTuple, get_args
+from collections.abc import Callable, Mapping, Sequence
+from functools import cached_property, partial
+from typing import TYPE_CHECKING, Any, Literal, NamedTuple, NoReturn, get_args
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from cutpoint import definitions
+from cutpoint import configurations, definitions, door, variants
 from cutpoint.compiled import Compiled
-from cutpoint.door import checked_array, driven_joints, random_coordinates, validated_drives
-from cutpoint.errors import InputError, unknown_name
+from cutpoint.errors import InputError
 from cutpoint.mechanics import strains as strains_of
 from cutpoint.mechanics.drive_regressor import DriveRegressor, columns
-from cutpoint.mechanics.elastic import Options, derivatives_needed
+from cutpoint.mechanics.elastic import derivatives_needed
 from cutpoint.mechanics.elastic_forward import DriveState
 from cutpoint.model import Drive, Mechanism, changes
 from cutpoint.model.decomposition import Cut, Subsystem, cuts_of, subsystems_of
+from cutpoint.model.mechanism import frozen
 from cutpoint.scalars import structure_of
+from cutpoint.variants import ExpressedIn
 
 if TYPE_CHECKING:
     from cutpoint.analysis import LinearModel, Modes
 
 Array = NDArray[np.float64]
-ExpressedIn = Literal["local", "world", "local_world_aligned"]
 Backend = Literal["auto", "llvm", "numpy"]
 
 
@@ -52,8 +52,15 @@ class Robot:
 
     Every function takes batches: leading axes broadcast as in NumPy.  Angles in rad, torques in N m, at the joint's
     (link) side; prismatic joints in m and N.  q has nq entries, v and a have nv, theta and motor torques one a drive.
+    Quaternions (x, y, z, w) may have any length but zero: all but `coordinate_rates` normalise them.
     A wrong shape, or a number that is not finite or beyond 1e15, raises InputError that names it.
     """
+
+    mechanism: Mechanism
+    drives: Mapping[str, Drive]
+    backend: Backend
+    _compiled: Compiled
+    _function: Callable[..., Callable[..., Any]]
 
     def __init__(
         self,
@@ -63,13 +70,20 @@ class Robot:
         backend: Backend = "auto",
     ) -> None:
         """drives: by joint name; a joint without one is driven rigidly.  backend: how kernels are compiled."""
-        if backend not in get_args(Backend):
-            raise unknown_name("backend", backend, get_args(Backend))
-        self.mechanism = mechanism
-        self.drives: Mapping[str, Drive] = validated_drives(mechanism, drives or {})
-        self.backend: Backend = backend
-        self._compiled = Compiled(mechanism, self.drives, backend)
-        self._function = self._compiled.function
+        door.checked_name("backend", backend, get_args(Backend))
+        door.check_kind("Robot", "mechanism", mechanism, Mechanism, "a Mechanism (cutpoint.load reads files)")
+        own = frozen(door.validated_drives(mechanism, {} if drives is None else drives))
+        compiled = Compiled(mechanism, own, backend)
+        parts = {"mechanism": mechanism, "drives": own, "backend": backend, "_compiled": compiled}
+        for name, part in (parts | {"_function": compiled.function}).items():
+            object.__setattr__(self, name, part)
+
+    def __setattr__(self, name: str, value: Any) -> NoReturn:
+        raise AttributeError(f"a Robot does not change, so its {name} is not set: with_drives and the like make others")
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        """As it was made: machine code stays behind, a copy or what comes out of a pickle compiles anew."""
+        return partial(type(self), backend=self.backend), (self.mechanism, dict(self.drives))
 
     # what it is
 
@@ -81,7 +95,7 @@ class Robot:
     @property
     def joints(self) -> tuple[str, ...]:
         """Names of the driven joints, in the order of q, v and theta (after a floating base's entries)."""
-        return tuple(driven_joints(self.mechanism))
+        return tuple(door.driven_joints(self.mechanism))
 
     @property
     def frames(self) -> tuple[str, ...]:
@@ -115,28 +129,21 @@ class Robot:
 
     def neutral(self) -> Array:
         """The configuration with every joint unmoved, (nq,)."""
-        q = np.zeros(self.nq)
-        for segment in self.machine.system.segments:
-            if not segment.follower:
-                q[segment.q] = segment.joint.neutral
-        return q
+        return configurations.neutral(self.machine.system)
 
     def random(self, seed: int | np.random.Generator | None = None, size: int | tuple[int, ...] = ()) -> Array:
         """Random configurations (*size, nq): within limits where there are any, otherwise within a turn, or 1 m.
 
         A free turn is spread evenly over all turns.
         """
-        rng, shape = np.random.default_rng(seed), (size,) if isinstance(size, int) else tuple(size)
-        q = np.broadcast_to(self.neutral(), (*shape, self.nq)).copy()
-        for segment, body in zip(self.machine.system.segments, self.mechanism.bodies, strict=True):
-            if not segment.follower:
-                q[..., segment.q] = random_coordinates(body.joint, segment.joint.coordinates, rng, shape)
-        return q
+        shape, rng = door.checked_shape("random", "size", size), np.random.default_rng(seed)
+        return configurations.at_random(self.mechanism, self.machine.system, rng, shape)
 
     # others like it
 
     def with_drives(self, drives: Mapping[str, Drive]) -> "Robot":
         """The same robot, driven otherwise: these joints get these drives, the others keep theirs."""
+        door.check_kind("with_drives", "drives", drives, Mapping, door.DRIVES)
         return Robot(self.mechanism, {**self.drives, **drives}, backend=self.backend)
 
     def with_payload(self, mass: float, com: ArrayLike, inertia: ArrayLike, frame: str) -> "Robot":
@@ -145,7 +152,9 @@ class Robot:
 
     def with_gravity(self, gravity: ArrayLike) -> "Robot":
         """In another field of gravity: acceleration of free fall (3,) in the world's frame, m/s2."""
-        fall = checked_array("with_gravity", "gravity", gravity, 3)
+        fall = door.checked_array("with_gravity", "gravity", gravity, 3)
+        if fall.ndim != 1:
+            raise door.refused("with_gravity", "gravity", fall, "one vector (3,)")
         return Robot(self.mechanism.with_gravity(fall), self.drives, backend=self.backend)
 
     def with_base(self, placement: ArrayLike) -> "Robot":
@@ -162,12 +171,9 @@ class Robot:
         external: wrenches [force; moment] (..., 6) that act on the robot, by frame name, in that frame's axes.  The
         rotor of a rigid drive counts as armature; friction does not count.
         """
-        if not external:
+        if external is None:
             return self._function("inverse_dynamics", definitions.inverse_dynamics, "q v a")(q, v, a)
-        wrenches, frames = self._wrenches(external)
-        inputs = " ".join(["q v a", *wrenches])
-        definition = _on_frames(definitions.inverse_dynamics, frames)
-        return self._function(("inverse_dynamics", *frames), definition, inputs)(q, v, a, *wrenches.values())
+        return self._under_wrenches("inverse_dynamics", definitions.inverse_dynamics, "q v a", (q, v, a), external)
 
     def forward_dynamics(
         self, q: ArrayLike, v: ArrayLike, tau: ArrayLike, external: Mapping[str, ArrayLike] | None = None
@@ -176,12 +182,9 @@ class Robot:
 
         external: as in `inverse_dynamics`.
         """
-        if not external:
+        if external is None:
             return self._function("forward_dynamics", definitions.forward_dynamics, "q v tau")(q, v, tau)
-        wrenches, frames = self._wrenches(external)
-        inputs = " ".join(["q v tau", *wrenches])
-        definition = _on_frames(definitions.forward_dynamics, frames)
-        return self._function(("forward_dynamics", *frames), definition, inputs)(q, v, tau, *wrenches.values())
+        return self._under_wrenches("forward_dynamics", definitions.forward_dynamics, "q v tau", (q, v, tau), external)
 
     def mass_matrix(self, q: ArrayLike) -> Array:
         """M(q), (..., nv, nv), kg m2.  Featherstone (2008) section 6.2."""
@@ -213,7 +216,7 @@ class Robot:
         for body in self.mechanism.bodies:
             I_o = body.inertia + body.mass * (body.com @ body.com * np.eye(3) - np.outer(body.com, body.com))
             rows += [body.mass, *(body.mass * body.com), *I_o[np.triu_indices(3)]]
-        return np.array(rows)
+        return frozen(np.array(rows))
 
     def jacobian(self, q: ArrayLike, frame: str, expressed_in: ExpressedIn = "local") -> Array:
         """(..., 6, nv): a frame's velocity [linear; angular] for each speed.  Xia (2019) eqs. (37)-(38).
@@ -221,7 +224,7 @@ class Robot:
         expressed_in: "local", the frame's own axes; "local_world_aligned", the same velocity along the world's axes;
         "world", the velocity of the point of the frame's body that passes the world's origin.
         """
-        definition = _jacobian_of(self._frame(frame), expressed_in)
+        definition = variants.jacobian_of(self._frame(frame), expressed_in)
         return self._function(("jacobian", frame, expressed_in), definition, "q")(q)
 
     def frame_pose(self, q: ArrayLike, frame: str) -> Array:
@@ -280,32 +283,35 @@ class Robot:
     ) -> ElasticTorques:
         """What the motors must do for a motion, exact in its derivatives.  Xia (2019) eqs. (2), (4)-(11), (13)-(28).
 
-        Four derivatives of the position are enough unless rotors with full coupling follow each other along the arm:
-        then `derivatives_needed` says how many, and InputError how many are missing.  quasi_rigid does with four
-        always: rotors act on what carries them as if their drives did not bend.
+        It takes as many derivatives of the position as `derivatives_needed` says: four, and more where bending joints
+        carry rotors with full coupling.  quasi_rigid does with four always: rotors act on what carries them as if their
+        drives did not bend.
         Friction enters by value; with friction_rates its derivatives pass through the spring too.  A rigid drive's
         motor moves as its joint does.  strains: what the drives remember, see `strain_names`; without them friction is
         as in steady sliding, and springs have no hysteresis.
+        Of a damped spring theta_dot is not d theta/dt to the last bit, but off by damping / stiffness times the second
+        derivative of its deflection: at each instant `elastic_forward_dynamics` still gives a and theta_ddot back, but
+        along a path theta and theta_dot disagree by as much, and motors that follow them let the arm depart from it.
         """
         given = (q, v, a, jerk, snap, *higher)
         needed = 4 if quasi_rigid else self.derivatives_needed
-        if len(given) <= needed:
-            raise InputError(
-                f"elastic_inverse_dynamics: {needed + 1 - len(given)} more derivatives of the position are needed: "
-                f"{len(given) - 1} are given, rotors with full coupling take {needed}; or say quasi_rigid=True",
-                needed=needed,
-            )
+        if len(given) != needed + 1:
+            raise variants.wrong_motion("elastic_inverse_dynamics", len(given) - 1, needed)
         key = ("elastic_inverse_dynamics", friction_rates, quasi_rigid, strains is None)
-        definition, inputs = _with_options(friction_rates, quasi_rigid), _motion(needed)
+        definition, inputs = variants.with_options(friction_rates, quasi_rigid), variants.motion_names(needed)
         if strains is None:
-            return self._function(key, definition, inputs, True, ElasticTorques)(*given[: needed + 1])
+            return self._function(key, definition, inputs, True, ElasticTorques)(*given)
         function = self._function(key, definition, f"{inputs} strains", True, ElasticTorques)
-        return function(*given[: needed + 1], strains)
+        return function(*given, strains)
 
     @cached_property
     def derivatives_needed(self) -> int:
-        """Derivatives of the position that an exact `elastic_inverse_dynamics` takes: 4, or 2 (n + 1) for n rotors with
-        full coupling along one arm.  Buondonno and De Luca (2015)."""
+        """Derivatives of the position that an exact `elastic_inverse_dynamics` takes: 4, and 2 more for each bending
+        drive's rotor with full coupling that itself rides on a bending joint, along the arm that has most of them.
+
+        A rotor rides on the link before its joint: of an arm that bends throughout, full coupling in the first joint
+        alone takes 4, in any other alone 6, in all n joints 2 (n + 1).  Buondonno and De Luca (2015).
+        """
         return max(4, derivatives_needed(self.machine.system, self.machine.drives))
 
     def elastic_forward_dynamics(
@@ -373,7 +379,7 @@ class Robot:
         function = self._function("drive_regressor", definitions.drive_regressor, inputs, True, DriveRegressor)
         return function(q, v, theta, theta_dot, theta_ddot)
 
-    @cached_property
+    @property
     def drive_coefficients(self) -> dict[str, float]:
         """Coefficients in which the drives are linear, by name ("stiffness.joint1"), in `drive_regressor`'s order."""
         still = DriveState(0.0, 0.0, 0.0, 0.0)
@@ -401,11 +407,11 @@ class Robot:
 
     def to_rotor(self, *, angle: ArrayLike | None = None, torque: ArrayLike | None = None) -> Array:
         """Joint-side angles (or speeds) or torques (..., drives) as they are at the rotor."""
-        return self._across_gear(angle, torque, 1.0)
+        return self._across_gear("to_rotor", angle, torque, 1.0)
 
     def from_rotor(self, *, angle: ArrayLike | None = None, torque: ArrayLike | None = None) -> Array:
         """Angles (or speeds) or torques (..., drives) at the rotor as they are at the joint's side."""
-        return self._across_gear(angle, torque, -1.0)
+        return self._across_gear("from_rotor", angle, torque, -1.0)
 
     # how
 
@@ -428,7 +434,7 @@ class Robot:
 
     @property
     def drive_parameters(self) -> Array:
-        """All numbers of the drives, (n,), in the order of the drives and of their fields."""
+        """All numbers of the drives, (n,), in the order of the drives and of their fields; not to be written to."""
         return self._compiled.parameters
 
     def kernel(self, name: str) -> Any:
@@ -436,50 +442,28 @@ class Robot:
         return self._compiled.made(name)
 
     def _frame(self, frame: str) -> str:
-        if frame not in self.mechanism.frames:
-            raise unknown_name("frame", frame, self.mechanism.frames)
-        return frame
+        known = self.mechanism.frames
+        return frame if type(frame) is str and frame in known else door.checked_name("frame", frame, known)
 
-    def _wrenches(self, external: Mapping[str, ArrayLike] | None) -> tuple[dict[str, ArrayLike], tuple[str, ...]]:
-        frames = tuple(self._frame(name) for name in external or {})
-        return {f"wrench_{k}": F for k, F in enumerate((external or {}).values())}, frames
+    def _under_wrenches(
+        self, name: str, definition: Any, inputs: str, given: Sequence[ArrayLike], external: Mapping[str, ArrayLike]
+    ) -> Array:
+        """A function of a motion whose robot bears wrenches, compiled for their frames."""
+        wrenches = variants.checked_wrenches(name, external, self.mechanism.frames)
+        if not wrenches:
+            return self._function(name, definition, inputs)(*given)
+        inputs = " ".join([inputs, *(f"wrench_{k}" for k in range(len(wrenches)))])
+        function = self._function((name, *wrenches), variants.on_frames(definition, tuple(wrenches)), inputs)
+        return function(*given, *wrenches.values())
 
-    def _across_gear(self, angle: ArrayLike | None, torque: ArrayLike | None, direction: float) -> Array:
-        if (angle is None) == (torque is None):
-            raise InputError("give either angle= or torque=, not both and not neither")
+    def _across_gear(self, name: str, angle: ArrayLike | None, torque: ArrayLike | None, direction: float) -> Array:
         ratio = np.array([drive.ratio for drive in self.drives.values()])
-        x = angle if torque is None else torque
-        return np.asarray(x, float) * ratio ** (direction if torque is None else -direction)
+        if angle is not None and torque is None:
+            return door.checked_array(name, "angle", angle, ratio.size) * ratio**direction
+        if torque is not None and angle is None:
+            return door.checked_array(name, "torque", torque, ratio.size) * ratio**-direction
+        raise InputError(f"{name}: give either angle= or torque=, not both and not neither")
 
     def __repr__(self) -> str:
         elastic = sum(drive.is_elastic for drive in self.drives.values())
         return f"<Robot {self.name!r}: {len(self.mechanism.bodies)} bodies, {self.nv} speeds, {elastic} elastic drives>"
-
-
-@cache
-def _motion(derivatives: int) -> str:
-    """Names of a position and so many derivatives of it."""
-    return " ".join(["q v a jerk snap", *(f"derivative_{k}" for k in range(5, derivatives + 1))])
-
-
-@cache
-def _with_options(friction_rates: bool, quasi_rigid: bool) -> Any:
-    options = Options(friction_rates, quasi_rigid)
-    return partial(definitions.elastic_inverse_dynamics, options=options)
-
-
-@cache
-def _jacobian_of(frame: str, expressed_in: ExpressedIn) -> Any:
-    if expressed_in not in (known := get_args(ExpressedIn)):
-        raise unknown_name("way to express a Jacobian", expressed_in, known)
-    return partial(definitions.jacobian, frame=frame, expressed_in=expressed_in)
-
-
-def _on_frames(definition: Any, frames: Sequence[str]) -> Any:
-    """The definition with its wrenches at these frames."""
-
-    def on_frames(machine: Any, **given: Any) -> Any:
-        wrenches = {frame: given.pop(f"wrench_{k}") for k, frame in enumerate(frames)}
-        return definition(machine, **given, **wrenches)
-
-    return on_frames

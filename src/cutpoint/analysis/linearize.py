@@ -12,6 +12,7 @@ from cutpoint.door import checked_array
 from cutpoint.errors import InputError
 from cutpoint.idle_joints import check_moves_inertia
 from cutpoint.robot import ElasticTorques, Robot
+from cutpoint.special_robots import check_quaternions, quaternions_of
 
 Array = NDArray[np.float64]
 
@@ -95,7 +96,9 @@ def _configuration(robot: Robot, q: ArrayLike) -> Array:
     if several and np.shape(q) == (len(robot.joints),):
         what = f"{several[0].kind} joint {several[0].name!r} has coordinates too, {robot.nq} are needed in all"
         raise InputError(f"linearize: q has one entry for each drive, but {what}: start from robot.neutral()", name="q")
-    return _one("q", q, robot.nq)
+    found = _one("q", q, robot.nq)
+    check_quaternions("linearize", "q", found, quaternions_of(robot.mechanism, robot.machine.system))
+    return found
 
 
 def _one(name: str, value: ArrayLike, size: int) -> Array:

@@ -14,9 +14,9 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from cutpoint.derivatives import definitions, sweeps
-from cutpoint.errors import InputError
 from cutpoint.mechanics.elastic import Options
 from cutpoint.robot import Robot
+from cutpoint.variants import motion_names, wrong_motion
 
 Array = NDArray[np.float64]
 
@@ -99,19 +99,14 @@ def elastic_inverse_dynamics(
     """Of the motor torques of `Robot.elastic_inverse_dynamics`, which see for options and further rates."""
     options = Options(friction_rates, quasi_rigid)
     needed = 4 if quasi_rigid else robot.derivatives_needed
-    names = ["q", "v", "a", "jerk", "snap", *(f"derivative_{k}" for k in range(5, needed + 1))]
     given = (q, v, a, jerk, snap, *higher)
-    if len(given) < len(names):
-        raise InputError(
-            f"derivatives.elastic_inverse_dynamics: {', '.join(names[len(given) :])} missing: rotors with full "
-            f"coupling take {needed} derivatives of the position; or say quasi_rigid=True",
-            needed=needed,
-        )
+    if len(given) != needed + 1:
+        raise wrong_motion("derivatives.elastic_inverse_dynamics", len(given) - 1, needed)
     if len(robot.mechanism.bodies) > MOST_COMPILED:
         raise sweeps.too_large(len(robot.mechanism.bodies), MOST_COMPILED)
     definition = partial(definitions.elastic_inverse_dynamics, options=options)
-    function = _function(robot, "elastic_inverse_dynamics", definition, " ".join(names), True, variant=options)
-    found = function(*given[: len(names)])
+    function = _function(robot, "elastic_inverse_dynamics", definition, motion_names(needed), True, variant=options)
+    found = function(*given)
     return ElasticInverseDynamicsDerivatives(*found[:5], d_higher=tuple(found[5:]))
 
 

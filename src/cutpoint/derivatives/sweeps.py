@@ -18,6 +18,7 @@ from cutpoint.mechanics import elastic_forward
 from cutpoint.mechanics.kinematics import coordinate_rates
 from cutpoint.robot import Robot
 from cutpoint.scalars import Jet, Scalar
+from cutpoint.special_robots import check_quaternions
 
 Array = NDArray[np.float64]
 Scalars = list[Scalar]
@@ -129,8 +130,9 @@ def _over_batch(
     given: Mapping[str, ArrayLike],
 ) -> list[Array]:
     """The matrices of these shapes for each configuration, (..., m, n)."""
-    size = robot._compiled.size_of  # pyright: ignore[reportPrivateUsage]
-    arrays = [checked_array(name, key, x, size(key)) for key, x in given.items()]
+    compiled = robot._compiled  # pyright: ignore[reportPrivateUsage]
+    arrays = [checked_array(name, key, x, compiled.size_of(key)) for key, x in given.items()]
+    check_quaternions(name, "q", arrays[0], compiled.quaternions)
     try:
         batch = np.broadcast_shapes(*(x.shape[:-1] for x in arrays))
     except ValueError:

@@ -53,7 +53,7 @@ def build(
     Raises ModelError for whatever `validation`, `tree` and `holding` find wrong.
     """
     places = place if isinstance(place, Places) else Places(place)
-    fall = np.array(gravity, dtype=np.float64)
+    fall = np.asarray(gravity)
     check_gravity(fall, places)
     for link in links:
         check_link(link, places)
@@ -68,7 +68,7 @@ def build(
     for body, pieces in zip(bodies, tree.pieces, strict=True):
         check_body(body, pieces, places)
     check_all_bear_mass(bodies, places)
-    return Mechanism(name, bodies, tree.frames([link.name for link in links], carried), _frozen(fall), coupled)
+    return Mechanism(name, bodies, tree.frames([link.name for link in links], carried), fall, coupled)
 
 
 @dataclass
@@ -99,14 +99,14 @@ class _Assembly:
 
     def bodies(self) -> list[Body]:
         return [
-            Body(joint.child, joint, parent, _frozen(placement), own.mass, _frozen(own.com), _frozen(own.inertia))
+            Body(joint.child, joint, parent, placement, own.mass, own.com, own.inertia)
             for (joint, parent, placement), own in zip(self.carriers, self.masses, strict=True)
         ]
 
     def frames(self, links: Sequence[str], joints: Sequence[Joint]) -> dict[str, Frame]:
         """One frame for each link, and for each joint whose name is free: a joint's frame is its child's."""
         seats = {joint.name: self.seats[joint.child] for joint in joints} | {link: self.seats[link] for link in links}
-        return {name: Frame(name, body, _frozen(placement)) for name, (body, placement) in seats.items()}
+        return {name: Frame(name, body, placement) for name, (body, placement) in seats.items()}
 
 
 def _assemble(root: str, links: Sequence[Link], joints: Sequence[Joint], floating_base: bool) -> _Assembly:
@@ -132,8 +132,8 @@ def _properties(link: Link) -> MassProperties:
 def _with_unit_axis(joint: Joint) -> Joint:
     if joint.kind not in WITH_AXIS:
         return joint
-    second = None if joint.second_axis is None else _frozen(unit_vector(joint.second_axis))
-    return replace(joint, axis=_frozen(unit_vector(joint.axis)), second_axis=second)
+    second = None if joint.second_axis is None else unit_vector(joint.second_axis)
+    return replace(joint, axis=unit_vector(joint.axis), second_axis=second)
 
 
 def _floating_joint(root: str, joints: Sequence[Joint], places: Places) -> Joint:
@@ -141,10 +141,3 @@ def _floating_joint(root: str, joints: Sequence[Joint], places: Places) -> Joint
         complaint = "this name is taken by the joint that floating_base adds; rename it"
         raise places.error(f"joint {FLOATING_JOINT!r}", complaint, joint=FLOATING_JOINT)
     return Joint(FLOATING_JOINT, "floating", parent=WORLD_LINK, child=root)
-
-
-def _frozen(array: Array) -> Array:
-    """A copy that cannot be written to."""
-    copy = np.array(array, dtype=np.float64)
-    copy.flags.writeable = False
-    return copy

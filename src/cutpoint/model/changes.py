@@ -1,27 +1,29 @@
 """Robots made from robots: a payload in the hand, another mounting."""
 
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
-from numpy.typing import ArrayLike
+from numpy.typing import ArrayLike, NDArray
 
 from cutpoint.errors import ModelError, unknown_name
 from cutpoint.model.lumping import MassProperties, lumped, placed
 from cutpoint.model.mechanism import WORLD, Body, Frame, Link, Mechanism
 from cutpoint.model.places import Places
 from cutpoint.model.pose import is_rigid
-from cutpoint.model.validation import check_body, check_link
+from cutpoint.model.validation import LARGEST, check_body, check_link
 
 
 def with_payload(mechanism: Mechanism, mass: float, com: ArrayLike, inertia: ArrayLike, frame: str) -> Mechanism:
     """The robot with a piece fixed to a frame: in it, mass (kg), com (3,) (m), inertia about the com (3, 3) (kg m2)."""
-    if frame not in mechanism.frames:
+    if not isinstance(frame, str) or frame not in mechanism.frames:
         raise unknown_name("frame", frame, mechanism.frames)
     place, nowhere = mechanism.frames[frame], Places(None)
-    check_link(Link("payload", float(mass), np.asarray(com, float), np.asarray(inertia, float)), nowhere)
+    link = Link("payload", mass, _array(com), _array(inertia))
+    check_link(link, nowhere)
     if place.body == WORLD:
         raise ModelError(f"payload: frame {frame!r} is fixed to the world; name a frame that moves", frame=frame)
-    piece = placed(place.placement, MassProperties(float(mass), np.asarray(com, float), np.asarray(inertia, float)))
+    piece = placed(place.placement, MassProperties(float(mass), link.com, link.inertia))
     carrier = mechanism.bodies[place.body]
     whole = lumped(MassProperties(carrier.mass, carrier.com, carrier.inertia), piece)
     body = replace(carrier, mass=whole.mass, com=whole.com, inertia=whole.inertia)
@@ -31,8 +33,9 @@ def with_payload(mechanism: Mechanism, mass: float, com: ArrayLike, inertia: Arr
 
 def with_base(mechanism: Mechanism, placement: ArrayLike) -> Mechanism:
     """The robot mounted elsewhere: placement (4, 4) of its base in the world."""
-    matrix = np.asarray(placement, float)
-    if matrix.shape != (4, 4) or not is_rigid(matrix):
+    matrix = _array(placement)
+    are_numbers = matrix.shape == (4, 4) and matrix.dtype.kind in "fiu" and bool((np.abs(matrix) <= LARGEST).all())
+    if not are_numbers or not is_rigid(matrix):
         raise ModelError("base: placement must be (4, 4), a proper rotation and a translation", placement=matrix)
     moved = [replace(b, placement=matrix @ b.placement) if b.parent == WORLD else b for b in mechanism.bodies]
     frames = {
@@ -46,3 +49,11 @@ def _with_body(mechanism: Mechanism, index: int, body: Body) -> Mechanism:
     bodies = [*mechanism.bodies]
     bodies[index] = body
     return replace(mechanism, bodies=tuple(bodies))
+
+
+def _array(value: ArrayLike) -> NDArray[Any]:
+    """Whatever is given as an array, for checks to refuse: rows of different lengths too."""
+    try:
+        return np.asarray(value)
+    except ValueError:
+        return np.asarray(value, object)

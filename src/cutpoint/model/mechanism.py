@@ -5,7 +5,8 @@ Plain numbers in SI units, immutable.  `build` (see `build.py`) validates and ma
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
-from typing import Literal
+from types import MappingProxyType
+from typing import Any, Literal
 
 import numpy as np
 from numpy.typing import NDArray
@@ -21,8 +22,29 @@ WORLD = -1
 STANDARD_GRAVITY = (0.0, 0.0, -9.81)
 
 
+class Immutable:
+    """What holds arrays and dictionaries of its own, which nobody can write to: neither through what it was made of,
+    nor in a copy, nor in what comes out of a pickle."""
+
+    def __post_init__(self) -> None:
+        vars(self).update({name: frozen(value) for name, value in vars(self).items()})
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        values = (dict(x) if isinstance(x, MappingProxyType) else x for x in vars(self).values())
+        return type(self), tuple(values)
+
+
+def frozen(value: Any) -> Any:
+    """A copy that cannot be written to, of an array (float64 if it holds real numbers) or a dictionary."""
+    if isinstance(value, np.ndarray):
+        copy = np.array(value, np.float64 if value.dtype.kind in "iuf" else value.dtype)
+        copy.flags.writeable = False
+        return copy
+    return MappingProxyType(dict(value)) if isinstance(value, (dict, MappingProxyType)) else value
+
+
 @dataclass(frozen=True, eq=False)
-class Link:
+class Link(Immutable):
     """A rigid piece as a file describes it.
 
     mass in kg; com (3,) in m in the link's frame; inertia (3, 3) in kg m2 about the com, along the link's axes.
@@ -57,7 +79,7 @@ class Mimic:
 
 
 @dataclass(frozen=True, eq=False)
-class Joint:
+class Joint(Immutable):
     """How a child link moves on its parent.
 
     placement (4, 4): the joint's frame, at coordinate zero, in the parent's frame; it is the child's frame too.
@@ -81,7 +103,7 @@ class Joint:
 
 
 @dataclass(frozen=True, eq=False)
-class Body:
+class Body(Immutable):
     """A moving link with all that is fixed to it, and the joint that carries it.
 
     parent: index of the carrying body, or WORLD.  placement (4, 4): the joint's frame in that body's frame.
@@ -98,7 +120,7 @@ class Body:
 
 
 @dataclass(frozen=True, eq=False)
-class Frame:
+class Frame(Immutable):
     """A named place on a body (or in the world, WORLD): placement (4, 4) in the body's frame."""
 
     name: str
@@ -107,7 +129,7 @@ class Frame:
 
 
 @dataclass(frozen=True, eq=False)
-class Mechanism:
+class Mechanism(Immutable):
     """A robot as a tree of bodies, parents before children, in the file's depth-first order.
 
     gravity (3,): acceleration of free fall in the world's frame, m/s2.

@@ -69,6 +69,10 @@ class Log:
         object.__setattr__(self, "units", {name: _unit(name, self.units, len(joints)) for name in channels})
         object.__setattr__(self, "meta", _as_json(self.meta))
 
+    def __reduce__(self) -> tuple[Any, ...]:
+        """Made anew from its parts, so that nobody can write to a copy either."""
+        return Log, (self.time, self.channels, self.units, self.joints, self.meta, self.run)
+
     def __getitem__(self, name: str) -> Array:
         """A channel, (N, n) or (N,).  An unknown name is an InputError that lists those there are."""
         if name not in self.channels:

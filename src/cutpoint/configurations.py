@@ -1,0 +1,44 @@
+"""Configurations of a robot: the one in which nothing is moved, and any at random."""
+
+import numpy as np
+from numpy.typing import NDArray
+
+from cutpoint.mechanics.system import System
+from cutpoint.model import Joint, Mechanism
+
+Array = NDArray[np.float64]
+
+ENDLESS = 1e5
+"""rad or m: limits beyond, as some files state them for joints that turn on and on, are none."""
+
+
+def neutral(system: System) -> Array:
+    """(nq,): every joint unmoved."""
+    q = np.zeros(system.nq)
+    for segment in system.segments:
+        if not segment.follower:
+            q[segment.q] = segment.joint.neutral
+    return q
+
+
+def at_random(mechanism: Mechanism, system: System, rng: np.random.Generator, shape: tuple[int, ...]) -> Array:
+    """(*shape, nq): see `Robot.random`."""
+    q = np.broadcast_to(neutral(system), (*shape, system.nq)).copy()
+    for segment, body in zip(system.segments, mechanism.bodies, strict=True):
+        if not segment.follower:
+            q[..., segment.q] = random_coordinates(body.joint, segment.joint.coordinates, rng, shape)
+    return q
+
+
+def random_coordinates(joint: Joint, count: int, rng: np.random.Generator, shape: tuple[int, ...]) -> Array:
+    """Coordinates (*shape, count) of a joint: see `Robot.random`."""
+    free = np.pi if joint.kind in ("revolute", "continuous", "helical") else 1.0
+    if count == 1:
+        lower = joint.limits.lower if abs(joint.limits.lower) < ENDLESS else -free
+        upper = joint.limits.upper if abs(joint.limits.upper) < ENDLESS else free
+        return rng.uniform(min(lower, upper), max(lower, upper), (*shape, 1))
+    if joint.kind == "planar":
+        return rng.uniform(-1.0, 1.0, (*shape, 3)) * [1.0, 1.0, np.pi]
+    turn = rng.standard_normal((*shape, 4))
+    turn /= np.linalg.norm(turn, axis=-1, keepdims=True)
+    return turn if joint.kind == "spherical" else np.concatenate([rng.uniform(-1.0, 1.0, (*shape, 3)), turn], axis=-1)

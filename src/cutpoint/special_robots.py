@@ -1,0 +1,82 @@
+"""What some robots need around their functions: those with quaternions, and those in which nothing moves."""
+
+from collections.abc import Callable, Mapping, Sequence
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from cutpoint.errors import InputError
+from cutpoint.mechanics.joints import Floating, Spherical
+from cutpoint.mechanics.system import System
+from cutpoint.model import Mechanism
+
+Array = NDArray[np.float64]
+Function = Callable[..., Any]
+
+SHORTEST = 1e-50
+"""A quaternion with no number beyond it counts as zero: its length to the fourth, which derivatives divide by, is."""
+
+MATRICES = frozenset({
+    "mass_matrix", "coriolis_matrix", "regressor", "velocity_map", "drive_regressor",
+    "inverse_dynamics_derivatives", "forward_dynamics_derivatives", "elastic_inverse_dynamics_derivatives",
+    "elastic_forward_dynamics_derivatives",
+})  # fmt: skip
+"""Functions whose outputs are matrices with no row if nothing moves."""
+
+
+def quaternions_of(mechanism: Mechanism, system: System) -> dict[str, slice]:
+    """Where the quaternions stand in q, by the joint's name."""
+    pairs = zip(mechanism.bodies, system.segments, strict=True)
+    kinds = (Spherical, Floating)
+    return {b.joint.name: slice(s.q.stop - 4, s.q.stop) for b, s in pairs if isinstance(s.joint, kinds)}
+
+
+def check_quaternions(function: str, name: str, q: Array, quaternions: Mapping[str, slice]) -> None:
+    """Raises InputError if there is a zero quaternion in q (..., nq), which shows no direction."""
+    for joint, own in quaternions.items():
+        if (np.abs(q[..., own.stop - 1]) > SHORTEST).all():  # mostly, and one number is quickly looked at
+            continue
+        zero = (np.abs(q[..., own]) <= SHORTEST).all(axis=-1)
+        if zero.any():
+            where = "".join(f"[{', '.join(map(str, place))}]" for place in np.argwhere(zero)[:1] if zero.ndim)
+            found = f"the quaternion of joint {joint!r} is zero in {name}{where}"
+            raise InputError(f"{function}: {found}; robot.neutral() is a start", name=name, joint=joint)
+
+
+def with_quaternions(
+    function: Function, name: str, inputs: Sequence[str], quaternions: Mapping[str, slice]
+) -> Function:
+    """The function, which looks at the quaternions among its inputs.
+
+    It looks once the function has taken them: then they are numbers, and as many as there must be.
+    """
+    last = [own.stop - 1 for own in quaternions.values()]
+    places = [(k, key) for k, key in enumerate(inputs) if key in ("q", "q_next")]
+
+    def looking(*given: Any) -> Any:
+        found = function(*given)
+        for k, key in places:
+            q = given[k]
+            if type(q) is np.ndarray and q.ndim == 1:  # single calls: plainly written out, they cost little
+                for w in last:
+                    if -SHORTEST <= q.item(w) <= SHORTEST:
+                        break
+                else:
+                    continue
+            check_quaternions(name, key, np.asarray(q, np.float64), quaternions)
+        return found
+
+    return looking if places else function
+
+
+def with_empty_matrices(function: Function) -> Function:
+    """The function of a robot in which nothing moves, whose kernel loses the columns of matrices without rows."""
+
+    def shaped(*given: Any) -> Any:
+        found = function(*given)
+        if isinstance(found, tuple):
+            return tuple.__new__(type(found), [x.reshape(*x.shape, 0) for x in found])
+        return found.reshape(*found.shape, 0)
+
+    return shaped

@@ -1,0 +1,70 @@
+"""Functions of a robot that come in variants: for wrenches at frames, with so many derivatives, in one's own axes."""
+
+from collections.abc import Mapping, Sequence
+from functools import cache, partial
+from typing import Any, Literal, get_args
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from cutpoint import definitions
+from cutpoint.door import are_plain_vectors, check_kind, checked_array, checked_name
+from cutpoint.errors import InputError
+from cutpoint.mechanics.elastic import Options
+
+ExpressedIn = Literal["local", "world", "local_world_aligned"]
+
+
+def checked_wrenches(
+    function: str, external: Mapping[str, ArrayLike], frames: Mapping[str, Any]
+) -> Mapping[str, ArrayLike]:
+    """Wrenches (..., 6) by the names of frames that exist.  Raises InputError."""
+    check_kind(function, "external", external, Mapping, "wrenches (..., 6) by the frame's name")
+    for frame in external:
+        checked_name("frame", frame, frames)
+    if are_plain_vectors(external.values()) and all(np.size(F) == 6 for F in external.values()):
+        return external
+    return {frame: checked_array(function, f"the wrench at {frame!r}", F, 6) for frame, F in external.items()}
+
+
+def on_frames(definition: Any, frames: Sequence[str]) -> Any:
+    """The definition with its wrenches, wrench_0, wrench_1, ..., at these frames."""
+
+    def with_wrenches(machine: Any, **given: Any) -> Any:
+        wrenches = {frame: given.pop(f"wrench_{k}") for k, frame in enumerate(frames)}
+        return definition(machine, **given, **wrenches)
+
+    return with_wrenches
+
+
+@cache
+def motion_names(derivatives: int) -> str:
+    """Names of a position and so many derivatives of it, blanks between."""
+    return " ".join(["q v a jerk snap", *(f"derivative_{k}" for k in range(5, derivatives + 1))])
+
+
+def wrong_motion(function: str, given: int, needed: int) -> InputError:
+    """An error for a motion of too few derivatives of the position, or too many."""
+    names = motion_names(max(given, needed)).split()
+    if given < needed:
+        missing = f"{given} are given, {', '.join(names[given + 1 :])} missing"
+        remedy = f"rotors with full coupling take {needed}; or say quasi_rigid=True"
+        told = f"{function}: {needed - given} more derivatives of the position are needed: {missing}: {remedy}"
+    else:
+        taken = f"{needed} derivatives of the position are needed, {', '.join(names[1 : needed + 1])}"
+        told = f"{function}: {taken}: {given} are given; strains and options go by name, as in strains=..."
+    return InputError(told, needed=needed)
+
+
+@cache
+def with_options(friction_rates: bool, quasi_rigid: bool) -> Any:
+    """An elastic inverse dynamics with these options."""
+    options = Options(friction_rates, quasi_rigid)
+    return partial(definitions.elastic_inverse_dynamics, options=options)
+
+
+@cache
+def jacobian_of(frame: str, expressed_in: ExpressedIn) -> Any:
+    """A frame's Jacobian in one of the ways to express it.  Raises InputError for another."""
+    checked_name("way to express a Jacobian", expressed_in, get_args(ExpressedIn))
+    return partial(definitions.jacobian, frame=frame, expressed_in=expressed_in)
