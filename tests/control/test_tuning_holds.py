@@ -16,6 +16,8 @@ from cutpoint.control import (
     ComputedTorque,
     ElasticComputedTorque,
     FullStateFeedback,
+    Guard,
+    Law,
     Robust,
     SlotineLi,
     SuperTwisting,
@@ -85,6 +87,43 @@ def test_the_slowest_pole_is_how_fast_a_small_motion_dies_in_the_sampled_loop(na
     expected = np.log(slowest_pole(elbow(), law(name), UPRIGHT, PERIOD).size) / PERIOD
     found = rate(pushed(law(name), 3.0 if expected > -10 else 1.0))
     assert abs(found / expected - 1) < 0.05, f"{found:.4g} 1/s in simulation, {expected:.4g} 1/s by the pole"
+
+
+@pytest.mark.parametrize("name", ["PD", "PID", "VDC, filter", "disturbance observer"])
+def test_a_guard_holds_as_its_law_does(name):
+    bare, guarded = (slowest_pole(elbow(), x, UPRIGHT, PERIOD) for x in (law(name), Guard(law(name), elbow())))
+    assert guarded.joint == bare.joint
+    assert guarded.size == pytest.approx(bare.size, abs=1e-9)
+    assert guarded.frequency == pytest.approx(bare.frequency, abs=1e-6)
+
+
+class Growing(Law):
+    """Beside a PD's torque: a clock, a count that no motion changes and the command follows, one of errors that grows
+    and that nothing follows, and torque that follows an average of the errors' sum, by way of another number."""
+
+    def start(self) -> Any:
+        return {"clock": 0.0, "count": 1.0, "seen": np.zeros(2), "sum": np.zeros(2), "average": np.zeros(2)}
+
+    def step(self, memory: Any, m: Any, r: Any) -> Any:
+        error = r.theta - m.theta
+        after = {
+            "clock": m.time, "count": 1.01 * memory["count"], "seen": 2 * memory["seen"] + error,
+            "sum": self.forgetting * memory["sum"] + error * m.period,
+            "average": 0.5 * memory["average"] + 0.5 * memory["sum"],
+        }  # fmt: skip
+        return after, 900.0 * error - 20.0 * m.theta_dot + self.share * memory["average"] + 1e-9 * memory["count"]
+
+    def __init__(self, share: float, forgetting: float = 1.0) -> None:
+        self.share, self.forgetting = share, forgetting
+
+
+def test_memory_counts_for_a_pole_where_motion_changes_it_and_the_command_follows():
+    bare = slowest_pole(elbow(), PD([900.0] * 2, [20.0] * 2), UPRIGHT, PERIOD)
+    assert slowest_pole(elbow(), Growing(0.0), UPRIGHT, PERIOD) == pytest.approx(bare, abs=1e-6)
+    integrating = slowest_pole(elbow(), Growing(50.0), UPRIGHT, PERIOD)
+    # an integrator's pole is near 1 - period * gain / kp
+    assert integrating.size == pytest.approx(1 - PERIOD * 50.0 / 900.0, rel=1e-5)
+    assert slowest_pole(elbow(), Growing(0.1, forgetting=1.001), UPRIGHT, PERIOD).size > 1.0005
 
 
 @pytest.mark.parametrize("kind", [PD, VDC])

@@ -157,6 +157,19 @@ REFUSED = {
         lambda: tune(elbow(), 3.0, control_period=-1e-3),
         r"tune: control_period -0.001 .*must be",
     ),
+    "tuning for six bandwidths": (lambda: tune(elbow(), [5.0] * 6), r"tune: bandwidth must be one number, Hz, got \["),
+    "tuning in words": (lambda: tune(elbow(), "4"), r"tune: bandwidth must be one number, Hz, got '4'"),
+    "tuning nothing": (lambda: tune(None, 4.0), r"tune: robot must be a Robot .*, got None"),
+    "tuning a law by its name": (lambda: tune(elbow(), 4.0, "VDC"), r"tune: law must be a law's class, .* got 'VDC'"),
+    "tuning a law that is made": (lambda: tune(elbow(), 4.0, law("PD")), r"tune: law must be a law's class, .* PD\("),
+    "a pole at no period": (
+        lambda: slowest_pole(elbow(), law("PD"), [0.0] * 2, 0),
+        r"slowest_pole: period 0.0 s must be positive and finite",
+    ),
+    "a pole at a period gone by": (lambda: slowest_pole(elbow(), law("PD"), [0.0] * 2, -1e-3), r"period -0.001 s must"),
+    "a pole at an unknown period": (lambda: slowest_pole(elbow(), law("PD"), [0.0] * 2, np.nan), r"period nan s must"),
+    "a pole at an endless period": (lambda: slowest_pole(elbow(), law("PD"), [0.0] * 2, np.inf), r"period inf s must"),
+    "a pole of a class": (lambda: slowest_pole(elbow(), PD, [0.0] * 2, 1e-3), r"controller PD is a class; give an obj"),
     "tuning elsewhere": (lambda: tune(elbow(), 3.0, q=[0.0]), r"tune: q has shape \(1,\)"),
 }
 

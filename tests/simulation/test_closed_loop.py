@@ -8,6 +8,7 @@ from cutpoint.control import PD, Feedforward, GravityCompensation
 from cutpoint.model import Limits
 from cutpoint.simulation import loop as loops
 from cutpoint.simulation.cache import programs_for
+from cutpoint.simulation.controllers import admitted
 from cutpoint.trajectories import cycloid, quintic
 from robot_library import Robot, assert_close, frictionless, robot
 
@@ -128,11 +129,12 @@ def test_other_gains_drives_and_limits_compile_nothing_again(monkeypatch):
 
 
 def test_another_kind_of_drive_is_another_program():
-    ours, law = frictionless(robot("xia2019")), PD(KP, KD)
+    ours = frictionless(robot("xia2019"))
+    law, other = admitted(ours, PD(KP, KD)), admitted(ours, PD(np.array(KP) * 3, KD))
     stiff = ours.with_drives({ours.joints[0]: Drive(100.0, Rotor(1e-5), LinearSpring(1e4))})
     encoders = loops.Encoders((None, None), (None, None), 0, False, 0, 6)
     assert programs_for(ours, law, encoders, ()) is not programs_for(stiff, law, encoders, ())
-    assert programs_for(ours, law, encoders, ()) is programs_for(ours, PD(np.array(KP) * 3, KD), encoders, ())
+    assert programs_for(ours, law, encoders, ()) is programs_for(ours, other, encoders, ())
 
 
 @pytest.mark.parametrize("accuracy", ["standard", "fine", "reference"])

@@ -1,5 +1,6 @@
 """A run that fails says when, where and why, and keeps what it had reached."""
 
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -36,6 +37,53 @@ def test_a_command_that_is_no_number_stops_the_run(accuracy):
     with pytest.warns(UntracedControllerWarning), pytest.raises(SimulationError, match=r"t = 0.00\d s") as caught:
         simulate(ours, broken, duration=0.1, initial=State(q=np.ones(6)), accuracy=accuracy)
     assert 5 <= len(caught.value.log.time) <= 7
+
+
+def undefined(memory: Any, m: Any, r: Any) -> Any:
+    """The third drive's command is not a number from 5 ms on."""
+    return memory, np.array([*[0.0] * 2, where(m.time < 4.5e-3, 0.0, np.nan), *[0.0] * 3])
+
+
+def called_undefined(memory: Any, m: Any, r: Any) -> Any:
+    return undefined(memory, m, r) if m.time < 1e3 else None
+
+
+NO_NUMBER = r"controller (called_)?undefined commands nan for 'joint3' at t = 0.005 s, which is not a finite number"
+
+
+@pytest.mark.parametrize("effort", [np.inf, 50.0])
+@pytest.mark.parametrize("law", [undefined, called_undefined])
+@pytest.mark.parametrize("options", [{}, {"accuracy": "reference"}, {"duration": 0.005}, {"channels": ["q"]}])
+@pytest.mark.filterwarnings("ignore::cutpoint.simulation.UntracedControllerWarning")
+def test_a_command_that_is_not_a_number_is_told_with_its_drive_and_time(law, effort, options):
+    """Whether or not there is a limit that it could be taken for."""
+    ours = frictionless(robot("xia2019"))
+    drives = {name: replace(d, limits=replace(d.limits, effort=effort)) for name, d in ours.drives.items()}
+    with pytest.raises(SimulationError, match=NO_NUMBER) as caught:
+        simulate(ours.with_drives(drives), law, **{"duration": 0.02, **options})
+    log = caught.value.log
+    assert log.time[-1] == caught.value.evidence["time"] == pytest.approx(0.005) and np.isfinite(log["q"]).all()
+    if "channels" not in options:
+        assert np.isnan(log["motor_torque"][-1, 2]) and np.isfinite(log["motor_torque"][:-1]).all()
+
+
+def test_a_command_that_is_not_a_number_is_told_among_many_and_between_samples():
+    ours = frictionless(robot("xia2019"))
+    runs = simulate_many([ours, ours], undefined, duration=0.02, channels=["q"])
+    for number in range(2):
+        with pytest.raises(SimulationError, match=NO_NUMBER):
+            runs[number]
+    with pytest.raises(SimulationError, match=r"commands nan for 'joint3' at t = 0.004\d* s"):
+        simulate(ours, undefined, duration=0.02, hold=False)
+
+
+def test_a_law_called_back_without_its_sensors_is_told_of_them():
+    def of_links(memory: Any, m: Any, r: Any) -> Any:
+        return memory, -m.q if m.time < 1e3 else None
+
+    message = r"commands nan for 'joint1' at t = 0 s, .*; sensors are on the motor side only, and it is told NaN of"
+    with pytest.warns(UntracedControllerWarning), pytest.raises(SimulationError, match=message):
+        simulate(robot("xia2019"), of_links, duration=0.01, sensors=Sensors(sides="motor"))
 
 
 def kick_at_the_end(memory: Any, m: Any, r: Any) -> Any:

@@ -106,10 +106,10 @@ def pushed(smoothing: float, **parts: object) -> Log:
 
 
 @pytest.mark.parametrize("smoothing", [1e-2, 1e-3, 1e-4])
-@pytest.mark.parametrize("compliance", [LinearSpring(16e3), None])
-def test_smoothed_friction_creeps_as_it_must_however_sharp_it_is(smoothing, compliance):
+@pytest.mark.parametrize("spring", [{}, {"compliance": None, "damping": None}], ids=["elastic", "rigid"])
+def test_smoothed_friction_creeps_as_it_must_however_sharp_it_is(smoothing, spring):
     """1.2 N m = 2 N m tanh(v / smoothing) + 0.2 N m s/rad v, at four steps a millisecond."""
-    v = pushed(smoothing, compliance=compliance)["v"][-1, 0]
+    v = pushed(smoothing, **spring)["v"][-1, 0]
     assert 2.0 * np.tanh(v / smoothing) + 0.2 * v == pytest.approx(1.2, rel=1e-6)
 
 

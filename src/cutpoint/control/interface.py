@@ -4,11 +4,16 @@ One entry a drive, in the order of `robot.joints`, all at the joint's side.  In 
 numbers in NumPy object arrays, so a law is written with array arithmetic; in a callback they are plain float arrays.
 """
 
-from typing import Any, NamedTuple, Protocol
+from traceback import walk_tb
+from typing import Any, NamedTuple, NoReturn, Protocol
 
 import numpy as np
 
-from cutpoint.errors import InputError
+from cutpoint.errors import InputError, TraceError
+from cutpoint.scalars import is_of_cutpoint, leaves, with_float_leaves
+
+NOT_THE_USER = ("cutpoint", "numpy")
+"""Packages whose lines are not where a user's law is at fault."""
 
 
 class Measurement(NamedTuple):
@@ -60,10 +65,11 @@ def stepped(law: Controller, memory: Any, measurement: Measurement, reference: R
     Raises:
         InputError: the step returns anything but (memory, command), or a command that is not one number a drive, or
             one for all.
+        TraceError: a user's law cannot do its step with traced numbers.
     """
-    result: Any = law.step(memory, measurement, reference)
+    result: Any = _returned(law, memory, measurement, reference)
     if not isinstance(result, (tuple, list)) or len(result) != 2:
-        raise InputError(f"controller {name_of(law)}: step must return (memory, command), not {_described(result)}")
+        raise InputError(f"controller {name_of(law)}: step must return (memory, command), not {described(result)}")
     # a law may return bare torques
     command = result[1] if isinstance(result[1], Command) else Command(np.asarray(result[1]))
     n = len(measurement.q)
@@ -71,14 +77,57 @@ def stepped(law: Controller, memory: Any, measurement: Measurement, reference: R
         part = getattr(command, name)
         if not (_is_one_each(part, n) or (part is None and name.startswith("theta"))):
             rule = f"step must return (memory, command) whose {name} is {n} numbers, one a drive, or one for all"
-            raise InputError(f"controller {name_of(law)}: {rule}; it is {_described(part)}")
+            raise InputError(f"controller {name_of(law)}: {rule}; it is {described(part)}")
     return result[0], command
+
+
+def start_of(law: Any) -> Any:
+    """A law's memory before its first step; () of one that has no `start`."""
+    return law.start() if hasattr(law, "start") else ()
+
+
+def numbers_after(law: Any, memory: Any, count: int) -> list[Any]:
+    """The numbers of a memory that a step returned.  Raises InputError if start() did not give as many."""
+    numbers = leaves(with_float_leaves(memory))
+    if len(numbers) != count:
+        rule = f"step must return as many numbers of memory as start() gave, {count}"
+        raise InputError(f"controller {name_of(law)}: {rule}; it returned {len(numbers)}")
+    return numbers
+
+
+def is_own(law: Any) -> bool:
+    """Whether a law is a user's own, not one of this package."""
+    return not is_of_cutpoint(law) or hasattr(law, "function")
 
 
 def name_of(law: Any) -> str:
     """A law's class, or the name of the function that it is."""
-    function = getattr(law, "function", law)
+    function = getattr(law, "function", law) if is_of_cutpoint(law) else law
     return getattr(function, "__name__", type(function).__name__)
+
+
+def _returned(law: Controller, memory: Any, measurement: Measurement, reference: Reference) -> Any:
+    """What a step returns; what goes wrong in it is told with what it was given."""
+    try:
+        return law.step(memory, measurement, reference)
+    except TraceError:
+        raise
+    except (TypeError, ValueError, AttributeError, LookupError) as error:
+        if is_own(law) and np.asarray(measurement.q).dtype == object:
+            _refuse_traced(law, error)
+        if isinstance(memory, tuple) and not memory:
+            error.add_note(f"step of {name_of(law)} was given the memory (), having no start() that gives another")
+        raise
+
+
+def _refuse_traced(law: Controller, error: Exception) -> NoReturn:
+    """Raises TraceError that says where a step failed, and what it could do instead."""
+    told = f"step of {name_of(law)} fails with traced numbers, {type(error).__name__}: {error}"
+    if isinstance(error, InputError):
+        told += "; functions of a Robot take numbers only, those of cutpoint.definitions with robot.machine take these"
+    places = [(frame.f_globals.get("__name__", ""), line, frame.f_code) for frame, line in walk_tb(error.__traceback__)]
+    users = [f"{code.co_filename}:{line}" for name, line, code in places if name.partition(".")[0] not in NOT_THE_USER]
+    raise TraceError(told, place=users[-1] if users else None) from error
 
 
 def _is_one_each(part: Any, n: int) -> bool:
@@ -88,7 +137,8 @@ def _is_one_each(part: Any, n: int) -> bool:
     return (traced or array.dtype.kind in "biuf") and array.shape in ((), (n,))
 
 
-def _described(thing: Any) -> str:
+def described(thing: Any) -> str:
+    """A thing in a few words, for errors."""
     if isinstance(thing, (tuple, list)):
         return f"a {type(thing).__name__} of {len(thing)}"
     array = np.asarray(thing)

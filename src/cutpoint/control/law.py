@@ -1,10 +1,22 @@
 """Laws that add up: torques add, and the one motor reference among them is what all the others track."""
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from functools import reduce
+from inspect import signature
 from typing import Any
 
-from cutpoint.control.interface import Command, Controller, Measurement, Reference, stepped
+from cutpoint.control.interface import (
+    Command,
+    Controller,
+    Measurement,
+    Reference,
+    described,
+    is_own,
+    name_of,
+    start_of,
+    stepped,
+)
 from cutpoint.errors import InputError
 from cutpoint.scalars import maximum
 
@@ -26,7 +38,17 @@ class Law:
         raise TypeError(f"{type(self).__name__} must define step(memory, measurement, reference)")
 
     def __add__(self, other: Controller) -> "Sum":
-        return Sum((*parts_of(self), *parts_of(other)))
+        return Sum((*parts_of(self), *parts_of(as_law(other))))
+
+
+@dataclass(frozen=True)
+class FunctionLaw(Law):
+    """A plain function step(memory, measurement, reference) -> (memory, command) as a law without memory."""
+
+    function: Callable[..., Any]
+
+    def step(self, memory: Any, measurement: Measurement, reference: Reference) -> Any:
+        return self.function(memory, measurement, reference)
 
 
 @dataclass(frozen=True)
@@ -36,26 +58,26 @@ class Sum(Law):
     parts: tuple[Any, ...]
 
     def __post_init__(self) -> None:
-        makers = [type(part).__name__ for part in self.parts if _makes_reference(part)]
+        makers = [type(part).__name__ for part in self.parts if makes_reference(part)]
         if len(makers) > 1:
             raise InputError(f"{' and '.join(makers)} both make a motor reference; a sum may hold one such law")
 
     @property
     def makes_motor_reference(self) -> bool:  # type: ignore[override]
-        return any(_makes_reference(part) for part in self.parts)
+        return any(makes_reference(part) for part in self.parts)
 
     @property
     def reports_faults(self) -> bool:  # type: ignore[override]
         return any(getattr(part, "reports_faults", False) for part in self.parts)
 
     def start(self) -> Any:
-        return tuple(part.start() if hasattr(part, "start") else () for part in self.parts)
+        return tuple(start_of(part) for part in self.parts)
 
     def step(self, memory: Any, measurement: Measurement, reference: Reference) -> tuple[Any, Command]:
         memories, commands = [*memory], []
         made = Command(0)
         # the maker of the motor reference first, so that the others see it
-        for k in sorted(range(len(self.parts)), key=lambda k: not _makes_reference(self.parts[k])):
+        for k in sorted(range(len(self.parts)), key=lambda k: not makes_reference(self.parts[k])):
             memories[k], told = stepped(self.parts[k], memory[k], measurement, reference)
             commands.append(told)
             if told.theta is not None:
@@ -86,17 +108,33 @@ class Wrapper(Law):
 
     @property
     def makes_motor_reference(self) -> bool:  # type: ignore[override]
-        return _makes_reference(self.law)
+        return makes_reference(self.law)
 
     @property
     def reports_faults(self) -> bool:  # type: ignore[override]
         return getattr(self.law, "reports_faults", False)
 
     def inner_start(self) -> Any:
-        return self.law.start() if hasattr(self.law, "start") else ()
+        return start_of(self.law)
 
     def inner_step(self, memory: Any, measurement: Measurement, reference: Reference) -> tuple[Any, Command]:
         return stepped(self.law, memory, measurement, reference)
+
+
+def as_law(controller: Any) -> Any:
+    """A controller, or the function that it is, as a law.
+
+    Raises InputError for a class, for what has no step, and for a step that takes something else.
+    """
+    if isinstance(controller, type):
+        name = controller.__name__
+        raise InputError(f"controller {name} is a class; give an object of it, {name}(...)")
+    step = getattr(controller, "step", controller)
+    if not callable(step):
+        raise InputError(f"controller {described(controller)} has no step(memory, measurement, reference)")
+    if is_own(controller):
+        _check_parameters(name_of(controller), step)
+    return FunctionLaw(controller) if step is controller else controller
 
 
 def needs_of(law: Controller) -> tuple[str, ...]:
@@ -109,5 +147,17 @@ def parts_of(law: Controller) -> tuple[Any, ...]:
     return law.parts if isinstance(law, Sum) else (law,)
 
 
-def _makes_reference(law: Any) -> bool:
+def _check_parameters(name: str, step: Callable[..., Any]) -> None:
+    try:
+        parameters = signature(step)
+    except ValueError:  # of a function without a signature nothing is known
+        return
+    try:
+        parameters.bind(None, None, None)
+    except TypeError:
+        told = f"step must take (memory, measurement, reference); it takes {parameters}"
+        raise InputError(f"controller {name}: {told}") from None
+
+
+def makes_reference(law: Any) -> bool:
     return getattr(law, "makes_motor_reference", False)

@@ -8,10 +8,12 @@ from numpy.typing import ArrayLike, NDArray
 from scipy.linalg import expm
 
 from cutpoint import kernels
-from cutpoint.control.interface import Measurement, Reference, stepped
-from cutpoint.control.law import Law
+from cutpoint.control.interface import Measurement, Reference, start_of, stepped
+from cutpoint.control.law import Law, as_law
 from cutpoint.control.model_law import ModelLaw, check_all_driven
-from cutpoint.door import checked_array
+from cutpoint.control.numbers_asked import positive
+from cutpoint.control.own_law import check_pure
+from cutpoint.door import check_kind, checked_array
 from cutpoint.robot import Robot
 from cutpoint.scalars import leaves, rebuild, with_float_leaves
 
@@ -49,10 +51,15 @@ def slowest_pole(robot: Robot, law: Any, q: ArrayLike, period: float) -> Sampled
 
     The robot is linear about q and moves exactly between samples; the law is differenced about rest.  Neither has
     friction, whose slope at rest is that of its smoothing.  Laws that jump at rest have no slope, and this says nothing
-    of them.  Raises InputError: a joint has no motor.
+    of them.  Memory counts where motion changes it and the command follows it: clocks and latched faults do not.
+
+    Raises:
+        InputError: a joint has no motor; the period is not positive.
+        TraceError: the law is a user's own, and cannot be compiled.
     """
+    q, law = _checked("slowest_pole", robot, law, q)
+    period = positive("slowest_pole", "period", period, "s")
     check_all_driven("slowest_pole", robot)
-    q, law = checked_array("slowest_pole", "q", q, robot.nq), without_friction(law)
     model = robot.linearize(q)
     count, n = len(model.states), len(robot.drives)
     both = expm(np.block([[model.A, model.B], [np.zeros((n, count + n))]]) * period)
@@ -74,12 +81,18 @@ def small_signal(robot: Robot, law: Any, q: ArrayLike, period: float) -> SmallSi
     stiffness_i = -(du_i/dq_i + du_i/dtheta_i), damping_i the same of speeds, while the law's memory stands still.  The
     law is differenced without friction, as in `slowest_pole`; one that jumps at rest has no slope.
     """
-    q, law = checked_array("small_signal", "q", q, robot.nq), without_friction(law)
+    q, law = _checked("small_signal", robot, law, q)
     rest = _Rest(robot, law, robot.linearize(q).point, period)
     n = len(robot.drives)
     together = np.vstack([np.eye(2 * n)] * 2)  # of link and motor, positions and then speeds
     slopes = _differences(lambda x: rest.told((together @ x).reshape(4, n), rest.memory), np.zeros(2 * n))[0]
     return SmallSignal(-np.diag(slopes[:, :n]), -np.diag(slopes[:, n:]))
+
+
+def _checked(function: str, robot: Robot, law: Any, q: ArrayLike) -> tuple[Array, Any]:
+    """The pose, and the law without friction."""
+    check_kind(function, "robot", robot, Robot, "a Robot (cutpoint.load reads files)")
+    return checked_array(function, "q", q, robot.nq), without_friction(as_law(law))
 
 
 def without_friction(law: Any) -> Any:
@@ -95,44 +108,58 @@ def without_friction(law: Any) -> Any:
         bare = [replace(drive, link_friction=None, motor_friction=None) for drive in drives]
         changed["robot"] = law.robot.with_drives(dict(zip(law.robot.drives, bare, strict=True)))
         changed["parameters"] = None
-    return replace(law, **changed)
+    return replace(law, **changed) if changed else law
 
 
 def _slopes(robot: Robot, law: Any, model: Any, period: float) -> tuple[Array, Array, Array, Array]:
-    """How torque and memory after a step follow the plant's state and the memory before it."""
+    """How torque and memory after a step follow the plant's state and the memory before it, as far as it matters."""
     at = _Rest(robot, law, model.point, period)
     rest = np.zeros(len(model.states))
     of_state = _differences(lambda x: at.told((model.C @ x).reshape(4, -1), at.memory), rest)
     of_memory = _differences(lambda m: at.told(np.zeros((4, len(robot.drives))), m), at.memory)
-    return of_state[0], of_memory[0], of_state[1], of_memory[1]
+    matter = _between(of_state[1], of_memory[1], of_memory[0])
+    return of_state[0], of_memory[0][:, matter], of_state[1][matter], of_memory[1][np.ix_(matter, matter)]
+
+
+def _between(of_state: Array, of_memory: Array, on_torque: Array) -> NDArray[np.bool_]:
+    """Which numbers of memory motion changes and torque follows, each of both by way of others, too.
+
+    of_state (m, x), of_memory (m, m): what they follow.  on_torque (n, m): what follows them.
+    """
+    moved, felt = (of_state != 0).any(axis=1), (on_torque != 0).any(axis=0)
+    for _ in range(len(of_memory)):
+        moved, felt = moved | (of_memory[:, moved] != 0).any(axis=1), felt | (of_memory[felt] != 0).any(axis=0)
+    return moved & felt
 
 
 class _Rest:
     """A law that holds the robot at rest, its memory settled."""
 
     def __init__(self, robot: Robot, law: Any, point: Any, period: float) -> None:
-        start = with_float_leaves(law.start() if hasattr(law, "start") else ())
-        self._step = _step_kernel(robot, law, start)
+        check_pure(law, len(robot.drives))
+        start = with_float_leaves(start_of(law))
+        self._step, self._time = _step_kernel(robot, law, start), 0.0
         self._numbers = np.array([*leaves(law), period], float)
         driven = [d.q for d in robot.machine.drives]
         self._seen = np.array([point.q[driven], 0 * point.theta, point.theta, 0 * point.theta])
         self.memory = np.array(leaves(start), float)
         for _ in range(SETTLING):
             self.memory = self.told(0 * self._seen, self.memory)[1]
+            self._time += period
 
     def told(self, moved: Array, memory: Array) -> tuple[Array, Array]:
         """Torque and memory after, with q, v, theta and theta_dot moved (4, n) from rest."""
-        return self._step(*(self._seen + moved), self._seen[0], memory, self._numbers)
+        return self._step(*(self._seen + moved), self._seen[0], self._time, memory, self._numbers)
 
 
 def _step_kernel(robot: Robot, law: Any, start: Any) -> Any:
-    """A law's step as a kernel: q, v, theta, theta_dot, a resting reference, memory, its numbers and the period."""
+    """A law's step as a kernel: q, v, theta, theta_dot, a resting reference, time, memory, own numbers, period."""
     n = len(robot.drives)
 
-    def step(q: Any, v: Any, theta: Any, theta_dot: Any, held: Any, memory: Any, numbers: Any) -> Any:
+    def step(q: Any, v: Any, theta: Any, theta_dot: Any, held: Any, time: Any, memory: Any, numbers: Any) -> Any:
         rest = iter(numbers)
         own, period = rebuild(law, rest), next(rest)
-        seen = Measurement(0.0, period, *(np.array(x) for x in (q, v, theta, theta_dot)))
+        seen = Measurement(time, period, *(np.array(x) for x in (q, v, theta, theta_dot)))
         target, still = np.array(held), np.zeros(n)
         reference = Reference(target, still, still, still, still, target, still)
         after, command = stepped(own, rebuild(start, iter(memory)), seen, reference)
@@ -140,7 +167,7 @@ def _step_kernel(robot: Robot, law: Any, start: Any) -> Any:
 
     sizes = dict.fromkeys(("q", "v", "theta", "theta_dot", "held"), n)
     counts = {"memory": len(leaves(start)), "numbers": len(leaves(law)) + 1}
-    return kernels.compile(step, name="law", backend=robot.backend, **sizes, **counts)
+    return kernels.compile(step, name="law", backend=robot.backend, **sizes, time=(), **counts)
 
 
 def _differences(function: Any, at: Array) -> tuple[Array, Array]:

@@ -11,6 +11,7 @@ from cutpoint.control.computed_torque import ComputedTorque
 from cutpoint.control.elastic_computed_torque import ElasticComputedTorque
 from cutpoint.control.full_state_feedback import FullStateFeedback
 from cutpoint.control.model_law import check_all_driven
+from cutpoint.control.numbers_asked import positive
 from cutpoint.control.pd import PD
 from cutpoint.control.pid import PID
 from cutpoint.control.robust import Robust
@@ -18,7 +19,7 @@ from cutpoint.control.sampled_loop import slowest_pole
 from cutpoint.control.slotine_li import SlotineLi
 from cutpoint.control.super_twisting import SuperTwisting
 from cutpoint.control.vdc import VDC
-from cutpoint.door import checked_array
+from cutpoint.door import check_kind, checked_array
 from cutpoint.errors import InputError, unknown_name
 from cutpoint.robot import Robot
 
@@ -99,17 +100,18 @@ def tune(
             has a pole that grows; it says which joint swings, and how fast.  A law that jumps at rest is not tested.
             Or a joint, such as a floating base, has no motor.
     """
-    asked = {"bandwidth": (bandwidth, " Hz"), "damping": (damping, ""), "control_period": (control_period, " s")}
-    for name, (value, unit) in asked.items():
-        if not (np.isfinite(value) and value > 0):
-            raise InputError(f"tune: {name} {value}{unit} must be positive")
+    names = [x.__name__ for x in RECIPES]
+    check_kind("tune", "robot", robot, Robot, "a Robot (cutpoint.load reads files)")
+    check_kind("tune", "law", law, type, "a law's class, such as cutpoint.control.PD")
+    bandwidth = positive("tune", "bandwidth", bandwidth, "Hz")
+    damping, period = positive("tune", "damping", damping), positive("tune", "control_period", control_period, "s")
     if law not in RECIPES:
-        raise unknown_name("law that can be tuned", getattr(law, "__name__", str(law)), [x.__name__ for x in RECIPES])
+        raise unknown_name("law that can be tuned", law.__name__, names)
     check_all_driven("tune", robot)
     pose = robot.neutral() if q is None else checked_array("tune", "q", q, robot.nq)
-    made = RECIPES[law](_wanted(robot, pose, 2 * np.pi * bandwidth, damping, control_period), **options)
+    made = RECIPES[law](_wanted(robot, pose, 2 * np.pi * bandwidth, damping, period), **options)
     if law is not SuperTwisting:
-        check_holds(robot, made, pose, control_period)
+        check_holds(robot, made, pose, period)
     return made
 
 

@@ -18,9 +18,18 @@ from cutpoint.scalars.functions import (
     where,
 )
 from cutpoint.scalars.jet import Jet
-from cutpoint.scalars.records import leaves, map_leaves, rebuild, structure_of, with_float_leaves
+from cutpoint.scalars.records import (
+    constants,
+    is_of_cutpoint,
+    leaves,
+    map_leaves,
+    rebuild,
+    structure_of,
+    with_float_leaves,
+)
 
 __all__ = [
-    "Angle", "Jet", "Scalar", "absolute", "atan", "clip", "cos", "exp", "leaves", "log", "map_leaves", "maximum",
-    "minimum", "rebuild", "sin", "sqrt", "structure_of", "tan", "tanh", "where", "with_float_leaves",
+    "Angle", "Jet", "Scalar", "absolute", "atan", "clip", "constants", "cos", "exp", "is_of_cutpoint", "leaves", "log",
+    "map_leaves", "maximum", "minimum", "rebuild", "sin", "sqrt", "structure_of", "tan", "tanh", "where",
+    "with_float_leaves",
 ]  # fmt: skip

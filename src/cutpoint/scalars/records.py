@@ -3,7 +3,8 @@
 A whole number, a truth value, a text, or any object that is no number is structure: it stays in the record.
 """
 
-from collections.abc import Callable, Hashable, Iterator
+from collections.abc import Callable, Hashable, Iterator, Mapping
+from copy import copy
 from dataclasses import fields, is_dataclass, replace
 from functools import cache
 from typing import Any
@@ -42,30 +43,62 @@ def map_leaves(function: Callable[[Any], Any], record: Any, structure: tuple[typ
         return {key: map_leaves(function, part, structure) for key, part in record.items()}
     if is_dataclass(record) and not isinstance(record, type):
         parts = {name: map_leaves(function, getattr(record, name), structure) for name in _fields(type(record))}
-        return replace(record, **parts)
+        return _refilled(record, parts) if _is_law_of_user(record) else replace(record, **parts)
     if isinstance(record, structure) or not hasattr(type(record), "__neg__"):
         return record
     return function(record)
 
 
-def structure_of(record: Any) -> Hashable:
+def constants(record: Any) -> list[Any]:
+    """What a record holds beside numbers, depth first."""
+    if isinstance(record, dict):
+        return constants([*record.values()])
+    if isinstance(record, (list, tuple)):
+        return [x for part in record for x in constants(part)]
+    if is_dataclass(record) and not isinstance(record, type):
+        return constants([getattr(record, name) for name in _fields(type(record))])
+    is_constant = isinstance(record, _STRUCTURE) or not hasattr(type(record), "__neg__")
+    return [record] if is_constant and not isinstance(record, np.ndarray) else []
+
+
+def is_of_cutpoint(thing: Any) -> bool:
+    """Whether a thing's class is one of this package."""
+    return type(thing).__module__.partition(".")[0] == "cutpoint"
+
+
+def structure_of(record: Any, known: Mapping[int, Hashable] | None = None) -> Hashable:
     """What is left of a record without its numbers: equal for records that one trace serves.
 
     An object that is no record counts by its `trace_key`, if it has one, or by its identity.
+    known: what parts count by instead, by their identity.
     """
+    if known and id(record) in known:
+        return known[id(record)]
     if isinstance(record, np.ndarray):
         return (np.ndarray, record.shape)
     if isinstance(record, (list, tuple)):
-        return (type(record), *(structure_of(part) for part in record))
+        return (type(record), *(structure_of(part, known) for part in record))
     if isinstance(record, dict):
-        return (dict, *((key, structure_of(part)) for key, part in record.items()))
+        return (dict, *((key, structure_of(part, known)) for key, part in record.items()))
     if is_dataclass(record) and not isinstance(record, type):
-        return (type(record), *(structure_of(getattr(record, name)) for name in _fields(type(record))))
+        return (type(record), *(structure_of(getattr(record, name), known) for name in _fields(type(record))))
     if isinstance(record, (*_STRUCTURE, str, bytes, type(None))):
         return (type(record), record)
     if hasattr(type(record), "__neg__"):
         return float
     return (type(record), getattr(record, "trace_key", id(record)))
+
+
+def _is_law_of_user(record: Any) -> bool:
+    return hasattr(type(record), "step") and not is_of_cutpoint(record)
+
+
+def _refilled(record: Any, parts: dict[str, Any]) -> Any:
+    """A copy with other fields, for classes whose `__init__` may take something else, or change what it is given."""
+    again = copy(record)
+    for name, part in parts.items():
+        object.__setattr__(again, name, part)
+    return again
 
 
 @cache

@@ -3,6 +3,7 @@
 from collections.abc import Collection, Mapping
 
 from cutpoint.errors import unknown_name
+from cutpoint.robot import Robot
 
 BASE_COORDINATES = ("base_x", "base_y", "base_z", "base_qx", "base_qy", "base_qz", "base_qw")
 BASE_SPEEDS = ("base_vx", "base_vy", "base_vz", "base_wx", "base_wy", "base_wz")
@@ -23,6 +24,22 @@ SOURCES: Mapping[str, tuple[str, ...]] = {
 
 ONLY_RECORDED = ("current", "strains")
 """What is recorded without being a channel: a current is in motor_torque."""
+
+
+def recordable(state: Mapping[str, int], n: int, nv: int) -> dict[str, int]:
+    """What can be recorded each period, with its length, in order.  state: lengths of the state's parts."""
+    return {
+        **state, "measured_q": n, "measured_theta": n, "measured_v": n, "measured_theta_dot": n, "command_torque": n,
+        "feedforward_torque": n, "motor_reference": n, "motor_speed_reference": n, "fault": 1, "motor_torque": n,
+        "joint_torque": n, "friction_torque": nv,
+    }  # fmt: skip
+
+
+def absent_from(robot: Robot, recorded: Mapping[str, int], *, reports: bool) -> list[str]:
+    """Channels that logs of other robots and laws have.  reports: whether the law reports faults."""
+    floats, remembers = robot.nv > len(robot.drives), recorded["strains"] > 0
+    base, fault = (*BASE_COORDINATES, *BASE_SPEEDS), ("fault",)
+    return [*(() if floats else base), *(() if reports else fault), *(() if remembers else MEMORY)]
 
 
 def recorded_for(wanted: Collection[str], recorded: Mapping[str, int], absent: Collection[str]) -> dict[str, int]:

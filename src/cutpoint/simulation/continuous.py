@@ -12,13 +12,19 @@ from cutpoint.errors import InputError
 from cutpoint.scalars import leaves
 from cutpoint.simulation.adaptive import ATOL, RTOL, plant_rates
 from cutpoint.simulation.loop import BEYOND, ClosedLoop
+from cutpoint.simulation.runner import NoNumberError
 from cutpoint.trajectories import Trajectory
 
 Array = NDArray[np.float64]
 
 
 def check_continuous(loop: ClosedLoop) -> None:
-    """Raises InputError for what has no meaning between samples: memories, of law, sensors or drives."""
+    """Raises InputError for what has no meaning between samples: memories, of law, sensors or drives.
+
+    Raises TraceError for a law that cannot be compiled.
+    """
+    if loop.refusal:
+        raise loop.refusal
     what = None
     if leaves(loop.memory):
         what = f"{type(loop.controller).__name__} remembers"
@@ -26,6 +32,8 @@ def check_continuous(loop: ClosedLoop) -> None:
         what = "sensors with noise, delay or differences go by samples"
     elif loop.layout.state != loop.robot.nq + loop.robot.nv + 2 * loop.layout.n:
         what = "drives with current loops, hysteresis or presliding go by samples"
+    elif any(d.motor is not None and d.motor.delay for d in loop.robot.drives.values()):
+        what = "motors with a delay go by samples"
     if what:
         raise InputError(f"simulate: hold=False is for laws, sensors and drives without memory; {what}")
 
@@ -39,7 +47,7 @@ def continuous_step(loop: ClosedLoop, trajectory: Trajectory | None) -> Callable
         command, _ = loop.control(measured, [], row, parameters)
         told, _ = loop.actuate(loop.lanes.padded(x), command, [0] * loop.lanes.size(n), parameters)
         machine = loop.robot.machine_with(parameters[: len(loop.robot.drive_parameters)])
-        return plant_rates(machine, x, x, loop.lanes.dense(told), layout.disturbance(row))
+        return [*command[:n], *plant_rates(machine, x, x, loop.lanes.dense(told), layout.disturbance(row))]
 
     sizes: dict[str, Any] = {"x": layout.state, "row": layout.row}
     kernel: Any = None
@@ -56,7 +64,10 @@ def continuous_step(loop: ClosedLoop, trajectory: Trajectory | None) -> Callable
             at[0] = t
             if trajectory is not None:
                 at[1 : 1 + 5 * n] = trajectory.derivatives(np.array([t]), 4)[:, 0].ravel()
-            return kernel(x, at, parameters)
+            found = kernel(x, at, parameters)
+            if np.isnan(found[:n]).any():
+                raise NoNumberError(t, found[:n])
+            return found[n:]
 
         x = np.array(loop.lanes.dense(memory["state"]))
         with np.errstate(all="ignore"):  # what is not finite ends the run below

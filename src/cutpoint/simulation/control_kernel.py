@@ -6,10 +6,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cutpoint import kernels
-from cutpoint.errors import InputError
+from cutpoint.control.interface import start_of
+from cutpoint.control.own_law import check_pure
 from cutpoint.kernels import Kernel
 from cutpoint.robot import Robot
 from cutpoint.scalars import leaves, with_float_leaves
+from cutpoint.simulation.controllers import fitting
 from cutpoint.simulation.loop import ClosedLoop
 from cutpoint.simulation.sensors import Sensors, encoders_of
 
@@ -66,18 +68,10 @@ def law_parameters(robot: Robot, law: Any, period: float) -> Array:
 
 def law_memory(law: Any) -> Array:
     """A law's memory at the start, flat."""
-    return np.array(leaves(_memory_of(law)), float)
-
-
-def _memory_of(law: Any) -> Any:
-    return with_float_leaves(law.start() if hasattr(law, "start") else ())
+    return np.array(leaves(with_float_leaves(start_of(law))), float)
 
 
 def _loop_of(robot: Robot, law: Any) -> ClosedLoop:
-    n = len(robot.drives)
-    if not hasattr(law, "step"):
-        raise InputError(f"law {law!r} has no step(memory, measurement, reference)")
-    for part in getattr(law, "parts", (law,)):
-        if getattr(part, "size", n) != n:
-            raise InputError(f"{type(part).__name__} is for {part.size} drives, the robot has {n}")
-    return ClosedLoop(robot, law, encoders_of(Sensors(), n, 1.0), _memory_of(law), 1.0, {})
+    n, law = len(robot.drives), fitting(robot, law)
+    check_pure(law, n)
+    return ClosedLoop(robot, law, encoders_of(Sensors(), n, 1.0), with_float_leaves(start_of(law)), 1.0, {})

@@ -5,6 +5,7 @@ from collections.abc import Sequence
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
+from matplotlib.legend import Legend
 from matplotlib.lines import Line2D
 
 from cutpoint.errors import InputError
@@ -15,6 +16,9 @@ AXIS_WIDTH, AXIS_HEIGHT = 3.6, 2.0
 
 ACROSS = 3
 """Axes side by side."""
+
+MOST_COLUMNS, COLUMN_GAP = 6, 0.2
+"""Of the legend; inches between two of them."""
 
 Line = tuple[str, Array]
 """A label and its values (N,), in a unit for people."""
@@ -27,15 +31,16 @@ def picture(log: Log, names: Sequence[str]) -> Figure:
         raise InputError("the log has no channels to plot")
     across = min(ACROSS, len(axes), len(log.joints) if names and log.joints else ACROSS)
     down = -(-len(axes) // across)
-    figure = Figure(figsize=(0.6 + AXIS_WIDTH * across, 0.6 + AXIS_HEIGHT * down), layout="constrained")
+    figure = Figure(figsize=(0.6 + AXIS_WIDTH * across, 0.3 + AXIS_HEIGHT * down), layout="constrained")
     colours = {label: f"C{index}" for index, label in enumerate(names or log.joints)}
+    drawn: dict[str, Line2D] = {}
     for index, ((unit, title), lines) in enumerate(axes.items()):
         axis = figure.add_subplot(down, across, index + 1)
-        _draw(axis, log.time, lines, colours, later="--" if names else "-")
+        drawn = _draw(axis, log.time, lines, colours, later="--" if names else "-") | drawn
         axis.set_title(f"{title} [{unit}]" if unit else title, loc="left", fontsize="medium", parse_math=False)
         if index >= len(axes) - across:
             axis.set_xlabel("time [s]")
-    _explain(figure, colours)
+    _explain(figure, {label: drawn[label] for label in colours if label in drawn})
     return figure
 
 
@@ -58,18 +63,40 @@ def _for_people(unit: str) -> tuple[str, float]:
     return unit, 1.0
 
 
-def _draw(axis: Axes, time: Array, lines: Sequence[Line], colours: dict[str, str], later: str) -> None:
+def _draw(axis: Axes, time: Array, lines: Sequence[Line], colours: dict[str, str], later: str) -> dict[str, Line2D]:
     """Draws the lines, those after the first in the style `later`; a channel without joints is grey among joints."""
+    drawn: dict[str, Line2D] = {}
     for index, (label, values) in enumerate(lines):
-        axis.plot(time, values, later if index else "-", color=colours.get(label, "0.2"), linewidth=1.0)
+        style, colour = later if index else "-", colours.get(label, "0.2")
+        (drawn[label],) = axis.plot(time, values, style, color=colour, linewidth=1.0)
     axis.margins(x=0.0)
     axis.grid(alpha=0.3)
     axis.ticklabel_format(useOffset=False)
+    return drawn
 
 
-def _explain(figure: Figure, colours: dict[str, str]) -> None:
-    if colours:
-        samples = [Line2D([], [], color=colour) for colour in colours.values()]
-        legend = figure.legend(samples, list(colours), loc="outside upper center", ncols=6)
-        for text in legend.get_texts():
-            text.set_parse_math(False)
+def _explain(figure: Figure, drawn: dict[str, Line2D]) -> None:
+    """A legend above the axes, in as many columns as the figure is wide for, and room for its rows."""
+    if not drawn:
+        return
+    width, height = figure.get_size_inches()
+    alone = _legend(figure, drawn, columns=1)
+    widest = _inches(figure, alone)[0] + COLUMN_GAP
+    alone.remove()
+    legend = _legend(figure, drawn, columns=max(1, min(MOST_COLUMNS, int(width / widest))))
+    figure.set_size_inches(max(width, widest), height + _inches(figure, legend)[1])
+
+
+def _legend(figure: Figure, drawn: dict[str, Line2D], columns: int) -> Legend:
+    # names are set afterwards: a legend leaves out those that begin with an underscore
+    legend = figure.legend([*drawn.values()], [" "] * len(drawn), loc="outside upper center", ncols=columns)
+    for text, name in zip(legend.get_texts(), drawn, strict=True):
+        text.set_parse_math(False)
+        text.set_text(name)
+    return legend
+
+
+def _inches(figure: Figure, legend: Legend) -> tuple[float, float]:
+    """Width and height."""
+    box = legend.get_window_extent()
+    return box.width / figure.dpi, box.height / figure.dpi

@@ -4,6 +4,7 @@ What the stages read and write are flat lists of scalars; `kernels.program` comp
 any number of control periods, or runs them as they are where nothing can be compiled.
 """
 
+import math
 from collections.abc import Hashable
 from dataclasses import dataclass
 from functools import cached_property
@@ -12,16 +13,17 @@ from typing import Any, Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from cutpoint.control.interface import Command, Measurement, Reference, name_of, stepped
+from cutpoint.control.held_state import as_it_was
+from cutpoint.control.interface import numbers_after, stepped
 from cutpoint.definitions import Machine
-from cutpoint.errors import InputError
+from cutpoint.errors import TraceError
 from cutpoint.kernels import Loop, Program, Region, Stage, compile_program
 from cutpoint.mechanics.motor import within_limits
 from cutpoint.robot import Robot
-from cutpoint.scalars import Scalar, clip, leaves, rebuild, where, with_float_leaves
-from cutpoint.simulation.channels import BASE_COORDINATES, BASE_SPEEDS, MEMORY, recorded_for
+from cutpoint.scalars import Scalar, clip, leaves, rebuild, where
+from cutpoint.simulation.channels import absent_from, recordable, recorded_for
 from cutpoint.simulation.lanes import Lanes
-from cutpoint.simulation.layout import Layout, array_of
+from cutpoint.simulation.layout import Layout
 from cutpoint.simulation.plant import is_uniform, own_parts, sizes
 from cutpoint.simulation.sensors import Encoders
 from cutpoint.simulation.stages import PlantStages
@@ -32,7 +34,6 @@ Scalars = list[Scalar]
 
 BEYOND = 1e6
 """A state (rad, rad/s, m, m/s) larger than this has diverged."""
-
 
 INTEGRATION = ("origin", "total", "resistance", "earlier", "tableau", "elapsed", "turns", "efforts", "accelerations",
                "steps")  # fmt: skip
@@ -48,6 +49,7 @@ class ClosedLoop:
 
     memory: the controller's memory at the start, a record.  parameters: numbers of drives, controller, sensors, torque
     limits, then the control period.  programs: those compiled so far for loops of this structure.
+    refusal: why the controller cannot be compiled, where that is known.
     runs: how many runs of this structure go side by side, in lanes.  own_rows: whether each has a reference and
     disturbances of its own, or all the same.  kept: the log's channels that are wanted; None for all.
     """
@@ -58,6 +60,7 @@ class ClosedLoop:
     memory: Any
     period: float
     programs: dict[Hashable, Program]
+    refusal: TraceError | None = None
     runs: int = 1
     own_rows: bool = False
     kept: frozenset[str] | None = None
@@ -69,35 +72,26 @@ class ClosedLoop:
 
     @cached_property
     def plant(self) -> PlantStages:
-        return PlantStages(self.robot, self.layout, self.lanes)
+        return PlantStages(self.robot, self.layout, self.lanes, self._is_uniform)
 
     @cached_property
     def lanes(self) -> Lanes:
         """All drives side by side where they are alike; not where runs are."""
-        return Lanes.of(self.layout.n, self.runs == 1 and is_uniform(self.robot.machine))
+        return Lanes.of(self.layout.n, self.runs == 1 and self._is_uniform)
+
+    @cached_property
+    def _is_uniform(self) -> bool:
+        return is_uniform(self.robot.machine)
 
     @cached_property
     def channels(self) -> dict[str, int]:
         """What is recorded each period, with its length, in order."""
-        return self._recordable if self.kept is None else recorded_for(self.kept, self._recordable, self._absent)
-
-    @property
-    def _absent(self) -> list[str]:
-        """Channels that logs of other robots and laws have."""
-        floats = self.robot.nv > len(self.robot.drives)
-        reports = getattr(self.controller, "reports_faults", False)
-        remembers = self._recordable["strains"] > 0
-        base, fault = (*BASE_COORDINATES, *BASE_SPEEDS), ("fault",)
-        return [*(() if floats else base), *(() if reports else fault), *(() if remembers else MEMORY)]
+        absent = absent_from(self.robot, self._recordable, reports=getattr(self.controller, "reports_faults", False))
+        return self._recordable if self.kept is None else recorded_for(self.kept, self._recordable, absent)
 
     @property
     def _recordable(self) -> dict[str, int]:
-        n, nv = self.layout.n, self.layout.nv
-        return {
-            **sizes(self.robot.machine)._asdict(), "measured_q": n, "measured_theta": n, "measured_v": n,
-            "measured_theta_dot": n, "command_torque": n, "feedforward_torque": n, "motor_reference": n,
-            "motor_speed_reference": n, "fault": 1, "motor_torque": n, "joint_torque": n, "friction_torque": nv,
-        }  # fmt: skip
+        return recordable(sizes(self.robot.machine)._asdict(), self.layout.n, self.layout.nv)
 
     def parameters(self, limits: Array) -> Array:
         parts = [leaves(self.controller), leaves(self.encoders), limits, [self.period]]
@@ -126,13 +120,6 @@ class ClosedLoop:
         """Regions that runs side by side have in common."""
         return ("elapsed", "tableau", "steps") if self.own_rows else ("elapsed", "tableau", "steps", "row")
 
-    def numbers(self) -> Array:
-        """The drives' parameters lane by lane, where all drives are alike."""
-        if not self.lanes.are_wide:
-            return np.zeros(0)
-        by_field = self.robot.drive_parameters.reshape(self.layout.n, -1).T.ravel()
-        return np.array(self.lanes.padded(by_field, repeat=True))
-
     def initial_memory(self) -> Array:
         return np.array(leaves(self.memory), float)
 
@@ -148,21 +135,21 @@ class ClosedLoop:
         """Command: torque, the part of it that is feedforward, motor reference and its speed; and a fault."""
         _, controller, _, _, period = self._numbers(parameters)
         before = rebuild(self.memory, iter(memory))
-        after, command = stepped(controller, before, *self.seen(measured, row, period))
-        remembered = leaves(with_float_leaves(after))
-        if len(remembered) != len(memory):
-            rule = f"step must return as many numbers of memory as start() gave, {len(memory)}"
-            raise InputError(f"controller {name_of(controller)}: {rule}; it returned {len(remembered)}")
-        return self.command_of(command, row), remembered
+        after, command = stepped(controller, before, *self.layout.seen(measured, row, period))
+        return self.layout.command(command, row), numbers_after(controller, after, len(memory))
 
     def actuate(
         self, state: Scalars, command: Scalars, torque: Scalars, parameters: Scalars
     ) -> tuple[Scalars, Scalars]:
-        """What motors are told, within what drive, current and voltage allow, N m; and what they were told before."""
+        """What motors are told, within what drive, current and voltage allow, N m; and what they were told before.
+
+        No limit mends a command that is not a number.
+        """
         machine, _, _, limits, _ = self._numbers(parameters)
         own = own_parts(machine, self.lanes.dense(state))
         motors = zip(machine.drives, own, command[: self.layout.n], limits, strict=True)
         told = [clip(within_limits(d.drive, u, own.at.theta_dot), -limit, limit) for d, own, u, limit in motors]
+        told = [where(u <= math.inf, x, math.nan) for u, x in zip(command, told, strict=False)]
         return self.lanes.padded(told), torque
 
     def record(self, *regions: Scalars) -> Scalars:
@@ -186,6 +173,8 @@ class ClosedLoop:
         sense: before the controller.  command: sense, and the controller.  after: all that follows.  output: what
         follows, but for integration.  Raises TraceError for a whole or a command whose controller cannot be traced.
         """
+        if self.refusal and part in ("whole", "command"):
+            raise self.refusal
         key = (part, self.runs, self.own_rows, self.kept)
         if key not in self.programs:
             body = {
@@ -199,7 +188,8 @@ class ClosedLoop:
             ticks = Loop("ticks", body, streams=("row", "noise", "record"), until=until)
             integrates = part in ("whole", "after")
             regions = [region for region in self.regions() if integrates or region.name not in INTEGRATION]
-            self.programs[key] = compile_program(ticks, regions, backend=self.robot.backend)
+            with as_it_was(self.controller):
+                self.programs[key] = compile_program(ticks, regions, backend=self.robot.backend)
         return self.programs[key]
 
     @property
@@ -253,31 +243,9 @@ class ClosedLoop:
     def _numbers_of_drives(self) -> str:
         return "numbers" if self.lanes.are_wide else "parameters"
 
-    # views
-
-    def seen(self, measured: Any, row: Any, period: Scalar) -> tuple[Measurement, Reference]:
-        """What a controller is given."""
-        n = self.layout.n
-        q, theta, v, theta_dot = (array_of(measured[k * n : (k + 1) * n]) for k in range(4))
-        return Measurement(row[0], period, q, v, theta, theta_dot), self.layout.reference(row)
-
-    def command_of(self, command: Command, row: Any) -> Scalars:
-        """A command as it is recorded: without a motor reference of its own, the links' is the motors'."""
-        n, reference = self.layout.n, self.layout.reference(row)
-        theta = reference.theta if command.theta is None else command.theta
-        theta_dot = reference.theta_dot if command.theta_dot is None else command.theta_dot
-        parts = (command.torque, command.feedforward, theta, theta_dot)
-        return [*(x for part in parts for x in _each(part, n)), command.fault]
-
     def _numbers(self, parameters: Scalars) -> tuple[Machine, Any, Encoders, Scalars, Scalar]:
         """Machine, controller, encoders, torque limits, period with these numbers in them."""
         numbers = iter(parameters)
         machine = self.robot.machine_with([next(numbers) for _ in self.robot.drive_parameters], lean=True)
         controller, encoders = rebuild(self.controller, numbers), rebuild(self.encoders, numbers)
         return machine, controller, encoders, [next(numbers) for _ in range(self.layout.n)], next(numbers)
-
-
-def _each(part: Any, n: int) -> list[Any]:
-    """One entry a drive, from one each or one for all."""
-    array = np.asarray(part)
-    return [array[()]] * n if array.ndim == 0 else [*part]

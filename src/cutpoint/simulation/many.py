@@ -12,25 +12,19 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cutpoint.control.interface import name_of
+from cutpoint.control.numbers_asked import whole
+from cutpoint.door import refused
 from cutpoint.errors import InputError, SimulationError, TraceError
 from cutpoint.robot import Robot
-from cutpoint.scalars import structure_of
+from cutpoint.simulation.controllers import admitted
+from cutpoint.simulation.inputs import Disturbance, reference_at, rows_of, sample_times, torque_limits
 from cutpoint.simulation.integrator import Steps
 from cutpoint.simulation.log import Log
 from cutpoint.simulation.packs import Pack, Setup, packs_of
 from cutpoint.simulation.plant import State
 from cutpoint.simulation.runner import SHOW_PROGRESS_AFTER, Bar, UntracedControllerWarning
 from cutpoint.simulation.sensors import Sensors
-from cutpoint.simulation.simulate import (
-    Disturbance,
-    prepared,
-    reference_at,
-    rows_of,
-    sample_times,
-    simulate,
-    steps_of,
-    torque_limits,
-)
+from cutpoint.simulation.simulate import check_kinds, prepared, simulate, steps_of
 from cutpoint.trajectories import Trajectory
 
 Array = NDArray[np.float64]
@@ -100,8 +94,11 @@ def simulate_many(
         "disturbances": disturbances,
     }  # fmt: skip
     runs = _dealt(given)
-    if int(threads) != threads or threads < 1:
-        raise InputError(f"simulate_many: threads {threads!r} must be a whole number, at least 1")
+    threads = whole("simulate_many", "threads", threads)
+    if not (each is None or callable(each)):
+        raise refused("simulate_many", "each", each, "a function of a log")
+    for values in zip(*runs.values(), strict=True):
+        check_kinds(**{k: x for k, x in zip(runs, values, strict=True) if k != "controller"}, channels=channels)
     if accuracy not in ("standard", "fine"):
         raise InputError(f"simulate_many: accuracy {accuracy!r} must be 'standard' or 'fine'")
     if duration is None:
@@ -149,15 +146,13 @@ def _setups(
             known[key] = make(*given)
         return known[key]
 
-    def structure(law: Any) -> Any:
-        return once(structure_of, law, given=(law,))
-
     setups: list[Setup] = []
     steps = Steps(0, "")
-    for k, (robot, law, trajectory, initial, sensors, pushed) in enumerate(zip(*runs.values(), strict=True)):
+    for k, (robot, controller, trajectory, initial, sensors, pushed) in enumerate(zip(*runs.values(), strict=True)):
         rest = initial if trajectory is None else None
         reference = once(reference_at, robot.mechanism, trajectory, rest, given=(robot, trajectory, initial, times))
-        loop, start, told = prepared(robot, law, period, initial, reference, sensors, channels, structure)
+        law = once(admitted, robot.mechanism, controller, given=(robot, controller))
+        loop, start, told = prepared(robot, law, period, initial, reference, sensors, channels)
         rows = once(rows_of, reference, pushed, given=(loop, times, reference, pushed))
         given = (robot, accuracy, substeps, period, start, reference)
         steps = max(steps, once(steps_of, robot, reference, initial, given=given))

@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 from cutpoint.errors import SimulationError
 from cutpoint.kernels import Program
+from cutpoint.simulation.inputs import noise_of
 from cutpoint.simulation.integrator import Steps
 from cutpoint.simulation.log import Log, Run
 from cutpoint.simulation.loop import ClosedLoop
@@ -24,7 +25,6 @@ from cutpoint.simulation.runner import (
     shared_numbers,
     working_memory,
 )
-from cutpoint.simulation.simulate import noise_of
 
 Array = NDArray[np.float64]
 

@@ -30,6 +30,13 @@ class UntracedControllerWarning(UserWarning):
     """A controller could not be compiled into the loop; it runs as a Python callback, slower, to the same result."""
 
 
+class NoNumberError(Exception):
+    """A command between samples, of one number a drive, that is none at a time, s."""
+
+    def __init__(self, time: float, command: Array) -> None:
+        self.time, self.command = time, command
+
+
 class Outcome(NamedTuple):
     """Samples recorded, and what stopped the run early, if anything did."""
 
@@ -59,7 +66,7 @@ def first_numbers(loop: ClosedLoop, start: State, told: Array, limits: Array) ->
     return {
         "state": state, "origin": state.copy(), "total": state.copy(), "torque": torque, "torque_before": torque.copy(),
         "sensing": np.array(loop.encoders.memory(*seen), float), "memory": loop.initial_memory(),
-        "parameters": loop.parameters(limits), "numbers": loop.numbers(),
+        "parameters": loop.parameters(limits), "numbers": loop.plant.numbers(),
     }  # fmt: skip
 
 
@@ -84,12 +91,15 @@ def run(loop: ClosedLoop, memory: dict[str, Array], substeps: int, integrate: In
                 ticks = min(chunk, total - done)
                 reached = advance(done, ticks)
                 done += reached
-                if memory["fault"][0] and done < total:  # what follows the last sample is not asked for
+                # what follows the last sample is not asked for
+                if is_no_number(loop, memory) or (memory["fault"][0] and done < total):
                     return Outcome(done, diagnosis(loop, memory, done), diverged=True)
                 now = time.perf_counter()
                 chunk = next_chunk(ticks, now - before)
                 if now - started > SHOW_PROGRESS_AFTER:
                     bar.show(done * loop.period)
+        except NoNumberError as found:
+            return Outcome(done + 1, _odd_command(loop, found.command, found.time), diverged=True)
         except KeyboardInterrupt:
             return Outcome(
                 max(done, 1), f"interrupted at t = {(done - 1) * loop.period:g} s; the log holds all until then"
@@ -122,7 +132,7 @@ def _advance(
         if call:
             memory["command"][:] = call(memory["measured"], memory["row"][first])
         run_samples(after, memory, first, 1, None if integrate else substeps)
-        if integrate and first + 1 < len(memory["row"]):
+        if integrate and first + 1 < len(memory["row"]) and not is_no_number(loop, memory):
             integrate(memory, memory["row"][first])
         return 1
 
@@ -135,8 +145,8 @@ def _callback(loop: ClosedLoop) -> Callable[[Array, Array], list[float]]:
 
     def call(measured: Array, row: Array) -> list[float]:
         nonlocal remembered
-        remembered, command = stepped(loop.controller, remembered, *loop.seen(measured, row, loop.period))
-        return loop.command_of(command, row)
+        remembered, command = stepped(loop.controller, remembered, *loop.layout.seen(measured, row, loop.period))
+        return loop.layout.command(command, row)
 
     return call
 
@@ -150,8 +160,19 @@ def run_samples(program: Any, memory: dict[str, Array], first: int, ticks: int, 
     return program.run({"ticks": ticks, "substeps": substeps}, **{**memory, **rows})
 
 
+def is_no_number(loop: ClosedLoop, memory: dict[str, Array]) -> bool:
+    """Whether the last command is not a number for some drive."""
+    return bool(np.isnan(memory["command"][: loop.layout.n]).any())
+
+
 def diagnosis(loop: ClosedLoop, memory: dict[str, Array], done: int) -> str:
-    """When the state left the finite world and what was largest then, or a sample before where it is no number."""
+    """When the state left the finite world and what was largest then, or a sample before where it is no number.
+
+    Where the command was not finite, that is told instead.
+    """
+    command = memory["command"][: loop.layout.n]
+    if not np.isfinite(command).all():
+        return _odd_command(loop, command, (done - 1) * loop.period)
     state = np.array(loop.lanes.dense(memory["state"]))
     if np.isfinite(state).all():
         found = _largest(loop, state)
@@ -161,6 +182,14 @@ def diagnosis(loop: ClosedLoop, memory: dict[str, Array], done: int) -> str:
         found = "the state is not finite"
     remedy = "lower the gains, check the sides they act on, or take more substeps"
     return f"diverged at t = {done * loop.period:g} s: {found}; {remedy}"
+
+
+def _odd_command(loop: ClosedLoop, command: Array, time: float) -> str:
+    worst = int((~np.isfinite(command)).argmax())
+    joint, sides = [*loop.robot.drives][worst], loop.encoders.sides
+    told = f"controller {name_of(loop.controller)} commands {command[worst]} for {joint!r} at t = {time:g} s"
+    why = f"; sensors are on the {sides} side only, and it is told NaN of the other" if sides != "both" else ""
+    return f"{told}, which is not a finite number{why}"
 
 
 def _largest(loop: ClosedLoop, state: Array) -> str:

@@ -8,6 +8,7 @@ from typing import Any, Literal
 import numpy as np
 from numpy.typing import ArrayLike
 
+from cutpoint.control.numbers_asked import number, whole
 from cutpoint.errors import InputError
 from cutpoint.scalars import Scalar
 
@@ -91,7 +92,7 @@ class Encoders:
 
 def encoders_of(sensors: Sensors, size: int, period: float) -> Encoders:
     """Raises InputError for sizes, signs, and a delay that is no whole number of periods."""
-    steps = sensors.delay / period
+    steps = number("sensors", "delay", sensors.delay, "s") / period
     if not (np.isfinite(steps) and steps >= 0 and abs(steps - round(steps)) < 1e-6):
         rule = f"must be a whole number of control periods of {period} s"
         raise InputError(f"sensors: delay {sensors.delay} s {rule}", delay=sensors.delay)
@@ -103,16 +104,20 @@ def encoders_of(sensors: Sensors, size: int, period: float) -> Encoders:
         found = f"delay {sensors.delay:g} s is {steps:.4g} control periods of {period} s"
         rule = f"of {size} drives at most {most} can be delayed; shorten it, or lengthen control_period"
         raise InputError(f"sensors: {found}, {rule}", delay=sensors.delay)
+    seed = whole("sensors", "seed", sensors.seed, least=0)
     resolution = [_each(sensors, side + "_resolution", size) for side in ("link", "motor")]
     noise = [_each(sensors, side + "_noise", size) for side in ("link", "motor")]
-    return Encoders(resolution, noise, round(steps), sensors.speeds == "differenced", sensors.seed, size, sensors.sides)
+    return Encoders(resolution, noise, round(steps), sensors.speeds == "differenced", seed, size, sensors.sides)
 
 
 def _each(sensors: Sensors, name: str, size: int) -> Any:
     value = getattr(sensors, name)
     if value is None:
         return None
-    array = np.asarray(value, float)
+    try:
+        array = np.asarray(value, float)
+    except (TypeError, ValueError):
+        array = np.array(np.nan)
     if array.shape not in ((), (size,)) or not np.isfinite(array).all() or (array <= 0).any():
         raise InputError(f"sensors: {name} {value} must be positive, one number or one for each of {size} drives")
     return np.broadcast_to(array, size).copy()

@@ -6,6 +6,9 @@ Where all drives are alike, stages of drives are seen from one of them: see `ker
 from dataclasses import dataclass
 from functools import cached_property
 
+import numpy as np
+from numpy.typing import NDArray
+
 from cutpoint.definitions import Machine
 from cutpoint.mechanics import strains
 from cutpoint.mechanics.elastic_forward import Effort, drive_effort, driven_accelerations
@@ -23,7 +26,6 @@ from cutpoint.simulation.plant import (
     currents,
     drive_rates,
     has_delay,
-    is_uniform,
     motor_torque,
     own_of,
     own_parts,
@@ -33,16 +35,21 @@ from cutpoint.simulation.plant import (
 )
 from cutpoint.simulation.step import GAMMA, handed_on, stage
 
+Array = NDArray[np.float64]
 Scalars = list[Scalar]
 
 
 @dataclass(frozen=True, eq=False)
 class PlantStages:
-    """The stages of one robot; its drives' numbers come first among the parameters."""
+    """The stages of one robot; its drives' numbers come first among the parameters.
+
+    are_alike: whether all drives are, see `plant.is_uniform`.
+    """
 
     robot: Robot
     layout: Layout
     lanes: Lanes
+    are_alike: bool
 
     def feel(self, *regions: Scalars) -> Scalars:
         """Torques at the shaft, through the drive, and lost to the link's friction.
@@ -65,6 +72,13 @@ class PlantStages:
             friction[d.v] = xi
         return [*self.lanes.dense(state), *measured, *command, *felt[: 2 * n], *friction]
 
+    def numbers(self) -> Array:
+        """The drives' parameters lane by lane, where all drives are alike."""
+        if not self.lanes.are_wide:
+            return np.zeros(0)
+        by_field = self.robot.drive_parameters.reshape(self.layout.n, -1).T.ravel()
+        return np.array(self.lanes.padded(by_field, repeat=True))
+
     def resist(self, state: Scalars, parameters: Scalars, steps: Scalars) -> Scalars:
         """What resists the drives over a step that starts here."""
         drives = zip(*self._drives(parameters, state), strict=True)
@@ -73,7 +87,7 @@ class PlantStages:
     @cached_property
     def knows_turns(self) -> bool:
         """Whether sines and cosines are found before the accelerations: all at once, where drives are alike."""
-        return is_uniform(self.robot.machine) and not self.robot.machine.system.has_followers
+        return self.are_alike and not self.robot.machine.system.has_followers
 
     def turn(self, state: Scalars) -> Scalars:
         """Sines and cosines of the drives' positions."""

@@ -1,0 +1,125 @@
+"""Laws that users write: whether one is a pure step that can be compiled, and what its compiled step depends on."""
+
+from collections.abc import Hashable
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from cutpoint.control.held_state import as_it_was, changed, held_by
+from cutpoint.control.interface import (
+    Measurement,
+    Reference,
+    is_own,
+    name_of,
+    numbers_after,
+    start_of,
+    stepped,
+)
+from cutpoint.control.law import Sum, Wrapper, makes_reference, needs_of
+from cutpoint.errors import InputError, TraceError
+from cutpoint.kernels import Graph, graph_of
+from cutpoint.scalars import constants, leaves, rebuild, with_float_leaves
+
+SEEN = (*Measurement._fields[2:], *(f"reference_{name}" for name in Reference._fields))
+
+
+class Found(NamedTuple):
+    """What tracing a user's law has found.
+
+    key: equal for laws that one compiled loop serves.  reads: fields of a Measurement that the step depends on.
+    refusal: why it cannot be compiled, if it cannot.
+    """
+
+    key: Hashable
+    reads: tuple[str, ...] = ()
+    refusal: TraceError | None = None
+
+
+def own_parts(law: Any) -> list[Any]:
+    """A user's own laws, alone or within sums and laws around them.  Raises InputError for one without a step."""
+    if is_own(law):
+        if not hasattr(law, "step"):
+            raise InputError(f"controller {name_of(law)} has no step(memory, measurement, reference)")
+        return [law]
+    inner = law.parts if isinstance(law, Sum) else [law.law] if isinstance(law, Wrapper) else []
+    return [part for x in inner for part in own_parts(x)]
+
+
+def check_pure(law: Any, drives: int) -> None:
+    """Raises TraceError for a law whose parts of a user's own cannot be compiled."""
+    for part in own_parts(law):
+        if refusal := traced(part, drives).refusal:
+            raise refusal
+
+
+def traced(law: Any, drives: int) -> Found:
+    """A user's law looked at anew: its numbers may have changed since it was looked at last.
+
+    Its step is done twice with the same traced numbers.  What it returns must be the same, and what it holds must stay
+    as it is; if not, that is put back.
+    """
+    step = _Step(law, drives)
+    try:
+        with as_it_was(law):
+            graph = graph_of(step, **step.inputs)
+    except TraceError as error:
+        error.__cause__ = error.__context__ = None
+        return Found(("called", name_of(law)), refusal=error.with_traceback(None))
+    return Found((graph.fingerprint(), *step.shape, makes_reference(law), needs_of(law)), _reads(graph))
+
+
+class _Step:
+    """A law's step from flat numbers to flat numbers.
+
+    Attributes:
+        inputs: sizes, by name.
+        shape: how many numbers the law has, and which parts of its command it leaves out; known once it was called.
+    """
+
+    def __init__(self, law: Any, drives: int) -> None:
+        self._law, self._start, self._drives = law, with_float_leaves(start_of(law)), drives
+        self._memory, self._numbers = len(leaves(self._start)), len(leaves(law))
+        self.inputs: dict[str, Any] = {"time": (), "period": (), "memory": self._memory, "numbers": self._numbers}
+        self.inputs |= dict.fromkeys(SEEN, drives)
+        self.shape: tuple[Any, ...] = ()
+
+    def __call__(self, *, numbers: Any, **given: Any) -> list[Any]:
+        """Raises TraceError for a law that is not a function of what its step is given."""
+        own = rebuild(self._law, iter(numbers))
+        before = held_by(own)
+        first, shape = self._once(own, **given)
+        between = held_by(own)
+        second, self.shape = self._once(own, **given)
+        if changes := changed(before, between) + changed(between, held_by(own)):
+            _refuse(self._law, f"keeps state in itself ({', '.join(dict.fromkeys(changes))})")
+        if shape != self.shape or not all(x is y or repr(x) == repr(y) for x, y in zip(first, second, strict=True)):
+            _refuse(self._law, "gives something else each time for the same memory, measurement and reference")
+        return first
+
+    def _once(self, own: Any, *, time: Any, period: Any, memory: Any, **seen: Any) -> tuple[list[Any], tuple[Any, ...]]:
+        """What it returns, flat, and its shape."""
+        arrays = [np.array(seen[name]) for name in SEEN]
+        asked = Measurement(time, period, *arrays[:4]), Reference(*arrays[4:])
+        after, command = stepped(own, rebuild(self._start, iter(memory)), *asked)
+        _check_memory(self._law, self._start, after)
+        told = [x for part in command if part is not None for x in np.broadcast_to(np.asarray(part), self._drives)]
+        return [*numbers_after(self._law, after, self._memory), *told], (self._numbers, *(x is None for x in command))
+
+
+def _check_memory(law: Any, start: Any, after: Any) -> None:
+    """Raises TraceError for memory that a compiled loop does not carry on."""
+    pairs = zip(was := constants(start), now := constants(with_float_leaves(after)), strict=False)
+    if len(was) != len(now) or not all(x is y or (type(x) is type(y) is str and x == y) for x, y in pairs):
+        _refuse(law, "changes what is no number in its memory, such as a text or a truth value")
+
+
+def _refuse(law: Any, told: str) -> None:
+    remedy = "state is compiled if it is numbers of the memory that start() gives and step takes and returns"
+    raise TraceError(f"{name_of(law)} {told}; {remedy}")
+
+
+def _reads(graph: Graph) -> tuple[str, ...]:
+    """Measurements among the inputs that the results need."""
+    names = [port.name for port in graph.inputs for _ in range(port.size)]
+    needed = {names[x.args[0]] for x in graph.nodes if x.op == "input"}
+    return tuple(name for name in Measurement._fields[2:] if name in needed)

@@ -1,0 +1,49 @@
+"""The state that a run starts from: what is given, and what is left to be found."""
+
+import numpy as np
+from numpy.typing import NDArray
+
+from cutpoint.door import checked_array
+from cutpoint.robot import Robot
+from cutpoint.simulation.plant import State, sizes
+
+Array = NDArray[np.float64]
+
+
+def beginning(robot: Robot, initial: State | None, reference: Array, is_held: bool) -> tuple[State, Array]:
+    """The whole state, and what motors are told until the first sample, N m.
+
+    reference (5, N, drives); is_held: whether that holds the arm against gravity, or is nothing.
+    """
+    given = initial or State()
+    start = _motion(robot, given, reference)
+    told = np.zeros(len(robot.drives))
+    if is_held:
+        told = robot.gravity_forces(start.q)[[d.v for d in robot.machine.drives]]
+    return _with_inner_states(robot, given, start, told), told
+
+
+def _motion(robot: Robot, given: State, reference: Array) -> State:
+    """Positions and speeds: those of the reference, motors leading by what gravity bends drives, unless given."""
+    driven = [d.q for d in robot.machine.drives]
+    speeds = [d.v for d in robot.machine.drives]
+    q, v = robot.neutral(), np.zeros(robot.nv)
+    q[driven], v[speeds] = reference[0, 0], reference[1, 0]
+    q = q if given.q is None else checked_array("simulate", "initial.q", given.q, robot.nq)
+    v = v if given.v is None else checked_array("simulate", "initial.v", given.v, robot.nv)
+    theta = q[driven] + robot.static_deflection(q) if given.theta is None else given.theta
+    omega = v[speeds] if given.theta_dot is None else given.theta_dot
+    theta = checked_array("simulate", "initial.theta", theta, len(driven))
+    return State(q, v, theta, checked_array("simulate", "initial.theta_dot", omega, len(driven)))
+
+
+def _with_inner_states(robot: Robot, given: State, start: State, told: Array) -> State:
+    """Currents that hold the arm, or none at all without a controller; drives without a past."""
+    expected = sizes(robot.machine)
+    lagging = [d.drive.motor is not None and d.drive.motor.bandwidth is not None for d in robot.machine.drives]
+    current = told[lagging] if given.current is None else given.current
+    strains = np.zeros(expected.strains) if given.strains is None else given.strains
+    return start._replace(
+        current=checked_array("simulate", "initial.current", current, expected.current),
+        strains=checked_array("simulate", "initial.strains", strains, expected.strains),
+    )

@@ -1,0 +1,76 @@
+"""Controllers at the door: as laws that fit the robot, and looked at before they are compiled."""
+
+from collections.abc import Hashable
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from cutpoint.control.interface import Command, name_of
+from cutpoint.control.law import Law, as_law, parts_of
+from cutpoint.control.own_law import own_parts, traced
+from cutpoint.errors import InputError, TraceError
+from cutpoint.robot import Robot
+from cutpoint.scalars import leaves, structure_of
+
+
+@dataclass(frozen=True)
+class FreeResponse(Law):
+    """No torque at all."""
+
+    size: int
+
+    def step(self, memory: Any, measurement: Any, reference: Any) -> tuple[Any, Command]:
+        return memory, Command(np.zeros(self.size))
+
+
+@dataclass(frozen=True, eq=False)
+class Admitted:
+    """A law that may control the robot.
+
+    structure: equal for laws that one program serves.  reads: fields of a Measurement that a law needs, each with the
+    law's name.  refusal: why it cannot be compiled, as far as that is known.
+    """
+
+    law: Any
+    structure: Hashable
+    reads: tuple[tuple[str, str], ...]
+    refusal: TraceError | None
+
+
+def fitting(robot: Robot, controller: Any) -> Any:
+    """The controller as a law.  Raises InputError for one that is no law, or is for another number of drives."""
+    law, n = as_law(controller), len(robot.drives)
+    for part in parts_of(law):
+        size = getattr(part, "size", n)
+        if size != n:
+            raise InputError(f"{name_of(part)} is for {size} drives, the robot has {n}")
+    return law
+
+
+def admitted(robot: Robot, controller: Any) -> Admitted:
+    """The controller, None for no torque, with what must be known of it.
+
+    Laws of a user's own are traced each time: what they hold beside the numbers of a dataclass may have changed.
+    """
+    n = len(robot.drives)
+    law = FreeResponse(n) if controller is None else fitting(robot, controller)
+    own = {id(part): (part, traced(part, n)) for part in own_parts(law)}
+    refusal = next((found.refusal for _, found in own.values() if found.refusal), None)
+    structure = structure_of(law, {key: found.key for key, (_, found) in own.items()})
+    reads = [(part, name) for part in parts_of(law) for name in getattr(part, "needs", ())]
+    reads += [(part, name) for part, found in own.values() for name in found.reads if not hasattr(part, "needs")]
+    if refusal:  # what is compiled around a callback depends on how many numbers there are
+        structure = ("called back", name_of(law), len(leaves(law)))
+    return Admitted(law, structure, tuple((name_of(part), name) for part, name in reads), refusal)
+
+
+def check_sensors(law: Admitted, sides: str) -> None:
+    """Raises InputError for a law that reads encoders which are not there."""
+    missing = {"both": (), "motor": ("q", "v"), "link": ("theta", "theta_dot")}[sides]
+    wanted = [(reader, name) for reader, name in law.reads if name in missing]
+    if wanted:
+        reader = wanted[0][0]
+        names = [name for who, name in wanted if who == reader]
+        told = f"{reader} reads {', '.join(names)}, and sensors are on the {sides} side only"
+        raise InputError(f"simulate: {told}; take a law of that side, or Sensors(sides='both')", needs=names)

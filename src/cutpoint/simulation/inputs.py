@@ -1,0 +1,85 @@
+"""What runs are given, as arrays: sample times, references, rows of periods, noise, limits."""
+
+from collections.abc import Callable, Sequence
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from cutpoint.control.numbers_asked import number, positive
+from cutpoint.door import check_configuration, checked_array
+from cutpoint.errors import InputError
+from cutpoint.robot import Robot
+from cutpoint.simulation.loop import ClosedLoop
+from cutpoint.simulation.noise import noise_beside
+from cutpoint.simulation.plant import State
+from cutpoint.trajectories import Trajectory
+
+Array = NDArray[np.float64]
+Disturbance = Callable[[Array], ArrayLike]
+
+MOST_SAMPLES = 10_000_000
+"""Of a run: hours at 1 kHz, and with six joints and all channels some 10 GB."""
+
+
+def sample_times(trajectory: Trajectory | None, duration: float | None, period: float) -> Array:
+    """Times of control samples, s: from 0 to the duration, as rounded."""
+    if duration is None:
+        if trajectory is None:
+            raise InputError("simulate: without a trajectory, give duration= in seconds")
+        duration = trajectory.duration
+    duration = number("simulate", "duration", duration, "s")
+    period = positive("simulate", "control_period", period, "s")
+    if not (np.isfinite(duration) and duration >= period):
+        raise InputError(f"simulate: duration {duration} s must be at least one control period, {period} s")
+    if not duration / period < MOST_SAMPLES:
+        found = f"duration {duration:g} s at control_period {period:g} s takes {duration / period:.3g} samples"
+        remedy = "shorten the duration, lengthen the control_period, or run in parts, each from where the last ended"
+        raise InputError(f"simulate: {found}, at most {MOST_SAMPLES:,} are kept in memory; {remedy}")
+    return np.arange(round(duration / period) + 1, dtype=np.float64) * period
+
+
+def reference_at(robot: Robot, trajectory: Trajectory | None, initial: State | None, times: Array) -> Array:
+    """The links' reference with four derivatives, (5, N, drives)."""
+    n = len(robot.drives)
+    if trajectory is None:
+        hold = np.zeros((5, len(times), n))
+        if initial is not None and initial.q is not None:
+            q = checked_array("simulate", "initial.q", initial.q, robot.nq)
+            hold[0] = q[[d.q for d in robot.machine.drives]]
+        return hold
+    if trajectory.size != n:
+        raise InputError(f"simulate: the trajectory has {trajectory.size} joints, the robot has {n} drives")
+    reference = trajectory.derivatives(times, 4)
+    for extreme in (reference[0].min(axis=0), reference[0].max(axis=0)):
+        check_configuration(robot.mechanism, extreme)
+    return reference
+
+
+def rows_of(loop: ClosedLoop, times: Array, reference: Array, disturbances: Disturbance | None) -> Array:
+    """What each control period is given: see `Layout.row`."""
+    layout = loop.layout
+    parts = [times[:, None], *reference]
+    if disturbances is None:
+        parts.append(np.zeros((len(times), layout.nv)))
+    else:
+        pushed = checked_array("simulate", "disturbances(times)", disturbances(times), layout.nv)
+        if pushed.shape not in ((layout.nv,), (len(times), layout.nv)):
+            expected = (len(times), layout.nv)
+            raise InputError(f"simulate: disturbances(times) has shape {pushed.shape}, it must be {expected}")
+        parts.append(np.broadcast_to(pushed, (len(times), layout.nv)))
+    return np.ascontiguousarray(np.concatenate(parts, axis=1))
+
+
+def noise_of(loops: Sequence[ClosedLoop], samples: int) -> Array:
+    """Standard normal numbers of runs side by side, a row a sample."""
+    seeds = [loop.encoders.seed for loop in loops]
+    return noise_beside(seeds, samples, loops[0].layout.noise, loops[0].robot.backend)
+
+
+def torque_limits(robot: Robot) -> Array:
+    """What each motor can do at most, N m at the joint's side: the drive's limit or the joint's, the smaller.
+
+    Robot files that do not know an effort limit often state 0: there it counts as none.
+    """
+    efforts = {body.joint.name: body.joint.limits.effort or np.inf for body in robot.mechanism.bodies}
+    return np.array([min(drive.limits.effort, efforts[name]) for name, drive in robot.drives.items()])

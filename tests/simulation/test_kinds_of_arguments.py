@@ -1,0 +1,69 @@
+"""Arguments of another kind than is wanted are refused: which, what it must be, what it is."""
+
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+import pytest
+
+from cutpoint import InputError, Motor, Sensors, simulate, simulate_many
+from cutpoint.trajectories import cycloid
+from robot_library import frictionless, robot
+
+
+@pytest.mark.parametrize("go", [simulate, simulate_many])
+@pytest.mark.parametrize(
+    ("options", "message"),
+    [
+        ({"robot": "arm.urdf"}, r"robot must be a Robot \(cutpoint.load reads files\), got 'arm.urdf'"),
+        ({"trajectory": np.zeros(6)}, r"trajectory must be a trajectory, .* got an array \(6,\) of float64"),
+        ({"initial": np.zeros(6)}, r"initial must be a State, .* got an array \(6,\)"),
+        ({"duration": 1.0, "disturbances": np.zeros(6)}, r"disturbances must be a function of times .* got an array"),
+        ({"duration": 1.0, "sensors": {}}, r"sensors must be Sensors, .* got {}"),
+        ({"duration": 1.0, "channels": 3}, "channels must be a collection of names, got 3"),
+        ({"duration": 1.0, "channels": [3]}, "each of channels must be a channel's name, got 3"),
+        ({"duration": "1"}, "duration must be one number, s, got '1'"),
+        ({"duration": True}, "duration must be one number, s, got True"),
+        ({"duration": 1.0, "control_period": None}, "control_period must be one number, s, got None"),
+        ({"duration": 1.0, "substeps": "4"}, "substeps '4' must be a whole number, at least 1"),
+        ({"duration": 1.0, "sensors": Sensors(delay="a")}, "sensors: delay must be one number, s, got 'a'"),
+        ({"duration": 1.0, "sensors": Sensors(link_noise="a")}, "sensors: link_noise a must be positive, one number"),
+        ({"duration": 1.0, "sensors": Sensors(seed=1.5)}, "sensors: seed 1.5 must be a whole number, at least 0"),
+        ({"duration": 1.0, "sensors": Sensors(seed=-1)}, "sensors: seed -1 must be a whole number, at least 0"),
+    ],
+)
+def test_an_argument_of_another_kind_is_refused_by_its_name(options, message, go):
+    given = {"robot": robot("xia2019"), "controller": None if go is simulate else [None, None], **options}
+    with pytest.raises(InputError, match=message):
+        go(**given)
+
+
+def test_hold_is_true_or_false():
+    with pytest.raises(InputError, match="hold must be True or False, got 'False'"):
+        simulate(robot("xia2019"), duration=0.01, hold="False")
+
+
+def test_a_motor_with_a_delay_cannot_act_at_every_instant():
+    ours = frictionless(robot("xia2019"))
+    drives = {name: replace(d, motor=Motor(0.1, delay=5e-4)) for name, d in ours.drives.items()}
+    with pytest.raises(InputError, match=r"hold=False is for .* without memory; motors with a delay go by samples"):
+        simulate(ours.with_drives(drives), duration=0.01, hold=False)
+
+
+@pytest.mark.parametrize(("each", "threads", "name"), [(3, 1, "each"), (None, 1.5, "threads"), (None, "2", "threads")])
+def test_what_many_runs_are_told_beside_is_looked_at_too(each, threads, name):
+    with pytest.raises(InputError, match=f"simulate_many: {name} "):
+        simulate_many(robot("xia2019"), [None], duration=0.01, each=each, threads=threads)
+
+
+def test_a_trajectory_of_ones_own_is_one():
+    class Mine:
+        """What a cycloid does, by hand."""
+
+        duration, size = 0.02, 6
+
+        def derivatives(self, t: Any, order: int) -> Any:
+            return cycloid(np.full(6, 0.1), 0.02).derivatives(t, order)
+
+    ours = robot("xia2019")
+    assert np.array_equal(simulate(ours, None, Mine())["q"], simulate(ours, None, cycloid(np.full(6, 0.1), 0.02))["q"])

@@ -1,0 +1,54 @@
+"""Laws that cannot be run are refused before they run, and told why."""
+
+import warnings
+from typing import Any
+
+import numpy as np
+import pytest
+
+from cutpoint import InputError, Log, Sensors, simulate
+from cutpoint.control import PD, Guard
+from cutpoint.simulation import UntracedControllerWarning
+from cutpoint.trajectories import cycloid
+from robot_library import frictionless, robot
+
+MOVE = cycloid(np.array([0.3, 0.9, -0.6, 0.4, 0.8, -0.5]), 0.5)
+
+
+def run(law: Any, **options: Any) -> Log:
+    return simulate(frictionless(robot("xia2019")), law, MOVE, duration=0.01, **options)
+
+
+@pytest.mark.parametrize("within", [lambda law: law, lambda law: Guard(law, robot("xia2019"))])
+def test_a_law_of_ones_own_that_reads_what_is_not_there_is_refused(within):
+    def of_links(memory: Any, m: Any, r: Any) -> Any:
+        return memory, 300.0 * (r.q - m.q)
+
+    law = within(type("OfLinks", (), {"step": staticmethod(of_links)})())
+    with pytest.raises(InputError, match="OfLinks reads q, and sensors are on the motor side only"):
+        run(law, sensors=Sensors(sides="motor"))
+    run(law, sensors=Sensors(sides="link"))
+
+
+@pytest.mark.parametrize(
+    ("law", "message"),
+    [
+        (PD, r"controller PD is a class; give an object of it, PD\(...\)"),
+        (lambda m, r: m.q, r"lambda>: step must take \(memory, measurement, reference\); it takes \(m, r\)"),
+        (7, r"controller 7 has no step\(memory, measurement, reference\)"),
+    ],
+)
+def test_what_is_no_law_is_refused(law, message):
+    with pytest.raises(InputError, match=message):
+        run(law)
+    with pytest.raises(InputError, match=message):
+        PD([1.0] * 6, [1.0] * 6) + law
+
+
+def test_a_step_that_finds_no_memory_is_told_that_there_is_no_start():
+    def counting(memory: Any, m: Any, r: Any) -> Any:
+        return memory["n"] + 1, 0.0
+
+    with warnings.catch_warnings(), pytest.raises(TypeError, match=r"counting was given the memory \(\), having no st"):
+        warnings.simplefilter("ignore", UntracedControllerWarning)
+        run(counting)
