@@ -111,8 +111,8 @@ MUTANTS = {
     ),
     "missing 1/l of a torque": Mutant(
         Robot._across_gear,
-        "direction if torque is None else -direction",
-        "direction",
+        "ratio**-direction",
+        "ratio**direction",
         paper.test_equation,
         {"number": "(21)", "seed": 0},
     ),

@@ -77,7 +77,7 @@ def elastic_inverse_dynamics(
 ) -> ElasticMotion:
     """Motor torques and motor motion of a motion, exact in its derivatives.  Xia (2019) eqs. (2), (4)-(11), (13)-(28).
 
-    rates: v, a, jerk, snap and, where rotors with full coupling follow each other along the arm, as many more as
+    rates: v, a, jerk, snap and, where a rotor with full coupling rides on a joint that bends, as many more as
     `derivatives_needed` says.  Every coordinate carries its derivatives through the recursion as a time jet, so joint
     torques come out with theirs.  A damped spring's rate of deflection is that of the undamped law: the result then
     still makes `elastic_forward_dynamics` return a and theta_ddot exactly, but theta_dot is off d theta/dt by the order
