@@ -1,6 +1,7 @@
 """C99: the same bits as machine code, whatever compiler and flags; files that explain, check and guard themselves."""
 
 import re
+import shutil
 from pathlib import Path
 from typing import Any
 
@@ -53,9 +54,9 @@ def test_every_operation_has_the_bits_of_machine_code(compiler: str, flags: tupl
 @settings(deadline=None, max_examples=4)
 def test_random_expressions_have_the_bits_of_machine_code(tmp_path_factory: Any, recipes: Any, seed: int) -> None:
     folder, rng = tmp_path_factory.mktemp("random"), np.random.default_rng(seed)
-    kernel = compile(lambda x: [y for recipe in recipes for y in cook(recipe, x)], name="random", x=3, backend="llvm")
+    kernel = compile(lambda x: [y for recipe in recipes for y in cook(recipe, x)], name="anything", x=3, backend="llvm")
     kernel.to_c(folder)
-    function = CFunction(folder, "random", kernel.graph, flags=("-O1",))
+    function = CFunction(folder, "anything", kernel.graph, flags=("-O1",))
     for x in [*rng.normal(size=(50, 3)), *rng.choice(EDGES, (50, 3)), *10 * rng.normal(size=(20, 3))]:
         assert_same_bits(function(x)[0], kernel(x))
 
@@ -137,6 +138,7 @@ def test_only_our_own_files_are_overwritten_unless_forced(folder: Path) -> None:
     assert "project(law " in (folder / "CMakeLists.txt").read_text()
 
 
+MACROS = ("NULL", "NAN", "INFINITY", "HUGE_VAL", "M_PI", "EOF", "I", "complex", "errno", "EINVAL", "INT_MAX", "PRIu64")
 NAMES = [
     ("int", "x"),
     ("law", "template"),
@@ -145,6 +147,8 @@ NAMES = [
     ("9", "x"),
     ("cutpoint_flip", "x"),
     ("law", "fma"),
+    *((name, "x") for name in MACROS),
+    *(("law", name) for name in MACROS),
 ]
 
 
@@ -156,12 +160,32 @@ def test_names_that_c_cannot_take_are_refused(name: str, argument: str, tmp_path
     assert not [*tmp_path.iterdir()]
 
 
-@pytest.mark.parametrize("name", ["sin", "sinf", "fmal", "main", "memcpy", "y0"])
+OF_THE_LIBRARY = [
+    "sin", "sinf", "fmal", "main", "memcpy", "y0", "exp", "log", "pow", "hypot", "round", "floor", "copysign", "gamma",
+    "div", "abs", "system", "random", "cabs", "isnan", "strcmp", "fopen", "snprintf", "clock", "size_t", "test", "std",
+]  # fmt: skip
+
+
+@pytest.mark.parametrize("name", OF_THE_LIBRARY)
 def test_a_function_is_not_called_as_one_of_cs_library_is(name: str, tmp_path: Path) -> None:
     kernel = compile(lambda x: x * 2, name=name, x=())
-    with pytest.raises(InputError, match=r"C's own library has a function of this name: rename it|no word of C"):
+    with pytest.raises(InputError, match=r"has this name already: rename it|no word or macro of C"):
         kernel.to_c(tmp_path)
     assert not [*tmp_path.iterdir()]
+
+
+USED_WITHIN = [("expected", "T0"), ("names", "found"), ("i", "inputs"), ("x", "std"), ("T", "exp"), ("address", "k")]
+
+
+@pytest.mark.parametrize(("name", "argument"), USED_WITHIN)
+def test_names_may_be_those_that_the_files_use_themselves(name: str, argument: str, tmp_path: Path) -> None:
+    compile(lambda **given: [given[argument][0] * 2], name=name, backend="llvm", **{argument: 2}).to_c(tmp_path)
+    build(tmp_path, f"{name}.c", f"{name}_check.c", "-o", "check")
+    assert run(tmp_path)[0] == 0
+    text = f'#include "{name}.hpp"\n#include <array>\n#include <cmath>\n#include <cstdlib>\n'
+    parameters = "std::array<double, 2> in, std::array<double, 1> out"
+    (tmp_path / "use.cpp").write_text(f"{text}void use({parameters}) {{ cutpoint::{name}(in, out); }}\n")
+    build(tmp_path, "-c", "use.cpp", compiler=shutil.which("g++") or "c++", flags=("-std=c++17", "-Wall", "-Werror"))
 
 
 def test_two_arguments_of_one_name_are_refused(tmp_path: Path) -> None:

@@ -219,6 +219,16 @@ def test_links_are_not_followed(folder: Path, compiled: list[int], tmp_path: Pat
     assert len(compiled) == 9
 
 
+@pytest.mark.parametrize("kind", ["pipe", "folder"])
+def test_what_is_no_file_is_passed_over(folder: Path, kind: str) -> None:
+    first = answer(start())
+    for path in [*folder.iterdir()]:
+        path.unlink()
+        (os.mkfifo if kind == "pipe" else os.mkdir)(path)
+    assert answer(start()) == first
+    assert all(path.is_file() for path in folder.iterdir()) == (kind == "pipe")
+
+
 def test_where_nothing_can_be_kept_kernels_work_all_the_same(
     tmp_path: Path, compiled: list[int], monkeypatch: pytest.MonkeyPatch
 ) -> None:

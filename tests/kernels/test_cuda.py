@@ -98,6 +98,13 @@ def test_names_that_cuda_cannot_take_are_refused(name: str, argument: str, tmp_p
     assert not [*tmp_path.iterdir()]
 
 
+@pytest.mark.parametrize("name", ["sin", "norm", "rsqrtf", "umin", "max", "normcdfinv", "clock64", "dim3"])
+def test_a_function_is_not_called_as_one_of_cuda_is(name: str, tmp_path: Path) -> None:
+    with pytest.raises(InputError, match=r"has this name already: rename it"):
+        compile(lambda x: x * 2, name=name, x=()).to_cuda(tmp_path)
+    assert not [*tmp_path.iterdir()]
+
+
 def test_an_input_named_as_anothers_step_is_refused(tmp_path: Path) -> None:
     kernel = compile(lambda q, q_step: q * q_step, name="law", q=(), q_step=())
     with pytest.raises(InputError, match="'q_step' names two things"):

@@ -187,11 +187,13 @@ def test_threads_may_call_at_the_same_time(kernel: Kernel, function: Any) -> Non
             assert_same_bits(ours, theirs)
 
 
-def test_shapes_that_do_not_fit_are_refused(function: Any) -> None:
+def test_arguments_that_do_not_fit_are_refused(function: Any) -> None:
     with pytest.raises(InputError, match=r"both: q has shape \(3,\), its last axis must be 2"):
         function(np.zeros(3), 0.0, np.zeros((2, 3)))
     with pytest.raises(InputError, match=r"both: leading axes do not broadcast: q \(4,\), v \(3,\), M \(\)"):
         function(np.zeros((4, 2)), np.zeros(3), np.zeros((2, 3)))
+    with pytest.raises(InputError, match="both: q holds complex128, which is no real number"):
+        function(np.zeros(2, complex), 0.0, np.zeros((2, 3)))
     with pytest.raises(InputError, match="both: M missing; it takes q, v, M"):
         function(np.zeros(2), 0.0)
 

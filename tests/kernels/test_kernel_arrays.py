@@ -1,10 +1,12 @@
 """Kernels on arrays: NumPy's gufunc semantics, on every backend."""
 
+import copy
 import math
+import pickle
 import sys
 import threading
 from collections import namedtuple
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from typing import Any
 
@@ -227,3 +229,27 @@ def test_a_kernel_says_what_it_is() -> None:
     assert kernel.operations == kernel.graph.operations and kernel.operations["sin"] == 1
     assert "mixed" in repr(kernel) and "q(2,)" in repr(kernel)
     assert compile(lambda x: x, x=(), name="same").name == "same"
+
+
+COPIES: dict[str, Callable[[Kernel], Kernel]] = {
+    "pickled": lambda x: pickle.loads(pickle.dumps(x)), "copied": copy.copy, "copied deep": copy.deepcopy
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("copied", COPIES.values(), ids=COPIES)
+@pytest.mark.parametrize("backend", BACKENDS)
+def test_a_copy_gives_the_bits_of_the_kernel(backend: str, copied: Callable[[Kernel], Kernel]) -> None:
+    pair = namedtuple("Pair", "slow fast")
+
+    def deep(x: Any) -> Any:
+        y = x
+        for _ in range(400):
+            y = where(y < x, y * 0.5, x - y)
+        return pair(sin(y), -0.0)
+
+    made = compile(deep, x=(), backend=backend)
+    for kernel in made, made.float32:
+        twin, x = copied(kernel), np.linspace(-1, 1, 5)
+        assert repr(twin) == repr(kernel)
+        assert twin(x).slow.dtype == kernel(x).slow.dtype
+        assert [a.tobytes() for a in twin(x)] == [a.tobytes() for a in kernel(x)]

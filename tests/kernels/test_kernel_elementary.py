@@ -70,10 +70,14 @@ def test_elementary_functions_reach_their_limits_without_a_warning(function: str
     np.testing.assert_allclose(found, expected, rtol=2**-51, atol=0)
 
 
+@pytest.mark.parametrize("single", [False, True])
 @pytest.mark.parametrize("function", ["sin", "tan", "tanh", "atan"])
-def test_odd_functions_are_exactly_odd(function: str) -> None:
-    points = DOMAINS[function][1]
-    assert np.array_equal(kernel(function)(-points), -kernel(function)(points))
+def test_odd_functions_are_exactly_odd_at_zero_too(function: str, single: bool) -> None:
+    odd = kernel(function).float32 if single else kernel(function)
+    points = np.concatenate([DOMAINS[function][1], [0.0, 5e-324]])
+    points = points[abs(points) < 1e38]
+    assert odd(-points).tobytes() == (-odd(points)).tobytes()
+    assert [math.copysign(1, odd(x)) for x in (0.0, -0.0)] == [1, -1]
 
 
 def test_sine_and_cosine_share_their_reduction() -> None:

@@ -27,6 +27,25 @@ def test_a_function_too_long_for_machine_code_runs_without(monkeypatch: pytest.M
     assert compile_kernel(sums, x=2, backend="numpy")(x) == pytest.approx(sums(x), rel=1e-13)
 
 
+def test_a_function_of_too_many_numbers_is_refused_and_before_it_is_traced_where_it_takes_so_many(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    monkeypatch.setattr(backends, "MOST_NUMBERS", 100)
+
+    def squares(x: Any) -> Any:
+        calls.append(x)
+        return [[a * b for a in x] for b in x]
+
+    calls: list[Any] = []
+    with pytest.raises(InputError, match=r"squares: 110 numbers in its arguments, at most 100 compile; use backend"):
+        compile_kernel(squares, x=10, backend="llvm")
+    with pytest.raises(InputError, match=r"squares: 101 numbers"):
+        compile_kernel(squares, x=101, backend="llvm")
+    assert len(calls) == 1
+    assert compile_kernel(squares, x=9, backend="llvm")(np.arange(9.0))[2, 3] == 6
+    assert compile_kernel(squares, x=10, backend="numpy")(np.arange(10.0))[2, 3] == 6
+
+
 def test_a_function_too_long_to_trace_is_refused(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(nodes, "MOST_OPERATIONS", 100)
     with pytest.raises(InputError, match="more than 100 operations in one function are too many to trace; split it"):

@@ -7,9 +7,13 @@ from typing import Any, Protocol
 from cutpoint.errors import InputError, unknown_name
 from cutpoint.kernels.graph import Graph
 from cutpoint.kernels.numpy_backend import NumpyFunction
+from cutpoint.kernels.ports import Port
 
 MOST_OPERATIONS = 200_000
 """That are compiled: it takes time that grows with their square, for so many two or three minutes."""
+
+MOST_NUMBERS = 2**15
+"""In all arguments of a compiled function together: scratch memory for strided ones lies on the stack."""
 
 
 class Function(Protocol):
@@ -40,10 +44,11 @@ def array_function(graph: Graph, name: str, backend: str) -> Function:
     """The graph as a function of arrays.
 
     Raises:
-        InputError: it is too long to compile.
+        InputError: it is too long to compile, or takes and gives too many numbers.
     """
     if backend == "numpy":
         return NumpyFunction(graph)
+    check_size(name, (*graph.inputs, *graph.outputs))
     check_length(name, [graph])
     from cutpoint.kernels.empty_ports import AroundEmptyPorts
     from cutpoint.kernels.gufunc import Gufunc
@@ -59,6 +64,14 @@ def check_length(name: str, graphs: Iterable[Graph]) -> None:
     if operations > MOST_OPERATIONS:
         told = f"{name}: {operations} operations a call, at most {MOST_OPERATIONS} compile"
         raise InputError(f"{told}; use backend='numpy', or a smaller model", operations=operations)
+
+
+def check_size(name: str, ports: Iterable[Port]) -> None:
+    """Raises InputError for a function with more numbers in its arguments than machine code takes."""
+    numbers = sum(p.size for p in ports)
+    if numbers > MOST_NUMBERS:
+        told = f"{name}: {numbers} numbers in its arguments, at most {MOST_NUMBERS} compile"
+        raise InputError(f"{told}; use backend='numpy', or a smaller model", numbers=numbers)
 
 
 @cache

@@ -88,10 +88,12 @@ class Blocks:
         """So many rows, (count, *shape), out of blocks, (blocks, *shape, width): what `of` made blocks of.
 
         Raises:
-            InputError: they are no blocks of this width, or hold fewer rows.
+            InputError: they are no blocks of this width, or hold fewer rows; the count is no whole number from 0.
         """
+        if not isinstance(count, (int, np.integer)) or count < 0:
+            raise InputError(f"{self._name}: count={count!r} of rows must be a whole number from 0", count=count)
         array = as_numbers(blocks, self._wide.precision)
-        if array.ndim < 2 or array.shape[-1] != self.width or not 0 <= count <= len(array) * self.width:
+        if array.ndim < 2 or array.shape[-1] != self.width or count > len(array) * self.width:
             rule = f"it must be (blocks, ..., {self.width}) with at least {count} rows"
             raise InputError(f"{self._name}: an array of blocks has shape {array.shape}, {rule}")
         return np.moveaxis(array, -1, 1).reshape(len(array) * self.width, *array.shape[1:-1])[:count]

@@ -122,7 +122,7 @@ def _table(rows: np.ndarray, precision: Precision) -> str:
 def _call(inputs: Sequence[Port], outputs: Sequence[Port]) -> list[str]:
     """The check's arguments: where each begins in the rows."""
     call = []
-    for memory, ports, by_value in (("in", inputs, True), ("found", outputs, False)):
+    for memory, ports, by_value in (("cutpoint_in", inputs, True), ("cutpoint_out", outputs, False)):
         start = 0
         for p in ports:
             call.append(f"{memory}[{start}]" if by_value and not p.shape else f"{memory} + {start}")
@@ -138,8 +138,9 @@ def _cpp(inputs: Sequence[Port], outputs: Sequence[Port], name: str, precision: 
             parameters.append(f"{precision.c} {'&' if is_output else ''}{p.name}")
             arguments.append(f"{'&' if is_output else ''}{p.name}")
             continue
-        kinds.append(f"class T{len(kinds)}")
-        parameters.append(f"T{len(kinds) - 1} &&{p.name}" if is_output else f"const T{len(kinds) - 1} &{p.name}")
+        kind = f"cutpoint_{len(kinds)}"
+        kinds.append(f"class {kind}")
+        parameters.append(f"{kind} &&{p.name}" if is_output else f"const {kind} &{p.name}")
         is_matrix = str(len(p.shape) > 1).lower()
         arguments.append(f"detail_{name}::address<{p.size}, {is_matrix}>({p.name})")
     head = f"template <{', '.join(kinds)}>\n" if kinds else ""

@@ -1,4 +1,4 @@
-"""Names that functions and their arguments can have in C and C++."""
+"""Names that functions and their arguments can have in C and C++, whatever headers a program includes besides ours."""
 
 import re
 from collections.abc import Sequence
@@ -19,27 +19,55 @@ _RESERVED = frozenset({
 })  # fmt: skip
 """Words of C and C++, and what the code calls."""
 
-_LIBRARY = frozenset({
-    "abort", "abs", "acos", "acosh", "asin", "asinh", "atan", "atan2", "atanh", "calloc", "cbrt", "ceil", "copysign",
-    "cos", "cosh", "div", "erf", "erfc", "exit", "exp", "exp2", "expm1", "fabs", "fdim", "floor", "fma", "fmax", "fmin",
-    "fmod", "free", "frexp", "gamma", "hypot", "ilogb", "index", "j0", "j1", "jn", "labs", "ldexp", "lgamma", "llabs",
-    "llrint", "llround", "log", "log10", "log1p", "log2", "logb", "lrint", "lround", "main", "malloc", "memcmp",
-    "memcpy", "memmove", "memset", "modf", "nan", "nearbyint", "nextafter", "nexttoward", "pow", "printf", "puts",
-    "rand", "realloc", "remainder", "remquo", "rint", "round", "scalbln", "scalbn", "signal", "sin", "sinh", "sqrt",
-    "strlen", "tan", "tanh", "tgamma", "time", "trunc", "y0", "y1", "yn",
-})  # fmt: skip
-"""Functions of C's library, of which a linker or a compiler would take ours for one; many also end in f and l."""
+_MACROS = re.compile(
+    "NULL|NAN|INFINITY|HUGE(_VAL.*)?|EOF|BUFSIZ|FILE|I|complex|imaginary|assert|errno|offsetof|std(in|out|err)"
+    "|signgam|math_errhandling|E[A-Z0-9]{2,}|M_(E|PI|LN|LOG|SQRT|[12]_).*|[A-Z][A-Z0-9]+_[A-Z0-9_]+|(PRI|SCN)[a-zX].*"
+    "|SNAN.*|SIG(?!MA)[A-Z0-9]+|NSIG|WEOF|MAXFLOAT|[FRWX]_OK|F_T?U?LOCK|[LP]_tmp(nam|dir)"
+)
+"""What a header may have put something else for: constants, error numbers, formats."""
+
+_LIBRARY = re.compile(
+    # mathematics for every type, and for complex numbers
+    "(c?(abs|a?(cos|sin|tan)(h|pi)?|exp|log|log10|pow|sqrt)|c(arg|imag|onj|proj|real)"
+    "|atan2(pi)?|cbrt|ceil|copysign|drem|erfc?|exp(2|10|m1)|f(abs|dim|ma|mod)|f(max|min)(imum)?(_?mag)?(_num)?|finite|floor"
+    "|frexp|hypot|i?logb|llogb|is(finite|inf|nan)|[jy][01n]|ldexp|[lt]?gamma(_r)?|log(1p|2)|l?l?(rint|round)|modf|nan"
+    "|rsqrt|nearbyint|next(after|toward|up|down)|remainder|remquo|roundeven|scalb(l?n)?|significand|sincos|trunc"
+    "|canonicalize|u?fromfpx?|[gs]etpayload(sig)?|totalorder(mag)?)(f|l|f(16|32|64|128)x?)?"
+    # for two types, and for any
+    "|(f|d|f(32|64)x?)(add|sub|mul|div|fma|sqrt)(l|f(32|64|128)x?)?|fpclassify|signbit|is(normal|unordered)"
+    "|is(greater|less)(equal|greater)?|fe(get|set|clear|raise|test|hold|update)[a-z]+"
+    # files
+    "|.*(printf|scanf)|f?(get|put)(s|w?c(har)?|w|ws)|unget(c|wc)|.*_unlocked|f(get|set)pos(64)?|(f|fd|p|fre)?open(64)?"
+    "|[fp]?close(all)?|f?(read|write)|f?(flush|seek|tell)o?(64)?|tmp(file|nam)(64)?|set(v|line)?buf(fer)?|mk.?.?temps?"
+    "|clearerr|feof|ferror|fileno|getline|perror|remove|rename|rewind"
+    # numbers and memory
+    "|l?l?(abs|div)|imax(abs|div)|ato(f|ll?|i)|(c|m|re|v|aligned_)alloc|reallocarray|free|b(cmp|copy|zero)|bsearch|q?sort"
+    "|s?rand(om)?(_r)?|[dejlmns](rand|eed|cong)48(_r)?|arc4random.*|q?[efg]cvt|w?mem(c?cpy|pcpy|move|set|cmp|chr)"
+    # characters and strings
+    "|is(al(num|pha)|ascii|blank|cntrl|x?digit|graph|lower|print|punct|space|upper)|to(w?lower|w?upper|ascii)|isw[a-z]+"
+    "|mb(len|r?towc|s?r?towcs)|wcr?tomb|wcs.+|stpn?cpy|ffsl?l?|r?index|str(to|from).*|str[fp]time|localeconv|setlocale"
+    "|str(n?cat|n?cmp|n?cpy|n?dupa?|r?chr|n?len|c?spn|pbrk|str|tok|coll|xfrm|n?casecmp|error|fry|sep|signal)"
+    # time and processes
+    "|(asc|c|gm|mk|local|diff)?time|time(gm|local|s|zone|spec_get)|clock(_[gs]et.*)?|timer_.*|(u|nano)?sleep|tz(name|set)"
+    "|(at_?|on_)?(quick_)?_?exit|abort|(get|set|put|unset|clear)env|getdate|daylight|(set|long)jmp|dup[23]?|v?fork"
+    "|exec(l|v)?p?e?|accept|access|alarm|bind|connect|environ|ioctl|kill|link|listen|main|nice|pause|pipe|poll|raise"
+    "|realpath|recv|select|send|shutdown|signal|socket|stat|sync|system|truncate|unlink|wait"
+    # types, namespaces, and CMake's own targets
+    "|.*_t|va_list|u_?(int|long|short|char)|std|cutpoint"
+    "|all|clean|edit_cache|help|install|package|rebuild_cache|test"
+)
+"""Names that the library has already, of which a compiler or a linker would take ours for one."""
 
 
 def check_names(function: str, inputs: Sequence[Port], outputs: Sequence[Port]) -> None:
     """Raises InputError for a name that C or C++ cannot take, or that two arguments share."""
     names = [function, *(p.name for p in (*inputs, *outputs))]
     for name in names:
-        if not re.fullmatch("(?!cutpoint_)[A-Za-z][A-Za-z0-9_]*", name) or name in _RESERVED:
-            rule = "must start with a letter, hold ASCII letters, digits and underscores, and be no word of C or C++"
+        if not re.fullmatch("(?!cutpoint_)[A-Za-z][A-Za-z0-9_]*", name) or name in _RESERVED or _MACROS.fullmatch(name):
+            rule = "must start with a letter, hold ASCII letters, digits and underscores, and be no word or macro of C"
             raise InputError(f"{function}: {name!r} cannot be a name in C; it {rule}: rename it", name=name)
-    if re.sub("[fl]$", "", function) in _LIBRARY or function in _LIBRARY:
-        raise InputError(f"{function}: C's own library has a function of this name: rename it", name=function)
+    if _LIBRARY.fullmatch(function):
+        raise InputError(f"{function}: C's own library, or its build, has this name already: rename it", name=function)
     twice = [name for name in names[1:] if names.count(name) > 1]
     if twice:
         raise InputError(

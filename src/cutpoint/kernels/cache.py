@@ -26,6 +26,8 @@ LARGEST = 512 * 2**20
 _SUFFIX = ".code"
 _HEADER = struct.Struct("<8s32s32sQ")  # format, key, digest of the code, length of the code
 _FORMAT = b"cutpnt01"
+_FLAGS = os.O_RDONLY | sum(getattr(os, flag, 0) for flag in ("O_BINARY", "O_NOFOLLOW", "O_NONBLOCK"))
+"""To open an entry with, as far as the platform has them; without the last a pipe in its place would be waited for."""
 _WRITES_BETWEEN_LOOKS = 32
 _ABANDONED = 3600.0
 """The age at which a temporary file is nobody's any more, s."""
@@ -137,7 +139,7 @@ def _own_content(path: Path) -> bytes:
     Raises:
         OSError: there is none.
     """
-    with open(os.open(path, os.O_RDONLY | getattr(os, "O_NOFOLLOW", 0) | getattr(os, "O_BINARY", 0)), "rb") as file:
+    with open(path, "rb", opener=lambda name, _: os.open(name, _FLAGS)) as file:
         found = os.fstat(file.fileno())
         return file.read() if stat.S_ISREG(found.st_mode) and _is_own(found, 0o022) else b""
 

@@ -16,7 +16,7 @@ class Coefficients(NamedTuple):
     """Polynomials stand with their highest power first.  Numbers are rounded where they are used, if they are not yet.
 
     Attributes:
-        half_pi: parts that sum to pi / 2.
+        half_pi: positive parts that sum to pi / 2; of a negative one, 0 times it taken from -0.0 would be 0.0.
         ln2: parts that sum to log(2).
         ln2_short: the same, the first with so few digits that it times any exponent is exact.
         sin: (sin(r) / r - 1) / r**2 by r**2; cos: (cos(r) - 1 + r**2 / 2) / r**4 by r**2.
@@ -50,7 +50,7 @@ def _taylor(degree: int) -> tuple[float, ...]:
 
 _DOUBLE = Coefficients(
     precision=FLOAT64,
-    half_pi=(1.5707963267948966, 6.123233995736766e-17, -1.4973849048591833e-33),  # within 2**-160
+    half_pi=(1.5707963267948966, 6.123233995736765e-17, 1.082856673921914e-32),  # within 2**-160
     ln2=(0.6931471805599453, 2.3190468138462996e-17),
     ln2_short=(6.93147180369123816490e-01, 1.90821492927058770002e-10),
     sin=(
@@ -82,7 +82,7 @@ _DOUBLE = Coefficients(
 
 _SINGLE = Coefficients(
     precision=FLOAT32,
-    half_pi=(1.5707963705062866, -4.371138828673793e-08, -1.7151245100058819e-15),  # within 2**-76
+    half_pi=(1.570796251296997, 7.549789415861596e-08, 5.390302953474238e-15),  # within 2**-73
     ln2=(0.6931471824645996, -1.9046542121259336e-09),
     ln2_short=(0.6931381225585938, 9.05800061445916e-06),
     sin=(-1.9515295891e-4, 8.3321608736e-3, -1.6666654611e-1),

@@ -5,10 +5,12 @@ reassociate.
 """
 
 import math
+import re
 from collections.abc import Sequence
 from string import Template
 from typing import Any
 
+from cutpoint.errors import InputError
 from cutpoint.kernels import c99, c_names
 from cutpoint.kernels.graph import Graph
 from cutpoint.kernels.lowering import lower
@@ -64,11 +66,19 @@ static __device__ $real cutpoint_significand($real a) {
 _OWN = [Port(name, ()) for name in ("count", "blockIdx", "blockDim", "threadIdx", "gridDim", "warpSize")]
 """What CUDA and the code have names for."""
 
+_FUNCTIONS = re.compile(
+    "(rcbrt|rhypot|r?norm([34]d)?|normcdf(inv)?|erfc?inv|erfcx|sincospi|cyl_bessel_i[01]|fdivide)f?|(u|ll|ull)?(min|max)"
+    "|clock64|dim3"
+)
+"""What CUDA has besides C's library."""
+
 
 def check_names(name: str, graph: Graph) -> None:
     """Raises InputError for a name that CUDA C cannot take, or that two arguments share."""
     inputs, outputs = full(graph)
     c_names.check_names(name, [*_OWN, *inputs, *map(_step, inputs)], outputs)
+    if _FUNCTIONS.fullmatch(name):
+        raise InputError(f"{name}: CUDA has this name already: rename it", name=name)
 
 
 def full(graph: Graph) -> tuple[list[Port], list[Port]]:

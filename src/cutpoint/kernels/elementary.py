@@ -1,6 +1,7 @@
 """Elementary functions in graph arithmetic, so that every target computes the same bits.
 
-All are branch-free, and say themselves where products and sums are fused.  NaN gives NaN, infinities give the limits.
+All are branch-free, and say themselves where products and sums are fused.  NaN gives NaN, infinities give the limits,
+and odd functions of -0.0 give -0.0.
 `c` is the table of coefficients of a precision.  What they say of their error holds in both precisions where it names
 none; the error in single precision was measured at every float32 of the range.
 """
@@ -32,7 +33,8 @@ def _sin_cos(x: Any, c: Coefficients) -> tuple[Any, Any]:
     y, n, r = _reduced(x, 2 / math.pi, c.half_pi, c)
     z = _select(n * n < 4.0 ** (c.precision.fraction - 2), r * r, math.nan)  # beyond, n is not whole
     node = x.trace.node
-    sine = node("flip", y, 1, _fma(r * z, _polynomial(z, c.sin), r))
+    cube = _fma(r, z, 0.0)  # not r * z: of r = -0.0 this is 0.0, so that the sum below keeps the sign of r
+    sine = node("flip", y, 1, _fma(cube, _polynomial(z, c.sin), r))
     cosine = node("flip", y, 1, _polynomial(z, (*c.cos, -0.5, 1.0)))
     return node("pick", y, 0, cosine, sine), node("pick", y, 0, -sine, cosine)
 
@@ -48,11 +50,11 @@ def exp(x: Any, c: Coefficients) -> Any:
 
 def tanh(x: Any, c: Coefficients) -> Any:
     """Within 3 ulp, and odd: e / (e + 2) with e = exp(2 |x|) - 1."""
-    size = _size(x)
+    size = _turned_with(x, x, c)
     _, n, r = _reduced(2 * _select(size > c.tanh_most, c.tanh_most, size), 1 / c.ln2[0], c.ln2, c)
     scale = _pow2(n)
     e = _fma(scale, _expm1_near_zero(r, c), scale - 1)
-    return _with_sign_of(x, e / (e + 2))
+    return _turned_with(x, e / (e + 2), c)
 
 
 def _expm1_near_zero(r: Any, c: Coefficients) -> Any:
@@ -81,7 +83,7 @@ def atan(x: Any, c: Coefficients) -> Any:
 
     Cephes' method: the argument is brought below 0.66, below 0.42 in single, by atan(a) = constant + atan(t).
     """
-    size = _size(x)
+    size = _turned_with(x, x, c)
     steep, middle = size > 2.41421356237309504880, size > c.atan_middle
 
     def by_range(least: Any, mid: Any, most: Any) -> Any:
@@ -91,7 +93,7 @@ def atan(x: Any, c: Coefficients) -> Any:
     z = t * t
     t = _fma(t, z * _polynomial(z, c.atan_over) / _polynomial(z, c.atan_under), t)
     rest = by_range(0.0, c.half_pi[1] / 2, c.half_pi[1])
-    return _with_sign_of(x, by_range(0.0, c.half_pi[0] / 2, c.half_pi[0]) + (t + rest))
+    return _turned_with(x, by_range(0.0, c.half_pi[0] / 2, c.half_pi[0]) + (t + rest), c)
 
 
 def _reduced(x: Any, per_unit: float, unit: tuple[float, ...], c: Coefficients) -> tuple[Any, Any, Any]:
@@ -137,9 +139,6 @@ def _pow2(n: Any) -> Any:
     return n.trace.node("pow2", n)
 
 
-def _size(x: Any) -> Any:
-    return _select(x < 0, -x, x)
-
-
-def _with_sign_of(x: Any, size: Any) -> Any:
-    return _select(x < 0, -size, size)
+def _turned_with(x: Any, y: Any, c: Coefficients) -> Any:
+    """y, its sign turned where x is negative, or -0.0: |x| of x itself."""
+    return x.trace.node("flip", x, c.precision.bits - 1, y)

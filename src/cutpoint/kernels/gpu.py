@@ -10,7 +10,7 @@ from cutpoint.errors import InputError
 from cutpoint.kernels import cuda
 from cutpoint.kernels.arguments import in_order
 from cutpoint.kernels.graph import Graph
-from cutpoint.kernels.rows import as_rows, batch_of
+from cutpoint.kernels.rows import as_reals, as_rows, batch_of
 
 BLOCK = 128
 """Threads that start together."""
@@ -24,7 +24,8 @@ def gpu_function(graph: Graph, name: str, record: type[tuple[Any, ...]] | None) 
     launch = cupy.RawModule(code=cuda.code(name, graph), options=("--std=c++17",)).get_function(name)
 
     def call(*arguments: Any, **named: Any) -> Any:
-        given = [cupy.asarray(x, dtype=dtype) for x in in_order(name, graph.inputs, arguments, named)]
+        ordered = in_order(name, graph.inputs, arguments, named)
+        given = as_reals(cupy, name, graph.inputs, ordered, dtype)
         batch = batch_of(name, graph.inputs, given)
         length = math.prod(batch)
         rows = [(p, as_rows(cupy, p, x, batch)) for p, x in zip(graph.inputs, given, strict=True) if p.size]

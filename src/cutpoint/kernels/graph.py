@@ -63,6 +63,31 @@ class Graph:
         chosen = [self.output(name) for name in outputs] if outputs else [self.results]
         return fingerprint([x for results in chosen for x in results], self.inputs)
 
+    def __reduce__(self) -> tuple[Any, ...]:
+        """Operations in a row: nodes hold each other deeper than a pickle goes."""
+        places = {x.serial: k for k, x in enumerate(self.nodes)}
+
+        def told(x: Any) -> Any:
+            return (places[x.serial],) if isinstance(x, Node) else x
+
+        operations = [(x.op, *map(told, x.args)) for x in self.nodes]
+        return _in_a_row, (self.inputs, self.outputs, operations, [*map(told, self.results)], self.precision)
+
+
+def _in_a_row(
+    inputs: tuple[Port, ...], outputs: tuple[Port, ...], operations: list[Any], results: list[Any], precision: Precision
+) -> Graph:
+    """The graph of operations whose operands are numbers, or in tuples the places of those before."""
+    nodes: list[Node] = []
+
+    def operand(x: Any) -> Operand:
+        return nodes[x[0]] if isinstance(x, tuple) else x
+
+    with tracing() as trace:
+        for op, *args in operations:
+            nodes.append(trace.node(op, *map(operand, args)))
+    return Graph(inputs, outputs, tuple(map(operand, results)), precision)
+
 
 def reach(results: Iterable[Operand]) -> list[Node]:
     """The nodes that results need, operands before users, depth first."""

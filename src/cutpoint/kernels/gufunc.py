@@ -7,7 +7,6 @@ import ctypes
 from collections.abc import Callable, Sequence
 from typing import Any
 
-from cutpoint.errors import InputError
 from cutpoint.kernels import element
 from cutpoint.kernels.batch_loop import FUNCTION, batch_loop
 from cutpoint.kernels.graph import Graph
@@ -17,9 +16,6 @@ from cutpoint.kernels.packs import Packs, lanes_of
 from cutpoint.kernels.ports import Port
 
 _NO_IDENTITY = -1
-
-_MOST_NUMBERS = 2**15
-"""In all arguments of one call together: scratch memory for strided ones lies on the stack."""
 
 
 class Gufunc:
@@ -31,9 +27,6 @@ class Gufunc:
     """
 
     def __init__(self, graph: Graph, inputs: Sequence[Port], outputs: Sequence[Port], name: str) -> None:
-        numbers = sum(p.size for p in (*inputs, *outputs))
-        if numbers > _MOST_NUMBERS:
-            raise InputError(f"{name}: {numbers} numbers a call, at most {_MOST_NUMBERS} compile; use backend='numpy'")
         self._packs = Packs(graph, inputs, outputs, name)
         text = batch_loop(graph, inputs, outputs, lanes_of(graph.precision), self._packs.width)
         self._code = Compiled(text, FUNCTION, element.FUNCTION)

@@ -18,6 +18,7 @@ import numpy as np
 from cutpoint.errors import InputError
 from cutpoint.kernels import batch_loop, xla_call
 from cutpoint.kernels.arguments import in_order
+from cutpoint.kernels.backends import check_length, check_size
 from cutpoint.kernels.derivatives import jacobian_of
 from cutpoint.kernels.graph import Graph
 from cutpoint.kernels.jit import Compiled
@@ -25,7 +26,7 @@ from cutpoint.kernels.packs import Packs, lanes_of
 from cutpoint.kernels.ports import Port
 from cutpoint.kernels.precision import FLOAT64
 from cutpoint.kernels.replay import as_function
-from cutpoint.kernels.rows import as_rows, batch_of
+from cutpoint.kernels.rows import as_reals, as_rows, batch_of
 from cutpoint.kernels.specialise import graph_of
 
 Rows = Callable[..., tuple[Any, ...]]
@@ -43,7 +44,8 @@ def jax_function(graph: Graph, name: str, record: type[tuple[Any, ...]] | None) 
     def call(*arguments: Any, **named: Any) -> Any:
         if graph.precision is FLOAT64:
             _check_precision(name)
-        given = [jnp.asarray(x, dtype) for x in in_order(name, graph.inputs, arguments, named)]
+        ordered = in_order(name, graph.inputs, arguments, named)
+        given = as_reals(jnp, name, graph.inputs, ordered, dtype)
         batch = batch_of(name, graph.inputs, given)
         found = rows(*[as_rows(jnp, p, x, batch) for p, x in zip(graph.inputs, given, strict=True)])
         shaped = [jnp.reshape(x, (*batch, *p.shape)) for p, x in zip(graph.outputs, found, strict=True)]
@@ -116,6 +118,8 @@ def _merged(x: Any, moves: bool, size: int, length: int) -> Any:
 def _registered(graph: Graph, name: str) -> str:
     """What XLA knows the graph's machine code by."""
     inputs, outputs = ([p for p in ports if p.size] for ports in (graph.inputs, graph.outputs))
+    check_size(name, (*inputs, *outputs))
+    check_length(name, [graph])
     target, lanes = f"cutpoint {next(_serials)}: {name}", lanes_of(graph.precision)
     packs = Packs(graph, inputs, outputs, name)
     loop = Compiled(batch_loop.batch_loop(graph, inputs, outputs, lanes, packs.width), batch_loop.FUNCTION)

@@ -5,22 +5,31 @@ third to the compile time, so the code generator works on the text as it stands.
 """
 
 import itertools
+import os
 import sys
-import threading
 from collections.abc import Mapping
-from functools import cache
+from functools import cache, lru_cache
 from pathlib import Path
 
 import llvmlite
 from llvmlite import binding
 
 from cutpoint.kernels.cache import Cache, key_of, user_folder
+from cutpoint.kernels.forks import new_lock
 from cutpoint.kernels.waiting import interruptible
 
 OPTIMISATION = 2  # of the code generator; 1 and 3 were measured to be neither quicker to compile nor to run
+_LINKS = 64
+"""That one linker serves: it remembers some 9 kB of each, though the code be gone, until it goes itself."""
+
 _RELOCATION, _MODEL = "pic", "default"
-_lock, _generator = threading.Lock(), threading.Lock()
+_lock, _generator = new_lock(), new_lock()
 _serials = itertools.count()
+
+_llvm = getattr(binding.ffi.lib, "_lock", None)  # of llvmlite's own, held during every call
+if _llvm is not None and hasattr(os, "register_at_fork"):
+    # a fork waits until LLVM rests: what other threads have half done in it no child process could finish
+    os.register_at_fork(before=_llvm.__enter__, after_in_parent=_llvm.__exit__, after_in_child=_llvm.__exit__)
 
 
 class Compiled:
@@ -44,7 +53,8 @@ class Compiled:
         for name, address in (symbols or {}).items():
             library.import_symbol(name, address)
         with _lock:
-            self._code = library.link(_linker(), f"cutpoint{next(_serials)}")
+            serial = next(_serials)
+            self._code = library.link(_linker(serial // _LINKS), f"cutpoint{serial}")
         self.addresses: dict[str, int] = {name: self._code[name] for name in functions}
         self.address = self.addresses[functions[0]]
 
@@ -98,8 +108,9 @@ def _machine(optimisation: int) -> binding.TargetMachine:
     )
 
 
-@cache
-def _linker() -> binding.LLJIT:
+@lru_cache(maxsize=1)
+def _linker(number: int) -> binding.LLJIT:
+    """One after the other; what it has linked keeps it in memory when its turn is over."""
     # code reaches no farther than 2 GiB for its constants: JITLink lays them beside it, whatever holes memory has; the
     # older linker, which LLVM still prefers for Windows, does not
     return binding.create_lljit_compiler(_machine(OPTIMISATION), use_jit_link=sys.platform != "win32")

@@ -13,7 +13,7 @@ import numpy as np
 
 from cutpoint.errors import InputError
 from cutpoint.kernels.array_call import ArrayCall
-from cutpoint.kernels.backends import array_function, chosen
+from cutpoint.kernels.backends import array_function, check_size, chosen
 from cutpoint.kernels.blocks import Blocks
 from cutpoint.kernels.graph import Graph
 from cutpoint.kernels.ports import port
@@ -38,11 +38,14 @@ def compile(
 
     Raises:
         TraceError: the function needs a value where there is none yet, as in `if x > 0`.
-        InputError: a shape, the backend, or the function's parameters do not fit.
+        InputError: a shape, the backend, or the function's parameters do not fit, or it is too large to compile.
     """
     start, label = time.perf_counter(), name or name_of(function)
+    ports = [port(key, shape) for key, shape in inputs.items()]
+    if chosen(backend) == "llvm":
+        check_size(label, ports)  # with the outputs once more, when they are known
     with shown(label):
-        graph, record = traced(function, [port(key, shape) for key, shape in inputs.items()])
+        graph, record = traced(function, ports)
         return Kernel(graph, label, backend, record, start)
 
 
@@ -92,9 +95,9 @@ class Kernel:
         """
         if self.graph.precision is FLOAT32:
             return self
-        start, record = time.perf_counter(), self._record and self._record.__name__
+        single, record = replace(self.graph, precision=FLOAT32), self._record and self._record.__name__
         with shown(f"{self.name} in float32"):
-            return Kernel(replace(self.graph, precision=FLOAT32), self.name, self.backend, record, start)
+            return _of_graph(single, self.name, self.backend, record)
 
     @cached_property
     def blocks(self) -> Blocks:
@@ -206,12 +209,22 @@ class Kernel:
         outputs = self._record._make(found) if self._record else found[0]
         return (before, outputs) if steps else outputs
 
+    def __reduce__(self) -> tuple[Any, ...]:
+        """What it computes: machine code stays behind, and what comes out of a pickle finds it on disk or compiles."""
+        return _of_graph, (self.graph, self.name, self.backend, self._record and self._record.__name__)
+
     def __repr__(self) -> str:
         sides = (self.graph.inputs, self.graph.outputs)
         inputs, outputs = (", ".join(f"{p.name}{p.shape}" for p in side) for side in sides)
         count = sum(self.operations.values())
         precision = "" if self.graph.precision is FLOAT64 else f" in {self.graph.precision.dtype}"
         return f"<Kernel {self.name}: {inputs} -> {outputs}, {count} operations, {self.backend}{precision}>"
+
+
+def _of_graph(graph: Graph, name: str, backend: str, record: str | None) -> Kernel:
+    start = time.perf_counter()
+    with shown(name):
+        return Kernel(graph, name, backend, record, start)
 
 
 def _check_installed(method: str, package: str) -> None:

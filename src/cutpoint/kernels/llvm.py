@@ -16,6 +16,7 @@ _FORMS = {
     "div": "fdiv {real} {}, {}",
     "neg": "fneg {real} {}",
     "sqrt": "call {real} @llvm.sqrt.{suffix}({real} {})",
+    "copysign": "call {real} @llvm.copysign.{suffix}({real} {}, {real} {})",
     "fma": "call {real} @llvm.fma.{suffix}({real} {}, {real} {}, {real} {})",
     "lt": "fcmp olt {real} {}, {}",
     "le": "fcmp ole {real} {}, {}",
@@ -44,7 +45,7 @@ class Lanes:
         self.suffix = f"f{precision.bits}" if width == 1 else f"v{width}f{precision.bits}"
         self.declarations = "".join(
             f"declare {self.real} @llvm.{name}.{self.suffix}({', '.join([self.real] * arguments)})\n"
-            for name, arguments in (("sqrt", 1), ("fma", 3))
+            for name, arguments in (("sqrt", 1), ("copysign", 2), ("fma", 3))
         )
 
     def constant(self, x: float) -> str:
@@ -148,7 +149,11 @@ def _fnma(code: Code, lanes: Lanes, a: str, b: str, c: str) -> str:
 
 
 def _flip(code: Code, lanes: Lanes, a: str, bit: int, c: str) -> str:
-    sign = _whole(code, lanes, "and", _to_top(code, lanes, a, bit), 1 << lanes.precision.bits - 1)
+    top = lanes.precision.bits - 1
+    if bit == top:  # the sign, which need not pass through an integer's register
+        sign = _bits(code, lanes, lanes.apply(code, "copysign", lanes.constant(0.0), a))
+    else:
+        sign = _whole(code, lanes, "and", _to_top(code, lanes, a, bit), 1 << top)
     return _real(code, lanes, _whole(code, lanes, "xor", _bits(code, lanes, c), sign))
 
 

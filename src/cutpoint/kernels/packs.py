@@ -8,6 +8,7 @@ import ctypes
 import threading
 from collections.abc import Sequence
 
+from cutpoint.kernels.forks import new_lock
 from cutpoint.kernels.graph import Graph
 from cutpoint.kernels.jit import Compiled, vector_width
 from cutpoint.kernels.lowering import lower
@@ -39,7 +40,7 @@ class Packs:
     def __init__(self, graph: Graph, inputs: Sequence[Port], outputs: Sequence[Port], name: str) -> None:
         self.width = width_of_packs(graph, inputs, outputs)
         self._parts, self._name = (graph, inputs, outputs), name
-        self._lock = threading.Lock()
+        self._lock = new_lock()
         self._code: Compiled | None = None
         self._maker = ctypes.CFUNCTYPE(None)(self._make)
         self.table = (ctypes.c_void_p * 2)(None, ctypes.cast(self._maker, ctypes.c_void_p))

@@ -25,6 +25,9 @@ class Precision(NamedTuple):
     c: str
     suffix: str
 
+    def __reduce__(self) -> str:
+        return f"FLOAT{self.bits}"  # what comes out of a pickle is one of those below, not a copy
+
     @property
     def item(self) -> int:
         """Bytes of a number."""

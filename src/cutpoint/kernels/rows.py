@@ -11,6 +11,19 @@ from cutpoint.kernels.arguments import batch_shape
 from cutpoint.kernels.ports import Port, Shape
 
 
+def as_reals(arrays: Any, name: str, ports: Sequence[Port], given: Sequence[Any], dtype: Any) -> list[Any]:
+    """The arguments as arrays of this type.
+
+    arrays: the module that makes them, such as jax.numpy.
+    Raises InputError where one is complex, which that module would take for its real part.
+    """
+    made = [arrays.asarray(x) for x in given]
+    for port, x in zip(ports, made, strict=True):
+        if x.dtype.kind == "c":
+            raise InputError(f"{name}: {port.name} holds {x.dtype}, which is no real number", name=port.name)
+    return [arrays.asarray(x, dtype=dtype) for x in made]
+
+
 def batch_of(name: str, ports: Sequence[Port], given: Sequence[Any]) -> Shape:
     """The leading axes that the arguments have together.
 

@@ -4,12 +4,12 @@ The loop that every kernel has reads such elements one by one, through scratch m
 strides; on C-contiguous elements it is a little slower, and most callers never need it.
 """
 
-import threading
 from collections.abc import Callable, Sequence
 from typing import Any, NamedTuple
 
 import numpy as np
 
+from cutpoint.kernels.forks import new_lock
 from cutpoint.kernels.graph import Graph
 from cutpoint.kernels.ports import Port
 from cutpoint.kernels.precision import Precision
@@ -28,7 +28,7 @@ class Strided:
         """otherwise: the ufunc that does the work where the graph is too large for packs."""
         self._graph, self._name, self._otherwise = graph, name, otherwise
         self._inputs, self._outputs = ([_tidy(p, graph.precision) for p in x] for x in (graph.inputs, graph.outputs))
-        self._item, self._lock = graph.precision.item, threading.Lock()
+        self._item, self._lock = graph.precision.item, new_lock()
         self._made: Callable[..., Any] | None = None
         self._owner: Any = None  # of the code that the ufunc runs
 

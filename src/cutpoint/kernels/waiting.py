@@ -6,6 +6,8 @@ from collections.abc import Callable, Generator
 from contextlib import contextmanager
 from typing import Any, TypeVar
 
+from cutpoint.kernels.forks import new_lock
+
 T = TypeVar("T")
 
 SHOWN_AFTER = 1.0
@@ -14,7 +16,7 @@ SHOWN_AFTER = 1.0
 _HEARD_WITHIN = 0.1
 """The longest time that Ctrl-C goes unheard where a waiting thread cannot be interrupted, s."""
 
-_terminal = threading.Lock()
+_terminal = new_lock()
 
 
 @contextmanager

@@ -3,6 +3,7 @@
 from cutpoint.definitions import Machine
 from cutpoint.errors import InputError
 from cutpoint.kernels import backends, nodes
+from cutpoint.kernels.ports import Port
 from cutpoint.mechanics.joints import Helical, Prismatic, Revolute
 from cutpoint.mechanics.system import System
 from cutpoint.model.mechanism import WORLD
@@ -43,7 +44,8 @@ def _odd_drive(machine: Machine, takes_coupled: bool) -> str | None:
 
 
 def check_length(name: str, system: System, backend: str) -> None:
-    """Raises InputError for a function that surely takes more operations than this backend can, before it is traced."""
+    """Raises InputError for a function that surely takes more operations than this backend can, or more numbers, before
+    it is traced."""
     most = backends.MOST_OPERATIONS if backends.chosen(backend) == "llvm" else nodes.MOST_OPERATIONS
     turning: list[int] = []
     for body in system.segments:
@@ -52,3 +54,7 @@ def check_length(name: str, system: System, backend: str) -> None:
     if LEAST.get(name, 0) * sum(turning) > most and not system.has_followers:
         complaint = f"of {len(turning)} bodies it takes far more than {most} operations; take a smaller model"
         raise InputError(f"{name}: {complaint}", bodies=len(turning))
+    bodies = len(system.segments)
+    rows = {"mass_matrix": system.nv, "coriolis_matrix": system.nv, "velocity_map": 6 * bodies, "regressor": 10 * bodies}
+    if name in rows and backends.chosen(backend) == "llvm":
+        backends.check_size(name, [Port(name, (rows[name], system.nv))])

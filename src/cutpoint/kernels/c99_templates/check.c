@@ -7,20 +7,26 @@
 
 #include "@{name}.h"
 
-#define CASES @{cases}
-#define INPUTS @{input_count}
-#define OUTPUTS @{output_count}
+#define CUTPOINT_CASES @{cases}
+#define CUTPOINT_INPUTS @{input_count}
+#define CUTPOINT_OUTPUTS @{output_count}
 
-static const @{real} inputs[CASES][INPUTS] = {
+static const @{real} cutpoint_inputs[CUTPOINT_CASES][CUTPOINT_INPUTS] = {
 @{inputs}};
 
-static const @{real} expected[CASES][OUTPUTS] = {
+static const @{real} cutpoint_expected[CUTPOINT_CASES][CUTPOINT_OUTPUTS] = {
 @{expected}};
 
-static const char *const names[OUTPUTS] = {
+static const char *const cutpoint_names[CUTPOINT_OUTPUTS] = {
 @{output_names}};
 
-static int agree(@{real} x, @{real} y) {
+/* in a function of its own, where no other name hides it */
+static void cutpoint_run(const @{real} *cutpoint_in, @{real} *cutpoint_out) {
+  (void)cutpoint_in;
+  @{name}(@{call});
+}
+
+static int cutpoint_agree(@{real} x, @{real} y) {
   @{word} a, b;
   memcpy(&a, &x, sizeof a);
   memcpy(&b, &y, sizeof b);
@@ -28,19 +34,18 @@ static int agree(@{real} x, @{real} y) {
 }
 
 int main(void) {
-  @{real} found[OUTPUTS];
+  @{real} found[CUTPOINT_OUTPUTS];
   int differences = 0;
-  for (int i = 0; i < CASES; i++) {
-    const @{real} *in = inputs[i];
-    (void)in;
-    @{name}(@{call});
-    for (int k = 0; k < OUTPUTS; k++) {
-      if (!agree(found[k], expected[i][k])) {
-        printf("case %d: %s is %a, recorded was %a\n", i, names[k], found[k], expected[i][k]);
+  for (int i = 0; i < CUTPOINT_CASES; i++) {
+    cutpoint_run(cutpoint_inputs[i], found);
+    for (int k = 0; k < CUTPOINT_OUTPUTS; k++) {
+      const @{real} expected = cutpoint_expected[i][k];
+      if (!cutpoint_agree(found[k], expected)) {
+        printf("case %d: %s is %a, recorded was %a\n", i, cutpoint_names[k], found[k], expected);
         differences++;
       }
     }
   }
-  printf("@{name}: %d of %d numbers differ\n", differences, CASES * OUTPUTS);
+  printf("@{name}: %d of %d numbers differ\n", differences, CUTPOINT_CASES * CUTPOINT_OUTPUTS);
   return differences != 0;
 }

@@ -6,6 +6,7 @@
 
    Arrays hold rows one after another.  All inputs are read before an output is written, so an output may be an input's
    own memory.  No allocation, no locks, no globals, no loops: safe in any thread.
+   Tables of numbers, where there are any, are for C99 and C++17: earlier C++ cannot read their hexadecimal digits.
 */
 #ifndef CUTPOINT_@{guard}_H
 #define CUTPOINT_@{guard}_H
@@ -19,5 +20,9 @@ void @{name}(@{parameters});
 #ifdef __cplusplus
 }
 #endif
+
+#if !defined(__cplusplus) || __cplusplus >= 201703L || (defined(_MSVC_LANG) && _MSVC_LANG >= 201703L)
 @{values}
+#endif
+
 #endif

@@ -5,6 +5,10 @@
 #ifndef CUTPOINT_@{guard}_HPP
 #define CUTPOINT_@{guard}_HPP
 
+#if __cplusplus < 201703L && (!defined(_MSVC_LANG) || _MSVC_LANG < 201703L)
+#error "@{name}.hpp needs C++17; @{name}.h does with less"
+#endif
+
 #include <cassert>
 #include <cstddef>
 #include <type_traits>

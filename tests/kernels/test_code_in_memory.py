@@ -1,0 +1,40 @@
+"""Machine code goes with its owner, and only then."""
+
+import gc
+import resource
+from pathlib import Path
+
+import numpy as np
+
+from cutpoint.kernels import Kernel, compile
+from cutpoint.kernels.jit import Compiled
+
+DOUBLED = "define double @doubled(double %x) {\n %y = fadd double %x, %x\n ret double %y\n}\n"
+
+
+def in_memory() -> int:
+    """Bytes of this process."""
+    return int(Path("/proc/self/statm").read_text().split()[1]) * resource.getpagesize()
+
+
+def test_code_whose_owner_is_gone_leaves_nothing_behind() -> None:
+    for _ in range(300):
+        Compiled(DOUBLED, "doubled")
+    before = in_memory()
+    for _ in range(1000):
+        Compiled(DOUBLED, "doubled")
+    assert in_memory() - before < 1000 * 2**11
+
+
+def test_kernels_outlive_those_compiled_beside_them() -> None:
+    def scaled(factor: float) -> Kernel:
+        return compile(lambda x: x * factor, x=(), name="scaled", backend="llvm")
+
+    kept = {}
+    for k, kernel in enumerate(map(scaled, np.arange(2.0, 82.0))):
+        kernel(1.0)
+        if k % 20 == 0:
+            kept[2.0 + k] = kernel
+    del kernel
+    gc.collect()
+    assert all(kernel(3.0) == 3 * factor for factor, kernel in kept.items())
