@@ -54,7 +54,7 @@ def check_length(name: str, system: System, backend: str) -> None:
     if LEAST.get(name, 0) * sum(turning) > most and not system.has_followers:
         complaint = f"of {len(turning)} bodies it takes far more than {most} operations; take a smaller model"
         raise InputError(f"{name}: {complaint}", bodies=len(turning))
-    bodies = len(system.segments)
-    rows = {"mass_matrix": system.nv, "coriolis_matrix": system.nv, "velocity_map": 6 * bodies, "regressor": 10 * bodies}
+    n, bodies = system.nv, len(system.segments)
+    rows = {"mass_matrix": n, "coriolis_matrix": n, "velocity_map": 6 * bodies, "regressor": 10 * bodies}
     if name in rows and backends.chosen(backend) == "llvm":
-        backends.check_size(name, [Port(name, (rows[name], system.nv))])
+        backends.check_size(name, [Port(name, (rows[name], n))])
