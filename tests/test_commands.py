@@ -1,5 +1,7 @@
 """What every command does with names, and with places for its files."""
 
+import subprocess
+import sys
 from pathlib import Path
 
 import pytest
@@ -43,6 +45,24 @@ def test_names_are_printed_as_they_are_whatever_brackets_and_colons_they_hold(
     told = printed("simulate", "arm.urdf", *options)
     assert f"│ {joint} " in told and "l[b]og.npz" in told
     assert Log.load("l[b]og.npz").joints == (joint,)
+
+
+@pytest.mark.parametrize("module", ["cutpoint", "cutpoint.cli"])
+def test_the_commands_run_as_a_module_and_refuse_unknown_ones(module: str) -> None:
+    command = [sys.executable, "-m", module, "nonsense"]
+    done = subprocess.run(command, capture_output=True, text=True, check=False)
+    assert done.returncode == 2 and "No such command 'nonsense'" in done.stderr
+
+
+def test_limits_of_the_drive_are_shown_beside_those_of_the_robot_file(tmp_path: Path) -> None:
+    (tmp_path / "arm.urdf").write_text(ONE_JOINT.format(joint="swing"), encoding="utf-8")
+    drives = tmp_path / "arm.drives.yaml"
+    for torque, counts in ((6.5, "6.5 N m"), (60, "10 N m")):
+        limits = f"{{torque: {torque}, velocity: 2.5, position: [-0.5, .inf]}}"
+        drives.write_text(f"version: 1\ndrives: {{swing: {{limits: {limits}}}}}\n", encoding="utf-8")
+        told = " ".join(printed("inspect", str(tmp_path / "arm.urdf"), "--drives", str(drives)).split())
+        assert f"-57.3 to 57.3 deg │ {counts} │" in told and f"limit {torque} N m" in told
+        assert "limit 2.5 rad/s" in told and "from -28.65 to inf deg" in told
 
 
 @pytest.mark.parametrize("case", BAD_PLACES)

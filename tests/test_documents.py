@@ -17,6 +17,11 @@ def test_every_example_runs(document: Path, tmp_path: Path, monkeypatch: pytest.
         exec(compile(block, str(document), "exec"), scope)
 
 
+def test_the_map_of_the_house_names_every_room() -> None:
+    rooms = {f"`{path.parent.name}/`" for path in ROOT.glob("src/cutpoint/*/*") if path.suffix in (".py", ".yaml")}
+    assert len(rooms) > 10 and not {room for room in rooms if room not in (ROOT / "CONTRIBUTING.md").read_text()}
+
+
 @pytest.mark.parametrize("example", sorted((ROOT / "examples").glob("*.py")), ids=lambda p: p.name)
 def test_every_example_file_runs(example: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.chdir(tmp_path)

@@ -13,7 +13,7 @@ import pytest
 import cutpoint
 from c_builds import STRICT, CFunction, assert_same_bits, build, run
 from cutpoint import Drive, InputError, Rotor, TraceError
-from cutpoint.control import PD, Feedforward
+from cutpoint.control import PD, Fault, Feedforward, Guard
 from cutpoint.export import RESULTS, export_controller, export_function
 from cutpoint.simulation.control_kernel import law_kernel, law_memory, law_parameters
 from cutpoint.trajectories import cycloid
@@ -79,6 +79,16 @@ class Integrating:
         return {"integral": integral, "samples": memory["samples"] + 1}, self.gain * integral / m.period
 
 
+class Summing(Integrating):
+    """As many numbers of memory as drives."""
+
+    def start(self) -> Any:
+        return np.zeros(6)
+
+    def step(self, memory: Any, m: Any, r: Any) -> Any:
+        return memory + r.theta - m.theta, self.gain * memory
+
+
 def test_an_exported_law_commands_what_the_loop_commands(arm: cutpoint.Robot, tmp_path: Path) -> None:
     law = PD([2000.0] * 6, [60.0] * 6) + Feedforward(arm, "elastic") + Integrating()
     move = cycloid(np.array([0.3, 0.9, -0.6, 0.4, 0.8, -0.5]), 0.5)
@@ -103,6 +113,56 @@ def test_an_exported_law_checks_itself_and_holds_its_memory(arm: cutpoint.Robot,
     assert "static const double law_memory[7]" in header and f"{PERIOD.hex()}, /* control period, s */" in header
 
 
+def test_the_header_of_a_law_says_what_faults_and_memory_are(arm: cutpoint.Robot, tmp_path: Path) -> None:
+    export_controller(arm, Guard(Integrating(), arm), tmp_path, period=PERIOD, name="law")
+    header = (tmp_path / "law.h").read_text()
+    (told,) = re.findall(r"out  fault: a number, .*: (.*)", header)
+    assert told.split(", ") == [f"{fault.value} {fault.name.lower()}" for fault in Fault]
+    assert re.search(r"in   memory: \d+, of the law: at first the table whose name ends in _memory", header)
+    export_controller(arm, Summing(), tmp_path, period=PERIOD, name="law")
+    assert not re.search("memory.*joint1", (tmp_path / "law.h").read_text())
+
+
+def test_the_header_names_rows_and_columns(arm: cutpoint.Robot, tmp_path: Path) -> None:
+    joints, bodies = ", ".join(arm.joints), ", ".join(body.name for body in arm.mechanism.bodies)
+    said = {}
+    for function, options in {"jacobian": {"frame": "link3"}, "regressor": {}, "momentum": {}}.items():
+        export_function(arm, function, tmp_path, name="f", **options)
+        (said[function],) = re.findall(r"out  \w+: (.*)", (tmp_path / "f.h").read_text())
+    assert (
+        "of frame link3, along the frame's own axes" in said["jacobian"] and f"speeds of {joints}" in said["jacobian"]
+    )
+    assert f"ten for each of {bodies}: mass (kg), " in said["regressor"]
+    assert "about the world's origin" in said["momentum"] and "joint1" not in said["momentum"]
+    export_function(arm, "jacobian", tmp_path, name="f", frame="link3", expressed_in="local_world_aligned")
+    assert "of frame link3, along the world's axes" in (tmp_path / "f.h").read_text()
+
+
+@pytest.mark.parametrize("standard", ["c++11", "c++14", "c++17"])
+def test_a_header_with_tables_suits_every_cpp(arm: cutpoint.Robot, tmp_path: Path, standard: str) -> None:
+    export_controller(arm, Integrating(), tmp_path, period=PERIOD, name="law")
+    table = "return law_parameters[0] != 100;" if standard == "c++17" else "return 0;"
+    (tmp_path / "use.cpp").write_text(f'#include "law.h"\nint main() {{ {table} }}\n')
+    done = compiled_cpp(tmp_path, f"-std={standard} -Wno-unused-const-variable use.cpp -o use")
+    assert done.returncode == 0, done.stderr
+    assert run(tmp_path, "use")[0] == 0
+
+
+def test_a_package_within_a_project_has_the_name_of_an_installed_one(arm: cutpoint.Robot, tmp_path: Path) -> None:
+    """By CMake where it is installed; otherwise the file says so."""
+    export_function(arm, "gravity_forces", tmp_path / "package")
+    written = (tmp_path / "package" / "CMakeLists.txt").read_text()
+    assert "add_library(cutpoint::gravity_forces ALIAS gravity_forces)" in written
+    (tmp_path / "CMakeLists.txt").write_text(
+        "cmake_minimum_required(VERSION 3.12)\nproject(ours LANGUAGES C)\nadd_subdirectory(package)\n"
+        "add_executable(ours ours.c)\ntarget_link_libraries(ours cutpoint::gravity_forces)\n"
+    )
+    if shutil.which("cmake"):
+        (tmp_path / "ours.c").write_text("int main(void) { return 0; }\n")
+        done = subprocess.run(["cmake", "-B", "build"], cwd=tmp_path, capture_output=True, text=True, check=False)
+        assert done.returncode == 0, done.stderr
+
+
 def test_the_package_builds_installs_and_serves_cpp(arm: cutpoint.Robot, tmp_path: Path) -> None:
     """By CMake where it is installed, otherwise by hand."""
     export_function(arm, "mass_matrix", tmp_path)
@@ -120,6 +180,13 @@ def test_the_package_builds_installs_and_serves_cpp(arm: cutpoint.Robot, tmp_pat
     else:
         build(tmp_path, "mass_matrix.c", "mass_matrix_check.c", "-o", "check")
         assert run(tmp_path)[0] == 0
+
+
+def compiled_cpp(folder: Path, arguments: str) -> subprocess.CompletedProcess[str]:
+    compiler = shutil.which("g++") or shutil.which("clang++") or shutil.which("c++")
+    assert compiler, "this test needs a C++ compiler: install g++ or clang++"
+    command = f"{compiler} -Wall -Wextra -Wpedantic -Werror {arguments}".split()
+    return subprocess.run(command, cwd=folder, capture_output=True, text=True, check=False)
 
 
 CPP = """
@@ -140,13 +207,10 @@ int main() {
 
 def test_cpp_takes_any_container_and_refuses_matrices_by_columns(arm: cutpoint.Robot, tmp_path: Path) -> None:
     export_function(arm, "mass_matrix", tmp_path)
-    compiler = shutil.which("g++") or shutil.which("clang++") or shutil.which("c++")
-    assert compiler, "this test needs a C++ compiler: install g++ or clang++"
     build(tmp_path, "-c", "mass_matrix.c", "-o", "mass_matrix.o")
     for by_rows in (1, 0):
         (tmp_path / "use.cpp").write_text(CPP % by_rows)
-        command = f"{compiler} -std=c++17 -Wall -Wextra -Wpedantic -Werror use.cpp mass_matrix.o -lm -o use".split()
-        done = subprocess.run(command, cwd=tmp_path, capture_output=True, text=True, check=False)
+        done = compiled_cpp(tmp_path, "-std=c++17 use.cpp mass_matrix.o -lm -o use")
         assert (done.returncode == 0) == bool(by_rows)
     assert "takes row-major matrices" in done.stderr
     assert run(tmp_path, "use")[0] == 0

@@ -37,3 +37,7 @@ def main() -> None:
     except OSError as error:
         stderr.print(f"[red]error:[/] {escape(str(error.filename))}: {escape(str(error.strerror))}", highlight=False)
         sys.exit(1)
+
+
+if __name__ == "__main__":
+    main()

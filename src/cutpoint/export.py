@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from cutpoint.errors import InputError, unknown_name
-from cutpoint.export_notes import PER_DRIVE, labels_of, notes_of
+from cutpoint.export_notes import PER_DRIVE, labels_of, notes_of, result_of
 from cutpoint.kernels import c99_package, cuda_package
 from cutpoint.kernels.c99_texts import Values
 from cutpoint.robot import Robot
@@ -61,7 +61,7 @@ def export_function(
         graph = replace(graph, outputs=(replace(port, name=RESULTS[function]),))
     about = ", ".join([f"{function} of {robot.name}", *(f"{key} {value}" for key, value in options.items())])
     values = {"parameters": Values(robot.drive_parameters, [*labels_of(dict(robot.drives))])}
-    notes = notes_of(robot, graph, about, values)
+    notes = notes_of(robot, graph, about, values, result_of(robot, function, **options))
     return _WRITERS[to](graph, name or function, folder, notes, force=force)
 
 

@@ -6,6 +6,7 @@ from typing import Any
 
 import numpy as np
 
+from cutpoint.control import Fault
 from cutpoint.kernels.c99_texts import Notes, Values
 from cutpoint.kernels.graph import Graph
 from cutpoint.robot import Robot
@@ -15,20 +16,47 @@ _POSITIONS = ("theta", "deflection", "motor_reference")
 _SPEEDS = ("theta_dot", "motor_speed_reference")
 _UNITS = {
     "q": "rad (m)", "q_next": "rad (m)", "v": "rad/s (m/s)", "a": "rad/s2 (m/s2)", "jerk": "rad/s3 (m/s3)",
-    "snap": "rad/s4 (m/s4)", "theta_ddot": "rad/s2 (m/s2)", "M": "kg m2", "C": "N m s", "J": "[linear; angular]",
-    "pose": "rotation and position (m) in the world", "energy": "J", "h": "kg m/s, kg m2/s", "power": "W",
-    "q_dot": "rad/s (m/s)", "dt": "s", "time": "s", "Y": "torque per inertial parameter", "memory": "of the law",
+    "snap": "rad/s4 (m/s4)", "theta_ddot": "rad/s2 (m/s2)", "M": "kg m2", "C": "N m s",
+    "pose": "rotation and position (m) in the world", "energy": "J",
+    "h": "linear (kg m/s), then angular momentum (kg m2/s) about the world's origin, along its axes",
+    "q_dot": "rad/s (m/s)", "dt": "s", "time": "s",
+    "memory": "of the law: at first the table whose name ends in _memory, then next_memory of the step before",
+    "next_memory": "the memory of the next step",
+    "fault": "what a Guard found first: " + ", ".join(f"{fault.value} {fault.name.lower()}" for fault in Fault),
     **dict.fromkeys(_POSITIONS, "rad (m)"), **dict.fromkeys(_SPEEDS, "rad/s (m/s)"),
     **dict.fromkeys(("torque", "tau", "motor_torque", "joint_torque", "feedforward_torque"), "N m (N)"),
 }  # fmt: skip
 PER_DRIVE = {*_POSITIONS, *_SPEEDS, "theta_ddot", "motor_torque", *ControlStep._fields[:4]}
 """Arguments with an entry a drive."""
+_AXES = {
+    "local": "along the frame's own axes",
+    "local_world_aligned": "along the world's axes",
+    "world": "of the point of its body that passes the world's origin, along the world's axes",
+}
+"""What `Robot.jacobian` can be expressed in."""
 
 
-def notes_of(robot: Robot, graph: Graph, about: str, values: Mapping[str, Values]) -> Notes:
-    """What is said of a graph's arguments; of the values, those that it takes."""
+def result_of(robot: Robot, function: str, frame: str = "", expressed_in: str = "local", **_: Any) -> str:
+    """What a function's result holds, where its name alone does not tell: its rows and columns."""
+    speeds, bodies = ", ".join(_order(robot, "v", robot.nv)), ", ".join(body.name for body in robot.mechanism.bodies)
+    velocity = "linear (m/s), then angular velocity (rad/s)"
+    told = {
+        "jacobian": f"rows: {velocity} of frame {frame}, {_AXES[expressed_in]}; columns: speeds of {speeds}",
+        "velocity_map": f"rows: {velocity} of each of {bodies}, along the axes of its joint frame, z along the joint; "
+        f"columns: speeds of {speeds}",
+        "regressor": f"rows: torques of {speeds}; columns: ten for each of {bodies}: mass (kg), mass times centre of "
+        "mass x y z (kg m), inertia about the body's origin xx xy xz yy yz zz (kg m2), in its frame of the robot file",
+        "power_flows": "W, outward through the cuts from " + ", ".join(f"{c.inner} to {c.outer}" for c in robot.cuts),
+    }
+    return told.get(function, "")
+
+
+def notes_of(robot: Robot, graph: Graph, about: str, values: Mapping[str, Values], result: str = "") -> Notes:
+    """What is said of a graph's arguments; of the values, those that it takes.  result: of its only output."""
     kept = {key: value for key, value in values.items() if key in [p.name for p in graph.inputs]}
     told = {p.name: _told(robot, p.name, p.shape) for p in (*graph.inputs, *graph.outputs)}
+    if result:
+        told[graph.outputs[0].name] = result
     return Notes(f"{about}.  SI units and radians, at the joints' side.", told, kept)
 
 
@@ -37,7 +65,8 @@ def _told(robot: Robot, name: str, shape: Sequence[int]) -> str:
     if name == "parameters":
         return "numbers of the drives, and what else is listed below"
     unit = _UNITS.get(name.removeprefix("reference_"), "SI units")
-    order = _order(robot, name, shape[0]) if len(shape) == 1 else []
+    ordered = len(shape) == 1 and name not in ("h", "memory", "next_memory")
+    order = _order(robot, name, shape[0]) if ordered else []
     return f"{unit}: {', '.join(order)}" if (len(order),) == tuple(shape) else unit
 
 

@@ -8,6 +8,8 @@ import pytest
 
 from cutpoint import InputError, Log, MaxwellSlip, Robot, Sensors, SimulationError, State, simulate
 from cutpoint.control import PD
+from cutpoint.model.build import build
+from cutpoint.model.mechanism import Joint, JointKind, Link
 from cutpoint.simulation import simulate_many
 from cutpoint.trajectories import cycloid
 from robot_library import robot
@@ -82,3 +84,19 @@ def test_a_channel_that_the_run_does_not_have_is_refused(absent):
 def test_one_name_is_no_collection_of_names():
     with pytest.raises(InputError, match=r"channels='theta' must be a collection of names: channels=\['theta'\]"):
         simulate(robot("linear"), SOFT, MOVE, duration=5e-3, channels="theta")
+
+
+@pytest.mark.parametrize("kinds", [("revolute", "spherical"), ("planar", "revolute"), ("revolute", "floating")])
+def test_joints_without_a_drive_have_no_channels_but_a_floating_one_has_the_bases(kinds: tuple[JointKind, JointKind]):
+    place = np.eye(4)
+    place[2, 3] = 0.3
+    piece = {"mass": 1.0, "com": np.array([0.0, 0.0, 0.1]), "inertia": 0.02 * np.eye(3)}
+    links = [Link("world"), Link("first", **piece), Link("second", **piece)]
+    carried = [("world", "first"), ("first", "second")]
+    joints = [Joint(c, kind, p, c, place, np.array([0.0, 1.0, 0.0])) for kind, (p, c) in zip(kinds, carried, strict=True)]
+    free = Robot(build("free", links, joints))
+    log = simulate(free, None, duration=0.02)
+    assert log["q"].shape == (21, 1)
+    assert ("base_z" in log.channels) == ("floating" in kinds)
+    if "floating" in kinds:  # nothing but its own weight moves it
+        assert log["base_z"][-1] == pytest.approx(-9.81 * 0.02**2 / 2, rel=1e-6)

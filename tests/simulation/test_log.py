@@ -184,6 +184,28 @@ def test_a_plot_of_named_channels_has_an_axis_for_each_joint_and_unit():
     assert [text.get_text() for text in figure.legends[0].get_texts()] == ["q", "torque", "q_d", "power"]
 
 
+def test_the_legend_lies_within_the_picture_whatever_the_joints_are_called():
+    for count, length in ((1, 90), (9, 36), (30, 10)):
+        joints = tuple(f"_{k}".ljust(length, "m") for k in range(count))
+        log = Log(np.arange(2.0), {"q": np.zeros((2, count))}, {"q": "rad"}, joints)
+        figure = log.plot()
+        figure.canvas.draw()
+        (legend,), whole = figure.legends, figure.bbox
+        assert [text.get_text() for text in legend.get_texts()] == [*joints]
+        box = legend.get_window_extent()
+        assert whole.x0 <= box.x0 and box.x1 <= whole.x1 and whole.y0 <= box.y0 and box.y1 <= whole.y1
+        # rows of names take nothing from the axes
+        assert figure.axes[0].bbox.height > 1.2 * figure.dpi
+
+
+def test_the_legend_draws_each_channel_as_its_curve_is_drawn():
+    figure = example().plot("q", "torque", "q_d")
+    shown = [(line.get_color(), line.get_linestyle()) for line in figure.legends[0].get_lines()]
+    (q, q_d), torque = figure.axes[0].lines, figure.axes[3].lines[0]
+    assert shown == [(line.get_color(), line.get_linestyle()) for line in (q, torque, q_d)]
+    assert [style for _, style in shown] == ["-", "-", "--"]
+
+
 @pytest.mark.parametrize("names", [(), ("q", "power"), ("power",)])
 def test_a_plot_can_be_saved_whatever_the_joints_are_called(tmp_path: Path, names: tuple[str, ...]):
     example().plot(*names).savefig(tmp_path / "run.png")

@@ -352,6 +352,25 @@ def test_the_picture_is_saved(tmp_path: Path, rated: bool):
     assert image.shape[0] > 400 and image.shape[1] > 800 and image[..., :3].std() > 0.05
 
 
+def test_the_picture_explains_what_is_in_it_and_nothing_else():
+    explained = [{text.get_text() for text in sizing(arm, PAPER_MOTION).plot().legends[0].get_texts()}
+                 for arm in (robot("xia2019"), rated_arm())]  # fmt: skip
+    curves = {"what the gear exerts", "what the motor exerts", "gear, average"}
+    assert explained[0] == curves
+    assert explained[1] == curves | {"gear, rated", "zone of averages", "zone of starts and stops", "beyond a limit"}
+
+
+def test_every_mark_stands_within_its_panel_also_where_the_drive_only_brakes():
+    lowered = cycloid(start=np.radians([0, 60, 60, 0, 0, 0]), end=np.radians([0, 0, 0, 90, 60, 90]), duration=1.0)
+    found = sizing(rated_arm(average_torque=5.0, repeated_peak_torque=10.0), lowered)
+    for axes in found.plot().axes:
+        for mark in (line for line in axes.lines if line.get_marker() in ("o", "+")):
+            (x,), (y,) = (np.asarray(data) for data in mark.get_data())
+            (left, right), (low, high) = axes.get_xlim(), axes.get_ylim()
+            assert left <= x <= right and low <= y <= high
+    assert {"joint2", "joint3"} <= {name for name, drive in found.drives.items() if drive.failures}
+
+
 @pytest.mark.parametrize(
     ("arguments", "told"),
     [

@@ -11,6 +11,7 @@ from cutpoint.errors import InputError
 from cutpoint.mechanics.hysteresis import MaxwellSlip
 from cutpoint.mechanics.kinematic_error import KinematicError
 from cutpoint.model.drive import Drive
+from cutpoint.model.mechanism import Limits
 from cutpoint.robot import ElasticTorques, Robot
 
 if TYPE_CHECKING:
@@ -34,16 +35,22 @@ def listed_numbers(option: str, text: str, count: int) -> Array:
 
 
 def robot_table(robot: Robot) -> Table:
-    """Bodies with their joints, masses and limits."""
+    """Bodies with their joints, masses and limits; of the robot file's effort and the drive's, what is smaller."""
     title = f"{robot.name}: {len(robot.subsystems)} subsystems, {len(robot.cuts)} cutting points"
     table = _table(title, "joint", "kind", "carries", "carried by", "mass / kg", "position limits", "effort limit")
     for body in robot.mechanism.bodies:
         carrier = robot.mechanism.bodies[body.parent].name if body.parent >= 0 else "world"
         slides, limits = body.joint.kind == "prismatic", body.joint.limits
         position = _range(limits.lower, limits.upper, 1.0 if slides else 180 / np.pi, "m" if slides else "deg")
-        effort = "-" if np.isinf(limits.effort) else f"{limits.effort:g} {'N' if slides else 'N m'}"
+        effort = _effort(limits, robot.drives.get(body.joint.name), slides)
         table.add_row(body.joint.name, body.joint.kind, body.name, carrier, f"{body.mass:.4g}", position, effort)
     return table
+
+
+def _effort(limits: Limits, drive: Drive | None, slides: bool) -> str:
+    """What counts of a robot file's limit, where 0 often means none, and the drive's."""
+    least = min(limits.effort or np.inf, drive.limits.effort if drive else np.inf)
+    return "-" if np.isinf(least) else f"{least:g} {'N' if slides else 'N m'}"
 
 
 def drive_table(robot: Robot) -> Table:
@@ -58,16 +65,25 @@ def drive_table(robot: Robot) -> Table:
         "motor friction",
         "also",
     )
-    for name, drive in robot.drives.items():
+    for (name, drive), slides in zip(robot.drives.items(), _slides(robot), strict=True):
         rotor = f"{drive.reflected_inertia:.4g}" if drive.rotor else "-"
         laws = (_law(drive.compliance) or "rigid", _law(drive.link_friction) or "-", _law(drive.motor_friction) or "-")
-        table.add_row(name, f"{drive.ratio:g}", rotor, *laws, _also(drive) or "-")
+        table.add_row(name, f"{drive.ratio:g}", rotor, *laws, "\n".join(_also(drive) + _limits(drive, slides)) or "-")
     return table
 
 
-def _also(drive: Drive) -> str:
-    """What else a drive has, one a line."""
-    parts = []
+def _limits(drive: Drive, slides: bool) -> list[str]:
+    """What the drive states beside the robot file."""
+    limits, (torque, length) = drive.limits, ("N", "m") if slides else ("N m", "rad")
+    parts = [f"limit {limits.effort:.4g} {torque}"] if limits.effort < np.inf else []
+    parts += [f"limit {limits.velocity:.4g} {length}/s"] if limits.velocity < np.inf else []
+    positions = _range(limits.lower, limits.upper, 1.0 if slides else 180 / np.pi, "m" if slides else "deg")
+    return parts if positions == "-" else [*parts, f"from {positions}"]
+
+
+def _also(drive: Drive) -> list[str]:
+    """What else a drive has."""
+    parts: list[str] = []
     if drive.damping:
         parts.append(f"damping {drive.damping:.4g}")
     if isinstance(drive.hysteresis, MaxwellSlip):
@@ -79,7 +95,7 @@ def _also(drive: Drive) -> str:
         parts.append(f"motor {drive.motor.torque_constant:.4g} N m/A")
     if drive.ratings and drive.ratings.rated_torque:
         parts.append(f"rated {drive.ratings.rated_torque:.4g} N m")
-    return "\n".join(parts)
+    return parts
 
 
 def torque_table(robot: Robot, q: Array, v: Array, a: Array, u: ElasticTorques) -> Table:

@@ -3,6 +3,8 @@
 from collections.abc import Collection, Mapping
 
 from cutpoint.errors import unknown_name
+from cutpoint.mechanics.joints import Floating
+from cutpoint.mechanics.system import Segment
 from cutpoint.robot import Robot
 
 BASE_COORDINATES = ("base_x", "base_y", "base_z", "base_qx", "base_qy", "base_qz", "base_qw")
@@ -37,9 +39,13 @@ def recordable(state: Mapping[str, int], n: int, nv: int) -> dict[str, int]:
 
 def absent_from(robot: Robot, recorded: Mapping[str, int], *, reports: bool) -> list[str]:
     """Channels that logs of other robots and laws have.  reports: whether the law reports faults."""
-    floats, remembers = robot.nv > len(robot.drives), recorded["strains"] > 0
-    base, fault = (*BASE_COORDINATES, *BASE_SPEEDS), ("fault",)
-    return [*(() if floats else base), *(() if reports else fault), *(() if remembers else MEMORY)]
+    remembers, base, fault = recorded["strains"] > 0, (*BASE_COORDINATES, *BASE_SPEEDS), ("fault",)
+    return [*(() if base_of(robot) else base), *(() if reports else fault), *(() if remembers else MEMORY)]
+
+
+def base_of(robot: Robot) -> Segment | None:
+    """The first body that moves freely, if there is one."""
+    return next((s for s in robot.machine.system.segments if isinstance(s.joint, Floating)), None)
 
 
 def recorded_for(wanted: Collection[str], recorded: Mapping[str, int], absent: Collection[str]) -> dict[str, int]:

@@ -5,7 +5,7 @@ from numpy.typing import NDArray
 
 from cutpoint.mechanics.harmonic_drive import slipping_torque
 from cutpoint.mechanics.strains import count, dealt, taken
-from cutpoint.simulation.channels import BASE_COORDINATES, BASE_SPEEDS, DIFFERENCES, MEMORY
+from cutpoint.simulation.channels import BASE_COORDINATES, BASE_SPEEDS, DIFFERENCES, MEMORY, base_of
 from cutpoint.simulation.log import Log
 from cutpoint.simulation.loop import ClosedLoop
 
@@ -46,9 +46,10 @@ def _recorded(loop: ClosedLoop, record: Array) -> dict[str, Array]:
         faults = channels.pop("fault")[:, 0]
         channels |= {"fault": faults} if getattr(loop.controller, "reports_faults", False) else {}
     channels |= _remembered(loop, channels.pop("strains")) if "strains" in channels else {}
+    base = base_of(loop.robot)
     for names, whole in ((BASE_COORDINATES, "q"), (BASE_SPEEDS, "v")):
-        if loop.robot.nv > len(drives) and whole in channels:
-            channels |= {name: channels[whole][:, k] for k, name in enumerate(names)}
+        if base and whole in channels:
+            channels |= dict(zip(names, channels[whole][:, getattr(base, whole)].T, strict=True))
     for name, which in (("q", "q"), ("v", "v"), ("friction_torque", "v")):
         if name in channels:
             channels[name] = _columns(channels[name], [getattr(d, which) for d in drives])

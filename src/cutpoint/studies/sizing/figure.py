@@ -1,5 +1,7 @@
 """The torque-speed plane of every drive: where the motion goes, and how far gear and motor let it go."""
 
+from typing import Any
+
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
@@ -30,6 +32,25 @@ MOMENTARY_SHOWN = 2.2
 ENDLESS = 1e12
 """N m: more than any motor has, for its limit to be seen."""
 
+HEADROOM = 0.13
+"""Above the highest thing, for words: a share of the plane's height below it."""
+
+GEAR_CURVE, MOTOR_CURVE, MOTOR_LIMIT = "what the gear exerts", "what the motor exerts", "motor's limit"
+AVERAGE, RATED, BEYOND = "gear, average", "gear, rated", "beyond a limit"
+AVERAGES, STARTS = "zone of averages", "zone of starts and stops"
+SAMPLES: dict[str, dict[str, Any]] = {
+    GEAR_CURVE: {"color": LINK, "lw": 1.3},
+    # wide and pale, so that it is seen behind the gear's
+    MOTOR_CURVE: {"color": MOTOR, "lw": 2.8, "alpha": 0.5},
+    AVERAGE: {"color": LINK, "marker": "o", "mec": "white", "ms": 7, "ls": ""},
+    RATED: {"color": INK, "marker": "+", "mew": 1.2, "ms": 8, "ls": ""},
+    AVERAGES: {"facecolor": BASE_FILL, "edgecolor": FAINT, "lw": 0.8},
+    STARTS: {"facecolor": START_STOP, "edgecolor": FAINT, "lw": 0.8},
+    MOTOR_LIMIT: {"color": MOTOR, "lw": 1, "ls": "--"},
+    BEYOND: {"mfc": "none", "mec": FORCE, "mew": 1.6, "ms": 11, "marker": "o", "ls": ""},
+}
+"""How each thing is drawn, in the order of the legend."""
+
 
 def figure_of(found: Sizing) -> Figure:
     """A panel a drive; torques at the joint's side, positive where the drive pushes along its motion."""
@@ -59,17 +80,18 @@ def _panel(axes: Axes, found: Sizing, drive: DriveSizing, k: int) -> None:
     _window(axes, drive, np.r_[gear, motor], float(np.abs(speed).max()))
     _zones(axes, drive)
     _motor_limit(axes, drive)
-    for torque, colour in ((motor, MOTOR), (gear, LINK)):
-        axes.plot(np.abs(speed), np.where(direction == 0, np.nan, torque), color=colour, lw=1.3)
-    average = drive.demand.mean_motor_speed * RPM, drive.demand.average_torque
-    axes.plot(*average, "o", color=LINK, mec="white", ms=7, zorder=5)
+    for torque, sample in ((motor, MOTOR_CURVE), (gear, GEAR_CURVE)):
+        axes.plot(np.abs(speed), np.where(direction == 0, np.nan, torque), **SAMPLES[sample], label=sample)
+    # an average has no sign: it stands on the side of the larger torques
+    side = 1 if gear.max() >= -gear.min() else -1
+    average = drive.demand.mean_motor_speed * RPM, side * drive.demand.average_torque
+    axes.plot(*average, **SAMPLES[AVERAGE], label=AVERAGE, zorder=5)
     for failed in drive.failures:
         at = average
         if failed.at is not None:
             i = int(np.searchsorted(found.load.time, failed.at.time))
-            torque = motor[i] if failed.limit.startswith("motor") else gear[i]
-            at = abs(speed[i]), torque if direction[i] else abs(torque)
-        axes.plot(*at, "o", mfc="none", mec=FORCE, mew=1.6, ms=11, zorder=6)
+            at = abs(speed[i]), (motor if failed.limit.startswith("motor") else gear)[i]
+        axes.plot(*at, **SAMPLES[BEYOND], label=BEYOND, zorder=6)
     _title(axes, drive)
 
 
@@ -78,8 +100,9 @@ def _window(axes: Axes, drive: DriveSizing, torques: Array, fastest: float) -> N
     maximum, peak = _allowed(drive, "maximum speed"), _allowed(drive, "repeated peak torque")
     highest = max(float(torques.max()), *(x for x in (peak, _allowed(drive, "average torque")) if x < np.inf), 1e-9)
     momentary = _allowed(drive, "momentary peak torque")
-    top = 1.15 * (momentary if highest < momentary <= MOMENTARY_SHOWN * highest else highest)
-    axes.set_ylim(min(-0.18 * top, 1.3 * float(torques.min())), top)
+    highest = momentary if highest < momentary <= MOMENTARY_SHOWN * highest else highest
+    lowest = min(-0.2 * highest, 1.3 * float(torques.min()))
+    axes.set_ylim(lowest, highest + HEADROOM * (highest - lowest))
     axes.set_xlim(0, 1.08 * (max(fastest, maximum * RPM) if maximum < np.inf else fastest) or 1.0)
     axes.axhline(0, color=INK, lw=0.7, zorder=1)
     axes.grid(False)
@@ -88,23 +111,25 @@ def _window(axes: Axes, drive: DriveSizing, torques: Array, fastest: float) -> N
 def _zones(axes: Axes, drive: DriveSizing) -> None:
     """What the gear is allowed when it starts and stops, and on average; its rated point; its momentary peak."""
     right, broken = axes.get_xlim()[1], {margin.limit for margin in drive.failures}
-    for torque, speed, fill in (
-        ("repeated peak torque", "maximum speed", START_STOP),
-        ("average torque", "average speed", BASE_FILL),
+    for torque, speed, zoned in (
+        ("repeated peak torque", "maximum speed", STARTS),
+        ("average torque", "average speed", AVERAGES),
     ):
         high, wide = _allowed(drive, torque), min(_allowed(drive, speed) * RPM, right)
         if high < np.inf:
             edge = FORCE if broken & {torque, speed} else FAINT
-            zone = Rectangle((0, -high), wide, 2 * high, facecolor=fill, edgecolor=edge, lw=0.8, zorder=0.5)
-            axes.add_patch(zone)
+            look = {**SAMPLES[zoned], "edgecolor": edge}
+            axes.add_patch(Rectangle((0, -high), wide, 2 * high, **look, label=zoned, zorder=0.5))
             _label(axes, f"{torque.removesuffix(' torque')} {high:.4g}", (wide, high), (-3, 3), "right", edge)
     momentary = _allowed(drive, "momentary peak torque")
     if momentary < axes.get_ylim()[1]:
         axes.axhline(momentary, color=FAINT, lw=1, ls=":")
-        _label(axes, f"momentary peak {momentary:.4g}", (0, momentary), (4, 3), "left", FAINT)
+        _label(axes, f"momentary peak {momentary:.4g}", (0, momentary), (4, -11), "left", FAINT)
     rated = drive.drive.ratings
     if rated and rated.rated_torque is not None and rated.rated_speed is not None:
-        axes.plot(rated.rated_speed * RPM, rated.rated_torque, "+", color=INK, ms=8, mew=1.2)
+        speed = rated.rated_speed * RPM
+        if speed < right and rated.rated_torque < axes.get_ylim()[1]:
+            axes.plot(speed, rated.rated_torque, **SAMPLES[RATED], label=RATED)
 
 
 def _label(axes: Axes, text: str, at: tuple[float, float], offset: tuple[float, float], side: str, colour: str) -> None:
@@ -116,13 +141,13 @@ def _label(axes: Axes, text: str, at: tuple[float, float], offset: tuple[float, 
 
 def _motor_limit(axes: Axes, drive: DriveSizing) -> None:
     """How far the motor's current, its voltage and the torque limits let it push and brake, over speed."""
-    speeds = np.linspace(0, axes.get_xlim()[1], 4000)
+    speeds, (low, high) = np.linspace(0, axes.get_xlim()[1], 4000), axes.get_ylim()
     bound = min(_allowed(drive, "motor torque"), ENDLESS)
     for sign in (1.0, -1.0):
         pushed = within_limits(drive.drive, np.full_like(speeds, sign * ENDLESS), speeds / RPM / abs(drive.drive.ratio))
         curve = np.clip(pushed, -bound, bound)
-        if np.abs(curve).min() < ENDLESS:
-            axes.plot(speeds, np.where(sign * curve >= 0, curve, np.nan), color=MOTOR, lw=1, ls="--")
+        if ((sign * curve >= 0) & (curve >= low) & (curve <= high)).any():
+            axes.plot(speeds, np.where(sign * curve >= 0, curve, np.nan), **SAMPLES[MOTOR_LIMIT], label=MOTOR_LIMIT)
 
 
 def _title(axes: Axes, drive: DriveSizing) -> None:
@@ -133,18 +158,12 @@ def _title(axes: Axes, drive: DriveSizing) -> None:
 
 
 def _explain(figure: Figure, across: int) -> None:
-    samples = {
-        "what the gear exerts": Line2D([], [], color=LINK),
-        "what the motor exerts": Line2D([], [], color=MOTOR),
-        "gear, average": Line2D([], [], color=LINK, marker="o", mec="white", ms=7, ls=""),
-        "gear, rated": Line2D([], [], color=INK, marker="+", mew=1.2, ms=8, ls=""),
-        "zone of averages": Patch(facecolor=BASE_FILL, edgecolor=FAINT, lw=0.8),
-        "zone of starts and stops": Patch(facecolor=START_STOP, edgecolor=FAINT, lw=0.8),
-        "motor's limit": Line2D([], [], color=MOTOR, lw=1, ls="--"),
-        "beyond a limit": Line2D([], [], mfc="none", mec=FORCE, mew=1.6, ms=8, marker="o", ls=""),
-    }
+    """A legend of what is in the picture."""
+    drawn = {label for axes in figure.axes for label in axes.get_legend_handles_labels()[1]}
+    shown = {label: look for label, look in SAMPLES.items() if label in drawn}
+    samples = [Patch(**look) if "facecolor" in look else Line2D([], [], **look) for look in shown.values()]
     columns = (1, 2, 4)[across - 1]
-    figure.legend([*samples.values()], [*samples], loc="outside lower center", ncols=columns, fontsize=10)
+    figure.legend(samples, [*shown], loc="outside lower center", ncols=columns, fontsize=10)
 
 
 def _allowed(drive: DriveSizing, limit: str) -> float:
