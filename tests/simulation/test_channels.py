@@ -92,8 +92,9 @@ def test_joints_without_a_drive_have_no_channels_but_a_floating_one_has_the_base
     place[2, 3] = 0.3
     piece = {"mass": 1.0, "com": np.array([0.0, 0.0, 0.1]), "inertia": 0.02 * np.eye(3)}
     links = [Link("world"), Link("first", **piece), Link("second", **piece)]
-    carried = [("world", "first"), ("first", "second")]
-    joints = [Joint(c, kind, p, c, place, np.array([0.0, 1.0, 0.0])) for kind, (p, c) in zip(kinds, carried, strict=True)]
+    across = np.array([0.0, 1.0, 0.0])
+    names = ("world", "first", "second")
+    joints = [Joint(names[k + 1], kind, names[k], names[k + 1], place, across) for k, kind in enumerate(kinds)]
     free = Robot(build("free", links, joints))
     log = simulate(free, None, duration=0.02)
     assert log["q"].shape == (21, 1)
