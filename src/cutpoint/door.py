@@ -24,6 +24,9 @@ DRIVES = "a Drive for each of some joints, by name"
 """What arguments that give drives must be."""
 
 
+_REAL = (int, float, np.integer, np.floating)
+
+
 def are_plain_vectors(values: Iterable[Any]) -> bool:
     """Whether all are arrays (n,) of float64, finite and none beyond LARGEST: the quick look at one call's arguments.
 
@@ -69,6 +72,28 @@ def check_kind(function: str, name: str, value: Any, kind: type | tuple[type, ..
     """Raises InputError for an argument that is not of a kind.  rule: what it must be, in words."""
     if not isinstance(value, kind):
         raise refused(function, name, value, rule)
+
+
+def number(function: str, name: str, value: Any, unit: str = "") -> float:
+    """The argument as a float.  Raises InputError for anything but one real number."""
+    if isinstance(value, bool) or not isinstance(value, (*_REAL, np.ndarray)) or np.ndim(value):
+        raise refused(function, name, value, f"one number{unit and f', {unit}'}")
+    return float(value)
+
+
+def positive(function: str, name: str, value: Any, unit: str = "") -> float:
+    """The argument as a float above zero.  Raises InputError for anything else."""
+    found = number(function, name, value, unit)
+    if not (np.isfinite(found) and found > 0):
+        raise InputError(f"{function}: {name} {found}{unit and f' {unit}'} must be positive and finite", name=name)
+    return found
+
+
+def whole(function: str, name: str, value: Any, least: int = 1) -> int:
+    """The argument as a whole number from `least` on.  Raises InputError for anything else."""
+    if isinstance(value, bool) or not (isinstance(value, _REAL) and value >= least and value % 1 == 0):
+        raise InputError(f"{function}: {name} {value!r} must be a whole number, at least {least}", name=name)
+    return int(value)
 
 
 def checked_name(kind: str, name: Any, known: Iterable[str]) -> str:

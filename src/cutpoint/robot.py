@@ -7,9 +7,11 @@ from typing import TYPE_CHECKING, Any, Literal, NamedTuple, NoReturn, get_args
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from cutpoint import configurations, definitions, door, variants
-from cutpoint.compiled import Compiled
+from cutpoint import definitions, door
 from cutpoint.errors import InputError
+from cutpoint.functions import configurations, variants
+from cutpoint.functions.compiled import Compiled
+from cutpoint.functions.variants import ExpressedIn
 from cutpoint.mechanics import strains as strains_of
 from cutpoint.mechanics.drive_regressor import DriveRegressor, columns
 from cutpoint.mechanics.elastic import derivatives_needed
@@ -18,7 +20,6 @@ from cutpoint.model import Drive, Mechanism, changes
 from cutpoint.model.decomposition import Cut, Subsystem, cuts_of, subsystems_of
 from cutpoint.model.mechanism import frozen
 from cutpoint.scalars import structure_of
-from cutpoint.variants import ExpressedIn
 
 if TYPE_CHECKING:
     from cutpoint.analysis import LinearModel, Modes
@@ -224,6 +225,8 @@ class Robot:
         expressed_in: "local", the frame's own axes; "local_world_aligned", the same velocity along the world's axes;
         "world", the velocity of the point of the frame's body that passes the world's origin.
         """
+        if type(expressed_in) is not str:  # the definition is kept by its name
+            door.checked_name("way to express a Jacobian", expressed_in, get_args(ExpressedIn))
         definition = variants.jacobian_of(self._frame(frame), expressed_in)
         return self._function(("jacobian", frame, expressed_in), definition, "q")(q)
 

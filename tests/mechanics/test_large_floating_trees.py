@@ -8,7 +8,7 @@ import pinocchio
 import pytest
 
 from cutpoint import Robot
-from cutpoint.compiled import machine_of
+from cutpoint.functions.compiled import machine_of
 from cutpoint.kernels.program_llvm import program_ir
 from cutpoint.kernels.program_plan import plan
 from cutpoint.mechanics.compliance import LinearSpring

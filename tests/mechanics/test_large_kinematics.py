@@ -7,8 +7,8 @@ import numpy as np
 import pytest
 
 from cutpoint import Robot
-from cutpoint.compiled import machine_of
 from cutpoint.errors import InputError
+from cutpoint.functions.compiled import machine_of
 from cutpoint.kernels.program_llvm import program_ir
 from cutpoint.kernels.program_plan import plan
 from cutpoint.mechanics.kinematics import ExpressedIn

@@ -11,8 +11,8 @@ import pytest
 
 import cutpoint
 from cutpoint import Robot
-from cutpoint.compiled import machine_of
 from cutpoint.errors import InputError
+from cutpoint.functions.compiled import machine_of
 from cutpoint.kernels.program_llvm import program_ir
 from cutpoint.kernels.program_plan import plan
 from cutpoint.model import Drive, Mechanism

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from cutpoint import Drive, LinearSpring, Robot, Rotor, definitions
-from cutpoint.compiled import Machine, machine_of
+from cutpoint.functions.compiled import Machine, machine_of
 from cutpoint.kernels import graph_of
 from cutpoint.mechanics import placements
 from cutpoint.mechanics.assembly import lean_framing

@@ -8,7 +8,7 @@ from typing import Any, NamedTuple
 
 from cutpoint import definitions, kernels
 from cutpoint.definitions import Machine
-from cutpoint.idle_joints import check_moves_inertia
+from cutpoint.functions.idle_joints import check_moves_inertia
 from cutpoint.kernels import Kernel
 from cutpoint.mechanics.elastic import DEFAULT, ElasticMotion
 from cutpoint.mechanics.elastic_forward import elastic_forward_dynamics

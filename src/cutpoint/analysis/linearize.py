@@ -10,9 +10,9 @@ from cutpoint.analysis.linear_model import LinearModel, OperatingPoint
 from cutpoint.derivatives import sweeps
 from cutpoint.door import checked_array
 from cutpoint.errors import InputError
-from cutpoint.idle_joints import check_moves_inertia
+from cutpoint.functions.idle_joints import check_moves_inertia
+from cutpoint.functions.special_robots import check_quaternions, quaternions_of
 from cutpoint.robot import ElasticTorques, Robot
-from cutpoint.special_robots import check_quaternions, quaternions_of
 
 Array = NDArray[np.float64]
 

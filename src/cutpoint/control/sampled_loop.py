@@ -11,9 +11,8 @@ from cutpoint import kernels
 from cutpoint.control.interface import Measurement, Reference, start_of, stepped
 from cutpoint.control.law import Law, as_law
 from cutpoint.control.model_law import ModelLaw, check_all_driven
-from cutpoint.control.numbers_asked import positive
 from cutpoint.control.own_law import check_pure
-from cutpoint.door import check_kind, checked_array
+from cutpoint.door import check_kind, checked_array, positive
 from cutpoint.robot import Robot
 from cutpoint.scalars import leaves, rebuild, with_float_leaves
 

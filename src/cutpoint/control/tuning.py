@@ -11,7 +11,6 @@ from cutpoint.control.computed_torque import ComputedTorque
 from cutpoint.control.elastic_computed_torque import ElasticComputedTorque
 from cutpoint.control.full_state_feedback import FullStateFeedback
 from cutpoint.control.model_law import check_all_driven
-from cutpoint.control.numbers_asked import positive
 from cutpoint.control.pd import PD
 from cutpoint.control.pid import PID
 from cutpoint.control.robust import Robust
@@ -19,7 +18,7 @@ from cutpoint.control.sampled_loop import slowest_pole
 from cutpoint.control.slotine_li import SlotineLi
 from cutpoint.control.super_twisting import SuperTwisting
 from cutpoint.control.vdc import VDC
-from cutpoint.door import check_kind, checked_array
+from cutpoint.door import check_kind, checked_array, positive
 from cutpoint.errors import InputError, unknown_name
 from cutpoint.robot import Robot
 

@@ -14,9 +14,9 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from cutpoint.derivatives import definitions, sweeps
+from cutpoint.functions.variants import motion_names, wrong_motion
 from cutpoint.mechanics.elastic import Options
 from cutpoint.robot import Robot
-from cutpoint.variants import motion_names, wrong_motion
 
 Array = NDArray[np.float64]
 

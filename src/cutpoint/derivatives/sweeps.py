@@ -14,11 +14,11 @@ from cutpoint import definitions
 from cutpoint.definitions import Machine
 from cutpoint.door import checked_array
 from cutpoint.errors import InputError
+from cutpoint.functions.special_robots import check_quaternions
 from cutpoint.mechanics import elastic_forward
 from cutpoint.mechanics.kinematics import coordinate_rates
 from cutpoint.robot import Robot
 from cutpoint.scalars import Jet, Scalar
-from cutpoint.special_robots import check_quaternions
 
 Array = NDArray[np.float64]
 Scalars = list[Scalar]

@@ -5,8 +5,7 @@ from collections.abc import Callable, Sequence
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from cutpoint.control.numbers_asked import number, positive
-from cutpoint.door import check_configuration, checked_array
+from cutpoint.door import check_configuration, checked_array, number, positive
 from cutpoint.errors import InputError
 from cutpoint.robot import Robot
 from cutpoint.simulation.loop import ClosedLoop

@@ -6,7 +6,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from cutpoint.idle_joints import check_moves_inertia
+from cutpoint.functions.idle_joints import check_moves_inertia
 from cutpoint.mechanics.harmonic_drive import friction_resistance
 from cutpoint.mechanics.linearly_implicit import is_carried
 from cutpoint.mechanics.motor import TURN

@@ -12,8 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cutpoint.control.interface import name_of
-from cutpoint.control.numbers_asked import whole
-from cutpoint.door import refused
+from cutpoint.door import refused, whole
 from cutpoint.errors import InputError, SimulationError, TraceError
 from cutpoint.robot import Robot
 from cutpoint.simulation.controllers import admitted

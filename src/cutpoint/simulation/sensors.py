@@ -8,7 +8,7 @@ from typing import Any, Literal
 import numpy as np
 from numpy.typing import ArrayLike
 
-from cutpoint.control.numbers_asked import number, whole
+from cutpoint.door import number, whole
 from cutpoint.errors import InputError
 from cutpoint.scalars import Scalar
 

@@ -9,8 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cutpoint.control.interface import start_of
-from cutpoint.control.numbers_asked import whole
-from cutpoint.door import check_kind
+from cutpoint.door import check_kind, whole
 from cutpoint.errors import InputError, SimulationError
 from cutpoint.robot import Robot
 from cutpoint.rolled import TOO_LARGE

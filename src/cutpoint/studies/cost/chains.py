@@ -2,8 +2,8 @@
 
 import numpy as np
 
-from cutpoint.compiled import machine_of
 from cutpoint.definitions import Machine
+from cutpoint.functions.compiled import machine_of
 from cutpoint.mechanics.compliance import LinearSpring
 from cutpoint.model import Drive, Joint, Link, Rotor
 from cutpoint.model.build import build

@@ -14,7 +14,9 @@ import numpy as np
 from cutpoint import kernels
 from cutpoint.definitions import Machine
 from cutpoint.errors import InputError
-from cutpoint.idle_joints import check_moves_inertia
+from cutpoint.functions.idle_joints import check_moves_inertia
+from cutpoint.functions.robot_function import RobotFunction
+from cutpoint.functions.special_robots import MATRICES, quaternions_of, with_empty_matrices, with_quaternions
 from cutpoint.kernels import Kernel
 from cutpoint.mechanics import strains
 from cutpoint.mechanics.assembly import lean_framing, system_of
@@ -22,10 +24,8 @@ from cutpoint.mechanics.elastic import Driven
 from cutpoint.mechanics.reframing import Framing
 from cutpoint.model import Drive, Mechanism
 from cutpoint.model.mechanism import frozen
-from cutpoint.robot_function import RobotFunction
 from cutpoint.rolled import JointByJoint, check_length, joint_by_joint, rolled
 from cutpoint.scalars import leaves, rebuild
-from cutpoint.special_robots import MATRICES, quaternions_of, with_empty_matrices, with_quaternions
 
 JOINT_QUANTITIES = frozenset({
     "inverse_dynamics", "forward_dynamics", "bias_forces", "gravity_forces", "coriolis_matrix", "mass_matrix",

@@ -5,9 +5,9 @@ from dataclasses import replace
 import numpy as np
 
 from cutpoint import definitions
-from cutpoint.configurations import random_coordinates
 from cutpoint.definitions import Machine
 from cutpoint.errors import ModelError
+from cutpoint.functions.configurations import random_coordinates
 from cutpoint.mechanics.spatial import IDENTITY, ZERO, Inertia
 from cutpoint.mechanics.system import System
 from cutpoint.model import Mechanism
