@@ -118,6 +118,14 @@ def test_a_spring_that_torque_hardly_winds_is_declared_unidentifiable():
         assert (found.counts > 50.0) == told
 
 
+def test_a_spring_whose_deflection_is_all_noise_is_declared_unidentifiable():
+    torque = 1e-3 * np.sin(TURN * 0.5 * T)
+    q = 0.5 * np.sin(TURN * 0.2 * T)
+    theta = q + STEP * np.random.default_rng(0).normal(size=T.size)
+    found = two_encoders(theta, q, torque, PERIOD, RATIO, laws=["linear"], resolution=STEP)
+    assert "stiffness" in found.unidentifiable
+
+
 def test_unknown_samples_do_not_count():
     theta, q, torque = channels(SPRINGS["linear"])
     torque[100:300], q[4000:4010] = np.nan, np.nan

@@ -79,6 +79,13 @@ def test_the_default_cut_off_keeps_the_harmonics_of_a_motion_however_often_it_is
     assert np.abs(smooth - q)[middle].max() < 1e-4 * np.sqrt(2.0 * cutoff * PERIOD)
 
 
+def test_noise_alone_has_no_cut_off_but_the_one_that_is_given():
+    noise = np.random.default_rng(8).standard_normal((4000, 1))
+    with pytest.raises(InputError, match=r"no column moves over 64 samples or more"):
+        noise_cutoff(noise, PERIOD)
+    assert noise_cutoff(noise, PERIOD, otherwise=50.0) == 50.0
+
+
 def test_a_channel_that_flickers_while_another_moves_does_not_raise_the_cut_off():
     still = 1e-5 * (np.random.default_rng(5).random(T.size) < 0.3)
     both = np.column_stack([positions(T)[:, 0] + 1e-5 * np.random.default_rng(6).standard_normal(T.size), still])

@@ -97,17 +97,22 @@ def derivative(values: Array, period: float, order: int = 1) -> Array:
     return found
 
 
-def noise_cutoff(values: Array, period: float) -> float:
+def noise_cutoff(values: Array, period: float, *, otherwise: float | None = None) -> float:
     """Hz, where the motion in values (N, ...) sinks into their noise: the highest of all columns that move.
 
-    The floor is the median power density of the upper half of the spectrum, of the longest stretch without gaps; motion
-    is what lies ten times above, up to where nothing does over two octaves.  The cut-off is the lowest one beyond
-    with which the filter takes next to nothing of the motion, beside the noise that it leaves.  Motion below the floor
+    The floor is the median power density of the upper half of the spectrum, of the longest stretch without gaps; what
+    lies ten times above is motion, up to the first gap beyond its strongest wave.  There the cut-off is, or as much
+    higher as it takes for the filter to leave alone what is clear, a thousand times above.  Motion below the floor
     cannot be seen.
+    otherwise: Hz, where nothing stands out of the noise; None refuses that.
+
+    Raises InputError: no column moves.
     """
     columns = [column[_longest(column)] for column in values.reshape(len(values), -1).T]
     ways = np.array([np.ptp(x) if x.size >= 16 * WINDOWS else 0.0 for x in columns])
     found = [_cutoff(x, period) for x, way in zip(columns, ways, strict=True) if way > STILL * ways.max()]
+    if not any(found) and otherwise is not None:
+        return otherwise
     if not any(found):
         rule = f"no column moves over {16 * WINDOWS} samples or more without a gap"
         raise InputError(f"{rule}, of {len(values)}: record more, map another channel, or state a cut-off in Hz")

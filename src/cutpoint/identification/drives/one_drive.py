@@ -91,7 +91,7 @@ def _from_motor(
     if rotor.torque_constant is not None:
         torque = joint.effort * rotor.torque_constant * ratio
     lead = joint.theta - joint.q
-    band = min(WIDER * noise_cutoff(lead, period), HIGHEST / period)
+    band = min(WIDER * noise_cutoff(lead, period, otherwise=HIGHEST / period), HIGHEST / period)
     noise = _noise_below(lead - low_pass(lead, period, band), period, band)
     seen = False
     for laws in (SHAPE, SHAPE, tuple(LAWS)):

@@ -116,7 +116,7 @@ def _checked(
     step = float(np.hypot(smallest_step(angle), smallest_step(link))) if resolution is None else float(resolution)
     if not (np.isfinite(step) and step >= 0.0):
         raise InputError(f"two_encoders: resolution {resolution} rad must be a number, at least 0")
-    cutoff = min(WIDER * noise_cutoff(angle - link, period), 0.4 / period)
+    cutoff = min(WIDER * noise_cutoff(angle - link, period, otherwise=0.4 / period), 0.4 / period)
     beside = np.column_stack(others) if others else np.empty((load.size, 0))
     return Deflections(angle - link, angle, load, period, ratio, step, cutoff, beside, noise, band)
 
