@@ -106,6 +106,12 @@ def test_joints_are_locked_and_gravity_turned_as_the_options_say(
     assert "joint1" in told and "joint2" not in told
 
 
+def test_a_joint_is_locked_at_one_place() -> None:
+    with pytest.raises(InputError, match=r"--lock 'joint2=0.2': 'joint2' is locked at 0.1 already; state one place"):
+        twice = ["--lock=joint2=0.1", "--lock=joint2=0.2"]
+        CliRunner().invoke(app, ["inspect", "xia2019", *twice], catch_exceptions=False)
+
+
 @pytest.mark.parametrize("lock", ["joint2", "joint2=", "=0.1", "joint2=0.1rad"])
 def test_a_lock_without_joint_or_place_is_refused(lock: str) -> None:
     with pytest.raises(InputError, match=r"must be JOINT=PLACE, such as finger_joint=0.02, in rad \(m\)"):

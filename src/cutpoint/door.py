@@ -1,4 +1,4 @@
-"""What is checked once, where a user hands something in: arrays, kinds and names, drives, configurations."""
+"""What is checked once, where a user hands something in: arrays, numbers, kinds, names, drives, configurations."""
 
 from collections.abc import Iterable, Mapping, Sequence
 from operator import index
@@ -22,7 +22,6 @@ LARGEST = 1e15
 
 DRIVES = "a Drive for each of some joints, by name"
 """What arguments that give drives must be."""
-
 
 _REAL = (int, float, np.integer, np.floating)
 

@@ -64,6 +64,8 @@ def _places_of(locks: list[str]) -> dict[str, float]:
     places: dict[str, float] = {}
     for lock in locks:
         joint, _, place = lock.rpartition("=")
+        if joint in places:
+            raise InputError(f"--lock {lock!r}: {joint!r} is locked at {places[joint]:g} already; state one place")
         try:
             places[joint] = float(place)
         except ValueError:

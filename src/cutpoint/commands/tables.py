@@ -11,7 +11,7 @@ from cutpoint.errors import InputError
 from cutpoint.mechanics.hysteresis import MaxwellSlip
 from cutpoint.mechanics.kinematic_error import KinematicError
 from cutpoint.model.drive import Drive
-from cutpoint.model.mechanism import Limits
+from cutpoint.model.limits import limits_in_force
 from cutpoint.robot import ElasticTorques, Robot
 
 if TYPE_CHECKING:
@@ -38,19 +38,15 @@ def robot_table(robot: Robot) -> Table:
     """Bodies with their joints, masses and limits; of the robot file's effort and the drive's, what is smaller."""
     title = f"{robot.name}: {len(robot.subsystems)} subsystems, {len(robot.cuts)} cutting points"
     table = _table(title, "joint", "kind", "carries", "carried by", "mass / kg", "position limits", "effort limit")
+    in_force = limits_in_force(robot.mechanism, robot.drives)
     for body in robot.mechanism.bodies:
         carrier = robot.mechanism.bodies[body.parent].name if body.parent >= 0 else "world"
         slides, limits = body.joint.kind == "prismatic", body.joint.limits
         position = _range(limits.lower, limits.upper, 1.0 if slides else 180 / np.pi, "m" if slides else "deg")
-        effort = _effort(limits, robot.drives.get(body.joint.name), slides)
+        most = in_force.get(body.joint.name, limits).effort
+        effort = "-" if np.isinf(most) else f"{most:g} {'N' if slides else 'N m'}"
         table.add_row(body.joint.name, body.joint.kind, body.name, carrier, f"{body.mass:.4g}", position, effort)
     return table
-
-
-def _effort(limits: Limits, drive: Drive | None, slides: bool) -> str:
-    """What counts of a robot file's limit, where 0 often means none, and the drive's."""
-    least = min(limits.effort or np.inf, drive.limits.effort if drive else np.inf)
-    return "-" if np.isinf(least) else f"{least:g} {'N' if slides else 'N m'}"
 
 
 def drive_table(robot: Robot) -> Table:

@@ -5,6 +5,7 @@ from typing import Any
 import numpy as np
 
 from cutpoint.errors import InputError
+from cutpoint.model.limits import limits_in_force
 from cutpoint.robot import Robot
 
 LIMITS = ("torque_limit", "speed_limit", "lower", "upper")
@@ -23,14 +24,12 @@ def limits_of(robot: Robot, given: dict[str, Any]) -> dict[str, Any]:
 
 
 def _stated(robot: Robot) -> dict[str, list[float]]:
-    """The tighter of joint and drive.  Efforts and speeds that a file states as 0, not knowing them, count as none."""
-    joints = {body.joint.name: body.joint.limits for body in robot.mechanism.bodies}
-    pairs = [(joints[name], drive.limits) for name, drive in robot.drives.items()]
+    limits = limits_in_force(robot.mechanism, robot.drives).values()
     return {
-        "torque_limit": [min(a.effort or np.inf, b.effort) for a, b in pairs],
-        "speed_limit": [min(a.velocity or np.inf, b.velocity) for a, b in pairs],
-        "lower": [max(a.lower, b.lower) for a, b in pairs],
-        "upper": [min(a.upper, b.upper) for a, b in pairs],
+        "torque_limit": [each.effort for each in limits],
+        "speed_limit": [each.velocity for each in limits],
+        "lower": [each.lower for each in limits],
+        "upper": [each.upper for each in limits],
     }
 
 

@@ -20,6 +20,7 @@ from cutpoint.control.super_twisting import SuperTwisting
 from cutpoint.control.vdc import VDC
 from cutpoint.door import check_kind, checked_array, positive
 from cutpoint.errors import InputError, unknown_name
+from cutpoint.model.limits import limits_in_force
 from cutpoint.robot import Robot
 
 Array = NDArray[np.float64]
@@ -141,5 +142,4 @@ def _missed(w: Wanted) -> Array:
 
 def _limits(robot: Robot) -> Array:
     """Torque limits of joints and drives, N m; large where there is none."""
-    efforts = {body.joint.name: body.joint.limits.effort or np.inf for body in robot.mechanism.bodies}
-    return np.array([min(drive.limits.effort, efforts[name], 1e9) for name, drive in robot.drives.items()])
+    return np.array([min(each.effort, 1e9) for each in limits_in_force(robot.mechanism, robot.drives).values()])

@@ -7,6 +7,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from cutpoint.door import check_configuration, checked_array, number, positive
 from cutpoint.errors import InputError
+from cutpoint.model.limits import limits_in_force
 from cutpoint.robot import Robot
 from cutpoint.simulation.loop import ClosedLoop
 from cutpoint.simulation.noise import noise_beside
@@ -76,9 +77,5 @@ def noise_of(loops: Sequence[ClosedLoop], samples: int) -> Array:
 
 
 def torque_limits(robot: Robot) -> Array:
-    """What each motor can do at most, N m at the joint's side: the drive's limit or the joint's, the smaller.
-
-    Robot files that do not know an effort limit often state 0: there it counts as none.
-    """
-    efforts = {body.joint.name: body.joint.limits.effort or np.inf for body in robot.mechanism.bodies}
-    return np.array([min(drive.limits.effort, efforts[name]) for name, drive in robot.drives.items()])
+    """What each motor can do at most, N m at the joint's side."""
+    return np.array([each.effort for each in limits_in_force(robot.mechanism, robot.drives).values()])

@@ -5,7 +5,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from cutpoint.robot import Robot
-from cutpoint.simulation.simulate import torque_limits
+from cutpoint.simulation.inputs import torque_limits
 from cutpoint.studies.compare import figures
 from cutpoint.studies.compare.bench import FAST, USUAL, Bench
 from cutpoint.studies.compare.contenders import NATURAL_RATE, RATE, WHOLE_RATE

@@ -13,7 +13,8 @@ from cutpoint.control.model_law import check_all_driven
 from cutpoint.door import check_configuration
 from cutpoint.errors import InputError
 from cutpoint.files import replacing
-from cutpoint.model import Drive, Limits
+from cutpoint.model import Drive
+from cutpoint.model.limits import limits_in_force
 from cutpoint.robot import Robot
 from cutpoint.studies.sizing import duty
 from cutpoint.studies.sizing.demand import Demand, demand_of
@@ -133,7 +134,7 @@ def sizing(
 
 
 def _drive_sizing(robot: Robot, joint: str, k: int, load: Load, life: float | None) -> DriveSizing:
-    drive, limits = robot.drives[joint], _limits(robot, joint)
+    drive, limits = robot.drives[joint], limits_in_force(robot.mechanism, robot.drives)[joint]
     slides = any(body.joint.kind == "prismatic" and body.joint.name == joint for body in robot.mechanism.bodies)
     middle = (limits.upper + limits.lower) / 2 if np.isfinite(limits.upper - limits.lower) else 0.0
     demand = demand_of(load, k, middle)
@@ -142,18 +143,6 @@ def _drive_sizing(robot: Robot, joint: str, k: int, load: Load, life: float | No
     if life is not None and reached is not None:
         margins.append(Margin("life", "h", reached, life))
     return DriveSizing(joint, drive, slides, demand, (*margins,), (*missing,), reached, _peaks(drive, load, k))
-
-
-def _limits(robot: Robot, joint: str) -> Limits:
-    """What drive and robot file allow together; robot files that do not know a limit often state 0."""
-    own = robot.drives[joint].limits
-    (told,) = (body.joint.limits for body in robot.mechanism.bodies if body.joint.name == joint)
-    return Limits(
-        lower=max(own.lower, told.lower),
-        upper=min(own.upper, told.upper),
-        velocity=min(own.velocity, told.velocity or np.inf),
-        effort=min(own.effort, told.effort or np.inf),
-    )
 
 
 def _life(drive: Drive, demand: Demand) -> float | None:

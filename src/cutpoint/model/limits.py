@@ -1,0 +1,26 @@
+"""What bounds driven joints: what robot file and drives state, together."""
+
+from collections.abc import Mapping
+
+import numpy as np
+
+from cutpoint.model.drive import Drive
+from cutpoint.model.mechanism import Limits, Mechanism
+
+
+def limits_in_force(mechanism: Mechanism, drives: Mapping[str, Drive]) -> dict[str, Limits]:
+    """The tighter of a joint's limits and its drive's, by joint, in the order of the drives.
+
+    Efforts and speeds that a robot file states as 0, not knowing them, count as none.
+    """
+    told = {body.joint.name: body.joint.limits for body in mechanism.bodies}
+    return {joint: _tighter(told[joint], drive.limits) for joint, drive in drives.items()}
+
+
+def _tighter(joint: Limits, drive: Limits) -> Limits:
+    return Limits(
+        lower=max(joint.lower, drive.lower),
+        upper=min(joint.upper, drive.upper),
+        velocity=min(joint.velocity or np.inf, drive.velocity),
+        effort=min(joint.effort or np.inf, drive.effort),
+    )
