@@ -95,9 +95,9 @@ class AdaptiveVDC(VDC):
         for k, drive in enumerate(believed):
             at = DriveState(*(x[k] for x in measurement[2:]))
             gain = JointGains(self.speed_gain[k], self.motor_gain[k], self.spring_gain[k])
-            torque = RequiredTorque(Jet.of_taylor([tau_r[k], *filtered[k].c[1:]]), rotors[k])
+            torque = RequiredTorque(Jet(tau_r[k], *filtered[k].derivatives[1:]), rotors[k])
             told.append(joint_command(drive, at, reference.q[k], v_r[k], torque, gain))
-            speed, acceleration = v_r[k].c
+            speed, acceleration = v_r[k].derivatives
             power = JointPower(at, speed, acceleration, tau_r[k], told[k].theta_dot, told[k].theta_ddot)
             rule = (self.joint_rate[0], self.uncertainty[0], measurement.period)
             joints.append(adapted(drives[k].drive, memory.joints[k], power, *rule))
@@ -112,7 +112,7 @@ class AdaptiveVDC(VDC):
         believed = [inertia_of(self.inertial(x)) for x in estimates]
         segments = tuple(replace(own, inertia=M) for own, M in zip(system.segments, believed, strict=True))
         system = replace(system, segments=segments)
-        speeds, accelerations = zip(*(x.c for x in v_r), strict=True)
+        speeds, accelerations = zip(*(x.derivatives for x in v_r), strict=True)
         actual, required = required_motions(system, [*m.q], [*m.v], speeds, accelerations)
         # each body: what its required motion costs by the numbers it believes in, and what it learns from that
         F_r, learnt = net_wrenches(system, required, speeds, accelerations, actual), []
@@ -141,7 +141,7 @@ class AdaptiveVDC(VDC):
 
     def _borne(self, k: int, drive: Drive, tau: Scalar, v_r: Jet, v: Scalar) -> Scalar:
         """tau_r: what a joint's drive exerts, its link's friction and a rigidly geared rotor included.  (26)."""
-        speed, acceleration = v_r.c
+        speed, acceleration = v_r.derivatives
         spun = 0 if drive.is_elastic else drive.reflected_inertia * acceleration
         return tau + spun + friction_torque(drive.link_friction, speed) + self.speed_gain[k] * (speed - v)
 

@@ -59,7 +59,7 @@ def joint_command(
     wound = drive.compliance.deflection(tau_r)
     if drive.damping is not None:  # which bears its share; its own rates are left out
         borne = tau_r.derivative(0) - drive.damping * wound.derivative(1)
-        wound = Jet.of_taylor([drive.compliance.deflection(borne), *wound.c[1:]])
+        wound = Jet(drive.compliance.deflection(borne), *wound.derivatives[1:])
     turns = transmission(drive, Jet(at.theta, at.theta_dot))
     lag = wound - Jet(deflection(drive, at.theta, at.q), _value(turns) * at.theta_dot - at.v)
     kappa_r = (v_r + wound.rate() + gain.spring * lag) / turns
@@ -70,4 +70,4 @@ def joint_command(
 
 
 def _value(x: Any) -> Any:
-    return x.c[0] if isinstance(x, Jet) else x
+    return x.derivatives[0] if isinstance(x, Jet) else x

@@ -136,7 +136,7 @@ class VDC(ModelLaw):
         commands = [x for x, _ in tau_r]
         memory, filtered = command_filter.step(memory, commands, TURN * self.filter_bandwidth[0], m.period)
         pairs = zip(tau_r, filtered, strict=True)
-        return memory, v_r, [RequiredTorque(Jet.of_taylor([x, *z.c[1:]]), rotor) for (x, rotor), z in pairs]
+        return memory, v_r, [RequiredTorque(Jet(x, *z.derivatives[1:]), rotor) for (x, rotor), z in pairs]
 
     def _required_torque(self, machine: Machine, q: list[Any], v: list[Any], v_r: list[Jet]) -> list[Any]:
         """tau_r = z^T F_qr + friction + k_vq (v_r - v), with derivatives as the actual motion has; and of rotors."""
@@ -153,9 +153,9 @@ class VDC(ModelLaw):
 def _with_orders_of(q: Any, v_r: list[Jet]) -> tuple[list[Any], list[Any]]:
     """Required speeds and accelerations: as jets where positions are jets, else as numbers."""
     if isinstance(q, Jet):
-        return [Jet.of_taylor(x.c[:-1]) for x in v_r], [x.rate() for x in v_r]
+        return [Jet(*x.derivatives[:-1]) for x in v_r], [x.rate() for x in v_r]
     return [x.derivative(0) for x in v_r], [x.derivative(1) for x in v_r]
 
 
 def _value(x: Any) -> Any:
-    return x.c[0] if isinstance(x, Jet) else x
+    return x.derivatives[0] if isinstance(x, Jet) else x

@@ -1,29 +1,129 @@
-"""Contraction, decided once in the graph: a product used once, in a sum, becomes a fused multiply-add everywhere."""
+"""Contraction, decided once in the graph: sums take products in as fused multiply-adds, everywhere alike.
+
+Products that nothing else needs join the sum that their own sum is a term of: t + (a x + b y) takes two operations, not
+three.  Those that share a factor share a product: a x + a y is a (x + y).  What is waited for longest comes in last.
+Numbers that are no products keep their places, so that (x + y) - y is what it was.
+"""
 
 from collections import Counter
-from collections.abc import Callable
-from typing import Any
+from collections.abc import Callable, Hashable, Sequence
+from typing import Any, NamedTuple
 
 from cutpoint.kernels.algebra import Operand
 from cutpoint.kernels.graph import Graph, rewrite
+from cutpoint.kernels.latencies import cycles
 from cutpoint.kernels.nodes import Node, Trace
+
+_ABOUT_AT_ONCE = 12
+"""Cycles.  Terms whose operands come closer to each other than that stay in the order in which they were written."""
+
+_MOST_TERMS = 16
+"""That join another sum at a time: in longer ones an operation less is little, and copies of them would be many."""
+
+
+class Term(NamedTuple):
+    """What a sum adds (1) or takes away (-1): a product of two factors, or one number."""
+
+    sign: int
+    factors: tuple[Operand, ...]
+
+    @property
+    def is_product(self) -> bool:
+        return len(self.factors) == 2
+
+    def times(self, sign: int) -> "Term":
+        return Term(sign * self.sign, self.factors)
+
+    def beside(self, factor: Hashable) -> Operand | None:
+        """The other factor of a product with this one."""
+        if self.is_product:
+            for x, y in (self.factors, self.factors[::-1]):
+                if _key(x) == factor:
+                    return y
+        return None
 
 
 def fuse(graph: Graph) -> Graph:
     """The graph with a * b + c, a * b - c and c - a * b as one operation wherever a * b is needed nowhere else."""
-    uses = Counter(y.serial for x in graph.nodes for y in x.args if isinstance(y, Node))
-    uses.update(x.serial for x in graph.results if isinstance(x, Node))
+    return rewrite(graph, _Fusion(graph).rule)
 
-    def product(x: Operand) -> bool:
-        return isinstance(x, Node) and x.op == "mul" and uses[x.serial] == 1
 
-    def rule(x: Node, operands: list[Operand], new: Callable[[Any], Operand], trace: Trace) -> Operand:
-        if x.op in ("add", "sub"):
-            first, second = x.args
-            if product(second):
-                return trace.node("fma" if x.op == "add" else "fnma", *map(new, second.args), operands[0])
-            if product(first):
-                return trace.node("fma" if x.op == "add" else "fms", *map(new, first.args), operands[1])
-        return trace.node(x.op, *operands)
+class _Fusion:
+    """Of one graph.
 
-    return rewrite(graph, rule)
+    uses: of its numbers, by serial.  products: of which a sum that is needed once consists.  there: the cycle in which
+    a new number is.
+    """
+
+    def __init__(self, graph: Graph) -> None:
+        self._uses = Counter(y.serial for x in graph.nodes for y in x.args if isinstance(y, Node))
+        self._uses.update(x.serial for x in graph.results if isinstance(x, Node))
+        self._products: dict[int, list[Term]] = {}
+        self._there: dict[int, int] = {}
+        for x in graph.nodes:
+            terms = self._terms(x) if x.op in ("add", "sub") and self._uses[x.serial] == 1 else []
+            if 0 < len(terms) <= _MOST_TERMS and all(t.is_product for t in terms):
+                self._products[x.serial] = terms
+
+    def rule(self, x: Node, operands: list[Operand], new: Callable[[Any], Operand], trace: Trace) -> Operand:
+        if x.op not in ("add", "sub"):
+            return self._made(trace, x.op, *operands)
+        return self._sum([Term(t.sign, tuple(map(new, t.factors))) for t in self._terms(x)], trace)
+
+    def _terms(self, x: Node) -> list[Term]:
+        first, second = map(self._parts, x.args)
+        return first + [t.times(1 if x.op == "add" else -1) for t in second]
+
+    def _parts(self, x: Operand) -> list[Term]:
+        if isinstance(x, Node) and x.op == "mul" and self._uses[x.serial] == 1:
+            return [Term(1, x.args)]
+        return self._products.get(x.serial, [Term(1, (x,))]) if isinstance(x, Node) else [Term(1, (x,))]
+
+    def _sum(self, terms: Sequence[Term], trace: Trace) -> Operand:
+        """All terms, one after another onto the first that is added."""
+        terms = sorted(self._factored(terms, trace), key=self._order)
+        start = next((t for t in terms if t.sign > 0), None)
+        if start is None:
+            return self._made(trace, "neg", self._sum([t.times(-1) for t in terms], trace))
+        rest = [t for t in terms if t is not start]
+        if not start.is_product:
+            (total,) = start.factors
+        elif rest and not rest[0].is_product:
+            total = self._made(trace, "fms", *start.factors, *rest.pop(0).factors)
+        else:
+            total = self._made(trace, "mul", *start.factors)
+        for t in rest:
+            if t.is_product:
+                total = self._made(trace, "fma" if t.sign > 0 else "fnma", *t.factors, total)
+            else:
+                total = self._made(trace, "add" if t.sign > 0 else "sub", total, *t.factors)
+        return total
+
+    def _factored(self, terms: Sequence[Term], trace: Trace) -> Sequence[Term]:
+        """Products that share a factor as one product with a sum; the factor that most of them share goes first."""
+        counts = Counter(key for t in terms if t.is_product for key in dict.fromkeys(map(_key, t.factors)))
+        common, count = next(iter(counts.most_common(1)), (None, 0))
+        if count < 2:
+            return terms
+        sharing = [t for t in terms if t.beside(common) is not None]
+        factor = next(x for x in sharing[0].factors if _key(x) == common)
+        sign = max(t.sign for t in sharing)
+        others = self._sum([Term(sign * t.sign, (t.beside(common),)) for t in sharing], trace)
+        rest = [t for t in terms if t.beside(common) is None]
+        return self._factored([*rest, Term(sign, (factor, others))], trace)
+
+    def _order(self, term: Term) -> tuple[bool, int]:
+        """A number that is no product first: products fuse with it."""
+        return term.is_product, self._ready(term.factors) // _ABOUT_AT_ONCE
+
+    def _ready(self, operands: Sequence[Operand]) -> int:
+        return max((self._there[x.serial] for x in operands if isinstance(x, Node)), default=0)
+
+    def _made(self, trace: Trace, op: str, *operands: Operand) -> Operand:
+        node = trace.node(op, *operands)
+        self._there[node.serial] = self._ready(operands) + cycles(op)
+        return node
+
+
+def _key(x: Operand) -> Hashable:
+    return x.serial if isinstance(x, Node) else repr(x)

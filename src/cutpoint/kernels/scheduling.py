@@ -12,15 +12,12 @@ from dataclasses import dataclass
 from functools import cached_property
 
 from cutpoint.kernels.graph import Graph
+from cutpoint.kernels.latencies import cycles
 from cutpoint.kernels.nodes import Node
 
 _REGISTERS = 32
 _AT_ONCE = 3
 """Operations that begin in a cycle."""
-
-_CYCLES = {"input": 5, "div": 16, "sqrt": 20, "add": 3, "sub": 3, "neg": 1, "select": 2, "not": 1, "and": 1, "or": 1}
-_OTHER_CYCLES = 4
-"""How long results are waited for, about as on today's processors."""
 
 _LOOKED_AT = 256
 """Operations among which the next is sought, those with the longest way first: arms have no more, so time is linear."""
@@ -65,7 +62,7 @@ class _Schedule:
         for k, operands in enumerate(self._operands):
             for operand in operands:
                 self._users[operand].append(k)
-        self._cycles = [_CYCLES.get(x.op, _OTHER_CYCLES) for x in nodes]
+        self._cycles = [cycles(x.op) for x in nodes]
         self._missing, self._unread = ([*map(len, x)] for x in (self._operands, self._users))
         self._growth = [int(n > 0) for n in self._unread]
         self._begun: set[int] = set()

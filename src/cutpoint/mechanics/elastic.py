@@ -134,9 +134,9 @@ def coordinate_jets(system: System, q: Scalars, v: Sequence[Jet]) -> list[Jet]:
         if body.follower:
             continue
         own = [Jet(x) for x in q[body.q]]
-        for k in range(len(v[body.v.start].c)):
-            rates = body.joint.rates(own, [Jet.of_taylor(v_i.c[: k + 1]) for v_i in v[body.v]])
-            own = [Jet.of_taylor([*x.c, rate.c[k] / (k + 1)]) for x, rate in zip(own, rates, strict=True)]
+        for k in range(len(v[body.v.start].derivatives)):
+            rates = body.joint.rates(own, [Jet(*v_i.derivatives[: k + 1]) for v_i in v[body.v]])
+            own = [Jet(*x.derivatives, rate.derivatives[k]) for x, rate in zip(own, rates, strict=True)]
         jets[body.q] = own
     return jets
 
@@ -152,7 +152,7 @@ class _Motor:
 def motor_motion(driven: Driven, tau: Jet, q: Scalar, v: Jet, options: Options, strains: Strains) -> _Motor:
     """How a motor moves so that its drive exerts the joint torque tau on the link."""
     drive, tau_0, v_0 = driven.drive, tau.derivative(0), v.derivative(0)
-    link = Jet(q, *(v.derivative(k) for k in range(len(v.c))))
+    link = Jet(q, *v.derivatives)
     if drive.compliance is None:
         return _Motor(link, tau_0 + friction_torque(drive.link_friction, v_0, strain=strains.link))
     xi = friction_torque(drive.link_friction, v if options.friction_rates else v_0, strain=strains.link)
@@ -162,7 +162,7 @@ def motor_motion(driven: Driven, tau: Jet, q: Scalar, v: Jet, options: Options, 
     theta = motor_position(drive, link + wound)
     if drive.damping is not None:
         wound_by = drive.compliance.deflection(on_spring.derivative(0) - drive.damping * wound.derivative(1))
-        theta = Jet.of_taylor([motor_position(drive, q + wound_by), *theta.c[1:]])
+        theta = Jet(motor_position(drive, q + wound_by), *theta.derivatives[1:])
     return _Motor(theta, tau_f.derivative(0))
 
 
@@ -171,9 +171,9 @@ def _stiffened(drive: Drive, wound: Jet, strains: Strains) -> Jet:
     if drive.compliance is None or drive.hysteresis is None or strains.spring is None:
         return wound
     direction = where(wound.derivative(1) < 0, -1, 1)
-    spring, beside = drive.compliance.tangent(wound.c[0]), drive.hysteresis.sticking(strains.spring, direction)
+    spring, beside = drive.compliance.tangent(wound.derivative(0)), drive.hysteresis.sticking(strains.spring, direction)
     share = spring / (spring + beside)
-    return Jet.of_taylor([wound.c[0], *(share * c for c in wound.c[1:])])
+    return Jet(wound.derivative(0), *(share * x for x in wound.derivatives[1:]))
 
 
 def motor_torque(

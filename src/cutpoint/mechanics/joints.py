@@ -18,8 +18,9 @@ from cutpoint.mechanics.rotations import (
     turned_back,
     with_unit_length,
 )
-from cutpoint.mechanics.spatial import IDENTITY, ZERO, Mat3, Motion, Pose, Vec3, Wrench
-from cutpoint.scalars import Scalar, cos, sin
+from cutpoint.mechanics.spatial import IDENTITY, ZERO, Motion, Pose, Vec3, Wrench
+from cutpoint.mechanics.turning import about_z, turned
+from cutpoint.scalars import Scalar
 
 Scalars = Sequence[Scalar]
 Axis = tuple[Scalar, ...]
@@ -115,16 +116,16 @@ class Planar(JointKind):
         return Pose(about_z(q[2]), Vec3(q[0], q[1], 0))
 
     def rates(self, q: Scalars, v: Scalars) -> list[Scalar]:
-        return [*_turned(q[2], v[0], v[1]), v[2]]
+        return [*turned(q[2], v[0], v[1]), v[2]]
 
     def integrated(self, q: Scalars, step: Scalars) -> list[Scalar]:
         turn = Vec3(0, 0, step[2])
         moved = exponential(turn).shift(Vec3(step[0], step[1], 0))
-        x, y = _turned(q[2], moved.x, moved.y)
+        x, y = turned(q[2], moved.x, moved.y)
         return [q[0] + x, q[1] + y, q[2] + step[2]]
 
     def difference(self, q: Scalars, other: Scalars) -> list[Scalar]:
-        x, y = _turned(-q[2], other[0] - q[0], other[1] - q[1])
+        x, y = turned(-q[2], other[0] - q[0], other[1] - q[1])
         angle = other[2] - q[2]
         step = exponential(Vec3(0, 0, angle)).unshift(Vec3(x, y, 0))
         return [step.x, step.y, angle]
@@ -180,16 +181,6 @@ class Floating(JointKind):
         omega = logarithm(product(turned_back(q[3:]), other[3:]))
         moved = rotation_of(q[3:]).T @ (Vec3(*other[:3]) - Vec3(*q[:3]))
         return [*exponential(omega).unshift(moved), *omega]
-
-
-def about_z(angle: Scalar) -> Mat3:
-    s, c = sin(angle), cos(angle)
-    return Mat3(Vec3(c, -s, 0), Vec3(s, c, 0), Vec3(0, 0, 1))
-
-
-def _turned(angle: Scalar, x: Scalar, y: Scalar) -> tuple[Scalar, Scalar]:
-    s, c = sin(angle), cos(angle)
-    return c * x - s * y, s * x + c * y
 
 
 def dot(a: Scalars, b: Scalars) -> Scalar:

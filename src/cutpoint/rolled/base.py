@@ -46,7 +46,7 @@ class Base:
 
     def moves(self, order: Order, rates: Sequence[str]) -> Pass:
         """Its motion, and what that costs it."""
-        m = order.coefficients
+        m = order.numbers
 
         def moves(row: Any, world: Any, *given: Any) -> Any:
             own, gravity = self.segment(row), -Vec3(*world[3 * m :: m][:3])
@@ -63,7 +63,7 @@ class Base:
         """What its joint must bear of all wrenches."""
 
         def bears(wrench: Any) -> Any:
-            return self.kind.effort(wrench_of(wrench[:: order.coefficients]))
+            return self.kind.effort(wrench_of(wrench[:: order.numbers]))
 
         return Pass("once", Stage(bears, ("base.wrench",), (f"base.{written}",)))
 

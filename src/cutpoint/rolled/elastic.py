@@ -23,7 +23,7 @@ MOTOR = ("motor_torque", "theta", "theta_dot", "theta_ddot", "joint_torque")
 
 def elastic_inverse_dynamics(columns: Columns, options: Options = DEFAULT) -> Steps:
     """Motor torques and motor motion, from joint torques with two derivatives."""
-    rigid, m = inverse_dynamics(columns, WITH_RATES), WITH_RATES.coefficients
+    rigid, m = inverse_dynamics(columns, WITH_RATES), WITH_RATES.numbers
 
     def motor(row: Any, tau: Any, q: Any, *rates: Any) -> Any:
         (torque,), (speed,) = WITH_RATES.scalars(tau), WITH_RATES.rate(rates, 0)

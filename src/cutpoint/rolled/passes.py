@@ -136,26 +136,26 @@ class Kept:
 
 
 class Order(NamedTuple):
-    """With how many coefficients scalars go through the passes: 1 is plain numbers, more are time jets."""
+    """With how many numbers each scalar goes through the passes: 1 is the plain value, more are time jets."""
 
-    coefficients: int
+    numbers: int
 
     def packed(self, scalars: Iterable[Scalar]) -> list[Scalar]:
         """The numbers of scalars, one after another."""
-        return [x for scalar in scalars for x in self._taylor(scalar)]
+        return [x for scalar in scalars for x in self._of(scalar)]
 
     def scalars(self, numbers: Scalars) -> list[Scalar]:
-        m = self.coefficients
-        return [*numbers] if m == 1 else [Jet.of_taylor(numbers[k : k + m]) for k in range(0, len(numbers), m)]
+        m = self.numbers
+        return [*numbers] if m == 1 else [Jet(*numbers[k : k + m]) for k in range(0, len(numbers), m)]
 
     def rate(self, rates: Sequence[Scalars], k: int) -> list[Scalar]:
         """The k-th derivative of a joint's coordinates, of which all rates are given."""
-        first, *others = rates[k : k + self.coefficients]
+        first, *others = rates[k : k + self.numbers]
         return [Jet(*numbers) for numbers in zip(first, *others, strict=True)] if others else [*first]
 
-    def _taylor(self, scalar: Scalar) -> list[Scalar]:
-        rest = [0] * (self.coefficients - 1)
-        return scalar.c[: self.coefficients] if isinstance(scalar, Jet) else [scalar, *rest]
+    def _of(self, scalar: Scalar) -> Sequence[Scalar]:
+        rest = [0] * (self.numbers - 1)
+        return scalar.derivatives[: self.numbers] if isinstance(scalar, Jet) else [scalar, *rest]
 
 
 PLAIN = Order(1)

@@ -23,7 +23,7 @@ def inverse_dynamics(columns: Columns, order: Order = PLAIN) -> Steps:
     motion: angular velocity and acceleration; linear velocities take no part.  wrench: what a body's motion costs, then
     what it bears of its children too.  order: torques come out with their rates where motions have theirs.
     """
-    m, base = order.coefficients, base_in(columns)
+    m, base = order.numbers, base_in(columns)
     rates = RATES[: m + 2]
     place, pose = placing(columns, order, rates[:m])
 

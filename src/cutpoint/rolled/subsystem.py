@@ -3,10 +3,11 @@
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 
-from cutpoint.mechanics.joints import JointKind, about_z
+from cutpoint.mechanics.joints import JointKind
 from cutpoint.mechanics.rotors import Spin
 from cutpoint.mechanics.spatial import IDENTITY, ZERO, Mat3, Pose, Vec3
 from cutpoint.mechanics.system import Segment
+from cutpoint.mechanics.turning import about_z
 from cutpoint.scalars import Scalar
 
 Scalars = Sequence[Scalar]
