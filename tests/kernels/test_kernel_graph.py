@@ -3,6 +3,8 @@
 import gc
 import time
 from collections import namedtuple
+from collections.abc import Callable
+from fractions import Fraction
 from itertools import pairwise
 from typing import Any
 
@@ -88,6 +90,68 @@ def test_a_product_used_once_in_a_sum_is_fused_and_no_other() -> None:
     assert lower(mixed).operations == {"mul": 1, "add": 1, "fms": 1, "fnma": 1}  # a * b is used twice
     assert lower(graph_of(lambda a, b, c: a * b + c, a=(), b=(), c=())).operations == {"fma": 1}
     assert lower(graph_of(lambda a, b, c: [a * b + c, a * b], a=(), b=(), c=())).operations == {"mul": 1, "add": 1}
+
+
+def test_products_join_what_their_sum_is_added_to() -> None:
+    def operations(function: Callable[..., Any]) -> dict[str, int]:
+        return lower(graph_of(function, a=(), b=(), c=(), x=(), y=())).operations
+
+    assert operations(lambda a, b, c, x, y: c + (a * x + b * y)) == {"fma": 2}
+    assert operations(lambda a, b, c, x, y: c - (a * x - b * y)) == {"fnma": 1, "fma": 1}
+    assert operations(lambda a, b, c, x, y: (a * x + b * y) + (b * c + x * y)) == {"add": 2, "mul": 1, "fma": 1}
+    assert operations(lambda a, b, c, x, y: (a * x + b * y) + (c * c + y * y)) == {"add": 1, "mul": 1, "fma": 2}
+    assert operations(lambda a, b, c, x, y: a * x - a * y) == {"sub": 1, "mul": 1}
+
+
+def test_numbers_that_are_no_products_keep_their_places() -> None:
+    big = 1.5 * 2.0**52
+    whole = compile(lambda x, k: (x * k + big) - big, x=(), k=(), backend="llvm")
+    assert [float(whole(x, 2.0)) for x in (0.7, 1.3, -2.6, 1e6 + 0.2)] == [1.0, 3.0, -5.0, 2e6]
+
+    def error_of_sum(x: Any, y: Any) -> Any:  # Knuth's, exact
+        total = x + y
+        given = total - x
+        return (x - (total - given)) + (y - given)
+
+    assert float(compile(error_of_sum, x=(), y=(), backend="llvm")(1.0, 2.0**-60)) == 2.0**-60
+
+
+SUMS = st.recursive(
+    st.tuples(st.integers(0, 4), st.integers(0, 4)) | st.integers(0, 4),
+    lambda parts: st.tuples(st.sampled_from("+-"), parts, parts),
+    max_leaves=12,
+)
+"""Sums, with their signs, of sums, of products of two of five numbers, and of the numbers."""
+
+
+def total(plan: Any, x: Any) -> Any:
+    match plan:
+        case (str(sign), one, other):
+            return total(one, x) + total(other, x) if sign == "+" else total(one, x) - total(other, x)
+        case (int(j), int(k)):
+            return x[j] * x[k]
+        case k:
+            return x[k]
+
+
+def size(plan: Any, x: Any) -> Any:
+    """The same with all signs positive."""
+    match plan:
+        case (str(), one, other):
+            return size(one, x) + size(other, x)
+        case _:
+            return abs(total(plan, x))
+
+
+@given(SUMS, st.lists(st.integers(-(2**20), 2**20), min_size=5, max_size=5))
+@settings(deadline=None)
+def test_sums_of_products_are_rounded_as_often_as_they_have_operations_at_most(plan: Any, numbers: list[int]) -> None:
+    x = [Fraction(n, 3) for n in numbers]
+    rounded = [Fraction(float(y)) for y in x]
+    graph = lower(graph_of(lambda x: total(plan, x), x=5))
+    (found,) = evaluate(graph, [float(y) for y in x])
+    allowed = (len(graph.nodes) + 1) * Fraction(2) ** -53 * size(plan, rounded)
+    assert abs(Fraction(found) - total(plan, rounded)) <= allowed * (1 + Fraction(1, 2**40))
 
 
 @given(recipes, st.tuples(FINITE, FINITE, FINITE))
