@@ -1,14 +1,19 @@
 """What every command does with names, and with places for its files."""
 
+import re
 import subprocess
 import sys
 from pathlib import Path
+from typing import Any
+from unittest.mock import Mock
 
 import pytest
 from typer.testing import CliRunner
 
+import cutpoint
 from cutpoint import InputError, Log, robots
 from cutpoint.cli import app
+from cutpoint.simulation import runner
 
 ONE_JOINT = """<robot name="[/]arm:eyes:"><link name="base"/><link name="a[red]"><inertial><origin xyz="0.1 0 0"/>
 <mass value="1"/><inertia ixx="0.1" ixy="0" ixz="0" iyy="0.1" iyz="0" izz="0.1"/></inertial></link>
@@ -45,6 +50,29 @@ def test_names_are_printed_as_they_are_whatever_brackets_and_colons_they_hold(
     told = printed("simulate", "arm.urdf", *options)
     assert f"│ {joint} " in told and "l[b]og.npz" in told
     assert Log.load("l[b]og.npz").joints == (joint,)
+
+
+def test_ctrl_c_saves_what_was_simulated_and_says_so(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(tmp_path)
+    arguments = ("simulate", "xia2019", "--to", "1,1,1,1,1,1", "--duration", "0.5", "--output")
+    samples, heard = runner.run_samples, [0, 0]
+
+    def run_samples(program: Any, memory: Any, first: int, ticks: int, substeps: int) -> int:
+        heard[0] += 1
+        if heard[0] > 2:
+            raise KeyboardInterrupt
+        heard[1] = first + ticks
+        return samples(program, memory, first, ticks, substeps)
+
+    monkeypatch.setattr(runner, "run_samples", run_samples)
+    result = CliRunner().invoke(app, [*arguments, "run.npz"])
+    assert result.exit_code == 130
+    assert re.search(r"log saved to run.npz\s+interrupted at t = [0-9.]+ s; the log holds", result.output)
+    assert len(Log.load("run.npz").time) == heard[1] > 0
+    monkeypatch.setattr(cutpoint, "simulate", Mock(side_effect=KeyboardInterrupt))
+    result = CliRunner().invoke(app, [*arguments, "none.npz"])
+    assert (result.exit_code, result.output) == (130, "interrupted; there is no log to save yet\n")
+    assert not Path("none.npz").exists()
 
 
 @pytest.mark.parametrize("module", ["cutpoint", "cutpoint.cli"])

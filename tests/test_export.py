@@ -224,6 +224,10 @@ def test_full_coupling_takes_all_the_derivatives_that_it_needs(tmp_path: Path) -
     export_function(two, "elastic_inverse_dynamics", tmp_path)
     assert two.derivatives_needed == 6
     assert "const double derivative_6[6]" in (tmp_path / "elastic_inverse_dynamics.h").read_text()
+    for robot in (two, arm):
+        export_function(robot, "elastic_inverse_dynamics", tmp_path, name="quasi", quasi_rigid=True)
+        header = (tmp_path / "quasi.h").read_text()
+        assert "const double snap[6]" in header and "derivative_" not in header
 
 
 def test_a_hostile_joint_name_stays_in_its_comment(arm: cutpoint.Robot, tmp_path: Path) -> None:

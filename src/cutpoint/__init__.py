@@ -20,7 +20,7 @@ from cutpoint.mechanics.presliding import ElastoPlastic, LuGre
 from cutpoint.mechanics.wave_generator import HarmonicSpring, WaveGenerator
 from cutpoint.model import Drive, Harmonic, Limits, Motor, Ratings, Rotor
 from cutpoint.robot import Robot
-from cutpoint.scalars import atan, clip, cos, exp, log, sin, sqrt, tan, tanh, where
+from cutpoint.scalars import absolute, atan, clip, cos, exp, log, maximum, minimum, sin, sqrt, tan, tanh, where
 
 if TYPE_CHECKING:
     from cutpoint import control, derivatives, robots, trajectories
@@ -33,8 +33,9 @@ __all__ = [
     "Backlash", "CatalogueSpring", "Coulomb", "CutpointError", "Drive", "ElastoPlastic", "Flexspline", "Grease",
     "Harmonic", "HarmonicSpring", "InputError", "Kernel", "KinematicError", "Limits", "LinearSpring", "Log",
     "LuGre", "MaxwellSlip", "ModelError", "Motor", "Ratings", "Robot", "Rotor", "Sensors", "SimulationError",
-    "State", "Stribeck", "TraceError", "WaveGenerator", "atan", "clip", "compile", "control", "cos", "derivatives",
-    "exp", "load", "log", "robots", "simulate", "simulate_many", "sin", "sqrt", "tan", "tanh", "trajectories", "where",
+    "State", "Stribeck", "TraceError", "WaveGenerator", "absolute", "atan", "clip", "compile", "control", "cos",
+    "derivatives", "exp", "load", "log", "maximum", "minimum", "robots", "simulate", "simulate_many", "sin", "sqrt",
+    "tan", "tanh", "trajectories", "where",
 ]  # fmt: skip
 
 _ROOMS = ("control", "derivatives", "formats", "identification", "robots", "simulation", "trajectories")

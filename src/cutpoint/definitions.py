@@ -64,8 +64,8 @@ def potential_energy(m: Machine, q: Scalars) -> Any:
     return mass_matrix.potential_energy_of(m.system, q)
 
 
-def momentum(m: Machine, q: Scalars, v: Scalars) -> Scalars:
-    return [*mass_matrix.momentum_of(m.system, q, v)]
+def momentum(m: Machine, q: Scalars, v: Scalars, theta_dot: Scalars | None = None) -> Scalars:
+    return [*mass_matrix.momentum_of(m.system, q, v, _rotor_speeds(m, theta_dot))]
 
 
 def torque_regressor(m: Machine, q: Scalars, v: Scalars, a: Scalars) -> list[Scalars]:
@@ -100,9 +100,15 @@ def elastic_forward_dynamics(m: Machine, strains: Scalars | None = None, **state
 
 
 def elastic_energy(
-    m: Machine, q: Scalars, theta: Scalars, theta_dot: Scalars, strains: Scalars | None = None
+    m: Machine,
+    q: Scalars,
+    theta: Scalars,
+    theta_dot: Scalars,
+    strains: Scalars | None = None,
+    v: Scalars | None = None,
 ) -> Any:
-    return elastic.elastic_energy(m.drives, q, theta, theta_dot, _held(m, strains))
+    own = elastic.elastic_energy(m.drives, q, theta, theta_dot, _held(m, strains))
+    return own if v is None else own + mass_matrix.carried_energy_of(m.system, q, v, _rotor_speeds(m, theta_dot))
 
 
 def drive_torque(m: Machine, theta: Scalars, q: Scalars) -> Scalars:
@@ -150,6 +156,11 @@ def jacobian(m: Machine, q: Scalars, frame: str, expressed_in: kinematics.Expres
 def velocity_map(m: Machine, q: Scalars) -> list[Scalars]:
     rows = kinematics.velocity_map(m.system, q)
     return [row for body in rows for row in transposed([[*column] for column in body])]
+
+
+def _rotor_speeds(m: Machine, theta_dot: Scalars | None) -> dict[int, Any]:
+    """Speeds of the drives' rotors over ratio, by the segment that they drive; none where they are not told."""
+    return {} if theta_dot is None else {d.segment: w for d, w in zip(m.drives, theta_dot, strict=True)}
 
 
 def _held(m: Machine, strains: Scalars | None) -> list[Strains] | None:

@@ -99,15 +99,12 @@ def _neutral_arguments(robot: Robot, function: str, options: Mapping[str, Any]) 
                 f"option of {function}", key, [k for k, p in known.items() if p.annotation is not ArrayLike]
             )
     for key, parameter in known.items():
-        if parameter.kind is parameter.VAR_POSITIONAL and not options.get("quasi_rigid"):
-            arguments += [np.zeros(robot.nv)] * (robot.derivatives_needed - 4)
+        if parameter.kind is parameter.VAR_POSITIONAL:
+            further = 0 if options.get("quasi_rigid") else robot.derivatives_needed - 4
+            arguments += [np.zeros(robot.nv)] * further
         elif parameter.annotation is ArrayLike or key == "dt":
             arguments.append(_neutral(robot, key))
-        elif (
-            key not in options
-            and parameter.default is parameter.empty
-            and parameter.kind is not parameter.VAR_POSITIONAL
-        ):
+        elif key not in options and parameter.default is parameter.empty:
             raise InputError(f"{function}: give {key}= (--{key} on the command line)", name=key)
     return arguments
 

@@ -16,6 +16,8 @@ from cutpoint.mechanics import strains as strains_of
 from cutpoint.mechanics.drive_regressor import DriveRegressor, columns
 from cutpoint.mechanics.elastic import derivatives_needed
 from cutpoint.mechanics.elastic_forward import DriveState
+from cutpoint.mechanics.rigid_body import parameters_of
+from cutpoint.mechanics.spatial import ZERO, Pose
 from cutpoint.model import Drive, Mechanism, changes
 from cutpoint.model.decomposition import Cut, Subsystem, cuts_of, subsystems_of
 from cutpoint.model.mechanism import frozen
@@ -207,17 +209,24 @@ class Robot:
         return self._function("coriolis_matrix", definitions.coriolis_matrix, "q v")(q, v)
 
     def regressor(self, q: ArrayLike, v: ArrayLike, a: ArrayLike) -> Array:
-        """Y(q, v, a), (..., nv, 10 n), with torque = Y p for p = `inertial_parameters` (armature is no part of it)."""
+        """Y(q, v, a), (..., nv, 10 n): Y p for p = `inertial_parameters` is the torque of all bodies.
+
+        `inverse_dynamics` has beside it what rigidly geared rotors' own spin costs, which is not in Y p: the armature,
+        inertia times ratio^2 times a, and with full coupling what the spin exchanges with its carrier.
+        """
         return self._function("regressor", definitions.torque_regressor, "q v a")(q, v, a)
 
     @cached_property
     def inertial_parameters(self) -> Array:
-        """(10 n,): for each body mass, first moment (3), inertia about its frame's origin xx xy xz yy yz zz."""
+        """(10 n,): for each body mass, first moment (3), inertia about its frame's origin xx xy xz yy yz zz.
+
+        As the dynamics have them: with the rotors that a body carries and its own inertia does not hold, standing still
+        (`in_link_inertia=False`), their mass and inertia too.
+        """
         rows: list[float] = []
-        for body in self.mechanism.bodies:
-            I_o = body.inertia + body.mass * (body.com @ body.com * np.eye(3) - np.outer(body.com, body.com))
-            rows += [body.mass, *(body.mass * body.com), *I_o[np.triu_indices(3)]]
-        return frozen(np.array(rows))
+        for segment in self.machine.system.segments:
+            rows += parameters_of(segment.inertia.seen_from_parent(Pose(segment.turn, ZERO)))
+        return frozen(np.array(rows, dtype=np.float64))
 
     def jacobian(self, q: ArrayLike, frame: str, expressed_in: ExpressedIn = "local") -> Array:
         """(..., 6, nv): a frame's velocity [linear; angular] for each speed.  Xia (2019) eqs. (37)-(38).
@@ -243,16 +252,24 @@ class Robot:
         return self._function("velocity_map", definitions.velocity_map, "q")(q)
 
     def kinetic_energy(self, q: ArrayLike, v: ArrayLike) -> Array:
-        """(...,) J, of links and of rigidly geared rotors."""
+        """(...,) J, of links and of rigidly geared rotors; those of drives that bend are in `elastic_energy`."""
         return self._function("kinetic_energy", definitions.kinetic_energy, "q v")(q, v)
 
     def potential_energy(self, q: ArrayLike) -> Array:
         """(...,) J, of the weight; zero with all centres of mass at the world's origin."""
         return self._function("potential_energy", definitions.potential_energy, "q")(q)
 
-    def momentum(self, q: ArrayLike, v: ArrayLike) -> Array:
-        """(..., 6): linear (kg m/s) and angular momentum (kg m2/s) about the world's origin, along its axes."""
-        return self._function("momentum", definitions.momentum, "q v")(q, v)
+    def momentum(self, q: ArrayLike, v: ArrayLike, theta_dot: ArrayLike | None = None) -> Array:
+        """(..., 6): linear (kg m/s) and angular momentum (kg m2/s) about the world's origin, along its axes.
+
+        theta_dot: of the motors; where rotors with full coupling turn behind drives that bend, their spin counts, and
+        it is an InputError to leave it out.  That of a rotor with reduced coupling, or in the world, never counts.
+        """
+        if theta_dot is None:
+            self._check_told("momentum", "theta_dot", "motors")
+            return self._function("momentum", definitions.momentum, "q v")(q, v)
+        key = ("momentum", "theta_dot")
+        return self._function(key, definitions.momentum, "q v theta_dot")(q, v, theta_dot)
 
     def power_flows(self, q: ArrayLike, v: ArrayLike, a: ArrayLike) -> Array:
         """(..., cuts): power that passes outward through each of `cuts`, W.  Zhu (2010) section 2.9."""
@@ -346,13 +363,27 @@ class Robot:
         return tuple(strains_of.gathered(each))
 
     def elastic_energy(
-        self, q: ArrayLike, theta: ArrayLike, theta_dot: ArrayLike, strains: ArrayLike | None = None
+        self,
+        q: ArrayLike,
+        theta: ArrayLike,
+        theta_dot: ArrayLike,
+        strains: ArrayLike | None = None,
+        *,
+        v: ArrayLike | None = None,
     ) -> Array:
-        """(...,) J, in springs, in the spin of elastic drives' rotors, and in what is strained, if that is given."""
+        """(...,) J, in springs, in the spin of elastic drives' rotors, and in what is strained, if that is given.
+
+        v: of the links; a rotor with full coupling turns with its carrier too, by which its energy changes, so that it
+        is an InputError to leave v out.
+        """
         name, definition, inputs = "elastic_energy", definitions.elastic_energy, "q theta theta_dot"
-        if strains is None:
+        if v is None:
+            self._check_told(name, "v", "links")
+        extra = {key: x for key, x in (("strains", strains), ("v", v)) if x is not None}
+        if not extra:
             return self._function(name, definition, inputs, True)(q, theta, theta_dot)
-        return self._function((name, "strains"), definition, f"{inputs} strains", True)(q, theta, theta_dot, strains)
+        function = self._function((name, *extra), definition, " ".join([inputs, *extra]), True)
+        return function(q, theta, theta_dot, *extra.values())
 
     def drive_torque(self, theta: ArrayLike, q: ArrayLike) -> Array:
         """(..., drives) N m: torque read from the deflection between two encoders.  Xia (2019) eqs. (2)-(3).
@@ -442,11 +473,18 @@ class Robot:
 
     def kernel(self, name: str) -> Any:
         """The compiled kernel behind a function that has been called, for its operations, its graph, its speed."""
+        door.check_kind("kernel", "name", name, str, "a function's name")
         return self._compiled.made(name)
 
     def _frame(self, frame: str) -> str:
         known = self.mechanism.frames
         return frame if type(frame) is str and frame in known else door.checked_name("frame", frame, known)
+
+    def _check_told(self, function: str, name: str, whose: str) -> None:
+        """Raises InputError if rotors turn with their carriers, and at speeds of their own."""
+        if any(spin.elastic for spin in self.machine.system.spins):
+            reason = "rotors with full coupling turn at speeds of their own, on links that turn"
+            raise InputError(f"{function}: give {name}= too, the {whose}' speeds: {reason}", name=name)
 
     def _under_wrenches(
         self, name: str, definition: Any, inputs: str, given: Sequence[ArrayLike], external: Mapping[str, ArrayLike]

@@ -109,3 +109,26 @@ def test_a_later_fault_only_makes_the_reaction_more_severe():
     down = Corrupted(guarded(law("full state feedback"), reactions=reactions), "q", 3.0, 0.0195, 0.0205)
     down = Corrupted(Corrupted(down, "v", 30.0, 0.0295, 0.0305), "q", np.nan, 0.0345, 0.0355)
     assert not simulate(elbow(), down, MOVE, duration=0.05)["command_torque"][20:].any()
+
+
+def test_of_guards_around_guards_the_fault_that_came_first_is_told_and_each_reacts_to_its_own():
+    """Sample 20: the inner one sees a speed.  Sample 30: the outer one misses a measurement.  Then the other way."""
+    speed, theta = ("v", 30.0, 0.0195, 0.0205), ("theta", np.nan, 0.0295, 0.0305)
+    log = simulate(elbow(), Corrupted(guarded(Corrupted(guarded(law("PD")), *speed)), *theta), MOVE, duration=0.05)
+    found, told = log["fault"].ravel(), log["command_torque"]
+    assert np.array_equal(found, np.where(np.arange(51) < 20, 0, Fault.SPEED))
+    assert_close(told[20:30], share_after("ramp", np.arange(10))[:, None] * told[19], 1e-13)
+    assert_close(told[30:], np.tile(told[29], (21, 1)), 1e-15)
+    early, late = ("theta", np.nan, 0.0195, 0.0205), ("v", 30.0, 0.0295, 0.0305)
+    log = simulate(elbow(), Corrupted(guarded(Corrupted(guarded(law("PD")), *late)), *early), MOVE, duration=0.05)
+    assert np.array_equal(log["fault"].ravel(), np.where(np.arange(51) < 20, 0, Fault.MEASUREMENT))
+    assert_close(log["command_torque"][20:], np.tile(log["command_torque"][19], (31, 1)), 1e-15)
+
+
+def test_of_guards_side_by_side_the_fault_that_came_first_is_told():
+    """A command that is mad has the greatest number, and is found last."""
+    early = Corrupted(guarded(law("PD")), "theta", np.nan, 0.0195, 0.0205)
+    late = guarded(Mad(law("PD"), np.nan, 0.0295, 0.0305))
+    for both in (early + late, late + early):
+        found = simulate(elbow(), both, MOVE, duration=0.05)["fault"].ravel()
+        assert np.array_equal(found, np.where(np.arange(51) < 20, 0, Fault.MEASUREMENT))

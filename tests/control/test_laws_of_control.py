@@ -7,8 +7,17 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from cutpoint import InputError
-from cutpoint.control import PD, Command, Feedforward, GravityCompensation, Measurement, Reference, tune
+from cutpoint import Drive, InputError, Rotor
+from cutpoint.control import (
+    PD,
+    Command,
+    Feedforward,
+    GravityCompensation,
+    Measurement,
+    Reference,
+    SlotineLi,
+    tune,
+)
 from robot_library import Array, assert_close, robot, vectors
 
 KP, KD = np.linspace(100.0, 600.0, 6), np.linspace(5.0, 30.0, 6)
@@ -90,6 +99,20 @@ def test_a_sum_adds_torques_and_hands_the_motors_reference_to_all(x):
         assert np.array_equal(command.theta, u.theta)
 
 
+def test_a_users_own_law_is_added_from_either_side():
+    def own(memory: Any, measurement: Any, reference: Any) -> Any:
+        return memory, 2.0 * measurement.q
+
+    class Own:
+        def step(self, memory: Any, measurement: Any, reference: Any) -> Any:
+            return own(memory, measurement, reference)
+
+    m, r = Measurement(0.0, 1e-3, *np.ones((4, 6))), Reference(*np.zeros((7, 6)))
+    expected = torque(PD(KP, KD), m, r) + 2.0
+    for law in (Own() + PD(KP, KD), PD(KP, KD) + Own(), own + PD(KP, KD), PD(KP, KD) + own):
+        assert np.array_equal(law.step(law.start(), m, r)[1].torque, expected)
+
+
 def test_a_bare_torque_is_a_command_without_feedforward():
     class Bare(PD):
         def step(self, memory: Any, measurement: Any, reference: Any) -> Any:
@@ -130,3 +153,17 @@ def test_gains_for_a_bandwidth_make_a_second_order_system_of_each_joint(bandwidt
 def test_laws_that_make_no_sense_are_refused(make, message):
     with pytest.raises(InputError, match=message):
         make()
+
+
+@pytest.mark.parametrize("coupling", ["reduced", "full"])
+def test_slotine_li_starts_as_its_model_whatever_the_rotors_are(coupling):
+    """At first its torque is M a_r + C v_r + g + K s of the model, rotors with their own mass included."""
+    rotor = Rotor(3e-4, in_link_inertia=False, mass=2.0, transverse=2e-4, position=0.05, coupling=coupling)
+    ours = robot("xia2019")
+    ours = ours.with_drives(dict.fromkeys(ours.joints, Drive(50.0, rotor)))
+    law = SlotineLi(ours, 9.0, 4.0, side="link")
+    x = np.random.default_rng(1).normal(size=(11, 6))
+    m, r = Measurement(0.0, 1e-3, *x[:4]), Reference(*x[4:])
+    v_r, a_r = r.v + 9.0 * (r.q - m.q), r.a + 9.0 * (r.v - m.v)
+    expected = ours.mass_matrix(m.q) @ a_r + ours.coriolis_matrix(m.q, m.v) @ v_r + ours.gravity_forces(m.q)
+    assert_close(torque(law, m, r), expected + 4.0 * (v_r - m.v), 1e-12)

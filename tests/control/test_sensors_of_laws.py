@@ -69,3 +69,17 @@ def test_what_a_law_says_that_it_needs_is_all_that_it_reads():
         for seen in (m, blind):
             found.append(made.step(memory, seen, r)[1].torque)
         assert np.array_equal(np.array(found[0], float), np.array(found[1], float)), name
+
+
+@pytest.mark.parametrize("name", LAWS)
+def test_a_measurement_that_is_not_a_number_is_never_a_torque(name):
+    """A drive whose encoder fails is asked for no torque that could be mistaken for one."""
+    rng, made = np.random.default_rng(10), law(name)
+    r = Reference(*0.1 * rng.normal(size=(7, 2)))
+    filtered = {"v", "theta_dot"} if name == "speed filter" else set()  # which finds speeds itself
+    for needed in sorted({*needs_of(made)} - filtered):
+        for joint in range(2):
+            seen = 0.1 * rng.normal(size=(4, 2))
+            seen[SENSORS.index(needed), joint] = np.nan
+            torque = made.step(made.start(), Measurement(0.0, 1e-3, *seen), r)[1].torque
+            assert np.isnan(np.array(torque, float)[joint]), needed

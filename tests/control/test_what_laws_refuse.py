@@ -17,6 +17,7 @@ from cutpoint.control import (
     ElasticComputedTorque,
     FullStateFeedback,
     GravityCompensation,
+    Guard,
     Robust,
     SlotineLi,
     SpeedFilter,
@@ -139,6 +140,21 @@ REFUSED = {
         lambda: DisturbanceObserver(elbow(), law("PD"), -1.0),
         r"DisturbanceObserver: gain = -1.0",
     ),
+    "an observer whose robot and law are exchanged": (
+        lambda: DisturbanceObserver(law("PD"), elbow(), 30.0),
+        r"DisturbanceObserver: robot must be a Robot.*, got PD\(",
+    ),
+    "an observer around no law": (
+        lambda: DisturbanceObserver(elbow(), elbow(), 30.0),
+        r"controller .*Robot.* has no step\(memory, measurement, reference\)",
+    ),
+    "a guard whose law and robot are exchanged": (
+        lambda: Guard(elbow(), law("PD")),
+        r"Guard: robot must be a Robot.*, got PD\(",
+    ),
+    "a guard around no law": (lambda: Guard(elbow(), elbow()), r"has no step\(memory, measurement, reference\)"),
+    "a speed filter of a class": (lambda: SpeedFilter(PD), r"controller PD is a class; give an object of it"),
+    "gravity of a law": (lambda: GravityCompensation(law("PD")), r"GravityCompensation: robot must be a Robot"),
     "a speed filter that stands still": (
         lambda: SpeedFilter(law("PD"), 0.0),
         r"SpeedFilter: bandwidth 0.0 Hz must be positive",

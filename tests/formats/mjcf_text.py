@@ -29,6 +29,20 @@ ARM = """<mujoco model="arm">
 </mujoco>"""
 """References, offset joints, every way to write an orientation, armature by class, inertias stated and found."""
 
+TAKEN = """<mujoco>
+  <worldbody>
+    <body name="body_2">
+      <joint name="joint_2" axis="0 1 0"/><joint name="joint_2_" axis="1 0 0"/><joint/>
+      <geom size=".1" mass="1" pos=".2 0 0"/>
+      <body pos="1 0 0">
+        <joint axis="0 1 0" pos="0.1 0 0"/><geom size=".1" mass="1" pos=".2 0 0"/>
+        <body name="body_2_after_joint_2" pos="1 0 0"><joint name="body_2__fixed" axis="0 1 0"/><geom size=".1"/></body>
+      </body>
+    </body>
+  </worldbody>
+</mujoco>"""
+"""Names of its own that are those of things without a name."""
+
 BALLS = """<mujoco>
   <compiler angle="radian"/>
   <worldbody>

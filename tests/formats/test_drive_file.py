@@ -223,6 +223,7 @@ def test_hysteresis_and_backlash_read_back_to_rounding(loss: float, reach: float
     [
         Drive(80.0, Rotor(1e-5), HarmonicSpring(Flexspline(16e3, 0.05), WaveGenerator(60.0, 2.0, 100.0, 0.02))),
         Drive(80.0, Rotor(1e-5), LinearSpring(1e4), hysteresis=MaxwellSlip((1e3, 2e3), (1e-4, 3e-4))),
+        Drive(link_friction=Stribeck(2.0, 1.0, 0.1, 0.1, 0.01)),
     ],
 )
 def test_what_a_file_has_no_words_for_is_not_dropped(drive: Drive) -> None:

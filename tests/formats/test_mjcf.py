@@ -141,6 +141,16 @@ def test_every_body_is_where_mujoco_has_it(twin: Twin) -> None:
             assert_close(pose[:3, :3], data.xmat[b].reshape(3, 3), 1e-12)
 
 
+def test_names_that_are_made_keep_clear_of_the_files_own() -> None:
+    twin = Twin(read(mjcf_text.TAKEN), bare_model(mjcf_text.TAKEN))
+    assert twin.ours.joints == ("joint_2", "joint_2_", "joint_2__", "joint_3", "body_2__fixed")
+    assert {"body_2_after_joint_2_", "body_2_", "body_2__fixed_"} <= set(twin.ours.frames)
+    tau = twin.ours.inverse_dynamics(*states(twin.ours))
+    for k, data, T in each(twin):
+        mujoco.mj_inverse(twin.model, data)
+        assert_close(tau[k], T.T @ data.qfrc_inverse)
+
+
 def test_compiled_code_agrees_with_mujoco() -> None:
     ours = Twin(read(mjcf_text.SEVERAL, "llvm"), bare_model(mjcf_text.SEVERAL))
     tau = ours.ours.inverse_dynamics(*states(ours.ours))

@@ -1,8 +1,10 @@
 """Machines on which drives are identified: the paper's arm, one joint, a drive whose output is locked."""
 
+from collections.abc import Mapping
 from dataclasses import dataclass, replace
 
 import numpy as np
+from scipy.interpolate import make_interp_spline
 
 import cutpoint
 from cutpoint.control import PD
@@ -117,6 +119,51 @@ def one_joint(stiffness: float) -> cutpoint.Robot:
         motor_friction=cutpoint.Coulomb(0.0, 1.5, 0.05),
     )
     return cutpoint.Robot(mechanism, {"axle": drive})
+
+
+def pendulum() -> cutpoint.Robot:
+    """A link of 12 kg that weighs on a drive of which hardly anything is known."""
+    link = Link("link", 12.0, com=np.array([0.4, 0.0, 0.0]), inertia=0.3 * np.eye(3))
+    axle = Joint("axle", "continuous", "base", "link", axis=np.array([0.0, 1.0, 0.0]))
+    mechanism = build("bench", [Link("base"), link], [axle])
+    return cutpoint.Robot(mechanism, {"axle": cutpoint.Drive(RATIO, cutpoint.Rotor(2e-5), cutpoint.LinearSpring(5e3))})
+
+
+def swung(
+    robot: cutpoint.Robot,
+    drive: cutpoint.Drive,
+    duration: float,
+    late: Mapping[str, float] | None = None,
+    torque_noise: float = 0.1,
+) -> Recording:
+    """A pendulum with that drive, a linear spring without hysteresis, along a smooth motion: every channel from the one
+    before, at 8 kHz.  late: s by which channels were sampled late."""
+    time = np.arange(-0.2, duration + 0.2, PERIOD / 8)
+    waves = ((0.6, 0.4, 0.3), (0.12, 1.1, 1.0), (0.04, 2.3, 2.0))
+    q, v, a = (
+        sum(size * (TURN * f) ** k * np.sin(TURN * f * time + phase + k * np.pi / 2) for size, f, phase in waves)
+        for k in range(3)
+    )
+    on_link = robot.inverse_dynamics(q[:, None], v[:, None], a[:, None])[:, 0]
+    if drive.link_friction:
+        on_link = on_link + drive.link_friction.torque(v)
+    theta, share = q + drive.compliance.deflection(on_link), 1.0
+    if drive.kinematic_error:
+        theta = drive.kinematic_error.motor_position(theta, drive.ratio)
+        share = 1.0 - drive.kinematic_error.slope(theta, drive.ratio)
+    turned = make_interp_spline(time, theta, 5)
+    torque = float(drive.reflected_inertia) * turned(time, 2) + share * on_link
+    if drive.motor_friction:
+        torque = torque + drive.motor_friction.torque(turned(time, 1))
+    stamps, rng = PERIOD * np.arange(round(duration / PERIOD)), np.random.default_rng(1)
+
+    def sampled(name: str, values: np.ndarray, step: float) -> np.ndarray:
+        found = make_interp_spline(time, values, 3)(stamps - (late or {}).get(name, 0.0))
+        return np.round(found / step)[:, None] * step if step else found[:, None]
+
+    noise = torque_noise * rng.normal(size=(stamps.size, 1))
+    channels = {"q": sampled("q", q, STEP), "theta": sampled("theta", theta, STEP / RATIO)}
+    return Recording(stamps, ("axle",), **channels, torque=sampled("torque", torque, 0.0) + noise)
 
 
 def shaken(robot: cutpoint.Robot, duration: float, seed: int = 0) -> tuple[np.ndarray, np.ndarray]:

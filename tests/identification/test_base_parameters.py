@@ -51,6 +51,14 @@ def test_with_rotors_base_parameters_give_the_whole_inverse_dynamics(name: str) 
     assert_close(found.regressor(*moved) @ found.nominal, arm.inverse_dynamics(*moved))
 
 
+def test_rotors_that_no_link_holds_count_in_the_nominal_base_parameters() -> None:
+    arm = robot("rigid")
+    heavy = Rotor(2e-5, in_link_inertia=False, mass=2.0, transverse=1e-3, position=0.05)
+    arm = arm.with_drives(dict.fromkeys(arm.joints, Drive(100.0, heavy)))
+    found, moved = base_parameters(arm, rotors=True), states(arm)
+    assert_close(found.regressor(*moved) @ found.nominal, arm.inverse_dynamics(*moved))
+
+
 def test_two_joints_in_a_vertical_plane_have_six_and_each_is_named() -> None:
     found = base_parameters(two_joints())
     assert found.names == (

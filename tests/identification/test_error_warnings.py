@@ -21,7 +21,7 @@ def said(after: object = 0.1, plain: object = 0.1, before: object = 1.0, speed: 
     """Of a joint whose models err by noise times these."""
     models = [(TORQUE - noise * size)[:, None] for noise, size in zip(NOISE, (before, after, plain), strict=True)]
     v = np.broadcast_to(np.asarray(speed), TIME.shape)[:, None]
-    return warnings_of(TorqueErrors(TIME, TORQUE[:, None], *models, 0.0 * v, v, 0.0 * v, HELD, 10.0), ("elbow",))
+    return warnings_of(TorqueErrors(TIME, TORQUE[:, None], *models, 0.0 * v, v, 0.0 * v, HELD, 10.0), {"elbow": "N m"})
 
 
 def test_a_model_that_carries_over_is_not_spoken_of():

@@ -151,6 +151,38 @@ def test_torques_that_come_late_are_said_with_by_how_much(late: float):
     assert found == pytest.approx([late] if late else [], abs=1.5e-3)
 
 
+def test_torques_of_one_joint_that_come_late_are_said_with_its_name():
+    arm = known_arm(1, 3)
+    recording = recorded(arm.robot, 1)
+    torque = np.array(recording["torque"])
+    torque[:, 1] = np.interp(recording.time - 0.01, recording.time, torque[:, 1])
+    notes = identify_rigid(arm.file, replace(recording, torque=torque), friction="stated", cutoff=CUTOFF).notes
+    (said,) = [note for note in notes if "than the motion that they belong to" in note]
+    found = re.match(rf"torques of {recording.joints[1]} come (\S+) \+- \S+ ms later .* unlike those of other", said)
+    assert found and float(found[1]) == pytest.approx(10.0, abs=1.5)
+
+
+def test_instruments_that_tell_little_are_said_to():
+    arm = known_arm(1, 3)
+    recording = recorded(arm.robot, 1)
+    methods: tuple[tuple[Method, float], ...] = (("instrumental", 10.0), ("instrumental", 2.0), ("huber", 2.0))
+    found = [
+        identify_rigid(arm.file, recording, friction="stated", method=method, bandwidth=width, cutoff=CUTOFF)
+        for method, width in methods
+    ]
+    assert ["they move as was" in " ".join(each.notes) for each in found] == [False, True, False]
+    assert found[1].told < found[2].told
+
+
+def test_too_few_torques_are_said_to_be_so_for_gaps():
+    arm = known_arm(1, 3)
+    whole = recorded(arm.robot, 1)
+    torque = np.array(whole["torque"])
+    torque[np.arange(len(torque)) % 2400 > 560] = np.nan
+    with pytest.raises(InputError, match=r"torques \(gaps leave \d+ of \d+ means\) are too few .* without gaps"):
+        identify_rigid(arm.file, replace(whole, torque=torque), friction="stated", cutoff=CUTOFF, bandwidth=8.0)
+
+
 def test_a_file_of_placeholders_is_said_to_hold_the_bodies_back():
     arm = known_arm(1, 2)
     bodies = bodies_of(arm.file.mechanism)

@@ -8,6 +8,8 @@ import numpy as np
 import pytest
 from arm_logs import TIME, Array, channels, motions, run, write_arm, write_log
 
+from cutpoint.errors import InputError
+from cutpoint.identification import Recording
 from cutpoint.identification.output import identify
 
 
@@ -70,6 +72,8 @@ def shuffled() -> dict[str, Array]:
         ),
         (lambda: elbow("torque", lambda x: np.nan * x), "elbow", r"torque of joint 'elbow' holds no number"),
         (lambda: channels() | {"torque": np.zeros_like(channels()["q"])}, "elbow", r"torque never changes"),
+        (lambda: elbow("torque", lambda x: np.full_like(x, 0.37)), "elbow", r"torque of elbow never changes .* lock"),
+        (lambda: elbow("torque", lambda x: 1e-6 * x), "elbow", r"torque of elbow never changes .* Map another channel"),
         (lambda: {"q": channels()["q"]}, "elbow", r"holds no torque or current"),
         (lambda: channels() | {"q": np.zeros_like(TIME[:, None] * [1, 1])}, "elbow", r"no column moves"),
         (lambda: channels() | {"t": np.zeros_like(TIME)}, "elbow", r"q/torque: "),
@@ -131,3 +135,29 @@ def test_a_delay_that_leaves_nothing_is_refused(files: Path, tmp_path: Path, del
     log = write_log(tmp_path / "log.csv", channels())
     status, text = run(files, log, tmp_path / "out", "--delay", delay)
     assert status == 1 and re.search(r"torque_delay .* must be shorter than the log", " ".join(text.split())), text
+
+
+def test_a_recording_made_in_python_is_suspected_as_a_file_is(files: Path, tmp_path: Path):
+    odd = channels() | {"v": np.degrees(motions()[1])}
+    logs = Recording(TIME, ("shoulder", "elbow"), **odd), write_log(tmp_path / "log.csv", odd)
+    notes = [identify(files / "arm.urdf", log, drives=files / "rigid.yaml", friction="stated").notes for log in logs]
+    said = [[note for note in each if "times the rate of q" in note] for each in notes]
+    assert len(said[0]) == 2 and said[0] == said[1]
+    far = Recording(TIME, ("shoulder", "elbow"), **(channels() | {"q": np.degrees(channels()["q"])}))
+    with pytest.raises(InputError, match=r"far beyond its limits; this looks like degrees"):
+        identify(files / "arm.urdf", far, drives=files / "rigid.yaml")
+
+
+def test_short_gaps_are_bridged_and_counted(files: Path):
+    kept = np.random.default_rng(0).random(TIME.size) > 0.2
+    kept[[0, -1]] = True
+    given = {name: x[kept] for name, x in channels().items()}
+    log = Recording(TIME[kept], ("shoulder", "elbow"), **given)
+    found = identify(files / "arm.urdf", log, drives=files / "rigid.yaml", friction="stated")
+    (said,) = [note for note in found.notes if "were bridged by splines" in note]
+    count = int(re.findall(r"(\d+) of 5000 samples", said)[0])
+    # two lost samples or more in a row: 0.2 times 0.36 of them, as chance has it
+    assert count == pytest.approx(0.2 * 0.36 * TIME.size, rel=0.3)
+    for number in found.numbers:
+        if number.name.startswith("coulomb"):
+            assert number.told and number.value == pytest.approx(4.0, rel=0.02)

@@ -18,6 +18,7 @@ from cutpoint.formats import parse_urdf
 from cutpoint.identification import Recording
 from cutpoint.identification.output import Identification, estimates, identify, saving, steps
 from cutpoint.identification.output.drive_pictures import amplitudes
+from cutpoint.identification.output.terminal import table_of
 
 
 @pytest.fixture(scope="module")
@@ -41,7 +42,7 @@ def test_the_model_explains_what_it_was_not_fitted_to(found: Identification):
 def test_plain_least_squares_stand_beside_what_was_identified(found: Identification, tmp_path: Path):
     _, _, numbers, page = (path.read_text() for path in found.save(tmp_path))
     sheet, plain = json.loads(numbers), found.errors.rms("plain", held_out=True)
-    assert sheet["torque_RMS_N_m"]["plain_held_out"] == plain.tolist()
+    assert sheet["torque_RMS"]["plain_held_out"] == plain.tolist()
     for j, ratio in enumerate(found.errors.to_plain()):
         assert ratio.value == pytest.approx(found.errors.rms("after", held_out=True)[j] / plain[j], rel=0.05)
         assert sheet["held_out_over_plain"][j] == ratio._asdict()
@@ -240,3 +241,24 @@ def test_nothing_held_out_judges_nothing(files: Path, tmp_path: Path):
     assert np.isnan(found.errors.to_plain()).all() and not np.any(found.errors.resting())
     found.save(tmp_path / "out")
     assert (tmp_path / "out" / "report.html").stat().st_size > 10_000
+
+
+def test_what_a_locked_joint_means_for_the_file_is_said_at_the_terminal(files: Path, tmp_path: Path):
+    log = write_log(tmp_path / "log.csv", {name: x[:, :1] for name, x in channels().items()}, ("shoulder",))
+    status, text = run(files, log, tmp_path / "out", "--lock", "elbow=0.3")
+    assert status == 0 and "note: robot.urdf: load it with elbow locked as now" in text, text
+
+
+def test_a_joint_that_slides_has_the_units_of_one(tmp_path: Path):
+    text = urdf_text().replace('name="shoulder" type="revolute"', 'name="shoulder" type="prismatic"')
+    (tmp_path / "arm.urdf").write_text(text)
+    robot, (q, v, a) = cutpoint.load(tmp_path / "arm.urdf"), motions()
+    torque = robot.inverse_dynamics(q, v, a) + LAW.torque(v) + 0.01 * np.random.default_rng(0).normal(size=q.shape)
+    found = identify(robot, Recording(TIME, robot.joints, q=q, torque=torque), friction="stated")
+    units = {number.name: number.unit for number in found.numbers}
+    assert [units[f"viscous.{joint}"] for joint in robot.joints] == ["N s/m", "N m s/rad"]
+    assert [units[f"coulomb.{joint}"] for joint in robot.joints] == ["N", "N m"]
+    *_, numbers, page = (path.read_text() for path in found.save(tmp_path / "out"))
+    assert json.loads(numbers)["torque_units"] == ["N", "N m"]
+    assert "RMS of torque errors, N or N m at the joint" in page
+    assert "errors, N or N m at the joint" in str(table_of(found).title)

@@ -1,5 +1,8 @@
 """Recordings: what they hold, how they are cut, and how they come to a uniform time."""
 
+import re
+from collections.abc import Callable
+
 import numpy as np
 import pytest
 from machine_logs import JOINTS, PERIOD, positions, recording, times
@@ -56,6 +59,33 @@ def test_uneven_samples_come_to_a_uniform_time(period: float):
     assert found.period == pytest.approx(period)
     # a cubic spline of step h errs by 5/384 h^4 |q''''| inside, by h^4 |q''''| at the ends; here q'''' < 7e3
     assert np.allclose(found["q"], positions(found.time), rtol=0.0, atol=7e3 * (1.6 * PERIOD) ** 4)
+
+
+def late(time: np.ndarray, rng: np.random.Generator) -> np.ndarray:
+    """Every twentieth sample right before the next."""
+    stamps = time.copy()
+    some = np.arange(3, time.size - 1, 20)
+    stamps[some] = stamps[some + 1] - 5e-3 * PERIOD
+    return stamps
+
+
+def jittery(time: np.ndarray, rng: np.random.Generator) -> np.ndarray:
+    return np.unique(time + 0.25 * PERIOD * rng.normal(size=time.size))
+
+
+@pytest.mark.parametrize("stamps", [late, jittery])
+def test_noise_of_uneven_samples_does_not_grow(stamps: Callable[..., np.ndarray]):
+    rng = np.random.default_rng(0)
+    time = stamps(times(4000), rng)
+    noise = 0.01 * rng.normal(size=(time.size, 2))
+    found = Recording(time, JOINTS, q=noise).resampled(PERIOD)
+    assert np.nanstd(found["q"]) < 1.1 * noise.std()
+    assert np.nanmax(np.abs(found["q"])) < 1.6 * np.abs(noise).max()
+    assert re.search(r"with steps from \S+ to 0.00\d+ s; \d+ samples right after another count with", found.notes[0])
+    smooth = Recording(time, JOINTS, q=positions(time)).resampled(PERIOD)["q"]
+    known = np.isfinite(smooth)
+    # of two that count as one, a quarter of a period apart at most, the mean errs by 1/8 of that squared times |q''|
+    assert np.abs(smooth - positions(time[0] + times(len(smooth))))[known].max() < 60.0 * (0.25 * PERIOD) ** 2
 
 
 def test_nothing_is_known_in_a_gap_and_all_is_known_beside_it():

@@ -44,6 +44,21 @@ def test_steps_coarse_encoders_held_values_noise_and_gaps_are_no_spikes(kind: st
     assert without_spikes(before) is before
 
 
+def test_spikes_are_found_at_uneven_times_and_late_samples_are_none():
+    rng = np.random.default_rng(0)
+    time = np.sort(TIME + 0.25 * TIME[1] * rng.normal(size=TIME.size))
+    time[100::150] = time[99::150][: time[100::150].size] + 5e-3 * TIME[1]
+    time = np.unique(time - time[0])
+    clean = Recording(time, TRUTH.joints, **channels(time))
+    assert without_spikes(clean) is clean
+    torque = np.array(clean["torque"])
+    where = np.arange(40, time.size - 40, 400)
+    torque[where, 1] += 20.0
+    found = without_spikes(Recording(time, TRUTH.joints, q=clean["q"], torque=torque))
+    assert len(found.notes) == 1 and found.notes[0].startswith("torque of elbow: ")
+    assert (np.abs(found["torque"] - clean["torque"])[where, 1] < 2.0).mean() > 0.8
+
+
 def test_friction_is_found_in_spite_of_spikes():
     spiked = channels()["torque"].copy()
     spiked[RNG.choice(TIME.size, 30, replace=False)] += 300.0

@@ -50,13 +50,33 @@ def test_every_operation_has_the_bits_of_machine_code(compiler: str, flags: tupl
         assert_same_bits(function(x, k)[0], kernel(x, k))
 
 
+def every_turned_sign(x: Any) -> Any:
+    """A fused result whose sign is changed, alone and wherever a fused operation changes one; used once each."""
+    fused = [a * b + c for a, b, c in zip(x[0:5], x[1:6], x[2:7], strict=True)]
+    return [-fused[0], x[7] * x[8] - fused[1], x[7] - fused[2] * x[8], x[8] - fused[3] * fused[4]]
+
+
+@pytest.mark.parametrize("flags", FLAGS, ids=" ".join)
+@pytest.mark.parametrize("compiler", compilers(), ids=lambda path: Path(path).name)
+def test_exact_zeros_of_fused_operations_keep_their_sign(compiler: str, flags: tuple[str, ...], tmp_path: Path) -> None:
+    kernel = compile(every_turned_sign, x=9, backend="llvm")
+    kernel.to_c(tmp_path)
+    function = CFunction(tmp_path, "every_turned_sign", kernel.graph, compiler, flags)
+    rng, zeros = np.random.default_rng(2), 0
+    for x in rng.choice([0.0, -0.0, 1.0, -1.0], (400, 9)):
+        expected = kernel(x)
+        zeros += np.count_nonzero(expected == 0)
+        assert_same_bits(function(x)[0], expected)
+    assert zeros > 100
+
+
 @given(st.lists(st.lists(steps, min_size=1, max_size=25), min_size=20, max_size=20), st.integers(0, 2**32 - 1))
 @settings(deadline=None, max_examples=4)
 def test_random_expressions_have_the_bits_of_machine_code(tmp_path_factory: Any, recipes: Any, seed: int) -> None:
     folder, rng = tmp_path_factory.mktemp("random"), np.random.default_rng(seed)
     kernel = compile(lambda x: [y for recipe in recipes for y in cook(recipe, x)], name="anything", x=3, backend="llvm")
     kernel.to_c(folder)
-    function = CFunction(folder, "anything", kernel.graph, flags=("-O1",))
+    function = CFunction(folder, "anything", kernel.graph, flags=("-O1", "-march=native"))
     for x in [*rng.normal(size=(50, 3)), *rng.choice(EDGES, (50, 3)), *10 * rng.normal(size=(20, 3))]:
         assert_same_bits(function(x)[0], kernel(x))
 

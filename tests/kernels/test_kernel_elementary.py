@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 import sympy
 
+import cutpoint
 from cutpoint import scalars
 from cutpoint.kernels import Kernel, compile
 from cutpoint.kernels.lowering import lower
@@ -78,6 +79,18 @@ def test_odd_functions_are_exactly_odd_at_zero_too(function: str, single: bool) 
     points = points[abs(points) < 1e38]
     assert odd(-points).tobytes() == (-odd(points)).tobytes()
     assert [math.copysign(1, odd(x)) for x in (0.0, -0.0)] == [1, -1]
+
+
+@pytest.mark.parametrize("function", ["clip", "maximum", "minimum"])
+def test_a_bound_hands_on_what_is_not_a_number(function: str) -> None:
+    bounds = (-1.0, 1.0) if function == "clip" else (0.5,)
+    bounded = compile(lambda x: getattr(cutpoint, function)(x, *bounds), x=(), name=function, backend="llvm")
+    points = np.array([NAN, INF, -INF, -1.0, 0.0, 0.5, 0.7, 1.0])
+    expected = getattr(np, function)(points, *bounds)
+    np.testing.assert_array_equal(bounded(points), expected)
+    np.testing.assert_array_equal(getattr(cutpoint, function)(points, *bounds), expected)
+    assert math.isnan(getattr(cutpoint, function)(NAN, *bounds))
+    assert sum(bounded.operations.values()) == 2 * len(bounds)
 
 
 def test_sine_and_cosine_share_their_reduction() -> None:

@@ -1,13 +1,13 @@
 """What is said to those who call a kernel, or compile one, with the wrong thing."""
 
 from collections.abc import Callable
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 import pytest
 
 from cutpoint.errors import CutpointError, InputError, TraceError
-from cutpoint.kernels import Kernel, backends, compile
+from cutpoint.kernels import Kernel, backends, compile, jacobian_of
 
 BACKENDS = ("llvm", "numpy")
 ZEROS = np.zeros((4, 6))
@@ -56,6 +56,12 @@ def test_a_kernel_cannot_be_traced(kernel: Kernel) -> None:
         compile(lambda x: kernel([x] * 6, x, [[x] * 3] * 2), x=())
 
 
+MANY: dict[str, Any] = {f"x{k}": () for k in range(70)}
+
+
+def total(**numbers: Any) -> Any: return sum(numbers.values())
+
+
 DEFINITIONS: list[tuple[Callable[[], Any], type[CutpointError], str]] = [
     (lambda: compile(lambda x: x, x=-1), InputError, "input 'x': shape -1 must be"),
     (lambda: compile(lambda x: x, x=(2, -1)), InputError, "shape (2, -1)"),
@@ -64,6 +70,12 @@ DEFINITIONS: list[tuple[Callable[[], Any], type[CutpointError], str]] = [
     (lambda: compile(lambda x: x, x=1, backend="fortran"), InputError, "no backend is named 'fortran'"),
     (lambda: compile(lambda x: [x, [x]], x=()), TraceError, "'result' is ragged"),
     (lambda: compile(lambda x: x, x=100_000, backend="llvm"), InputError, "use backend='numpy'"),
+    (lambda: compile(total, **MANY, backend="llvm"), InputError, "71 inputs and outputs, at most"),
+    (lambda: compile(max, x=()), InputError, "max: its parameters are not known; compile lambda x: max(...)"),
+    (lambda: compile(lambda x: x * 10**400, x=()), TraceError, "at most 1.8e+308; this int is larger"),
+    (lambda: compile(lambda x: [x, 10**400], x=()), TraceError, "at most 1.8e+308; this int is larger"),
+    (lambda: compile(jacobian_of(total, with_respect_to=[]), x=()), InputError, "names no input; leave the argument"),
+    (lambda: compile(jacobian_of(total, of=[]), x=()), InputError, "leave the argument out for all of them: result"),
 ]
 
 
@@ -73,6 +85,28 @@ def test_definitions_that_make_no_sense_are_explained(case: int) -> None:
     with pytest.raises(kind) as caught:
         define()
     assert message in str(caught.value)
+
+
+def test_numpy_takes_more_arguments_than_machine_code() -> None:
+    assert compile(total, **MANY, backend="numpy")(*range(70)) == sum(range(70))
+
+
+@pytest.mark.parametrize("empty", [False, True])
+@pytest.mark.parametrize("backend", BACKENDS)
+def test_arrays_for_several_outputs_are_a_tuple(backend: str, empty: bool) -> None:
+    """An output of size 0 takes another way."""
+
+    class Two(NamedTuple):
+        first: Any
+        second: Any
+
+    kernel = compile(lambda x: Two(x, [] if empty else [x]), name="two", x=(), backend=backend)
+    arrays = [np.empty(4), np.empty((4, 0 if empty else 1))]
+    assert kernel(np.arange(4.0), out=(*arrays,)).second is arrays[1]
+    with pytest.raises(InputError, match=r"two: out is a list, it must be a tuple of 2 arrays: first, second"):
+        kernel(np.arange(4.0), out=arrays)
+    with pytest.raises(InputError, match=r"out for second is a list, it must be an array of shape"):
+        kernel(np.arange(4.0), out=(arrays[0], []))
 
 
 def test_a_missing_llvm_is_named(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -65,10 +65,6 @@ DRIVES = {
 }
 WHAT_NO_FILE_SAYS = {
     "a rotor without inertia": Drive(rotor=Rotor(0.0)),
-    "friction that rises from rest": Drive(link_friction=Stribeck(2.0, 1.0, 0.1, 0.1, 0.01)),
-    "static 1.0 must not be below coulomb 2.0": Drive(
-        motor_friction=LuGre(Stribeck(2.0, 1.0, 0.1, 0.1, 0.01), 1e-3, 1.0)
-    ),
     "HarmonicSpring.*LinearSpring": replace(
         DRIVES["harmonic"],
         compliance=HarmonicSpring(cast("Any", LinearSpring(1e4)), WaveGenerator(60.0, 2.0, 100.0, 0.02)),

@@ -6,7 +6,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from scipy.integrate import solve_ivp
 
-from cutpoint import Coulomb, LinearSpring, Stribeck
+from cutpoint import Coulomb, InputError, LinearSpring, Stribeck
 from cutpoint.mechanics.backlash import Backlash
 from cutpoint.mechanics.catalogue import CatalogueSpring
 from cutpoint.mechanics.friction import Grease
@@ -192,3 +192,9 @@ def test_backlash_is_play_and_then_its_spring(law):
     work = np.concatenate([[0.0], np.cumsum(np.diff(x) * (law.torque(x)[1:] + law.torque(x)[:-1]) / 2)])
     assert work == pytest.approx(law.energy(x) - law.energy(x[0]), abs=1e-6 * law.energy(x[0]))
     assert law.tangent(x) == pytest.approx(np.gradient(law.torque(x), x, edge_order=2), rel=0.02, abs=30.0)
+
+
+@pytest.mark.parametrize(("reach", "elements"), [(1e-4, 0), (1e-4, -3), (1e-4, 2.5), (0.0, 4), (-1e-4, 4), (np.nan, 4)])
+def test_smooth_hysteresis_has_elements_and_a_reach(reach, elements):
+    with pytest.raises(InputError, match=r"reach .* must be positive, elements .* a whole number from 1"):
+        MaxwellSlip.smooth(1.0, reach, elements)

@@ -83,6 +83,7 @@ def slipping(stiffness: Any, reach: Any) -> Drive:
         (lambda r: r.with_drives({"knee": Drive()}), "no driven joint is named 'knee'; there are: 'joint1'"),
         (lambda r: r.with_payload(1.0, Q[:3], np.eye(3), "toe"), "no frame is named 'toe'"),
         (lambda r: r.kernel("inverse_kinematics"), "no compiled function is named 'inverse_kinematics'"),
+        (lambda r: r.kernel([]), r"kernel: name must be a function's name, got \[\]"),
     ],
 )  # fmt: skip
 def test_arguments_are_refused(backend, call, message):
@@ -146,6 +147,19 @@ def test_arguments_are_refused(backend, call, message):
         (slipping(100.0, 1e-3), "stiffness must be a tuple of numbers, .* got 100.0, in hysteresis"),
         (slipping((), ()), r"stiffness must be a tuple of numbers, .* got \(\), in hysteresis"),
         (slipping((1e3, 0.0), (1e-4, 2e-4)), "stiffness 0.0 must be positive, in hysteresis"),
+        (
+            Drive(link_friction=Stribeck(1.0, 0.5, 0.0, 0.1, 0.1)),
+            "static 0.5 must not be below coulomb 1.0, in link_friction",
+        ),
+        (
+            Drive(motor_friction=LuGre(Stribeck(2.0, 1.0, 0.0, 0.1, 0.1), 1e-4, 1.0)),
+            "static 1.0 must not be below coulomb 2.0, in motor_friction",
+        ),
+        (waved(ratio=50.0), "the wave generator's ratio 50.0 must be the drive's, 100.0"),
+        (
+            elastic(compliance=Backlash(waved(ratio=50.0).compliance, 1e-3)),
+            "the wave generator's ratio 50.0 must be the drive's, 1",
+        ),
         (Drive(link_friction=Stribeck(0.0, -1.0, 0.0, 0.1, 0.1)), "static -1.0 must not be negative, in link_friction"),
         (Drive(link_friction=LuGre(DRY, 0.0, 1.0)), "distance 0.0 must be positive, in link_friction"),
         (Drive(motor_friction=ElastoPlastic(DRY, 0.0, 1.0, 0.7)), "distance 0.0 must be positive, in motor_friction"),

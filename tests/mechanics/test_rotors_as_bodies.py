@@ -139,6 +139,14 @@ def test_elastically_geared_rotors_are_bodies(seed: int, floating: bool) -> None
     np.testing.assert_allclose(
         found.theta_ddot, acceleration[rotors] / ratio, rtol=1e-9, atol=1e-9 * np.abs(acceleration).max()
     )
+    energy = ours.kinetic_energy(q, v) + ours.elastic_energy(q, theta, theta_dot, v=v)
+    wound = 0.5 * K @ (theta - q[-N:]) ** 2
+    assert energy == pytest.approx(pin.computeKineticEnergy(model, data, q_twin, v_twin) + wound, rel=1e-10)
+    if floating:
+        pin.computeCentroidalMomentum(model, data, q_twin, v_twin)
+        momentum = np.r_[data.hg.linear, data.hg.angular + np.cross(data.com[0], data.hg.linear)]
+        scale = np.abs(momentum).max()
+        np.testing.assert_allclose(ours.momentum(q, v, theta_dot), momentum, rtol=1e-10, atol=1e-10 * scale)
 
 
 def motion(t: float, count: int) -> np.ndarray:
@@ -231,3 +239,58 @@ def test_momentum_is_conserved_with_spinning_rotors_on_a_floating_base() -> None
     a = ours.forward_dynamics(q, v, np.r_[np.zeros(6), rng.normal(size=N) * 5])
     rate = derivative(lambda h: ours.momentum(ours.integrate(q, v, h), v + h * a))
     np.testing.assert_allclose(rate, 0, atol=1e-9 * np.abs(ours.momentum(q, v)).max())
+
+
+def test_motor_power_is_the_rate_of_all_energy_with_spinning_rotors_behind_springs() -> None:
+    mechanism = replace(random_arm(6, floating=True), gravity=np.zeros(3))
+    ours, rng = Robot(mechanism, rotor_drives(6, elastic=True), backend="numpy"), np.random.default_rng(6)
+    q, v, u = ours.random(6), rng.normal(size=ours.nv), rng.normal(size=N) * 20
+    theta, theta_dot = q[-N:] + rng.normal(size=N) * 1e-2, rng.normal(size=N)
+    a, theta_ddot = ours.elastic_forward_dynamics(q, v, theta, theta_dot, u)
+
+    def later(h: float) -> tuple[np.ndarray, ...]:
+        return ours.integrate(q, v, h), v + h * a, theta + h * theta_dot, theta_dot + h * theta_ddot
+
+    def energy(h: float) -> np.ndarray:
+        q, v, theta, theta_dot = later(h)
+        return ours.kinetic_energy(q, v) + ours.elastic_energy(q, theta, theta_dot, v=v)
+
+    def momentum(h: float) -> np.ndarray:
+        q, v, _, theta_dot = later(h)
+        return ours.momentum(q, v, theta_dot)
+
+    assert derivative(energy) == pytest.approx(u @ theta_dot, rel=1e-9)
+    np.testing.assert_allclose(derivative(momentum), 0, atol=1e-9 * np.abs(momentum(0.0)).max())
+
+
+def test_energy_and_momentum_of_spinning_rotors_are_refused_without_the_speeds_they_take() -> None:
+    ours, q = Robot(random_arm(0), rotor_drives(0, elastic=True)), np.zeros(N)
+    with pytest.raises(InputError, match=r"elastic_energy: give v= too, the links' speeds: rotors with full coupling"):
+        ours.elastic_energy(q, q, q)
+    with pytest.raises(InputError, match=r"momentum: give theta_dot= too, the motors' speeds: rotors with full coup"):
+        ours.momentum(q, q)
+
+
+def test_speeds_that_no_rotor_needs_change_neither_energy_nor_momentum() -> None:
+    drives = {n: replace(d, rotor=replace(d.rotor, coupling="reduced")) for n, d in rotor_drives(0, True).items()}
+    ours, (q, v, theta, w) = Robot(random_arm(0), drives), np.random.default_rng(0).normal(size=(4, N))
+    assert ours.elastic_energy(q, theta, w, v=v) == ours.elastic_energy(q, theta, w)
+    np.testing.assert_array_equal(ours.momentum(q, v, w), ours.momentum(q, v))
+
+
+@pytest.mark.parametrize("coupling", ["reduced", "full"])
+@pytest.mark.parametrize("elastic", [False, True])
+def test_inertial_parameters_hold_the_rotors_that_no_link_holds(coupling: str, elastic: bool) -> None:
+    """What Y p lacks of the inverse dynamics is what rotors without mass, on links without mass, cost."""
+    drives = {n: replace(d, rotor=replace(d.rotor, coupling=coupling)) for n, d in rotor_drives(7, elastic).items()}
+    mechanism = random_arm(7)
+    bare = [replace(body, mass=0.0, com=np.zeros(3), inertia=np.zeros((3, 3))) for body in mechanism.bodies]
+    held = {n: replace(d, rotor=replace(d.rotor, in_link_inertia=True)) for n, d in drives.items()}
+    ours, spins = Robot(mechanism, drives), Robot(replace(mechanism, bodies=tuple(bare)), held)
+    q, v, a = np.random.default_rng(7).normal(size=(3, N))
+    told = ours.regressor(q, v, a) @ ours.inertial_parameters
+    tau = ours.inverse_dynamics(q, v, a)
+    np.testing.assert_allclose(told + spins.inverse_dynamics(q, v, a), tau, rtol=1e-12, atol=1e-12 * np.abs(tau).max())
+    carried = sum(d.rotor.mass for d in [*drives.values()][1:])  # the world carries the first
+    mass = ours.inertial_parameters[::10].sum()
+    assert mass == pytest.approx(carried + sum(body.mass for body in mechanism.bodies), rel=1e-14)

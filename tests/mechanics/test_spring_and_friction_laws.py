@@ -45,6 +45,14 @@ def test_springs_are_odd(law, share):
     assert law.energy(-bend) == law.energy(bend) >= 0.0
 
 
+@pytest.mark.parametrize("law", SPRINGS, ids=repr)
+@pytest.mark.parametrize("share", [1e-150, 1e-12, 1e-8, 3e-6, 1e-5])
+def test_energy_of_a_small_deflection_keeps_its_digits(law, share):
+    """That of a linear spring: what hardens it adds less than share^2."""
+    bend = share * reach(law)
+    assert law.energy(bend) == pytest.approx(law.stiffness * bend * bend / 2, rel=1e-15 + share**2, abs=0.0)
+
+
 @springs
 @given(low=SHARES, high=SHARES)
 def test_more_deflection_is_more_torque(law, low, high):

@@ -174,6 +174,16 @@ MIMICS = {
         [("a", None), ("b", Mimic("a", np.inf))],
         "joint 'b': mimic multiplier inf and offset 0.0 must be finite",
     ),
+    "huge": (
+        [("a", None), ("b", Mimic("a", 1e200))],
+        "joint 'b': mimic multiplier and offset must not exceed 1e+12 in SI units, as in no machine, got 1e+200; "
+        "check its unit",
+    ),
+    "huge as a chain": (
+        [("a", None), ("b", Mimic("a", 1.0, 1e10)), ("c", Mimic("b", 1e9))],
+        "joint 'c': mimic multiplier and offset must not exceed 1e+12 in SI units, as in no machine, got 1e+19; "
+        "check its unit",
+    ),
     "long": (
         [("0", None), *((str(i), Mimic(str(i - 1))) for i in range(1, 19))],
         "joint '17': mimics through more than 16 joints; name the leader itself",
@@ -204,6 +214,10 @@ LOCKS = {
         "lock of joint 'j2': the joint is fixed; it must be one of revolute, continuous, prismatic, helical",
     ),
     "nan": ({"j1": np.nan}, "lock of joint 'j1': value nan must be a finite number"),
+    "huge": (
+        {"j1": -1e160},
+        "lock of joint 'j1': value must not exceed 1e+12 in SI units, as in no machine, got 1e+160; check its unit",
+    ),
 }
 
 
@@ -213,6 +227,18 @@ def test_a_lock_that_cannot_be_is_refused(case: str) -> None:
     with pytest.raises(ModelError) as caught:
         chain("revolute", "fixed", lock=lock)
     assert str(caught.value) == message
+
+
+def test_a_follower_that_slides_far_with_its_locked_leader_is_refused() -> None:
+    links = [ball("base"), ball("a"), ball("b")]
+    joints = [Joint("j", "prismatic", "base", "a"), Joint("k", "prismatic", "a", "b", mimic=Mimic("j", 1e8))]
+    with pytest.raises(ModelError, match=r"joint 'k': placement where it is locked must not exceed 1e\+12 .* 1e\+18"):
+        build("r", links, joints, coupled=True, lock={"j": 1e10})
+
+
+def test_gravity_is_of_a_size_that_worlds_have() -> None:
+    with pytest.raises(ModelError, match=r"gravity: vector must not exceed 1e\+12 in SI units"):
+        build("r", [ball("base")], [], gravity=(0.0, 0.0, 1e20))
 
 
 def test_a_lock_in_degrees_is_pointed_out() -> None:

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from cutpoint import Drive, LinearSpring, Log, Rotor, State, simulate
+from cutpoint import Drive, InputError, LinearSpring, Log, Rotor, State, simulate
 from cutpoint.control import PD, Feedforward, GravityCompensation
 from cutpoint.model import Limits
 from cutpoint.simulation import loop as loops
@@ -34,6 +34,30 @@ def test_without_a_reference_the_arm_starts_at_zero_in_equilibrium():
     log = simulate(ours, GravityCompensation(ours) + PD(KP, KD, side="motor"), duration=0.02, substeps=50)
     assert_close(log["theta"][0], ours.static_deflection(np.zeros(6)), 1e-15, scale=1.0)
     assert np.abs(log["v"][0]).max() == 0.0
+
+
+def test_of_a_rigid_drive_the_motor_starts_where_its_link_does():
+    """Whatever is rounded on the way, as in a log that a run goes on from; anywhere else is refused."""
+    ours, pose = robot("rigid"), POSE / 3
+    start = State(q=pose, v=pose, theta=pose * (1 + 1e-12), theta_dot=pose - 1e-12)
+    log = simulate(ours, duration=0.01, initial=start)
+    assert np.array_equal(log["theta"], log["q"]) and np.array_equal(log["theta_dot"], log["v"])
+    for name in ("theta", "theta_dot"):
+        away = start._replace(**{name: pose + 1e-3 * np.eye(6)[2]})
+        message = rf"initial.{name}\[2\] is -0.199; the drive of 'joint3' is rigid, its motor moves as its link, -0.2"
+        with pytest.raises(InputError, match=message):
+            simulate(ours, duration=0.01, initial=away)
+
+
+def test_a_log_tells_the_steps_that_were_taken():
+    """An integrator that adapts its own has none; a controller that acts at every instant takes it too."""
+    adapted = {"accuracy": "reference", "substeps": None, "steps_set_by": "the adaptive integrator"}
+    ours, law = frictionless(robot("xia2019")), PD(KP, KD, side="motor")
+    fixed = simulate(ours, law, duration=0.002, accuracy="fine").meta
+    assert fixed["accuracy"] == "fine" and fixed["substeps"] > 0
+    for hold, accuracy in ((True, "reference"), (False, "standard")):
+        meta = simulate(ours, law, duration=0.002, accuracy=accuracy, hold=hold).meta
+        assert {name: meta[name] for name in adapted} == adapted and meta["hold"] is hold
 
 
 @pytest.mark.parametrize("laws", ["PD", "PD and elastic feedforward"])

@@ -212,6 +212,25 @@ def test_a_plot_can_be_saved_whatever_the_joints_are_called(tmp_path: Path, name
     assert (tmp_path / "run.png").read_bytes().startswith(b"\x89PNG")
 
 
+def test_many_joints_have_lines_that_differ():
+    joints = tuple(f"joint{k}" for k in range(40))
+    log = Log(np.arange(2.0), {"q": np.zeros((2, 40))}, {"q": "rad"}, joints)
+    (axis,) = log.plot().axes
+    assert len({(line.get_color(), line.get_linestyle()) for line in axis.lines}) == 40
+
+
+def test_what_no_sensor_told_has_no_axis():
+    channels = {"q": example()["q"].copy(), "torque": np.full((50, 3), np.nan), "speed": example()["speed"]}
+    channels["q"][:, 1] = np.nan
+    log = example(channels=channels)
+    titles = [axis.get_title(loc="left") for axis in log.plot().axes]
+    assert titles == ["q [deg]", "q [m]", "speed [deg/s]"]
+    named = [axis.get_title(loc="left") for axis in log.plot("q", "torque").axes]
+    assert named == ["shoulder [deg]", "$li_ft^$ [m]"]
+    with pytest.raises(InputError, match="no channels to plot, or nothing but NaN in them"):
+        log.plot("torque")
+
+
 def test_a_log_without_channels_has_nothing_to_plot():
     with pytest.raises(InputError, match="the log has no channels to plot"):
         example(channels={}).plot()

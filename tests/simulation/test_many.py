@@ -156,6 +156,8 @@ def test_an_error_in_each_is_the_users_own():
     [
         ({}, r"lists must be as long as there are runs, at least 1; there are none"),
         ({"initial": []}, r"there are 0 of initial"),
+        ({"initial": (State() for _ in "ab")}, r"initial is a generator; give one for all runs, or a list of one"),
+        ({"controller": np.array([None, None])}, r"controller is a ndarray; give one for all runs, or a list"),
         ({"initial": [State()] * 2, "sensors": [Sensors()] * 3}, r"there are 2 of initial, 3 of sensors"),
         ({"initial": [State()] * 2, "threads": 0}, r"threads 0 must be a whole number, at least 1"),
         ({"initial": [State()] * 2, "accuracy": "reference"}, r"accuracy 'reference' must be 'standard' or 'fine'"),
@@ -164,4 +166,4 @@ def test_an_error_in_each_is_the_users_own():
 )
 def test_arguments_that_make_no_sense_are_refused(options, message):
     with pytest.raises(InputError, match=message):
-        simulate_many(robot("xia2019"), None, duration=0.1, **options)
+        simulate_many(robot("xia2019"), duration=0.1, **options)

@@ -1,6 +1,7 @@
 """What holds for every kind of trajectory."""
 
 import pickle
+from typing import Any
 
 import numpy as np
 import pytest
@@ -93,5 +94,25 @@ def test_a_time_that_is_no_number_is_refused(trajectory: Trajectory):
 
 @kinds
 def test_a_negative_order_is_refused(trajectory: Trajectory):
-    with pytest.raises(InputError, match="order -1 of the derivatives must be 0 or more"):
+    with pytest.raises(InputError, match="derivatives: order -1 must be a whole number, at least 0"):
         trajectory.derivatives(0.0, -1)
+
+
+@pytest.mark.parametrize("order", [2.5, np.nan, "2", None, True])
+def test_an_order_that_is_no_whole_number_is_refused(order: Any):
+    with pytest.raises(InputError, match=r"derivatives: order .* must be a whole number, at least 0"):
+        cycloid([1.0], 1.0).derivatives(0.3, order)
+
+
+@pytest.mark.parametrize("duration", [1e-300, 1e-90])
+@pytest.mark.parametrize("make", [cycloid, septic, lambda end, duration: waypoints([0.0, duration], [[0.0], end])])
+def test_a_motion_whose_derivatives_no_float_holds_is_refused(make: Any, duration: float):
+    with pytest.raises(InputError, match=rf"duration {duration} s is too short for derivatives up to order 4"):
+        make([1.0], duration)(0.0)
+    assert make([1.0], duration).derivatives(duration, 0) == 1.0
+
+
+@pytest.mark.parametrize("make", [cycloid, septic, lambda end, duration: waypoints([0.0, duration], [[0.0], end])])
+def test_a_motion_may_be_as_slow_as_floats_go(make: Any):
+    found = make([1.0], 1e300).derivatives(5e299, 4)
+    assert abs(found[0] - 0.5) < 1e-12 and np.abs(found[2:]).max() == 0.0

@@ -135,7 +135,7 @@ def identify(
     a mapping file says: see docs/identification.md.
     """
     from cutpoint.identification.output import identify as identified
-    from cutpoint.identification.output.saving import check_folder
+    from cutpoint.identification.output.saving import check_folder, file_notes
     from cutpoint.identification.output.terminal import sentences, table_of
 
     check_folder(output, force)
@@ -147,5 +147,7 @@ def identify(
     console.print(table_of(found))
     for sentence in sentences(found):
         console.print(sentence, highlight=False, markup=False)
+    for words in file_notes(found):
+        console.print(f"note: {words}", highlight=False, markup=False)
     for path in saved:
         console.print(f"saved: {path}", soft_wrap=True, highlight=False, markup=False)

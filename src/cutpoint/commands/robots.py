@@ -26,6 +26,9 @@ from cutpoint.commands.tables import drive_table, error_table, modes_table, robo
 from cutpoint.door import check_configuration
 from cutpoint.errors import SimulationError
 
+INTERRUPTED = 130
+"""What shells make of Ctrl-C."""
+
 
 @app.command(epilog="Example: cutpoint inspect arm.urdf --drives arm.drives.yaml")
 def inspect(
@@ -98,7 +101,13 @@ def simulate(
     except SimulationError as error:
         if error.log is not None:
             keep(error.log, output, plot)
-        raise
+        if error.evidence["diverged"]:
+            raise
+        typer.echo(str(error), err=True)
+        raise typer.Exit(INTERRUPTED) from error
+    except KeyboardInterrupt:
+        typer.echo("interrupted; there is no log to save yet", err=True)
+        raise typer.Exit(INTERRUPTED) from None
     # what was asked for is saved before anything is printed: a terminal may fail
     keep(log, output, plot)
     console.print(error_table(loaded, log))

@@ -7,7 +7,7 @@ import numpy as np
 
 from cutpoint.control.gains import gains
 from cutpoint.control.interface import Command, Measurement, Reference
-from cutpoint.control.law import Wrapper, needs_of
+from cutpoint.control.law import Wrapper, as_law, needs_of
 from cutpoint.control.rigid_law import RigidLaw
 from cutpoint.mechanics.forward_dynamics import forward_dynamics
 from cutpoint.scalars import where
@@ -28,7 +28,7 @@ class DisturbanceObserver(RigidLaw, Wrapper):
 
     def __post_init__(self) -> None:
         super().__post_init__()
-        self._set(gain=gains("DisturbanceObserver", "gain", self.gain, self.size))
+        self._set(law=as_law(self.law), gain=gains("DisturbanceObserver", "gain", self.gain, self.size))
 
     @property
     def needs(self) -> tuple[str, ...]:

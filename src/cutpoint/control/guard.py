@@ -10,7 +10,8 @@ import numpy as np
 
 from cutpoint.control.guard_limits import LIMITS, limits_of
 from cutpoint.control.interface import Command, Measurement, Reference
-from cutpoint.control.law import Wrapper
+from cutpoint.control.law import Wrapper, as_law
+from cutpoint.door import check_kind
 from cutpoint.errors import InputError, unknown_name
 from cutpoint.robot import Robot
 from cutpoint.scalars import Scalar, absolute, clip, leaves, maximum, rebuild, where, with_float_leaves
@@ -44,7 +45,7 @@ SENSORS = ("q", "v", "theta", "theta_dot")
 
 
 class Watch(NamedTuple):
-    """The guard's memory: last time stamp (s), last finite measurement, the fault found first, how severe reactions
+    """The guard's memory: last time stamp (s), last finite measurement, the fault told first, how severe reactions
     have become, what is left of the torque, the last safe command, and the law's own memory."""
 
     time: Any
@@ -66,7 +67,8 @@ class Guard(Wrapper):
     fault can only make the reaction more severe.  `reactions` replaces some of REACTIONS.  Torques are clipped to
     torque_limit, which is no fault.  Limits are those of the robot's joints and drives unless given, one for each drive
     or one for all: torque_limit (N m), speed_limit (rad/s), lower and upper (rad).
-    A fault is a number in the log, see `Fault`; after it the law's memory stands still.
+    A fault is a number in the log, see `Fault`; after it the law's memory stands still.  Where the law is guarded
+    itself, its fault is told if it came first, and left to that guard.
     """
 
     law: Any
@@ -83,6 +85,8 @@ class Guard(Wrapper):
         return True
 
     def __post_init__(self) -> None:
+        check_kind("Guard", "robot", self.robot, Robot, "a Robot (cutpoint.load reads files)")
+        object.__setattr__(self, "law", as_law(self.law))
         for name, reaction in self.reactions.items():
             if name not in REACTIONS:
                 raise unknown_name("fault", name, REACTIONS)
@@ -112,15 +116,15 @@ class Guard(Wrapper):
         pairs = zip(measurement.q, told.q, told.theta, strict=True)
         places = [where(_is_odd(raw) > 0, theta, q) for raw, q, theta in pairs]
         found, severity = self._found(memory, told, odd, places, parts)
-        fault = where(memory.fault > 0, memory.fault, found)
+        fault = where(memory.fault > 0, memory.fault, where(found > 0, found, command.fault))
         severity = maximum(memory.severity, severity)
         # what is left of the last safe torque
         ramped = maximum(memory.share - measurement.period / self.ramp_time, 0)
         share = where(severity > 2, 0.0, where(severity > 1, ramped, memory.share))
         safe = [clip(u, -limit, limit) for u, limit in zip(parts[0], self.torque_limit, strict=True)]
         held = (memory.torque, [0.0] * self.size, memory.theta, memory.theta_dot)
-        torque, feedforward, theta, theta_dot = map(partial(_unless, fault), (safe, *parts[1:]), held)
-        kept = rebuild(inner, iter(_unless(fault, leaves(inner), leaves(memory.inner))))
+        torque, feedforward, theta, theta_dot = map(partial(_unless, severity), (safe, *parts[1:]), held)
+        kept = rebuild(inner, iter(_unless(severity, leaves(inner), leaves(memory.inner))))
         seen = [x for name in SENSORS for x in getattr(told, name)]
         after = Watch(measurement.time, seen, fault, severity, share, torque, theta, theta_dot, kept)
         told_torque = np.array([share * u for u in torque])
@@ -163,8 +167,8 @@ class Guard(Wrapper):
         return found, severity
 
 
-def _unless(fault: Scalar, new: Sequence[Scalar], old: Sequence[Scalar]) -> list[Scalar]:
-    return [where(fault > 0, y, x) for x, y in zip(new, old, strict=True)]
+def _unless(severity: Scalar, new: Sequence[Scalar], old: Sequence[Scalar]) -> list[Scalar]:
+    return [where(severity > 0, y, x) for x, y in zip(new, old, strict=True)]
 
 
 def _is_odd(x: Scalar) -> Scalar:

@@ -18,7 +18,7 @@ from cutpoint.control.interface import (
     stepped,
 )
 from cutpoint.errors import InputError
-from cutpoint.scalars import maximum
+from cutpoint.scalars import Scalar, where
 
 
 class Law:
@@ -40,6 +40,9 @@ class Law:
     def __add__(self, other: Controller) -> "Sum":
         return Sum((*parts_of(self), *parts_of(as_law(other))))
 
+    def __radd__(self, other: Controller) -> "Sum":
+        return Sum((*parts_of(as_law(other)), *parts_of(self)))
+
 
 @dataclass(frozen=True)
 class FunctionLaw(Law):
@@ -53,7 +56,10 @@ class FunctionLaw(Law):
 
 @dataclass(frozen=True)
 class Sum(Law):
-    """Torques of all parts.  Raises InputError when two parts make a motor reference."""
+    """Torques of all parts, and the fault that came first.
+
+    Raises InputError when two parts make a motor reference.
+    """
 
     parts: tuple[Any, ...]
 
@@ -68,10 +74,15 @@ class Sum(Law):
 
     @property
     def reports_faults(self) -> bool:  # type: ignore[override]
-        return any(getattr(part, "reports_faults", False) for part in self.parts)
+        return self._reporters > 0
+
+    @property
+    def _reporters(self) -> int:
+        return sum(getattr(part, "reports_faults", False) for part in self.parts)
 
     def start(self) -> Any:
-        return tuple(start_of(part) for part in self.parts)
+        """The parts' memories; behind them, where several report faults, the first."""
+        return (*map(start_of, self.parts), *([0.0] if self._reporters > 1 else []))
 
     def step(self, memory: Any, measurement: Measurement, reference: Reference) -> tuple[Any, Command]:
         memories, commands = [*memory], []
@@ -84,7 +95,9 @@ class Sum(Law):
                 made = told
                 reference = reference._replace(theta=made.theta, theta_dot=made.theta_dot)
         torque, feedforward = sum(c.torque for c in commands), sum(c.feedforward for c in commands)
-        fault = reduce(maximum, [c.fault for c in commands])
+        fault = reduce(_first, [*memory[len(self.parts) :], *(c.fault for c in commands)])
+        if self._reporters > 1:
+            memories[-1] = fault
         return tuple(memories), Command(torque, feedforward, made.theta, made.theta_dot, fault)
 
 
@@ -145,6 +158,10 @@ def needs_of(law: Controller) -> tuple[str, ...]:
 def parts_of(law: Controller) -> tuple[Any, ...]:
     """The parts of a sum, or the law itself."""
     return law.parts if isinstance(law, Sum) else (law,)
+
+
+def _first(fault: Scalar, later: Scalar) -> Scalar:
+    return where(fault > 0, fault, later)
 
 
 def _check_parameters(name: str, step: Callable[..., Any]) -> None:

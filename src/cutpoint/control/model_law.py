@@ -5,6 +5,7 @@ from typing import Any
 
 from cutpoint.control.law import Law
 from cutpoint.definitions import Machine
+from cutpoint.door import check_kind
 from cutpoint.errors import InputError
 from cutpoint.robot import Robot
 
@@ -42,10 +43,11 @@ class ModelLaw(Law):
 
 
 def check_all_driven(name: str, robot: Robot) -> None:
-    """Raises InputError if a joint has no drive: measurements and references know nothing of it.
+    """Raises InputError for what is no robot, and if a joint has no drive: laws are told nothing of it.
 
     name: who asks.
     """
+    check_kind(name, "robot", robot, Robot, "a Robot (cutpoint.load reads files)")
     driven = {d.v for d in robot.machine.drives}
     for body, own in zip(robot.mechanism.bodies, robot.machine.system.segments, strict=True):
         if own.v.start not in driven:

@@ -5,8 +5,10 @@ from typing import Any, Literal
 
 from cutpoint.control.interface import Measurement, Reference
 from cutpoint.control.model_law import ModelLaw, stiffened
+from cutpoint.door import check_kind
 from cutpoint.errors import InputError
 from cutpoint.mechanics.harmonic_drive import friction_torque
+from cutpoint.robot import Robot
 
 
 @dataclass(frozen=True, eq=False)
@@ -22,6 +24,7 @@ class RigidLaw(ModelLaw):
     def __post_init__(self) -> None:
         if self.side not in ("motor", "link"):
             raise InputError(f"{type(self).__name__}: side {self.side!r} must be 'motor' or 'link'")
+        check_kind(type(self).__name__, "robot", self.robot, Robot, "a Robot (cutpoint.load reads files)")
         if any(drive.is_elastic for drive in self.robot.drives.values()):
             if self.parameters is not None:
                 name = type(self).__name__

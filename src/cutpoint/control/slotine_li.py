@@ -9,7 +9,7 @@ from cutpoint.control.gains import gains
 from cutpoint.control.interface import Command, Measurement, Reference
 from cutpoint.control.rigid_law import RigidLaw
 from cutpoint.mechanics.pseudo_inertia import nominal_sizes
-from cutpoint.mechanics.regressor import required_torque_regressor
+from cutpoint.mechanics.regressor import required_rotor_torques, required_torque_regressor
 from cutpoint.mechanics.rigid_body import parameters_of
 
 
@@ -18,7 +18,8 @@ class SlotineLi(RigidLaw):
     """tau = Y(q, v, v_r, a_r) p + K s + friction(v_r), p' = Gamma Y^T s; s = v_r - v, v_r = v_d + Lambda (q_d - q).
 
     position_gain: Lambda, 1/s.  speed_gain: K, N m s/rad.  rate: how fast shares of the bodies' nominal sizes change,
-    1/J.  It learns inertial parameters, without bounds; friction and rotors are those of the model.
+    1/J.  It learns inertial parameters, without bounds; friction and what rotors' spin costs, which Y p does not hold
+    (see `Robot.regressor`), are those of the model.
     """
 
     position_gain: Any
@@ -41,10 +42,8 @@ class SlotineLi(RigidLaw):
         a_r = reference.a + self.position_gain * (v_d - v)
         system = self.robot.machine_with(self.parameters).system
         Y = required_torque_regressor(system, [*q], [*v], [*v_r], [*a_r])
-        tau = [
-            sum((y * p for y, p in zip(row, memory, strict=True)), I_m * a)
-            for row, I_m, a in zip(Y, system.armature, a_r, strict=True)
-        ]
+        rotors = required_rotor_torques(system, [*q], [*v], [*v_r], [*a_r])
+        tau = [sum((y * p for y, p in zip(row, memory, strict=True)), x) for row, x in zip(Y, rotors, strict=True)]
         s = v_r - v
         torque = np.array(tau) + np.array(self.friction(v_r, tau)) + self.speed_gain * s
         power = [sum((y * x for y, x in zip(column, s, strict=True)), 0) for column in zip(*Y, strict=True)]

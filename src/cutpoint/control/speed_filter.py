@@ -7,7 +7,7 @@ import numpy as np
 
 from cutpoint.control import command_filter
 from cutpoint.control.interface import Command, Measurement, Reference
-from cutpoint.control.law import Wrapper
+from cutpoint.control.law import Wrapper, as_law
 from cutpoint.errors import InputError
 
 
@@ -25,6 +25,7 @@ class SpeedFilter(Wrapper):
     bandwidth: Any = 400.0
 
     def __post_init__(self) -> None:
+        object.__setattr__(self, "law", as_law(self.law))
         if isinstance(self.bandwidth, (int, float)) and not (np.isfinite(self.bandwidth) and self.bandwidth > 0):
             raise InputError(f"SpeedFilter: bandwidth {self.bandwidth} Hz must be positive")
 

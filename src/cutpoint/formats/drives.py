@@ -68,7 +68,10 @@ def drive_of(joint: Joint) -> Drive:
 
 
 def dump_drives(drives: Mapping[str, Drive]) -> str:
-    """The text of a drive file that loads back to the same drives."""
+    """The text of a drive file that loads back to the same drives.
+
+    Hysteresis, which a file states by the loop that it opens on its spring, comes back to rounding.
+    """
     entries = {name: to_entry(drive) for name, drive in drives.items()}
     return yaml.safe_dump({"version": VERSION, "drives": entries}, sort_keys=False, allow_unicode=True)
 

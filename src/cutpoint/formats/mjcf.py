@@ -18,7 +18,7 @@ from scipy.spatial.transform import Rotation
 from cutpoint.errors import ModelError
 from cutpoint.formats.drives import drive_of
 from cutpoint.formats.mjcf_losses import NotCarriedOver, losses
-from cutpoint.formats.mjcf_model import BALL, FREE, HINGE, SLIDE, compiled, name_of, package
+from cutpoint.formats.mjcf_model import BALL, FREE, HINGE, SLIDE, compiled, free, names_of, package
 from cutpoint.formats.mjcf_text import excerpt_of
 from cutpoint.formats.reading import read_bytes
 from cutpoint.formats.safe_xml import parse_xml
@@ -47,6 +47,7 @@ def load_mjcf(
     lock: coordinates (rad or m) at which joints are held fixed, by name.
     Warns once, NotCarriedOver, of what has no counterpart here.  Several joints of a body become a chain of links
     without mass, named `<body>_after_<joint>`; bodies and joints without a name are `body_<n>` and `joint_<n>`.
+    Where the file has such a name itself, ours has an underscore behind it, or several.
     Raises ModelError: the `mujoco` package is missing, or what is wrong in the file.
     """
     path = Path(path)
@@ -93,36 +94,43 @@ def _drives(mechanism: Mechanism, armature: Mapping[str, float]) -> dict[str, Dr
 
 @dataclass
 class _Tree:
-    """Links and joints as they are read off a compiled model; armature of hinges and slides by joint."""
+    """Links and joints as they are read off a compiled model; armature of hinges and slides by joint.
+
+    Names that are made here keep clear of those of its bodies, and of its joints.
+    """
 
     model: Any
     links: list[Link] = field(default_factory=lambda: [Link("world")])
     joints: list[Joint] = field(default_factory=list[Joint])
     armature: dict[str, float] = field(default_factory=dict[str, float])
 
+    def __post_init__(self) -> None:
+        self.body_names, self.joint_names = (names_of(self.model, kind) for kind in ("body", "joint"))
+        self.taken_by_links, self.taken_by_joints = set(self.body_names), set(self.joint_names)
+
     def add_body(self, b: int) -> None:
         """A body, and the joints that lead to it one after the other from the body that carries it."""
-        model, name = self.model, name_of(self.model, "body", b)
-        carrier = name_of(model, "body", model.body_parentid[b])
+        model, name = self.model, self.body_names[b]
+        carrier = self.body_names[model.body_parentid[b]]
         at = _placement(name, model.body_pos[b], model.body_quat[b])
         first, count = model.body_jntadr[b], model.body_jntnum[b]
         for j in range(first, first + count):
             anchor = model.jnt_pos[j] if model.jnt_type[j] in (HINGE, BALL) else np.zeros(3)
             is_body = j == first + count - 1 and not anchor.any()
-            child = name if is_body else f"{name}_after_{name_of(model, 'joint', j)}"
+            child = name if is_body else free(f"{name}_after_{self.joint_names[j]}", self.taken_by_links)
             self.joints.append(self.joint(j, carrier, child, at @ pose(np.eye(3), anchor)))
             if not is_body:
                 self.links.append(Link(child))
             carrier, at = child, pose(np.eye(3), -anchor)
         if carrier != name:
-            self.joints.append(Joint(f"{name}_fixed", "fixed", carrier, name, at))
+            self.joints.append(Joint(free(f"{name}_fixed", self.taken_by_joints), "fixed", carrier, name, at))
         axes = _placement(name, model.body_ipos[b], model.body_iquat[b])[:3, :3]
         inertia = axes @ np.diag(model.body_inertia[b]) @ axes.T
         self.links.append(Link(name, float(model.body_mass[b]), np.array(model.body_ipos[b]), inertia))
 
     def joint(self, j: int, parent: str, child: str, at: Array) -> Joint:
         """MuJoCo turns about an axis through `jnt_pos` by qpos less its reference; a free joint is placed by qpos."""
-        model, name = self.model, name_of(self.model, "joint", j)
+        model, name = self.model, self.joint_names[j]
         kind, axis, dof = model.jnt_type[j], np.array(model.jnt_axis[j]), model.jnt_dofadr[j]
         damping, friction = float(model.dof_damping[dof]), float(model.dof_frictionloss[dof])
         if kind == FREE:

@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from cutpoint.formats.mjcf_model import BALL, FREE, name_of
+from cutpoint.formats.mjcf_model import BALL, FREE, names_of
 from cutpoint.model.places import listed
 
 
@@ -26,7 +26,8 @@ def losses(model: Any, left_out: Counter[str]) -> list[str]:
         found.append(f"contacts ({colliding} geoms)")
     if model.opt.density or model.opt.viscosity:
         found.append("forces of the fluid")
-    bodies = [name_of(model, "body", int(b)) for b in np.flatnonzero(model.body_gravcomp)]
+    named = names_of(model, "body")
+    bodies = [named[b] for b in np.flatnonzero(model.body_gravcomp)]
     if bodies:
         found.append(f"gravcomp of bodies {listed(bodies)}")
     return found + _of_joints(model)
@@ -44,7 +45,8 @@ def _of_joints(model: Any) -> list[str]:
         "armature": _joints_of(model, by_dof & (model.dof_armature != 0.0)),
         "range": undriven & (model.jnt_limited != 0),
     }
-    named = {what: [name_of(model, "joint", int(j)) for j in np.flatnonzero(which)] for what, which in lost.items()}
+    names = names_of(model, "joint")
+    named = {what: [names[j] for j in np.flatnonzero(which)] for what, which in lost.items()}
     return [f"{what} of joints {listed(joints)}" for what, joints in named.items() if joints]
 
 

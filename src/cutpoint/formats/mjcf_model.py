@@ -27,9 +27,19 @@ def compiled(text: str, place: str) -> Any:
         raise _refused(problem, place) from problem
 
 
-def name_of(model: Any, kind: str, index: int) -> str:
-    """Of a body or joint of a compiled model: `joint_3` where the file gives none."""
-    return getattr(model, kind)(index).name or f"{kind}_{index}"
+def names_of(model: Any, kind: str) -> list[str]:
+    """Of the bodies or joints of a compiled model: `joint_3` where the file gives none."""
+    stated = [getattr(model, kind)(k).name for k in range(model.nbody if kind == "body" else model.njnt)]
+    taken = set(stated)
+    return [name or free(f"{kind}_{k}", taken) for k, name in enumerate(stated)]
+
+
+def free(name: str, taken: set[str]) -> str:
+    """The name, with underscores behind it as long as it is taken; it is taken then."""
+    while name in taken:
+        name += "_"
+    taken.add(name)
+    return name
 
 
 def package(place: str) -> Any:

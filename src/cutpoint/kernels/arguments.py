@@ -95,6 +95,8 @@ def _content(argument: Any) -> str:
 
 def _out_problem(outputs: Sequence[Port], batch: Shape, out: Any) -> str | None:
     given = out if isinstance(out, tuple) else (out,)
+    if isinstance(out, list) and len(outputs) > 1:
+        return f"out is a list, it must be a tuple of {len(outputs)} arrays: {', '.join(p.name for p in outputs)}"
     if len(given) != len(outputs):
         return f"out holds {len(given)} arrays, it must hold {len(outputs)}: {', '.join(p.name for p in outputs)}"
     for port, target in zip(outputs, given, strict=True):

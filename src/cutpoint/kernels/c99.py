@@ -15,11 +15,16 @@ from cutpoint.kernels.ports import Port
 from cutpoint.kernels.precision import Precision
 
 _FORMS = {
-    "add": "{} + {}", "sub": "{} - {}", "mul": "{} * {}", "div": "{} / {}", "neg": "-{}", "sqrt": "sqrt{f}({})",
-    "fma": "fma{f}({}, {}, {})", "fms": "fma{f}({}, {}, -{})", "fnma": "fma{f}(-{}, {}, {})",
+    "add": "{} + {}", "sub": "{} - {}", "mul": "{} * {}", "div": "{} / {}", "neg": "{}", "sqrt": "sqrt{f}({})",
+    "fma": "fma{f}({}, {}, {})", "fms": "fma{f}({}, {}, {})", "fnma": "fma{f}({}, {}, {})",
     "lt": "{} < {}", "le": "{} <= {}", "and": "{} & {}", "or": "{} | {}", "not": "!{}", "select": "{} ? {} : {}",
 }  # fmt: skip
 """Operations that C has; all others are calls of the functions below."""
+
+_TURNED = {"neg": 0, "fms": 2, "fnma": 0}
+"""Which operand changes its sign."""
+
+_FUSED = ("fma", "fms", "fnma")
 
 _BITS = """\
 static inline $word cutpoint_bits($real x) {
@@ -66,6 +71,12 @@ static inline $real cutpoint_significand($real a) {
 }
 """The primitives that look at bits; PRIMITIVES says what they mean."""
 
+_MINUS = """\
+static inline $real cutpoint_minus($real x) { /* a sign that gcc does not draw into a fused operation */
+  return cutpoint_real(cutpoint_bits(x) ^ ($word)1 << $top);
+}
+"""
+
 
 def words(precision: Precision) -> dict[str, Any]:
     """What stands in templates for numbers of this precision, and for their bits."""
@@ -93,6 +104,7 @@ def parameters(inputs: Sequence[Port], outputs: Sequence[Port], precision: Preci
 def helpers(graph: Graph) -> str:
     """The functions that the code of a lowered graph calls."""
     used = [text for op, text in _HELPERS.items() if op in graph.operations]
+    used += [_MINUS] if any(_is_fused(x.args[_turned(x)]) for x in graph.nodes if x.op in _TURNED) else []
     text = "\n".join([_BITS, *used]) + "\n" if used else ""
     return Template(text).substitute(words(graph.precision))
 
@@ -108,16 +120,32 @@ def body(graph: Graph, inputs: Sequence[Port], outputs: Sequence[Port]) -> str:
     lines = [f"(void){p.name};" for p in inputs if not _is_read(graph, p, inputs)]
     for count, x in enumerate(graph.nodes):
         names[x.serial] = f"_{count}"
-        value = read[x.args[0]] if x.op == "input" else _expression(x.op, [name(y) for y in x.args], precision)
+        value = read[x.args[0]] if x.op == "input" else _expression(x, [name(y) for y in x.args], precision)
         lines.append(f"const {'int' if x.op in CONDITIONS else precision.c} _{count} = {value};")
     lines += [f"{slot} = {name(x)};" for slot, x in zip(write, graph.results, strict=True)]
     return "".join(f"  {line}\n" for line in lines)
 
 
-def _expression(op: str, operands: list[str], precision: Precision) -> str:
-    if op in _FORMS:
-        return _FORMS[op].format(*operands, f=precision.suffix)
-    return f"cutpoint_{op}({', '.join(operands)})"
+def _expression(x: Node, operands: list[str], precision: Precision) -> str:
+    if x.op in _TURNED:
+        k = _turned(x)
+        operands[k] = f"cutpoint_minus({operands[k]})" if _is_fused(x.args[k]) else f"-{operands[k]}"
+    if x.op in _FORMS:
+        return _FORMS[x.op].format(*operands, f=precision.suffix)
+    return f"cutpoint_{x.op}({', '.join(operands)})"
+
+
+def _turned(x: Node) -> int:
+    """The operand that changes its sign; of two factors one that is not fused, where there is one.
+
+    Of -fma(a, b, c) gcc makes one operation, fma(-a, b, -c), whose exact zeros have the other sign.
+    """
+    first = _TURNED[x.op]
+    return 1 if x.op == "fnma" and _is_fused(x.args[0]) and not _is_fused(x.args[1]) else first
+
+
+def _is_fused(x: Any) -> bool:
+    return isinstance(x, Node) and x.op in _FUSED
 
 
 def _slots(ports: Sequence[Port], by_value: bool = False) -> list[str]:

@@ -8,7 +8,7 @@ from functools import wraps
 from typing import Any
 
 from cutpoint import scalars
-from cutpoint.errors import TraceError, unknown_name
+from cutpoint.errors import InputError, TraceError, unknown_name
 from cutpoint.kernels.algebra import Operand
 from cutpoint.kernels.elimination import Order, jacobian
 from cutpoint.kernels.graph import reach
@@ -82,6 +82,9 @@ def _trace_of(function: Callable[..., Any], arrays: Mapping[str, Flat]) -> Trace
 
 
 def _chosen(kind: str, names: Sequence[str] | None, known: Mapping[str, Any]) -> list[str]:
+    if names is not None and not names:
+        told = f"jacobian_of: names no {kind}; leave the argument out for all of them"
+        raise InputError(f"{told}: {', '.join(known)}", known=[*known])
     for name in names or ():
         if name not in known:
             raise unknown_name(kind, name, known)

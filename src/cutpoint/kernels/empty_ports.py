@@ -44,5 +44,7 @@ class AroundEmptyPorts:
             return [np.empty((*batch, *p.shape), self._precision.dtype) for p in self._graph.outputs]
         targets = [*out] if isinstance(out, tuple) else [out]
         for port, target in zip(self._graph.outputs, targets, strict=True):
+            if not isinstance(target, np.ndarray):
+                raise TypeError("out must be arrays")
             batch_shape(port, target)
         return targets

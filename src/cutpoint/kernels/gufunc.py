@@ -7,11 +7,12 @@ import ctypes
 from collections.abc import Callable, Sequence
 from typing import Any
 
+from cutpoint.errors import InputError
 from cutpoint.kernels import element
 from cutpoint.kernels.batch_loop import FUNCTION, batch_loop
 from cutpoint.kernels.graph import Graph
 from cutpoint.kernels.jit import Compiled
-from cutpoint.kernels.numpy_api import new_gufunc
+from cutpoint.kernels.numpy_api import MOST_OPERANDS, new_gufunc
 from cutpoint.kernels.packs import Packs, lanes_of
 from cutpoint.kernels.ports import Port
 
@@ -27,6 +28,10 @@ class Gufunc:
     """
 
     def __init__(self, graph: Graph, inputs: Sequence[Port], outputs: Sequence[Port], name: str) -> None:
+        """Raises InputError for more arrays than NumPy takes."""
+        if (count := len(inputs) + len(outputs)) > MOST_OPERANDS:
+            told = f"{name}: {count} inputs and outputs, at most {MOST_OPERANDS} compile"
+            raise InputError(f"{told}; gather numbers into vectors, or use backend='numpy'", arrays=count)
         self._packs = Packs(graph, inputs, outputs, name)
         text = batch_loop(graph, inputs, outputs, lanes_of(graph.precision), self._packs.width)
         self._code = Compiled(text, FUNCTION, element.FUNCTION)

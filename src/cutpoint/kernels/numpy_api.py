@@ -15,6 +15,9 @@ import numpy as np
 DOUBLE = 12
 """The number of float64 among NumPy's types."""
 
+MOST_OPERANDS = 64 if hasattr(np, "_core") else 32
+"""Of a ufunc, inputs and outputs together: in NumPy 2, and in 1.26."""
+
 _HEADER = object.__basicsize__
 DATA, RANK, SHAPE, TYPE, FLAGS = _HEADER, _HEADER + 8, _HEADER + 16, _HEADER + 40, _HEADER + 48
 """Where an array's fields are, in bytes: void *data, int nd, npy_intp *dimensions, PyArray_Descr *descr, int flags."""

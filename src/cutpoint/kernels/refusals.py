@@ -1,6 +1,7 @@
 """What a traced number cannot do, said at the user's line with what to write instead."""
 
 import sys
+from numbers import Real
 from types import FrameType
 from typing import Any, NoReturn
 
@@ -59,6 +60,15 @@ def refuse_numpy(name: str) -> NoReturn:
     ours = _RENAMED.get(name, name)
     remedy = f"use cutpoint.{ours}" if ours in (*_OURS, "atan", "absolute") else "write it with cutpoint's functions"
     refuse(f"np.{name} cannot be applied to a traced number; {remedy}")
+
+
+def as_float(x: float | Real) -> float:
+    """Raises TraceError for a number that is too large for a float."""
+    try:
+        return float(x)
+    except OverflowError:
+        told = f"a constant of a kernel is a float, at most {sys.float_info.max:.2g}"
+        refuse(f"{told}; this {type(x).__name__} is larger")
 
 
 def refuse_operand(other: Any) -> NoReturn:

@@ -9,6 +9,7 @@ from cutpoint.errors import InputError, TraceError
 from cutpoint.kernels.graph import Graph
 from cutpoint.kernels.nodes import Trace
 from cutpoint.kernels.ports import Port, flatten, named_parts, nest, port
+from cutpoint.kernels.refusals import as_float
 from cutpoint.kernels.tracing import Operand, Traced, tracing
 
 
@@ -38,6 +39,9 @@ def name_of(function: Callable[..., Any]) -> str:
 def _bound(function: Callable[..., Any], arguments: dict[str, Any]) -> dict[str, Any]:
     try:
         inspect.signature(function).bind(**arguments)
+    except ValueError:
+        wrapped = f"lambda {', '.join(arguments)}: {name_of(function)}(...)"
+        raise InputError(f"{name_of(function)}: its parameters are not known; compile {wrapped}") from None
     except TypeError as error:
         raise InputError(f"{name_of(function)}: its parameters are not the inputs {[*arguments]}: {error}") from None
     return arguments
@@ -55,6 +59,6 @@ def checked(function: Callable[..., Any], name: str, x: Any, trace: Trace) -> Op
     if isinstance(x, Traced) and x.trace is trace:
         return x
     if isinstance(x, Real):
-        return float(x)
+        return as_float(x)
     what = "a number of another trace" if isinstance(x, Traced) else f"a {type(x).__name__}"
     raise TraceError(f"{name_of(function)}: output {name!r} holds {what}; it must hold traced numbers, ints and floats")

@@ -16,7 +16,7 @@ import numpy as np
 from cutpoint.kernels import algebra
 from cutpoint.kernels.algebra import Operand
 from cutpoint.kernels.nodes import Node, Trace
-from cutpoint.kernels.refusals import Refusals, refuse, refuse_numpy, refuse_operand
+from cutpoint.kernels.refusals import Refusals, as_float, refuse, refuse_numpy, refuse_operand
 
 _OPERATORS = {
     "add": operator.add, "subtract": operator.sub, "multiply": operator.mul, "divide": operator.truediv,
@@ -33,7 +33,7 @@ def _operator(rule: Callable[[Any, Any], Any]) -> Callable[[Any, Any], Any]:
         if isinstance(other, Traced):
             return rule(self, other)
         if isinstance(other, (float, int, Real)):  # the first two are only quicker
-            return rule(self, float(other))
+            return rule(self, as_float(other))
         return _yield_to(other)
 
     return apply
@@ -104,7 +104,7 @@ class Traced(Refusals, Node):
     def __pow__(self, exponent: Any) -> Operand:
         if not isinstance(exponent, Real):
             refuse("the exponent of ** must be a constant whole number or 0.5; for others use exp and log")
-        return algebra.power(self, float(exponent))
+        return algebra.power(self, as_float(exponent))
 
     def __rpow__(self, base: Any) -> Operand:
         refuse("a constant to a traced power: write cutpoint.exp(x * log(base))")
@@ -148,7 +148,7 @@ def _compare(op: str, x: Operand, y: Operand) -> Condition:
 
 
 def _constant(x: Any) -> float:
-    return float(x) if isinstance(x, Real) else refuse_operand(x)
+    return as_float(x) if isinstance(x, Real) else refuse_operand(x)
 
 
 def _boxed(x: Traced) -> np.ndarray:

@@ -6,7 +6,7 @@ number of the drive divides, its inverse is a factor, which is found once.
 
 from dataclasses import dataclass
 
-from cutpoint.scalars import Scalar, atan, clip, log, tan
+from cutpoint.scalars import Scalar, atan, clip, log, tan, tanh
 
 POLE_GUARD = 1.5
 """Where law (2) is continued by its tangent, in units of c_f K_f0 deflection; the pole is at pi/2."""
@@ -69,5 +69,12 @@ class Flexspline:
         x = deflection * (self.hardening * self.stiffness)
         inside = clip(x, -POLE_GUARD, POLE_GUARD)
         beyond, slope = x - inside, tan(inside)
-        stored = log(1 + slope * slope) / 2 + slope * beyond + _SECANT2 * beyond * beyond / 2
+        stored = _log1p(slope * slope) / 2 + slope * beyond + _SECANT2 * beyond * beyond / 2
         return stored / (self.hardening * self.hardening * self.stiffness)
+
+
+def _log1p(y: Scalar) -> Scalar:
+    """ln(1 + y), y not negative, with all digits of a small y: one Newton step on tanh(x/2) = y / (2 + y)."""
+    x = log(1 + y)
+    half = tanh(x / 2)
+    return x - 2 * (half - y / (2 + y)) / (1 - half * half)

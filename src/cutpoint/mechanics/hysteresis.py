@@ -7,6 +7,7 @@ element gives back is never more than what wound it up.  Strains in rad (m), tor
 from dataclasses import dataclass
 from typing import Any
 
+from cutpoint.errors import InputError
 from cutpoint.scalars import Scalar, clip, where
 
 
@@ -26,7 +27,11 @@ class MaxwellSlip:
         """Elements whose torque grows as W (2 x - x^2), x = strain / reach, to W = `torque` (N m) at `reach` (rad).
 
         Its chords between the elements' reaches: the last element is half as stiff as the others.
+        Raises InputError for a reach that is not positive, or elements that are no whole number from 1.
         """
+        if not (reach > 0 and elements >= 1 and elements == int(elements)):
+            told = f"MaxwellSlip.smooth: reach {reach} must be positive, elements {elements} a whole number from 1"
+            raise InputError(told, reach=reach, elements=elements)
         each = 2 * torque / (reach * elements)
         stiffness = (*[each] * (elements - 1), each / 2)
         return cls(stiffness, tuple(reach * ((k + 1) / elements) for k in range(elements)))

@@ -1,6 +1,6 @@
 """Mass matrix, energies and momentum."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 
 from cutpoint.mechanics.kinematics import body_velocities, joint_poses, velocity_columns, world_poses
 from cutpoint.mechanics.rigid_body import kinetic_energy
@@ -81,14 +81,26 @@ def potential_energy_of(system: System, q: Scalars) -> Scalar:
     return total
 
 
-def momentum_of(system: System, q: Scalars, v: Scalars) -> Wrench:
-    """Linear and angular momentum of all bodies about the world's origin, along its axes, kg m/s and kg m2/s."""
+def carried_energy_of(system: System, q: Scalars, v: Scalars, rotors: Mapping[int, Scalar]) -> Scalar:
+    """Energy that elastic drives' rotors with full coupling have because they spin on carriers that turn, J.
+
+    rotors: their speeds over ratio, by the segment that they drive.
+    """
+    V = body_velocities(system, q, v)
+    turned = (spin.torque(V[spin.carrier].angular) * rotors[spin.joint] for spin in system.spins if spin.elastic)
+    return sum(turned, 0)
+
+
+def momentum_of(system: System, q: Scalars, v: Scalars, rotors: Mapping[int, Scalar]) -> Wrench:
+    """Linear and angular momentum of all bodies about the world's origin, along its axes, kg m/s and kg m2/s.
+
+    rotors: speeds over ratio of those that elastic drives turn, by the segment; they count with full coupling.
+    """
     total = NO_WRENCH
     X, V = world_poses(system, q), body_velocities(system, q, v)
     for body, X_i, V_i in zip(system.segments, X, V, strict=True):
         total = total + X_i.inward(body.inertia * V_i)
     for spin in system.spins:
-        if not spin.elastic:
-            speed = system.segments[spin.joint].speeds(v)[0]
-            total = total + X[spin.carrier].inward(Wrench(ZERO, spin.axis * (spin.geared * speed)))
+        speed = rotors[spin.joint] if spin.elastic else system.segments[spin.joint].speeds(v)[0]
+        total = total + X[spin.carrier].inward(Wrench(ZERO, spin.axis * (spin.geared * speed)))
     return total

@@ -1,10 +1,11 @@
 """Joint torques as a linear function of inertial parameters.  Atkeson, An and Hollerbach (1986)."""
 
 from collections.abc import Sequence
+from dataclasses import replace
 
-from cutpoint.mechanics.inverse_dynamics import BodyMotion, motions, required_motions
+from cutpoint.mechanics.inverse_dynamics import BodyMotion, motions, required_inverse_dynamics, required_motions
 from cutpoint.mechanics.kinematics import velocity_columns
-from cutpoint.mechanics.rigid_body import body_regressor
+from cutpoint.mechanics.rigid_body import body_regressor, inertia_of
 from cutpoint.mechanics.system import System
 from cutpoint.scalars import Scalar
 
@@ -14,7 +15,7 @@ Scalars = Sequence[Scalar]
 def torque_regressor(system: System, q: Scalars, v: Scalars, a: Scalars) -> list[list[Scalar]]:
     """Y(q, v, a), nv x 10 n, with tau = Y p: ten columns a body, in the order of `body_regressor`.
 
-    p is expressed in the bodies' own frames, as a file gives them; armature is no part of it.
+    p is expressed in the bodies' own frames, as a file gives them; what rotors' spin costs is no part of it.
     """
     moved = motions(system, q, v, a)
     return _of_bodies(system, moved, moved)
@@ -26,6 +27,16 @@ def required_torque_regressor(
     """Y(q, v, v_r, a_r), nv x 10 n, with Y p = M a_r + C(q, v) v_r + g.  Slotine and Li (1987)."""
     actual, required = required_motions(system, q, v, v_r, a_r)
     return _of_bodies(system, actual, required)
+
+
+def required_rotor_torques(system: System, q: Scalars, v: Scalars, v_r: Scalars, a_r: Scalars) -> list[Scalar]:
+    """What `required_torque_regressor` leaves out: armature, and with full coupling what spins exchange with carriers.
+
+    It is the torque of the system whose bodies weigh nothing.
+    """
+    nothing = inertia_of([0] * 10)
+    weightless = tuple(replace(segment, inertia=nothing) for segment in system.segments)
+    return required_inverse_dynamics(replace(system, segments=weightless), q, v, v_r, a_r)
 
 
 def _of_bodies(system: System, actual: list[BodyMotion], required: list[BodyMotion]) -> list[list[Scalar]]:

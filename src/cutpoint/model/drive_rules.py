@@ -99,4 +99,4 @@ WITHIN = {
 WAVES = ("harmonics", "ripple", "cogging")
 
 RISING = (("lower", "upper"), ("t1", "t2"))
-"""Numbers of one part, of which the second must be above the first.  Friction may rise from rest: it is found so."""
+"""Numbers of one part, of which the second must be above the first."""

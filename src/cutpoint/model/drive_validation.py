@@ -81,11 +81,15 @@ def _of_waves(waves: Any, part: str) -> Iterator[Complaint]:
 
 
 def _of_springs(drive: Drive) -> Iterator[Complaint]:
-    """What goes with a spring is there with one only; slipping elements are whole, errors small enough."""
+    """What goes with a spring is there with one only; one ratio, slipping elements are whole, errors small enough."""
     told = {"kinematic_error": "a kinematic error", "hysteresis": "hysteresis", "damping": f"damping {drive.damping}"}
     for what, words in told.items():
         if getattr(drive, what) and not drive.is_elastic:
             yield what, f"{words} needs an elastic drive; give it a compliance"
+    wave = getattr(getattr(drive.compliance, "spring", drive.compliance), "wave_generator", None)
+    if (ratio := getattr(wave, "ratio", None)) is not None and ratio != abs(drive.ratio):
+        words = f"the wave generator's ratio {ratio} must be the drive's, {abs(drive.ratio)}"
+        yield "compliance.wave_generator.ratio", words
     if drive.hysteresis and len(drive.hysteresis.stiffness) != len(drive.hysteresis.reach):
         counts = f"{len(drive.hysteresis.stiffness)} stiffness and {len(drive.hysteresis.reach)} reach"
         yield "hysteresis", f"hysteresis must state both of each element, got {counts}"
@@ -111,9 +115,13 @@ def _of_motors(drive: Drive) -> Iterator[Complaint]:
 
 
 def _of_friction(side: str, law: Any, elastic: bool) -> Iterator[Complaint]:
-    """Load counts on the motor's side only; with bristles it takes a spring to tell the load."""
+    """At rest there is no less than in motion; load counts on the motor's side only; with bristles it takes a spring to
+    tell the load."""
     sliding = getattr(law, "sliding", law)  # of bristles, what they turn into
     per_load, asymmetry = (getattr(sliding, name, None) for name in ("per_load", "asymmetry"))
+    coulomb, static = (getattr(sliding, name, None) for name in ("coulomb", "static"))
+    if coulomb is not None and static is not None and static < coulomb:
+        yield f"{side}.static", f"static {static} must not be below coulomb {coulomb}, in {side}"
     if per_load is not None and side == "link_friction":
         yield side, "link friction grows with load; per_load is for motor_friction, where the gear's teeth are"
     if per_load is not None and sliding is not law and not elastic:

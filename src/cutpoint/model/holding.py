@@ -8,7 +8,7 @@ import numpy as np
 from cutpoint.model.mechanism import Joint, Mimic
 from cutpoint.model.places import Places, those_that_exist
 from cutpoint.model.pose import pose, rotation_about
-from cutpoint.model.validation import DEGREES_BEYOND, ONE_COORDINATE
+from cutpoint.model.validation import DEGREES_BEYOND, ONE_COORDINATE, check_size
 
 LONGEST_CHAIN = 16
 """Of mimics of mimics, in joints."""
@@ -20,7 +20,7 @@ def hold(joints: Sequence[Joint], lock: Mapping[str, float], coupled: bool, plac
     Where followers are coupled, one of a locked leader is locked too.  Where they are not, it is free, and so is one
     whose leader does not exist.
     Raises ModelError: unknown name, a joint that cannot be locked, a follower locked apart from its leader, a mimic in
-    a circle or of a joint that does not move.
+    a circle or of a joint that does not move, numbers that no machine has.
     """
     holder = _Holder({joint.name: joint for joint in joints}, lock, coupled, places)
     for name, value in lock.items():
@@ -45,13 +45,18 @@ class _Holder:
 
     def held(self, joint: Joint) -> Joint:
         if joint.name in self.lock:
-            return fixed_at(joint, self.lock[joint.name])
+            return self.fixed(joint, self.lock[joint.name])
         mimic = None if joint.kind == "fixed" else self.leader(joint)
         if mimic is None or mimic.joint not in self.lock:
             return replace(joint, mimic=mimic)
         if not self.coupled:
             return replace(joint, mimic=None)
-        return fixed_at(joint, mimic.multiplier * self.lock[mimic.joint] + mimic.offset)
+        return self.fixed(joint, mimic.multiplier * self.lock[mimic.joint] + mimic.offset)
+
+    def fixed(self, joint: Joint, value: float) -> Joint:
+        fixed = fixed_at(joint, value)
+        check_size(f"joint {joint.name!r}", "placement where it is locked", fixed.placement, self.places)
+        return fixed
 
     def leader(self, joint: Joint) -> Mimic | None:
         """The relation of a joint to the end of its chain: a joint that leads itself, or a locked one."""
@@ -62,6 +67,8 @@ class _Holder:
                 return None
             self.check_step(joint, step, passed)
             multiplier, offset = multiplier * step.multiplier, multiplier * step.offset + offset
+            sizes = np.array([multiplier, offset])
+            check_size(f"joint {joint.name!r}", "mimic multiplier and offset", sizes, self.places)
             end = self.by_name[step.joint]
             passed.add(end.name)
         return None if end is joint else Mimic(end.name, multiplier, offset)
@@ -92,6 +99,7 @@ class _Holder:
             raise self.places.error(thing, f"the joint is {joint.kind}; it must be one of {', '.join(ONE_COORDINATE)}")
         if not isinstance(value, (int, float, np.number)) or not np.isfinite(value):
             raise self.places.error(thing, f"value {value!r} must be a finite number")
+        check_size(thing, "value", value, self.places)
         outside = not joint.limits.lower <= value <= joint.limits.upper
         if joint.kind == "revolute" and outside and abs(value) > DEGREES_BEYOND:
             radians = f"{value:g} degrees are {np.deg2rad(value):.6g} rad"

@@ -22,7 +22,7 @@ GYRATION = 1e-6
 """Radius of gyration, m, below which a tensor is taken for rounding."""
 
 LARGEST = 1e12
-"""Masses, inertias and places (SI) beyond it belong to no machine, and their products overflow."""
+"""Masses, inertias, places and gravity (SI) beyond it belong to no machine, and their products overflow."""
 
 AXIS_MINIMUM = 1e-6
 """Shorter axes have no direction that can be trusted."""
@@ -54,7 +54,7 @@ def check_link(link: Link, places: Places) -> None:
     thing = f"link {link.name!r}"
     for what, value, shape in (("mass", link.mass, ()), ("com", link.com, (3,)), ("inertia", link.inertia, (3, 3))):
         _check_numbers(thing, what, value, shape, places)
-        _check_size(thing, what, value, places)
+        check_size(thing, what, value, places)
     if link.mass < 0.0:
         raise places.error(thing, f"mass {link.mass!r} kg must not be negative", link=link.name, mass=link.mass)
     skew = np.max(np.abs(link.inertia - link.inertia.T))
@@ -70,7 +70,7 @@ def check_joint(joint: Joint, places: Places) -> None:
         complaint = f"kind {joint.kind!r} is not supported; {those_that_exist(joint.kind, get_args(JointKind))}"
         raise places.error(thing, complaint, joint=joint.name, kind=joint.kind)
     _check_numbers(thing, "placement", joint.placement, (4, 4), places)
-    _check_size(thing, "placement", joint.placement, places)
+    check_size(thing, "placement", joint.placement, places)
     if not is_rigid(joint.placement):
         complaint = "placement must be a proper rotation and a translation (R R^T = 1, det R = 1, last row 0 0 0 1)"
         raise places.error(thing, complaint, joint=joint.name, placement=joint.placement)
@@ -96,6 +96,7 @@ def _check_own_numbers(joint: Joint, places: Places) -> None:
             raise places.error(thing, complaint, joint=joint.name)
     if joint.kind == "helical":
         _check_numbers(thing, "pitch", joint.pitch, (), places)
+        check_size(thing, "pitch", joint.pitch, places)
         if joint.pitch == 0.0:
             complaint = "pitch 0.0 m/rad must not be zero; without one the joint is revolute"
             raise places.error(thing, complaint, joint=joint.name)
@@ -130,6 +131,7 @@ def check_limits(thing: str, limits: Limits, unit: Mapping[str, str], places: Pl
 
 def check_gravity(gravity: Array, places: Places) -> None:
     _check_numbers("gravity", "vector", gravity, (3,), places)
+    check_size("gravity", "vector", gravity, places)
 
 
 def check_body(body: Body, pieces: Sequence[str], places: Places) -> None:
@@ -174,7 +176,8 @@ def _check_numbers(thing: str, what: str, value: float | Array, shape: tuple[int
         raise places.error(thing, f"{what} must be finite, got {value}", what=what, value=value)
 
 
-def _check_size(thing: str, what: str, value: float | Array, places: Places) -> None:
+def check_size(thing: str, what: str, value: float | Array, places: Places) -> None:
+    """Raises ModelError for numbers beyond LARGEST."""
     largest = float(np.max(np.abs(value)))
     if largest > LARGEST:
         rule = f"{what} must not exceed {LARGEST:g} in SI units, as in no machine, got {largest:g}; check its unit"

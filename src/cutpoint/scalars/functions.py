@@ -47,10 +47,18 @@ def where(condition: Any, yes: Scalar, no: Scalar) -> Scalar:
 
 
 def absolute(x: Scalar) -> Scalar: return where(x < 0, -x, x)
-def minimum(x: Scalar, y: Scalar) -> Scalar: return where(x < y, x, y)
-def maximum(x: Scalar, y: Scalar) -> Scalar: return where(x > y, x, y)
+
+
+def minimum(x: Scalar, y: Scalar) -> Scalar:
+    """The lesser of the two; not a number where x is not."""
+    return where(y < x, y, x)
+
+
+def maximum(x: Scalar, y: Scalar) -> Scalar:
+    """The greater of the two; not a number where x is not."""
+    return where(x < y, y, x)
 
 
 def clip(x: Scalar, low: Scalar, high: Scalar) -> Scalar:
-    """x, or the bound that it exceeds."""
+    """x, or the bound that it exceeds; not a number where x is not."""
     return minimum(maximum(x, low), high)

@@ -18,6 +18,7 @@ class Jet:
     """
 
     __slots__ = ("derivatives",)
+    __array_ufunc__ = None  # so that array * jet comes here
     level = 2  # a jet of traced values is a jet: it decides in `where`
 
     def __init__(self, *derivatives: Scalar) -> None:

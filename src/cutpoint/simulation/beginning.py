@@ -1,13 +1,19 @@
 """The state that a run starts from: what is given, and what is left to be found."""
 
+from typing import Any
+
 import numpy as np
 from numpy.typing import NDArray
 
 from cutpoint.door import checked_array
+from cutpoint.errors import InputError
 from cutpoint.robot import Robot
 from cutpoint.simulation.plant import State, sizes
 
 Array = NDArray[np.float64]
+
+ROUNDING = 1e-9
+"""Relative, or in rad, rad/s (m, m/s): within it a rigid drive's motor is where its link is."""
 
 
 def beginning(robot: Robot, initial: State | None, reference: Array, is_held: bool) -> tuple[State, Array]:
@@ -33,8 +39,22 @@ def _motion(robot: Robot, given: State, reference: Array) -> State:
     v = v if given.v is None else checked_array("simulate", "initial.v", given.v, robot.nv)
     theta = q[driven] + robot.static_deflection(q) if given.theta is None else given.theta
     omega = v[speeds] if given.theta_dot is None else given.theta_dot
-    theta = checked_array("simulate", "initial.theta", theta, len(driven))
-    return State(q, v, theta, checked_array("simulate", "initial.theta_dot", omega, len(driven)))
+    return State(q, v, _of_motors(robot, "theta", theta, q[driven]), _of_motors(robot, "theta_dot", omega, v[speeds]))
+
+
+def _of_motors(robot: Robot, name: str, told: Any, links: Array) -> Array:
+    """Positions or speeds of motors (n,); of rigid drives the links', whatever was rounded on the way.
+
+    Raises InputError for a rigid drive's that is another.
+    """
+    motors = checked_array("simulate", f"initial.{name}", told, len(links))
+    rigid = np.array([not drive.is_elastic for drive in robot.drives.values()], bool)
+    apart = rigid & (np.abs(motors - links) > ROUNDING * np.maximum(np.abs(links), 1.0))
+    if apart.any():
+        k = int(apart.argmax())
+        rule = f"the drive of {robot.joints[k]!r} is rigid, its motor moves as its link, {links[k]:g}"
+        raise InputError(f"simulate: initial.{name}[{k}] is {motors[k]:g}; {rule}", joint=robot.joints[k])
+    return np.where(rigid, links, motors)
 
 
 def _with_inner_states(robot: Robot, given: State, start: State, told: Array) -> State:

@@ -8,17 +8,20 @@ from numpy.typing import NDArray
 
 from cutpoint.functions.idle_joints import check_moves_inertia
 from cutpoint.mechanics.harmonic_drive import friction_resistance
+from cutpoint.mechanics.kinematic_error import KinematicError
 from cutpoint.mechanics.linearly_implicit import is_carried
 from cutpoint.mechanics.motor import TURN
 from cutpoint.mechanics.presliding import Presliding
-from cutpoint.model.drive import Drive, Friction
+from cutpoint.model.drive import Friction
 from cutpoint.robot import Robot
+from cutpoint.simulation.spring_slopes import most_torque, stiffest
 
 Array = NDArray[np.float64]
 
-SETTINGS = {"standard": (0.5, 2.0, 2.0, 2.5e-4), "fine": (0.1, 0.25, 0.5, 6.25e-5)}
+SETTINGS = {"standard": (0.5, 2.0, 2.0, 2.0, 2.5e-4), "fine": (0.1, 0.25, 0.5, 1.0, 6.25e-5)}
 """Largest step: times the fastest drive mode (rad/s), times the fastest decay that is not taken implicitly (1/s), times
-the fastest growth where friction falls with speed (1/s), and in s."""
+the fastest growth where friction falls with speed (1/s), times the fastest wave of ripple, cogging or kinematic error
+(rad/s), and in s.  A step of 2 pi of a wave would not see it at all."""
 
 MOST_SUBSTEPS = 400
 
@@ -44,10 +47,14 @@ class Steps(NamedTuple):
     cause: str
 
 
-def substeps_for(robot: Robot, accuracy: str, period: float, poses: Array) -> Steps:
-    """Steps a control period so that drive modes, current loops and slipping are followed at poses (m, nq)."""
+def substeps_for(robot: Robot, accuracy: str, period: float, poses: Array, speeds: Array | None = None) -> Steps:
+    """Steps a control period so that drive modes, current loops, slipping and waves are followed.
+
+    poses: (m, nq), where stiffness is judged.  speeds: (n,) rad/s, how fast drives will turn at most; none by default.
+    """
     *shares, longest = SETTINGS[accuracy]
-    limits = fastest_mode(robot, poses), fastest_decay(robot), fastest_growth(robot, poses)
+    wave = fastest_wave(robot, np.zeros(len(robot.drives)) if speeds is None else speeds)
+    limits = fastest_mode(robot, poses), fastest_decay(robot), fastest_growth(robot, poses), wave
     bounds = [(share / max(x.rate, 1e-9), x.cause) for share, x in zip(shares, limits, strict=True)]
     step, cause = min([(longest, "the longest step of this accuracy"), *bounds])
     wanted = int(np.ceil(period / step - 1e-9))
@@ -55,7 +62,7 @@ def substeps_for(robot: Robot, accuracy: str, period: float, poses: Array) -> St
         warnings.warn(
             f"{cause} would take {wanted} integration steps a control period (its fastest mode is "
             f"{limits[0].rate / 2 / np.pi:.0f} Hz); {MOST_SUBSTEPS} are taken. "
-            "Soften it (distance, stiffness, bandwidth, Stribeck velocity), or give substeps=",
+            "Soften it (distance, stiffness, bandwidth, Stribeck velocity, order of a wave), or give substeps=",
             StiffnessWarning,
             stacklevel=4,
         )
@@ -67,11 +74,11 @@ def fastest_mode(robot: Robot, poses: Array) -> Limit:
     names, drives = [*robot.drives], [*robot.drives.values()]
     elastic = np.array([d.is_elastic for d in drives], bool)
     bristles = np.array([[_bristles(d.link_friction), _bristles(d.motor_friction)] for d in drives]).reshape(-1, 2)
-    J_inverse = _rotor_mobility(robot)
+    J_inverse, most = _rotor_mobility(robot), most_torque(robot)
     best = Limit(0.0, "nothing that swings")
     for q in poses:
         M_inverse, lead = _link_mobility(robot, q), robot.static_deflection(q)
-        K = np.array([_spring_stiffness(d, x) for d, x in zip(drives, lead, strict=True)])
+        K = np.array([stiffest(*each) for each in zip(drives, lead, most, strict=True)])
         on_link = K + bristles[:, 0] + np.where(elastic, 0.0, bristles[:, 1])
         # [a; theta''] = -[M^-1 (K + b_l), -M^-1 K; -J^-1 K, J^-1 (K + b_m)] [q; theta]
         square, shape = _largest_eigenvalue(
@@ -117,6 +124,18 @@ def fastest_growth(robot: Robot, poses: Array) -> Limit:
     return best
 
 
+def fastest_wave(robot: Robot, speeds: Array) -> Limit:
+    """Fastest wave of torque or kinematic error, rad/s, of drives that turn with speeds (n,), rad/s at the joint."""
+    best = Limit(0.0, "nothing that waves")
+    for (name, drive), speed in zip(robot.drives.items(), speeds, strict=True):
+        waves = [*drive.kinematic_error.harmonics] if isinstance(drive.kinematic_error, KinematicError) else []
+        waves += [*drive.motor.ripple, *drive.motor.cogging] if drive.motor else []
+        order = max((wave.order for wave in waves if wave.amplitude), default=0)
+        rate = float(order * abs(drive.ratio * speed))
+        best = max(best, Limit(rate, f"waves of order {order} of the motor of {name!r}"))
+    return best
+
+
 def _largest_eigenvalue(A: Array) -> tuple[float, Array]:
     """Its size, and the sizes of its vector's entries; A is a product of two positive semidefinite matrices.
 
@@ -150,12 +169,6 @@ def _link_mobility(robot: Robot, q: Array) -> Array:
 
 def _rotor_mobility(robot: Robot) -> Array:
     return np.array([1 / d.reflected_inertia if d.is_elastic else 0.0 for d in robot.drives.values()], np.float64)
-
-
-def _spring_stiffness(drive: Drive, lead: float) -> float:
-    if drive.compliance is None:
-        return 0.0
-    return float(drive.compliance.tangent(lead)) + (sum(drive.hysteresis.stiffness) if drive.hysteresis else 0.0)
 
 
 def _bristles(law: Friction | None) -> float:

@@ -17,6 +17,9 @@ AXIS_WIDTH, AXIS_HEIGHT = 3.6, 2.0
 ACROSS = 3
 """Axes side by side."""
 
+COLOURS, STYLES = 10, ("-", "--", "-.", ":")
+"""How many colours lines go through, and the styles that they have from one time to the next."""
+
 MOST_COLUMNS, COLUMN_GAP = 6, 0.2
 """Of the legend; inches between two of them."""
 
@@ -28,24 +31,24 @@ def picture(log: Log, names: Sequence[str]) -> Figure:
     """One axis per unit and joint for the named channels; without names, one axis per channel."""
     axes = _axes(log, names)
     if not axes:
-        raise InputError("the log has no channels to plot")
+        raise InputError("the log has no channels to plot, or nothing but NaN in them")
     across = min(ACROSS, len(axes), len(log.joints) if names and log.joints else ACROSS)
     down = -(-len(axes) // across)
     figure = Figure(figsize=(0.6 + AXIS_WIDTH * across, 0.3 + AXIS_HEIGHT * down), layout="constrained")
-    colours = {label: f"C{index}" for index, label in enumerate(names or log.joints)}
+    looks = {label: (f"C{k % COLOURS}", STYLES[k // COLOURS % 4]) for k, label in enumerate(names or log.joints)}
     drawn: dict[str, Line2D] = {}
     for index, ((unit, title), lines) in enumerate(axes.items()):
         axis = figure.add_subplot(down, across, index + 1)
-        drawn = _draw(axis, log.time, lines, colours, later="--" if names else "-") | drawn
+        drawn = _draw(axis, log.time, lines, looks, later="--" if names else None) | drawn
         axis.set_title(f"{title} [{unit}]" if unit else title, loc="left", fontsize="medium", parse_math=False)
         if index >= len(axes) - across:
             axis.set_xlabel("time [s]")
-    _explain(figure, {label: drawn[label] for label in colours if label in drawn})
+    _explain(figure, {label: drawn[label] for label in looks if label in drawn})
     return figure
 
 
 def _axes(log: Log, names: Sequence[str]) -> dict[tuple[str, str], list[Line]]:
-    """The lines of each axis, by its unit and title, in the order of their first line."""
+    """The lines of each axis, by its unit and title, in the order of their first line; none where all is NaN."""
     axes: dict[tuple[str, str], list[Line]] = {}
     for name in names or log.channels:
         values = log[name].reshape(log.time.size, -1)
@@ -53,7 +56,7 @@ def _axes(log: Log, names: Sequence[str]) -> dict[tuple[str, str], list[Line]]:
             shown, factor = _for_people(unit)
             title, label = (joint or name, name) if names else (name, joint)
             axes.setdefault((shown, title), []).append((label, factor * values[:, column]))
-    return axes
+    return {key: lines for key, lines in axes.items() if not all(np.isnan(line).all() for _, line in lines)}
 
 
 def _for_people(unit: str) -> tuple[str, float]:
@@ -63,11 +66,15 @@ def _for_people(unit: str) -> tuple[str, float]:
     return unit, 1.0
 
 
-def _draw(axis: Axes, time: Array, lines: Sequence[Line], colours: dict[str, str], later: str) -> dict[str, Line2D]:
-    """Draws the lines, those after the first in the style `later`; a channel without joints is grey among joints."""
+def _draw(
+    axis: Axes, time: Array, lines: Sequence[Line], looks: dict[str, tuple[str, str]], later: str | None
+) -> dict[str, Line2D]:
+    """Draws the lines in their colours and styles, or those after the first in the style `later`; a channel without
+    joints is grey among joints."""
     drawn: dict[str, Line2D] = {}
     for index, (label, values) in enumerate(lines):
-        style, colour = later if index else "-", colours.get(label, "0.2")
+        colour, style = looks.get(label, ("0.2", "-"))
+        style = later if later and index else style
         (drawn[label],) = axis.plot(time, values, style, color=colour, linewidth=1.0)
     axis.margins(x=0.0)
     axis.grid(alpha=0.3)

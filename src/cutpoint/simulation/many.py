@@ -2,7 +2,7 @@
 
 import time
 import warnings
-from collections.abc import Callable, Collection, Sequence
+from collections.abc import Callable, Collection, Iterator, Sequence
 from concurrent.futures import FIRST_COMPLETED, Future, ThreadPoolExecutor, wait
 from dataclasses import dataclass, field, replace
 from threading import Event
@@ -24,6 +24,7 @@ from cutpoint.simulation.plant import State
 from cutpoint.simulation.runner import SHOW_PROGRESS_AFTER, Bar, UntracedControllerWarning
 from cutpoint.simulation.sensors import Sensors
 from cutpoint.simulation.simulate import check_kinds, prepared, simulate, steps_of
+from cutpoint.simulation.steps_reached import check_steps
 from cutpoint.trajectories import Trajectory
 
 Array = NDArray[np.float64]
@@ -107,10 +108,11 @@ def simulate_many(
     settings: dict[str, object] = {"accuracy": accuracy, "substeps": steps.number, "steps_set_by": steps.cause}
     packs = packs_of(setups, _structure, times=times, steps=steps, settings=settings)
     alone = _untraceable(packs)
-    found = _run_all([pack for pack in packs if pack not in alone], times, threads, each or (lambda log: log))
+    keep = _kept(each, checked=substeps is None)
+    found = _run_all([pack for pack in packs if pack not in alone], times, threads, keep)
     for number in [setup.number for pack in alone for setup in pack.setups]:
         own = {name: values[number] for name, values in runs.items()} | {"channels": channels}
-        found[number] = _alone(own, float(times[-1]), control_period, steps.number, settings, each)
+        found[number] = _alone(own, float(times[-1]), control_period, steps.number, settings, keep)
     for number in range(len(setups)):
         found.setdefault(number, SimulationError("interrupted before it ended"))
     errors = {k: x for k, x in sorted(found.items()) if isinstance(x, SimulationError)}
@@ -119,6 +121,10 @@ def simulate_many(
 
 def _dealt(given: dict[str, Any]) -> dict[str, list[Any]]:
     """One of everything for each run."""
+    for name, value in given.items():
+        if isinstance(value, Iterator) or (name == "controller" and isinstance(value, np.ndarray)):
+            kind = type(value).__name__
+            raise InputError(f"simulate_many: {name} is a {kind}; give one for all runs, or a list of one a run")
     lists = {name: value for name, value in given.items() if type(value) in (list, tuple)}
     counts = {name: len(value) for name, value in lists.items()}
     if len({*counts.values()}) != 1 or 0 in counts.values():
@@ -179,17 +185,27 @@ def _untraceable(packs: list[Pack]) -> list[Pack]:
 
 
 def _alone(
-    own: dict[str, Any], duration: float, period: float, substeps: int, settings: dict[str, object], each: Any
+    own: dict[str, Any], duration: float, period: float, substeps: int, settings: dict[str, object], keep: Any
 ) -> Any:
-    """A run by itself: its log, or what each makes of it, or what stopped it."""
+    """A run by itself: what is kept of it, or what stopped it."""
     try:
         with warnings.catch_warnings():
             warnings.simplefilter("ignore", UntracedControllerWarning)
             log = simulate(duration=duration, control_period=period, substeps=substeps, **own)
     except SimulationError as error:
         return error
-    log = replace(log, meta={**log.meta, **settings})
-    return each(log) if each else log
+    return keep(replace(log, meta={**log.meta, **settings}))
+
+
+def _kept(each: Callable[[Log], Any] | None, checked: bool) -> Callable[[Log], Any]:
+    """What is kept of a run's log, once its steps are checked."""
+
+    def keep(log: Log) -> Any:
+        if checked and log.run:
+            check_steps(log.run.robot, log)
+        return each(log) if each else log
+
+    return keep
 
 
 def _run_all(packs: list[Pack], times: Array, threads: int, keep: Callable[[Log], Any]) -> dict[int, Any]:

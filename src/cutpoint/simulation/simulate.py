@@ -27,6 +27,7 @@ from cutpoint.simulation.plant import State
 from cutpoint.simulation.recording import log_of
 from cutpoint.simulation.runner import run, working_memory
 from cutpoint.simulation.sensors import Sensors, encoders_of
+from cutpoint.simulation.steps_reached import check_steps
 from cutpoint.trajectories import Trajectory
 
 Array = NDArray[np.float64]
@@ -84,7 +85,8 @@ def simulate(
     disturbances: a function of the sample times (N,) that gives torques on the links' coordinates, (N, nv), N m, held
         over each period.
     accuracy: "standard", Runge-Kutta steps fit for 1e-4 rad in well-posed cases; "fine", for 1e-6; "reference",
-        adaptive DOP853 at rtol 1e-12, slow.  substeps: integration steps a control period, instead of those.
+        adaptive DOP853 at rtol 1e-12, slow.  substeps: integration steps a control period, instead of those; a
+        StiffnessWarning says where a run reached speeds that ask for more.
     hold: False lets the controller act at every instant, as proofs in continuous time have it, for laws, sensors and
         drives without memory; it is integrated as "reference" is, and logged each control period.
     channels: names of those that the log is to have, which saves time and memory; all by default.
@@ -104,10 +106,15 @@ def simulate(
     integrate = _integrator(loop, trajectory, accuracy, hold)
     outcome = run(loop, memory, steps.number, integrate)
     settings: dict[str, object] = {"accuracy": accuracy, "substeps": steps.number, "steps_set_by": steps.cause}
+    if integrate is not None:
+        own = {"accuracy": "reference", "substeps": None, "steps_set_by": "the adaptive integrator", "hold": bool(hold)}
+        settings |= own
     log = log_of(loop, memory["record"][: outcome.ticks], times, reference, settings)
     log = replace(log, run=Run(robot, loop.controller, reference[:, : outcome.ticks]))
     if outcome.cause:
         raise SimulationError(outcome.cause, log=log, time=float(times[outcome.ticks - 1]), diverged=outcome.diverged)
+    if integrate is None and substeps is None:
+        check_steps(robot, log)
     return log
 
 
@@ -172,7 +179,8 @@ def steps_of(robot: Robot, accuracy: str, substeps: int | None, period: float, s
     if substeps is None and accuracy == "reference":
         return Steps(1, "the adaptive integrator")
     if substeps is None:
-        return substeps_for(robot, accuracy, period, _poses(robot, start, reference))
+        speeds = np.maximum(np.abs(reference[1]).max(axis=0), np.abs(start.theta_dot))
+        return substeps_for(robot, accuracy, period, _poses(robot, start, reference), speeds)
     return Steps(whole("simulate", "substeps", substeps), "the caller")
 
 

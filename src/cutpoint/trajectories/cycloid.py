@@ -6,7 +6,7 @@ from numpy.typing import ArrayLike
 from cutpoint.trajectories.arrays import Array
 from cutpoint.trajectories.point_to_point import PointToPoint
 
-TURN = 2.0 * np.pi
+TURN = np.float64(2.0 * np.pi)
 
 
 class Cycloid(PointToPoint):

@@ -42,7 +42,8 @@ class PointToPoint(Trajectory):
 
     def _inside(self, t: Array, order: int) -> Array:
         u = t / self.duration
-        profile = np.stack([self._profile(u, k) / self.duration**k for k in range(order + 1)])
+        duration = np.float64(self.duration)  # whose powers may be infinite
+        profile = np.stack([self._profile(u, k) / duration**k for k in range(order + 1)])
         found = profile[..., None] * (self.end - self.start)
         found[0] += self.start
         return found

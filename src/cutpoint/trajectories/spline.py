@@ -27,7 +27,8 @@ class Spline(Trajectory):
 
     def _inside(self, t: Array, order: int) -> Array:
         found = np.zeros((order + 1, *t.shape, self.size))
+        unit = np.float64(self.unit)  # whose powers may be infinite
         for k in range(min(order, self.spline.k) + 1):
-            found[k] = self.spline(t / self.unit, nu=k) / self.unit**k
+            found[k] = self.spline(t / unit, nu=k) / unit**k
         found[0] += self.start
         return found

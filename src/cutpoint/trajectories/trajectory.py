@@ -7,6 +7,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike
 
+from cutpoint.door import whole
 from cutpoint.errors import InputError
 from cutpoint.trajectories.arrays import Array, numbers
 
@@ -44,14 +45,17 @@ class Trajectory(ABC):
         """Position and its first `order` time derivatives, (order + 1, ..., n), at times t (...), s.
 
         Raises:
-            InputError: a time is NaN, or the order is negative.
+            InputError: a time is NaN, the order is no whole number from 0, or a derivative is too large for a float.
         """
         times = numbers("time t", t)
         if np.isnan(times).any():
             raise InputError("time t is NaN: it must be a number of seconds", t=t)
-        if order < 0:
-            raise InputError(f"order {order} of the derivatives must be 0 or more", order=order)
-        found = self._inside(np.clip(times, 0.0, self.duration), order)
+        order = whole("derivatives", "order", order, least=0)
+        with np.errstate(all="ignore"):
+            found = self._inside(np.clip(times, 0.0, self.duration), order)
+        if not np.isfinite(found).all():
+            told = f"duration {self.duration:g} s is too short for derivatives up to order {order}"
+            raise InputError(f"{told}: they are too large for a float", duration=self.duration, order=order)
         found[1:, (times < 0.0) | (times > self.duration)] = 0.0
         return found
 

@@ -38,7 +38,7 @@ def alike(columns: Array, residual: Array, length: int) -> Array:
     power = np.abs(np.fft.rfft(residual, size)) ** 2
     lags = np.minimum(np.arange(size), size - np.arange(size))
     tapered = np.fft.irfft(power, size) / N * np.maximum(1.0 - lags / length, 0.0)
-    spectrum = np.fft.rfft(tapered).real
+    spectrum = np.maximum(np.fft.rfft(tapered).real, 0.0)  # as a triangle leaves it, but for rounding
     spectrum[1:-1] *= 2.0  # the negative frequencies
     parts = np.fft.rfft(columns, size, axis=0)
     return np.asarray((parts.conj().T @ (spectrum[:, None] * parts)).real / size)

@@ -14,6 +14,10 @@ from cutpoint.robot import Robot
 Array = NDArray[np.float64]
 
 
+DEAD = 5e-5
+"""Of how much the liveliest joint's torque changes: one that changes less says nothing."""
+
+
 class Motion(NamedTuple):
     """How joints moved, each (N, n), a column for each joint of the robot; NaN where nothing is known.
 
@@ -119,10 +123,15 @@ def _refuse_empty(robot: Robot, channels: Mapping[str, Array]) -> None:
 
 
 def _telling(robot: Robot, name: str, values: Array) -> Array:
-    """Torques or currents as they are.  Raises InputError where one holds nothing, or none ever changes."""
+    """Torques or currents as they are.  Raises InputError where one holds nothing, or never changes."""
     _refuse_empty(robot, {name: values})
-    if not (np.nanmax(values, axis=0) > np.nanmin(values, axis=0)).any():
+    changes = np.nanmax(values, axis=0) - np.nanmin(values, axis=0)
+    if not changes.any():
         raise InputError(f"{name} never changes in the whole log, of any joint: map another channel")
+    dead = [joint for joint, change in zip(robot.joints, changes, strict=True) if change <= DEAD * changes.max()]
+    if dead:
+        rule = "never changes in the whole log: was it measured?  Map another channel, or lock the joint"
+        raise InputError(f"{name} of {', '.join(dead)} {rule}", joint=dead[0])
     return values
 
 

@@ -21,6 +21,12 @@ def wave_columns(motor_angle: Array, orders: Sequence[int]) -> Array:
     return np.column_stack(parts) if parts else np.empty((motor_angle.size, 0))
 
 
+def wave_slopes(motor_angle: Array, orders: Sequence[int]) -> Array:
+    """Derivatives (N, 2 k) of `wave_columns` by the motor's angle."""
+    parts = [order * wave(order * motor_angle) for order in orders for wave in (np.cos, lambda x: -np.sin(x))]
+    return np.column_stack(parts) if parts else np.empty((motor_angle.size, 0))
+
+
 def waves(orders: Sequence[int], weights: Array) -> KinematicError | None:
     """The kinematic error of which these are the sines' and cosines' weights (2 k,), rad; None for no orders."""
     pairs = weights.reshape(-1, 2)

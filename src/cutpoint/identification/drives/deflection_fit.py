@@ -5,7 +5,7 @@ in what acts beside the spring, and in what corrects the torque: both over the l
 """
 
 from collections.abc import Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -39,21 +39,38 @@ BESIDE, POSITIVE = ("corrections", "reaches", "elements", "damping"), ("elements
 """What acts beside the spring, and what of it cannot be negative."""
 
 
+@dataclass(frozen=True, eq=False)
+class _Free:
+    """What has no bound: waves and offset (N, 2 k + 1), rad; the torque by the waves, (N, 2 k), and what it has of them
+    already, (N,), as `Deflections.torque_by_waves` has them."""
+
+    alone: Array
+    torque: Array
+    had: Array
+
+    def wound(self, tangent: Array) -> tuple[Array, Array]:
+        """All of that over a spring's tangent (N,): the deflection's derivatives (N, 2 k + 1), what it has already."""
+        columns = self.alone.copy()
+        columns[:, :-1] += self.torque / tangent[:, None]
+        return columns, self.had / tangent
+
+
 def fit_deflection(
     data: Deflections, law: SpringLaw, orders: Sequence[int], elements: int, damped: bool
 ) -> DeflectionFit:
     """`elements` of hysteresis at most, 0 for none; `damped` seeks the spring's own damping."""
-    free = np.column_stack([data.waves(orders), np.ones_like(data.theta)])
-    found = _first(data, law, free)
+    free = _Free(np.column_stack([data.waves(orders), np.ones_like(data.theta)]), *data.torque_by_waves(orders))
+    found = _first(data, law, free.alone)
     reaches = _offered(data, found, elements)
-    for turn in range(ROUNDS if elements or damped or data.corrections.size else 0):
+    beside = elements or damped or data.corrections.size or data.transmission is not None
+    for turn in range(ROUNDS if beside else 0):
         found = _round(data, replace(found, reaches=reaches), free, damped)
         if turn == ROUNDS - 2:
             reaches = reaches[found.stiffness > 0.0]
     return _with_reaches(data, found, free, damped) if found.stiffness.any() else found
 
 
-def _with_reaches(data: Deflections, before: DeflectionFit, free: Array, damped: bool) -> DeflectionFit:
+def _with_reaches(data: Deflections, before: DeflectionFit, free: _Free, damped: bool) -> DeflectionFit:
     """With fewer elements, whose reaches are sought too, if that leaves less."""
     stiffness, reaches = paired(before.stiffness, before.reaches, APART)
     found = replace(before, stiffness=stiffness, reaches=reaches, moving=True)
@@ -77,16 +94,17 @@ def _first(data: Deflections, law: SpringLaw, free: Array) -> DeflectionFit:
     )
 
 
-def _round(data: Deflections, before: DeflectionFit, free: Array, damped: bool) -> DeflectionFit:
+def _round(data: Deflections, before: DeflectionFit, free: _Free, damped: bool) -> DeflectionFit:
     """The spring again with what acted beside it, then that again with the spring."""
     constants = before.constants
+    unbound, had = free.wound(before.tangent)
     # with reaches that move, the step below moves the constants too
     if before.beside.any() and not before.moving:
-        constants = _searched(before.law, data.torque, data.lead - before.beside, free)
-    wound = data.smooth(data.lead - free @ np.append(before.waves, before.offset))
-    blocks = _blocks(data, replace(before, constants=constants), free, wound, damped)
+        constants = _searched(before.law, data.torque, data.lead + had - before.beside, unbound)
+    wound = data.smooth(data.lead - free.alone @ np.append(before.waves, before.offset))
+    blocks = _blocks(data, replace(before, constants=constants), unbound, wound, damped)
     columns = np.column_stack([*blocks.values()])
-    target = data.lead - before.law.deflection(constants, data.torque)
+    target = data.lead + had - before.law.deflection(constants, data.torque)
     weights = bounded_weights(columns, target, sum(blocks[name].shape[1] for name in blocks if name not in POSITIVE))
     ends = np.cumsum([block.shape[1] for block in blocks.values()])
     found = dict(zip(blocks, np.split(weights, ends[:-1]), strict=True))

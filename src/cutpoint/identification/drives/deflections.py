@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cutpoint.identification.conditioning.filtering import low_pass
-from cutpoint.identification.drives.columns import wave_columns
+from cutpoint.identification.drives.columns import wave_columns, wave_slopes
 from cutpoint.identification.drives.spring_laws import SpringLaw
 
 Array = NDArray[np.float64]
@@ -20,6 +20,7 @@ class Deflections:
     resolution: rad at the joint's side.  cutoff: Hz, of what the deflection's rate and turning points are read from.
     corrections: (N, m), derivatives of the torque by what is not known of it.  noise: RMS of the lead's own, rad.
     band: Hz, of the filter that all of them went through; None if there was none.
+    transmission: (N,), 1 - e'(theta) by which a torque that was read from the motor was divided; None for the link's.
     """
 
     lead: Array
@@ -32,14 +33,29 @@ class Deflections:
     corrections: Array
     noise: float = np.inf
     band: float | None = None
+    transmission: Array | None = None
 
     def waves(self, orders: Sequence[int]) -> Array:
         """Sine and cosine (N, 2 k) of the motor's angle, k waves a turn, through the same filter as all else."""
-        columns = wave_columns(self.ratio * self.theta, orders)
+        return self._passed(wave_columns(self.ratio * self.theta, orders))
+
+    def torque_by_waves(self, orders: Sequence[int]) -> tuple[Array, Array]:
+        """Derivatives (N, 2 k), N m/rad, of the torque by the waves' weights, and what it has of these already, (N,).
+
+        Of a motor's torque the spring bears 1 / (1 - e'(theta)) times as much: waves wind it too.
+        """
+        if self.transmission is None:
+            return np.zeros((self.theta.size, 2 * len(orders))), np.zeros_like(self.torque)
+        by_slope = self.torque / self.transmission
+        found = by_slope[:, None] * self.ratio * wave_slopes(self.ratio * self.theta, orders)
+        return self._passed(found), self._passed(by_slope * (1.0 - self.transmission))
+
+    def _passed(self, values: Array) -> Array:
+        """Through the filter that the channels went through, the ends as they are."""
         if self.band is None:
-            return columns
-        found = low_pass(columns, self.period, self.band)
-        return np.where(np.isfinite(found), found, columns)
+            return values
+        found = low_pass(values, self.period, self.band)
+        return np.where(np.isfinite(found), found, values)
 
     def smooth(self, values: Array) -> Array:
         """Low-passed, the ends as they are."""

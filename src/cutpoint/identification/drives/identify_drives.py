@@ -22,6 +22,11 @@ class DriveEstimates:
     joints: Mapping[str, DriveEstimate]
 
     @property
+    def remarks(self) -> tuple[str, ...]:
+        """What is otherwise than the robot had it, a sentence each."""
+        return tuple(f"{joint}: {words}" for joint, estimate in self.joints.items() for words in estimate.remarks)
+
+    @property
     def notes(self) -> tuple[str, ...]:
         """What could not be told, a sentence each."""
         return tuple(
@@ -40,7 +45,8 @@ def identify_drives(
 ) -> DriveEstimates:
     """Springs, kinematic errors, hysteresis, rotors and motor friction of all drives.
 
-    robot: its links and their friction are taken as known; its drives state ratios, and what the recording cannot tell.
+    robot: its links are taken as known, their friction too unless springs show another; its drives state ratios, and
+    what the recording cannot tell.
     recording: q, theta, and torque or current of all of its joints, on a uniform time and on one clock.
     resolution: of both encoders together, rad at the joint's side, one or one for each joint; by default the smallest
     steps that the samples show.
@@ -65,11 +71,11 @@ def identify_drives(
     is_current, delay = given == "current", float(torque_delay)
     steps = [None] * len(names) if resolution is None else np.broadcast_to(resolution, len(names)).tolist()
     cutoff = noise_cutoff(q, recording.period)
-    torques = link_torque(robot, q, recording.period, cutoff)
+    from_links = link_torque(robot, q, recording.period, cutoff)
     found: dict[str, DriveEstimate] = {}
     for k, name in enumerate(names):
         say(name)
-        own = (x[:, k] for x in (theta, q, effort, torques))
+        own = (x[:, k] for x in (theta, q, effort, *from_links))
         channels = Channels(*own, period=recording.period, delay=delay, is_current=is_current)
         found[name] = drive_of(channels, robot.drives[name], steps[k], cutoff / NARROWER)
     return DriveEstimates(robot.with_drives({name: each.drive for name, each in found.items()}), found)

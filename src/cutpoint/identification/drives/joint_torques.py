@@ -1,20 +1,28 @@
 """What drives exert on their links, found in three ways: from the links' motion, from encoders, from the motors."""
 
+from collections.abc import Sequence
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from cutpoint.identification.conditioning.filtering import derivative, low_pass, noise_cutoff
-from cutpoint.identification.drives.rotor import RotorEstimate, late
+from cutpoint.identification.drives.rotor import SMOOTHEST, RotorEstimate, late
 from cutpoint.identification.drives.spring_estimate import SpringEstimate
+from cutpoint.model.drive import Drive
 from cutpoint.robot import Robot
 
 Array = NDArray[np.float64]
 
+AVERAGED, CENTRAL = (-1 / 12, 1 / 90, -1 / 560), (-1 / 6, 1 / 30, -1 / 140)
+"""Of differences of second, fourth and sixth order: what averages with triangular weights lack, and central
+differences.  From the series of (2 arsinh(d / 2))^2 and of its root over (1 + d^2 / 4)^(1/2)."""
 
-def link_torque(robot: Robot, q: Array, period: float, cutoff: float | None = None) -> Array:
-    """From the links' motion q (N, n), rad: inverse dynamics and link friction, (N, n), N m; NaN at the ends.
+
+def link_torque(robot: Robot, q: Array, period: float, cutoff: float | None = None) -> tuple[Array, Array, Array]:
+    """From the links' motion q (N, n), rad: inverse dynamics and link friction, (N, n) each, N m; and directions of
+    motion and speeds (N, n, 2), of which other friction of the links would be made; NaN at the ends.
 
     Friction is as in steady sliding.  cutoff: Hz, of the low-pass before differentiation; by default where the
     positions sink into their noise.
@@ -22,9 +30,20 @@ def link_torque(robot: Robot, q: Array, period: float, cutoff: float | None = No
     smooth = low_pass(q, period, noise_cutoff(q, period) if cutoff is None else cutoff)
     v, a = derivative(smooth, period), derivative(smooth, period, 2)
     known = np.isfinite(a).all(axis=1)
-    found = np.full_like(q, np.nan)
-    found[known] = robot.inverse_dynamics(smooth[known], v[known], a[known]) + robot.friction_torques(v[known])
-    return found
+    found, friction = np.full_like(q, np.nan), np.full_like(q, np.nan)
+    found[known] = robot.inverse_dynamics(smooth[known], v[known], a[known])
+    friction[known] = robot.friction_torques(v[known])
+    widest = SMOOTHEST * np.sqrt(np.nanmean(v**2, axis=0))
+    smoothings = [
+        smoothing_of(drive, width) for drive, width in zip(robot.drives.values(), widest.tolist(), strict=True)
+    ]
+    return found, friction, np.stack([np.tanh(v / smoothings), v], axis=2)
+
+
+def smoothing_of(drive: Drive, otherwise: float) -> float:
+    """rad/s over which friction changes sign, as its drive states it on either side."""
+    stated: Any = drive.link_friction or drive.motor_friction
+    return float(getattr(stated, "sliding", stated).smoothing) if stated else max(otherwise, np.finfo(float).tiny)
 
 
 def torque_left(
@@ -46,7 +65,7 @@ def torque_left(
     part = delay / period % 1.0
     acceleration = sharpened(derivative(angle, period, 2))
     acting = sharpened(late(given, period, delay), 4.0 * part * (1.0 - part))
-    speed = derivative(angle, period)
+    speed = sharpened(derivative(angle, period), 1.0, CENTRAL)
     by = {
         "inertia": -acceleration / share,
         "viscous": -speed / share,
@@ -61,13 +80,15 @@ def torque_left(
     return left, by
 
 
-def sharpened(values: Array, share: float = 1.0) -> Array:
+def sharpened(values: Array, share: float = 1.0, weights: Sequence[float] = AVERAGED) -> Array:
     """Values (N,) at samples from their averages over a period on either side, with triangular weights.
 
     share: of them that is an average; of a torque that is held all, half a period late, of one that was measured none.
     """
-    found = values.copy()
-    found[1:-1] -= share * (values[2:] - 2.0 * values[1:-1] + values[:-2]) / 12.0
+    found, bent = values.copy(), values
+    for weight in weights:
+        bent = derivative(bent, 1.0, 2)
+        found += share * weight * bent
     return found
 
 

@@ -7,7 +7,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cutpoint.identification.conditioning.filtering import low_pass, low_pass_together, noise_cutoff
-from cutpoint.identification.drives.joint_torques import corrected, torque_left, transmitted_share
+from cutpoint.identification.drives.joint_torques import corrected, smoothing_of, torque_left, transmitted_share
+from cutpoint.identification.drives.link_friction import LinkFriction, clocks_differ, link_friction, remarks
 from cutpoint.identification.drives.rotor import RotorEstimate, motor_side
 from cutpoint.identification.drives.spring_estimate import UNCERTAIN, SpringEstimate
 from cutpoint.identification.drives.spring_laws import LAWS
@@ -18,6 +19,11 @@ Array = NDArray[np.float64]
 
 SHAPE = ("flexspline",)
 """The law from which springs are read until the best one is chosen: it can be straight too."""
+
+NAMES = ("link coulomb", "link viscous")
+
+BETTER = 0.9
+"""Of what is left with the friction that was stated of the link: where more is left without, it stands."""
 
 NARROWER = 3.0
 """Times that the band in which rotors are found is narrower than that of the links' motion: friction that changes sign
@@ -36,6 +42,7 @@ class DriveEstimate:
 
     spring, rotor: what was found, with its uncertainty.  unidentifiable: what was not, each with the sentence why.
     apart: whether the spring told the rotor from the link; otherwise they are told apart by what was known of the link.
+    remarks: on which side friction is, where it is not as the drive had it, a sentence each.
     """
 
     drive: Drive
@@ -43,19 +50,23 @@ class DriveEstimate:
     rotor: RotorEstimate
     unidentifiable: Mapping[str, str]
     apart: bool
+    remarks: tuple[str, ...] = ()
 
 
 @dataclass(frozen=True, eq=False)
 class Channels:
-    """One joint's, each (N,): theta, q in rad; effort, the motor's torque in N m or current in A; link_torque, N m.
+    """One joint's, each (N,): theta, q in rad; effort, the motor's torque in N m or current in A.
 
-    period, delay: s.
+    link_torque: what the link asks for, and link_friction what its friction is said to take, N m.
+    sliding: (N, 2), the link's direction of motion, and its speed in rad/s.  period, delay: s.
     """
 
     theta: Array
     q: Array
     effort: Array
     link_torque: Array
+    link_friction: Array
+    sliding: Array
     period: float
     delay: float
     is_current: bool
@@ -67,10 +78,10 @@ def drive_of(joint: Channels, drive: Drive, resolution: float | None, cutoff: fl
     resolution: rad at the joint's side, None for the smallest steps that the samples show.  cutoff: Hz, for the rotor.
     """
     ratio, period, kind = drive.ratio, joint.period, "current" if joint.is_current else "torque"
-    spring = two_encoders(joint.theta, joint.q, joint.link_torque, period, ratio, resolution=resolution, laws=SHAPE)
+    spring, load, stated = _from_links(joint, ratio, resolution)
     rotor = motor_side(
         joint.theta,
-        joint.link_torque,
+        load,
         period,
         ratio,
         transmission=transmitted_share(spring, joint.theta, ratio),
@@ -80,16 +91,44 @@ def drive_of(joint: Channels, drive: Drive, resolution: float | None, cutoff: fl
     )
     if resolution is None:
         resolution = float(np.hypot(smallest_step(joint.theta), smallest_step(joint.q)))
-    return _estimate(drive, *_from_motor(joint, ratio, spring, rotor, resolution))
+    spring, rotor, apart = _from_motor(joint, ratio, spring, rotor, resolution)
+    link = None
+    if apart and not stated:
+        share = transmitted_share(spring, joint.theta, ratio)
+        left, _ = torque_left(rotor, joint.theta, _torque(joint, rotor), period, joint.delay, share)
+        link = link_friction(left - joint.link_torque, joint.sliding, period, cutoff)
+    return _estimate(drive, spring, rotor, apart, link)
+
+
+def _torque(joint: Channels, rotor: RotorEstimate) -> Array:
+    """The motor's, N m at the joint."""
+    constant = rotor.torque_constant
+    return joint.effort if constant is None else joint.effort * constant * rotor.ratio
+
+
+def _from_links(joint: Channels, ratio: float, resolution: float | None) -> tuple[SpringEstimate, Array, bool]:
+    """The spring by the links' torque, and that torque (N,): with the friction that was stated, or with what the spring
+    shows where that is another; whether it is as stated."""
+    load = joint.link_torque + joint.link_friction
+    unknowns: dict[str, Array] = dict(zip(NAMES, joint.sliding.T, strict=True))
+    theta, q, period = joint.theta, joint.q, joint.period
+    known = two_encoders(theta, q, load, period, ratio, resolution=resolution, laws=SHAPE)
+    # of a law that bends, all of a friction is too much to be told along its tangent
+    freed = two_encoders(
+        theta, q, joint.link_torque, period, ratio, resolution=resolution, laws=["linear"], torque_unknowns=unknowns
+    )
+    better = freed.prediction[freed.law] < BETTER * known.prediction[known.law]
+    # a spring that is not seen explains any friction
+    if not (better and _is_seen(freed)):
+        return known, load, True
+    return freed, joint.link_torque + joint.sliding @ [freed[name] for name in NAMES], False
 
 
 def _from_motor(
     joint: Channels, ratio: float, spring: SpringEstimate, rotor: RotorEstimate, resolution: float
 ) -> tuple[SpringEstimate, RotorEstimate, bool]:
     """The spring by the motor's torque, and the rotor by the spring; whether that told the rotor from the links."""
-    torque, period = joint.effort, joint.period
-    if rotor.torque_constant is not None:
-        torque = joint.effort * rotor.torque_constant * ratio
+    torque, period = _torque(joint, rotor), joint.period
     lead = joint.theta - joint.q
     band = min(WIDER * noise_cutoff(lead, period, otherwise=HIGHEST / period), HIGHEST / period)
     noise = _noise_below(lead - low_pass(lead, period, band), period, band)
@@ -99,11 +138,10 @@ def _from_motor(
         left, unknowns = torque_left(rotor, joint.theta, torque, period, joint.delay, share)
         channels = joint.theta, joint.q, left, *unknowns.values()
         theta, q, left, *columns = low_pass_together(channels, period, band)
-        # a spring that is wound by too little to be stated can still tell the rotor from the links
-        seen = spring.deviations["stiffness"] < UNCERTAIN * spring["stiffness"]
+        seen = _is_seen(spring)
         spring = two_encoders(
             theta, q, left, period, ratio,
-            resolution=resolution, laws=laws, noise=noise, band=band,
+            resolution=resolution, laws=laws, noise=noise, band=band, transmission=share,
             torque_unknowns=dict(zip(unknowns, columns, strict=True)) if seen else None,
         )  # fmt: skip
         if seen:
@@ -111,19 +149,36 @@ def _from_motor(
     return spring, rotor, seen
 
 
+def _is_seen(spring: SpringEstimate) -> bool:
+    """A spring that is wound by too little to be stated can still tell the rotor from the links."""
+    return spring.deviations["stiffness"] < UNCERTAIN * spring["stiffness"]
+
+
 def _noise_below(rest: Array, period: float, band: float) -> float:
     """RMS of white noise below a frequency, Hz, from what is left above it (N,)."""
     return float(np.nanstd(rest) * np.sqrt(band / (0.5 / period - band)))
 
 
-def _estimate(drive: Drive, spring: SpringEstimate, rotor: RotorEstimate, apart: bool) -> DriveEstimate:
+def _by_speed(clocks: str) -> dict[str, str]:
+    """What is not told where the encoders' clocks differ, each with the sentence why."""
+    shorter = "the clocks of the encoders differ, as motor friction shows"
+    return {"motor friction": clocks, "rotor inertia": shorter, "damping": shorter}
+
+
+def _estimate(
+    drive: Drive, spring: SpringEstimate, rotor: RotorEstimate, apart: bool, link: LinkFriction | None
+) -> DriveEstimate:
     """The drive with what was told; a drive that stays rigid has no parts that act on a deflection."""
-    why = {**spring.unidentifiable, **rotor.unidentifiable}
+    clocks = clocks_differ(spring, rotor, link)
+    why = {**spring.unidentifiable, **rotor.unidentifiable, **(_by_speed(clocks) if clocks else {})}
+    words = remarks(drive, spring, rotor, link) if link and not clocks else ()
     changes: dict[str, object] = {}
+    if rotor.friction is not None and not clocks:
+        changes["motor_friction"] = rotor.friction
+    if link and not clocks:
+        changes.update(motor_friction=rotor.friction, link_friction=link.law(smoothing_of(drive, rotor.smoothing)))
     if "rotor inertia" not in why:
         changes["rotor"] = replace(drive.rotor, inertia=rotor.inertia) if drive.rotor else Rotor(rotor.inertia)
-    if rotor.friction is not None:
-        changes["motor_friction"] = rotor.friction
     if rotor.torque_constant is not None:
         constant = rotor.torque_constant
         changes["motor"] = replace(drive.motor, torque_constant=constant) if drive.motor else Motor(constant)
@@ -131,5 +186,5 @@ def _estimate(drive: Drive, spring: SpringEstimate, rotor: RotorEstimate, apart:
         changes["compliance"] = spring.compliance
     if "compliance" in changes or drive.is_elastic:
         parts = {name: getattr(spring, name) for name in ("kinematic_error", "hysteresis", "damping")}
-        changes.update({name: part for name, part in parts.items() if part is not None})
-    return DriveEstimate(replace(drive, **changes), spring, rotor, why, apart)  # type: ignore[arg-type]
+        changes.update({name: part for name, part in parts.items() if part is not None and name not in why})
+    return DriveEstimate(replace(drive, **changes), spring, rotor, why, apart, words)  # type: ignore[arg-type]

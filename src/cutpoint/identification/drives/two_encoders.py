@@ -48,6 +48,7 @@ def two_encoders(
     torque_unknowns: Mapping[str, Array] | None = None,
     noise: float = np.inf,
     band: float | None = None,
+    transmission: Array | None = None,
 ) -> SpringEstimate:
     """A joint's spring and all that makes its encoders differ, from channels (N,) on one uniform time; NaN: not known.
 
@@ -59,13 +60,15 @@ def two_encoders(
     must predict what it was not fitted to better by 1.5 standard errors of the difference, and by 2 % of the squares.
     Elements of hysteresis start without strain at the first sample.
     torque_unknowns: of what is not known of the torque, by name, its derivatives (N,) by it: corrections to be found.
+    transmission: of a torque that was read from the motor, 1 - e'(theta), by which it was divided: the kinematic error
+    found is that of the encoders and of what the spring bears of the motor's torque.
     noise: RMS of the encoders', rad; what a fit leaves beyond that is the torque's.  By default all is the encoders'.
 
     Raises:
         InputError: shapes, an unknown law, too few samples, or channels that do not move.
     """
     unknowns = dict(torque_unknowns or {})
-    data = _checked(theta, q, joint_torque, [*unknowns.values()], period, ratio, resolution, noise, band)
+    data = _checked(theta, q, joint_torque, [*unknowns.values()], period, ratio, resolution, noise, band, transmission)
     unknown = [name for name in laws if name not in LAWS]
     if unknown or not laws:
         raise unknown_name("spring law", unknown[0] if unknown else "", LAWS)
@@ -102,8 +105,10 @@ def _checked(
     resolution: float | None,
     noise: float,
     band: float | None,
+    transmission: ArrayLike | None,
 ) -> Deflections:
-    arrays = [np.asarray(x, dtype=np.float64) for x in (theta, q, torque, *corrections)]
+    shares = [] if transmission is None else [transmission]
+    arrays = [np.asarray(x, dtype=np.float64) for x in (theta, q, torque, *corrections, *shares)]
     shapes = [x.shape for x in arrays]
     if arrays[0].ndim != 1 or len(set(shapes)) > 1:
         raise InputError(f"two_encoders: theta, q, joint torque, unknowns have shapes {shapes}: each must be (N,)")
@@ -117,8 +122,9 @@ def _checked(
     if not (np.isfinite(step) and step >= 0.0):
         raise InputError(f"two_encoders: resolution {resolution} rad must be a number, at least 0")
     cutoff = min(WIDER * noise_cutoff(angle - link, period, otherwise=0.4 / period), 0.4 / period)
+    share = others.pop() if shares else None
     beside = np.column_stack(others) if others else np.empty((load.size, 0))
-    return Deflections(angle - link, angle, load, period, ratio, step, cutoff, beside, noise, band)
+    return Deflections(angle - link, angle, load, period, ratio, step, cutoff, beside, noise, band, share)
 
 
 def _standing_out(fit: DeflectionFit, orders: Sequence[int], resolution: float) -> list[int]:

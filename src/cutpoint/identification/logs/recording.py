@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cutpoint.errors import InputError, unknown_name
-from cutpoint.identification.logs.resampling import on_grid, uniform_times
+from cutpoint.identification.logs.resampling import close, on_grid, uniform_times
 
 Array = NDArray[np.float64]
 
@@ -96,8 +96,12 @@ class Recording:
 
     def resampled(self, period: float) -> "Recording":
         """On a uniform time, from the first sample on; NaN in gaps.  See `resampling.on_grid`."""
-        grid = uniform_times(self.time, period)
-        note = f"resampled to a period of {period:g} s from one of {np.median(np.diff(self.time)):.6g} s"
+        grid, steps = uniform_times(self.time, period), np.diff(self.time)
+        note = f"resampled to a period of {period:g} s from one of {np.median(steps):.6g} s"
+        if np.ptp(steps) > UNEVEN * np.median(steps):
+            note += f", with steps from {steps.min():.3g} to {steps.max():.3g} s"
+        if near := int(close(self.time).sum()):
+            note += f"; {near} samples right after another count with that as one"
         return self.with_channels(lambda values: on_grid(self.time, values, grid), time=grid).with_notes([note])
 
     def joint(self, name: str) -> "Recording":

@@ -11,6 +11,10 @@ Array = NDArray[np.float64]
 GAP = 2.5
 """Periods: a step longer than that is a gap, in which nothing is known.  One lost sample is bridged."""
 
+CLOSE = 0.25
+"""Periods: samples that follow another sooner count with it as one.  A spline through both would follow their noise: at
+a period of 8 ms with 2 ms of jitter it makes it 3.4 times as large, and 190 times at the worst; so it is 1.06 times."""
+
 MOST_SAMPLES = 50_000_000
 """Samples of a grid: half a day at 1 kHz."""
 
@@ -32,29 +36,44 @@ def uniform_times(times: Array, period: float) -> Array:
     return times[0] + period * np.arange(int(span / period + 1e-6) + 1)
 
 
-def on_grid(times: Array, values: Array, grid: Array) -> Array:
+def on_grid(times: Array, values: Array, grid: Array, bridge: float = 0.0) -> Array:
     """Values (N, ...) at other times (M,): cubic splines between gaps, NaN in gaps and beyond the ends.
 
-    A column is unknown between two of its numbers that lie more than `GAP` of its periods apart, for lost samples and
-    NaN alike.  What is faster than half of the grid's rate folds: low-pass first where the grid is coarser.
+    A column is unknown between two of its numbers that lie more than `GAP` of its periods apart, and more than the
+    bridge, s: for lost samples and NaN alike.  Samples closer than `CLOSE` of them are averaged first.  What is faster
+    than half of the grid's rate folds: low-pass first where the grid is coarser.
     """
     slack = 1e-6 * float(np.median(np.diff(times)))
     columns = values.reshape(len(values), -1)
     found = np.full((grid.size, columns.shape[1]), np.nan)
     for column, result in zip(columns.T, found.T, strict=True):
         known = np.isfinite(column)
-        t, x = times[known], column[known]
-        for part in _connected(t):
+        t, x = _apart(times[known], column[known])
+        for part in _connected(t, bridge):
             inside = (grid >= t[part[0]] - slack) & (grid <= t[part[-1]] + slack)
             result[inside] = _interpolated(t[part], x[part], grid[inside])
     return found.reshape(grid.size, *values.shape[1:])
 
 
-def _connected(times: Array) -> list[NDArray[np.intp]]:
+def close(times: Array) -> NDArray[np.bool_]:
+    """Which times (N,) follow another too soon to count on their own."""
+    steps = np.diff(times)
+    return np.append(False, steps < CLOSE * np.median(steps)) if steps.size else np.zeros(times.size, bool)
+
+
+def _apart(times: Array, values: Array) -> tuple[Array, Array]:
+    """Times and values (N,) of which those that follow another too soon are averaged with it."""
+    own = np.cumsum(~close(times)) - 1
+    count = np.bincount(own)
+    return np.bincount(own, times) / count, np.bincount(own, values) / count
+
+
+def _connected(times: Array, bridge: float) -> list[NDArray[np.intp]]:
     """The samples of each stretch between gaps."""
     if times.size < 2:
         return [np.arange(times.size)] if times.size else []
-    return np.split(np.arange(times.size), np.flatnonzero(np.diff(times) > longest_step(times)) + 1)
+    longest = max(longest_step(times), bridge)
+    return np.split(np.arange(times.size), np.flatnonzero(np.diff(times) > longest) + 1)
 
 
 def _interpolated(times: Array, values: Array, at: Array) -> Array:

@@ -13,6 +13,7 @@ from cutpoint.identification.conditioning.motion import motion_of
 from cutpoint.identification.drives.identify_drives import DriveEstimates
 from cutpoint.identification.logs.recording import Recording
 from cutpoint.identification.output.pictures import ROW, thinned, titled
+from cutpoint.identification.output.units import at_joints
 from cutpoint.identification.rigid.identify_rigid import RigidEstimate
 from cutpoint.identification.rigid.rigid_robot import link_torques
 from cutpoint.robot import Robot
@@ -62,29 +63,30 @@ def loop_picture(robot: Robot, drives: DriveEstimates, found: Mapping[str, Bendi
     rows = -(-len(found) // 2)
     figure = Figure(figsize=(WIDTH, 0.6 + 1.5 * ROW * rows), layout="constrained")
     panels = list(figure.subplots(rows, 2, squeeze=False).flat)
+    forces, ways = at_joints(robot, "N m"), at_joints(robot, "mrad")
     for axes, (joint, each) in zip(panels, found.items(), strict=False):
-        known = each.torque[np.isfinite(each.torque)]
+        some, known = thinned(each.torque.size), each.torque[np.isfinite(each.torque)]
+        # wider and paler than the law on top of it, which may hide it else
+        axes.plot(1e3 * each.deflection[some], each.torque[some], color=MOTOR, linewidth=2.4, alpha=0.4)
         if known.size:
             torque = np.linspace(known.min(), known.max(), 100)
             law: Any = drives.joints[joint].spring.compliance
-            axes.plot(1e3 * np.asarray(law.deflection(torque)), torque, color=SPRING, linewidth=3.0)
-        some = thinned(each.torque.size)
-        axes.plot(1e3 * each.deflection[some], each.torque[some], color=MOTOR, linewidth=0.6)
-        titled(axes, f"{joint}: torque [N m]")
-        axes.set_xlabel("deflection [mrad]")
+            axes.plot(1e3 * np.asarray(law.deflection(torque)), torque, color=SPRING, linewidth=0.8)
+        titled(axes, f"{joint}: torque [{forces[joint]}]")
+        axes.set_xlabel(f"deflection [{ways[joint]}]")
     for axes in panels[len(found) :]:
         axes.set_visible(False)
     return figure
 
 
-def wave_picture(found: Mapping[str, Bending]) -> Figure:
+def wave_picture(robot: Robot, found: Mapping[str, Bending]) -> Figure:
     """Amplitude of what the springs leave, over waves a turn of the motor."""
     rows = -(-len(found) // 2)
     figure = Figure(figsize=(WIDTH, 0.6 + ROW * rows), layout="constrained")
-    panels = list(figure.subplots(rows, 2, squeeze=False).flat)
+    panels, ways = list(figure.subplots(rows, 2, squeeze=False).flat), at_joints(robot, "µrad")
     for axes, (joint, each) in zip(panels, found.items(), strict=False):
         axes.plot(ORDERS, 1e6 * amplitudes(each.angle, each.left, ORDERS), color=MOTOR, linewidth=1.0)
-        titled(axes, f"{joint}: amplitude [µrad]")
+        titled(axes, f"{joint}: amplitude [{ways[joint]}]")
         axes.set_xlabel("waves a turn of the motor")
     for axes in panels[len(found) :]:
         axes.set_visible(False)

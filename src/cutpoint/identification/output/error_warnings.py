@@ -1,5 +1,7 @@
 """What errors of torques warn of, in sentences."""
 
+from collections.abc import Mapping
+
 import numpy as np
 
 from cutpoint.identification.output.block_bootstrap import Ratio
@@ -29,11 +31,13 @@ MOST = 0.5
 """Of the squared error: what is said to make most of it."""
 
 
-def warnings_of(errors: TorqueErrors, joints: tuple[str, ...]) -> list[str]:
+def warnings_of(errors: TorqueErrors, units: Mapping[str, str]) -> list[str]:
     """On joints whose held-out torques judge nothing, or are explained much worse than those fitted, or than by plain
-    least squares."""
-    each = enumerate(zip(joints, errors.to_plain(), strict=True))
-    return _of_all(errors) + [f"{joint}{note}" for j, (joint, ratio) in each for note in _of_joint(errors, j, ratio)]
+    least squares.  units: of their torques, by joint."""
+    notes = _of_all(errors)
+    for j, ((joint, unit), ratio) in enumerate(zip(units.items(), errors.to_plain(), strict=True)):
+        notes += [f"{joint}{note}" for note in _of_joint(errors, j, ratio, unit)]
+    return notes
 
 
 def _of_all(errors: TorqueErrors) -> list[str]:
@@ -45,12 +49,12 @@ def _of_all(errors: TorqueErrors) -> list[str]:
     return [f"torques are {times:.3g} times what the robot's files ask for this motion: {check}"]
 
 
-def _of_joint(errors: TorqueErrors, j: int, ratio: Ratio) -> list[str]:
+def _of_joint(errors: TorqueErrors, j: int, ratio: Ratio, unit: str) -> list[str]:
     fitted, held, before = errors.rms("after")[j], errors.rms("after", True)[j], errors.rms("before")[j]
     time, squares = (float(share[j]) for share in errors.resting())
     notes: list[str] = []
     if fitted > POOR * errors.size()[j]:
-        what = f"{fitted:.3g} of {errors.size()[j]:.3g} N m of its torque are not explained"
+        what = f"{fitted:.3g} of {errors.size()[j]:.3g} {unit} of its torque are not explained"
         notes.append(f": {what}: check its columns, signs and units")
     if errors.speed(True)[j] < STILL * errors.speed()[j]:
         notes.append(" hardly moves on the part held out: its error there judges nothing")

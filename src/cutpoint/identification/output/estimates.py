@@ -50,7 +50,7 @@ def estimates(
     except (CutpointError, KeyboardInterrupt) as error:  # what was found of the links is worth having without
         why = error if isinstance(error, CutpointError) else "Ctrl-C was pressed while they were sought"
         return Estimates(rigid, None, remarks=(f"springs were not identified: {why}",))
-    found, remarks = drives.joints.items(), _coarse(drives)
+    found, remarks = drives.joints.items(), (*_coarse(drives), *drives.remarks)
     apart = tuple(joint for joint, each in found if each.apart and "rotor inertia" not in each.unidentifiable)
     if not apart:
         return Estimates(rigid, drives, (), remarks)

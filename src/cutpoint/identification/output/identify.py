@@ -10,16 +10,19 @@ import numpy as np
 from cutpoint.errors import InputError
 from cutpoint.formats.drive_file_writing import worded
 from cutpoint.identification.conditioning.alignment import aligned
+from cutpoint.identification.conditioning.bridging import bridged
 from cutpoint.identification.conditioning.spikes import without_spikes
 from cutpoint.identification.drives.identify_drives import DriveEstimates
 from cutpoint.identification.logs.read_recording import read_recording
 from cutpoint.identification.logs.recording import UNEVEN, Recording
+from cutpoint.identification.logs.suspicions import refuse_degrees, suspicions
 from cutpoint.identification.output.drive_numbers import drive_numbers
 from cutpoint.identification.output.error_warnings import warnings_of
 from cutpoint.identification.output.estimates import Estimates, estimates, springs_wanted
 from cutpoint.identification.output.numbers import Number, rigid_numbers
 from cutpoint.identification.output.steps import Steps
 from cutpoint.identification.output.torque_errors import TorqueErrors, torque_errors
+from cutpoint.identification.output.units import at_joints
 from cutpoint.identification.rigid.identify_rigid import FrictionWish, Method, RigidEstimate
 from cutpoint.identification.rigid.physical import Solver
 from cutpoint.loading import load
@@ -103,8 +106,8 @@ def identify(
     with Steps(3, progress) as say:
         say("reading the log")
         before = robot if isinstance(robot, Robot) else load(robot, drives)
-        recording = log if isinstance(log, Recording) else read_recording(log, mapping, before)
-        stamped = _at_uniform_times(without_spikes(recording))
+        recording = _suspected(log, before) if isinstance(log, Recording) else read_recording(log, mapping, before)
+        stamped = bridged(_at_uniform_times(without_spikes(recording)))
         recording = _acting(stamped, torque_delay)
         fitted, held_from = _fitted(recording, hold_out)
         drives_see = _fitted(stamped, hold_out)[0] if springs_wanted(before, fitted, springs) else None
@@ -113,6 +116,7 @@ def identify(
         errors = torque_errors(before, found.rigid, recording, held_from, torque_constants, cutoff)
     rigid, sprung = found.rigid, found.drives
     after, words = _joined(rigid.robot, sprung)
+    words += warnings_of(errors, at_joints(after, "N m"))
     return Identification(
         robot=after,
         before=before,
@@ -123,7 +127,7 @@ def identify(
         errors=errors,
         recording=recording,
         untold=(*rigid.untold, *(sprung.notes if sprung else ())),
-        notes=(*rigid.notes, *map(str, rigid.friction), *found.remarks, *words, *warnings_of(errors, after.joints)),
+        notes=(*rigid.notes, *map(str, rigid.friction), *found.remarks, *words),
     )
 
 
@@ -137,8 +141,15 @@ def _fitted(recording: Recording, hold_out: float) -> tuple[Recording, float]:
 def _numbers(before: Robot, after: Robot, found: Estimates) -> tuple[Number, ...]:
     numbers = rigid_numbers(after, found.rigid)
     for joint, each in found.drives.joints.items() if found.drives else ():
-        numbers += drive_numbers(joint, before.drives[joint], each, joint in found.apart)
+        own = drive_numbers(joint, before.drives[joint], each, joint in found.apart)
+        numbers += tuple(replace(number, unit=at_joints(before, number.unit)[joint]) for number in own)
     return numbers
+
+
+def _suspected(recording: Recording, robot: Robot) -> Recording:
+    """With the notes that a log file would get, where it has them not from there.  InputError as for a file."""
+    refuse_degrees(recording, robot)
+    return recording.with_notes([words for words in suspicions(recording) if words not in recording.notes])
 
 
 def _at_uniform_times(recording: Recording) -> Recording:

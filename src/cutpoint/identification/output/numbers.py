@@ -2,6 +2,8 @@
 
 from dataclasses import dataclass
 
+import numpy as np
+
 from cutpoint.identification.rigid.identify_rigid import RigidEstimate
 from cutpoint.identification.rigid.uncertainty import Parameter
 from cutpoint.robot import Robot
@@ -47,7 +49,9 @@ class Number:
         if not self.told:
             return f"not told by the log: {self.why}"
         ends = sorted((self.scale * self.low, self.scale * self.high))
-        return f"{ends[0]:.4g} to {ends[1]:.4g}"
+        words = f"{ends[0]:.4g} to {ends[1]:.4g}"
+        within = self.low <= self.used <= self.high or np.isnan(self.used)
+        return words if within else f"{words} by the log alone; with bodies and friction that can exist, this fits best"
 
 
 def rigid_numbers(robot: Robot, rigid: RigidEstimate) -> tuple[Number, ...]:

@@ -1,13 +1,13 @@
 """Torques as measured and as models have them, and what is left over, a row or a panel a joint."""
 
-from collections.abc import Sequence
-
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
 from cutpoint.identification.output.torque_errors import TorqueErrors
+from cutpoint.identification.output.units import at_joints, either
+from cutpoint.robot import Robot
 from cutpoint.studies.style import FAINT, HAIR, INK, LINK, MOTOR, WIDTH
 
 Array = NDArray[np.float64]
@@ -22,8 +22,9 @@ LARGEST_PART = 99.5
 """Percent of the residuals that a panel shows: single outliers would flatten all others."""
 
 
-def torque_picture(errors: TorqueErrors, joints: Sequence[str]) -> Figure:
+def torque_picture(errors: TorqueErrors, robot: Robot) -> Figure:
     """Measured torque over time, and both models; the part held out on a grey ground."""
+    joints, units = robot.joints, at_joints(robot, "N m")
     figure = Figure(figsize=(WIDTH, 0.6 + ROW * len(joints)), layout="constrained")
     panels = list(figure.subplots(len(joints), 1, sharex=True, squeeze=False).flat)
     some = thinned(errors.time.size)
@@ -34,19 +35,22 @@ def torque_picture(errors: TorqueErrors, joints: Sequence[str]) -> Figure:
         axes.plot(time, errors.after[some, j], color=LINK, linewidth=1.0, label="identified model")
         if errors.held_out.any():
             axes.axvspan(errors.time[errors.held_out][0], errors.time[-1], color=HAIR, alpha=0.5, linewidth=0.0)
-        titled(axes, f"{joint}: torque [N m]")
+        titled(axes, f"{joint}: torque [{units[joint]}]")
         axes.margins(x=0.0)
-    panels[0].legend(loc="upper right", ncols=3)
+    figure.legend(*panels[0].get_legend_handles_labels(), loc="outside upper right", ncols=3)
     panels[-1].set_xlabel("time [s]")
     return figure
 
 
-def residual_picture(errors: TorqueErrors, joints: Sequence[str]) -> Figure:
+def residual_picture(errors: TorqueErrors, robot: Robot) -> Figure:
     """What the identified model leaves over, against speed, position and load."""
+    joints, units = robot.joints, at_joints(robot, "N m")
     figure = Figure(figsize=(WIDTH, 0.6 + ROW * len(joints)), layout="constrained")
     grid = figure.subplots(len(joints), 3, sharey="row", squeeze=False)
     residual = errors.measured - errors.after
-    against = (("speed [rad/s]", errors.v), ("position [rad]", errors.q), ("load of the links [N m]", errors.load))
+    speed, position, load = (either(at_joints(robot, unit).values()) for unit in ("rad/s", "rad", "N m"))
+    labels = f"speed [{speed}]", f"position [{position}]", f"load of the links [{load}]"
+    against = [*zip(labels, (errors.v, errors.q, errors.load), strict=True)]
     some = thinned(errors.time.size)
     for j, joint in enumerate(joints):
         for axes, (label, values) in zip(grid[j], against, strict=True):
@@ -54,7 +58,7 @@ def residual_picture(errors: TorqueErrors, joints: Sequence[str]) -> Figure:
                 axes.plot(values[some, j][part], residual[some, j][part], ".", color=color, markersize=1.5)
             if j == len(joints) - 1:
                 axes.set_xlabel(label)
-        titled(grid[j, 0], f"{joint}: residual [N m]")
+        titled(grid[j, 0], f"{joint}: residual [{units[joint]}]")
         reach = np.abs(residual[np.isfinite(residual[:, j]), j])
         if reach.size and reach.any():
             top = 1.1 * float(np.percentile(reach, LARGEST_PART))

@@ -12,6 +12,7 @@ from cutpoint.identification.output.block_bootstrap import Ratio
 from cutpoint.identification.output.drive_pictures import bendings, loop_picture, wave_picture
 from cutpoint.identification.output.numbers import Number
 from cutpoint.identification.output.pictures import residual_picture, torque_picture
+from cutpoint.identification.output.units import at_joints, either
 from cutpoint.studies.report.html import Heading, html
 from cutpoint.studies.report.page import Block, Page, Picture, Table
 from cutpoint.studies.style import png, styled
@@ -38,12 +39,12 @@ def _heading(found: "Identification") -> Heading:
 
 
 def _torques(found: "Identification") -> Page:
-    errors, joints = found.errors, found.robot.joints
+    errors, unit = found.errors, either(at_joints(found.robot, "N m").values())
     with styled():
-        curves, left = torque_picture(errors, joints), residual_picture(errors, joints)
+        curves, left = torque_picture(errors, found.robot), residual_picture(errors, found.robot)
     width = f"all torques without what is faster than {errors.bandwidth:.3g} Hz"
     blocks: tuple[Block, ...] = (
-        Table("Table 1", f"RMS of torque errors, N m at the joint; {width}", ERROR_COLUMNS, error_rows(found)),
+        Table("Table 1", f"RMS of torque errors, {unit} at the joint; {width}", ERROR_COLUMNS, error_rows(found)),
         "Plain least squares: rigid bodies, Coulomb and viscous friction and an offset, every joint's torque alike."
         " The last column is an interval of 95 % of the identified model's error over theirs, by a bootstrap of blocks"
         " of time: better or worse where it leaves out one.",
@@ -107,7 +108,7 @@ def _drives(found: "Identification") -> list[Page]:
         return []
     bent = bendings(found.robot, found.rigid, found.drives, found.recording, found.errors.bandwidth)
     with styled():
-        loops, waves = loop_picture(found.robot, found.drives, bent), wave_picture(bent)
+        loops, waves = loop_picture(found.robot, found.drives, bent), wave_picture(found.robot, bent)
     over = "Torque on the link over deflection without kinematic error, and the spring's law (green)."
     left = (
         "What the springs leave of the encoders' difference, over waves a turn of the motor."

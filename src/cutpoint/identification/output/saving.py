@@ -17,6 +17,7 @@ from cutpoint.formats.urdf_writing import updated_urdf
 from cutpoint.formats.xacro_expansion import expand
 from cutpoint.identification.output.numbers import Number
 from cutpoint.identification.output.report import report
+from cutpoint.identification.output.units import at_joints
 from cutpoint.robot import Robot
 
 if TYPE_CHECKING:
@@ -32,6 +33,11 @@ def check_folder(folder: Path, force: bool) -> None:
     if there and not force:
         names = ", ".join(there)
         raise InputError(f"output {str(folder)!r} already holds {names}; name another, or force it", output=folder)
+
+
+def file_notes(found: "Identification") -> list[str]:
+    """What a reader of the files must know beside the identification's own notes; its report has these too."""
+    return _model_files(found)[1]
 
 
 def save(found: "Identification", folder: Path, force: bool) -> list[Path]:
@@ -99,7 +105,8 @@ def _sheet(found: "Identification", notes: list[str]) -> Mapping[str, Any]:
         "cutpoint": cutpoint.__version__,
         "robot": found.robot.name,
         "joints": list(joints),
-        "torque_RMS_N_m": {name: [_finite(x) for x in values] for name, values in rms.items()},
+        "torque_units": [*at_joints(found.robot, "N m").values()],
+        "torque_RMS": {name: [_finite(x) for x in values] for name, values in rms.items()},
         "held_out_over_plain": ratios,
         "numbers": [_number(number) for number in found.numbers],
         "bodies": bodies_of(found.robot),

@@ -5,6 +5,7 @@ from rich.text import Text
 
 from cutpoint.identification.output.identify import Identification
 from cutpoint.identification.output.report import error_rows
+from cutpoint.identification.output.units import at_joints, either
 
 COLUMNS = ("joint", "torque", "files", "identified", "held out", "plain", "held out over plain", "friction")
 
@@ -15,7 +16,8 @@ SHOWN = 6
 def table_of(found: Identification) -> Table:
     """RMS torque of each joint, and errors of the model before and after."""
     band = f"below {found.errors.bandwidth:.3g} Hz"
-    title = f"{found.robot.name}: RMS of torques and of their errors, N m at the joint, {band}"
+    unit = either(at_joints(found.robot, "N m").values())
+    title = f"{found.robot.name}: RMS of torques and of their errors, {unit} at the joint, {band}"
     table = Table(title=Text(title), title_justify="left")
     for k, column in enumerate(COLUMNS):
         table.add_column(column, justify="right" if 0 < k < 6 else "left", overflow="fold")

@@ -39,7 +39,7 @@ TRIALS = 20
 """Shapes that it tries."""
 
 RIDGE = 1e-12
-"""Of a column's square: what keeps columns that one block alone excites from being divided by zero."""
+"""Of a column's square in all blocks: what keeps columns that one block alone excites from being told by the others."""
 
 RICHNESS = (
     "coulomb",
@@ -120,7 +120,11 @@ class _Trial:
 
     def gram(self, law: Sliding) -> Array:
         """Products of [others, friction, torque] with themselves, of each block, (BLOCKS, c, c)."""
-        columns = self.means(friction_columns(law, self.speed, self.load)[1])
+        columns = friction_columns(law, self.speed, self.load)[1]
+        if isinstance(law, Stribeck):
+            # a drive file knows no friction that is less at rest than in motion: the second is what it is more there
+            columns[:, 0] += columns[:, 1]
+        columns = self.means(columns)
         ones = np.ones((len(self.torque), int(self.offset and law.asymmetry is None)))
         own = np.column_stack([ones, columns, self.torque])
         k = self.others.shape[1]
@@ -145,7 +149,7 @@ class _Trial:
     def misfit(self, tried: Tried) -> float:
         """Squares that a law leaves over in all blocks."""
         law, gram = tried
-        return self.fit(law, gram.sum(axis=0))[1]
+        return self.fit(law, gram.sum(axis=0), gram.sum(axis=0))[1]
 
     def left_out(self, tried: list[Tried]) -> Array:
         """Squared error of each block under the shape and parameters that fit the others best, (BLOCKS,)."""
@@ -153,18 +157,18 @@ class _Trial:
         for block in range(BLOCKS):
             # summed, not subtracted from the sum of all, which rounding may leave without a root
             rest = np.arange(BLOCKS) != block
-            fits = [(self.fit(law, gram[rest].sum(axis=0)), gram[block]) for law, gram in tried]
+            fits = [(self.fit(law, gram[rest].sum(axis=0), gram.sum(axis=0)), gram[block]) for law, gram in tried]
             (values, _), own = min(fits, key=lambda each: each[0][1])
             both = np.append(-values, 1.0)
             errors[block] = both @ own @ both
         return errors
 
-    def fit(self, law: Sliding, gram: Array) -> tuple[Array, float]:
+    def fit(self, law: Sliding, gram: Array, whole: Array) -> tuple[Array, float]:
         """Least squares of the last column by the others, of products (c, c), friction never negative: values, and
-        squares left over."""
+        squares left over.  whole: of all blocks, whose size says what of these is next to nothing."""
         A, b, others = gram[:-1, :-1].copy(), gram[:-1, -1], self.others.shape[1]
         A[range(others), range(others)] += self.noise**2
-        size = np.sqrt(np.maximum(np.diag(A), np.finfo(float).tiny))
+        size = np.sqrt(np.maximum(np.diag(A + whole[:-1, :-1] - gram[:-1, :-1]), np.finfo(float).tiny))
         R = cholesky(A / np.outer(size, size) + RIDGE * np.eye(size.size))
         y = solve_triangular(R, b / size, trans=1)
         free = others + int(self.offset and law.asymmetry is None)
@@ -208,13 +212,22 @@ def _refined(trial: _Trial, tried: list[Tried]) -> list[Tried]:
 
     def misfit(x: Array) -> float:
         side = {} if law.asymmetry is None else {"asymmetry": float(np.tanh(x[-1]))}
-        found.extend(trial.all([_with(law, **dict(zip(names, np.exp(x).tolist(), strict=False)), **side)]))
+        new = _with(law, **dict(zip(names, np.exp(x).tolist(), strict=False)), **side)
+        if not is_sharp(new):
+            return float(np.finfo(float).max)
+        found.extend(trial.all([new]))
         return trial.misfit(found[-1])
 
     steps = np.vstack([start, start + NEAR * np.eye(start.size)])
     options = {"maxfev": TRIALS, "xatol": 1e-2, "fatol": 0.0, "initial_simplex": steps}
     minimize(misfit, start, method="Nelder-Mead", options=options)
     return found
+
+
+def is_sharp(law: Any) -> bool:
+    """Whether friction has changed its sign by Stribeck's speed: else a peak of any height between is as good as none,
+    for means over the moments in which a joint turns back."""
+    return law.smoothing < getattr(law, "stribeck_velocity", np.inf)
 
 
 def _with(law: Any, **changed: Any) -> Sliding:

@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 
 from cutpoint.identification.conditioning.motion import sliding_speeds
 from cutpoint.identification.rigid.base_parameters import BaseParameters
+from cutpoint.identification.rigid.friction_choice import is_sharp
 from cutpoint.identification.rigid.least_squares import huber_weights, solved, split, weighted_rows
 from cutpoint.identification.rigid.regression import Regression, inertial_columns, of_joint, regression, triangle
 from cutpoint.identification.rigid.rigid_estimate import Log
@@ -51,7 +52,7 @@ def best_shapes(
             found[joint] = _moved(found[joint], name, step)
         if max(map(abs, steps.values())) < SETTLED:
             break
-    lost = {joint for (joint, _), step in steps.items() if abs(step) > NEARLY}
+    lost = {joint for (joint, _), step in steps.items() if abs(step) > NEARLY or not is_sharp(found[joint])}
     return {joint: laws[joint] if joint in lost else law for joint, law in found.items()}
 
 

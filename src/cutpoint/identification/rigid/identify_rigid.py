@@ -15,12 +15,13 @@ from cutpoint.identification.logs.recording import Recording
 from cutpoint.identification.rigid.base_parameters import BaseParameters, base_parameters
 from cutpoint.identification.rigid.friction_choice import FrictionChoice, choose_friction
 from cutpoint.identification.rigid.friction_shape import best_shapes, shape_slopes
-from cutpoint.identification.rigid.instrumental import instrumental_variables
+from cutpoint.identification.rigid.instrumental import LATER, instrumental_variables
 from cutpoint.identification.rigid.least_squares import METHODS, Estimate, least_squares, solved
 from cutpoint.identification.rigid.physical import Solver, check_solver, physical
 from cutpoint.identification.rigid.regression import Regression, regression
 from cutpoint.identification.rigid.rigid_estimate import Fitted, Log, RigidEstimate, estimate_of, sizes_of_others
 from cutpoint.identification.rigid.rigid_robot import is_stated, laws_with, link_torques, stated_laws
+from cutpoint.identification.rigid.uncertainty import are_told
 from cutpoint.mechanics.friction import Sliding
 from cutpoint.robot import Robot
 
@@ -34,6 +35,9 @@ BANDWIDTH = 10.0
 
 WRONG = 3.0
 """Standard deviations by which links may be wrong while friction laws are compared."""
+
+LITTLE = 0.5
+"""Share of the numbers that are told: below, it is said why."""
 
 LOADED_ROUNDS = 3
 """Rounds in which friction that grows with load learns the load."""
@@ -91,14 +95,19 @@ def identify_rigid(
         loads = link_torques(robot, log.motion, fitted.bodies.inertial) if fitted else loads
         of = partial(regression, base, laws, torque=log.torque, means=log.means, offsets=offsets, loads=loads)
         found, instead = of(log.motion), None if asked is None else of(asked).columns
-        told = laws_with(laws, dict(zip(found.names, _estimate(found, method, instead).values.tolist(), strict=True)))
-        _, shapes = shape_slopes(base, told, [choice.joint for choice in choices], log, loads)
+        values = _estimate(found, method, instead).values.tolist()
+        fit = laws_with(laws, dict(zip(found.names, values, strict=True)))
+        _, shapes = shape_slopes(base, fit, [choice.joint for choice in choices], log, loads)
         estimate = _estimate(found, method, instead, shapes, _rotor_torques(base, log, rotor_errors or {}))
         sizes = sizes_of_others(base, log, found.names[base.independent.size :])
-        bodies = physical(base, found.names, estimate.R, estimate.z, sizes, solver=solver, prior_spread=prior_spread)
+        told = are_told(estimate, base.independent.size, sizes)
+        bodies = physical(
+            base, found.names, estimate.R, estimate.z, sizes, told, solver=solver, prior_spread=prior_spread
+        )
         fitted = Fitted(base, laws, log, found, estimate, bodies)
     assert fitted is not None
-    return estimate_of(fitted, level, choices, recording.notes)
+    result = estimate_of(fitted, level, choices, recording.notes)
+    return _with_remark_on_lags(result) if method == "instrumental" and instruments is None else result
 
 
 def _check(method: str, instruments: Recording | None, level: float) -> None:
@@ -162,6 +171,16 @@ def _shaped(
     chosen = {each.joint: each.law for each in choices}
     shaped = best_shapes(base, stated_laws(base.robot, log.motion) | chosen, chosen, log, loads, offsets)
     return tuple(replace(each, law=shaped[each.joint]) for each in choices)
+
+
+def _with_remark_on_lags(found: RigidEstimate) -> RigidEstimate:
+    """Says so if instruments of before tell little."""
+    if found.told > LITTLE * len(found.parameters):
+        return found
+    before = LATER * float(np.median(np.diff(found.times)))
+    told = f"instruments tell {found.told} of {len(found.parameters)} numbers: they move as was {before:.3g} s before"
+    remedy = "give identify_rigid the motion that was asked for, as instruments, or take method='huber', --method huber"
+    return replace(found, notes=(*found.notes, f"{told}, and by then it is another; {remedy}"))
 
 
 def _rotor_torques(base: BaseParameters, log: Log, errors: Mapping[str, float]) -> Array:

@@ -1,5 +1,6 @@
 """Whether torques come later than the motion that they belong to: what a model leaves over then follows their rate."""
 
+from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -17,26 +18,50 @@ GAP = 1.5
 CERTAIN = 4.0
 """Standard deviations from which on a delay is said."""
 
+UNLIKE = 0.5
+"""Of the delay of most joints: friction that seems to change more slowly than it does hides some of one's own."""
+
 WORTH = 1.5e-3
 """s, from which on it is said: springs and dampers that were not modelled make torques early or late by less."""
 
 
-def lateness_note(found: Regression, values: Array) -> list[str]:
-    """A sentence if torques are clearly late or early against the motion.  values: the parameters (c,)."""
-    delay, deviation = lateness(found, values)
-    if abs(delay) < max(WORTH, CERTAIN * deviation):
-        return []
-    when = "later" if delay > 0.0 else "earlier"
-    told = f"torques come {1e3 * abs(delay):.2g} +- {1e3 * deviation:.1g} ms {when} than the motion that they belong to"
-    return [f"{told}: check the clocks, or align them with torque_delay={-delay:.2g}, --delay {-delay:.2g}"]
+def lateness_notes(found: Regression, values: Array, joints: Sequence[str]) -> list[str]:
+    """A sentence if torques are clearly late or early against the motion, all alike, and one for each joint whose
+    torques are so unlike the others.  values: the parameters (c,)."""
+    delays, covariance = lateness(found, values)
+    sure = np.maximum(WORTH, CERTAIN * np.sqrt(np.diag(covariance)))
+    told = np.isfinite(sure)
+    usual = float(np.median(delays[told])) if told.any() else 0.0
+    alone = told & (np.abs(delays - usual) > np.maximum(sure, UNLIKE * abs(usual)))
+    notes: list[str] = []
+    for j in np.flatnonzero(alone).tolist():
+        late = _late(f"torques of {joints[j]}", delays[j], covariance[j, j])
+        remedy = f"aligned(recording, {{{joints[j]!r}: {delays[j]:.2g}}}, ['torque']) moves these alone"
+        notes.append(f"{late}, unlike those of other joints: check how they are stamped; {remedy}")
+    rest = told & ~alone
+    if rest.any():
+        weights = np.linalg.solve(covariance[np.ix_(rest, rest)], np.ones(rest.sum()))
+        delay, variance = float(weights @ delays[rest] / weights.sum()), float(1.0 / weights.sum())
+        if abs(delay) > max(WORTH, CERTAIN * np.sqrt(variance)):
+            remedy = f"align them with torque_delay={-delay:.2g}, --delay {-delay:.2g}"
+            notes.append(f"{_late('torques', delay, variance)}: check the clocks, or {remedy}")
+    return notes
 
 
-def lateness(found: Regression, values: Array) -> tuple[float, float]:
-    """s by which all torques are late, and its standard deviation: sought beside all else, to first order."""
+def _late(torques: str, delay: float, variance: float) -> str:
+    by, when = f"{1e3 * abs(delay):.2g} +- {1e3 * np.sqrt(variance):.1g} ms", "later" if delay > 0.0 else "earlier"
+    return f"{torques} come {by} {when} than the motion that they belong to"
+
+
+def lateness(found: Regression, values: Array) -> tuple[Array, Array]:
+    """s by which each joint's torques are late, (n,), and their covariance (n, n), s2: sought beside all else, to first
+    order."""
     times, told = found.times, found.columns @ values
     rate = np.asarray(CubicSpline(times, told).derivative()(times))
     far = np.diff(times) > GAP * float(np.median(np.diff(times)))
     rate[np.append(far, False) | np.append(False, far)] = 0.0
-    columns = np.concatenate([found.columns, -rate[..., None]], axis=2)
-    again = least_squares(replace(found, names=(*found.names, "late"), columns=columns), "huber")
-    return float(again.values[-1]), float(again.spread.deviations()[-1])
+    n = rate.shape[1]
+    columns = np.concatenate([found.columns, -rate[..., None] * np.eye(n)], axis=2)
+    names = (*found.names, *(f"late.{j}" for j in range(n)))
+    again = least_squares(replace(found, names=names, columns=columns), "huber")
+    return again.values[-n:], again.spread.covariance[-n:, -n:]

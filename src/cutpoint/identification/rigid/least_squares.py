@@ -101,13 +101,13 @@ def _spread(
 
 def check_size(regression: Regression) -> None:
     """Raises InputError for fewer rows than parameters."""
-    rows, count = regression.torque.size, len(regression.names)
+    rows, count, times = regression.torque.size, len(regression.names), regression.times
     if rows < 2 * count:
-        raise InputError(
-            f"{rows} torques are too few for {count} parameters: record a longer motion, or raise the bandwidth",
-            rows=rows,
-            parameters=count,
-        )
+        whole = 1 + round(float(np.ptp(times) / np.diff(times).min())) if times.size > 1 else 1
+        lost = f" (gaps leave {times.size} of {whole} means)" if times.size < whole else ""
+        remedy = f"record {'without gaps, or ' * bool(lost)}a longer motion, or raise the bandwidth"
+        rule = f"{rows} torques{lost} are too few for {count} parameters: {remedy}"
+        raise InputError(rule, rows=rows, parameters=count)
 
 
 def solved(R: Array, z: Array) -> tuple[Array, Array, NDArray[np.bool_]]:
@@ -130,10 +130,10 @@ def split(both: Array) -> tuple[Array, Array]:
 def huber_weights(regression: Regression) -> tuple[Array, Array]:
     """Weights (M, n) that bound each residual's pull, and the noise (n,) of those that are no outliers."""
     noise, values = _weighted(regression)
-    weights = np.ones_like(regression.torque)
+    weights, least = np.ones_like(regression.torque), _rounding(np.linalg.norm(regression.torque, axis=0))
     for _ in range(ROUNDS):
         residuals = regression.residuals(values)
-        before, noise = noise, np.maximum(np.median(np.abs(residuals), axis=0) / NORMAL, np.finfo(float).tiny)
+        before, noise = noise, np.maximum(np.median(np.abs(residuals), axis=0) / NORMAL, least)
         size = np.abs(residuals) / noise
         weights = np.sqrt(np.minimum(1.0, EDGE / np.maximum(size, EDGE))) / noise
         values = solved(*split(triangle(weighted_rows(regression, weights))))[0]
@@ -155,8 +155,12 @@ def _weighted(regression: Regression) -> tuple[Array, Array]:
     for _ in range(ROUNDS):
         values = solved(*split(triangle((factors / noise[:, None, None]).reshape(-1, factors.shape[2]))))[0]
         before, noise = noise, np.linalg.norm(factors @ [*-values, 1.0], axis=1) / np.sqrt(rows)
-        noise = np.maximum(noise, np.finfo(float).eps * np.linalg.norm(factors[:, :, -1], axis=1))
-        noise[noise == 0.0] = 1.0
+        noise = np.maximum(noise, _rounding(np.linalg.norm(factors[:, :, -1], axis=1)))
         if np.abs(noise / before - 1.0).max() < SETTLED:
             break
     return noise, values
+
+
+def _rounding(norms: Array) -> Array:
+    """The least noise (n,) that torques of these norms have; any, where there is none."""
+    return np.where(norms > 0.0, np.finfo(float).eps * norms, 1.0)

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from scipy.optimize import least_squares
 
 from cutpoint.errors import CutpointError
-from cutpoint.identification.rigid.physical import LOOSE, Fit
+from cutpoint.identification.rigid.physical import Fit
 
 Array = NDArray[np.float64]
 
@@ -72,7 +72,7 @@ def _residuals(fit: Fit, x: Array) -> Array:
     unknowns = _unknowns(fit, x)
     X, rotors, others = fit.unpacked(unknowns)
     apart = np.concatenate([0.5 * (X - np.eye(4)).ravel(), rotors - fit.stated])
-    return np.concatenate([fit.data @ unknowns - fit.z, apart / fit.spread, (others - fit.prior) / LOOSE])
+    return np.concatenate([fit.data @ unknowns - fit.z, apart / fit.spread, (others - fit.prior) / fit.loose])
 
 
 def _slopes(fit: Fit, x: Array) -> Array:
@@ -90,4 +90,5 @@ def _slopes(fit: Fit, x: Array) -> Array:
             slope[16 * body : 16 * (body + 1), 10 * body + k] = turned[body].ravel()
     slope[16 * count :, first:] = np.eye(x.size - first)
     bodies, rotors, others = np.split(slope, [fit.first_rotor, fit.first_other])
-    return np.concatenate([fit.data @ slope, 0.5 * bodies / fit.spread, rotors / fit.spread, others / LOOSE])
+    others = others / fit.loose[:, None]
+    return np.concatenate([fit.data @ slope, 0.5 * bodies / fit.spread, rotors / fit.spread, others])

@@ -38,6 +38,13 @@ class Physical(NamedTuple):
 LOOSE = 20.0
 """Times its usual size: how far friction or an offset may be from the file's.  Told, they hardly feel it."""
 
+NEAR = 0.2
+"""The same where the file states it and the log does not tell it, but may tell its sum with others; of what the file
+states where that is less."""
+
+LEAST = 1e-3
+"""Times its usual size: nothing is nearer than that, for the solvers' sake."""
+
 
 SHARPEST = 1e7
 """Torques over their noise, all together: of logs that are more exact a solver would not see bodies beside them."""
@@ -47,7 +54,7 @@ class Fit(NamedTuple):
     """Minimise |data @ unknowns - z|^2 + sum of distances / spread^2 over [X.ravel() of bodies, rotors, others].
 
     The distance of a body that is (1 + e) times the file's is e^2, nearly, and so is a rotor's; others are spread over
-    LOOSE sizes.
+    `loose` sizes.  Of static friction the unknown is what it is more than Coulomb's, see `_steps`.
     scale (rotors,): their size in the file, or in the arm where the file has none.  stated: whether it has.
     sizes (others,): what they are shares of.  prior: the file's, as shares.  positive: which must not be negative.
     """
@@ -59,6 +66,7 @@ class Fit(NamedTuple):
     stated: NDArray[np.bool_]
     sizes: Array
     prior: Array
+    loose: Array
     positive: NDArray[np.bool_]
     spread: float
 
@@ -82,13 +90,15 @@ def physical(
     R: Array,
     z: Array,
     sizes: Array,
+    told: NDArray[np.bool_],
     *,
     solver: Solver = "lmi",
     prior_spread: float = 0.5,
 ) -> Physical:
     """The physical parameters nearest to R x = z (base parameters first, then friction and offsets, by names).
 
-    sizes: of friction and offsets, as they usually are in such a robot.
+    sizes: of friction and offsets, as they usually are in such a robot.  told: which of these the log tells; others
+    stay near what the file states.  Friction at rest is no less than in motion.
     solver: "lmi", with the entropic distance to the file's bodies; "lmi_trace", with its quadratic approximation, both
     by cvxpy and Clarabel; "log_cholesky", the latter without constraints, by SciPy alone.
     prior_spread: standard deviation of the bodies from the file's, as a share: 0.5 is half of a body's mass.
@@ -99,7 +109,7 @@ def physical(
     if not (np.isfinite(prior_spread) and prior_spread > 0.0):
         raise InputError(f"prior_spread {prior_spread} must be positive, as a share: 0.5 is half of a body's mass")
     blunt = min(1.0, SHARPEST / max(float(np.linalg.norm(z)), 1.0))
-    fit = _fit(base, names, blunt * R, blunt * z, sizes, prior_spread)
+    fit = _fit(base, names, blunt * R, blunt * z, sizes, told, prior_spread)
     if solver == "log_cholesky":
         from cutpoint.identification.rigid.log_cholesky import solve
 
@@ -107,13 +117,21 @@ def physical(
     else:
         unknowns = _by_cones(fit, entropic=solver == "lmi")
     X, rotors, others = fit.unpacked(unknowns)
-    others = np.where(fit.positive, np.maximum(others, 0.0), others) * fit.sizes
+    others = _sums(names[-others.size :]) @ (np.where(fit.positive, np.maximum(others, 0.0), others) * fit.sizes)
     inertial, rotors = fit.bodies.parameters(X), np.maximum(rotors, 0.0) * fit.scale
     found = np.concatenate([base.matrix @ np.concatenate([inertial, rotors]), others])
     return Physical(inertial, rotors, others, found)
 
 
-def _fit(base: BaseParameters, names: Sequence[str], R: Array, z: Array, sizes: Array, spread: float) -> Fit:
+def _fit(
+    base: BaseParameters,
+    names: Sequence[str],
+    R: Array,
+    z: Array,
+    sizes: Array,
+    told: NDArray[np.bool_],
+    spread: float,
+) -> Fit:
     robot, b = base.robot, base.independent.size
     bodies = bodies_of(robot.mechanism)
     counted = [*base.rotors]
@@ -124,10 +142,25 @@ def _fit(base: BaseParameters, names: Sequence[str], R: Array, z: Array, sizes: 
     links = base.matrix[:, :ten].reshape(b, -1, 10)
     blocks = np.einsum("rbp,bpk->rbk", links, bodies.maps).reshape(b, -1)
     inertial = R[:, :b] @ np.concatenate([blocks, base.matrix[:, ten:] * scale], axis=1)
-    prior = np.nan_to_num([stated_coefficient(robot, name) for name in names[b:]]) / sizes
+    stated, sums = np.array([stated_coefficient(robot, name) for name in names[b:]]), _sums(names[b:])
+    more = sums - np.eye(sizes.size)
+    prior = np.nan_to_num(stated - more @ np.nan_to_num(stated)) / sizes
+    # a file without friction at rest means that of motion
+    near = NEAR * np.where(prior == 0.0, 1.0, np.clip(np.abs(prior), LEAST, 1.0))
+    loose = np.where(told | np.isnan(stated) & ~more.any(axis=1), LOOSE, near)
     positive = np.array([not name.startswith("offset.") for name in names[b:]], dtype=bool)
-    data = np.concatenate([inertial, R[:, b:] * sizes], axis=1)
-    return Fit(data, z, bodies, scale, reflected > 0.0, sizes, prior, positive, spread)
+    data = np.concatenate([inertial, R[:, b:] @ sums * sizes], axis=1)
+    return Fit(data, z, bodies, scale, reflected > 0.0, sizes, prior, loose, positive, spread)
+
+
+def _sums(names: Sequence[str]) -> Array:
+    """Friction and offsets (k,) are these (k, k) times the unknowns, all of which may be zero: friction at rest is that
+    in motion and what it is more."""
+    found = np.eye(len(names))
+    for k, name in enumerate(names):
+        if name.startswith("static."):
+            found[k, names.index(name.replace("static", "coulomb", 1))] = 1.0
+    return found
 
 
 def _by_cones(fit: Fit, entropic: bool) -> Array:
@@ -141,7 +174,7 @@ def _by_cones(fit: Fit, entropic: bool) -> Array:
     distance = sum(_distance(cp, each, entropic) for each in X)
     if rotors is not None:
         distance += cp.sum_squares(rotors - fit.stated)
-    misfit += cp.sum_squares(others - fit.prior) / LOOSE**2 if others is not None else 0.0
+    misfit += cp.sum_squares((others - fit.prior) / fit.loose) if others is not None else 0.0
     bounds = [others[fit.positive] >= 0] if others is not None and fit.positive.any() else []
     problem = cp.Problem(cp.Minimize(misfit + distance / fit.spread**2), bounds)
     with warnings.catch_warnings():
@@ -150,7 +183,7 @@ def _by_cones(fit: Fit, entropic: bool) -> Array:
         try:
             problem.solve(solver=cp.CLARABEL)
         except cp.error.SolverError as error:
-            remedy = "check the torques' unit and the motion, or try solver='log_cholesky', --solver log_cholesky"
+            remedy = "check the torques' unit and sign, or try solver='log_cholesky', --solver log_cholesky"
             raise CutpointError(f"the search for physical bodies failed: {remedy}") from error
     if problem.status not in ("optimal", "optimal_inaccurate"):
         raise CutpointError(f"the search for physical bodies ended {problem.status}: try solver='log_cholesky'")

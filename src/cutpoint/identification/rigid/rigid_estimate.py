@@ -13,7 +13,7 @@ from cutpoint.identification.conditioning.motion import Motion, motion_of, slidi
 from cutpoint.identification.logs.recording import Recording
 from cutpoint.identification.rigid.base_parameters import BaseParameters
 from cutpoint.identification.rigid.friction_choice import FrictionChoice
-from cutpoint.identification.rigid.lateness import lateness_note
+from cutpoint.identification.rigid.lateness import lateness_notes
 from cutpoint.identification.rigid.least_squares import Estimate
 from cutpoint.identification.rigid.physical import Physical
 from cutpoint.identification.rigid.regression import Regression
@@ -61,8 +61,12 @@ class RigidEstimate:
         return named[name]
 
     def __repr__(self) -> str:
-        told = sum(each.told for each in self.parameters)
-        return f"RigidEstimate({self.robot.name!r}: {told} of {len(self.parameters)} parameters told)"
+        return f"RigidEstimate({self.robot.name!r}: {self.told} of {len(self.parameters)} parameters told)"
+
+    @property
+    def told(self) -> int:
+        """How many parameters the log tells."""
+        return sum(each.told for each in self.parameters)
 
     def prediction(self, recording: Recording, cutoff: float | None = None) -> Array:
         """(N, n): torques of the motors, N m at the joint, for a recording's motion; NaN where that is not known.
@@ -120,7 +124,7 @@ def estimate_of(
             *_standing(robot, log),
             *_notes(log, found, estimate),
             *strained(table),
-            *lateness_note(found, estimate.values),
+            *lateness_notes(found, estimate.values, robot.joints),
         ),
         friction=choices,
     )

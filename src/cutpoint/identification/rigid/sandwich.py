@@ -55,12 +55,13 @@ def spread(design: Array, residuals: Array, P: Array, seen: NDArray[np.bool_]) -
     """
     M, n, c = design.shape
     lag, correlation = _memory(residuals)
-    leverage = np.einsum("mjc,mjc->mj", design @ P, design)
-    left = residuals / np.maximum(1.0 - leverage, LEAST)
-    found = as_found(np.einsum("mjc,mj->mc", design, left), lag + 1)
+    # P goes in before sums are squared: of what is hardly seen, rounding would else leave negative variances
+    pull = design @ P
+    left = residuals / np.maximum(1.0 - np.einsum("mjc,mjc->mj", pull, design), LEAST)
+    found = as_found(np.einsum("mjc,mj->mc", pull, left), lag + 1)
     # noise of one joint is taken to know nothing of another's
-    steady = sum(alike(design[:, j], left[:, j], lag + 1) for j in range(n))
-    covariance = at_least(P @ found @ P, P @ steady @ P)
+    steady = sum(alike(pull[:, j], left[:, j], lag + 1) for j in range(n))
+    covariance = at_least(found, np.asarray(steady))
     covariance[~seen] = covariance[:, ~seen] = 0.0
     covariance[~seen, ~seen] = np.inf
     free = max(1.0, M * n / correlation - c)

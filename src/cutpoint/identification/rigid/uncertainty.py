@@ -20,6 +20,10 @@ STRAINED = 2.0
 """Half widths of an interval from its middle: farther off, a model's number is not what the log tells."""
 
 
+FRICTION = ("coulomb", "static", "viscous", "per_load")
+"""How names of friction's numbers begin."""
+
+
 class Parameter(NamedTuple):
     """A base parameter, or one of friction, or an offset, in SI units at the joint's side.
 
@@ -51,8 +55,14 @@ def parameters(
     return tuple(found)
 
 
+def are_told(estimate: Estimate, first: int, sizes: Array) -> NDArray[np.bool_]:
+    """Which parameters from the first on a log tells, (k,), of sizes (k,) in such a robot."""
+    reference = np.maximum(np.abs(estimate.values[first:]), sizes)
+    return np.asarray(estimate.spread.deviations()[first:] <= TOLD * reference)
+
+
 def _why(deviation: float, reference: float) -> str:
-    if np.isinf(deviation):
+    if not np.isfinite(deviation):
         return "this motion does not excite it, or not apart from others"
     if deviation > TOLD * reference:
         return f"its standard deviation, {deviation:.3g}, is {deviation / reference:.0%} of its usual size"
@@ -61,21 +71,56 @@ def _why(deviation: float, reference: float) -> str:
 
 def untold(found: Sequence[Parameter], base: BaseParameters) -> tuple[str, ...]:
     """Sentences on what a log leaves open."""
-    said = [f"{each.name}: {each.why}; the robot keeps what its file says nearby" for each in found if not each.told]
+    said = [f"{each.name}: {each.why}; {_instead(each)}" for each in found if not each.told]
     if base.unidentifiable:
         some = ", ".join(base.unidentifiable[:4]) + (" ..." if len(base.unidentifiable) > 4 else "")
         said.append(f"no torque of any motion tells {len(base.unidentifiable)} single parameters: {some}")
     return tuple(said)
 
 
+def _instead(found: Parameter) -> str:
+    """What the robot has of a parameter that no log tells."""
+    if np.isfinite(found.prior):
+        return "the robot keeps what its file says nearby"
+    kind, _, joint = found.name.partition(".")
+    if kind == "static":
+        return f"as its file states none, it stays near coulomb.{joint}"
+    return "its file states none: the robot has what fits best"
+
+
 def strained(found: Sequence[Parameter]) -> list[str]:
-    """A sentence if bodies that can exist, near the file's, could not take on what the log tells."""
+    """Sentences if bodies that can exist, near the file's, or friction could not take on what the log tells."""
+    if turned := _turned(found):
+        reason = "is the sign of the torque, or of the position, turned?"
+        return [f"friction or inertia of {turned} comes out negative: {reason}"]
     far = [x.name for x in found if x.told and abs(x.physical - x.value) > STRAINED * (x.high - x.value)]
-    if not far:
-        return []
-    some = ", ".join(far[:3]) + (" ..." if len(far) > 3 else "")
-    reason = "the file's bodies, near which they stay, may be placeholders: state about what they weigh"
-    return [f"the model's bodies leave the intervals of {len(far)} told numbers, {some}: {reason}"]
+    rubs = [name for name in far if name.partition(".")[0] in FRICTION]
+    bodies = [name for name in far if name not in rubs]
+    notes: list[str] = []
+    if bodies:
+        reason = "the file's bodies, near which they stay, may be placeholders: state about what they weigh"
+        notes.append(f"the model's bodies leave the intervals of {len(bodies)} told numbers, {_some(bodies)}: {reason}")
+    if rubs:
+        reason = "no part of friction may push, nor be less at rest than in motion"
+        notes.append(f"the model's friction leaves the intervals of {_some(rubs)}: {reason}")
+    return notes
+
+
+def _turned(found: Sequence[Parameter]) -> str:
+    """Joints of which all friction that is told is surely negative, or the rotor where none is."""
+    signs: dict[str, list[bool]] = {}
+    for kinds in (FRICTION, ("I_m",)):
+        own: dict[str, list[bool]] = {}
+        for each in found:
+            kind, _, joint = each.name.partition(".")
+            if kind in kinds and each.told and " " not in joint:
+                own.setdefault(joint, []).append(each.high < 0.0)
+        signs = own | signs
+    return ", ".join(joint for joint, negative in signs.items() if all(negative))
+
+
+def _some(names: Sequence[str]) -> str:
+    return ", ".join(names[:3]) + (" ..." if len(names) > 3 else "")
 
 
 def base_sizes(base: BaseParameters) -> Array:

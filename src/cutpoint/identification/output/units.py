@@ -1,0 +1,31 @@
+"""Units at the side of a joint that turns, and of one that slides."""
+
+from collections.abc import Iterable
+
+from cutpoint.identification.excitation.bounds import units_of
+from cutpoint.robot import Robot
+
+SLIDING = {
+    "N m": "N",
+    "N m/rad": "N/m",
+    "N m s/rad": "N s/m",
+    "1/(N m)": "1/N",
+    "N m/A": "N/A",
+    "kg m2": "kg",
+    "rad": "m",
+    "rad/s": "m/s",
+    "mrad": "mm",
+    "µrad": "µm",
+}
+"""What stands, of a joint that slides, for a unit of one that turns."""
+
+
+def at_joints(robot: Robot, unit: str) -> dict[str, str]:
+    """Of each driven joint, what a unit of one that turns is there."""
+    kinds = zip(robot.joints, units_of(robot), strict=True)
+    return {joint: SLIDING[unit] if kind == "m" else unit for joint, kind in kinds}
+
+
+def either(units: Iterable[str]) -> str:
+    """All that there are, as "N m or N"."""
+    return " or ".join(dict.fromkeys(units))

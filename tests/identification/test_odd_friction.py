@@ -1,0 +1,133 @@
+"""Friction of which no law is known, or which a log hardly tells: what is judged is what is saved, and can exist."""
+
+import re
+from pathlib import Path
+
+import numpy as np
+import pytest
+from arm_logs import LAW, TIME, TRUTH, Array, channels, motions
+
+import cutpoint
+from cutpoint import Coulomb, Drive, Robot, Stribeck
+from cutpoint.formats.drives import parse_drives
+from cutpoint.identification import Recording, low_pass
+from cutpoint.identification.conditioning.motion import motion_of
+from cutpoint.identification.output import Identification, identify
+from cutpoint.identification.output.torque_errors import stated_torque
+from cutpoint.identification.rigid.least_squares import Method, least_squares
+from cutpoint.identification.rigid.regression import Regression
+from robot_library import urdf
+
+RIGID = Robot(TRUTH.mechanism, dict.fromkeys(TRUTH.joints, Drive(100.0)))
+
+
+def rising(v: Array) -> Array:
+    """Less at rest than in motion, as no law here has it."""
+    return 4.0 * np.tanh(v / 0.01) * (1.8 - 0.8 * np.exp(-((v / 0.15) ** 2))) + 3.0 * v
+
+
+def even(v: Array) -> Array:
+    return np.asarray(LAW.torque(v))
+
+
+def identified(rubs: Array, **how: object) -> Identification:
+    q, v, a = motions()
+    noise = np.random.default_rng(0).normal(size=(2, *q.shape))
+    torque = TRUTH.inverse_dynamics(q, v, a) + rubs + 0.01 * noise[1]
+    return identify(RIGID, Recording(TIME, TRUTH.joints, q=q + 1e-6 * noise[0], torque=torque), **how)  # type: ignore[arg-type]
+
+
+@pytest.mark.parametrize("law", ["choose", "stribeck"])
+@pytest.mark.parametrize("friction", [rising, even])
+@pytest.mark.parametrize("solver", ["lmi", "log_cholesky"])
+def test_the_robot_that_is_saved_is_the_one_that_is_judged(law: str, friction: object, solver: str, tmp_path: Path):
+    given = dict.fromkeys(TRUTH.joints, Stribeck(1.0, 1.0, 1.0, 0.15, 0.02)) if law == "stribeck" else law
+    found = identified(friction(motions()[1]), friction=given, solver=solver)  # type: ignore[operator]
+    drives = found.save(tmp_path)[1].read_text()
+    saved = found.robot.with_drives(parse_drives(drives, found.robot.mechanism))
+    motion, errors = motion_of(saved, found.recording), found.errors
+    torque = stated_torque(saved, motion) + found.rigid.model.offsets
+    after = low_pass(torque, motion.period, errors.bandwidth)
+    known = np.isfinite(after)
+    assert np.abs(after - errors.after)[known].max() < 1e-9 * np.abs(after[known]).max()
+    for number in found.numbers:
+        if number.path and number.told and not number.low <= number.used <= number.high:
+            assert f"{number.remark}" in drives and "by the log alone; " in number.remark
+
+
+def test_friction_that_is_less_at_rest_is_not_written_as_even_after_it_was_judged():
+    found = identified(rising(motions()[1]))
+    errors = found.errors.rms("after", held_out=True)
+    assert (errors < 0.1 * found.errors.size()).all()
+    for drive in found.robot.drives.values():
+        law = drive.link_friction
+        assert not isinstance(law, Stribeck) or law.static >= law.coulomb
+    assert not any("a drive file knows only falling" in note for note in found.notes)
+
+
+def test_numbers_that_are_not_told_are_none_and_told_ones_have_ends():
+    """One joint moves after the other: whole blocks of the log know nothing of a column."""
+    robot = cutpoint.load(urdf("ur10_robot.urdf"))
+    time = 8e-3 * np.arange(3600)
+    n, one = len(robot.joints), 3600 // len(robot.joints)
+    q, v, a = np.zeros((3, time.size, n))
+    phase = np.linspace(0.0, 4.0 * np.pi, one, endpoint=False)
+    speed = 4.0 * np.pi / (one * 8e-3)
+    for j in range(n):
+        rows = slice(j * one, (j + 1) * one)
+        # starts and ends at rest, with all derivatives that count
+        q[rows, j] = 0.4 * (np.sin(phase) - 0.5 * np.sin(2.0 * phase))
+        v[rows, j] = 0.4 * speed * (np.cos(phase) - np.cos(2.0 * phase))
+        a[rows, j] = 0.4 * speed**2 * (2.0 * np.sin(2.0 * phase) - np.sin(phase))
+    torque = robot.inverse_dynamics(q, v, a) + Coulomb(3.0, 2.0, 0.02).torque(v)
+    torque = torque + 0.1 * np.random.default_rng(0).normal(size=q.shape)
+    found = identify(robot, Recording(time, robot.joints, q=q, torque=torque))
+    for number in found.numbers:
+        assert not number.told or number.low <= number.value <= number.high
+        assert number.name[:7] != "coulomb" or not number.told or number.low < 3.0 < number.high or number.value > 1.0
+    for choice in found.rigid.friction:
+        sizes = [held.error for held in choice.compared.values()]
+        assert max(sizes) < 3.0 * np.abs(torque).max()
+
+
+@pytest.mark.parametrize("law", ["choose", "stated"])
+def test_friction_that_is_not_told_stays_near_what_the_file_states(law: str):
+    """The elbow creeps: its viscous friction is nothing beside noise."""
+    drive = Drive(100.0, link_friction=Coulomb(2.0, 1.0, 1e-4))
+    before = Robot(TRUTH.mechanism, dict.fromkeys(TRUTH.joints, drive))
+    q, v, a = (x * [1.0, 0.003] for x in motions())
+    rng = np.random.default_rng(3)
+    torque = (
+        TRUTH.inverse_dynamics(q, v, a) + Coulomb(4.0, 3.0, 1e-4).torque(v) + [1.0, 20.0] * rng.normal(size=q.shape)
+    )
+    found = identify(before, Recording(TIME, TRUTH.joints, q=q, torque=torque), friction=law)  # type: ignore[arg-type]
+    numbers = {number.name: number for number in found.numbers}
+    creeping, moving = numbers["viscous.elbow"], numbers["viscous.shoulder"]
+    assert not creeping.told and creeping.used == pytest.approx(1.0, abs=0.5)
+    assert moving.told and moving.used == pytest.approx(3.0, rel=0.1)
+    assert any("viscous.elbow" in words and "keeps what its file says nearby" in words for words in found.untold)
+
+
+@pytest.mark.parametrize("turned", [[-1.0, -1.0], [1.0, -1.0], [-1.0, 1.0]])
+def test_torques_of_turned_sign_are_said_with_their_joints(turned: list[float]):
+    given, rng = channels(), np.random.default_rng(5)
+    torque = given["torque"] * turned + 0.3 * rng.normal(size=given["torque"].shape)
+    log = Recording(TIME, TRUTH.joints, q=given["q"], torque=torque)
+    notes = " ".join(identify(RIGID, log, friction="stated").notes)
+    joints = {joint for joint, sign in zip(TRUTH.joints, turned, strict=True) if sign < 0.0}
+    (said,) = re.findall(r"friction or inertia of (.*) comes out negative: is the sign of the torque", notes)
+    assert set(said.split(", ")) == joints
+
+
+@pytest.mark.parametrize("apart", [1e-3, 1e-7, 1e-8])
+@pytest.mark.parametrize("method", ["ordinary", "weighted", "huber"])
+def test_what_columns_hardly_tell_apart_has_a_variance(method: Method, apart: float):
+    """Twelve columns that are alike in most of what they are: rounding must not make a variance negative."""
+    rng = np.random.default_rng(1)
+    common = rng.normal(size=(300, 2, 1))
+    columns = (common + apart * rng.normal(size=(300, 2, 12))) * np.geomspace(1e-3, 1e3, 12)
+    torque = common[..., 0] + 0.1 * rng.normal(size=(300, 2))
+    names = tuple(f"c{k}" for k in range(12))
+    found = least_squares(Regression(names, columns, torque, 0.05 * np.arange(300)), method)
+    deviations = found.spread.deviations()
+    assert (deviations > 0.0).all() and np.isfinite(deviations).all()

@@ -1,0 +1,115 @@
+"""What asks for short steps beside modes at rest: waves of the motor, springs that stiffen, play."""
+
+import warnings
+from typing import Any
+
+import numpy as np
+import pytest
+
+import cutpoint
+from cutpoint import (
+    Backlash,
+    Drive,
+    Flexspline,
+    Harmonic,
+    KinematicError,
+    Limits,
+    LinearSpring,
+    Log,
+    Motor,
+    Robot,
+    Rotor,
+    State,
+    simulate,
+    simulate_many,
+)
+from cutpoint.control import Command, Law, tune
+from cutpoint.model import Body, Joint, Mechanism
+from cutpoint.simulation import StiffnessWarning
+from cutpoint.simulation.integrator import substeps_for
+
+SPRING = LinearSpring(16e3)
+COGGING = Motor(0.1, cogging=(Harmonic(84, 0.02),))
+STATES = np.zeros((1, 1))
+
+
+def turning(**parts: Any) -> Robot:
+    """One body about the vertical, 0.042 kg m2, behind a motor of 0.1 kg m2 at the joint."""
+    body = Body("link", Joint("joint", "revolute", "", "link"), -1, np.eye(4), 1.0, np.zeros(3), 0.042 * np.eye(3))
+    return Robot(Mechanism("one", (body,), {}), {"joint": Drive(100.0, Rotor(1e-5), **parts)})
+
+
+class Shaken(Law):
+    """amplitude sin(2 pi frequency t), N m."""
+
+    def __init__(self, amplitude: float, frequency: float) -> None:
+        self.amplitude, self.frequency = amplitude, frequency
+
+    def step(self, memory, measurement, reference):
+        swing = cutpoint.sin(2 * np.pi * self.frequency * measurement.time)
+        return memory, Command(np.array([self.amplitude * swing]))
+
+
+def shaken(robot: Robot, amplitude: float, frequency: float, **options: Any) -> Log:
+    return simulate(robot, Shaken(amplitude, frequency), duration=0.2, initial=State(q=np.zeros(1)), **options)
+
+
+def off(run: Log, truth: Log) -> float:
+    """How far the link departs, rad."""
+    return float(np.abs(run["q"] - truth["q"]).max())
+
+
+@pytest.mark.parametrize("spring", [SPRING, None], ids=["elastic", "rigid"])
+def test_cogging_that_is_faster_than_the_longest_step_is_followed(spring):
+    """84 waves a turn at a ratio of 100 and up to 3 rad/s: 25 200 rad/s, 6.3 rad of a quarter of a millisecond."""
+    ours = turning(compliance=spring, motor=COGGING)
+    law, move = tune(ours, 4.0), cutpoint.trajectories.cycloid(end=[0.6], duration=0.4)
+    found, truth = simulate(ours, law, move), simulate(ours, law, move, accuracy="reference")
+    assert found.meta["steps_set_by"] == "waves of order 84 of the motor of 'joint'"
+    assert off(found, truth) < 1e-6
+    assert off(simulate(ours, law, move, substeps=4), truth) > 1e-4
+
+
+@pytest.mark.parametrize(("accuracy", "radians"), [("standard", 2.0), ("fine", 1.0)])
+def test_a_step_takes_so_much_of_the_fastest_wave_and_only_of_one_that_is_there(accuracy, radians):
+    waves = KinematicError((Harmonic(2, 1e-4), Harmonic(90, 1e-9), Harmonic(200, 0.0)))
+    ours, speed = turning(compliance=LinearSpring(1e3), kinematic_error=waves), np.array([-3.0])
+    steps = substeps_for(ours, accuracy, 1e-3, STATES, speed)
+    assert steps.number == np.ceil(90 * 100.0 * 3.0 * 1e-3 / radians)
+    bare = turning(compliance=LinearSpring(1e3))
+    least = substeps_for(bare, accuracy, 1e-3, STATES)
+    assert substeps_for(bare, accuracy, 1e-3, STATES, speed) == least
+    assert substeps_for(ours, accuracy, 1e-3, STATES) == least
+
+
+def test_waves_that_turn_out_too_fast_for_the_steps_are_told_of():
+    ours, start = turning(compliance=SPRING, motor=COGGING), State(q=np.zeros(1), v=np.ones(1))
+    pushed = {"duration": 0.1, "initial": start}
+    told = r"at which waves of order 84 of the motor of 'joint' would take \d+ .*, 5 were taken: give substeps="
+    with pytest.warns(StiffnessWarning, match=told):
+        simulate(ours, Shaken(40.0, 5.0), **pushed)
+    with pytest.warns(StiffnessWarning, match=told):
+        simulate_many([ours, ours], Shaken(40.0, 5.0), **pushed)
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        simulate(ours, Shaken(40.0, 5.0), substeps=50, **pushed)
+        simulate(turning(compliance=SPRING), Shaken(40.0, 5.0), **pushed)
+
+
+@pytest.mark.parametrize("stiffness", [1e5, 1e6])
+def test_play_is_followed_where_nothing_holds_the_drive_against_a_flank(stiffness):
+    """At rest within its play the spring has no stiffness to speak of."""
+    ours = turning(compliance=Backlash(LinearSpring(stiffness), 1e-3))
+    truth = shaken(ours, 20.0, 5.0, accuracy="reference")
+    assert off(shaken(ours, 20.0, 5.0), truth) < 1e-4
+    assert off(shaken(ours, 20.0, 5.0, substeps=4), truth) > 1e-4
+
+
+def test_a_spring_that_hardens_is_followed_up_to_the_torque_of_its_motor():
+    law = Flexspline(32e3, 0.0864)
+    limits = {"effort": {"limits": Limits(effort=60.0)}, "current": {"motor": Motor(0.1, current_limit=6.0)}}
+    slope = law.tangent(law.deflection(60.0))
+    at_peaks = substeps_for(turning(compliance=LinearSpring(slope / 4)), "fine", 1e-3, STATES)
+    for parts in limits.values():
+        assert substeps_for(turning(compliance=law, **parts), "fine", 1e-3, STATES) == at_peaks
+    assert substeps_for(turning(compliance=law), "fine", 1e-3, STATES).number < at_peaks.number
