@@ -21,7 +21,7 @@ void *__wrap_calloc(size_t m, size_t n) { allocations++; return __real_calloc(m,
 void *__wrap_realloc(void *p, size_t n) { allocations++; return __real_realloc(p, n); }
 
 static uint32_t histogram[BINS];
-static double found[OUTPUTS];
+static double cutpoint_out[CUTPOINT_OUTPUTS];
 
 static uint64_t now(void) {
   struct timespec t;
@@ -29,7 +29,7 @@ static uint64_t now(void) {
   return (uint64_t)t.tv_sec * 1000000000u + (uint64_t)t.tv_nsec;
 }
 
-static __attribute__((noinline)) void call(const double *in) {
+static __attribute__((noinline)) void call(const double *cutpoint_in) {
   /* CALL */
 }
 
@@ -60,7 +60,7 @@ int main(int count, char **arguments) {
   const long calls = count > 1 ? atol(arguments[1]) : 100000000;
   uint64_t worst = 0, clock = UINT64_MAX;
   paint();
-  call(inputs[1]);
+  call(cutpoint_inputs[1]);
   const size_t stack = washed();
   for (int k = 0; k < 100000; k++) {
     const uint64_t start = now(), taken = now() - start;
@@ -69,7 +69,7 @@ int main(int count, char **arguments) {
   const unsigned long before = allocations;
   for (long k = 0; k < calls; k++) {
     const uint64_t start = now();
-    call(inputs[k % CASES]);
+    call(cutpoint_inputs[k % CUTPOINT_CASES]);
     const uint64_t taken = now() - start - clock;
     const uint64_t length = (int64_t)taken < 0 ? 0 : taken;
     histogram[length < BINS ? length : BINS - 1]++;

@@ -66,7 +66,7 @@ def built(folder: Path, function: str, compiler: str) -> Path:
     export_function(cutpoint.robots.xia2019(), function, folder)
     check = (folder / f"{function}_check.c").read_text()
     (call,) = [line.strip() for line in check.splitlines() if line.strip().startswith(f"{function}(")]
-    tables = check[check.index("#define CASES") : check.index("static const char *const names")]
+    tables = check[check.index("#define CUTPOINT_CASES") : check.index("static const char *const cutpoint_names")]
     harness = Path(__file__).with_name("latency.c").read_text()
     text = harness.replace("HEADER", f"{function}.h").replace("/* TABLES */", tables).replace("/* CALL */", call)
     (folder / "latency.c").write_text(text)
