@@ -39,9 +39,13 @@ WHERE = """
   slow as the same headers compiled here by clang, which counts.
 * Regressor: its matrices leave number by number; rows of {regressor} numbers fill the memory's stores before the
   arithmetic is done.
+* Elastic inverse dynamics, one call: each number comes with two derivatives; much of what waits between the recursions
+  outward and inward leaves the registers for memory, and comes back.
+* Chains: what one body hands to the next goes through memory, which the next has to wait for.
 * One call from Python, general: NumPy looks at types, shapes and strides of each argument for the gufunc; the shortcut
   that plain arrays take does not.
 * Closed loop: steps are {steps} times as quick as CasADi's; checks, references and the log are the rest.
+* Of the memory's: where inverse dynamics in lanes takes longer than copying, arithmetic is what is waited for.
 * Of the multiply-adds: additions and products that have no partner count for one of the two that a core can do.
 """
 

@@ -108,10 +108,11 @@ def test_friction_that_is_not_told_stays_near_what_the_file_states(law: str):
     assert any("viscous.elbow" in words and "keeps what its file says nearby" in words for words in found.untold)
 
 
+@pytest.mark.parametrize("noise", [0.3, 0.0])
 @pytest.mark.parametrize("turned", [[-1.0, -1.0], [1.0, -1.0], [-1.0, 1.0]])
-def test_torques_of_turned_sign_are_said_with_their_joints(turned: list[float]):
+def test_torques_of_turned_sign_are_said_with_their_joints(turned: list[float], noise: float):
     given, rng = channels(), np.random.default_rng(5)
-    torque = given["torque"] * turned + 0.3 * rng.normal(size=given["torque"].shape)
+    torque = given["torque"] * turned + noise * rng.normal(size=given["torque"].shape)
     log = Recording(TIME, TRUTH.joints, q=given["q"], torque=torque)
     notes = " ".join(identify(RIGID, log, friction="stated").notes)
     joints = {joint for joint, sign in zip(TRUTH.joints, turned, strict=True) if sign < 0.0}

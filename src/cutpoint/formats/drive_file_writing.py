@@ -2,15 +2,13 @@
 
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
-from typing import Any
 
 import numpy as np
 
 from cutpoint.formats.drives import dump_drives
 from cutpoint.formats.safe_yaml import YamlPath, parse_yaml
-from cutpoint.mechanics.friction import Stribeck
 from cutpoint.mechanics.hysteresis import MaxwellSlip
-from cutpoint.model.drive import Drive, Friction
+from cutpoint.model.drive import Drive
 
 ELEMENTS = 4
 """Of hysteresis, where what was found has no words of its own."""
@@ -37,18 +35,11 @@ def remarked_drives(
 
 def worded(drive: Drive) -> tuple[Drive, tuple[str, ...]]:
     """The nearest drive that a drive file has words for, and what was changed for them."""
-    notes: list[str] = []
-    changes: dict[str, Any] = {}
-    if isinstance(drive.hysteresis, MaxwellSlip) and not _is_smooth(drive.hysteresis):
-        changes["hysteresis"] = _smoothed(drive.hysteresis)
-        alike = f"{ELEMENTS} whose wide loops have the same width and area"
-        notes.append(f"hysteresis of {len(drive.hysteresis.reach)} elements written as {alike}")
-    for side in ("link_friction", "motor_friction"):
-        law = getattr(drive, side)
-        changes[side] = lowered = _falling(law)
-        if lowered is not law:
-            notes.append(f"{side.replace('_', ' ')} grows with speed near rest; a drive file knows only falling: even")
-    return replace(drive, **changes), tuple(notes)
+    if not isinstance(drive.hysteresis, MaxwellSlip) or _is_smooth(drive.hysteresis):
+        return drive, ()
+    alike = f"{ELEMENTS} whose wide loops have the same width and area"
+    note = f"hysteresis of {len(drive.hysteresis.reach)} elements written as {alike}"
+    return replace(drive, hysteresis=_smoothed(drive.hysteresis)), (note,)
 
 
 def _is_smooth(law: MaxwellSlip) -> bool:
@@ -66,15 +57,6 @@ def _smoothed(law: MaxwellSlip) -> MaxwellSlip:
 
 def _moment(law: MaxwellSlip) -> float:
     return float(np.dot(law.stiffness, np.square(law.reach)))
-
-
-def _falling(law: Friction | None) -> Friction | None:
-    """Friction that is not smaller at rest than in motion: else at both what it is in motion."""
-    sliding: Any = getattr(law, "sliding", law)
-    if not isinstance(sliding, Stribeck) or sliding.static >= sliding.coulomb:
-        return law
-    even = replace(sliding, static=sliding.coulomb)
-    return even if sliding is law else replace(law, sliding=even)  # type: ignore[type-var]
 
 
 def _one_line(words: str) -> str:

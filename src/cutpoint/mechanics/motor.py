@@ -7,7 +7,7 @@ from collections.abc import Sequence
 
 from cutpoint.mechanics.harmonics import series
 from cutpoint.model.drive import Drive, Harmonic, Motor
-from cutpoint.scalars import Scalar, clip, maximum, minimum
+from cutpoint.scalars import Scalar, clip
 
 TURN = 6.283185307179586
 
@@ -34,7 +34,7 @@ def within_limits(drive: Drive, command: Scalar, theta_dot: Scalar) -> Scalar:
         high = ends[1] if high is None else clip(ends[1], -high, high)
     if low is None or high is None:
         return command
-    return gain * minimum(maximum(command / gain, low), high)
+    return gain * clip(command / gain, low, high)
 
 
 def lag_rate(motor: Motor, command: Scalar, torque: Scalar) -> Scalar:

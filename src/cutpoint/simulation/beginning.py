@@ -52,7 +52,7 @@ def _of_motors(robot: Robot, name: str, told: Any, links: Array) -> Array:
     apart = rigid & (np.abs(motors - links) > ROUNDING * np.maximum(np.abs(links), 1.0))
     if apart.any():
         k = int(apart.argmax())
-        rule = f"the drive of {robot.joints[k]!r} is rigid, its motor moves as its link, {links[k]:g}"
+        rule = f"the drive of {robot.joints[k]!r} is rigid, its motor moves as its link, {links[k]:g}: give that"
         raise InputError(f"simulate: initial.{name}[{k}] is {motors[k]:g}; {rule}", joint=robot.joints[k])
     return np.where(rigid, links, motors)
 

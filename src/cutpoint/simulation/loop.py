@@ -4,7 +4,6 @@ What the stages read and write are flat lists of scalars; `kernels.program` comp
 any number of control periods, or runs them as they are where nothing can be compiled.
 """
 
-import math
 from collections.abc import Hashable
 from dataclasses import dataclass
 from functools import cached_property
@@ -149,7 +148,6 @@ class ClosedLoop:
         own = own_parts(machine, self.lanes.dense(state))
         motors = zip(machine.drives, own, command[: self.layout.n], limits, strict=True)
         told = [clip(within_limits(d.drive, u, own.at.theta_dot), -limit, limit) for d, own, u, limit in motors]
-        told = [where(u <= math.inf, x, math.nan) for u, x in zip(command, told, strict=False)]
         return self.lanes.padded(told), torque
 
     def record(self, *regions: Scalars) -> Scalars:

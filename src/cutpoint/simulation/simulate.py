@@ -85,7 +85,7 @@ def simulate(
     disturbances: a function of the sample times (N,) that gives torques on the links' coordinates, (N, nv), N m, held
         over each period.
     accuracy: "standard", Runge-Kutta steps fit for 1e-4 rad in well-posed cases; "fine", for 1e-6; "reference",
-        adaptive DOP853 at rtol 1e-12, slow.  substeps: integration steps a control period, instead of those; a
+        adaptive DOP853 at rtol 1e-12, slow.  substeps: integration steps a control period, instead of fit ones; a
         StiffnessWarning says where a run reached speeds that ask for more.
     hold: False lets the controller act at every instant, as proofs in continuous time have it, for laws, sensors and
         drives without memory; it is integrated as "reference" is, and logged each control period.
@@ -176,7 +176,9 @@ def steps_of(robot: Robot, accuracy: str, substeps: int | None, period: float, s
     if max(delays, default=0.0) > period:
         told = f"a motor's delay {max(delays)} s must not exceed the control period, {period} s"
         raise InputError(f"simulate: {told}; put whole periods into Sensors(delay=)", delay=max(delays))
-    if substeps is None and accuracy == "reference":
+    if accuracy == "reference":
+        if substeps is not None:
+            raise InputError(f"simulate: substeps={substeps!r} has no effect on accuracy 'reference': leave it out")
         return Steps(1, "the adaptive integrator")
     if substeps is None:
         speeds = np.maximum(np.abs(reference[1]).max(axis=0), np.abs(start.theta_dot))

@@ -7,6 +7,7 @@ Robot. 36(2), for the entropic distance; Rucker and Wensing (2022), IEEE Robot. 
 
 import warnings
 from collections.abc import Sequence
+from contextlib import suppress
 from importlib import import_module
 from typing import Any, Literal, NamedTuple
 
@@ -48,6 +49,9 @@ LEAST = 1e-3
 
 SHARPEST = 1e7
 """Torques over their noise, all together: of logs that are more exact a solver would not see bodies beside them."""
+
+BLUNTER = (1.0, 0.1, 1e-2, 1e-3)
+"""Times these, in turn, where Clarabel gives up: of torques that no body makes, as those of turned sign."""
 
 
 class Fit(NamedTuple):
@@ -174,19 +178,20 @@ def _by_cones(fit: Fit, entropic: bool) -> Array:
     distance = sum(_distance(cp, each, entropic) for each in X)
     if rotors is not None:
         distance += cp.sum_squares(rotors - fit.stated)
-    misfit += cp.sum_squares((others - fit.prior) / fit.loose) if others is not None else 0.0
+    distance /= fit.spread**2
+    if others is not None:
+        distance += cp.sum_squares((others - fit.prior) / fit.loose)
     bounds = [others[fit.positive] >= 0] if others is not None and fit.positive.any() else []
-    problem = cp.Problem(cp.Minimize(misfit + distance / fit.spread**2), bounds)
-    with warnings.catch_warnings():
+    for blunt in BLUNTER:
+        problem = cp.Problem(cp.Minimize(blunt**2 * misfit + distance), bounds)
         # of a solution within reduced tolerances, which is good enough here
-        warnings.filterwarnings("ignore", r"Solution may be inaccurate", UserWarning)
-        try:
+        with warnings.catch_warnings(), suppress(cp.error.SolverError):
+            warnings.filterwarnings("ignore", r"Solution may be inaccurate", UserWarning)
             problem.solve(solver=cp.CLARABEL)
-        except cp.error.SolverError as error:
-            remedy = "check the torques' unit and sign, or try solver='log_cholesky', --solver log_cholesky"
-            raise CutpointError(f"the search for physical bodies failed: {remedy}") from error
+            break
     if problem.status not in ("optimal", "optimal_inaccurate"):
-        raise CutpointError(f"the search for physical bodies ended {problem.status}: try solver='log_cholesky'")
+        remedy = "check the torques' unit and sign, or try solver='log_cholesky', --solver log_cholesky"
+        raise CutpointError(f"the search for physical bodies failed: {remedy}")
     return np.concatenate([np.ravel(x.value) for x in [*X, rotors, others] if x is not None])
 
 
