@@ -182,8 +182,10 @@ def _by_cones(fit: Fit, entropic: bool) -> Array:
     if others is not None:
         distance += cp.sum_squares((others - fit.prior) / fit.loose)
     bounds = [others[fit.positive] >= 0] if others is not None and fit.positive.any() else []
+    sharp = cp.Parameter(nonneg=True)
+    problem = cp.Problem(cp.Minimize(sharp * misfit + distance), bounds)
     for blunt in BLUNTER:
-        problem = cp.Problem(cp.Minimize(blunt**2 * misfit + distance), bounds)
+        sharp.value = blunt**2
         # of a solution within reduced tolerances, which is good enough here
         with warnings.catch_warnings(), suppress(cp.error.SolverError):
             warnings.filterwarnings("ignore", r"Solution may be inaccurate", UserWarning)
