@@ -6,6 +6,7 @@ from itertools import groupby
 
 from cutpoint.kernels.algebra import Operand
 from cutpoint.kernels.graph import Graph
+from cutpoint.kernels.jit import beside_numbers
 from cutpoint.kernels.llvm import Lanes, StraightLine, straight_line
 from cutpoint.kernels.llvm_code import Code
 from cutpoint.kernels.ports import Port
@@ -42,7 +43,8 @@ def element(graph: Graph, inputs: Sequence[Port], outputs: Sequence[Port], width
         for vector, slots in zip(found, group.values, strict=True):
             in_vectors |= {slot: (vector, k) for k, slot in enumerate(slots)}
     rest.written(range(len(graph.results)))
-    head = f"define void @{FUNCTION}({', '.join(f'ptr {pointer}' for pointer in memory)}) {{\nentry:"
+    pointers = ", ".join(f"ptr {pointer}" for pointer in memory)
+    head = f"define void @{FUNCTION}({pointers}) {beside_numbers()} {{\nentry:"
     return "\n".join([head, *code.lines, "ret void", "}", ""])
 
 

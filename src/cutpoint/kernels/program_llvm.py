@@ -8,7 +8,7 @@ import numpy as np
 
 from cutpoint.kernels.algebra import Operand
 from cutpoint.kernels.hoisting import hoist
-from cutpoint.kernels.jit import Compiled
+from cutpoint.kernels.jit import Compiled, beside_numbers
 from cutpoint.kernels.llvm import Lanes, straight_line
 from cutpoint.kernels.llvm_code import Code
 from cutpoint.kernels.lowering import lower
@@ -95,7 +95,8 @@ def program_ir(plan: Plan) -> str:
     done = loop(plan.body, starts, [])
     lanes = {stage.lanes.width: stage.lanes for stage in stages.values()}
     declarations = "".join(x.declarations for x in lanes.values())
-    head = f"{declarations}define i64 @{_FUNCTION}(ptr %counts, ptr %regions) {{\nentry:"
+    attributes = beside_numbers() if 1 in lanes else ""
+    head = f"{declarations}define i64 @{_FUNCTION}(ptr %counts, ptr %regions) {attributes} {{\nentry:"
     return "\n".join([head, *code.lines, f"ret i64 {done}", "}", ""])
 
 
