@@ -41,8 +41,9 @@ drift apart whatever the integrator does, their scores do not: how far the worst
 
 _LAWS = """## One step of a control law
 
-On the paper's arm, with flexspline and friction: machine code called once, and in lanes; operations with elementary
-functions counted as one.  The curves of springs and friction take about half the time of a law that inverts them.
+On the paper's arm, with flexspline and friction: machine code called once, and many in one call; operations with
+elementary functions counted as one.  Many are blocks of lanes, of laws that remember nothing rows, each with the
+parameters of its own.  The curves of springs and friction take about half the time of a law that inverts them.
 
 """
 
@@ -119,7 +120,7 @@ def laws(found: list[dict]) -> str:
         Row((x["law"],), [str(x["operations"]), *cells(x, ("single", "lanes"))])
         for x in found
     ]  # fmt: skip
-    return _LAWS + table("law | operations | one call, ns | lanes, ns each", rows)
+    return _LAWS + table("law | operations | one call, ns | many, ns each", rows)
 
 
 def latency(found: dict | None) -> str:

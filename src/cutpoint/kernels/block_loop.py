@@ -8,7 +8,7 @@ from collections.abc import Sequence
 from cutpoint.kernels.graph import Graph
 from cutpoint.kernels.lane_memory import ALL_EXCEPTIONS
 from cutpoint.kernels.llvm import Lanes, straight_line
-from cutpoint.kernels.llvm_code import Code
+from cutpoint.kernels.llvm_code import PREFETCH, Code, in_turn
 from cutpoint.kernels.ports import Port
 from cutpoint.kernels.scheduling import depth_first
 
@@ -60,7 +60,12 @@ def block_loop(graph: Graph, inputs: Sequence[Port], outputs: Sequence[Port], wi
         for argument in arguments:
             argument.advance(code, loop.iteration)
         places = [code.let(f"select i1 {direct}, ptr {a.here}, ptr {x}") for a, x in zip(targets, scratch, strict=True)]
-        _block(code, graph, lanes, _slots(inputs, [a.here for a in sources]), _slots(outputs, places))
+        with code.aside() as asked:
+            for argument, port in zip(sources, inputs, strict=True):
+                code.ask(argument.here, port.size * lanes.item * lanes.width)
+        with code.aside() as block:
+            _block(code, graph, lanes, _slots(inputs, [a.here for a in sources]), _slots(outputs, places))
+        code.lines += in_turn(block, asked)
         move, end = code.name("move"), code.name("moved")
         code.branch(direct, end, move)
         code.open(move)
@@ -71,7 +76,7 @@ def block_loop(graph: Graph, inputs: Sequence[Port], outputs: Sequence[Port], wi
     code.lines.append("fence seq_cst")
     # results, not processor flags, tell of overflow and NaN: both sides of a select are computed
     code.let(f"call i32 @feclearexcept(i32 {ALL_EXCEPTIONS})")
-    head = f"{lanes.declarations}declare i32 @feclearexcept(i32)\n"
+    head = f"{lanes.declarations}{PREFETCH}declare i32 @feclearexcept(i32)\n"
     head += f"define void @{FUNCTION}(ptr %arguments, ptr %dimensions, ptr %steps, ptr %data) {{\nentry:"
     return "\n".join([head, *code.lines, "ret void", "}", "!0 = !{i32 1}", ""])
 

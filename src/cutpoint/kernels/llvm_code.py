@@ -4,6 +4,17 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from typing import NamedTuple
 
+AHEAD = 2048
+"""Bytes, which memory is asked for before their turn comes.
+
+Measured for inverse dynamics of a 6R arm in lanes: 20 % less time for 190 MB, 5 % for 1 MB; 1 kB and 4 kB do as much.
+"""
+
+LINE = 64
+"""Bytes that memory hands over at once."""
+
+PREFETCH = "declare void @llvm.prefetch.p0(ptr, i32, i32, i32)\n"
+
 
 class Running(NamedTuple):
     """A counted loop: its index, and for after the loop how often it ran."""
@@ -63,6 +74,11 @@ class Code:
         """Zeros in so many bytes."""
         self.lines.append(f"call void @llvm.memset.p0.i64(ptr {pointer}, i8 0, i64 {size}, i1 false)")
 
+    def ask(self, pointer: str, size: int) -> None:
+        """Asks memory for what lies AHEAD of a pointer, so many bytes: nobody waits for it yet."""
+        for offset in range(AHEAD, AHEAD + size, LINE):
+            self.lines.append(f"call void @llvm.prefetch.p0(ptr {self.at(pointer, offset, 'i8')}, i32 0, i32 3, i32 1)")
+
     @contextmanager
     def loop(self, count: str | int, until: str | None = None) -> Iterator[Running]:
         """The block, count times; after an iteration that leaves a number other than 0 at `until`, no more."""
@@ -80,6 +96,12 @@ class Code:
         self.branch(stop, after, head)
         self.open(after)
         self.lines.append(f"{done} = phi i64 [ {index}, {head} ], [ {following}, {latch} ]")
+
+
+def in_turn(first: list[str], second: list[str]) -> list[str]:
+    """Two independent stretches of code as one: each has room for the other while it waits."""
+    order = [((k + 0.5) / len(lines), line) for lines in (first, second) for k, line in enumerate(lines)]
+    return [line for _, line in sorted(order, key=lambda pair: pair[0])]
 
 
 def _alignment(align: int | None) -> str:

@@ -8,7 +8,7 @@ from collections.abc import Sequence
 
 from cutpoint.kernels.graph import Graph
 from cutpoint.kernels.llvm import Lanes, straight_line
-from cutpoint.kernels.llvm_code import Code
+from cutpoint.kernels.llvm_code import PREFETCH, Code, in_turn
 from cutpoint.kernels.ports import Port
 from cutpoint.kernels.transposition import blocks, lanes_of_rows, lanes_to_rows
 
@@ -16,7 +16,7 @@ FUNCTION = "pack_loop"
 
 
 class _Argument:
-    """One port's memory: rows outside, lanes in scratch memory."""
+    """One port's memory: rows outside, lanes in scratch memory.  size: bytes of a pack."""
 
     def __init__(self, code: Code, lanes: Lanes, port: Port, number: int) -> None:
         self.lanes, self.blocks = lanes, [*blocks(port.size, lanes.width)]
@@ -24,10 +24,14 @@ class _Argument:
         self.step = code.load("%steps", number, "i64")
         self.offsets = [code.let(f"mul i64 {self.step}, {lane}") for lane in range(lanes.width)]
         self.scratch = code.let(f"alloca {lanes.real}, i64 {port.size}")
+        self.size = port.size * lanes.item * lanes.width
+
+    def first(self, code: Code, pack: str) -> str:
+        element = code.let(f"mul i64 {pack}, {self.lanes.width}")
+        return code.at(self.start, code.let(f"mul i64 {self.step}, {element}"), "i8")
 
     def rows(self, code: Code, pack: str) -> list[str]:
-        element = code.let(f"mul i64 {pack}, {self.lanes.width}")
-        first = code.at(self.start, code.let(f"mul i64 {self.step}, {element}"), "i8")
+        first = self.first(code, pack)
         return [code.at(first, offset, "i8") for offset in self.offsets]
 
     def fetch(self, code: Code, pack: str) -> None:
@@ -63,11 +67,16 @@ def pack_loop(graph: Graph, inputs: Sequence[Port], outputs: Sequence[Port], wid
     with code.loop("%packs") as loop:
         for argument in sources:
             argument.fetch(code, loop.iteration)
-        straight_line(
-            code, graph, lambda slot: code.load(*read[slot], lanes.real),
-            lambda slot, value: code.store(value, *write[slot], lanes.real), lanes,
-        )  # fmt: skip
+        with code.aside() as asked:
+            for argument in sources:
+                code.ask(argument.first(code, loop.iteration), argument.size)
+        with code.aside() as pack:
+            straight_line(
+                code, graph, lambda slot: code.load(*read[slot], lanes.real),
+                lambda slot, value: code.store(value, *write[slot], lanes.real), lanes,
+            )  # fmt: skip
+        code.lines += in_turn(pack, asked)
         for argument in targets:
             argument.deliver(code, loop.iteration)
-    head = f"{lanes.declarations}define void @{FUNCTION}(ptr %arguments, ptr %steps, i64 %packs) {{\nentry:"
+    head = f"{lanes.declarations}{PREFETCH}define void @{FUNCTION}(ptr %arguments, ptr %steps, i64 %packs) {{\nentry:"
     return "\n".join([head, *code.lines, "ret void", "}", ""])

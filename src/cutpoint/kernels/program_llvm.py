@@ -10,7 +10,7 @@ from cutpoint.kernels.algebra import Operand
 from cutpoint.kernels.hoisting import hoist
 from cutpoint.kernels.jit import Compiled, beside_numbers
 from cutpoint.kernels.llvm import Lanes, straight_line
-from cutpoint.kernels.llvm_code import Code
+from cutpoint.kernels.llvm_code import Code, in_turn
 from cutpoint.kernels.lowering import lower
 from cutpoint.kernels.nodes import Node
 from cutpoint.kernels.program_plan import LaneLoop, Plan
@@ -87,7 +87,7 @@ def program_ir(plan: Plan) -> str:
                         stages[item].write(code, inside, at_hand)
                     with code.aside() as narrow:
                         stages[following].begin(code, inside, item.writes)
-                    code.lines += _in_turn(wide, narrow)
+                    code.lines += in_turn(wide, narrow)
                 else:
                     stages[item].write(code, inside, at_hand)
         return running.done
@@ -134,12 +134,6 @@ def _after_all(code: Code, around: Sequence[_Turn], count: str | int, row: str) 
     for turn in around:
         entries = code.let(f"add i64 {code.let(f'mul i64 {entries}, {turn.often}')}, {turn.iteration}")
     return code.let(f"add i64 {code.let(f'mul i64 {entries}, {count}')}, {row}")
-
-
-def _in_turn(first: list[str], second: list[str]) -> list[str]:
-    """Two independent stretches of code as one: lanes wait long for each other and leave room for others."""
-    order = [((k + 0.5) / len(lines), line) for lines in (first, second) for k, line in enumerate(lines)]
-    return [line for _, line in sorted(order, key=lambda pair: pair[0])]
 
 
 class _Stage:
