@@ -1,5 +1,7 @@
 """docs/benchmarks.md from the results of a run."""
 
+from collections.abc import Sequence
+
 from function_sections import elastic, from_memory, functions, parameters
 from goals import goals
 from run_sections import chains, closed_loop, latency, laws, python_calls, steps
@@ -35,7 +37,8 @@ KDL.
 """
 
 
-def document(results: dict) -> str:
+def document(results: dict, others: Sequence[dict] = ()) -> str:
+    """others: results on other processors, of which the goals are shown."""
     machine, limits = results["machine"], results["limits"]
     packages = ", ".join(f"{name} {number}" for name, number in machine["versions"].items() if name != "Python")
     facts = {
@@ -44,7 +47,7 @@ def document(results: dict) -> str:
         "flops": limits["flops"] / 1e9, "copy": limits["copy"] / 1e9, "store": limits["store"] / 1e9,
     }  # fmt: skip
     tables = [
-        goals(results), functions(results["tasks"], limits), elastic(results["elastic"]),
+        goals(results, others), functions(results["tasks"], limits), elastic(results["elastic"]),
         parameters(results["parameters"]),
         from_memory(results["from memory"], limits), chains(results["chains"]), python_calls(results["from Python"]),
         closed_loop(results["closed loop"], results["own arm"]), steps(results["steps"]), laws(results["laws"]),

@@ -1,6 +1,6 @@
 """What each row is to reach beside a peer, and what it did: the first table of docs/benchmarks.md."""
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from typing import Any, NamedTuple
 
 from tables import NONE, Row, ratio, share, table
@@ -28,9 +28,8 @@ WANTED: dict[tuple[str, str, str], tuple[float, float]] = {
 
 _HEAD = """## What was wanted, and what was reached
 
-{kept} of {all} goals were reached in this run.  Ratios are of the least times, UR10 / Panda; CasADi is its code from
-the robot as the file has it.  Where a goal was missed, the sections below show the times, and what stands under this
-table says where they go.
+{kept}.  Ratios are of the least times, UR10 / Panda; CasADi is its code from the robot as the file has it.  Where a
+goal was missed in this run, the sections below show the times, and what stands under this table says where they go.
 
 """
 
@@ -62,17 +61,28 @@ class Goal(NamedTuple):
         return bool(pairs) and all(y >= x for x, y in pairs)
 
 
-def goals(results: dict[str, Any]) -> str:
-    found = [*_functions(results), *_chains(results), *_python(results), *_loops(results), *_limits(results)]
+def goals(results: dict[str, Any], others: Sequence[dict[str, Any]]) -> str:
+    """Of this run, beside what runs on other processors reached."""
+    runs = {f"{x['machine']['processor']}, {x['machine']['commit']}": _goals(x) for x in (results, *others)}
     rows = [
-        Row((goal.what,), [_shown(goal, goal.wanted), _shown(goal, goal.reached), "yes" if goal.is_kept else "no"])
-        for goal in found
+        Row((same[0].what,), [_shown(same[0], same[0].wanted), *(cell for goal in same for cell in _cells(goal))])
+        for same in zip(*runs.values(), strict=True)
     ]
-    head = _HEAD.format(kept=sum(goal.is_kept for goal in found), all=len(found))
+    told = [f"{sum(goal.is_kept for goal in run)} on {name}" for name, run in runs.items()]
+    head = _HEAD.format(kept=f"Of {len(rows)} goals were reached: {'; '.join(told)}")
     steps = [x["a step"].get(CASADI, 0) / x["a step"]["cutpoint"] for x in results["closed loop"]]
     regressor = [f"{x['bytes out'] // 8}" for x in results["tasks"] if x["task"] == "regressor"]
     where = WHERE.format(steps=" and ".join(f"{x:.1f}" for x in steps), regressor=" and ".join(regressor))
-    return head + table("goal | wanted | reached | kept", rows) + where
+    titles = [cell for name in runs for cell in (name.partition(",")[0], "kept")]
+    return head + table(" | ".join(["goal", "wanted", *titles]), rows) + where
+
+
+def _goals(results: dict[str, Any]) -> list[Goal]:
+    return [*_functions(results), *_chains(results), *_python(results), *_loops(results), *_limits(results)]
+
+
+def _cells(goal: Goal) -> tuple[str, str]:
+    return _shown(goal, goal.reached), "yes" if goal.is_kept else "no"
 
 
 def _functions(results: dict[str, Any]) -> Iterator[Goal]:

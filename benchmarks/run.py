@@ -1,4 +1,4 @@
-"""cutpoint beside its peers: `make bench`.  Writes benchmarks/results.json and docs/benchmarks.md.
+"""cutpoint beside its peers: `make bench`.  Writes docs/benchmarks.md, and what was measured, for each processor.
 
 python benchmarks/run.py --into /tmp --calls 1e6      a trial: both files there, and fewer calls for latency
 """
@@ -7,6 +7,7 @@ import argparse
 import json
 import os
 import platform
+import re
 import shutil
 import subprocess
 import sys
@@ -35,6 +36,7 @@ import cutpoint
 from cutpoint.studies.cost.study import processor
 
 HERE = Path(__file__).parent
+RESULTS = HERE / "results"
 PACKAGES = ("numpy", "llvmlite", "pin", "mujoco", "casadi", "example-robot-data")
 
 
@@ -63,8 +65,10 @@ def _measured(calls: int) -> dict:
 
 
 def _write(results: dict, into: Path | None) -> None:
-    text = document(results)
-    (into or HERE).joinpath("results.json").write_text(json.dumps(results, indent=1) + "\n", encoding="utf-8")
+    own = "-".join(re.findall("[a-z0-9]+", results["machine"]["processor"].lower())) + ".json"
+    others = [json.loads(x.read_text("utf-8")) for x in sorted(RESULTS.glob("*.json")) if x.name != own]
+    text = document(results, others)
+    (into or RESULTS).joinpath(own).write_text(json.dumps(results, indent=1) + "\n", encoding="utf-8")
     (into or HERE.parent / "docs").joinpath("benchmarks.md").write_text(text, encoding="utf-8")
     print(text)
 
