@@ -28,14 +28,17 @@ WANTED: dict[tuple[str, str, str], tuple[float, float]] = {
 
 _HEAD = """## What was wanted, and what was reached
 
-{kept}.  Ratios are of the least times, UR10 / Panda; CasADi is its code from the robot as the file has it.  Where a
-goal was missed in this run, the sections below show the times, and what stands under this table says where they go.
+{kept}
+
+Ratios are of the least times, UR10 / Panda; CasADi is its code from the robot as the file has it.  The sections below
+show the times of the first; where a goal was missed, what stands under this table says where they go.
 
 """
 
 WHERE = """
 * Inverse and forward dynamics, beside Pinocchio: the wheel's library, for which the goals were set, is half again as
   slow as the same headers compiled here by clang, which counts.
+* Lanes, on Intel: additions go to the two units that do multiply-adds; the other processor has units for them beside.
 * Regressor: its matrices leave number by number; rows of {regressor} numbers fill the memory's stores before the
   arithmetic is done.
 * Elastic inverse dynamics, one call: each number comes with two derivatives; much of what waits between the recursions
@@ -63,13 +66,13 @@ class Goal(NamedTuple):
 
 def goals(results: dict[str, Any], others: Sequence[dict[str, Any]]) -> str:
     """Of this run, beside what runs on other processors reached."""
-    runs = {f"{x['machine']['processor']}, {x['machine']['commit']}": _goals(x) for x in (results, *others)}
+    runs = {f"{x['machine']['processor']}, commit {x['machine']['commit']}": _goals(x) for x in (results, *others)}
     rows = [
         Row((same[0].what,), [_shown(same[0], same[0].wanted), *(cell for goal in same for cell in _cells(goal))])
         for same in zip(*runs.values(), strict=True)
     ]
-    told = [f"{sum(goal.is_kept for goal in run)} on {name}" for name, run in runs.items()]
-    head = _HEAD.format(kept=f"Of {len(rows)} goals were reached: {'; '.join(told)}")
+    told = [f"* {sum(goal.is_kept for goal in run)} of {len(run)} goals: {name}" for name, run in runs.items()]
+    head = _HEAD.format(kept="\n".join(told))
     steps = [x["a step"].get(CASADI, 0) / x["a step"]["cutpoint"] for x in results["closed loop"]]
     regressor = [f"{x['bytes out'] // 8}" for x in results["tasks"] if x["task"] == "regressor"]
     where = WHERE.format(steps=" and ".join(f"{x:.1f}" for x in steps), regressor=" and ".join(regressor))
