@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from scipy.optimize import least_squares
 
 from cutpoint.errors import CutpointError
-from cutpoint.identification.rigid.physical import Fit
+from cutpoint.identification.rigid.physical_fit import Fit
 
 Array = NDArray[np.float64]
 

@@ -1,0 +1,108 @@
+"""What is sought of bodies, rotors and friction, and how far each may be from what a file states."""
+
+from collections.abc import Sequence
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from cutpoint.identification.rigid.base_parameters import BaseParameters
+from cutpoint.identification.rigid.bodies import Bodies, bodies_of
+from cutpoint.identification.rigid.rigid_robot import stated_coefficient
+
+Array = NDArray[np.float64]
+
+LOOSE = 20.0
+"""Times its usual size: how far friction or an offset may be from the file's.  Told, they hardly feel it."""
+
+NEAR = 0.2
+"""The same where the file states it and the log does not tell it, but may tell its sum with others; of what the file
+states where that is less."""
+
+LEAST = 1e-3
+"""Times its usual size: nothing is nearer than that, for the solvers' sake."""
+
+
+class Fit(NamedTuple):
+    """Minimise |data @ unknowns - z|^2 + sum of distances / spread^2 over [X.ravel() of bodies, rotors, others].
+
+    The distance of a body that is (1 + e) times the file's is e^2, nearly, and so is a rotor's; others are spread over
+    `loose` sizes.  Of static friction the unknown is what it is more than Coulomb's, see `sums_of`.
+    scale (rotors,): their size in the file, or in the arm where the file has none.  stated: whether it has.
+    sizes (others,): what they are shares of.  prior: the file's, as shares.  positive: which must not be negative.
+    """
+
+    data: Array
+    z: Array
+    bodies: Bodies
+    scale: Array
+    stated: NDArray[np.bool_]
+    sizes: Array
+    prior: Array
+    loose: Array
+    positive: NDArray[np.bool_]
+    spread: float
+
+    @property
+    def first_rotor(self) -> int:
+        return 16 * self.bodies.count
+
+    @property
+    def first_other(self) -> int:
+        return self.first_rotor + self.scale.size
+
+    def unpacked(self, unknowns: Array) -> tuple[Array, Array, Array]:
+        """X (bodies, 4, 4), rotors as shares of their scale, others of their sizes."""
+        rotors, others = self.first_rotor, self.first_other
+        return unknowns[:rotors].reshape(-1, 4, 4), unknowns[rotors:others], unknowns[others:]
+
+
+def fit_of(
+    base: BaseParameters,
+    names: Sequence[str],
+    R: Array,
+    z: Array,
+    sizes: Array,
+    told: NDArray[np.bool_],
+    spread: float,
+) -> Fit:
+    """Of R x = z: base parameters first, then friction and offsets by names; the arguments are those of `physical`."""
+    b, bodies = base.independent.size, bodies_of(base.robot.mechanism)
+    scale, has_rotor = _rotors(base)
+    inertial = R[:, :b] @ _base_of(base, bodies, scale)
+    # friction and offsets, as shares of their sizes
+    stated, sums = np.array([stated_coefficient(base.robot, name) for name in names[b:]]), sums_of(names[b:])
+    more = sums - np.eye(sizes.size)
+    prior = np.nan_to_num(stated - more @ np.nan_to_num(stated)) / sizes
+    # a file without friction at rest means that of motion
+    near = NEAR * np.where(prior == 0.0, 1.0, np.clip(np.abs(prior), LEAST, 1.0))
+    loose = np.where(told | np.isnan(stated) & ~more.any(axis=1), LOOSE, near)
+    positive = np.array([not name.startswith("offset.") for name in names[b:]], dtype=bool)
+    data = np.concatenate([inertial, R[:, b:] @ sums * sizes], axis=1)
+    return Fit(data, z, bodies, scale, has_rotor, sizes, prior, loose, positive, spread)
+
+
+def _rotors(base: BaseParameters) -> tuple[Array, NDArray[np.bool_]]:
+    """The size of those that are sought, kg m2 at the joint, and whether it is the file's; else it is the arm's."""
+    robot, counted = base.robot, [*base.rotors]
+    reflected = np.array([float(drive.reflected_inertia) for drive in robot.drives.values()])[counted]
+    arm = np.diag(robot.mass_matrix(robot.neutral()))[counted]
+    return np.where(reflected > 0.0, reflected, np.maximum(arm, np.finfo(float).tiny)), reflected > 0.0
+
+
+def _base_of(base: BaseParameters, bodies: Bodies, scale: Array) -> Array:
+    """Base parameters are this matrix times [X.ravel() of bodies, rotors as shares of their scale]."""
+    ten = 10 * bodies.count
+    links = base.matrix[:, :ten].reshape(base.independent.size, -1, 10)
+    blocks = np.einsum("rbp,bpk->rbk", links, bodies.maps).reshape(len(links), -1)
+    return np.concatenate([blocks, base.matrix[:, ten:] * scale], axis=1)
+
+
+def sums_of(names: Sequence[str]) -> Array:
+    """Friction and offsets (k,) are these (k, k) times the unknowns, all of which may be zero: friction at rest is that
+    in motion and what it is more."""
+    found = np.eye(len(names))
+    for k, name in enumerate(names):
+        if name.startswith("static."):
+            found[k, names.index(name.replace("static", "coulomb", 1))] = 1.0
+    return found
