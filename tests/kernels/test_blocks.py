@@ -123,6 +123,11 @@ def test_a_single_block_and_a_grid_of_blocks_are_batches_too(kernel: Kernel) -> 
         assert np.array_equal(z, x[4])
 
 
+def test_lists_and_single_numbers_are_spread() -> None:
+    blocks = compile(lambda q, s: [q[0] * s, q[1]], q=2, s=(), backend="llvm").blocks
+    assert np.array_equal(blocks([[[1.0], [2.0]]], 3.0), np.array([[[3.0], [2.0]]]) * np.ones(blocks.width))
+
+
 def test_overflow_in_blocks_warns_nobody() -> None:
     kernel = compile(lambda x, y: [x * x, x / y], x=(), y=(), backend="llvm")
     x = kernel.blocks.of(np.full(20, 1e300))

@@ -2,6 +2,7 @@
 
 import re
 import shutil
+import subprocess
 from pathlib import Path
 from typing import Any
 
@@ -183,6 +184,7 @@ def test_names_that_c_cannot_take_are_refused(name: str, argument: str, tmp_path
 OF_THE_LIBRARY = [
     "sin", "sinf", "fmal", "main", "memcpy", "y0", "exp", "log", "pow", "hypot", "round", "floor", "copysign", "gamma",
     "div", "abs", "system", "random", "cabs", "isnan", "strcmp", "fopen", "snprintf", "clock", "size_t", "test", "std",
+    "m", "requires", "co_await", "linux", "st_atime", "si_pid",
 ]  # fmt: skip
 
 
@@ -206,6 +208,24 @@ def test_names_may_be_those_that_the_files_use_themselves(name: str, argument: s
     parameters = "std::array<double, 2> in, std::array<double, 1> out"
     (tmp_path / "use.cpp").write_text(f"{text}void use({parameters}) {{ cutpoint::{name}(in, out); }}\n")
     build(tmp_path, "-c", "use.cpp", compiler=shutil.which("g++") or "c++", flags=("-std=c++17", "-Wall", "-Werror"))
+
+
+WRONG_CONTAINERS = {
+    "std::array<double, 3> in;": "of another size",
+    "std::array<double, 1> in;": "of another size",
+    "struct { enum { SizeAtCompileTime = 2, InnerStrideAtCompileTime = 6 }; double *data() { return nullptr; }"
+    " int size() { return 2; } } in;": "one after another",
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("container", WRONG_CONTAINERS)
+def test_containers_that_do_not_fit_are_refused_by_the_compiler(container: str, tmp_path: Path) -> None:
+    compile(lambda x: [x[0] * x[1]], name="law", x=2).to_c(tmp_path)
+    use = f"void use() {{ {container} std::array<double, 1> out; cutpoint::law(in, out); }}\n"
+    (tmp_path / "use.cpp").write_text(f'#include "law.hpp"\n#include <array>\n{use}')
+    compiler = shutil.which("g++") or "c++"
+    found = subprocess.run([compiler, "-std=c++17", "-DNDEBUG", "-c", "use.cpp"], cwd=tmp_path, capture_output=True)
+    assert found.returncode and WRONG_CONTAINERS[container] in found.stderr.decode()
 
 
 def test_two_arguments_of_one_name_are_refused(tmp_path: Path) -> None:

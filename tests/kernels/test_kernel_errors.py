@@ -36,6 +36,7 @@ CALLS: list[tuple[Callable[[Kernel], Any], str]] = [
     (lambda k: k(["a"] * 6, 0, T), "q holds <U1"),
     (lambda k: k([None] * 6, 0, T), "q holds NoneType"),
     (lambda k: k([[1, 2], [3]], 0, T), "q is not an array"),
+    (lambda k: k([2**70, 1, 1, 1, 1, 1], 0, T), "q holds Python objects (int), which no array of floats took in"),
     (lambda k: k(ZEROS, 0, T, out=ZEROS[:, 1:]), "result has shape (4, 5), it must be an array of shape (4, 6)"),
     (lambda k: k(ZEROS, 0, T, out=(ZEROS, ZEROS)), "out holds 2 arrays, it must hold 1: result"),
     (lambda k: k(ZEROS, 0, T, out=[0]), "out for result is a list"),
@@ -59,13 +60,16 @@ def test_a_kernel_cannot_be_traced(kernel: Kernel) -> None:
 MANY: dict[str, Any] = {f"x{k}": () for k in range(70)}
 
 
-def total(**numbers: Any) -> Any: return sum(numbers.values())
+def total(**numbers: Any) -> Any:
+    return sum(numbers.values())
 
 
 DEFINITIONS: list[tuple[Callable[[], Any], type[CutpointError], str]] = [
     (lambda: compile(lambda x: x, x=-1), InputError, "input 'x': shape -1 must be"),
     (lambda: compile(lambda x: x, x=(2, -1)), InputError, "shape (2, -1)"),
     (lambda: compile(lambda x: x, x=2.5), InputError, "shape 2.5"),  # type: ignore[arg-type]
+    (lambda: compile(lambda x: x, x=1, name=2), InputError, "name=2 must be a string"),
+    (lambda: compile(lambda x, out: x, x=1, out=1), InputError, "take out= themselves"),
     (lambda: compile(lambda x: x, y=1), InputError, "its parameters are not the inputs ['y']"),
     (lambda: compile(lambda x: x, x=1, backend="fortran"), InputError, "no backend is named 'fortran'"),
     (lambda: compile(lambda x: [x, [x]], x=()), TraceError, "'result' is ragged"),

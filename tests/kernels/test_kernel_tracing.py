@@ -10,7 +10,7 @@ import pytest
 
 from cutpoint.errors import TraceError
 from cutpoint.kernels import Graph, compile, graph_of
-from cutpoint.scalars import Jet, absolute, atan, cos, exp, sin, tan, tanh, where
+from cutpoint.scalars import Jet, absolute, atan, cos, exp, minimum, sin, tan, tanh, where
 
 
 def results(function: Callable[..., Any]) -> tuple[Any, ...]:
@@ -78,6 +78,22 @@ def test_factors_that_would_underflow_stay_apart() -> None:
     kernel = compile(lambda x: [(x * 1e-200) * 1e-200 * 1e300, x / 1e300], x=())
     assert kernel(1e200) == pytest.approx([1e100, 1e-100], rel=1e-15)
     assert compile(lambda x: x / 1e-320, x=())(5e-321) == 5e-321 / 1e-320
+
+
+@pytest.mark.parametrize("kind", [np.float64, np.float32, np.float16, np.longdouble, np.int64])
+def test_numpys_numbers_stand_on_either_side(kind: type) -> None:
+    c = kind(2)
+    kernel = compile(lambda x: [where(c < x, c - x, x / c), where(x >= c, c * x, c + x), minimum(c, x)], x=())
+    assert kernel(3.0).tolist() == [-1.0, 6.0, 2.0] and kernel(1.0).tolist() == [0.5, 3.0, 1.0]
+
+
+def test_arrays_of_traced_numbers_are_compared_as_objects() -> None:
+    def above(q: list[Any]) -> list[Any]:
+        return [where(c, 1.0, 0.0) for c in np.greater(np.array(q), np.ones(2), dtype=object)]
+
+    assert compile(above, q=2)([0.0, 2.0]).tolist() == [0.0, 1.0]
+    with pytest.raises(TraceError, match=r"of arrays np\.less"):
+        graph_of(lambda q: [*(np.array(q) < np.ones(2))], q=2)
 
 
 def test_tracing_leaves_the_garbage_collector_as_it_was() -> None:

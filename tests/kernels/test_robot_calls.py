@@ -109,3 +109,12 @@ def test_variants_of_a_function_do_not_answer_for_each_other() -> None:
     for _ in range(2):
         found = {arm.jacobian(q, frame, kind).tobytes() for frame in frames for kind in kinds}
         assert len(found) == 6
+
+
+def test_numbers_that_are_masked_are_refused() -> None:
+    arm = robot("xia2019")
+    q = np.ma.array(np.ones((2, 6)), mask=False)
+    assert np.array_equal(arm.gravity_forces(q), arm.gravity_forces(np.ones((2, 6))))
+    q[1] = np.ma.masked
+    with pytest.raises(InputError, match="gravity_forces: q has masked entries"):
+        arm.gravity_forces(q)

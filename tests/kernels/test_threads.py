@@ -55,6 +55,12 @@ def test_leading_axes_broadcast_as_ever(kernel: Kernel) -> None:
         assert np.array_equal(kernel(q=arguments[0], k=arguments[1], threads=2), kernel(*arguments))
 
 
+@pytest.mark.parametrize("count", [1, 3])
+def test_one_array_in_a_tuple_is_filled_and_returned(kernel: Kernel, count: int) -> None:
+    out = np.empty((300, 3))
+    assert kernel(RNG.normal(size=(300, 3)), 1.0, threads=count, out=(out,)) is out
+
+
 def test_lists_and_strided_arrays_are_taken_too(kernel: Kernel) -> None:
     q, k = RNG.normal(size=(300, 3)), RNG.normal(size=300)
     expected = kernel(q, k)

@@ -79,7 +79,7 @@ def explained(kernel: str, graph: Graph, arguments: Sequence[Any], out: Any, err
 
 def _phrase(argument: Any, problem: Exception) -> str:
     if isinstance(problem, TypeError):
-        return f"holds {_content(argument)}, which is no real number"
+        return f"holds {_content(argument)}, it must hold real numbers"
     text = str(problem)
     return text if text.startswith("has shape") else f"is not an array: {text}"
 
@@ -89,11 +89,15 @@ def _content(argument: Any) -> str:
     if array.dtype != object:
         return f"{array.dtype}"
     kinds = sorted({type(x).__name__ for x in array.flat})
+    if set(kinds) <= {"int", "float"}:
+        return f"Python objects ({' and '.join(kinds)}), which no array of floats took in"
     traced = "; a kernel cannot be traced, call the function that it was made of" if "Traced" in kinds else ""
     return f"{', '.join(kinds)}{traced}"
 
 
 def _out_problem(outputs: Sequence[Port], batch: Shape, out: Any) -> str | None:
+    if out is None:
+        return None
     given = out if isinstance(out, tuple) else (out,)
     if isinstance(out, list) and len(outputs) > 1:
         return f"out is a list, it must be a tuple of {len(outputs)} arrays: {', '.join(p.name for p in outputs)}"

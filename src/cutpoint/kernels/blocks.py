@@ -99,10 +99,12 @@ class Blocks:
         return np.moveaxis(array, -1, 1).reshape(len(array) * self.width, *array.shape[1:-1])[:count]
 
     def _spread(self, x: Any) -> Any:
-        """An array with one number for all of a block, with as many as the block holds."""
-        if isinstance(x, np.ndarray) and x.ndim and x.shape[-1] == 1:
-            return np.repeat(x, self.width, axis=-1)
-        return x
+        """Numbers that are one for all of a block, with as many as the block holds."""
+        try:
+            array = np.atleast_1d(x)
+        except ValueError:  # told where it is explained
+            return x
+        return np.repeat(array, self.width, axis=-1) if array.shape[-1] == 1 else x
 
     @cached_property
     def _threaded(self) -> Threaded:

@@ -15,7 +15,8 @@ _RESERVED = frozenset({
     "signed", "sizeof", "static", "static_assert", "static_cast", "struct", "switch", "template", "this",
     "thread_local", "throw", "true", "try", "typedef", "typeid", "typename", "union", "unsigned", "using", "virtual",
     "void", "volatile", "wchar_t", "while", "xor", "xor_eq", "fma", "fmaf", "sqrt", "sqrtf", "memcpy", "uint32_t",
-    "uint64_t",
+    "uint64_t", "char8_t", "char16_t", "char32_t", "co_await", "co_return", "co_yield", "concept", "consteval",
+    "constinit", "requires", "typeof", "typeof_unqual",
 })  # fmt: skip
 """Words of C and C++, and what the code calls."""
 
@@ -23,6 +24,7 @@ _MACROS = re.compile(
     "NULL|NAN|INFINITY|HUGE(_VAL.*)?|EOF|BUFSIZ|FILE|I|complex|imaginary|assert|errno|offsetof|std(in|out|err)"
     "|signgam|math_errhandling|E[A-Z0-9]{2,}|M_(E|PI|LN|LOG|SQRT|[12]_).*|[A-Z][A-Z0-9]+_[A-Z0-9_]+|(PRI|SCN)[a-zX].*"
     "|SNAN.*|SIG(?!MA)[A-Z0-9]+|NSIG|WEOF|MAXFLOAT|[FRWX]_OK|F_T?U?LOCK|[LP]_tmp(nam|dir)"
+    "|linux|unix|st_[acm]time|s[ai]_[a-z]+|h_addr"
 )
 """What a header may have put something else for: constants, error numbers, formats."""
 
@@ -54,7 +56,7 @@ _LIBRARY = re.compile(
     "|realpath|recv|select|send|shutdown|signal|socket|stat|sync|system|truncate|unlink|wait"
     # types, namespaces, and CMake's own targets
     "|.*_t|va_list|u_?(int|long|short|char)|std|cutpoint"
-    "|all|clean|edit_cache|help|install|package|rebuild_cache|test"
+    "|m|all|clean|edit_cache|help|install|package|rebuild_cache|test"
 )
 """Names that the library has already, of which a compiler or a linker would take ours for one."""
 

@@ -40,7 +40,14 @@ def compile(
         TraceError: the function needs a value where there is none yet, as in `if x > 0`.
         InputError: a shape, the backend, or the function's parameters do not fit, or it is too large to compile.
     """
+    if name is not None and not isinstance(name, str):
+        raise InputError(
+            f"compile: name={name!r} must be a string, what errors call the kernel; no input has this name"
+        )
     start, label = time.perf_counter(), name or name_of(function)
+    taken = inputs.keys() & {"self", "out", "threads"}
+    if taken:
+        raise InputError(f"{label}: calls of a kernel take {min(taken)}= themselves, an input needs another name")
     ports = [port(key, shape) for key, shape in inputs.items()]
     if chosen(backend) == "llvm":
         check_size(label, ports)  # with the outputs once more, when they are known

@@ -35,7 +35,8 @@ class Refusals:
     def __bool__(self) -> NoReturn:
         refuse(
             "a traced number has no truth value yet, so `if`, `and`, `or`, `not`, `min` and `max` cannot be compiled; "
-            "write cutpoint.where(x > 0, yes, no), and `&`, `|`, `~` between conditions"
+            "write cutpoint.where(x > 0, yes, no), and `&`, `|`, `~` between conditions; "
+            "of arrays np.less(x, y, dtype=object)"
         )
 
     def __float__(self) -> NoReturn:

@@ -57,7 +57,7 @@ class Threaded:
             self._call(*(cut(part) for cut in inputs), out=tuple(cut(part) for cut in outputs))
 
         _shared(run, ranges, threads)
-        return out if out is not None else targets[0] if len(targets) == 1 else tuple(targets)
+        return targets[0] if len(targets) == 1 else tuple(targets)
 
     def _targets(self, batch: Shape, out: Any) -> list[Any] | None:
         """Arrays for the results; None if those that were given do not fit."""

@@ -139,7 +139,8 @@ class Traced(Refusals, Node):
         if ufunc.__name__ not in _OPERATORS or method != "__call__" or options:
             refuse_numpy(ufunc.__name__)
         if any(isinstance(x, np.ndarray) for x in arguments):
-            return ufunc(*[_boxed(x) if isinstance(x, Traced) else x for x in arguments])
+            # as objects, comparisons too: those of numbers would ask a condition for its truth
+            return ufunc(*[_boxed(x) if isinstance(x, Traced) else _as_objects(x) for x in arguments], dtype=object)
         return _OPERATORS[ufunc.__name__](*[x if isinstance(x, Traced) else _constant(x) for x in arguments])
 
 
@@ -155,6 +156,12 @@ def _boxed(x: Traced) -> np.ndarray:
     box = np.empty((), object)
     box[()] = x
     return box
+
+
+def _as_objects(x: Any) -> Any:
+    """Python's numbers in an array of NumPy's: these would call NumPy again."""
+    real = isinstance(x, np.ndarray) and x.dtype.kind in "fiu"
+    return x.astype(np.float64).astype(object) if real else x
 
 
 @contextmanager

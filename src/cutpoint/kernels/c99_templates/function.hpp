@@ -30,12 +30,35 @@ struct has_strides : std::false_type {};
 template <class T>
 struct has_strides<T, std::void_t<decltype(std::declval<const T &>().innerStride())>> : std::true_type {};
 
+// how many numbers a container always has, and how far apart they always are; -1 where only the running program knows
+template <class T, class = void>
+struct size_of : std::integral_constant<std::ptrdiff_t, -1> {};
+template <class T>
+struct size_of<T, std::void_t<decltype(std::tuple_size<T>::value)>>
+    : std::integral_constant<std::ptrdiff_t, std::ptrdiff_t(std::tuple_size<T>::value)> {};
+template <class T>
+struct size_of<T, std::void_t<decltype(T::SizeAtCompileTime)>>
+    : std::integral_constant<std::ptrdiff_t, std::ptrdiff_t(T::SizeAtCompileTime)> {};
+template <class T>
+struct size_of<T, std::void_t<decltype(T::extent)>>
+    : std::integral_constant<std::ptrdiff_t, std::ptrdiff_t(T::extent)> {};
+
+template <class T, class = void>
+struct stride_of : std::integral_constant<std::ptrdiff_t, 1> {};
+template <class T>
+struct stride_of<T, std::void_t<decltype(T::InnerStrideAtCompileTime)>>
+    : std::integral_constant<std::ptrdiff_t, std::ptrdiff_t(T::InnerStrideAtCompileTime)> {};
+
 template <std::size_t Size, bool IsMatrix, class T>
 auto address(T &&x) {
   using Container = std::remove_cv_t<std::remove_reference_t<T>>;
   using Number = std::remove_cv_t<std::remove_pointer_t<decltype(x.data())>>;
   static_assert(std::is_same_v<Number, @{real}>, "@{name} takes @{real}s");
   static_assert(!IsMatrix || is_by_rows<Container>::value, "@{name} takes row-major matrices: Eigen::RowMajor");
+  static_assert(size_of<Container>::value == -1 || size_of<Container>::value == std::ptrdiff_t(Size),
+                "@{name}: a container of another size than the argument's");
+  static_assert(stride_of<Container>::value == -1 || stride_of<Container>::value == 1,
+                "@{name} takes numbers that lie one after another: copy the column or row first");
   assert(static_cast<std::size_t>(x.size()) == Size);
   if constexpr (has_strides<Container>::value) {
     assert(x.innerStride() == 1);
