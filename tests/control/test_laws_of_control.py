@@ -6,11 +6,13 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
+from law_library import elbow
 
-from cutpoint import Drive, InputError, Rotor
+from cutpoint import Coulomb, Drive, InputError, Rotor, simulate
 from cutpoint.control import (
     PD,
     Command,
+    DisturbanceObserver,
     Feedforward,
     GravityCompensation,
     Measurement,
@@ -18,6 +20,7 @@ from cutpoint.control import (
     SlotineLi,
     tune,
 )
+from cutpoint.trajectories import septic
 from robot_library import Array, assert_close, robot, vectors
 
 KP, KD = np.linspace(100.0, 600.0, 6), np.linspace(5.0, 30.0, 6)
@@ -167,3 +170,11 @@ def test_slotine_li_starts_as_its_model_whatever_the_rotors_are(coupling):
     v_r, a_r = r.v + 9.0 * (r.q - m.q), r.a + 9.0 * (r.v - m.v)
     expected = ours.mass_matrix(m.q) @ a_r + ours.coriolis_matrix(m.q, m.v) @ v_r + ours.gravity_forces(m.q)
     assert_close(torque(law, m, r), expected + 4.0 * (v_r - m.v), 1e-12)
+
+
+def test_an_observer_finds_little_where_the_model_is_right_and_friction_grows_with_load():
+    rubbing = Coulomb(2.0, 0.7, 0.02, per_load=0.14)
+    ours = elbow().with_drives({name: Drive(100.0, Rotor(5e-5), motor_friction=rubbing) for name in elbow().joints})
+    move, law = septic(end=[1.0, -0.7], duration=1.0), tune(ours, 4.0) + Feedforward(ours, "friction")
+    errors = [simulate(ours, x, move).rms("position_error") for x in (law, DisturbanceObserver(ours, law, 20.0))]
+    assert (errors[1] < 1.5 * errors[0]).all()

@@ -42,7 +42,6 @@ class DisturbanceObserver(RigidLaw, Wrapper):
         inner, command = self.inner_step(memory[2], measurement, reference)
         q, v, _, _ = self.seen(measurement, reference)
         z = np.array([where(memory[1] > 0, x, -speed) for x, speed in zip(memory[0], v, strict=True)])
-        u = command.torque - np.array(self.friction(v, command.torque))
-        a = np.array(forward_dynamics(self.model.system, [*q], [*v], [*u]))
+        a = np.array(forward_dynamics(self.model.system, [*q], [*v], self.passed_on(v, command.torque)))
         corrected = command._replace(torque=command.torque - self.gain * (z + v))
         return ([*(z - measurement.period * a)], 1.0, inner), corrected

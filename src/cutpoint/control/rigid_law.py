@@ -7,7 +7,7 @@ from cutpoint.control.interface import Measurement, Reference
 from cutpoint.control.model_law import ModelLaw, stiffened
 from cutpoint.door import check_kind
 from cutpoint.errors import InputError
-from cutpoint.mechanics.harmonic_drive import friction_torque
+from cutpoint.mechanics.harmonic_drive import friction_torque, rigidly_transmitted
 from cutpoint.robot import Robot
 
 
@@ -50,4 +50,12 @@ class RigidLaw(ModelLaw):
         return [
             friction_torque(drive.link_friction, v) + friction_torque(drive.motor_friction, v, load)
             for drive, v, load in zip(drives, speeds, loads, strict=True)
+        ]
+
+    def passed_on(self, speeds: Any, torques: Any) -> list[Any]:
+        """What friction on both sides of rigid drives leaves of motor torques for the links, N m."""
+        drives = [d.drive for d in self.model.drives]
+        return [
+            rigidly_transmitted(drive, u, v) - friction_torque(drive.link_friction, v)
+            for drive, v, u in zip(drives, speeds, torques, strict=True)
         ]
