@@ -7,7 +7,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from cutpoint import Coulomb, Drive, ElastoPlastic, LuGre, MaxwellSlip
+from cutpoint import Coulomb, Drive, ElastoPlastic, Harmonic, KinematicError, LuGre, MaxwellSlip
 from robot_library import BACKENDS, STRIBECK, Array, assert_close, derivative, frictionless, robot, vectors
 
 ROBOTS = [("linear", "llvm"), ("flexspline", "llvm"), ("flexspline", "numpy"), ("friction", "llvm"), ("damped", "llvm"),
@@ -64,6 +64,17 @@ def test_strains_are_counted_there_and_back():
     assert_close(found.theta_ddot, u.theta_ddot, 1e-8)
     without = ours.elastic_inverse_dynamics(*motion)
     assert np.abs(u.motor_torque - without.motor_torque).min(axis=0).max() > 0.1
+
+
+def test_waves_before_damped_springs_are_counted_there_and_back():
+    ours, rng = robot("damped"), np.random.default_rng(0)
+    waves = KinematicError((Harmonic(2, 1e-3, 0.3), Harmonic(9, 1e-4, 1.0)))
+    ours = ours.with_drives({name: replace(drive, kinematic_error=waves) for name, drive in ours.drives.items()})
+    motion = rng.standard_normal((5, 20, ours.nv))
+    u = ours.elastic_inverse_dynamics(*motion)
+    found = ours.elastic_forward_dynamics(motion[0], motion[1], u.theta, u.theta_dot, u.motor_torque)
+    assert_close(found.a, motion[2], 1e-8)
+    assert_close(found.theta_ddot, u.theta_ddot, 1e-8)
 
 
 @pytest.mark.parametrize(("name", "backend"), ROBOTS[:3])

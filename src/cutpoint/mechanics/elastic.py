@@ -159,11 +159,11 @@ def motor_motion(driven: Driven, tau: Jet, q: Scalar, v: Jet, options: Options, 
     tau_f = tau + xi
     on_spring = tau_f - slipping_torque(drive, strains.spring)
     wound = _stiffened(drive, drive.compliance.deflection(on_spring), strains)
-    theta = motor_position(drive, link + wound)
+    passed = link + wound
     if drive.damping is not None:
         wound_by = drive.compliance.deflection(on_spring.derivative(0) - drive.damping * wound.derivative(1))
-        theta = Jet(motor_position(drive, q + wound_by), *theta.derivatives[1:])
-    return _Motor(theta, tau_f.derivative(0))
+        passed = Jet(q + wound_by, *passed.derivatives[1:])
+    return _Motor(motor_position(drive, passed), tau_f.derivative(0))
 
 
 def _stiffened(drive: Drive, wound: Jet, strains: Strains) -> Jet:
