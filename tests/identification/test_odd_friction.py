@@ -65,6 +65,26 @@ def test_friction_that_is_less_at_rest_is_not_written_as_even_after_it_was_judge
     assert not any("a drive file knows only falling" in note for note in found.notes)
 
 
+def test_friction_of_both_sides_is_shared_as_the_files_share_it(tmp_path: Path):
+    """Torques tell its sum; a side's friction at rest is no less than in motion whatever the shares."""
+    both = Drive(100.0, link_friction=Stribeck(1.0, 3.0, 0.5, 0.1, 0.02), motor_friction=Coulomb(3.0, 1.5, 0.02))
+    q, v, a = motions()
+    log = Recording(TIME, TRUTH.joints, q=q, torque=TRUTH.inverse_dynamics(q, v, a) + even(v))
+    robot = Robot(TRUTH.mechanism, dict.fromkeys(TRUTH.joints, both))
+    found = identify(robot, log)
+    numbers = {number.name: number for number in found.numbers}
+    for joint, drive in found.robot.drives.items():
+        link, motor = drive.link_friction, drive.motor_friction
+        for name in ("coulomb", "viscous"):
+            own = [float(getattr(law, name)) for law in (link, motor)]
+            assert own[1] == pytest.approx(3.0 * own[0], rel=1e-9)
+            assert sum(own) == pytest.approx(getattr(LAW, name), rel=0.02)
+            assert numbers[f"{name}.{joint}"].prior == pytest.approx(getattr(both.motor_friction, name) * 4 / 3)
+    drives = found.save(tmp_path)[1].read_text()
+    assert parse_drives(drives, found.robot.mechanism) == found.robot.drives
+    assert "coulomb" in drives and not re.search(r"coulomb: \S+  #", drives)  # the interval is of the sum
+
+
 def test_numbers_that_are_not_told_are_none_and_told_ones_have_ends():
     """One joint moves after the other: whole blocks of the log know nothing of a column."""
     robot = cutpoint.load(urdf("ur10_robot.urdf"))

@@ -74,4 +74,6 @@ def _place(robot: Robot, kind: str, joint: str) -> tuple[Path, float]:
     drive = robot.drives[joint]
     if kind == "I_m":
         return ("rotor", "inertia"), 1.0 / drive.ratio**2
-    return (() if kind == "offset" else ("friction", "link" if drive.link_friction else "motor", kind)), 1.0
+    # of friction on both sides a log tells the sum, which no line states
+    sides = [side for side, law in (("link", drive.link_friction), ("motor", drive.motor_friction)) if law]
+    return (() if kind == "offset" or len(sides) != 1 else ("friction", sides[0], kind)), 1.0

@@ -82,12 +82,23 @@ def is_stated(robot: Robot, joint: str) -> bool:
 
 
 def stated_coefficient(robot: Robot, name: str) -> float:
-    """What the robot's drive states of `coulomb.joint1`; NaN where it states no such thing, 0 for an offset."""
+    """What the robot's drive states of `coulomb.joint1`, both sides together; NaN where it states no such thing, 0 for
+    an offset."""
     kind, _, joint = name.partition(".")
-    drive = robot.drives[joint]
-    stated: Any = drive.link_friction or drive.motor_friction
-    value = getattr(getattr(stated, "sliding", stated), kind, None)
-    return 0.0 if kind == "offset" else float("nan") if value is None else float(value)
+    sides = _sides(robot.drives[joint], kind)
+    return 0.0 if kind == "offset" else sum(sides.values()) if sides else float("nan")
+
+
+def _sides(drive: Drive, coefficient: str) -> dict[str, float]:
+    """What either side of a drive states of a coefficient of friction; Coulomb's holds at rest too."""
+    found: dict[str, float] = {}
+    for side in ("link_friction", "motor_friction"):
+        law: Any = getattr(drive, side)
+        law = getattr(law, "sliding", law)
+        value = getattr(law, coefficient, getattr(law, "coulomb", None) if coefficient == "static" else None)
+        if value is not None:
+            found[side] = float(value)
+    return found
 
 
 def laws_with(laws: Mapping[str, Sliding], told: Mapping[str, float]) -> dict[str, Sliding]:
@@ -101,12 +112,38 @@ def laws_with(laws: Mapping[str, Sliding], told: Mapping[str, float]) -> dict[st
 
 
 def _driven(drive: Drive, law: Sliding, reflected: float, least: float) -> Drive:
-    """The drive with an identified rotor, whose mass is in the links', and all of its friction on one side: the motor's
-    if there alone it was stated, or if it grows with load; else the link's."""
+    """The drive with an identified rotor, whose mass is in the links', and its friction on the sides that state it: in
+    the shares that they state, all of what grows with load on the motor's; on the link's if none does."""
     inertia = max(reflected, least if drive.is_elastic else 0.0) / drive.ratio**2
     rotor = replace(drive.rotor or Rotor(0.0), inertia=inertia, in_link_inertia=True) if inertia else drive.rotor
-    on_motor = law.per_load is not None or (drive.motor_friction is not None and drive.link_friction is None)
-    stated: Any = drive.motor_friction if on_motor else drive.link_friction
-    friction: Any = replace(stated, sliding=law) if hasattr(stated, "sliding") and law.plateau(0) > 0 else law
-    sides = {"motor_friction": friction if on_motor else None, "link_friction": None if on_motor else friction}
-    return replace(drive, rotor=rotor, **sides)
+    if drive.link_friction is not None and drive.motor_friction is not None:
+        laws = _shared(drive, law)
+    else:
+        on_motor = law.per_load is not None or drive.motor_friction is not None
+        laws = {"motor_friction": law if on_motor else None, "link_friction": None if on_motor else law}
+    return replace(drive, rotor=rotor, **{side: _as_stated(getattr(drive, side), x) for side, x in laws.items()})
+
+
+def _shared(drive: Drive, law: Any) -> dict[str, Any]:
+    """A law as those of two sides which add up to it, by the shares that the drive states."""
+    own = {name: _share_of_motor(drive, name) * float(getattr(law, name)) for name in law.coefficients}
+    if "static" in own:
+        own["static"] = own["coulomb"] + _share_of_motor(drive, "static") * float(law.static - law.coulomb)
+    rest = [getattr(law, name) - x for name, x in own.items()]
+    link = replace(law.with_coefficients(rest), per_load=None)
+    return {"motor_friction": law.with_coefficients([*own.values()]), "link_friction": link}
+
+
+def _share_of_motor(drive: Drive, coefficient: str) -> float:
+    """Of what both sides state, a half where they state nothing; at rest of what they state more than in motion, so
+    that neither side's is less."""
+    sides = _sides(drive, coefficient)
+    if coefficient == "static":
+        sides = {side: x - _sides(drive, "coulomb")[side] for side, x in sides.items()}
+    total = sum(sides.values())
+    return sides.get("motor_friction", 0.0) / total if total > 0.0 else 0.5
+
+
+def _as_stated(stated: Any, law: Sliding | None) -> Any:
+    """The law as what slides in bristles that were stated."""
+    return replace(stated, sliding=law) if law and hasattr(stated, "sliding") and law.plateau(0) > 0 else law
