@@ -2,7 +2,7 @@
 
 import json
 from collections.abc import Mapping
-from dataclasses import asdict, dataclass, field
+from dataclasses import asdict, dataclass, field, replace
 from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -13,6 +13,7 @@ from cutpoint.control.model_law import check_all_driven
 from cutpoint.door import check_configuration
 from cutpoint.errors import InputError
 from cutpoint.files import replacing
+from cutpoint.mechanics.backlash import Backlash
 from cutpoint.model import Drive
 from cutpoint.model.limits import limits_in_force
 from cutpoint.robot import Robot
@@ -112,8 +113,9 @@ def sizing(
     """What a motion, repeated for ever, asks of the robot's drives, and what of that they are allowed.
 
     Torques are those of `elastic_inverse_dynamics` with friction as in steady sliding, rotors with full coupling
-    `quasi_rigid`, the motor's ripple and cogging overcome by its current.  Limits are those of the drives' ratings,
-    limits and motors, and of the robot file.
+    `quasi_rigid`, the motor's ripple and cogging overcome by its current.  Play is left out: crossed at once,
+    it asks more torque the finer it is sampled.  Limits are those of the drives' ratings, limits and motors, and of the
+    robot file.
 
     Args:
         trajectory: one cycle.  A way back that is not in it does not count.
@@ -126,11 +128,17 @@ def sizing(
         InputError: a trajectory of another size, in degrees by mistake, a floating base, a time that is not positive.
     """
     _check(robot, trajectory, dwell, period, life)
-    load = sampled(robot, trajectory, period, dwell)
+    load = sampled(_without_play(robot), trajectory, period, dwell)
     for extreme in (load.position.min(axis=0), load.position.max(axis=0)):
         check_configuration(robot.mechanism, extreme)
     found = {joint: _drive_sizing(robot, joint, k, load, life) for k, joint in enumerate(robot.joints)}
     return Sizing(robot.name, trajectory.duration, dwell, found, load)
+
+
+def _without_play(robot: Robot) -> Robot:
+    springs = {joint: (drive, drive.compliance) for joint, drive in robot.drives.items()}
+    loose = {joint: replace(d, compliance=x.spring) for joint, (d, x) in springs.items() if isinstance(x, Backlash)}
+    return robot.with_drives(loose) if loose else robot
 
 
 def _drive_sizing(robot: Robot, joint: str, k: int, load: Load, life: float | None) -> DriveSizing:

@@ -6,6 +6,7 @@ import numpy as np
 from rich.box import SIMPLE_HEAD
 from rich.table import Table
 
+from cutpoint.mechanics.backlash import Backlash
 from cutpoint.studies.sizing.demand import Peak
 from cutpoint.studies.sizing.margins import Margin
 from cutpoint.studies.sizing.sizing import DriveSizing, Sizing
@@ -37,11 +38,17 @@ def table_of(found: Sizing) -> Table:
 
 
 def sentences(found: Sizing) -> Iterator[str]:
-    """The tightest limit first, then what other limits are broken, then what is missing."""
+    """The tightest limit first, then what other limits are broken, then what is missing and what does not count."""
     if found.tightest is None:
         yield "Nothing is stated to hold the drives against: give them ratings, limits or motors in the drive file."
-        return
-    joint, margin = found.tightest
+    else:
+        yield from _rated(found, *found.tightest)
+    loose = [joint for joint, sized in found.drives.items() if isinstance(sized.drive.compliance, Backlash)]
+    if loose:
+        yield f"Not counted at {', '.join(loose)}: the play, which a motor crosses in the time that it takes."
+
+
+def _rated(found: Sizing, joint: str, margin: Margin) -> Iterator[str]:
     yield f"Tightest is {joint} by its {margin.limit}: {_told(margin)}, margin {_margin(margin.value)}."
     for name, drive in found.drives.items():
         for failed in drive.failures:
