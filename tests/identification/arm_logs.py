@@ -8,7 +8,7 @@ from two_joints import two_joints, urdf_text
 from typer.testing import CliRunner
 
 from cutpoint import Coulomb, Robot
-from cutpoint.cli import app
+from cutpoint.commands import app
 from cutpoint.identification.rigid.bodies import with_parameters
 
 Array = np.ndarray

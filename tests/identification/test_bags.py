@@ -169,6 +169,24 @@ def test_a_bag_whose_messages_are_a_program_is_refused(tmp_path: Path):
         read_table(tmp_path / "log.db3")
 
 
+def test_a_bag_whose_messages_are_computed_or_too_many_is_refused(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
+    path = written(tmp_path, "db3", arm())
+    with sqlite3.connect(path) as base:
+        # a hundred topics of one number: every message counts a hundred times
+        base.execute("ALTER TABLE topics RENAME TO once")
+        base.execute("CREATE TABLE topics AS SELECT * FROM once")
+        base.executemany("INSERT INTO topics SELECT * FROM once WHERE ?", [(True,)] * 99)
+    base.close()
+    monkeypatch.setattr(bag_storage, "LARGEST", 10 * path.stat().st_size)
+    with pytest.raises(InputError, match=r"its messages are more than [\d,]+ bytes"):
+        read_table(path)
+    with sqlite3.connect(path) as base:
+        base.execute("ALTER TABLE messages ADD COLUMN more BLOB GENERATED ALWAYS AS (zeroblob(900000000))")
+    base.close()
+    with pytest.raises(InputError, match=r"its tables 'topics' and 'messages' have columns that are computed"):
+        read_table(path)
+
+
 def test_a_bag_or_a_folder_without_such_messages_is_refused(tmp_path: Path):
     text = STORE.types["std_msgs/msg/String"](data="a text")
     path = written(tmp_path, "mcap", [("/chatter", "std_msgs/msg/String", START, text)])

@@ -1,15 +1,17 @@
 """All drives of an arm from one recording, encoders of 2^-20 of a turn on both sides."""
 
+from dataclasses import replace
 from typing import NamedTuple
 
 import numpy as np
 import pytest
-from drive_benches import PERIOD, STEP, measured, supposed_arm, true_arm
+from drive_benches import PERIOD, RATIO, STEP, measured, supposed_arm, true_arm
 
 import cutpoint
 from cutpoint.errors import InputError
 from cutpoint.identification import Recording
 from cutpoint.identification.drives import DriveEstimates, identify_drives
+from cutpoint.identification.output.drive_numbers import drive_numbers
 from cutpoint.model.drive import Hysteresis
 
 DURATION = 12.0
@@ -119,6 +121,32 @@ def test_an_arm_that_was_identified_moves_as_it_was_recorded(arm: Case):
     before = np.sqrt(np.mean((measured(supposed_arm(arm.true), 2.0)["q"] - arm.recording["q"][:2001]) ** 2, axis=0))
     after = np.sqrt(np.mean((measured(arm.found.robot, 2.0)["q"] - arm.recording["q"][:2001]) ** 2, axis=0))
     assert (after[:5] < 0.1 * before[:5]).all()
+
+
+def test_numbers_stand_beside_those_of_the_files(arm: Case):
+    drive = arm.true.drives["joint1"]
+    wave = cutpoint.WaveGenerator(60.0, 2.0, RATIO, 0.01)
+    for stated in (drive, replace(drive, compliance=cutpoint.HarmonicSpring(drive.compliance, wave))):
+        prior = {each.name: each.prior for each in drive_numbers("joint1", stated, arm.found.joints["joint1"], True)}
+        assert prior["stiffness"] == drive.compliance.stiffness
+        assert prior["kinematic error, order 2"] == 2e-4 and prior["kinematic error, order 4"] == 5e-5
+        if drive.hysteresis is not None:
+            wide = 2.0 * stated.compliance.deflection(drive.hysteresis.friction)
+            assert prior["hysteresis loss"] == pytest.approx(wide)
+
+
+def test_a_loop_beside_a_spring_that_is_not_told_is_as_wide_as_it_was_found(arm: Case):
+    supposed, name = supposed_arm(arm.true), "joint4"
+    others = {joint: replace(supposed.drives[joint], compliance=None) for joint in NAMES if joint != name}
+    found = identify_drives(supposed.with_drives(others), arm.recording, 2.0 * STEP, torque_delay=PERIOD / 2.0)
+    (joint,) = found.joints.values()
+    assert "stiffness" in joint.unidentifiable and joint.drive.compliance == supposed.drives[name].compliance
+    assert ("hysteresis" in joint.unidentifiable) == (arm.true.drives[name].hysteresis is None)
+    if joint.spring.hysteresis is not None:
+        widths = [law.deflection(each.friction) for law, each in (
+            (joint.spring.compliance, joint.spring.hysteresis), (joint.drive.compliance, joint.drive.hysteresis)
+        )]  # fmt: skip
+        assert widths[1] == pytest.approx(widths[0])
 
 
 def test_every_joint_must_be_recorded(arm: Case):

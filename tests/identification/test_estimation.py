@@ -162,6 +162,17 @@ def test_torques_of_one_joint_that_come_late_are_said_with_its_name():
     assert found and float(found[1]) == pytest.approx(10.0, abs=1.5)
 
 
+def test_a_joint_whose_torques_come_in_time_is_not_said_to_be_late():
+    arm = known_arm(1, 3)
+    recording = recorded(arm.robot, 1)
+    torque = np.array(recording["torque"])
+    for j in (0, 2):
+        torque[:, j] = np.interp(recording.time - 0.01, recording.time, torque[:, j])
+    notes = identify_rigid(arm.file, replace(recording, torque=torque), friction="stated", cutoff=CUTOFF).notes
+    said = [note for note in notes if "than the motion that they belong to" in note]
+    assert said and all(note.startswith(f"torques of all joints but {recording.joints[1]} come") for note in said)
+
+
 def test_instruments_that_tell_little_are_said_to():
     arm = known_arm(1, 3)
     recording = recorded(arm.robot, 1)

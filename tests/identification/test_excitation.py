@@ -1,5 +1,6 @@
 """Excitation: motions that tell much of a robot's parameters, within every limit, from rest to rest."""
 
+import errno
 import json
 import re
 from functools import cache
@@ -8,6 +9,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from matplotlib.figure import Figure
 from matplotlib.image import imread
 from numpy.typing import NDArray
 from two_joints import two_joints, urdf_text
@@ -15,10 +17,11 @@ from typer.testing import CliRunner
 
 import cutpoint
 from cutpoint import Robot
-from cutpoint.cli import app
+from cutpoint.commands import app
 from cutpoint.identification import Excitation, base_parameters, excitation
 from cutpoint.identification.excitation.bounds import bounds_of
 from cutpoint.identification.excitation.problem import FINER, SAMPLES, Problem
+from cutpoint.identification.excitation.table import save
 from robot_library import assert_close, derivative, robot
 
 Array = NDArray[np.float64]
@@ -172,6 +175,20 @@ def test_ctrl_c_returns_the_best_so_far(tmp_path: Path, monkeypatch: pytest.Monk
     assert found.starts == 0 and found.before == found.after
 
 
+def test_a_full_disk_leaves_the_old_picture(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    def full(figure: Any, file: Any, **_: Any) -> None:
+        if isinstance(file, str | Path):
+            Path(file).write_bytes(b"half")
+        raise OSError(errno.ENOSPC, "No space left on device")
+
+    found = planar()
+    (tmp_path / "excitation.png").write_bytes(b"before")
+    monkeypatch.setattr(Figure, "savefig", full)
+    with pytest.raises(OSError, match=r"No space left on device: '.*excitation.png'"):
+        save(found, tmp_path)
+    assert (tmp_path / "excitation.png").read_bytes() == b"before"
+
+
 def test_when_time_is_up_the_best_so_far_is_returned() -> None:
     whole = planar()
     short = excitation(two_joints(), 5.0, 4, seconds=0.2)
@@ -188,7 +205,7 @@ def test_when_time_is_up_the_best_so_far_is_returned() -> None:
         (
             '{"cutpoint_excitation": 1, "joints": ["a"], "base_frequency_Hz": 0.2, "centre": [0], "sine": [[0]],'
             ' "cosine": [[0]]}',
-            "its joints",
+            r"its joints.*another file \(resume=\) or folder \(--output\)",
         ),
     ],
 )
@@ -203,7 +220,7 @@ def test_a_file_that_tells_of_something_else_is_refused_by_its_name(tmp_path: Pa
     ("options", "message"),
     [
         ({"boxes": {"lower": ([4.0, 4.0, 4.0], [5.0, 5.0, 5.0])}}, r"frame 'lower [xyz]': place runs"),
-        ({"position": (-0.05, 0.05), "torque": [5.0, 60.0]}, r"joint 'shoulder': torque runs"),
+        ({"position": (-0.05, 0.05), "torque": [5.0, 60.0]}, r"joint 'shoulder': torque runs.*--base-freq.*--seconds"),
         ({"boxes": {"hand": ([0, 0, 0], [1, 1, 1])}}, r"no frame is named 'hand'"),
         ({"boxes": {"lower": ([0, 0, 0], [1, -1, 1])}}, r"is empty"),
         ({"boxes": {"lower": (0.0, [1, 2])}}, r"three numbers"),
@@ -212,7 +229,7 @@ def test_a_file_that_tells_of_something_else_is_refused_by_its_name(tmp_path: Pa
         ({"torque": np.nan}, r"torque limit is NaN"),
         ({"acceleration": [1.0, 2.0, 3.0]}, r"acceleration limit must be a number, or 2"),
         ({"duration": 0.0}, r"duration 0.0 s"),
-        ({"base_frequency": 0.33}, r"3.3 periods"),
+        ({"base_frequency": 0.33}, r"3.3 periods of the base frequency, 0.33 Hz"),
         ({"harmonics": 2}, r"harmonics 2"),
         ({"criterion": "trace"}, r"no criterion is named 'trace'"),
         ({"starts": 0}, r"starts 0"),

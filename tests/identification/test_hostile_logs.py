@@ -8,6 +8,8 @@ from pathlib import Path
 
 import h5py
 import numpy as np
+import pyarrow
+import pyarrow.parquet
 import pytest
 import scipy.io
 from machine_logs import positions, times
@@ -76,6 +78,99 @@ def test_an_array_that_promises_more_than_it_holds_is_refused(tmp_path: Path):
         read_table(tmp_path / "log.npz")
 
 
+def damaged_npz(path: Path, damage: str) -> None:
+    """An archive with a header as ours, in which single bytes were changed."""
+    with zipfile.ZipFile(path, "w") as archive:
+        for name, values in (("header", np.array('{"cutpoint_log": 1}')), ("time", times(50))):
+            packed = io.BytesIO()
+            np.lib.format.write_array(packed, values)
+            archive.writestr(f"{name}.npy", packed.getvalue())
+    content = bytearray(path.read_bytes())
+    local, central, end = (content.find(sign) for sign in (b"PK\x03\x04", b"PK\x01\x02", b"PK\x05\x06"))
+    changes = {
+        "checksum": {content.find(b"NUMPY") + 40: 0},
+        "encrypted": {local + 6: 1, central + 8: 1},
+        "packing": {local + 8: 97, central + 10: 97},
+        "LZMA": {local + 8: 14, central + 10: 14},
+        "member": {local: 0},
+        "directory": {central: 0},
+        "offset": {end + 18: 0xFF},
+    }
+    for place, byte in changes[damage].items():
+        content[place] = byte
+    path.write_bytes(content)
+
+
+@pytest.mark.parametrize("damage", ["checksum", "encrypted", "packing", "LZMA", "member", "directory", "offset"])
+def test_a_damaged_or_encrypted_archive_is_refused(tmp_path: Path, damage: str):
+    damaged_npz(tmp_path / "log.npz", damage)
+    with pytest.raises(InputError, match=r"file is not an archive of NumPy arrays that can be read: .*; copy it anew"):
+        read_table(tmp_path / "log.npz")
+
+
+def element(kind: int, content: bytes) -> bytes:
+    """Of a MATLAB file."""
+    return kind.to_bytes(4, "little") + len(content).to_bytes(4, "little") + content + bytes(-len(content) % 8)
+
+
+def nested_mat(path: Path, depth: int, size: int | None) -> None:
+    """A number in cells in cells, each of which says to be of that size, or of its own; plain, and packed."""
+    flags, shape, name = element(6, bytes([1, *bytes(7)])), element(5, b"\1\0\0\0\1\0\0\0"), element(1, b"q")
+    head = flags + shape + element(1, b"")
+    inner = element(14, element(6, bytes([6, *bytes(7)])) + shape + element(1, b"") + element(9, bytes(8)))
+    for _ in range(depth):
+        content = head + inner
+        inner = (14).to_bytes(4, "little") + (size or len(content)).to_bytes(4, "little") + content
+    whole = element(14, flags + shape + name + inner)
+    start = b"MATLAB 5.0 MAT-file".ljust(124) + b"\x00\x01IM"
+    path.write_bytes(start + whole)
+    path.with_suffix(".packed.mat").write_bytes(start + element(15, zlib.compress(whole)))
+
+
+@pytest.mark.parametrize("size", [None, 1])
+def test_a_matlab_file_of_cells_in_cells_is_refused_before_they_are_read(tmp_path: Path, size: int | None):
+    nested_mat(tmp_path / "log.mat", 50, size=None)
+    with pytest.raises(InputError, match=r"log holds no channel of numbers"):
+        read_table(tmp_path / "log.mat")
+    nested_mat(tmp_path / "log.mat", 1000, size)
+    for name in ("log.mat", "log.packed.mat"):
+        with pytest.raises(InputError, match=r"its arrays nest deeper than 100, .*; save the matrices of numbers"):
+            read_table(tmp_path / name)
+
+
+def test_what_a_matlab_file_holds_beside_matrices_hinders_nothing(tmp_path: Path):
+    cells = np.empty((2, 2), dtype=object)
+    cells[:] = [["a text", np.ones(3)], [{"a": {"b": "another"}}, 1j]]
+    cells[0, 0] = cells.copy()
+    parts = np.array([(1.0, "a"), (2.0, "b")], dtype=[("x", object), ("y", object)])
+    scipy.io.savemat(tmp_path / "log.mat", {"c": cells, "p": parts, "s": scipy.sparse.eye(3), "q": positions(times(9))})
+    assert np.array_equal(read_table(tmp_path / "log.mat").channels["q"].values, positions(times(9)))
+
+
+def repeated(value: object, count: int) -> pyarrow.DictionaryArray:
+    return pyarrow.DictionaryArray.from_arrays(np.zeros(count, dtype=np.int32), pyarrow.array([value]))
+
+
+def test_a_parquet_file_of_one_number_many_times_is_refused(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
+    pyarrow.parquet.write_table(pyarrow.table({"q": repeated(1.5, 100_000)}), tmp_path / "log.parquet")
+    monkeypatch.setattr(tables, "LARGEST", 700_000)
+    with pytest.raises(InputError, match=r"table of 800,000 bytes is too large: at most 700,000 are read"):
+        read_table(tmp_path / "log.parquet")
+
+
+def test_texts_in_a_parquet_file_are_not_unpacked(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
+    words, asked = repeated("a word", 50), list[list[str]]()
+    columns = {"q": np.zeros(50), "word": words, "s": pyarrow.StructArray.from_arrays([words], ["word"])}
+    pyarrow.parquet.write_table(pyarrow.table(columns), tmp_path / "log.parquet", store_schema=False)
+    read = pyarrow.parquet.ParquetFile.read
+    monkeypatch.setattr(
+        pyarrow.parquet.ParquetFile, "read", lambda file, columns: asked.append(columns) or read(file, columns)
+    )
+    table = read_table(tmp_path / "log.parquet")
+    assert asked == [["q"]]
+    assert table.left_out == {"word": "no numbers, but string", "s.word": "no numbers, but string"}
+
+
 def test_a_file_that_unpacks_to_too_much_is_refused(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
     np.savez_compressed(tmp_path / "log.npz", q=np.zeros(10**5))
     scipy.io.savemat(tmp_path / "log.mat", {"q": np.zeros(10**5)}, do_compression=True)
@@ -123,6 +218,7 @@ def test_a_log_reads_no_other_file(tmp_path: Path):
             "1,2,3\n4,5,6\n",
             r"first line '1, 2, 3' must name the columns, as in 't, q1, q2, tau1, tau2' \(.*log.csv:1\)",
         ),
+        ("t,q\n\x1bc,m\n0,1\n", r"the line below the names holds '\\x1bc, m': .* '\\x1bc' is neither"),
         ("# a remark\n\nt,q\n0,1\n1\n2,3\n", r"1 cells must be 2, as in the line of names \(.*log.csv:5\)"),
         ("t,q\n0,1\n1,2,3\n", r"3 cells must be 2, as in the line of names \(.*log.csv:3\)"),
         ("t,q,q\n0,1,2\n", r"column 'q' is named twice: each must have a name of its own \(.*log.csv:1\)"),

@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from arm_logs import TIME, Array, channels, motions, run, write_arm, write_log
+from arm_logs import TIME, Array, channels, motions, run, wound, write_arm, write_log
 
 from cutpoint.errors import InputError
 from cutpoint.identification import Recording
@@ -161,3 +161,31 @@ def test_short_gaps_are_bridged_and_counted(files: Path):
     for number in found.numbers:
         if number.name.startswith("coulomb"):
             assert number.told and number.value == pytest.approx(4.0, rel=0.02)
+
+
+@pytest.mark.parametrize(("delay", "when"), [(5e-4, "later times by 0.500 ms"), (-2e-3, "earlier times by 2.000 ms")])
+def test_which_way_torques_were_moved_is_said_once(files: Path, delay: float, when: str):
+    log = Recording(TIME, ("shoulder", "elbow"), **channels())
+    found = identify(files / "arm.urdf", log, drives=files / "rigid.yaml", friction="stated", torque_delay=delay)
+    assert [note for note in found.notes if "moved" in note] == [f"torque moved to {when}, of all joints alike"]
+
+
+@pytest.mark.parametrize(
+    ("changed", "why"),
+    [
+        (lambda theta: np.full_like(theta, 0.3), "theta never changes"),
+        (lambda theta: theta + 8e-3 * np.sin(200.0 * theta), "kinematic error"),
+    ],
+)
+def test_a_joint_whose_spring_is_not_found_keeps_its_own_and_leaves_the_others_theirs(
+    files: Path, tmp_path: Path, changed: Any, why: str
+):
+    log = wound()
+    log["theta"][:, 1] = changed(log["theta"][:, 1])
+    recording = Recording(TIME, ("shoulder", "elbow"), **log)
+    found = identify(files / "arm.urdf", recording, drives=files / "sprung.yaml", friction="stated")
+    (said,) = [note for note in found.notes if "its spring was not identified" in note]
+    assert said.startswith("elbow: ") and why in said
+    stiffness = {joint: drive.compliance.stiffness for joint, drive in found.robot.drives.items()}  # type: ignore[union-attr]
+    assert stiffness == {"shoulder": pytest.approx(7e3, rel=0.02), "elbow": 9e3}
+    assert len(found.save(tmp_path)) == 4

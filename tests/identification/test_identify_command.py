@@ -1,6 +1,7 @@
 """From a log to files: what `identify` finds, and what it leaves on disk."""
 
 import json
+from dataclasses import replace
 from html import escape
 from html.parser import HTMLParser
 from pathlib import Path
@@ -8,11 +9,12 @@ from typing import Any
 
 import numpy as np
 import pytest
+import yaml
 from arm_logs import LAW, TIME, TRUTH, channels, motions, run, wound, write_arm, write_log
 from two_joints import urdf_text
 
 import cutpoint
-from cutpoint import Coulomb, Drive, LinearSpring, Robot, Rotor
+from cutpoint import Backlash, Coulomb, Drive, LinearSpring, Robot, Rotor
 from cutpoint.errors import InputError
 from cutpoint.formats import parse_urdf
 from cutpoint.identification import Recording
@@ -88,6 +90,47 @@ def test_springs_and_rotors_are_those_of_the_truth(found: Identification):
         assert isinstance(drive.compliance, LinearSpring) and drive.rotor
         assert drive.compliance.stiffness == pytest.approx(7e3, rel=0.02)
         assert drive.rotor.inertia == pytest.approx(4e-5, rel=0.03)
+
+
+def test_a_drive_that_is_stated_to_be_rigid_has_no_spring_to_be_told(files: Path, tmp_path: Path):
+    before = cutpoint.load(files / "arm.urdf", files / "sprung.yaml")
+    before = before.with_drives({"elbow": replace(before.drives["elbow"], compliance=None)})
+    found = identify(before, Recording(TIME, TRUTH.joints, **wound()), friction="stated")
+    assert found.drives and [*found.drives.joints] == ["shoulder"]
+    assert found.robot.drives["elbow"].compliance is None
+    assert not any("elbow" in words and "cannot be told" in words for words in found.untold)
+    assert {number.joint for number in found.numbers if number.name in ("stiffness", "damping")} == {"shoulder"}
+    assert "Figure 4" in found.save(tmp_path)[-1].read_text()
+
+
+def test_what_is_not_told_of_a_spring_stays_as_its_file_states_it(files: Path, tmp_path: Path):
+    stated = (files / "sprung.yaml").read_text()
+    more = "  backlash: 1.0e-4\n  hysteresis: {loss: 2.0e-4, reach: 3.0e-4}\n"
+    (tmp_path / "more.yaml").write_text(stated.replace("  friction:", f"{more}  friction:"))
+    log = Recording(TIME, TRUTH.joints, **wound())
+    found = identify(files / "arm.urdf", log, drives=tmp_path / "more.yaml", friction="stated")
+    assert all("hysteresis" in each.unidentifiable for each in found.drives.joints.values())  # type: ignore[union-attr]
+    entries = yaml.safe_load(found.save(tmp_path / "out")[1].read_text())["drives"]
+    for joint, entry in entries.items():
+        assert entry["compliance"]["linear"]["stiffness"] == pytest.approx(7e3, rel=0.02)
+        assert entry["hysteresis"]["loss"] == pytest.approx(2e-4, rel=1e-9)
+        assert entry["hysteresis"]["reach"] == pytest.approx(3e-4, rel=1e-9)
+        assert entry["backlash"] == 1e-4
+        assert any(words.startswith(f"{joint}: backlash cannot be told: 0.0001 rad stay") for words in found.untold)
+
+
+def test_a_spring_behind_a_play_that_its_file_states_is_found_beside_it(files: Path):
+    gap, log = 4e-4, wound()
+    q, v, a = motions()
+    load, true = TRUTH.inverse_dynamics(q, v, a), Backlash(LinearSpring(7e3), gap)
+    log["theta"] = log["theta"] + true.deflection(load) - true.spring.deflection(load)
+    before = cutpoint.load(files / "arm.urdf", files / "sprung.yaml")
+    drives = {joint: replace(each, compliance=Backlash(each.compliance, gap)) for joint, each in before.drives.items()}
+    found = identify(before.with_drives(drives), Recording(TIME, TRUTH.joints, **log), friction="stated")
+    for drive in found.robot.drives.values():
+        assert isinstance(drive.compliance, Backlash) and drive.compliance.gap == gap
+        for torque in (3.0, 12.0):
+            assert drive.compliance.deflection(torque) == pytest.approx(true.deflection(torque), rel=0.03)
 
 
 def test_numbers_lie_in_their_intervals_and_have_units(found: Identification):

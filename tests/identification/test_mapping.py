@@ -7,6 +7,7 @@ from typing import Any
 import numpy as np
 import pytest
 from machine_logs import positions, times
+from two_joints import two_joints
 
 from cutpoint.errors import CutpointError, InputError, ModelError
 from cutpoint.identification import Channel, Recording, Table, parse_mapping, read_recording, recording_of
@@ -143,12 +144,65 @@ def test_a_unit_that_is_no_time_is_refused():
         ("joints: [a]\nq: x", r"q has 2 columns: it must have one for each of a \(map.yaml:3\)"),
         ("time: {channel: t, period: 1}\nq: x", r"has both 'channel' and 'period'; state one of them"),
         ("time: {period: -1}\nq: x", r"time.period -1.0 s must be positive"),
+        ("q: [x, x]", r"q: 'x' and 'x' are one column of the log; each joint must have its own \(map.yaml:2\)"),
+        ("q: ['x[1]', 'x[1]']", r"q: 'x\[1\]' and 'x\[1\]' are one column of the log"),
+        ("q: ['x[1]', x]", r"q: 'x\[1\]' and 'x' are one column of the log"),
         ("q: [x, w]", r"q: channel 'w' was sampled at other times than those beside it"),
     ],
 )
 def test_a_wrong_mapping_is_refused_at_its_line(text: str, message: str):
     with pytest.raises(CutpointError, match=message):
         mapped(text, table(x=Q, w=Q[:50]))
+
+
+@pytest.mark.parametrize(
+    ("fields", "message"),
+    [
+        ("q: {channels: x, unit: mm}", r"q.unit 'mm' is of .* slide, and 'shoulder' turns: .* 'rad', .*'rev' \(map.ya"),
+        ("q: x\nv: {channels: x, unit: m/s}", r"v.unit 'm/s' .*: it must be one of .*'rpm' \(map.yaml:3\)"),
+        ("q: x\ntorque: {channels: x, unit: kN}", r"torque.unit 'kN' .*: it must be one of 'N m', .*'kN m' \("),
+        ("q: y", r"q.unit 'mm' is of joints that slide, and 'shoulder' turns"),
+    ],
+)
+def test_lengths_and_forces_of_joints_that_turn_are_refused(fields: str, message: str):
+    mapping = parse_mapping("version: 1\n" + fields, "map.yaml")
+    with pytest.raises(ModelError, match=message):
+        recording_of(table(x=Q, y=Channel(Q, unit="mm")), mapping, two_joints())
+
+
+def test_a_gain_makes_an_angle_of_a_length():
+    mapping = parse_mapping("version: 1\nq: {channels: x, unit: m, gain: 0.5}")
+    assert np.array_equal(recording_of(table(x=Q), mapping, two_joints())["q"], 0.5 * Q)
+
+
+@pytest.mark.parametrize(
+    ("fields", "message"),
+    [
+        ({"q": {"channels": ["x"], "unit": "grad"}}, r"mapping: q.unit 'grad' is not known; .* with 'gain'$"),
+        ({"q": {"channels": ("x", "x")}}, r"mapping: q: 'x' and 'x' are one column of the log; .* its own$"),
+        ({"q": "x", "ratio": [1, 0]}, r"mapping: ratio must not be zero$"),
+        ({"q": "x", "sign": 1}, r"mapping: unknown key 'sign'; those that exist are .*'$"),
+        ({"q": {"channels": np.ones(2)}}, r"mapping: it must hold texts, numbers, lists and dicts alone: .*able$"),
+        ({3: "x"}, r"mapping: unknown key '3'; those that exist are .*'$"),
+    ],
+)
+def test_a_wrong_dict_is_refused_by_its_keys_and_no_line(fields: dict[Any, Any], message: str):
+    with pytest.raises(ModelError, match=message):
+        recording_of(table(x=Q), parse_mapping({"version": 1, **fields}))
+
+
+def test_a_column_of_more_joints_than_the_robot_has_is_named(tmp_path: Path):
+    columns = {f"q{k}": Q[:, 0] + k for k in (1, 2, 3)} | {f"tau{k}": TAU[:, 0] + k for k in (1, 2)}
+    np.savez(tmp_path / "log.npz", t=T, **columns)  # pyright: ignore[reportArgumentType]
+    robot = two_joints()
+    rule = r"q has 3 columns, and the robot 2 driven joints, 'shoulder', 'elbow': nothing says"
+    with pytest.raises(ModelError, match=rf"{rule} whose 'q3' would be; name theirs in a mapping, 'q: .*log.npz\)$"):
+        read_recording(tmp_path / "log.npz", robot=robot)
+    mapping = {"version": 1, "q": ["q1", "q2"], "torque": ["tau1", "tau2"]}
+    assert np.array_equal(read_recording(tmp_path / "log.npz", mapping, robot)["q"], Q[:, :1] + [1, 2])
+    np.savez(tmp_path / "log.npz", t=T, q=np.column_stack([Q, TAU[:, 0]]))
+    with pytest.raises(ModelError, match=rf"{rule} which are theirs; name theirs in a mapping, 'q: "):
+        read_recording(tmp_path / "log.npz", robot=robot)
 
 
 def test_a_version_of_the_future_is_refused():

@@ -130,4 +130,5 @@ def test_links_that_slide_have_no_turns():
     slide = Robot(build("slide", [Link("base"), Link("carriage", 1.0, np.zeros(3), np.eye(3))], [along]))
     assert np.array_equal(read(metres, "unit: m")["q"], metres)
     assert np.array_equal(read(metres, robot=slide)["q"], metres)
+    assert np.allclose(read(metres, "unit: mm", robot=slide)["q"], 1e-3 * metres, rtol=1e-15, atol=0.0)
     assert_whole(read(metres), MOTION, 1e-12)

@@ -344,6 +344,16 @@ def test_an_npz_that_unpacks_to_too_much_is_refused(tmp_path: Path, monkeypatch:
         Log.load(path)
 
 
+def test_a_csv_whose_short_cells_are_too_many_numbers_is_refused(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
+    path, joints = tmp_path / "run.csv", [f"j{k}" for k in range(20)]
+    titles = ",".join(["time [s]", *(f"q.{joint} [rad]" for joint in joints)])
+    rows = "".join(f"{k}{',0' * 20}\n" for k in range(100))
+    path.write_text(f"# {header(joints=joints)}\n{titles}\n{rows}")
+    monkeypatch.setattr(log_files, "LARGEST", path.stat().st_size)
+    with pytest.raises(InputError, match=r"its channels are larger than [\d,]+ bytes"):
+        Log.load(path)
+
+
 @pytest.mark.parametrize("ending", ["npz", "csv"])
 @given(place=st.floats(0.0, 1.0, exclude_max=True), byte=st.integers(0, 255))
 def test_a_file_with_a_wrong_byte_gives_a_log_or_one_clear_error(ending: str, place: float, byte: int):
@@ -372,14 +382,22 @@ def test_an_npz_cut_short_is_refused(tmp_path: Path, keep: float):
 @pytest.mark.parametrize(
     ("text", "message"),
     [
-        ("", "Expecting value"),
-        ("time,q\n0,1\n", "Expecting value"),
-        (f"# {header()}\n", r"cannot reshape"),
-        (f"# {header()}\ntime [s]\n0\n", r"list index out of range"),
+        ("", "its first line must be '# {\"cutpoint_log\": 1, ...}'; read other logs with read_table"),
+        ("time,q\n0,1\n", "its first line must be"),
+        (f"# {header()[:9]}", "line 1 has no end: the file was cut off"),
+        (f"# {header()}\n", "its columns are not those its first line announces"),
+        (f"# {header()}\ntime [s]\n0\n", "its columns are not those its first line announces"),
         (f"# {header()}\ntime [s],q.a [rad]\n", r"time of shape \(0,\)"),
-        (f"# {header()}\ntime [s],q.a [rad]\n0,1,2\n", "cannot reshape"),
-        (f"# {header()}\ntime [s],q.a [rad]\n0,1\n1\n", "inhomogeneous"),
-        (f"# {header()}\ntime [s],q.a [rad]\n0,b\n", "could not convert string to float: 'b'"),
+        (
+            f"# {header()}\ntime [s],q.a [rad]\n0,1,2,3\n",
+            "line 3 has 4 cells, and must have 2 as the line of titles; copy",
+        ),
+        (
+            f"# {header()}\ntime [s],q.a [rad]\n0,1\n1\n",
+            "line 4 has 1 cells, and must have 2 as the line of titles; copy",
+        ),
+        (f"# {header()}\ntime [s],q.a [rad]\n0,1\n1,0.2", "line 4 has no end: the file was cut off; copy"),
+        (f"# {header()}\ntime [s],q.a [rad]\n0,b\n", "line 3: could not convert string to float: 'b'"),
         (f"# {header()}\ntime [s],q.a [rad]\n1,0\n0,0\n", r"time of shape \(2,\) must be"),
         (f"# {header()}\ntime [s],q.b [rad]\n0,1\n", "its columns are not those its first line announces"),
         (f"# {header()}\ntime [s],q.a [deg]\n0,1\n", "its columns are not those its first line announces"),

@@ -9,10 +9,11 @@ import io
 import json
 import zipfile
 import zlib
-from collections.abc import Callable
+from array import array
+from collections.abc import Callable, Iterator
 from pathlib import Path
 from tokenize import TokenError
-from typing import IO, Any
+from typing import IO, Any, TextIO
 
 import numpy as np
 from numpy.typing import NDArray
@@ -28,6 +29,11 @@ LARGEST = 1_000_000_000
 
 LONGEST_HEADER = 1_000_000
 """Characters."""
+
+LONGEST_LINE = 10_000_000
+"""Characters of a line in a .csv."""
+
+OTHER_COLUMNS = "its columns are not those its first line announces"
 
 UNREADABLE = (
     ValueError,
@@ -140,15 +146,44 @@ def _write_csv(log: Log, file: IO[bytes]) -> None:
 
 def _read_csv(path: Path) -> Log:
     with path.open(encoding="utf-8", newline="") as text:
-        header = _parsed(text.readline(LONGEST_HEADER).removeprefix("# "))
-        reader = csv.reader(text)
+        lines = _lines(text)
+        first = next(lines, "")
+        if not first.startswith("# "):
+            raise ValueError("its first line must be '# {\"cutpoint_log\": 1, ...}'; read other logs with read_table")
+        header = _parsed(first.removeprefix("# "))
+        reader = csv.reader(lines)
         titles = next(reader, [])
-        rows = [[float(cell) for cell in row] for row in reader]
-    table = np.array(rows, dtype=np.float64).reshape(-1, len(titles))
+        numbers = array("d")
+        for row in reader:
+            numbers.extend(_numbers(row, len(titles), 1 + reader.line_num))
+            if numbers.itemsize * len(numbers) > 2 * LARGEST:  # of the channels, and at most as much again of the time
+                raise ValueError(f"its channels are larger than {LARGEST:,} bytes")
+    table = np.frombuffer(numbers).reshape(-1, max(1, len(titles)))
     log = Log(table[:, 0], _channels(titles, table, header), **header)
     if titles != _titles(log):
-        raise ValueError("its columns are not those its first line announces")
+        raise ValueError(OTHER_COLUMNS)
     return log
+
+
+def _lines(text: TextIO) -> Iterator[str]:
+    """Every line, which must have its end: without, a last number may lack digits.  Raises ValueError."""
+    count = 0
+    while line := text.readline(LONGEST_LINE):
+        count += 1
+        if not line.endswith(("\n", "\r")):
+            raise ValueError(f"line {count} has no end: the file was cut off; copy it anew, or take that line out")
+        yield line
+
+
+def _numbers(cells: list[str], width: int, line: int) -> list[float]:
+    """A line's numbers.  Raises ValueError, with the line, for another number of cells, or a cell that holds none."""
+    if len(cells) != width:
+        rule = "copy the file anew, or take that line out"
+        raise ValueError(f"line {line} has {len(cells)} cells, and must have {width} as the line of titles; {rule}")
+    try:
+        return [float(cell) for cell in cells]
+    except ValueError as error:
+        raise ValueError(f"line {line}: {str(error)[:100]}") from error
 
 
 def _channels(titles: list[str], table: Array, header: dict[str, Any]) -> dict[str, Array]:
@@ -156,6 +191,8 @@ def _channels(titles: list[str], table: Array, header: dict[str, Any]) -> dict[s
     channels: dict[str, Array] = {}
     next_column = 1
     for name in header["units"]:
+        if next_column >= len(titles):
+            raise ValueError(OTHER_COLUMNS)
         alone = titles[next_column].startswith(f"{name} [")
         width = 1 if alone else len(header["joints"])
         columns = table[:, next_column : next_column + width]

@@ -88,7 +88,7 @@ def _header(cells: list[str], place: str) -> list[Column]:
     found = [_column(cell) for cell in cells[:MOST_COLUMNS]]
     if not 2 <= len(cells) <= MOST_COLUMNS or found[0].name.lower() not in ("t", "time"):
         shown = ", ".join(cells[:8])
-        raise InputError(f"first line '{shown}' must name the columns, as in 't, shoulder, elbow'", place=place)
+        raise InputError(f"first line {shown[:200]!r} must name the columns, as in 't, shoulder, elbow'", place=place)
     if found[0].unit not in (None, "s"):
         raise InputError(f"time is in {found[0].unit!r}: it must be in 's'", place=place)
     names = [column.name for column in found]
@@ -118,7 +118,7 @@ def _position(cell: str, column: Column, place: str) -> float:
     if column.unit is None and abs(value) > DEGREES_ABOVE:
         raise InputError(
             f"joint {name!r}: position {value} looks like degrees; "
-            f"name the unit in the first line, '{name} [deg]' or '{name} [rad]'",
+            f"name the unit in the first line, {f'{name} [deg]'!r} or {f'{name} [rad]'!r}",
             place=place,
             joint=name,
         )

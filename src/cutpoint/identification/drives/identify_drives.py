@@ -1,12 +1,12 @@
 """All drives of a robot from one recording: what encoders on both sides and the motors' torques tell."""
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 from numpy.typing import ArrayLike
 
-from cutpoint.errors import InputError
+from cutpoint.errors import CutpointError, InputError
 from cutpoint.identification.conditioning.filtering import noise_cutoff
 from cutpoint.identification.drives.joint_torques import link_torque
 from cutpoint.identification.drives.one_drive import NARROWER, Channels, DriveEstimate, drive_of
@@ -16,15 +16,22 @@ from cutpoint.robot import Robot
 
 @dataclass(frozen=True, eq=False)
 class DriveEstimates:
-    """robot: with the drives that were found.  joints: each joint's estimate, by name."""
+    """robot: with the drives that were found.  joints: each joint's estimate, by name, of drives that bend.
+
+    failed: of joints that bend and were not identified, why; their drives are as the robot had them.
+    """
 
     robot: Robot
     joints: Mapping[str, DriveEstimate]
+    failed: Mapping[str, str] = field(default_factory=dict)
 
     @property
     def remarks(self) -> tuple[str, ...]:
-        """What is otherwise than the robot had it, a sentence each."""
-        return tuple(f"{joint}: {words}" for joint, estimate in self.joints.items() for words in estimate.remarks)
+        """What is otherwise than the robot had it, and what was not found at all, a sentence each."""
+        kept = "its spring was not identified and stays as it was"
+        failed = (f"{joint}: {kept}: {why}" for joint, why in self.failed.items())
+        own = (f"{joint}: {words}" for joint, estimate in self.joints.items() for words in estimate.remarks)
+        return (*failed, *own)
 
     @property
     def notes(self) -> tuple[str, ...]:
@@ -43,7 +50,9 @@ def identify_drives(
     torque_delay: float = 0.0,
     say: Callable[[str], object] = lambda joint: None,
 ) -> DriveEstimates:
-    """Springs, kinematic errors, hysteresis, rotors and motor friction of all drives.
+    """Springs, kinematic errors, hysteresis, rotors and motor friction of all drives that bend.
+
+    Of a robot of which no drive bends, all are taken to: nothing was known of their springs.
 
     robot: its links are taken as known, their friction too unless springs show another; its drives state ratios, and
     what the recording cannot tell.
@@ -73,9 +82,22 @@ def identify_drives(
     cutoff = noise_cutoff(q, recording.period)
     from_links = link_torque(robot, q, recording.period, cutoff)
     found: dict[str, DriveEstimate] = {}
-    for k, name in enumerate(names):
+    failed: dict[str, str] = {}
+    for name in joints_that_bend(robot):
         say(name)
+        k = names.index(name)
         own = (x[:, k] for x in (theta, q, effort, *from_links))
         channels = Channels(*own, period=recording.period, delay=delay, is_current=is_current)
-        found[name] = drive_of(channels, robot.drives[name], steps[k], cutoff / NARROWER)
-    return DriveEstimates(robot.with_drives({name: each.drive for name, each in found.items()}), found)
+        try:
+            estimate = drive_of(channels, robot.drives[name], steps[k], cutoff / NARROWER)
+            robot = robot.with_drives({name: estimate.drive})
+        except CutpointError as error:  # one joint's channels say nothing of the others'
+            failed[name] = str(error)
+        else:
+            found[name] = estimate
+    return DriveEstimates(robot, found, failed)
+
+
+def joints_that_bend(robot: Robot) -> tuple[str, ...]:
+    """Joints whose drives bend; all of them, if none does."""
+    return tuple(joint for joint, drive in robot.drives.items() if drive.is_elastic) or robot.joints

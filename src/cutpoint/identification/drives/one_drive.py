@@ -12,7 +12,9 @@ from cutpoint.identification.drives.link_friction import LinkFriction, clocks_di
 from cutpoint.identification.drives.rotor import RotorEstimate, motor_side
 from cutpoint.identification.drives.spring_estimate import UNCERTAIN, SpringEstimate
 from cutpoint.identification.drives.spring_laws import LAWS
+from cutpoint.identification.drives.stated_parts import as_wide, not_sought, with_spring
 from cutpoint.identification.drives.two_encoders import smallest_step, two_encoders
+from cutpoint.mechanics.backlash import Backlash
 from cutpoint.model.drive import Drive, Motor, Rotor
 
 Array = NDArray[np.float64]
@@ -42,7 +44,7 @@ class DriveEstimate:
 
     spring, rotor: what was found, with its uncertainty.  unidentifiable: what was not, each with the sentence why.
     apart: whether the spring told the rotor from the link; otherwise they are told apart by what was known of the link.
-    remarks: on which side friction is, where it is not as the drive had it, a sentence each.
+    remarks: on which side friction is, where it is not as the drive had it, and what was not sought, a sentence each.
     """
 
     drive: Drive
@@ -78,6 +80,9 @@ def drive_of(joint: Channels, drive: Drive, resolution: float | None, cutoff: fl
     resolution: rad at the joint's side, None for the smallest steps that the samples show.  cutoff: Hz, for the rotor.
     """
     ratio, period, kind = drive.ratio, joint.period, "current" if joint.is_current else "torque"
+    if resolution is None:
+        resolution = float(np.hypot(smallest_step(joint.theta), smallest_step(joint.q)))
+    joint, shows_play = _beyond_play(joint, drive, resolution)
     spring, load, stated = _from_links(joint, ratio, resolution)
     rotor = motor_side(
         joint.theta,
@@ -89,15 +94,13 @@ def drive_of(joint: Channels, drive: Drive, resolution: float | None, cutoff: fl
         delay=joint.delay,
         **{kind: joint.effort},
     )
-    if resolution is None:
-        resolution = float(np.hypot(smallest_step(joint.theta), smallest_step(joint.q)))
     spring, rotor, apart = _from_motor(joint, ratio, spring, rotor, resolution)
     link = None
     if apart and not stated:
         share = transmitted_share(spring, joint.theta, ratio)
         left, _ = torque_left(rotor, joint.theta, _torque(joint, rotor), period, joint.delay, share)
         link = link_friction(left - joint.link_torque, joint.sliding, period, cutoff)
-    return _estimate(drive, spring, rotor, apart, link)
+    return _estimate(drive, spring, rotor, apart, link, shows_play)
 
 
 def _torque(joint: Channels, rotor: RotorEstimate) -> Array:
@@ -106,7 +109,24 @@ def _torque(joint: Channels, rotor: RotorEstimate) -> Array:
     return joint.effort if constant is None else joint.effort * constant * rotor.ratio
 
 
-def _from_links(joint: Channels, ratio: float, resolution: float | None) -> tuple[SpringEstimate, Array, bool]:
+def _beyond_play(joint: Channels, drive: Drive, resolution: float) -> tuple[Channels, bool]:
+    """Without the play that the drive states, where that leaves less of the deflection; whether it does."""
+    if not isinstance(drive.compliance, Backlash):
+        return joint, False
+    load = joint.link_torque + joint.link_friction
+    play = np.asarray(drive.compliance.deflection(load) - drive.compliance.spring.deflection(load))
+    beyond = replace(joint, q=joint.q + play)
+    as_read, without = (
+        two_encoders(
+            each.theta, each.q, load, joint.period, drive.ratio,
+            resolution=resolution, laws=SHAPE, hysteresis=False, damping=False,
+        ).scatter
+        for each in (joint, beyond)
+    )  # fmt: skip
+    return (beyond, True) if without < as_read else (joint, False)
+
+
+def _from_links(joint: Channels, ratio: float, resolution: float) -> tuple[SpringEstimate, Array, bool]:
     """The spring by the links' torque, and that torque (N,): with the friction that was stated, or with what the spring
     shows where that is another; whether it is as stated."""
     load = joint.link_torque + joint.link_friction
@@ -166,7 +186,12 @@ def _by_speed(clocks: str) -> dict[str, str]:
 
 
 def _estimate(
-    drive: Drive, spring: SpringEstimate, rotor: RotorEstimate, apart: bool, link: LinkFriction | None
+    drive: Drive,
+    spring: SpringEstimate,
+    rotor: RotorEstimate,
+    apart: bool,
+    link: LinkFriction | None,
+    shows_play: bool,
 ) -> DriveEstimate:
     """The drive with what was told; a drive that stays rigid has no parts that act on a deflection."""
     clocks = clocks_differ(spring, rotor, link)
@@ -183,8 +208,10 @@ def _estimate(
         constant = rotor.torque_constant
         changes["motor"] = replace(drive.motor, torque_constant=constant) if drive.motor else Motor(constant)
     if "stiffness" not in why:
-        changes["compliance"] = spring.compliance
-    if "compliance" in changes or drive.is_elastic:
-        parts = {name: getattr(spring, name) for name in ("kinematic_error", "hysteresis", "damping")}
+        drive, kept = with_spring(drive, spring.compliance), not_sought(drive, shows_play)
+        why, words = why | kept, (*words, *(f"{thing}: {sentence}" for thing, sentence in kept.items()))
+    if drive.is_elastic:
+        parts = {name: getattr(spring, name) for name in ("kinematic_error", "damping")}
+        parts["hysteresis"] = as_wide(spring.hysteresis, spring.compliance, drive.compliance)
         changes.update({name: part for name, part in parts.items() if part is not None and name not in why})
     return DriveEstimate(replace(drive, **changes), spring, rotor, why, apart, words)  # type: ignore[arg-type]

@@ -116,7 +116,7 @@ def motor_side(
     half a period for commands that are held; by default it is found too.
 
     Raises:
-        InputError: neither or both of torque and current, shapes, too few samples.
+        InputError: neither or both of torque and current, shapes, too few samples, a motor that stands still.
     """
     if (torque is None) == (current is None):
         raise InputError("motor_side: give either torque or current")
@@ -125,6 +125,8 @@ def motor_side(
     if not angle.shape == load.shape == drive.shape or angle.ndim != 1:
         shapes = f"{angle.shape}, {load.shape} and {drive.shape}"
         raise InputError(f"motor_side: theta, joint torque and effort have shapes {shapes}: each must be (N,)")
+    if not np.nanmax(angle) > np.nanmin(angle):
+        raise InputError("motor_side: theta never changes, which shows nothing: was it measured?")
     band = noise_cutoff(load, period) if cutoff is None else cutoff
     speed = derivative(low_pass(angle, period, min(3.0 * band, 0.45 / period)), period)
     if delay is not None:

@@ -14,6 +14,9 @@ from cutpoint.identification.logs.table import LARGEST, optional
 SCHEMA, CHANNEL, MESSAGE, CHUNK, DATA_END = 3, 4, 5, 6, 15
 """Kinds of MCAP records.  The numbers and the layouts below are from mcap.dev/spec, version 0."""
 
+MESSAGE_ITSELF = 100
+"""Bytes that a message takes beside its words and its data."""
+
 MAGIC = b"\x89MCAP0\r\n"
 
 
@@ -47,11 +50,20 @@ def _from_sqlite(path: Path) -> Iterator[Message]:
         query = "SELECT COUNT(*) FROM sqlite_master WHERE type = 'table' AND name IN ('topics', 'messages')"
         if base.execute(query).fetchone() != (2,):
             raise ValueError("it has no tables 'topics' and 'messages'")
+        # as could a column that is computed
+        query = "SELECT COUNT(*) FROM pragma_table_xinfo('topics') AS t, pragma_table_xinfo('messages') AS m"
+        if base.execute(f"{query} WHERE t.hidden OR m.hidden").fetchone() != (0,):
+            raise ValueError("its tables 'topics' and 'messages' have columns that are computed")
+        left = LARGEST
         query = "SELECT name, type, timestamp, data FROM messages JOIN topics ON topics.id = topic_id"
         for topic, kind, received, data in base.execute(query):
             if not (isinstance(received, int) and isinstance(data, bytes)):
                 raise ValueError("its messages are not bytes with a time")
-            yield Message(str(topic), str(kind), received, data)
+            message = Message(str(topic), str(kind), received, data)
+            left -= len(message.topic) + len(message.type) + len(data) + MESSAGE_ITSELF
+            if left < 0:
+                raise ValueError(f"its messages are more than {LARGEST:,} bytes")
+            yield message
 
 
 class _Mcap:

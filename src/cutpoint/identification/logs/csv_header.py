@@ -66,7 +66,7 @@ def units_below(cells: list[str], delimiter: str, place: str) -> list[str] | Non
     if None in units:
         shown, wrong = ", ".join(cells[:8])[:200], cells[units.index(None)][:40]
         rule = f"it must hold numbers, or the columns' units, and {wrong!r} is neither; take it out, or mend it"
-        raise InputError(f"the line below the names holds '{shown}': {rule}", place=place)
+        raise InputError(f"the line below the names holds {shown!r}: {rule}", place=place)
     return [unit or "" for unit in units]
 
 

@@ -1,15 +1,15 @@
 """Mapping files (YAML, version 1): which channels of a log are which quantity.  `mapping_sheet.py` has the fields."""
 
+import json
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-import yaml
-
+from cutpoint.errors import ModelError
 from cutpoint.formats.drive_section import Section
 from cutpoint.formats.reading import read_bytes
-from cutpoint.formats.safe_yaml import MAXIMUM_BYTES, YamlDocument, parse_yaml
+from cutpoint.formats.safe_yaml import MAXIMUM_BYTES, YamlDocument, YamlPath, parse_yaml
 from cutpoint.identification.logs.default_mapping import default_mapping
 from cutpoint.identification.logs.mapping_sheet import ChannelSheet, MappingSheet
 from cutpoint.identification.logs.recording import QUANTITIES
@@ -17,6 +17,13 @@ from cutpoint.identification.logs.table import Table
 from cutpoint.identification.logs.units import COUNTS, UNITS, WITH_GAIN
 
 VERSION = 1
+
+
+class Lineless(YamlDocument):
+    """A mapping that no file holds: messages name its fields alone, and the log where the mapping was read off it."""
+
+    def place(self, *paths: YamlPath) -> str:
+        return self.file
 
 
 @dataclass(frozen=True, eq=False)
@@ -41,8 +48,9 @@ def load_mapping(path: str | Path) -> ChannelMap:
 def parse_mapping(content: str | bytes | Mapping[str, Any], place: str = "<mapping>") -> ChannelMap:
     """The mapping of a text, or of a dict of the same fields.  Raises ModelError."""
     if isinstance(content, Mapping):
-        content = yaml.safe_dump(dict(content), sort_keys=False)
-    document = parse_yaml(content.encode() if isinstance(content, str) else content, place)
+        document = Lineless("", _plain(content), {})
+    else:
+        document = parse_yaml(content.encode() if isinstance(content, str) else content, place)
     section = Section("mapping", document, ((),))
     found = ChannelMap(section.read(MappingSheet, document.value), section)
     _check(found)
@@ -51,7 +59,15 @@ def parse_mapping(content: str | bytes | Mapping[str, Any], place: str = "<mappi
 
 def obvious_mapping(table: Table, joints: Sequence[str] = ()) -> ChannelMap:
     """The mapping that the channels' names suggest.  Raises InputError where they suggest none."""
-    return ChannelMap(default_mapping(table, joints), Section("mapping", YamlDocument(table.file, None, {}), ((),)))
+    return ChannelMap(default_mapping(table, joints), Section("mapping", Lineless(table.file, None, {}), ((),)))
+
+
+def _plain(given: Mapping[str, Any]) -> Any:
+    """A dict's values as a file has them: lists for tuples, floats for numbers.  Raises ModelError."""
+    try:
+        return json.loads(json.dumps(dict(given)), parse_int=float)
+    except (TypeError, ValueError, RecursionError) as error:
+        raise ModelError(f"mapping: it must hold texts, numbers, lists and dicts alone: {error}") from error
 
 
 def _check(mapping: ChannelMap) -> None:

@@ -1,8 +1,8 @@
 """Our own logs, as `Log.save` writes them: simulated measurements are read like those of a machine."""
 
-import zipfile
 from pathlib import Path
 
+from cutpoint.identification.logs.read_npz import opened_archive
 from cutpoint.identification.logs.table import Channel, Table
 from cutpoint.simulation.log import Log
 
@@ -11,11 +11,9 @@ LONGEST_START = 1000
 
 
 def is_own_log(path: Path) -> bool:
-    """Whether a file begins as ours do."""
+    """Whether a file begins as ours do.  Raises InputError for an .npz that is no archive, or a damaged one."""
     if path.suffix == ".npz":
-        if not zipfile.is_zipfile(path):
-            return False
-        with zipfile.ZipFile(path) as archive:
+        with opened_archive(path) as archive:
             if "header.npy" not in archive.namelist():
                 return False
             with archive.open("header.npy") as header:

@@ -1,7 +1,8 @@
 """One quantity of a recording out of a log's channels: found, and brought to SI at the joint's side."""
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
+from itertools import combinations
 from typing import NamedTuple
 
 import numpy as np
@@ -9,8 +10,9 @@ from numpy.typing import NDArray
 
 from cutpoint.identification.logs.mapping import ChannelMap, check_unit
 from cutpoint.identification.logs.table import Channel, Table
-from cutpoint.identification.logs.units import COUNTS, UNITS
+from cutpoint.identification.logs.units import COUNTS, SLIDING, UNITS
 from cutpoint.identification.logs.wrapping import spans
+from cutpoint.model.places import listed
 
 Array = NDArray[np.float64]
 
@@ -36,13 +38,17 @@ class Measured(NamedTuple):
 
 
 def columns_of(name: str, mapping: ChannelMap, table: Table) -> Columns:
-    """A quantity's channels.  Raises ModelError for one that the log lacks, or that is as long as no other."""
+    """A quantity's channels.  Raises ModelError for one that the log lacks, as long as no other, or taken twice."""
     channels = [_channel(name, wanted, mapping, table) for wanted in mapping.quantities[name].channels]
     first = channels[0]
     for wanted, channel in zip(mapping.quantities[name].channels, channels, strict=True):
         if len(channel.values) != len(first.values) or channel.stamps is not first.stamps:
             complaint = f"{name}: channel {wanted!r} was sampled at other times than those beside it"
             raise mapping.section.error((name, "channels"), complaint)
+    for (one, a), (other, b) in combinations(zip(mapping.quantities[name].channels, channels, strict=True), 2):
+        if np.shares_memory(a.values, b.values):
+            rule = f"{name}: {one!r} and {other!r} are one column of the log; each joint must have its own"
+            raise mapping.section.error((name, "channels"), rule)
     labels = tuple(label for channel in channels for label in channel.labels)
     units = tuple(channel.unit for channel in channels for _ in range(channel.width))
     values = np.column_stack([channel.values for channel in channels])
@@ -56,12 +62,23 @@ def picked(name: str, columns: Columns, joints: Sequence[str], mapping: ChannelM
         units = tuple(columns.units[k] for k in chosen)
         return Columns(columns.values[:, chosen], tuple(joints), units, columns.stamps)
     if columns.values.shape[1] != len(joints):
-        shown = f", labelled {', '.join(columns.labels)}" if columns.labels else ""
+        shown = f", labelled {listed(columns.labels)}" if columns.labels else ""
         complaint = (
             f"{name} has {columns.values.shape[1]} columns{shown}: it must have one for each of {', '.join(joints)}"
         )
         raise mapping.section.error((name, "channels"), complaint)
     return columns
+
+
+def check_kinds(
+    name: str, columns: Columns, joints: Sequence[str], sliding: Collection[str], mapping: ChannelMap
+) -> None:
+    """Raises ModelError for lengths or forces of joints that turn, unless a gain says what they are worth."""
+    for joint, unit in zip(joints, _units(name, columns, mapping), strict=True):
+        if unit in SLIDING and joint not in sliding and not mapping.quantities[name].gain:
+            fitting = ", ".join(repr(each) for each in UNITS[name] if each not in SLIDING)
+            rule = f"{name}.unit {unit!r} is of joints that slide, and {joint!r} turns: it must be one of {fitting}"
+            raise mapping.section.error((name, "unit"), rule)
 
 
 def in_si(name: str, columns: Columns, ratio: Array | None, slides: NDArray[np.bool_], mapping: ChannelMap) -> Measured:

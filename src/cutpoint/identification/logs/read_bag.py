@@ -88,7 +88,7 @@ def _decoded(messages: Sequence[Message]) -> Iterator[tuple[int, str, Any]]:
         try:
             content = decode(message.data, message.type)
         except Exception as error:  # what a decoder may raise on bytes that are no message, nobody promises
-            raise ValueError(f"a message on {message.topic} is not what it says: {error!r}") from error
+            raise ValueError(f"a message on {message.topic!r} is not what it says: {error!r}") from error
         yield message.received, message.topic, content
 
 

@@ -10,6 +10,7 @@ from scipy.io import loadmat
 from scipy.io.matlab import MatReadError, mat_struct
 
 from cutpoint.errors import InputError
+from cutpoint.identification.logs.mat_nesting import ARRAY, check_nesting
 from cutpoint.identification.logs.read_hdf5 import read_hdf5
 from cutpoint.identification.logs.table import LARGEST, Table, channel
 from cutpoint.simulation.log_files import UNREADABLE
@@ -27,15 +28,15 @@ DEEPEST = 8
 def read_mat(path: Path) -> Table:
     """The matrices of numbers in a .mat, by name; the fields of structures as `rec.position`.
 
-    Raises InputError: no MATLAB file, or one that unpacks to more than `LARGEST` bytes.
+    Raises InputError: no MATLAB file, one that unpacks to more than `LARGEST` bytes, or whose cells nest too deep.
     """
     with path.open("rb") as file:
         start = file.read(HEADER)
     if start.startswith(b"MATLAB 7.3"):
         return read_hdf5(path)
     try:
-        if start.startswith(b"MATLAB 5.0"):
-            _check_unpacked(path, "little" if start[126:] == b"IM" else "big")
+        if 0 not in start[:4]:  # as SciPy tells version 5 from 4, which neither packs nor nests
+            _check_elements(path, "little" if start[126:] == b"IM" else "big")
         found = loadmat(path, struct_as_record=False, squeeze_me=True, chars_as_strings=False)
     except (*UNREADABLE, MatReadError, MemoryError, NotImplementedError) as error:
         raise InputError(f"file is not a MATLAB file that can be read: {error}", place=path) from error
@@ -53,23 +54,19 @@ def _leaves(prefix: str, found: dict[str, Any], depth: int) -> Iterator[tuple[st
                 yield prefix + name, value
 
 
-def _check_unpacked(path: Path, order: Any) -> None:
-    """Raises ValueError if the packed elements hold more than `LARGEST` bytes: SciPy unpacks whatever they promise."""
+def _check_elements(path: Path, order: Any) -> None:
+    """Raises ValueError for what SciPy would take without asking: more than `LARGEST` bytes, or too deep a nesting."""
     left = LARGEST
     with path.open("rb") as file:
         file.seek(HEADER)
         while len(tag := file.read(8)) == 8:
             kind, size = int.from_bytes(tag[:4], order), int.from_bytes(tag[4:], order)
-            packed = file.read(min(size, LARGEST))
+            content = file.read(min(size, LARGEST))
             if kind == COMPRESSED:
-                left -= _unpacked_size(packed, left)
-
-
-def _unpacked_size(packed: bytes, most: int, piece: int = 2**20) -> int:
-    stream, size = zlib.decompressobj(), 0
-    while packed and not stream.eof:
-        size += len(stream.decompress(packed, piece))
-        packed = stream.unconsumed_tail
-        if size > most:
-            raise ValueError(f"it unpacks to more than {LARGEST:,} bytes")
-    return size
+                unpacked = zlib.decompressobj().decompress(content, left + 1)
+                left -= len(unpacked)
+                if left < 0:
+                    raise ValueError(f"it unpacks to more than {LARGEST:,} bytes")
+                check_nesting(memoryview(unpacked), order)
+            elif kind == ARRAY:
+                check_nesting(memoryview(tag + content), order)

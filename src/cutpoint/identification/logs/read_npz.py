@@ -1,6 +1,8 @@
 """Logs as NumPy archives: an array for each channel."""
 
 import zipfile
+from collections.abc import Generator
+from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
@@ -19,20 +21,31 @@ def read_npz(path: Path) -> Table:
 
     Raises InputError: no archive of arrays, or one that unpacks to more than is read.
     """
-    try:
-        with zipfile.ZipFile(path) as archive:
-            check_size(sum(member.file_size for member in archive.infolist()), "archive", str(path))
-            names = [name for name in archive.namelist() if name.endswith(".npy")]
-            found = {name.removesuffix(".npy"): _array(archive, name) for name in names}
-    except InputError:
-        raise
-    except UNREADABLE as error:
-        raise InputError(f"file is not an archive of NumPy arrays: {error}", place=path) from error
+    with opened_archive(path) as archive:
+        check_size(sum(member.file_size for member in archive.infolist()), "archive", str(path))
+        names = [name for name in archive.namelist() if name.endswith(".npy")]
+        found = {name.removesuffix(".npy"): _array(archive, name) for name in names}
     channels = {name: channel(values) for name, values in found.items() if not isinstance(values, str)}
     left_out = {name: kind for name, kind in found.items() if isinstance(kind, str)}
     remedy = "they are never read; save an array of numbers"
     notes = tuple(f"{name!r} holds {OBJECTS}: {remedy}" for name, kind in left_out.items() if kind == OBJECTS)
     return Table(str(path), {name: each for name, each in channels.items() if each is not None}, left_out, notes)
+
+
+@contextmanager
+def opened_archive(path: Path) -> Generator[zipfile.ZipFile, None, None]:
+    """An .npz to read from.  Raises InputError for whatever is wrong in it, then and while it is read."""
+    try:
+        with zipfile.ZipFile(path) as archive:
+            packings = {member.compress_type for member in archive.infolist()}
+            if not packings <= {zipfile.ZIP_STORED, zipfile.ZIP_DEFLATED}:
+                raise ValueError("it is compressed in another way than NumPy does")
+            yield archive
+    except InputError:
+        raise
+    except UNREADABLE as error:
+        rule = f"file is not an archive of NumPy arrays that can be read: {error}; copy it anew, or save it with NumPy"
+        raise InputError(rule, place=path) from error
 
 
 def _array(archive: zipfile.ZipFile, name: str) -> NDArray[Any] | str:

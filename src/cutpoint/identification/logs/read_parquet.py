@@ -21,19 +21,34 @@ def read_parquet(path: Path) -> Table:
     try:
         # opened here, so that a path is never taken for an address
         with path.open("rb") as stream, parquet.ParquetFile(stream) as file:
-            about = file.metadata
-            check_size(sum(about.row_group(k).total_byte_size for k in range(about.num_row_groups)), "table", str(path))
-            table = file.read()
-    except (pyarrow.ArrowException, OSError, ValueError) as error:
+            check_size(max(_sizes(file.metadata)), "table", str(path))
+            columns = [file.metadata.schema.column(k) for k in range(file.metadata.num_columns)]
+            # texts are never numbers, and a single one may be packed a million times
+            table = _flat(file.read([each.path for each in columns if each.physical_type != "BYTE_ARRAY"]))
+            kinds = {each.name: each.type for each in _flat(file.schema_arrow.empty_table()).schema}
+    except (pyarrow.ArrowException, OSError, ValueError, MemoryError) as error:
         if isinstance(error, InputError):
             raise
         raise InputError(f"file is not a Parquet file that can be read: {error}", place=path) from error
-    while any(pyarrow.types.is_struct(field.type) for field in table.schema):
-        table = table.flatten()
     found = {name: _channel(table.column(k)) for k, name in enumerate(table.column_names)}
-    kinds = dict(zip(table.column_names, table.schema.types, strict=True))
-    left_out = {name: f"no numbers, but {kinds[name]}" for name, each in found.items() if each is None}
+    left_out = {name: f"no numbers, but {kind}" for name, kind in kinds.items() if found.get(name) is None}
     return Table(str(path), {name: each for name, each in found.items() if each is not None}, left_out)
+
+
+def _sizes(about: Any) -> tuple[int, int]:
+    """Bytes of a table as it is encoded, and of its numbers, which may be encoded as one that all of them are."""
+    groups = [about.row_group(k) for k in range(about.num_row_groups)]
+    values = sum(group.column(k).num_values for group in groups for k in range(group.num_columns))
+    rows = sum(group.num_rows for group in groups) * about.num_columns
+    return sum(group.total_byte_size for group in groups), 8 * max(values, rows)
+
+
+def _flat(table: Any) -> Any:
+    """A table with a column for each field of its structures."""
+    types = optional("pyarrow.types", "a Parquet file")
+    while any(types.is_struct(field.type) for field in table.schema):
+        table = table.flatten()
+    return table
 
 
 def _channel(column: Any) -> Channel | None:

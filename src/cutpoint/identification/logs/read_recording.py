@@ -6,14 +6,15 @@ from typing import Any
 
 import numpy as np
 
+from cutpoint.errors import ModelError
 from cutpoint.identification.logs.common_times import at_common_times
 from cutpoint.identification.logs.mapping import ChannelMap, load_mapping, obvious_mapping, parse_mapping
-from cutpoint.identification.logs.quantity import Columns, columns_of, in_si, picked, stated_ratio
+from cutpoint.identification.logs.quantity import Columns, check_kinds, columns_of, in_si, picked, stated_ratio
 from cutpoint.identification.logs.reading import read_table
 from cutpoint.identification.logs.recording import Recording
 from cutpoint.identification.logs.suspicions import refuse_degrees, suspicions
 from cutpoint.identification.logs.table import Table
-from cutpoint.model.places import those_that_exist
+from cutpoint.model.places import listed, those_that_exist
 from cutpoint.robot import Robot
 
 
@@ -44,6 +45,9 @@ def recording_of(table: Table, mapping: ChannelMap, robot: Robot | None = None) 
     ratio = stated_ratio(joints, ratios, mapping)
     slides = np.array([joint in _slides(robot) for joint in joints])
     chosen = {name: picked(name, each, joints, mapping) for name, each in columns.items()}
+    if robot:
+        for name, each in chosen.items():
+            check_kinds(name, each, joints, _slides(robot), mapping)
     measured = {name: in_si(name, each, ratio, slides, mapping) for name, each in chosen.items()}
     time, channels, notes = at_common_times(table, mapping, joints, measured)
     recording = Recording(time, joints, **channels, notes=(*table.notes, *notes))
@@ -67,9 +71,22 @@ def _joints(first: Columns, mapping: ChannelMap, robot: Robot | None) -> tuple[s
     named = tuple(mapping.sheet.joints or first.labels)
     if driven and not mapping.sheet.joints and (set(driven) <= set(named) or (not named and len(driven) == wide)):
         return driven
+    if driven and not named:
+        raise _too_many_or_few(wide, mapping, driven)
     named = named or tuple(f"joint_{k}" for k in range(wide))
     unknown = [joint for joint in named if robot and joint not in driven]
     if unknown:
         rule = f"the robot has no driven joint {unknown[0]!r}; {those_that_exist(unknown[0], driven)}"
         raise mapping.section.error(("joints",), f"{rule}; state 'joints' in the mapping")
     return named
+
+
+def _too_many_or_few(wide: int, mapping: ChannelMap, driven: tuple[str, ...]) -> ModelError:
+    """Of columns that nothing says the joints of, and that are not as many as the robot has."""
+    name, sheet = next(iter(mapping.quantities.items()))
+    rule = f"{name} has {wide} columns, and the robot {len(driven)} driven joints, {listed(driven)}"
+    if wide < len(driven):
+        return mapping.section.error(("joints",), f"{rule}; state in the mapping whose they are, as 'joints'")
+    extra = sheet.channels[len(driven) :] if len(sheet.channels) == wide else ()
+    what = f"nothing says whose {listed(extra)} would be" if extra else "nothing says which are theirs"
+    return mapping.section.error((name, "channels"), f"{rule}: {what}; name theirs in a mapping, '{name}: [...]'")

@@ -15,6 +15,9 @@ UNITS = {"q": ANGLES, "theta": ANGLES, "v": SPEEDS, "theta_dot": SPEEDS, "torque
 LENGTHS = ("m", "mm")
 """Units of positions that no turn is a number of."""
 
+SLIDING = (*LENGTHS, "m/s", "mm/s", "N", "kN")
+"""Units of positions, speeds and forces that only joints that slide have."""
+
 COUNTS = {"q": "counts", "theta": "counts", "v": "counts/s", "theta_dot": "counts/s"}
 """Of an encoder, by quantity: `counts_per_turn` says how many."""
 

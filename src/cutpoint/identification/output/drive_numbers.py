@@ -11,9 +11,11 @@ from cutpoint.identification.drives.columns import amplitude_errors
 from cutpoint.identification.drives.one_drive import DriveEstimate
 from cutpoint.identification.drives.rotor import RotorEstimate
 from cutpoint.identification.drives.scatter import DEGREES
+from cutpoint.identification.drives.stated_parts import law_of, loss
 from cutpoint.identification.drives.two_encoders import SpringEstimate
 from cutpoint.identification.output.numbers import Number, Path
-from cutpoint.model.drive import Drive
+from cutpoint.mechanics.kinematic_error import KinematicError
+from cutpoint.model.drive import Drive, Harmonic
 
 NOTHING = float("nan")
 
@@ -66,16 +68,18 @@ def drive_numbers(
     """Of one drive; before: as the files state it.  rotors: whether the model takes its rotor from here."""
     why = found.unidentifiable if rotors else {"rotor inertia": NOT_APART, **found.unidentifiable}
     rows = _Rows(joint, float(t.ppf(0.5 + 0.5 * level, DEGREES)), why)
-    spring, stated = found.spring, float(before.reflected_inertia)
+    spring, stated, law = found.spring, float(before.reflected_inertia), law_of(before.compliance)
     own = [
-        rows.row(name, each, ("compliance", spring.law, name), _stated(before.compliance, name), "stiffness")
+        rows.row(name, each, ("compliance", spring.law, name), _stated(law, name), "stiffness")
         for name in vars(spring.compliance)
         if (each := _found(spring, *SUMS.get(name, (name,))))
     ]
     damping = _found(spring, "damping")
     if damping:
         own.append(rows.row("damping", damping, ("damping",), _stated(before, "damping"), "damping"))
-    return (*own, *_loops(rows, spring), *_waves(rows, spring), *_of_rotor(rows, found.rotor, stated, rotors))
+    loops = _loops(rows, spring, loss(before))
+    waves = _waves(rows, spring, {wave.order: float(wave.amplitude) for wave in _stated_waves(before)})
+    return (*own, *loops, *waves, *_of_rotor(rows, found.rotor, stated, rotors))
 
 
 def _found(estimate: SpringEstimate | RotorEstimate, *names: str) -> tuple[float, float] | None:
@@ -104,8 +108,13 @@ def _of_rotor(rows: _Rows, rotor: RotorEstimate, stated: float, used: bool) -> l
     return own
 
 
-def _waves(rows: _Rows, spring: SpringEstimate) -> list[Number]:
-    """Amplitudes of the kinematic error's waves."""
+def _stated_waves(drive: Drive) -> tuple[Harmonic, ...]:
+    """None of a kinematic error that is a user's own law."""
+    return drive.kinematic_error.harmonics if isinstance(drive.kinematic_error, KinematicError) else ()
+
+
+def _waves(rows: _Rows, spring: SpringEstimate, stated: Mapping[int, float]) -> list[Number]:
+    """Amplitudes of the kinematic error's waves; stated: by order."""
     if spring.kinematic_error is None:
         return []
     error: Any = spring.kinematic_error
@@ -114,15 +123,20 @@ def _waves(rows: _Rows, spring: SpringEstimate) -> list[Number]:
     deviations = amplitude_errors(spring.values[among], spring.covariance[among, among]).tolist()
     further: list[Path] = [("kinematic_error", "harmonics", str(k)) for k in range(len(error.harmonics) - 1)]
     return [
-        rows.row(f"kinematic error, order {wave.order}", (float(wave.amplitude), deviation), path)
+        rows.row(
+            f"kinematic error, order {wave.order}",
+            (float(wave.amplitude), deviation),
+            path,
+            stated.get(wave.order, NOTHING),
+        )
         for wave, deviation, path in zip(
             error.harmonics, deviations, [("kinematic_error", "amplitude"), *further], strict=True
         )
     ]
 
 
-def _loops(rows: _Rows, spring: SpringEstimate) -> list[Number]:
-    """Width of wide loops at zero torque, 2 sum(stiffness reach) over the spring's stiffness."""
+def _loops(rows: _Rows, spring: SpringEstimate, stated: float) -> list[Number]:
+    """Width of wide loops at zero torque, 2 sum(stiffness reach) over the spring's stiffness; stated: rad."""
     law: Any = spring.hysteresis
     if law is None:
         return []
@@ -131,7 +145,7 @@ def _loops(rows: _Rows, spring: SpringEstimate) -> list[Number]:
     softness = float(spring.compliance.deflection(law.friction)) / float(law.friction)
     slope = 2.0 * softness * np.array(law.reach)
     deviation = float(np.sqrt(slope @ spring.covariance[np.ix_(used, used)] @ slope))
-    return [rows.row("hysteresis loss", (float(slope @ law.stiffness), deviation), ("hysteresis", "loss"))]
+    return [rows.row("hysteresis loss", (float(slope @ law.stiffness), deviation), ("hysteresis", "loss"), stated)]
 
 
 def _stated(part: Any, name: str) -> float:

@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from cutpoint.identification.conditioning.filtering import low_pass
 from cutpoint.identification.conditioning.motion import motion_of
 from cutpoint.identification.drives.identify_drives import DriveEstimates
+from cutpoint.identification.drives.one_drive import DriveEstimate
 from cutpoint.identification.logs.recording import Recording
 from cutpoint.identification.output.pictures import ROW, thinned, titled
 from cutpoint.identification.output.units import at_joints
@@ -39,19 +40,23 @@ class Bending:
 def bendings(
     robot: Robot, rigid: RigidEstimate, drives: DriveEstimates, recording: Recording, bandwidth: float
 ) -> Mapping[str, Bending]:
-    """Of every drive; its torque is the links' motion's, by the identified inertias.  bandwidth: Hz, of the loops."""
+    """Of every drive that bends; its torque is the links' motion's, by the identified inertias.
+
+    bandwidth: Hz, of the loops.
+    """
     motion = motion_of(robot, recording)
     load = link_torques(robot, motion, rigid.model.inertial)
     columns = [recording.joints.index(joint) for joint in robot.joints]
     lead = recording["theta"][:, columns] - recording["q"][:, columns]
     theta = recording["theta"][:, columns]
     found: dict[str, Bending] = {}
-    for j, (joint, drive) in enumerate(robot.drives.items()):
+    for joint, estimate in drives.joints.items():
+        j, drive = robot.joints.index(joint), robot.drives[joint]
         friction: Any = drive.link_friction
         torque = load[:, j] + (friction.torque(motion.v[:, j]) if friction else 0.0)
-        spring: Any = drives.joints[joint].spring
+        spring: Any = estimate.spring
         error = spring.kinematic_error.value(theta[:, j], drive.ratio) if spring.kinematic_error else 0.0
-        bent = np.asarray(spring.compliance.deflection(torque))
+        bent = np.asarray(_law(estimate).deflection(torque))
         left = lead[:, j] - spring.offset - bent
         loop = low_pass(np.column_stack([torque, lead[:, j] - spring.offset - error]), motion.period, bandwidth)
         found[joint] = Bending(loop[:, 0], loop[:, 1], drive.ratio * theta[:, j], left)
@@ -70,13 +75,18 @@ def loop_picture(robot: Robot, drives: DriveEstimates, found: Mapping[str, Bendi
         axes.plot(1e3 * each.deflection[some], each.torque[some], color=MOTOR, linewidth=2.4, alpha=0.4)
         if known.size:
             torque = np.linspace(known.min(), known.max(), 100)
-            law: Any = drives.joints[joint].spring.compliance
+            law: Any = _law(drives.joints[joint])
             axes.plot(1e3 * np.asarray(law.deflection(torque)), torque, color=SPRING, linewidth=0.8)
         titled(axes, f"{joint}: torque [{forces[joint]}]")
         axes.set_xlabel(f"deflection [{ways[joint]}]")
     for axes in panels[len(found) :]:
         axes.set_visible(False)
     return figure
+
+
+def _law(found: DriveEstimate) -> Any:
+    """The model's where it was told, with what its drive states beside it."""
+    return found.spring.compliance if "stiffness" in found.unidentifiable else found.drive.compliance
 
 
 def wave_picture(robot: Robot, found: Mapping[str, Bending]) -> Figure:

@@ -5,7 +5,7 @@ from dataclasses import replace
 from typing import Any, NamedTuple
 
 from cutpoint.errors import CutpointError, InputError
-from cutpoint.identification.drives.identify_drives import DriveEstimates, identify_drives
+from cutpoint.identification.drives.identify_drives import DriveEstimates, identify_drives, joints_that_bend
 from cutpoint.identification.logs.recording import Recording
 from cutpoint.identification.output.steps import Steps
 from cutpoint.identification.rigid.identify_rigid import FrictionWish, RigidEstimate, identify_rigid
@@ -44,7 +44,7 @@ def estimates(
     rigid = identify_rigid(before, fitted, friction=friction, **how)
     if stamped is None:
         return Estimates(rigid, None)
-    say.expect(1 + len(before.joints))
+    say.expect(1 + len(joints_that_bend(before)))
     try:
         drives = identify_drives(rigid.robot, stamped, None, torque_delay, lambda joint: say(f"spring of {joint}"))
     except (CutpointError, KeyboardInterrupt) as error:  # what was found of the links is worth having without

@@ -126,7 +126,7 @@ def identify(
         numbers=_numbers(before, after, found),
         errors=errors,
         recording=recording,
-        untold=(*rigid.untold, *(sprung.notes if sprung else ())),
+        untold=(*rigid.untold, *_untold(found)),
         notes=(*rigid.notes, *map(str, rigid.friction), *found.remarks, *words),
     )
 
@@ -144,6 +144,13 @@ def _numbers(before: Robot, after: Robot, found: Estimates) -> tuple[Number, ...
         own = drive_numbers(joint, before.drives[joint], each, joint in found.apart)
         numbers += tuple(replace(number, unit=at_joints(before, number.unit)[joint]) for number in own)
     return numbers
+
+
+def _untold(found: Estimates) -> tuple[str, ...]:
+    """What drives' own channels do not tell, but for rotors that the torques of all joints do."""
+    rotors = {p.name.removeprefix("I_m.") for p in found.rigid.parameters if p.name.startswith("I_m.") and p.told}
+    told = tuple(f"{joint}: rotor inertia " for joint in rotors)
+    return tuple(words for words in found.drives.notes if not words.startswith(told)) if found.drives else ()
 
 
 def _suspected(recording: Recording, robot: Robot) -> Recording:
@@ -168,7 +175,9 @@ def _acting(recording: Recording, torque_delay: float) -> Recording:
         return recording
     channels = [name for name in ("torque", "current") if name in recording.channels]
     # what acts later than it is stamped is stamped too early
-    return aligned(recording, dict.fromkeys(recording.joints, -torque_delay), channels)
+    moved = aligned(recording, dict.fromkeys(recording.joints, -torque_delay), channels)
+    when = f"{'later' if torque_delay > 0.0 else 'earlier'} times by {1e3 * abs(torque_delay):.3f} ms"
+    return replace(moved, notes=(*recording.notes, f"{', '.join(channels)} moved to {when}, of all joints alike"))
 
 
 def _joined(robot: Robot, sprung: DriveEstimates | None) -> tuple[Robot, list[str]]:
@@ -176,7 +185,7 @@ def _joined(robot: Robot, sprung: DriveEstimates | None) -> tuple[Robot, list[st
     notes: list[str] = []
     drives = {}
     for joint, drive in robot.drives.items():
-        if sprung:
+        if sprung and joint in sprung.joints:
             found = sprung.joints[joint].drive
             parts = SPRING_PARTS if drive.rotor else ("rotor", *SPRING_PARTS)
             drive = replace(drive, **{name: getattr(found, name) for name in parts})

@@ -104,7 +104,7 @@ def ratio_words(ratio: Ratio) -> str:
 
 
 def _drives(found: "Identification") -> list[Page]:
-    if found.drives is None:
+    if found.drives is None or not found.drives.joints:
         return []
     bent = bendings(found.robot, found.rigid, found.drives, found.recording, found.errors.bandwidth)
     with styled():

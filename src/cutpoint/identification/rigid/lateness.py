@@ -27,24 +27,29 @@ WORTH = 1.5e-3
 
 def lateness_notes(found: Regression, values: Array, joints: Sequence[str]) -> list[str]:
     """A sentence if torques are clearly late or early against the motion, all alike, and one for each joint whose
-    torques are so unlike the others.  values: the parameters (c,)."""
+    torques are so too, but unlike the others.  values: the parameters (c,)."""
     delays, covariance = lateness(found, values)
     sure = np.maximum(WORTH, CERTAIN * np.sqrt(np.diag(covariance)))
     told = np.isfinite(sure)
     usual = float(np.median(delays[told])) if told.any() else 0.0
-    alone = told & (np.abs(delays - usual) > np.maximum(sure, UNLIKE * abs(usual)))
+    apart = told & (np.abs(delays - usual) > np.maximum(sure, UNLIKE * abs(usual)))
+    late = np.abs(delays) > sure
     notes: list[str] = []
-    for j in np.flatnonzero(alone).tolist():
-        late = _late(f"torques of {joints[j]}", delays[j], covariance[j, j])
+    for j in np.flatnonzero(apart & late).tolist():
+        words = _late(f"torques of {joints[j]}", delays[j], covariance[j, j])
         remedy = f"aligned(recording, {{{joints[j]!r}: {delays[j]:.2g}}}, ['torque']) moves these alone"
-        notes.append(f"{late}, unlike those of other joints: check how they are stamped; {remedy}")
-    rest = told & ~alone
+        notes.append(f"{words}, unlike those of other joints: check how they are stamped; {remedy}")
+    rest = told & ~apart
     if rest.any():
         weights = np.linalg.solve(covariance[np.ix_(rest, rest)], np.ones(rest.sum()))
         delay, variance = float(weights @ delays[rest] / weights.sum()), float(1.0 / weights.sum())
         if abs(delay) > max(WORTH, CERTAIN * np.sqrt(variance)):
+            on_time = [joints[j] for j in np.flatnonzero(apart & ~late).tolist()]
+            whose = f"torques of all joints but {', '.join(on_time)}" if on_time else "torques"
             remedy = f"align them with torque_delay={-delay:.2g}, --delay {-delay:.2g}"
-            notes.append(f"{_late('torques', delay, variance)}: check the clocks, or {remedy}")
+            if on_time:
+                remedy = f"move these alone by aligned(recording, {{JOINT: {delay:.2g}, ...}}, ['torque'])"
+            notes.append(f"{_late(whose, delay, variance)}: check the clocks, or {remedy}")
     return notes
 
 

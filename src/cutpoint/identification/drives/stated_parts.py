@@ -1,0 +1,56 @@
+"""What a drive states of its spring that two encoders do not tell: play, a wave generator, loops as wide as stated."""
+
+from dataclasses import replace
+
+from cutpoint.mechanics.backlash import Backlash
+from cutpoint.mechanics.hysteresis import MaxwellSlip
+from cutpoint.mechanics.wave_generator import HarmonicSpring
+from cutpoint.model.drive import Compliance, Drive, Hysteresis
+
+
+def spring_of(compliance: Compliance | None) -> Compliance | None:
+    """The spring without the play before it."""
+    return compliance.spring if isinstance(compliance, Backlash) else compliance
+
+
+def law_of(compliance: Compliance | None) -> Compliance | None:
+    """The law whose numbers are sought: without play, and of a wave generator in series without that."""
+    spring = spring_of(compliance)
+    return spring.flexspline if isinstance(spring, HarmonicSpring) else spring
+
+
+def with_spring(drive: Drive, found: Compliance) -> Drive:
+    """With another spring behind the same play, and hysteresis that opens loops as wide as before."""
+    compliance = replace(drive.compliance, spring=found) if isinstance(drive.compliance, Backlash) else found
+    return replace(drive, compliance=compliance, hysteresis=as_wide(drive.hysteresis, drive.compliance, compliance))
+
+
+def as_wide(law: Hysteresis | None, before: Compliance | None, after: Compliance | None) -> Hysteresis | None:
+    """Elements beside one spring that open the loops of another as wide, rad: files state the width, not torques."""
+    old, new = spring_of(before), spring_of(after)
+    if not isinstance(law, MaxwellSlip) or not law.friction or old is None or new is None:
+        return law
+    share = float(new.torque(old.deflection(law.friction))) / float(law.friction)
+    return replace(law, stiffness=tuple(share * k for k in law.stiffness))
+
+
+def loss(drive: Drive) -> float:
+    """Width of wide loops at zero torque, rad, as a drive file states it; NaN without hysteresis."""
+    spring, law = spring_of(drive.compliance), drive.hysteresis
+    if spring is None or law is None:
+        return float("nan")
+    return 2.0 * float(spring.deflection(sum(k * r for k, r in zip(law.stiffness, law.reach, strict=True))))
+
+
+def not_sought(drive: Drive, shows_play: bool) -> dict[str, str]:
+    """What the drive states beside the law that is sought, each with what becomes of it.
+
+    shows_play: whether the encoders differ as by the play.
+    """
+    found: dict[str, str] = {}
+    if isinstance(drive.compliance, Backlash):
+        seen = "follows it better than none" if shows_play else "does not follow it"
+        found["backlash"] = f"{drive.compliance.gap:.3g} rad stay as stated, and the measured deflection {seen}"
+    if isinstance(spring_of(drive.compliance), HarmonicSpring):
+        found["wave generator"] = "its compliance is part of the spring that was found, and not apart from it"
+    return found

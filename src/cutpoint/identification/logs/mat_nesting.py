@@ -1,0 +1,83 @@
+"""How deep cells and structures nest in an array of a MATLAB file, found before SciPy reads it.
+
+SciPy calls itself for every level, on the stack of the process.  It reads elements one after the other, whatever size
+an array says it has, and so does this.  All numbers are from MathWorks, MAT-File Format, "Level 5 MAT-File Format".
+"""
+
+import math
+from typing import Any, NamedTuple
+
+ARRAY = 14
+"""The tag of an element that is an array, of numbers or of further arrays."""
+
+CELL, STRUCTURE, OBJECT, FUNCTION, OPAQUE = 1, 2, 3, 16, 17
+"""Classes of arrays that hold arrays."""
+
+DEEPEST = 100
+"""Arrays within arrays."""
+
+MOST_ARRAYS = 1_000_000
+
+
+class Element(NamedTuple):
+    """The tag of an element, its content, and where the next one begins."""
+
+    kind: int
+    content: memoryview
+    end: int
+
+
+def check_nesting(array: memoryview, order: Any) -> None:
+    """Raises ValueError for an element whose arrays nest deeper than `DEEPEST`, are too many, or are not all there."""
+    place, count = 0, 0
+    to_come = [1]  # arrays at each depth
+    while to_come:
+        if not to_come[-1]:
+            to_come.pop()
+            continue
+        if place >= len(array):
+            raise ValueError("it ends within an array")
+        kind, size = (int.from_bytes(array[place + k : place + k + 4], order) for k in (0, 4))
+        if kind != ARRAY:
+            place = _element(array, place, order).end
+            continue
+        to_come[-1] -= 1
+        count += 1
+        place += 8
+        if size:  # else nothing follows
+            held, place = _held(array, place, order)
+            to_come.append(held)
+        if len(to_come) > DEEPEST or count > MOST_ARRAYS:
+            rule = "save the matrices of numbers alone"
+            raise ValueError(f"its arrays nest deeper than {DEEPEST}, or are more than {MOST_ARRAYS:,}; {rule}")
+
+
+def _held(array: memoryview, place: int, order: Any) -> tuple[int, int]:
+    """How many arrays one holds, whose flags stand at a place, and where what follows its name begins."""
+    kind = int.from_bytes(array[place + 8 : place + 12], order) & 0xFF
+    place += 16
+    if kind == OPAQUE:
+        return 1, place
+    sizes = _element(array, place, order)
+    place = _element(array, sizes.end, order).end
+    cells = math.prod(_numbers(sizes.content, order))
+    if kind not in (STRUCTURE, OBJECT):
+        return {CELL: cells, FUNCTION: 1}.get(kind, 0), place
+    if kind == OBJECT:
+        place = _element(array, place, order).end
+    longest = _element(array, place, order)
+    names = _element(array, longest.end, order)
+    return cells * (len(names.content) // max([1, *_numbers(longest.content, order)])), names.end
+
+
+def _element(array: memoryview, place: int, order: Any) -> Element:
+    """The element at a place; up to four bytes stand within its tag."""
+    kind = int.from_bytes(array[place : place + 4], order)
+    if kind >> 16:
+        return Element(kind & 0xFFFF, array[place + 4 : place + 4 + min(4, kind >> 16)], place + 8)
+    size = int.from_bytes(array[place + 4 : place + 8], order)
+    return Element(kind, array[place + 8 : place + 8 + size], place + 8 + size + -size % 8)
+
+
+def _numbers(content: memoryview, order: Any) -> list[int]:
+    return [int.from_bytes(content[k : k + 4], order) for k in range(0, len(content), 4)]
