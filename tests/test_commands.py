@@ -1,5 +1,6 @@
 """What every command does with names, and with places for its files."""
 
+import errno
 import re
 import subprocess
 import sys
@@ -8,17 +9,22 @@ from typing import Any
 from unittest.mock import Mock
 
 import pytest
+from matplotlib.figure import Figure
 from typer.testing import CliRunner
 
 import cutpoint
 from cutpoint import InputError, Log, robots
-from cutpoint.cli import app
+from cutpoint.commands import app
 from cutpoint.simulation import runner
 
 ONE_JOINT = """<robot name="[/]arm:eyes:"><link name="base"/><link name="a[red]"><inertial><origin xyz="0.1 0 0"/>
 <mass value="1"/><inertia ixx="0.1" ixy="0" ixz="0" iyy="0.1" iyz="0" izz="0.1"/></inertial></link>
 <joint name="{joint}" type="revolute"><parent link="base"/><child link="a[red]"/><axis xyz="0 1 0"/>
 <limit lower="-1" upper="1" effort="10" velocity="3"/></joint></robot>"""
+
+ELASTIC = """version: 1
+drives: {swing: {ratio: 100, rotor: {inertia: 1.0e-5}, compliance: {linear: {stiffness: 1.0e4}}}}
+"""
 
 BAD_PLACES = {
     "a folder that is not there": ("none/run.npz", r"'none/run.npz': folder 'none' does not exist; make it"),
@@ -73,6 +79,86 @@ def test_ctrl_c_saves_what_was_simulated_and_says_so(tmp_path: Path, monkeypatch
     result = CliRunner().invoke(app, [*arguments, "none.npz"])
     assert (result.exit_code, result.output) == (130, "interrupted; there is no log to save yet\n")
     assert not Path("none.npz").exists()
+
+
+@pytest.mark.parametrize(
+    ("command", "place", "told"),
+    [
+        ("paper", "paper.study._page", "no report was written"),
+        ("cost", "cost.study.measured", "no report was written"),
+        ("compare", "compare.bench_of", "no report was written"),
+        ("compare", "compare.study.matched", "what there is goes to {}/report/index.html"),
+    ],
+)
+def test_an_interrupted_study_ends_with_130_and_says_whether_there_is_a_report(
+    command: str, place: str, told: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(f"cutpoint.studies.{place}", Mock(side_effect=KeyboardInterrupt))
+    result = CliRunner().invoke(app, [command, "--output", str(tmp_path / "report")])
+    assert (result.exit_code, result.stderr.strip()) == (130, f"interrupted; {told.format(tmp_path)}")
+    assert (tmp_path / "report" / "index.html").exists() == ("goes to" in told)
+
+
+@pytest.mark.parametrize("cause", ["KeyboardInterrupt", "ImportError('half made') from KeyboardInterrupt()"])
+def test_ctrl_c_while_commands_are_imported_is_told_in_a_line(cause: str) -> None:
+    source = """
+import sys
+from cutpoint.cli import main
+class Interrupts:
+    def find_spec(self, name, *_):
+        if name == "typer":
+            raise {cause}
+sys.meta_path.insert(0, Interrupts())
+main()
+"""
+    command = [sys.executable, "-c", source.format(cause=cause), "--help"]
+    done = subprocess.run(command, capture_output=True, text=True, check=False)
+    assert (done.returncode, done.stdout, done.stderr) == (130, "", "interrupted\n")
+
+
+TORQUE = ("-m", "cutpoint", "torque", "xia2019", "--q", "0,0,0,0,0,0")
+
+
+def test_output_on_a_full_disk_is_told() -> None:
+    with open("/dev/full", "wb") as full:
+        done = subprocess.run([sys.executable, *TORQUE], stdout=full, stderr=subprocess.PIPE, text=True, check=False)
+    assert done.returncode == 1
+    assert done.stderr == "error: the output cannot be written: No space left on device\n"
+
+
+@pytest.mark.parametrize("closed", ["stdout", "stderr"])
+def test_commands_run_where_output_is_closed(closed: str) -> None:
+    redirection = {"stdout": ">&-", "stderr": "2>&-"}[closed]
+    command = ["sh", "-c", f'exec "$@" {redirection}', "sh", sys.executable, *TORQUE]
+    done = subprocess.run(command, capture_output=True, text=True, check=False)
+    assert (done.returncode, done.stderr) == (0, "")
+
+
+@pytest.mark.parametrize(
+    "arguments",
+    [
+        ("modes", "arm.urdf", "--drives", "arm.yaml", "--plot", "run.png"),
+        ("check", "arm.urdf", "--to", "0.01", "--duration", "0.02", "--plot", "run.png"),
+        ("simulate", "arm.urdf", "--to", "0.01", "--duration", "0.02", "--feedforward", "rigid", "--plot", "run.png"),
+        ("drive", "CSG-20-100", "--plot", "run.png"),
+    ],
+)
+def test_a_full_disk_leaves_the_old_picture(
+    arguments: tuple[str, ...], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def full(figure: Any, file: Any, **_: Any) -> None:
+        if isinstance(file, str | Path):
+            Path(file).write_bytes(b"half")
+        raise OSError(errno.ENOSPC, "No space left on device")
+
+    monkeypatch.chdir(tmp_path)
+    Path("arm.urdf").write_text(ONE_JOINT.format(joint="swing"), encoding="utf-8")
+    Path("arm.yaml").write_text(ELASTIC, encoding="utf-8")
+    Path("run.png").write_bytes(b"before")
+    monkeypatch.setattr(Figure, "savefig", full)
+    with pytest.raises(OSError, match=r"No space left on device: 'run.png'"):
+        CliRunner().invoke(app, arguments, catch_exceptions=False)
+    assert Path("run.png").read_bytes() == b"before"
 
 
 @pytest.mark.parametrize("module", ["cutpoint", "cutpoint.cli"])

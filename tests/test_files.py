@@ -1,5 +1,6 @@
 """Files that users bring and files that we leave."""
 
+import errno
 import os
 from pathlib import Path
 
@@ -21,6 +22,12 @@ def test_a_file_is_replaced_at_once_or_not_at_all(tmp_path: Path):
         assert path.read_bytes() == b"before"
     assert path.read_bytes() == b"after"
     assert os.listdir(tmp_path) == ["result"]
+
+
+def test_what_a_full_disk_refuses_is_named(tmp_path: Path):
+    path = tmp_path / "result"
+    with pytest.raises(OSError, match=rf"No space left on device: '{path}'"), replacing(path):
+        raise OSError(errno.ENOSPC, "No space left on device")
 
 
 @pytest.mark.parametrize("size", [0, 7])

@@ -4,39 +4,50 @@ import atexit
 import gc
 import sys
 import warnings
-from importlib import import_module
 from typing import Any
 
-from rich.console import Console
-from rich.markup import escape
-
-from cutpoint.commands.shared import app
 from cutpoint.errors import CutpointError
 
-# as they are imported, commands register themselves, in the order of the help
-for room in ("robots", "drives", "deployment", "identification", "studies"):
-    import_module(f"cutpoint.commands.{room}")
+INTERRUPTED = 130
+"""What shells make of Ctrl-C."""
 
 
 def main() -> None:
-    """Entry point: errors and warnings as one line, without a traceback."""
+    """Entry point: errors, warnings and Ctrl-C as one line, without a traceback."""
     # what a command makes stays until its end: looking for garbage more often, and once more at the end, finds none
     gc.set_threshold(100_000)
     atexit.register(gc.freeze)
-    stderr = Console(stderr=True, emoji=False)
-
-    def show(message: Warning | str, category: type[Warning], *_: Any, **__: Any) -> None:
-        stderr.print(f"[yellow]warning:[/] {escape(str(message))}", highlight=False)
-
-    warnings.showwarning = show
+    warnings.showwarning = _warn
     try:
+        # here, so that Ctrl-C is heard while it is imported
+        from cutpoint.commands import app
+
         app()
     except CutpointError as error:
-        stderr.print(f"[red]error:[/] {escape(str(error))}", highlight=False)
+        _say("red", "error", str(error))
         sys.exit(1)
     except OSError as error:
-        stderr.print(f"[red]error:[/] {escape(str(error.filename))}: {escape(str(error.strerror))}", highlight=False)
+        # writing to what is open already, such as standard output, knows no name
+        what = error.filename or "the output cannot be written"
+        _say("red", "error", f"{what}: {error.strerror or error}")
         sys.exit(1)
+    except (KeyboardInterrupt, ImportError) as stopped:
+        # a module in C++ that Ctrl-C finds half imported makes an ImportError of it
+        if isinstance(stopped, ImportError) and not isinstance(stopped.__cause__, KeyboardInterrupt):
+            raise
+        print("interrupted", file=sys.stderr)
+        sys.exit(INTERRUPTED)
+
+
+def _warn(message: Warning | str, category: type[Warning], *_: Any, **__: Any) -> None:
+    _say("yellow", "warning", str(message))
+
+
+def _say(style: str, kind: str, message: str) -> None:
+    from rich.console import Console
+    from rich.markup import escape
+
+    Console(stderr=True, emoji=False).print(f"[{style}]{kind}:[/] {escape(message)}", highlight=False)
 
 
 if __name__ == "__main__":

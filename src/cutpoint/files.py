@@ -5,7 +5,7 @@ import tempfile
 from collections.abc import Generator
 from contextlib import contextmanager
 from pathlib import Path
-from typing import BinaryIO
+from typing import Any, BinaryIO
 
 from cutpoint.errors import InputError
 
@@ -78,6 +78,15 @@ def replacing(path: Path) -> Generator[BinaryIO, None, None]:
         os.umask(mask)
         os.chmod(temporary, 0o666 & ~mask)
         os.replace(temporary, path)
-    except BaseException:
+    except BaseException as error:
         os.unlink(temporary)
+        if isinstance(error, OSError) and error.filename is None:
+            # writing, as on a full disk, does not know what is written
+            error.filename = str(path)
         raise
+
+
+def save_figure(figure: Any, path: Path) -> None:
+    """Saves a matplotlib figure in the format that the path's suffix names, all or nothing as `replacing` does."""
+    with replacing(path) as file:
+        figure.savefig(file, format=path.suffix.removeprefix("."))

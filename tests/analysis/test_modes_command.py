@@ -8,7 +8,7 @@ from matplotlib.image import imread
 from typer.testing import CliRunner
 
 from cutpoint import robots
-from cutpoint.cli import app
+from cutpoint.commands import app
 from robot_library import urdf
 
 POSE = ["--q", "0,30,60,0,45,0", "--degrees"]

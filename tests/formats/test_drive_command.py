@@ -8,7 +8,7 @@ from matplotlib.image import imread
 from scipy.integrate import trapezoid
 from typer.testing import CliRunner
 
-from cutpoint.cli import app
+from cutpoint.commands import app
 from cutpoint.errors import CutpointError
 from cutpoint.formats import catalogue_drive, catalogue_gear, catalogue_names, parse_drives
 from cutpoint.studies.drive.loop import cycle

@@ -1,8 +1,10 @@
 """Machine code on disk: a second start finds it, and nothing but it."""
 
+import errno
 import os
 import subprocess
 import sys
+import tempfile
 import time
 from collections.abc import Callable
 from pathlib import Path
@@ -227,6 +229,19 @@ def test_what_is_no_file_is_passed_over(folder: Path, kind: str) -> None:
         (os.mkfifo if kind == "pipe" else os.mkdir)(path)
     assert answer(start()) == first
     assert all(path.is_file() for path in folder.iterdir()) == (kind == "pipe")
+
+
+def test_a_cache_that_can_only_be_read_is_used(
+    folder: Path, compiled: list[int], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def refused(*_: object) -> None:
+        raise OSError(errno.EROFS, "Read-only file system")
+
+    first, before = bits(law()), len(compiled)
+    for name in ("utime", "replace", "unlink"):
+        monkeypatch.setattr(os, name, refused)
+    monkeypatch.setattr(tempfile, "mkstemp", refused)
+    assert bits(law()) == first and len(compiled) == before
 
 
 def test_where_nothing_can_be_kept_kernels_work_all_the_same(

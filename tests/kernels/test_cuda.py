@@ -19,7 +19,7 @@ from typer.testing import CliRunner
 import cutpoint
 from c_builds import assert_same_bits
 from cutpoint import InputError
-from cutpoint.cli import app
+from cutpoint.commands import app
 from cutpoint.export import RESULTS, export_function
 from cutpoint.kernels import Kernel, compile, cuda
 from cutpoint.kernels.lowering import lower

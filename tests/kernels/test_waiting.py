@@ -65,6 +65,19 @@ def test_a_quick_one_passes_without_a_word(monkeypatch: pytest.MonkeyPatch) -> N
     assert terminal.getvalue() == ""
 
 
+@pytest.mark.parametrize(("pause", "told"), [(60.0, True), (0.0, False)])
+def test_compilations_that_follow_one_another_are_one_wait(
+    pause: float, told: bool, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    terminal = terminal_of(monkeypatch)
+    monkeypatch.setattr(waiting, "SHOWN_AFTER", 0.7)
+    monkeypatch.setattr(waiting, "PAUSE", pause)
+    for k in range(4):
+        with shown(f"law {k}"):
+            time.sleep(0.2)
+    assert ("compiling law 3" in terminal.getvalue()) == told
+
+
 def test_the_terminal_is_left_as_it_was(monkeypatch: pytest.MonkeyPatch) -> None:
     terminal = terminal_of(monkeypatch)
     with pytest.raises(ZeroDivisionError), shown("law"):

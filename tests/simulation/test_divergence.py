@@ -125,6 +125,7 @@ def test_an_error_in_a_controller_is_the_users_own():
         ({"duration": 1.0, "control_period": 0.0}, "control_period 0.0 s must be positive"),
         ({"duration": 1.0, "accuracy": "perfect"}, "accuracy 'perfect' must be 'standard', 'fine' or 'reference'"),
         ({"duration": 1.0, "substeps": 0}, "substeps 0 must be a whole number, at least 1"),
+        ({"duration": 1.0, "substeps": 10**12}, r"substeps 1e\+12 must be at most 100,000; leave it out"),
         ({"duration": 1.0, "substeps": 2.5}, "substeps 2.5 must be a whole number, at least 1"),
         ({"duration": 1.0, "initial": State(q=np.zeros(5))}, "initial.q has shape .5,., its last axis must be 6"),
         ({"duration": 1.0, "initial": State(v=[0, 0, np.nan, 0, 0, 0])}, r"initial.v\[2\] is nan"),

@@ -9,7 +9,7 @@ import pytest
 from typer.testing import CliRunner
 
 import cutpoint
-from cutpoint.cli import app
+from cutpoint.commands import app
 from cutpoint.control import PD, ComputedTorque
 from cutpoint.control.sampled_loop import small_signal
 from cutpoint.errors import CutpointError, InputError

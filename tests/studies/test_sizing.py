@@ -13,8 +13,8 @@ from matplotlib.image import imread
 from typer.testing import CliRunner
 
 import cutpoint
-from cutpoint import Coulomb, Drive, Harmonic, InputError, Limits, Motor, Ratings, Robot
-from cutpoint.cli import app
+from cutpoint import Backlash, Coulomb, Drive, Harmonic, InputError, Limits, Motor, Ratings, Robot
+from cutpoint.commands import app
 from cutpoint.mechanics.motor import shaft_torque, within_limits
 from cutpoint.model.build import build
 from cutpoint.model.mechanism import UNLIMITED, Joint, JointKind, Link
@@ -386,3 +386,15 @@ def test_wrong_commands_say_what_is_wanted(arguments: list[str], told: str):
     assert isinstance(result.exception, InputError)
     with pytest.raises(InputError, match=told):
         raise result.exception
+
+
+def test_play_is_left_out_and_said_to_be():
+    arm = robot("linear")
+    loose = arm.with_drives(
+        {name: replace(drive, compliance=Backlash(drive.compliance, 1e-3)) for name, drive in arm.drives.items()}
+    )
+    found, without = (sizing(each, PAPER_MOTION) for each in (loose, arm))
+    assert np.array_equal(found.load.motor_torque, without.load.motor_torque)
+    assert [words for words in sentences(found) if words not in [*sentences(without)]] == [
+        f"Not counted at {', '.join(arm.joints)}: the play, which a motor crosses in the time that it takes."
+    ]

@@ -89,8 +89,12 @@ def test_a_wrong_file_is_refused_at_its_line(tmp_path: Path, text: str, message:
 
 
 def test_an_unknown_joint_is_refused_and_the_known_are_listed(tmp_path: Path):
+    path = written(tmp_path, "t,a,b,c")
     with pytest.raises(InputError, match=r"no column is named 'wrist'; there are: 'a', 'b', 'c' \(.*motion.csv\)"):
-        from_csv(written(tmp_path, "t,a,b,c"), ["a", "wrist"])
+        from_csv(path, ["a", "wrist"])
+    for wrong in ("wrist", 3):
+        with pytest.raises(InputError, match=r"joints must be names, such as robot\.joints, got"):
+            from_csv(path, joints=wrong)  # type: ignore[arg-type]
 
 
 def test_a_file_that_is_no_text_is_refused(tmp_path: Path):

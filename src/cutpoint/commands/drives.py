@@ -18,6 +18,7 @@ from cutpoint.commands.shared import (
     check_target,
     check_targets,
     console,
+    keep_picture,
     numbers_of,
     robot_of,
 )
@@ -62,8 +63,7 @@ def check(
         found.save(json)
         console.print(f"numbers saved to {json}")
     if plot:
-        found.plot().savefig(plot)
-        console.print(f"picture saved to {plot}")
+        keep_picture(found.plot(), plot)
     console.print(table_of(found))
     for sentence in sentences(found):
         console.print(sentence, highlight=False)

@@ -7,6 +7,7 @@ import numpy as np
 import typer
 
 import cutpoint
+from cutpoint.cli import INTERRUPTED
 from cutpoint.commands.shared import (
     Degrees,
     Drives,
@@ -19,15 +20,13 @@ from cutpoint.commands.shared import (
     check_targets,
     console,
     keep,
+    keep_picture,
     numbers_of,
     robot_of,
 )
 from cutpoint.commands.tables import drive_table, error_table, modes_table, robot_table, torque_table
 from cutpoint.door import check_configuration
 from cutpoint.errors import SimulationError
-
-INTERRUPTED = 130
-"""What shells make of Ctrl-C."""
 
 
 @app.command(epilog="Example: cutpoint inspect arm.urdf --drives arm.drives.yaml")
@@ -106,8 +105,7 @@ def simulate(
         typer.echo(str(error), err=True)
         raise typer.Exit(INTERRUPTED) from error
     except KeyboardInterrupt:
-        typer.echo("interrupted; there is no log to save yet", err=True)
-        raise typer.Exit(INTERRUPTED) from None
+        raise KeyboardInterrupt("there is no log to save yet") from None
     # what was asked for is saved before anything is printed: a terminal may fail
     keep(log, output, plot)
     console.print(error_table(loaded, log))
@@ -136,6 +134,5 @@ def modes(
     check_configuration(loaded.mechanism, position.tolist())
     found = loaded.modes(position, friction=friction)
     if plot:
-        found.plot().savefig(plot)
-        console.print(f"picture saved to {plot}")
+        keep_picture(found.plot(), plot)
     console.print(modes_table(loaded, found))

@@ -7,24 +7,42 @@ from typing import TYPE_CHECKING, Annotated, Any, Literal
 import numpy as np
 import typer
 from rich.console import Console
+from typer.core import TyperGroup
 
 import cutpoint
+from cutpoint.cli import INTERRUPTED
 from cutpoint.commands.tables import listed_numbers
 from cutpoint.door import driven_joints
 from cutpoint.errors import InputError
-from cutpoint.files import check_target_file
+from cutpoint.files import check_target_file, save_figure
 
 if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
     from cutpoint.simulation import Log
 
+
+class Commands(TyperGroup):
+    """All commands; one that Ctrl-C ends says so, and what its KeyboardInterrupt knows of files, in one line."""
+
+    def invoke(self, ctx: Any) -> Any:
+        try:
+            return super().invoke(ctx)
+        except KeyboardInterrupt as stopped:
+            typer.echo("; ".join(["interrupted", *map(str, stopped.args)]), err=True)
+            raise typer.Exit(INTERRUPTED) from stopped
+
+
 app = typer.Typer(
+    cls=Commands,
     help="Dynamics, simulation and control of robots whose joints bend.",
     no_args_is_help=True,
     add_completion=False,
     pretty_exceptions_enable=False,
 )
 # names of robots and files are printed as they are: brackets and colons in them are no markup
-console = Console(width=None if sys.stdout.isatty() else 120, markup=False, emoji=False)
+_wide = sys.stdout is None or not sys.stdout.isatty()
+console = Console(width=120 if _wide else None, markup=False, emoji=False)
 
 RobotFile = Annotated[
     Path, typer.Argument(metavar="ROBOT", help="URDF, xacro or MJCF file, or xia2019, the paper's arm.")
@@ -108,5 +126,9 @@ def keep(log: "Log", output: Path | None, plot: Path | None) -> None:
         log.save(output)
         console.print(f"log saved to {output}")
     if plot:
-        log.plot("q", "reference_q").savefig(plot)
-        console.print(f"picture saved to {plot}")
+        keep_picture(log.plot("q", "reference_q"), plot)
+
+
+def keep_picture(figure: "Figure", plot: Path) -> None:
+    save_figure(figure, plot)
+    console.print(f"picture saved to {plot}")

@@ -1,10 +1,13 @@
 """Studies: pages with figures."""
 
+from collections.abc import Generator
+from contextlib import contextmanager
 from pathlib import Path
 from typing import Annotated
 
 import typer
 
+from cutpoint.cli import INTERRUPTED
 from cutpoint.commands.shared import (
     Drives,
     Gravity,
@@ -16,7 +19,17 @@ from cutpoint.commands.shared import (
 from cutpoint.errors import InputError
 
 
+@contextmanager
+def _whole_report() -> Generator[None, None, None]:
+    """Reports are written at the end: where Ctrl-C comes through, there is none."""
+    try:
+        yield
+    except KeyboardInterrupt:
+        raise KeyboardInterrupt("no report was written") from None
+
+
 @app.command(epilog="Example: cutpoint paper --output paper")
+@_whole_report()
 def paper(
     output: Annotated[
         Path, typer.Option(metavar="DIR", help="Folder for the report, its figures and results.json.")
@@ -29,6 +42,7 @@ def paper(
 
 
 @app.command(epilog="Example: cutpoint cost --output cost")
+@_whole_report()
 def cost(
     output: Annotated[
         Path, typer.Option(metavar="DIR", help="Folder for the report, its figure and cost.json.")
@@ -42,6 +56,7 @@ def cost(
 
 
 @app.command(epilog="Example: cutpoint compare arm.urdf --drives arm.drives.yaml --quick --output compare")
+@_whole_report()
 def compare(
     robot: Annotated[
         Path,
@@ -72,4 +87,6 @@ def compare(
         raise InputError(f"panda comes as it is; leave {named} out, or give the path of your robot file with it")
     loaded = panda() if str(robot) == "panda" else robot_of(robot, drives, mimic, lock, gravity)
     bench = bench_of(loaded, bandwidth=bandwidth, control_period=period, payload=payload, frame=frame)
-    run(output, bench, seeds=seeds, quick=quick)
+    found = run(output, bench, seeds=seeds, quick=quick)
+    if not found["settings"]["complete"]:
+        raise typer.Exit(INTERRUPTED)

@@ -54,7 +54,8 @@ class Cache:
             content = _own_content(path)
             code = content[_HEADER.size :]
             if content[: _HEADER.size] == _header(key, code):
-                os.utime(path)
+                with suppress(OSError):  # a file system may be there to be read only
+                    os.utime(path)
                 return code
         return None
 

@@ -1,7 +1,9 @@
 """What a user sees, and can do, while code is made that takes its time."""
 
+import math
 import sys
 import threading
+import time
 from collections.abc import Callable, Generator
 from contextlib import contextmanager
 from typing import Any, TypeVar
@@ -16,18 +18,30 @@ SHOWN_AFTER = 1.0
 _HEARD_WITHIN = 0.1
 """The longest time that Ctrl-C goes unheard where a waiting thread cannot be interrupted, s."""
 
+PAUSE = 0.2
+"""Compilations that follow one another within this time are one wait, s."""
+
 _terminal = new_lock()
+
+
+class _Wait:
+    """When the wait began that goes on, and when its last compilation ended, s."""
+
+    began = ended = -math.inf
 
 
 @contextmanager
 def shown(what: str) -> Generator[None, None, None]:
-    """Says on a terminal what is compiled if that takes long; only the outermost of several speaks."""
+    """Says on a terminal what is compiled once a user has waited long; only the outermost of several speaks."""
     is_mine = sys.stderr is not None and sys.stderr.isatty() and _terminal.acquire(blocking=False)
     if not is_mine:
         yield
         return
+    now = time.monotonic()
+    if now - _Wait.ended > PAUSE:
+        _Wait.began = now
     bars: list[Any] = []
-    timer = threading.Timer(SHOWN_AFTER, lambda: bars.append(_bar(what)))
+    timer = threading.Timer(max(0.0, _Wait.began + SHOWN_AFTER - now), lambda: bars.append(_bar(what)))
     timer.daemon = True
     timer.start()
     try:
@@ -37,6 +51,7 @@ def shown(what: str) -> Generator[None, None, None]:
         timer.join()
         for bar in bars:
             bar.stop()
+        _Wait.ended = time.monotonic()
         _terminal.release()
 
 

@@ -20,6 +20,9 @@ Disturbance = Callable[[Array], ArrayLike]
 MOST_SAMPLES = 10_000_000
 """Of a run: hours at 1 kHz, and with six joints and all channels some 10 GB."""
 
+MOST_STEPS = 100_000
+"""Of integration in a control period: at 1 kHz, 10 ns each."""
+
 
 def sample_times(trajectory: Trajectory | None, duration: float | None, period: float) -> Array:
     """Times of control samples, s: from 0 to the duration, as rounded."""

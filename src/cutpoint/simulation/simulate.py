@@ -19,7 +19,15 @@ from cutpoint.simulation.beginning import beginning
 from cutpoint.simulation.cache import programs_for
 from cutpoint.simulation.continuous import check_continuous, continuous_step
 from cutpoint.simulation.controllers import Admitted, FreeResponse, admitted, check_sensors
-from cutpoint.simulation.inputs import Disturbance, noise_of, reference_at, rows_of, sample_times, torque_limits
+from cutpoint.simulation.inputs import (
+    MOST_STEPS,
+    Disturbance,
+    noise_of,
+    reference_at,
+    rows_of,
+    sample_times,
+    torque_limits,
+)
 from cutpoint.simulation.integrator import Steps, substeps_for
 from cutpoint.simulation.log import Log, Run
 from cutpoint.simulation.loop import ClosedLoop
@@ -183,7 +191,11 @@ def steps_of(robot: Robot, accuracy: str, substeps: int | None, period: float, s
     if substeps is None:
         speeds = np.maximum(np.abs(reference[1]).max(axis=0), np.abs(start.theta_dot))
         return substeps_for(robot, accuracy, period, _poses(robot, start, reference), speeds)
-    return Steps(whole("simulate", "substeps", substeps), "the caller")
+    number = whole("simulate", "substeps", substeps)
+    if number > MOST_STEPS:
+        remedy = "leave it out for as many as the robot asks for, or integrate with accuracy='reference'"
+        raise InputError(f"simulate: substeps {number:.6g} must be at most {MOST_STEPS:,}; {remedy}", substeps=number)
+    return Steps(number, "the caller")
 
 
 def _poses(robot: Robot, start: State, reference: Array) -> Array:

@@ -4,7 +4,7 @@ import csv
 import math
 from collections.abc import Iterable, Sequence
 from pathlib import Path
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -58,7 +58,10 @@ def from_csv(
     except (UnicodeDecodeError, csv.Error) as error:
         raise InputError(f"file is not comma separated UTF-8 text: {error}", place=path) from error
     names = [column.name for column in columns]
-    wanted = list(names if joints is None else joints)
+    given: Any = names if joints is None else joints
+    if isinstance(given, str) or not isinstance(given, Iterable):
+        raise InputError(f"from_csv: joints must be names, such as robot.joints, got {given!r}")
+    wanted: list[str] = [*given]
     for name in wanted:
         if name not in names:
             raise unknown_name("column", name, names, place=path)

@@ -179,10 +179,10 @@ def _frequency(duration: float, base_frequency: float | None) -> float:
     positive("duration", duration, "s")
     if base_frequency is None:
         return 1.0 / duration
-    periods = duration * positive("base_frequency", base_frequency, "Hz")
+    periods = duration * positive("base frequency", base_frequency, "Hz")
     if round(periods) < 1 or abs(periods - round(periods)) > 1e-9 * periods:
         raise InputError(
-            f"duration {duration:g} s holds {periods:.6g} periods of base_frequency {base_frequency:g} Hz: "
+            f"duration {duration:g} s holds {periods:.6g} periods of the base frequency, {base_frequency:g} Hz: "
             "it must be a whole number, or the motion would not end at rest",
             periods=periods,
         )

@@ -82,7 +82,7 @@ def read_start(path: Path, robot: Robot, base_frequency: float, harmonics: int) 
 def _check(path: Path, fits: dict[str, tuple[Any, Any]], coefficients: list[Array]) -> None:
     for what, (found, wanted) in fits.items():
         if found != wanted:
-            remedy = "name another file to begin anew"
+            remedy = "to begin anew, name another file (resume=) or folder (--output)"
             raise InputError(f"its {what}, {found!r}, must be {wanted!r} to go on from it; {remedy}", place=path)
     if not all(np.isfinite(x).all() for x in coefficients):
         raise InputError("its coefficients must be finite", place=path)

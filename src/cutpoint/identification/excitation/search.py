@@ -93,7 +93,8 @@ def search(
 
 
 def _nothing(found: Found, seconds: float) -> InputError:
-    remedy = "allow more there, or move slower (a lower base_frequency), or search longer (seconds=)"
+    slower, longer = "move slower (base_frequency=, --base-frequency)", "search longer (seconds=, --seconds)"
+    remedy = f"allow more there, or {slower}, or {longer}"
     told = found.worst.told if found.worst else "motions keep all limits, but do not tell all parameters"
     return InputError(f"no motion was found within all limits in {seconds:.3g} s; at best, {told}: {remedy}")
 

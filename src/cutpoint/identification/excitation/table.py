@@ -5,6 +5,7 @@ from pathlib import Path
 import numpy as np
 from rich.table import Table
 
+from cutpoint.files import save_figure
 from cutpoint.identification.excitation.excitation import Excitation, Quality, Use
 
 FILES = ("excitation.csv", "excitation.json", "excitation.png")
@@ -34,7 +35,7 @@ def table_of(found: Excitation) -> Table:
 def save(found: Excitation, folder: Path) -> list[Path]:
     """Writes motion and picture beside the series that the search has left there."""
     found.save_csv(folder / FILES[0])
-    found.plot().savefig(folder / FILES[2])
+    save_figure(found.plot(), folder / FILES[2])
     return [folder / name for name in FILES]
 
 

@@ -5,6 +5,7 @@ from pathlib import Path
 from matplotlib.figure import Figure
 from matplotlib.layout_engine import ConstrainedLayoutEngine
 
+from cutpoint.files import save_figure
 from cutpoint.studies.drive.angles import accuracy, stiffness
 from cutpoint.studies.drive.losses import efficiency, running_torque
 from cutpoint.studies.drive.measured import Specimen
@@ -14,7 +15,7 @@ from cutpoint.studies.style import WIDTH, styled
 def save_picture(name: str, path: Path) -> None:
     """The four panels as a file.  Raises ModelError for a name that is not in the catalogue."""
     with styled():
-        picture(name).savefig(path)
+        save_figure(picture(name), path)
 
 
 def picture(name: str) -> Figure:

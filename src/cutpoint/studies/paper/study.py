@@ -7,6 +7,7 @@ from typing import Any
 from rich.console import Console
 from rich.progress import Progress
 
+from cutpoint.errors import SimulationError
 from cutpoint.studies.paper import catalogue, effects, link_side, schematics, table_3, table_4, table_5, torque_estimate
 from cutpoint.studies.paper.bench import KD, KP, PERIOD, Bench
 from cutpoint.studies.paper.printed import DURATION, GOAL
@@ -68,6 +69,16 @@ def _made(bar: Progress) -> list[Page]:
     task = bar.add_task("", total=len(_PAGES))
     for name, page in _PAGES.items():
         bar.update(task, description=name)
-        pages.append(page(bench))
+        pages.append(_page(page, bench))
         bar.advance(task)
     return pages
+
+
+def _page(page: Callable[[Bench], Page], bench: Bench) -> Page:
+    """Raises KeyboardInterrupt where one of its runs was interrupted: nothing of it is kept."""
+    try:
+        return page(bench)
+    except SimulationError as stopped:
+        if stopped.evidence["diverged"]:
+            raise
+        raise KeyboardInterrupt from stopped
