@@ -6,8 +6,9 @@ from typing import Any
 
 import numpy as np
 import pytest
-from arm_logs import TIME, Array, channels, motions, run, wound, write_arm, write_log
+from arm_logs import TIME, TRUTH, Array, channels, motions, run, wound, write_arm, write_log
 
+from cutpoint import Drive, LinearSpring, Robot, Rotor
 from cutpoint.errors import InputError
 from cutpoint.identification import Recording
 from cutpoint.identification.output import identify
@@ -189,3 +190,14 @@ def test_a_joint_whose_spring_is_not_found_keeps_its_own_and_leaves_the_others_t
     stiffness = {joint: drive.compliance.stiffness for joint, drive in found.robot.drives.items()}  # type: ignore[union-attr]
     assert stiffness == {"shoulder": pytest.approx(7e3, rel=0.02), "elbow": 9e3}
     assert len(found.save(tmp_path)) == 4
+
+
+@pytest.mark.parametrize(("side", "whose"), [("theta", "motors"), ("q", "links")])
+def test_encoders_on_one_side_of_drives_that_bend_are_said_to_stand_for_both(side: str, whose: str):
+    seen, bending = wound(), Drive(100.0, Rotor(4e-5), LinearSpring(7e3))
+    arm = Robot(TRUTH.mechanism, dict.fromkeys(TRUTH.joints, bending))
+    log = Recording(TIME, TRUTH.joints, torque=seen["torque"], **{side: seen[side]})
+    said = f"only the {whose}' positions were recorded"
+    assert any(words.startswith(said) for words in identify(arm, log).notes)
+    rigid = arm.with_drives({joint: Drive(100.0) for joint in arm.joints})
+    assert not any(words.startswith(said) for words in identify(rigid, log).notes)

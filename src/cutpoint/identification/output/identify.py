@@ -116,7 +116,7 @@ def identify(
         errors = torque_errors(before, found.rigid, recording, held_from, torque_constants, cutoff)
     rigid, sprung = found.rigid, found.drives
     after, words = _joined(rigid.robot, sprung)
-    words += warnings_of(errors, at_joints(after, "N m"))
+    words += [*warnings_of(errors, at_joints(after, "N m")), *_one_sided(before, recording)]
     return Identification(
         robot=after,
         before=before,
@@ -129,6 +129,16 @@ def identify(
         untold=(*rigid.untold, *_untold(found)),
         notes=(*rigid.notes, *map(str, rigid.friction), *found.remarks, *words),
     )
+
+
+def _one_sided(robot: Robot, recording: Recording) -> list[str]:
+    """Of encoders on one side only of drives that bend."""
+    missing = {"q", "theta"} - recording.channels.keys()
+    if not missing or not any(drive.is_elastic for drive in robot.drives.values()):
+        return []
+    there, other = ("motors", "links") if "q" in missing else ("links", "motors")
+    told = f"only the {there}' positions were recorded, and stand for the {other}', though drives bend"
+    return [f"{told}: no interval counts what they differ by"]
 
 
 def _fitted(recording: Recording, hold_out: float) -> tuple[Recording, float]:
