@@ -127,9 +127,9 @@ def test_what_is_given_in_other_precisions_is_rounded_without_a_warning(kernel: 
 
 def test_what_is_no_real_number_is_refused(kernel: Kernel) -> None:
     q, v, M = (x[0] for x in batch(1))
-    with pytest.raises(InputError, match="q holds complex64, which is no real number"):
+    with pytest.raises(InputError, match="q holds complex64, it must hold real numbers"):
         kernel(q * 1j, v, M)
-    with pytest.raises(InputError, match="v holds <U1, which is no real number"):
+    with pytest.raises(InputError, match="v holds <U1, it must hold real numbers"):
         kernel(q, "x", M)
     with pytest.raises(InputError, match=r"q has shape \(6,\), its last axis must be 7"):
         kernel(q[:6], v, M)
