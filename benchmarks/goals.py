@@ -36,9 +36,9 @@ show the times of the first; where a goal was missed, what stands under this tab
 """
 
 WHERE = """
-* Inverse and forward dynamics, beside Pinocchio: the wheel's library, for which the goals were set, is half again as
-  slow as the same headers compiled here by clang, which counts.
-* Lanes, on Intel: additions go to the two units that do multiply-adds; the other processor has units for them beside.
+* Inverse and forward dynamics, beside Pinocchio: the wheel's library takes {wheel} times as long as the quickest of its
+  builds here, which counts.
+* Lanes: Intel's processors do additions by the two units that do multiply-adds; AMD's have two more for them.
 * Regressor: its matrices leave number by number; rows of {regressor} numbers fill the memory's stores before the
   arithmetic is done.
 * Elastic inverse dynamics, one call: each number comes with two derivatives; much of what waits between the recursions
@@ -66,18 +66,30 @@ class Goal(NamedTuple):
 
 def goals(results: dict[str, Any], others: Sequence[dict[str, Any]]) -> str:
     """Of this run, beside what runs on other processors reached."""
-    runs = {f"{x['machine']['processor']}, commit {x['machine']['commit']}": _goals(x) for x in (results, *others)}
+    machines = [x["machine"] for x in (results, *others)]
+    runs = [_goals(x) for x in (results, *others)]
     rows = [
         Row((same[0].what,), [_shown(same[0], same[0].wanted), *(cell for goal in same for cell in _cells(goal))])
-        for same in zip(*runs.values(), strict=True)
+        for same in zip(*runs, strict=True)
     ]
-    told = [f"* {sum(goal.is_kept for goal in run)} of {len(run)} goals: {name}" for name, run in runs.items()]
+    told = [
+        f"* {sum(goal.is_kept for goal in run)} of {len(run)} goals: {of['processor']}, commit {of['commit']}"
+        for of, run in zip(machines, runs, strict=True)
+    ]
     head = _HEAD.format(kept="\n".join(told))
     steps = [x["a step"].get(CASADI, 0) / x["a step"]["cutpoint"] for x in results["closed loop"]]
     regressor = [f"{x['bytes out'] // 8}" for x in results["tasks"] if x["task"] == "regressor"]
-    where = WHERE.format(steps=" and ".join(f"{x:.1f}" for x in steps), regressor=" and ".join(regressor))
-    titles = [cell for name in runs for cell in (name.partition(",")[0], "kept")]
+    where = WHERE.format(steps=" and ".join(f"{x:.1f}" for x in steps), regressor=" and ".join(regressor),
+                         wheel=_wheel(results["tasks"]))  # fmt: skip
+    titles = [cell for of in machines for cell in (of["processor"], "kept")]
     return head + table(" | ".join(["goal", "wanted", *titles]), rows) + where
+
+
+def _wheel(tasks: Sequence[dict[str, Any]]) -> str:
+    """Of Pinocchio's own library, how many times as long as its quickest build takes."""
+    builds = [x["times"].get(PINOCCHIO, {}).get("builds", {}) for x in tasks]
+    found = [each["wheel"] / min(each.values()) for each in builds if "wheel" in each]
+    return f"{min(found):.1f} to {max(found):.1f}" if found else NONE
 
 
 def _goals(results: dict[str, Any]) -> list[Goal]:

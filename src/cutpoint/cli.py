@@ -6,10 +6,7 @@ import sys
 import warnings
 from typing import Any
 
-from cutpoint.errors import CutpointError
-
-INTERRUPTED = 130
-"""What shells make of Ctrl-C."""
+from cutpoint.errors import INTERRUPTED, CutpointError
 
 
 def main() -> None:

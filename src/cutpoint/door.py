@@ -45,7 +45,8 @@ def checked_array(function: str, name: str, value: ArrayLike, size: int | tuple[
     Raises InputError.
     """
     if isinstance(value, np.ma.MaskedArray) and np.ma.is_masked(value):
-        raise InputError(f"{function}: {name} has masked entries, every number must be there", name=name)
+        remedy = "fill them in, or leave these rows out"
+        raise InputError(f"{function}: {name} has masked entries, every number must be there: {remedy}", name=name)
     try:
         array = np.asarray(value).astype(np.float64, casting="same_kind", copy=False)
     except (TypeError, ValueError):

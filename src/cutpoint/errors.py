@@ -3,6 +3,9 @@
 from pathlib import Path
 from typing import Any
 
+INTERRUPTED = 130
+"""The exit status of a command that Ctrl-C ends, as shells have it."""
+
 
 class CutpointError(Exception):
     """Base of every error that cutpoint raises on purpose.

@@ -123,6 +123,12 @@ def identify(
             "--springs/--no-springs", help="The drives' springs; if both encoders are in the log, by default."
         ),
     ] = None,
+    cutoff: Annotated[
+        float | None, typer.Option(help="Hz, of the positions; where they sink into their noise, by default.")
+    ] = None,
+    bandwidth: Annotated[
+        float | None, typer.Option(help="Hz, of the torques that are explained; at most 10 Hz, by default.")
+    ] = None,
     delay: Annotated[
         float, typer.Option(help="s by which torques act later than stamped: half a control period for commands.")
     ] = 0.0,
@@ -141,6 +147,7 @@ def identify(
     check_folder(output, force)
     loaded = robot_of(robot, drives, mimic, lock, gravity)
     how: Any = {"hold_out": hold_out, "method": method, "solver": solver, "springs": springs, "torque_delay": delay}
+    how |= {"cutoff": cutoff, "bandwidth": bandwidth}
     file = cutpoint.robots.XIA2019_URDF if str(robot) == "xia2019" else robot
     found = identified(loaded, log, mapping, source=file, progress=True, **how)
     saved = found.save(output, force=force)

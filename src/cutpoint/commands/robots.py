@@ -7,7 +7,6 @@ import numpy as np
 import typer
 
 import cutpoint
-from cutpoint.cli import INTERRUPTED
 from cutpoint.commands.shared import (
     Degrees,
     Drives,
@@ -26,7 +25,7 @@ from cutpoint.commands.shared import (
 )
 from cutpoint.commands.tables import drive_table, error_table, modes_table, robot_table, torque_table
 from cutpoint.door import check_configuration
-from cutpoint.errors import SimulationError
+from cutpoint.errors import INTERRUPTED, SimulationError
 
 
 @app.command(epilog="Example: cutpoint inspect arm.urdf --drives arm.drives.yaml")

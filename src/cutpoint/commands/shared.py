@@ -10,10 +10,9 @@ from rich.console import Console
 from typer.core import TyperGroup
 
 import cutpoint
-from cutpoint.cli import INTERRUPTED
 from cutpoint.commands.tables import listed_numbers
 from cutpoint.door import driven_joints
-from cutpoint.errors import InputError
+from cutpoint.errors import INTERRUPTED, InputError
 from cutpoint.files import check_target_file, save_figure
 
 if TYPE_CHECKING:

@@ -7,7 +7,6 @@ from typing import Annotated
 
 import typer
 
-from cutpoint.cli import INTERRUPTED
 from cutpoint.commands.shared import (
     Drives,
     Gravity,
@@ -16,7 +15,7 @@ from cutpoint.commands.shared import (
     app,
     robot_of,
 )
-from cutpoint.errors import InputError
+from cutpoint.errors import INTERRUPTED, InputError
 
 
 @contextmanager

@@ -8,10 +8,10 @@ import numpy as np
 from cutpoint.errors import InputError
 from cutpoint.formats.friction_entry import friction_entry
 from cutpoint.formats.spring_sheets import MOST_ELEMENTS
-from cutpoint.mechanics.backlash import Backlash
+from cutpoint.mechanics.backlash import Backlash, spring_of
 from cutpoint.mechanics.catalogue import CatalogueSpring
 from cutpoint.mechanics.compliance import Flexspline, LinearSpring
-from cutpoint.mechanics.hysteresis import MaxwellSlip
+from cutpoint.mechanics.hysteresis import MaxwellSlip, loss_of
 from cutpoint.mechanics.kinematic_error import KinematicError
 from cutpoint.mechanics.wave_generator import HarmonicSpring
 from cutpoint.model.drive import Compliance, Drive, Harmonic, Motor, Rotor
@@ -23,7 +23,7 @@ def to_entry(drive: Drive) -> dict[str, Any]:
 
     Raises InputError for what a drive file has no words for.
     """
-    spring = drive.compliance.spring if isinstance(drive.compliance, Backlash) else drive.compliance
+    spring = spring_of(drive.compliance)
     if isinstance(spring, HarmonicSpring) and spring.wave_generator.ratio != abs(drive.ratio):
         raise InputError("a drive file has one ratio; the wave generator's is another", ratio=drive.ratio)
     friction = {"link": friction_entry(drive.link_friction), "motor": friction_entry(drive.motor_friction)}
@@ -66,8 +66,7 @@ def _hysteresis_entry(law: Any, spring: Compliance | None) -> dict[str, Any] | N
         elements, reach = len(law.reach), law.reach[-1]
         alike = MaxwellSlip.smooth(float(law.friction), reach, elements)
         if np.allclose([*alike.stiffness, *alike.reach], [*law.stiffness, *law.reach], rtol=1e-12, atol=0.0):
-            loss = 2.0 * float(spring.deflection(law.friction))
-            return {"loss": loss, "reach": float(reach), "elements": float(elements)}
+            return {"loss": float(loss_of(law, spring)), "reach": float(reach), "elements": float(elements)}
     raise InputError(f"a drive file has no words for {law!r}", law=law)
 
 

@@ -90,7 +90,7 @@ def _content(argument: Any) -> str:
         return f"{array.dtype}"
     kinds = sorted({type(x).__name__ for x in array.flat})
     if set(kinds) <= {"int", "float"}:
-        return f"Python objects ({' and '.join(kinds)}), which no array of floats took in"
+        return f"Python objects ({' and '.join(kinds)}), which no array of floats took in (np.asarray(..., float) may)"
     traced = "; a kernel cannot be traced, call the function that it was made of" if "Traced" in kinds else ""
     return f"{', '.join(kinds)}{traced}"
 

@@ -62,3 +62,8 @@ class Backlash:
         """0 within the play, 1 beyond its edge."""
         width = self.gap * EDGE
         return clip((absolute(deflection) - self.gap / 2 + width / 2) / width, 0, 1)
+
+
+def spring_of(law: Compliance | None) -> Compliance | None:
+    """The spring behind the play, if there is play before it."""
+    return law.spring if isinstance(law, Backlash) else law

@@ -8,6 +8,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from cutpoint.errors import InputError
+from cutpoint.model.drive import Compliance, Hysteresis
 from cutpoint.scalars import Scalar, clip, where
 
 
@@ -57,6 +58,11 @@ class MaxwellSlip:
     def friction(self) -> Scalar:
         """Torque when all elements slip, N m."""
         return self.torque(self.reach)
+
+
+def loss_of(law: Hysteresis, spring: Compliance) -> Scalar:
+    """How wide the loops of a spring are at zero torque, rad, if both ends are beyond all reaches."""
+    return 2 * spring.deflection(law.torque(law.reach))
 
 
 def _sum(parts: list[Any]) -> Any:

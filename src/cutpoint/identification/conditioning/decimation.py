@@ -85,6 +85,6 @@ def decimation(known: NDArray[np.bool_], period: float, bandwidth: float) -> Dec
         longest = window.size * period
         raise InputError(
             f"the recording has no two stretches of {longest:.3g} s in which every joint's positions and torques are "
-            f"known, of {known.size * period:.3g} s: record more, or raise the bandwidth"
+            f"known, of {known.size * period:.3g} s: record more, or raise bandwidth, --bandwidth"
         )
     return Decimation(window, starts, period)

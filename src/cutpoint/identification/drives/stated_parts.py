@@ -2,15 +2,10 @@
 
 from dataclasses import replace
 
-from cutpoint.mechanics.backlash import Backlash
-from cutpoint.mechanics.hysteresis import MaxwellSlip
+from cutpoint.mechanics.backlash import Backlash, spring_of
+from cutpoint.mechanics.hysteresis import MaxwellSlip, loss_of
 from cutpoint.mechanics.wave_generator import HarmonicSpring
 from cutpoint.model.drive import Compliance, Drive, Hysteresis
-
-
-def spring_of(compliance: Compliance | None) -> Compliance | None:
-    """The spring without the play before it."""
-    return compliance.spring if isinstance(compliance, Backlash) else compliance
 
 
 def law_of(compliance: Compliance | None) -> Compliance | None:
@@ -39,7 +34,7 @@ def loss(drive: Drive) -> float:
     spring, law = spring_of(drive.compliance), drive.hysteresis
     if spring is None or law is None:
         return float("nan")
-    return 2.0 * float(spring.deflection(sum(k * r for k, r in zip(law.stiffness, law.reach, strict=True))))
+    return float(loss_of(law, spring))
 
 
 def not_sought(drive: Drive, shows_play: bool) -> dict[str, str]:

@@ -82,6 +82,7 @@ def identify(
     method: Method = "huber",
     solver: Solver = "lmi",
     cutoff: float | None = None,
+    bandwidth: float | None = None,
     torque_delay: float = 0.0,
     torque_constants: Mapping[str, float] | None = None,
     source: str | Path | None = None,
@@ -92,7 +93,7 @@ def identify(
     robot: as its files have it, or its file with `drives`.  log, mapping: a recording, or what `read_recording` takes.
     hold_out: share of the log, at its end, that is not fitted: the model's errors there tell whether it carries over.
     springs: whether they are sought; by default where both `q` and `theta` were recorded and a drive bends.
-    friction, method, solver, cutoff, torque_constants: as `identify_rigid` has them.
+    friction, method, solver, cutoff, bandwidth, torque_constants: as `identify_rigid` has them.
     torque_delay: s by which torques act later than they are stamped: half a control period for commands that are held.
     source: the file of a robot that is given as one, with joints locked for example: `save` writes it anew.
     progress: whether to show a bar with what is done, on stderr.  Ctrl-C while springs are sought leaves those out.
@@ -102,7 +103,8 @@ def identify(
     """
     if not 0.0 <= hold_out <= MOST_HELD:
         raise InputError(f"hold_out {hold_out} must be a share of the log, 0 to {MOST_HELD}", hold_out=hold_out)
-    how: dict[str, Any] = {"method": method, "solver": solver, "cutoff": cutoff, "torque_constants": torque_constants}
+    filters = {"cutoff": cutoff, "bandwidth": bandwidth}
+    how: dict[str, Any] = {"method": method, "solver": solver, "torque_constants": torque_constants} | filters
     with Steps(3, progress) as say:
         say("reading the log")
         before = robot if isinstance(robot, Robot) else load(robot, drives)
@@ -113,7 +115,7 @@ def identify(
         drives_see = _fitted(stamped, hold_out)[0] if springs_wanted(before, fitted, springs) else None
         found = estimates(before, fitted, friction, drives_see, torque_delay, how, say)
         say("torques on the part that was held out")
-        errors = torque_errors(before, found.rigid, recording, held_from, torque_constants, cutoff)
+        errors = torque_errors(before, found.rigid, recording, held_from, torque_constants, **filters)
     rigid, sprung = found.rigid, found.drives
     after, words = _joined(rigid.robot, sprung)
     words += [*warnings_of(errors, at_joints(after, "N m")), *_one_sided(before, recording)]

@@ -12,7 +12,7 @@ from cutpoint.identification.conditioning.motion import Motion, motion_of, torqu
 from cutpoint.identification.logs.recording import Recording
 from cutpoint.identification.output.block_bootstrap import Ratio, error_ratio
 from cutpoint.identification.output.plain_model import plain_model
-from cutpoint.identification.rigid.identify_rigid import BANDWIDTH, RigidEstimate
+from cutpoint.identification.rigid.identify_rigid import RigidEstimate, explained
 from cutpoint.identification.rigid.rigid_robot import link_torques
 from cutpoint.robot import Robot
 
@@ -83,10 +83,11 @@ def torque_errors(
     held_from: float,
     constants: Mapping[str, float] | None = None,
     cutoff: float | None = None,
+    bandwidth: float | None = None,
 ) -> TorqueErrors:
     """Before and after, along a whole recording; samples from `held_from` s on count as held out."""
     motion = motion_of(robot, recording, cutoff)
-    width = min(motion.cutoff, BANDWIDTH)
+    width = explained(motion, bandwidth)
     recorded, held = torques_of(robot, recording, constants), recording.time >= held_from
     torques = (
         recorded,

@@ -18,6 +18,7 @@ from cutpoint.identification.rigid.friction_shape import best_shapes, shape_slop
 from cutpoint.identification.rigid.instrumental import LATER, instrumental_variables
 from cutpoint.identification.rigid.least_squares import METHODS, Estimate, least_squares, solved
 from cutpoint.identification.rigid.physical import Solver, check_solver, physical
+from cutpoint.identification.rigid.physical_fit import fit_of
 from cutpoint.identification.rigid.regression import Regression, regression
 from cutpoint.identification.rigid.rigid_estimate import Fitted, Log, RigidEstimate, estimate_of, sizes_of_others
 from cutpoint.identification.rigid.rigid_robot import is_stated, laws_with, link_torques, stated_laws
@@ -31,7 +32,6 @@ FrictionWish = Literal["choose", "stated"] | Mapping[str, Sliding] | tuple[Frict
 
 BANDWIDTH = 10.0
 """Hz of torques that are explained, at most, by default: arms are excited below, drives resonate above."""
-
 
 WRONG = 3.0
 """Standard deviations by which links may be wrong while friction laws are compared."""
@@ -69,7 +69,8 @@ def identify_rigid(
         instruments: then, the motion that was asked for or simulated, at the same times.
     rotors: whether the inertia of every joint's rotor is sought, or of which; others are what the drives state.
     offsets: whether torques may be off by a constant each.
-    solver, prior_spread: for bodies that can exist, see `physical`.  level: of the intervals.
+    solver: for bodies that can exist, see `physical`.  prior_spread: their standard deviation from the file's, as a
+        share: 0.5 is half of a body's mass.  level: of the intervals.
     cutoff: Hz, of the positions, by default where they sink into their noise.  bandwidth: Hz, of the torques that are
         explained, by default the same, at most 10 Hz.
     torque_constants: N m at the joint for each ampere, by joint, for recordings of currents.
@@ -79,7 +80,7 @@ def identify_rigid(
     A commanded torque that is held over a control period acts half a period later: align it before.
     Raises InputError: arguments that do not fit each other or the recording.  CutpointError: a missing solver.
     """
-    _check(method, instruments, level)
+    _check(method, instruments, level, prior_spread)
     check_solver(solver)
     base = base_parameters(robot, rotors=rotors)
     log = _log(robot, recording, base.rotors, cutoff, bandwidth, torque_constants)
@@ -101,22 +102,27 @@ def identify_rigid(
         estimate = _estimate(found, method, instead, shapes, _rotor_torques(base, log, rotor_errors or {}))
         sizes = sizes_of_others(base, log, found.names[base.independent.size :])
         told = are_told(estimate, base.independent.size, sizes)
-        bodies = physical(
-            base, found.names, estimate.R, estimate.z, sizes, told, solver=solver, prior_spread=prior_spread
-        )
+        bodies = physical(fit_of(base, found.names, estimate.R, estimate.z, sizes, told, prior_spread), solver)
         fitted = Fitted(base, laws, log, found, estimate, bodies)
     assert fitted is not None
     result = estimate_of(fitted, level, choices, recording.notes)
     return _with_remark_on_lags(result) if method == "instrumental" and instruments is None else result
 
 
-def _check(method: str, instruments: Recording | None, level: float) -> None:
+def explained(motion: Motion, bandwidth: float | None) -> float:
+    """Hz of the torques that are explained: those of what moves, at most BANDWIDTH, unless it is stated."""
+    return min(motion.cutoff, BANDWIDTH) if bandwidth is None else bandwidth
+
+
+def _check(method: str, instruments: Recording | None, level: float, spread: float) -> None:
     if method not in (*METHODS, "instrumental"):
         raise unknown_name("method of identification", method, (*METHODS, "instrumental"))
     if instruments is not None and method != "instrumental":
         raise InputError(f"instruments go with method='instrumental', not with {method!r}", method=method)
     if not 0.0 < level < 1.0:
         raise InputError(f"level {level} must lie between 0 and 1, as 0.95", level=level)
+    if not (np.isfinite(spread) and spread > 0.0):
+        raise InputError(f"prior_spread {spread} must be positive, as a share: 0.5 is half of a body's mass")
 
 
 def _log(
@@ -131,7 +137,7 @@ def _log(
     stated = np.array([float(drive.reflected_inertia) for drive in robot.drives.values()])
     stated[[*rotors]] = 0.0
     torque = torque - stated * motion.w_dot
-    width = min(motion.cutoff, BANDWIDTH) if bandwidth is None else bandwidth
+    width = explained(motion, bandwidth)
     known = motion.known() & np.isfinite(torque).all(axis=1)
     return Log(motion, torque, decimation(known, motion.period, width), stated, width)
 

@@ -22,21 +22,26 @@ states where that is less."""
 LEAST = 1e-3
 """Times its usual size: nothing is nearer than that, for the solvers' sake."""
 
+SHARPEST = 1e7
+"""Torques over their noise, all together: of logs that are more exact a solver would not see bodies beside them."""
+
 
 class Fit(NamedTuple):
     """Minimise |data @ unknowns - z|^2 + sum of distances / spread^2 over [X.ravel() of bodies, rotors, others].
 
     The distance of a body that is (1 + e) times the file's is e^2, nearly, and so is a rotor's; others are spread over
-    `loose` sizes.  Of static friction the unknown is what it is more than Coulomb's, see `sums_of`.
+    `loose` sizes.  Friction and offsets are sums (others, others) times their unknowns, see `_sums`.
     scale (rotors,): their size in the file, or in the arm where the file has none.  stated: whether it has.
     sizes (others,): what they are shares of.  prior: the file's, as shares.  positive: which must not be negative.
     """
 
+    base: BaseParameters
     data: Array
     z: Array
     bodies: Bodies
     scale: Array
     stated: NDArray[np.bool_]
+    sums: Array
     sizes: Array
     prior: Array
     loose: Array
@@ -66,12 +71,19 @@ def fit_of(
     told: NDArray[np.bool_],
     spread: float,
 ) -> Fit:
-    """Of R x = z: base parameters first, then friction and offsets by names; the arguments are those of `physical`."""
+    """Of R x = z: base parameters first, then friction and offsets, by names; in units of their noise.
+
+    sizes: of friction and offsets, as they usually are in such a robot.  told: which of these the log tells; others
+    stay near what the file states.  spread: standard deviation of the bodies from the file's, as a share: 0.5 is half
+    of a body's mass.
+    """
+    blunt = min(1.0, SHARPEST / max(float(np.linalg.norm(z)), 1.0))
+    R, z = blunt * R, blunt * z
     b, bodies = base.independent.size, bodies_of(base.robot.mechanism)
     scale, has_rotor = _rotors(base)
     inertial = R[:, :b] @ _base_of(base, bodies, scale)
     # friction and offsets, as shares of their sizes
-    stated, sums = np.array([stated_coefficient(base.robot, name) for name in names[b:]]), sums_of(names[b:])
+    stated, sums = np.array([stated_coefficient(base.robot, name) for name in names[b:]]), _sums(names[b:])
     more = sums - np.eye(sizes.size)
     prior = np.nan_to_num(stated - more @ np.nan_to_num(stated)) / sizes
     # a file without friction at rest means that of motion
@@ -79,7 +91,7 @@ def fit_of(
     loose = np.where(told | np.isnan(stated) & ~more.any(axis=1), LOOSE, near)
     positive = np.array([not name.startswith("offset.") for name in names[b:]], dtype=bool)
     data = np.concatenate([inertial, R[:, b:] @ sums * sizes], axis=1)
-    return Fit(data, z, bodies, scale, has_rotor, sizes, prior, loose, positive, spread)
+    return Fit(base, data, z, bodies, scale, has_rotor, sums, sizes, prior, loose, positive, spread)
 
 
 def _rotors(base: BaseParameters) -> tuple[Array, NDArray[np.bool_]]:
@@ -98,7 +110,7 @@ def _base_of(base: BaseParameters, bodies: Bodies, scale: Array) -> Array:
     return np.concatenate([blocks, base.matrix[:, ten:] * scale], axis=1)
 
 
-def sums_of(names: Sequence[str]) -> Array:
+def _sums(names: Sequence[str]) -> Array:
     """Friction and offsets (k,) are these (k, k) times the unknowns, all of which may be zero: friction at rest is that
     in motion and what it is more."""
     found = np.eye(len(names))

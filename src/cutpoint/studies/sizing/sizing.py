@@ -13,7 +13,7 @@ from cutpoint.control.model_law import check_all_driven
 from cutpoint.door import check_configuration
 from cutpoint.errors import InputError
 from cutpoint.files import replacing
-from cutpoint.mechanics.backlash import Backlash
+from cutpoint.mechanics.backlash import spring_of
 from cutpoint.model import Drive
 from cutpoint.model.limits import limits_in_force
 from cutpoint.robot import Robot
@@ -136,9 +136,8 @@ def sizing(
 
 
 def _without_play(robot: Robot) -> Robot:
-    springs = {joint: (drive, drive.compliance) for joint, drive in robot.drives.items()}
-    loose = {joint: replace(d, compliance=x.spring) for joint, (d, x) in springs.items() if isinstance(x, Backlash)}
-    return robot.with_drives(loose) if loose else robot
+    tight = {joint: replace(x, compliance=spring_of(x.compliance)) for joint, x in robot.drives.items()}
+    return robot if tight == {**robot.drives} else robot.with_drives(tight)
 
 
 def _drive_sizing(robot: Robot, joint: str, k: int, load: Load, life: float | None) -> DriveSizing:
