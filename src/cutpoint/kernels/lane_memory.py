@@ -96,12 +96,12 @@ class LaneMemory:
             code.store(vector, place, 0, self._lanes.real, align=self._lanes.item)
 
     def _fetch_rows(self, code: Code, elements: list[str]) -> None:
-        for column, size in blocks(self._port.size, self._lanes.width):
+        for column, size in blocks(self._port.size, self._lanes.width, self._lanes.item):
             for k, vector in enumerate(lanes_of_rows(code, self._lanes.precision, elements, column, size)):
                 code.store(vector, self.scratch, column + k, self._lanes.real)
 
     def _deliver_rows(self, code: Code, elements: list[str]) -> None:
-        for column, size in blocks(self._port.size, self._lanes.width):
+        for column, size in blocks(self._port.size, self._lanes.width, self._lanes.item):
             vectors = [code.load(self.scratch, column + k, self._lanes.real) for k in range(size)]
             lanes_to_rows(code, self._lanes.precision, vectors, elements, column)
 

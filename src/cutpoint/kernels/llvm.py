@@ -1,11 +1,10 @@
 """LLVM IR of a graph: straight-line code in single static assignment, no fast-math, no contraction."""
 
-import struct
 from collections.abc import Callable, Iterable
 from typing import Any
 
 from cutpoint.kernels.graph import Graph, reach
-from cutpoint.kernels.llvm_code import Code
+from cutpoint.kernels.llvm_code import Code, literal
 from cutpoint.kernels.nodes import Node
 from cutpoint.kernels.precision import FLOAT64, Precision
 
@@ -49,8 +48,8 @@ class Lanes:
         )
 
     def constant(self, x: float) -> str:
-        """A float by the bits that it has as a double, in every lane: no decimal digits in between."""
-        return self._each(self.one, f"0x{struct.unpack('<Q', struct.pack('<d', x))[0]:016x}")
+        """A float in every lane."""
+        return self._each(self.one, literal(x))
 
     def integer(self, k: int) -> str:
         """A whole number in every lane."""

@@ -1,5 +1,6 @@
 """Lines of an LLVM function under way: names, memory, counted loops."""
 
+import struct
 from collections.abc import Iterator
 from contextlib import contextmanager
 from typing import NamedTuple
@@ -96,6 +97,11 @@ class Code:
         self.branch(stop, after, head)
         self.open(after)
         self.lines.append(f"{done} = phi i64 [ {index}, {head} ], [ {following}, {latch} ]")
+
+
+def literal(x: float) -> str:
+    """A float by the bits that it has as a double: no decimal digits in between."""
+    return f"0x{struct.unpack('<Q', struct.pack('<d', x))[0]:016x}"
 
 
 def in_turn(first: list[str], second: list[str]) -> list[str]:

@@ -6,11 +6,12 @@ results are turned back.  Each lane computes what the scalar code does, operatio
 
 from collections.abc import Sequence
 
+from cutpoint.kernels.algebra import Operand
 from cutpoint.kernels.graph import Graph
 from cutpoint.kernels.llvm import Lanes, straight_line
 from cutpoint.kernels.llvm_code import PREFETCH, Code, in_turn
 from cutpoint.kernels.ports import Port
-from cutpoint.kernels.transposition import blocks, lanes_of_rows, lanes_to_rows
+from cutpoint.kernels.transposition import blocks, constants_to_rows, lanes_of_rows, lanes_to_rows
 
 FUNCTION = "pack_loop"
 
@@ -19,7 +20,7 @@ class _Argument:
     """One port's memory: rows outside, lanes in scratch memory.  size: bytes of a pack."""
 
     def __init__(self, code: Code, lanes: Lanes, port: Port, number: int) -> None:
-        self.lanes, self.blocks = lanes, [*blocks(port.size, lanes.width)]
+        self.lanes, self.blocks = lanes, [*blocks(port.size, lanes.width, lanes.item)]
         self.start = code.load("%arguments", number, "ptr")
         self.step = code.load("%steps", number, "i64")
         self.offsets = [code.let(f"mul i64 {self.step}, {lane}") for lane in range(lanes.width)]
@@ -46,12 +47,16 @@ class _Argument:
                 code.store(vector, self.scratch, column + k, self.lanes.real)
         code.label(end)
 
-    def deliver(self, code: Code, pack: str) -> None:
-        """From lanes to rows."""
-        rows = self.rows(code, pack)
+    def deliver(self, code: Code, pack: str, results: Sequence[Operand]) -> None:
+        """From lanes to rows; what is known beforehand needs no lanes."""
+        rows, precision = self.rows(code, pack), self.lanes.precision
         for column, size in self.blocks:
+            numbers = results[column : column + size]
+            if all(isinstance(x, float) for x in numbers):
+                constants_to_rows(code, precision, numbers, rows, column)
+                continue
             vectors = [code.load(self.scratch, column + k, self.lanes.real) for k in range(size)]
-            lanes_to_rows(code, self.lanes.precision, vectors, rows, column)
+            lanes_to_rows(code, precision, vectors, rows, column)
 
 
 def pack_loop(graph: Graph, inputs: Sequence[Port], outputs: Sequence[Port], width: int) -> str:
@@ -76,7 +81,7 @@ def pack_loop(graph: Graph, inputs: Sequence[Port], outputs: Sequence[Port], wid
                 lambda slot, value: code.store(value, *write[slot], lanes.real), lanes,
             )  # fmt: skip
         code.lines += in_turn(pack, asked)
-        for argument in targets:
-            argument.deliver(code, loop.iteration)
+        for argument, port in zip(targets, outputs, strict=True):
+            argument.deliver(code, loop.iteration, graph.output(port.name))
     head = f"{lanes.declarations}{PREFETCH}define void @{FUNCTION}(ptr %arguments, ptr %steps, i64 %packs) {{\nentry:"
     return "\n".join([head, *code.lines, "ret void", "}", ""])

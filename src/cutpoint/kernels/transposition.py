@@ -1,21 +1,26 @@
 """LLVM IR that turns rows of an array in C order into lanes, and lanes into rows: a column of all rows is one vector.
 
-Columns go in blocks of as many as a power of two allows.  In a block of c columns, vector k first holds the rows k,
-k + c, k + 2 c, ... one after another; then c x c squares are transposed inside all vectors at once, by exchanges
-between vectors 1, 2, 4, ... apart (Eklundh 1972: log2(c) shuffles a vector).
+Columns go in blocks of a power of two, HALF_LINE at most: most longer ones would lie across two lines of memory.
+
+In a block of c columns, vector k first holds the rows k, k + c, k + 2 c, ... one after another; then c x c squares are
+transposed inside all vectors at once, by exchanges between vectors 1, 2, 4, ... apart (Eklundh 1972: log2(c) shuffles a
+vector).
 """
 
 from collections.abc import Iterator, Sequence
 
-from cutpoint.kernels.llvm_code import Code
+from cutpoint.kernels.llvm_code import Code, literal
 from cutpoint.kernels.precision import Precision
 
+HALF_LINE = 32
+"""Bytes."""
 
-def blocks(columns: int, width: int) -> Iterator[tuple[int, int]]:
-    """First column and number of columns of each block."""
-    first = 0
+
+def blocks(columns: int, width: int, item: int) -> Iterator[tuple[int, int]]:
+    """First column and number of columns of each block.  width: rows side by side; item: bytes of a number."""
+    first, most = 0, min(width, HALF_LINE // item)
     while first < columns:
-        size = min(width, 1 << (columns - first).bit_length() - 1)
+        size = min(most, 1 << (columns - first).bit_length() - 1)
         yield first, size
         first += size
 
@@ -34,6 +39,16 @@ def lanes_to_rows(code: Code, precision: Precision, vectors: Sequence[str], rows
         for group, row in enumerate(rows[k::size]):
             part = _shuffled(code, one, vector, vector, len(rows), range(group * size, (group + 1) * size))
             code.store(part, code.at(row, first, one), 0, f"<{size} x {one}>", align=item)
+
+
+def constants_to_rows(
+    code: Code, precision: Precision, numbers: Sequence[float], rows: Sequence[str], first: int
+) -> None:
+    """Writes numbers that are the same in all rows."""
+    one, kind = precision.real, f"<{len(numbers)} x {precision.real}>"
+    constant = ", ".join(f"{one} {literal(x)}" for x in numbers)
+    for row in rows:
+        code.store(f"<{constant}>", code.at(row, first, one), 0, kind, align=precision.item)
 
 
 def _transposed(code: Code, one: str, vectors: list[str], width: int) -> list[str]:
