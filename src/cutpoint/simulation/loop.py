@@ -71,16 +71,12 @@ class ClosedLoop:
 
     @cached_property
     def plant(self) -> PlantStages:
-        return PlantStages(self.robot, self.layout, self.lanes, self._is_uniform)
+        return PlantStages(self.robot, self.layout, self.lanes)
 
     @cached_property
     def lanes(self) -> Lanes:
         """All drives side by side where they are alike; not where runs are."""
-        return Lanes.of(self.layout.n, self.runs == 1 and self._is_uniform)
-
-    @cached_property
-    def _is_uniform(self) -> bool:
-        return is_uniform(self.robot.machine)
+        return Lanes.of(self.layout.n, self.runs == 1 and is_uniform(self.robot.machine))
 
     @cached_property
     def channels(self) -> dict[str, int]:

@@ -26,8 +26,8 @@ def noise_beside(seeds: Sequence[int], samples: int, size: int, backend: str) ->
     for start in range(0, samples if size else 0, BLOCK):
         block = noise[start : start + BLOCK]
         # whole blocks are drawn, so that a longer run begins as a shorter one does
-        drawn = np.stack([_normals(x, BLOCK * size, backend) for x in sources], axis=-1)
-        block[:] = drawn.reshape(BLOCK, size, len(seeds))[: len(block)]
+        for run, source in enumerate(sources):
+            block[:, :, run] = _normals(source, BLOCK * size, backend).reshape(BLOCK, size)[: len(block)]
     return noise.reshape(samples, size * len(seeds))
 
 

@@ -26,6 +26,7 @@ from cutpoint.simulation.plant import (
     currents,
     drive_rates,
     has_delay,
+    is_uniform,
     motor_torque,
     own_of,
     own_parts,
@@ -41,15 +42,11 @@ Scalars = list[Scalar]
 
 @dataclass(frozen=True, eq=False)
 class PlantStages:
-    """The stages of one robot; its drives' numbers come first among the parameters.
-
-    are_alike: whether all drives are, see `plant.is_uniform`.
-    """
+    """The stages of one robot; its drives' numbers come first among the parameters."""
 
     robot: Robot
     layout: Layout
     lanes: Lanes
-    are_alike: bool
 
     def feel(self, *regions: Scalars) -> Scalars:
         """Torques at the shaft, through the drive, and lost to the link's friction.
@@ -87,7 +84,8 @@ class PlantStages:
     @cached_property
     def knows_turns(self) -> bool:
         """Whether sines and cosines are found before the accelerations: all at once, where drives are alike."""
-        return self.are_alike and not self.robot.machine.system.has_followers
+        are_alike = self.lanes.are_wide or is_uniform(self.robot.machine)
+        return are_alike and not self.robot.machine.system.has_followers
 
     def turn(self, state: Scalars) -> Scalars:
         """Sines and cosines of the drives' positions."""
