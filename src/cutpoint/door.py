@@ -133,14 +133,10 @@ def validated_drives(mechanism: Mechanism, drives: Mapping[str, Drive]) -> dict[
         if name not in joints:
             raise unknown_name("driven joint", name, joints)
         check_drive(name, drive)
-        if drive.is_elastic and _has_full_coupling(drive) and mechanism.coupled and _has_followers(mechanism):
+        if drive.is_elastic and drive.is_coupled and mechanism.coupled and _has_followers(mechanism):
             rule = "full rotor coupling behind a bending drive does not go with coupled mimic joints"
             raise ModelError(f"joint {name!r}: {rule}; read them as independent, or take 'reduced'", joint=name)
     return {name: drives.get(name, Drive()) for name in joints}
-
-
-def _has_full_coupling(drive: Drive) -> bool:
-    return drive.rotor is not None and drive.rotor.coupling == "full"
 
 
 def _has_followers(mechanism: Mechanism) -> bool:

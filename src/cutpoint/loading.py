@@ -1,5 +1,6 @@
 """`load`: a robot from the files a user brings."""
 
+import warnings
 from collections.abc import Collection, Mapping
 from os import PathLike
 from pathlib import Path
@@ -14,6 +15,10 @@ from cutpoint.formats import drive_of, load_drives, load_urdf
 from cutpoint.model import Drive, Mechanism
 from cutpoint.model.mechanism import STANDARD_GRAVITY
 from cutpoint.robot import Backend, Robot
+
+
+class DroppedWarning(UserWarning):
+    """A drive file's entry leaves out what the robot file states of its joint, which counts no more."""
 
 
 def load(
@@ -65,5 +70,19 @@ def _drives(
     joints = {body.joint.name: body.joint for body in mechanism.bodies}
     drives = {name: drive_of(joints[name]) for name in driven_joints(mechanism)} | dict(stated)
     if isinstance(given, (str, PathLike)):
-        return drives | load_drives(given, mechanism, locked)
+        found = load_drives(given, mechanism, locked)
+        _say_what_is_dropped(drives, found, given)
+        return drives | found
     return drives | {name: drive for name, drive in (given or {}).items() if name not in locked}
+
+
+def _say_what_is_dropped(stated: Mapping[str, Drive], found: Mapping[str, Drive], place: str | Path) -> None:
+    """Warns of armature and friction of the robot file that entries of a drive file replace by nothing."""
+    armature = [name for name, drive in found.items() if stated[name].rotor and not drive.rotor]
+    rubbing = [name for name, drive in found.items() if not (drive.link_friction or drive.motor_friction)]
+    friction = [name for name in rubbing if stated[name].link_friction]
+    dropped = {"armature": armature, "damping and friction": friction}
+    told = [f"{what} of {', '.join(map(repr, names))}" for what, names in dropped.items() if names]
+    if told:
+        rule = f"an entry replaces them: state 'rotor' and 'friction' there to have any ({place})"
+        warnings.warn(f"the robot file's {' and '.join(told)} do not count, {rule}", DroppedWarning, stacklevel=4)

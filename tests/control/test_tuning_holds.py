@@ -7,14 +7,16 @@ import numpy as np
 import pytest
 from law_library import elbow, law
 
-from cutpoint import InputError, Log, SimulationError, simulate
+from cutpoint import Coulomb, InputError, Log, SimulationError, simulate
 from cutpoint.control import (
     PD,
     PID,
     VDC,
     AdaptiveVDC,
     ComputedTorque,
+    DisturbanceObserver,
     ElasticComputedTorque,
+    Feedforward,
     FullStateFeedback,
     Guard,
     Law,
@@ -24,7 +26,9 @@ from cutpoint.control import (
     slowest_pole,
     tune,
 )
+from cutpoint.model import Limits, Motor
 from cutpoint.simulation import State
+from cutpoint.trajectories import cycloid
 from robot_library import Array
 
 PERIOD = 1e-3
@@ -38,10 +42,10 @@ HOLDS = {
 """Hz that are still accepted."""
 
 
-def pushed(made: Any, seconds: float, push: float = 1e-5) -> Log:
+def pushed(made: Any, seconds: float, push: float = 1e-5, robot: Any = None) -> Log:
     """Upright, with links and motors moving a little (rad/s)."""
     v = push * np.array([1.0, -0.7])
-    return simulate(elbow(), made, duration=seconds, initial=State(UPRIGHT, v, UPRIGHT, 0.3 * v))
+    return simulate(robot or elbow(), made, duration=seconds, initial=State(UPRIGHT, v, UPRIGHT, 0.3 * v))
 
 
 def size(log: Log) -> Array:
@@ -87,6 +91,19 @@ def test_the_slowest_pole_is_how_fast_a_small_motion_dies_in_the_sampled_loop(na
     expected = np.log(slowest_pole(elbow(), law(name), UPRIGHT, PERIOD).size) / PERIOD
     found = rate(pushed(law(name), 3.0 if expected > -10 else 1.0))
     assert abs(found / expected - 1) < 0.05, f"{found:.4g} 1/s in simulation, {expected:.4g} 1/s by the pole"
+
+
+@pytest.mark.parametrize(
+    "motor", [Motor(0.1, bandwidth=60.0), Motor(0.1, delay=7e-4), Motor(0.1, bandwidth=150.0, delay=3e-4)]
+)
+def test_motors_that_come_late_count(motor):
+    """The first joint's motor alone."""
+    slow = elbow().with_drives({"shoulder": replace(elbow().drives["shoulder"], motor=motor)})
+    stiff = PD([3e3] * 2, [30.0] * 2)
+    at_once, expected = (np.log(slowest_pole(robot, stiff, UPRIGHT, PERIOD).size) / PERIOD for robot in (elbow(), slow))
+    found = rate(pushed(stiff, 2.0, robot=slow))
+    assert abs(found / expected - 1) < 0.05, f"{found:.4g} 1/s in simulation, {expected:.4g} 1/s by the pole"
+    assert abs(found - at_once) > 3 * abs(found - expected)
 
 
 @pytest.mark.parametrize("name", ["PD", "PID", "VDC, filter", "disturbance observer"])
@@ -142,3 +159,43 @@ def test_gains_that_are_refused_make_a_small_motion_grow_as_fast_as_the_pole_say
     assert elbow().joints[int(np.abs(log["theta_dot"][-1]).argmax())] == pole.joint
     with pytest.raises(SimulationError):
         pushed(high, 100 / expected + 1)
+
+
+def test_a_tuned_integral_stays_within_what_currents_allow():
+    """2 A at 0.1 N m/A through the gear are less than the stated effort."""
+    drive = elbow().drives["shoulder"]
+    weak = elbow().with_drives({"shoulder": replace(drive, motor=Motor(0.1, current_limit=2.0))})
+    limit = tune(weak, 5.0, PID).limit
+    assert limit[0] == pytest.approx(0.2 * abs(drive.ratio))
+    assert limit[0] == Guard(tune(weak, 5.0), weak).torque_limit[0]
+
+
+def test_the_bound_of_a_robust_law_knows_friction_on_both_sides():
+    forearm, friction = elbow().drives["elbow"], Coulomb(3.0, 0.5, 0.02)
+    rubbing = [replace(forearm, link_friction=friction), replace(forearm, motor_friction=friction)]
+    bounds = [tune(elbow().with_drives({"elbow": drive}), 5.0, Robust, width=1.0).bound for drive in rubbing]
+    assert bounds[0] == pytest.approx(bounds[1])
+    assert bounds[0][1] > 1.5
+
+
+@pytest.mark.parametrize(("kind", "remedy"), [(PD, "a shorter control_period"), (Robust, "or take a wider width=")])
+def test_what_does_not_hold_without_springs_is_not_told_to_damp_them(kind, remedy):
+    rigid = {name: replace(drive, compliance=None, damping=None) for name, drive in elbow().drives.items()}
+    with pytest.raises(InputError, match=f"{remedy}$"):
+        tune(elbow().with_drives(rigid), 400.0, kind)
+
+
+@pytest.mark.parametrize("limit", [None, 12.0])
+def test_an_observer_does_not_wind_up_while_the_motors_give_all_they_have(limit):
+    """A move that asks for more than the shoulder's motor has; its limit stated by the drive, or by hand."""
+    drives = elbow().drives
+    weak = elbow().with_drives({"shoulder": replace(drives["shoulder"], limits=Limits(effort=12.0))})
+    base = tune(elbow(), 4.0, damping=1.0) + Feedforward(elbow())
+    inertia = np.diag(elbow().mass_matrix(UPRIGHT)) + [d.reflected_inertia for d in drives.values()]
+    seen = elbow() if limit else weak
+    observer = DisturbanceObserver(seen, law=base, gain=12.0 * inertia, torque_limit=limit)
+    move = cycloid([1.0, 0.0], 0.4)
+    errors = [np.abs(simulate(weak, made, move, duration=3.0)["position_error"]) for made in (base, observer)]
+    assert errors[0].max() > 0.05  # it is asked for too much
+    assert errors[1].max() < 1.5 * errors[0].max()
+    assert errors[1][-500:].max() < 2 * errors[0][-500:].max() + 1e-4

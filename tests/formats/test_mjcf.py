@@ -20,6 +20,7 @@ from cutpoint import Coulomb, Drive, Robot, Rotor
 from cutpoint.errors import InputError, ModelError
 from cutpoint.formats import NotCarriedOver, parse_mjcf
 from cutpoint.formats.mjcf_text import MAXIMUM_PIECES
+from cutpoint.loading import DroppedWarning
 from cutpoint.model import Limits
 from robot_library import Array, assert_close
 
@@ -178,7 +179,9 @@ def test_a_drive_file_comes_before_the_armature(tmp_path: Path, ending: str) -> 
     robot, drives = tmp_path / f"arm.{ending}", tmp_path / "arm.drives.yaml"
     robot.write_text(mjcf_text.ARM)
     drives.write_text("version: 1\ndrives: {shoulder: {ratio: 50, rotor: {inertia: 1e-5}}}")
-    arm = cutpoint.load(robot, drives, lock={"elbow": 0.1}, gravity=(0, 0, -1.6))
+    told = r"the robot file's damping and friction of 'shoulder' do not count, an entry replaces them: state .*arm"
+    with pytest.warns(DroppedWarning, match=told):
+        arm = cutpoint.load(robot, drives, lock={"elbow": 0.1}, gravity=(0, 0, -1.6))
     assert arm.drives["shoulder"] == Drive(50.0, Rotor(1e-5))
     assert arm.drives["lift"].rotor == Rotor(0.7)
     assert isinstance(arm.drives["lift"].link_friction, Coulomb)

@@ -20,6 +20,8 @@ def test_parts_of_a_recording_keep_its_samples():
     assert np.array_equal(part["torque"], whole["torque"][100:201])
     assert np.array_equal(whole.joint("elbow")["q"], whole["q"][:, 1:])
     assert whole.joint("elbow").joints == ("elbow",)
+    turned = whole.in_order(["elbow", "shoulder"])
+    assert turned.joints == ("elbow", "shoulder") and np.array_equal(turned["q"], whole["q"][:, ::-1])
     with pytest.raises(InputError, match=r"no joint is named 'wrist'; there are: 'shoulder', 'elbow'"):
         whole.joint("wrist")
     with pytest.raises(InputError, match=r"less than two samples from 0.5 s to 0.6 s: the recording runs from 0 s"):

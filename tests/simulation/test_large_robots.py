@@ -8,7 +8,7 @@ import scipy.linalg
 
 from cutpoint import Drive, LinearSpring, Robot, Rotor, simulate
 from cutpoint.errors import InputError
-from cutpoint.simulation.integrator import FEW, fastest_mode
+from cutpoint.simulation.substeps import FEW, fastest_mode
 from large_robots import chain
 
 

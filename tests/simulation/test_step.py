@@ -10,8 +10,8 @@ import pytest
 from cutpoint import Coulomb, Drive, LinearSpring, Log, Rotor, State, Stribeck, simulate
 from cutpoint.control import PD, Command, Feedforward, Law
 from cutpoint.model import Motor
-from cutpoint.simulation.integrator import fastest_growth, substeps_for
 from cutpoint.simulation.step import GAMMA, TABLEAU
+from cutpoint.simulation.substeps import fastest_growth, substeps_for
 from cutpoint.trajectories import cycloid
 from robot_library import Array, Robot, robot
 

@@ -92,7 +92,9 @@ def test_an_unknown_joint_is_refused_and_the_known_are_listed(tmp_path: Path):
     path = written(tmp_path, "t,a,b,c")
     with pytest.raises(InputError, match=r"no column is named 'wrist'; there are: 'a', 'b', 'c' \(.*motion.csv\)"):
         from_csv(path, ["a", "wrist"])
-    for wrong in ("wrist", 3):
+    with pytest.raises(InputError, match=r"path must be the path of a file, got None"):
+        from_csv(None)  # type: ignore[arg-type]
+    for wrong in ("wrist", 3, np.array(3)):
         with pytest.raises(InputError, match=r"joints must be names, such as robot\.joints, got"):
             from_csv(path, joints=wrong)  # type: ignore[arg-type]
 

@@ -77,6 +77,9 @@ def test_the_callers_array_may_change_afterwards(kind: Kind):
         ((1.0, 1.0), r"end has shape \(\): it must be a list of one position per joint"),
         (([], 1.0), r"end has shape \(0,\)"),
         (([[1.0]], 1.0), r"end has shape \(1, 1\)"),
+        (([1.0], "10"), r"(cycloid|quintic|septic): duration must be one number, s, got '10'"),
+        (([1.0], None), r"duration must be one number, s"),
+        (([1.0], [1.0, 2.0]), r"duration must be one number, s"),
         ((["near"], 1.0), r"end must be an array of numbers"),
     ],
 )

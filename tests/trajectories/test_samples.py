@@ -97,6 +97,8 @@ def test_the_default_bandwidth_follows_the_sampling_rate(rate: float, chosen: fl
         ({"bandwidth": 1000.0}, r"bandwidth 1000.0 Hz must lie between .* and 100 Hz, half of the sampling rate"),
         ({"bandwidth": 0.1}, r"bandwidth 0.1 Hz must lie between 0.125 Hz, half a period in 4 s"),
         ({"bandwidth": np.nan}, r"bandwidth nan Hz must lie between"),
+        ({"bandwidth": "10"}, r"bandwidth must be one number, Hz, got '10'"),
+        ({"joints": 3}, r"joints must be names, such as robot.joints, got 3"),
         ({"joints": ["a", "b"]}, r"2 joint names must be as many as there are positions, 1"),
         ({"t": TIMES[::-1]}, r"time 3.995 s at index 1 must be later than 4.0 s"),
         ({"q": np.full((801, 1), np.nan), "joints": ["a"]}, r"joint 'a': position nan at index 0 must be finite"),

@@ -73,24 +73,29 @@ def torque_bound(
             f"torque_bound: theta and q have shape {theta.shape}, their last axis must be the {len(drives)} drives; "
             f"the robot has {robot.nq} coordinates"
         )
-    steps = [_each(x, len(drives)) / 2 for x in (sensors.motor_resolution, sensors.link_resolution)]
-    sigmas = [_each(x, len(drives)) for x in (sensors.motor_noise, sensors.link_noise)]
+    steps = np.array([_each(x, len(drives)) for x in (sensors.motor_resolution, sensors.link_resolution)])
+    sigmas = np.array([_each(x, len(drives)) for x in (sensors.motor_noise, sensors.link_noise)])
     fastest = np.broadcast_to(np.asarray(winding_speed, np.float64), theta.shape)
     parts = [np.zeros(theta.shape) for _ in range(4)]
     for k, drive in enumerate(drives):
-        if drive.compliance is None:
-            continue
-        passed = 1.0 + (drive.kinematic_error.steepest(drive.ratio) if drive.kinematic_error else 0.0)
-        angle = passed * steps[0][k] + steps[1][k]
-        spread = COVERED * np.hypot(passed * sigmas[0][k], sigmas[1][k])
-        wound = deflection(drive, theta[..., k], q[..., k])
-        stiffness = _stiffest(drive, wound, angle + spread)
-        way = wound - wound[0] if record else None
-        parts[0][..., k], parts[1][..., k] = stiffness * angle, stiffness * spread
-        parts[2][..., k] = _hysteresis(drive, way, angle + spread)
-        parts[3][..., k] = (drive.damping or 0.0) * fastest[..., k]
-    resolution, noise, hysteresis, damping = parts
-    return TorqueBound(resolution, noise, hysteresis, damping)
+        if drive.compliance is not None:
+            wound = deflection(drive, theta[..., k], q[..., k])
+            own = _parts(drive, wound, steps[:, k], sigmas[:, k], fastest[..., k], record)
+            for part, each in zip(parts, own, strict=True):
+                part[..., k] = each
+    return TorqueBound(*parts)
+
+
+def _parts(
+    drive: Drive, wound: Array, steps: Array, sigmas: Array, fastest: Array, record: bool
+) -> tuple[Array, Array, Array | float, Array]:
+    """One drive's parts as `TorqueBound` has them.  steps, sigmas: of motor and link.  wound, fastest: as read."""
+    passed = 1.0 + (drive.kinematic_error.steepest(drive.ratio) if drive.kinematic_error else 0.0)
+    angle = (passed * steps[0] + steps[1]) / 2
+    spread = COVERED * np.hypot(passed * sigmas[0], sigmas[1])
+    stiffness = _stiffest(drive, wound, angle + spread)
+    hysteresis = _hysteresis(drive, wound - wound[0] if record else None, angle + spread)
+    return stiffness * angle, stiffness * spread, hysteresis, (drive.damping or 0.0) * fastest
 
 
 def followed_hysteresis(robot: Robot, theta: ArrayLike, q: ArrayLike) -> Array:

@@ -162,5 +162,5 @@ def _coordinate_names(robot: Robot) -> list[str]:
 
 
 def _units(robot: Robot) -> tuple[str, ...]:
-    kinds = {body.joint.name: body.joint.kind for body in robot.mechanism.bodies}
-    return tuple("m" if kinds[name] == "prismatic" else "rad" for name in robot.joints)
+    sliding = robot.mechanism.sliding
+    return tuple("m" if name in sliding else "rad" for name in robot.joints)

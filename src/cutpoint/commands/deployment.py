@@ -5,16 +5,7 @@ from typing import Annotated, Literal
 
 import typer
 
-from cutpoint.commands.shared import (
-    Drives,
-    Gravity,
-    Locks,
-    Mimics,
-    RobotFile,
-    app,
-    console,
-    robot_of,
-)
+from cutpoint.commands.shared import Drives, Gravity, Locks, Mimics, RobotFile, app, robot_of, say_path
 
 
 @app.command(epilog="Example: cutpoint export xia2019 --function elastic_inverse_dynamics --to c deployed")
@@ -40,4 +31,4 @@ def export(
     options = {} if frame is None else {"frame": frame}
     loaded = robot_of(robot, drives, mimic, lock, gravity)
     for path in export_function(loaded, function, folder, to=to, name=name, force=force, **options):
-        console.print(f"{to}: {path}", soft_wrap=True, highlight=False, markup=False)
+        say_path(to, path)

@@ -104,7 +104,7 @@ def drive(
         return console.print(catalogue_table())
     check_targets(None, plot)
     if as_yaml:
-        console.print(entry_text(name), soft_wrap=True, highlight=False, markup=False, end="")
+        console.print(entry_text(name), soft_wrap=True, highlight=False, end="")
     else:
         print_drive(name, console)
     if plot:

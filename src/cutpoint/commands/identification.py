@@ -15,6 +15,7 @@ from cutpoint.commands.shared import (
     app,
     console,
     robot_of,
+    say_path,
 )
 from cutpoint.errors import InputError
 from cutpoint.files import check_target_folder
@@ -74,7 +75,7 @@ def excite(
     saved = save(found, output)
     console.print(table_of(found))
     for path in saved:
-        console.print(f"saved: {path}", soft_wrap=True, highlight=False, markup=False)
+        say_path("saved", path)
 
 
 def _boxes(robot: cutpoint.Robot, box: Corners | None, frame: str | None) -> dict[str, Any]:
@@ -153,8 +154,8 @@ def identify(
     saved = found.save(output, force=force)
     console.print(table_of(found))
     for sentence in sentences(found):
-        console.print(sentence, highlight=False, markup=False)
+        console.print(sentence, highlight=False)
     for words in file_notes(found):
-        console.print(f"note: {words}", highlight=False, markup=False)
+        console.print(f"note: {words}", highlight=False)
     for path in saved:
-        console.print(f"saved: {path}", soft_wrap=True, highlight=False, markup=False)
+        say_path("saved", path)

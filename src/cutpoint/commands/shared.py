@@ -120,6 +120,11 @@ def check_target(option: str, path: Path | None, kinds: tuple[str, ...]) -> None
     check_target_file(path, f"--{option}")
 
 
+def say_path(word: str, path: Path) -> None:
+    """In one line, however long it is: people and programs copy it."""
+    console.print(f"{word}: {path}", soft_wrap=True, highlight=False)
+
+
 def keep(log: "Log", output: Path | None, plot: Path | None) -> None:
     if output:
         log.save(output)

@@ -10,9 +10,10 @@ from cutpoint.control.gains import gains
 from cutpoint.control.interface import Command, Measurement, Reference
 from cutpoint.control.joint_law import JointGains, RequiredTorque, joint_command
 from cutpoint.control.joint_parameters import JointPower, adapted, nominal, with_numbers
+from cutpoint.control.model_law import drive_states
 from cutpoint.control.vdc import TURN, VDC, required_velocity
+from cutpoint.definitions import Machine
 from cutpoint.errors import InputError
-from cutpoint.mechanics.elastic_forward import DriveState
 from cutpoint.mechanics.harmonic_drive import friction_torque
 from cutpoint.mechanics.inverse_dynamics import (
     BodyMotion,
@@ -70,7 +71,7 @@ class AdaptiveVDC(VDC):
             raise InputError(f"AdaptiveVDC: uncertainty {self.uncertainty[0]} {rule}")
 
     @property
-    def machine(self) -> Any:
+    def machine(self) -> Machine:
         """The model with its bodies' own inertias: each learns its own."""
         return self.robot.machine_with(self.parameters)
 
@@ -90,10 +91,9 @@ class AdaptiveVDC(VDC):
         tau_r = [self._borne(k, drive, tau[k], v_r[k], measurement.v[k]) for k, drive in enumerate(believed)]
         omega = TURN * self.filter_bandwidth[0]
         filters, filtered = command_filter.step(memory.filters, tau_r, omega, measurement.period)
-        told, joints = [], []
+        m, told, joints = measurement, [], []
         # each joint: what its motor must do for that, and what it learns
-        for k, drive in enumerate(believed):
-            at = DriveState(*(x[k] for x in measurement[2:]))
+        for k, (drive, at) in enumerate(zip(believed, drive_states(m.q, m.v, m.theta, m.theta_dot), strict=True)):
             gain = JointGains(self.speed_gain[k], self.motor_gain[k], self.spring_gain[k])
             torque = RequiredTorque(Jet(tau_r[k], *filtered[k].derivatives[1:]), rotors[k])
             told.append(joint_command(drive, at, reference.q[k], v_r[k], torque, gain))
@@ -104,9 +104,7 @@ class AdaptiveVDC(VDC):
         torque, theta, theta_dot, _ = (np.array(x) for x in zip(*told, strict=True))
         return Estimates(bodies, joints, filters), Command(torque, 0, theta, theta_dot)
 
-    def _bodies(
-        self, estimates: Any, m: Measurement, v_r: list[Jet]
-    ) -> tuple[list[Scalar], list[Scalar], list[Any]]:
+    def _bodies(self, estimates: Any, m: Measurement, v_r: list[Jet]) -> tuple[list[Scalar], list[Scalar], list[Any]]:
         """Torques on the links, what rotors add by their coupling, and what each body has learnt."""
         system = quasi_rigid(replace(self.machine.system, armature=(0,) * self.size))
         believed = [inertia_of(self.inertial(x)) for x in estimates]

@@ -10,7 +10,11 @@ from cutpoint.control.interface import Command, Measurement, Reference
 from cutpoint.control.law import Wrapper, as_law, needs_of
 from cutpoint.control.rigid_law import RigidLaw
 from cutpoint.mechanics.forward_dynamics import forward_dynamics
-from cutpoint.scalars import where
+from cutpoint.model.limits import efforts_in_force
+from cutpoint.scalars import clip, where
+
+BOUNDLESS = 1e9
+"""N m, of motors without a stated limit."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -21,14 +25,20 @@ class DisturbanceObserver(RigidLaw, Wrapper):
     being the gain, N m s/rad; Mohammadi et al. (2013) with p(v) = Y v.  As d is taken off the law's torque u, what
     accelerates the model is u itself: d is Y times how far the speed is ahead of the model's.
     gain / inertia is the bandwidth, rad/s, at which a joint's disturbance is followed.
+    torque_limit (n,): N m at the joint, what the motors can do; by default what robot and drives state.  The model gets
+    what is left of u - d within it, and so d does not wind up while the motors give all they have.
     """
 
     law: Any
     gain: Any
+    torque_limit: Any = None
 
     def __post_init__(self) -> None:
         super().__post_init__()
         self._set(law=as_law(self.law), gain=gains("DisturbanceObserver", "gain", self.gain, self.size))
+        stated = efforts_in_force(self.robot.mechanism, self.robot.drives)
+        limit = np.minimum(stated, BOUNDLESS) if self.torque_limit is None else self.torque_limit
+        self._set(torque_limit=gains("DisturbanceObserver", "torque_limit", limit, self.size, positive=True))
 
     @property
     def needs(self) -> tuple[str, ...]:
@@ -42,6 +52,7 @@ class DisturbanceObserver(RigidLaw, Wrapper):
         inner, command = self.inner_step(memory[2], measurement, reference)
         q, v, _, _ = self.seen(measurement, reference)
         z = np.array([where(memory[1] > 0, x, -speed) for x, speed in zip(memory[0], v, strict=True)])
-        a = np.array(forward_dynamics(self.model.system, [*q], [*v], self.passed_on(v, command.torque)))
-        corrected = command._replace(torque=command.torque - self.gain * (z + v))
-        return ([*(z - measurement.period * a)], 1.0, inner), corrected
+        d = self.gain * (z + v)
+        told = [clip(u, -most, most) for u, most in zip(command.torque - d, self.torque_limit, strict=True)]
+        a = np.array(forward_dynamics(self.model.system, [*q], [*v], self.passed_on(v, np.array(told) + d)))
+        return ([*(z - measurement.period * a)], 1.0, inner), command._replace(torque=np.array(told))

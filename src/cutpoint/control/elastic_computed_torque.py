@@ -6,8 +6,8 @@ from typing import Any
 import numpy as np
 
 from cutpoint.control.gains import gains
-from cutpoint.control.interface import Command, Measurement, Reference
-from cutpoint.control.model_law import ModelLaw
+from cutpoint.control.interface import SENSED, Command, Measurement, Reference
+from cutpoint.control.model_law import ModelLaw, check_no_full_coupling
 from cutpoint.errors import InputError
 from cutpoint.mechanics.elastic import Driven, elastic_inverse_dynamics
 from cutpoint.mechanics.harmonic_drive import friction_torque
@@ -26,19 +26,15 @@ class ElasticComputedTorque(ModelLaw):
 
     bandwidth: Any
 
-    needs = ("q", "v", "theta", "theta_dot")
+    needs = SENSED
 
     def __post_init__(self) -> None:
         super().__post_init__()
         rigid = [name for name, drive in self.robot.drives.items() if not drive.is_elastic]
         if rigid:
             raise InputError(f"ElasticComputedTorque: the drive of {rigid[0]!r} is rigid; take ComputedTorque for it")
-        full = [name for name, x in self.robot.drives.items() if x.rotor is not None and x.rotor.coupling == "full"]
-        if full:
-            why = f"the rotor of {full[0]!r} has full coupling, so links feel more than their springs"
-            raise InputError(f"ElasticComputedTorque: {why}; take coupling 'reduced'", joint=full[0])
-        name = "ElasticComputedTorque"
-        self._set(bandwidth=gains(name, "bandwidth", self.bandwidth, self.size, positive=True))
+        check_no_full_coupling("ElasticComputedTorque", self.robot, "coupling 'reduced'")
+        self._set(bandwidth=gains("ElasticComputedTorque", "bandwidth", self.bandwidth, self.size, positive=True))
 
     def step(self, memory: Any, measurement: Measurement, reference: Reference) -> tuple[Any, Command]:
         machine, m, r, w = self.model, measurement, reference, self.bandwidth
@@ -54,7 +50,7 @@ class ElasticComputedTorque(ModelLaw):
 
 @dataclass(frozen=True)
 class _Held:
-    """Friction that is what it is, N m."""
+    """Friction of a fixed value, whatever the speed, N m."""
 
     value: Any
 

@@ -7,8 +7,8 @@ import numpy as np
 
 from cutpoint.control.feedforward import Feedforward
 from cutpoint.control.gains import gains
-from cutpoint.control.interface import Command, Measurement, Reference
-from cutpoint.control.model_law import ModelLaw
+from cutpoint.control.interface import SENSED, Command, Measurement, Reference
+from cutpoint.control.model_law import ModelLaw, drive_states
 from cutpoint.errors import InputError
 from cutpoint.mechanics.elastic_forward import DriveState
 from cutpoint.mechanics.harmonic_drive import deflection, spring_torque
@@ -35,7 +35,7 @@ class FullStateFeedback(ModelLaw):
     lead: Any = 0.0
 
     makes_motor_reference = True
-    needs = ("q", "v", "theta", "theta_dot")
+    needs = SENSED
 
     def __post_init__(self) -> None:
         super().__post_init__()
@@ -51,8 +51,8 @@ class FullStateFeedback(ModelLaw):
         memory, wanted = self._feedforward.step(memory, measurement, reference)
         m, r = measurement, reference
         feedback = self.kp * (wanted.theta - m.theta) + self.kd * (wanted.theta_dot - m.theta_dot)
-        now = [DriveState(*x) for x in zip(m.q, m.v, m.theta, m.theta_dot, strict=True)]
-        then = [DriveState(*x) for x in zip(r.q, r.v, wanted.theta, wanted.theta_dot, strict=True)]
+        now = drive_states(m.q, m.v, m.theta, m.theta_dot)
+        then = drive_states(r.q, r.v, wanted.theta, wanted.theta_dot)
         drives = zip([d.drive for d in self.model.drives], now, then, self.lead, strict=True)
         # what the spring bears beyond what it shall
         excess = [_led(drive, at, lead) - _led(drive, wish, lead) for drive, at, wish, lead in drives]

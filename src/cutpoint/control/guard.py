@@ -9,7 +9,7 @@ from typing import Any, Literal, NamedTuple
 import numpy as np
 
 from cutpoint.control.guard_limits import LIMITS, limits_of
-from cutpoint.control.interface import Command, Measurement, Reference
+from cutpoint.control.interface import SENSED, Command, Measurement, Reference, completed
 from cutpoint.control.law import Wrapper, as_law
 from cutpoint.door import check_kind
 from cutpoint.errors import InputError, unknown_name
@@ -40,8 +40,6 @@ REACTIONS: dict[str, Reaction] = {
 """measurement: one that the law needs is not finite; the law is then told the last that was.  stale: its time stamp
 stands still.  deadline: it comes half a period late or later.  speed, position: a joint beyond its limits, by the
 link's encoder or, where that says nothing, by the motor's.  command: what the law commands is not finite."""
-
-SENSORS = ("q", "v", "theta", "theta_dot")
 
 
 class Watch(NamedTuple):
@@ -109,14 +107,12 @@ class Guard(Wrapper):
     def step(self, memory: Watch, measurement: Measurement, reference: Reference) -> tuple[Watch, Command]:
         told, odd = self._last_finite(memory, measurement)
         inner, command = self.inner_step(memory.inner, told, reference)
-        theta = reference.theta if command.theta is None else command.theta
-        theta_dot = reference.theta_dot if command.theta_dot is None else command.theta_dot
-        parts = [[*np.broadcast_to(x, self.size)] for x in (command.torque, command.feedforward, theta, theta_dot)]
+        *parts, reported = completed(command, reference, self.size)
         # a link without encoder is where its motor is
         pairs = zip(measurement.q, told.q, told.theta, strict=True)
         places = [where(_is_odd(raw) > 0, theta, q) for raw, q, theta in pairs]
         found, severity = self._found(memory, told, odd, places, parts)
-        fault = where(memory.fault > 0, memory.fault, where(found > 0, found, command.fault))
+        fault = where(memory.fault > 0, memory.fault, where(found > 0, found, reported))
         severity = maximum(memory.severity, severity)
         # what is left of the last safe torque
         ramped = maximum(memory.share - measurement.period / self.ramp_time, 0)
@@ -125,16 +121,16 @@ class Guard(Wrapper):
         held = (memory.torque, [0.0] * self.size, memory.theta, memory.theta_dot)
         torque, feedforward, theta, theta_dot = map(partial(_unless, severity), (safe, *parts[1:]), held)
         kept = rebuild(inner, iter(_unless(severity, leaves(inner), leaves(memory.inner))))
-        seen = [x for name in SENSORS for x in getattr(told, name)]
+        seen = [x for name in SENSED for x in getattr(told, name)]
         after = Watch(measurement.time, seen, fault, severity, share, torque, theta, theta_dot, kept)
         told_torque = np.array([share * u for u in torque])
         return after, Command(told_torque, np.array(feedforward), np.array(theta), np.array(theta_dot), fault)
 
     def _last_finite(self, memory: Watch, m: Measurement) -> tuple[Measurement, Scalar]:
         """The measurement, its odd numbers as they last were finite; and whether the law needs one of these."""
-        n, odd, needed = self.size, _is_odd(m.time), self.needs or SENSORS
+        n, odd, needed = self.size, _is_odd(m.time), self.needs or SENSED
         told: dict[str, Any] = {}
-        for k, name in enumerate(SENSORS):
+        for k, name in enumerate(SENSED):
             numbers, last = getattr(m, name), memory.seen[k * n : (k + 1) * n]
             odds = [_is_odd(x) for x in numbers]
             told[name] = np.array([where(bad > 0, y, x) for bad, x, y in zip(odds, numbers, last, strict=True)])

@@ -81,7 +81,7 @@ def as_it_was(law: Any) -> Generator[None, None, None]:
 
 
 def _kind_of(thing: Any) -> _Kind | None:
-    """None of what is left out."""
+    """How to read a thing; None if things of its kind are left out."""
     is_function = isinstance(thing, FunctionType)
     for base in () if is_function else type(thing).__mro__[:-1]:
         if base in _KINDS:
@@ -107,7 +107,7 @@ def _alike(one: Any, other: Any) -> bool:
 
 
 def _attributes(thing: Any) -> dict[str, Any]:
-    """But for cached properties, which say nothing that the others do not."""
+    """All attributes except cached properties, which follow from the others."""
     kind = type(thing)
     slots = [name for base in kind.__mro__ for name in vars(base).get("__slots__", ())]
     names = [name for name in (*slots, *getattr(thing, "__dict__", ())) if hasattr(thing, name)]

@@ -27,6 +27,10 @@ class Measurement(NamedTuple):
     theta_dot: Any
 
 
+SENSED = Measurement._fields[2:]
+"""What sensors tell of joints: q, v, theta, theta_dot."""
+
+
 class Reference(NamedTuple):
     """What the links shall do, with four derivatives, and the motors: theta is q until a feedforward says better."""
 
@@ -79,6 +83,14 @@ def stepped(law: Controller, memory: Any, measurement: Measurement, reference: R
             rule = f"step must return (memory, command) whose {name} is {n} numbers, one a drive, or one for all"
             raise InputError(f"controller {name_of(law)}: {rule}; it is {described(part)}")
     return result[0], command
+
+
+def completed(command: Command, reference: Reference, n: int) -> Command:
+    """A command with a list of n numbers in each part; where it has no motor reference, the reference's."""
+    theta = reference.theta if command.theta is None else command.theta
+    theta_dot = reference.theta_dot if command.theta_dot is None else command.theta_dot
+    parts = [[*np.broadcast_to(x, n)] for x in (command.torque, command.feedforward, theta, theta_dot)]
+    return Command(*parts, fault=command.fault)
 
 
 def start_of(law: Any) -> Any:

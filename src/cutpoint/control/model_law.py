@@ -7,6 +7,7 @@ from cutpoint.control.law import Law
 from cutpoint.definitions import Machine
 from cutpoint.door import check_kind
 from cutpoint.errors import InputError
+from cutpoint.mechanics.elastic_forward import DriveState
 from cutpoint.robot import Robot
 
 
@@ -54,6 +55,19 @@ def check_all_driven(name: str, robot: Robot) -> None:
             what = "a floating base" if body.joint.kind == "floating" else f"a {body.joint.kind} joint"
             rule = f"{what} has no motor ({body.joint.name!r}), and laws are told of joints with motors only"
             raise InputError(f"{name}: {rule}; PD and PID with gains of your own do without", joint=body.joint.name)
+
+
+def check_no_full_coupling(law: str, robot: Robot, remedy: str) -> None:
+    """Raises InputError if a bending drive's rotor has full coupling.  law: who asks; remedy: what to take."""
+    for name, drive in robot.drives.items():
+        if drive.is_elastic and drive.is_coupled:
+            why = f"the rotor of {name!r} has full coupling, so links feel more than their springs"
+            raise InputError(f"{law}: {why}; take {remedy}", joint=name)
+
+
+def drive_states(q: Any, v: Any, theta: Any, theta_dot: Any) -> list[DriveState]:
+    """The state of each drive, from (n,) each of its link and its motor."""
+    return [DriveState(*x) for x in zip(q, v, theta, theta_dot, strict=True)]
 
 
 def stiffened(robot: Robot) -> Robot:

@@ -7,6 +7,7 @@ import numpy as np
 
 from cutpoint.control.held_state import as_it_was, changed, held_by
 from cutpoint.control.interface import (
+    SENSED,
     Measurement,
     Reference,
     is_own,
@@ -20,7 +21,7 @@ from cutpoint.errors import InputError, TraceError
 from cutpoint.kernels import Graph, graph_of
 from cutpoint.scalars import constants, leaves, rebuild, with_float_leaves
 
-SEEN = (*Measurement._fields[2:], *(f"reference_{name}" for name in Reference._fields))
+SEEN = (*SENSED, *(f"reference_{name}" for name in Reference._fields))
 
 
 class Found(NamedTuple):
@@ -122,4 +123,4 @@ def _reads(graph: Graph) -> tuple[str, ...]:
     """Measurements among the inputs that the results need."""
     names = [port.name for port in graph.inputs for _ in range(port.size)]
     needed = {names[x.args[0]] for x in graph.nodes if x.op == "input"}
-    return tuple(name for name in Measurement._fields[2:] if name in needed)
+    return tuple(name for name in SENSED if name in needed)

@@ -1,17 +1,16 @@
 """Proportional-integral-derivative control that does not wind up."""
 
 from dataclasses import dataclass
-from typing import Any, Literal
+from typing import Any
 
 from cutpoint.control.gains import gains
 from cutpoint.control.interface import Command, Measurement, Reference
-from cutpoint.control.law import Law
-from cutpoint.errors import InputError
+from cutpoint.control.side import Side, SidedLaw
 from cutpoint.scalars import clip, where
 
 
 @dataclass(frozen=True, eq=False)
-class PID(Law):
+class PID(SidedLaw):
     """kp e + ki (integral of e) + kd e', within +-limit, on the motor's or on the link's encoder.
 
     kp in N m/rad, ki in N m/(rad s), kd in N m s/rad, limit in N m, one for each drive, all at the joint's side.
@@ -23,11 +22,10 @@ class PID(Law):
     ki: Any
     kd: Any
     limit: Any
-    side: Literal["motor", "link"] = "motor"
+    side: Side = "motor"
 
     def __post_init__(self) -> None:
-        if self.side not in ("motor", "link"):
-            raise InputError(f"PID: side {self.side!r} must be 'motor' or 'link'")
+        self.check_side()
         object.__setattr__(self, "kp", gains("PID", "kp", self.kp))
         for name in ("ki", "kd", "limit"):
             object.__setattr__(self, name, gains("PID", name, getattr(self, name), self.size, name == "limit"))
@@ -37,23 +35,16 @@ class PID(Law):
         """Number of drives."""
         return len(self.kp)
 
-    @property
-    def needs(self) -> tuple[str, ...]:
-        """What it must be told by sensors."""
-        return ("theta", "theta_dot") if self.side == "motor" else ("q", "v")
-
     def start(self) -> Any:
         """The integral's torque, N m."""
         return [0.0] * self.size
 
     def step(self, memory: Any, measurement: Measurement, reference: Reference) -> tuple[Any, Command]:
-        m, r = measurement, reference
-        motor = self.side == "motor"
-        error = r.theta - m.theta if motor else r.q - m.q
-        rate = r.theta_dot - m.theta_dot if motor else r.v - m.v
+        x, x_dot, x_d, x_dot_d = self.seen(measurement, reference)
+        error, rate = x_d - x, x_dot_d - x_dot
         after, torque = [], 0 * error
         for k, integral in enumerate(memory):
-            more = self.ki[k] * error[k] * m.period
+            more = self.ki[k] * error[k] * measurement.period
             asked = self.kp[k] * error[k] + self.kd[k] * rate[k] + integral
             torque[k] = clip(asked, -self.limit[k], self.limit[k])
             winds = (asked - torque[k]) * more > 0

@@ -1,29 +1,32 @@
 """What laws for rigid robots share: a model whose drives do not bend, and one side that they look at."""
 
 from dataclasses import dataclass, field
-from typing import Any, Literal
+from typing import Any
+
+import numpy as np
 
 from cutpoint.control.interface import Measurement, Reference
 from cutpoint.control.model_law import ModelLaw, stiffened
+from cutpoint.control.side import Side, SidedLaw
 from cutpoint.door import check_kind
 from cutpoint.errors import InputError
 from cutpoint.mechanics.harmonic_drive import friction_torque, rigidly_transmitted
+from cutpoint.mechanics.inverse_dynamics import required_inverse_dynamics
 from cutpoint.robot import Robot
 
 
 @dataclass(frozen=True, eq=False)
-class RigidLaw(ModelLaw):
+class RigidLaw(SidedLaw, ModelLaw):
     """A law that takes the robot for rigid: its drives' springs are left out of the model, rotors are armature.
 
     side: the encoders whose positions and speeds it takes for the links'.  The motors' is the default: on joints that
     bend, feedback of the links' excites the spring.
     """
 
-    side: Literal["motor", "link"] = field(default="motor", kw_only=True)
+    side: Side = field(default="motor", kw_only=True)
 
     def __post_init__(self) -> None:
-        if self.side not in ("motor", "link"):
-            raise InputError(f"{type(self).__name__}: side {self.side!r} must be 'motor' or 'link'")
+        self.check_side()
         check_kind(type(self).__name__, "robot", self.robot, Robot, "a Robot (cutpoint.load reads files)")
         if any(drive.is_elastic for drive in self.robot.drives.values()):
             if self.parameters is not None:
@@ -32,17 +35,20 @@ class RigidLaw(ModelLaw):
             self._set(robot=stiffened(self.robot))
         super().__post_init__()
 
-    @property
-    def needs(self) -> tuple[str, ...]:
-        """What it must be told by sensors."""
-        return ("theta", "theta_dot") if self.side == "motor" else ("q", "v")
+    def required_motion(self, position_gain: Any, measurement: Measurement, reference: Reference) -> tuple[Any, ...]:
+        """q, v, v_r = v_d + Lambda (q_d - q), its derivative a_r, and s = v_r - v.  Slotine and Li (1987).
 
-    def seen(self, measurement: Measurement, reference: Reference) -> tuple[Any, Any, Any, Any]:
-        """Positions and speeds of its side, as they are and as they shall be."""
-        m, r = measurement, reference
-        if self.side == "motor":
-            return m.theta, m.theta_dot, r.theta, r.theta_dot
-        return m.q, m.v, r.q, r.v
+        position_gain: Lambda, 1/s.  (n,) each, on the law's side.
+        """
+        q, v, q_d, v_d = self.seen(measurement, reference)
+        v_r = v_d + position_gain * (q_d - q)
+        return q, v, v_r, reference.a + position_gain * (v_d - v), v_r - v
+
+    def required_effort(self, position_gain: Any, measurement: Measurement, reference: Reference) -> tuple[Any, Any]:
+        """s, and what the rigid model asks for the required motion, friction included, N m; (n,) each."""
+        q, v, v_r, a_r, s = self.required_motion(position_gain, measurement, reference)
+        tau = required_inverse_dynamics(self.model.system, [*q], [*v], [*v_r], [*a_r])
+        return s, np.array(tau) + np.array(self.friction(v_r, tau))
 
     def friction(self, speeds: Any, loads: Any) -> list[Any]:
         """What friction on both sides of rigid drives takes, N m."""

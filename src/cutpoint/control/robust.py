@@ -11,7 +11,6 @@ import numpy as np
 from cutpoint.control.gains import gains
 from cutpoint.control.interface import Command, Measurement, Reference
 from cutpoint.control.rigid_law import RigidLaw
-from cutpoint.mechanics.inverse_dynamics import required_inverse_dynamics
 from cutpoint.scalars import absolute
 
 
@@ -34,15 +33,6 @@ class Robust(RigidLaw):
             self._set(**{name: gains("Robust", name, getattr(self, name), self.size, name == "width")})
 
     def step(self, memory: Any, measurement: Measurement, reference: Reference) -> tuple[Any, Command]:
-        s, tau = required_effort(self, measurement, reference)
+        s, tau = self.required_effort(self.position_gain, measurement, reference)
         size = np.array([absolute(x) for x in s])
         return memory, Command(tau + self.speed_gain * s + self.bound * s / (size + self.width))
-
-
-def required_effort(law: Any, measurement: Measurement, reference: Reference) -> tuple[Any, Any]:
-    """s = v_r - v, and what the rigid model asks for the required motion, friction included.  Slotine and Li (1987)."""
-    q, v, q_d, v_d = law.seen(measurement, reference)
-    v_r = v_d + law.position_gain * (q_d - q)
-    a_r = reference.a + law.position_gain * (v_d - v)
-    tau = required_inverse_dynamics(law.model.system, [*q], [*v], [*v_r], [*a_r])
-    return v_r - v, np.array(tau) + np.array(law.friction(v_r, tau))

@@ -8,11 +8,13 @@ from numpy.typing import ArrayLike, NDArray
 from scipy.linalg import expm
 
 from cutpoint import kernels
+from cutpoint.analysis.linear_model import LinearModel
 from cutpoint.control.interface import Measurement, Reference, start_of, stepped
 from cutpoint.control.law import Law, as_law
 from cutpoint.control.model_law import ModelLaw, check_all_driven
 from cutpoint.control.own_law import check_pure
 from cutpoint.door import check_kind, checked_array, positive
+from cutpoint.mechanics.motor import TURN
 from cutpoint.robot import Robot
 from cutpoint.scalars import leaves, rebuild, with_float_leaves
 
@@ -48,9 +50,10 @@ class _Step(NamedTuple):
 def slowest_pole(robot: Robot, law: Any, q: ArrayLike, period: float) -> SampledPole:
     """The pole that decays slowest, or grows, of the robot at rest at q under a law with this period (s).
 
-    The robot is linear about q and moves exactly between samples; the law is differenced about rest.  Neither has
-    friction, whose slope at rest is that of its smoothing.  Laws that jump at rest have no slope, and this says nothing
-    of them.  Memory counts where motion changes it and the command follows it: clocks and latched faults do not.
+    The robot is linear about q and moves exactly between samples, its motors' current loops and delays included; the
+    law is differenced about rest.  Neither has friction, whose slope at rest is that of its smoothing.  Laws that jump
+    at rest have no slope, and this says nothing of them.  Memory counts where motion changes it and the command follows
+    it: clocks and latched faults do not.
 
     Raises:
         InputError: a joint has no motor; the period is not positive.
@@ -60,18 +63,52 @@ def slowest_pole(robot: Robot, law: Any, q: ArrayLike, period: float) -> Sampled
     period = positive("slowest_pole", "period", period, "s")
     check_all_driven("slowest_pole", robot)
     model = robot.linearize(q)
-    count, n = len(model.states), len(robot.drives)
-    both = expm(np.block([[model.A, model.B], [np.zeros((n, count + n))]]) * period)
-    ahead, pushed = both[:count, :count], both[:count, count:]
     of_state, of_memory, memory_of_state, memory_of_memory = _slopes(robot, law, model, period)
-    loop = np.block([[ahead + pushed @ of_state, pushed @ of_memory], [memory_of_state, memory_of_memory]])
-    poles, shapes = np.linalg.eig(loop)
+    plant, count, n = _sampled(robot, model, period), len(model.states), len(robot.drives)
+    unseen = len(plant.ahead) - count  # currents, of which no law hears
+    of_state, memory_of_state = (np.pad(x, ((0, 0), (0, unseen))) for x in (of_state, memory_of_state))
+    late, kept = np.zeros((n, n)), np.zeros((len(memory_of_state), n))
+    poles, shapes = np.linalg.eig(np.block([
+        [plant.ahead + plant.now @ of_state, plant.before, plant.now @ of_memory],
+        [of_state, late, of_memory],
+        [memory_of_state, kept, memory_of_memory],
+    ]))  # fmt: skip
     worst = int(np.abs(poles).argmax())
     moves = np.abs(model.C @ shapes[:count, worst])
     names = [name.partition(".")[2].partition("[")[0] for name in model.outputs]
     speeds = [k for k, name in enumerate(model.outputs) if name.startswith(("v.", "theta_dot."))]
     joint = names[max(speeds, key=lambda k: moves[k])]
     return SampledPole(float(abs(poles[worst])), float(abs(np.angle(poles[worst])) / (2 * np.pi * period)), joint)
+
+
+class _Plant(NamedTuple):
+    """x after a period is ahead @ x + now @ command + before @ (command of the sample before); x ends in currents."""
+
+    ahead: Array
+    now: Array
+    before: Array
+
+
+def _sampled(robot: Robot, model: LinearModel, period: float) -> _Plant:
+    """The linear plant between samples, exactly, with its motors' current loops and delays."""
+    motors = [drive.motor for drive in robot.drives.values()]
+    lags = {k: TURN * x.bandwidth for k, x in enumerate(motors) if x is not None and x.bandwidth is not None}
+    delays = [0.0 if x is None or x.delay is None else float(x.delay) for x in motors]
+    count, n, lagging = len(model.states), len(motors), [*lags]
+    A, B = np.zeros((count + len(lags),) * 2), np.zeros((count + len(lags), n))
+    A[:count, :count], B[:count] = model.A, model.B
+    # a current is what turns its motor, and follows the command
+    A[:count, count:], B[:count, lagging] = model.B[:, lagging], 0.0
+    rates = np.array([*lags.values()], float)
+    A[count:, count:], B[range(count, len(A)), lagging] = -np.diag(rates), rates
+
+    def moved(time: float) -> tuple[Array, Array]:
+        both = np.asarray(expm(np.block([[A, B], [np.zeros((n, len(A) + n))]]) * time), np.float64)
+        return both[: len(A), : len(A)], both[: len(A), len(A) :]
+
+    ahead, whole = moved(period)
+    now = np.stack([moved(period - delay)[1][:, k] for k, delay in enumerate(delays)], axis=1)
+    return _Plant(ahead, now, whole - now)
 
 
 def small_signal(robot: Robot, law: Any, q: ArrayLike, period: float) -> SmallSignal:

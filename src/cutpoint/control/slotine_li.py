@@ -37,14 +37,11 @@ class SlotineLi(RigidLaw):
         return [*self.robot.inertial_parameters]
 
     def step(self, memory: Any, measurement: Measurement, reference: Reference) -> tuple[Any, Command]:
-        q, v, q_d, v_d = self.seen(measurement, reference)
-        v_r = v_d + self.position_gain * (q_d - q)
-        a_r = reference.a + self.position_gain * (v_d - v)
+        q, v, v_r, a_r, s = self.required_motion(self.position_gain, measurement, reference)
         system = self.robot.machine_with(self.parameters).system
         Y = required_torque_regressor(system, [*q], [*v], [*v_r], [*a_r])
         rotors = required_rotor_torques(system, [*q], [*v], [*v_r], [*a_r])
         tau = [sum((y * p for y, p in zip(row, memory, strict=True)), x) for row, x in zip(Y, rotors, strict=True)]
-        s = v_r - v
         torque = np.array(tau) + np.array(self.friction(v_r, tau)) + self.speed_gain * s
         power = [sum((y * x for y, x in zip(column, s, strict=True)), 0) for column in zip(*Y, strict=True)]
         sizes = [x for body in self.robot.machine.system.segments for x in nominal_sizes(parameters_of(body.inertia))]

@@ -11,7 +11,6 @@ import numpy as np
 from cutpoint.control.gains import gains
 from cutpoint.control.interface import Command, Measurement, Reference
 from cutpoint.control.rigid_law import RigidLaw
-from cutpoint.control.robust import required_effort
 from cutpoint.scalars import absolute, sqrt, where
 
 
@@ -38,7 +37,7 @@ class SuperTwisting(RigidLaw):
         return [0.0] * self.size
 
     def step(self, memory: Any, measurement: Measurement, reference: Reference) -> tuple[Any, Command]:
-        s, tau = required_effort(self, measurement, reference)
+        s, tau = self.required_effort(self.position_gain, measurement, reference)
         sign = np.array([where(x < 0, -1.0, where(x > 0, 1.0, 0.0)) for x in s])
         root = np.array([sqrt(absolute(x)) for x in s])
         torque = tau + self.speed_gain * s + self.root_gain * root * sign + np.array(memory)

@@ -20,10 +20,19 @@ from cutpoint.control.super_twisting import SuperTwisting
 from cutpoint.control.vdc import VDC
 from cutpoint.door import check_kind, checked_array, positive
 from cutpoint.errors import InputError, unknown_name
-from cutpoint.model.limits import limits_in_force
+from cutpoint.model.drive import Drive
+from cutpoint.model.limits import efforts_in_force
 from cutpoint.robot import Robot
 
 Array = NDArray[np.float64]
+
+
+SWING = 0.1
+"""rad, m: of a motion as fast as the bandwidth, for the friction that it meets."""
+
+
+STOPPED = 1.0
+"""Nepers a second: what grows more slowly is stopped by friction, which the linear plant lacks."""
 
 
 class Wanted(NamedTuple):
@@ -96,9 +105,9 @@ def tune(
     (q_d - q) are critically damped, with Lambda = 2 pi bandwidth; damping is for the others.  options go to the law.
 
     Raises:
-        InputError: the gains do not hold at q: the linear plant with all its springs, sampled every control_period (s),
-            has a pole that grows; it says which joint swings, and how fast.  A law that jumps at rest is not tested.
-            Or a joint, such as a floating base, has no motor.
+        InputError: the gains do not hold at q: the linear plant with all its springs and motors, sampled every
+            control_period (s), has a pole that grows; it says which joint swings, and how fast.  A law that jumps at
+            rest is not tested.  Or a joint, such as a floating base, has no motor.
     """
     names = [x.__name__ for x in RECIPES]
     check_kind("tune", "robot", robot, Robot, "a Robot (cutpoint.load reads files)")
@@ -116,13 +125,19 @@ def tune(
 
 
 def check_holds(robot: Robot, law: Any, q: ArrayLike, period: float) -> None:
-    """Raises InputError if the law cannot hold the robot at q when it acts every period (s): see `slowest_pole`."""
-    worst = slowest_pole(robot, law, q, period)
-    if worst.size > 1 + 1e-9:
-        growth = np.log(worst.size) / period
+    """Raises InputError if the law cannot hold the robot at q when it acts every period (s): see `slowest_pole`.
+
+    Where all drives have friction, it may leave what grows more slowly than STOPPED to that.
+    """
+    worst, drives = slowest_pole(robot, law, q, period), robot.drives.values()
+    rubs = all(drive.link_friction or drive.motor_friction for drive in drives)
+    growth = np.log(worst.size) / period
+    if worst.size > 1 + 1e-9 and growth > STOPPED * rubs:
         what = f"{worst.joint!r} would swing at {worst.frequency:.1f} Hz and grow by {growth:.3g} nepers a second"
-        remedy = "ask for another bandwidth, a shorter control_period, or give the springs damping"
-        name = type(law).__name__
+        bends = any(drive.is_elastic for drive in drives)
+        remedies = ["ask for another bandwidth", "a shorter control_period"]
+        remedies += ["or give the springs damping"] * bends + ["or take a wider width="] * hasattr(law, "width")
+        name, remedy = type(law).__name__, ", ".join(remedies)
         raise InputError(f"{name} does not hold at this pose: {what}; {remedy}", joint=worst.joint, pole=worst)
 
 
@@ -135,11 +150,21 @@ def _wanted(robot: Robot, q: Array, omega: float, damping: float, period: float)
 
 
 def _missed(w: Wanted) -> Array:
-    """N m that a model may miss: a tenth of what gravity asks, and sliding friction."""
-    friction = np.abs(w.robot.friction_torques(np.full(w.robot.nv, w.omega)))[[d.v for d in w.robot.machine.drives]]
-    return 0.1 * np.abs(w.weight).max() * w.whole / w.whole.max() + 0.5 * friction + 1e-3
+    """N m that a model may miss: a tenth of what gravity asks of joints of a kind, and half of what friction takes."""
+    sliding = w.robot.mechanism.sliding
+    slides = np.array([name in sliding for name in w.robot.drives], bool)
+    weight: Array = np.zeros(len(w.whole))
+    for kind in (slides, ~slides):
+        weight[kind] = np.abs(w.weight[kind]).max(initial=0.0) * w.whole[kind] / w.whole[kind].max(initial=1e-12)
+    return 0.1 * weight + 0.5 * np.array([_friction(drive, w.omega) for drive in w.robot.drives.values()]) + 1e-3
+
+
+def _friction(drive: Drive, omega: float) -> float:
+    """N m at the joint, on both sides, at the speed of a swing of SWING at omega."""
+    laws = [law for law in (drive.link_friction, drive.motor_friction) if law is not None]
+    return sum(abs(float(law.torque(SWING * omega))) for law in laws)
 
 
 def _limits(robot: Robot) -> Array:
     """Torque limits of joints and drives, N m; large where there is none."""
-    return np.array([min(each.effort, 1e9) for each in limits_in_force(robot.mechanism, robot.drives).values()])
+    return np.minimum(efforts_in_force(robot.mechanism, robot.drives), 1e9)

@@ -11,15 +11,12 @@ import numpy as np
 
 from cutpoint.control import command_filter
 from cutpoint.control.gains import gain_matrices, gains
-from cutpoint.control.interface import Command, Measurement, Reference
+from cutpoint.control.interface import SENSED, Command, Measurement, Reference
 from cutpoint.control.joint_law import JointGains, RequiredTorque, joint_command
-from cutpoint.control.model_law import ModelLaw
+from cutpoint.control.model_law import ModelLaw, check_no_full_coupling, drive_states
 from cutpoint.definitions import Machine
 from cutpoint.errors import InputError
-from cutpoint.mechanics.elastic_forward import DriveState
-from cutpoint.mechanics.harmonic_drive import (
-    friction_torque,
-)
+from cutpoint.mechanics.harmonic_drive import friction_torque
 from cutpoint.mechanics.inverse_dynamics import quasi_rigid, required_efforts
 from cutpoint.mechanics.link_motion import link_motion, torques_on_links
 from cutpoint.scalars import Jet
@@ -82,15 +79,13 @@ class VDC(ModelLaw):
         if self.derivatives == "model" and 0 < len(rigid) < len(drives):
             why = f"the drive of {rigid[0]!r} is rigid, so no deflection tells what accelerates its link"
             raise InputError(f"{law}: {why}; take derivatives='filter'", joint=rigid[0])
-        full = [name for name, x in drives if x.is_elastic and x.rotor is not None and x.rotor.coupling == "full"]
-        if self.derivatives == "model" and full:
-            why = f"the rotor of {full[0]!r} has full coupling, so links feel more than their springs"
-            raise InputError(f"{law}: {why}; take derivatives='filter'", joint=full[0])
+        if self.derivatives == "model":
+            check_no_full_coupling(law, self.robot, "derivatives='filter'")
 
     @property
     def needs(self) -> tuple[str, ...]:
         """What it must be told by sensors."""
-        return ("q", "v", "theta", "theta_dot") if self._bends else ("q", "v")
+        return SENSED if self._bends else ("q", "v")
 
     @property
     def _bends(self) -> bool:
@@ -107,7 +102,7 @@ class VDC(ModelLaw):
     def step(self, memory: Any, measurement: Measurement, reference: Reference) -> tuple[Any, Command]:
         memory, v_r, tau_r = self.required(memory, measurement, reference)
         m, drives = measurement, self.machine.drives
-        states = [DriveState(*x) for x in zip(m.q, m.v, m.theta, m.theta_dot, strict=True)]
+        states = drive_states(m.q, m.v, m.theta, m.theta_dot)
         joint_gains = map(JointGains, self.speed_gain, self.motor_gain, self.spring_gain)
         subsystems = zip(drives, states, reference.q, v_r, tau_r, joint_gains, strict=True)
         told = [joint_command(d.drive, *subsystem) for d, *subsystem in subsystems]

@@ -4,7 +4,7 @@ from typing import Any
 
 import numpy as np
 
-from cutpoint.formats.catalogue_friction import RPM, InputFriction
+from cutpoint.formats.catalogue_friction import RPM, InputFriction, times
 from cutpoint.formats.catalogue_sheets import CatalogueGear
 from cutpoint.mechanics.catalogue import CatalogueSpring
 
@@ -71,8 +71,8 @@ def _kinematic_error(arc_minutes: float) -> dict[str, float]:
 def _friction(gear: CatalogueGear, friction: InputFriction) -> dict[str, Any] | None:
     """At the joint: dry torque times ratio, viscous friction times its square; a motor's own adds to the gear's."""
     law = {
-        "coulomb": _times(_sum(friction.dry, gear.motor and gear.motor.coulomb), gear.ratio),
-        "viscous": _times(_sum(friction.slope, gear.motor and gear.motor.viscous), gear.ratio**2),
+        "coulomb": times(_sum(friction.dry, gear.motor and gear.motor.coulomb), gear.ratio),
+        "viscous": times(_sum(friction.slope, gear.motor and gear.motor.viscous), gear.ratio**2),
         "per_load": friction.per_load,
     }
     return {"motor": stated} if (stated := _stated(law)) else None
@@ -116,10 +116,6 @@ def _ratings(gear: CatalogueGear) -> dict[str, float] | None:
 
 def _sum(known: float | None, more: float | None) -> float | None:
     return (known or 0.0) + more if more else known
-
-
-def _times(value: float | None, factor: float) -> float | None:
-    return None if value is None else factor * value
 
 
 def _rounded(value: Any) -> Any:

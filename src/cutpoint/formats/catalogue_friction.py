@@ -37,7 +37,7 @@ def input_friction(gear: CatalogueGear, named: Callable[[str], CatalogueGear]) -
     if gear.friction is None:
         return own
     other, scale = input_friction(named(gear.friction.like), named), gear.friction.scale
-    theirs = {"dry": _times(other.dry, scale), "slope": _times(other.slope, scale), "per_load": other.per_load}
+    theirs = {"dry": times(other.dry, scale), "slope": times(other.slope, scale), "per_load": other.per_load}
     taken = {name: value for name, value in theirs.items() if getattr(own, name) is None and value is not None}
     known = {name: getattr(own, name) for name in theirs if name not in taken}
     return InputFriction(**known, **taken, estimated=tuple(taken))
@@ -49,8 +49,9 @@ def efficiency(friction: InputFriction, ratio: float, speed: float, torque: floa
     return torque / (torque * (1 + (friction.per_load or 0.0)) + without_load)
 
 
-def _times(value: float | None, scale: float) -> float | None:
-    return None if value is None else scale * value
+def times(value: float | None, factor: float) -> float | None:
+    """None, which is not known, stays that."""
+    return None if value is None else factor * value
 
 
 def _from_running(gear: CatalogueGear) -> InputFriction:

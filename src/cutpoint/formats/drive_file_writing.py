@@ -5,6 +5,7 @@ from dataclasses import replace
 
 import numpy as np
 
+from cutpoint.formats.drive_words import is_smooth
 from cutpoint.formats.drives import dump_drives
 from cutpoint.formats.safe_yaml import YamlPath, parse_yaml
 from cutpoint.mechanics.hysteresis import MaxwellSlip
@@ -35,16 +36,11 @@ def remarked_drives(
 
 def worded(drive: Drive) -> tuple[Drive, tuple[str, ...]]:
     """The nearest drive that a drive file has words for, and what was changed for them."""
-    if not isinstance(drive.hysteresis, MaxwellSlip) or _is_smooth(drive.hysteresis):
+    if not isinstance(drive.hysteresis, MaxwellSlip) or is_smooth(drive.hysteresis):
         return drive, ()
     alike = f"{ELEMENTS} whose wide loops have the same width and area"
     note = f"hysteresis of {len(drive.hysteresis.reach)} elements written as {alike}"
     return replace(drive, hysteresis=_smoothed(drive.hysteresis)), (note,)
-
-
-def _is_smooth(law: MaxwellSlip) -> bool:
-    alike = MaxwellSlip.smooth(float(law.friction), law.reach[-1], len(law.reach))
-    return np.allclose([*alike.stiffness, *alike.reach], [*law.stiffness, *law.reach], rtol=1e-12, atol=0.0)
 
 
 def _smoothed(law: MaxwellSlip) -> MaxwellSlip:

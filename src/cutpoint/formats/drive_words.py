@@ -62,12 +62,16 @@ def _hysteresis_entry(law: Any, spring: Compliance | None) -> dict[str, Any] | N
     """Only elements that follow `MaxwellSlip.smooth` have words."""
     if law is None:
         return None
-    if isinstance(law, MaxwellSlip) and spring is not None and len(law.reach) <= MOST_ELEMENTS:
-        elements, reach = len(law.reach), law.reach[-1]
-        alike = MaxwellSlip.smooth(float(law.friction), reach, elements)
-        if np.allclose([*alike.stiffness, *alike.reach], [*law.stiffness, *law.reach], rtol=1e-12, atol=0.0):
-            return {"loss": float(loss_of(law, spring)), "reach": float(reach), "elements": float(elements)}
+    if isinstance(law, MaxwellSlip) and spring is not None and len(law.reach) <= MOST_ELEMENTS and is_smooth(law):
+        loss, reach, elements = loss_of(law, spring), law.reach[-1], len(law.reach)
+        return {"loss": float(loss), "reach": float(reach), "elements": float(elements)}
     raise InputError(f"a drive file has no words for {law!r}", law=law)
+
+
+def is_smooth(law: MaxwellSlip) -> bool:
+    """Whether its elements follow `MaxwellSlip.smooth`."""
+    alike = MaxwellSlip.smooth(float(law.friction), law.reach[-1], len(law.reach))
+    return np.allclose([*alike.stiffness, *alike.reach], [*law.stiffness, *law.reach], rtol=1e-12, atol=0.0)
 
 
 def _error_entry(error: Any) -> dict[str, Any] | None:

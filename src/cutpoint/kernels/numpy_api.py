@@ -5,12 +5,14 @@ NumPy 1.7; machine code reads them only where `arrays_are_as_expected`.
 """
 
 import ctypes
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from functools import cache
 from importlib import import_module
 from typing import Any
 
 import numpy as np
+
+from cutpoint.kernels.ports import Port
 
 DOUBLE = 12
 """The number of float64 among NumPy's types."""
@@ -29,15 +31,32 @@ _VERSIONS = (0x01000009, 0x02000000)
 """Of the ABI: NumPy 1 and NumPy 2."""
 _GET_VERSION, _SCALAR, _NEW = 0, 60, 93
 _FROM_FUNC_AND_DATA_AND_SIGNATURE = 31
+_NO_IDENTITY = -1
 
 
-def new_gufunc(*arguments: Any) -> Callable[..., Any]:
-    """A ufunc of functions, data, types, how many, inputs, outputs, identity, name, documentation, 0, signature."""
+def new_gufunc(
+    loop: int, data: int | None, dtype: np.dtype[Any], inputs: Sequence[Port], outputs: Sequence[Port], name: str
+) -> tuple[Callable[..., Any], Any]:
+    """A generalised ufunc over a loop in machine code, and the tables that it points to: keep them as long as it.
+
+    loop, data: the addresses of the loop and of what NumPy hands to it.  dtype: of all arrays.
+    """
     pointer, text, number = ctypes.c_void_p, ctypes.c_char_p, ctypes.c_int
     prototype = ctypes.PYFUNCTYPE(
         ctypes.py_object, pointer, pointer, text, number, number, number, number, text, text, number, text
     )
-    return prototype(_table("umath", "_UFUNC_API")[_FROM_FUNC_AND_DATA_AND_SIGNATURE])(*arguments)
+    make = prototype(_table("umath", "_UFUNC_API")[_FROM_FUNC_AND_DATA_AND_SIGNATURE])
+    types, signature = bytes([dtype.num] * (len(inputs) + len(outputs))), _signature(inputs, outputs).encode()
+    tables = (pointer * 1)(loop), (pointer * 1)(data), types
+    named = name.encode()
+    made = make(*tables, 1, len(inputs), len(outputs), _NO_IDENTITY, named, b"", 0, signature)
+    return made, (*tables, named, signature)
+
+
+def _signature(inputs: Sequence[Port], outputs: Sequence[Port]) -> str:
+    """NumPy's text of core dimensions, all of them frozen: (6),(3,4)->()."""
+    left, right = (",".join(f"({','.join(map(str, p.shape))})" for p in ports) for ports in (inputs, outputs))
+    return f"{left}->{right}"
 
 
 @cache

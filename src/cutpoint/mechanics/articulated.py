@@ -6,7 +6,7 @@ from typing import Any
 
 from cutpoint.mechanics.joints import TURN_X, TURN_Y, TURN_Z, Axis, X, Y, Z, dot
 from cutpoint.mechanics.spatial import Inertia, Mat3, Motion, Pose, Vec3, Wrench
-from cutpoint.scalars import Scalar
+from cutpoint.scalars import Scalar, is_plain_zero
 
 UNIT_AXES: list[Axis] = [X, Y, Z, TURN_X, TURN_Y, TURN_Z]
 
@@ -107,10 +107,6 @@ def accelerations(steps: list[Yield], A: Motion) -> list[Scalar]:
     a, found = [*A], []
     for step in reversed(steps):
         own = step.own - dot(step.share, a)
-        a = [x + z * own if not _is_zero(z) else x for x, z in zip(a, step.axis, strict=True)]
+        a = [x + z * own if not is_plain_zero(z) else x for x, z in zip(a, step.axis, strict=True)]
         found.append(own)
     return found[::-1]
-
-
-def _is_zero(x: Scalar) -> bool:
-    return isinstance(x, int) and x == 0

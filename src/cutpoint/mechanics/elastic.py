@@ -23,7 +23,7 @@ from cutpoint.mechanics.strains import UNKNOWN, Strains, strain_energy
 from cutpoint.mechanics.system import System
 from cutpoint.model.drive import Drive
 from cutpoint.model.mechanism import WORLD
-from cutpoint.scalars import Jet, Scalar, where
+from cutpoint.scalars import Jet, Scalar, value_of, where
 
 Scalars = Sequence[Scalar]
 
@@ -94,9 +94,8 @@ def elastic_inverse_dynamics(
     tau: list[Jet] = [_as_jet(x) for x in rotor_efforts(system, moved, a)]
     # inward: each joint's torque, the motor motion it takes, and what rotor and body cost the carrier
     for i, segment in reversed([*enumerate(system.segments)]):
-        gain = segment.follower.multiplier if segment.follower else 1
         for k, effort in enumerate(segment.joint.effort(F[i]), segment.v.start):
-            tau[k] = tau[k] + gain * effort
+            tau[k] = tau[k] + segment.gain * effort
         if i in whole_at:
             driven = whole_at[i]
             held = strained[driven.segment]
@@ -185,7 +184,7 @@ def motor_torque(
     if drive.compliance is not None:
         torque = torque + drive.reflected_inertia * theta.derivative(2)
     if spin:
-        torque = torque + _as_jet(spin.torque(moved[spin.carrier].A.angular)).derivative(0)
+        torque = torque + value_of(spin.torque(moved[spin.carrier].A.angular))
     return torque
 
 

@@ -8,7 +8,7 @@ from dataclasses import replace
 from typing import Any, NamedTuple
 
 from cutpoint.mechanics.elastic import Driven
-from cutpoint.mechanics.forward_dynamics import give_way, is_shallow, through_mass_matrix
+from cutpoint.mechanics.forward_dynamics import articulated_accelerations, is_shallow, through_mass_matrix
 from cutpoint.mechanics.harmonic_drive import (
     friction_torque,
     load_on_motor,
@@ -110,7 +110,8 @@ def driven_accelerations(
     solves = system.has_followers or (system.nv == len(drives) and is_shallow(system))
     if any(spin.elastic for spin in system.spins) or not solves:
         motors = zip(drives, efforts, theta_dot, strict=True)
-        a, A = give_way(system, q, v, tau, {}, {d.segment: (e.left, w) for d, e, w in motors if d.drive.is_elastic})
+        rotors = {d.segment: (e.left, w) for d, e, w in motors if d.drive.is_elastic}
+        a, A = articulated_accelerations(system, q, v, tau, {}, rotors)
     else:
         a, A = through_mass_matrix(system, q, v, tau), []
     alpha = {

@@ -8,14 +8,14 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 
 from cutpoint.mechanics.articulated import NO_ROTOR, Articulated, FeltRotor, Yield, accelerations
-from cutpoint.mechanics.inverse_dynamics import inverse_dynamics
+from cutpoint.mechanics.inverse_dynamics import handed_on, inverse_dynamics
 from cutpoint.mechanics.mass_matrix import mass_matrix
 from cutpoint.mechanics.rigid_body import acceleration_gradient, net_wrench
 from cutpoint.mechanics.rotors import Spin
 from cutpoint.mechanics.spatial import NO_ROTATION, STILL, ZERO, Mat3, Motion, Pose, Wrench
 from cutpoint.mechanics.system import Segment, System
 from cutpoint.model.mechanism import WORLD
-from cutpoint.scalars import Scalar
+from cutpoint.scalars import Scalar, is_plain_zero
 
 Scalars = Sequence[Scalar]
 
@@ -65,7 +65,7 @@ def forward_dynamics(
     rigid = replace(system, spins=tuple(spin for spin in system.spins if not spin.elastic))
     if is_shallow(rigid):
         return through_mass_matrix(rigid, q, v, tau, contact)
-    return give_way(rigid, q, v, tau, contact or {}, {})[0]
+    return articulated_accelerations(rigid, q, v, tau, contact or {}, {})[0]
 
 
 def is_shallow(system: System) -> bool:
@@ -76,7 +76,7 @@ def is_shallow(system: System) -> bool:
     return sum(carrying) <= FEW * len(carrying) and all(len(body.joint.axes) == 1 for body in system.segments)
 
 
-def give_way(
+def articulated_accelerations(
     system: System,
     q: Scalars,
     v: Scalars,
@@ -95,10 +95,8 @@ def give_way(
         V_p, U_p = (STILL, NO_ROTATION) if body.parent == WORLD else (bodies[body.parent].V, bodies[body.parent].U)
         X = body.placement @ body.joint.pose(body.coordinates(q))
         bodies.append(prepare(body, X, V_p, U_p, v))
-    for name, F_e in contact.items():
-        place = system.frames[name]
-        if place.body != WORLD:
-            bodies[place.body].P = bodies[place.body].P + place.pose.inward(F_e)
+    for i, F_e in handed_on(system, contact):
+        bodies[i].P = bodies[i].P + F_e
     for spin in system.spins:
         _let_spin(spin, system, bodies[spin.carrier], v, rotors)
     # inward: what a body and all it carries still resist once its joint gives way
@@ -125,7 +123,7 @@ def felt_rotors(system: System) -> list[list[FeltRotor]]:
     """Rigidly geared rotors as each segment's axes feel them."""
     couplings = {spin.joint: spin.geared for spin in system.spins if not spin.elastic}
     return [
-        [NO_ROTOR if _is_nothing(I_m) else FeltRotor(I_m, couplings.get(i, 0)) for I_m in system.armature[body.v]]
+        [NO_ROTOR if is_plain_zero(I_m) else FeltRotor(I_m, couplings.get(i, 0)) for I_m in system.armature[body.v]]
         for i, body in enumerate(system.segments)
     ]
 
@@ -141,10 +139,6 @@ def _let_spin(
     carrier.M = carrier.M + Articulated.about(spin.axis, -spin.inertia)
     pushed = Wrench(ZERO, spin.axis * (torque * spin.inertia / spin.geared))
     carrier.P = carrier.P + spin.reaction(carrier.V.angular, speed, 0) + pushed
-
-
-def _is_nothing(x: Scalar) -> bool:
-    return isinstance(x, int) and x == 0
 
 
 def through_mass_matrix(

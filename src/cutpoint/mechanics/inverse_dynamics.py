@@ -4,7 +4,7 @@ A segment offers its steps: how it moves given how its parent moves, and what it
 recursion calls them outward and inward, and nothing else.
 """
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 
 from cutpoint.mechanics.rigid_body import acceleration_gradient, net_wrench
@@ -73,16 +73,21 @@ def bear(system: System, X: Sequence[Pose], F: Sequence[Wrench], contact: Mappin
     Xia (2019) eqs. (9), (11), (44)-(46), (51)-(53).
     """
     F = [*F]
-    # at the contacts: what a body hands on to the environment, it must receive
-    for name, F_e in contact.items():
-        place = system.frames[name]
-        if place.body != WORLD:
-            F[place.body] = F[place.body] + place.pose.inward(F_e)
+    for i, F_e in handed_on(system, contact):
+        F[i] = F[i] + F_e
     # inward: each body also bears its children
     for i, body in reversed([*enumerate(system.segments)]):
         if body.parent != WORLD:
             F[body.parent] = F[body.parent] + X[i].inward(F[i])
     return F
+
+
+def handed_on(system: System, contact: Mapping[str, Wrench]) -> Iterator[tuple[int, Wrench]]:
+    """What each body hands on to the environment, and so must receive: the body's index, the wrench in its frame."""
+    for name, F_e in contact.items():
+        place = system.frames[name]
+        if place.body != WORLD:
+            yield place.body, place.pose.inward(F_e)
 
 
 def net_wrenches(
@@ -104,9 +109,8 @@ def joint_efforts(system: System, F: Sequence[Wrench]) -> list[Scalar]:
     """z^T F at each joint.  Xia (2019) eq. (21)."""
     tau: list[Scalar] = [0] * system.nv
     for body, F_i in zip(system.segments, F, strict=True):
-        gain = body.follower.multiplier if body.follower else 1
         for k, effort in enumerate(body.joint.effort(F_i), body.v.start):
-            tau[k] = tau[k] + gain * effort
+            tau[k] = tau[k] + body.gain * effort
     return tau
 
 

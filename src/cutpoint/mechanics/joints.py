@@ -20,7 +20,7 @@ from cutpoint.mechanics.rotations import (
 )
 from cutpoint.mechanics.spatial import IDENTITY, ZERO, Motion, Pose, Vec3, Wrench
 from cutpoint.mechanics.turning import about_z, turned
-from cutpoint.scalars import Scalar
+from cutpoint.scalars import Scalar, is_plain_zero
 
 Scalars = Sequence[Scalar]
 Axis = tuple[Scalar, ...]
@@ -185,5 +185,5 @@ class Floating(JointKind):
 
 def dot(a: Scalars, b: Scalars) -> Scalar:
     """Sum of products; a factor that is a plain 0 leaves no trace of the other, whatever it is."""
-    terms = [x * y for x, y in zip(a, b, strict=True) if not (isinstance(x, int) and x == 0)]
+    terms = [x * y for x, y in zip(a, b, strict=True) if not is_plain_zero(x)]
     return sum(terms[1:], terms[0]) if terms else 0

@@ -37,11 +37,7 @@ def jacobian(system: System, q: Scalars, frame: str, expressed_in: ExpressedIn =
     X, poses = place.pose, joint_poses(system, q)
     # inward: what each joint's own motion means at the frame
     for i in reversed(system.chain_to(place.body)):
-        body = system.segments[i]
-        gain = body.follower.multiplier if body.follower else 1
-        for k in range(len(body.joint.axes)):
-            v = body.v.start + k
-            z = body.joint.motion([gain * int(j == k) for j in range(len(body.joint.axes))])
+        for v, z in system.segments[i].columns():
             columns[v] = columns[v] + X.outward(z)
         X = poses[i] @ X
     return [_expressed(column, X, expressed_in) for column in columns]
@@ -79,10 +75,7 @@ def velocity_columns(system: System, X: Sequence[Pose]) -> list[dict[int, Motion
     for segment, X_i in zip(system.segments, X, strict=True):
         carried = {} if segment.parent == WORLD else columns[segment.parent]
         own = {j: X_i.outward(V) for j, V in carried.items()}
-        gain = segment.follower.multiplier if segment.follower else 1
-        for k in range(len(segment.joint.axes)):
-            z = segment.joint.motion([gain * int(j == k) for j in range(len(segment.joint.axes))])
-            j = segment.v.start + k
+        for j, z in segment.columns():
             own[j] = own[j] + z if j in own else z
         columns.append(own)
     return columns

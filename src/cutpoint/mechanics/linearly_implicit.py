@@ -2,7 +2,7 @@
 
 Friction and the spring's damping change with speed by D (N m s/rad), which may be faster than any step.  A stage of a
 step h asks for the acceleration k of  J k = effort - D (gamma h k + what earlier stages add to the speed): D adds to
-inertia, and is found once, where the step starts; see `simulation.integrator`.  All quantities at the joint's side.
+inertia, and is found once, where the step starts; see `simulation.step`.  All quantities at the joint's side.
 """
 
 from typing import Any, NamedTuple

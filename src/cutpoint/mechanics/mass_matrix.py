@@ -41,20 +41,16 @@ def _add_spins(system: System, X: list[Pose], M: list[list[Scalar]]) -> None:
 def _add_row(system: System, X: list[Pose], composite: Inertia, i: int, M: list[list[Scalar]]) -> None:
     """What accelerating joint i alone costs it and every joint that carries it."""
     body = system.segments[i]
-    gain = body.follower.multiplier if body.follower else 1
-    for k in range(len(body.joint.axes)):
-        v = body.v.start + k
-        F = composite * body.joint.motion([gain * int(j == k) for j in range(len(body.joint.axes))])
-        carrier = i
+    for v, z in body.columns():
+        F, carrier = composite * z, i
         while carrier != WORLD:
             own = system.segments[carrier]
-            felt = own.follower.multiplier if own.follower else 1
             for j, effort in enumerate(own.joint.effort(F), own.v.start):
                 if carrier == i and j > v:
                     continue  # a floating joint's own pairs: once each, so that M is symmetric to the last bit
-                M[v][j] = M[v][j] + felt * effort
+                M[v][j] = M[v][j] + own.gain * effort
                 if carrier != i or j < v:
-                    M[j][v] = M[j][v] + felt * effort
+                    M[j][v] = M[j][v] + own.gain * effort
             F, carrier = X[carrier].inward(F), own.parent
 
 

@@ -93,7 +93,8 @@ class ElastoPlastic(Presliding):
     """Elastic up to a share of the breakaway strain, then more and more sliding.  Dupont et al. (2002).
 
     Within Dupont's family, ds/dt = speed (1 - alpha sgn(speed) s / s_b), alpha is such that sliding sets in in
-    proportion to the strain beyond elastic * s_b, which has a closed form.  Loads below that share are held for ever.
+    proportion to the strain beyond elastic * s_b, which has a closed form.  Loads below that share are held without
+    creep.
     elastic: the share, at least 0 and below 1.
     """
 

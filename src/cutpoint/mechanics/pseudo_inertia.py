@@ -1,22 +1,39 @@
-"""A body's ten inertial parameters as one matrix, which is positive semidefinite for every body that can exist."""
+"""A body's mass as one matrix, the sum of x x^T dm over its points x = (r, 1): second moment, first moment and mass.
+
+It is positive semidefinite for every body that can exist, and positive definite for every body that has volume.
+Wensing, Kim and Slotine (2018).
+"""
 
 from collections.abc import Sequence
 
+import numpy as np
+
 from cutpoint.mechanics.rigid_body import inertia_of, parameters_of
 from cutpoint.mechanics.spatial import Inertia, Mat3, Vec3
+from cutpoint.model.mechanism import Array, Body
 from cutpoint.scalars import Scalar, sqrt
 
 Matrix = list[list[Scalar]]
 
 
 def pseudo_inertia(p: Sequence[Scalar]) -> Matrix:
-    """[sum of r r^T dm, h; h^T, m] of ten inertial parameters: positive definite for every body that has volume.
+    """4 x 4, of ten inertial parameters, in the order of `body_regressor`."""
+    return pseudo_inertia_of(inertia_of(p))
 
-    Wensing, Kim and Slotine (2018).
-    """
-    M = inertia_of(p)
+
+def pseudo_inertia_of(M: Inertia) -> Matrix:
+    """4 x 4, about the frame that the inertia is about."""
     rows = [[*row, h] for row, h in zip(M.second_moment, M.first_moment, strict=True)]
     return [*rows, [*M.first_moment, M.mass]]
+
+
+def pseudo_inertia_of_body(body: Body) -> Array:
+    """(4, 4), about the body's own frame; kg m2, kg m, kg."""
+    com, P = body.com, np.empty((4, 4))
+    P[:3, :3] = np.trace(body.inertia) / 2 * np.eye(3) - body.inertia + body.mass * np.outer(com, com)
+    P[:3, 3] = P[3, :3] = body.mass * com
+    P[3, 3] = body.mass
+    return P
 
 
 def parameters_of_pseudo_inertia(L: Matrix) -> list[Scalar]:

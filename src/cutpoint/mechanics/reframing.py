@@ -24,7 +24,8 @@ from cutpoint.mechanics.operation_costs import (
     within_quarter,
 )
 from cutpoint.mechanics.placements import NEGLIGIBLE, about_z, inverse, joined, shift
-from cutpoint.mechanics.regrouping import pseudo_inertia, regrouped, transformed, without_unmoved
+from cutpoint.mechanics.pseudo_inertia import pseudo_inertia_of_body
+from cutpoint.mechanics.regrouping import regrouped, transformed, without_unmoved
 from cutpoint.mechanics.spatial import Pose
 from cutpoint.model.mechanism import WORLD, Array, Body
 from cutpoint.scalars import Scalar
@@ -98,7 +99,8 @@ class _Tree:
         for i, body in enumerate(bodies):
             if body.parent != WORLD:
                 self.children[body.parent].append(i)
-        self.own = [transformed(inverse(turn), pseudo_inertia(body)) for body, turn in zip(bodies, turns, strict=True)]
+        given = map(pseudo_inertia_of_body, bodies)
+        self.own = [transformed(inverse(turn), P) for turn, P in zip(turns, given, strict=True)]
         self.inertias = regrouped(bodies, self.own, self.edges)
         self.reach = max((float(np.linalg.norm(T[:3, 3])) for T in self.edges), default=0.0)
 
@@ -114,7 +116,8 @@ class _Tree:
     def settle(self, i: int, candidates: Sequence[Array], position: Callable[[Array], float]) -> None:
         """Takes the move with the least cost; the first of equals."""
         costs: list[float] = []
-        for self.moves[i] in candidates:
+        for move in candidates:
+            self.moves[i] = move
             costs.append(self._cost(i, position))
         self.moves[i] = candidates[int(np.argmin(costs))]
 
@@ -178,7 +181,8 @@ def _turn_of_world(tree: _Tree, gravity: Array) -> Array:
     roots = [i for i, body in enumerate(tree.bodies) if body.parent == WORLD and body.joint.kind != "prismatic"]
     candidates = [np.eye(4), *(_rotation_alone(tree.edge(i)) for i in roots)]
     costs: list[float] = []
-    for tree.world in candidates:
+    for world in candidates:
+        tree.world = world
         found = [tree.placed(i) for i in roots]
         turned = sum(rotation_cost(T, True) + (zero != 0.0) for T, zero in found)
         costs.append(turned + 10.0 * np.count_nonzero(fallen(tree.world, gravity)))

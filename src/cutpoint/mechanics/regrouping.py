@@ -1,11 +1,11 @@
 """Base inertial parameters: what of a body's mass the joints cannot tell from its carrier's goes to the carrier.
 
-Gautier and Khalil (1990); Khalil and Dombre (2002) section 9.4.  A body is its pseudo-inertia here, the (4, 4) sum of
-x x^T dm over its points x = (r, 1): second moment, first moment and mass.  A pose T takes it to T P T^T.  A part of P
-made of vectors that the joint's motion leaves where they are, T x = x, is the same wherever the joint stands and takes
-no part in its motion, T' x = 0: both bodies carry it equally well.  For a revolute joint these vectors are its axis'
-direction and origin.  Nothing asks for positive mass.  Torques, energies, momentum and mass matrix stay what they are;
-so do all pivots and columns of the articulated-body recursion, whose inertias differ by these parts alone.
+Gautier and Khalil (1990); Khalil and Dombre (2002) section 9.4.  A body is its `pseudo_inertia` here, the (4, 4) sum
+of x x^T dm over its points x = (r, 1).  A pose T takes it to T P T^T.  A part of P made of vectors that the joint's
+motion leaves where they are, T x = x, is the same wherever the joint stands and takes no part in its motion, T' x = 0:
+both bodies carry it equally well.  For a revolute joint these vectors are its axis' direction and origin.  Nothing asks
+for positive mass.  Torques, energies, momentum and mass matrix stay what they are; so do all pivots and columns of the
+articulated-body recursion, whose inertias differ by these parts alone.
 """
 
 from collections.abc import Sequence
@@ -20,15 +20,6 @@ UNMOVED: dict[str, tuple[int, ...]] = {
     "spherical": (3,), "floating": (),
 }  # fmt: skip
 """For each kind, which of the directions x, y, z and the origin (3) of its frame its motion leaves where they are."""
-
-
-def pseudo_inertia(body: Body) -> Array:
-    """(4, 4): second moment, first moment and mass about the body's own frame; kg m2, kg m, kg."""
-    com, P = body.com, np.empty((4, 4))
-    P[:3, :3] = np.trace(body.inertia) / 2 * np.eye(3) - body.inertia + body.mass * np.outer(com, com)
-    P[:3, 3] = P[3, :3] = body.mass * com
-    P[3, 3] = body.mass
-    return P
 
 
 def regrouped(bodies: Sequence[Body], own: Sequence[Array], placements: Sequence[Array]) -> list[Array]:

@@ -54,7 +54,11 @@ def with_unit_length(q: Scalars) -> list[Scalar]:
 
 @dataclass(frozen=True)
 class Exponential:
-    """A finite turn: its quaternion, and how a velocity held meanwhile shifts the origin."""
+    """A finite turn: its quaternion, and how a velocity held meanwhile shifts the origin.
+
+    omega: rad.  a, b: of (omega x) and its square in the map from velocity to shift, 1 + a (omega x) + b (omega x)^2.
+    c: of the square in its inverse, 1 - (omega x) / 2 + c (omega x)^2.
+    """
 
     quaternion: list[Scalar]
     omega: Vec3

@@ -3,7 +3,7 @@
 `assembly.system_of` makes it; no recursion sees an axis again.
 """
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 
 from cutpoint.mechanics.joints import JointKind
@@ -40,6 +40,11 @@ class Segment:
     turn: Mat3
     follower: Follower | None = None
 
+    @property
+    def gain(self) -> Scalar:
+        """Of its own speeds over the robot's: 1 unless it follows a leader."""
+        return self.follower.multiplier if self.follower else 1
+
     def coordinates(self, q: Sequence[Scalar]) -> list[Scalar]:
         """Its own coordinates out of the robot's."""
         own = [*q[self.q]]
@@ -49,6 +54,12 @@ class Segment:
         """Its own speeds (or accelerations) out of the robot's."""
         own = [*v[self.v]]
         return [self.follower.multiplier * own[0]] if self.follower else own
+
+    def columns(self) -> Iterator[tuple[int, Motion]]:
+        """Its joint's motion at unit speed of each of the robot's speeds that drive it, with that speed's place."""
+        axes = range(len(self.joint.axes))
+        for k in axes:
+            yield self.v.start + k, self.joint.motion([self.gain * int(j == k) for j in axes])
 
     def in_own_axes(self, V: Motion) -> Motion:
         """A motion of this frame in the axes of the body as the user knows it."""

@@ -91,7 +91,7 @@ def torque_derivatives(system: System, q: Scalars, v: Scalars, a: Scalars) -> tu
     moved, n = motions(system, q, v, a), system.nv
     X, S = [m.X for m in moved], [body.joint.motion([1]) for body in system.segments]
     F = bear(system, X, net_wrenches(system, moved, v, a), {})
-    u = _origin_velocities(system, moved, q, v)
+    u = _origin_velocities(system, moved, v)
     clouds = _clouds(system, moved, u)
     by_q, by_v = ([rule(m, s) for m, s in zip(moved, S, strict=True)] for rule in (_by_position, _by_speed))
     d_q, d_v, d_a = ([[0] * n for _ in range(n)] for _ in range(3))
@@ -130,7 +130,7 @@ def _by_speed(m: BodyMotion, S: Motion) -> Change:
     return Change(Motion(twice.cross(S.linear), twice.cross(S.angular)), S.angular)
 
 
-def _origin_velocities(system: System, moved: Sequence[BodyMotion], q: Scalars, v: Scalars) -> list[Vec3]:
+def _origin_velocities(system: System, moved: Sequence[BodyMotion], v: Scalars) -> list[Vec3]:
     """Of each body's origin relative to its parent's, along the parent's axes."""
     found: list[Vec3] = []
     for body, m in zip(system.segments, moved, strict=True):

@@ -158,6 +158,21 @@ class Drive:
         return self.compliance is not None
 
     @property
+    def has_current_lag(self) -> bool:
+        """Whether its motor's current follows commands through a loop of stated bandwidth."""
+        return self.motor is not None and self.motor.bandwidth is not None
+
+    @property
+    def has_delay(self) -> bool:
+        """Whether commands reach its motor later by a stated time."""
+        return self.motor is not None and self.motor.delay is not None
+
+    @property
+    def is_coupled(self) -> bool:
+        """Whether its rotor is a body that its carrier turns along: coupling "full"."""
+        return self.rotor is not None and self.rotor.coupling == "full"
+
+    @property
     def reflected_inertia(self) -> Any:
         """Rotor inertia felt at the joint, ratio**2 times its own, kg m2 (kg); 0 without a rotor."""
         return self.ratio * self.ratio * self.rotor.inertia if self.rotor else 0

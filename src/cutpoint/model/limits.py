@@ -3,9 +3,12 @@
 from collections.abc import Mapping
 
 import numpy as np
+from numpy.typing import NDArray
 
 from cutpoint.model.drive import Drive
 from cutpoint.model.mechanism import Limits, Mechanism
+
+Array = NDArray[np.float64]
 
 
 def limits_in_force(mechanism: Mechanism, drives: Mapping[str, Drive]) -> dict[str, Limits]:
@@ -15,6 +18,19 @@ def limits_in_force(mechanism: Mechanism, drives: Mapping[str, Drive]) -> dict[s
     """
     told = {body.joint.name: body.joint.limits for body in mechanism.bodies}
     return {joint: _tighter(told[joint], drive.limits) for joint, drive in drives.items()}
+
+
+def efforts_in_force(mechanism: Mechanism, drives: Mapping[str, Drive]) -> Array:
+    """(n,) N m at the joint: what limits of effort and of current leave each drive, inf where there are none."""
+    stated = [each.effort for each in limits_in_force(mechanism, drives).values()]
+    return np.minimum(stated, [_by_current(drive) for drive in drives.values()])
+
+
+def _by_current(drive: Drive) -> float:
+    motor = drive.motor
+    if motor is None or motor.current_limit is None:
+        return np.inf
+    return abs(float(motor.current_limit * motor.torque_constant * drive.ratio))
 
 
 def _tighter(joint: Limits, drive: Limits) -> Limits:

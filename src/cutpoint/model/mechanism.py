@@ -142,5 +142,10 @@ class Mechanism(Immutable):
     gravity: Array = field(default_factory=lambda: np.array(STANDARD_GRAVITY))
     coupled: bool = False
 
+    @property
+    def sliding(self) -> frozenset[str]:
+        """Names of the joints that slide: what is rad at others is m there, N m is N."""
+        return frozenset(body.joint.name for body in self.bodies if body.joint.kind == "prismatic")
+
     def with_gravity(self, gravity: Array) -> "Mechanism":
         return replace(self, gravity=gravity)

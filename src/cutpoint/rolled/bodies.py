@@ -16,8 +16,8 @@ from cutpoint.mechanics.spatial import IDENTITY, Pose
 from cutpoint.mechanics.system import Place, Segment, System
 from cutpoint.model.mechanism import WORLD
 from cutpoint.rolled.drives import Model, drive_rows, models_of
-from cutpoint.rolled.subsystem import OneAxis, Subsystem, is_nothing, mat3, vec3
-from cutpoint.scalars import Scalar, rebuild, where
+from cutpoint.rolled.subsystem import OneAxis, Subsystem, mat3, vec3
+from cutpoint.scalars import Scalar, is_plain_zero, rebuild, where
 
 Array = np.ndarray
 
@@ -128,8 +128,8 @@ class Columns:
         geared, sprung, J = next(row), next(row), next(row)
         number, last = next(row), next(row)
         own = Segment("", WORLD, pose, joint, inertia, slice(0, 1), slice(0, 1), IDENTITY)
-        spin = None if is_nothing(geared) else Spin(0, 0, axis, 0, geared, False)
-        behind = None if is_nothing(sprung) else Spin(0, 0, axis, J, sprung, True)
+        spin = None if is_plain_zero(geared) else Spin(0, 0, axis, 0, geared, False)
+        behind = None if is_plain_zero(sprung) else Spin(0, 0, axis, J, sprung, True)
         return Subsystem(own, armature, spin, number, last, behind)
 
     def by_drive(self, read: Iterable[Scalar], step: Callable[[Model], list[Scalar]]) -> list[Scalar]:

@@ -74,8 +74,3 @@ def vec3(numbers: Iterator[Scalar]) -> Vec3:
 def mat3(numbers: Iterator[Scalar]) -> Mat3:
     """The next nine numbers, row by row."""
     return Mat3(vec3(numbers), vec3(numbers), vec3(numbers))
-
-
-def is_nothing(x: Scalar) -> bool:
-    """Whether it is known, when traced, to be 0."""
-    return isinstance(x, int) and x == 0

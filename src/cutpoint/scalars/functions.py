@@ -14,6 +14,11 @@ Scalar = Any
 """A number of any kind that offers + - * /; no protocol can say more without naming every kind."""
 
 
+def is_plain_zero(x: Scalar) -> bool:
+    """Whether it is a whole number 0: known to be 0 when traced."""
+    return isinstance(x, int) and x == 0
+
+
 def _apply(name: str, x: Scalar) -> Scalar:
     if isinstance(x, (int, float)):
         return getattr(math, name)(x)

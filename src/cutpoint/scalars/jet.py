@@ -68,10 +68,10 @@ class Jet:
 
     def __rtruediv__(self, other: Any) -> "Jet": return self._lift(other) / self
 
-    def __lt__(self, other: Any) -> Any: return self.derivatives[0] < _value(other)
-    def __gt__(self, other: Any) -> Any: return self.derivatives[0] > _value(other)
-    def __le__(self, other: Any) -> Any: return self.derivatives[0] <= _value(other)
-    def __ge__(self, other: Any) -> Any: return self.derivatives[0] >= _value(other)
+    def __lt__(self, other: Any) -> Any: return self.derivatives[0] < value_of(other)
+    def __gt__(self, other: Any) -> Any: return self.derivatives[0] > value_of(other)
+    def __le__(self, other: Any) -> Any: return self.derivatives[0] <= value_of(other)
+    def __ge__(self, other: Any) -> Any: return self.derivatives[0] >= value_of(other)
 
     def _solve(self, start: Scalar, slope: Callable[["Jet"], "Jet | Scalar"]) -> "Jet":
         """f(x(t)) from f' = slope(f) x', order by order: each order of f needs only lower ones of the slope."""
@@ -108,7 +108,8 @@ class Jet:
         return Jet(*(functions.where(condition, y, n) for y, n in pairs))
 
 
-def _value(x: Any) -> Any:
+def value_of(x: Scalar) -> Scalar:
+    """The value of a jet; of any other scalar, itself."""
     return x.derivatives[0] if isinstance(x, Jet) else x
 
 

@@ -28,7 +28,7 @@ PAST_A_TURN = 1e-4
 
 
 def adaptive_step(loop: ClosedLoop) -> Callable[[dict[str, Array], Array], None]:
-    """A function that takes the loop's memory one control period on: DOP853, Hairer et al. (1993) section II.5.
+    """A function that advances the loop's memory by one control period: DOP853, Hairer et al. (1993) section II.5.
 
     Bristles wind up by their differential equation; elements of hysteresis are settled wherever a drive turns back;
     commands change when they arrive.
@@ -48,10 +48,15 @@ def adaptive_step(loop: ClosedLoop) -> Callable[[dict[str, Array], Array], None]
                 told = [arrived(d.drive, u, old, middle, length) for d, u, old in commands]
                 way.go(x, np.array(told, float), pushed, start, end)
                 start = end
-        memory["state"][:] = loop.lanes.padded(x)
-        memory["fault"][0] = not (np.abs(memory["state"]) < BEYOND).all()
+        end_period(loop, memory, x)
 
     return step
+
+
+def end_period(loop: ClosedLoop, memory: dict[str, Array], x: Array) -> None:
+    """Keeps the state that a period ends in, and whether it has diverged."""
+    memory["state"][:] = loop.lanes.padded(x)
+    memory["fault"][0] = not (np.abs(memory["state"]) < BEYOND).all()
 
 
 class _Way:
@@ -98,7 +103,7 @@ class _Way:
             x[:], start = found.y[:, -1], found.t[-1]
             if self._settle:
                 x[:] = self._settle(x, origin, self._parameters)
-            looks = self._slips and found.status != 1  # past a turning point a hair without looking for it again
+            looks = self._slips and found.status != 1  # after a turning point, a short stretch without events
 
     @cached_property
     def _turning_points(self) -> list[Any]:

@@ -60,7 +60,7 @@ def _of_motors(robot: Robot, name: str, told: Any, links: Array) -> Array:
 def _with_inner_states(robot: Robot, given: State, start: State, told: Array) -> State:
     """Currents that hold the arm, or none at all without a controller; drives without a past."""
     expected = sizes(robot.machine)
-    lagging = [d.drive.motor is not None and d.drive.motor.bandwidth is not None for d in robot.machine.drives]
+    lagging = [d.drive.has_current_lag for d in robot.machine.drives]
     current = told[lagging] if given.current is None else given.current
     strains = np.zeros(expected.strains) if given.strains is None else given.strains
     return start._replace(

@@ -10,8 +10,8 @@ from scipy.integrate import solve_ivp
 from cutpoint import kernels
 from cutpoint.errors import InputError
 from cutpoint.scalars import leaves
-from cutpoint.simulation.adaptive import ATOL, RTOL, plant_rates
-from cutpoint.simulation.loop import BEYOND, ClosedLoop
+from cutpoint.simulation.adaptive import ATOL, RTOL, end_period, plant_rates
+from cutpoint.simulation.loop import ClosedLoop
 from cutpoint.simulation.runner import NoNumberError
 from cutpoint.trajectories import Trajectory
 
@@ -39,7 +39,7 @@ def check_continuous(loop: ClosedLoop) -> None:
 
 
 def continuous_step(loop: ClosedLoop, trajectory: Trajectory | None) -> Callable[[dict[str, Array], Array], None]:
-    """A function that takes the loop's memory one period on, the controller in the differential equation: DOP853."""
+    """A function that advances the loop's memory by one period, the controller in the differential equation: DOP853."""
     n, layout = loop.layout.n, loop.layout
 
     def rates(x: list, row: list, parameters: list) -> list:
@@ -73,7 +73,6 @@ def continuous_step(loop: ClosedLoop, trajectory: Trajectory | None) -> Callable
         with np.errstate(all="ignore"):  # what is not finite ends the run below
             found = solve_ivp(f, (row[0], row[0] + loop.period), x, "DOP853", rtol=RTOL, atol=ATOL)
         x = found.y[:, -1] if found.success else np.full_like(x, np.nan)
-        memory["state"][:] = loop.lanes.padded(x)
-        memory["fault"][0] = not (np.abs(memory["state"]) < BEYOND).all()
+        end_period(loop, memory, x)
 
     return step

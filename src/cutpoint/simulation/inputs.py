@@ -7,7 +7,6 @@ from numpy.typing import ArrayLike, NDArray
 
 from cutpoint.door import check_configuration, checked_array, number, positive
 from cutpoint.errors import InputError
-from cutpoint.model.limits import limits_in_force
 from cutpoint.robot import Robot
 from cutpoint.simulation.loop import ClosedLoop
 from cutpoint.simulation.noise import noise_beside
@@ -77,8 +76,3 @@ def noise_of(loops: Sequence[ClosedLoop], samples: int) -> Array:
     """Standard normal numbers of runs side by side, a row a sample."""
     seeds = [loop.encoders.seed for loop in loops]
     return noise_beside(seeds, samples, loops[0].layout.noise, loops[0].robot.backend)
-
-
-def torque_limits(robot: Robot) -> Array:
-    """What each motor can do at most, N m at the joint's side."""
-    return np.array([each.effort for each in limits_in_force(robot.mechanism, robot.drives).values()])

@@ -5,7 +5,7 @@ from typing import Any
 
 import numpy as np
 
-from cutpoint.control.interface import Command, Measurement, Reference
+from cutpoint.control.interface import Command, Measurement, Reference, completed
 from cutpoint.scalars import Scalar
 
 Scalars = list[Scalar]
@@ -37,11 +37,8 @@ class Layout:
 
     def command(self, command: Command, row: Any) -> Scalars:
         """A command as it is recorded: without a motor reference of its own, the links' is the motors'."""
-        reference = self.reference(row)
-        theta = reference.theta if command.theta is None else command.theta
-        theta_dot = reference.theta_dot if command.theta_dot is None else command.theta_dot
-        parts = (command.torque, command.feedforward, theta, theta_dot)
-        return [*(x for part in parts for x in _each(part, self.n)), command.fault]
+        *parts, fault = completed(command, self.reference(row), self.n)
+        return [*(x for part in parts for x in part), fault]
 
     def disturbance(self, row: Scalars) -> Scalars:
         return row[1 + 5 * self.n :]
@@ -53,9 +50,3 @@ def array_of(numbers: Any) -> Any:
     array = np.empty(len(numbers), dtype=float if plain else object)
     array[:] = numbers
     return array
-
-
-def _each(part: Any, n: int) -> list[Any]:
-    """One entry a drive, from one each or one for all."""
-    array = np.asarray(part)
-    return [array[()]] * n if array.ndim == 0 else [*part]

@@ -7,7 +7,7 @@ any number of control periods, or runs them as they are where nothing can be com
 from collections.abc import Hashable
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Any, Literal
+from typing import Any, Literal, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -40,6 +40,16 @@ INTEGRATION = ("origin", "total", "resistance", "earlier", "tableau", "elapsed",
 
 FELT = {"motor_torque", "joint_torque", "friction_torque"}
 """Channels that `PlantStages.feel` finds."""
+
+
+class Given(NamedTuple):
+    """What has parameters.  limits: of torque, N m at the joint's side; period: of control, s."""
+
+    machine: Machine
+    controller: Any
+    encoders: Encoders
+    limits: Scalars
+    period: Scalar
 
 
 @dataclass(frozen=True, eq=False)
@@ -121,17 +131,16 @@ class ClosedLoop:
     # stages
 
     def sense(self, state: Scalars, sensing: Scalars, noise: Scalars, parameters: Scalars) -> tuple[Scalars, Scalars]:
-        machine, _, encoders, _, period = self._numbers(parameters)
-        places = [own.at for own in own_parts(machine, self.lanes.dense(state))]
+        given = self._given(parameters)
+        places = [own.at for own in own_parts(given.machine, self.lanes.dense(state))]
         sample = [getattr(at, name) for name in ("q", "theta", "v", "theta_dot") for at in places]
-        return encoders.measure(sample, sensing, noise, period)
+        return given.encoders.measure(sample, sensing, noise, given.period)
 
     def control(self, measured: Scalars, memory: Scalars, row: Scalars, parameters: Scalars) -> tuple[Scalars, Scalars]:
         """Command: torque, the part of it that is feedforward, motor reference and its speed; and a fault."""
-        _, controller, _, _, period = self._numbers(parameters)
-        before = rebuild(self.memory, iter(memory))
-        after, command = stepped(controller, before, *self.layout.seen(measured, row, period))
-        return self.layout.command(command, row), numbers_after(controller, after, len(memory))
+        given, before = self._given(parameters), rebuild(self.memory, iter(memory))
+        after, command = stepped(given.controller, before, *self.layout.seen(measured, row, given.period))
+        return self.layout.command(command, row), numbers_after(given.controller, after, len(memory))
 
     def actuate(
         self, state: Scalars, command: Scalars, torque: Scalars, parameters: Scalars
@@ -140,9 +149,9 @@ class ClosedLoop:
 
         No limit mends a command that is not a number.
         """
-        machine, _, _, limits, _ = self._numbers(parameters)
-        own = own_parts(machine, self.lanes.dense(state))
-        motors = zip(machine.drives, own, command[: self.layout.n], limits, strict=True)
+        given = self._given(parameters)
+        own = own_parts(given.machine, self.lanes.dense(state))
+        motors = zip(given.machine.drives, own, command[: self.layout.n], given.limits, strict=True)
         told = [clip(within_limits(d.drive, u, own.at.theta_dot), -limit, limit) for d, own, u, limit in motors]
         return self.lanes.padded(told), torque
 
@@ -187,7 +196,7 @@ class ClosedLoop:
         return self.programs[key]
 
     @property
-    def _before(self) -> list[Any]:
+    def _before(self) -> list[Stage | Loop]:
         return [Stage(self.sense, ("state", "sensing", "noise", "parameters"), ("measured", "sensing"), self.runs)]
 
     @property
@@ -195,7 +204,7 @@ class ClosedLoop:
         return Stage(self.control, ("measured", "memory", "row", "parameters"), ("command", "memory"), self.runs)
 
     @property
-    def _told(self) -> list[Any]:
+    def _told(self) -> list[Stage | Loop]:
         plant, runs = self.plant, self.runs
         feel = ("state", "torque", "torque_before", self._numbers_of_drives)
         return [
@@ -205,12 +214,12 @@ class ClosedLoop:
         ]
 
     @property
-    def _after(self) -> list[Any]:
+    def _after(self) -> list[Stage | Loop]:
         integrate = Loop("substeps", self._step, streams=("elapsed",))
         return [*self._told, integrate, Stage(self.watch, ("state", "fault"), ("fault",), self.runs)]
 
     @property
-    def _step(self) -> list[Any]:
+    def _step(self) -> list[Stage | Loop]:
         plant, numbers, width = self.plant, self._numbers_of_drives, self._width
         drive = ("state", "origin", "torque", "torque_before", "resistance", "earlier", "elapsed", numbers, "steps")
         accelerate = ("state", "turns", "resistance", "efforts", "row", "parameters")
@@ -237,9 +246,9 @@ class ClosedLoop:
     def _numbers_of_drives(self) -> str:
         return "numbers" if self.lanes.are_wide else "parameters"
 
-    def _numbers(self, parameters: Scalars) -> tuple[Machine, Any, Encoders, Scalars, Scalar]:
-        """Machine, controller, encoders, torque limits, period with these numbers in them."""
+    def _given(self, parameters: Scalars) -> "Given":
+        """All that has parameters, with these."""
         numbers = iter(parameters)
         machine = self.robot.machine_with([next(numbers) for _ in self.robot.drive_parameters], lean=True)
         controller, encoders = rebuild(self.controller, numbers), rebuild(self.encoders, numbers)
-        return machine, controller, encoders, [next(numbers) for _ in range(self.layout.n)], next(numbers)
+        return Given(machine, controller, encoders, [next(numbers) for _ in range(self.layout.n)], next(numbers))

@@ -14,10 +14,10 @@ from numpy.typing import NDArray
 from cutpoint.control.interface import name_of
 from cutpoint.door import refused, whole
 from cutpoint.errors import InputError, SimulationError, TraceError
+from cutpoint.model.limits import efforts_in_force
 from cutpoint.robot import Robot
 from cutpoint.simulation.controllers import admitted
-from cutpoint.simulation.inputs import Disturbance, reference_at, rows_of, sample_times, torque_limits
-from cutpoint.simulation.integrator import Steps
+from cutpoint.simulation.inputs import Disturbance, reference_at, rows_of, sample_times
 from cutpoint.simulation.log import Log
 from cutpoint.simulation.packs import Pack, Setup, packs_of
 from cutpoint.simulation.plant import State
@@ -25,6 +25,7 @@ from cutpoint.simulation.runner import SHOW_PROGRESS_AFTER, Bar, UntracedControl
 from cutpoint.simulation.sensors import Sensors
 from cutpoint.simulation.simulate import check_kinds, prepared, simulate, steps_of
 from cutpoint.simulation.steps_reached import check_steps
+from cutpoint.simulation.substeps import Steps
 from cutpoint.trajectories import Trajectory
 
 Array = NDArray[np.float64]
@@ -161,7 +162,8 @@ def _setups(
         rows = once(rows_of, reference, pushed, given=(loop, times, reference, pushed))
         given = (robot, accuracy, substeps, period, start, reference)
         steps = max(steps, once(steps_of, robot, reference, initial, given=given))
-        setups.append(Setup(k, loop, start, told, reference, rows, torque_limits(robot)))
+        limits = efforts_in_force(robot.mechanism, robot.drives)
+        setups.append(Setup(k, loop, start, told, reference, rows, limits))
     return setups, steps
 
 

@@ -11,8 +11,7 @@ from numpy.typing import NDArray
 from cutpoint.errors import SimulationError
 from cutpoint.kernels import Program
 from cutpoint.simulation.inputs import noise_of
-from cutpoint.simulation.integrator import Steps
-from cutpoint.simulation.log import Log, Run
+from cutpoint.simulation.log import Log
 from cutpoint.simulation.loop import ClosedLoop
 from cutpoint.simulation.plant import State
 from cutpoint.simulation.recording import log_of
@@ -25,6 +24,7 @@ from cutpoint.simulation.runner import (
     shared_numbers,
     working_memory,
 )
+from cutpoint.simulation.substeps import Steps
 
 Array = NDArray[np.float64]
 
@@ -106,7 +106,6 @@ class Pack:
         elif done < len(self.times):
             cause = f"interrupted at t = {self.times[done - 1]:g} s; the log holds all until then"
         log = log_of(loop, record[:done], self.times, setup.reference, self.settings)
-        log = replace(log, run=Run(loop.robot, loop.controller, setup.reference[:, :done]))
         if cause is None:
             return log
         return SimulationError(cause, log=log, time=float(self.times[done - 1]), diverged=failed)

@@ -49,11 +49,7 @@ def sizes(machine: Machine) -> State:
 
 def currents(drive: Drive) -> int:
     """How many currents a drive has as states."""
-    return int(drive.motor is not None and drive.motor.bandwidth is not None)
-
-
-def has_delay(drive: Drive) -> bool:
-    return drive.motor is not None and drive.motor.delay is not None
+    return int(drive.has_current_lag)
 
 
 def split(machine: Machine, x: Scalars) -> State:

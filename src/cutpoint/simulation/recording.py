@@ -6,7 +6,7 @@ from numpy.typing import NDArray
 from cutpoint.mechanics.harmonic_drive import slipping_torque
 from cutpoint.mechanics.strains import count, dealt, taken
 from cutpoint.simulation.channels import BASE_COORDINATES, BASE_SPEEDS, DIFFERENCES, MEMORY, base_of
-from cutpoint.simulation.log import Log
+from cutpoint.simulation.log import Log, Run
 from cutpoint.simulation.loop import ClosedLoop
 
 Array = NDArray[np.float64]
@@ -28,7 +28,8 @@ def log_of(loop: ClosedLoop, record: Array, times: Array, reference: Array, meta
     channels, units = {name: _read_only(x) for name, x in channels.items() if _is_wanted(loop, name)}, _units(loop)
     about = {"robot": loop.robot.name, "control_period": loop.period, **meta}
     units = {name: units[name] for name in channels}
-    return Log(_read_only(times)[: len(record)], channels, units, tuple(loop.robot.drives), about)
+    run = Run(loop.robot, loop.controller, reference[:, : len(record)])
+    return Log(_read_only(times)[: len(record)], channels, units, tuple(loop.robot.drives), about, run)
 
 
 def _is_wanted(loop: ClosedLoop, name: str) -> bool:
@@ -82,8 +83,8 @@ def _remembered(loop: ClosedLoop, strains: Array) -> dict[str, Array]:
 
 def _units(loop: ClosedLoop) -> dict[str, str | tuple[str, ...]]:
     """Units of every channel, one a joint where some slide and some turn."""
-    kinds = {body.joint.name: body.joint.kind for body in loop.robot.mechanism.bodies}
-    slides = [kinds[name] == "prismatic" for name in loop.robot.drives]
+    sliding = loop.robot.mechanism.sliding
+    slides = [name in sliding for name in loop.robot.drives]
     angle, speed, torque = (_one_or_each(slides, *pair) for pair in (("rad", "m"), ("rad/s", "m/s"), ("N m", "N")))
     units: dict[str, str | tuple[str, ...]] = dict.fromkeys(loop.channels, torque)
     units["feedback_torque"] = units["hysteresis_torque"] = torque

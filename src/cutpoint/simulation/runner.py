@@ -3,7 +3,7 @@
 import time
 import warnings
 from collections.abc import Callable
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -12,6 +12,7 @@ from rich.progress import Progress, TaskID
 
 from cutpoint.control.interface import name_of, stepped
 from cutpoint.errors import TraceError
+from cutpoint.kernels import Program
 from cutpoint.mechanics.strains import names
 from cutpoint.simulation.loop import INTEGRATION, ClosedLoop
 from cutpoint.simulation.plant import State
@@ -31,7 +32,7 @@ class UntracedControllerWarning(UserWarning):
 
 
 class NoNumberError(Exception):
-    """A command between samples, of one number a drive, that is none at a time, s."""
+    """Raised for a command that is not a number.  time: s.  command: one a drive, N m."""
 
     def __init__(self, time: float, command: Array) -> None:
         self.time, self.command = time, command
@@ -120,15 +121,15 @@ def _advance(
         if integrate is None:
             whole = loop.program("whole")
             return lambda first, ticks: run_samples(whole, memory, first, ticks, substeps)
-        sense, call = loop.program("command"), None
+        before, call = loop.program("command"), None
     except TraceError as error:
         name = name_of(loop.controller)
         warnings.warn(f"controller {name} runs as a Python callback: {error}", UntracedControllerWarning, stacklevel=4)
-        sense, call = loop.program("sense"), _callback(loop)
+        before, call = loop.program("sense"), _callback(loop)
     after = loop.program("output" if integrate else "after")
 
     def one(first: int, ticks: int) -> int:
-        run_samples(sense, memory, first, 1)
+        run_samples(before, memory, first, 1)
         if call:
             memory["command"][:] = call(memory["measured"], memory["row"][first])
         run_samples(after, memory, first, 1, None if integrate else substeps)
@@ -151,7 +152,7 @@ def _callback(loop: ClosedLoop) -> Callable[[Array, Array], list[float]]:
     return call
 
 
-def run_samples(program: Any, memory: dict[str, Array], first: int, ticks: int, substeps: int | None = None) -> int:
+def run_samples(program: Program, memory: dict[str, Array], first: int, ticks: int, substeps: int | None = None) -> int:
     """Run these samples; without substeps, a program that does not integrate."""
     rows = {name: memory[name][first : first + ticks] for name in ("row", "noise", "record")}
     if substeps is None:
@@ -201,15 +202,15 @@ def _largest(loop: ClosedLoop, state: Array) -> str:
 def _slots(loop: ClosedLoop) -> list[tuple[str, str]]:
     """What each number of the state is, and its unit."""
     robot = loop.robot
-    lags = [name for name, d in robot.drives.items() if d.motor is not None and d.motor.bandwidth is not None]
+    lags = [name for name, drive in robot.drives.items() if drive.has_current_lag]
     inner = [(f"motor torque of {name!r}", "N m") for name in lags]
     inner += [(f"strain of {what} of {name!r}", "rad") for name, d in robot.drives.items() for what in names(d)]
-    kinds = {body.joint.name: body.joint.kind for body in robot.mechanism.bodies}
+    sliding = robot.mechanism.sliding
     q, v = [("coordinate of the base", "")] * robot.nq, [("speed of the base", "")] * robot.nv
     theta: list[tuple[str, str]] = []
     theta_dot: list[tuple[str, str]] = []
     for name, driven in zip(robot.drives, robot.machine.drives, strict=True):
-        unit = "m" if kinds[name] == "prismatic" else "rad"
+        unit = "m" if name in sliding else "rad"
         q[driven.q], v[driven.v] = (f"position of {name!r}", unit), (f"speed of {name!r}", f"{unit}/s")
         theta.append((f"motor position of {name!r}", unit))
         theta_dot.append((f"motor speed of {name!r}", f"{unit}/s"))

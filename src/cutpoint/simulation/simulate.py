@@ -1,7 +1,6 @@
 """`simulate`: a robot, a controller and a reference in; a log out."""
 
 from collections.abc import Callable, Collection
-from dataclasses import replace
 from types import NoneType
 from typing import Any, Literal, Protocol, runtime_checkable
 
@@ -11,6 +10,7 @@ from numpy.typing import NDArray
 from cutpoint.control.interface import start_of
 from cutpoint.door import check_kind, whole
 from cutpoint.errors import InputError, SimulationError
+from cutpoint.model.limits import efforts_in_force
 from cutpoint.robot import Robot
 from cutpoint.rolled import TOO_LARGE
 from cutpoint.scalars import with_float_leaves
@@ -26,16 +26,15 @@ from cutpoint.simulation.inputs import (
     reference_at,
     rows_of,
     sample_times,
-    torque_limits,
 )
-from cutpoint.simulation.integrator import Steps, substeps_for
-from cutpoint.simulation.log import Log, Run
+from cutpoint.simulation.log import Log
 from cutpoint.simulation.loop import ClosedLoop
 from cutpoint.simulation.plant import State
 from cutpoint.simulation.recording import log_of
 from cutpoint.simulation.runner import run, working_memory
 from cutpoint.simulation.sensors import Sensors, encoders_of
 from cutpoint.simulation.steps_reached import check_steps
+from cutpoint.simulation.substeps import Steps, substeps_for
 from cutpoint.trajectories import Trajectory
 
 Array = NDArray[np.float64]
@@ -110,7 +109,8 @@ def simulate(
     loop, start, told = prepared(robot, law, control_period, initial, reference, sensors, channels)
     steps = steps_of(robot, accuracy if hold else "reference", substeps, control_period, start, reference)
     rows, noise = rows_of(loop, times, reference, disturbances), noise_of([loop], len(times))
-    memory = working_memory(loop, start, told, rows, noise, torque_limits(robot), steps.number)
+    limits = efforts_in_force(robot.mechanism, robot.drives)
+    memory = working_memory(loop, start, told, rows, noise, limits, steps.number)
     integrate = _integrator(loop, trajectory, accuracy, hold)
     outcome = run(loop, memory, steps.number, integrate)
     settings: dict[str, object] = {"accuracy": accuracy, "substeps": steps.number, "steps_set_by": steps.cause}
@@ -118,7 +118,6 @@ def simulate(
         own = {"accuracy": "reference", "substeps": None, "steps_set_by": "the adaptive integrator", "hold": bool(hold)}
         settings |= own
     log = log_of(loop, memory["record"][: outcome.ticks], times, reference, settings)
-    log = replace(log, run=Run(robot, loop.controller, reference[:, : outcome.ticks]))
     if outcome.cause:
         raise SimulationError(outcome.cause, log=log, time=float(times[outcome.ticks - 1]), diverged=outcome.diverged)
     if integrate is None and substeps is None:

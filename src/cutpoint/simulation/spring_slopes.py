@@ -1,26 +1,15 @@
 """How stiff springs get: held by weight, on the flanks of a play, and at what motors can do at most."""
 
 import numpy as np
-from numpy.typing import NDArray
 
 from cutpoint.mechanics.backlash import Backlash
 from cutpoint.model.drive import Drive
-from cutpoint.model.limits import limits_in_force
-from cutpoint.robot import Robot
-
-Array = NDArray[np.float64]
 
 AT_PEAKS = 2.0
 """Steps may be so many times longer for the stiffness that a spring has at its motor's largest torque alone."""
 
 RATTLE = 3.0
 """How much faster than a drive in contact one changes that goes from flank to flank of its play."""
-
-
-def most_torque(robot: Robot) -> Array:
-    """(n,) N m at the joint: what limits of effort and of current leave the motors; inf where there are none."""
-    efforts = [each.effort for each in limits_in_force(robot.mechanism, robot.drives).values()]
-    return np.minimum(efforts, [_by_current(drive) for drive in robot.drives.values()])
 
 
 def stiffest(drive: Drive, lead: float, most: float) -> float:
@@ -34,10 +23,3 @@ def stiffest(drive: Drive, lead: float, most: float) -> float:
     if np.isfinite(most):
         stiffness = max(stiffness, float(law.tangent(law.deflection(most))) / AT_PEAKS**2)
     return stiffness + (sum(drive.hysteresis.stiffness) if drive.hysteresis else 0.0)
-
-
-def _by_current(drive: Drive) -> float:
-    motor = drive.motor
-    if motor is None or motor.current_limit is None:
-        return np.inf
-    return abs(float(motor.current_limit * motor.torque_constant * drive.ratio))

@@ -25,7 +25,6 @@ from cutpoint.simulation.plant import (
     arrived,
     currents,
     drive_rates,
-    has_delay,
     is_uniform,
     motor_torque,
     own_of,
@@ -56,7 +55,7 @@ class PlantStages:
         state, torque, before, parameters = regions
         felt: list[Scalars] = []
         for d, own, u, old in zip(*self._drives(parameters, state), torque, before, strict=True):
-            shaft, _ = motor_torque(d, own, old if has_delay(d) else u)
+            shaft, _ = motor_torque(d, own, old if d.has_delay else u)
             effort = drive_effort(d, own.at, shaft, own.strains)
             felt.append([shaft, effort.transmitted, effort.transmitted - effort.on_link])
         return _by_field(felt)

@@ -5,8 +5,8 @@ import warnings
 import numpy as np
 
 from cutpoint.robot import Robot
-from cutpoint.simulation.integrator import MOST_SUBSTEPS, SETTINGS, StiffnessWarning, fastest_wave
 from cutpoint.simulation.log import Log
+from cutpoint.simulation.substeps import MOST_SUBSTEPS, SETTINGS, StiffnessWarning, fastest_wave
 
 ALLOWED = 2.0
 """How many times faster than foreseen waves may become: less than a whole wave a step, which no step would see."""
@@ -17,9 +17,8 @@ def check_steps(robot: Robot, log: Log) -> None:
     taken = log.meta["substeps"]
     if "theta_dot" not in log or taken >= MOST_SUBSTEPS:
         return
-    *_, share, _ = SETTINGS[log.meta["accuracy"]]
     wave = fastest_wave(robot, log.max("theta_dot"))
-    asked = int(np.ceil(log.meta["control_period"] * wave.rate / share))
+    asked = int(np.ceil(log.meta["control_period"] * wave.rate / SETTINGS[log.meta["accuracy"]].wave))
     if asked > ALLOWED * taken:
         told = f"the run reached speeds at which {wave.cause} would take {asked} integration steps a control period"
         warnings.warn(f"{told}, {taken} were taken: give substeps={asked}", StiffnessWarning, stacklevel=3)

@@ -1,10 +1,12 @@
 """Arrays of numbers, and what every kind of trajectory asks of them."""
 
 from collections.abc import Sequence
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from cutpoint.door import refused
 from cutpoint.errors import InputError
 
 Array = NDArray[np.float64]
@@ -15,11 +17,15 @@ def joint_name(joints: Sequence[str] | None, index: int) -> str:
     return f"joint {joints[index]!r}" if joints else f"joint {index}"
 
 
-def positive(name: str, value: float, unit: str) -> float:
-    """The value as a float, if it is finite and above zero."""
-    if not (np.isfinite(value) and value > 0.0):
-        raise InputError(f"{name} {value} {unit} must be positive and finite", name=name, value=value)
-    return float(value)
+def checked_names(function: str, joints: Any) -> tuple[str, ...]:
+    """The joints as a tuple.  Raises InputError for anything but names."""
+    try:
+        found = tuple(joints)
+    except TypeError:
+        found = (joints,)
+    if isinstance(joints, str) or not all(isinstance(name, str) for name in found):
+        raise refused(function, "joints", joints, "names, such as robot.joints")
+    return found
 
 
 def numbers(name: str, value: ArrayLike) -> Array:

@@ -3,13 +3,16 @@
 import csv
 import math
 from collections.abc import Iterable, Sequence
+from os import PathLike
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 
+from cutpoint.door import check_kind
 from cutpoint.errors import InputError, unknown_name
 from cutpoint.files import check_readable
+from cutpoint.trajectories.arrays import checked_names
 from cutpoint.trajectories.samples import Smoothed, from_samples
 
 UNITS = {"rad": 1.0, "deg": math.pi / 180.0, "m": 1.0}
@@ -50,6 +53,7 @@ def from_csv(
         InputError: what `from_samples` refuses, a header that is none, an unknown unit or joint, a line of another
             length, a word that is no number, or positions above two turns in a column that does not name its unit.
     """
+    check_kind("from_csv", "path", path, (str, PathLike), "the path of a file")
     path = Path(path)
     check_readable(path, LARGEST_FILE)
     try:
@@ -58,10 +62,7 @@ def from_csv(
     except (UnicodeDecodeError, csv.Error) as error:
         raise InputError(f"file is not comma separated UTF-8 text: {error}", place=path) from error
     names = [column.name for column in columns]
-    given: Any = names if joints is None else joints
-    if isinstance(given, str) or not isinstance(given, Iterable):
-        raise InputError(f"from_csv: joints must be names, such as robot.joints, got {given!r}")
-    wanted: list[str] = [*given]
+    wanted = checked_names("from_csv", names if joints is None else joints)
     for name in wanted:
         if name not in names:
             raise unknown_name("column", name, names, place=path)

@@ -7,8 +7,9 @@ from typing import Self
 import numpy as np
 from numpy.typing import ArrayLike
 
+from cutpoint.door import positive
 from cutpoint.errors import InputError
-from cutpoint.trajectories.arrays import Array, positions, positive
+from cutpoint.trajectories.arrays import Array, positions
 from cutpoint.trajectories.trajectory import Trajectory
 
 
@@ -30,7 +31,7 @@ class PointToPoint(Trajectory):
         first = positions("start", np.zeros_like(last) if start is None else start)
         if first.shape != last.shape:
             raise InputError(f"start has {first.size} joints and end has {last.size}: they must be as many")
-        return cls(positive("duration", duration, "s"), first, last)
+        return cls(positive(cls.__name__.lower(), "duration", duration, "s"), first, last)
 
     @property
     def size(self) -> int:

@@ -6,8 +6,9 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike
 
+from cutpoint.door import number
 from cutpoint.errors import InputError
-from cutpoint.trajectories.arrays import Array, joint_name, timed_positions
+from cutpoint.trajectories.arrays import Array, checked_names, joint_name, timed_positions
 from cutpoint.trajectories.penalty import smoothing_spline
 from cutpoint.trajectories.spline import Spline
 
@@ -67,13 +68,14 @@ def from_samples(
         InputError: too few samples, times that do not increase, numbers that are not finite, shapes that do not match,
             or a bandwidth above half of the mean sampling rate or below half a period in the whole duration.
     """
-    times, samples = timed_positions(t, q, FEWEST_SAMPLES, joints)
+    names = None if joints is None else checked_names("from_samples", joints)
+    times, samples = timed_positions(t, q, FEWEST_SAMPLES, names)
     chosen = _bandwidth(bandwidth, times)
     moved = samples - samples[0]
     spline, spacing = smoothing_spline(times, moved, chosen, at_rest)
     errors = spline(times / spacing) - moved
     deviation = Deviation(np.abs(errors).max(axis=0), np.sqrt(np.mean(errors**2, axis=0)))
-    smoothed = Smoothed(float(times[-1]), samples[0], spline, spacing, chosen, tuple(joints or ()), deviation)
+    smoothed = Smoothed(float(times[-1]), samples[0], spline, spacing, chosen, names or (), deviation)
     print(smoothed)
     return smoothed
 
@@ -83,6 +85,7 @@ def _bandwidth(wanted: float | None, times: Array) -> float:
     lowest, highest = 0.5 / duration, 0.5 * (times.size - 1) / duration
     if wanted is None:
         return float(np.clip(DEFAULT_BANDWIDTH, lowest, highest / 2.0))
+    wanted = number("from_samples", "bandwidth", wanted, "Hz")
     if not lowest <= wanted <= highest:
         raise InputError(
             f"bandwidth {wanted} Hz must lie between {lowest:.3g} Hz, half a period in {duration:.6g} s, "

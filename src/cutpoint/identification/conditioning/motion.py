@@ -109,8 +109,7 @@ def _channels(robot: Robot, recording: Recording) -> dict[str, Array]:
         known = ", ".join(recording.joints)
         rule = "map its channels, or lock it (--lock at the command line)"
         raise InputError(f"joint {missing[0]!r} was not recorded; there are: {known}; {rule}")
-    columns = [recording.joints.index(joint) for joint in robot.joints]
-    return {name: x[:, columns] for name, x in recording.channels.items()}
+    return recording.in_order(robot.joints).channels
 
 
 def _refuse_empty(robot: Robot, channels: Mapping[str, Array]) -> None:

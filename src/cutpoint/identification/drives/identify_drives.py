@@ -73,11 +73,10 @@ def identify_drives(
     if robot.nq != len(names) or set(names) - set(recording.joints):
         missing = sorted(set(names) - set(recording.joints))
         raise InputError(f"identify_drives: every joint of a fixed-base robot must be recorded; missing: {missing}")
-    columns = [recording.joints.index(name) for name in names]
-    q, theta = recording["q"][:, columns], recording["theta"][:, columns]
+    recording = recording.in_order(names)
+    q, theta = recording["q"], recording["theta"]
     given = "torque" if "torque" in recording.channels else "current"
-    effort = recording[given][:, columns]
-    is_current, delay = given == "current", float(torque_delay)
+    effort, is_current, delay = recording[given], given == "current", float(torque_delay)
     steps = [None] * len(names) if resolution is None else np.broadcast_to(resolution, len(names)).tolist()
     cutoff = noise_cutoff(q, recording.period)
     from_links = link_torque(robot, q, recording.period, cutoff)

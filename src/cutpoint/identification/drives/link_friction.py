@@ -7,8 +7,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cutpoint.identification.conditioning.filtering import low_pass_together
-from cutpoint.identification.drives.rotor import SIGNIFICANT, RotorEstimate
-from cutpoint.identification.drives.scatter import covariance
+from cutpoint.identification.drives.rotor import RotorEstimate
+from cutpoint.identification.drives.scatter import SIGNIFICANT, covariance
 from cutpoint.identification.drives.spring_estimate import SpringEstimate
 from cutpoint.mechanics.friction import Coulomb
 from cutpoint.model.drive import Drive

@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from cutpoint.errors import InputError
+from cutpoint.identification.drives.scatter import SIGNIFICANT
 from cutpoint.identification.drives.spring_estimate import SpringEstimate
 from cutpoint.identification.drives.spring_laws import LAWS
 from cutpoint.identification.drives.two_encoders import two_encoders
@@ -25,9 +26,6 @@ POINTS = 181
 
 INNER = 0.1
 """Of the largest torque: below that a play is still being closed."""
-
-SIGNIFICANT = 4.0
-"""Standard deviations above which a play is told from none."""
 
 
 @dataclass(frozen=True, eq=False)

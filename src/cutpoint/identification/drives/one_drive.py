@@ -25,7 +25,7 @@ SHAPE = ("flexspline",)
 NAMES = ("link coulomb", "link viscous")
 
 BETTER = 0.9
-"""Of what is left with the friction that was stated of the link: where more is left without, it stands."""
+"""The stated link friction is kept unless freeing it leaves less than this share of the error."""
 
 NARROWER = 3.0
 """Times that the band in which rotors are found is narrower than that of the links' motion: friction that changes sign

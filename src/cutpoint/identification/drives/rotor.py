@@ -4,7 +4,7 @@ torque(t - delay) = J theta_ddot + (1 - e'(theta)) tau_f + xi(theta_dot) - offse
 Xia (2019) eqs. (22), (27).
 """
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -14,13 +14,10 @@ from scipy.optimize import minimize_scalar
 from cutpoint.errors import InputError
 from cutpoint.identification.conditioning.filtering import derivative, low_pass, low_pass_together, noise_cutoff
 from cutpoint.identification.drives.bounded import bounded_weights
-from cutpoint.identification.drives.scatter import covariance
+from cutpoint.identification.drives.scatter import SIGNIFICANT, Unknowns, covariance
 from cutpoint.mechanics.friction import Coulomb
 
 Array = NDArray[np.float64]
-
-SIGNIFICANT = 4.0
-"""Standard deviations above which friction is told from none."""
 
 UNCERTAIN = 0.1
 """Of an estimate: with a standard deviation above that it counts as unidentifiable."""
@@ -32,7 +29,7 @@ LEAST_SAMPLES = 200
 
 
 @dataclass(frozen=True, eq=False)
-class RotorEstimate:
+class RotorEstimate(Unknowns):
     """What a motor's motion and torque tell.
 
     names, values, covariance: of all unknowns at the joint's side, (p,), (p,), (p, p): "inertia" (kg m2), "offset"
@@ -41,20 +38,9 @@ class RotorEstimate:
     scatter: RMS of what is left, N m.  ratio: motor turns per joint turn.
     """
 
-    names: tuple[str, ...]
-    values: Array
-    covariance: Array = field(repr=False)
     smoothing: float
     scatter: float
     ratio: float
-
-    def __getitem__(self, name: str) -> float:
-        return float(self.values[self.names.index(name)])
-
-    @property
-    def deviations(self) -> dict[str, float]:
-        """Standard deviation of each unknown, by name."""
-        return dict(zip(self.names, np.sqrt(np.diag(self.covariance)).tolist(), strict=True))
 
     @property
     def inertia(self) -> float:
@@ -120,22 +106,11 @@ def motor_side(
     """
     if (torque is None) == (current is None):
         raise InputError("motor_side: give either torque or current")
-    drive = np.asarray(torque if current is None else current, dtype=np.float64)
-    angle, load = np.asarray(theta, dtype=np.float64), np.asarray(joint_torque, dtype=np.float64)
-    if not angle.shape == load.shape == drive.shape or angle.ndim != 1:
-        shapes = f"{angle.shape}, {load.shape} and {drive.shape}"
-        raise InputError(f"motor_side: theta, joint torque and effort have shapes {shapes}: each must be (N,)")
-    if not np.nanmax(angle) > np.nanmin(angle):
-        raise InputError("motor_side: theta never changes, which shows nothing: was it measured?")
+    angle, load, drive = _checked(theta, joint_torque, torque if current is None else current)
     band = noise_cutoff(load, period) if cutoff is None else cutoff
     speed = derivative(low_pass(angle, period, min(3.0 * band, 0.45 / period)), period)
-    if delay is not None:
-        drive = late(drive, period, delay)
-    fixed = {"inertia": -derivative(angle, period, 2), "offset": np.ones_like(angle)}
-    if delay is None:
-        fixed["delay"] = -np.gradient(drive, period)
-    if current is not None:
-        fixed["gain"] = drive
+    drive = drive if delay is None else late(drive, period, delay)
+    fixed = _terms(angle, drive, period, with_delay=delay is None, with_gain=current is not None)
     target = np.asarray(transmission, dtype=np.float64) * load - (drive if current is None else 0.0)
     passed = np.column_stack(low_pass_together([*fixed.values(), -speed, target], period, band))
     if np.isfinite(passed).all(axis=1).sum() < LEAST_SAMPLES:
@@ -144,12 +119,37 @@ def motor_side(
     smoothing = _best_smoothing(speed, passed, len(fixed), period, band)
     columns, weights, residual = _fit(smoothing, speed, passed, len(fixed), period, band)
     spread, scatter = covariance(columns, residual), float(np.sqrt(np.mean(residual**2)))
-    names = [*fixed]
+    names = (*fixed, "viscous", "coulomb")
     if delay is None and current is not None:
-        # the column of the delay came with the torque constant
-        scale = np.where(np.array([*names, "", ""]) == "delay", 1.0 / weights[names.index("gain")], 1.0)
-        weights, spread = weights * scale, spread * np.outer(scale, scale)
-    return RotorEstimate((*names, "viscous", "coulomb"), weights, spread, smoothing, scatter, ratio)
+        weights, spread = _with_own_delay(names, weights, spread)
+    return RotorEstimate(names, weights, spread, smoothing, scatter, ratio)
+
+
+def _checked(theta: ArrayLike, joint_torque: ArrayLike, effort: ArrayLike | None) -> tuple[Array, Array, Array]:
+    """All as float64.  Raises InputError: shapes, or a motor that stands still."""
+    angle, load, drive = (np.asarray(x, dtype=np.float64) for x in (theta, joint_torque, effort))
+    if not angle.shape == load.shape == drive.shape or angle.ndim != 1:
+        shapes = f"{angle.shape}, {load.shape} and {drive.shape}"
+        raise InputError(f"motor_side: theta, joint torque and effort have shapes {shapes}: each must be (N,)")
+    if not np.nanmax(angle) > np.nanmin(angle):
+        raise InputError("motor_side: theta never changes, which shows nothing: was it measured?")
+    return angle, load, drive
+
+
+def _terms(angle: Array, drive: Array, period: float, *, with_delay: bool, with_gain: bool) -> dict[str, Array]:
+    """Columns (N,) of the unknowns that may be of either sign, by name."""
+    terms = {"inertia": -derivative(angle, period, 2), "offset": np.ones_like(angle)}
+    if with_delay:
+        terms["delay"] = -np.gradient(drive, period)
+    if with_gain:
+        terms["gain"] = drive
+    return terms
+
+
+def _with_own_delay(names: tuple[str, ...], weights: Array, spread: Array) -> tuple[Array, Array]:
+    """Weights and covariance with the delay in s: its column came with the torque constant."""
+    scale = np.where(np.array(names) == "delay", 1.0 / weights[names.index("gain")], 1.0)
+    return weights * scale, spread * np.outer(scale, scale)
 
 
 def _fit(

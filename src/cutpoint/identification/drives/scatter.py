@@ -1,5 +1,7 @@
 """How uncertain least-squares estimates are when neighbouring residuals depend on one another."""
 
+from dataclasses import dataclass, field
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -12,6 +14,27 @@ WINDOWS = 25
 
 DEGREES = 1.5 * WINDOWS
 """Of freedom, of Student's t: how uncertain such a covariance itself is."""
+
+
+SIGNIFICANT = 4.0
+"""Standard deviations above which a value is told from none."""
+
+
+@dataclass(frozen=True, eq=False)
+class Unknowns:
+    """What was found: names (p,), values (p,) and covariance (p, p), in SI; `found["inertia"]` is one value."""
+
+    names: tuple[str, ...]
+    values: Array
+    covariance: Array = field(repr=False)
+
+    def __getitem__(self, name: str) -> float:
+        return float(self.values[self.names.index(name)])
+
+    @property
+    def deviations(self) -> dict[str, float]:
+        """Standard deviation of each unknown, by name."""
+        return dict(zip(self.names, np.sqrt(np.diag(self.covariance)).tolist(), strict=True))
 
 
 def covariance(jacobian: Array, residual: Array) -> Array:

@@ -1,7 +1,7 @@
 """What two encoders tell of a drive, and which of it counts as told."""
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 from cutpoint.identification.drives.columns import slipping, waves
 from cutpoint.identification.drives.deflections import DeflectionFit, Deflections
 from cutpoint.identification.drives.law_choice import block_errors, not_worse, simplest
-from cutpoint.identification.drives.scatter import covariance
+from cutpoint.identification.drives.scatter import SIGNIFICANT, Unknowns, covariance
 from cutpoint.identification.drives.torque_noise import without_attenuation
 from cutpoint.model.drive import Compliance, Hysteresis, KinematicError
 
@@ -24,15 +24,12 @@ OPEN = 2.0
 UNCERTAIN = 0.2
 """Of the spring's deflection: with a standard deviation above that its stiffness counts as unidentifiable."""
 
-SIGNIFICANT = 4.0
-"""Standard deviations above which a wave or damping is told from nothing."""
-
 FEWEST_TURNS = 3.0
 """Of the motor: fewer do not tell waves from the spring."""
 
 
 @dataclass(frozen=True, eq=False)
-class SpringEstimate:
+class SpringEstimate(Unknowns):
     """What two encoders tell of a drive; None where it was not sought, not found, or cannot be told.
 
     compliance: of the law that predicts best, N m and rad at the joint's side.  damping: N m s/rad.
@@ -49,21 +46,10 @@ class SpringEstimate:
     kinematic_error: KinematicError | None
     hysteresis: Hysteresis | None
     offset: float
-    names: tuple[str, ...]
-    values: Array
-    covariance: Array = field(repr=False)
     counts: float
     scatter: float
     prediction: Mapping[str, float]
     unidentifiable: Mapping[str, str]
-
-    def __getitem__(self, name: str) -> float:
-        return float(self.values[self.names.index(name)])
-
-    @property
-    def deviations(self) -> dict[str, float]:
-        """Standard deviation of each unknown, by name."""
-        return dict(zip(self.names, np.sqrt(np.diag(self.covariance)).tolist(), strict=True))
 
 
 def estimate_of(
@@ -73,11 +59,15 @@ def estimate_of(
     unknowns: tuple[str, ...],
     turns: float,
     prediction: Mapping[str, float],
+    *,
     hysteresis: bool,
     damping: bool,
 ) -> SpringEstimate:
-    """rivals: fits by the elements that they were offered, the fewest or the most of which are taken; whichever do not
-    surely predict worse count as uncertainty."""
+    """What the rival that predicts best tells, and which of it cannot be told.
+
+    rivals: fits by the elements that they were offered, the fewest or the most of which are taken; whichever do not
+    surely predict worse count as uncertainty.
+    """
     fit, names, spread = _chosen(rivals, orders, unknowns, damping)
     fit = without_attenuation(data, fit)
     counts = 0.5 * float(np.ptp(fit.law.deflection(fit.constants, data.torque))) / (data.resolution or np.nan)

@@ -11,8 +11,8 @@ from cutpoint.identification.drives.columns import amplitude_errors
 from cutpoint.identification.drives.deflection_fit import ELEMENTS, fit_deflection
 from cutpoint.identification.drives.deflections import DeflectionFit, Deflections
 from cutpoint.identification.drives.law_choice import block_errors, simplest
-from cutpoint.identification.drives.scatter import covariance
-from cutpoint.identification.drives.spring_estimate import FEWEST_TURNS, SIGNIFICANT, SpringEstimate, estimate_of
+from cutpoint.identification.drives.scatter import SIGNIFICANT, covariance
+from cutpoint.identification.drives.spring_estimate import FEWEST_TURNS, SpringEstimate, estimate_of
 from cutpoint.identification.drives.spring_laws import LAWS
 
 Array = NDArray[np.float64]
@@ -68,7 +68,21 @@ def two_encoders(
         InputError: shapes, an unknown law, too few samples, or channels that do not move.
     """
     unknowns = dict(torque_unknowns or {})
-    data = _checked(theta, q, joint_torque, [*unknowns.values()], period, ratio, resolution, noise, band, transmission)
+    shares = [] if transmission is None else [transmission]
+    angle, link, load, *others = _known(theta, q, joint_torque, *unknowns.values(), *shares)
+    data = Deflections(
+        angle - link,
+        angle,
+        load,
+        period,
+        ratio,
+        _resolution(angle, link, resolution),
+        cutoff=min(WIDER * noise_cutoff(angle - link, period, otherwise=0.4 / period), 0.4 / period),
+        corrections=np.column_stack([np.empty((load.size, 0)), *others[: len(unknowns)]]),
+        noise=noise,
+        band=band,
+        transmission=others[-1] if shares else None,
+    )
     unknown = [name for name in laws if name not in LAWS]
     if unknown or not laws:
         raise unknown_name("spring law", unknown[0] if unknown else "", LAWS)
@@ -84,7 +98,9 @@ def two_encoders(
     kept = orders if orders is not None else _standing_out(fits[law.name], tried, data.resolution)
     rivals = {k: fit_deflection(data, law, kept, k, damping) for k in (OFFERED if hysteresis else (0,))}
     prediction = {name: float(np.sqrt(np.mean(each))) for name, each in errors.items()}
-    return estimate_of(data, rivals, tuple(kept), tuple(unknowns), turns, prediction, hysteresis, damping)
+    return estimate_of(
+        data, rivals, tuple(kept), tuple(unknowns), turns, prediction, hysteresis=hysteresis, damping=damping
+    )
 
 
 def smallest_step(values: Array) -> float:
@@ -95,20 +111,9 @@ def smallest_step(values: Array) -> float:
     return float(steps.min()) if steps.size else 0.0
 
 
-def _checked(
-    theta: ArrayLike,
-    q: ArrayLike,
-    torque: ArrayLike,
-    corrections: Sequence[ArrayLike],
-    period: float,
-    ratio: float,
-    resolution: float | None,
-    noise: float,
-    band: float | None,
-    transmission: ArrayLike | None,
-) -> Deflections:
-    shares = [] if transmission is None else [transmission]
-    arrays = [np.asarray(x, dtype=np.float64) for x in (theta, q, torque, *corrections, *shares)]
+def _known(*channels: ArrayLike) -> list[Array]:
+    """The channels, angles of motor and link and torque first, at the samples at which all are known."""
+    arrays = [np.asarray(x, dtype=np.float64) for x in channels]
     shapes = [x.shape for x in arrays]
     if arrays[0].ndim != 1 or len(set(shapes)) > 1:
         raise InputError(f"two_encoders: theta, q, joint torque, unknowns have shapes {shapes}: each must be (N,)")
@@ -118,13 +123,15 @@ def _checked(
     angle, link, load, *others = (x[known] for x in arrays)
     if not (np.ptp(load) and np.ptp(angle - link)):
         raise InputError("two_encoders: neither torque nor deflection may stand still: they show no spring")
+    return [angle, link, load, *others]
+
+
+def _resolution(angle: Array, link: Array, resolution: float | None) -> float:
+    """Of both encoders together, rad: as stated, or as the samples show."""
     step = float(np.hypot(smallest_step(angle), smallest_step(link))) if resolution is None else float(resolution)
     if not (np.isfinite(step) and step >= 0.0):
         raise InputError(f"two_encoders: resolution {resolution} rad must be a number, at least 0")
-    cutoff = min(WIDER * noise_cutoff(angle - link, period, otherwise=0.4 / period), 0.4 / period)
-    share = others.pop() if shares else None
-    beside = np.column_stack(others) if others else np.empty((load.size, 0))
-    return Deflections(angle - link, angle, load, period, ratio, step, cutoff, beside, noise, band, share)
+    return step
 
 
 def _standing_out(fit: DeflectionFit, orders: Sequence[int], resolution: float) -> list[int]:

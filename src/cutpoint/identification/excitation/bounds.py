@@ -5,6 +5,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from cutpoint.door import refused
 from cutpoint.errors import InputError
 from cutpoint.model.mechanism import Joint
 from cutpoint.robot import Robot
@@ -66,7 +67,10 @@ def bounds_of(
 
 
 def _positions(robot: Robot, position: tuple[ArrayLike, ArrayLike] | None) -> tuple[Array, Array]:
-    first, last = (-np.inf, np.inf) if position is None else position
+    try:
+        first, last = (-np.inf, np.inf) if position is None else position
+    except (TypeError, ValueError):
+        raise refused("excitation", "position", position, "(low, high), each a number or one a joint") from None
     joints, drives = joints_of(robot), [*robot.drives.values()]
     free = np.array([FREE_SLIDE if joint.kind == "prismatic" else FREE_TURN for joint in joints])
     lows = [_each(robot, "position", first), [x.limits.lower for x in joints], [x.limits.lower for x in drives]]

@@ -6,22 +6,24 @@ Robot. Autom. 13(5).
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
+from os import PathLike
 from pathlib import Path
+from types import NoneType
 from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from cutpoint.errors import InputError, unknown_name
+from cutpoint.door import check_kind, checked_name, positive, whole
+from cutpoint.errors import InputError
 from cutpoint.identification.excitation.bounds import bounds_of
 from cutpoint.identification.excitation.file import Start, read_start, write_csv, write_start
 from cutpoint.identification.excitation.information import Criterion, condition_number, log_determinant
-from cutpoint.identification.excitation.limits import Box
+from cutpoint.identification.excitation.limits import Box, Use
 from cutpoint.identification.excitation.problem import Problem
 from cutpoint.identification.excitation.search import Found, search
 from cutpoint.identification.excitation.series import FourierSeries
 from cutpoint.robot import Robot
-from cutpoint.trajectories.arrays import positive
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -40,22 +42,6 @@ class Quality:
 
     log_determinant: float
     condition: float
-
-
-@dataclass(frozen=True)
-class Use:
-    """What a motion uses of a limit: least and largest value, and what is allowed; infinite where nothing is stated.
-
-    kind: position, speed, acceleration, torque, or place.  name: the joint, or frame and axis.
-    """
-
-    kind: str
-    name: str
-    unit: str
-    least: float
-    largest: float
-    low: float
-    high: float
 
 
 @dataclass(frozen=True, eq=False)
@@ -131,8 +117,15 @@ def excitation(
         InputError: an argument is wrong, a joint's speed is not limited, the file tells of another robot or series, or
             no motion that keeps all limits was found; then it names limit and joint.
     """
+    check_kind("excitation", "robot", robot, Robot, "a Robot (cutpoint.load reads files)")
+    check_kind("excitation", "boxes", boxes, (Mapping, NoneType), "(low, high) by the frame's name")
+    check_kind("excitation", "resume", resume, (str, PathLike, NoneType), "the path of a file")
+    _check_driven(robot)
+    duration, harmonics = positive("excitation", "duration", duration, "s"), _harmonics(harmonics)
     frequency = _frequency(duration, base_frequency)
-    _check(robot, harmonics, criterion, starts, seconds)
+    checked_name("criterion", criterion, CRITERIA)
+    seconds, seed = positive("excitation", "seconds", seconds, "s"), whole("excitation", "seed", seed, 0)
+    starts = starts if starts is None else whole("excitation", "starts", starts)
     bounds = bounds_of(robot, position, speed, acceleration, torque)
     problem = Problem(robot, bounds, boxes or {}, criterion, frequency, harmonics)
     file = None if resume is None else Path(resume)
@@ -176,10 +169,10 @@ def _uses(problem: Problem, z: Array) -> tuple[Use, ...]:
 
 
 def _frequency(duration: float, base_frequency: float | None) -> float:
-    positive("duration", duration, "s")
     if base_frequency is None:
         return 1.0 / duration
-    periods = duration * positive("base frequency", base_frequency, "Hz")
+    base_frequency = positive("excitation", "base frequency", base_frequency, "Hz")
+    periods = duration * base_frequency
     if round(periods) < 1 or abs(periods - round(periods)) > 1e-9 * periods:
         raise InputError(
             f"duration {duration:g} s holds {periods:.6g} periods of the base frequency, {base_frequency:g} Hz: "
@@ -189,14 +182,13 @@ def _frequency(duration: float, base_frequency: float | None) -> float:
     return base_frequency
 
 
-def _check(robot: Robot, harmonics: int, criterion: str, starts: int | None, seconds: float) -> None:
+def _check_driven(robot: Robot) -> None:
     if not len(robot.joints) == robot.nv == robot.nq:
         rule = "every one must be driven, and have one coordinate: a floating base cannot be commanded"
         raise InputError(f"robot {robot.name!r} has {robot.nv} speeds and {len(robot.joints)} driven joints: {rule}")
-    if not FEWEST <= harmonics <= MOST:
-        raise InputError(f"harmonics {harmonics} must lie between {FEWEST} and {MOST}", harmonics=harmonics)
-    if criterion not in CRITERIA:
-        raise unknown_name("criterion", criterion, CRITERIA)
-    if starts is not None and starts < 1:
-        raise InputError(f"starts {starts} must be 1 or more", starts=starts)
-    positive("seconds", seconds, "s")
+
+
+def _harmonics(count: int) -> int:
+    if whole("excitation", "harmonics", count, FEWEST) > MOST:
+        raise InputError(f"harmonics {count} must lie between {FEWEST} and {MOST}", harmonics=count)
+    return int(count)

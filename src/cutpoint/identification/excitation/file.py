@@ -7,13 +7,13 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from cutpoint.door import positive
 from cutpoint.errors import InputError
 from cutpoint.files import check_readable, replacing
 from cutpoint.identification.excitation.bounds import units_of
 from cutpoint.identification.excitation.series import FourierSeries
 from cutpoint.robot import Robot
 from cutpoint.trajectories import Trajectory
-from cutpoint.trajectories.arrays import positive
 
 Array = NDArray[np.float64]
 
@@ -90,7 +90,7 @@ def _check(path: Path, fits: dict[str, tuple[Any, Any]], coefficients: list[Arra
 
 def write_csv(path: Path, robot: Robot, trajectory: Trajectory, rate: float) -> None:
     """Positions, rad (m), at a rate, Hz, with the units in the first line, as `trajectories.from_csv` reads them."""
-    count = round(trajectory.duration * positive("rate", rate, "Hz"))
+    count = round(trajectory.duration * positive("save_csv", "rate", rate, "Hz"))
     times = np.linspace(0.0, trajectory.duration, count + 1)
     columns = [f"{name} [{unit}]" for name, unit in zip(robot.joints, units_of(robot), strict=True)]
     rows = [",".join(["t [s]", *columns])]

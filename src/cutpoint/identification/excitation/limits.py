@@ -1,6 +1,7 @@
 """What a motion may not exceed, as functions of it: joints' bounds, motor torques, boxes around frames."""
 
 from collections.abc import Callable, Mapping
+from dataclasses import dataclass
 from functools import partial
 from typing import Any, NamedTuple
 
@@ -45,6 +46,22 @@ class Limit(NamedTuple):
         """(2, N, m): room to the low and to the high bound over scale; negative beyond them, infinite without one."""
         x = self.values(motion)
         return np.stack([x - self.low, self.high - x]) / self.scale
+
+
+@dataclass(frozen=True)
+class Use:
+    """What a motion uses of a limit: least and largest value, and what is allowed; infinite where nothing is stated.
+
+    kind: position, speed, acceleration, torque, or place.  name: the joint, or frame and axis.
+    """
+
+    kind: str
+    name: str
+    unit: str
+    least: float
+    largest: float
+    low: float
+    high: float
 
 
 def limits_of(robot: Robot, bounds: Bounds, boxes: Mapping[str, Box]) -> list[Limit]:

@@ -1,7 +1,6 @@
 """An excitation as a picture."""
 
 from collections.abc import Sequence
-from typing import TYPE_CHECKING
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -9,11 +8,9 @@ from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
 from cutpoint.identification.excitation.bounds import units_of
+from cutpoint.identification.excitation.limits import Use
 from cutpoint.identification.excitation.series import FourierSeries
 from cutpoint.robot import Robot
-
-if TYPE_CHECKING:
-    from cutpoint.identification.excitation.excitation import Use
 
 Array = NDArray[np.float64]
 
@@ -23,7 +20,7 @@ AXIS_WIDTH, AXIS_HEIGHT = 3.6, 1.5
 SAMPLES = 1000
 
 
-def figure_of(robot: Robot, trajectory: FourierSeries, limits: Sequence["Use"]) -> Figure:
+def figure_of(robot: Robot, trajectory: FourierSeries, limits: Sequence[Use]) -> Figure:
     """Position, speed and motor torque over one period, a row a joint; limits are dashed, where they are stated."""
     time = np.linspace(0.0, 1.0 / trajectory.base_frequency, SAMPLES)
     motion = trajectory.derivatives(time, 4)

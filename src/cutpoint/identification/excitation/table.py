@@ -6,7 +6,8 @@ import numpy as np
 from rich.table import Table
 
 from cutpoint.files import save_figure
-from cutpoint.identification.excitation.excitation import Excitation, Quality, Use
+from cutpoint.identification.excitation.excitation import Excitation, Quality
+from cutpoint.identification.excitation.limits import Use
 
 FILES = ("excitation.csv", "excitation.json", "excitation.png")
 """The motion; the series, to resume from; the picture."""

@@ -106,10 +106,15 @@ class Recording:
 
     def joint(self, name: str) -> "Recording":
         """One joint's channels, (N, 1).  An unknown name is an InputError that lists those there are."""
-        if name not in self.joints:
-            raise unknown_name("joint", name, self.joints)
-        column = self.joints.index(name)
-        return self.with_channels(lambda values: values[:, column : column + 1], joints=(name,))
+        return self.in_order([name])
+
+    def in_order(self, names: Sequence[str]) -> "Recording":
+        """These joints' channels, (N, n), a column for each name.  An unknown name is an InputError, as for `joint`."""
+        for name in names:
+            if name not in self.joints:
+                raise unknown_name("joint", name, self.joints)
+        columns = [self.joints.index(name) for name in names]
+        return self.with_channels(lambda values: values[:, columns], joints=tuple(names))
 
     def complete(self) -> NDArray[np.bool_]:
         """Which samples hold a number in every channel of every joint, (N,) of bool."""

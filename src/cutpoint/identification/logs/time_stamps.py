@@ -1,4 +1,4 @@
-"""Time stamps as loggers write them: put in order, said aloud, or refused."""
+"""Time stamps as loggers write them: put in order, reported, or refused."""
 
 from typing import NamedTuple
 
@@ -74,6 +74,11 @@ def without_long_gaps(times: Array, notes: list[str]) -> Array:
 def _finite(stamps: Array, name: str, notes: list[str]) -> NDArray[np.intp]:
     rows = np.flatnonzero(np.isfinite(stamps))
     _leave_out(stamps.size - rows.size, stamps.size, f"{name}: samples without a time", notes)
+    return _enough(rows, name)
+
+
+def _enough(rows: NDArray[np.intp], name: str) -> NDArray[np.intp]:
+    """The rows.  Raises InputError if they are too few."""
     if rows.size < FEWEST:
         raise InputError(f"{name}: {rows.size} samples are too few: at least {FEWEST} are needed")
     return rows
@@ -108,10 +113,7 @@ def _apart(stamps: Array, values: Array, rows: NDArray[np.intp], name: str, note
     close = np.flatnonzero(steps < CLOSE * np.median(steps[steps > 0.0])) + 1
     rule = f"{name}: samples at the time of another, or right after it"
     _leave_out(close.size, rows.size, rule, notes)
-    rows = np.delete(rows, close)
-    if rows.size < FEWEST:
-        raise InputError(f"{name}: {rows.size} samples are too few: at least {FEWEST} are needed")
-    return rows
+    return _enough(np.delete(rows, close), name)
 
 
 def _leave_out(count: int, among: int, what: str, notes: list[str]) -> None:

@@ -1,5 +1,6 @@
 """From a log to files: `identify`, what it found, its report."""
 
-from cutpoint.identification.output.identify import Identification, identify
+from cutpoint.identification.output.identification import Identification
+from cutpoint.identification.output.identify import identify
 
 __all__ = ["Identification", "identify"]

@@ -19,6 +19,9 @@ from cutpoint.model.drive import Drive, Harmonic
 
 NOTHING = float("nan")
 
+LEVEL = 0.95
+"""Of the intervals."""
+
 UNITS: Mapping[str, str] = {
     **dict.fromkeys(("stiffness", "k1", "k2", "k3"), "N m/rad"),
     **dict.fromkeys(("t1", "t2", "coulomb, by the motor alone"), "N m"),
@@ -62,12 +65,10 @@ class _Rows:
         )  # fmt: skip
 
 
-def drive_numbers(
-    joint: str, before: Drive, found: DriveEstimate, rotors: bool, level: float = 0.95
-) -> tuple[Number, ...]:
+def drive_numbers(joint: str, before: Drive, found: DriveEstimate, rotors: bool) -> tuple[Number, ...]:
     """Of one drive; before: as the files state it.  rotors: whether the model takes its rotor from here."""
     why = found.unidentifiable if rotors else {"rotor inertia": NOT_APART, **found.unidentifiable}
-    rows = _Rows(joint, float(t.ppf(0.5 + 0.5 * level, DEGREES)), why)
+    rows = _Rows(joint, float(t.ppf(0.5 + 0.5 * LEVEL, DEGREES)), why)
     spring, stated, law = found.spring, float(before.reflected_inertia), law_of(before.compliance)
     own = [
         rows.row(name, each, ("compliance", spring.law, name), _stated(law, name), "stiffness")

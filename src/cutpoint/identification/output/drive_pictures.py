@@ -5,6 +5,7 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
+from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
@@ -46,9 +47,8 @@ def bendings(
     """
     motion = motion_of(robot, recording)
     load = link_torques(robot, motion, rigid.model.inertial)
-    columns = [recording.joints.index(joint) for joint in robot.joints]
-    lead = recording["theta"][:, columns] - recording["q"][:, columns]
-    theta = recording["theta"][:, columns]
+    recording = recording.in_order(robot.joints)
+    theta, lead = recording["theta"], recording["theta"] - recording["q"]
     found: dict[str, Bending] = {}
     for joint, estimate in drives.joints.items():
         j, drive = robot.joints.index(joint), robot.drives[joint]
@@ -65,11 +65,9 @@ def bendings(
 
 def loop_picture(robot: Robot, drives: DriveEstimates, found: Mapping[str, Bending]) -> Figure:
     """Torque over deflection, a panel a joint, and the spring's law."""
-    rows = -(-len(found) // 2)
-    figure = Figure(figsize=(WIDTH, 0.6 + 1.5 * ROW * rows), layout="constrained")
-    panels = list(figure.subplots(rows, 2, squeeze=False).flat)
+    figure, panels = _panels(len(found), 1.5 * ROW)
     forces, ways = at_joints(robot, "N m"), at_joints(robot, "mrad")
-    for axes, (joint, each) in zip(panels, found.items(), strict=False):
+    for axes, (joint, each) in zip(panels, found.items(), strict=True):
         some, known = thinned(each.torque.size), each.torque[np.isfinite(each.torque)]
         # wider and paler than the law on top of it, which may hide it else
         axes.plot(1e3 * each.deflection[some], each.torque[some], color=MOTOR, linewidth=2.4, alpha=0.4)
@@ -79,9 +77,17 @@ def loop_picture(robot: Robot, drives: DriveEstimates, found: Mapping[str, Bendi
             axes.plot(1e3 * np.asarray(law.deflection(torque)), torque, color=SPRING, linewidth=0.8)
         titled(axes, f"{joint}: torque [{forces[joint]}]")
         axes.set_xlabel(f"deflection [{ways[joint]}]")
-    for axes in panels[len(found) :]:
-        axes.set_visible(False)
     return figure
+
+
+def _panels(count: int, height: float) -> tuple[Figure, list[Axes]]:
+    """So many panels, two a row; height: of a row."""
+    rows = -(-count // 2)
+    figure = Figure(figsize=(WIDTH, 0.6 + height * rows), layout="constrained")
+    panels = list(figure.subplots(rows, 2, squeeze=False).flat)
+    for axes in panels[count:]:
+        axes.set_visible(False)
+    return figure, panels[:count]
 
 
 def _law(found: DriveEstimate) -> Any:
@@ -91,15 +97,12 @@ def _law(found: DriveEstimate) -> Any:
 
 def wave_picture(robot: Robot, found: Mapping[str, Bending]) -> Figure:
     """Amplitude of what the springs leave, over waves a turn of the motor."""
-    rows = -(-len(found) // 2)
-    figure = Figure(figsize=(WIDTH, 0.6 + ROW * rows), layout="constrained")
-    panels, ways = list(figure.subplots(rows, 2, squeeze=False).flat), at_joints(robot, "µrad")
-    for axes, (joint, each) in zip(panels, found.items(), strict=False):
+    figure, panels = _panels(len(found), ROW)
+    ways = at_joints(robot, "µrad")
+    for axes, (joint, each) in zip(panels, found.items(), strict=True):
         axes.plot(ORDERS, 1e6 * amplitudes(each.angle, each.left, ORDERS), color=MOTOR, linewidth=1.0)
         titled(axes, f"{joint}: amplitude [{ways[joint]}]")
         axes.set_xlabel("waves a turn of the motor")
-    for axes in panels[len(found) :]:
-        axes.set_visible(False)
     return figure
 
 

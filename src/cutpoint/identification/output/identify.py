@@ -1,7 +1,7 @@
 """`identify`: from a log to a robot that one can trust, with what the log cannot tell, and files of both."""
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field, replace
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -19,11 +19,12 @@ from cutpoint.identification.logs.suspicions import refuse_degrees, suspicions
 from cutpoint.identification.output.drive_numbers import drive_numbers
 from cutpoint.identification.output.error_warnings import warnings_of
 from cutpoint.identification.output.estimates import Estimates, estimates, springs_wanted
+from cutpoint.identification.output.identification import Identification
 from cutpoint.identification.output.numbers import Number, rigid_numbers
 from cutpoint.identification.output.steps import Steps
-from cutpoint.identification.output.torque_errors import TorqueErrors, torque_errors
+from cutpoint.identification.output.torque_errors import torque_errors
 from cutpoint.identification.output.units import at_joints
-from cutpoint.identification.rigid.identify_rigid import FrictionWish, Method, RigidEstimate
+from cutpoint.identification.rigid.identify_rigid import FrictionWish, Method
 from cutpoint.identification.rigid.physical import Solver
 from cutpoint.loading import load
 from cutpoint.robot import Robot
@@ -32,42 +33,6 @@ SPRING_PARTS = ("compliance", "damping", "kinematic_error", "hysteresis", "motor
 """Of a drive that two encoders tell; rotors and friction come with the links."""
 
 MOST_HELD = 0.9
-
-
-@dataclass(frozen=True, eq=False, repr=False)
-class Identification:
-    """A robot as a log tells it.
-
-    robot: the identified one; before: as its files had it.  source: its file, None for a robot that has none.
-    rigid: links, rotors, friction.  drives: springs of the drives, None unless encoders on both sides were recorded.
-    numbers: all that was sought, with intervals.  errors: of torques, before and after.  recording: as used, whole.
-    untold: what this log cannot tell.  notes: what was repaired, what looks wrong, and how it was done.
-    """
-
-    robot: Robot
-    before: Robot
-    source: Path | None
-    rigid: RigidEstimate
-    drives: DriveEstimates | None
-    numbers: tuple[Number, ...]
-    errors: TorqueErrors
-    recording: Recording = field(repr=False)
-    untold: tuple[str, ...]
-    notes: tuple[str, ...]
-
-    def __repr__(self) -> str:
-        told = sum(number.told for number in self.numbers)
-        return f"Identification({self.robot.name!r}: {told} of {len(self.numbers)} numbers told)"
-
-    def save(self, folder: str | Path, *, force: bool = False) -> list[Path]:
-        """Writes robot.urdf, robot.drives.yaml, parameters.json and report.html, each whole or not at all.
-
-        A robot that comes from no URDF gets robot.inertias.json instead of the first.
-        Raises InputError where a folder has such files, unless `force` says to overwrite them.
-        """
-        from cutpoint.identification.output.saving import save
-
-        return save(self, Path(folder), force)
 
 
 def identify(

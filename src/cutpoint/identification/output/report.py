@@ -3,13 +3,13 @@
 import platform
 from collections.abc import Sequence
 from importlib.metadata import version
-from typing import TYPE_CHECKING
 
 import numpy as np
 
 import cutpoint
 from cutpoint.identification.output.block_bootstrap import Ratio
 from cutpoint.identification.output.drive_pictures import bendings, loop_picture, wave_picture
+from cutpoint.identification.output.identification import Identification
 from cutpoint.identification.output.numbers import Number
 from cutpoint.identification.output.pictures import residual_picture, torque_picture
 from cutpoint.identification.output.units import at_joints, either
@@ -17,11 +17,8 @@ from cutpoint.studies.report.html import Heading, html
 from cutpoint.studies.report.page import Block, Page, Picture, Table
 from cutpoint.studies.style import png, styled
 
-if TYPE_CHECKING:
-    from cutpoint.identification.output.identify import Identification
 
-
-def report(found: "Identification", notes: Sequence[str] = ()) -> str:
+def report(found: Identification, notes: Sequence[str] = ()) -> str:
     """The page as HTML; notes: further ones."""
     pages = [_torques(found), _numbers(found), *_drives(found), _said(found, notes)]
     with styled():
@@ -29,7 +26,7 @@ def report(found: "Identification", notes: Sequence[str] = ()) -> str:
     return html(_heading(found), pages, images, _versions())
 
 
-def _heading(found: "Identification") -> Heading:
+def _heading(found: Identification) -> Heading:
     recording, told = found.recording, sum(number.told for number in found.numbers)
     span = float(recording.time[-1] - recording.time[0])
     joints = len(found.robot.joints)
@@ -38,7 +35,7 @@ def _heading(found: "Identification") -> Heading:
     return Heading("Identification", about, (f"{told} of {len(found.numbers)} numbers are told by this log. {held}",))
 
 
-def _torques(found: "Identification") -> Page:
+def _torques(found: Identification) -> Page:
     errors, unit = found.errors, either(at_joints(found.robot, "N m").values())
     with styled():
         curves, left = torque_picture(errors, found.robot), residual_picture(errors, found.robot)
@@ -65,7 +62,7 @@ ERROR_COLUMNS = (
 )
 
 
-def error_rows(found: "Identification") -> tuple[tuple[str, ...], ...]:
+def error_rows(found: Identification) -> tuple[tuple[str, ...], ...]:
     errors = found.errors
     columns = (errors.size(), errors.rms("before"), errors.rms("after"), errors.rms("after", True))
     plain, ratios = errors.rms("plain", True), map(ratio_words, errors.to_plain())
@@ -73,7 +70,7 @@ def error_rows(found: "Identification") -> tuple[tuple[str, ...], ...]:
     return tuple((joint, *map(digits, values), ratio) for joint, ratio, *values in rows)
 
 
-def _numbers(found: "Identification") -> Page:
+def _numbers(found: Identification) -> Page:
     heads = ("name", "unit", "the log alone", "95 % interval", "in the model", "in the files", "told")
     rows = tuple(_row(number) for number in found.numbers)
     table = Table("Table 2", "All that was sought, SI units at the joint's side", heads, rows)
@@ -103,7 +100,7 @@ def ratio_words(ratio: Ratio) -> str:
     return f"{ratio.low:.2f} to {ratio.high:.2f}: {verdict}"
 
 
-def _drives(found: "Identification") -> list[Page]:
+def _drives(found: Identification) -> list[Page]:
     if found.drives is None or not found.drives.joints:
         return []
     bent = bendings(found.robot, found.rigid, found.drives, found.recording, found.errors.bandwidth)
@@ -118,7 +115,7 @@ def _drives(found: "Identification") -> list[Page]:
     return [Page("drives", "Drives", blocks)]
 
 
-def _said(found: "Identification", notes: Sequence[str]) -> Page:
+def _said(found: Identification, notes: Sequence[str]) -> Page:
     untold = found.untold or ("Everything that was sought is told.",)
     blocks = ("What this log cannot tell:", *untold, "What was repaired, what looks wrong, and how it was done:")
     return Page("said", "What this log cannot tell, and notes", (*blocks, *found.notes, *notes))

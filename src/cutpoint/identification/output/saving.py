@@ -3,7 +3,7 @@
 import json
 from collections.abc import Mapping
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
@@ -15,13 +15,11 @@ from cutpoint.formats.reading import read_bytes
 from cutpoint.formats.safe_xml import MAXIMUM_BYTES
 from cutpoint.formats.urdf_writing import updated_urdf
 from cutpoint.formats.xacro_expansion import expand
+from cutpoint.identification.output.identification import Identification
 from cutpoint.identification.output.numbers import Number
 from cutpoint.identification.output.report import report
 from cutpoint.identification.output.units import at_joints
 from cutpoint.robot import Robot
-
-if TYPE_CHECKING:
-    from cutpoint.identification.output.identify import Identification
 
 FILES = ("robot.urdf", "robot.inertias.json", "robot.drives.yaml", "parameters.json", "report.html")
 
@@ -35,12 +33,12 @@ def check_folder(folder: Path, force: bool) -> None:
         raise InputError(f"output {str(folder)!r} already holds {names}; name another, or force it", output=folder)
 
 
-def file_notes(found: "Identification") -> list[str]:
+def file_notes(found: Identification) -> list[str]:
     """What a reader of the files must know beside the identification's own notes; its report has these too."""
     return _model_files(found)[1]
 
 
-def save(found: "Identification", folder: Path, force: bool) -> list[Path]:
+def save(found: Identification, folder: Path, force: bool) -> list[Path]:
     """All files are made before the first is written, so that those of one run stand beside each other."""
     check_folder(folder, force)
     files, notes = _model_files(found)
@@ -53,7 +51,7 @@ def save(found: "Identification", folder: Path, force: bool) -> list[Path]:
     return [folder / name for name in files]
 
 
-def _model_files(found: "Identification") -> tuple[dict[str, bytes], list[str]]:
+def _model_files(found: Identification) -> tuple[dict[str, bytes], list[str]]:
     """Robot and drives; and what a reader of these must know."""
     files, notes = _robot_file(found)
     remarks: dict[str, dict[tuple[str, ...], str]] = {joint: {} for joint in found.robot.drives}
@@ -68,7 +66,7 @@ def _model_files(found: "Identification") -> tuple[dict[str, bytes], list[str]]:
     return files, notes
 
 
-def _robot_file(found: "Identification") -> tuple[dict[str, bytes], list[str]]:
+def _robot_file(found: Identification) -> tuple[dict[str, bytes], list[str]]:
     source = found.source
     if source is not None and source.suffix.lower() in (".urdf", ".xacro"):
         is_xacro = source.suffix.lower() == ".xacro"
@@ -90,7 +88,7 @@ def bodies_of(robot: Robot) -> dict[str, Any]:
     }
 
 
-def _sheet(found: "Identification", notes: list[str]) -> Mapping[str, Any]:
+def _sheet(found: Identification, notes: list[str]) -> Mapping[str, Any]:
     errors, joints = found.errors, found.robot.joints
     rms = {
         "measured": errors.size(),

@@ -3,7 +3,7 @@
 from rich.table import Table
 from rich.text import Text
 
-from cutpoint.identification.output.identify import Identification
+from cutpoint.identification.output.identification import Identification
 from cutpoint.identification.output.report import error_rows
 from cutpoint.identification.output.units import at_joints, either
 

@@ -9,7 +9,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from cutpoint.mechanics.pseudo_inertia import pseudo_inertia
+from cutpoint.mechanics.pseudo_inertia import pseudo_inertia, pseudo_inertia_of_body
 from cutpoint.model.mechanism import Body, Mechanism
 
 Array = NDArray[np.float64]
@@ -47,7 +47,7 @@ class Bodies:
 
 def bodies_of(mechanism: Mechanism) -> Bodies:
     """The bodies as their file has them; points, rods and what has no mass are given a little volume."""
-    prior = np.array([_pseudo_inertia(body) for body in mechanism.bodies])
+    prior = np.array([pseudo_inertia_of_body(body) for body in mechanism.bodies])
     mass = max(MASS * float(prior[:, 3, 3].mean()), np.finfo(float).tiny)
     radius = RADIUS * max(float(np.linalg.norm(body.placement[:3, 3])) for body in mechanism.bodies) or RADIUS
     grown = [_with_volume(L, mass, radius) for L in prior]
@@ -69,15 +69,6 @@ def _with(body: Body, p: Array) -> Body:
     com = L[:3, 3] / L[3, 3]
     S = L[:3, :3] - L[3, 3] * np.outer(com, com)
     return replace(body, mass=float(L[3, 3]), com=com, inertia=np.trace(S) * np.eye(3) - S)
-
-
-def _pseudo_inertia(body: Body) -> Array:
-    S = 0.5 * np.trace(body.inertia) * np.eye(3) - body.inertia
-    L = np.empty((4, 4))
-    L[:3, :3] = S + body.mass * np.outer(body.com, body.com)
-    L[:3, 3] = L[3, :3] = body.mass * body.com
-    L[3, 3] = body.mass
-    return L
 
 
 def _with_volume(L: Array, mass: float, radius: float) -> Array:

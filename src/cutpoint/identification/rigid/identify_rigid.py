@@ -3,7 +3,7 @@
 from collections.abc import Collection, Mapping, Sequence
 from dataclasses import replace
 from functools import partial
-from typing import Literal
+from typing import Literal, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -90,23 +90,42 @@ def identify_rigid(
         choices = _shaped(friction, base, log, loads, offsets)
     laws = _laws(robot, log.motion, friction, choices)
     asked = None if instruments is None else _asked(robot, recording, instruments, log.motion.cutoff)
+    shaped = [choice.joint for choice in choices]
+    how = _How(method, asked, offsets, shaped, rotor_errors or {}, prior_spread, solver)
+    fitted = _fitted(base, laws, log, loads, how)
     is_loaded = any(law.per_load is not None for law in laws.values())
-    fitted = None
-    for _ in range(LOADED_ROUNDS if is_loaded else 1):
-        loads = link_torques(robot, log.motion, fitted.bodies.inertial) if fitted else loads
-        of = partial(regression, base, laws, torque=log.torque, means=log.means, offsets=offsets, loads=loads)
-        found, instead = of(log.motion), None if asked is None else of(asked).columns
-        values = _estimate(found, method, instead).values.tolist()
-        fit = laws_with(laws, dict(zip(found.names, values, strict=True)))
-        _, shapes = shape_slopes(base, fit, [choice.joint for choice in choices], log, loads)
-        estimate = _estimate(found, method, instead, shapes, _rotor_torques(base, log, rotor_errors or {}))
-        sizes = sizes_of_others(base, log, found.names[base.independent.size :])
-        told = are_told(estimate, base.independent.size, sizes)
-        bodies = physical(fit_of(base, found.names, estimate.R, estimate.z, sizes, told, prior_spread), solver)
-        fitted = Fitted(base, laws, log, found, estimate, bodies)
-    assert fitted is not None
+    for _ in range(LOADED_ROUNDS - 1 if is_loaded else 0):
+        fitted = _fitted(base, laws, log, link_torques(robot, log.motion, fitted.bodies.inertial), how)
     result = estimate_of(fitted, level, choices, recording.notes)
     return _with_remark_on_lags(result) if method == "instrumental" and instruments is None else result
+
+
+class _How(NamedTuple):
+    """How a model is fitted, in the words of `identify_rigid`.
+
+    asked: the instruments' motion.  shaped: joints whose friction's shape was sought.
+    """
+
+    method: Method
+    asked: Motion | None
+    offsets: bool
+    shaped: Sequence[str]
+    rotor_errors: Mapping[str, float]
+    prior_spread: float
+    solver: Solver
+
+
+def _fitted(base: BaseParameters, laws: Mapping[str, Sliding], log: Log, loads: Array, how: _How) -> Fitted:
+    """What explains the torques, and bodies that can exist.  loads: (N, n), N m, by which friction may grow."""
+    of = partial(regression, base, laws, torque=log.torque, means=log.means, offsets=how.offsets, loads=loads)
+    found, instead = of(log.motion), None if how.asked is None else of(how.asked).columns
+    values = _estimate(found, how.method, instead).values.tolist()
+    _, shapes = shape_slopes(base, laws_with(laws, dict(zip(found.names, values, strict=True))), how.shaped, log, loads)
+    estimate = _estimate(found, how.method, instead, shapes, _rotor_torques(base, log, how.rotor_errors))
+    sizes = sizes_of_others(base, log, found.names[base.independent.size :])
+    told = are_told(estimate, base.independent.size, sizes)
+    bodies = physical(fit_of(base, found.names, estimate.R, estimate.z, sizes, told, how.prior_spread), how.solver)
+    return Fitted(base, laws, log, found, estimate, bodies)
 
 
 def explained(motion: Motion, bandwidth: float | None) -> float:

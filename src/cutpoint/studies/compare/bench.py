@@ -85,11 +85,11 @@ def bench_of(
 
 
 def _check(robot: Robot) -> None:
-    kinds = {body.joint.name: body.joint.kind for body in robot.mechanism.bodies}
+    sliding = robot.mechanism.sliding
     if robot.nv != len(robot.joints):
         raise InputError(f"compare: {robot.name!r} has coordinates without a drive; fix its base")
     for name, drive in robot.drives.items():
-        if kinds[name] == "prismatic":
+        if name in sliding:
             raise InputError(f"compare: joint {name!r} slides; errors are compared as angles: lock it", joint=name)
         if not drive.is_elastic:
             remedy = "laws are compared on joints that bend: give it a rotor and a compliance in the drive file"

@@ -4,8 +4,8 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from cutpoint.model.limits import efforts_in_force
 from cutpoint.robot import Robot
-from cutpoint.simulation.inputs import torque_limits
 from cutpoint.studies.compare import figures
 from cutpoint.studies.compare.bench import FAST, USUAL, Bench
 from cutpoint.studies.compare.contenders import NATURAL_RATE, RATE, WHOLE_RATE
@@ -81,7 +81,7 @@ def _scenarios(results: Results, seeds: int) -> str:
 
 
 def _sizes(robot: Robot) -> str:
-    limits = torque_limits(robot)
+    limits = efforts_in_force(robot.mechanism, robot.drives)
     bounds = (
         f"Torques are limited to {listed(limits, 0)} N m" if np.isfinite(limits).all() else "Not all limits are stated"
     )

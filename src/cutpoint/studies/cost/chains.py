@@ -12,9 +12,9 @@ from cutpoint.studies.chain import Array
 _RATIO = 100.0
 
 
-def random_machine(n: int, seed: int = 0) -> Machine:
+def random_machine(n: int) -> Machine:
     """n joints with elastic drives, whose rotors are felt by their own spin only; each axis is its frame's z."""
-    rng = np.random.default_rng(seed)
+    rng = np.random.default_rng(0)
     links = [Link(f"link{k}", *_mass_properties(rng)) for k in range(n + 1)]
     joints = [Joint(f"joint{k}", "revolute", f"link{k}", f"link{k + 1}", _placement(rng)) for k in range(n)]
     drives = {joint.name: _drive(rng) for joint in joints}

@@ -11,7 +11,7 @@ from functools import cache
 
 from cutpoint.definitions import matrix_of
 from cutpoint.mechanics.joints import dot
-from cutpoint.mechanics.spatial import Inertia
+from cutpoint.mechanics.pseudo_inertia import pseudo_inertia_of
 from cutpoint.mechanics.system import System
 from cutpoint.scalars import Scalar
 
@@ -26,7 +26,7 @@ def torques(system: System, q: Scalars, v: Scalars, a: Scalars) -> Scalars:
     """Joint torques, N m, of a chain of revolute joints: sums of D_ik a_k, D_ikl v_k v_l and D_i."""
     n = len(system.segments)
     U = _derivatives(system, q)
-    J = [_pseudo_inertia(body.inertia) for body in system.segments]
+    J = [pseudo_inertia_of(body.inertia) for body in system.segments]
     UJ = {(j, i): _times(U[j, i], J[j]) for j in range(n) for i in range(j + 1)}
     lift = [*(-system.gravity), 0]
     tau: Scalars = []
@@ -57,12 +57,6 @@ def _derivatives(system: System, q: Scalars) -> dict[tuple[int, ...], Matrix]:
     n = range(len(A))
     first = {(j, k): U(j, k) for j in n for k in range(j + 1)}
     return first | {(j, k, l): U(j, k, l) for j in n for l in range(j + 1) for k in range(l + 1)}
-
-
-def _pseudo_inertia(M: Inertia) -> Matrix:
-    """The sum of r r^T dm over the link, r = (x, y, z, 1)."""
-    h = [*M.first_moment]
-    return [[*row, h_i] for row, h_i in zip(M.second_moment, h, strict=True)] + [[*h, M.mass]]
 
 
 def _times(A: Matrix, B: Matrix) -> Matrix:

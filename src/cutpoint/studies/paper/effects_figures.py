@@ -149,12 +149,12 @@ def presliding(axes: Axes, drive: Drive) -> None:
     axes.set_ylim(-1.3 * breakaway, 1.3 * breakaway)
 
 
-def dragged(law: ElastoPlastic, turns: Sequence[float] | Array, points: int = 300) -> tuple[Array, Array]:
+def dragged(law: ElastoPlastic, turns: Sequence[float] | Array) -> tuple[Array, Array]:
     """Friction of a slow motion from turn to turn: displacements in rad, torques in N m."""
     path, torque, strain = [float(turns[0])], [0.0], 0.0
     for start, end in pairwise(turns):
         slowly = 1e-9 * np.sign(end - start)
-        for at in np.linspace(start, end, points)[1:]:
+        for at in np.linspace(start, end, 300)[1:]:
             strain = law.strain(strain, at - path[-1], slowly)
             path.append(float(at))
             torque.append(float(law.strained_torque(strain, slowly)))

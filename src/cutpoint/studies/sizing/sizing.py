@@ -142,7 +142,7 @@ def _without_play(robot: Robot) -> Robot:
 
 def _drive_sizing(robot: Robot, joint: str, k: int, load: Load, life: float | None) -> DriveSizing:
     drive, limits = robot.drives[joint], limits_in_force(robot.mechanism, robot.drives)[joint]
-    slides = any(body.joint.kind == "prismatic" and body.joint.name == joint for body in robot.mechanism.bodies)
+    slides = joint in robot.mechanism.sliding
     middle = (limits.upper + limits.lower) / 2 if np.isfinite(limits.upper - limits.lower) else 0.0
     demand = demand_of(load, k, middle)
     margins, missing = margins_of(drive, demand, limits, slides)

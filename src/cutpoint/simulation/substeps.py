@@ -13,15 +13,33 @@ from cutpoint.mechanics.linearly_implicit import is_carried
 from cutpoint.mechanics.motor import TURN
 from cutpoint.mechanics.presliding import Presliding
 from cutpoint.model.drive import Friction
+from cutpoint.model.limits import efforts_in_force
 from cutpoint.robot import Robot
-from cutpoint.simulation.spring_slopes import most_torque, stiffest
+from cutpoint.simulation.spring_slopes import stiffest
 
 Array = NDArray[np.float64]
 
-SETTINGS = {"standard": (0.5, 2.0, 2.0, 2.0, 2.5e-4), "fine": (0.1, 0.25, 0.5, 1.0, 6.25e-5)}
-"""Largest step: times the fastest drive mode (rad/s), times the fastest decay that is not taken implicitly (1/s), times
-the fastest growth where friction falls with speed (1/s), times the fastest wave of ripple, cogging or kinematic error
-(rad/s), and in s.  A step of 2 pi of a wave would not see it at all."""
+
+class Longest(NamedTuple):
+    """Largest step of an accuracy: times each rate, and in s.
+
+    mode: of the fastest drive mode, rad.  decay: of the fastest decay that is not taken implicitly.  growth: of the
+    fastest growth where friction falls with speed.  wave: of the fastest wave of ripple, cogging or kinematic error,
+    rad; a step of 2 pi would not see it at all.
+    """
+
+    mode: float
+    decay: float
+    growth: float
+    wave: float
+    seconds: float
+
+
+SETTINGS = {
+    "standard": Longest(mode=0.5, decay=2.0, growth=2.0, wave=2.0, seconds=2.5e-4),
+    "fine": Longest(mode=0.1, decay=0.25, growth=0.5, wave=1.0, seconds=6.25e-5),
+}
+"""By accuracy."""
 
 MOST_SUBSTEPS = 400
 
@@ -52,16 +70,20 @@ def substeps_for(robot: Robot, accuracy: str, period: float, poses: Array, speed
 
     poses: (m, nq), where stiffness is judged.  speeds: (n,) rad/s, how fast drives will turn at most; none by default.
     """
-    *shares, longest = SETTINGS[accuracy]
-    wave = fastest_wave(robot, np.zeros(len(robot.drives)) if speeds is None else speeds)
-    limits = fastest_mode(robot, poses), fastest_decay(robot), fastest_growth(robot, poses), wave
-    bounds = [(share / max(x.rate, 1e-9), x.cause) for share, x in zip(shares, limits, strict=True)]
-    step, cause = min([(longest, "the longest step of this accuracy"), *bounds])
+    longest, mode = SETTINGS[accuracy], fastest_mode(robot, poses)
+    bounds = [
+        (longest.mode, mode),
+        (longest.decay, fastest_decay(robot)),
+        (longest.growth, fastest_growth(robot, poses)),
+        (longest.wave, fastest_wave(robot, np.zeros(len(robot.drives)) if speeds is None else speeds)),
+    ]
+    steps = [(share / max(limit.rate, 1e-9), limit.cause) for share, limit in bounds]
+    step, cause = min([(longest.seconds, "the longest step of this accuracy"), *steps])
     wanted = int(np.ceil(period / step - 1e-9))
     if wanted > MOST_SUBSTEPS:
         warnings.warn(
             f"{cause} would take {wanted} integration steps a control period (its fastest mode is "
-            f"{limits[0].rate / 2 / np.pi:.0f} Hz); {MOST_SUBSTEPS} are taken. "
+            f"{mode.rate / 2 / np.pi:.0f} Hz); {MOST_SUBSTEPS} are taken. "
             "Soften it (distance, stiffness, bandwidth, Stribeck velocity, order of a wave), or give substeps=",
             StiffnessWarning,
             stacklevel=4,
@@ -74,7 +96,7 @@ def fastest_mode(robot: Robot, poses: Array) -> Limit:
     names, drives = [*robot.drives], [*robot.drives.values()]
     elastic = np.array([d.is_elastic for d in drives], bool)
     bristles = np.array([[_bristles(d.link_friction), _bristles(d.motor_friction)] for d in drives]).reshape(-1, 2)
-    J_inverse, most = _rotor_mobility(robot), most_torque(robot)
+    J_inverse, most = _rotor_mobility(robot), efforts_in_force(robot.mechanism, robot.drives)
     best = Limit(0.0, "nothing that swings")
     for q in poses:
         M_inverse, lead = _link_mobility(robot, q), robot.static_deflection(q)

@@ -1,0 +1,32 @@
+"""Laws that look at one side of the joints: the motors' encoders, or the links'."""
+
+from typing import Any, Literal
+
+from cutpoint.control.interface import Measurement, Reference
+from cutpoint.control.law import Law
+from cutpoint.errors import InputError
+
+Side = Literal["motor", "link"]
+
+
+class SidedLaw(Law):
+    """A law whose `side` says which encoders it looks at."""
+
+    side: Side
+
+    def check_side(self) -> None:
+        """Raises InputError for a side that is neither."""
+        if self.side not in ("motor", "link"):
+            raise InputError(f"{type(self).__name__}: side {self.side!r} must be 'motor' or 'link'")
+
+    @property
+    def needs(self) -> tuple[str, ...]:
+        """What it must be told by sensors."""
+        return ("theta", "theta_dot") if self.side == "motor" else ("q", "v")
+
+    def seen(self, measurement: Measurement, reference: Reference) -> tuple[Any, Any, Any, Any]:
+        """Positions and speeds of its side, as they are and as they shall be; rad, rad/s, (n,) each."""
+        m, r = measurement, reference
+        if self.side == "motor":
+            return m.theta, m.theta_dot, r.theta, r.theta_dot
+        return m.q, m.v, r.q, r.v

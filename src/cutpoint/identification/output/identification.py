@@ -1,0 +1,47 @@
+"""What `identify` finds."""
+
+from dataclasses import dataclass, field
+from pathlib import Path
+
+from cutpoint.identification.drives.identify_drives import DriveEstimates
+from cutpoint.identification.logs.recording import Recording
+from cutpoint.identification.output.numbers import Number
+from cutpoint.identification.output.torque_errors import TorqueErrors
+from cutpoint.identification.rigid.identify_rigid import RigidEstimate
+from cutpoint.robot import Robot
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class Identification:
+    """A robot as a log tells it.
+
+    robot: the identified one; before: as its files had it.  source: its file, None for a robot that has none.
+    rigid: links, rotors, friction.  drives: springs of the drives, None unless encoders on both sides were recorded.
+    numbers: all that was sought, with intervals.  errors: of torques, before and after.  recording: as used, whole.
+    untold: what this log cannot tell.  notes: what was repaired, what looks wrong, and how it was done.
+    """
+
+    robot: Robot
+    before: Robot
+    source: Path | None
+    rigid: RigidEstimate
+    drives: DriveEstimates | None
+    numbers: tuple[Number, ...]
+    errors: TorqueErrors
+    recording: Recording = field(repr=False)
+    untold: tuple[str, ...]
+    notes: tuple[str, ...]
+
+    def __repr__(self) -> str:
+        told = sum(number.told for number in self.numbers)
+        return f"Identification({self.robot.name!r}: {told} of {len(self.numbers)} numbers told)"
+
+    def save(self, folder: str | Path, *, force: bool = False) -> list[Path]:
+        """Writes robot.urdf, robot.drives.yaml, parameters.json and report.html, each whole or not at all.
+
+        A robot that comes from no URDF gets robot.inertias.json instead of the first.
+        Raises InputError where a folder has such files, unless `force` says to overwrite them.
+        """
+        from cutpoint.identification.output.saving import save
+
+        return save(self, Path(folder), force)
