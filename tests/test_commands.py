@@ -58,6 +58,19 @@ def test_names_are_printed_as_they_are_whatever_brackets_and_colons_they_hold(
     assert Log.load("l[b]og.npz").joints == (joint,)
 
 
+def test_limits_that_a_motion_meets_are_said(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(tmp_path)
+    Path("arm.urdf").write_text(ONE_JOINT.format(joint="swing"), encoding="utf-8")
+    beyond = "note: swing goes to 68.75 deg, beyond its limits, -57.3 to 57.3 deg"
+    assert beyond in printed("torque", "arm.urdf", "--q", "1.2")
+    assert "note:" not in printed("torque", "arm.urdf", "--q", "0.9")
+    calm = printed("simulate", "arm.urdf", "--to", "0.5", "--duration", "1.0")
+    wild = printed("simulate", "arm.urdf", "--to", "1.2", "--duration", "0.25")
+    assert "note:" not in calm
+    assert re.search(r"note: swing goes to [\d.]+ deg, beyond its limits", wild)
+    assert re.search(r"note: swing is asked for more than its 10 N m in \d+\.\d% of the samples", wild)
+
+
 def test_ctrl_c_saves_what_was_simulated_and_says_so(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.chdir(tmp_path)
     arguments = ("simulate", "xia2019", "--to", "1,1,1,1,1,1", "--duration", "0.5", "--output")

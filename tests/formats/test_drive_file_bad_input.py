@@ -65,8 +65,8 @@ ENTRIES = {
     ),
     "error that runs backwards": (
         f"{{ratio: 100, kinematic_error: {{amplitude: 6e-3}}, {ELASTIC}: {{linear: {{stiffness: 3}}}}}}",
-        "kinematic_error.amplitude 0.006 rad times order and ratio is 1.2; it must stay below 1,"
-        " or the drive would run backwards",
+        "kinematic_error.amplitude 0.006 rad times order and ratio is 1.2; it must not exceed 0.7:"
+        " at 1 the drive would run backwards",
     ),
     "half a wave": (
         f"{{kinematic_error: {{amplitude: 1e-4, order: 1.5}}, {ELASTIC}: {{linear: {{stiffness: 3}}}}}}",

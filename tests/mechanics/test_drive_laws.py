@@ -7,7 +7,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from cutpoint import Drive, Flexspline, InputError, Limits, LinearSpring, ModelError, Robot, Rotor
+from cutpoint import Backlash, Drive, Flexspline, InputError, Limits, LinearSpring, ModelError, Robot, Rotor
 from cutpoint.mechanics.catalogue import CatalogueSpring
 from cutpoint.mechanics.kinematic_error import Harmonic, KinematicError
 from cutpoint.mechanics.wave_generator import HarmonicSpring, WaveGenerator
@@ -23,6 +23,16 @@ CATALOGUE = {  # ratio above 50: K1, K2, K3 in N m/rad, T1, T2 in N m; Harmonic 
 }
 HARMONIC = HarmonicSpring(Flexspline(16e3, 0.0464), WaveGenerator(60.0, 2.0, 101.0, 0.02))
 LAWS = [*CATALOGUE.values(), HARMONIC]
+STRANGE = {
+    "hardening behind little play": Backlash(Flexspline(16e3, 0.0464), 1e-4),
+    "hardening behind play": Backlash(Flexspline(16e3, 0.0464), 5e-3),
+    "hardening behind much play": Backlash(Flexspline(4.7e3, 0.119), 5e-2),
+    "corners behind play": Backlash(CATALOGUE[20], 2e-3),
+    "sharp corners": CatalogueSpring(1e4, 1e5, 1e6, 10.0, 40.0),
+    "softening": CatalogueSpring(1e5, 3e4, 1e4, 10.0, 40.0),
+    "soft wave generator": HarmonicSpring(Flexspline(2e4, 1e-3), WaveGenerator(1.0, 20.0, 100.0, 1e-3)),
+}
+"""Springs that no catalogue has, which may be stated nonetheless."""
 
 deflections = st.floats(-5e-3, 5e-3)
 
@@ -31,6 +41,14 @@ deflections = st.floats(-5e-3, 5e-3)
 @given(deflection=deflections)
 def test_the_inverse_law_inverts(law, deflection):
     assert law.deflection(law.torque(deflection)) == pytest.approx(deflection, rel=1e-12, abs=1e-17)
+
+
+@pytest.mark.parametrize("name", STRANGE)
+@pytest.mark.parametrize("sign", [-1.0, 1.0])
+def test_the_inverse_finds_every_torque_of_strange_springs_too(name, sign):
+    law = STRANGE[name]
+    for torque in sign * np.geomspace(1e-6, 300.0, 400):
+        assert law.torque(law.deflection(torque)) == pytest.approx(torque, rel=1e-9)
 
 
 @pytest.mark.parametrize("law", LAWS, ids=lambda law: type(law).__name__)

@@ -15,6 +15,7 @@ from cutpoint.commands.shared import (
     app,
     console,
     robot_of,
+    say_notes,
     say_path,
 )
 from cutpoint.errors import InputError
@@ -155,7 +156,6 @@ def identify(
     console.print(table_of(found))
     for sentence in sentences(found):
         console.print(sentence, highlight=False)
-    for words in file_notes(found):
-        console.print(f"note: {words}", highlight=False)
+    say_notes(file_notes(found))
     for path in saved:
         say_path("saved", path)

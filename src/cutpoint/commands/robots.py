@@ -22,8 +22,17 @@ from cutpoint.commands.shared import (
     keep_picture,
     numbers_of,
     robot_of,
+    say_notes,
 )
-from cutpoint.commands.tables import drive_table, error_table, modes_table, robot_table, torque_table
+from cutpoint.commands.tables import (
+    beyond_travel,
+    drive_table,
+    error_table,
+    limits_met,
+    modes_table,
+    robot_table,
+    torque_table,
+)
 from cutpoint.door import check_configuration
 from cutpoint.errors import INTERRUPTED, SimulationError
 
@@ -61,6 +70,7 @@ def torque(
     still = np.zeros(len(loaded.joints))
     torques = loaded.elastic_inverse_dynamics(position, speed, acceleration, still, still, quasi_rigid=True)
     console.print(torque_table(loaded, position, speed, acceleration, torques))
+    say_notes(beyond_travel(loaded, position, position))
 
 
 @app.command(
@@ -91,7 +101,7 @@ def simulate(
     loaded = robot_of(robot, drives, mimic, lock, gravity)
     ends = {"start": numbers_of(loaded, "from", start, degrees), "end": numbers_of(loaded, "to", to, degrees)}
     trajectory = cutpoint.trajectories.cycloid(duration=duration, **ends)
-    controller: Any = tune(loaded, bandwidth)
+    controller: Any = tune(loaded, bandwidth, control_period=period)
     if feedforward != "none":
         controller = controller + Feedforward(loaded, feedforward)
     try:
@@ -108,6 +118,7 @@ def simulate(
     # what was asked for is saved before anything is printed: a terminal may fail
     keep(log, output, plot)
     console.print(error_table(loaded, log))
+    say_notes(limits_met(loaded, log))
 
 
 @app.command(epilog="Example: cutpoint modes xia2019 --q 0,30,60,0,45,0 --degrees --plot modes.png")

@@ -1,6 +1,7 @@
 """What commands share: the application, options that many have, and what they do with files."""
 
 import sys
+from collections.abc import Iterable
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, Literal
 
@@ -118,6 +119,12 @@ def check_target(option: str, path: Path | None, kinds: tuple[str, ...]) -> None
     if path.suffix.lower() not in kinds:
         raise InputError(f"--{option} {str(path)!r} must end in {', '.join(kinds)}", path=path)
     check_target_file(path, f"--{option}")
+
+
+def say_notes(notes: Iterable[str]) -> None:
+    """What users should know of a result, a line each."""
+    for words in notes:
+        console.print(f"note: {words}", highlight=False)
 
 
 def say_path(word: str, path: Path) -> None:

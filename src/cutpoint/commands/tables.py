@@ -1,5 +1,6 @@
 """What the command line prints: tables of robots, drives, torques and errors."""
 
+from collections.abc import Iterator
 from dataclasses import is_dataclass
 from typing import TYPE_CHECKING
 
@@ -11,7 +12,7 @@ from cutpoint.errors import InputError
 from cutpoint.mechanics.hysteresis import MaxwellSlip
 from cutpoint.mechanics.kinematic_error import KinematicError
 from cutpoint.model.drive import Drive
-from cutpoint.model.limits import limits_in_force
+from cutpoint.model.limits import efforts_in_force, limits_in_force
 from cutpoint.robot import ElasticTorques, Robot
 
 if TYPE_CHECKING:
@@ -130,6 +131,27 @@ def error_table(robot: Robot, log: "Log") -> Table:
     return table
 
 
+def beyond_travel(robot: Robot, low: Array, high: Array) -> Iterator[str]:
+    """A sentence for each joint that goes, from `low` to `high` (n,), farther than files allow."""
+    limits = limits_in_force(robot.mechanism, robot.drives).values()
+    for name, slides, own, least, most in zip(robot.joints, _slides(robot), limits, low, high, strict=True):
+        if least < own.lower or most > own.upper:
+            factor, unit = (1e3, "mm") if slides else (np.degrees(1.0), "deg")
+            there = _position(most if most > own.upper else least, slides)
+            yield f"{name} goes to {there}, beyond its limits, {_range(own.lower, own.upper, factor, unit)}"
+
+
+def limits_met(robot: Robot, log: "Log") -> Iterator[str]:
+    """A sentence for each limit that a run met."""
+    yield from beyond_travel(robot, log["q"].min(axis=0), log["q"].max(axis=0))
+    most = efforts_in_force(robot.mechanism, robot.drives)
+    share = (np.abs(log["command_torque"]) > most).mean(axis=0)
+    for name, part, torque, slides in zip(robot.joints, share, most, _slides(robot), strict=True):
+        unit = "N" if slides else "N m"
+        if part > 0:
+            yield f"{name} is asked for more than its {torque:.4g} {unit} in {part:.1%} of the samples"
+
+
 def modes_table(robot: Robot, found: "Modes") -> Table:
     """Frequencies, dampings, and the drives that bend."""
     friction = "friction by its slope at rest" if found.model.friction else "friction left out"
@@ -149,8 +171,8 @@ def _table(title: str, *columns: str) -> Table:
 
 
 def _slides(robot: Robot) -> list[bool]:
-    kinds = {body.joint.name: body.joint.kind for body in robot.mechanism.bodies}
-    return [kinds[name] == "prismatic" for name in robot.joints]
+    sliding = robot.mechanism.sliding
+    return [name in sliding for name in robot.joints]
 
 
 def _position(x: float, slides: bool) -> str:

@@ -15,7 +15,7 @@ from cutpoint.mechanics.hysteresis import MaxwellSlip
 from cutpoint.mechanics.kinematic_error import KinematicError
 from cutpoint.mechanics.wave_generator import HarmonicSpring, WaveGenerator
 from cutpoint.model.drive import Compliance, Drive, Harmonic, Motor, Ratings, Rotor
-from cutpoint.model.drive_validation import complaints
+from cutpoint.model.drive_validation import STEEPEST, complaints
 from cutpoint.model.mechanism import Limits
 
 
@@ -134,10 +134,11 @@ def _kinematic_error(sheet: DriveSheet, section: Section) -> KinematicError:
     path = ("kinematic_error",)
     error = KinematicError(_harmonics(sheet.kinematic_error, path, section))
     steepest = error.steepest(_ratio(sheet, section))
-    if steepest >= 1.0:
+    if steepest > STEEPEST:
         found = section.stated(DriveSheet, (*path, "amplitude"), sheet.kinematic_error.amplitude)
-        rule = f"times order and ratio is {steepest:.3g}; it must stay below 1, or the drive would run backwards"
-        raise section.error((*path, "amplitude"), f"{found} {rule}")
+        told = f"{found} times order and ratio is {steepest:.3g}"
+        rule = f"it must not exceed {STEEPEST}: at 1 the drive would run backwards"
+        raise section.error((*path, "amplitude"), f"{told}; {rule}")
     return error
 
 

@@ -30,9 +30,11 @@ class Backlash:
         return self.spring.torque(wound) * passed
 
     def deflection(self, torque: Scalar) -> Scalar:
-        """The inverse law: Newton from beyond the play, where the law is convex towards it."""
-        beyond = self.spring.deflection(torque)
-        guess = where(torque < 0, beyond - self.gap, beyond + self.gap)
+        """The inverse law: exact within and beyond the play, by Newton's method over its edge."""
+        within, beyond = self.spring.deflection(torque / SLACK) / SLACK, self.spring.deflection(torque)
+        shift = (1 - SLACK) * self.gap / 2
+        crossed = where(torque < 0, beyond - shift, beyond + shift)
+        guess = where(absolute(within) < self.gap * (1 - EDGE) / 2, within, crossed)
         return increasing_root(self.torque, self.tangent, torque, guess, steps=12)
 
     def tangent(self, deflection: Scalar) -> Scalar:

@@ -32,11 +32,11 @@ class CatalogueSpring:
         return where(deflection < 0, -torque, torque)
 
     def deflection(self, torque: Scalar) -> Scalar:
-        """The inverse law: from the catalogue's corners, in three Newton steps."""
+        """The inverse law: from the catalogue's corners, in five Newton steps."""
         guess = torque / self.k1
         for t, stiffness, before in ((self.t1, self.k2, self.k1), (self.t2, self.k3, self.k2)):
             guess = guess + (torque - clip(torque, -t, t)) * (1 / stiffness - 1 / before)
-        return increasing_root(self.torque, self.tangent, torque, guess, steps=3)
+        return increasing_root(self.torque, self.tangent, torque, guess, steps=5)
 
     def tangent(self, deflection: Scalar) -> Scalar:
         """d torque / d deflection, N m/rad."""

@@ -77,8 +77,15 @@ class HarmonicSpring:
         return self.flexspline.deflection(torque) + self.wave_generator.deflection(torque)
 
     def torque(self, deflection: Scalar) -> Scalar:
-        """The inverse law, in eight Newton steps from below: compliance falls with load, so they cannot overshoot."""
-        start = deflection / self._compliance(0 * deflection)
+        """The inverse law, in eight Newton steps from below: compliance falls with load, so they cannot overshoot.
+
+        Below are the line with the slope at rest, and what the flexspline alone bears of all that the wave generator,
+        however loaded, does not.  The steps arrive where it is no softer than a tenth of the flexspline at rest.
+        """
+        wave, size = self.wave_generator, absolute(deflection)
+        most = 1 / (wave.hardening * wave.ratio * wave.stiffness)
+        least = maximum(size / self._compliance(0 * deflection), self.flexspline.torque(maximum(size - most, 0)))
+        start = where(deflection < 0, -least, least)
         return increasing_root(self.deflection, self._compliance, deflection, start, steps=8)
 
     def tangent(self, deflection: Scalar) -> Scalar:

@@ -11,6 +11,9 @@ from cutpoint.model.drive import Drive, Harmonic
 from cutpoint.model.drive_rules import KINDS, RISING, RULES, WAVES, WITHIN, Rule, is_number
 from cutpoint.scalars import leaves
 
+STEEPEST = 0.7
+"""Of a kinematic error, rad of output for each of the motor's: up to there its inverse is found for any waves."""
+
 Complaint = tuple[str, str]
 """The field of a drive that it is about, such as "motor_friction.sliding.coulomb", and what is wrong there."""
 
@@ -95,8 +98,8 @@ def _of_springs(drive: Drive) -> Iterator[Complaint]:
         yield "hysteresis", f"hysteresis must state both of each element, got {counts}"
     if getattr(drive.kinematic_error, "harmonics", None) == ():
         yield "kinematic_error", "kinematic_error must have a harmonic; None is no error"
-    if drive.kinematic_error and (steepest := drive.kinematic_error.steepest(drive.ratio)) >= 1:
-        rule = "must stay below 1, or the drive would run backwards"
+    if drive.kinematic_error and (steepest := drive.kinematic_error.steepest(drive.ratio)) > STEEPEST:
+        rule = f"must not exceed {STEEPEST}: at 1 the drive would run backwards"
         yield "kinematic_error", f"kinematic error is too large: order * ratio * amplitude, in all {steepest:g}, {rule}"
 
 

@@ -103,6 +103,7 @@ def _told(margin: Margin) -> str:
     if margin.at is None:
         return f"{told} over the cycle"
     where = ", ".join(f"{x:.3g}" for x in margin.at.position)
+    told += " from the middle of its range" * (margin.limit == "joint travel")
     return f"{told} at {margin.at.time:.3f} s (q = {where})"
 
 
