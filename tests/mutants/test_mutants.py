@@ -279,8 +279,8 @@ MUTANTS = {
     ),
     "motor friction's strain from the link's displacement": Mutant(
         strains.moved,
-        "end.theta - start.theta, end.theta_dot",
-        "end.q - start.q, end.theta_dot",
+        "end.theta - start.theta, speed",
+        "end.q - start.q, speed",
         whole_drives.test_the_fixed_steps_converge_to_the_adaptive_ones,
         {},
     ),

@@ -66,8 +66,8 @@ def flat(strains: Strains) -> list[Scalar]:
 def moved(drive: Drive, before: Strains, start: Place, end: Place) -> Strains:
     """Strains after a motion that does not turn back on its way.
 
-    Exact for elements of hysteresis; of bristles, if friction's level on the way is that at its end: to first order in
-    the length of the way.
+    Exact for elements of hysteresis; of bristles, if friction's level on the way is that of the mean speed and load: to
+    second order in the length of the way.
     """
     spring = before.spring
     if drive.hysteresis and spring is not None:
@@ -75,13 +75,19 @@ def moved(drive: Drive, before: Strains, start: Place, end: Place) -> Strains:
         spring = drive.hysteresis.strains(spring, wound)
     link, motor = before.link, before.motor
     if isinstance(drive.link_friction, Presliding):
-        link = drive.link_friction.strain(link, end.q - start.q, end.v)
+        link = drive.link_friction.strain(link, end.q - start.q, (start.v + end.v) / 2)
     if isinstance(drive.motor_friction, Presliding):
         load = 0
         if drive.is_elastic:
-            load = spring_torque(drive, end.theta, end.q, end.theta_dot, end.v) + slipping_torque(drive, spring)
-        motor = drive.motor_friction.strain(motor, end.theta - start.theta, end.theta_dot, load)
+            load = (_load(drive, start, before.spring) + _load(drive, end, spring)) / 2
+        speed = (start.theta_dot + end.theta_dot) / 2
+        motor = drive.motor_friction.strain(motor, end.theta - start.theta, speed, load)
     return Strains(link, motor, spring)
+
+
+def _load(drive: Drive, at: Place, spring: tuple[Scalar, ...] | None) -> Scalar:
+    """What an elastic drive transmits, N m, its elements of hysteresis stretched so."""
+    return spring_torque(drive, at.theta, at.q, at.theta_dot, at.v) + slipping_torque(drive, spring)
 
 
 def rates(drive: Drive, strains: Strains, at: Place, load: Scalar) -> list[Scalar]:
