@@ -117,7 +117,7 @@ REFUSED = {
     ),
     "elastic computed torque of a rigid drive": (
         lambda: ElasticComputedTorque(robot("rigid"), 10.0),
-        r"ElasticComputedTorque: the drive of 'joint1' is rigid; take ComputedTorque for it",
+        r"ElasticComputedTorque: the drive of 'joint1' is rigid; give it a compliance and a rotor, or",
     ),
     "shaping that makes rotors heavier": (
         lambda: FullStateFeedback(elbow(), 9.0, 1.0, 1.5),

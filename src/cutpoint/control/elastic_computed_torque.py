@@ -32,7 +32,8 @@ class ElasticComputedTorque(ModelLaw):
         super().__post_init__()
         rigid = [name for name, drive in self.robot.drives.items() if not drive.is_elastic]
         if rigid:
-            raise InputError(f"ElasticComputedTorque: the drive of {rigid[0]!r} is rigid; take ComputedTorque for it")
+            remedy = "give it a compliance and a rotor, or take ComputedTorque"
+            raise InputError(f"ElasticComputedTorque: the drive of {rigid[0]!r} is rigid; {remedy}")
         check_no_full_coupling("ElasticComputedTorque", self.robot, "coupling 'reduced'")
         self._set(bandwidth=gains("ElasticComputedTorque", "bandwidth", self.bandwidth, self.size, positive=True))
 

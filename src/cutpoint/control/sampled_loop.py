@@ -1,14 +1,13 @@
 """Whether a law holds a robot whose joints bend, near a pose, when it acts only once a period."""
 
 from dataclasses import fields, is_dataclass, replace
-from typing import Any, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 from scipy.linalg import expm
 
 from cutpoint import kernels
-from cutpoint.analysis.linear_model import LinearModel
 from cutpoint.control.interface import Measurement, Reference, start_of, stepped
 from cutpoint.control.law import Law, as_law
 from cutpoint.control.model_law import ModelLaw, check_all_driven
@@ -17,6 +16,9 @@ from cutpoint.door import check_kind, checked_array, positive
 from cutpoint.mechanics.motor import TURN
 from cutpoint.robot import Robot
 from cutpoint.scalars import leaves, rebuild, with_float_leaves
+
+if TYPE_CHECKING:
+    from cutpoint.analysis import LinearModel
 
 Array = NDArray[np.float64]
 
@@ -89,7 +91,7 @@ class _Plant(NamedTuple):
     before: Array
 
 
-def _sampled(robot: Robot, model: LinearModel, period: float) -> _Plant:
+def _sampled(robot: Robot, model: "LinearModel", period: float) -> _Plant:
     """The linear plant between samples, exactly, with its motors' current loops and delays."""
     motors = [drive.motor for drive in robot.drives.values()]
     lags = {k: TURN * x.bandwidth for k, x in enumerate(motors) if x is not None and x.bandwidth is not None}

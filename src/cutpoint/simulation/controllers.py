@@ -44,7 +44,7 @@ def fitting(robot: Robot, controller: Any) -> Any:
     for part in parts_of(law):
         size = getattr(part, "size", n)
         if size != n:
-            raise InputError(f"{name_of(part)} is for {size} drives, the robot has {n}")
+            raise InputError(f"{name_of(part)} is for {size} drives, the robot has {n}: give it gains for each")
     return law
 
 
