@@ -21,14 +21,14 @@ from cutpoint.control.vdc import VDC
 from cutpoint.door import check_kind, checked_array, positive
 from cutpoint.errors import InputError, unknown_name
 from cutpoint.model.drive import Drive
-from cutpoint.model.limits import efforts_in_force
+from cutpoint.model.limits import efforts_in_force, limits_in_force
 from cutpoint.robot import Robot
 
 Array = NDArray[np.float64]
 
 
-SWING = 0.1
-"""rad, m: of a motion as fast as the bandwidth, for the friction that it meets."""
+TURN, SLIDE = 1.0, 0.1
+"""rad, m: of a swing as fast as the bandwidth, for the friction that it meets."""
 
 
 STOPPED = 1.0
@@ -156,13 +156,16 @@ def _missed(w: Wanted) -> Array:
     weight: Array = np.zeros(len(w.whole))
     for kind in (slides, ~slides):
         weight[kind] = np.abs(w.weight[kind]).max(initial=0.0) * w.whole[kind] / w.whole[kind].max(initial=1e-12)
-    return 0.1 * weight + 0.5 * np.array([_friction(drive, w.omega) for drive in w.robot.drives.values()]) + 1e-3
+    fastest = [limits.velocity for limits in limits_in_force(w.robot.mechanism, w.robot.drives).values()]
+    speeds = np.minimum(w.omega * np.where(slides, SLIDE, TURN), fastest)
+    friction = [_friction(drive, v) for drive, v in zip(w.robot.drives.values(), speeds, strict=True)]
+    return 0.1 * weight + 0.5 * np.array(friction) + 1e-3
 
 
-def _friction(drive: Drive, omega: float) -> float:
-    """N m at the joint, on both sides, at the speed of a swing of SWING at omega."""
+def _friction(drive: Drive, speed: float) -> float:
+    """N m at the joint, on both sides."""
     laws = [law for law in (drive.link_friction, drive.motor_friction) if law is not None]
-    return sum(abs(float(law.torque(SWING * omega))) for law in laws)
+    return sum(abs(float(law.torque(speed))) for law in laws)
 
 
 def _limits(robot: Robot) -> Array:
