@@ -106,7 +106,8 @@ def arm(change: Change) -> cutpoint.Robot:
 def steps() -> list[dict]:
     """A row an effect."""
     arms = {name: arm(change) for name, change in EFFECTS.items()}
-    calls = {(name, n): run_of(robot, n) for name, robot in arms.items() for n in (FEW, MANY)}
+    law = cutpoint.control.tune(next(iter(arms.values())), 5.0)  # rotors and links are the same in all
+    calls = {(name, n): run_of(robot, law, n) for name, robot in arms.items() for n in (FEW, MANY)}
     passes = [in_turns(calls) for _ in range(PASSES)]
     least = {key: min(times[key].least for times in passes) for key in calls}
     found = []
@@ -116,10 +117,9 @@ def steps() -> list[dict]:
     return found
 
 
-def run_of(robot: cutpoint.Robot, substeps: int) -> Callable[[], object]:
-    controller = cutpoint.control.tune(robot, 5.0)
+def run_of(robot: cutpoint.Robot, law: cutpoint.control.PD, substeps: int) -> Callable[[], object]:
     trajectory = cycloid(GOAL, PERIODS * 1e-3)
-    run = partial(cutpoint.simulate, robot, controller, trajectory, substeps=substeps)
+    run = partial(cutpoint.simulate, robot, law, trajectory, substeps=substeps)
     run()
     return run
 
