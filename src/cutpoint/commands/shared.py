@@ -12,7 +12,6 @@ from typer.core import TyperGroup
 
 import cutpoint
 from cutpoint.commands.tables import listed_numbers
-from cutpoint.door import driven_joints
 from cutpoint.errors import INTERRUPTED, InputError
 from cutpoint.files import check_target_file, save_figure
 
@@ -103,8 +102,8 @@ def numbers_of(robot: cutpoint.Robot, option: str, text: str, degrees: bool) -> 
     numbers = listed_numbers(option, text, len(robot.joints))
     if not degrees:
         return numbers
-    slides = [robot.mechanism.bodies[i].joint.kind == "prismatic" for i in driven_joints(robot.mechanism).values()]
-    return np.where(slides, numbers, np.radians(numbers))
+    sliding = robot.mechanism.sliding
+    return np.where([name in sliding for name in robot.joints], numbers, np.radians(numbers))
 
 
 def check_targets(output: Path | None, plot: Path | None) -> None:

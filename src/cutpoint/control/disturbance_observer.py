@@ -5,16 +5,12 @@ from typing import Any
 
 import numpy as np
 
-from cutpoint.control.gains import gains
+from cutpoint.control.gains import gains, motor_limits
 from cutpoint.control.interface import Command, Measurement, Reference
 from cutpoint.control.law import Wrapper, as_law, needs_of
 from cutpoint.control.rigid_law import RigidLaw
 from cutpoint.mechanics.forward_dynamics import forward_dynamics
-from cutpoint.model.limits import efforts_in_force
 from cutpoint.scalars import clip, where
-
-BOUNDLESS = 1e9
-"""N m, of motors without a stated limit."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -36,8 +32,7 @@ class DisturbanceObserver(RigidLaw, Wrapper):
     def __post_init__(self) -> None:
         super().__post_init__()
         self._set(law=as_law(self.law), gain=gains("DisturbanceObserver", "gain", self.gain, self.size))
-        stated = efforts_in_force(self.robot.mechanism, self.robot.drives)
-        limit = np.minimum(stated, BOUNDLESS) if self.torque_limit is None else self.torque_limit
+        limit = motor_limits(self.robot) if self.torque_limit is None else self.torque_limit
         self._set(torque_limit=gains("DisturbanceObserver", "torque_limit", limit, self.size, positive=True))
 
     @property

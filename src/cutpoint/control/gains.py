@@ -5,6 +5,11 @@ from typing import Any
 import numpy as np
 
 from cutpoint.errors import InputError
+from cutpoint.model.limits import efforts_in_force
+from cutpoint.robot import Robot
+
+BOUNDLESS = 1e9
+"""N m, of motors without a stated limit: gains are finite."""
 
 
 def gains(law: str, name: str, value: Any, size: int | None = None, positive: bool = False) -> Any:
@@ -23,6 +28,11 @@ def gains(law: str, name: str, value: Any, size: int | None = None, positive: bo
     if array.size not in (1, size):
         raise InputError(f"{law}: {name} has {array.size} numbers; it must have one, or one for each of {size} drives")
     return np.broadcast_to(array, size).astype(float)
+
+
+def motor_limits(robot: Robot) -> Any:
+    """(n,) N m at the joint: what robot and drives state that motors can do, BOUNDLESS where they state nothing."""
+    return np.minimum(efforts_in_force(robot.mechanism, robot.drives), BOUNDLESS)
 
 
 def gain_matrices(law: str, name: str, value: Any, size: int) -> Any:

@@ -10,6 +10,7 @@ from cutpoint.control.adaptive_vdc import AdaptiveVDC
 from cutpoint.control.computed_torque import ComputedTorque
 from cutpoint.control.elastic_computed_torque import ElasticComputedTorque
 from cutpoint.control.full_state_feedback import FullStateFeedback
+from cutpoint.control.gains import motor_limits
 from cutpoint.control.model_law import check_all_driven
 from cutpoint.control.pd import PD
 from cutpoint.control.pid import PID
@@ -21,14 +22,14 @@ from cutpoint.control.vdc import VDC
 from cutpoint.door import check_kind, checked_array, positive
 from cutpoint.errors import InputError, unknown_name
 from cutpoint.model.drive import Drive
-from cutpoint.model.limits import efforts_in_force, limits_in_force
+from cutpoint.model.limits import limits_in_force
 from cutpoint.robot import Robot
 
 Array = NDArray[np.float64]
 
 
-TURN, SLIDE = 1.0, 0.1
-"""rad, m: of a swing as fast as the bandwidth, for the friction that it meets."""
+SWING, STROKE = 1.0, 0.1
+"""rad, m: of a motion as fast as the bandwidth, for the friction that it meets."""
 
 
 STOPPED = 1.0
@@ -75,7 +76,7 @@ def _full_state(w: Wanted, **options: Any) -> FullStateFeedback:
 
 RECIPES: dict[Any, Callable[..., Any]] = {
     PD: lambda w, **o: PD(w.stiffness, w.drag, **o),
-    PID: lambda w, **o: PID(w.stiffness, w.stiffness * w.omega / 4, w.drag, **{"limit": _limits(w.robot), **o}),
+    PID: lambda w, **o: PID(w.stiffness, w.stiffness * w.omega / 4, w.drag, **{"limit": motor_limits(w.robot), **o}),
     ComputedTorque: lambda w, **o: ComputedTorque(w.robot, w.omega**2, 2 * w.damping * w.omega, **o),
     ElasticComputedTorque: lambda w, **o: ElasticComputedTorque(w.robot, 2 * w.omega, **o),
     FullStateFeedback: _full_state,
@@ -135,7 +136,7 @@ def check_holds(robot: Robot, law: Any, q: ArrayLike, period: float) -> None:
     if worst.size > 1 + 1e-9 and growth > STOPPED * rubs:
         what = f"{worst.joint!r} would swing at {worst.frequency:.1f} Hz and grow by {growth:.3g} nepers a second"
         bends = any(drive.is_elastic for drive in drives)
-        remedies = ["ask for another bandwidth", "a shorter control_period"]
+        remedies = ["ask for another bandwidth or a shorter control_period"]
         remedies += ["or give the springs damping"] * bends + ["or take a wider width="] * hasattr(law, "width")
         name, remedy = type(law).__name__, ", ".join(remedies)
         raise InputError(f"{name} does not hold at this pose: {what}; {remedy}", joint=worst.joint, pole=worst)
@@ -157,7 +158,7 @@ def _missed(w: Wanted) -> Array:
     for kind in (slides, ~slides):
         weight[kind] = np.abs(w.weight[kind]).max(initial=0.0) * w.whole[kind] / w.whole[kind].max(initial=1e-12)
     fastest = [limits.velocity for limits in limits_in_force(w.robot.mechanism, w.robot.drives).values()]
-    speeds = np.minimum(w.omega * np.where(slides, SLIDE, TURN), fastest)
+    speeds = np.minimum(w.omega * np.where(slides, STROKE, SWING), fastest)
     friction = [_friction(drive, v) for drive, v in zip(w.robot.drives.values(), speeds, strict=True)]
     return 0.1 * weight + 0.5 * np.array(friction) + 1e-3
 
@@ -166,8 +167,3 @@ def _friction(drive: Drive, speed: float) -> float:
     """N m at the joint, on both sides."""
     laws = [law for law in (drive.link_friction, drive.motor_friction) if law is not None]
     return sum(abs(float(law.torque(speed))) for law in laws)
-
-
-def _limits(robot: Robot) -> Array:
-    """Torque limits of joints and drives, N m; large where there is none."""
-    return np.minimum(efforts_in_force(robot.mechanism, robot.drives), 1e9)

@@ -35,18 +35,13 @@ def is_resisted(drive: Drive) -> bool:
     return not all(x is None for x in (drive.link_friction, drive.motor_friction, drive.damping))
 
 
-def is_carried(drive: Drive) -> bool:
-    """Whether the rotor is a body that its carrier turns along: what resists it stays explicit then."""
-    return drive.rotor is not None and drive.rotor.coupling == "full"
-
-
 def resistance(drive: Drive, at: DriveState, strains: Strains, span: Scalar) -> Resistance:
     """What resists a drive over a step from here.  span: gamma h, s."""
     link, damping = friction_resistance(drive.link_friction, at.v, 0, strains.link), drive.damping
     if not drive.is_elastic:
         link = link + friction_resistance(drive.motor_friction, at.v, 0, strains.motor)
         return Resistance(link, inertia=span * link)
-    if is_carried(drive):
+    if drive.is_coupled:  # what resists a rotor that its carrier turns along stays explicit
         link = link if damping is None else link + damping
         return Resistance(link, mobility=1 / drive.reflected_inertia, inertia=span * link)
     load = spring_torque(drive, at.theta, at.q, at.theta_dot, at.v) + slipping_torque(drive, strains.spring)
@@ -81,7 +76,7 @@ def resisted(drive: Drive, effort: Effort, resists: Resistance, earlier: tuple[S
     on_link, left = effort.on_link - resists.link * earlier[0], effort.left
     if not drive.is_elastic:
         return effort._replace(on_link=on_link)
-    if not is_carried(drive):
+    if not drive.is_coupled:
         left = left - resists.motor * earlier[1]
         if drive.damping is not None:
             wound = drive.damping * (resists.transmission * earlier[1] - earlier[0])

@@ -9,7 +9,6 @@ from numpy.typing import NDArray
 from cutpoint.functions.idle_joints import check_moves_inertia
 from cutpoint.mechanics.harmonic_drive import friction_resistance
 from cutpoint.mechanics.kinematic_error import KinematicError
-from cutpoint.mechanics.linearly_implicit import is_carried
 from cutpoint.mechanics.motor import TURN
 from cutpoint.mechanics.presliding import Presliding
 from cutpoint.model.drive import Friction
@@ -123,7 +122,7 @@ def fastest_decay(robot: Robot) -> Limit:
     J_inverse = _rotor_mobility(robot)
     found = [Limit(0.0, "nothing that decays")]
     for name, drive, mobility in zip(names, drives, J_inverse, strict=True):
-        if is_carried(drive):
+        if drive.is_coupled:
             rate = (friction_resistance(drive.motor_friction, 0.0, strain=0.0) + (drive.damping or 0.0)) * mobility
             found.append(Limit(float(rate), f"the motor friction or damping of {name!r}"))
         if drive.motor is not None and drive.motor.bandwidth is not None:

@@ -58,7 +58,7 @@ def recording_of(table: Table, mapping: ChannelMap, robot: Robot | None = None) 
 
 def _slides(robot: Robot | None) -> set[str]:
     """The joints that slide, where they are known."""
-    return {body.joint.name for body in robot.mechanism.bodies if body.joint.kind == "prismatic"} if robot else set()
+    return {*robot.mechanism.sliding} if robot else set()
 
 
 def _mapping(given: str | Path | Mapping[str, Any]) -> ChannelMap:

@@ -62,7 +62,7 @@ def rigid_numbers(robot: Robot, rigid: RigidEstimate) -> tuple[Number, ...]:
 def _of_parameter(robot: Robot, p: Parameter) -> Number:
     kind, _, owner = p.name.partition(".")
     joint = owner if owner in robot.drives else ""
-    slides = any(body.joint.name == joint and body.joint.kind == "prismatic" for body in robot.mechanism.bodies)
+    slides = joint in robot.mechanism.sliding
     unit = UNITS.get(kind, UNITS.get(kind.split("_")[0], ("N m", "N")))[slides]
     path, scale = _place(robot, kind, joint)
     return Number(joint, p.name, unit, p.value, p.low, p.high, p.physical, p.prior, p.told, p.why, path, scale)
