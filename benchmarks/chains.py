@@ -75,10 +75,11 @@ def _beside_pinocchio(function: str) -> dict:
     if function == "forward_dynamics":
         third = robot.inverse_dynamics(q, v, third)
     rows = q, v, third
+    each = [*zip(*rows, strict=True)]
     calls: dict[str, Callable[[], object]] = {
-        "single": lambda: [compute(*state) for state in zip(*rows, strict=True)],
+        "single": lambda: [compute(*state) for state in each],
         "rows": lambda: compute(*rows),
-        "Pinocchio, Python": lambda: [algorithm(model, data, *state) for state in zip(*rows, strict=True)],
+        "Pinocchio, Python": lambda: [algorithm(model, data, *state) for state in each],
     }
     found, cpp = {"single": np.array(calls["single"]()), "rows": calls["rows"]()}, {}
     for name in pinocchio_cpp.COMPILERS:
@@ -107,10 +108,11 @@ def _a_joint(n: int) -> dict:
     """Nanoseconds a joint: calls of one from Python, and of ROWS."""
     robot, (q, v, third) = cutpoint.Robot(chain(n)), states(n)
     found: dict[str, dict] = {}
+    each = [*zip(q, v, third, strict=True)]
     for function in FUNCTIONS:
         compute = getattr(robot, function)
         calls = {
-            f"{function}, single": lambda f=compute: [f(*state) for state in zip(q, v, third, strict=True)],
+            f"{function}, single": lambda f=compute: [f(*state) for state in each],
             f"{function}, rows": lambda f=compute: f(q, v, third),
         }
         for call in calls.values():

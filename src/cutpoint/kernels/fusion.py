@@ -2,11 +2,14 @@
 
 Products that nothing else needs join the sum that their own sum is a term of: t + (a x + b y) takes two operations, not
 three.  Those that share a factor share a product: a x + a y is a (x + y).  What is waited for longest comes in last.
-Numbers that are no products keep their places, so that (x + y) - y is what it was.
+Numbers that are no products keep their places, so that (x + y) - y is what it was; in loops, one that the iteration
+before hands on late comes after the products.
 """
 
+import math
 from collections import Counter
-from collections.abc import Callable, Hashable, Sequence
+from collections.abc import Callable, Hashable, Mapping, Sequence
+from types import MappingProxyType
 from typing import Any, NamedTuple
 
 from cutpoint.kernels.algebra import Operand
@@ -19,6 +22,9 @@ _ABOUT_AT_ONCE = 12
 
 _MOST_TERMS = 16
 """That join another sum at a time: in longer ones an operation less is little, and copies of them would be many."""
+
+
+AT_ONCE: Mapping[int, int] = MappingProxyType({})
 
 
 class Term(NamedTuple):
@@ -43,9 +49,12 @@ class Term(NamedTuple):
         return None
 
 
-def fuse(graph: Graph) -> Graph:
-    """The graph with a * b + c, a * b - c and c - a * b as one operation wherever a * b is needed nowhere else."""
-    return rewrite(graph, _Fusion(graph).rule)
+def fuse(graph: Graph, arrivals: Mapping[int, int] = AT_ONCE) -> Graph:
+    """The graph with a * b + c, a * b - c and c - a * b as one operation wherever a * b is needed nowhere else.
+
+    arrivals: cycles after which an input slot's number comes, where that is later than others: see `recurrence`.
+    """
+    return rewrite(graph, _Fusion(graph, arrivals).rule)
 
 
 class _Fusion:
@@ -55,7 +64,8 @@ class _Fusion:
     a new number is.
     """
 
-    def __init__(self, graph: Graph) -> None:
+    def __init__(self, graph: Graph, arrivals: Mapping[int, int]) -> None:
+        self._arrivals = arrivals
         self._uses = Counter(y.serial for x in graph.nodes for y in x.args if isinstance(y, Node))
         self._uses.update(x.serial for x in graph.results if isinstance(x, Node))
         self._products: dict[int, list[Term]] = {}
@@ -66,6 +76,10 @@ class _Fusion:
                 self._products[x.serial] = terms
 
     def rule(self, x: Node, operands: list[Operand], new: Callable[[Any], Operand], trace: Trace) -> Operand:
+        if x.op == "input":
+            node = self._made(trace, x.op, *operands)
+            self._there[node.serial] += self._arrivals.get(x.args[0], 0)
+            return node
         if x.op not in ("add", "sub"):
             return self._made(trace, x.op, *operands)
         return self._sum([Term(t.sign, tuple(map(new, t.factors))) for t in self._terms(x)], trace)
@@ -81,14 +95,14 @@ class _Fusion:
 
     def _sum(self, terms: Sequence[Term], trace: Trace) -> Operand:
         """All terms, one after another onto the first that is added."""
-        terms = sorted(self._factored(terms, trace), key=self._order)
+        terms = self._in_order(self._factored(terms, trace))
         start = next((t for t in terms if t.sign > 0), None)
         if start is None:
             return self._made(trace, "neg", self._sum([t.times(-1) for t in terms], trace))
         rest = [t for t in terms if t is not start]
         if not start.is_product:
             (total,) = start.factors
-        elif rest and not rest[0].is_product:
+        elif rest and not rest[0].is_product and rest[0].sign < 0:
             total = self._made(trace, "fms", *start.factors, *rest.pop(0).factors)
         else:
             total = self._made(trace, "mul", *start.factors)
@@ -112,14 +126,21 @@ class _Fusion:
         rest = [t for t in terms if t.beside(common) is None]
         return self._factored([*rest, Term(sign, (factor, others))], trace)
 
-    def _order(self, term: Term) -> tuple[bool, int]:
-        """A number that is no product first: products fuse with it."""
-        return term.is_product, self._ready(term.factors) // _ABOUT_AT_ONCE
+    def _in_order(self, terms: Sequence[Term]) -> Sequence[Term]:
+        """A number that is no product first: products fuse with it, unless a loop hands it on after they are there."""
+        products = [self._ready(t.factors) for t in terms if t.is_product]
+        late = max(products) + _ABOUT_AT_ONCE if products and self._arrivals else math.inf
+
+        def place(t: Term) -> tuple[int, int]:
+            there = self._ready(t.factors)
+            return 1 if t.is_product else 2 if there > late else 0, there // _ABOUT_AT_ONCE
+
+        return sorted(terms, key=place)
 
     def _ready(self, operands: Sequence[Operand]) -> int:
         return max((self._there[x.serial] for x in operands if isinstance(x, Node)), default=0)
 
-    def _made(self, trace: Trace, op: str, *operands: Operand) -> Operand:
+    def _made(self, trace: Trace, op: str, *operands: Operand) -> Node:
         node = trace.node(op, *operands)
         self._there[node.serial] = self._ready(operands) + cycles(op)
         return node

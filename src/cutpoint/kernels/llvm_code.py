@@ -3,7 +3,7 @@
 import struct
 from collections.abc import Iterator
 from contextlib import contextmanager
-from typing import NamedTuple
+from dataclasses import dataclass, field
 
 AHEAD = 2048
 """Bytes, which memory is asked for before their turn comes.
@@ -17,11 +17,16 @@ LINE = 64
 PREFETCH = "declare void @llvm.prefetch.p0(ptr, i32, i32, i32)\n"
 
 
-class Running(NamedTuple):
-    """A counted loop: its index, and for after the loop how often it ran."""
+@dataclass(frozen=True)
+class Running:
+    """A counted loop: its index, and for after the loop how often it ran.
+
+    handed_on: what each iteration hands to the next, by the name there: its kind, what the first gets, and the value.
+    """
 
     iteration: str
     done: str
+    handed_on: dict[str, tuple[str, str, str]] = field(default_factory=dict[str, tuple[str, str, str]])
 
 
 class Code:
@@ -88,10 +93,15 @@ class Code:
         self.label(before)
         self.label(head)
         self.lines.append(f"{index} = phi i64 [ 0, {before} ], [ {following}, {latch} ]")
+        top, running = len(self.lines), Running(index, done)
         self.branch(self.let(f"icmp slt i64 {index}, {count}"), body, after)
         self.open(body)
-        yield Running(index, done)
+        yield running
         self.label(latch)
+        self.lines[top:top] = [
+            f"{name} = phi {kind} [ {first}, {before} ], [ {value}, {latch} ]"
+            for name, (kind, first, value) in running.handed_on.items()
+        ]
         self.lines.append(f"{following} = add i64 {index}, 1")
         stop = "false" if until is None else self.let(f"fcmp une double {self.load(until, 0)}, 0.0")
         self.branch(stop, after, head)

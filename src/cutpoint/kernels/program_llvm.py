@@ -7,17 +7,22 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from cutpoint.kernels.algebra import Operand
+from cutpoint.kernels.fusion import fuse
 from cutpoint.kernels.hoisting import hoist
 from cutpoint.kernels.jit import Compiled, beside_numbers
 from cutpoint.kernels.llvm import Lanes, straight_line
-from cutpoint.kernels.llvm_code import Code, in_turn
-from cutpoint.kernels.lowering import lower
+from cutpoint.kernels.llvm_code import Code, Running, in_turn
+from cutpoint.kernels.lowering import in_primitives
 from cutpoint.kernels.nodes import Node
 from cutpoint.kernels.program_plan import LaneLoop, Plan
+from cutpoint.kernels.recurrence import arrivals
 from cutpoint.kernels.scheduling import depth_first, scheduled
 from cutpoint.kernels.stepping import Loop, Stage
 
 _FUNCTION = "program"
+
+_MOST_HANDED_ON = 16
+"""Numbers that an iteration hands to the next in registers; with more they would go through memory after all."""
 
 Place = tuple[str, int]
 """A region and a slot of it."""
@@ -82,6 +87,8 @@ def program_ir(plan: Plan) -> str:
                 if isinstance(item, Loop):
                     loop(item, inside, turns)
                     at_hand.clear()
+                elif len(this.body) == 1 and stages[item].hands_on:
+                    stages[item].write_on(code, inside, running)
                 elif item.lanes > 1 and isinstance(following, Stage) and following.lanes in (1, item.lanes):
                     with code.aside() as wide:
                         stages[item].write(code, inside, at_hand)
@@ -140,13 +147,15 @@ class _Stage:
     """A stage lowered; what it computes from numbers that never change is computed here, before all loops."""
 
     def __init__(self, code: Code, plan: Plan, stage: Stage, regions: Mapping[str, str]) -> None:
-        graph, self.lanes = depth_first(lower(plan.graphs[stage])), Lanes(stage.lanes)
+        fused, fed, self.lanes = fuse(plan.graphs[stage]), plan.fed(stage), Lanes(stage.lanes)
+        graph = depth_first(in_primitives(fuse(plan.graphs[stage], arrivals(fused, fed)) if fed else fused))
         laned = {name for name in (*plan.regions, *plan.views) if plan.is_laned(stage, name)}
         changing, self._plan = plan.changing, plan
         self._steps = dict.fromkeys(laned, stage.lanes)
         self._steps |= {name: plan.regions[plan.root(name)].lanes for name in plan.single[stage]}
         self._sources = [(port.name, k, port.name in laned) for port in graph.inputs for k in range(port.size)]
         self._targets = [(port.name, k) for port in graph.outputs for k in range(port.size)]
+        self.hands_on = bool(plan.single[stage] and fed) and len({*fed.values()}) <= _MOST_HANDED_ON
         before, self._graph = hoist(graph, {k for k, (name, *_) in enumerate(self._sources) if name not in changing})
         self._rest, count = self._graph, len(before.results)
         self._begun, self._first_begun = [], len(self._sources) + count
@@ -170,19 +179,53 @@ class _Stage:
         memory that was written number by number a moment ago makes the processor wait.
         """
 
-        def load(slot: int) -> str:
-            return self._load(code, regions, slot, at_hand)
+        width = self.lanes.width
+        for (name, k), value in self._written(code, regions, lambda slot: self._load(code, regions, slot, at_hand)):
+            written = {(name, k * width + lane): value for lane in range(width)}
+            at_hand.update(written) if width == 1 else [at_hand.pop(place, None) for place in written]
+        if self._plan.views:  # a number may have been written under another name
+            at_hand.clear()
 
+    def write_on(self, code: Code, regions: Mapping[str, str], running: Running) -> None:
+        """The same in a loop through bodies: a row that the iteration before wrote need not come through memory."""
+        root, known = self._plan.root, dict[int, str]()
+        before = {root(name): code.name("before") for name, _ in self._targets}
+        numbers = {(root(name), k): code.name("number") for name, k in self._targets}
+        for name in dict.fromkeys(name for name, *_ in self._sources if root(name) in before):
+            known |= self._at_hand_or_loaded(code, regions, name, before[root(name)], numbers)
+
+        def load(slot: int) -> str:
+            return known[slot] if slot in known else self._load(code, regions, slot, {})
+
+        for (name, k), value in self._written(code, regions, load):
+            running.handed_on[before[root(name)]] = ("ptr", "null", regions[name])
+            running.handed_on[numbers[root(name), k]] = (self.lanes.real, "0.0", value)
+
+    def _at_hand_or_loaded(
+        self, code: Code, regions: Mapping[str, str], name: str, before: str, numbers: Mapping[Place, str]
+    ) -> dict[int, str]:
+        """A region's numbers by input slot.  before, numbers: the row that the iteration before wrote, and its own."""
+        used = {x.args[0] for x in self._graph.nodes if x.op == "input"}
+        slots = [slot for slot, (own, *_) in enumerate(self._sources) if own == name and slot in used]
+        here, fetch, there = (code.name(x) for x in ("here", "fetch", "there"))
+        code.label(here)
+        code.branch(code.let(f"icmp eq ptr {regions[name]}, {before}"), there, fetch)
+        code.open(fetch)
+        loaded = [self._load(code, regions, slot, {}) for slot in slots]
+        code.label(there)
+        at_hand = [numbers[self._plan.root(name), self._sources[slot][1]] for slot in slots]
+        either = zip(at_hand, loaded, strict=True)
+        found = [code.let(f"phi {self.lanes.real} [ {x}, {here} ], [ {y}, {fetch} ]") for x, y in either]
+        return dict(zip(slots, found, strict=True))
+
+    def _written(self, code: Code, regions: Mapping[str, str], load: Callable[[int], str]) -> list[tuple[Place, str]]:
+        """What has changed goes to memory; all results, with their places."""
         graph, self._rest = self._rest, self._graph
         values = straight_line(code, scheduled(graph), load, lanes=self.lanes)
-        width = self.lanes.width
         for x, value, (name, k) in zip(graph.results, values, self._targets, strict=True):
             if not self._is_input(x, (name, k)):
                 code.store(value, code.at(regions[name], k * self._steps.get(name, 1)), 0, self.lanes.real, align=8)
-                written = {(name, k * width + lane): value for lane in range(width)}
-                at_hand.update(written) if width == 1 else [at_hand.pop(place, None) for place in written]
-        if self._plan.views:  # a number may have been written under another name
-            at_hand.clear()
+        return [*zip(self._targets, values, strict=True)]
 
     def _is_input(self, x: Operand, place: Place) -> bool:
         """Whether a result is what already stands in its place."""

@@ -72,6 +72,14 @@ class Plan:
         """The region that a name stands for."""
         return self.views[name].of if name in self.views else name
 
+    def fed(self, stage: Stage) -> dict[int, int]:
+        """By input slot that reads rows which the stage writes too: the result that may be there an iteration later."""
+        graph, root = self.graphs[stage], self.root
+        places = [(root(port.name), k) for port in graph.outputs for k in range(port.size)]
+        results = {place: k for k, place in enumerate(places) if place[0] in self.streamed}
+        sources = [(root(port.name), k) for port in graph.inputs for k in range(port.size)]
+        return {slot: results[place] for slot, place in enumerate(sources) if place in results}
+
     def is_laned(self, stage: Stage, name: str) -> bool:
         """Whether each lane of a stage has numbers of its own in a region."""
         return stage.lanes > 1 and self.regions[self.root(name)].lanes == stage.lanes

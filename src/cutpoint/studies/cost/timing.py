@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 _ROUNDS = 21
-_BLOCK = 5e-4
+_BLOCK = 2e-3
 """Each round repeats a call for about this long, s."""
 
 
@@ -20,11 +20,15 @@ class Timing:
 
 
 def in_turns(calls: Mapping[str, Callable[[], object]], items: int = 1) -> dict[str, Timing]:
-    """Time for one of the items that each call works through; warmed up by a few calls."""
+    """Time for one of the items that each call works through.
+
+    Each turn begins with a call that is not timed: the turns of others have emptied the caches.
+    """
     repeats = {key: max(1, round(_BLOCK / max(_seconds(call, 3), 1e-7))) for key, call in calls.items()}
     found: dict[str, list[float]] = {key: [] for key in calls}
     for _ in range(_ROUNDS):
         for key, call in calls.items():
+            call()
             found[key].append(1e9 * _seconds(call, repeats[key]) / items)
     return {key: Timing(float(np.median(times)), min(times)) for key, times in found.items()}
 
