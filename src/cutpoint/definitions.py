@@ -1,4 +1,9 @@
-"""What a robot can compute, as functions of its machine and of lists of scalars: the bodies of its kernels."""
+"""What a robot can compute, as functions of its machine and of lists of scalars: the bodies of its kernels.
+
+q (nq), v, a (nv) and torques tau (nv) are of the joints, in the mechanism's order; theta and its rates, motor torques
+and strains are of the drives, in theirs, all at the joints' side.  Units are SI; what is what, and where it comes from,
+stands with the methods of `Robot` that these are the bodies of.
+"""
 
 from collections.abc import Mapping
 from typing import Any, NamedTuple
@@ -9,8 +14,8 @@ from cutpoint.mechanics import forward_dynamics as forward
 from cutpoint.mechanics import inverse_dynamics as inverse
 from cutpoint.mechanics.drive_regressor import DriveRegressor
 from cutpoint.mechanics.elastic import Driven, ElasticMotion, Options
-from cutpoint.mechanics.elastic_forward import DriveState, ElasticAccelerations
-from cutpoint.mechanics.harmonic_drive import friction_torque, motor_position, spring_torque
+from cutpoint.mechanics.elastic_forward import ElasticAccelerations
+from cutpoint.mechanics.harmonic_drive import DriveState, friction_torque, motor_position, spring_torque
 from cutpoint.mechanics.spatial import Pose, Vec3, Wrench
 from cutpoint.mechanics.strains import Strains, drive_by_drive
 from cutpoint.mechanics.system import System
@@ -26,23 +31,28 @@ class Machine(NamedTuple):
 
 
 def inverse_dynamics(m: Machine, q: Scalars, v: Scalars, a: Scalars, **wrenches: Scalars) -> Scalars:
+    """Torques of a motion (nv), N m (N).  wrenches: [f; m] on the robot by frame, in its axes."""
     return inverse.inverse_dynamics(m.system, q, v, a, _contact(wrenches))
 
 
 def forward_dynamics(m: Machine, q: Scalars, v: Scalars, tau: Scalars, **wrenches: Scalars) -> Scalars:
+    """Accelerations under torques (nv), rad/s2 (m/s2).  wrenches: as in `inverse_dynamics`."""
     return forward.forward_dynamics(m.system, q, v, tau, _contact(wrenches))
 
 
 def bias_forces(m: Machine, q: Scalars, v: Scalars) -> Scalars:
+    """Torques that keep the accelerations zero (nv): C v + g."""
     return inverse.inverse_dynamics(m.system, q, v, [0] * m.system.nv)
 
 
 def gravity_forces(m: Machine, q: Scalars) -> Scalars:
+    """Torques that hold the robot still (nv): g."""
     still = [0] * m.system.nv
     return inverse.inverse_dynamics(m.system, q, still, still)
 
 
 def coriolis_matrix(m: Machine, q: Scalars, v: Scalars) -> list[Scalars]:
+    """C (nv, nv) of virtual decomposition: dM/dt - 2 C is skew.  Xia (2019) eq. (61)."""
     still, weight = [0] * m.system.nv, gravity_forces(m, q)
     columns = []
     for k in range(m.system.nv):
@@ -53,49 +63,68 @@ def coriolis_matrix(m: Machine, q: Scalars, v: Scalars) -> list[Scalars]:
 
 
 def mass(m: Machine, q: Scalars) -> list[Scalars]:
+    """M (nv, nv), of rotors that are geared rigidly too."""
     return mass_matrix.mass_matrix(m.system, q)
 
 
 def kinetic_energy(m: Machine, q: Scalars, v: Scalars) -> Any:
+    """J, of links and rigidly geared rotors."""
     return mass_matrix.kinetic_energy_of(m.system, q, v)
 
 
 def potential_energy(m: Machine, q: Scalars) -> Any:
+    """J, of the weight."""
     return mass_matrix.potential_energy_of(m.system, q)
 
 
 def momentum(m: Machine, q: Scalars, v: Scalars, theta_dot: Scalars | None = None) -> Scalars:
+    """Linear and angular (6), about the world's origin and along its axes."""
     return [*mass_matrix.momentum_of(m.system, q, v, _rotor_speeds(m, theta_dot))]
 
 
 def torque_regressor(m: Machine, q: Scalars, v: Scalars, a: Scalars) -> list[Scalars]:
+    """Y (nv, 10 bodies): torques are Y times the bodies' inertial parameters."""
     return regressor.torque_regressor(m.system, q, v, a)
 
 
 def power_flows(m: Machine, q: Scalars, v: Scalars, a: Scalars) -> Scalars:
+    """Power that passes outward through each cut, W."""
     return power_flow.power_flows(m.system, q, v, a)
 
 
 def integrate(m: Machine, q: Scalars, v: Scalars, dt: Any) -> Scalars:
+    """q after dt at constant v (nq)."""
     return kinematics.integrate(m.system, q, [dt * x for x in v])
 
 
 def difference(m: Machine, q: Scalars, q_next: Scalars) -> Scalars:
+    """The v that leads from q to q_next in 1 s (nv)."""
     return kinematics.difference(m.system, q, q_next)
 
 
 def coordinate_rates(m: Machine, q: Scalars, v: Scalars) -> Scalars:
+    """dq/dt of v (nq)."""
     return kinematics.coordinate_rates(m.system, q, v)
 
 
 def elastic_inverse_dynamics(
-    m: Machine, options: Options, q: Scalars, strains: Scalars | None = None, **rates: Scalars
+    m: Machine,
+    options: Options,
+    q: Scalars,
+    v: Scalars,
+    a: Scalars,
+    jerk: Scalars,
+    snap: Scalars,
+    strains: Scalars | None = None,
+    **higher: Scalars,
 ) -> ElasticMotion:
-    held = _held(m, strains)
-    return elastic.elastic_inverse_dynamics(m.system, m.drives, q, *rates.values(), options=options, strains=held)
+    """What motors must do for a motion, N m (N) and rad (m): see `mechanics.elastic`.  higher: in rising order."""
+    rates, held = (v, a, jerk, snap, *higher.values()), _held(m, strains)
+    return elastic.elastic_inverse_dynamics(m.system, m.drives, q, *rates, options=options, strains=held)
 
 
 def elastic_forward_dynamics(m: Machine, strains: Scalars | None = None, **state: Scalars) -> ElasticAccelerations:
+    """Accelerations of links and motors, rad/s2 (m/s2): see `mechanics.elastic_forward`."""
     return elastic_forward.elastic_forward_dynamics(m.system, m.drives, **state, strains=_held(m, strains))
 
 
@@ -107,6 +136,7 @@ def elastic_energy(
     strains: Scalars | None = None,
     v: Scalars | None = None,
 ) -> Any:
+    """J of springs, of rotors and, with v, of what else moves with links that carry rotors."""
     own = elastic.elastic_energy(m.drives, q, theta, theta_dot, _held(m, strains))
     return own if v is None else own + mass_matrix.carried_energy_of(m.system, q, v, _rotor_speeds(m, theta_dot))
 
@@ -141,19 +171,23 @@ def friction_torques(m: Machine, v: Scalars) -> Scalars:
 def drive_regressor(
     m: Machine, q: Scalars, v: Scalars, theta: Scalars, theta_dot: Scalars, theta_ddot: Scalars
 ) -> DriveRegressor:
+    """Torques of the drives by their own parameters: see `mechanics.drive_regressor`."""
     states = [DriveState(q[d.q], v[d.v], x, w) for d, x, w in zip(m.drives, theta, theta_dot, strict=True)]
     return drives.drive_regressor(m.drives, states, theta_ddot)
 
 
 def frame_pose(m: Machine, q: Scalars, frame: str) -> list[Scalars]:
+    """Of a frame in the world (4, 4)."""
     return matrix_of(kinematics.frame_pose(m.system, q, frame))
 
 
 def jacobian(m: Machine, q: Scalars, frame: str, expressed_in: kinematics.ExpressedIn) -> list[Scalars]:
+    """Of a frame (6, nv), linear above angular."""
     return transposed([[*column] for column in kinematics.jacobian(m.system, q, frame, expressed_in)]) or [[]] * 6
 
 
 def velocity_map(m: Machine, q: Scalars) -> list[Scalars]:
+    """Velocities of all bodies, each in its joint's frame, by the speeds (6 bodies, nv)."""
     rows = kinematics.velocity_map(m.system, q)
     return [row for body in rows for row in transposed([[*column] for column in body])]
 

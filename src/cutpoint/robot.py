@@ -15,7 +15,7 @@ from cutpoint.functions.variants import ExpressedIn
 from cutpoint.mechanics import strains as strains_of
 from cutpoint.mechanics.drive_regressor import DriveRegressor, columns
 from cutpoint.mechanics.elastic import derivatives_needed
-from cutpoint.mechanics.elastic_forward import DriveState
+from cutpoint.mechanics.harmonic_drive import DriveState
 from cutpoint.mechanics.rigid_body import parameters_of
 from cutpoint.mechanics.spatial import ZERO, Pose
 from cutpoint.model import Drive, Mechanism, changes
@@ -97,7 +97,10 @@ class Robot:
 
     @property
     def joints(self) -> tuple[str, ...]:
-        """Names of the driven joints, in the order of q, v and theta (after a floating base's entries)."""
+        """Names of the driven joints, in the order of theta.
+
+        q and v have them in this order too, among the entries of a floating base and of joints of several axes.
+        """
         return tuple(door.driven_joints(self.mechanism))
 
     @property
@@ -301,7 +304,7 @@ class Robot:
         quasi_rigid: bool = False,
         strains: ArrayLike | None = None,
     ) -> ElasticTorques:
-        """What the motors must do for a motion, exact in its derivatives.  Xia (2019) eqs. (2), (4)-(11), (13)-(28).
+        """What the motors must do for a motion, exact in its derivatives.  Xia (2019) eqs. (2), (4)-(11), (21)-(28).
 
         It takes as many derivatives of the position as `derivatives_needed` says: four, and more where bending joints
         carry rotors with full coupling.  quasi_rigid does with four always: rotors act on what carries them as if their

@@ -56,6 +56,12 @@ def test_natural_adaptation_keeps_bodies_physical_at_any_rate():
         assert (p[:, 0] > 0).all()
 
 
+def test_an_estimate_that_is_to_fall_falls_however_long_the_step():
+    for step in 10.0 ** np.arange(-3, 7):
+        C = natural(np.eye(4).tolist(), [-step, *[0.0] * 9], 1.0, 1.0)
+        assert np.exp(-2.0) - 0.2 < inertial_of_factor(C)[0] < 1.0
+
+
 def test_a_body_survives_its_factor():
     p = random_bodies(np.random.default_rng(2), 50)
     for x in p:

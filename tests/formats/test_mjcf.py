@@ -338,6 +338,28 @@ def test_shapes_that_dynamics_does_not_need_are_never_opened(case: str) -> None:
     assert [body.joint.name for body in robot.bodies] == ["elbow"]
 
 
+def test_losses_that_the_file_switches_off_are_none() -> None:
+    hinge = '<joint name="elbow" damping="3" frictionloss="2"/><geom size="0.1" mass="1"/>'
+    text = f'<mujoco><option><flag {{}}/></option><worldbody><body>{hinge}</body></worldbody></mujoco>'
+    lossy = ('contact="enable"', 3.0, 2.0), ('damper="disable"', 0.0, 2.0), ('frictionloss="disable"', 3.0, 0.0)
+    for flags, damping, friction in lossy:
+        (body,) = read(text.format(flags)).mechanism.bodies
+        assert (body.joint.damping, body.joint.friction) == (damping, friction)
+
+
+def test_armature_of_what_is_left_out_is_told() -> None:
+    text = mjcf_text.ARM.replace("</mujoco>", '<actuator><motor joint="hip" armature="2"/></actuator></mujoco>')
+    with pytest.warns(NotCarriedOver, match=r"<actuator armature, in the mass matrix> \(1\)"):
+        parse_mjcf(text)
+
+
+def test_a_total_mass_needs_every_shape() -> None:
+    """It scales all masses, so that of a body at rest counts."""
+    text = one_body("").replace("<worldbody>", f'<compiler settotalmass="9"/>{ABSENT}<worldbody>{GROUND}')
+    with pytest.raises(ModelError, match="its inertia would come from a shape that is not in this file"):
+        parse_mjcf(text)
+
+
 def test_without_mujoco_the_message_says_how_to_get_it(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setitem(sys.modules, "mujoco", None)
     with pytest.raises(ModelError, match=r'needs the mujoco package, 3.2.7 or later: pip install "cutpoint\[mjcf\]"'):

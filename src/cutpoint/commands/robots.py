@@ -88,7 +88,7 @@ def simulate(
     gravity: Gravity = None,
     bandwidth: Annotated[float, typer.Option(help="Bandwidth of the PD on the motors, Hz.")] = 5.0,
     feedforward: Annotated[Rung, typer.Option(help="How much of the model is fed forward.")] = "elastic",
-    period: Annotated[float, typer.Option(help="Control period, s.")] = 1e-3,
+    period: Annotated[float, typer.Option("--period", "--control-period", help="Control period, s.")] = 1e-3,
     output: Annotated[Path | None, typer.Option(metavar="FILE", help="Save the log: .npz or .csv.")] = None,
     plot: Annotated[
         Path | None, typer.Option(metavar="FILE", help="Save a picture of the run: .png, .pdf or .svg.")

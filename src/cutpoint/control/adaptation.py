@@ -9,9 +9,12 @@ from collections.abc import Sequence
 import numpy as np
 
 from cutpoint.mechanics.pseudo_inertia import parameters_of_pseudo_inertia, pseudo_inertia
-from cutpoint.scalars import Scalar, clip
+from cutpoint.scalars import Scalar, clip, sqrt, where
 
 Matrix = list[list[Scalar]]
+
+_LONGEST = 2.0
+"""Size of X in a step of `natural`: the estimate changes by a factor of at most e^2 a period."""
 
 
 def projected(p: Scalar, s: Scalar, rate: Scalar, low: Scalar, high: Scalar, period: Scalar) -> Scalar:
@@ -34,10 +37,12 @@ def natural(C: Matrix, s: Sequence[Scalar], rate: Scalar, period: Scalar) -> Mat
     """L' = rate L S L on the factor C of L, where tr(S L) is s^T p.  Lee, Kwon and Park (2018).
 
     A step of the exponential map, L exp(X) with X = period rate C^T S C, its root taken as (1 + (1 + X/2)^2) / 2, which
-    is positive definite for every X.
+    is positive definite for every X, and falls where X does down to X = -2: a longer step is shortened to that size.
     """
     X = _product(_transposed(C), _product(_power_matrix(s), C))
-    half = [[(period * rate / 2) * x + int(i == j) for j, x in enumerate(row)] for i, row in enumerate(X)]
+    size = sqrt(sum(x * x for row in X for x in row)) * (period * rate)
+    step = period * rate * where(size > _LONGEST, _LONGEST / size, 1)
+    half = [[step / 2 * x + int(i == j) for j, x in enumerate(row)] for i, row in enumerate(X)]
     square = _product(half, half)
     return _product(C, [[(x + int(i == j)) / 2 for j, x in enumerate(row)] for i, row in enumerate(square)])
 

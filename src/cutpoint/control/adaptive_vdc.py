@@ -48,7 +48,8 @@ class AdaptiveVDC(VDC):
     update: "projection" keeps every number within `uncertainty` (a share of its nominal size, of mass, radius of
     gyration and so on) of the model's, Zhu (2010); "natural" keeps bodies physical and has no bounds on them, Lee, Kwon
     and Park (2018); joints' numbers are projected in both.
-    body_rate and joint_rate: how fast shares of nominal sizes change, 1/J.
+    body_rate and joint_rate: how fast shares of nominal sizes change, 1/J.  `tune` checks the loop with these numbers
+    held: rates so high that a control period changes them much let estimate and motion shake each other up.
     Compliance is learnt as 1/K, of linear springs; other springs stay as the model has them.
     """
 
@@ -138,7 +139,7 @@ class AdaptiveVDC(VDC):
         ]
 
     def _borne(self, k: int, drive: Drive, tau: Scalar, v_r: Jet, v: Scalar) -> Scalar:
-        """tau_r: what a joint's drive exerts, its link's friction and a rigidly geared rotor included.  (26)."""
+        """tau_r of Xia (2019) eq. (26): what a joint's drive exerts, link friction and a rigidly geared rotor included."""
         speed, acceleration = v_r.derivatives
         spun = 0 if drive.is_elastic else drive.reflected_inertia * acceleration
         return tau + spun + friction_torque(drive.link_friction, speed) + self.speed_gain[k] * (speed - v)

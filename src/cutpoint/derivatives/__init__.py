@@ -96,7 +96,10 @@ def elastic_inverse_dynamics(
     friction_rates: bool = False,
     quasi_rigid: bool = False,
 ) -> ElasticInverseDynamicsDerivatives:
-    """Of the motor torques of `Robot.elastic_inverse_dynamics`, which see for options and further rates."""
+    """Of the motor torques of `Robot.elastic_inverse_dynamics`: see there for options and higher rates.
+
+    Strains are not taken.
+    """
     options = Options(friction_rates, quasi_rigid)
     needed = 4 if quasi_rigid else robot.derivatives_needed
     given = (q, v, a, jerk, snap, *higher)

@@ -6,6 +6,8 @@ text (meshes and height fields from files) are made massless; a body that needs 
 
 from typing import Any
 
+import numpy as np
+
 from cutpoint.errors import ModelError
 
 FREE, BALL, SLIDE, HINGE = range(4)
@@ -22,9 +24,11 @@ def compiled(text: str, place: str) -> Any:
     present = {mesh.name for mesh in spec.meshes}
     _leave_out_shapes(mujoco, spec, spec.worldbody, present, False, place)
     try:
-        return spec.compile()
+        model = spec.compile()
     except Exception as problem:
         raise _refused(problem, place) from problem
+    _switch_off(mujoco, model)
+    return model
 
 
 def names_of(model: Any, kind: str) -> list[str]:
@@ -64,8 +68,20 @@ def _leave_out_shapes(mujoco: Any, spec: Any, body: Any, present: set[str], move
             raise ModelError(f"body {body.name!r}: {complaint}", place=place, body=body.name)
         geom.type, geom.meshname, geom.hfieldname = mujoco.mjtGeom.mjGEOM_SPHERE, "", ""
         geom.size, geom.mass = [1.0, 0.0, 0.0], 0.0
-    for child in body.bodies:
-        _leave_out_shapes(mujoco, spec, child, present, moves, place)
+    for child in body.bodies:  # by `settotalmass` the mass of each scales all others
+        _leave_out_shapes(mujoco, spec, child, present, moves or spec.compiler.settotalmass > 0.0, place)
+
+
+def _switch_off(mujoco: Any, model: Any) -> None:
+    """Losses and springs that the file's <flag> disables."""
+    arrays = {
+        "DAMPER": ("dof_damping", "dof_dampingpoly"), "FRICTIONLOSS": ("dof_frictionloss",),
+        "SPRING": ("jnt_stiffness", "jnt_stiffnesspoly"),
+    }  # fmt: skip
+    for flag, names in arrays.items():
+        if model.opt.disableflags & getattr(mujoco.mjtDisableBit, f"mjDSBL_{flag}", 0):
+            for name in names:  # not every version of MuJoCo has all of them
+                getattr(model, name, np.zeros(0))[:] = 0.0
 
 
 def _gives_inertia(mujoco: Any, spec: Any, body: Any, geom: Any) -> bool:

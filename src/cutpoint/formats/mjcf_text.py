@@ -121,3 +121,4 @@ def _count(child: Element, parent: Element, left_out: Counter[str]) -> None:
     """Of a section with elements, these; what has no effect, and defaults of what is left out, do not count."""
     if child.tag not in WITHOUT_EFFECT and parent.tag not in ("default", "asset"):
         left_out[child.tag] += max(len(child.children), 1)
+        left_out[f"{child.tag} armature, in the mass matrix"] += sum("armature" in x.attributes for x in child.children)

@@ -75,7 +75,7 @@ def elastic_inverse_dynamics(
     options: Options = DEFAULT,
     strains: Sequence[Strains] | None = None,
 ) -> ElasticMotion:
-    """Motor torques and motor motion of a motion, exact in its derivatives.  Xia (2019) eqs. (2), (4)-(11), (13)-(28).
+    """Motor torques and motor motion of a motion, exact in its derivatives.  Xia (2019) eqs. (2), (4)-(11), (21)-(28).
 
     rates: v, a, jerk, snap and, where a rotor with full coupling rides on a joint that bends, as many more as
     `derivatives_needed` says.  Every coordinate carries its derivatives through the recursion as a time jet, so joint

@@ -28,7 +28,7 @@ class MaxwellSlip:
         """Elements whose torque grows as W (2 x - x^2), x = strain / reach, to W = `torque` (N m) at `reach` (rad).
 
         Its chords between the elements' reaches: the last element is half as stiff as the others.
-        Raises InputError for a reach that is not positive, or elements that are no whole number from 1.
+        Raises InputError for a reach that is not positive, or a number of elements that is not whole or below 1.
         """
         if not (reach > 0 and elements >= 1 and elements == int(elements)):
             told = f"MaxwellSlip.smooth: reach {reach} must be positive, elements {elements} a whole number from 1"

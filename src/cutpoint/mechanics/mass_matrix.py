@@ -47,7 +47,7 @@ def _add_row(system: System, X: list[Pose], composite: Inertia, i: int, M: list[
             own = system.segments[carrier]
             for j, effort in enumerate(own.joint.effort(F), own.v.start):
                 if carrier == i and j > v:
-                    continue  # a floating joint's own pairs: once each, so that M is symmetric to the last bit
+                    continue  # pairs of one joint's own axes are computed once, so that M is symmetric to the last bit
                 M[v][j] = M[v][j] + own.gain * effort
                 if carrier != i or j < v:
                     M[j][v] = M[j][v] + own.gain * effort

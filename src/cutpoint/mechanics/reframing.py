@@ -34,7 +34,7 @@ MOVABLE = (*TURNING, "helical", "prismatic")
 """Kinds whose frame may be turned about z and shifted along it."""
 
 FAR = 4.0
-"""Feet of common normals farther away than this, times the longest way between two bodies, are not worth their digits:
+"""Feet of common normals farther away than this, times the longest way between two bodies, lose too many digits:
 axes that are all but parallel meet anywhere."""
 
 

@@ -12,7 +12,7 @@ from cutpoint.scalars import Scalar, atan, cos, sin, sqrt, where
 Scalars = Sequence[Scalar]
 
 _SMALL = 1e-4
-"""Angle (rad) below which series take over: their error is below the sixth power of it."""
+"""Angle (rad) below which series take over: what they leave out is below 2e-17."""
 
 
 def rotation_of(quaternion: Scalars) -> Mat3:

@@ -13,7 +13,6 @@ from rich.progress import Progress, TaskID
 from cutpoint.control.interface import name_of, stepped
 from cutpoint.errors import TraceError
 from cutpoint.kernels import Program
-from cutpoint.mechanics.strains import names
 from cutpoint.simulation.loop import INTEGRATION, ClosedLoop
 from cutpoint.simulation.plant import State
 from cutpoint.simulation.step import TABLEAU
@@ -204,8 +203,9 @@ def _slots(loop: ClosedLoop) -> list[tuple[str, str]]:
     robot = loop.robot
     lags = [name for name, drive in robot.drives.items() if drive.has_current_lag]
     inner = [(f"motor torque of {name!r}", "N m") for name in lags]
-    inner += [(f"strain of {what} of {name!r}", "rad") for name, d in robot.drives.items() for what in names(d)]
     sliding = robot.mechanism.sliding
+    for name, what in (whole.rsplit(": ", 1) for whole in robot.strain_names):
+        inner.append((f"strain of {what} of {name!r}", "m" if name in sliding else "rad"))
     q, v = [("coordinate of the base", "")] * robot.nq, [("speed of the base", "")] * robot.nv
     theta: list[tuple[str, str]] = []
     theta_dot: list[tuple[str, str]] = []

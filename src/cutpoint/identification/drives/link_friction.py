@@ -30,7 +30,7 @@ class LinkFriction:
     viscous: tuple[float, float]
 
     def law(self, smoothing: float) -> Coulomb | None:
-        """None where it is not told from none."""
+        """None where it cannot be told from zero."""
         coulomb, viscous = (x if x > SIGNIFICANT * s else 0.0 for x, s in (self.coulomb, self.viscous))
         return Coulomb(coulomb, viscous, smoothing) if coulomb or viscous else None
 

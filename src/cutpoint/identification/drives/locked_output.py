@@ -35,7 +35,7 @@ class LockedOutput:
     torque: (P,), N m.  rising, falling: (P,), the motor's angle on the way up and down, less their mean.
     hysteresis_loss: how far the two ways lie apart at no torque, the play included.
     lost_motion: how far the middle between them moves from -share to +share of the rated torque; None without one.
-    backlash: the play, extrapolated to no torque from where it is closed; 0 where it is not told from none.
+    backlash: the play, extrapolated to no torque from where it is closed; 0 where it cannot be told from zero.
     spring: the law and the elements of hysteresis, as of two encoders; without meaning where there is play.
     unidentifiable: what cannot be told, each with the sentence why.
     """
@@ -93,7 +93,7 @@ def locked_output(
     play, error = _play(at, middle)
     why = {name: sentence for name, sentence in spring.unidentifiable.items() if name != "kinematic_error"}
     if play < SIGNIFICANT * error:
-        why["backlash"] = f"{play:.2g} +- {error:.2g} rad is not told from none"
+        why["backlash"] = f"{play:.2g} +- {error:.2g} rad cannot be told from zero"
         play = 0.0
     lost = None
     if rated_torque is not None:

@@ -49,7 +49,7 @@ class RotorEstimate(Unknowns):
 
     @property
     def friction(self) -> Coulomb | None:
-        """At the joint's side; None where it is not told from none."""
+        """At the joint's side; None where it cannot be told from zero."""
         if "motor friction" in self.unidentifiable:
             return None
         return Coulomb(max(self["coulomb"], 0.0), max(self["viscous"], 0.0), self.smoothing)
@@ -78,7 +78,7 @@ class RotorEstimate(Unknowns):
 
     def _vague(self, name: str, unit: str) -> str:
         figures = f"{self[name]:.3g} +- {self.deviations[name]:.2g} {unit}"
-        return f"{name} {figures} is not told from none: excite with more acceleration and speed"
+        return f"{name} {figures} cannot be told from zero: excite with more acceleration and speed"
 
 
 def motor_side(

@@ -132,7 +132,7 @@ def _closed(data: Deflections, fit: DeflectionFit) -> str:
 
 def _undamped(fit: DeflectionFit, deviation: float) -> str:
     told = fit.damping >= SIGNIFICANT * deviation
-    return "" if told else f"{fit.damping:.3g} +- {deviation:.2g} N m s/rad is not told from none"
+    return "" if told else f"{fit.damping:.3g} +- {deviation:.2g} N m s/rad cannot be told from zero"
 
 
 def _uncertainty(data: Deflections, fit: DeflectionFit, spread: Array) -> float:

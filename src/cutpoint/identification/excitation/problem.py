@@ -71,7 +71,7 @@ class Problem:
         return np.vstack([series.centre - self._middle, waves]) / self._scale
 
     def barred(self, z: Array, weight: float, softness: float) -> tuple[float, Array]:
-        """The cost with a relaxed logarithmic barrier at every limit, and its gradient, as z.
+        """The cost with a relaxed logarithmic barrier at every limit, and its gradient, shaped like z.
 
         Hauser and Saccon (2006), A barrier function method for the optimization of trajectory functionals with
         constraints, IEEE CDC.
@@ -83,12 +83,12 @@ class Problem:
         return cost + weight * barrier, self._pulled_back(gradient)
 
     def barrier(self, z: Array, softness: float) -> tuple[float, Array]:
-        """The barriers alone, and their gradient, as z."""
+        """The barriers alone, and their gradient, shaped like z."""
         value, gradient = self._barrier(self.motion(z), softness)
         return value, self._pulled_back(gradient)
 
     def _barrier(self, motion: Array, softness: float) -> tuple[float, Array]:
-        """The sum over limits of the mean over samples, and its gradient, as the motion."""
+        """The sum over limits of the mean over samples, and its gradient, shaped like the motion."""
         total, gradient, count = 0.0, np.zeros_like(motion), motion.shape[1]
         for limit in self.limits:
             value, (low, high) = relaxed_barrier(limit.slack(motion) - RESERVE, softness)
