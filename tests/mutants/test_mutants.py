@@ -12,6 +12,7 @@ import test_drives_that_remember as remember
 import test_elastic_against_rotor_bodies as rotor_bodies
 import test_elastic_laws as elastic_laws
 import test_every_joint_kind as joint_kinds
+import test_large_trees as large_trees
 import test_laws_against_numpy as against_numpy
 import test_laws_of_adaptation as adaptation
 import test_laws_of_motion as laws
@@ -25,6 +26,7 @@ import test_package_agrees_with_paper as paper
 from cutpoint import Drive, Flexspline, Robot, definitions, robots
 from cutpoint.control import joint_law
 from cutpoint.formats import drive_entry
+from cutpoint.kernels import fusion, program_llvm
 from cutpoint.mechanics import (
     assembly,
     elastic,
@@ -325,6 +327,20 @@ MUTANTS = {
         "",
         slopes.test_slopes_of_every_joint_kind_are_those_of_integration,
         {"seed": 4},
+    ),
+    "a row just written taken for any other": Mutant(
+        program_llvm._Stage._at_hand_or_loaded,
+        "icmp eq ptr",
+        "icmp ne ptr",
+        large_trees.test_loops_give_what_straight_line_code_gives,
+        {"tree": "tree of 20", "backend": "llvm"},
+    ),
+    "a number that comes late taken away": Mutant(
+        fusion._Fusion._sum,
+        " and rest[0].sign < 0",
+        "",
+        large_trees.test_loops_feel_rotors,
+        {"tree": "chain of 20", "every": 2},
     ),
 }
 
