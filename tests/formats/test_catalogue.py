@@ -156,7 +156,7 @@ def test_a_name_must_be_a_text() -> None:
 
 def test_a_mistake_beside_the_name_is_named_in_the_users_file() -> None:
     text = "version: 1\ndrives:\n  joint1:\n    catalogue: CSG-20-100\n    kinematic_error:\n      order: 400\n"
-    with pytest.raises(ModelError, match=r"order and ratio is 5\.82.*\(arm\.yaml:5\)"):
+    with pytest.raises(ModelError, match=r"kinematic_error .* in all 5\.8.*\(arm\.yaml:5\)"):
         parse_drives(text, MECHANISM, "arm.yaml")
 
 
@@ -174,6 +174,7 @@ def test_an_entry_is_the_callers_to_change() -> None:
 @pytest.mark.parametrize("name", STIFF)
 def test_what_makers_print_becomes_si_at_the_joint(name: str) -> None:
     gear, found = catalogue_gear(name), catalogue_drive(name)
+    assert (bool(gear.ratings), bool(gear.accuracy)) == (bool(found.ratings), bool(found.kinematic_error))
     if gear.ratings and found.ratings:
         torques = (gear.ratings.rated, gear.ratings.average, gear.ratings.repeated_peak, gear.ratings.momentary_peak)
         assert (*vars(found.ratings).values(),)[:4] == torques

@@ -21,7 +21,7 @@ def refused(text: str | bytes, mechanism=ROBOT) -> str:
 ELASTIC = "rotor: {inertia: 1e-5}, compliance"
 
 ENTRIES = {
-    "zero ratio": ("{ratio: 0}", "ratio 0.0 must not be zero"),
+    "zero ratio": ("{ratio: 0}", "ratio 0 must not be zero: motor turns per joint turn, signed"),
     "text for a number": ("{ratio: ten}", "ratio 'ten' must be a number"),
     "quoted number": ("{ratio: '10'}", "ratio '10' must be a number"),
     "number with ornaments": ("{ratio: 1_0}", "ratio '1_0' must be a number"),
@@ -61,20 +61,46 @@ ENTRIES = {
     ),
     "error of a rigid drive": (
         "{kinematic_error: {amplitude: 1e-4}}",
-        "'kinematic_error' needs an elastic drive, but 'compliance' is rigid",
+        "kinematic_error needs an elastic drive; give it a compliance",
     ),
     "error that runs backwards": (
         f"{{ratio: 100, kinematic_error: {{amplitude: 6e-3}}, {ELASTIC}: {{linear: {{stiffness: 3}}}}}}",
-        "kinematic_error.amplitude 0.006 rad times order and ratio is 1.2; it must not exceed 0.7:"
+        "kinematic_error is too large: order * ratio * amplitude, in all 1.2, must not exceed 0.7:"
         " at 1 the drive would run backwards",
+    ),
+    "corners that fall together, with what is made of the spring": (
+        f"{{{ELASTIC}: {{catalogue: {{k1: 1, k2: 2, k3: 3, t1: 5, t2: 5}}}}, backlash: 1e-3, hysteresis: {{loss: 1}}}}",
+        "compliance.catalogue.t2 5.0 N m must be above t1 5.0",
+    ),
+    "zero ratio of a wave generator": (
+        f"{{ratio: 0, {ELASTIC}: {{flexspline: {{stiffness: 3, hardening: 1}},"
+        " wave_generator: {stiffness: 6, hardening: 2}}, hysteresis: {loss: 1}}",
+        "ratio 0 must not be zero: motor turns per joint turn, signed",
+    ),
+    "hysteresis that overflows": (
+        f"{{{ELASTIC}: {{linear: {{stiffness: 1e300}}}}, hysteresis: {{loss: 1e200}}}}",
+        "its drive holds inf as stiffness, every number must be finite, in hysteresis",
+    ),
+    "hysteresis without spring": (
+        "{hysteresis: {loss: 1e-3}}",
+        "'hysteresis' needs an elastic drive, but 'compliance' is rigid",
+    ),
+    "backlash without spring": (
+        "{compliance: rigid, backlash: 1e-3}",
+        "'backlash' needs an elastic drive, but 'compliance' is rigid",
+    ),
+    "voltage limit without resistance": (
+        "{motor: {torque_constant: 0.1, voltage_limit: 48}}",
+        "motor.voltage_limit 48.0 V needs the resistance, ohm, beside it",
+    ),
+    "friction that no load can move": (
+        "{friction: {motor: {coulomb: 2, per_load: 0.8, asymmetry: 0.5}}}",
+        "friction.motor.per_load 0.8 makes friction's share of the load 1.2:"
+        " it must stay below 1, or no load could be moved",
     ),
     "half a wave": (
         f"{{kinematic_error: {{amplitude: 1e-4, order: 1.5}}, {ELASTIC}: {{linear: {{stiffness: 3}}}}}}",
         "kinematic_error.order 1.5 must be a whole number of waves a turn",
-    ),
-    "elastic without rotor": (
-        "{compliance: {linear: {stiffness: 3}}}",
-        "an elastic drive needs 'rotor' with its 'inertia' (kg m2)",
     ),
     "rotor without inertia": ("{rotor: {inertia: 0}}", "rotor.inertia 0.0 kg m2 must be positive"),
     "rotor's mass twice": (
@@ -87,7 +113,8 @@ ENTRIES = {
     ),
     "rotor that no body can be": (
         "{rotor: {inertia: 1e-5, in_link_inertia: false, transverse: 4e-6}}",
-        "rotor.transverse 4e-06 kg m2 must be at least half of inertia 1e-05",
+        "rotor.transverse 4e-06 kg m2 must be at least half of inertia 1e-05,"
+        " as of any body that is round about its axis",
     ),
     "negative mass": (
         "{rotor: {inertia: 1, in_link_inertia: false, mass: -1}}",
@@ -97,7 +124,10 @@ ENTRIES = {
         "{rotor: {inertia: 1, coupling: complete}}",
         "rotor.coupling 'complete' must be 'reduced' or 'full'",
     ),
-    "damping without spring": ("{damping: 3}", "damping 3.0 N m s/rad is the spring's, but 'compliance' is rigid"),
+    "damping without spring": (
+        "{damping: 3}",
+        "damping 3.0 N m s/rad needs an elastic drive; give it a compliance",
+    ),
     "static below Coulomb": (
         "{friction: {link: {coulomb: 2, static: 1, stribeck_velocity: 0.1}}}",
         "friction.link.static 1.0 N m must not be below coulomb 2.0",
@@ -150,6 +180,10 @@ def test_a_wrong_entry_is_named_with_its_line(case: str) -> None:
 
 
 FILES = {
+    "elastic without rotor": (
+        "version: 1\ndefaults:\n  compliance: {linear: {stiffness: 3}}\ndrives:\n  elbow: {ratio: 2}",
+        "joint 'elbow': an elastic drive needs a rotor with a positive inertia, kg m2 (arm.yaml:5)",
+    ),
     "unknown joint": (
         "version: 1\ndrives:\n  wrist: {ratio: 2}",
         "joint 'wrist': the robot has no such joint; there are: 'shoulder', 'elbow', 'lift' (arm.yaml:3)",

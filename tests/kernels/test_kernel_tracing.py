@@ -152,7 +152,8 @@ def test_numbers_of_two_traces_do_not_meet() -> None:
 
 
 def test_traced_numbers_serve_as_keys_by_identity() -> None:
-    graph_of(lambda x, y: [{x: 1, y: 2, exp(x): 3}[y], x in {x, y}], x=(), y=())
+    graph = graph_of(lambda x, y: [{x: 1, y: 2, exp(x): 3}[y], x in {x, y}, exp(x) in {x, y}], x=(), y=())
+    assert graph.results == (2.0, 1.0, 0.0)
 
 
 @pytest.mark.parametrize("what", [None, "text", object(), {"a": 1}, [1, [2]]])

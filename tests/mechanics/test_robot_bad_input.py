@@ -142,7 +142,7 @@ def test_arguments_are_refused(backend, call, message):
         (Drive(motor=Motor(0.1, cogging=(Harmonic(-6, 0.1),))), r"order -6 must be a whole .*, in motor.cogging\[0\]"),
         (Drive(motor=Motor(0.1, cogging=cast("Any", WAVE))), "motor.cogging must be a tuple of Harmonic, got Harm"),
         (Drive(motor=Motor(0.1, ripple=(WAVE, WAVE))), "torque ripple, 1.2 in the sum of its waves, must stay below 1"),
-        (Drive(motor=Motor(0.1, voltage_limit=48.0)), "voltage_limit 48.0 needs the resistance, ohm, in motor"),
+        (Drive(motor=Motor(0.1, voltage_limit=48.0)), "limit 48.0 needs the resistance, ohm, beside it, in motor"),
         (slipping((1e3, 2e3), (1e-4,)), "hysteresis must state both of each element, got 2 stiffness and 1 reach"),
         (slipping(100.0, 1e-3), "stiffness must be a tuple of numbers, .* got 100.0, in hysteresis"),
         (slipping((), ()), r"stiffness must be a tuple of numbers, .* got \(\), in hysteresis"),

@@ -76,8 +76,9 @@ def _compiled(structure: _Structure) -> Kernels:
 
 def steady_motion(machine: Machine, derivatives: int, q: Scalars, v: Scalars) -> ElasticMotion:
     """What motors do for a motion at constant speed.  derivatives: of the position, that the machine takes."""
-    still = {f"derivative_{k}": [0] * len(v) for k in range(2, derivatives + 1)}
-    return definitions.elastic_inverse_dynamics(machine, DEFAULT, q, v=v, **still)
+    still = [0] * len(v)
+    higher = {f"derivative_{k}": still for k in range(5, derivatives + 1)}
+    return definitions.elastic_inverse_dynamics(machine, DEFAULT, q, v, still, still, still, **higher)
 
 
 def without_friction(machine: Machine) -> Machine:

@@ -132,7 +132,12 @@ def identify(
         float | None, typer.Option(help="Hz, of the torques that are explained; at most 10 Hz, by default.")
     ] = None,
     delay: Annotated[
-        float, typer.Option(help="s by which torques act later than stamped: half a control period for commands.")
+        float,
+        typer.Option(
+            "--delay",
+            "--torque-delay",
+            help="s by which torques act later than stamped: half a control period for commands.",
+        ),
     ] = 0.0,
     force: Annotated[bool, typer.Option("--force", help="Overwrite the files of an earlier run.")] = False,
 ) -> None:
@@ -148,10 +153,11 @@ def identify(
 
     check_folder(output, force)
     loaded = robot_of(robot, drives, mimic, lock, gravity)
-    how: Any = {"hold_out": hold_out, "method": method, "solver": solver, "springs": springs, "torque_delay": delay}
-    how |= {"cutoff": cutoff, "bandwidth": bandwidth}
     file = cutpoint.robots.XIA2019_URDF if str(robot) == "xia2019" else robot
-    found = identified(loaded, log, mapping, source=file, progress=True, **how)
+    found = identified(
+        loaded, log, mapping, hold_out=hold_out, springs=springs, method=method, solver=solver, cutoff=cutoff,
+        bandwidth=bandwidth, torque_delay=delay, source=file, progress=True,
+    )  # fmt: skip
     saved = found.save(output, force=force)
     console.print(table_of(found))
     for sentence in sentences(found):

@@ -11,8 +11,7 @@ from cutpoint.definitions import Machine
 from cutpoint.errors import InputError
 from cutpoint.mechanics import strains
 from cutpoint.mechanics.elastic import Options, elastic_inverse_dynamics
-from cutpoint.mechanics.elastic_forward import DriveState
-from cutpoint.mechanics.harmonic_drive import friction_torque
+from cutpoint.mechanics.harmonic_drive import DriveState, friction_torque
 from cutpoint.mechanics.inverse_dynamics import inverse_dynamics
 from cutpoint.mechanics.motor import torque_for
 

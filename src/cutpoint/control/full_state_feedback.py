@@ -10,8 +10,7 @@ from cutpoint.control.gains import gains
 from cutpoint.control.interface import SENSED, Command, Measurement, Reference
 from cutpoint.control.model_law import ModelLaw, drive_states
 from cutpoint.errors import InputError
-from cutpoint.mechanics.elastic_forward import DriveState
-from cutpoint.mechanics.harmonic_drive import deflection, spring_torque
+from cutpoint.mechanics.harmonic_drive import DriveState, deflection, spring_torque
 from cutpoint.model.drive import Drive
 from cutpoint.scalars import Jet, Scalar
 

@@ -5,8 +5,8 @@ Xia (2019) eqs. (13), (22), (27)-(28), in the corrected reading; Zhu (2010) chap
 
 from typing import Any, NamedTuple
 
-from cutpoint.mechanics.elastic_forward import DriveState
 from cutpoint.mechanics.harmonic_drive import (
+    DriveState,
     deflection,
     friction_torque,
     load_on_motor,
@@ -14,7 +14,7 @@ from cutpoint.mechanics.harmonic_drive import (
     transmission,
 )
 from cutpoint.model.drive import Drive
-from cutpoint.scalars import Jet, Scalar
+from cutpoint.scalars import Jet, Scalar, value_of
 
 
 class JointGains(NamedTuple):
@@ -61,13 +61,9 @@ def joint_command(
         borne = tau_r.derivative(0) - drive.damping * wound.derivative(1)
         wound = Jet(drive.compliance.deflection(borne), *wound.derivatives[1:])
     turns = transmission(drive, Jet(at.theta, at.theta_dot))
-    lag = wound - Jet(deflection(drive, at.theta, at.q), _value(turns) * at.theta_dot - at.v)
+    lag = wound - Jet(deflection(drive, at.theta, at.q), value_of(turns) * at.theta_dot - at.v)
     kappa_r = (v_r + wound.rate() + gain.spring * lag) / turns
     speed, acceleration = kappa_r.derivative(0), kappa_r.derivative(1)
     load = load_on_motor(drive, tau_r.derivative(0), at.theta, speed)
     torque = drive.reflected_inertia * acceleration + rotor + load + gain.motor * (speed - at.theta_dot)
     return JointCommand(torque, motor_position(drive, q_d + wound.derivative(0)), speed, acceleration)
-
-
-def _value(x: Any) -> Any:
-    return x.derivatives[0] if isinstance(x, Jet) else x

@@ -10,9 +10,8 @@ from typing import Any, NamedTuple, cast
 
 from cutpoint.control.adaptation import projected
 from cutpoint.mechanics.compliance import LinearSpring
-from cutpoint.mechanics.elastic_forward import DriveState
-from cutpoint.mechanics.friction import Sliding
-from cutpoint.mechanics.presliding import Presliding
+from cutpoint.mechanics.harmonic_drive import DriveState
+from cutpoint.mechanics.presliding import Presliding, sliding_of
 from cutpoint.model.drive import Drive
 from cutpoint.scalars import Scalar
 
@@ -79,22 +78,18 @@ def adapted(
     ]
 
 
-def _sliding(law: Any) -> Sliding | None:
-    return law.sliding if isinstance(law, Presliding) else law
-
-
 def _coefficients(law: Any) -> Scalars:
-    sliding = _sliding(law)
+    sliding = sliding_of(law)
     return [] if sliding is None else [getattr(sliding, name) for name in sliding.coefficients]
 
 
 def _columns(law: Any, speed: Scalar) -> Scalars:
-    sliding = _sliding(law)
+    sliding = sliding_of(law)
     return [] if sliding is None else sliding.columns(speed)
 
 
 def _with(law: Any, numbers: Iterator[Scalar]) -> Any:
-    sliding = _sliding(law)
+    sliding = sliding_of(law)
     if sliding is None:
         return None
     learnt = sliding.with_coefficients([next(numbers) for _ in sliding.coefficients])

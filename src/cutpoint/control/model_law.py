@@ -7,7 +7,7 @@ from cutpoint.control.law import Law
 from cutpoint.definitions import Machine
 from cutpoint.door import check_kind
 from cutpoint.errors import InputError
-from cutpoint.mechanics.elastic_forward import DriveState
+from cutpoint.mechanics.harmonic_drive import DriveState
 from cutpoint.robot import Robot
 
 
@@ -70,7 +70,7 @@ def drive_states(q: Any, v: Any, theta: Any, theta_dot: Any) -> list[DriveState]
     return [DriveState(*x) for x in zip(q, v, theta, theta_dot, strict=True)]
 
 
-def stiffened(robot: Robot) -> Robot:
+def without_springs(robot: Robot) -> Robot:
     """The same robot as laws for rigid robots see it: drives that do not bend, rotors as armature."""
     rigid = {
         name: replace(drive, compliance=None, damping=None, hysteresis=None, kinematic_error=None)

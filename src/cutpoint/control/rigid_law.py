@@ -6,7 +6,7 @@ from typing import Any
 import numpy as np
 
 from cutpoint.control.interface import Measurement, Reference
-from cutpoint.control.model_law import ModelLaw, stiffened
+from cutpoint.control.model_law import ModelLaw, without_springs
 from cutpoint.control.side import Side, SidedLaw
 from cutpoint.door import check_kind
 from cutpoint.errors import InputError
@@ -32,7 +32,7 @@ class RigidLaw(SidedLaw, ModelLaw):
             if self.parameters is not None:
                 name = type(self).__name__
                 raise InputError(f"{name}: parameters are numbers of rigid drives; give a robot whose drives are rigid")
-            self._set(robot=stiffened(self.robot))
+            self._set(robot=without_springs(self.robot))
         super().__post_init__()
 
     def required_motion(self, position_gain: Any, measurement: Measurement, reference: Reference) -> tuple[Any, ...]:

@@ -19,7 +19,7 @@ from cutpoint.errors import InputError
 from cutpoint.mechanics.harmonic_drive import friction_torque
 from cutpoint.mechanics.inverse_dynamics import quasi_rigid, required_efforts
 from cutpoint.mechanics.link_motion import link_motion, torques_on_links
-from cutpoint.scalars import Jet
+from cutpoint.scalars import Jet, value_of
 
 TURN = 2 * np.pi
 
@@ -140,9 +140,9 @@ class VDC(ModelLaw):
         tau, rotors = required_efforts(system, q, v, speeds, accelerations, self.body_gain)
         drives = [d.drive for d in machine.drives]
         lags = [k * (x_r - x) for k, x_r, x in zip(self.speed_gain, speeds, v, strict=True)]
-        frictions = [friction_torque(drive.link_friction, _value(x)) for drive, x in zip(drives, speeds, strict=True)]
+        frictions = [friction_torque(drive.link_friction, value_of(x)) for drive, x in zip(drives, speeds, strict=True)]
         totals = [t + lag + xi for t, lag, xi in zip(tau, lags, frictions, strict=True)]
-        return [RequiredTorque(t, _value(rotor)) for t, rotor in zip(totals, rotors, strict=True)]
+        return [RequiredTorque(t, value_of(rotor)) for t, rotor in zip(totals, rotors, strict=True)]
 
 
 def _with_orders_of(q: Any, v_r: list[Jet]) -> tuple[list[Any], list[Any]]:
@@ -150,7 +150,3 @@ def _with_orders_of(q: Any, v_r: list[Jet]) -> tuple[list[Any], list[Any]]:
     if isinstance(q, Jet):
         return [Jet(*x.derivatives[:-1]) for x in v_r], [x.rate() for x in v_r]
     return [x.derivative(0) for x in v_r], [x.derivative(1) for x in v_r]
-
-
-def _value(x: Any) -> Any:
-    return x.derivatives[0] if isinstance(x, Jet) else x

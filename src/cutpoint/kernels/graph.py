@@ -63,6 +63,11 @@ class Graph:
         chosen = [self.output(name) for name in outputs] if outputs else [self.results]
         return fingerprint([x for results in chosen for x in results], self.inputs)
 
+    def digest(self) -> str:
+        """A text that only graphs share which compute the same by the same operations in the same order."""
+        *told, precision = self.__reduce__()[1]
+        return hashlib.blake2b(repr((told, precision.real)).encode(), digest_size=16).hexdigest()
+
     def __reduce__(self) -> tuple[Any, ...]:
         """Operations in a row: nodes hold each other deeper than a pickle goes."""
         places = {x.serial: k for k, x in enumerate(self.nodes)}

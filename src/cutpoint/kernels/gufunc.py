@@ -10,7 +10,7 @@ from cutpoint.errors import InputError
 from cutpoint.kernels import element
 from cutpoint.kernels.batch_loop import FUNCTION, batch_loop
 from cutpoint.kernels.graph import Graph
-from cutpoint.kernels.jit import Compiled
+from cutpoint.kernels.jit import Compiled, Unwritten
 from cutpoint.kernels.numpy_api import MOST_OPERANDS, new_gufunc
 from cutpoint.kernels.packs import Packs, lanes_of
 from cutpoint.kernels.ports import Port
@@ -30,7 +30,11 @@ class Gufunc:
             told = f"{name}: {count} inputs and outputs, at most {MOST_OPERANDS} compile"
             raise InputError(f"{told}; gather numbers into vectors, or use backend='numpy'", arrays=count)
         self._packs = Packs(graph, inputs, outputs, name)
-        text = batch_loop(graph, inputs, outputs, lanes_of(graph.precision), self._packs.width)
+        lanes, width = lanes_of(graph.precision), self._packs.width
+        text = Unwritten(
+            (FUNCTION, graph.digest(), inputs, outputs, lanes, width),
+            lambda: batch_loop(graph, inputs, outputs, lanes, width),
+        )
         self._code = Compiled(text, FUNCTION, element.FUNCTION)
         self.element: int | None = self._code.addresses[element.FUNCTION]
         data, dtype = ctypes.addressof(self._packs.table), graph.precision.dtype

@@ -7,9 +7,10 @@ third to the compile time, so the code generator works on the text as it stands.
 import itertools
 import os
 import sys
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from functools import cache, lru_cache
 from pathlib import Path
+from typing import NamedTuple
 
 import llvmlite
 from llvmlite import binding
@@ -32,6 +33,16 @@ if _llvm is not None and hasattr(os, "register_at_fork"):
     os.register_at_fork(before=_llvm.__enter__, after_in_parent=_llvm.__exit__, after_in_child=_llvm.__exit__)
 
 
+class Unwritten(NamedTuple):
+    """A module's text that is not written where its code is found on disk.
+
+    by: all that decides the text, but for the modules that write it.
+    """
+
+    by: tuple[object, ...]
+    write: Callable[[], str]
+
+
 class Compiled:
     """Functions in memory; their code lives as long as this object.
 
@@ -41,7 +52,11 @@ class Compiled:
     """
 
     def __init__(
-        self, ir: str, *functions: str, symbols: Mapping[str, int] | None = None, optimisation: int = OPTIMISATION
+        self,
+        ir: str | Unwritten,
+        *functions: str,
+        symbols: Mapping[str, int] | None = None,
+        optimisation: int = OPTIMISATION,
     ) -> None:
         """symbols: addresses of what the text declares; what is kept on disk names them, and holds no address.
 
@@ -59,15 +74,16 @@ class Compiled:
         self.address = self.addresses[functions[0]]
 
 
-def object_code(ir: str, optimisation: int) -> bytes:
+def object_code(ir: str | Unwritten, optimisation: int) -> bytes:
     """An object file of a module's text: from disk if it has been made before, by this user for this processor."""
-    kept, key = _cache(user_folder()), key_of(ir, str(optimisation), *_surroundings())
+    told = ir if isinstance(ir, str) else repr((ir.by, _writers()))
+    kept, key = _cache(user_folder()), key_of(told, str(optimisation), *_surroundings())
 
     def made() -> bytes:
         with _generator:  # another thread may just have made it
             code = kept.read(key)
             if code is None:
-                code = _emitted(ir, optimisation)
+                code = _emitted(ir if isinstance(ir, str) else ir.write(), optimisation)
                 kept.write(key, code)
         return code
 
@@ -87,6 +103,13 @@ def _surroundings() -> tuple[str, ...]:
 
     versions = (__version__, llvmlite.__version__, str(binding.llvm_version_info))
     return (*versions, _machine(OPTIMISATION).triple, *_processor(), _RELOCATION, _MODEL)
+
+
+@cache
+def _writers() -> tuple[tuple[str, int, int], ...]:
+    """The files that write modules, as they are: a changed one may write another text."""
+    with os.scandir(Path(__file__).parent) as found:
+        return tuple(sorted((x.name, x.stat().st_size, x.stat().st_mtime_ns) for x in found if x.is_file()))
 
 
 def _processor() -> tuple[str, str]:

@@ -9,10 +9,8 @@ from collections.abc import Sequence
 from typing import Any, NamedTuple
 
 from cutpoint.mechanics.elastic import Driven
-from cutpoint.mechanics.elastic_forward import DriveState
-from cutpoint.mechanics.friction import Sliding
-from cutpoint.mechanics.harmonic_drive import deflection, transmission
-from cutpoint.mechanics.presliding import Presliding
+from cutpoint.mechanics.harmonic_drive import DriveState, deflection, transmission
+from cutpoint.mechanics.presliding import sliding_of
 from cutpoint.model.drive import Drive
 from cutpoint.scalars import Scalar
 
@@ -67,7 +65,7 @@ def columns(drive: Drive, at: DriveState, acceleration: Scalar) -> list[Column]:
         ("link", drive.link_friction, at.v),
         ("motor", drive.motor_friction, at.theta_dot if drive.is_elastic else at.v),
     ):
-        sliding: Sliding | None = law.sliding if isinstance(law, Presliding) else law  # type: ignore[assignment]
+        sliding = sliding_of(law)
         if sliding is not None:
             on_link = side == "link" and drive.is_elastic
             for name, x in zip(sliding.coefficients, sliding.columns(speed), strict=True):

@@ -10,11 +10,11 @@ from typing import Any, NamedTuple
 from cutpoint.mechanics.elastic import Driven
 from cutpoint.mechanics.forward_dynamics import articulated_accelerations, is_shallow, through_mass_matrix
 from cutpoint.mechanics.harmonic_drive import (
+    DriveState,
     friction_torque,
     load_on_motor,
     rigidly_transmitted,
-    slipping_torque,
-    spring_torque,
+    transmitted_torque,
 )
 from cutpoint.mechanics.strains import UNKNOWN, Strains
 from cutpoint.mechanics.system import System
@@ -31,16 +31,7 @@ class ElasticAccelerations(NamedTuple):
     theta_ddot: list[Any]
 
 
-class DriveState(NamedTuple):
-    """Where one drive's link and motor are and how fast, at the joint's side; rad, rad/s."""
-
-    q: Any
-    v: Any
-    theta: Any
-    theta_dot: Any
-
-
-class Effort(NamedTuple):
+class DriveEffort(NamedTuple):
     """What one drive does: to its link, and to its own rotor.
 
     on_link: N m that its link gets, friction deducted; transmitted: N m through the drive, before the link's friction.
@@ -58,15 +49,15 @@ class Effort(NamedTuple):
     follows: Any = 0
 
 
-def drive_effort(drive: Drive, at: DriveState, motor_torque: Scalar, strains: Strains) -> Effort:
+def drive_effort(drive: Drive, at: DriveState, motor_torque: Scalar, strains: Strains) -> DriveEffort:
     """The joint's step: what motor and friction do to link and rotor.  Xia (2019) eqs. (21)-(22), (54)-(55)."""
     xi = friction_torque(drive.link_friction, at.v, strain=strains.link)
     if not drive.is_elastic:
         tau = rigidly_transmitted(drive, motor_torque, at.v, strains.motor)
-        return Effort(tau - xi, 0, 0, tau)
-    tau_f = spring_torque(drive, at.theta, at.q, at.theta_dot, at.v) + slipping_torque(drive, strains.spring)
+        return DriveEffort(tau - xi, 0, 0, tau)
+    tau_f = transmitted_torque(drive, at, strains.spring)
     left = motor_torque - load_on_motor(drive, tau_f, at.theta, at.theta_dot, strains.motor)
-    return Effort(tau_f - xi, left, left * (1 / drive.reflected_inertia), tau_f)
+    return DriveEffort(tau_f - xi, left, left * (1 / drive.reflected_inertia), tau_f)
 
 
 def elastic_forward_dynamics(
@@ -97,7 +88,7 @@ def driven_accelerations(
     q: Scalars,
     v: Scalars,
     theta_dot: Scalars,
-    efforts: Sequence[Effort],
+    efforts: Sequence[DriveEffort],
     disturbance: Scalars | None = None,
 ) -> ElasticAccelerations:
     """Accelerations of links and motors under what their drives do.  disturbance: N m on the links, one a speed."""

@@ -28,7 +28,7 @@ mass matrix takes four fifths; it was measured to take three quarters of the tim
 
 
 @dataclass(slots=True, eq=False)
-class Resistance:
+class ArticulatedBody:
     """A body's pose and velocity, what velocities add to its acceleration, and how it and all it carries resist.
 
     U is the gradient of the acceleration that its angular velocity alone makes, see `rigid_body`.
@@ -42,15 +42,15 @@ class Resistance:
     P: Wrench
 
 
-def prepare(body: Segment, X: Pose, V_p: Motion, U_p: Mat3, v: Scalars) -> Resistance:
+def prepare(body: Segment, X: Pose, V_p: Motion, U_p: Mat3, v: Scalars) -> ArticulatedBody:
     """Velocity of a body, and acceleration and wrench that velocities alone make.  Featherstone (2008) eq. (7.46)."""
-    zv = body.joint.motion(body.speeds(v))
+    zv = body.motion(v)
     carried = X.outward(V_p)
     V = carried + zv
     U = acceleration_gradient(ZERO, V.angular, V.angular)
     linear = X.rotation.T @ (U_p @ X.position) + (carried.angular + V.angular).cross(zv.linear)
     bias = Motion(linear, carried.angular.cross(zv.angular))
-    return Resistance(X, V, U, bias, Articulated.of(body.inertia), net_wrench(body.inertia, STILL, U))
+    return ArticulatedBody(X, V, U, bias, Articulated.of(body.inertia), net_wrench(body.inertia, STILL, U))
 
 
 def forward_dynamics(
@@ -89,12 +89,11 @@ def articulated_accelerations(
     rotors: for each segment with an elastic drive and full coupling, the torque that its rotor is left with, and its
     speed, at the joint's side.
     """
-    bodies: list[Resistance] = []
+    bodies: list[ArticulatedBody] = []
     # outward: velocities, and what they alone cost
     for body in system.segments:
         V_p, U_p = (STILL, NO_ROTATION) if body.parent == WORLD else (bodies[body.parent].V, bodies[body.parent].U)
-        X = body.placement @ body.joint.pose(body.coordinates(q))
-        bodies.append(prepare(body, X, V_p, U_p, v))
+        bodies.append(prepare(body, body.pose(q), V_p, U_p, v))
     for i, F_e in handed_on(system, contact):
         bodies[i].P = bodies[i].P + F_e
     for spin in system.spins:
@@ -115,7 +114,7 @@ def articulated_accelerations(
     for own, body, steps in zip(bodies, system.segments, reversed(gave), strict=True):
         carried = own.X.outward(system.base_acceleration if body.parent == WORLD else A[body.parent])
         found[body.v] = accelerations(steps, carried)
-        A.append(carried + own.bias + body.joint.motion(found[body.v]))
+        A.append(carried + own.bias + body.motion(found))
     return found, A
 
 
@@ -129,7 +128,7 @@ def felt_rotors(system: System) -> list[list[FeltRotor]]:
 
 
 def _let_spin(
-    spin: Spin, system: System, carrier: Resistance, v: Scalars, rotors: Mapping[int, tuple[Scalar, Scalar]]
+    spin: Spin, system: System, carrier: ArticulatedBody, v: Scalars, rotors: Mapping[int, tuple[Scalar, Scalar]]
 ) -> None:
     """What a rotor's spin costs its carrier.  An elastic drive's rotor does not follow its carrier about its axis."""
     if not spin.elastic:

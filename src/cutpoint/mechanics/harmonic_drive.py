@@ -3,9 +3,20 @@
 All quantities at the joint's side: theta is the rotor's angle divided by ratio, motor_torque the shaft torque times it.
 """
 
+from typing import Any, NamedTuple
+
 from cutpoint.mechanics.presliding import Presliding
 from cutpoint.model.drive import Drive, Friction
 from cutpoint.scalars import Scalar, where
+
+
+class DriveState(NamedTuple):
+    """Where one drive's link and motor are and how fast, at the joint's side; rad, rad/s."""
+
+    q: Any
+    v: Any
+    theta: Any
+    theta_dot: Any
 
 
 def deflection(drive: Drive, theta: Scalar, q: Scalar) -> Scalar:
@@ -39,6 +50,11 @@ def spring_torque(drive: Drive, theta: Scalar, q: Scalar, theta_dot: Scalar = 0,
 def slipping_torque(drive: Drive, strains: tuple[Scalar, ...] | None) -> Scalar:
     """What the elements beside the spring add to its torque, N m; nothing where their strains are not known."""
     return drive.hysteresis.torque(strains) if drive.hysteresis and strains is not None else 0
+
+
+def transmitted_torque(drive: Drive, at: DriveState, strains: tuple[Scalar, ...] | None) -> Scalar:
+    """What an elastic drive exerts on its link, N m: its spring, and the elements beside it, of these strains."""
+    return spring_torque(drive, at.theta, at.q, at.theta_dot, at.v) + slipping_torque(drive, strains)
 
 
 def friction_torque(law: Friction | None, speed: Scalar, load: Scalar = 0, strain: Scalar | None = None) -> Scalar:

@@ -49,17 +49,11 @@ def motions(system: System, q: Scalars, v: Scalars, a: Scalars) -> list[BodyMoti
     """Every body's motion, outward from the base.  Xia (2019) eqs. (29)-(31)."""
     moved: list[BodyMotion] = []
     for body in system.segments:
-        X, zv, za = joint_motion(body, q, v, a)
+        X, zv, za = body.pose(q), body.motion(v), body.motion(a)
         parent = at_rest(system) if body.parent == WORLD else moved[body.parent]
         omega = X.outward(parent.V).angular + zv.angular
         moved.append(move(X, omega, zv, parent, zv, za))
     return moved
-
-
-def joint_motion(body: Segment, q: Scalars, v: Scalars, a: Scalars) -> tuple[Pose, Motion, Motion]:
-    """Pose of a body in its parent, its joint's own velocity z v and acceleration z a.  Xia (2019) eqs. (29)-(36)."""
-    X = body.placement @ body.joint.pose(body.coordinates(q))
-    return X, body.joint.motion(body.speeds(v)), body.joint.motion(body.speeds(a))
 
 
 def at_rest(system: System) -> BodyMotion:
@@ -182,8 +176,7 @@ def required_motions(
     required: list[BodyMotion] = []
     for body, m in zip(system.segments, actual, strict=True):
         parent = at_rest(system) if body.parent == WORLD else required[body.parent]
-        _, zv, _ = joint_motion(body, q, v, v)
-        _, zv_r, za_r = joint_motion(body, q, v_r, a_r)
+        zv, zv_r, za_r = body.motion(v), body.motion(v_r), body.motion(a_r)
         required.append(move(m.X, m.V.angular, zv, parent, zv_r, za_r))
     return actual, required
 

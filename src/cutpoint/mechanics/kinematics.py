@@ -14,7 +14,7 @@ ExpressedIn = Literal["local", "world", "local_world_aligned"]
 
 def joint_poses(system: System, q: Scalars) -> list[Pose]:
     """Each body's frame in its parent's.  Xia (2019) eqs. (33)-(36)."""
-    return [body.placement @ body.joint.pose(body.coordinates(q)) for body in system.segments]
+    return [body.pose(q) for body in system.segments]
 
 
 def frame_pose(system: System, q: Scalars, frame: str) -> Pose:
@@ -65,7 +65,7 @@ def body_velocities(system: System, q: Scalars, v: Scalars) -> list[Motion]:
     V: list[Motion] = []
     for body, X in zip(system.segments, joint_poses(system, q), strict=True):
         parent = STILL if body.parent == WORLD else V[body.parent]
-        V.append(X.outward(parent) + body.joint.motion(body.speeds(v)))
+        V.append(X.outward(parent) + body.motion(v))
     return V
 
 

@@ -7,8 +7,8 @@ inertia, and is found once, where the step starts; see `simulation.step`.  All q
 
 from typing import Any, NamedTuple
 
-from cutpoint.mechanics.elastic_forward import DriveState, Effort
-from cutpoint.mechanics.harmonic_drive import friction_resistance, slipping_torque, spring_torque, transmission
+from cutpoint.mechanics.elastic_forward import DriveEffort
+from cutpoint.mechanics.harmonic_drive import DriveState, friction_resistance, transmission, transmitted_torque
 from cutpoint.mechanics.strains import Strains
 from cutpoint.model.drive import Drive
 from cutpoint.scalars import Scalar
@@ -44,7 +44,7 @@ def resistance(drive: Drive, at: DriveState, strains: Strains, span: Scalar) -> 
     if drive.is_coupled:  # what resists a rotor that its carrier turns along stays explicit
         link = link if damping is None else link + damping
         return Resistance(link, mobility=1 / drive.reflected_inertia, inertia=span * link)
-    load = spring_torque(drive, at.theta, at.q, at.theta_dot, at.v) + slipping_torque(drive, strains.spring)
+    load = transmitted_torque(drive, at, strains.spring)
     motor = friction_resistance(drive.motor_friction, at.theta_dot, load, strains.motor)
     if damping is None:
         return Resistance(link, motor, 1, 1 / (drive.reflected_inertia + span * motor), span * link)
@@ -65,7 +65,7 @@ def from_memory(drive: Drive, numbers: tuple[Scalar, ...]) -> Resistance:
     return found._replace(inertia=0 if is_link_free else found.inertia, follows=0)
 
 
-def resisted(drive: Drive, effort: Effort, resists: Resistance, earlier: tuple[Scalar, Scalar]) -> Effort:
+def resisted(drive: Drive, effort: DriveEffort, resists: Resistance, earlier: tuple[Scalar, Scalar]) -> DriveEffort:
     """An effort in a stage: what it is while the link does not accelerate, and what resists that.
 
     earlier: what earlier stages add to the speeds of link and motor, rad/s.

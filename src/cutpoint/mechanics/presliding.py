@@ -8,8 +8,9 @@ Strains in rad (m), torques in N m (N), all at the joint's side.
 
 from abc import ABC, abstractmethod
 from dataclasses import dataclass
+from typing import Any
 
-from cutpoint.mechanics.friction import Coulomb, Stribeck
+from cutpoint.mechanics.friction import Coulomb, Sliding, Stribeck
 from cutpoint.scalars import Scalar, absolute, exp, maximum, where
 
 
@@ -118,3 +119,8 @@ class ElastoPlastic(Presliding):
         limit = self._breakaway(speed, load, forwards)
         knee = self.elastic * limit
         return 1 - maximum(forwards * strain - knee, 0) * (1 / (limit - knee))
+
+
+def sliding_of(law: Any) -> Sliding | None:
+    """A law of friction as it slides: the bristles' sliding law, or the law itself."""
+    return law.sliding if isinstance(law, Presliding) else law

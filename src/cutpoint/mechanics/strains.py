@@ -5,9 +5,9 @@ they were at the first: an integrator takes them along without a derivative.
 """
 
 from collections.abc import Iterator, Sequence
-from typing import Any, NamedTuple, Protocol
+from typing import Any, NamedTuple
 
-from cutpoint.mechanics.harmonic_drive import deflection, slipping_torque, spring_torque
+from cutpoint.mechanics.harmonic_drive import DriveState, deflection, transmitted_torque
 from cutpoint.mechanics.presliding import Presliding
 from cutpoint.model.drive import Drive
 from cutpoint.scalars import Scalar
@@ -23,19 +23,6 @@ class Strains(NamedTuple):
 
 UNKNOWN = Strains()
 """Friction as in steady sliding, and no hysteresis."""
-
-
-class Place(Protocol):
-    """Where a drive is: its link's and its motor's position and speed."""
-
-    @property
-    def q(self) -> Any: ...
-    @property
-    def v(self) -> Any: ...
-    @property
-    def theta(self) -> Any: ...
-    @property
-    def theta_dot(self) -> Any: ...
 
 
 def count(drive: Drive) -> int:
@@ -63,7 +50,7 @@ def flat(strains: Strains) -> list[Scalar]:
     return [x for x in (strains.link, strains.motor, *(strains.spring or ())) if x is not None]
 
 
-def moved(drive: Drive, before: Strains, start: Place, end: Place) -> Strains:
+def moved(drive: Drive, before: Strains, start: DriveState, end: DriveState) -> Strains:
     """Strains after a motion that does not turn back on its way.
 
     Exact for elements of hysteresis; of bristles, if friction's level on the way is that of the mean speed and load: to
@@ -79,18 +66,13 @@ def moved(drive: Drive, before: Strains, start: Place, end: Place) -> Strains:
     if isinstance(drive.motor_friction, Presliding):
         load = 0
         if drive.is_elastic:
-            load = (_load(drive, start, before.spring) + _load(drive, end, spring)) / 2
+            load = (transmitted_torque(drive, start, before.spring) + transmitted_torque(drive, end, spring)) / 2
         speed = (start.theta_dot + end.theta_dot) / 2
         motor = drive.motor_friction.strain(motor, end.theta - start.theta, speed, load)
     return Strains(link, motor, spring)
 
 
-def _load(drive: Drive, at: Place, spring: tuple[Scalar, ...] | None) -> Scalar:
-    """What an elastic drive transmits, N m, its elements of hysteresis stretched so."""
-    return spring_torque(drive, at.theta, at.q, at.theta_dot, at.v) + slipping_torque(drive, spring)
-
-
-def rates(drive: Drive, strains: Strains, at: Place, load: Scalar) -> list[Scalar]:
+def rates(drive: Drive, strains: Strains, at: DriveState, load: Scalar) -> list[Scalar]:
     """d strain / dt of the bristles, rad/s; 0 for elements of hysteresis, which `moved` takes along exactly."""
     found: list[Scalar] = []
     if isinstance(drive.link_friction, Presliding):

@@ -55,6 +55,17 @@ class Segment:
         own = [*v[self.v]]
         return [self.follower.multiplier * own[0]] if self.follower else own
 
+    def pose(self, q: Sequence[Scalar]) -> Pose:
+        """Its frame in its parent's.  Xia (2019) eqs. (33)-(36)."""
+        return self.placement @ self.joint.pose(self.coordinates(q))
+
+    def motion(self, v: Sequence[Scalar]) -> Motion:
+        """Its joint's own velocity z v, or acceleration, of the robot's speeds or accelerations.
+
+        Xia (2019) eqs. (29)-(31).
+        """
+        return self.joint.motion(self.speeds(v))
+
     def columns(self) -> Iterator[tuple[int, Motion]]:
         """Its joint's motion at unit speed of each of the robot's speeds that drive it, with that speed's place."""
         axes = range(len(self.joint.axes))

@@ -135,7 +135,7 @@ def _origin_velocities(system: System, moved: Sequence[BodyMotion], v: Scalars) 
     found: list[Vec3] = []
     for body, m in zip(system.segments, moved, strict=True):
         omega = ZERO if body.parent == WORLD else moved[body.parent].V.angular
-        sliding = m.X.rotation @ body.joint.motion(body.speeds(v)).linear
+        sliding = m.X.rotation @ body.motion(v).linear
         found.append(omega.cross(m.X.position) + sliding)
     return found
 

@@ -2,7 +2,7 @@
 
 from collections.abc import Iterator
 from dataclasses import fields, is_dataclass
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -14,16 +14,28 @@ from cutpoint.scalars import leaves
 STEEPEST = 0.7
 """Of a kinematic error, rad of output for each of the motor's: up to there its inverse is found for any waves."""
 
-Complaint = tuple[str, str]
-"""The field of a drive that it is about, such as "motor_friction.sliding.coulomb", and what is wrong there."""
+
+class Complaint(NamedTuple):
+    """What is wrong in a drive, and in which field of it, such as "motor_friction.sliding.coulomb".
+
+    number: what the field holds, where `words` only say the rest of the sentence; None where they say it all.
+    """
+
+    field: str
+    words: str
+    number: Any = None
+
+    def __str__(self) -> str:
+        part, _, name = self.field.rpartition(".")
+        return self.words if self.number is None else f"{name} {self.number} {self.words}{part and f', in {part}'}"
 
 
 def check_drive(name: str, drive: Any) -> None:
     """Raises ModelError for the first rule that the drive of a joint breaks: see `complaints`."""
     if not isinstance(drive, Drive):
         raise ModelError(f"joint {name!r}: its drive must be a Drive, got {drive!r}", joint=name)
-    for field, words in complaints(drive):
-        raise ModelError(f"joint {name!r}: {words}", joint=name, field=field)
+    for complaint in complaints(drive):
+        raise ModelError(f"joint {name!r}: {complaint}", joint=name, field=complaint.field)
 
 
 def complaints(drive: Drive) -> Iterator[Complaint]:
@@ -40,16 +52,18 @@ def complaints(drive: Drive) -> Iterator[Complaint]:
 
 
 def _of_kinds(drive: Drive) -> Iterator[Complaint]:
-    """Each part is what its field says, and a rotor is there where it swings on a spring."""
+    """Each part is what its field says, and a rotor is there where it swings on a spring; no ratio is zero."""
     for what, kind in KINDS.items():
         part = getattr(drive, what)
         if not isinstance(part, kind) and (part is not None or what == "limits"):
-            yield what, f"{what} must be a {kind.__name__}, got {part!r}"
+            yield Complaint(what, f"{what} must be a {kind.__name__}, got {part!r}")
+    if is_number(drive.ratio) and drive.ratio == 0:
+        yield Complaint("ratio", "must not be zero: motor turns per joint turn, signed", 0)
     inertia: Any = getattr(drive.rotor, "inertia", None)
     if drive.is_elastic and not (is_number(inertia) and inertia > 0):
-        yield "rotor", "an elastic drive needs a rotor with a positive inertia, kg m2"
+        yield Complaint("rotor", "an elastic drive needs a rotor with a positive inertia, kg m2")
     if any(np.isnan(bound) for bound in leaves(drive.limits)):
-        yield "limits", f"limits {drive.limits} hold nan; infinite is no limit"
+        yield Complaint("limits", f"limits {drive.limits} hold nan; infinite is no limit")
 
 
 def _of_numbers(record: Any, rules: dict[str, Rule], part: str) -> Iterator[Complaint]:
@@ -62,59 +76,61 @@ def _of_numbers(record: Any, rules: dict[str, Rule], part: str) -> Iterator[Comp
             continue
         if name in rules:
             if words := rules[name].complaint(name, value):
-                yield within, words + at
+                yield Complaint(within, words + at)
         elif name in WAVES:
             yield from _of_waves(value, within)
         elif not all(hasattr(value, known) for known in WITHIN.get(name, ())):
-            yield within, f"{name} must have {', '.join(WITHIN[name])}, got {value!r}{at}"
+            yield Complaint(within, f"{name} must have {', '.join(WITHIN[name])}, got {value!r}{at}")
         elif is_dataclass(value):
             yield from _of_numbers(value, table, within)
         elif not all(np.isfinite(number) for number in leaves(value)):
-            yield within, f"its drive holds {value} as {name}, every number must be finite{at}"
+            yield Complaint(within, f"its drive holds {value} as {name}, every number must be finite{at}")
     for low, high in RISING:
         if high in rules and hasattr(record, high) and getattr(record, low) >= getattr(record, high):
-            yield f"{part}.{high}", f"{high} {getattr(record, high)} must be above {low} {getattr(record, low)}{at}"
+            yield Complaint(f"{part}.{high}", f"must be above {low} {getattr(record, low)}", getattr(record, high))
 
 
 def _of_waves(waves: Any, part: str) -> Iterator[Complaint]:
     if not isinstance(waves, tuple) or not all(isinstance(wave, Harmonic) for wave in waves):
-        yield part, f"{part} must be a tuple of Harmonic, got {waves!r}"
+        yield Complaint(part, f"{part} must be a tuple of Harmonic, got {waves!r}")
     for k, wave in enumerate(waves):
         yield from _of_numbers(wave, RULES["wave"], f"{part}[{k}]")
 
 
 def _of_springs(drive: Drive) -> Iterator[Complaint]:
     """What goes with a spring is there with one only; one ratio, slipping elements are whole, errors small enough."""
-    told = {"kinematic_error": "a kinematic error", "hysteresis": "hysteresis", "damping": f"damping {drive.damping}"}
-    for what, words in told.items():
+    rule = "needs an elastic drive; give it a compliance"
+    for what in ("kinematic_error", "hysteresis"):
         if getattr(drive, what) and not drive.is_elastic:
-            yield what, f"{words} needs an elastic drive; give it a compliance"
+            yield Complaint(what, f"{what} {rule}")
+    if drive.damping and not drive.is_elastic:
+        yield Complaint("damping", rule, drive.damping)
     wave = getattr(getattr(drive.compliance, "spring", drive.compliance), "wave_generator", None)
     if (ratio := getattr(wave, "ratio", None)) is not None and ratio != abs(drive.ratio):
         words = f"the wave generator's ratio {ratio} must be the drive's, {abs(drive.ratio)}"
-        yield "compliance.wave_generator.ratio", words
+        yield Complaint("compliance.wave_generator.ratio", words)
     if drive.hysteresis and len(drive.hysteresis.stiffness) != len(drive.hysteresis.reach):
         counts = f"{len(drive.hysteresis.stiffness)} stiffness and {len(drive.hysteresis.reach)} reach"
-        yield "hysteresis", f"hysteresis must state both of each element, got {counts}"
+        yield Complaint("hysteresis", f"hysteresis must state both of each element, got {counts}")
     if getattr(drive.kinematic_error, "harmonics", None) == ():
-        yield "kinematic_error", "kinematic_error must have a harmonic; None is no error"
+        yield Complaint("kinematic_error", "kinematic_error must have a harmonic; None is no error")
     if drive.kinematic_error and (steepest := drive.kinematic_error.steepest(drive.ratio)) > STEEPEST:
         rule = f"must not exceed {STEEPEST}: at 1 the drive would run backwards"
-        yield "kinematic_error", f"kinematic error is too large: order * ratio * amplitude, in all {steepest:g}, {rule}"
+        words = f"kinematic_error is too large: order * ratio * amplitude, in all {steepest:g}, {rule}"
+        yield Complaint("kinematic_error", words)
 
 
 def _of_motors(drive: Drive) -> Iterator[Complaint]:
-    """A gear that turns, a rotor that a body can be, a motor that its limits can be told of."""
+    """A rotor that a body can be, a motor that its limits can be told of."""
     rotor, motor = drive.rotor, drive.motor
-    if drive.ratio == 0:
-        yield "ratio", "ratio 0 must not be zero: motor turns per joint turn, signed"
     if rotor and not rotor.in_link_inertia and 0 < 2 * rotor.transverse < rotor.inertia:
         rule = f"must be at least half of inertia {rotor.inertia}, as of any body that is round about its axis"
-        yield "rotor.transverse", f"transverse {rotor.transverse} {rule}, in rotor"
+        yield Complaint("rotor.transverse", rule, rotor.transverse)
     if motor and motor.voltage_limit is not None and motor.resistance is None:
-        yield "motor.voltage_limit", f"voltage_limit {motor.voltage_limit} needs the resistance, ohm, in motor"
+        yield Complaint("motor.voltage_limit", "needs the resistance, ohm, beside it", motor.voltage_limit)
     if motor and (ripple := sum(wave.amplitude for wave in motor.ripple)) >= 1:
-        yield "motor.ripple", f"torque ripple, {ripple:g} in the sum of its waves, must stay below 1, in motor"
+        words = f"torque ripple, {ripple:g} in the sum of its waves, must stay below 1, in motor"
+        yield Complaint("motor.ripple", words)
 
 
 def _of_friction(side: str, law: Any, elastic: bool) -> Iterator[Complaint]:
@@ -124,15 +140,16 @@ def _of_friction(side: str, law: Any, elastic: bool) -> Iterator[Complaint]:
     per_load, asymmetry = (getattr(sliding, name, None) for name in ("per_load", "asymmetry"))
     coulomb, static = (getattr(sliding, name, None) for name in ("coulomb", "static"))
     if coulomb is not None and static is not None and static < coulomb:
-        yield f"{side}.static", f"static {static} must not be below coulomb {coulomb}, in {side}"
+        yield Complaint(f"{side}.static", f"must not be below coulomb {coulomb}", static)
     if per_load is not None and side == "link_friction":
-        yield side, "link friction grows with load; per_load is for motor_friction, where the gear's teeth are"
+        words = "link friction grows with load; per_load is for motor_friction, where the gear's teeth are"
+        yield Complaint(side, words)
     if per_load is not None and sliding is not law and not elastic:
         rule = "presliding friction that grows with load needs an elastic drive, whose spring tells the load"
-        yield side, f"{rule}; give it a compliance"
+        yield Complaint(side, f"{rule}; give it a compliance")
     share = (per_load or 0) * (1 + abs(asymmetry or 0))
     if share >= 1:
         rule = f"makes friction's share of the load {share:g}: it must stay below 1, or no load could be moved"
-        yield f"{side}.per_load", f"per_load {per_load} {rule}, in {side}"
+        yield Complaint(f"{side}.per_load", rule, per_load)
     if sliding is not law and sliding.plateau(0) <= 0:
-        yield side, f"presliding needs dry friction, got none at rest, in {side}"
+        yield Complaint(side, f"presliding needs dry friction, got none at rest, in {side}")

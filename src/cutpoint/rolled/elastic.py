@@ -7,8 +7,8 @@ from typing import Any
 
 from cutpoint.kernels import Stage
 from cutpoint.mechanics.elastic import DEFAULT, Driven, Options, motor_motion, motor_torque
-from cutpoint.mechanics.elastic_forward import DriveState, drive_effort
-from cutpoint.mechanics.harmonic_drive import motor_position
+from cutpoint.mechanics.elastic_forward import drive_effort
+from cutpoint.mechanics.harmonic_drive import DriveState, motor_position
 from cutpoint.mechanics.strains import UNKNOWN
 from cutpoint.rolled import coupling
 from cutpoint.rolled.base import base_in

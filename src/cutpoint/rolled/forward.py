@@ -16,6 +16,20 @@ from cutpoint.rolled.steps import placing
 from cutpoint.rolled.subsystem import Subsystem
 from cutpoint.scalars import Scalar
 
+NUMBERS = ("q", "v", "tau", "a")
+
+SIZES = {"turned": 12, "omega": 3, "bias": 6, "resistance": 27, "step": 7, "acceleration": 6}
+"""Of what is kept of each body, beside its pose."""
+
+VIEWS = (
+    View("above", "turned", "parent"),
+    View("carrier", "omega", "parent"),
+    View("borne", "resistance", "parent"),
+    View("carried", "acceleration", "parent"),
+)
+
+WORLD_ROWS: dict[str, list[Any]] = {"turned": flat(IDENTITY), "acceleration": [(UPWARD, k) for k in range(6)]}
+
 
 def forward_dynamics(columns: Columns) -> Steps:
     """Accelerations a under torques tau.  Featherstone (2008) section 7.3, every body along the world's axes.
@@ -62,12 +76,7 @@ def forward_dynamics(columns: Columns) -> Steps:
         *([base.gives_way()] if base else []),
         Pass("outward", Stage(give_way, ("body", "turned", "bias", "step", "carried"), ("a", "acceleration"))),
     ]
-    pairs = {"above": "turned", "carrier": "omega", "borne": "resistance", "carried": "acceleration"}
-    views = tuple(View(name, of, "parent") for name, of in pairs.items())
-    kept = {"pose": pose.size, "turned": 12, "omega": 3, "bias": 6, "resistance": 27, "step": 7, "acceleration": 6}
-    world = {"turned": flat(IDENTITY), "acceleration": [(UPWARD, k) for k in range(6)]}
-    numbers = ("q", "v", "tau", "a")
-    return Steps(kept, numbers, views, world, passes, *sizes_apart(base, numbers))
+    return Steps({"pose": pose.size, **SIZES}, NUMBERS, VIEWS, WORLD_ROWS, passes, *sizes_apart(base, NUMBERS))
 
 
 def _give_way(own: Subsystem, M: Articulated, P: Wrench, tau: Scalar) -> tuple[Articulated, Wrench, Yield]:

@@ -28,13 +28,14 @@ def inverse_dynamics(columns: Columns, order: Order = PLAIN) -> Steps:
     place, pose = placing(columns, order, rates[:m])
 
     def outward(row: Any, at: Any, carrier: Any, *given: Any) -> Any:
-        joint, X, parent = columns.subsystem(row).body.joint, pose_of(order.scalars(pose.all(at))), moving(carrier)
+        joint, X = columns.subsystem(row).body.joint, pose_of(order.scalars(pose.all(at)))
+        parent = _moving(order.scalars(carrier))
         zv, za = (joint.motion(order.rate(given, k)) for k in (0, 1))
         moved = move(X, X.outward(parent.V).angular + zv.angular, zv, parent, zv, za)
         return order.packed([*moved.V.angular, *moved.A])
 
     def cost(row: Any, motion: Any) -> Any:
-        moved = moving(motion)
+        moved = _moving(order.scalars(motion))
         return order.packed(net_wrench(columns.subsystem(row).body.inertia, moved.A, moved.U))
 
     def inward(row: Any, at: Any, wrench: Any, carrier: Any, borne: Any, *given: Any) -> Any:
@@ -42,14 +43,10 @@ def inverse_dynamics(columns: Columns, order: Order = PLAIN) -> Steps:
         (speed,), (acceleration,) = (order.rate(given, k) for k in (0, 1))
         tau, handed = own.body.joint.effort(F)[0] + own.armature * acceleration, X.inward(F)
         if own.spin:
-            tau = tau + own.spin.torque(moving(carrier).A.angular)
-            handed = handed + own.spin.reaction(moving(carrier).V.angular, speed, acceleration)
+            parent = _moving(order.scalars(carrier))
+            tau = tau + own.spin.torque(parent.A.angular)
+            handed = handed + own.spin.reaction(parent.V.angular, speed, acceleration)
         return order.packed([tau]), order.packed(wrench_of(order.scalars(borne)) + handed)
-
-    def moving(motion: Any) -> BodyMotion:
-        x = order.scalars(motion)
-        omega, A = Vec3(*x[:3]), motion_of(x[3:])
-        return BodyMotion(AT_ORIGIN, Motion(ZERO, omega), A, acceleration_gradient(A.angular, omega, omega))
 
     passes = [
         Pass("alone", place),
@@ -64,6 +61,12 @@ def inverse_dynamics(columns: Columns, order: Order = PLAIN) -> Steps:
     upward = [x for n in range(6) for x in ((UPWARD, n), *[0] * (m - 1))]
     numbers = (*rates, "tau")
     return Steps(kept, numbers, views, {"motion": [0] * (3 * m) + upward}, passes, *sizes_apart(base, numbers))
+
+
+def _moving(motion: Sequence[Scalar]) -> BodyMotion:
+    """A body's motion from what is kept of it."""
+    omega, A = Vec3(*motion[:3]), motion_of(motion[3:])
+    return BodyMotion(AT_ORIGIN, Motion(ZERO, omega), A, acceleration_gradient(A.angular, omega, omega))
 
 
 def placing(columns: Columns, order: Order, rates: Sequence[str]) -> tuple[Stage, Kept]:

@@ -96,12 +96,7 @@ def simulate_many(
     }  # fmt: skip
     runs = _dealt(given)
     threads = whole("simulate_many", "threads", threads)
-    if not (each is None or callable(each)):
-        raise refused("simulate_many", "each", each, "a function of a log")
-    for values in zip(*runs.values(), strict=True):
-        check_kinds(**{k: x for k, x in zip(runs, values, strict=True) if k != "controller"}, channels=channels)
-    if accuracy not in ("standard", "fine"):
-        raise InputError(f"simulate_many: accuracy {accuracy!r} must be 'standard' or 'fine'")
+    _check(runs, each, channels, accuracy)
     if duration is None:
         duration = max((t.duration for t in runs["trajectory"] if t is not None), default=None)
     times = sample_times(None, duration, control_period)
@@ -133,6 +128,16 @@ def _dealt(given: dict[str, Any]) -> dict[str, list[Any]]:
         raise InputError(f"simulate_many: lists must be as long as there are runs, at least 1; there are {told}")
     n = next(iter(counts.values()))
     return {name: [*value] if name in lists else [value] * n for name, value in given.items()}
+
+
+def _check(runs: dict[str, list[Any]], each: object, channels: Collection[str] | None, accuracy: str) -> None:
+    """Raises InputError for an argument, of any run, that is something else than it must be."""
+    if not (each is None or callable(each)):
+        raise refused("simulate_many", "each", each, "a function of a log")
+    for values in zip(*runs.values(), strict=True):
+        check_kinds(**{k: x for k, x in zip(runs, values, strict=True) if k != "controller"}, channels=channels)
+    if accuracy not in ("standard", "fine"):
+        raise InputError(f"simulate_many: accuracy {accuracy!r} must be 'standard' or 'fine'")
 
 
 def _setups(

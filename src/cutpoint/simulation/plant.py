@@ -7,7 +7,8 @@ from typing import Any, NamedTuple
 
 from cutpoint.definitions import Machine
 from cutpoint.mechanics import strains as memory
-from cutpoint.mechanics.elastic_forward import DriveState, Effort, drive_effort
+from cutpoint.mechanics.elastic_forward import DriveEffort, drive_effort
+from cutpoint.mechanics.harmonic_drive import DriveState
 from cutpoint.mechanics.kinematics import coordinate_rates
 from cutpoint.mechanics.motor import lag_rate, shaft_torque
 from cutpoint.mechanics.strains import Strains
@@ -84,7 +85,7 @@ def is_uniform(machine: Machine) -> bool:
     return n > 0 and in_order and len({structure_of(d.drive) for d in machine.drives}) == 1
 
 
-def drive_rates(drive: Drive, own: Own, past: Own, command: Scalar) -> tuple[Effort, Scalars]:
+def drive_rates(drive: Drive, own: Own, past: Own, command: Scalar) -> tuple[DriveEffort, Scalars]:
     """What a drive does under a command that has arrived, and d current / dt; on a way from past that does not turn."""
     shaft, electric = motor_torque(drive, own, command)
     return drive_effort(drive, own.at, shaft, memory.moved(drive, past.strains, past.at, own.at)), electric

@@ -103,11 +103,12 @@ def simulate(
     """
     check_kinds(robot=robot, trajectory=trajectory, initial=initial, sensors=sensors, disturbances=disturbances,
                 channels=channels, hold=hold)  # fmt: skip
+    accuracy = accuracy if hold else "reference"
     times = sample_times(trajectory, duration, control_period)
     reference = reference_at(robot, trajectory, initial, times)
     law = admitted(robot, controller)
     loop, start, told = prepared(robot, law, control_period, initial, reference, sensors, channels)
-    steps = steps_of(robot, accuracy if hold else "reference", substeps, control_period, start, reference)
+    steps = steps_of(robot, accuracy, substeps, control_period, start, reference)
     rows, noise = rows_of(loop, times, reference, disturbances), noise_of([loop], len(times))
     limits = efforts_in_force(robot.mechanism, robot.drives)
     memory = working_memory(loop, start, told, rows, noise, limits, steps.number)
@@ -115,8 +116,7 @@ def simulate(
     outcome = run(loop, memory, steps.number, integrate)
     settings: dict[str, object] = {"accuracy": accuracy, "substeps": steps.number, "steps_set_by": steps.cause}
     if integrate is not None:
-        own = {"accuracy": "reference", "substeps": None, "steps_set_by": "the adaptive integrator", "hold": bool(hold)}
-        settings |= own
+        settings |= {"substeps": None, "hold": bool(hold)}
     log = log_of(loop, memory["record"][: outcome.ticks], times, reference, settings)
     if outcome.cause:
         raise SimulationError(outcome.cause, log=log, time=float(times[outcome.ticks - 1]), diverged=outcome.diverged)

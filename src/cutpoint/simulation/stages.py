@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from cutpoint.definitions import Machine
 from cutpoint.mechanics import strains
-from cutpoint.mechanics.elastic_forward import Effort, drive_effort, driven_accelerations
+from cutpoint.mechanics.elastic_forward import DriveEffort, drive_effort, driven_accelerations
 from cutpoint.mechanics.joints import Revolute
 from cutpoint.mechanics.linearly_implicit import from_memory, resistance, resisted
 from cutpoint.model.drive import Drive
@@ -109,11 +109,11 @@ class PlantStages:
         state, turns, resists, found, row, parameters = regions
         machine, n = self._machine(parameters), self.layout.n
         s = split(machine, self.lanes.dense(state))
-        efforts: list[Effort] = []
+        efforts: list[DriveEffort] = []
         numbers = (_by_drive(self.lanes.dense(region), n) for region in (resists, found))
         for d, held, (on_link, left, alpha, _) in zip(machine.drives, *numbers, strict=True):
             h = from_memory(d.drive, held)
-            efforts.append(Effort(on_link, left, alpha, None, h.inertia, h.follows))
+            efforts.append(DriveEffort(on_link, left, alpha, None, h.inertia, h.follows))
         q, pushed = self._angles(s.q, self.lanes.dense(turns)), self.layout.disturbance(row)
         a, theta_ddot = driven_accelerations(*machine, q, s.v, s.theta_dot, efforts, pushed)
         return self.lanes.padded([*a, *theta_ddot])

@@ -52,7 +52,7 @@ def identify_drives(
 ) -> DriveEstimates:
     """Springs, kinematic errors, hysteresis, rotors and motor friction of all drives that bend.
 
-    Of a robot of which no drive bends, all are taken to: nothing was known of their springs.
+    If no drive is stated to bend, all are assumed to: nothing was known of their springs.
 
     robot: its links are taken as known, their friction too unless springs show another; its drives state ratios, and
     what the recording cannot tell.
@@ -74,27 +74,31 @@ def identify_drives(
         missing = sorted(set(names) - set(recording.joints))
         raise InputError(f"identify_drives: every joint of a fixed-base robot must be recorded; missing: {missing}")
     recording = recording.in_order(names)
-    q, theta = recording["q"], recording["theta"]
-    given = "torque" if "torque" in recording.channels else "current"
-    effort, is_current, delay = recording[given], given == "current", float(torque_delay)
     steps = [None] * len(names) if resolution is None else np.broadcast_to(resolution, len(names)).tolist()
-    cutoff = noise_cutoff(q, recording.period)
-    from_links = link_torque(robot, q, recording.period, cutoff)
+    cutoff = noise_cutoff(recording["q"], recording.period)
+    channels = _channels(robot, recording, cutoff, float(torque_delay))
     found: dict[str, DriveEstimate] = {}
     failed: dict[str, str] = {}
     for name in joints_that_bend(robot):
         say(name)
         k = names.index(name)
-        own = (x[:, k] for x in (theta, q, effort, *from_links))
-        channels = Channels(*own, period=recording.period, delay=delay, is_current=is_current)
         try:
-            estimate = drive_of(channels, robot.drives[name], steps[k], cutoff / NARROWER)
+            estimate = drive_of(channels[k], robot.drives[name], steps[k], cutoff / NARROWER)
             robot = robot.with_drives({name: estimate.drive})
         except CutpointError as error:  # one joint's channels say nothing of the others'
             failed[name] = str(error)
         else:
             found[name] = estimate
     return DriveEstimates(robot, found, failed)
+
+
+def _channels(robot: Robot, recording: Recording, cutoff: float, delay: float) -> list[Channels]:
+    """Of each joint.  cutoff: Hz, for the links' motion.  delay: s by which torque or current acts later."""
+    given = "torque" if "torque" in recording.channels else "current"
+    q, theta, effort, period = recording["q"], recording["theta"], recording[given], recording.period
+    measured = (theta, q, effort, *link_torque(robot, q, period, cutoff))
+    columns = ((x[:, k] for x in measured) for k in range(len(recording.joints)))
+    return [Channels(*own, period=period, delay=delay, is_current=given == "current") for own in columns]
 
 
 def joints_that_bend(robot: Robot) -> tuple[str, ...]:

@@ -22,7 +22,7 @@ from cutpoint.identification.output.estimates import Estimates, estimates, sprin
 from cutpoint.identification.output.identification import Identification
 from cutpoint.identification.output.numbers import Number, rigid_numbers
 from cutpoint.identification.output.steps import Steps
-from cutpoint.identification.output.torque_errors import torque_errors
+from cutpoint.identification.output.torque_errors import TorqueErrors, torque_errors
 from cutpoint.identification.output.units import at_joints
 from cutpoint.identification.rigid.identify_rigid import FrictionWish, Method
 from cutpoint.identification.rigid.physical import Solver
@@ -72,22 +72,40 @@ def identify(
     how: dict[str, Any] = {"method": method, "solver": solver, "torque_constants": torque_constants} | filters
     with Steps(3, progress) as say:
         say("reading the log")
-        before = robot if isinstance(robot, Robot) else load(robot, drives)
-        recording = _suspected(log, before) if isinstance(log, Recording) else read_recording(log, mapping, before)
-        stamped = bridged(_at_uniform_times(without_spikes(recording)))
+        before, stamped = _read(robot, log, mapping, drives)
         recording = _acting(stamped, torque_delay)
         fitted, held_from = _fitted(recording, hold_out)
         drives_see = _fitted(stamped, hold_out)[0] if springs_wanted(before, fitted, springs) else None
         found = estimates(before, fitted, friction, drives_see, torque_delay, how, say)
         say("torques on the part that was held out")
         errors = torque_errors(before, found.rigid, recording, held_from, torque_constants, **filters)
+    file = Path(source) if source else None if isinstance(robot, Robot) else Path(robot)
+    return _identification(before, file, recording, found, errors)
+
+
+def _read(
+    robot: Robot | str | Path,
+    log: Recording | str | Path,
+    mapping: str | Path | Mapping[str, Any] | None,
+    drives: str | Path | None,
+) -> tuple[Robot, Recording]:
+    """The robot as its files have it, and what was recorded, at uniform times, without spikes and short gaps."""
+    before = robot if isinstance(robot, Robot) else load(robot, drives)
+    recording = _suspected(log, before) if isinstance(log, Recording) else read_recording(log, mapping, before)
+    return before, bridged(_at_uniform_times(without_spikes(recording)))
+
+
+def _identification(
+    before: Robot, source: Path | None, recording: Recording, found: Estimates, errors: TorqueErrors
+) -> Identification:
+    """All that was found, in the numbers and words of a report."""
     rigid, sprung = found.rigid, found.drives
     after, words = _joined(rigid.robot, sprung)
     words += [*warnings_of(errors, at_joints(after, "N m")), *_one_sided(before, recording)]
     return Identification(
         robot=after,
         before=before,
-        source=Path(source) if source else None if isinstance(robot, Robot) else Path(robot),
+        source=source,
         rigid=rigid,
         drives=sprung,
         numbers=_numbers(before, after, found),

@@ -4,9 +4,10 @@ torque = Y(q, v, a) p + I_m w_dot + sum of phi_k(v) c_k + offset, every term thr
 """
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from itertools import pairwise
+from typing import Any, cast
 
 import numpy as np
 from numpy.typing import NDArray
@@ -104,9 +105,8 @@ def friction_columns(law: Sliding, speed: Array, load: Array | None = None) -> t
     """Names of a law's coefficients, and their columns (N, k) at a joint's speed (N,) and load (N,)."""
     names, columns = [*law.coefficients], [np.asarray(x) for x in law.columns(speed)]
     if law.per_load is not None and load is not None:
-        direction = np.asarray(law.direction(speed))
-        bent = direction if law.asymmetry is None else direction * (1.0 + law.asymmetry * direction)
-        names, columns = [*names, "per_load"], [*columns, np.abs(load) * bent]
+        of_one = replace(cast(Any, law), per_load=1.0)
+        names, columns = [*names, "per_load"], [*columns, np.abs(load) * of_one.share_of_load(speed)]
     return names, np.column_stack(columns)
 
 
