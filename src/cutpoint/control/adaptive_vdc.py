@@ -139,7 +139,7 @@ class AdaptiveVDC(VDC):
         ]
 
     def _borne(self, k: int, drive: Drive, tau: Scalar, v_r: Jet, v: Scalar) -> Scalar:
-        """tau_r of Xia (2019) eq. (26): what a joint's drive exerts, link friction and a rigidly geared rotor included."""
+        """tau_r of Xia (2019) eq. (26): what a drive exerts, link friction and a rigidly geared rotor included."""
         speed, acceleration = v_r.derivatives
         spun = 0 if drive.is_elastic else drive.reflected_inertia * acceleration
         return tau + spun + friction_torque(drive.link_friction, speed) + self.speed_gain[k] * (speed - v)
