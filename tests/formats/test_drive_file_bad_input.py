@@ -65,7 +65,7 @@ ENTRIES = {
     ),
     "error that runs backwards": (
         f"{{ratio: 100, kinematic_error: {{amplitude: 6e-3}}, {ELASTIC}: {{linear: {{stiffness: 3}}}}}}",
-        "kinematic_error is too large: order * ratio * amplitude, in all 1.2, must not exceed 0.7:"
+        "kinematic error is too large: order * ratio * amplitude, in all 1.2, must not exceed 0.7:"
         " at 1 the drive would run backwards",
     ),
     "corners that fall together, with what is made of the spring": (

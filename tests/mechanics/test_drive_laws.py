@@ -99,7 +99,7 @@ def erring(ratio: float = 100.0, amplitude: float = 2e-4) -> Drive:
 
 def test_a_kinematic_error_that_would_run_backwards_is_refused():
     arm = robot("xia2019", "numpy")
-    with pytest.raises(ModelError, match="joint 'joint2': kinematic_error is too large"):
+    with pytest.raises(ModelError, match="joint 'joint2': kinematic error is too large"):
         arm.with_drives({"joint2": erring(amplitude=5e-3)})
     with pytest.raises(ModelError, match="joint 'joint1': kinematic_error needs an elastic drive"):
         arm.with_drives({"joint1": Drive(100.0, Rotor(1e-5), kinematic_error=erring().kinematic_error)})

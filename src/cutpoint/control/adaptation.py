@@ -9,7 +9,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from cutpoint.mechanics.pseudo_inertia import parameters_of_pseudo_inertia, pseudo_inertia
-from cutpoint.scalars import Scalar, clip, sqrt, where
+from cutpoint.scalars import Scalar, clip, maximum, sqrt
 
 Matrix = list[list[Scalar]]
 
@@ -41,7 +41,7 @@ def natural(C: Matrix, s: Sequence[Scalar], rate: Scalar, period: Scalar) -> Mat
     """
     X = _product(_transposed(C), _product(_power_matrix(s), C))
     size = sqrt(sum(x * x for row in X for x in row)) * (period * rate)
-    step = period * rate * where(size > _LONGEST, _LONGEST / size, 1)
+    step = period * rate * (_LONGEST / maximum(size, _LONGEST))
     half = [[step / 2 * x + int(i == j) for j, x in enumerate(row)] for i, row in enumerate(X)]
     square = _product(half, half)
     return _product(C, [[(x + int(i == j)) / 2 for j, x in enumerate(row)] for i, row in enumerate(square)])

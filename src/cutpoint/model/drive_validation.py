@@ -116,7 +116,7 @@ def _of_springs(drive: Drive) -> Iterator[Complaint]:
         yield Complaint("kinematic_error", "kinematic_error must have a harmonic; None is no error")
     if drive.kinematic_error and (steepest := drive.kinematic_error.steepest(drive.ratio)) > STEEPEST:
         rule = f"must not exceed {STEEPEST}: at 1 the drive would run backwards"
-        words = f"kinematic_error is too large: order * ratio * amplitude, in all {steepest:g}, {rule}"
+        words = f"kinematic error is too large: order * ratio * amplitude, in all {steepest:g}, {rule}"
         yield Complaint("kinematic_error", words)
 
 
