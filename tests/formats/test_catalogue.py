@@ -156,7 +156,7 @@ def test_a_name_must_be_a_text() -> None:
 
 def test_a_mistake_beside_the_name_is_named_in_the_users_file() -> None:
     text = "version: 1\ndrives:\n  joint1:\n    catalogue: CSG-20-100\n    kinematic_error:\n      order: 400\n"
-    with pytest.raises(ModelError, match=r"kinematic_error .* in all 5\.8.*\(arm\.yaml:5\)"):
+    with pytest.raises(ModelError, match=r"kinematic error .* in all 5\.8.*\(arm\.yaml:5\)"):
         parse_drives(text, MECHANISM, "arm.yaml")
 
 
