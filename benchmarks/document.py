@@ -15,7 +15,8 @@ cutpoint beside Pinocchio, MuJoCo and CasADi's generated C, on robots of the pac
 on one core, the contenders in turns on the same random rows; every result agrees to {worst:.0e} of the largest before
 anything is timed.  **Only the ratios within a row are claims**: absolute figures move with the machine, its clock and
 what else it does.  Times are medians, least in brackets, in nanoseconds; ratios are of the least, which other work
-disturbs least.  What a compiler is missing for shows as {none}.
+disturbs least.  Each turn begins with a call that is not timed, for others have emptied the caches; runs of commits
+before 1ae8b75 were without, which costs batches most.  What a compiler is missing for shows as {none}.
 
 | | |
 |-|-|

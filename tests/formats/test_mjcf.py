@@ -349,7 +349,7 @@ def test_losses_that_the_file_switches_off_are_none() -> None:
 
 def test_armature_of_what_is_left_out_is_told() -> None:
     text = mjcf_text.ARM.replace("</mujoco>", '<actuator><motor joint="hip" armature="2"/></actuator></mujoco>')
-    with pytest.warns(NotCarriedOver, match=r"<actuator armature, in the mass matrix> \(1\)"):
+    with pytest.warns(NotCarriedOver, match=r"<actuator> armature, in the mass matrix \(1\)"):
         parse_mjcf(text)
 
 

@@ -133,11 +133,7 @@ def identify(
     ] = None,
     delay: Annotated[
         float,
-        typer.Option(
-            "--delay",
-            "--torque-delay",
-            help="s by which torques act later than stamped: half a control period for commands.",
-        ),
+        typer.Option("--delay", "--torque-delay", help="s by which torques act late: half a period for commands."),
     ] = 0.0,
     force: Annotated[bool, typer.Option("--force", help="Overwrite the files of an earlier run.")] = False,
 ) -> None:

@@ -20,7 +20,7 @@ class NotCarriedOver(UserWarning):
 
 def losses(model: Any, left_out: Counter[str]) -> list[str]:
     """What is lost of a compiled model (mujoco.MjModel), after the elements that were left out before."""
-    found = [f"<{tag}> ({count})" for tag, count in sorted(left_out.items()) if count]
+    found = ["<{}>{}{} ({})".format(*what.partition(" "), count) for what, count in sorted(left_out.items()) if count]
     colliding = int(np.count_nonzero((model.geom_contype != 0) | (model.geom_conaffinity != 0)))
     if colliding:
         found.append(f"contacts ({colliding} geoms)")

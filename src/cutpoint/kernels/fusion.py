@@ -23,8 +23,8 @@ _ABOUT_AT_ONCE = 12
 _MOST_TERMS = 16
 """That join another sum at a time: in longer ones an operation less is little, and copies of them would be many."""
 
-
-AT_ONCE: Mapping[int, int] = MappingProxyType({})
+_AT_ONCE: Mapping[int, int] = MappingProxyType({})
+"""Arrivals where all inputs are there from the beginning."""
 
 
 class Term(NamedTuple):
@@ -49,7 +49,7 @@ class Term(NamedTuple):
         return None
 
 
-def fuse(graph: Graph, arrivals: Mapping[int, int] = AT_ONCE) -> Graph:
+def fuse(graph: Graph, arrivals: Mapping[int, int] = _AT_ONCE) -> Graph:
     """The graph with a * b + c, a * b - c and c - a * b as one operation wherever a * b is needed nowhere else.
 
     arrivals: cycles after which an input slot's number comes, where that is later than others: see `recurrence`.

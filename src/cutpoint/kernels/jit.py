@@ -108,7 +108,10 @@ def _surroundings() -> tuple[str, ...]:
 @cache
 def _writers() -> tuple[tuple[str, int, int], ...]:
     """The files that write modules, as they are: a changed one may write another text."""
-    with os.scandir(Path(__file__).parent) as found:
+    folder = Path(__file__).parent
+    if not folder.is_dir():  # bundled into one file, where nothing changes but with the version
+        return ()
+    with os.scandir(folder) as found:
         return tuple(sorted((x.name, x.stat().st_size, x.stat().st_mtime_ns) for x in found if x.is_file()))
 
 
