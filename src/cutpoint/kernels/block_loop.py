@@ -11,6 +11,7 @@ from cutpoint.kernels.llvm import Lanes, straight_line
 from cutpoint.kernels.llvm_code import PREFETCH, Code, in_turn
 from cutpoint.kernels.ports import Port
 from cutpoint.kernels.scheduling import depth_first
+from cutpoint.kernels.tuning import for_divisions
 
 FUNCTION = "block_loop"
 
@@ -77,7 +78,8 @@ def block_loop(graph: Graph, inputs: Sequence[Port], outputs: Sequence[Port], wi
     # results, not processor flags, tell of overflow and NaN: both sides of a select are computed
     code.let(f"call i32 @feclearexcept(i32 {ALL_EXCEPTIONS})")
     head = f"{lanes.declarations}{PREFETCH}declare i32 @feclearexcept(i32)\n"
-    head += f"define void @{FUNCTION}(ptr %arguments, ptr %dimensions, ptr %steps, ptr %data) {{\nentry:"
+    head += f"define void @{FUNCTION}(ptr %arguments, ptr %dimensions, ptr %steps, ptr %data) "
+    head += f"{for_divisions([graph])} {{\nentry:"
     return "\n".join([head, *code.lines, "ret void", "}", "!0 = !{i32 1}", ""])
 
 

@@ -6,11 +6,11 @@ from itertools import groupby
 
 from cutpoint.kernels.algebra import Operand
 from cutpoint.kernels.graph import Graph
-from cutpoint.kernels.jit import beside_numbers
 from cutpoint.kernels.llvm import Lanes, StraightLine, straight_line
 from cutpoint.kernels.llvm_code import Code
 from cutpoint.kernels.ports import Port
 from cutpoint.kernels.side_by_side import side_by_side
+from cutpoint.kernels.tuning import beside_numbers, for_divisions
 
 FUNCTION = "element"
 
@@ -44,7 +44,7 @@ def element(graph: Graph, inputs: Sequence[Port], outputs: Sequence[Port], width
             in_vectors |= {slot: (vector, k) for k, slot in enumerate(slots)}
     rest.written(range(len(graph.results)))
     pointers = ", ".join(f"ptr {pointer}" for pointer in memory)
-    head = f"define void @{FUNCTION}({pointers}) {beside_numbers()} {{\nentry:"
+    head = f"define void @{FUNCTION}({pointers}) {beside_numbers()} {for_divisions([graph])} {{\nentry:"
     return "\n".join([head, *code.lines, "ret void", "}", ""])
 
 

@@ -147,14 +147,3 @@ def vector_width() -> int:
     """How many float64 numbers one instruction of this processor takes."""
     features = binding.get_host_cpu_features()
     return 8 if features.get("avx512f") else 4 if features.get("avx2") else 2
-
-
-@cache
-def beside_numbers() -> str:
-    """Attributes of a function that computes with vectors and with numbers alone.
-
-    On Intel's processors calls were measured to take up to 2.7 times as long beside vectors of 512 bits; two of 256
-    bits each do no harm.
-    """
-    wide = vector_width() == 8 and not binding.get_host_cpu_name().startswith("znver")
-    return '"min-legal-vector-width"="0" "prefer-vector-width"="256"' if wide else ""

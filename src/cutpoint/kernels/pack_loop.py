@@ -12,6 +12,7 @@ from cutpoint.kernels.llvm import Lanes, straight_line
 from cutpoint.kernels.llvm_code import PREFETCH, Code, in_turn
 from cutpoint.kernels.ports import Port
 from cutpoint.kernels.transposition import blocks, constants_to_rows, lanes_of_rows, lanes_to_rows
+from cutpoint.kernels.tuning import for_divisions
 
 FUNCTION = "pack_loop"
 
@@ -83,5 +84,6 @@ def pack_loop(graph: Graph, inputs: Sequence[Port], outputs: Sequence[Port], wid
         code.lines += in_turn(pack, asked)
         for argument, port in zip(targets, outputs, strict=True):
             argument.deliver(code, loop.iteration, graph.output(port.name))
-    head = f"{lanes.declarations}{PREFETCH}define void @{FUNCTION}(ptr %arguments, ptr %steps, i64 %packs) {{\nentry:"
+    head = f"{lanes.declarations}{PREFETCH}define void @{FUNCTION}"
+    head += f"(ptr %arguments, ptr %steps, i64 %packs) {for_divisions([graph])} {{\nentry:"
     return "\n".join([head, *code.lines, "ret void", "}", ""])

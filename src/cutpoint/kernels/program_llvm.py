@@ -9,7 +9,7 @@ import numpy as np
 from cutpoint.kernels.algebra import Operand
 from cutpoint.kernels.fusion import fuse
 from cutpoint.kernels.hoisting import hoist
-from cutpoint.kernels.jit import Compiled, beside_numbers
+from cutpoint.kernels.jit import Compiled
 from cutpoint.kernels.llvm import Lanes, straight_line
 from cutpoint.kernels.llvm_code import Code, Running, in_turn
 from cutpoint.kernels.lowering import in_primitives
@@ -18,6 +18,7 @@ from cutpoint.kernels.program_plan import LaneLoop, Plan
 from cutpoint.kernels.recurrence import arrivals
 from cutpoint.kernels.scheduling import depth_first, scheduled
 from cutpoint.kernels.stepping import Loop, Stage
+from cutpoint.kernels.tuning import beside_numbers, for_divisions
 
 _FUNCTION = "program"
 
@@ -102,7 +103,7 @@ def program_ir(plan: Plan) -> str:
     done = loop(plan.body, starts, [])
     lanes = {stage.lanes.width: stage.lanes for stage in stages.values()}
     declarations = "".join(x.declarations for x in lanes.values())
-    attributes = beside_numbers() if 1 in lanes else ""
+    attributes = f"{beside_numbers() if 1 in lanes else ''} {for_divisions(plan.graphs.values())}"
     head = f"{declarations}define i64 @{_FUNCTION}(ptr %counts, ptr %regions) {attributes} {{\nentry:"
     return "\n".join([head, *code.lines, f"ret i64 {done}", "}", ""])
 

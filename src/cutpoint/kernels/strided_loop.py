@@ -7,6 +7,7 @@ from cutpoint.kernels.lane_memory import ALL_EXCEPTIONS, LaneMemory
 from cutpoint.kernels.llvm import Lanes, straight_line
 from cutpoint.kernels.llvm_code import Code
 from cutpoint.kernels.ports import Port
+from cutpoint.kernels.tuning import for_divisions
 
 FUNCTION = "strided_loop"
 
@@ -41,5 +42,6 @@ def strided_loop(graph: Graph, inputs: Sequence[Port], outputs: Sequence[Port], 
     # results, not processor flags, tell of overflow and NaN: both sides of a select are computed
     code.let(f"call i32 @feclearexcept(i32 {ALL_EXCEPTIONS})")
     head = f"{lanes.declarations}declare i32 @feclearexcept(i32)\n"
-    head += f"define void @{FUNCTION}(ptr %arguments, ptr %dimensions, ptr %steps, ptr %data) {{\nentry:"
+    head += f"define void @{FUNCTION}(ptr %arguments, ptr %dimensions, ptr %steps, ptr %data) "
+    head += f"{for_divisions([graph])} {{\nentry:"
     return "\n".join([head, *code.lines, "ret void", "}", ""])
