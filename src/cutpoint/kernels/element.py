@@ -43,7 +43,7 @@ def element(graph: Graph, inputs: Sequence[Port], outputs: Sequence[Port], width
         for vector, slots in zip(found, group.values, strict=True):
             in_vectors |= {slot: (vector, k) for k, slot in enumerate(slots)}
     rest.written(range(len(graph.results)))
-    pointers = ", ".join(f"ptr {pointer}" for pointer in memory)
+    pointers = ", ".join(f"ptr noalias {pointer}" for pointer in memory)
     head = f"define void @{FUNCTION}({pointers}) {beside_numbers()} {for_divisions([graph])} {{\nentry:"
     return "\n".join([head, *code.lines, "ret void", "}", ""])
 
