@@ -11,11 +11,11 @@ from cutpoint import definitions, door
 from cutpoint.errors import InputError
 from cutpoint.functions import configurations, variants
 from cutpoint.functions.compiled import Compiled
-from cutpoint.functions.variants import ExpressedIn
 from cutpoint.mechanics import strains as strains_of
 from cutpoint.mechanics.drive_regressor import DriveRegressor, columns
 from cutpoint.mechanics.elastic import derivatives_needed
 from cutpoint.mechanics.harmonic_drive import DriveState
+from cutpoint.mechanics.kinematics import ExpressedIn
 from cutpoint.mechanics.rigid_body import parameters_of
 from cutpoint.mechanics.spatial import ZERO, Pose
 from cutpoint.model import Drive, Mechanism, changes
@@ -237,15 +237,20 @@ class Robot:
         expressed_in: "local", the frame's own axes; "local_world_aligned", the same velocity along the world's axes;
         "world", the velocity of the point of the frame's body that passes the world's origin.
         """
-        if type(expressed_in) is not str:  # the definition is kept by its name
+        made = self._compiled.made_before("jacobian", frame, expressed_in)
+        if made is None:
             door.checked_name("way to express a Jacobian", expressed_in, get_args(ExpressedIn))
-        definition = variants.jacobian_of(self._frame(frame), expressed_in)
-        return self._function(("jacobian", frame, expressed_in), definition, "q")(q)
+            definition = partial(definitions.jacobian, frame=self._frame(frame), expressed_in=expressed_in)
+            made = self._function(("jacobian", frame, expressed_in), definition, "q")
+        return made(q)
 
     def frame_pose(self, q: ArrayLike, frame: str) -> Array:
         """(..., 4, 4): where a frame is in the world."""
-        definition = partial(definitions.frame_pose, frame=self._frame(frame))
-        return self._function(("frame_pose", frame), definition, "q")(q)
+        made = self._compiled.made_before("frame_pose", frame)
+        if made is None:
+            definition = partial(definitions.frame_pose, frame=self._frame(frame))
+            made = self._function(("frame_pose", frame), definition, "q")
+        return made(q)
 
     def velocity_map(self, q: ArrayLike) -> Array:
         """(..., 6 n, nv): the stacked velocities of all bodies, each in its own joint frame, for each speed.

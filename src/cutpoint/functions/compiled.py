@@ -134,6 +134,13 @@ class Compiled:
             self._functions[key] = found
         return found
 
+    def made_before(self, *key: Any) -> Callable[..., Any] | None:
+        """The function of a key that is a tuple, without a look at what it consists of; None if there is none yet."""
+        try:
+            return self._functions.get(key)
+        except TypeError:  # a list in place of a name
+            return None
+
     def _made(
         self,
         key: Any,

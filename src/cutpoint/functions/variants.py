@@ -2,7 +2,7 @@
 
 from collections.abc import Mapping, Sequence
 from functools import cache, partial
-from typing import Any, Literal, get_args
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -11,8 +11,6 @@ from cutpoint import definitions
 from cutpoint.door import are_plain_vectors, check_kind, checked_array, checked_name
 from cutpoint.errors import InputError
 from cutpoint.mechanics.elastic import Options
-
-ExpressedIn = Literal["local", "world", "local_world_aligned"]
 
 
 def checked_wrenches(
@@ -61,10 +59,3 @@ def with_options(friction_rates: bool, quasi_rigid: bool) -> Any:
     """An elastic inverse dynamics with these options."""
     options = Options(friction_rates, quasi_rigid)
     return partial(definitions.elastic_inverse_dynamics, options=options)
-
-
-@cache
-def jacobian_of(frame: str, expressed_in: ExpressedIn) -> Any:
-    """A frame's Jacobian in one of the ways to express it.  Raises InputError for another."""
-    checked_name("way to express a Jacobian", expressed_in, get_args(ExpressedIn))
-    return partial(definitions.jacobian, frame=frame, expressed_in=expressed_in)
