@@ -1,6 +1,6 @@
 """What is checked once, where a user hands something in: arrays, numbers, kinds, names, drives, configurations."""
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Collection, Iterable, Mapping, Sequence
 from operator import index
 from reprlib import repr as shortened
 from typing import Any
@@ -98,7 +98,7 @@ def whole(function: str, name: str, value: Any, least: int = 1) -> int:
     return int(value)
 
 
-def checked_name(kind: str, name: Any, known: Iterable[str]) -> str:
+def checked_name(kind: str, name: Any, known: Collection[str]) -> str:
     """One of the names that are known.  Raises InputError that lists them."""
     if not isinstance(name, str) or name not in known:
         raise unknown_name(kind, name, known)

@@ -1,5 +1,6 @@
 """What can go wrong, said once: which thing, what was found, what was expected, where, and how to mend it."""
 
+from collections.abc import Collection
 from pathlib import Path
 from typing import Any
 
@@ -41,7 +42,7 @@ class SimulationError(CutpointError, RuntimeError):
         self.log = log
 
 
-def unknown_name(kind: str, name: str, known: Any, **kwargs: Any) -> InputError:
+def unknown_name(kind: str, name: str, known: Collection[str], **kwargs: Any) -> InputError:
     """An error for a name that does not exist: it lists those that do."""
     names = ", ".join(repr(k) for k in known)
     return InputError(f"no {kind} is named {name!r}; there are: {names}", name=name, known=list(known), **kwargs)

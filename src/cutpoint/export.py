@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
+from cutpoint.door import positive
 from cutpoint.errors import InputError, unknown_name
 from cutpoint.export_notes import PER_DRIVE, labels_of, notes_of, result_of
 from cutpoint.kernels import c99_package, cuda_package
@@ -74,8 +75,7 @@ def export_controller(
     <name>_memory the law's memory before the first step.  Torque limits are not applied.
     Raises InputError as `export_function` does, TraceError for a law that cannot be traced.
     """
-    if not (np.isfinite(period) and period > 0):
-        raise InputError(f"export_controller: period {period} s must be positive")
+    period = positive("export_controller", "period", period, "s")
     graph = law_kernel(robot, law, name=name).graph
     labels = [*labels_of(dict(robot.drives)), *labels_of(law, type(law).__name__), "control period, s"]
     values = {"parameters": Values(law_parameters(robot, law, period), labels)}

@@ -11,6 +11,7 @@ from cutpoint import definitions, door
 from cutpoint.errors import InputError
 from cutpoint.functions import configurations, variants
 from cutpoint.functions.compiled import Compiled
+from cutpoint.kernels import Kernel
 from cutpoint.mechanics import strains as strains_of
 from cutpoint.mechanics.drive_regressor import DriveRegressor, columns
 from cutpoint.mechanics.elastic import derivatives_needed
@@ -21,6 +22,8 @@ from cutpoint.mechanics.spatial import ZERO, Pose
 from cutpoint.model import Drive, Mechanism, changes
 from cutpoint.model.decomposition import Cut, Subsystem, cuts_of, subsystems_of
 from cutpoint.model.mechanism import frozen
+from cutpoint.model.places import Places
+from cutpoint.model.validation import check_gravity
 from cutpoint.scalars import structure_of
 
 if TYPE_CHECKING:
@@ -153,7 +156,10 @@ class Robot:
         return Robot(self.mechanism, {**self.drives, **drives}, backend=self.backend)
 
     def with_payload(self, mass: float, com: ArrayLike, inertia: ArrayLike, frame: str) -> "Robot":
-        """With a piece fixed to a frame: there, mass (kg), com (3,) (m), inertia about the com (3, 3) (kg m2)."""
+        """With a piece fixed to a frame: there, mass (kg), com (3,) (m), inertia about the com (3, 3) (kg m2).
+
+        Raises ModelError for numbers that no body can have.
+        """
         return Robot(changes.with_payload(self.mechanism, mass, com, inertia, frame), self.drives, backend=self.backend)
 
     def with_gravity(self, gravity: ArrayLike) -> "Robot":
@@ -161,10 +167,14 @@ class Robot:
         fall = door.checked_array("with_gravity", "gravity", gravity, 3)
         if fall.ndim != 1:
             raise door.refused("with_gravity", "gravity", fall, "one vector (3,)")
+        check_gravity(fall, Places())
         return Robot(self.mechanism.with_gravity(fall), self.drives, backend=self.backend)
 
     def with_base(self, placement: ArrayLike) -> "Robot":
-        """Mounted elsewhere: placement (4, 4) of the base in the world."""
+        """Mounted elsewhere: placement (4, 4) of the base in the world.
+
+        Raises ModelError for a matrix that is no placement.
+        """
         return Robot(changes.with_base(self.mechanism, placement), self.drives, backend=self.backend)
 
     # the rigid robot
@@ -235,7 +245,7 @@ class Robot:
         """(..., 6, nv): a frame's velocity [linear; angular] for each speed.  Xia (2019) eqs. (37)-(38).
 
         expressed_in: "local", the frame's own axes; "local_world_aligned", the same velocity along the world's axes;
-        "world", the velocity of the point of the frame's body that passes the world's origin.
+        "world", the velocity, along the world's axes, of the point of the frame's body that passes the world's origin.
         """
         made = self._compiled.made_before("jacobian", frame, expressed_in)
         if made is None:
@@ -381,8 +391,8 @@ class Robot:
     ) -> Array:
         """(...,) J, in springs, in the spin of elastic drives' rotors, and in what is strained, if that is given.
 
-        v: of the links; a rotor with full coupling turns with its carrier too, by which its energy changes, so that it
-        is an InputError to leave v out.
+        v: of the links.  Leaving it out raises InputError if an elastic drive's rotor has full coupling: its energy
+        depends on v.
         """
         name, definition, inputs = "elastic_energy", definitions.elastic_energy, "q theta theta_dot"
         if v is None:
@@ -479,7 +489,7 @@ class Robot:
         """All numbers of the drives, (n,), in the order of the drives and of their fields; not to be written to."""
         return self._compiled.parameters
 
-    def kernel(self, name: str) -> Any:
+    def kernel(self, name: str) -> Kernel:
         """The compiled kernel behind a function that has been called, for its operations, its graph, its speed."""
         door.check_kind("kernel", "name", name, str, "a function's name")
         return self._compiled.made(name)

@@ -51,16 +51,12 @@ def xia2019_mechanism(as_printed: bool = False) -> Mechanism:
     links = [_link(i, height) for i, height in enumerate(heights, start=1)]
     joints = [_joint(i) for i in range(1, 7)]
     tool = Joint("tool_joint", "fixed", "link6", "tool", placement=_placement(_STRAIGHT, _TOOL))
-    return build("xia2019", [_massless("base"), *links, _massless("tool")], [*joints, tool])
+    return build("xia2019", [Link("base"), *links, Link("tool")], [*joints, tool])
 
 
 def _link(i: int, height: float) -> Link:
     moments = _MOMENTS[i - 1] * np.eye(3)
     return Link(f"link{i}", _MASSES[i - 1], com=np.array([0.0, 0.0, height]), inertia=moments)
-
-
-def _massless(name: str) -> Link:
-    return Link(name)
 
 
 def _joint(i: int) -> Joint:

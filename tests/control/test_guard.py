@@ -68,9 +68,9 @@ def test_every_law_holds_when_a_sensor_fails_that_it_needs_and_stops_when_told_s
         broken = {"quantity": quantity, "shift": np.nan, **WHILE}
         held = simulate(elbow(), Corrupted(guarded(law(name)), **broken), MOVE, duration=0.1)
         assert_reacts(held, Fault.MEASUREMENT, "hold")
-    stopping = guarded(law(name), reactions={"measurement": "stop"})
-    log = simulate(elbow(), Corrupted(stopping, **broken), MOVE, duration=0.06)
-    assert_reacts(log, Fault.MEASUREMENT, "stop")
+        stopping = guarded(law(name), reactions={"measurement": "stop"})
+        log = simulate(elbow(), Corrupted(stopping, **broken), MOVE, duration=0.06)
+        assert_reacts(log, Fault.MEASUREMENT, "stop")
 
 
 @pytest.mark.parametrize("name", LAWS)

@@ -84,7 +84,10 @@ def outcome(call: Callable[[], Any]) -> Any:
 
 
 def assert_same_outcome(found: Any, expected: Any) -> None:
-    assert found == expected if isinstance(expected, str) else assert_same(found, expected) is None
+    if isinstance(expected, str):
+        assert found == expected
+    else:
+        assert_same(found, expected)
 
 
 class Spy:

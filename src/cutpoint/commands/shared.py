@@ -22,7 +22,7 @@ if TYPE_CHECKING:
 
 
 class Commands(TyperGroup):
-    """All commands; one that Ctrl-C ends says so, and what its KeyboardInterrupt knows of files, in one line."""
+    """All commands; Ctrl-C ends one with a line that says so, and what its KeyboardInterrupt knows of files."""
 
     def invoke(self, ctx: Any) -> Any:
         try:

@@ -11,7 +11,7 @@ from cutpoint.control.interface import Command, Measurement, Reference
 from cutpoint.control.joint_law import JointGains, RequiredTorque, joint_command
 from cutpoint.control.joint_parameters import JointPower, adapted, nominal, with_numbers
 from cutpoint.control.model_law import drive_states
-from cutpoint.control.vdc import TURN, VDC, required_velocity
+from cutpoint.control.vdc import VDC, required_velocity
 from cutpoint.definitions import Machine
 from cutpoint.errors import InputError
 from cutpoint.mechanics.harmonic_drive import friction_torque
@@ -25,6 +25,7 @@ from cutpoint.mechanics.inverse_dynamics import (
     required_motions,
     rotor_efforts,
 )
+from cutpoint.mechanics.motor import TURN
 from cutpoint.mechanics.pseudo_inertia import nominal_sizes
 from cutpoint.mechanics.rigid_body import body_regressor, inertia_of, parameters_of
 from cutpoint.mechanics.system import Segment

@@ -18,9 +18,10 @@ def gains(law: str, name: str, value: Any, size: int | None = None, positive: bo
     size: n, where it is known; one number then stands for all.  positive: whether zero is refused, too.
     """
     array = np.atleast_1d(np.asarray(value))
-    if array.dtype == object:
+    if is_traced(array):
         return array
-    if array.ndim != 1 or not np.isfinite(array).all() or (array < 0).any() or (positive and (array == 0).any()):
+    are_finite = array.dtype.kind in "biuf" and array.ndim == 1 and np.isfinite(array).all()
+    if not are_finite or (array < 0).any() or (positive and (array == 0).any()):
         rule = "positive" if positive else "not negative"
         raise InputError(f"{law}: {name} = {value} must be finite and {rule}, one for each drive", gains=value)
     if size is None:
@@ -28,6 +29,11 @@ def gains(law: str, name: str, value: Any, size: int | None = None, positive: bo
     if array.size not in (1, size):
         raise InputError(f"{law}: {name} has {array.size} numbers; it must have one, or one for each of {size} drives")
     return np.broadcast_to(array, size).astype(float)
+
+
+def is_traced(array: Any) -> bool:
+    """Whether an array holds traced numbers, and nothing else."""
+    return array.dtype == object and all(hasattr(type(x), "__neg__") for x in array.flat)
 
 
 def motor_limits(robot: Robot) -> Any:
@@ -41,8 +47,10 @@ def gain_matrices(law: str, name: str, value: Any, size: int) -> Any:
     Raises InputError where one is not positive definite, with its least eigenvalue.
     """
     array = np.asarray(value)
-    if array.dtype == object:
+    if is_traced(array):
         return array
+    if array.dtype.kind not in "biuf":
+        raise InputError(f"{law}: {name} = {value} must be numbers", gains=value)
     if array.ndim == 0 or array.shape == (6,):
         array = np.broadcast_to(array, 6) * np.eye(6)
     if array.shape not in ((6, 6), (size, 6, 6)):

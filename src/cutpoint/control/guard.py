@@ -11,8 +11,9 @@ import numpy as np
 from cutpoint.control.guard_limits import LIMITS, limits_of
 from cutpoint.control.interface import SENSED, Command, Measurement, Reference, completed
 from cutpoint.control.law import Wrapper, as_law
-from cutpoint.door import check_kind
-from cutpoint.errors import InputError, unknown_name
+from cutpoint.door import check_kind, positive
+from cutpoint.errors import unknown_name
+from cutpoint.kernels import Traced
 from cutpoint.robot import Robot
 from cutpoint.scalars import Scalar, absolute, clip, leaves, maximum, rebuild, where, with_float_leaves
 
@@ -85,13 +86,14 @@ class Guard(Wrapper):
     def __post_init__(self) -> None:
         check_kind("Guard", "robot", self.robot, Robot, "a Robot (cutpoint.load reads files)")
         object.__setattr__(self, "law", as_law(self.law))
+        check_kind("Guard", "reactions", self.reactions, dict, "a reaction for each of some faults, by name")
         for name, reaction in self.reactions.items():
             if name not in REACTIONS:
                 raise unknown_name("fault", name, REACTIONS)
             if reaction not in SEVERITY:
                 raise unknown_name("reaction", reaction, SEVERITY)
-        if isinstance(self.ramp_time, (int, float)) and not (np.isfinite(self.ramp_time) and self.ramp_time > 0):
-            raise InputError(f"Guard: ramp_time {self.ramp_time} s must be positive")
+        if not isinstance(self.ramp_time, Traced):
+            object.__setattr__(self, "ramp_time", positive("Guard", "ramp_time", self.ramp_time, "s"))
         for name, limit in limits_of(self.robot, {name: getattr(self, name) for name in LIMITS}).items():
             object.__setattr__(self, name, limit)
 

@@ -4,6 +4,7 @@ from typing import Any
 
 import numpy as np
 
+from cutpoint.control.gains import is_traced
 from cutpoint.errors import InputError
 from cutpoint.model.limits import efforts_in_force, limits_in_force
 from cutpoint.robot import Robot
@@ -35,9 +36,9 @@ def _stated(robot: Robot) -> dict[str, list[float]]:
 
 def _each(robot: Robot, name: str, value: Any) -> Any:
     array, n = np.asarray(value), len(robot.drives)
-    if array.dtype == object:
+    if is_traced(array):
         return array
-    if array.shape not in ((), (n,)) or np.isnan(array).any():
+    if array.dtype.kind not in "biuf" or array.shape not in ((), (n,)) or np.isnan(array).any():
         raise InputError(f"Guard: {name} {value} must be numbers, one or one for each of {n} drives", limit=name)
     return np.broadcast_to(array, n).astype(float)
 

@@ -59,8 +59,13 @@ class Command(NamedTuple):
 class Controller(Protocol):
     """A law.  Numbers in a dataclass's fields are inputs of the compiled loop; `start` gives its memory, any record."""
 
-    def start(self) -> Any: ...
-    def step(self, memory: Any, measurement: Measurement, reference: Reference) -> tuple[Any, Any]: ...
+    def start(self) -> Any:
+        """The memory before the first step: a record of numbers, () for none."""
+        ...
+
+    def step(self, memory: Any, measurement: Measurement, reference: Reference) -> tuple[Any, Any]:
+        """One control period: the memory after it, and the command."""
+        ...
 
 
 def stepped(law: Controller, memory: Any, measurement: Measurement, reference: Reference) -> tuple[Any, Command]:

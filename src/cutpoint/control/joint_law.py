@@ -26,8 +26,11 @@ class JointGains(NamedTuple):
 
 
 class RequiredTorque(NamedTuple):
-    """What a joint's drive must exert on its link, with derivatives, N m; and what its rotor takes beside its own spin,
-    as it goes along with what carries it, N m."""
+    """What a joint asks of its drive.
+
+    tau_r: torque of the drive on its link, N m, with derivatives.  rotor: torque for the rotor's motion with its
+    carrier, N m.
+    """
 
     tau_r: Jet
     rotor: Any

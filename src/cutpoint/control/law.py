@@ -32,9 +32,11 @@ class Law:
     reports_faults = False
 
     def start(self) -> Any:
+        """The memory before the first step: a record of numbers, () for none."""
         return ()
 
     def step(self, memory: Any, measurement: Measurement, reference: Reference) -> tuple[Any, Command]:
+        """One control period: the memory after it, and the command."""
         raise TypeError(f"{type(self).__name__} must define step(memory, measurement, reference)")
 
     def __add__(self, other: Controller) -> "Sum":

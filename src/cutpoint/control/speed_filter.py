@@ -8,7 +8,8 @@ import numpy as np
 from cutpoint.control import command_filter
 from cutpoint.control.interface import Command, Measurement, Reference
 from cutpoint.control.law import Wrapper, as_law
-from cutpoint.errors import InputError
+from cutpoint.door import positive
+from cutpoint.kernels import Traced
 
 
 @dataclass(frozen=True, eq=False)
@@ -26,8 +27,8 @@ class SpeedFilter(Wrapper):
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "law", as_law(self.law))
-        if isinstance(self.bandwidth, (int, float)) and not (np.isfinite(self.bandwidth) and self.bandwidth > 0):
-            raise InputError(f"SpeedFilter: bandwidth {self.bandwidth} Hz must be positive")
+        if not isinstance(self.bandwidth, Traced):
+            object.__setattr__(self, "bandwidth", positive("SpeedFilter", "bandwidth", self.bandwidth, "Hz"))
 
     @property
     def delay(self) -> float:

@@ -19,9 +19,8 @@ from cutpoint.errors import InputError
 from cutpoint.mechanics.harmonic_drive import friction_torque
 from cutpoint.mechanics.inverse_dynamics import quasi_rigid, required_efforts
 from cutpoint.mechanics.link_motion import link_motion, torques_on_links
+from cutpoint.mechanics.motor import TURN
 from cutpoint.scalars import Jet, value_of
-
-TURN = 2 * np.pi
 
 
 def required_velocity(position_gain: Any, desired: Any, actual: Any) -> list[Jet]:

@@ -18,6 +18,12 @@ from cutpoint.functions.variants import motion_names, wrong_motion
 from cutpoint.mechanics.elastic import Options
 from cutpoint.robot import Robot
 
+__all__ = [
+    "ElasticForwardDynamicsDerivatives", "ElasticInverseDynamicsDerivatives", "ForwardDynamicsDerivatives",
+    "InverseDynamicsDerivatives", "elastic_forward_dynamics", "elastic_inverse_dynamics", "forward_dynamics",
+    "inverse_dynamics",
+]  # fmt: skip
+
 Array = NDArray[np.float64]
 
 MOST_COMPILED = 48

@@ -26,7 +26,7 @@ class InputFriction:
 
 
 def input_friction(gear: CatalogueGear, named: Callable[[str], CatalogueGear]) -> InputFriction:
-    """What a gear's sheet says; what it does not say, as of the gear that it is `like`.
+    """What a gear's sheet states; what it lacks is taken from the gear that it is `like`.
 
     Starting torque is the dry part.  The slope goes through it and the running points by least squares.  The share of
     the load is what efficiency lacks beyond that, by 1/eta - 1 = per_load + ratio (dry + slope w) / tau at an output

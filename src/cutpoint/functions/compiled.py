@@ -59,8 +59,8 @@ def rotor_is_felt(drive: Drive) -> bool:
 class Compiled:
     """Kernels of one robot by name; each is made when first asked for.
 
-    machine: the robot with its bodies' own frames (z along the joints) and inertias, which functions of frames, of
-    single bodies and of their parameters speak of.  lean: the same robot, reframed and regrouped, for all others.
+    machine: the robot with its bodies' own frames (z along the joints) and inertias, for functions of frames, single
+    bodies and their parameters.  lean: the same robot, reframed and regrouped, for all others.
     parameters: the drives' numbers, in the order of the drives and of their fields.
     """
 

@@ -20,8 +20,8 @@ Counts = tuple[int | str, ...]
 class LaneLoop(Loop):
     """A loop through like things one by one, whose regions hold several of them side by side.
 
-    What advances with it, and what it views, does so lane by lane: inside, such a region is one lane of a row, and a
-    row of its array serves as many iterations as it has lanes.  Only stages of one lane can use it there.
+    Its streams and views advance lane by lane: inside, such a region is one lane of a row, and a row of its array
+    serves as many iterations as it has lanes.  Only stages of one lane can use it there.
     """
 
 

@@ -45,9 +45,9 @@ class Articulated:
     @staticmethod
     def of(M: Inertia) -> "Articulated":
         """A rigid body's M_B.  Xia (2019) eq. (60)."""
-        m, h_x, h = M.mass, [[*row] for row in M.first_moment.skew()], M.rotational
+        m, h_x, J = M.mass, [[*row] for row in M.first_moment.skew()], M.rotational
         upper = [[m * int(j == k) for k in range(3)] + [h_x[k][j] for k in range(3)] for j in range(3)]
-        return Articulated(upper + [h_x[j] + [*row] for j, row in enumerate(h)])
+        return Articulated(upper + [h_x[j] + [*row] for j, row in enumerate(J)])
 
     @staticmethod
     def about(axis: Vec3, inertia: Scalar) -> "Articulated":
@@ -103,7 +103,7 @@ class Articulated:
 
 
 def accelerations(steps: list[Yield], A: Motion) -> list[Scalar]:
-    """Accelerations along the axes of a joint whose body, they at rest, would accelerate with A (less its bias)."""
+    """A joint's accelerations along its axes; with those zero, its body would accelerate with A (less its bias)."""
     a, found = [*A], []
     for step in reversed(steps):
         own = step.own - dot(step.share, a)

@@ -21,9 +21,11 @@ class LinearSpring:
     stiffness: Scalar
 
     def torque(self, deflection: Scalar) -> Scalar:
+        """N m, of a deflection in rad."""
         return self.stiffness * deflection
 
     def deflection(self, torque: Scalar) -> Scalar:
+        """rad, of a torque in N m."""
         return torque * (1 / self.stiffness)
 
     def tangent(self, deflection: Scalar) -> Scalar:

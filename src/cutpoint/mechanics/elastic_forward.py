@@ -97,7 +97,7 @@ def driven_accelerations(
     for d, effort in zip(drives, efforts, strict=True):
         tau[d.v], inertia[d.v] = tau[d.v] + effort.on_link, inertia[d.v] + effort.inertia
     system = replace(system, armature=tuple(inertia))
-    # what nothing drives keeps its symmetries to the last bit in the recursion: linear models rest on that
+    # undriven joints: the recursion keeps symmetries to the last bit, as linear models need
     solves = system.has_followers or (system.nv == len(drives) and is_shallow(system))
     if any(spin.elastic for spin in system.spins) or not solves:
         motors = zip(drives, efforts, theta_dot, strict=True)

@@ -20,10 +20,10 @@ from cutpoint.scalars import Scalar, is_plain_zero
 Scalars = Sequence[Scalar]
 
 FEW = 6
-"""Joints that carry a body, it included, on average over all bodies: up to 11 in a chain, more on trees.
+"""Joints between the world and a body, averaged over all bodies: up to 11 in a chain, more on trees.
 
-Counted on chains and trees with random axes: there both ways take about as many operations, of 6 joints in a chain the
-mass matrix takes four fifths; it was measured to take three quarters of the time on arms.
+Counted on random chains and trees: at this many both ways cost about the same; for 6 joints in a chain the mass matrix
+takes four fifths of the operations, and three quarters of the time on arms.
 """
 
 

@@ -44,7 +44,7 @@ class Sliding(ABC):
         """Dry friction without load, both directions alike, N m."""
 
     def direction(self, speed: Scalar) -> Scalar:
-        """-1 to 1."""
+        """sgn of the speed, smoothed: -1 to 1."""
         return tanh(speed * (1 / self.smoothing))
 
     def dry(self, speed: Scalar, load: Scalar, direction: Scalar) -> Scalar:
@@ -77,8 +77,8 @@ class Sliding(ABC):
     def resistance(self, speed: Scalar, load: Scalar = 0) -> Scalar:
         """How xi resists a change of speed, N m s/rad, never less than 0: about xi / speed.
 
-        With its slope, which is next to nothing once it slides, a step that brakes leaps over rest, and one that
-        breaks away does so too early.  1 / sqrt(1 + x^2) is tanh(x) / x but for 8 %, without a tanh.
+        Not the slope, which is next to nothing once it slides: a braking step would leap over rest, one at breakaway
+        go too early.  1 / sqrt(1 + x^2) is tanh(x) / x but for 8 %, without a tanh.
         """
         x = speed * (1 / self.smoothing)
         size = self.dry(speed, load, 0 if self.asymmetry is None else self.direction(speed))

@@ -30,9 +30,10 @@ class MaxwellSlip:
         Its chords between the elements' reaches: the last element is half as stiff as the others.
         Raises InputError for a reach that is not positive, or a number of elements that is not whole or below 1.
         """
-        if not (reach > 0 and elements >= 1 and elements == int(elements)):
+        if not (reach > 0 and elements >= 1 and elements % 1 == 0):
             told = f"MaxwellSlip.smooth: reach {reach} must be positive, elements {elements} a whole number from 1"
             raise InputError(told, reach=reach, elements=elements)
+        elements = int(elements)
         each = 2 * torque / (reach * elements)
         stiffness = (*[each] * (elements - 1), each / 2)
         return cls(stiffness, tuple(reach * ((k + 1) / elements) for k in range(elements)))

@@ -21,7 +21,7 @@ def link_motion(system: System, q: Scalars, v: Scalars, tau: Sequence[Jet]) -> t
     M = mass_matrix(system, q)
     bias = inverse_dynamics(system, q, v, [0] * system.nv)
     a = solve_symmetric(M, [t.derivative(0) - b for t, b in zip(tau, bias, strict=True)])
-    # what torques would change by, did the acceleration stay as it is
+    # the torques' rates if accelerations stayed as they are
     q_moving, v_moving = ([Jet(*x) for x in zip(*pair, strict=True)] for pair in ((q, v), (v, a)))
     held = inverse_dynamics(system, q_moving, v_moving, [Jet(x, 0) for x in a])
     return a, solve_symmetric(M, [t.derivative(1) - h.derivative(1) for t, h in zip(tau, held, strict=True)])

@@ -19,22 +19,17 @@ def within_limits(drive: Drive, command: Scalar, theta_dot: Scalar) -> Scalar:
     the current through the resistance.
     """
     motor = drive.motor
-    if motor is None:
+    if motor is None or (motor.current_limit is None and motor.voltage_limit is None):
         return command
     gain = motor.torque_constant * drive.ratio  # N m at the joint for each ampere
-    low = high = None
-    if motor.current_limit is not None:
-        high = motor.current_limit
-        low = -high
+    current = command / gain
     if motor.voltage_limit is not None:
         assert motor.resistance is not None, "a voltage limit needs the resistance"
-        back = gain * theta_dot
-        ends = (-motor.voltage_limit - back) / motor.resistance, (motor.voltage_limit - back) / motor.resistance
-        low = ends[0] if low is None else clip(ends[0], low, high)
-        high = ends[1] if high is None else clip(ends[1], -high, high)
-    if low is None or high is None:
-        return command
-    return gain * clip(command / gain, low, high)
+        most, back = motor.voltage_limit, gain * theta_dot
+        current = clip(current, (-most - back) / motor.resistance, (most - back) / motor.resistance)
+    if motor.current_limit is not None:
+        current = clip(current, -motor.current_limit, motor.current_limit)
+    return gain * current
 
 
 def lag_rate(motor: Motor, command: Scalar, torque: Scalar) -> Scalar:

@@ -33,11 +33,11 @@ class Change(NamedTuple):
 class Cloud:
     """What a body and all that it carries ask of its joint when its frame's motion changes, in its axes.
 
-    momentum: the sum of 2 u dm.  drift: that of 2 u r^T dm.
+    twice_momentum: the sum of 2 u dm.  drift: that of 2 u r^T dm.
     """
 
     inertia: Inertia
-    momentum: Vec3
+    twice_momentum: Vec3
     drift: Mat3
 
     @staticmethod
@@ -47,12 +47,12 @@ class Cloud:
         return Cloud(inertia, twice.cross(inertia.first_moment), twice.skew() @ inertia.second_moment)
 
     def __add__(self, other: "Cloud") -> "Cloud":
-        return Cloud(self.inertia + other.inertia, self.momentum + other.momentum, self.drift + other.drift)
+        return Cloud(self.inertia + other.inertia, self.twice_momentum + other.twice_momentum, self.drift + other.drift)
 
     def seen_from_parent(self, X: Pose, u: Vec3) -> "Cloud":
         """The same, felt at the parent's frame, in which this one's origin has the velocity u."""
         R, r, inertia, twice = X.rotation, X.position, self.inertia.seen_from_parent(X), u * 2
-        momentum = R @ self.momentum
+        momentum = R @ self.twice_momentum
         drift = R @ self.drift @ R.T + _outer(twice, inertia.first_moment) + _outer(momentum, r)
         return Cloud(inertia, momentum + twice * inertia.mass, drift)
 
@@ -60,12 +60,12 @@ class Cloud:
         """What it takes."""
         inert, omega = self.inertia * change.A, change.omega
         moment = omega * _trace(self.drift) - self.drift @ omega
-        return inert + Wrench(omega.cross(self.momentum), moment)
+        return inert + Wrench(omega.cross(self.twice_momentum), moment)
 
     def effort(self, S: Motion) -> "Effort":
         """What a change takes along S."""
         turning = S.angular * _trace(self.drift) - self.drift.T @ S.angular
-        return Effort(self.inertia * S, self.momentum.cross(S.linear) + turning)
+        return Effort(self.inertia * S, self.twice_momentum.cross(S.linear) + turning)
 
 
 class Effort(NamedTuple):
@@ -86,7 +86,7 @@ class Effort(NamedTuple):
 def torque_derivatives(system: System, q: Scalars, v: Scalars, a: Scalars) -> tuple[Matrix, Matrix, Matrix]:
     """d torque / d (q, v, a), N m (N) for each rad (m) and its rates, a row for each torque.
 
-    Of joints of one axis each, without followers and fully coupled rotors: see `suits`.
+    Of joints of one axis each, without followers and rigidly geared rotors with full coupling: see `suits`.
     """
     moved, n = motions(system, q, v, a), system.nv
     X, S = [m.X for m in moved], [body.joint.motion([1]) for body in system.segments]
@@ -114,7 +114,7 @@ def torque_derivatives(system: System, q: Scalars, v: Scalars, a: Scalars) -> tu
 
 
 def suits(system: System) -> bool:
-    """Whether all its joints have one axis each, and no rotor spins beside them."""
+    """Whether all joints have one axis, none follows another, and no rigidly geared rotor has full coupling."""
     single = all(len(body.joint.axes) == 1 for body in system.segments)
     return single and not system.has_followers and all(spin.elastic for spin in system.spins)
 

@@ -25,7 +25,7 @@ def base_in(columns: Columns) -> "Base | None":
 
 
 def sizes_apart(base: "Base | None", names: Sequence[str]) -> tuple[dict[str, int], dict[str, int]]:
-    """Sizes of a base's numbers: of its parts of what has these names, and of those that do not change."""
+    """Sizes of a base's numbers: its parts of the arrays of these names, and its constants."""
     if base is None:
         return {}, {}
     return {f"base.{x}": base.kind.coordinates if x == "q" else base.axes for x in names}, {"base.body": BASE_NUMBERS}
@@ -114,7 +114,7 @@ class Base:
         return Pass("once", Stage(stands, ("base.body",), ("base.turned", "base.carried")))
 
     def couples(self) -> list[Pass]:
-        """What the momentum of each body that it carries asks of its axes, and what its own motions ask of them."""
+        """The base's rows of the mass matrix: from each carried body's momentum, and from its own motions."""
 
         def couples(base: Any, span: Any, momentum: Any) -> Any:
             carried = span[0] <= base[-1]

@@ -17,8 +17,8 @@ UPWARD = "upward acceleration"
 """In a row of the world, (UPWARD, k) stands for the k-th of its six numbers."""
 
 SINGLE = ("base", "world", "tip")
-"""Rows beyond the bodies' own, and that of the body whose frame is asked about, by which passes that run once call a
-region's row: "base.motion"."""
+"""Rows that no body has, and that of the body whose frame is asked for; passes that run once call them
+"base.motion" and the like."""
 
 
 class Pass(NamedTuple):

@@ -19,8 +19,7 @@ MOST_STRUCTURES = 6
 
 
 def unsuited(machine: Machine, elastic: bool, takes_coupled: bool) -> str | None:
-    """What loops do not take, if there is anything: they need one coordinate of its own for each body,
-    but for a base that moves freely.
+    """Why loops cannot take the machine, or None: each body but a floating base needs one coordinate of its own.
 
     elastic: whether drives take part; takes_coupled: also with rotors with full coupling.
     """

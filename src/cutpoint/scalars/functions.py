@@ -29,14 +29,44 @@ def _apply(name: str, x: Scalar) -> Scalar:
     return getattr(x, name)()  # a jet or a traced value knows its own
 
 
-def sin(x: Scalar) -> Scalar: return _apply("sin", x)
-def cos(x: Scalar) -> Scalar: return _apply("cos", x)
-def tan(x: Scalar) -> Scalar: return _apply("tan", x)
-def atan(x: Scalar) -> Scalar: return _apply("atan", x)
-def exp(x: Scalar) -> Scalar: return _apply("exp", x)
-def log(x: Scalar) -> Scalar: return _apply("log", x)
-def tanh(x: Scalar) -> Scalar: return _apply("tanh", x)
-def sqrt(x: Scalar) -> Scalar: return _apply("sqrt", x)
+def sin(x: Scalar) -> Scalar:
+    """Sine of an angle, rad."""
+    return _apply("sin", x)
+
+
+def cos(x: Scalar) -> Scalar:
+    """Cosine of an angle, rad."""
+    return _apply("cos", x)
+
+
+def tan(x: Scalar) -> Scalar:
+    """Tangent of an angle, rad."""
+    return _apply("tan", x)
+
+
+def atan(x: Scalar) -> Scalar:
+    """Angle, rad, whose tangent is x."""
+    return _apply("atan", x)
+
+
+def exp(x: Scalar) -> Scalar:
+    """e to the power x."""
+    return _apply("exp", x)
+
+
+def log(x: Scalar) -> Scalar:
+    """Natural logarithm."""
+    return _apply("log", x)
+
+
+def tanh(x: Scalar) -> Scalar:
+    """Hyperbolic tangent."""
+    return _apply("tanh", x)
+
+
+def sqrt(x: Scalar) -> Scalar:
+    """Square root."""
+    return _apply("sqrt", x)
 
 
 def where(condition: Any, yes: Scalar, no: Scalar) -> Scalar:
@@ -51,7 +81,9 @@ def where(condition: Any, yes: Scalar, no: Scalar) -> Scalar:
     return np.where(condition, yes, no)
 
 
-def absolute(x: Scalar) -> Scalar: return where(x < 0, -x, x)
+def absolute(x: Scalar) -> Scalar:
+    """The size of x."""
+    return where(x < 0, -x, x)
 
 
 def minimum(x: Scalar, y: Scalar) -> Scalar:

@@ -114,7 +114,7 @@ class Log:
         return Log(self.time[kept], channels, self.units, self.joints, self.meta, run)
 
     def plot(self, *names: str) -> "Figure":
-        """A picture, angles in degrees: `log.plot("q", "q_d").savefig("run.png")`.
+        """A picture, angles in degrees: `log.plot("q", "reference_q").savefig("run.png")`.
 
         With names, channels of the same unit share one small axis per joint.  Without, each channel has one axis.
         """

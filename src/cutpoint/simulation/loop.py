@@ -110,15 +110,15 @@ class ClosedLoop:
             "turns": 2 * n if self.plant.knows_turns else 0,
             "numbers": len(self.robot.drive_parameters) if lanes.are_wide else 0,
         }  # fmt: skip
-        sizes = {
+        plain = {
             "row": self.layout.row, "sensing": len(self.encoders.memory(*[[0.0] * n] * 4)), "measured": 4 * n,
             "memory": len(leaves(self.memory)), "command": 4 * n + 1, "elapsed": 1,
             "parameters": len(self.parameters(np.zeros(n))), "tableau": TABLEAU.shape[1],
             "record": sum(self.channels.values()), "fault": 1, "steps": 1, "noise": self.layout.noise,
         }  # fmt: skip
-        runs = {name: 1 if name in self.shared else self.runs for name in sizes}
+        runs = {name: 1 if name in self.shared else self.runs for name in plain}
         drives = [Region(name, lanes.size(size) * self.runs, lanes.width * self.runs) for name, size in laned.items()]
-        return drives + [Region(name, size * runs[name], runs[name]) for name, size in sizes.items()]
+        return drives + [Region(name, size * runs[name], runs[name]) for name, size in plain.items()]
 
     @property
     def shared(self) -> tuple[str, ...]:

@@ -12,14 +12,12 @@ import numpy as np
 from cutpoint.door import check_kind
 from cutpoint.errors import InputError, unknown_name
 from cutpoint.files import check_readable
+from cutpoint.model.validation import DEGREES_BEYOND
 from cutpoint.trajectories.arrays import checked_names
 from cutpoint.trajectories.samples import Smoothed, from_samples
 
 UNITS = {"rad": 1.0, "deg": math.pi / 180.0, "m": 1.0}
 """What a position in each unit is multiplied with to be in rad (m)."""
-
-DEGREES_ABOVE = 4.0 * math.pi
-"""rad: two turns.  A position above it, in a column without a unit, is taken for degrees and refused."""
 
 LARGEST_FILE = 200_000_000
 """Bytes: more than an hour of seven joints at 1 kHz."""
@@ -119,7 +117,7 @@ def _row(cells: list[str], columns: list[Column], place: str) -> list[float]:
 def _position(cell: str, column: Column, place: str) -> float:
     name = column.name
     value = _number(cell, f"position of joint {name!r}", place)
-    if column.unit is None and abs(value) > DEGREES_ABOVE:
+    if column.unit is None and abs(value) > DEGREES_BEYOND:
         raise InputError(
             f"joint {name!r}: position {value} looks like degrees; "
             f"name the unit in the first line, {f'{name} [deg]'!r} or {f'{name} [rad]'!r}",

@@ -36,7 +36,7 @@ def read_parquet(path: Path) -> Table:
 
 
 def _sizes(about: Any) -> tuple[int, int]:
-    """Bytes of a table as it is encoded, and of its numbers, which may be encoded as one that all of them are."""
+    """Bytes of a table as encoded, and of its numbers decoded: equal ones may be encoded as one."""
     groups = [about.row_group(k) for k in range(about.num_row_groups)]
     values = sum(group.column(k).num_values for group in groups for k in range(group.num_columns))
     rows = sum(group.num_rows for group in groups) * about.num_columns

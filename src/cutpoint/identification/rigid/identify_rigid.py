@@ -64,8 +64,8 @@ def identify_rigid(
 
     friction: "choose" the law of each joint, see `choose_friction`; as "stated" by the drives, or Coulomb's; or laws by
         joint, of which the shape counts; or what another fit chose, whose shapes are sought again.
-    method: "huber", for which torques that are far off count by their size alone, as those of a joint that shakes as it
-        turns back; "ordinary" or "weighted" least squares; "instrumental" where noise of the positions matters;
+    method: "huber", where large residuals count linearly, such as those of a joint that shakes as it reverses;
+        "ordinary" or "weighted" least squares; "instrumental" where noise of the positions matters;
         instruments: then, the motion that was asked for or simulated, at the same times.
     rotors: whether the inertia of every joint's rotor is sought, or of which; others are what the drives state.
     offsets: whether torques may be off by a constant each.
