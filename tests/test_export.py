@@ -247,7 +247,7 @@ def test_what_cannot_be_exported_is_explained(arm: cutpoint.Robot, tmp_path: Pat
         export_function(arm, "jacobian", tmp_path, frame="hand")
     with pytest.raises(InputError, match="PD is for 2 drives, the robot has 6"):
         export_controller(arm, PD([1.0] * 2, [1.0] * 2), tmp_path, period=PERIOD)
-    with pytest.raises(InputError, match="period 0.0 s must be positive"):
+    with pytest.raises(InputError, match=r"period 0\.0 s must be positive"):
         export_controller(arm, PD([1.0] * 6, [1.0] * 6), tmp_path, period=0)
     with pytest.raises(InputError, match=r"has no step\(memory, measurement, reference\)"):
         export_controller(arm, None, tmp_path, period=PERIOD)

@@ -353,6 +353,14 @@ def test_armature_of_what_is_left_out_is_told() -> None:
         parse_mjcf(text)
 
 
+def test_efforts_that_are_not_alike_to_both_sides_are_told() -> None:
+    text = mjcf_text.one_body("").replace('<joint name="elbow"/>', '<joint name="elbow" actuatorfrcrange="{}"/>')
+    for ends, effort in (("0 5", 0.0), ("-3 5", 3.0)):
+        with pytest.warns(NotCarriedOver, match=r"actuatorfrcrange that is not alike .* of joints 'elbow'"):
+            (body,) = parse_mjcf(text.format(ends)).mechanism.bodies
+        assert body.joint.limits.effort == effort
+
+
 def test_a_total_mass_needs_every_shape() -> None:
     """It scales all masses, so that of a body at rest counts."""
     text = one_body("").replace("<worldbody>", f'<compiler settotalmass="9"/>{ABSENT}<worldbody>{GROUND}')

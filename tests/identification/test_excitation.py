@@ -22,6 +22,7 @@ from cutpoint.identification import Excitation, base_parameters, excitation
 from cutpoint.identification.excitation.bounds import bounds_of
 from cutpoint.identification.excitation.problem import FINER, SAMPLES, Problem
 from cutpoint.identification.excitation.table import save
+from cutpoint.model import Drive, Motor
 from robot_library import assert_close, derivative, robot
 
 Array = NDArray[np.float64]
@@ -151,6 +152,12 @@ def test_gradients_are_those_of_the_cost(criterion: Any) -> None:
         measured = derivative(lambda h, w=weight, s=softness: problem.barred(z + h * direction, w, s)[0], 1e-4)
         # eigenvalues 1e-8 of the largest are known to eight digits, of which the difference's step takes half
         assert float((slope * direction).sum()) == pytest.approx(float(measured), rel=1e-3)
+
+
+def test_what_the_motors_current_can_do_is_a_limit() -> None:
+    arm = two_joints()
+    weak = Drive(100.0, motor=Motor(torque_constant=0.1, current_limit=1.0))
+    assert bounds_of(arm.with_drives({"elbow": weak}), None, None, None, None).torque.tolist() == [60.0, 10.0]
 
 
 def test_a_resumed_search_goes_on_from_the_file_and_is_never_worse(tmp_path: Path) -> None:

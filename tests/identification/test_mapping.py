@@ -7,10 +7,14 @@ from typing import Any
 import numpy as np
 import pytest
 from machine_logs import positions, times
-from two_joints import two_joints
+from two_joints import two_joints, urdf_text
 
+from cutpoint import Robot
 from cutpoint.errors import CutpointError, InputError, ModelError
+from cutpoint.formats import parse_urdf
 from cutpoint.identification import Channel, Recording, Table, parse_mapping, read_recording, recording_of
+from cutpoint.model import Drive
+from robot_library import assert_close
 
 T = times(100)
 Q, V, TAU = (positions(T, order) for order in range(3))
@@ -168,6 +172,16 @@ def test_lengths_and_forces_of_joints_that_turn_are_refused(fields: str, message
     mapping = parse_mapping("version: 1\n" + fields, "map.yaml")
     with pytest.raises(ModelError, match=message):
         recording_of(table(x=Q, y=Channel(Q, unit="mm")), mapping, two_joints())
+
+
+def test_angles_of_joints_that_slide_are_refused_but_not_those_of_their_motors():
+    text = urdf_text().replace('name="elbow" type="revolute"', 'name="elbow" type="prismatic"')
+    arm = Robot(parse_urdf(text), {name: Drive(100.0) for name in ("shoulder", "elbow")})
+    rule = r"q.unit 'deg' is of joints that turn, and 'elbow' slides: it must be one of 'm', 'mm'; without unit:, the"
+    with pytest.raises(ModelError, match=rule):
+        recording_of(table(x=Q), parse_mapping("version: 1\nq: {channels: x, unit: deg}", "map.yaml"), arm)
+    motors = parse_mapping("version: 1\nratio: 100\nq: {channels: x, unit: deg, side: motor}", "map.yaml")
+    assert_close(recording_of(table(x=Q), motors, arm)["q"], np.deg2rad(Q) / 100.0, 1e-15)
 
 
 def test_a_gain_makes_an_angle_of_a_length():

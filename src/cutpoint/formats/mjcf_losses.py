@@ -44,10 +44,15 @@ def _of_joints(model: Any) -> list[str]:
         "frictionloss": _joints_of(model, by_dof & (model.dof_frictionloss != 0.0)),
         "armature": _joints_of(model, by_dof & (model.dof_armature != 0.0)),
         "range": undriven & (model.jnt_limited != 0),
+        "actuatorfrcrange that is not alike to both sides (the lesser counts, 0 as none)": _uneven_efforts(model),
     }
     names = names_of(model, "joint")
     named = {what: [names[j] for j in np.flatnonzero(which)] for what, which in lost.items()}
     return [f"{what} of joints {listed(joints)}" for what, joints in named.items() if joints]
+
+
+def _uneven_efforts(model: Any) -> Any:
+    return (model.jnt_actfrclimited != 0) & (model.jnt_actfrcrange[:, 0] != -model.jnt_actfrcrange[:, 1])
 
 
 def _any(model: Any, what: str) -> Any:

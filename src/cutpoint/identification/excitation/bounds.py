@@ -7,6 +7,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from cutpoint.door import refused
 from cutpoint.errors import InputError
+from cutpoint.model.limits import efforts_in_force
 from cutpoint.model.mechanism import Joint
 from cutpoint.robot import Robot
 
@@ -51,13 +52,12 @@ def bounds_of(
     low, high = _positions(robot, position)
     limits = [(x.limits, drive.limits) for x, drive in zip(joints_of(robot), robot.drives.values(), strict=True)]
     speeds = np.array([[x.velocity for x in both] for both in limits])
-    efforts = np.array([[x.effort for x in both] for both in limits])
     bounds = Bounds(
         low,
         high,
         np.fmin(_largest(robot, "speed", speed), _known(speeds)),
         _largest(robot, "acceleration", acceleration),
-        np.fmin(_largest(robot, "torque", torque), _known(efforts)),
+        np.fmin(_largest(robot, "torque", torque), efforts_in_force(robot.mechanism, robot.drives)),
     )
     for name, most in zip(robot.joints, bounds.speed, strict=True):
         if np.isinf(most):

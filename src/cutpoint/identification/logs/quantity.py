@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from cutpoint.identification.logs.mapping import ChannelMap, check_unit
 from cutpoint.identification.logs.table import Channel, Table
-from cutpoint.identification.logs.units import COUNTS, SLIDING, UNITS
+from cutpoint.identification.logs.units import COUNTS, SLIDING, TURNING, UNITS
 from cutpoint.identification.logs.wrapping import spans
 from cutpoint.model.places import listed
 
@@ -73,9 +73,16 @@ def picked(name: str, columns: Columns, joints: Sequence[str], mapping: ChannelM
 def check_kinds(
     name: str, columns: Columns, joints: Sequence[str], sliding: Collection[str], mapping: ChannelMap
 ) -> None:
-    """Raises ModelError for lengths or forces of joints that turn, unless a gain says what they are worth."""
-    for joint, unit in zip(joints, _units(name, columns, mapping), strict=True):
-        if unit in SLIDING and joint not in sliding and not mapping.quantities[name].gain:
+    """Raises ModelError for lengths of joints that turn, and for angles of those that slide (motors turn), but for
+    those with a gain, which says what they are worth."""
+    sheet = mapping.quantities[name]
+    for joint, unit in zip(joints, () if sheet.gain else _units(name, columns, mapping), strict=False):
+        if unit in TURNING and joint in sliding and sheet.side == "link":
+            fitting = ", ".join(repr(each) for each in UNITS[name] if each in SLIDING)
+            remedy = "without unit:, the columns' titles can say each joint's own"
+            rule = f"{name}.unit {unit!r} is of joints that turn, and {joint!r} slides: it must be one of {fitting}"
+            raise mapping.section.error((name, "unit"), f"{rule}; {remedy}")
+        if unit in SLIDING and joint not in sliding:
             fitting = ", ".join(repr(each) for each in UNITS[name] if each not in SLIDING)
             rule = f"{name}.unit {unit!r} is of joints that slide, and {joint!r} turns: it must be one of {fitting}"
             raise mapping.section.error((name, "unit"), rule)

@@ -97,7 +97,9 @@ class Recording:
     def resampled(self, period: float) -> "Recording":
         """On a uniform time, from the first sample on; NaN in gaps.  See `resampling.on_grid`."""
         grid, steps = uniform_times(self.time, period), np.diff(self.time)
-        note = f"resampled to a period of {period:g} s from one of {np.median(steps):.6g} s"
+        note = f"resampled to a period of {period:g} s"
+        if f"{np.median(steps):.3g}" != f"{period:.3g}":
+            note += f" from one of {np.median(steps):.6g} s"
         if np.ptp(steps) > UNEVEN * np.median(steps):
             note += f", with steps from {steps.min():.3g} to {steps.max():.3g} s"
         if near := int(close(self.time).sum()):

@@ -98,7 +98,7 @@ def divergences(results: Results) -> str:
         f"{'Apart from that, at' if lost else 'At'} least one run diverged of {told}." if told else "",
         f"None did of {_listed(held)}." if told and held else "No other run diverged." if lost else "",
     ]
-    return " ".join(x for x in sentences if x) or "No run diverged."
+    return " ".join(x for x in sentences if x) or ("No run diverged." if any(results.outcomes.values()) else "")
 
 
 def sensors(results: Results) -> str:

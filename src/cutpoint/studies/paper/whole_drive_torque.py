@@ -90,7 +90,7 @@ def remark(found: Reading) -> str:
         f"Of a whole drive the encoders see the spring alone. The part that limits the reading most is {often} on "
         f"{limits.count(often)} of {len(limits)} joints; friction, ripple and the current loop lie on the motor's side "
         "of the spring and do not enter. Kinematic error is taken off with the plant's own waves. Letting the elements "
-        "of hysteresis follow the measured deflection brings the error down by factors of "
+        "of hysteresis follow the measured deflection brings the error of drives that bend down by factors of "
         f"{gains.min():.1f} to {gains.max():.1f}: what is left is the encoders' resolution, if the elements are known."
         f"{hardly}"
     )

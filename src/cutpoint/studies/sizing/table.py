@@ -79,10 +79,10 @@ def _row(found: DriveSizing) -> tuple[str, ...]:
         _of(asked.average_torque, found, "average torque"),
         _of(asked.motor_speed, found, "maximum speed", RPM),
         _of(asked.mean_motor_speed, found, "average speed", RPM),
-        "–" if asked.current is None else _of(asked.current, found, "motor current"),
-        "–" if found.life is None else _hours(found.life),
-        "–" if tightest is None else _margin(tightest.value),
-        "–" if tightest is None else tightest.limit,
+        "-" if asked.current is None else _of(asked.current, found, "motor current"),
+        "-" if found.life is None else _hours(found.life),
+        "-" if tightest is None else _margin(tightest.value),
+        "-" if tightest is None else tightest.limit,
         found.verdict,
     )
 
@@ -90,7 +90,7 @@ def _row(found: DriveSizing) -> tuple[str, ...]:
 def _of(asked: Peak | float, found: DriveSizing, limit: str, factor: float = 1.0) -> str:
     """`37.8 of 56`; of a dash where the limit is not stated."""
     value = abs(asked.value) if isinstance(asked, Peak) else asked
-    allowed = next((_number(m.allowed * factor) for m in found.margins if m.limit == limit), "–")
+    allowed = next((_number(m.allowed * factor) for m in found.margins if m.limit == limit), "-")
     return f"{_number(value * factor)} of {allowed}"
 
 
