@@ -274,8 +274,8 @@ MUTANTS = {
     ),
     "back-EMF that helps": Mutant(
         motor.within_limits,
-        "back = gain * theta_dot",
-        "back = -gain * theta_dot",
+        "motor.voltage_limit, gain * theta_dot",
+        "motor.voltage_limit, -gain * theta_dot",
         whole_drives.test_current_and_voltage_bound_the_torque,
         {},
     ),

@@ -30,8 +30,11 @@ def listed_numbers(option: str, text: str, count: int) -> Array:
         numbers = np.array([float(x) for x in text.split(",")])
     except ValueError:
         raise InputError(f"--{option} {text!r} must be numbers separated by commas, such as 0,0.5,-1.2") from None
-    if len(numbers) != count or not np.isfinite(numbers).all():
-        raise InputError(f"--{option} has {len(numbers)} numbers, the robot has {count} joints; all must be finite")
+    if len(numbers) != count:
+        raise InputError(f"--{option} has {len(numbers)} numbers, the robot has {count} joints: give one for each")
+    if not np.isfinite(numbers).all():
+        k = int((~np.isfinite(numbers)).argmax())
+        raise InputError(f"--{option}: number {k + 1} of {count} is {numbers[k]}; all must be finite")
     return numbers
 
 
@@ -56,14 +59,14 @@ def drive_table(robot: Robot) -> Table:
         "drives, at the joint's side",
         "joint",
         "ratio",
-        "rotor / kg m2",
+        "rotor",
         "compliance",
         "link friction",
         "motor friction",
         "also",
     )
     for (name, drive), slides in zip(robot.drives.items(), _slides(robot), strict=True):
-        rotor = f"{drive.reflected_inertia:.4g}" if drive.rotor else "-"
+        rotor = f"{drive.reflected_inertia:.4g} {'kg' if slides else 'kg m2'}" if drive.rotor else "-"
         laws = (_law(drive.compliance) or "rigid", _law(drive.link_friction) or "-", _law(drive.motor_friction) or "-")
         table.add_row(name, f"{drive.ratio:g}", rotor, *laws, "\n".join(_also(drive) + _limits(drive, slides)) or "-")
     return table

@@ -19,7 +19,8 @@ def table_of(found: Excitation) -> Table:
     table = Table(title=told, title_justify="left")
     for k, column in enumerate(("joint", "quantity", "range used", "limit", "used")):
         table.add_column(column, justify="left" if k < 2 else "right", overflow="fold")
-    for use in sorted(found.limits, key=lambda use: use.name):
+    order = {joint: k for k, joint in enumerate(found.robot.joints)}
+    for use in sorted(found.limits, key=lambda use: order.get(use.name, len(order))):
         factor, unit = _for_people(use.unit)
         table.add_row(
             use.name,
