@@ -135,15 +135,6 @@ def test_numbers_stand_beside_those_of_the_files(arm: Case):
             assert prior["hysteresis loss"] == pytest.approx(wide)
 
 
-def test_a_stiffness_whose_interval_holds_zero_stays_as_in_the_files(arm: Case):
-    stated, found = arm.true.drives["joint1"], arm.found.joints["joint1"]
-    vague = replace(found, spring=replace(found.spring, covariance=1e12 * found.spring.covariance))
-    for drive, told in ((found, True), (vague, False)):
-        number = next(x for x in drive_numbers("joint1", stated, drive, True) if x.name == "stiffness")
-        assert number.told == told
-        assert number.used == (number.value if told else stated.compliance.stiffness)
-
-
 def test_a_loop_beside_a_spring_that_is_not_told_is_as_wide_as_it_was_found(arm: Case):
     supposed, name = supposed_arm(arm.true), "joint4"
     others = {joint: replace(supposed.drives[joint], compliance=None) for joint in NAMES if joint != name}

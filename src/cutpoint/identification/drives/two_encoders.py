@@ -57,7 +57,8 @@ def two_encoders(
     period: s.  ratio: motor turns per joint turn.  resolution: of both encoders together, rad at the joint's side; by
     default the smallest steps that the samples show.  orders: of the kinematic error, waves a turn of the motor; by
     default those up to 8 that stand out.  laws: spring laws to choose from by cross-validation; one with more constants
-    must predict what it was not fitted to better by 1.5 standard errors of the difference, and by 2 % of the squares.
+    must predict what it was not fitted to better by 1.5 standard errors of the difference, and by 2 % of the squares,
+    and all its stiffnesses must be told from zero.
     Elements of hysteresis start without strain at the first sample.
     torque_unknowns: of what is not known of the torque, by name, its derivatives (N,) by it: corrections to be found.
     transmission: of a torque that was read from the motor, 1 - e'(theta), by which it was divided: the kinematic error
@@ -135,7 +136,15 @@ def _best_law(
     tried = {name: law for name, law in LAWS.items() if name in laws}
     fits = {name: fit_deflection(data, law, orders, elements, damping) for name, law in tried.items()}
     errors = {name: block_errors(fit) for name, fit in fits.items()}
-    return fits[simplest(errors)], {name: float(np.sqrt(np.mean(each))) for name, each in errors.items()}
+    told = {name: each for name, each in errors.items() if _tells_stiffness(fits[name])}
+    return fits[simplest(told or errors)], {name: float(np.sqrt(np.mean(each))) for name, each in errors.items()}
+
+
+def _tells_stiffness(fit: DeflectionFit) -> bool:
+    """Whether each of the law's stiffnesses can be told from zero."""
+    among = slice(fit.law.stiffnesses)
+    spread = np.sqrt(np.diag(covariance(fit.columns, fit.residual))[among])
+    return bool((fit.constants[among] > SIGNIFICANT * spread).all())
 
 
 def _standing_out(fit: DeflectionFit, orders: Sequence[int], resolution: float) -> list[int]:

@@ -34,8 +34,6 @@ UNITS: Mapping[str, str] = {
 
 NOT_APART = "its spring, which would tell it from the link, is not seen; what torques tell of it is with the links"
 
-VAGUE = "its interval holds zero: the motion does not tell it"
-
 SUMS = {"t2": ("t1", "t2 - t1")}
 """Constants of spring laws that are sums of unknowns."""
 
@@ -60,8 +58,6 @@ class _Rows:
         """found: value and standard deviation.  thing: of `why`.  Without a path the model does without it."""
         value, reach = found[0], self.margin * found[1]
         why = self.why.get(thing, "")
-        if thing == "stiffness" and not why and value <= reach and np.isfinite(prior):
-            why = VAGUE
         used = (prior if why else value) if path else NOTHING
         unit = UNITS.get(name, "rad")
         return Number(
