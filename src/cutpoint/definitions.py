@@ -1,8 +1,8 @@
 """What a robot can compute, as functions of its machine and of lists of scalars: the bodies of its kernels.
 
 q (nq), v, a (nv) and torques tau (nv) are of the joints, in the mechanism's order; theta and its rates, motor torques
-and strains are of the drives, in theirs, all at the joints' side.  Units are SI; the methods of
-`Robot` that have these bodies say what each is, and cite it.
+and strains are of the drives, in theirs, all at the joints' side.  Units are SI; the methods of `Robot`
+that have these bodies say what each is, and cite it.
 """
 
 from collections.abc import Mapping

@@ -163,7 +163,10 @@ class Robot:
         return Robot(changes.with_payload(self.mechanism, mass, com, inertia, frame), self.drives, backend=self.backend)
 
     def with_gravity(self, gravity: ArrayLike) -> "Robot":
-        """In another field of gravity: acceleration of free fall (3,) in the world's frame, m/s2."""
+        """In another field of gravity: acceleration of free fall (3,) in the world's frame, m/s2.
+
+        Raises ModelError for more than a robot file may state.
+        """
         fall = door.checked_array("with_gravity", "gravity", gravity, 3)
         if fall.ndim != 1:
             raise door.refused("with_gravity", "gravity", fall, "one vector (3,)")

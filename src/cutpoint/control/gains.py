@@ -32,7 +32,7 @@ def gains(law: str, name: str, value: Any, size: int | None = None, positive: bo
 
 
 def is_traced(array: Any) -> bool:
-    """Whether an array holds traced numbers, and nothing else."""
+    """Whether an array holds numbers of other kinds than NumPy's, traced ones for instance, and no texts or None."""
     return array.dtype == object and all(hasattr(type(x), "__neg__") for x in array.flat)
 
 

@@ -52,6 +52,7 @@ def _of_joints(model: Any) -> list[str]:
 
 
 def _uneven_efforts(model: Any) -> Any:
+    """Joints whose actuators may do more one way than the other."""
     return (model.jnt_actfrclimited != 0) & (model.jnt_actfrcrange[:, 0] != -model.jnt_actfrcrange[:, 1])
 
 

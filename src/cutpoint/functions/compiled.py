@@ -135,7 +135,7 @@ class Compiled:
         return found
 
     def made_before(self, *key: Any) -> Callable[..., Any] | None:
-        """The function of a key that is a tuple, without a look at what it consists of; None if there is none yet."""
+        """The function of a tuple key, if it has been made; None too for what can be no key."""
         try:
             return self._functions.get(key)
         except TypeError:  # a list in place of a name

@@ -58,7 +58,7 @@ def two_encoders(
     default the smallest steps that the samples show.  orders: of the kinematic error, waves a turn of the motor; by
     default those up to 8 that stand out.  laws: spring laws to choose from by cross-validation; one with more constants
     must predict what it was not fitted to better by 1.5 standard errors of the difference, and by 2 % of the squares,
-    and all its stiffnesses must be told from zero.
+    and each of its stiffnesses must be more than 4 of its standard deviations.
     Elements of hysteresis start without strain at the first sample.
     torque_unknowns: of what is not known of the torque, by name, its derivatives (N,) by it: corrections to be found.
     transmission: of a torque that was read from the motor, 1 - e'(theta), by which it was divided: the kinematic error

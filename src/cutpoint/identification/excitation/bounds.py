@@ -7,7 +7,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from cutpoint.door import refused
 from cutpoint.errors import InputError
-from cutpoint.model.limits import efforts_in_force
+from cutpoint.model.limits import efforts_in_force, limits_in_force
 from cutpoint.model.mechanism import Joint
 from cutpoint.robot import Robot
 
@@ -50,12 +50,11 @@ def bounds_of(
     Raises InputError: a number that is none, a range of positions that is empty, or a joint whose speed is not limited.
     """
     low, high = _positions(robot, position)
-    limits = [(x.limits, drive.limits) for x, drive in zip(joints_of(robot), robot.drives.values(), strict=True)]
-    speeds = np.array([[x.velocity for x in both] for both in limits])
+    speeds = [limits.velocity for limits in limits_in_force(robot.mechanism, robot.drives).values()]
     bounds = Bounds(
         low,
         high,
-        np.fmin(_largest(robot, "speed", speed), _known(speeds)),
+        np.fmin(_largest(robot, "speed", speed), speeds),
         _largest(robot, "acceleration", acceleration),
         np.fmin(_largest(robot, "torque", torque), efforts_in_force(robot.mechanism, robot.drives)),
     )
@@ -86,11 +85,6 @@ def _positions(robot: Robot, position: tuple[ArrayLike, ArrayLike] | None) -> tu
             rule = "the first must be smaller; it needs room to move"
             raise InputError(f"joint {name!r}: position limits {a:g} and {b:g} leave no range: {rule}", joint=name)
     return low, high
-
-
-def _known(stated: Array) -> Array:
-    """The least along the last axis; files that do not know a limit often state 0, which does not count."""
-    return np.where(stated > 0.0, stated, np.inf).min(axis=-1)
 
 
 def _largest(robot: Robot, name: str, value: ArrayLike | None) -> Array:

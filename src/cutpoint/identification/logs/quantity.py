@@ -73,10 +73,12 @@ def picked(name: str, columns: Columns, joints: Sequence[str], mapping: ChannelM
 def check_kinds(
     name: str, columns: Columns, joints: Sequence[str], sliding: Collection[str], mapping: ChannelMap
 ) -> None:
-    """Raises ModelError for lengths of joints that turn, and for angles of those that slide (motors turn), but for
-    those with a gain, which says what they are worth."""
+    """Raises ModelError for lengths of joints that turn, and for angles of those that slide (their motors may turn),
+    unless a gain says what they are worth."""
     sheet = mapping.quantities[name]
-    for joint, unit in zip(joints, () if sheet.gain else _units(name, columns, mapping), strict=False):
+    if sheet.gain:
+        return
+    for joint, unit in zip(joints, _units(name, columns, mapping), strict=True):
         if unit in TURNING and joint in sliding and sheet.side == "link":
             fitting = ", ".join(repr(each) for each in UNITS[name] if each in SLIDING)
             remedy = "without unit:, the columns' titles can say each joint's own"
