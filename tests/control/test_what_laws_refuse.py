@@ -69,6 +69,15 @@ REFUSED = {
         lambda: VDC(elbow(), [9.0] * 3, 5.0, 3.0, 60.0),
         r"VDC: position_gain has 3 numbers; it must have one, or one for each of 2 drives",
     ),
+    "a gain that is nothing": (lambda: PD(None, 1.0), r"PD: kp = None must be finite"),
+    "gains that are nothing": (lambda: PD([None] * 2, 1.0), r"PD: kp = \[None, None\] must be finite"),
+    "a time that is a text": (lambda: Guard(PD(1.0, 1.0), elbow(), ramp_time="a"), r"Guard: ramp_time must be one num"),
+    "a limit that is a text": (lambda: Guard(PD(1.0, 1.0), elbow(), torque_limit="a"), r"torque_limit a must be numb"),
+    "faults without names": (lambda: Guard(PD(1.0, 1.0), elbow(), reactions=5), r"reactions must be a reaction for"),
+    "a whole bandwidth below zero": (
+        lambda: SpeedFilter(PD(1.0, 1.0), np.int64(-1)),
+        r"SpeedFilter: bandwidth -1.0 Hz must be positive",
+    ),
     "a negative gain": (
         lambda: VDC(elbow(), 9.0, -5.0, 3.0, 60.0),
         r"VDC: speed_gain = -5.0 must be finite and not neg",
