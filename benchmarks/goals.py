@@ -47,7 +47,7 @@ WHERE = """
   dynamics hands inertias of 21 numbers on, more than registers hold beside what is computed with them.
 * One call from Python, general: NumPy looks at types, shapes and strides of each argument for the gufunc; the shortcut
   that plain arrays take does not.
-* Closed loop: steps are {steps} times as quick as CasADi's; checks, references and the log are the rest.
+* Closed loop: steps are {steps} times as quick as CasADi's; checks, arrays of references and the log are the rest.
 * Of the memory's: where inverse dynamics in lanes takes longer than copying, arithmetic is what is waited for.
 * Of the multiply-adds: additions and products that have no partner count for one of the two that a core can do.
 """

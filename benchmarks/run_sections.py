@@ -26,9 +26,9 @@ _LOOP = """## Closed loop with elastic joints
 
 Simulated seconds a second, medians, best in brackets: drives of 1e4 N m/rad with rotors of 1 kg m2 at the joint,
 without friction, motors' PD at 1 kHz on sines of 0.5 rad, in the longest steps that keep every link within 1e-4 rad.
-All take Runge-Kutta steps of fourth order; in short ones they are {apart:.0e} rad apart.  cutpoint by `simulate`, its
-references and its log of positions included; CasADi's forward dynamics in a loop of C, which logs positions; MuJoCo
-with two hinges a joint, in a loop of C.
+All take Runge-Kutta steps of fourth order; in short ones they are {apart:.0e} rad apart.  The sines are known before.
+cutpoint by `simulate`, its checks and its log of positions included; CasADi's forward dynamics in a loop of C, which
+logs positions; MuJoCo with two hinges a joint, in a loop of C.
 
 """
 

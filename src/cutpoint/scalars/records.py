@@ -3,7 +3,7 @@
 A whole number, a truth value, a text, or any object that is no number is structure: it stays in the record.
 """
 
-from collections.abc import Callable, Hashable, Iterator, Mapping
+from collections.abc import Callable, Hashable, Iterator, Mapping, Sequence
 from copy import copy
 from dataclasses import fields, is_dataclass, replace
 from functools import cache
@@ -17,9 +17,12 @@ _STRUCTURE = (*_NEVER_NUMBERS, int, np.integer)
 
 def leaves(record: Any) -> list[Any]:
     """The numbers of a record, depth first, in the order of its fields."""
-    found: list[Any] = []
-    map_leaves(lambda x: found.append(x) or x, record)
-    return found
+    if isinstance(record, np.ndarray):
+        return record.reshape(-1).tolist()
+    parts = _parts(record)
+    if parts is None:
+        return [record] if _is_number(record) else []
+    return [x for part in parts for x in leaves(part)]
 
 
 def rebuild(record: Any, numbers: Iterator[Any]) -> Any:
@@ -51,14 +54,10 @@ def map_leaves(function: Callable[[Any], Any], record: Any, structure: tuple[typ
 
 def constants(record: Any) -> list[Any]:
     """What a record holds beside numbers, depth first."""
-    if isinstance(record, dict):
-        return constants([*record.values()])
-    if isinstance(record, (list, tuple)):
-        return [x for part in record for x in constants(part)]
-    if is_dataclass(record) and not isinstance(record, type):
-        return constants([getattr(record, name) for name in _fields(type(record))])
-    is_constant = isinstance(record, _STRUCTURE) or not hasattr(type(record), "__neg__")
-    return [record] if is_constant and not isinstance(record, np.ndarray) else []
+    parts = _parts(record)
+    if parts is None:
+        return [] if _is_number(record) else [record]
+    return [x for part in parts for x in constants(part)]
 
 
 def is_of_cutpoint(thing: Any) -> bool:
@@ -87,6 +86,22 @@ def structure_of(record: Any, known: Mapping[int, Hashable] | None = None) -> Ha
     if hasattr(type(record), "__neg__"):
         return float
     return (type(record), getattr(record, "trace_key", id(record)))
+
+
+def _parts(record: Any) -> Sequence[Any] | None:
+    """What a nest holds, in order; None for what is no nest, and for an array."""
+    if isinstance(record, (list, tuple)):
+        return record
+    if isinstance(record, dict):
+        return [*record.values()]
+    if is_dataclass(record) and not isinstance(record, type):
+        return [getattr(record, name) for name in _fields(type(record))]
+    return None
+
+
+def _is_number(thing: Any) -> bool:
+    """Whether a thing that is no nest counts as a number, or as an array of them."""
+    return not isinstance(thing, _STRUCTURE) and hasattr(type(thing), "__neg__")
 
 
 def _is_law_of_user(record: Any) -> bool:

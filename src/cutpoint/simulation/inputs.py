@@ -1,6 +1,6 @@
 """What runs are given, as arrays: sample times, references, rows of periods, noise, limits."""
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -52,7 +52,8 @@ def reference_at(robot: Robot, trajectory: Trajectory | None, initial: State | N
     if trajectory.size != n:
         raise InputError(f"simulate: the trajectory has {trajectory.size} joints, the robot has {n} drives")
     reference = trajectory.derivatives(times, 4)
-    for extreme in (reference[0].min(axis=0), reference[0].max(axis=0)):
+    by_joint = np.ascontiguousarray(reference[0].T)
+    for extreme in (by_joint.min(axis=1), by_joint.max(axis=1)):
         check_configuration(robot.mechanism, extreme)
     return reference
 
@@ -60,19 +61,18 @@ def reference_at(robot: Robot, trajectory: Trajectory | None, initial: State | N
 def rows_of(loop: ClosedLoop, times: Array, reference: Array, disturbances: Disturbance | None) -> Array:
     """What each control period is given: see `Layout.row`."""
     layout = loop.layout
-    parts = [times[:, None], *reference]
-    if disturbances is None:
-        parts.append(np.zeros((len(times), layout.nv)))
-    else:
+    rows: Array = np.zeros((len(times), layout.row))
+    rows[:, 0] = times
+    rows[:, 1 : 1 + 5 * layout.n].reshape(len(times), 5, layout.n)[:] = np.moveaxis(reference, 0, 1)
+    if disturbances is not None:
         pushed = checked_array("simulate", "disturbances(times)", disturbances(times), layout.nv)
         if pushed.shape not in ((layout.nv,), (len(times), layout.nv)):
             expected = (len(times), layout.nv)
             raise InputError(f"simulate: disturbances(times) has shape {pushed.shape}, it must be {expected}")
-        parts.append(np.broadcast_to(pushed, (len(times), layout.nv)))
-    return np.ascontiguousarray(np.concatenate(parts, axis=1))
+        rows[:, 1 + 5 * layout.n :] = pushed
+    return rows
 
 
-def noise_of(loops: Sequence[ClosedLoop], samples: int) -> Array:
-    """Standard normal numbers of runs side by side, a row a sample."""
-    seeds = [loop.encoders.seed for loop in loops]
-    return noise_beside(seeds, samples, loops[0].layout.noise, loops[0].robot.backend)
+def noise_of(loop: ClosedLoop, samples: int) -> Array:
+    """Standard normal numbers of a run, a row a sample."""
+    return noise_beside([loop.encoders.seed], samples, loop.layout.noise, loop.robot.backend)

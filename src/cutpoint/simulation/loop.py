@@ -23,7 +23,7 @@ from cutpoint.scalars import Scalar, clip, leaves, rebuild, where
 from cutpoint.simulation.channels import absent_from, recordable, recorded_for
 from cutpoint.simulation.lanes import Lanes
 from cutpoint.simulation.layout import Layout
-from cutpoint.simulation.plant import is_uniform, own_parts, sizes
+from cutpoint.simulation.plant import State, is_uniform, own_parts, sizes
 from cutpoint.simulation.sensors import Encoders
 from cutpoint.simulation.stages import PlantStages
 from cutpoint.simulation.step import TABLEAU
@@ -75,9 +75,13 @@ class ClosedLoop:
     kept: frozenset[str] | None = None
 
     @cached_property
+    def parts(self) -> State:
+        """How long each part of the state is."""
+        return sizes(self.robot.machine)
+
+    @cached_property
     def layout(self) -> Layout:
-        n, parts = len(self.robot.drives), sizes(self.robot.machine)
-        return Layout(n, parts.v, sum(parts), self.encoders.normals)
+        return Layout(len(self.robot.drives), self.parts.v, sum(self.parts), self.encoders.normals)
 
     @cached_property
     def plant(self) -> PlantStages:
@@ -91,12 +95,14 @@ class ClosedLoop:
     @cached_property
     def channels(self) -> dict[str, int]:
         """What is recorded each period, with its length, in order."""
+        if self.kept is None:
+            return self._recordable
         absent = absent_from(self.robot, self._recordable, reports=getattr(self.controller, "reports_faults", False))
-        return self._recordable if self.kept is None else recorded_for(self.kept, self._recordable, absent)
+        return recorded_for(self.kept, self._recordable, absent)
 
     @property
     def _recordable(self) -> dict[str, int]:
-        return recordable(sizes(self.robot.machine)._asdict(), self.layout.n, self.layout.nv)
+        return recordable(self.parts._asdict(), self.layout.n, self.layout.nv)
 
     def parameters(self, limits: Array) -> Array:
         parts = [leaves(self.controller), leaves(self.encoders), limits, [self.period]]

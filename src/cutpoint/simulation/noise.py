@@ -1,6 +1,6 @@
 """Noise of encoders: standard normal numbers by the method of Box and Muller (1958), many at once in compiled lanes."""
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from functools import cache
 
 import numpy as np
@@ -17,18 +17,25 @@ BLOCK = 512
 
 
 def noise_beside(seeds: Sequence[int], samples: int, size: int, backend: str) -> Array:
-    """Noise of runs side by side, (samples, size * runs): number k of run l is in column k * runs + l.
+    """Noise of runs side by side, (samples, size * runs): number k of run l is in column k * runs + l."""
+    noise: Array = np.empty((samples, size * len(seeds)))
+    starts = range(0, samples if size else 0, BLOCK)
+    for start, block in zip(starts, blocks_beside(seeds, size, backend), strict=False):
+        noise[start : start + BLOCK] = block[: samples - start]
+    return noise
 
-    What a run gets depends on its seed and size alone.
+
+def blocks_beside(seeds: Sequence[int], size: int, backend: str) -> Iterator[Array]:
+    """The same without end, BLOCK samples after BLOCK samples.
+
+    Blocks are drawn whole: what a run gets depends on its seed and size alone, and a longer run begins as a shorter.
     """
     sources = [np.random.default_rng(seed) for seed in seeds]
-    noise: Array = np.empty((samples, size, len(seeds)))
-    for start in range(0, samples if size else 0, BLOCK):
-        block = noise[start : start + BLOCK]
-        # whole blocks are drawn, so that a longer run begins as a shorter one does
+    while True:
+        block: Array = np.empty((BLOCK * size, len(seeds)))
         for run, source in enumerate(sources):
-            block[:, :, run] = _normals(source, BLOCK * size, backend).reshape(BLOCK, size)[: len(block)]
-    return noise.reshape(samples, size * len(seeds))
+            block[:, run] = _normals(source, BLOCK * size, backend)
+        yield block.reshape(BLOCK, -1)
 
 
 def _normals(source: np.random.Generator, count: int, backend: str) -> Array:

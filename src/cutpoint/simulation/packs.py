@@ -1,7 +1,7 @@
 """Runs of one structure in the lanes of one program: a pack.  What each does is what it does alone, to the last bit."""
 
 import time
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -13,6 +13,7 @@ from cutpoint.kernels import Program
 from cutpoint.simulation.inputs import noise_of
 from cutpoint.simulation.log import Log
 from cutpoint.simulation.loop import ClosedLoop
+from cutpoint.simulation.noise import BLOCK, blocks_beside
 from cutpoint.simulation.plant import State
 from cutpoint.simulation.recording import log_of
 from cutpoint.simulation.runner import (
@@ -30,6 +31,9 @@ Array = NDArray[np.float64]
 
 WIDTH = 8
 """Runs of a pack: numbers that a wide register holds."""
+
+BUFFER = 4 * BLOCK
+"""Samples whose noise and record a pack holds at a time, so that a cache does."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -65,31 +69,45 @@ class Pack:
 
     def run(self, goes_on: Callable[[int], bool]) -> dict[int, Log | SimulationError]:
         """All runs' logs or what stopped them; goes_on hears how many samples were done, and may end it."""
-        program, memory = self.program(), self._memory()
+        program, memory, blocks = self.program(), self._memory(), self._noise()
+        beside = memory["record"].reshape(BUFFER, -1, WIDTH)
+        records = [np.empty((len(self.times), beside.shape[1])) for _ in self.setups]
         total, done, chunk = len(self.times), 0, FIRST_CHUNK
         while done < total and goes_on(done):
-            before, ticks = time.perf_counter(), min(chunk, total - done)
-            done += run_samples(program, memory, done, ticks, self.steps.number)
+            first = done % BUFFER
+            if first == 0:
+                memory["row"] = self._rows(done)
+                np.concatenate([next(blocks) for _ in range(BUFFER // BLOCK)], out=memory["noise"])
+            before, ticks = time.perf_counter(), min(chunk, BUFFER - first, total - done)
+            run_samples(program, memory, first, ticks, self.steps.number)
+            for k, record in enumerate(records):
+                record[done : done + ticks] = beside[first : first + ticks, :, k]
+            done += ticks
             chunk = next_chunk(ticks, time.perf_counter() - before)
-        record = memory["record"].reshape(total, memory["record"].shape[1] // WIDTH, WIDTH)
-        found = enumerate(zip(self.setups, memory["fault"], strict=False))
-        return {s.number: self._outcome(s, record[:, :, k], done, bool(fault)) for k, (s, fault) in found}
+        found = zip(self.setups, records, memory["fault"], strict=False)
+        return {setup.number: self._outcome(setup, own, done, bool(fault)) for setup, own, fault in found}
 
     def _loop(self, setup: Setup) -> ClosedLoop:
         return replace(setup.loop, runs=WIDTH, own_rows=self.own_rows)
 
     def _memory(self) -> dict[str, Array]:
-        """Regions with the runs' numbers side by side; the last run fills the lanes that are left."""
+        """Regions with the runs' numbers side by side, but for rows; those with a row a sample have BUFFER of them."""
         loops = [self._loop(s) for s in self._filled]
-        rows = [s.rows for s in self._filled]
-        memory: dict[str, Array] = {region.name: np.zeros(region.size) for region in loops[0].regions()}
-        memory |= shared_numbers(loops[0], self.steps.number)
+        regions = {region.name: region.size for region in loops[0].regions()}
         own = [first_numbers(x, s.start, s.told, s.limits) for x, s in zip(loops, self._filled, strict=True)]
+        memory: dict[str, Array] = {name: np.zeros(size) for name, size in regions.items()}
         memory |= {name: _beside([numbers[name] for numbers in own]) for name in own[0]}
-        memory["row"] = _beside(rows) if self.own_rows else rows[0]
-        memory["noise"] = noise_of(loops, len(self.times))
-        memory["record"] = np.zeros((len(self.times), WIDTH * sum(loops[0].channels.values())))
-        return memory
+        memory |= {name: np.empty((BUFFER, regions[name])) for name in ("noise", "record")}
+        return memory | shared_numbers(loops[0], self.steps.number)
+
+    def _rows(self, first: int) -> Array:
+        """What the next BUFFER of control periods are given."""
+        rows = [s.rows[first : first + BUFFER] for s in self._filled]
+        return _beside(rows) if self.own_rows else rows[0]
+
+    def _noise(self) -> Iterator[Array]:
+        loops = [s.loop for s in self._filled]
+        return blocks_beside([x.encoders.seed for x in loops], loops[0].layout.noise, loops[0].robot.backend)
 
     @property
     def _filled(self) -> list[Setup]:
@@ -113,7 +131,7 @@ class Pack:
     def _again(self, setup: Setup) -> tuple[ClosedLoop, Array, int, str | None]:
         """A run that was lost, by itself until there, with all channels: loop, record, how many samples, and why."""
         loop, steps = replace(setup.loop, kept=None), self.steps.number
-        noise = noise_of([loop], len(self.times))
+        noise = noise_of(loop, len(self.times))
         memory = working_memory(loop, setup.start, setup.told, setup.rows, noise, setup.limits, steps)
         outcome = run(loop, memory, steps, None)
         return loop, memory["record"], outcome.ticks, outcome.cause

@@ -54,7 +54,7 @@ def working_memory(
     """
     regions: dict[str, Array] = {region.name: np.zeros(region.size) for region in loop.regions()}
     regions |= first_numbers(loop, start, told, limits) | shared_numbers(loop, substeps)
-    return regions | {"row": rows, "noise": noise, "record": np.zeros((len(rows), sum(loop.channels.values())))}
+    return regions | {"row": rows, "noise": noise, "record": np.empty((len(rows), sum(loop.channels.values())))}
 
 
 def first_numbers(loop: ClosedLoop, start: State, told: Array, limits: Array) -> dict[str, Array]:
@@ -109,7 +109,7 @@ def run(loop: ClosedLoop, memory: dict[str, Array], substeps: int, integrate: In
 
 def next_chunk(ticks: int, seconds: float) -> int:
     """As many samples as take about CHUNK_SECONDS, so that bars move and Ctrl-C is heard."""
-    return max(1, min(4 * ticks, int(ticks * CHUNK_SECONDS / max(seconds, 1e-6))))
+    return max(1, min(16 * ticks, int(ticks * CHUNK_SECONDS / max(seconds, 1e-6))))
 
 
 def _advance(

@@ -109,7 +109,7 @@ def simulate(
     law = admitted(robot, controller)
     loop, start, told = prepared(robot, law, control_period, initial, reference, sensors, channels)
     steps = steps_of(robot, accuracy, substeps, control_period, start, reference)
-    rows, noise = rows_of(loop, times, reference, disturbances), noise_of([loop], len(times))
+    rows, noise = rows_of(loop, times, reference, disturbances), noise_of(loop, len(times))
     limits = efforts_in_force(robot.mechanism, robot.drives)
     memory = working_memory(loop, start, told, rows, noise, limits, steps.number)
     integrate = _integrator(loop, trajectory, accuracy, hold)
