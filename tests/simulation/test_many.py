@@ -56,12 +56,13 @@ def test_drives_may_be_of_all_kinds_and_the_base_may_float():
 
 
 def test_references_and_disturbances_may_differ_too():
-    ours, law = robot("xia2019"), PD(KP, KD)
+    """Over more samples than a pack holds at a time."""
+    ours, law, many = robot("xia2019"), PD(KP, KD), {"control_period": 2e-5, "sensors": Sensors(link_noise=1e-6)}
     moves = [cycloid(END * share, 0.05) for share in (0.2, 0.5, 1.0)]
     pushes = [lambda t, k=k: np.outer(np.sin(300 * t), np.eye(6)[k]) for k in range(3)]
-    runs = simulate_many(ours, law, moves, disturbances=pushes)
+    runs = simulate_many(ours, law, moves, disturbances=pushes, **many)
     for run, move, push in zip(runs, moves, pushes, strict=True):
-        assert same(run, simulate(ours, law, move, disturbances=push))
+        assert same(run, simulate(ours, law, move, disturbances=push, **many))
 
 
 class Remembering(Law):
