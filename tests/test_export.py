@@ -4,6 +4,7 @@ import re
 import shutil
 import subprocess
 import sys
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -12,7 +13,7 @@ import pytest
 
 import cutpoint
 from c_builds import STRICT, CFunction, assert_same_bits, build, run
-from cutpoint import Drive, InputError, Rotor, TraceError
+from cutpoint import Coulomb, Drive, InputError, LuGre, Rotor, TraceError
 from cutpoint.control import PD, Fault, Feedforward, Guard
 from cutpoint.export import RESULTS, export_controller, export_function
 from cutpoint.simulation.control_kernel import law_kernel, law_memory, law_parameters
@@ -136,6 +137,22 @@ def test_the_header_names_rows_and_columns(arm: cutpoint.Robot, tmp_path: Path) 
     assert "about the world's origin" in said["momentum"] and "joint1" not in said["momentum"]
     export_function(arm, "jacobian", tmp_path, name="f", frame="link3", expressed_in="local_world_aligned")
     assert "of frame link3, along the world's axes" in (tmp_path / "f.h").read_text()
+
+
+def test_the_header_says_what_wrenches_and_strains_are(arm: cutpoint.Robot, tmp_path: Path) -> None:
+    wrenches = {"tool": np.zeros(6), "link3": np.zeros(6)}
+    export_function(arm, "inverse_dynamics", tmp_path, name="pushed", external=wrenches)
+    header = (tmp_path / "pushed.h").read_text()
+    assert "inverse_dynamics of xia2019, external tool, link3." in header
+    assert "in   wrench_1: 6, on the robot: force (N), then moment (N m), at its frame's origin, " in header
+    slides = LuGre(Coulomb(1.0, 0.5, 0.1), 1e-4, 0.0)
+    sticky = arm.with_drives({j: replace(drive, link_friction=slides) for j, drive in arm.drives.items()})
+    strains = np.zeros(len(sticky.strain_names))
+    assert strains.size == arm.nv
+    export_function(sticky, "elastic_forward_dynamics", tmp_path, name="sticky", strains=strains)
+    header = (tmp_path / "sticky.h").read_text()
+    assert f"in   strains: 6, rad (m): {', '.join(sticky.strain_names)}" in header
+    assert "elastic_forward_dynamics of xia2019." in header
 
 
 @pytest.mark.parametrize("standard", ["c++11", "c++14", "c++17"])

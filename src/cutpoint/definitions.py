@@ -15,7 +15,7 @@ from cutpoint.mechanics import inverse_dynamics as inverse
 from cutpoint.mechanics.drive_regressor import DriveRegressor
 from cutpoint.mechanics.elastic import Driven, ElasticMotion, Options
 from cutpoint.mechanics.elastic_forward import ElasticAccelerations
-from cutpoint.mechanics.harmonic_drive import DriveState, friction_torque, motor_position, spring_torque
+from cutpoint.mechanics.harmonic_drive import DriveState, friction_torque, spring_torque, static_lead
 from cutpoint.mechanics.spatial import Pose, Vec3, Wrench
 from cutpoint.mechanics.strains import Strains, drive_by_drive
 from cutpoint.mechanics.system import System
@@ -152,12 +152,7 @@ def drive_torque(m: Machine, theta: Scalars, q: Scalars) -> Scalars:
 def static_deflection(m: Machine, q: Scalars) -> Scalars:
     """How far each motor leads its link when nothing moves, rad: the spring's answer to gravity."""
     weight = gravity_forces(m, q)
-    return [
-        motor_position(d.drive, q[d.q] + d.drive.compliance.deflection(weight[d.v])) - q[d.q]
-        if d.drive.compliance
-        else 0.0
-        for d in m.drives
-    ]
+    return [static_lead(d.drive, q[d.q], weight[d.v]) for d in m.drives]
 
 
 def friction_torques(m: Machine, v: Scalars) -> Scalars:

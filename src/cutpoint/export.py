@@ -60,7 +60,10 @@ def export_function(
     if RESULTS[function]:
         (port,) = graph.outputs
         graph = replace(graph, outputs=(replace(port, name=RESULTS[function]),))
-    about = ", ".join([f"{function} of {robot.name}", *(f"{key} {value}" for key, value in options.items())])
+    # arrays are told of where the arguments are
+    told = {key: x for key, x in options.items() if isinstance(x, (str, bool, Mapping))}
+    said = [f"{key} {', '.join(x) if isinstance(x, Mapping) else x}" for key, x in told.items()]
+    about = ", ".join([f"{function} of {robot.name}", *said])
     values = {"parameters": Values(robot.drive_parameters, [*labels_of(dict(robot.drives))])}
     notes = notes_of(robot, graph, about, values, result_of(robot, function, **options))
     return _WRITERS[to](graph, name or function, folder, notes, force=force)

@@ -64,6 +64,10 @@ def _told(robot: Robot, name: str, shape: Sequence[int]) -> str:
     """Unit and order of an argument."""
     if name == "parameters":
         return "numbers of the drives, and what else is listed below"
+    if name.startswith("wrench_"):
+        return "on the robot: force (N), then moment (N m), at its frame's origin, along its axes"
+    if name == "strains":
+        return f"rad (m): {', '.join(robot.strain_names)}"
     unit = _UNITS.get(name.removeprefix("reference_"), "SI units")
     ordered = len(shape) == 1 and name not in ("h", "memory", "next_memory")
     order = _order(robot, name, shape[0]) if ordered else []

@@ -236,8 +236,8 @@ class Robot:
     def inertial_parameters(self) -> Array:
         """(10 n,): for each body mass, first moment (3), inertia about its frame's origin xx xy xz yy yz zz.
 
-        As the dynamics have them: with the rotors that a body carries and its own inertia does not hold, standing still
-        (`in_link_inertia=False`), their mass and inertia too.
+        As the dynamics have them: a rotor that a body carries and its own inertia does not hold
+        (`in_link_inertia=False`) counts with its mass and its inertia at rest.
         """
         rows: list[float] = []
         for segment in self.machine.system.segments:
@@ -524,7 +524,7 @@ class Robot:
             return door.checked_array(name, "angle", angle, ratio.size) * ratio**direction
         if torque is not None and angle is None:
             return door.checked_array(name, "torque", torque, ratio.size) * ratio**-direction
-        raise InputError(f"{name}: give either angle= or torque=, not both and not neither")
+        raise InputError(f"{name}: give angle= or torque=, one of the two")
 
     def __repr__(self) -> str:
         elastic = sum(drive.is_elastic for drive in self.drives.values())

@@ -182,7 +182,7 @@ def test_a_stream_that_goes_on_needs_rows_for_all_its_iterations() -> None:
     arrays = memory(3, np.ones((1, 3)))
     with pytest.raises(InputError, match=r"region 'x' streams: .* at least 6 rows of 1"):
         tree_program("llvm").run({"times": 2, "nodes": 3}, parents=np.array([3, 0, 1]), **arrays)
-    with pytest.raises(InputError, match="region 'parents' is missing"):
+    with pytest.raises(InputError, match="array 'parents' is missing"):
         tree_program("llvm").run({"times": 1, "nodes": 3}, **arrays)
 
 
@@ -200,6 +200,7 @@ UNSOUND: list[tuple[Callable[[], Loop], str]] = [
     (lambda: Loop(1, [], ("x",), onward=("x",)), "different names"),
     (lambda: Loop(1, [Loop(1, [], ("x",), views=(View("y", "x", "i"),)), Stage(same, ("y",), ("y",))]), "only be used"),
     (lambda: Loop(1, [Stage(same, ("y",), ("y",))], ("x",)), "no region is named 'y'"),
+    (lambda: Loop(1, [Stage(same, ("z",), ("y",))], ("x",), views=(View("y", "x", "i"),)), "there are: 'x', 'y'"),
     (lambda: Loop(1, [], ("x",), "y", views=(View("y", "x", "i"),)), "no region is named 'y'"),
 ]
 

@@ -118,7 +118,7 @@ REFUSED: dict[str, tuple[Callable[[Any, Any], Any], str]] = {
     "equal": (lambda x, y: x == y, "no meaning"),
     "different": (lambda x, y: x != y, "no meaning"),
     "member": (lambda x, y: x in [y], "no meaning"),
-    "modulo": (lambda x, y: x % 2, "%"),
+    "modulo": (lambda x, y: x % 2, "wrap an angle x by 2 * cutpoint.atan(cutpoint.tan(x / 2))"),
     "power": (lambda x, y: x**1.5, "whole"),
     "traced power": (lambda x, y: x**y, "constant"),
     "to a power": (lambda x, y: 2**x, "exp"),
@@ -138,6 +138,13 @@ def test_what_cannot_be_compiled_points_at_the_users_line(case: str) -> None:
         graph_of(function, x=(), y=())
     assert caught.value.place == f"{__file__}:{function.__code__.co_firstlineno}"
     assert remedy in str(caught.value) and caught.value.place in str(caught.value)
+
+
+def test_an_angle_is_wrapped_as_the_error_says() -> None:
+    turns = np.linspace(-20.0, 20.0, 1001)
+    found = compile(lambda x: 2 * atan(tan(x / 2)), x=())(turns)
+    np.testing.assert_allclose(np.exp(1j * found), np.exp(1j * turns), rtol=0, atol=1e-14)
+    assert (abs(found) <= math.pi).all()
 
 
 def test_numbers_of_two_traces_do_not_meet() -> None:

@@ -18,7 +18,7 @@ def sums(x: Any) -> Any:
 
 
 def test_a_function_too_long_for_machine_code_runs_without(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(backends, "MOST_OPERATIONS", 100)
+    monkeypatch.setattr(backends, "MOST_COMPILED", 100)
     with pytest.raises(InputError, match=r"sums: 4\d\d operations a call, at most 100 compile; use backend='numpy'"):
         compile_kernel(sums, x=2, backend="llvm")
     with pytest.raises(InputError, match=r"a stepping program: 4\d\d operations a call, at most 100 compile"):
@@ -47,6 +47,6 @@ def test_a_function_of_too_many_numbers_is_refused_and_before_it_is_traced_where
 
 
 def test_a_function_too_long_to_trace_is_refused(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(nodes, "MOST_OPERATIONS", 100)
+    monkeypatch.setattr(nodes, "MOST_TRACED", 100)
     with pytest.raises(InputError, match="more than 100 operations in one function are too many to trace; split it"):
         compile_kernel(sums, x=2, backend="numpy")

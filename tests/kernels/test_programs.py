@@ -180,7 +180,7 @@ WRONG_ARRAYS: list[tuple[dict[str, Any], str]] = [
     ({"log": np.zeros((9, 4))}, "at least 9 rows of 3"),
     ({"rk": np.zeros((3, 2))}, "at least 4 rows of 2"),
     ({"x": SHARED[:2], "rate": SHARED[1:3]}, "share memory"),
-    ({"y": np.zeros(2)}, "no region is named 'y'"),
+    ({"y": np.zeros(2)}, "no array is named 'y'"),
 ]
 
 
@@ -200,7 +200,7 @@ def test_a_run_needs_all_its_arrays_and_counts(program: Program) -> None:
     with pytest.raises(InputError, match="no count is named 'tocks'"):
         program.run({"ticks": 1, "tocks": 1}, **arrays)
     del arrays["u"]
-    with pytest.raises(InputError, match="region 'u' is missing"):
+    with pytest.raises(InputError, match="array 'u' is missing"):
         program.run({"ticks": 1}, **arrays)
 
 

@@ -25,7 +25,7 @@ def export(
     name: Annotated[str | None, typer.Option(help="Of the C function, the same if not given.")] = None,
     force: Annotated[bool, typer.Option("--force", help="Overwrite files that cutpoint has not written.")] = False,
 ) -> None:
-    """Write a robot's function as code for machines without Python, equal to ours to the last bit, with its check."""
+    """Write a robot's function as code for machines without Python: C99, with a check of its bits, or CUDA C."""
     from cutpoint.export import export_function
 
     options = {} if frame is None else {"frame": frame}

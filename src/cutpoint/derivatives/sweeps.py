@@ -15,6 +15,7 @@ from cutpoint.definitions import Machine
 from cutpoint.door import checked_array
 from cutpoint.errors import InputError
 from cutpoint.functions.special_robots import check_quaternions
+from cutpoint.kernels.arguments import common_batch
 from cutpoint.mechanics import elastic_forward
 from cutpoint.mechanics.kinematics import coordinate_rates
 from cutpoint.robot import Robot
@@ -133,11 +134,7 @@ def _over_batch(
     compiled = robot._compiled  # pyright: ignore[reportPrivateUsage]
     arrays = [checked_array(name, key, x, compiled.size_of(key)) for key, x in given.items()]
     check_quaternions(name, "q", arrays[0], compiled.quaternions)
-    try:
-        batch = np.broadcast_shapes(*(x.shape[:-1] for x in arrays))
-    except ValueError:
-        pairs = ", ".join(f"{key} {x.shape[:-1]}" for key, x in zip(given, arrays, strict=True))
-        raise InputError(f"{name}: leading axes do not broadcast: {pairs}") from None
+    batch = common_batch(name, {key: x.shape[:-1] for key, x in zip(given, arrays, strict=True)})
     arrays = [np.broadcast_to(x, (*batch, x.shape[-1])) for x in arrays]
     found = [np.empty((*batch, *shape)) for shape in shapes]
     for k in np.ndindex(batch):

@@ -24,7 +24,7 @@ from cutpoint.mechanics.elastic import Driven
 from cutpoint.mechanics.reframing import Framing
 from cutpoint.model import Drive, Mechanism
 from cutpoint.model.mechanism import frozen
-from cutpoint.rolled import JointByJoint, check_length, joint_by_joint, rolled
+from cutpoint.rolled import JointByJoint, check_compiles, joint_by_joint, name_of, rolled
 from cutpoint.scalars import leaves, rebuild
 
 JOINT_QUANTITIES = frozenset({
@@ -39,14 +39,14 @@ DIVIDE_BY_INERTIA = frozenset(name for name in JOINT_QUANTITIES if "forward_dyna
 
 
 def machine_of(mechanism: Mechanism, drives: Mapping[str, Drive], framing: Framing | None = None) -> Machine:
-    """The robot as the equations want it: rigid drives' rotors as armature, drives in their coordinates' order.
+    """The robot as the equations want it: rigid drives' rotors as armature, drives with where their coordinates stand.
 
     framing: frames and inertias other than the bodies' own.
     """
     system = system_of(mechanism, drives, framing)
     indices = {body.joint.name: i for i, body in enumerate(mechanism.bodies)}
-    driven = [(drive, i, system.segments[i]) for drive, i in ((d, indices[name]) for name, d in drives.items())]
-    return Machine(system, [Driven(drive, i, own.q.start, own.v.start) for drive, i, own in driven])
+    placed = [(drive, indices[name]) for name, drive in drives.items()]
+    return Machine(system, [Driven(d, i, system.segments[i].q.start, system.segments[i].v.start) for d, i in placed])
 
 
 def rotor_is_felt(drive: Drive) -> bool:
@@ -123,10 +123,10 @@ class Compiled:
         """
         found = self._functions.get(key)
         if found is None:
-            name = key[0] if isinstance(key, tuple) else key
+            name = name_of(key)
             if name in DIVIDE_BY_INERTIA:
                 check_moves_inertia(self._mechanism, self.machine)
-            found = self._made(key, name, definition, inputs.split(), reads_drives, record)
+            found = self._made(key, definition, inputs.split(), reads_drives, record)
             if self.quaternions:
                 found = with_quaternions(found, name, inputs.split(), self.quaternions)
             if name in MATRICES and not self.machine.system.nv:
@@ -144,19 +144,18 @@ class Compiled:
     def _made(
         self,
         key: Any,
-        name: str,
         definition: Callable[..., Any],
         inputs: Sequence[str],
         reads_drives: bool,
         record: type[tuple[Any, ...]] | None,
     ) -> Callable[..., Any]:
         """A function as loops, where they take it and suit it, or as a kernel: code without loops."""
-        loops = rolled(key, self.machine, self._backend, record)
+        name, loops = name_of(key), rolled(key, self.machine, self._backend, record)
         loops = loops or self._joint_by_joint(key, definition, inputs, reads_drives)
         if loops:
             self._loops.add(name)
             return loops
-        check_length(name, self.machine.system, self._backend)
+        check_compiles(name, self.machine.system, self._backend)
         made = self._compile(name, definition, inputs, reads_drives, record)
         self._kernels[name] = made.kernel
         return made.quick()

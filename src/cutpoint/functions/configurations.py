@@ -23,14 +23,14 @@ def neutral(system: System) -> Array:
 
 def at_random(mechanism: Mechanism, system: System, rng: np.random.Generator, shape: tuple[int, ...]) -> Array:
     """(*shape, nq): see `Robot.random`."""
-    q = np.broadcast_to(neutral(system), (*shape, system.nq)).copy()
+    q = np.empty((*shape, system.nq))
     for segment, body in zip(system.segments, mechanism.bodies, strict=True):
         if not segment.follower:
-            q[..., segment.q] = random_coordinates(body.joint, segment.joint.coordinates, rng, shape)
+            q[..., segment.q] = _random_coordinates(body.joint, segment.joint.coordinates, rng, shape)
     return q
 
 
-def random_coordinates(joint: Joint, count: int, rng: np.random.Generator, shape: tuple[int, ...]) -> Array:
+def _random_coordinates(joint: Joint, count: int, rng: np.random.Generator, shape: tuple[int, ...]) -> Array:
     """Coordinates (*shape, count) of a joint: see `Robot.random`."""
     free = np.pi if joint.kind in ("revolute", "continuous", "helical") else 1.0
     if count == 1:

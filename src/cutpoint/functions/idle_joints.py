@@ -7,7 +7,7 @@ import numpy as np
 from cutpoint import definitions
 from cutpoint.definitions import Machine
 from cutpoint.errors import ModelError
-from cutpoint.functions.configurations import random_coordinates
+from cutpoint.functions.configurations import at_random
 from cutpoint.mechanics.spatial import IDENTITY, ZERO, Inertia
 from cutpoint.mechanics.system import System
 from cutpoint.model import Mechanism
@@ -42,10 +42,9 @@ def check_moves_inertia(mechanism: Mechanism, machine: Machine) -> None:
 def _idle_joints(mechanism: Mechanism, machine: Machine, rng: np.random.Generator) -> list[str]:
     """Joints that take part in the motion of least inertia at a random configuration, if that is none."""
     system = machine.system
-    q, names = np.zeros(system.nq), np.empty(system.nv, object)
+    q, names = at_random(mechanism, system, rng, ()), np.empty(system.nv, object)
     for segment, body in zip(system.segments, mechanism.bodies, strict=True):
         if not segment.follower:
-            q[segment.q] = random_coordinates(body.joint, segment.joint.coordinates, rng, ())
             names[segment.v] = body.joint.name
     M, most = (np.array(definitions.mass(Machine(x, []), q.tolist()), float) for x in (system, _spread(system)))
     scale = np.sqrt(np.diag(most))

@@ -1,4 +1,4 @@
-"""Functions of a robot that come in variants: for wrenches at frames, with so many derivatives, in one's own axes."""
+"""Functions of a robot that come in variants: for wrenches at frames, with so many derivatives, with options."""
 
 from collections.abc import Mapping, Sequence
 from functools import cache, partial

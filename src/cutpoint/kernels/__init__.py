@@ -1,9 +1,10 @@
 """Kernels: functions of scalars, traced once, compiled for arrays and for stepping loops.  Knows nothing of robots.
 
 A function becomes a graph (`specialise`, `tracing`, `algebra`), which runs node by node in NumPy (`numpy_backend`), or
-is lowered to PRIMITIVES (`nodes`, `lowering`) and emitted (`llvm`).  A new emitter walks `lower(graph).nodes`, which
-come operands first, writes one statement for each `op`, and hands out `graph.results`.  Derivatives are taken of the
-graph before it is lowered (`derivatives`, `elimination`, `slopes`), and are graphs again.
+is lowered to PRIMITIVES (`nodes`, `lowering`) and emitted (`llvm`, `c99`, `cuda`).  A new emitter walks the nodes of
+`lower(graph)`, which come operands first, writes one statement for each `op`, and hands out the lowered graph's
+`results`: see docs/emitters.md.  Derivatives are taken of the graph before it is lowered (`derivatives`, `elimination`,
+`slopes`), and are graphs again.
 """
 
 from cutpoint.kernels.derivatives import jacobian_of

@@ -61,6 +61,19 @@ def batch_shape(port: Port, array: np.ndarray) -> Shape:
     return array.shape[:split]
 
 
+def common_batch(function: str, batches: Mapping[str, Shape]) -> Shape:
+    """The leading axes that arguments have together, from those of each by its name.
+
+    Raises:
+        InputError: they do not broadcast.
+    """
+    try:
+        return np.broadcast_shapes(*batches.values())
+    except ValueError:
+        found = ", ".join(f"{name} {shape}" for name, shape in batches.items())
+        raise InputError(f"{function}: leading axes do not broadcast: {found}", batches=batches) from None
+
+
 def explained(kernel: str, graph: Graph, arguments: Sequence[Any], out: Any, error: Exception) -> InputError:
     """Why a call failed, found by looking again at what it was given."""
     batches = {}
@@ -70,10 +83,9 @@ def explained(kernel: str, graph: Graph, arguments: Sequence[Any], out: Any, err
         except (TypeError, ValueError) as problem:
             return InputError(f"{kernel}: {port.name} {_phrase(argument, problem)}", name=port.name)
     try:
-        batch = np.broadcast_shapes(*batches.values())
-    except ValueError:
-        found = ", ".join(f"{name} {shape}" for name, shape in batches.items())
-        return InputError(f"{kernel}: leading axes do not broadcast: {found}", batches=batches)
+        batch = common_batch(kernel, batches)
+    except InputError as problem:
+        return problem
     return InputError(f"{kernel}: {_out_problem(graph.outputs, batch, out) or error}")
 
 

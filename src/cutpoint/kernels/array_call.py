@@ -11,7 +11,7 @@ from cutpoint.kernels.backends import Function
 from cutpoint.kernels.graph import Graph
 from cutpoint.kernels.precision import FLOAT64
 from cutpoint.kernels.strided import WORTH_MAKING, Strided
-from cutpoint.kernels.threads import Threaded, checked
+from cutpoint.kernels.threads import Threaded, thread_count
 
 _ARRAY = np.ndarray
 
@@ -36,7 +36,7 @@ class ArrayCall:
                 raise explained(self._name, self._graph, arguments, out, error) from None
         if named or len(arguments) != len(self._graph.inputs):
             arguments = tuple(in_order(self._name, self._graph.inputs, arguments, named))
-        count = 1 if threads is None else checked(self._name, threads)
+        count = 1 if threads is None else thread_count(self._name, threads)
         try:
             if self._graph.precision is not FLOAT64:  # what NumPy itself refuses is rounded
                 arguments = tuple(as_numbers(x, self._graph.precision) for x in arguments)

@@ -9,7 +9,7 @@ from cutpoint.kernels.graph import Graph
 from cutpoint.kernels.numpy_backend import NumpyFunction
 from cutpoint.kernels.ports import Port
 
-MOST_OPERATIONS = 200_000
+MOST_COMPILED = 200_000
 """That are compiled: it takes time that grows with their square, for so many two or three minutes."""
 
 MOST_NUMBERS = 2**15
@@ -61,8 +61,8 @@ def array_function(graph: Graph, name: str, backend: str) -> Function:
 def check_length(name: str, graphs: Iterable[Graph]) -> None:
     """Raises InputError if compiling would take many minutes."""
     operations = sum(len(graph.nodes) for graph in graphs)
-    if operations > MOST_OPERATIONS:
-        told = f"{name}: {operations} operations a call, at most {MOST_OPERATIONS} compile"
+    if operations > MOST_COMPILED:
+        told = f"{name}: {operations} operations a call, at most {MOST_COMPILED} compile"
         raise InputError(f"{told}; use backend='numpy', or a smaller model", operations=operations)
 
 

@@ -9,6 +9,7 @@ from collections.abc import Sequence
 
 from cutpoint.kernels import element
 from cutpoint.kernels.graph import Graph
+from cutpoint.kernels.lane_memory import ALL_EXCEPTIONS, row_lengths
 from cutpoint.kernels.llvm import Lanes
 from cutpoint.kernels.llvm_code import Code
 from cutpoint.kernels.ports import Port
@@ -20,7 +21,6 @@ _HEADER = f"""declare void @llvm.memset.p0.i64(ptr, i8, i64, i1)
 declare i32 @feclearexcept(i32)
 define void @{FUNCTION}(ptr %arguments, ptr %dimensions, ptr %steps, ptr %packs) {{
 entry:"""
-_ALL_EXCEPTIONS = 0x3F  # a superset of every platform's FE_ALL_EXCEPT
 WORTH_MAKING_PACKS = 64
 """The shortest batch for which packs are compiled."""
 
@@ -38,7 +38,7 @@ class _Argument:
 
     def is_tidy(self, code: Code) -> list[str]:
         """Conditions that together say that the argument's own axes are C-contiguous."""
-        sizes = [self._precision.item * n for n in _row_lengths(self.port.shape)]
+        sizes = [self._precision.item * n for n in row_lengths(self.port.shape)]
         return [code.let(f"icmp eq i64 {s}, {n}") for s, n in zip(self.strides, sizes, strict=True)]
 
     def advance(self, code: Code, index: str) -> None:
@@ -49,7 +49,7 @@ class _Argument:
         kind = self._precision.real
         with code.loop(self.port.size) as loop:
             outside = self.here
-            for n, length, stride in zip(_row_lengths(self.port.shape), self.port.shape, self.strides, strict=True):
+            for n, length, stride in zip(row_lengths(self.port.shape), self.port.shape, self.strides, strict=True):
                 index = code.let(f"urem i64 {code.let(f'udiv i64 {loop.iteration}, {n}')}, {length}")
                 outside = code.at(outside, code.let(f"mul i64 {index}, {stride}"), "i8")
             source, target = (outside, self.scratch) if inward else (self.scratch, outside)
@@ -79,7 +79,7 @@ def batch_loop(graph: Graph, inputs: Sequence[Port], outputs: Sequence[Port], la
             argument.advance(code, index)
         _one(code, arguments[: len(inputs)], arguments[len(inputs) :], tidy)
     # results, not processor flags, tell of overflow and NaN: both sides of a select are computed
-    code.let(f"call i32 @feclearexcept(i32 {_ALL_EXCEPTIONS})")
+    code.let(f"call i32 @feclearexcept(i32 {ALL_EXCEPTIONS})")
     head = "".join(Lanes(x, graph.precision).declarations for x in (1, lanes)) + _HEADER
     return "\n".join([element.element(graph, inputs, outputs, lanes), head, *code.lines, "ret void", "}", ""])
 
@@ -134,11 +134,3 @@ def _one(code: Code, inputs: list[_Argument], outputs: list[_Argument], tidy: st
     for argument in outputs:
         argument.copy(code, inward=False)
     code.label(end)
-
-
-def _row_lengths(shape: tuple[int, ...]) -> list[int]:
-    """How many elements apart neighbours along each axis are in a C-contiguous array."""
-    lengths = [1]
-    for n in reversed(shape[1:]):
-        lengths.insert(0, n * lengths[0])
-    return lengths[: len(shape)]

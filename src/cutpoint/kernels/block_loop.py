@@ -96,7 +96,7 @@ def _block(code: Code, graph: Graph, lanes: Lanes, read: list[tuple[str, int]], 
         for _ in range(min(each, len(constants))):
             store(*constants.pop())
 
-    straight_line(code, graph, lambda slot: code.load(*read[slot], lanes.real, align=lanes.item), ready, lanes)
+    straight_line(code, graph, lanes, lambda slot: code.load(*read[slot], lanes.real, align=lanes.item), ready)
     for constant in constants:
         store(*constant)
 

@@ -12,7 +12,7 @@ from cutpoint.kernels.backends import Function
 from cutpoint.kernels.block_function import block_function, wide
 from cutpoint.kernels.graph import Graph
 from cutpoint.kernels.precision import FLOAT64, Precision
-from cutpoint.kernels.threads import Threaded, checked
+from cutpoint.kernels.threads import Threaded, thread_count
 from cutpoint.kernels.waiting import shown
 
 _CACHE_LINE = 64
@@ -52,7 +52,7 @@ class Blocks:
             except (TypeError, ValueError):
                 pass  # the longer way says why, or mends it
         given = [self._spread(x) for x in in_order(self._name, self._wide.inputs, arguments, named)]
-        count = 1 if threads is None else checked(self._name, threads)
+        count = 1 if threads is None else thread_count(self._name, threads)
         try:
             if self._wide.precision is not FLOAT64:
                 given = [as_numbers(x, self._wide.precision) for x in given]

@@ -5,12 +5,11 @@ from pathlib import Path
 
 import numpy as np
 
-from cutpoint.errors import InputError
-from cutpoint.files import replacing
 from cutpoint.kernels.arguments import as_numbers
 from cutpoint.kernels.backends import array_function, chosen
-from cutpoint.kernels.c99_texts import GENERATED, Notes, texts
+from cutpoint.kernels.c99_texts import Notes, texts
 from cutpoint.kernels.graph import Graph
+from cutpoint.kernels.package_files import write_files
 from cutpoint.kernels.ports import Port
 
 _SCALES = (0.0, *[1.0] * 12, 1e-300, 1e-8, 1e3)
@@ -30,29 +29,7 @@ def write_package(
     """
     from cutpoint import __version__
 
-    folder = Path(folder)
-    recorded = _recorded(graph, name, notes)
-    contents = {folder / file: text for file, text in texts(graph, name, notes, __version__, recorded).items()}
-    try:
-        folder.mkdir(parents=True, exist_ok=True)
-    except OSError as error:
-        raise InputError(f"folder {str(folder)!r} cannot be made: {error.strerror}", path=folder) from None
-    for path in contents:
-        if path.exists() and not (force or _is_ours(path)):
-            raise InputError(
-                f"{str(path)!r} was not written by cutpoint; choose another folder, or force it", path=path
-            )
-    for path, text in contents.items():
-        with replacing(path) as file:
-            file.write(text.encode())
-    return tuple(contents)
-
-
-def _is_ours(path: Path) -> bool:
-    if not path.is_file():
-        return False
-    with path.open("rb") as file:
-        return GENERATED.encode() in file.read(80)
+    return write_files(folder, texts(graph, name, notes, __version__, _recorded(graph, name, notes)), force)
 
 
 def _recorded(graph: Graph, name: str, notes: Notes) -> tuple[np.ndarray, np.ndarray]:

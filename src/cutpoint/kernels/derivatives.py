@@ -1,32 +1,23 @@
 """Derivatives of traced functions, as functions that are traced and compiled in their turn."""
 
 import itertools
-import operator
 from collections import namedtuple
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from functools import wraps
 from typing import Any
 
-from cutpoint import scalars
 from cutpoint.errors import InputError, TraceError, unknown_name
 from cutpoint.kernels.algebra import Operand
 from cutpoint.kernels.elimination import Order, jacobian
 from cutpoint.kernels.graph import reach
-from cutpoint.kernels.nodes import ELEMENTARY, Node, Trace
+from cutpoint.kernels.nodes import Node, Trace
 from cutpoint.kernels.ports import Shape, flatten, named_parts, nest
+from cutpoint.kernels.replay import OPERATORS
 from cutpoint.kernels.specialise import checked, name_of
 from cutpoint.kernels.tracing import Traced
 
 Flat = tuple[Shape, list[Any]]
 """An array as its shape and its numbers."""
-
-_OPERATORS: dict[str, Callable[..., Any]] = {
-    "add": operator.add, "sub": operator.sub, "mul": operator.mul, "div": operator.truediv, "neg": operator.neg,
-    "lt": operator.lt, "le": operator.le, "and": operator.and_, "or": operator.or_,
-    "not": lambda x: not x if isinstance(x, bool) else ~x, "select": Traced.where,
-    **{op: getattr(scalars, op) for op in ("sqrt", *ELEMENTARY)},
-}  # fmt: skip
-"""What a node does, on operands of which some have become floats."""
 
 _serials = itertools.count()
 
@@ -120,7 +111,7 @@ def _replaced(results: Sequence[Operand], values: Mapping[int, Operand]) -> list
 
     for x in reach(results):
         if any(isinstance(y, Node) and y.serial in done for y in x.args):
-            done[x.serial] = _OPERATORS[x.op](*map(new, x.args))
+            done[x.serial] = OPERATORS[x.op](*map(new, x.args))
     return [new(x) for x in results]
 
 

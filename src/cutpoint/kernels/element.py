@@ -36,10 +36,10 @@ def element(graph: Graph, inputs: Sequence[Port], outputs: Sequence[Port], width
         if slot < len(write):
             code.store(value, *write[slot], lanes.real)
 
-    rest = StraightLine(code, parts.rest, load, ready, lanes)
+    rest = StraightLine(code, parts.rest, lanes, load, ready)
     for group in parts.groups:
         arguments = wide.joined(code, rest.written(group.arguments))
-        found = straight_line(code, group.graph, lambda _, x=arguments: x, lanes=wide)
+        found = straight_line(code, group.graph, wide, lambda _, x=arguments: x)
         for vector, slots in zip(found, group.values, strict=True):
             in_vectors |= {slot: (vector, k) for k, slot in enumerate(slots)}
     rest.written(range(len(graph.results)))

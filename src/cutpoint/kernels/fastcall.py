@@ -17,7 +17,7 @@ from cutpoint.kernels.backends import Function
 from cutpoint.kernels.jit import OPTIMISATION, Compiled
 from cutpoint.kernels.llvm_code import Code
 from cutpoint.kernels.numpy_api import DATA, DOUBLE
-from cutpoint.kernels.plain_arguments import ELSEWHERE, field, recognised
+from cutpoint.kernels.plain_arguments import ELSEWHERE, recognised
 from cutpoint.kernels.ports import Port
 
 _FUNCTION = "call"
@@ -88,7 +88,7 @@ def _answer(code: Code, sources: list[str], outputs: Sequence[Port], *, recorded
     alone = len(outputs) == 1 and not recorded
     owner = None if alone else _made(code, f"PyTuple_New(i64 {len(outputs)})")
     arrays = [_made(code, _new_array(p, k), owner, k) if p.shape else None for k, p in enumerate(outputs)]
-    places = [field(code, x, DATA, "ptr") if x else code.let("alloca double") for x in arrays]
+    places = [code.field(x, DATA) if x else code.let("alloca double") for x in arrays]
     filled = [place for place, port in zip(places, outputs, strict=True) if port.size]
     code.lines.append(f"call void @element({', '.join(f'ptr {p}' for p in (*sources, *filled))})")
     results = [

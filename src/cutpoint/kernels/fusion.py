@@ -89,9 +89,11 @@ class _Fusion:
         return first + [t.times(1 if x.op == "add" else -1) for t in second]
 
     def _parts(self, x: Operand) -> list[Term]:
-        if isinstance(x, Node) and x.op == "mul" and self._uses[x.serial] == 1:
+        if not isinstance(x, Node):
+            return [Term(1, (x,))]
+        if x.op == "mul" and self._uses[x.serial] == 1:
             return [Term(1, x.args)]
-        return self._products.get(x.serial, [Term(1, (x,))]) if isinstance(x, Node) else [Term(1, (x,))]
+        return self._products.get(x.serial) or [Term(1, (x,))]
 
     def _sum(self, terms: Sequence[Term], trace: Trace) -> Operand:
         """All terms, one after another onto the first that is added."""

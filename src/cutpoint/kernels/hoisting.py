@@ -28,7 +28,7 @@ def hoist(graph: Graph, fixed: Container[int]) -> Split:
     def rule(x: Node, operands: list[Operand], _: Callable[[Any], Operand], trace: Trace) -> Operand:
         return trace.node("input", place[x.serial]) if x.serial in place else trace.node(x.op, *operands)
 
-    before = Graph(graph.inputs, (port,), tuple(moved))
+    before = replace(graph, outputs=(port,), results=tuple(moved))
     return Split(before, replace(rewrite(graph, rule), inputs=(*graph.inputs, port)))
 
 

@@ -41,9 +41,8 @@ def compile(
         InputError: a shape, the backend, or the function's parameters do not fit, or it is too large to compile.
     """
     if name is not None and not isinstance(name, str):
-        raise InputError(
-            f"compile: name={name!r} must be a string, what errors call the kernel; no input has this name"
-        )
+        told = "must be a string: errors call the kernel by it, so no input can be named 'name'"
+        raise InputError(f"compile: name={name!r} {told}")
     start, label = time.perf_counter(), name or name_of(function)
     taken = inputs.keys() & {"self", "out", "threads"}
     if taken:

@@ -114,7 +114,7 @@ class LaneMemory:
         with code.loop(self._port.size) as loop:
             vector = code.load(self.scratch, loop.iteration, self._lanes.real)
             for lane, element in enumerate(elements):
-                number = code.let(f"extractelement {self._lanes.real} {vector}, i64 {lane}")
+                number = self._lanes.one_of(code, vector, lane)
                 code.store(number, self._number(code, element, loop.iteration), 0, self._lanes.one)
 
 

@@ -82,18 +82,15 @@ class Lanes:
         return value if self.width == 1 else f"<{', '.join([f'{kind} {value}'] * self.width)}>"
 
 
-SCALAR = Lanes(1)
-
-
 def straight_line(
     code: Code,
     graph: Graph,
+    lanes: Lanes,
     load: Callable[[int], str],
     ready: Callable[[int, str], None] = lambda *_: None,
-    lanes: Lanes = SCALAR,
 ) -> list[str]:
     """Writes a lowered graph's operations and returns the names of its results; see `StraightLine`."""
-    return StraightLine(code, graph, load, ready, lanes).written(range(len(graph.results)))
+    return StraightLine(code, graph, lanes, load, ready).written(range(len(graph.results)))
 
 
 class StraightLine:
@@ -103,9 +100,9 @@ class StraightLine:
         self,
         code: Code,
         graph: Graph,
+        lanes: Lanes,
         load: Callable[[int], str],
-        ready: Callable[[int, str], None] = lambda *_: None,
-        lanes: Lanes = SCALAR,
+        ready: Callable[[int, str], None],
     ) -> None:
         """load(slot) names an input's value; ready(slot, name) hears of a result as soon as it is there."""
         self._code, self._graph, self._load, self._ready, self._lanes = code, graph, load, ready, lanes

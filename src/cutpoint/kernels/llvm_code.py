@@ -76,6 +76,10 @@ class Code:
     def store(self, value: str, pointer: str, index: str | int, kind: str = "double", align: int | None = None) -> None:
         self.lines.append(f"store {kind} {value}, ptr {self.at(pointer, index, kind)}{_alignment(align)}")
 
+    def field(self, pointer: str, offset: int, kind: str = "ptr") -> str:
+        """What lies so many bytes inside an object."""
+        return self.let(f"load {kind}, ptr {self.at(pointer, offset, 'i8')}")
+
     def zero(self, pointer: str, size: int) -> None:
         """Zeros in so many bytes."""
         self.lines.append(f"call void @llvm.memset.p0.i64(ptr {pointer}, i8 0, i64 {size}, i1 false)")

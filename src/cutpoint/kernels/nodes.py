@@ -28,7 +28,7 @@ PRIMITIVES = {
     "exponent": "the whole n with 2**n <= a < 2**(n + 1), for a normal a > 0; unspecified elsewhere",
     "significand": "a / 2**n with that n, in [1, 2); unspecified where n is",
 }
-"""All that an emitter must know, as op: meaning, with args (a, b, c, d); an argument is a node or a float."""
+"""All that an emitter must know, as op: meaning, with args (a, b, c, d): nodes and floats, a slot and bits ints."""
 
 ELEMENTARY = ("sin", "cos", "tan", "exp", "log", "tanh", "atan")
 """Functions that a graph may hold until it is lowered to primitives."""
@@ -36,14 +36,14 @@ ELEMENTARY = ("sin", "cos", "tan", "exp", "log", "tanh", "atan")
 CONDITIONS = frozenset({"lt", "le", "and", "or", "not"})
 COMMUTATIVE = frozenset({"add", "mul", "and", "or"})
 
-MOST_OPERATIONS = 2_000_000
+MOST_TRACED = 2_000_000
 """Of one trace, those included that no result needs: they take some ten seconds and a gigabyte."""
 
 _serials = itertools.count()
 
 
 class Node:
-    """One operation.  `op` is a name of PRIMITIVES or ELEMENTARY; `args` are nodes and floats.
+    """One operation.  `op` is a name of PRIMITIVES or ELEMENTARY; `args` are nodes and floats, a slot and bits ints.
 
     `serial` orders all nodes by creation: operands come before what uses them.
     """
@@ -83,8 +83,8 @@ class Trace:
     def _add(self, key: tuple[Any, ...], op: str, args: tuple[Any, ...]) -> Node:
         if any(isinstance(x, Node) and x.trace is not self for x in args):
             raise TraceError("numbers of two traces meet in one operation; make both inputs of one function")
-        if len(self._table) >= MOST_OPERATIONS:
-            told = f"more than {MOST_OPERATIONS} operations in one function are too many to trace"
+        if len(self._table) >= MOST_TRACED:
+            told = f"more than {MOST_TRACED} operations in one function are too many to trace"
             raise InputError(f"{told}; split it, or take a smaller model")
         node = Node.__new__(self._kinds[op in CONDITIONS])
         node.op, node.args, node.trace, node.serial = op, args, self, next(_serials)

@@ -78,8 +78,8 @@ def pack_loop(graph: Graph, inputs: Sequence[Port], outputs: Sequence[Port], wid
                 code.ask(argument.first(code, loop.iteration), argument.size)
         with code.aside() as pack:
             straight_line(
-                code, graph, lambda slot: code.load(*read[slot], lanes.real),
-                lambda slot, value: code.store(value, *write[slot], lanes.real), lanes,
+                code, graph, lanes, lambda slot: code.load(*read[slot], lanes.real),
+                lambda slot, value: code.store(value, *write[slot], lanes.real),
             )  # fmt: skip
         code.lines += in_turn(pack, asked)
         for argument, port in zip(targets, outputs, strict=True):

@@ -1,10 +1,9 @@
 """LLVM IR that recognises plain arguments of a Python call: one test after another, the first that fails leaves."""
 
-import struct
 from collections.abc import Sequence
 
 from cutpoint.kernels.jit import vector_width
-from cutpoint.kernels.llvm_code import Code
+from cutpoint.kernels.llvm_code import Code, literal
 from cutpoint.kernels.numpy_api import DATA, FLAGS, RANK, SHAPE, TIDY, TYPE
 from cutpoint.kernels.ports import Port
 from cutpoint.kernels.python_api import KIND, VALUE
@@ -24,24 +23,24 @@ def recognised(code: Code, ports: Sequence[Port], largest: float | None) -> list
 
 
 def _array(code: Code, x: str, port: Port) -> str:
-    _require(code, code.let(f"icmp eq ptr {field(code, x, KIND, 'ptr')}, @array_type"))
-    tidy = code.let(f"and i32 {field(code, x, FLAGS, 'i32')}, {TIDY}")
+    _require(code, code.let(f"icmp eq ptr {code.field(x, KIND)}, @array_type"))
+    tidy = code.let(f"and i32 {code.field(x, FLAGS, 'i32')}, {TIDY}")
     _require(
         code,
-        code.let(f"icmp eq i32 {field(code, x, RANK, 'i32')}, {len(port.shape)}"),
-        code.let(f"icmp eq ptr {field(code, x, TYPE, 'ptr')}, @float64"),
+        code.let(f"icmp eq i32 {code.field(x, RANK, 'i32')}, {len(port.shape)}"),
+        code.let(f"icmp eq ptr {code.field(x, TYPE)}, @float64"),
         code.let(f"icmp eq i32 {tidy}, {TIDY}"),
     )
     if port.shape:
-        shape = field(code, x, SHAPE, "ptr")
+        shape = code.field(x, SHAPE)
         _require(code, *(code.let(f"icmp eq i64 {code.load(shape, k, 'i64')}, {n}") for k, n in enumerate(port.shape)))
-    return field(code, x, DATA, "ptr")
+    return code.field(x, DATA)
 
 
 def _scalar(code: Code, x: str, port: Port) -> str:
     """A float, an np.float64, whose value lies where a float's does, or an array without axes."""
     number, other, array, end = (code.name(x) for x in ("number", "other", "array", "end"))
-    kind = field(code, x, KIND, "ptr")
+    kind = code.field(x, KIND)
     kinds = [code.let(f"icmp eq ptr {kind}, @{name}") for name in ("float_type", "float64_type")]
     code.branch(code.let(f"or i1 {', '.join(kinds)}"), number, other)
     code.open(other)
@@ -78,13 +77,7 @@ def _are_within(code: Code, pointer: str, size: int, largest: float) -> str:
 
 def splat(x: float, size: int) -> str:
     """A constant in every lane of a vector."""
-    bits = struct.unpack("<Q", struct.pack("<d", x))[0]
-    return f"<{', '.join([f'double 0x{bits:016x}'] * size)}>"
-
-
-def field(code: Code, x: str, offset: int, kind: str) -> str:
-    """What lies so many bytes inside an object."""
-    return code.let(f"load {kind}, ptr {code.at(x, offset, 'i8')}")
+    return f"<{', '.join([f'double {literal(x)}'] * size)}>"
 
 
 def _require(code: Code, *conditions: str) -> None:

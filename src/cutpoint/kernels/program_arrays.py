@@ -21,7 +21,7 @@ def check_run(plan: Plan, counts: Mapping[str, int], arrays: Mapping[str, np.nda
     for name, count in counts.items():
         if not isinstance(count, (int, np.integer)) or not 0 <= count < 2**63:
             raise InputError(f"count {name!r} is {count!r}, it must be a whole number of 0 or more", name=name)
-    _check_names("region", arrays, plan.names)
+    _check_names("array", arrays, plan.names)
     for name in plan.regions:
         _check_kind(name, arrays[name], written=name in plan.written)
         _check_size(name, arrays[name], plan, counts)

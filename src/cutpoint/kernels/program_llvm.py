@@ -161,7 +161,7 @@ class _Stage:
         self._rest, count = self._graph, len(before.results)
         self._begun, self._first_begun = [], len(self._sources) + count
         self._hoisted = code.let(f"alloca {self.lanes.real}, i64 {count}") if count else ""
-        values = straight_line(code, before, lambda slot: self._load(code, regions, slot, {}), lanes=self.lanes)
+        values = straight_line(code, before, self.lanes, lambda slot: self._load(code, regions, slot, {}))
         for k, value in enumerate(values):
             code.store(value, self._hoisted, k, self.lanes.real)
 
@@ -171,7 +171,7 @@ class _Stage:
         late = {k for k, (name, *_) in enumerate(self._sources) if root(name) in map(root, awaited)}
         before, self._rest = hoist(self._graph, set(range(self._first_begun)) - late)
         first = scheduled(before)
-        self._begun = straight_line(code, first, lambda slot: self._load(code, regions, slot, {}), lanes=self.lanes)
+        self._begun = straight_line(code, first, self.lanes, lambda slot: self._load(code, regions, slot, {}))
 
     def write(self, code: Code, regions: Mapping[str, str], at_hand: dict[Place, str]) -> None:
         """Reads, computes, then writes what has changed.
@@ -222,7 +222,7 @@ class _Stage:
     def _written(self, code: Code, regions: Mapping[str, str], load: Callable[[int], str]) -> list[tuple[Place, str]]:
         """What has changed goes to memory; all results, with their places."""
         graph, self._rest = self._rest, self._graph
-        values = straight_line(code, scheduled(graph), load, lanes=self.lanes)
+        values = straight_line(code, scheduled(graph), self.lanes, load)
         for x, value, (name, k) in zip(graph.results, values, self._targets, strict=True):
             if not self._is_input(x, (name, k)):
                 code.store(value, code.at(regions[name], k * self._steps.get(name, 1)), 0, self.lanes.real, align=8)

@@ -200,7 +200,7 @@ class _Walk:
     def _check_names(self, names: Sequence[str], advancing: frozenset[str]) -> None:
         for name in names:
             if name not in self.regions and name not in self.views:
-                raise unknown_name("region", name, self.regions)
+                raise unknown_name("region", name, [*self.regions, *self.views])
             self.uses.append((name, advancing))
 
 

@@ -8,8 +8,10 @@ from typing import Any, NoReturn
 from cutpoint.errors import TraceError
 
 _NOT_THE_USER = {"cutpoint", "numpy"}
-_OURS = {"sin", "cos", "tan", "exp", "log", "tanh", "sqrt", "maximum", "minimum", "clip", "where"}
-_RENAMED = {"arctan": "atan", "absolute": "absolute", "fabs": "absolute", "fmax": "maximum", "fmin": "minimum"}
+_OURS = {
+    "sin", "cos", "tan", "atan", "exp", "log", "tanh", "sqrt", "absolute", "maximum", "minimum", "clip", "where"
+}  # fmt: skip
+_RENAMED = {"arctan": "atan", "fabs": "absolute", "fmax": "maximum", "fmin": "minimum"}
 
 
 def user_place() -> str | None:
@@ -51,7 +53,10 @@ class Refusals:
     __hash__ = object.__hash__  # by identity, so that dictionaries and sets still hold traced numbers
 
     def __mod__(self, other: object) -> NoReturn:
-        refuse("// and % of a traced number cannot be compiled; wrap angles by cutpoint.atan or outside the kernel")
+        refuse(
+            "// and % of a traced number cannot be compiled; "
+            "wrap an angle x by 2 * cutpoint.atan(cutpoint.tan(x / 2)), or outside the kernel"
+        )
 
     __rmod__ = __floordiv__ = __rfloordiv__ = __divmod__ = __mod__
 
@@ -59,7 +64,7 @@ class Refusals:
 def refuse_numpy(name: str) -> NoReturn:
     """Raises TraceError for a NumPy function applied to a traced number."""
     ours = _RENAMED.get(name, name)
-    remedy = f"use cutpoint.{ours}" if ours in (*_OURS, "atan", "absolute") else "write it with cutpoint's functions"
+    remedy = f"use cutpoint.{ours}" if ours in _OURS else "write it with cutpoint's functions"
     refuse(f"np.{name} cannot be applied to a traced number; {remedy}")
 
 

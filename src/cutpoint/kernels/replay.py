@@ -10,13 +10,13 @@ from cutpoint.kernels.graph import Graph
 from cutpoint.kernels.nodes import ELEMENTARY, Node
 from cutpoint.kernels.ports import flatten, nest
 
-_OPERATORS: dict[str, Callable[..., Any]] = {
+OPERATORS: dict[str, Callable[..., Any]] = {
     "add": operator.add, "sub": operator.sub, "mul": operator.mul, "div": operator.truediv, "neg": operator.neg,
     "lt": operator.lt, "le": operator.le, "and": operator.and_, "or": operator.or_,
     "not": lambda x: not x if isinstance(x, bool) else ~x, "select": scalars.where,
     **{op: getattr(scalars, op) for op in ("sqrt", *ELEMENTARY)},
 }  # fmt: skip
-"""What a graph holds before it is lowered."""
+"""What the operations do that a graph holds before it is lowered, on scalars; some may be floats and truths."""
 
 
 def replay(
@@ -32,7 +32,7 @@ def replay(
     taken: what a node's value goes on as.
     """
     values: dict[int, Any] = {}
-    apply = {**_OPERATORS, **(operators or {})}
+    apply = {**OPERATORS, **(operators or {})}
 
     def value(x: Any) -> Any:
         return values[x.serial] if isinstance(x, Node) else constant(x)

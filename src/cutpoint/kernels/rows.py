@@ -4,10 +4,8 @@ import math
 from collections.abc import Sequence
 from typing import Any
 
-import numpy as np
-
 from cutpoint.errors import InputError
-from cutpoint.kernels.arguments import batch_shape
+from cutpoint.kernels.arguments import batch_shape, common_batch
 from cutpoint.kernels.ports import Port, Shape
 
 
@@ -35,11 +33,7 @@ def batch_of(name: str, ports: Sequence[Port], given: Sequence[Any]) -> Shape:
             shapes[port.name] = batch_shape(port, x)
         except ValueError as problem:
             raise InputError(f"{name}: {port.name} {problem}", name=port.name) from None
-    try:
-        return np.broadcast_shapes(*shapes.values())
-    except ValueError:
-        found = ", ".join(f"{key} {shape}" for key, shape in shapes.items())
-        raise InputError(f"{name}: leading axes do not broadcast: {found}", batches=shapes) from None
+    return common_batch(name, shapes)
 
 
 def as_rows(arrays: Any, port: Port, x: Any, batch: Shape) -> Any:

@@ -34,8 +34,8 @@ def strided_loop(graph: Graph, inputs: Sequence[Port], outputs: Sequence[Port], 
         for argument in sources:
             argument.fetch(code, first, count)
         straight_line(
-            code, graph, lambda slot: code.load(*read[slot], lanes.real),
-            lambda slot, value: code.store(value, *write[slot], lanes.real), lanes,
+            code, graph, lanes, lambda slot: code.load(*read[slot], lanes.real),
+            lambda slot, value: code.store(value, *write[slot], lanes.real),
         )  # fmt: skip
         for argument in targets:
             argument.deliver(code, first, count)

@@ -111,7 +111,7 @@ def _overlap(arrays: Sequence[np.ndarray], targets: Sequence[np.ndarray]) -> boo
     return any(np.may_share_memory(x, y) for x in arrays for y in targets)
 
 
-def checked(name: str, threads: Any) -> int:
+def thread_count(name: str, threads: Any) -> int:
     """A number of threads.
 
     Raises:

@@ -70,7 +70,7 @@ def _bar(what: str) -> Any:
 def interruptible(work: Callable[[], T]) -> T:
     """What some work in machine code returns, or raises, done by another thread so that Ctrl-C is heard at once.
 
-    After Ctrl-C the work goes on unseen, to no end but what it does besides returning.
+    After Ctrl-C the work still runs to its end: what it returns is lost, what it does besides stays.
     """
     found: list[T] = []
     failed: list[BaseException] = []

@@ -46,18 +46,18 @@ def xla_call(inputs: Sequence[Port], outputs: Sequence[Port], precision: Precisi
     """
     code, ports = Code(), (*inputs, *outputs)
     asked, run = code.name("asked"), code.name("run")
-    extension = _field(code, "%frame", _EXTENSION)
+    extension = code.field("%frame", _EXTENSION)
     # in a frame without an extension, where an extension has its kind, there is the null pointer itself: no kind
     somewhere = code.let(f"select i1 {code.let(f'icmp eq ptr {extension}, null')}, ptr %frame, ptr {extension}")
-    is_metadata = code.let(f"icmp eq i32 {_field(code, somewhere, _EXTENSION_KIND, 'i32')}, {_METADATA_IS_ASKED}")
+    is_metadata = code.let(f"icmp eq i32 {code.field(somewhere, _EXTENSION_KIND, 'i32')}, {_METADATA_IS_ASKED}")
     code.branch(is_metadata, asked, run)
     code.open(asked)
     _answer(code, extension)
     code.open(run)
     arguments, lengths = (code.let(f"alloca {kind}, i64 {len(ports)}") for kind in ("ptr", "i64"))
     for number, buffer in enumerate(_buffers(code, inputs, outputs)):
-        code.store(_field(code, buffer, _DATA), arguments, number, "ptr")
-        code.store(_field(code, _field(code, buffer, _LENGTHS), 0, "i64"), lengths, number, "i64")
+        code.store(code.field(buffer, _DATA), arguments, number, "ptr")
+        code.store(code.field(code.field(buffer, _LENGTHS), 0, "i64"), lengths, number, "i64")
     steps = _steps(code, ports, lengths, precision)
     count = code.at(lengths, len(inputs), "i64")
     theirs = code.let(f"alloca i8, i64 {FENV_BYTES}, align 16")
@@ -70,14 +70,14 @@ def xla_call(inputs: Sequence[Port], outputs: Sequence[Port], precision: Precisi
 
 def _answer(code: Code, extension: str) -> None:
     """Says which version of the interface this is written for."""
-    metadata = _field(code, extension, _METADATA)
+    metadata = code.field(extension, _METADATA)
     for place, value in _ANSWERS.items():
         code.lines.append(f"store i32 {value}, ptr {code.at(metadata, place, 'i8')}")
     code.lines.append("ret ptr null")
 
 
 def _buffers(code: Code, inputs: Sequence[Port], outputs: Sequence[Port]) -> list[str]:
-    sides = ((_field(code, "%frame", _ARGUMENTS), inputs), (_field(code, "%frame", _RESULTS), outputs))
+    sides = ((code.field("%frame", _ARGUMENTS), inputs), (code.field("%frame", _RESULTS), outputs))
     return [code.load(table, k, "ptr") for table, ports in sides for k in range(len(ports))]
 
 
@@ -91,7 +91,3 @@ def _steps(code: Code, ports: Sequence[Port], lengths: str, precision: Precision
     for k, stride in enumerate(own, start=len(ports)):
         code.store(str(stride), steps, k, "i64")
     return steps
-
-
-def _field(code: Code, pointer: str, place: int, kind: str = "ptr") -> str:
-    return code.let(f"load {kind}, ptr {code.at(pointer, place, 'i8')}")

@@ -30,6 +30,13 @@ def motor_position(drive: Drive, output: Scalar) -> Scalar:
     return output if drive.kinematic_error is None else drive.kinematic_error.motor_position(output, drive.ratio)
 
 
+def static_lead(drive: Drive, q: Scalar, load: Scalar) -> Scalar:
+    """How far the motor leads its link at rest, rad (m), where the spring bears a load, N m (N); 0 of a rigid drive."""
+    if drive.compliance is None:
+        return 0
+    return motor_position(drive, q + drive.compliance.deflection(load)) - q
+
+
 def transmission(drive: Drive, theta: Scalar) -> Scalar:
     """1 - e'(theta): output turns for each of theta, and so what of the spring's torque the motor bears."""
     return 1 if drive.kinematic_error is None else 1 - drive.kinematic_error.slope(theta, drive.ratio)

@@ -46,10 +46,9 @@ def jacobian(system: System, q: Scalars, frame: str, expressed_in: ExpressedIn =
 def _expressed(V: Motion, X: Pose, expressed_in: ExpressedIn) -> Motion:
     if expressed_in == "local":
         return V
-    turned = Motion(X.rotation @ V.linear, X.rotation @ V.angular)
-    if expressed_in == "local_world_aligned":
-        return turned
-    return Motion(turned.linear + X.position.cross(turned.angular), turned.angular)
+    if expressed_in == "world":
+        return V.seen_from_parent(X)
+    return Motion(X.rotation @ V.linear, X.rotation @ V.angular)
 
 
 def world_poses(system: System, q: Scalars) -> list[Pose]:

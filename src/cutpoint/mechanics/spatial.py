@@ -92,6 +92,11 @@ class Motion:
         moment = self.angular.cross(F.moment) + self.linear.cross(F.force)
         return Wrench(self.angular.cross(F.force), moment)
 
+    def seen_from_parent(self, X: "Pose") -> "Motion":
+        """The child's motion as the parent frame has it: of the child's point at its origin, along its axes."""
+        angular = X.rotation @ self.angular
+        return Motion(X.rotation @ self.linear + X.position.cross(angular), angular)
+
     def power(self, F: "Wrench") -> Scalar:
         """Power of a wrench on a body with this motion, W."""
         return self.linear.dot(F.force) + self.angular.dot(F.moment)

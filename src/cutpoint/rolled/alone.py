@@ -10,8 +10,8 @@ from numpy.typing import ArrayLike
 from cutpoint import kernels
 from cutpoint.definitions import Machine
 from cutpoint.door import checked_array
-from cutpoint.errors import InputError
 from cutpoint.kernels import Kernel
+from cutpoint.kernels.arguments import common_batch
 from cutpoint.mechanics.elastic import Driven
 from cutpoint.mechanics.system import Segment, System
 from cutpoint.model.mechanism import WORLD
@@ -87,20 +87,14 @@ class JointByJoint:
         """
         pairs = zip(self._sizes.items(), given, strict=True)
         arrays = {key: checked_array(self.name, key, x, size) for (key, size), x in pairs}
-        found = np.zeros((*self._batch(arrays), self._length))
+        batches = {key: x.shape[: x.ndim - (self._sizes[key] != ())] for key, x in arrays.items()}
+        batch = common_batch(self.name, batches)
+        found = np.zeros((*batch, self._length))
         for kind in self._kinds:
             own = [_own(kind, key, x) for key, x in arrays.items()]
             places = kind.places[self._output]
             found[..., places] = np.reshape(kind.kernel(*own, *kind.parameters), (*found.shape[:-1], *places.shape))
         return found.sum(axis=-1) if self._output == "total" else found
-
-    def _batch(self, arrays: Mapping[str, Array]) -> tuple[int, ...]:
-        shapes = {key: x.shape[: x.ndim - (self._sizes[key] != ())] for key, x in arrays.items()}
-        try:
-            return np.broadcast_shapes(*shapes.values())
-        except ValueError:
-            found = ", ".join(f"{key} {shape}" for key, shape in shapes.items())
-            raise InputError(f"{self.name}: leading axes do not broadcast: {found}") from None
 
 
 def _own(kind: Kind, key: str, x: Array) -> Array:

@@ -8,7 +8,7 @@ from typing import Any
 from cutpoint.kernels import Stage
 from cutpoint.mechanics.elastic import DEFAULT, Driven, Options, motor_motion, motor_torque
 from cutpoint.mechanics.elastic_forward import drive_effort
-from cutpoint.mechanics.harmonic_drive import DriveState, motor_position
+from cutpoint.mechanics.harmonic_drive import DriveState, static_lead
 from cutpoint.mechanics.strains import UNKNOWN
 from cutpoint.rolled import coupling
 from cutpoint.rolled.base import base_in
@@ -80,9 +80,7 @@ def static_deflection(columns: Columns) -> Steps:
 
     def bends(row: Any, q: Any, tau: Any) -> Any:
         def bent(drive: Model) -> list[Any]:
-            if drive is None or drive.compliance is None:
-                return [0]
-            return [motor_position(drive, q[0] + drive.compliance.deflection(tau[0])) - q[0]]
+            return [0 if drive is None else static_lead(drive, q[0], tau[0])]
 
         return columns.by_drive(row, bent)
 

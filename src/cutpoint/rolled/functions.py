@@ -15,6 +15,7 @@ from cutpoint.definitions import Machine
 from cutpoint.door import LARGEST, checked_array
 from cutpoint.errors import InputError
 from cutpoint.kernels import backends
+from cutpoint.kernels.arguments import common_batch
 from cutpoint.mechanics.system import System
 from cutpoint.rolled.bodies import bodies_of, columns_of
 from cutpoint.rolled.memory import Task
@@ -142,12 +143,8 @@ class RolledFunction:
 
         Matrices one by one: their entries are many at once already.
         """
-        try:
-            shape = np.broadcast_shapes(*(x.shape[:-1] for x in given))
-        except ValueError:
-            pairs = zip(self._task.recipe.inputs, given, strict=True)
-            found = ", ".join(f"{name} {x.shape[:-1]}" for name, x in pairs)
-            raise InputError(f"{self.name}: leading axes do not broadcast: {found}") from None
+        pairs = zip(self._task.recipe.inputs, given, strict=True)
+        shape = common_batch(self.name, {key: x.shape[:-1] for key, x in pairs})
         rows = [np.broadcast_to(x, (*shape, x.shape[-1])).reshape(-1, x.shape[-1]) for x in given]
         shapes = [self._task.shape(name) for name in self._task.recipe.outputs]
         found = [np.empty((len(rows[0]), *own)) for own in shapes]

@@ -84,8 +84,7 @@ def _of_base(base: Base) -> Pass:
 def _seen(V: Motion, X: Pose, frame: Pose) -> Motion:
     """A motion of a body at X, as another frame that is fixed to the body has it."""
     to_frame = Pose(frame.rotation.T @ X.rotation, frame.rotation.T @ (X.position - frame.position))
-    angular = to_frame.rotation @ V.angular
-    return Motion(to_frame.rotation @ V.linear + to_frame.position.cross(angular), angular)
+    return V.seen_from_parent(to_frame)
 
 
 def _of_frame(base: Base | None, kept: dict[str, int], passes: list[Pass], apart: dict[str, int]) -> Steps:

@@ -29,10 +29,7 @@ def mass_matrix(columns: Columns) -> Steps:
 
     def alone(row: Any, turned: Any) -> Any:
         body, X = columns.subsystem(row).body, pose_of(turned)
-        own = body.joint.motion([1])
-        angular = X.rotation @ own.angular
-        linear = X.rotation @ own.linear + X.position.cross(angular)
-        return [*linear, *angular], parameters_of(body.inertia.seen_from_parent(X))
+        return [*body.joint.motion([1]).seen_from_parent(X)], parameters_of(body.inertia.seen_from_parent(X))
 
     def inward(carried: Any, borne: Any) -> Any:
         return [x + y for x, y in zip(borne, carried, strict=True)]

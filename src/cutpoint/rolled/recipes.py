@@ -15,8 +15,8 @@ from cutpoint.rolled.passes import Steps
 class Recipe(NamedTuple):
     """A function as loops.
 
-    inputs: those that are given; the others are zero.  above: how many bodies the last robot has that straight-line
-    code suits, or how many carry the last frame that it suits.  reads_drives: whether drives have numbers in it.  odd:
+    inputs: those that are given; the others are zero.  above: the most bodies, of the robot or of the chain that
+    carries the frame, for which straight-line code is taken.  reads_drives: whether drives have numbers in it.  odd:
     what its variants want that loops do not take.  takes_coupled: whether it takes rotors with full coupling behind
     springs.
 

@@ -4,7 +4,7 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 
 from cutpoint.mechanics.joints import JointKind
-from cutpoint.mechanics.rotors import Spin
+from cutpoint.mechanics.rotors import Spin, axis_of
 from cutpoint.mechanics.spatial import IDENTITY, ZERO, Mat3, Pose, Vec3
 from cutpoint.mechanics.system import Segment
 from cutpoint.mechanics.turning import about_z
@@ -58,7 +58,7 @@ class Subsystem:
 
     def along_the_world(self, X: Pose) -> "Subsystem":
         """The same along the world's axes.  X: its own axes in the world's, and along those its place in its parent."""
-        R, z, joint = X.rotation, Vec3(*(row.z for row in X.rotation)), self.body.joint
+        R, z, joint = X.rotation, axis_of(X), self.body.joint
         assert isinstance(joint, OneAxis)
         along, inertia = Along(z, joint.turn, joint.slide), self.body.inertia.seen_from_parent(Pose(R, ZERO))
         body = replace(self.body, placement=Pose(IDENTITY, X.position), joint=along, inertia=inertia)

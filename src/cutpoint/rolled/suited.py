@@ -18,17 +18,17 @@ MOST_STRUCTURES = 6
 """Of drives: each body computes what it would do with every one of them, and chooses."""
 
 
-def unsuited(machine: Machine, elastic: bool, takes_coupled: bool) -> str | None:
+def unsuited(machine: Machine, reads_drives: bool, takes_coupled: bool) -> str | None:
     """Why loops cannot take the machine, or None: each body but a floating base needs one coordinate of its own.
 
-    elastic: whether drives take part; takes_coupled: also with rotors with full coupling.
+    reads_drives: whether drives take part; takes_coupled: also with rotors with full coupling.
     """
     for body in (machine.system.segments[i] for i in bodies_of(machine.system)):
         if body.follower:
             return f"the joint of {body.name!r}, which follows another"
         if type(body.joint) not in (Revolute, Prismatic, Helical):
             return f"the joint of {body.name!r}, of kind {type(body.joint).__name__.lower()}"
-    return _odd_drive(machine, takes_coupled) if elastic else None
+    return _odd_drive(machine, takes_coupled) if reads_drives else None
 
 
 def _odd_drive(machine: Machine, takes_coupled: bool) -> str | None:
@@ -42,10 +42,10 @@ def _odd_drive(machine: Machine, takes_coupled: bool) -> str | None:
     return None
 
 
-def check_length(name: str, system: System, backend: str) -> None:
+def check_compiles(name: str, system: System, backend: str) -> None:
     """Raises InputError for a function that surely takes more operations than this backend can, or more numbers, before
     it is traced."""
-    most = backends.MOST_OPERATIONS if backends.chosen(backend) == "llvm" else nodes.MOST_OPERATIONS
+    most = backends.MOST_COMPILED if backends.chosen(backend) == "llvm" else nodes.MOST_TRACED
     turning: list[int] = []
     for body in system.segments:
         carried = 0 if body.parent == WORLD else turning[body.parent]
