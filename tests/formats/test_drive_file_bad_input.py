@@ -157,7 +157,13 @@ ENTRIES = {
         "{limits: {position: [1, -1]}}",
         "limits.position [1.0, -1.0] must be [lower, upper] with lower < upper",
     ),
-    "one limit": ("{limits: {position: [1]}}", "limits.position [1.0] must have 2 entries"),
+    "one limit": ("{limits: {position: [1]}}", "limits.position [1.0] must have at least 2 entries"),
+    "three limits": ("{limits: {position: [1, 2, 3]}}", "limits.position [1.0, 2.0, 3.0] must have at most 2 entries"),
+    "half a further wave": (
+        "{motor: {torque_constant: 1, ripple: {amplitude: 0.1, order: 6, harmonics: [[0.5, 1e-3, 0]]}}}",
+        "motor.ripple.harmonics [0.5, 0.001, 0.0] must have an order of 1 at least, and an amplitude that is not"
+        " negative",
+    ),
     "limit that is no number": ("{limits: {position: [-1, b]}}", "limits.position.1 'b' must be a number"),
     "limits in a row": ("{limits: {position: 1}}", "limits.position 1.0 rad must be a list"),
     "yes for true": (
@@ -178,6 +184,8 @@ def test_a_wrong_entry_is_named_with_its_line(case: str) -> None:
     text = f"version: 1\ndrives:\n  elbow: {{ratio: 2}}\n  shoulder:\n    {entry}"
     assert refused(text) == f"joint 'shoulder': {message} (arm.yaml:5)"
 
+
+TOO_LARGE = "YAML cannot be read: the number of a character (\\U), or of the version, is too large"
 
 FILES = {
     "elastic without rotor": (
@@ -254,6 +262,9 @@ FILES = {
         "YAML holds more than 20,000 values, the most that is read (arm.yaml:1)",
     ),
     "control character": ("version: 1\n\a", "YAML cannot be read: character '\\x07' is not allowed (arm.yaml:2)"),
+    "a character that there is not": ('version: 1\na: "\\U00110000"', f"{TOO_LARGE} (arm.yaml:2)"),
+    "one far beyond": ('version: 1\na: "\\UFFFFFFFF"', f"{TOO_LARGE} (arm.yaml:2)"),
+    "a version far beyond": (f"%YAML 1.{'1' * 5000}\n---\na: 1", f"{TOO_LARGE} (arm.yaml:1)"),
     "bytes that are no UTF-8": (b"version: 1\n\xff", "YAML must be UTF-8 text (arm.yaml:2)"),
 }
 

@@ -143,8 +143,9 @@ def test_gravity_and_floating_base_are_passed_on() -> None:
     assert arm.bodies[0].joint.kind == "floating"
 
 
-def test_a_xacro_file_is_expanded(tmp_path: Path) -> None:
-    path = tmp_path / "arm.urdf.xacro"
+@pytest.mark.parametrize("name", ["arm.urdf.xacro", "ARM.XACRO"])
+def test_a_xacro_file_is_expanded(tmp_path: Path, name: str) -> None:
+    path = tmp_path / name
     mass = f'<xacro:property name="m" value="${{2 * 1.5}}"/>{link("arm", "${m}")}'
     path.write_text(f'<robot name="r" {XACRO}>{link("base")}{mass}{joint("elbow", "base", "arm")}</robot>')
     assert load_urdf(path).bodies[0].mass == 3.0

@@ -12,7 +12,7 @@ from rosbags.typesys import Stores, get_typestore
 
 from cutpoint.errors import InputError
 from cutpoint.identification import read_recording, read_table
-from cutpoint.identification.logs import bag_storage
+from cutpoint.identification.logs import bag_storage, read_bag
 
 STORE = get_typestore(Stores.ROS2_JAZZY)
 STATE, ARRAY = "sensor_msgs/msg/JointState", "std_msgs/msg/Float64MultiArray"
@@ -195,3 +195,28 @@ def test_a_bag_or_a_folder_without_such_messages_is_refused(tmp_path: Path):
     (tmp_path / "empty").mkdir()
     with pytest.raises(InputError, match=r"folder holds no .db3 and no .mcap"):
         read_table(tmp_path / "empty")
+
+
+def test_empty_messages_of_an_mcap_count_too(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
+    path = written(tmp_path, "mcap", [("/command", ARRAY, START + k, array([])) for k in range(1000)])
+    monkeypatch.setattr(bag_storage, "MESSAGE_ITSELF", 10**6)
+    with pytest.raises(InputError, match=r"its messages, unpacked, are more than 1,000,000,000 bytes"):
+        read_table(path)
+
+
+@pytest.mark.parametrize("kind", STORAGES)
+def test_endings_may_be_in_capitals(tmp_path: Path, kind: str):
+    path = written(tmp_path, kind, arm())
+    path = path.rename(path.with_suffix(f".{kind.upper()}"))
+    assert np.array_equal(read_recording(path)["q"], Q)
+    (tmp_path / "folder").mkdir()
+    path.rename(tmp_path / "folder" / path.name)
+    assert np.array_equal(read_recording(tmp_path / "folder")["q"], Q)
+
+
+def test_a_folder_of_more_files_than_are_read_is_refused(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
+    for name in "ab":
+        (tmp_path / f"{name}.mcap").touch()
+    monkeypatch.setattr(read_bag, "MOST_FILES", 1)
+    with pytest.raises(InputError, match=r"folder holds 2 files of a bag: at most 1 are read"):
+        read_table(tmp_path)

@@ -143,6 +143,8 @@ def test_a_delay_that_is_known_is_taken_as_it_is():
     assert np.allclose(found["q"][known, 1], positions(T)[known, 1], rtol=0.0, atol=1e-12)
     with pytest.raises(InputError, match=r"no joint 'wrist' was recorded; there are: shoulder, elbow"):
         aligned(made(2e-3), {"wrist": 2e-3})
+    with pytest.raises(InputError, match=r"none of current was recorded; there are: q, theta, v, torque"):
+        aligned(made(2e-3), {"elbow": 2e-3}, ["current"])
 
 
 @pytest.mark.parametrize(

@@ -1,6 +1,7 @@
 """All drives of an arm from one recording, encoders of 2^-20 of a turn on both sides."""
 
 from dataclasses import replace
+from types import SimpleNamespace
 from typing import NamedTuple
 
 import numpy as np
@@ -152,3 +153,23 @@ def test_a_loop_beside_a_spring_that_is_not_told_is_as_wide_as_it_was_found(arm:
 def test_every_joint_must_be_recorded(arm: Case):
     with pytest.raises(InputError, match=r"must be recorded; missing: \['joint1', 'joint3',"):
         identify_drives(arm.true, arm.recording.joint("joint2"))
+    with pytest.raises(InputError, match=r"resolution of shape \(2,\) must be one number, or one for each joint"):
+        identify_drives(arm.true, arm.recording, [STEP, STEP])
+
+
+def test_a_robot_of_which_not_every_coordinate_has_a_drive_is_refused(arm: Case):
+    floating = cutpoint.load(cutpoint.robots.XIA2019_URDF, floating_base=True)
+    with pytest.raises(InputError, match=r"has 13 coordinates and 6 drives: .* fix its base, or lock joints"):
+        identify_drives(floating, arm.recording)
+
+
+def test_sentences_on_a_joint_that_slides_have_its_units():
+    robot = cutpoint.robots.xia2019()
+    along = [replace(body, joint=replace(body.joint, kind="prismatic")) for body in robot.mechanism.bodies]
+    sliding = cutpoint.Robot(replace(robot.mechanism, bodies=tuple(along)))
+    why = "0.1 +- 0.2 N m s/rad, 3 N m, 2e-05 rad each and 1 kg m2 at the joint cannot be told"
+    joint = SimpleNamespace(unidentifiable={"damping": why}, remarks=(why,))
+    slides, turns = (DriveEstimates(each, {"joint1": joint}) for each in (sliding, robot))  # type: ignore[dict-item]
+    assert slides.remarks == ("joint1: 0.1 +- 0.2 N s/m, 3 N, 2e-05 m each and 1 kg at the joint cannot be told",)
+    assert slides.notes[0].endswith(slides.remarks[0].removeprefix("joint1: "))
+    assert turns.remarks == (f"joint1: {why}",)

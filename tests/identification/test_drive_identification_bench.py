@@ -17,6 +17,7 @@ from cutpoint.identification.drives import (
     motor_side,
     two_encoders,
 )
+from cutpoint.identification.drives.scatter import covariance
 
 T = PERIOD * np.arange(8000)
 SPRINGS = {
@@ -108,6 +109,13 @@ def test_what_few_samples_tell_has_intervals_that_hold_as_often_as_they_say():
         found = two_encoders(theta, q, pulse, PERIOD, RATIO, laws=["linear"], orders=[], hysteresis=False)
         hits += abs(found["stiffness"] - 12e3) < 2.0 * found.deviations["stiffness"]
     assert 88 < hits < 100
+
+
+def test_what_a_fit_of_many_unknowns_leaves_of_white_noise_tells_its_size():
+    rng = np.random.default_rng(3)
+    columns, noise = rng.normal(size=(4000, 400)), rng.normal(size=4000)
+    spread = covariance(columns, noise - columns @ np.linalg.lstsq(columns, noise)[0])
+    assert np.trace(spread) == pytest.approx(np.trace(np.linalg.inv(columns.T @ columns)), rel=0.1)
 
 
 @pytest.mark.parametrize("band", [20.0, 40.0])
@@ -216,6 +224,17 @@ def test_a_locked_output_shows_stiffness_hysteresis_loss_and_lost_motion():
     assert found.spring.hysteresis.friction == pytest.approx(SLIPPING.friction, rel=0.1)
     assert found.backlash == 0.0
     assert "backlash" in found.unidentifiable
+
+
+@pytest.mark.parametrize("lacking", ["theta", "torque"])
+def test_samples_of_a_loop_that_are_not_known_are_left_out(lacking: str):
+    angle = np.round(wound(cutpoint.LinearSpring(16e3), SLIPPING, TORQUE) / 6e-7) * 6e-7
+    given = {"theta": angle, "torque": TORQUE.copy()}
+    given[lacking][[100, 2000]] = np.nan
+    found = locked_output(**given, period=8e-3, ratio=RATIO, rated_torque=40.0, resolution=6e-7)
+    whole = loops(0.0)
+    assert found.hysteresis_loss == pytest.approx(whole.hysteresis_loss, rel=0.01)
+    assert found.lost_motion == pytest.approx(whole.lost_motion, rel=0.01)
 
 
 def test_a_play_shows_between_the_loops_and_beside_the_spring():

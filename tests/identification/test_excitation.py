@@ -208,6 +208,7 @@ def test_when_time_is_up_the_best_so_far_is_returned() -> None:
     [
         ("nothing", "not an excitation"),
         ("[1]", "not an excitation"),
+        (f'{{"cutpoint_excitation": 1, "joints": ["a"], "base_frequency_Hz": 1{"0" * 400}}}', "not an excitation"),
         ('{"cutpoint_excitation": 1, "joints": ["a"], "base_frequency_Hz": 0.2, "centre": "x"}', "not an excitation"),
         (
             '{"cutpoint_excitation": 1, "joints": ["a"], "base_frequency_Hz": 0.2, "centre": [0], "sine": [[0]],'

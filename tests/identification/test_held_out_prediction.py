@@ -12,7 +12,7 @@ import cutpoint
 from cutpoint.identification import Recording, low_pass
 from cutpoint.identification.conditioning.motion import motion_of
 from cutpoint.identification.output import Identification, identify
-from cutpoint.identification.output.torque_errors import stated_torque
+from cutpoint.identification.output.torque_errors import TorqueErrors, stated_torque
 from cutpoint.identification.rigid.bodies import with_parameters
 
 NOISE = 0.05
@@ -61,3 +61,9 @@ def test_shapes_of_friction_are_found_although_joints_shake():
         assert isinstance(true, cutpoint.Stribeck)
         assert law.stribeck_velocity == pytest.approx(true.stribeck_velocity, rel=0.03)
         assert law.smoothing == pytest.approx(true.smoothing, rel=0.1)
+
+
+def test_torques_are_as_large_as_on_the_part_that_was_fitted():
+    torque, held = np.array([[1.0], [3.0], [50.0], [50.0]]), np.array([False, False, True, True])
+    errors = TorqueErrors(np.arange(4.0), *[torque] * 7, held_out=held, bandwidth=1.0)
+    assert errors.size() == pytest.approx([1.0])

@@ -15,8 +15,8 @@ import scipy.io
 from machine_logs import positions, times
 
 from cutpoint.errors import InputError
-from cutpoint.identification import read_table
-from cutpoint.identification.logs import read_mat, read_npz
+from cutpoint.identification import read_recording, read_table
+from cutpoint.identification.logs import mat_nesting, read_mat, read_npz
 from cutpoint.identification.logs import table as tables
 
 ENDINGS = (".csv", ".npz", ".mat", ".parquet", ".db3", ".mcap")
@@ -138,6 +138,23 @@ def test_a_matlab_file_of_cells_in_cells_is_refused_before_they_are_read(tmp_pat
             read_table(tmp_path / name)
 
 
+@pytest.mark.parametrize(
+    ("shape", "rest", "message"),
+    [
+        (bytes([255]) * 160_000, b"", r"an array of it has more than 32 dimensions"),
+        (b"\xff\xff\xff\x7f" * 2, element(9, b"") * 2000, r"or have more than 1,000 elements; save the matrices"),
+    ],
+)
+def test_a_matlab_file_that_would_take_long_to_count_is_refused(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, shape: bytes, rest: bytes, message: str
+):
+    monkeypatch.setattr(mat_nesting, "MOST_ARRAYS", 1000)
+    cells = element(14, element(6, bytes([1, *bytes(7)])) + element(5, shape) + element(1, b"q") + rest)
+    (tmp_path / "log.mat").write_bytes(b"MATLAB 5.0 MAT-file".ljust(124) + b"\x00\x01IM" + cells)
+    with pytest.raises(InputError, match=message):
+        read_table(tmp_path / "log.mat")
+
+
 def test_what_a_matlab_file_holds_beside_matrices_hinders_nothing(tmp_path: Path):
     cells = np.empty((2, 2), dtype=object)
     cells[:] = [["a text", np.ones(3)], [{"a": {"b": "another"}}, 1j]]
@@ -240,3 +257,19 @@ def test_a_text_in_another_encoding_is_refused_with_what_to_save_it_as(tmp_path:
     (tmp_path / "log.csv").write_bytes("t,q1 [°]\n0,1\n1,2\n".encode(encoding))
     with pytest.raises(InputError, match=r"file is not UTF-8 text.* save it as UTF-8"):
         read_table(tmp_path / "log.csv")
+
+
+def test_a_long_title_is_a_name_that_says_nothing(tmp_path: Path):
+    titles = ["q" + " " * 50_000 + "x", "q" + "1" * 20_000, "x" + "[rad]" * 3000]
+    (tmp_path / "log.csv").write_text("\n".join([",".join(["t", *titles]), "0,1,2,3", "1,2,3,4"]))
+    table = read_table(tmp_path / "log.csv")
+    assert list(table.channels) == ["t", *titles]
+    assert table.find("y" + "[rad]" * 3000) is None
+    with pytest.raises(InputError, match=r"no channel is named like a position; give a mapping"):
+        read_recording(tmp_path / "log.csv")
+
+
+def test_a_label_that_only_looks_like_a_number_is_a_name(tmp_path: Path):
+    rows = [f"{k},{k},{2 * k}" for k in range(9)]
+    (tmp_path / "log.csv").write_text("\n".join(["t,q.²,q.³", *rows]))
+    assert read_recording(tmp_path / "log.csv").joints == ("²", "³")

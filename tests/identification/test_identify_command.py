@@ -1,6 +1,7 @@
 """From a log to files: what `identify` finds, and what it leaves on disk."""
 
 import json
+import re
 from dataclasses import replace
 from html import escape
 from html.parser import HTMLParser
@@ -117,6 +118,7 @@ def test_what_is_not_told_of_a_spring_stays_as_its_file_states_it(files: Path, t
         assert entry["hysteresis"]["reach"] == pytest.approx(3e-4, rel=1e-9)
         assert entry["backlash"] == 1e-4
         assert any(words.startswith(f"{joint}: backlash cannot be told: 0.0001 rad stay") for words in found.untold)
+        assert not any(words.startswith(f"{joint}: backlash") for words in found.notes)
 
 
 def test_a_spring_behind_a_play_that_its_file_states_is_found_beside_it(files: Path):
@@ -305,3 +307,5 @@ def test_a_joint_that_slides_has_the_units_of_one(tmp_path: Path):
     assert json.loads(numbers)["torque_units"] == ["N", "N m"]
     assert "RMS of torque errors, N or N m at the joint" in page
     assert "errors, N or N m at the joint" in str(table_of(found).title)
+    chosen = identify(robot, Recording(TIME, robot.joints, q=q, torque=torque)).rigid.friction
+    assert [re.search("torques, (.*)\\)", str(each))[1] for each in chosen] == ["N", "N m"]  # type: ignore[index]

@@ -87,7 +87,7 @@ def test_empty_cells_are_unknown_and_columns_of_words_are_left_out(tmp_path: Pat
     assert np.array_equal(table.channels["q2"].values, [np.nan, 4.0, 6.0, 8.0], equal_nan=True)
 
 
-@pytest.mark.parametrize("ending", [".npz", ".csv"])
+@pytest.mark.parametrize("ending", [".npz", ".csv", ".NPZ"])
 def test_our_own_logs_are_read_with_their_joints_and_what_their_sensors_said(tmp_path: Path, ending: str):
     channels = {"q": Q, "measured_q": Q + 1e-3, "v": positions(T, 1), "motor_torque": TAU, "power": T}
     units = {"q": "rad", "measured_q": "rad", "v": "rad/s", "motor_torque": "N m", "power": "W"}

@@ -132,7 +132,7 @@ def test_a_unit_that_is_no_time_is_refused():
         ("p: x", r"mapping: unknown key 'p'; those that exist are 'version', 'joints', 'ratio', 'time', 'q'"),
         ("q: {channels: x, units: deg}", r"unknown key 'units' in q; those that exist are 'channels', 'unit', 'gain'"),
         ("q: {unit: deg}", r"'channels' is missing in q \(map.yaml:2\)"),
-        ("q: {channels: []}", r"q.channels \[\] must have 1 entries \(map.yaml:2\)"),
+        ("q: {channels: []}", r"q.channels \[\] must have at least 1 entries \(map.yaml:2\)"),
         ("q: {channels: x, unit: grad}", r"q.unit 'grad' is not known; there are 'rad', 'mrad', 'deg'"),
         ("q: {channels: x, unit: counts}", r"q.unit 'counts' needs 'counts_per_turn'"),
         ("v: {channels: x, unit: counts}", r"v.unit 'counts' is not known"),

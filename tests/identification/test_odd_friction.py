@@ -125,7 +125,7 @@ def test_friction_that_is_not_told_stays_near_what_the_file_states(law: str):
     creeping, moving = numbers["viscous.elbow"], numbers["viscous.shoulder"]
     assert not creeping.told and creeping.used == pytest.approx(1.0, abs=0.5)
     assert moving.told and moving.used == pytest.approx(3.0, rel=0.1)
-    assert any("viscous.elbow" in words and "keeps what its file says nearby" in words for words in found.untold)
+    assert any("viscous.elbow" in words and "stays near what its file says" in words for words in found.untold)
 
 
 @pytest.mark.parametrize("noise", [0.3, 0.0])

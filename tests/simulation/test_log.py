@@ -409,3 +409,10 @@ def test_a_csv_that_is_no_log_is_refused(tmp_path: Path, text: str, message: str
     path.write_text(text)
     with pytest.raises(InputError, match=rf"file is not a log that Log.save wrote: .*{message}.*\(.*run.csv\)"):
         Log.load(path)
+
+
+@pytest.mark.parametrize("ending", ["NPZ", "Csv"])
+def test_endings_may_be_in_capitals(tmp_path: Path, ending: str):
+    path = tmp_path / f"run.{ending}"
+    example().save(path)
+    assert same(Log.load(path), example())

@@ -14,6 +14,10 @@ from cutpoint.control import PD, ComputedTorque
 from cutpoint.control.sampled_loop import small_signal
 from cutpoint.errors import CutpointError, InputError
 from cutpoint.studies.compare import bench_of, panda, run
+from cutpoint.studies.compare.contenders import CONTENDERS
+from cutpoint.studies.compare.matching import Match
+from cutpoint.studies.compare.results import Results
+from cutpoint.studies.compare.tables import refusals
 
 ARM = cutpoint.robots.xia2019()
 PERIOD = 1e-3
@@ -157,3 +161,14 @@ def test_what_cannot_be_compared_is_refused_with_its_cause(wrong, message):
 def test_the_command_refuses_before_it_runs(tmp_path):
     found = CliRunner().invoke(app, ["compare", "xia2019", "--payload", "0", "--output", str(tmp_path / "new")])
     assert isinstance(found.exception, CutpointError) and not (tmp_path / "new").exists()
+
+
+def test_a_law_for_which_no_bandwidth_was_found_is_not_said_to_have_been_tried_at_others():
+    none, still = np.full(6, np.nan), np.ones(6)
+    for bandwidth, stiffness, said in (
+        (np.nan, none, "stiff; it does not run."),
+        (4.0, still, "factor of four serves"),
+    ):
+        match = Match(CONTENDERS[1], bandwidth, None, stiffness, stiffness, np.nan, "never as stiff")
+        (sentence,) = refusals(Results({CONTENDERS[1].key: match}))
+        assert said in sentence

@@ -1,6 +1,7 @@
 """Rivals through one emitter: they agree, and their operations grow as their sources say.  Nothing here is timed."""
 
 import json
+from importlib.metadata import PackageNotFoundError
 
 import numpy as np
 import pinocchio as pin
@@ -15,6 +16,8 @@ from cutpoint.studies.cost.chains import random_machine
 from cutpoint.studies.cost.contenders import CONTENDERS, Contender, arithmetic
 from cutpoint.studies.cost.growth import exponent, polynomial
 from cutpoint.studies.cost.measure import check_agreement, measured
+from cutpoint.studies.report.folder import write
+from cutpoint.studies.report.html import Heading
 
 VD, NE, JETS, EXPLICIT, CHRISTOFFEL, LAGRANGE = CONTENDERS
 RIGID = [c for c in CONTENDERS if not c.elastic]
@@ -155,3 +158,14 @@ def test_a_report_of_its_own_may_be_written_over_and_anothers_not(output, tmp_pa
         (other / name).write_text('{"versions": []}')
         with pytest.raises(InputError, match=f"holds {name} that this study did not write; name another folder"):
             run(other, progress=False)
+
+
+def test_a_report_tells_versions_of_what_is_installed(tmp_path, monkeypatch):
+    def version(name: str) -> str:
+        if name == "llvmlite":
+            raise PackageNotFoundError(name)
+        return "1.0"
+
+    monkeypatch.setattr("cutpoint.studies.report.folder.version", version)
+    found = write(tmp_path, Heading("a study", "cutpoint cost", ()), [], {}, "cost.json")
+    assert [*found["versions"]] == ["cutpoint", "Python", "numpy", "scipy", "matplotlib"]

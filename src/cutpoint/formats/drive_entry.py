@@ -143,7 +143,8 @@ def _harmonics(sheet: WaveSheet, path: tuple[str, ...], section: Section) -> tup
     found = []
     for at, (order, amplitude, phase) in rows:
         if amplitude < 0.0 or order < 1.0:
-            raise section.error(at, f"{'.'.join(at)} [{order!r}, {amplitude!r}, {phase!r}] must not be negative")
+            rule = "must have an order of 1 at least, and an amplitude that is not negative"
+            raise section.error(at, f"{'.'.join(at)} [{order!r}, {amplitude!r}, {phase!r}] {rule}")
         found.append(Harmonic(_whole(order, (*at, "order"), "waves a turn", section), amplitude, phase))
     return tuple(found)
 

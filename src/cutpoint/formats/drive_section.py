@@ -95,8 +95,10 @@ class Section:
                 return "must be positive" if "gt" in context else "must not be negative"
             case "greater_than" | "greater_than_equal" | "less_than" | "less_than_equal" as kind:
                 return f"must be {_BOUNDS[kind]} {next(iter(context.values())):g}"
-            case "too_short" | "too_long":
-                return f"must have {context.get('min_length', context.get('max_length'))} entries"
+            case "too_short":
+                return f"must have at least {context['min_length']} entries"
+            case "too_long":
+                return f"must have at most {context['max_length']} entries"
         return _RULES[detail["type"]]
 
 

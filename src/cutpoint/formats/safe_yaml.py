@@ -55,15 +55,22 @@ def parse_yaml(content: bytes, file: str) -> YamlDocument:
         line = content.count(b"\n", 0, problem.start) + 1
         raise ModelError("YAML must be UTF-8 text", place=f"{file}:{line}") from problem
     try:
-        return _Composer(file, iter(yaml.parse(text, Loader=yaml.SafeLoader))).document()
-    except yaml.MarkedYAMLError as problem:
-        mark = problem.problem_mark or problem.context_mark
-        place = f"{file}:{mark.line + 1}" if mark else file
-        raise ModelError(f"YAML cannot be read: {problem.problem or problem.context}", place=place) from problem
+        loader = yaml.SafeLoader(text)
     except yaml.reader.ReaderError as problem:
         line = text.count("\n", 0, problem.position) + 1
         complaint = f"YAML cannot be read: character {chr(problem.character)!r} is not allowed"
         raise ModelError(complaint, place=f"{file}:{line}") from problem
+    try:
+        return _Composer(file, iter(loader.get_event, None)).document()
+    except ModelError:
+        raise
+    except yaml.MarkedYAMLError as problem:
+        mark = problem.problem_mark or problem.context_mark
+        place = f"{file}:{mark.line + 1}" if mark else file
+        raise ModelError(f"YAML cannot be read: {problem.problem or problem.context}", place=place) from problem
+    except (ValueError, OverflowError) as problem:
+        complaint = "YAML cannot be read: the number of a character (\\U), or of the version, is too large"
+        raise ModelError(complaint, place=f"{file}:{loader.line + 1}") from problem
 
 
 @dataclass

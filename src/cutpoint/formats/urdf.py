@@ -52,7 +52,7 @@ def load_urdf(
     path = Path(path)
     content = read_bytes(path, MAXIMUM_BYTES)
     place = str(path)
-    if path.suffix == ".xacro":
+    if path.suffix.lower() == ".xacro":
         parse_xml(content, place)
         content, place = expand(path), f"{path}, expanded"
     return parse_urdf(content, place, gravity=gravity, floating_base=floating_base, lock=lock, mimic=mimic)

@@ -76,9 +76,10 @@ def load(path: Path) -> Log:
 
 
 def _by_ending(path: Path, choices: dict[str, Callable[..., Any]]) -> Callable[..., Any]:
-    if path.suffix not in choices:
+    ending = path.suffix.lower()
+    if ending not in choices:
         raise InputError(f"ending {path.suffix!r} of {path.name!r} must be one of {', '.join(choices)}", path=path)
-    return choices[path.suffix]
+    return choices[ending]
 
 
 def _header(log: Log) -> str:

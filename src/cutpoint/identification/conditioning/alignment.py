@@ -46,9 +46,9 @@ def aligned(
 ) -> Recording:
     """Channels moved to earlier times by their joints' delays, s; by default the link's to the motor's, as measured.
 
-    Joints without a delay, or with one that does not stand out of its uncertainty, stay as they are, and a note says
-    so.  NaN at the ends, where nothing was sampled.
-    Raises InputError as `skews` does, and for a joint that was not recorded.
+    Joints without a delay stay as they are; so do those whose delay does not stand out of its uncertainty, and a note
+    says so.  NaN at the ends, where nothing was sampled.
+    Raises InputError as `skews` does, and for a joint, or for channels of which none, was recorded.
     """
     measured = skews(recording) if delays is None else delays
     unknown = set(measured) - set(recording.joints)
@@ -56,6 +56,8 @@ def aligned(
         raise InputError(f"no joint {sorted(unknown)[0]!r} was recorded; there are: {', '.join(recording.joints)}")
     seconds = np.array([_delay(measured.get(joint, 0.0)) for joint in recording.joints])
     there = [name for name in channels if name in recording.channels]
+    if not there:
+        raise InputError(f"none of {', '.join(channels)} was recorded; there are: {', '.join(recording.channels)}")
     moved = {name: _earlier(recording.time, recording[name], seconds) for name in there}
     return replace(recording, **moved).with_notes(_notes(", ".join(there), measured))
 

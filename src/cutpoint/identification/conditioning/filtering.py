@@ -106,7 +106,7 @@ def noise_cutoff(values: Array, period: float, *, otherwise: float | None = None
     cannot be seen.
     otherwise: Hz, where nothing stands out of the noise; None refuses that.
 
-    Raises InputError: no column moves.
+    Raises InputError: no column moves, or none out of its noise.
     """
     columns = [column[_longest(column)] for column in values.reshape(len(values), -1).T]
     ways = np.array([np.ptp(x) if x.size >= 16 * WINDOWS else 0.0 for x in columns])
@@ -114,7 +114,7 @@ def noise_cutoff(values: Array, period: float, *, otherwise: float | None = None
     if not any(found) and otherwise is not None:
         return otherwise
     if not any(found):
-        rule = f"no column moves over {16 * WINDOWS} samples or more without a gap"
+        rule = f"no column stands out of its noise over {16 * WINDOWS} samples or more without a gap"
         raise InputError(f"{rule}, of {len(values)}: record more, map another channel, or state a cut-off in Hz")
     return max(found)
 

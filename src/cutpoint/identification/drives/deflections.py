@@ -52,14 +52,11 @@ class Deflections:
 
     def _passed(self, values: Array) -> Array:
         """Through the filter that the channels went through, the ends as they are."""
-        if self.band is None:
-            return values
-        found = low_pass(values, self.period, self.band)
-        return np.where(np.isfinite(found), found, values)
+        return values if self.band is None else self.smooth(values, self.band)
 
-    def smooth(self, values: Array) -> Array:
-        """Low-passed, the ends as they are."""
-        found = low_pass(values, self.period, self.cutoff)
+    def smooth(self, values: Array, cutoff: float | None = None) -> Array:
+        """Low-passed, by default at `cutoff`, the ends as they are."""
+        found = low_pass(values, self.period, self.cutoff if cutoff is None else cutoff)
         return np.where(np.isfinite(found), found, values)
 
     def rate(self, values: Array) -> Array:

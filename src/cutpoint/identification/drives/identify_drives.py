@@ -10,6 +10,7 @@ from cutpoint.errors import CutpointError, InputError
 from cutpoint.identification.conditioning.filtering import noise_cutoff
 from cutpoint.identification.drives.joint_torques import link_torque
 from cutpoint.identification.drives.one_drive import NARROWER, Channels, DriveEstimate, drive_of
+from cutpoint.identification.joint_units import words_at
 from cutpoint.identification.logs.recording import Recording
 from cutpoint.robot import Robot
 
@@ -30,14 +31,18 @@ class DriveEstimates:
         """What is otherwise than the robot had it, and what was not found at all, a sentence each."""
         kept = "its spring was not identified and stays as it was"
         failed = (f"{joint}: {kept}: {why}" for joint, why in self.failed.items())
-        own = (f"{joint}: {words}" for joint, estimate in self.joints.items() for words in estimate.remarks)
+        own = (
+            f"{joint}: {words_at(self.robot, joint, words)}"
+            for joint, estimate in self.joints.items()
+            for words in estimate.remarks
+        )
         return (*failed, *own)
 
     @property
     def notes(self) -> tuple[str, ...]:
         """What could not be told, a sentence each."""
         return tuple(
-            f"{joint}: {thing} cannot be told: {why}"
+            f"{joint}: {thing} cannot be told: {words_at(self.robot, joint, why)}"
             for joint, estimate in self.joints.items()
             for thing, why in estimate.unidentifiable.items()
         )
@@ -67,13 +72,19 @@ def identify_drives(
     link encoders do not: from these come the springs in the end.
 
     Raises:
-        InputError: joints or channels that are missing, times that are not uniform, a floating base.
+        InputError: joints or channels that are missing, times that are not uniform, joints without drives, a resolution
+            of another shape.
     """
     names = robot.joints
-    if robot.nq != len(names) or set(names) - set(recording.joints):
-        missing = sorted(set(names) - set(recording.joints))
-        raise InputError(f"identify_drives: every joint of a fixed-base robot must be recorded; missing: {missing}")
+    if robot.nq != len(names):
+        rule = "identification needs a drive for each; fix its base, or lock joints"
+        raise InputError(f"robot {robot.name!r} has {robot.nq} coordinates and {len(names)} drives: {rule}")
+    if missing := sorted(set(names) - set(recording.joints)):
+        raise InputError(f"identify_drives: every joint must be recorded; missing: {missing}")
     recording = recording.in_order(names)
+    if resolution is not None and np.shape(resolution) not in ((), (1,), (len(names),)):
+        shape = np.shape(resolution)
+        raise InputError(f"identify_drives: resolution of shape {shape} must be one number, or one for each joint")
     steps = [None] * len(names) if resolution is None else np.broadcast_to(resolution, len(names)).tolist()
     cutoff = noise_cutoff(recording["q"], recording.period)
     channels = _channels(robot, recording, cutoff, float(torque_delay))

@@ -66,16 +66,16 @@ def torque_left(
     acceleration = sharpened(derivative(angle, period, 2))
     acting = sharpened(late(given, period, delay), 4.0 * part * (1.0 - part))
     speed = sharpened(derivative(angle, period), 1.0, CENTRAL)
+    direction = np.tanh(speed / rotor.smoothing)
     by = {
         "inertia": -acceleration / share,
         "viscous": -speed / share,
-        "coulomb": -np.tanh(speed / rotor.smoothing) / share,
+        "coulomb": -direction / share,
     }
     left = (acting + rotor["offset"]) / share
     for name, column in by.items():
         left = left + rotor[name] * column
     # dry friction's own law is linear in its smoothing only nearby
-    direction = np.tanh(speed / rotor.smoothing)
     by["smoothing"] = rotor["coulomb"] * (1.0 - direction**2) * speed / rotor.smoothing**2 / share
     return left, by
 
@@ -83,7 +83,8 @@ def torque_left(
 def sharpened(values: Array, share: float = 1.0, weights: Sequence[float] = AVERAGED) -> Array:
     """Values (N,) at samples from their averages over a period on either side, with triangular weights.
 
-    share: of them that is an average; of a torque that is held all, half a period late, of one that was measured none.
+    share: how much of the values is such an average: 1 for a held torque that is half a period late, 0 for a measured
+    one.
     """
     found, bent = values.copy(), values
     for weight in weights:

@@ -74,7 +74,7 @@ def locked_output(
     """Stiffness curve, hysteresis loss, lost motion and backlash from slow loops of torque to both sides.
 
     theta: the motor's angle over ratio, (N,), rad.  torque: on the locked output, (N,), N m; the motor's times ratio
-    serves too, but then its friction widens the loop.  period: s.  ratio: motor turns per joint turn.
+    serves too, but then its friction widens the loop.  NaN: not known.  period: s.  ratio: motor turns per joint turn.
     share: of the rated torque (N m), between which lost motion is read, 0.03 in makers' catalogues of cycloidal gears.
     resolution: of the encoder, rad at the joint's side; by default its smallest step.  laws: as in `two_encoders`.
 
@@ -85,6 +85,8 @@ def locked_output(
     spring = two_encoders(
         angle, np.zeros_like(angle), load, period, ratio, resolution=resolution, orders=(), laws=laws, damping=False
     )
+    known = np.isfinite(angle) & np.isfinite(load)
+    angle, load = angle[known], load[known]
     limit = REACHED * min(float(load.max()), -float(load.min()))
     at = np.linspace(-limit, limit, POINTS)
     ways = {direction: _mean_way(angle, load, at, direction) for direction in (1.0, -1.0)}
@@ -142,6 +144,6 @@ def _play(torque: Array, middle: Array) -> tuple[float, float]:
     columns = np.column_stack([np.sign(x) / 2.0, x, x**3, np.ones_like(x)])
     weights, *_ = np.linalg.lstsq(columns, y)
     left = y - columns @ weights
-    # the curve is smooth: its departures from the cubic are no noise, so that half of them counts in full
+    # the curve is smooth: its departures from the cubic are no noise, so the largest counts in full
     error = float(np.abs(left).max()) + float(np.std(left)) / np.sqrt(x.size)
     return float(weights[0]), error

@@ -42,9 +42,9 @@ HIGHEST = 0.4
 class DriveEstimate:
     """One joint's drive: as far as the recording tells, otherwise as it was.
 
-    spring, rotor: what was found, with its uncertainty.  unidentifiable: what was not, each with the sentence why.
+    spring, rotor: what was found, with its uncertainty.  unidentifiable: what was not, or not sought, and why.
     apart: whether the spring told the rotor from the link; otherwise they are told apart by what was known of the link.
-    remarks: on which side friction is, where it is not as the drive had it, and what was not sought, a sentence each.
+    remarks: on which side friction is, where it is not as the drive had it, a sentence each.
     """
 
     drive: Drive
@@ -208,8 +208,8 @@ def _estimate(
         constant = rotor.torque_constant
         changes["motor"] = replace(drive.motor, torque_constant=constant) if drive.motor else Motor(constant)
     if "stiffness" not in why:
-        drive, kept = with_spring(drive, spring.compliance), not_sought(drive, shows_play)
-        why, words = why | kept, (*words, *(f"{thing}: {sentence}" for thing, sentence in kept.items()))
+        why |= not_sought(drive, shows_play)
+        drive = with_spring(drive, spring.compliance)
     if drive.is_elastic:
         parts = {name: getattr(spring, name) for name in ("kinematic_error", "damping")}
         parts["hysteresis"] = as_wide(spring.hysteresis, spring.compliance, drive.compliance)

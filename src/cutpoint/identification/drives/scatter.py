@@ -59,7 +59,8 @@ def _left(residual: Array, fitted: int) -> float:
     by Parseval's theorem.
     """
     power = np.abs(np.fft.rfft(residual)) ** 2
-    numbers = residual.size * np.mean(power) ** 2 / max(float(np.mean(power**2)), np.finfo(float).tiny)
+    # a periodogram's squares are, on average, twice those of the spectrum
+    numbers = 2.0 * residual.size * np.mean(power) ** 2 / max(float(np.mean(power**2)), np.finfo(float).tiny)
     return max(0.5, 1.0 - fitted / max(float(numbers), 1.0))
 
 

@@ -8,7 +8,7 @@ from cutpoint.identification.drives.deflections import DeflectionFit, Deflection
 Array = NDArray[np.float64]
 
 ROUNDS = 3
-"""Each leaves of the last step a share that is small where noise is."""
+"""Each leaves a share of the step before it, which is small where the noise is."""
 
 RELIABLE = 0.5
 """Of what tells the spring apart from all else: at least as much must be no noise, or nothing is done."""

@@ -64,7 +64,7 @@ def read_start(path: Path, robot: Robot, base_frequency: float, harmonics: int) 
         joints, version = sheet["joints"], sheet["cutpoint_excitation"]
         told = float(sheet["base_frequency_Hz"])
         centre, sine, cosine = (np.array(sheet[key], dtype=np.float64) for key in ("centre", "sine", "cosine"))
-    except (ValueError, TypeError, KeyError, RecursionError) as error:
+    except (ValueError, TypeError, KeyError, OverflowError, RecursionError) as error:
         raise InputError(f"file is not an excitation that was written here: {error!r}", place=path) from error
     fits = {
         "version": (version, VERSION),

@@ -154,7 +154,8 @@ def _consider(problem: Problem, z: Array, found: Found, keep: Callable[[Array, f
         if found.worst is None or worst.room > found.worst.room:
             found.worst = worst
         z = _scaled(z, _largest_factor(problem, z))
-    if problem.worst(z).room >= 0.0 and problem.condition(z) < BLIND:
+        worst = problem.worst(z)
+    if worst.room >= 0.0 and problem.condition(z) < BLIND:
         cost = problem.cost(z)
         if cost < found.cost:
             found.z, found.cost = z, cost

@@ -34,7 +34,7 @@ def stored_messages(path: Path) -> Iterator[Message]:
 
     Raises ValueError, EOFError or sqlite3.Error for a file that is none, CutpointError for a missing unpacker.
     """
-    if path.suffix == ".db3":
+    if path.suffix.lower() == ".db3":
         yield from _from_sqlite(path)
         return
     with path.open("rb") as file:
@@ -91,6 +91,7 @@ class _Mcap:
                 return
 
     def message(self, record: BinaryIO) -> Message:
+        self.take(MESSAGE_ITSELF)
         topic, kind = self.channels[_number(record, 2)]
         _exactly(record, 4)  # its number
         received = _number(record, 8)
@@ -101,9 +102,7 @@ class _Mcap:
         """The records in a chunk, never more than announced, nor than the file may hold in all."""
         _exactly(chunk, 16)  # its first and last time
         size = _number(chunk, 8)
-        self.left -= size
-        if self.left < 0:
-            raise ValueError(f"it unpacks to more than {LARGEST:,} bytes")
+        self.take(size)
         _exactly(chunk, 4)  # a checksum
         packing = _text(chunk)
         packed = _exactly(chunk, _number(chunk, 8))
@@ -111,6 +110,11 @@ class _Mcap:
         if len(records) != size:
             raise ValueError(f"a chunk of {size:,} bytes unpacks to another size")
         return records
+
+    def take(self, size: int) -> None:
+        self.left -= size
+        if self.left < 0:
+            raise ValueError(f"its messages, unpacked, are more than {LARGEST:,} bytes")
 
 
 def _unpacker(packing: str) -> Any:

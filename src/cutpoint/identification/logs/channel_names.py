@@ -3,6 +3,8 @@
 import re
 from collections.abc import Iterable, Sequence
 
+from cutpoint.identification.logs.units import LONGEST_NAME
+
 TIME = ("time", "t", "timestamp", "timestamps", "stamp", "stamps", "timesec", "times")
 """Names of times; here and below only letters count, and of a path only the end."""
 
@@ -46,6 +48,8 @@ def is_wished(name: str) -> bool:
 
 def name_and_label(name: str, joints: Sequence[str]) -> tuple[str, str]:
     """The letters of a column's name without its joint or its number, and these: `q_elbow`, `q.elbow`, `q1`."""
+    if len(name) > LONGEST_NAME:
+        return "", name
     # longest first: `elbow_2` is not `elbow`
     for joint in sorted(joints, key=len, reverse=True):
         before, there, after = _parted(name, joint)

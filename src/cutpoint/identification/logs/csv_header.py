@@ -2,6 +2,7 @@
 
 import csv
 import re
+from collections import Counter
 from collections.abc import Iterator
 from itertools import chain
 from typing import NamedTuple, TextIO
@@ -89,7 +90,7 @@ def _named(titles: list[str], place: str) -> tuple[list[str], list[str]]:
         raise InputError(f"first line '{shown}' must name the columns, as in 't, q1, q2, tau1, tau2'", place=place)
     found = [name_and_unit(title) for title in titles]
     names = [name or f"column {k}" for k, (name, _) in enumerate(found)]
-    for name in names:
-        if names.count(name) > 1:
+    for name, times in Counter(names).items():
+        if times > 1:
             raise InputError(f"column {name!r} is named twice: each must have a name of its own", place=place)
     return names, [unit for _, unit in found]

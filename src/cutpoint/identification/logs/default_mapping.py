@@ -83,7 +83,7 @@ def _in_order(group: Mapping[str, str], joints: Sequence[str]) -> list[str]:
     """The columns of a position: as the robot has its joints, by number, or as they stand in the file."""
     if joints and set(joints) <= set(group):
         return list(joints)
-    return sorted(group, key=int) if all(label.isdigit() for label in group) else list(group)
+    return sorted(group, key=int) if all(label.isdecimal() for label in group) else list(group)
 
 
 def _channels(first: Mapping[str, str], group: Group, labels: Sequence[str], table: Table) -> list[str]:
@@ -105,4 +105,4 @@ def _channels(first: Mapping[str, str], group: Group, labels: Sequence[str], tab
 
 def _are_numbers(labels: Iterable[str]) -> bool:
     """Whether columns are told apart by numbers, or need not be."""
-    return all(label.isdigit() or not label for label in labels)
+    return all(label.isdecimal() or not label for label in labels)

@@ -17,6 +17,10 @@ DEEPEST = 100
 """Arrays within arrays."""
 
 MOST_ARRAYS = 1_000_000
+"""And elements that hold their numbers."""
+
+MOST_DIMENSIONS = 32
+"""Of an array, as SciPy has it."""
 
 
 class Element(NamedTuple):
@@ -37,19 +41,19 @@ def check_nesting(array: memoryview, order: Any) -> None:
             continue
         if place >= len(array):
             raise ValueError("it ends within an array")
+        count += 1
+        if len(to_come) > DEEPEST or count > MOST_ARRAYS:
+            rule = f"its arrays nest deeper than {DEEPEST}, or have more than {MOST_ARRAYS:,} elements"
+            raise ValueError(f"{rule}; save the matrices of numbers alone")
         kind, size = (int.from_bytes(array[place + k : place + k + 4], order) for k in (0, 4))
         if kind != ARRAY:
             place = _element(array, place, order).end
             continue
         to_come[-1] -= 1
-        count += 1
         place += 8
         if size:  # else nothing follows
             held, place = _held(array, place, order)
             to_come.append(held)
-        if len(to_come) > DEEPEST or count > MOST_ARRAYS:
-            rule = "save the matrices of numbers alone"
-            raise ValueError(f"its arrays nest deeper than {DEEPEST}, or are more than {MOST_ARRAYS:,}; {rule}")
 
 
 def _held(array: memoryview, place: int, order: Any) -> tuple[int, int]:
@@ -60,14 +64,16 @@ def _held(array: memoryview, place: int, order: Any) -> tuple[int, int]:
         return 1, place
     sizes = _element(array, place, order)
     place = _element(array, sizes.end, order).end
-    cells = math.prod(_numbers(sizes.content, order))
+    if len(sizes.content) > 4 * MOST_DIMENSIONS:
+        raise ValueError(f"an array of it has more than {MOST_DIMENSIONS} dimensions")
+    cells = math.prod(_number(sizes.content[k:], order) for k in range(0, len(sizes.content), 4))
     if kind not in (STRUCTURE, OBJECT):
         return {CELL: cells, FUNCTION: 1}.get(kind, 0), place
     if kind == OBJECT:
         place = _element(array, place, order).end
     longest = _element(array, place, order)
     names = _element(array, longest.end, order)
-    return cells * (len(names.content) // max([1, *_numbers(longest.content, order)])), names.end
+    return cells * (len(names.content) // max(1, _number(longest.content, order))), names.end
 
 
 def _element(array: memoryview, place: int, order: Any) -> Element:
@@ -79,5 +85,6 @@ def _element(array: memoryview, place: int, order: Any) -> Element:
     return Element(kind, array[place + 8 : place + 8 + size], place + 8 + size + -size % 8)
 
 
-def _numbers(content: memoryview, order: Any) -> list[int]:
-    return [int.from_bytes(content[k : k + 4], order) for k in range(0, len(content), 4)]
+def _number(content: memoryview, order: Any) -> int:
+    """The one that it begins with."""
+    return int.from_bytes(content[:4], order)

@@ -12,7 +12,7 @@ LONGEST_START = 1000
 
 def is_own_log(path: Path) -> bool:
     """Whether a file begins as ours do.  Raises InputError for an .npz that is no archive, or a damaged one."""
-    if path.suffix == ".npz":
+    if path.suffix.lower() == ".npz":
         with opened_archive(path) as archive:
             if "header.npy" not in archive.namelist():
                 return False

@@ -48,9 +48,11 @@ def _files(path: Path) -> list[Path]:
     """The bag's files of messages, in the order of their names."""
     found = [path]
     if path.is_dir():
-        found = sorted(each for each in path.iterdir() if each.suffix in (".db3", ".mcap"))[:MOST_FILES]
+        found = sorted(each for each in path.iterdir() if each.suffix.lower() in (".db3", ".mcap"))
     if not found:
         raise InputError("folder holds no .db3 and no .mcap; unpack the files if they end in .zstd", place=path)
+    if len(found) > MOST_FILES:
+        raise InputError(f"folder holds {len(found):,} files of a bag: at most {MOST_FILES:,} are read", place=path)
     left = LARGEST
     for file in found:
         check_readable(file, left)

@@ -13,7 +13,7 @@ GAP = 2.5
 
 CLOSE = 0.25
 """Periods: samples that follow another sooner count with it as one.  A spline through both would follow their noise: at
-a period of 8 ms with 2 ms of jitter it makes it 3.4 times as large, and 190 times at the worst; so it is 1.06 times."""
+a period of 8 ms with 2 ms of jitter the noise grows 3.4 times, and 190 times at the worst; averaged, 1.06 times."""
 
 MOST_SAMPLES = 50_000_000
 """Samples of a grid: half a day at 1 kHz."""

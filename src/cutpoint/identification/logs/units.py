@@ -40,6 +40,9 @@ SPELLINGS = {
 }
 """Of units in the titles of columns, beside the unit itself; large and small letters alike."""
 
+LONGEST_NAME = 200
+"""Characters of a channel's name: what is longer says nothing that is looked for."""
+
 KNOWN = frozenset(unit for units in (*UNITS.values(), TIMES) for unit in units) | {*COUNTS.values(), *WITH_GAIN} - {"1"}
 
 _SPELT = {spelling.lower(): unit for unit, those in SPELLINGS.items() for spelling in (unit, *those)}
@@ -55,7 +58,8 @@ def known_unit(text: str) -> str | None:
 
 def name_and_unit(title: str) -> tuple[str, str]:
     """What a column's title says: `q1 [deg]`, `Time(ms)`; brackets may hold any unit, parentheses a known one."""
-    found = re.fullmatch(r"(.*?)\s*(?:\[([^\[\]]*)\]|\(([^()]*)\))", title)
+    pattern = r"(.*?)\s*(?:\[([^\[\]]*)\]|\(([^()]*)\))"
+    found = re.fullmatch(pattern, title) if len(title) <= LONGEST_NAME else None
     if not found:
         return title, ""
     name, bracketed, inner = found[1], found[2], found[2] if found[3] is None else found[3]

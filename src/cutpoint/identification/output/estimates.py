@@ -66,7 +66,8 @@ def _coarse(drives: DriveEstimates) -> tuple[str, ...]:
         return ()
     told = ", ".join(f"{joint} {count:.0f}" for joint, count in counts.items())
     few = f"half of a deflection's range is few steps of the encoders ({told})"
-    return (f"{few}: below {FINE:g}, rotors came out light by some percent, damping wrong by more, beside intervals",)
+    then = "rotors came out some percent too light, and damping further off than its interval says"
+    return (f"{few}: below {FINE:g}, {then}",)
 
 
 def springs_wanted(before: Robot, recording: Recording, springs: bool | None) -> bool:

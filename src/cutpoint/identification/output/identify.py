@@ -13,6 +13,7 @@ from cutpoint.identification.conditioning.alignment import aligned
 from cutpoint.identification.conditioning.bridging import bridged
 from cutpoint.identification.conditioning.spikes import without_spikes
 from cutpoint.identification.drives.identify_drives import DriveEstimates
+from cutpoint.identification.joint_units import at_joints, words_at
 from cutpoint.identification.logs.read_recording import read_recording
 from cutpoint.identification.logs.recording import UNEVEN, Recording
 from cutpoint.identification.logs.suspicions import refuse_degrees, suspicions
@@ -23,8 +24,8 @@ from cutpoint.identification.output.identification import Identification
 from cutpoint.identification.output.numbers import Number, rigid_numbers
 from cutpoint.identification.output.steps import Steps
 from cutpoint.identification.output.torque_errors import TorqueErrors, torque_errors
-from cutpoint.identification.output.units import at_joints
 from cutpoint.identification.rigid.identify_rigid import FrictionWish, Method
+from cutpoint.identification.rigid.lateness import EFFORTS
 from cutpoint.identification.rigid.physical import Solver
 from cutpoint.loading import load
 from cutpoint.robot import Robot
@@ -137,7 +138,10 @@ def _numbers(before: Robot, after: Robot, found: Estimates) -> tuple[Number, ...
     numbers = rigid_numbers(after, found.rigid)
     for joint, each in found.drives.joints.items() if found.drives else ():
         own = drive_numbers(joint, before.drives[joint], each, joint in found.apart)
-        numbers += tuple(replace(number, unit=at_joints(before, number.unit)[joint]) for number in own)
+        numbers += tuple(
+            replace(each, unit=at_joints(before, each.unit)[joint], why=words_at(before, joint, each.why))
+            for each in own
+        )
     return numbers
 
 
@@ -166,9 +170,9 @@ def _acting(recording: Recording, torque_delay: float) -> Recording:
     if not abs(torque_delay) < (span := float(np.ptp(recording.time))):
         rule = f"must be shorter than the log, {span:g} s; 0.0005 is half a millisecond"
         raise InputError(f"torque_delay {torque_delay} s {rule}", delay=torque_delay)
-    if not torque_delay:
+    channels = [name for name in EFFORTS if name in recording.channels]
+    if not torque_delay or not channels:
         return recording
-    channels = [name for name in ("torque", "current") if name in recording.channels]
     # what acts later than it is stamped is stamped too early
     moved = aligned(recording, dict.fromkeys(recording.joints, -torque_delay), channels)
     when = f"{'later' if torque_delay > 0.0 else 'earlier'} times by {1e3 * abs(torque_delay):.3f} ms"

@@ -5,8 +5,8 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
+from cutpoint.identification.joint_units import at_joints, either
 from cutpoint.identification.output.torque_errors import TorqueErrors
-from cutpoint.identification.output.units import at_joints, either
 from cutpoint.robot import Robot
 from cutpoint.studies.style import FAINT, HAIR, INK, LINK, MOTOR, WIDTH
 

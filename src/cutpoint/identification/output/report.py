@@ -1,18 +1,16 @@
 """The report of an identification: one HTML file that needs nothing else."""
 
-import platform
 from collections.abc import Sequence
-from importlib.metadata import version
 
 import numpy as np
 
-import cutpoint
+from cutpoint.identification.joint_units import at_joints, either
 from cutpoint.identification.output.block_bootstrap import Ratio
 from cutpoint.identification.output.drive_pictures import bendings, loop_picture, wave_picture
 from cutpoint.identification.output.identification import Identification
 from cutpoint.identification.output.numbers import Number
 from cutpoint.identification.output.pictures import residual_picture, torque_picture
-from cutpoint.identification.output.units import at_joints, either
+from cutpoint.studies.report.folder import versions
 from cutpoint.studies.report.html import Heading, html
 from cutpoint.studies.report.page import Block, Page, Picture, Table
 from cutpoint.studies.style import png, styled
@@ -23,7 +21,7 @@ def report(found: Identification, notes: Sequence[str] = ()) -> str:
     pages = [_torques(found), _numbers(found), *_drives(found), _said(found, notes)]
     with styled():
         images = {picture.key: png(picture.figure) for page in pages for picture in page.pictures()}
-    return html(_heading(found), pages, images, _versions())
+    return html(_heading(found), pages, images, versions())
 
 
 def _heading(found: Identification) -> Heading:
@@ -119,8 +117,3 @@ def _said(found: Identification, notes: Sequence[str]) -> Page:
     untold = found.untold or ("Everything that was sought is told.",)
     blocks = ("What this log cannot tell:", *untold, "What was repaired, what looks wrong, and how it was done:")
     return Page("said", "What this log cannot tell, and notes", (*blocks, *found.notes, *notes))
-
-
-def _versions() -> dict[str, str]:
-    others = {name: version(name) for name in ("numpy", "scipy", "matplotlib")}
-    return {"cutpoint": cutpoint.__version__, "Python": platform.python_version(), **others}

@@ -15,10 +15,10 @@ from cutpoint.formats.reading import read_bytes
 from cutpoint.formats.safe_xml import MAXIMUM_BYTES
 from cutpoint.formats.urdf_writing import updated_urdf
 from cutpoint.formats.xacro_expansion import expand
+from cutpoint.identification.joint_units import at_joints
 from cutpoint.identification.output.identification import Identification
 from cutpoint.identification.output.numbers import Number
 from cutpoint.identification.output.report import report
-from cutpoint.identification.output.units import at_joints
 from cutpoint.robot import Robot
 
 FILES = ("robot.urdf", "robot.inertias.json", "robot.drives.yaml", "parameters.json", "report.html")

@@ -57,8 +57,8 @@ class TorqueErrors:
         return tuple(error_ratio(a, b) for a, b in zip(first.T, second.T, strict=True))
 
     def size(self) -> Array:
-        """(n,) N m: RMS of the measured torques about their mean."""
-        return self._rms(self.measured - np.nanmean(self.measured, axis=0), False)
+        """(n,) N m: RMS of the measured torques about their mean, on the part that was fitted."""
+        return self._rms(self.measured - np.nanmean(self.measured[~self.held_out], axis=0), False)
 
     def speed(self, held_out: bool = False) -> Array:
         """(n,) rad/s: RMS."""

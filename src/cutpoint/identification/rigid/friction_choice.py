@@ -61,16 +61,17 @@ class Held(NamedTuple):
 
 @dataclass(frozen=True)
 class FrictionChoice:
-    """The law that a joint's torques speak for, and how each family did."""
+    """The law that a joint's torques speak for, and how each family did, in a unit."""
 
     joint: str
     family: str
     law: Sliding
     compared: Mapping[str, Held]
+    unit: str = "N m"
 
     def __str__(self) -> str:
         each = ", ".join(f"{name} {held.error:.4g}" for name, held in self.compared.items())
-        return f"{self.joint}: {self.family} friction, of (RMS of held-out torques, N m) {each}"
+        return f"{self.joint}: {self.family} friction, of (RMS of held-out torques, {self.unit}) {each}"
 
 
 def choose_friction(

@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from cutpoint.errors import InputError, unknown_name
 from cutpoint.identification.conditioning.decimation import decimation
 from cutpoint.identification.conditioning.motion import Motion, motion_of, sliding_speeds, torques_of
+from cutpoint.identification.joint_units import at_joints
 from cutpoint.identification.logs.recording import Recording
 from cutpoint.identification.rigid.base_parameters import BaseParameters, base_parameters
 from cutpoint.identification.rigid.friction_choice import FrictionChoice, choose_friction
@@ -192,10 +193,11 @@ def _choices(base: BaseParameters, log: Log, loads: Array, offsets: bool) -> tup
 def _shaped(
     choices: tuple[FrictionChoice, ...], base: BaseParameters, log: Log, loads: Array, offsets: bool
 ) -> tuple[FrictionChoice, ...]:
-    """The same laws, with the shapes that explain the torques of all joints best."""
+    """The same laws, with the shapes that explain the torques of all joints best, and their units."""
     chosen = {each.joint: each.law for each in choices}
     shaped = best_shapes(base, stated_laws(base.robot, log.motion) | chosen, chosen, log, loads, offsets)
-    return tuple(replace(each, law=shaped[each.joint]) for each in choices)
+    units = at_joints(base.robot, "N m")
+    return tuple(replace(each, law=shaped[each.joint], unit=units[each.joint]) for each in choices)
 
 
 def _with_remark_on_lags(found: RigidEstimate) -> RigidEstimate:

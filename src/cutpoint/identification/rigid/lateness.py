@@ -24,6 +24,9 @@ UNLIKE = 0.5
 WORTH = 1.5e-3
 """s, from which on it is said: springs and dampers that were not modelled make torques early or late by less."""
 
+EFFORTS = ["torque", "current"]
+"""Channels of which `aligned` moves those that were recorded."""
+
 
 def lateness_notes(found: Regression, values: Array, joints: Sequence[str]) -> list[str]:
     """A sentence if torques are clearly late or early against the motion, all alike, and one for each joint whose
@@ -37,7 +40,7 @@ def lateness_notes(found: Regression, values: Array, joints: Sequence[str]) -> l
     notes: list[str] = []
     for j in np.flatnonzero(apart & late).tolist():
         words = _late(f"torques of {joints[j]}", delays[j], covariance[j, j])
-        remedy = f"aligned(recording, {{{joints[j]!r}: {delays[j]:.2g}}}, ['torque']) moves these alone"
+        remedy = f"aligned(recording, {{{joints[j]!r}: {delays[j]:.2g}}}, {EFFORTS}) moves these alone"
         notes.append(f"{words}, unlike those of other joints: check how they are stamped; {remedy}")
     rest = told & ~apart
     if rest.any():
@@ -48,7 +51,7 @@ def lateness_notes(found: Regression, values: Array, joints: Sequence[str]) -> l
             whose = f"torques of all joints but {', '.join(on_time)}" if on_time else "torques"
             remedy = f"align them with torque_delay={-delay:.2g}, --delay {-delay:.2g}"
             if on_time:
-                remedy = f"move these alone by aligned(recording, {{JOINT: {delay:.2g}, ...}}, ['torque'])"
+                remedy = f"move these alone by aligned(recording, {{JOINT: {delay:.2g}, ...}}, {EFFORTS})"
             notes.append(f"{_late(whose, delay, variance)}: check the clocks, or {remedy}")
     return notes
 

@@ -81,7 +81,7 @@ def untold(found: Sequence[Parameter], base: BaseParameters) -> tuple[str, ...]:
 def _instead(found: Parameter) -> str:
     """What the robot has of a parameter that no log tells."""
     if np.isfinite(found.prior):
-        return "the robot keeps what its file says nearby"
+        return "the robot stays near what its file says"
     kind, _, joint = found.name.partition(".")
     if kind == "static":
         return f"as its file states none, it stays near coulomb.{joint}"

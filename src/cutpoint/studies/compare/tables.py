@@ -29,7 +29,10 @@ def law_name(results: Results, key: str) -> str:
 
 def tuning_table(results: Results) -> Table:
     pd = results.matches[CONTENDERS[0].key]
-    rows = [_tuning_row(match, pd, results.nanoseconds.get(key)) for key, match in results.matches.items()]
+    rows = [
+        (law_name(results, key), *_tuning_row(match, pd, results.nanoseconds.get(key)))
+        for key, match in results.matches.items()
+    ]
     caption = (
         "Laws at the stiffness of the PD, critically damped: sides with encoders, and the model in it; bandwidth that "
         "`tune` is asked for; stiffness and damping beside the PD's, geometric mean over the joints, and from the "
@@ -41,9 +44,8 @@ def tuning_table(results: Results) -> Table:
 
 def _tuning_row(match: Match, pd: Match, nanoseconds: float | None) -> tuple[str, ...]:
     shares = [_shares(x) for x in (match.stiffness / pd.stiffness, match.damping / pd.damping)]
-    name = match.contender.name + ("" if match.equal else f" {UNEQUAL}")
     took = "–" if nanoseconds is None else number(nanoseconds, 0)
-    return name, match.contender.needs, _number(match.bandwidth, 2), *shares[0], *shares[1], took
+    return match.contender.needs, _number(match.bandwidth, 2), *shares[0], *shares[1], took
 
 
 def _shares(ratios: Any) -> tuple[str, str]:
@@ -105,7 +107,9 @@ def _refusal(match: Match) -> str:
     at = (
         f"it runs at {number(match.bandwidth, 2)} Hz, {number(match.share, 2)} of the PD's stiffness, and is not ranked"
     )
-    outcome = at if match.law is not None else "no bandwidth within a factor of four serves, and it does not run"
+    # without a bandwidth at which it is as stiff, none beside that was tried
+    tried = "no bandwidth within a factor of four serves, and " if np.isfinite(match.bandwidth) else ""
+    outcome = at if match.law is not None else f"{tried}it does not run"
     return f"{match.contender.name} is refused at equal stiffness: {match.refused}; {outcome}."
 
 

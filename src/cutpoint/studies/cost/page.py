@@ -20,7 +20,8 @@ _METHOD = (
     "on top.",
     f"Times are medians of turns taken one after another, one thread, {BATCH} random motions in one call of a batch; a "
     "single call from Python adds what NumPy takes to call anything. They move from machine to machine: only ratios "
-    f"are claims. A contender leaves when its code would take more than {COMPILE_LIMIT:g} s to compile.",
+    "are claims. Ratios of times in the findings are of the least of each. A contender leaves when its code would take "
+    f"more than {COMPILE_LIMIT:g} s to compile.",
 )
 
 

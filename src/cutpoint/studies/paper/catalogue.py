@@ -6,13 +6,12 @@ import numpy as np
 from matplotlib.figure import Figure
 from scipy.optimize import least_squares
 
+from cutpoint.formats.catalogue_entry import ARC_MINUTE
 from cutpoint.mechanics.compliance import Flexspline
 from cutpoint.studies.chain import Array
 from cutpoint.studies.paper.bench import Bench
 from cutpoint.studies.report.page import Page, Picture, Table, number
 from cutpoint.studies.style import INK, LINK, MOTOR, SPRING, WIDTH
-
-_ARC_MINUTES = 60 * 180 / np.pi
 
 
 class Size(NamedTuple):
@@ -84,7 +83,7 @@ def fitted(size: Size) -> Flexspline:
 
 def departure(law: Flexspline, size: Size, torque: Array) -> Array:
     """Deflection of the law less that of the catalogue, arc minutes."""
-    return _ARC_MINUTES * (law.deflection(torque) - size.deflection(torque))
+    return (law.deflection(torque) - size.deflection(torque)) / ARC_MINUTE
 
 
 def worst(law: Flexspline, size: Size) -> float:
@@ -146,15 +145,15 @@ def _figure(laws: dict[Size, Flexspline], fits: dict[Size, Flexspline]) -> Figur
     for k, size in enumerate(SIZES):
         torque, corners = np.linspace(0, 1.5 * size.T2, 300), np.array([size.T1, size.T2])
         above, below = panels[:, k]
-        above.plot(torque, _ARC_MINUTES * size.deflection(torque), color=INK, lw=1.0, label="catalogue")
-        above.plot(corners, _ARC_MINUTES * size.deflection(corners), "o", color=INK, ms=5)
+        above.plot(torque, size.deflection(torque) / ARC_MINUTE, color=INK, lw=1.0, label="catalogue")
+        above.plot(corners, size.deflection(corners) / ARC_MINUTE, "o", color=INK, ms=5)
         for law, colour, line, name in (
             (laws[size], MOTOR, "-", "law (2), shipped"),
             (fits[size], LINK, "--", "law (2), fitted"),
         ):
             above.plot(
                 torque,
-                departure(law, size, torque) + _ARC_MINUTES * size.deflection(torque),
+                departure(law, size, torque) + size.deflection(torque) / ARC_MINUTE,
                 line,
                 color=colour,
                 label=name,

@@ -5,6 +5,7 @@ from collections.abc import Mapping
 import numpy as np
 
 from cutpoint.formats.catalogue import catalogue_drive
+from cutpoint.formats.catalogue_entry import ARC_MINUTE
 from cutpoint.mechanics.friction import STATED_AT, Coulomb
 from cutpoint.robot import Robot
 from cutpoint.studies.paper import effects_bars, effects_figures
@@ -71,8 +72,7 @@ def _gear_sizes() -> str:
     frictions = [gear.motor_friction for gear in gears]
     laws = [law for law in frictions if isinstance(law, Coulomb)]
     errors = [gear.kinematic_error for gear in gears]
-    arc_minute = np.pi / 180 / 60
-    amplitudes = [wave.amplitude / arc_minute for error in errors for wave in getattr(error, "harmonics", ())]
+    amplitudes = [wave.amplitude / ARC_MINUTE for error in errors for wave in getattr(error, "harmonics", ())]
     return (
         f"Stiffness, kinematic error and hysteresis are those of the package's catalogue entries "
         f"{', '.join(dict.fromkeys(sizes.GEARS))}: three slopes; {listed(amplitudes, 2)} arc minutes, half of the "

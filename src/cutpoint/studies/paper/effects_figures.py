@@ -9,6 +9,7 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
+from cutpoint.formats.catalogue_entry import ARC_MINUTE
 from cutpoint.mechanics.catalogue import CatalogueSpring
 from cutpoint.mechanics.friction import Stribeck
 from cutpoint.mechanics.presliding import ElastoPlastic
@@ -46,7 +47,6 @@ TURNS = (0.0, 1.4, -1.4, -0.3, -0.8, 1.4)
 """Of a slow motion by which presliding is drawn, 1e-3 rad."""
 
 _DASHES: Any = (0, (5, 3))
-_ARC_MINUTE = np.pi / 180 / 60
 _LEADER = {"arrowstyle": "-", "color": INK, "lw": 0.7}
 
 
@@ -71,13 +71,13 @@ def hysteresis_loop(axes: Axes, drive: Drive) -> None:
     loop, spring = cycle(drive, PEAK), drive.compliance
     assert isinstance(spring, CatalogueSpring)
     deflection, torque = (np.append(*ends) for ends in zip(loop.up, loop.down, strict=True))
-    axes.fill(deflection / _ARC_MINUTE, torque, color=MOTOR_FILL, lw=0)
+    axes.fill(deflection / ARC_MINUTE, torque, color=MOTOR_FILL, lw=0)
     line = np.linspace(-PEAK, PEAK, 121)
-    axes.plot(spring.deflection(line) / _ARC_MINUTE, line, color=FAINT, lw=1.0, ls=_DASHES, label="spring alone")
-    axes.plot(deflection / _ARC_MINUTE, torque, color=MOTOR, label="to and fro")
+    axes.plot(spring.deflection(line) / ARC_MINUTE, line, color=FAINT, lw=1.0, ls=_DASHES, label="spring alone")
+    axes.plot(deflection / ARC_MINUTE, torque, color=MOTOR, label="to and fro")
     for k, (x, y) in enumerate(minor_loops(drive, loop.down[0][0])):
-        axes.plot(x / _ARC_MINUTE, y, color=LINK, label="" if k else "minor loops")
-    half = loop.width / _ARC_MINUTE / 2
+        axes.plot(x / ARC_MINUTE, y, color=LINK, label="" if k else "minor loops")
+    half = loop.width / ARC_MINUTE / 2
     axes.plot([-half, half], [0, 0], color=FORCE, lw=2.5, solid_capstyle="butt", zorder=5)
     leader = _LEADER | {"color": FORCE}
     loss = f"hysteresis loss\n{2 * half:.2g} arcmin"

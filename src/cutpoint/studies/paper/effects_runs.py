@@ -54,7 +54,7 @@ def arm(errors: Array) -> float:
 
 
 class Runs:
-    """Loops of the bench on drives with some effects, under a feedforward that knows some; each is run once."""
+    """Loops of the bench on drives with some effects, under a feedforward that knows some; only errors are kept."""
 
     def __init__(self, bench: Bench) -> None:
         self._bench = bench

@@ -5,6 +5,7 @@ from collections.abc import Mapping
 import numpy as np
 from matplotlib.axes import Axes
 
+from cutpoint.formats.catalogue_entry import ARC_MINUTE
 from cutpoint.mechanics.motor import shaft_torque
 from cutpoint.model.drive import Drive
 from cutpoint.simulation import Log
@@ -15,7 +16,6 @@ from cutpoint.studies.style import FORCE, INK, LINK, MOTOR, MOTOR_FILL, SPRING
 ORDERS = 10.0
 """Waves a turn to which the spectrum of tracking goes."""
 
-_ARC_MINUTE = np.pi / 180 / 60
 _MIDDLE = 0.2
 """What of the rotor's way is left out at either end, where it hardly turns."""
 
@@ -25,7 +25,7 @@ _PER_TURN = 256
 def kinematic_error(axes: Axes, drive: Drive) -> None:
     law, angle = drive.kinematic_error, np.linspace(0.0, 2 * np.pi, 721)
     assert law is not None
-    error = np.asarray(law.value(angle / drive.ratio, drive.ratio)) / _ARC_MINUTE
+    error = np.asarray(law.value(angle / drive.ratio, drive.ratio)) / ARC_MINUTE
     half = float(np.ptp(error)) / 2
     axes.axhspan(-half, half, color=MOTOR_FILL, lw=0, alpha=0.6)
     axes.plot(np.degrees(angle), error, color=MOTOR)

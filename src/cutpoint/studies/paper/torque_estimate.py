@@ -13,6 +13,7 @@ from cutpoint.studies.chain import Array
 from cutpoint.studies.paper import whole_drive_torque
 from cutpoint.studies.paper.bench import Bench
 from cutpoint.studies.paper.printed import JOINTS
+from cutpoint.studies.paper.table_3 import rms
 from cutpoint.studies.report.page import Page, Picture, Table, row
 from cutpoint.studies.style import INK, LINK, MOTOR, SPRING, WIDTH
 
@@ -77,13 +78,9 @@ def _stiffer(robot: Robot) -> Robot:
     return robot.with_drives(drives)
 
 
-def _rms(x: Array) -> Array:
-    return np.sqrt(np.mean(x**2, axis=0))
-
-
 def _table(bench: Bench, errors: dict[str, Array]) -> Table:
     rows = [row("true torque", bench.elastic.rms("joint_torque"), 3)]
-    rows += [row(f"error: {name}", _rms(error), 3) for name, error in errors.items()]
+    rows += [row(f"error: {name}", rms(error), 3) for name, error in errors.items()]
     return Table(
         "Table A3", "RMS of the joint torque and of what its reading is off by, N m.", ("", *JOINTS), tuple(rows)
     )
@@ -97,10 +94,10 @@ def _verdict(bench: Bench, errors: dict[str, Array]) -> str:
         "With ideal encoders the reading is the torque itself: it is the plant's own law, so this says that it is "
         f"evaluated rightly, and no more. One count of 2^{{17}} on joint 2 is worth {count * law.stiffness:.2f} N m "
         f"at rest and {count * law.tangent(law.deflection(largest)):.2f} N m at its largest torque, where (2) is "
-        f"stiffer; the reading is off by {_rms(errors[COARSE])[_SHOWN]:.2f} N m RMS. 2^{{20}} counts are "
-        f"{_rms(errors[COARSE])[_SHOWN] / _rms(errors[FINE])[_SHOWN]:.1f} times better and not eight times, for then "
+        f"stiffer; the reading is off by {rms(errors[COARSE])[_SHOWN]:.2f} N m RMS. 2^{{20}} counts are "
+        f"{rms(errors[COARSE])[_SHOWN] / rms(errors[FINE])[_SHOWN]:.1f} times better and not eight times, for then "
         "the motor's encoder is the coarser of the two. A "
-        f"stiffness taken a fifth too high is off by {_rms(errors[STIFFER])[_SHOWN]:.1f} N m on the same joint, "
+        f"stiffness taken a fifth too high is off by {rms(errors[STIFFER])[_SHOWN]:.1f} N m on the same joint, "
         "because the tangent of (2) magnifies it: a drive that is not identified well is not saved by its encoders. "
         "Hysteresis and kinematic error, which a real drive has, are not in this plant; below they are."
     )
@@ -140,7 +137,7 @@ def _legend(figure: Figure) -> None:
 
 
 def _results(log: Log, errors: dict[str, Array]) -> dict[str, dict[str, object]]:
-    off_by = {name: _rms(error) for name, error in errors.items()}
+    off_by = {name: rms(error) for name, error in errors.items()}
     return {
         "table_a3": {
             "unit": "N m",

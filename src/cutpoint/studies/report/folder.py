@@ -1,9 +1,10 @@
-"""A report on disk: index.html, figures/*.png and the results as JSON, all of them or none."""
+"""A report on disk: index.html, figures/*.png and the results as JSON, each whole or not at all."""
 
 import json
 import platform
 from collections.abc import Mapping, Sequence
-from importlib.metadata import version
+from contextlib import suppress
+from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
 from typing import Any
 
@@ -45,13 +46,13 @@ def write(output: Path, heading: Heading, pages: Sequence[Page], settings: Mappi
     Returns what the JSON file holds: versions, settings, and results by table and figure.
     """
     images = {picture.key: png(picture.figure) for page in pages for picture in page.pictures()}
-    results = {"versions": _versions(), "settings": settings, **_results(pages)}
+    results = {"versions": versions(), "settings": settings, **_results(pages)}
     text = json.dumps(results, indent=1, ensure_ascii=False, allow_nan=False, default=lambda x: x.tolist())
     folder = output / "figures"
     folder.mkdir(parents=True, exist_ok=True)
     # the pictures first and the report last: a report that is there is complete
     files = {folder / f"{key}.png": image for key, image in images.items()}
-    files |= {output / name: text.encode(), output / "index.html": html(heading, pages, images, _versions()).encode()}
+    files |= {output / name: text.encode(), output / "index.html": html(heading, pages, images, versions()).encode()}
     for path, content in files.items():
         with replacing(path) as file:
             file.write(content)
@@ -70,6 +71,10 @@ def _results(pages: Sequence[Page]) -> dict[str, Any]:
     return results
 
 
-def _versions() -> dict[str, str]:
-    others = {name: version(name) for name in ("numpy", "scipy", "llvmlite", "matplotlib")}
-    return {"cutpoint": cutpoint.__version__, "Python": platform.python_version(), **others}
+def versions() -> dict[str, str]:
+    """Of what computes; what is not installed is left out."""
+    found = {"cutpoint": cutpoint.__version__, "Python": platform.python_version()}
+    for name in ("numpy", "scipy", "llvmlite", "matplotlib"):
+        with suppress(PackageNotFoundError):
+            found[name] = version(name)
+    return found

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from cutpoint.mechanics.motor import within_limits
 from cutpoint.studies.sizing.sizing import DriveSizing, Sizing
-from cutpoint.studies.sizing.table import RPM
+from cutpoint.studies.sizing.table import TO_RPM
 from cutpoint.studies.style import BASE_FILL, FAINT, FORCE, INK, LINK, MOTOR, styled
 
 Array = NDArray[np.float64]
@@ -72,7 +72,7 @@ def figure_of(found: Sizing) -> Figure:
 
 
 def _panel(axes: Axes, found: Sizing, drive: DriveSizing, k: int) -> None:
-    ratio, speed = drive.drive.ratio, found.load.motor_speed[:, k] * RPM
+    ratio, speed = drive.drive.ratio, found.load.motor_speed[:, k] * TO_RPM
     direction = np.sign(speed * ratio)
     forwards = np.where(direction == 0, 1.0, direction)
     gear = found.load.output_torque[:, k] * forwards
@@ -84,7 +84,7 @@ def _panel(axes: Axes, found: Sizing, drive: DriveSizing, k: int) -> None:
         axes.plot(np.abs(speed), np.where(direction == 0, np.nan, torque), **SAMPLES[sample], label=sample)
     # an average has no sign: it stands on the side of the larger torques
     side = 1 if gear.max() >= -gear.min() else -1
-    average = drive.demand.mean_motor_speed * RPM, side * drive.demand.average_torque
+    average = drive.demand.mean_motor_speed * TO_RPM, side * drive.demand.average_torque
     axes.plot(*average, **SAMPLES[AVERAGE], label=AVERAGE, zorder=5)
     for failed in drive.failures:
         at = average
@@ -103,7 +103,7 @@ def _window(axes: Axes, drive: DriveSizing, torques: Array, fastest: float) -> N
     highest = momentary if highest < momentary <= MOMENTARY_SHOWN * highest else highest
     lowest = min(-0.2 * highest, 1.3 * float(torques.min()))
     axes.set_ylim(lowest, highest + HEADROOM * (highest - lowest))
-    axes.set_xlim(0, 1.08 * (max(fastest, maximum * RPM) if maximum < np.inf else fastest) or 1.0)
+    axes.set_xlim(0, 1.08 * (max(fastest, maximum * TO_RPM) if maximum < np.inf else fastest) or 1.0)
     axes.axhline(0, color=INK, lw=0.7, zorder=1)
     axes.grid(False)
 
@@ -115,7 +115,7 @@ def _zones(axes: Axes, drive: DriveSizing) -> None:
         ("repeated peak torque", "maximum speed", STARTS),
         ("average torque", "average speed", AVERAGES),
     ):
-        high, wide = _allowed(drive, torque), min(_allowed(drive, speed) * RPM, right)
+        high, wide = _allowed(drive, torque), min(_allowed(drive, speed) * TO_RPM, right)
         if high < np.inf:
             edge = FORCE if broken & {torque, speed} else FAINT
             look = {**SAMPLES[zoned], "edgecolor": edge}
@@ -127,7 +127,7 @@ def _zones(axes: Axes, drive: DriveSizing) -> None:
         _label(axes, f"momentary peak {momentary:.4g}", (0, momentary), (4, -11), "left", FAINT)
     rated = drive.drive.ratings
     if rated and rated.rated_torque is not None and rated.rated_speed is not None:
-        speed = rated.rated_speed * RPM
+        speed = rated.rated_speed * TO_RPM
         if speed < right and rated.rated_torque < axes.get_ylim()[1]:
             axes.plot(speed, rated.rated_torque, **SAMPLES[RATED], label=RATED)
 
@@ -142,9 +142,9 @@ def _label(axes: Axes, text: str, at: tuple[float, float], offset: tuple[float, 
 def _motor_limit(axes: Axes, drive: DriveSizing) -> None:
     """How far the motor's current, its voltage and the torque limits let it push and brake, over speed."""
     speeds, (low, high) = np.linspace(0, axes.get_xlim()[1], 4000), axes.get_ylim()
-    bound = min(_allowed(drive, "motor torque"), ENDLESS)
+    bound, at_joint = min(_allowed(drive, "motor torque"), ENDLESS), speeds / TO_RPM / abs(drive.drive.ratio)
     for sign in (1.0, -1.0):
-        pushed = within_limits(drive.drive, np.full_like(speeds, sign * ENDLESS), speeds / RPM / abs(drive.drive.ratio))
+        pushed = within_limits(drive.drive, np.full_like(speeds, sign * ENDLESS), at_joint)
         curve = np.clip(pushed, -bound, bound)
         if ((sign * curve >= 0) & (curve >= low) & (curve <= high)).any():
             axes.plot(speeds, np.where(sign * curve >= 0, curve, np.nan), **SAMPLES[MOTOR_LIMIT], label=MOTOR_LIMIT)

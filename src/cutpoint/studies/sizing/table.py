@@ -11,7 +11,7 @@ from cutpoint.studies.sizing.demand import Peak
 from cutpoint.studies.sizing.margins import Margin
 from cutpoint.studies.sizing.sizing import DriveSizing, Sizing
 
-RPM = 30 / np.pi
+TO_RPM = 30 / np.pi
 """Turns a minute for each rad/s."""
 
 _COLUMNS = (
@@ -77,8 +77,8 @@ def _row(found: DriveSizing) -> tuple[str, ...]:
         found.joint,
         _of(asked.output_torque, found, "repeated peak torque"),
         _of(asked.average_torque, found, "average torque"),
-        _of(asked.motor_speed, found, "maximum speed", RPM),
-        _of(asked.mean_motor_speed, found, "average speed", RPM),
+        _of(asked.motor_speed, found, "maximum speed", TO_RPM),
+        _of(asked.mean_motor_speed, found, "average speed", TO_RPM),
         "-" if asked.current is None else _of(asked.current, found, "motor current"),
         "-" if found.life is None else _hours(found.life),
         "-" if tightest is None else _margin(tightest.value),
@@ -96,7 +96,8 @@ def _of(asked: Peak | float, found: DriveSizing, limit: str, factor: float = 1.0
 
 def _told(margin: Margin) -> str:
     """What is asked of what is allowed, and when and where."""
-    factor, unit = (RPM, "rpm") if margin.limit.startswith(("average speed", "maximum speed")) else (1.0, margin.unit)
+    is_speed = margin.limit.startswith(("average speed", "maximum speed"))
+    factor, unit = (TO_RPM, "rpm") if is_speed else (1.0, margin.unit)
     if margin.limit == "life":
         return f"{_hours(margin.allowed)} h, and {_hours(margin.demanded)} h are asked"
     told = f"{_number(margin.demanded * factor)} {unit} of {_number(margin.allowed * factor)} {unit}"

@@ -1,5 +1,6 @@
 """Units at the side of a joint that turns, and of one that slides."""
 
+import re
 from collections.abc import Iterable
 
 from cutpoint.identification.excitation.bounds import units_of
@@ -19,11 +20,18 @@ SLIDING = {
 }
 """What stands, of a joint that slides, for a unit of one that turns."""
 
+_TURNING = re.compile(rf"(?<![\w/])({'|'.join(map(re.escape, sorted(SLIDING, key=len, reverse=True)))})(?![\w/])")
+
 
 def at_joints(robot: Robot, unit: str) -> dict[str, str]:
     """Of each driven joint, what a unit of one that turns is there."""
     kinds = zip(robot.joints, units_of(robot), strict=True)
     return {joint: SLIDING[unit] if kind == "m" else unit for joint, kind in kinds}
+
+
+def words_at(robot: Robot, joint: str, words: str) -> str:
+    """A sentence in units of a joint that turns, in those of this one."""
+    return _TURNING.sub(lambda unit: at_joints(robot, unit[0])[joint], words)
 
 
 def either(units: Iterable[str]) -> str:
