@@ -10,6 +10,7 @@ import cutpoint
 from cutpoint.errors import InputError
 from cutpoint.identification import low_pass
 from cutpoint.identification.drives import (
+    SpringEstimate,
     TwoMasses,
     fit_response,
     locked_output,
@@ -48,16 +49,25 @@ def test_the_law_that_the_spring_follows_is_chosen_and_its_curve_found(law: str)
     assert found.unidentifiable["kinematic_error"].startswith("no wave stands out of the noise: of order 2, one of")
 
 
-def test_a_law_whose_last_stiffness_is_lost_in_noise_is_not_chosen():
-    """Torque winds it by 28 N m, little beyond the last corner at 25."""
+def wound_slowly(noise: float, seed: int) -> SpringEstimate:
+    """A catalogue's spring found from 28 N m, little beyond its last corner at 25, and encoders' noise, rad."""
     spring, t = cutpoint.CatalogueSpring(10e3, 16e3, 30e3, 7.0, 25.0), np.arange(0.0, 20.0, 1e-3)
     torque = 28.0 * np.sin(0.8 * np.pi * t) * np.cos(0.1 * np.pi * t)
-    for noise, law in ((1e-5, "catalogue"), (2e-4, "flexspline")):
-        theta = spring.deflection(torque) + noise * np.random.default_rng(1).normal(size=t.size)
-        found = two_encoders(
-            theta, 0.0 * t, torque, 1e-3, RATIO, resolution=noise, orders=[], hysteresis=False, damping=False
-        )
-        assert found.law == law
+    theta = spring.deflection(torque) + noise * np.random.default_rng(seed).normal(size=t.size)
+    nothing = {"orders": [], "hysteresis": False, "damping": False}
+    return two_encoders(theta, 0.0 * t, torque, 1e-3, RATIO, resolution=noise, **nothing)
+
+
+def test_a_law_whose_last_stiffness_is_lost_in_noise_is_not_chosen():
+    assert wound_slowly(1e-5, 1).law == "catalogue"
+    assert wound_slowly(2e-4, 1).law == "flexspline"
+
+
+def test_intervals_hold_the_stiffnesses_of_a_spring_that_is_wound_little_beyond_its_last_corner():
+    found = [each for each in (wound_slowly(1e-4, seed) for seed in range(6)) if each.law == "catalogue"]
+    for name, truth in {"k1": 10e3, "k2": 16e3, "k3": 30e3}.items():
+        errors = np.array([(each[name] - truth) / each.deviations[name] for each in found])
+        assert len(errors) >= 4 and np.sqrt(np.mean(errors**2)) < 2.0
 
 
 def test_deviations_cover_the_errors_that_the_encoders_make():

@@ -20,7 +20,7 @@ Array = NDArray[np.float64]
 ROUNDS = 4
 """Times that the spring and what acts beside it are fitted in turn: hysteresis of a tenth of the torque settles."""
 
-SEARCHED = 4000
+SEARCHED = 20_000
 """Samples at most from which a law's constants are searched."""
 
 ELEMENTS = 8
@@ -55,15 +55,19 @@ class _Free:
         return columns, self.had / tangent
 
 
-def fit_deflection(
-    data: Deflections, law: SpringLaw, orders: Sequence[int], elements: int, damped: bool
-) -> DeflectionFit:
-    """`elements` of hysteresis at most, 0 for none; `damped` seeks the spring's own damping."""
+def fit_deflections(
+    data: Deflections, law: SpringLaw, orders: Sequence[int], offered: Sequence[int], damped: bool
+) -> dict[int, DeflectionFit]:
+    """Fits with so many elements of hysteresis at most, 0 for none; `damped` seeks the spring's own damping."""
     free = _Free(np.column_stack([data.waves(orders), np.ones_like(data.theta)]), *data.torque_by_waves(orders))
-    found = _first(data, law, free.alone)
+    first = _first(data, law, free.alone)
+    return {elements: _with_elements(data, first, free, elements, damped) for elements in offered}
+
+
+def _with_elements(data: Deflections, found: DeflectionFit, free: _Free, elements: int, damped: bool) -> DeflectionFit:
+    """The spring and what acts beside it, in turn."""
     reaches = _offered(data, found, elements)
-    beside = elements or damped or data.corrections.size or data.transmission is not None
-    for turn in range(ROUNDS if beside else 0):
+    for turn in range(ROUNDS):
         found = _round(data, replace(found, reaches=reaches), free, damped)
         if turn == ROUNDS - 2:
             reaches = reaches[found.stiffness > 0.0]
@@ -100,7 +104,7 @@ def _round(data: Deflections, before: DeflectionFit, free: _Free, damped: bool) 
     unbound, had = free.wound(before.tangent)
     # with reaches that move, the step below moves the constants too
     if before.beside.any() and not before.moving:
-        constants = _searched(before.law, data.torque, data.lead + had - before.beside, unbound)
+        constants = _searched(before.law, data.torque, data.lead + had - before.beside, unbound, before.constants)
     wound = data.smooth(data.lead - free.alone @ np.append(before.waves, before.offset))
     blocks = _blocks(data, replace(before, constants=constants), unbound, wound, damped)
     columns = np.column_stack([*blocks.values()])
@@ -150,9 +154,10 @@ def _offered(data: Deflections, found: DeflectionFit, elements: int) -> Array:
     return np.geomspace(max(data.resolution, largest / RANGE), largest, elements)
 
 
-def _searched(law: SpringLaw, torque: Array, lead: Array, others: Array) -> Array:
-    """The law's constants from some of the samples, evenly spread: all of them refine these later."""
+def _searched(law: SpringLaw, torque: Array, lead: Array, others: Array, near: Array | None = None) -> Array:
+    """The law's constants from some of the samples, evenly spread: all of them refine these later.  near: as in
+    `fitted`."""
     thin = slice(None, None, 1 + lead.size // SEARCHED)
     columns = others[thin]
     basis, _ = np.linalg.qr(columns / np.maximum(np.linalg.norm(columns, axis=0), np.finfo(float).tiny))
-    return fitted(law, torque[thin], lead[thin], lambda values: values - basis @ (basis.T @ values))
+    return fitted(law, torque[thin], lead[thin], lambda values: values - basis @ (basis.T @ values), near)

@@ -25,6 +25,9 @@ FARTHEST = 5.0
 CORNERS = (0.1, 0.2, 0.35, 0.5, 0.7, 0.85)
 """Of the largest torque: where a catalogue's stiffness may change, to start the search from."""
 
+STARTS = 4
+"""Pairs of these from which the search starts: what is left of squares has more than one minimum over corners."""
+
 LEAST = 0.01
 """Of a catalogue's largest compliance: a smaller one is none to start the search from."""
 
@@ -57,14 +60,13 @@ class SpringLaw:
         return np.column_stack(found)
 
 
-def fitted(law: SpringLaw, torque: Array, rest: Array, project: Projection) -> Array:
+def fitted(law: SpringLaw, torque: Array, rest: Array, project: Projection, near: Array | None = None) -> Array:
     """Constants with which the law's deflection under torque (N,) comes nearest to `rest` (N,), rad, of what
-    `project` leaves."""
+    `project` leaves.  near: constants to search from; by default from the law's own starts."""
     target = project(rest)
     scale = float(np.linalg.norm(target)) or 1.0
-    compliance = _slope(project(torque), target)
     best: Any = None
-    for start in law.starts(torque, rest, compliance, project):
+    for start in law.starts(torque, rest, _slope(project(torque), target), project) if near is None else [near]:
 
         def error(logarithms: Array) -> Array:
             with np.errstate(all="ignore"):
@@ -97,17 +99,18 @@ def _flexspline_starts(torque: Array, rest: Array, compliance: float, project: P
 
 
 def _catalogue_starts(torque: Array, rest: Array, compliance: float, project: Projection) -> list[Array]:
-    """The best of a few pairs of corners, with the straight segments' compliances, which are linear."""
+    """The best of pairs of corners, each with the straight segments' compliances, which are linear."""
     largest, target = float(np.abs(torque).max()), project(rest)
-    best, found = np.inf, np.array([1.0 / compliance] * 3 + [0.3 * largest, 0.4 * largest])
+    found: list[tuple[float, Array]] = []
     for first, second in combinations(largest * np.array(CORNERS), 2):
         low, middle = np.clip(torque, -first, first), np.clip(torque, -second, second)
         columns = np.column_stack([project(part) for part in (low, middle - low, torque - middle)])
         compliances, *_ = np.linalg.lstsq(columns, target)
-        error = float(np.sum((target - columns @ compliances) ** 2))
-        if compliances.min() > LEAST * compliances.max() and error < best:
-            best, found = error, np.array([*(1.0 / compliances), first, second - first])
-    return [found]
+        if compliances.min() > LEAST * compliances.max():
+            error = float(np.sum((target - columns @ compliances) ** 2))
+            found.append((error, np.array([*(1.0 / compliances), first, second - first])))
+    starts = [start for _, start in sorted(found, key=lambda pair: pair[0])[:STARTS]]
+    return starts or [np.array([1.0 / compliance] * 3 + [0.3 * largest, 0.4 * largest])]
 
 
 LINEAR = SpringLaw("linear", ("stiffness",), lambda c: LinearSpring(float(c[0])), _linear_starts)

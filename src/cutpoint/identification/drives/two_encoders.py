@@ -8,7 +8,7 @@ from numpy.typing import ArrayLike, NDArray
 from cutpoint.errors import InputError, unknown_name
 from cutpoint.identification.conditioning.filtering import noise_cutoff
 from cutpoint.identification.drives.columns import amplitude_errors
-from cutpoint.identification.drives.deflection_fit import ELEMENTS, fit_deflection
+from cutpoint.identification.drives.deflection_fit import ELEMENTS, fit_deflections
 from cutpoint.identification.drives.deflections import DeflectionFit, Deflections
 from cutpoint.identification.drives.law_choice import block_errors, simplest
 from cutpoint.identification.drives.scatter import SIGNIFICANT, covariance
@@ -89,7 +89,7 @@ def two_encoders(
     offered = OFFERED if hysteresis else (0,)
     best, prediction = _best_law(data, laws, tried, offered[-1], damping)
     kept = orders if orders is not None else _standing_out(best, tried, data.resolution)
-    rivals = {elements: fit_deflection(data, best.law, kept, elements, damping) for elements in offered}
+    rivals = fit_deflections(data, best.law, kept, offered, damping)
     return estimate_of(
         data, rivals, tuple(kept), tuple(unknowns), turns, prediction, hysteresis=hysteresis, damping=damping
     )
@@ -134,7 +134,7 @@ def _best_law(
     if unknown or not laws:
         raise unknown_name("spring law", unknown[0] if unknown else "", LAWS)
     tried = {name: law for name, law in LAWS.items() if name in laws}
-    fits = {name: fit_deflection(data, law, orders, elements, damping) for name, law in tried.items()}
+    fits = {name: fit_deflections(data, law, orders, [elements], damping)[elements] for name, law in tried.items()}
     errors = {name: block_errors(fit) for name, fit in fits.items()}
     told = {name: each for name, each in errors.items() if _tells_stiffness(fits[name])}
     return fits[simplest(told or errors)], {name: float(np.sqrt(np.mean(each))) for name, each in errors.items()}
