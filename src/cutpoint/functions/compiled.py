@@ -151,10 +151,10 @@ class Compiled:
     ) -> Callable[..., Any]:
         """A function as loops, where they take it and suit it, or as a kernel: code without loops."""
         name, loops = name_of(key), rolled(key, self.machine, self._backend, record)
-        loops = loops or self._joint_by_joint(key, definition, inputs, reads_drives)
-        if loops:
+        looping = loops.quick() if loops else self._joint_by_joint(key, definition, inputs, reads_drives)
+        if looping:
             self._loops.add(name)
-            return loops
+            return looping
         check_compiles(name, self.machine.system, self._backend)
         made = self._compile(name, definition, inputs, reads_drives, record)
         self._kernels[name] = made.kernel
