@@ -7,14 +7,13 @@ any number of control periods, or runs them as they are where nothing can be com
 from collections.abc import Hashable
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Any, Literal, NamedTuple
+from typing import Any, Literal
 
 import numpy as np
 from numpy.typing import NDArray
 
 from cutpoint.control.held_state import as_it_was
 from cutpoint.control.interface import numbers_after, stepped
-from cutpoint.definitions import Machine
 from cutpoint.errors import TraceError
 from cutpoint.kernels import Loop, Program, Region, Stage, compile_program
 from cutpoint.mechanics.motor import within_limits
@@ -23,6 +22,7 @@ from cutpoint.scalars import Scalar, clip, leaves, rebuild, where
 from cutpoint.simulation.channels import absent_from, recordable, recorded_for
 from cutpoint.simulation.lanes import Lanes
 from cutpoint.simulation.layout import Layout
+from cutpoint.simulation.parameters import Given, parameters_of, with_parameters
 from cutpoint.simulation.plant import State, is_uniform, own_parts, sizes
 from cutpoint.simulation.sensors import Encoders
 from cutpoint.simulation.stages import PlantStages
@@ -42,23 +42,12 @@ FELT = {"motor_torque", "joint_torque", "friction_torque"}
 """Channels that `PlantStages.feel` finds."""
 
 
-class Given(NamedTuple):
-    """What has parameters.  limits: of torque, N m at the joint's side; period: of control, s."""
-
-    machine: Machine
-    controller: Any
-    encoders: Encoders
-    limits: Scalars
-    period: Scalar
-
-
 @dataclass(frozen=True, eq=False)
 class ClosedLoop:
     """One robot, one controller and one set of sensors as stages.
 
-    memory: the controller's memory at the start, a record.  parameters: numbers of drives, controller, sensors, torque
-    limits, then the control period.  programs: those compiled so far for loops of this structure.
-    refusal: why the controller cannot be compiled, where that is known.
+    memory: the controller's memory at the start, a record.  programs: those compiled so far for loops of this
+    structure.  refusal: why the controller cannot be compiled, where that is known.
     runs: how many runs of this structure go side by side, in lanes.  own_rows: whether each has a reference and
     disturbances of its own, or all the same.  kept: the log's channels that are wanted; None for all.
     """
@@ -105,8 +94,7 @@ class ClosedLoop:
         return recordable(self.parts._asdict(), self.layout.n, self.layout.nv)
 
     def parameters(self, limits: Array) -> Array:
-        parts = [leaves(self.controller), leaves(self.encoders), limits, [self.period]]
-        return np.concatenate([self.robot.drive_parameters, *(np.array(p, float) for p in parts)])
+        return parameters_of(self.robot, self.controller, self.encoders, limits, self.period)
 
     def regions(self) -> list[Region]:
         n, nv, state, lanes = self.layout.n, self.layout.nv, self.layout.state, self.lanes
@@ -252,9 +240,5 @@ class ClosedLoop:
     def _numbers_of_drives(self) -> str:
         return "numbers" if self.lanes.are_wide else "parameters"
 
-    def _given(self, parameters: Scalars) -> "Given":
-        """All that has parameters, with these."""
-        numbers = iter(parameters)
-        machine = self.robot.machine_with([next(numbers) for _ in self.robot.drive_parameters], lean=True)
-        controller, encoders = rebuild(self.controller, numbers), rebuild(self.encoders, numbers)
-        return Given(machine, controller, encoders, [next(numbers) for _ in range(self.layout.n)], next(numbers))
+    def _given(self, numbers: Scalars) -> Given:
+        return with_parameters(self.robot, self.controller, self.encoders, numbers)

@@ -1,0 +1,38 @@
+"""All numbers of a loop that runs of one structure may have otherwise: as one array, and back."""
+
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from cutpoint.definitions import Machine
+from cutpoint.robot import Robot
+from cutpoint.scalars import Scalar, leaves, rebuild
+from cutpoint.simulation.sensors import Encoders
+
+Array = NDArray[np.float64]
+Scalars = list[Scalar]
+
+
+class Given(NamedTuple):
+    """What has parameters.  limits: of torque, N m at the joint's side; period: of control, s."""
+
+    machine: Machine
+    controller: Any
+    encoders: Encoders
+    limits: Scalars
+    period: Scalar
+
+
+def parameters_of(robot: Robot, controller: Any, encoders: Encoders, limits: Array, period: float) -> Array:
+    """Numbers of drives, controller, sensors, torque limits, then the control period."""
+    parts = [leaves(controller), leaves(encoders), limits, [period]]
+    return np.concatenate([robot.drive_parameters, *(np.array(p, float) for p in parts)])
+
+
+def with_parameters(robot: Robot, controller: Any, encoders: Encoders, parameters: Scalars) -> Given:
+    """All of that with these numbers, of any kind."""
+    numbers = iter(parameters)
+    machine = robot.machine_with([next(numbers) for _ in robot.drive_parameters], lean=True)
+    controller, encoders = rebuild(controller, numbers), rebuild(encoders, numbers)
+    return Given(machine, controller, encoders, [next(numbers) for _ in robot.drives], next(numbers))
