@@ -493,7 +493,10 @@ class Robot:
         return self._compiled.parameters
 
     def kernel(self, name: str) -> Kernel:
-        """The compiled kernel behind a function that has been called, for its operations, its graph, its speed."""
+        """The compiled kernel behind a function that has been called, for its operations, its graph, its speed.
+
+        Where drives count, its last input is `parameters`: `drive_parameters`.
+        """
         door.check_kind("kernel", "name", name, str, "a function's name")
         return self._compiled.made(name)
 

@@ -70,6 +70,17 @@ def test_intervals_hold_the_stiffnesses_of_a_spring_that_is_wound_little_beyond_
         assert len(errors) >= 4 and np.sqrt(np.mean(errors**2)) < 2.0
 
 
+def test_a_curve_that_torque_never_winds_from_zero_is_said_to_be_extrapolated():
+    theta, q, torque = channels(SPRINGS["catalogue"])
+    aside = torque - 50.0
+    theta = theta + SPRINGS["catalogue"].deflection(aside) - SPRINGS["catalogue"].deflection(torque)
+    thing, nothing = "curve near zero torque", {"hysteresis": False, "damping": False}
+    found = two_encoders(theta, q, aside, PERIOD, RATIO, laws=["catalogue"], **nothing)
+    assert found.unidentifiable[thing].startswith("torque was never below 2")
+    assert thing not in two_encoders(theta, q, aside, PERIOD, RATIO, laws=["linear"], **nothing).unidentifiable
+    assert thing not in two_encoders(*channels(SPRINGS["catalogue"]), PERIOD, RATIO, **nothing).unidentifiable
+
+
 def test_deviations_cover_the_errors_that_the_encoders_make():
     errors = []
     for seed in range(12):

@@ -118,6 +118,22 @@ def test_currents_count_with_the_drives_torque_constants(files: Path, tmp_path: 
         assert a.value == pytest.approx(b.value, rel=1e-5, abs=1e-6)  # nine digits in the file
 
 
+def test_springs_come_out_of_currents_as_of_torques(files: Path, tmp_path: Path):
+    """What is known of torque constants is not sought again."""
+    given = wound()
+    currents = {"q": given["q"], "theta": given["theta"], "current": given["torque"] / 10.0}
+    by_torque, by_current = (
+        identify(
+            files / "arm.urdf", write_log(tmp_path / "log.csv", log), drives=files / "sprung.yaml", friction="stated",
+            torque_constants=constants,
+        )
+        for log, constants in ((given, None), (currents, {"shoulder": 10.0, "elbow": 10.0}))
+    )  # fmt: skip
+    assert [a.name for a in by_current.numbers] == [b.name for b in by_torque.numbers]
+    for a, b in zip(by_current.numbers, by_torque.numbers, strict=True):
+        assert a.value == pytest.approx(b.value, rel=1e-4, abs=1e-6), a.name  # nine digits in the file
+
+
 def test_springs_need_both_encoders(files: Path, tmp_path: Path):
     log = write_log(tmp_path / "log.csv", channels())
     status, text = run(files, log, tmp_path / "out", "--springs")

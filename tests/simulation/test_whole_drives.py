@@ -2,12 +2,13 @@
 
 from dataclasses import replace
 from functools import cache
+from unittest.mock import Mock
 
 import numpy as np
 import pytest
 
 import cutpoint
-from cutpoint import Coulomb, Drive, InputError, LinearSpring, Robot, State, Stribeck, simulate
+from cutpoint import Coulomb, Drive, InputError, LinearSpring, Robot, Rotor, State, Stribeck, simulate
 from cutpoint.control import PD, Command, Feedforward, Law, tune
 from cutpoint.mechanics.backlash import Backlash
 from cutpoint.mechanics.catalogue import CatalogueSpring
@@ -15,6 +16,8 @@ from cutpoint.mechanics.hysteresis import MaxwellSlip
 from cutpoint.mechanics.kinematic_error import KinematicError
 from cutpoint.mechanics.presliding import ElastoPlastic, LuGre
 from cutpoint.model import Harmonic, Motor
+from cutpoint.simulation import adaptive
+from cutpoint.trajectories import cycloid
 from robot_library import Array, assert_close, robot
 
 SPRING = CatalogueSpring(10e3, 14e3, 16e3, 3.9, 12.0)
@@ -208,6 +211,16 @@ def test_conservative_drives_conserve_energy(parts):
     log = simulate(arm, duration=0.05, initial=start, accuracy="reference")
     energy = arm.kinetic_energy(log["q"], log["v"]) + arm.elastic_energy(log["q"], log["theta"], log["theta_dot"])
     assert np.ptp(energy) < 1e-9 * energy[0]
+
+
+def test_turning_points_are_looked_for_where_there_is_hysteresis_alone(monkeypatch: pytest.MonkeyPatch):
+    """A rigid joint's winding is zero all the time, which would count as turning points everywhere."""
+    drive = Drive(100.0, compliance=SPRING, rotor=Rotor(1e-5), hysteresis=MaxwellSlip((5e3,), (2.9e-4,)))
+    arm = robot("xia2019").with_drives({"joint1": Drive(100.0, rotor=Rotor(1e-5)), "joint2": drive})
+    solved = Mock(wraps=adaptive.solve_ivp)
+    monkeypatch.setattr(adaptive, "solve_ivp", solved)
+    simulate(arm, PD(np.full(6, 500.0), np.full(6, 20.0)), cycloid(np.full(6, 0.3), 1.5), 5e-3, accuracy="reference")
+    assert 5 <= solved.call_count < 50
 
 
 @pytest.mark.parametrize("seed", range(5))

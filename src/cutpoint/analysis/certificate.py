@@ -70,8 +70,11 @@ def certificate(log: Log) -> Certificate:
     if type(law) is not VDC or leaves(law.start()):
         name = type(law).__name__
         raise InputError(f"certificate: it is of VDC with derivatives='model', alone, not of this {name}", law=name)
-    if any(drive.hysteresis or drive.motor for drive in robot.drives.values()):
-        raise InputError("certificate: of drives without hysteresis and without a motor between command and shaft")
+    for name, drive in robot.drives.items():
+        if drive.hysteresis or drive.motor:
+            rule = "it is of drives without hysteresis, and without a motor between command and shaft"
+            remedy = "simulate the robot without: dataclasses.replace(drive, hysteresis=None, motor=None)"
+            raise InputError(f"certificate: {rule}, unlike that of {name!r}; {remedy}", joint=name)
     seen = [log[f"measured_{name}"] for name in ("q", "v", "theta", "theta_dot")]
     actual = [log[name] for name in ("q", "v", "theta", "theta_dot", "motor_torque")]
     numbers = [np.array(x, float) for x in (robot.drive_parameters, leaves(law))]

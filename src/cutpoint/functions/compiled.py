@@ -35,6 +35,11 @@ JOINT_QUANTITIES = frozenset({
 })  # fmt: skip
 """Functions that tell nothing of single bodies: what they give is the same on the lean machine, in fewer operations."""
 
+GEOMETRIC = frozenset({
+    "frame_pose", "jacobian", "velocity_map", "integrate", "difference", "coordinate_rates",
+})  # fmt: skip
+"""Functions in which no drive has a part, whatever links feel of rotors."""
+
 DIVIDE_BY_INERTIA = frozenset(name for name in JOINT_QUANTITIES if "forward_dynamics" in name)
 
 
@@ -188,7 +193,8 @@ class Compiled:
     ) -> RobotFunction:
         """With the drives' numbers as an input if the definition reads drives, or if links feel some rotor."""
         sizes = {x: self.size_of(x) for x in inputs}
-        parametric = bool(self.parameters.size) and (reads_drives or self._rotors_are_felt)
+        counts = reads_drives or (self._rotors_are_felt and name not in GEOMETRIC)
+        parametric = bool(self.parameters.size) and counts
         lean = name in JOINT_QUANTITIES
 
         def traced(**given: Any) -> Any:

@@ -64,8 +64,8 @@ class _Way:
 
     def __init__(self, loop: ClosedLoop) -> None:
         robot, layout = loop.robot, loop.layout
-        self._parameters, self._period, self._drives = robot.drive_parameters, loop.period, layout.n
-        self._slips = any(d.hysteresis for d in robot.drives.values())
+        self._parameters, self._period = robot.drive_parameters, loop.period
+        self._slipping = [k for k, d in enumerate(robot.drives.values()) if d.hysteresis]
         numbers: dict[str, Any] = {"numbers": len(self._parameters)}
         states: dict[str, Any] = {"x": layout.state, "origin": layout.state}
 
@@ -81,20 +81,20 @@ class _Way:
         inputs = {**states, "command": layout.n, "disturbance": layout.nv}
         self._rates = kernels.compile(plant, name="plant", backend=robot.backend, **inputs, **numbers)
         self._settle = self._speeds = None
-        if self._slips:
+        if self._slipping:
             self._settle = kernels.compile(settle, backend=robot.backend, **states, **numbers)
             self._speeds = kernels.compile(turning, backend=robot.backend, x=layout.state, **numbers)
 
     def go(self, x: Array, command: Array, disturbance: Array, start: float, end: float) -> None:
         """Take the state x along, in place; where it cannot be followed it becomes NaN."""
-        looks = self._slips
+        looks = bool(self._slipping)
         while start < end:
             origin = x.copy()
 
             def f(_: float, y: Array, origin: Array = origin) -> Array:
                 return self._rates(y, origin, command, disturbance, self._parameters)
 
-            stop = end if looks or not self._slips else min(start + PAST_A_TURN * self._period, end)
+            stop = end if looks or not self._slipping else min(start + PAST_A_TURN * self._period, end)
             events = self._turning_points if looks else None
             found = solve_ivp(f, (start, stop), origin, "DOP853", events=events, rtol=RTOL, atol=ATOL)
             if not found.success:
@@ -103,11 +103,11 @@ class _Way:
             x[:], start = found.y[:, -1], found.t[-1]
             if self._settle:
                 x[:] = self._settle(x, origin, self._parameters)
-            looks = self._slips and found.status != 1  # after a turning point, a short stretch without events
+            looks = bool(self._slipping) and found.status != 1  # after a turning point, a short stretch without events
 
     @cached_property
     def _turning_points(self) -> list[Any]:
-        """A function of time and state for each drive, 0 where its spring turns back."""
+        """A function of time and state for each drive with hysteresis, 0 where its spring turns back."""
 
         def speed(k: int) -> Any:
             def at(_: float, x: Array) -> float:
@@ -117,7 +117,7 @@ class _Way:
             at.terminal = True  # type: ignore[attr-defined]
             return at
 
-        return [speed(k) for k in range(self._drives)]
+        return [speed(k) for k in self._slipping]
 
 
 def plant_rates(machine: Machine, x: Scalars, origin: Scalars, command: Scalars, disturbance: Scalars) -> Scalars:

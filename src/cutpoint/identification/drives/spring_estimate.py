@@ -24,6 +24,9 @@ OPEN = 2.0
 UNCERTAIN = 0.2
 """Of the spring's deflection: with a standard deviation above that its stiffness counts as unidentifiable."""
 
+NEAR = 0.1
+"""Of the largest torque: where torque never comes so near to zero, a curve's beginning is extrapolated."""
+
 FEWEST_TURNS = 3.0
 """Of the motor: fewer do not tell waves from the spring."""
 
@@ -37,7 +40,8 @@ class SpringEstimate(Unknowns):
     names, values, covariance: of all unknowns, (p,), (p,), (p, p), in SI.
     counts: half the range of the spring's deflection, in steps of the encoders.  scatter: RMS of what is left, rad.
     prediction: for each law that was tried, RMS of what it leaves of samples that it was not fitted to, rad.
-    unidentifiable: "stiffness", "kinematic_error", "hysteresis" or "damping", each with the sentence why.
+    unidentifiable: "stiffness", "curve near zero torque", "kinematic_error", "hysteresis" or "damping", each with the
+    sentence why.
     """
 
     law: str
@@ -73,6 +77,7 @@ def estimate_of(
     counts = 0.5 * float(np.ptp(fit.law.deflection(fit.constants, data.torque))) / (data.resolution or np.nan)
     sentences = {
         "stiffness": _weak(data, fit, spread, counts),
+        "curve near zero torque": _bare(data, fit),
         "kinematic_error": "" if orders else _no_waves(data, fit, turns),
         "hysteresis": _closed(data, fit) if hysteresis else "",
         "damping": _undamped(fit, float(np.sqrt(spread[-1, -1]))) if damping else "",
@@ -121,6 +126,13 @@ def _weak(data: Deflections, fit: DeflectionFit, spread: Array, counts: float) -
             "differ by outweighs it, or hides it"
         )
     return ""
+
+
+def _bare(data: Deflections, fit: DeflectionFit) -> str:
+    least, largest = (float(each(np.abs(data.torque))) for each in (np.min, np.max))
+    if fit.law.constants == ("stiffness",) or least < NEAR * largest:
+        return ""
+    return f"torque was never below {least:.3g} N m: what bends there is extrapolated; excite to both sides"
 
 
 def _closed(data: Deflections, fit: DeflectionFit) -> str:

@@ -5,6 +5,7 @@ from dataclasses import replace
 from typing import Any, NamedTuple
 
 from cutpoint.errors import CutpointError, InputError
+from cutpoint.identification.conditioning.motion import torques_of
 from cutpoint.identification.drives.identify_drives import DriveEstimates, identify_drives, joints_that_bend
 from cutpoint.identification.logs.recording import Recording
 from cutpoint.identification.output.steps import Steps
@@ -45,6 +46,7 @@ def estimates(
     if stamped is None:
         return Estimates(rigid, None)
     say.expect(1 + len(joints_that_bend(before)))
+    stamped = _with_torques(before, stamped, how.get("torque_constants"))
     try:
         drives = identify_drives(rigid.robot, stamped, None, torque_delay, lambda joint: say(f"spring of {joint}"))
     except (CutpointError, KeyboardInterrupt) as error:  # what was found of the links is worth having without
@@ -57,6 +59,14 @@ def estimates(
     say("links again, by the rotors that the motors tell")
     again = _with_rotors(before, drives, apart, fitted, friction=rigid.friction or friction, **how)
     return Estimates(again, drives, apart, remarks)
+
+
+def _with_torques(robot: Robot, recording: Recording, constants: Mapping[str, float] | None) -> Recording:
+    """With the torques of currents, where these count: what told the links cannot tell the constants again."""
+    if "current" not in recording.channels or ("torque" in recording.channels and constants is None):
+        return recording
+    recording = recording.in_order(robot.joints)
+    return replace(recording, torque=torques_of(robot, recording, constants), current=None)
 
 
 def _coarse(drives: DriveEstimates) -> tuple[str, ...]:

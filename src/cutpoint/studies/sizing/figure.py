@@ -55,13 +55,13 @@ SAMPLES: dict[str, dict[str, Any]] = {
 def figure_of(found: Sizing) -> Figure:
     """A panel a drive; torques at the joint's side, positive where the drive pushes along its motion."""
     with styled():
-        across = min(ACROSS, len(found.drives))
+        across, mixed = min(ACROSS, len(found.drives)), len({drive.slides for drive in found.drives.values()}) > 1
         down = -(-len(found.drives) // across)
         figure = Figure(figsize=(0.4 + PANEL[0] * across, 1.0 + PANEL[1] * down), layout="constrained")
         for k, drive in enumerate(found.drives.values()):
             axes = figure.add_subplot(down, across, k + 1)
             _panel(axes, found, drive, k)
-            if k % across == 0 or drive.slides:
+            if k % across == 0 or mixed:
                 axes.set_ylabel("force at the joint [N]" if drive.slides else "torque at the joint [N m]")
             if k >= len(found.drives) - across:
                 axes.set_xlabel("motor speed [rpm]")
