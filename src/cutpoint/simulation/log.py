@@ -55,7 +55,7 @@ class Log:
 
     def __post_init__(self) -> None:
         time = _frozen(self.time)
-        if time.ndim != 1 or not time.size or not np.isfinite(time).all() or (np.diff(time) <= 0.0).any():
+        if time.ndim != 1 or not time.size or not np.isfinite(time).all() or (time[1:] <= time[:-1]).any():
             raise InputError(f"time of shape {time.shape} must be (N,), at least one, finite and increasing")
         joints = tuple(self.joints)
         if len(set(joints)) < len(joints) or not _all_strings(joints) or "" in joints:

@@ -89,7 +89,7 @@ class ClosedLoop:
         absent = absent_from(self.robot, self._recordable, reports=getattr(self.controller, "reports_faults", False))
         return recorded_for(self.kept, self._recordable, absent)
 
-    @property
+    @cached_property
     def _recordable(self) -> dict[str, int]:
         return recordable(self.parts._asdict(), self.layout.n, self.layout.nv)
 
