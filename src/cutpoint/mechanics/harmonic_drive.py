@@ -31,7 +31,10 @@ def motor_position(drive: Drive, output: Scalar) -> Scalar:
 
 
 def static_lead(drive: Drive, q: Scalar, load: Scalar) -> Scalar:
-    """How far the motor leads its link at rest, rad (m), where the spring bears a load, N m (N); 0 of a rigid drive."""
+    """How far the motor leads its link at rest, rad (m), where the spring bears a load, N m (N); 0 of a rigid drive.
+
+    Xia (2019) eqs. (2)-(3).
+    """
     if drive.compliance is None:
         return 0
     return motor_position(drive, q + drive.compliance.deflection(load)) - q

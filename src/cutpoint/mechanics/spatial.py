@@ -93,7 +93,7 @@ class Motion:
         return Wrench(self.angular.cross(F.force), moment)
 
     def seen_from_parent(self, X: "Pose") -> "Motion":
-        """The child's motion as the parent frame has it: of the child's point at its origin, along its axes."""
+        """The child's motion as the parent frame has it, of the point at its origin, along its axes: U^-T V."""
         angular = X.rotation @ self.angular
         return Motion(X.rotation @ self.linear + X.position.cross(angular), angular)
 

@@ -52,7 +52,7 @@ def reference_at(robot: Robot, trajectory: Trajectory | None, initial: State | N
     if trajectory.size != n:
         raise InputError(f"simulate: the trajectory has {trajectory.size} joints, the robot has {n} drives")
     reference = trajectory.derivatives(times, 4)
-    by_joint = np.ascontiguousarray(reference[0].T)
+    by_joint = np.ascontiguousarray(reference[0].T)  # NumPy looks through contiguous numbers ten times as fast
     for extreme in (by_joint.min(axis=1), by_joint.max(axis=1)):
         check_configuration(robot.mechanism, extreme)
     return reference

@@ -59,7 +59,7 @@ def _left(residual: Array, fitted: int) -> float:
     by Parseval's theorem.
     """
     power = np.abs(np.fft.rfft(residual)) ** 2
-    # a periodogram's squares are, on average, twice those of the spectrum
+    # a periodogram's squares are, on average, twice those of the spectrum: Brockwell and Davis (1991) section 10.3
     numbers = 2.0 * residual.size * np.mean(power) ** 2 / max(float(np.mean(power**2)), np.finfo(float).tiny)
     return max(0.5, 1.0 - fitted / max(float(numbers), 1.0))
 

@@ -29,7 +29,6 @@ UNITS: Mapping[str, str] = {
     "hardening": "1/(N m)",
     "hysteresis loss": "rad",
     "rotor inertia": "kg m2",
-    "torque constant times ratio": "N m/A",
 }
 
 NOT_APART = "its spring, which would tell it from the link, is not seen; what torques tell of it is with the links"
@@ -94,15 +93,11 @@ def _found(estimate: SpringEstimate | RotorEstimate, *names: str) -> tuple[float
 
 def _of_rotor(rows: _Rows, rotor: RotorEstimate, stated: float, used: bool) -> list[Number]:
     """Of the motor's side; its friction is a second opinion on that which is found with the links."""
-    scale, ratio = 1.0 / rotor.ratio**2, rotor.ratio
-    inertia, gain = _found(rotor, "inertia"), _found(rotor, "gain")
+    scale, inertia = 1.0 / rotor.ratio**2, _found(rotor, "inertia")
     own: list[Number] = []
     if inertia:
         path: Path = ("rotor", "inertia") if used else ()
         own.append(rows.row("rotor inertia", inertia, path, stated, "rotor inertia", scale))
-    if gain:
-        path = ("motor", "torque_constant")
-        own.append(rows.row("torque constant times ratio", gain, path, NOTHING, "torque constant", 1.0 / ratio))
     for name in ("coulomb", "viscous"):
         each = _found(rotor, name)
         own += [rows.row(f"{name}, by the motor alone", each, (), NOTHING, "motor friction")] if each else []
