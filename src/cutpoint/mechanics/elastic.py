@@ -83,9 +83,9 @@ def elastic_inverse_dynamics(
     still makes `elastic_forward_dynamics` return a and theta_ddot exactly, but theta_dot is off d theta/dt by the order
     of damping.  strains: of the drives; what they exert enters by value, as friction does.
     """
-    v = [Jet(*x) for x in zip(*rates[:-1], strict=True)]
-    a = [Jet(*x) for x in zip(*rates[1:], strict=True)]
-    moved = motions(system, coordinate_jets(system, q, v), v, a)
+    v = [Jet(*x) for x in zip(*rates, strict=True)]
+    a = [x.rate() for x in v]
+    moved = motions(system, coordinate_jets(system, q, v), v, None)
     F = net_wrenches(system, moved, v, a)
     # a leader's torque is whole once the innermost of its followers has added its share
     found, whole_at = {}, {min(i for i, s in enumerate(system.segments) if s.v.start == d.v): d for d in drives}

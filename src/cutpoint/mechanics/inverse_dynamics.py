@@ -31,25 +31,32 @@ class BodyMotion:
     U: Mat3
 
 
-def move(X: Pose, omega: Vec3, zv: Motion, parent: BodyMotion, zv_r: Motion, za_r: Motion) -> BodyMotion:
+def move(X: Pose, omega: Vec3, zv: Motion, parent: BodyMotion, zv_r: Motion, za_r: Motion | None) -> BodyMotion:
     """A body's required motion: that of its parent, plus that of its own joint.  Xia (2019) eqs. (5), (14), (31), (49).
 
     X and zv are the joint's actual pose and velocity, omega the body's actual angular velocity.  The derivative of (31)
-    needs that of U^T too, which turns with the joint: the terms with zv.
+    needs that of U^T too, which turns with the joint: the terms with zv.  za_r: None if velocities are time jets, which
+    have accelerations as their rates: angular ones need no sum then.
     """
     carried, R_T = X.outward(parent.V), X.rotation.T
-    V = carried + zv_r
+    V, za = carried + zv_r, zv_r.rate() if za_r is None else za_r
     linear = R_T @ (parent.A.linear + parent.U @ X.position)
-    linear = linear + za_r.linear + carried.angular.cross(zv.linear) + omega.cross(zv_r.linear)
-    angular = R_T @ parent.A.angular + za_r.angular + carried.angular.cross(zv.angular)
+    linear = linear + za.linear + carried.angular.cross(zv.linear) + omega.cross(zv_r.linear)
+    if za_r is None:
+        angular = V.angular.rate()
+    else:
+        angular = R_T @ parent.A.angular + za.angular + carried.angular.cross(zv.angular)
     return BodyMotion(X, V, Motion(linear, angular), acceleration_gradient(angular, omega, V.angular))
 
 
-def motions(system: System, q: Scalars, v: Scalars, a: Scalars) -> list[BodyMotion]:
-    """Every body's motion, outward from the base.  Xia (2019) eqs. (29)-(31)."""
+def motions(system: System, q: Scalars, v: Scalars, a: Scalars | None) -> list[BodyMotion]:
+    """Every body's motion, outward from the base.  Xia (2019) eqs. (29)-(31).
+
+    a: None if v are time jets, which have it as their rates: that takes fewer operations.
+    """
     moved: list[BodyMotion] = []
     for body in system.segments:
-        X, zv, za = body.pose(q), body.motion(v), body.motion(a)
+        X, zv, za = body.pose(q), body.motion(v), None if a is None else body.motion(a)
         parent = at_rest(system) if body.parent == WORLD else moved[body.parent]
         omega = X.outward(parent.V).angular + zv.angular
         moved.append(move(X, omega, zv, parent, zv, za))

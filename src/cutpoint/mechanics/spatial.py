@@ -8,7 +8,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import Any, Union, overload
 
-from cutpoint.scalars import Scalar
+from cutpoint.scalars import Scalar, rate_of
 
 
 class Vec3:
@@ -31,6 +31,10 @@ class Vec3:
     def cross(self, b: "Vec3") -> "Vec3":
         """(self x) b.  Xia (2019) eq. (63)."""
         return Vec3(self.y * b.z - self.z * b.y, self.z * b.x - self.x * b.z, self.x * b.y - self.y * b.x)
+
+    def rate(self) -> "Vec3":
+        """Of time jets their derivatives, one order shorter."""
+        return Vec3(rate_of(self.x), rate_of(self.y), rate_of(self.z))
 
     def skew(self) -> "Mat3":
         """The matrix (self x).  Xia (2019) eq. (63)."""
@@ -81,6 +85,10 @@ class Motion:
     def __add__(self, W: "Motion") -> "Motion": return Motion(self.linear + W.linear, self.angular + W.angular)
     def __mul__(self, s: Scalar) -> "Motion": return Motion(self.linear * s, self.angular * s)
     def __iter__(self) -> Iterator[Any]: return iter((*self.linear, *self.angular))
+
+    def rate(self) -> "Motion":
+        """Of time jets their derivatives, one order shorter."""
+        return Motion(self.linear.rate(), self.angular.rate())
 
     def cross(self, W: "Motion") -> "Motion":
         """Rate of the motion W carried by this one.  Featherstone (2008) eq. (2.31)."""

@@ -113,6 +113,11 @@ def value_of(x: Scalar) -> Scalar:
     return x.derivatives[0] if isinstance(x, Jet) else x
 
 
+def rate_of(x: Scalar) -> Scalar:
+    """The time derivative of a jet; 0 of any other scalar, which is constant in time."""
+    return x.rate() if isinstance(x, Jet) else 0
+
+
 def _of_product(x: Sequence[Any], y: Sequence[Any], k: int) -> Any:
     """The k-th derivative of a product: Leibniz' rule."""
     total = x[0] * y[k]
