@@ -148,8 +148,8 @@ MUTANTS = {
     ),
     "jet order minus one": Mutant(
         elastic.elastic_inverse_dynamics,
-        "a = [Jet(*x) for",
-        "a = [Jet(*x[:-1], 0) for",
+        "v = [Jet(*x) for",
+        "v = [Jet(*x[:-1], 0) for",
         elastic_laws.test_motor_speed_and_acceleration_are_time_derivatives_of_motor_position,
         {"name": "flexspline", "backend": "numpy", "t": 0.7},
     ),

@@ -5,6 +5,7 @@ They hold derivatives, not the coefficients of Taylor's series that the book has
 
 import math
 from collections.abc import Callable, Sequence
+from operator import is_
 from typing import Any
 
 from cutpoint.scalars import functions
@@ -43,13 +44,21 @@ class Jet:
     __radd__ = __add__
 
     def __neg__(self) -> "Jet": return Jet(*(-x for x in self.derivatives))
-    def __sub__(self, other: Any) -> "Jet": return self + -other
+
+    def __sub__(self, other: Any) -> "Jet":
+        if isinstance(other, Jet):
+            return Jet(*(x - y for x, y in zip(self.derivatives, other.derivatives, strict=False)))
+        return Jet(self.derivatives[0] - other, *self.derivatives[1:])
+
     def __rsub__(self, other: Any) -> "Jet": return -self + other
 
     def __mul__(self, other: Any) -> "Jet":
         if isinstance(other, Jet):
             x, y = self.derivatives, other.derivatives
-            return Jet(*(_of_product(x, y, k) for k in range(min(len(x), len(y)))))
+            orders = range(min(len(x), len(y)))
+            if all(map(is_, x, y)):
+                return Jet(*(_of_square(x, k) for k in orders))
+            return Jet(*(_of_product(x, y, k) for k in orders))
         return Jet(*(x * other for x in self.derivatives))
 
     __rmul__ = __mul__
@@ -124,6 +133,14 @@ def _of_product(x: Sequence[Any], y: Sequence[Any], k: int) -> Any:
     for j in range(1, k + 1):
         total = total + _times(math.comb(k, j), x[j]) * y[k - j]
     return total
+
+
+def _of_square(x: Sequence[Any], k: int) -> Any:
+    """The same of a product with itself, whose terms come in pairs."""
+    terms = [2 * math.comb(k, j) * x[j] * x[k - j] for j in range((k + 1) // 2)]
+    if k % 2 == 0:
+        terms.append(_times(math.comb(k, k // 2), x[k // 2]) * x[k // 2])
+    return sum(terms[1:], terms[0])
 
 
 def _times(count: int, x: Any) -> Any:
