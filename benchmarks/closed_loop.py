@@ -1,6 +1,6 @@
 """Elastic joints under control, without friction: simulated seconds a second, each in the steps that it needs.
 
-All integrate the same plant with Runge-Kutta steps of fourth order: motors' PD at 1 kHz, held between samples.
+All integrate the same plant by steps of fourth order and four stages: motors' PD at 1 kHz, held between samples.
 """
 
 import ctypes

@@ -26,9 +26,10 @@ _LOOP = """## Closed loop with elastic joints
 
 Simulated seconds a second, medians, best in brackets: drives of 1e4 N m/rad with rotors of 1 kg m2 at the joint,
 without friction, motors' PD at 1 kHz on sines of 0.5 rad, in the longest steps that keep every link within 1e-4 rad.
-All take Runge-Kutta steps of fourth order; in short ones they are {apart:.0e} rad apart.  The sines are known before.
-cutpoint by `simulate`, its checks and its log of positions included; CasADi's forward dynamics in a loop of C, which
-logs positions; MuJoCo with two hinges a joint, in a loop of C.
+All take steps of fourth order and four stages, the peers Runge's and Kutta's, cutpoint its own, which keep the phase of
+springs; in short ones they are {apart:.0e} rad apart.  The sines are known before.  cutpoint by `simulate`, its checks
+and its log of positions included; CasADi's forward dynamics in a loop of C, which logs positions; MuJoCo with two
+hinges a joint, in a loop of C.
 
 """
 
@@ -50,7 +51,7 @@ parameters of its own.  The curves of springs and friction take about half the t
 _STEPS = """## One integration step of an arm with drives
 
 The paper's six joints on drives of its catalogue sizes, each effect alone on linear elastic drives and then all at
-once: a fourth-order Runge-Kutta step of the closed loop, links, motors and what drives remember.  From runs of many
+once: a step of four stages of the closed loop, links, motors and what drives remember.  From runs of many
 steps a control period less runs of few, so that the controller and the call cancel.  States: numbers of the plant.
 
 """

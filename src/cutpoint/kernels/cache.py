@@ -75,7 +75,8 @@ class Cache:
 
     def _discard(self, folder: Path) -> None:
         """Down to what the folder may hold, and without what killed processes have left."""
-        found = [(entry.stat().st_mtime, entry.stat().st_size, entry.path) for entry in os.scandir(folder)]
+        with os.scandir(folder) as entries:
+            found = [(entry.stat().st_mtime, entry.stat().st_size, entry.path) for entry in entries]
         room = self._largest
         for used, size, path in sorted(found, reverse=True):
             is_entry = path.endswith(_SUFFIX)

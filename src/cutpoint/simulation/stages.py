@@ -131,7 +131,7 @@ class PlantStages:
             k = [*all_rates(machine, s, accelerations[:nv], accelerations[nv:], electric), *[0] * len(s.strains)]
             driven = [*(accelerations[d.v] for d in machine.drives), *accelerations[nv:]]
         h = steps[0]
-        return *stage(k, origin, total, tableau, h), handed_on(driven, earlier, tableau, h)
+        return *stage(state, k, origin, total, tableau, h), handed_on(driven, earlier, tableau, h)
 
     def settle(self, total: Scalars, origin: Scalars, parameters: Scalars) -> tuple[Scalars, Scalars, Scalars]:
         """The step's result, with the strains that it has left, is the next step's start."""
