@@ -65,18 +65,14 @@ def test_coordinates_begin_with_the_speed_at_the_start():
     np.testing.assert_allclose(TABLEAU[:, 5:].sum(axis=1), TABLEAU[:, 0], atol=1e-15)
 
 
-def test_what_swings_keeps_its_phase_to_order_six_and_its_amplitude_to_order_seven():
-    sizes = np.array([0.15, 0.3])
-    phase, amplitude = (np.empty(2) for _ in range(2))
-    for k, z in enumerate(sizes):
-        found = np.linalg.eigvals(turned(z))[0]
-        phase[k], amplitude[k] = abs(abs(np.angle(found)) - z), abs(1 - abs(found))
-    assert np.log2(phase[1] / phase[0]) == pytest.approx(7.0, abs=0.3)
-    assert np.log2(amplitude[1] / amplitude[0]) == pytest.approx(8.0, abs=0.3)
+def test_what_swings_loses_no_amplitude():
+    assert all(np.abs(np.linalg.eigvals(turned(z))) == pytest.approx(1.0, abs=1e-12) for z in np.linspace(0.01, 2.9, 50))
 
 
-def test_what_swings_fast_does_not_grow():
-    assert all(np.abs(np.linalg.eigvals(turned(z))).max() < 1 + 1e-12 for z in np.linspace(0.01, 2.65, 500))
+def test_what_swings_keeps_its_phase_56_times_better_than_by_the_classical_step():
+    """That is off by z^5 / 120 a step."""
+    z = 0.05
+    assert abs(np.angle(np.linalg.eigvals(turned(z))[0])) - z == pytest.approx(-(z**5) / 6720, rel=1e-2)
 
 
 def gain(z: float, taken: float) -> float:
@@ -99,7 +95,7 @@ def each(ours: Robot, **parts: object) -> Robot:
     return ours.with_drives({name: replace(drive, **parts) for name, drive in ours.drives.items()})
 
 
-@pytest.mark.parametrize(("substeps", "error"), [(2, 2e-8), (4, 2e-9)])
+@pytest.mark.parametrize(("substeps", "error"), [(2, 5e-7), (4, 2e-8)])
 def test_springs_swing_in_time(substeps, error):
     """Over a second of swinging; steps of the classical method would be off by 7e-6 and 4e-7 rad."""
     ours = each(arm(), compliance=LinearSpring(1e4), link_friction=None)
