@@ -21,9 +21,9 @@ the step's first, this stage's, the next stage's, the step's last as far as it i
 A W-method, Steihaug and Wolfbrandt (1979): its order does not depend on how well the implicit part follows friction.
 Without friction speeds take the classical Runge-Kutta step of order 4; coordinates go between stages as a Nystrom
 method's may, by speeds that were chosen so that what swings on springs loses no amplitude in steps up to 2.9 / omega,
-and of its phase 56 times less; van der Houwen and Sommeijer (1987).  The rest is ours, made so that GAMMA = 1/4 gives order 3 for any resistance, also one that
-changes from stage to stage as mass and friction do; friction however fast is damped out in one step (L-stable), and no
-stage overshoots.  `tests/simulation/test_step.py` holds it to that.
+and of its phase 56 times less; van der Houwen and Sommeijer (1987).  The rest is ours, made so that GAMMA = 1/4 gives
+order 3 for any resistance, also one that changes from stage to stage as mass and friction do; friction however fast is
+damped out in one step (L-stable), and no stage overshoots.  `tests/simulation/test_step.py` holds it to that.
 """
 
 
