@@ -109,7 +109,7 @@ def test_a_spring_that_hardens_is_followed_up_to_the_torque_of_its_motor():
     law = Flexspline(32e3, 0.0864)
     limits = {"effort": {"limits": Limits(effort=60.0)}, "current": {"motor": Motor(0.1, current_limit=6.0)}}
     slope = law.tangent(law.deflection(60.0))
-    at_peaks = substeps_for(turning(compliance=LinearSpring(slope / 4)), "fine", 1e-3, STATES)
+    at_peaks = substeps_for(turning(compliance=LinearSpring(slope)), "fine", 1e-3, STATES)
     for parts in limits.values():
         assert substeps_for(turning(compliance=law, **parts), "fine", 1e-3, STATES) == at_peaks
     assert substeps_for(turning(compliance=law), "fine", 1e-3, STATES).number < at_peaks.number

@@ -5,10 +5,7 @@ import numpy as np
 from cutpoint.mechanics.backlash import Backlash
 from cutpoint.model.drive import Drive
 
-AT_PEAKS = 2.0
-"""Steps may be so many times longer for the stiffness that a spring has at its motor's largest torque alone."""
-
-RATTLE = 3.0
+RATTLE = 6.0
 """How much faster than a drive in contact one changes that goes from flank to flank of its play."""
 
 
@@ -21,5 +18,5 @@ def stiffest(drive: Drive, lead: float, most: float) -> float:
     if isinstance(law, Backlash) and stiffness < (contact := float(law.spring.tangent(0.0))):
         stiffness = contact * RATTLE**2
     if np.isfinite(most):
-        stiffness = max(stiffness, float(law.tangent(law.deflection(most))) / AT_PEAKS**2)
+        stiffness = max(stiffness, float(law.tangent(law.deflection(most))))
     return stiffness + (sum(drive.hysteresis.stiffness) if drive.hysteresis else 0.0)

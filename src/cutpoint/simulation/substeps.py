@@ -35,8 +35,8 @@ class Longest(NamedTuple):
 
 
 SETTINGS = {
-    "standard": Longest(mode=0.5, decay=2.0, growth=2.0, wave=2.0, seconds=2.5e-4),
-    "fine": Longest(mode=0.1, decay=0.25, growth=0.5, wave=1.0, seconds=6.25e-5),
+    "standard": Longest(mode=1.0, decay=2.0, growth=2.0, wave=2.0, seconds=2.5e-4),
+    "fine": Longest(mode=0.2, decay=0.25, growth=0.5, wave=1.0, seconds=6.25e-5),
 }
 """By accuracy."""
 
