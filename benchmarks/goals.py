@@ -38,7 +38,8 @@ show the times of the first; where a goal was missed, what stands under this tab
 WHERE = """
 * Inverse and forward dynamics, beside Pinocchio: the wheel's library takes {wheel} times as long as the quickest of its
   builds here, which counts.
-* Lanes: Intel's processors do additions by the two units that do multiply-adds; AMD's have two more for them.
+* Lanes: Intel's processors do additions by the two units that do multiply-adds; AMD's have two more for them, of which
+  those of Zen 4 take half of a vector of 512 bits at a time.
 * Regressor: its matrices leave number by number; rows of {regressor} numbers fill the memory's stores before the
   arithmetic is done.
 * Elastic inverse dynamics, one call: each number comes with two derivatives; much of what waits between the recursions
@@ -47,7 +48,8 @@ WHERE = """
   dynamics hands inertias of 21 numbers on, more than registers hold beside what is computed with them.
 * One call from Python, general: NumPy looks at types, shapes and strides of each argument for the gufunc; the shortcut
   that plain arrays take does not.
-* Closed loop: steps are {steps} times as quick as CasADi's; checks, arrays of references and the log are the rest.
+* Closed loop: steps are {steps} times as quick as CasADi's, and fewer; checks, arrays of references and the log are the
+  rest.
 * Of the memory's: where inverse dynamics in lanes takes longer than copying, arithmetic is what is waited for.
 * Of the multiply-adds: additions and products that have no partner count for one of the two that a core can do.
 """

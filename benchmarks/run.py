@@ -26,6 +26,7 @@ from from_memory import from_memory
 from latency import CALLS, latency
 from laws import laws
 from limits import limits
+from llvmlite import binding
 from parameters import parameters_as_inputs
 from python_calls import python_calls
 from simulations import loops
@@ -86,7 +87,8 @@ def _machine(core: int | None) -> dict:
     versions = {"Python": platform.python_version(), "cutpoint": cutpoint.__version__}
     flags = {"flags": compilers.FLAGS, "own_flags": ours.C_FLAGS, "cpp_flags": pinocchio_cpp.STANDARD}
     return {
-        "processor": processor(), "core": core, "system": f"{platform.system()} {platform.machine()}",
+        "processor": f"{processor()} ({binding.get_host_cpu_name()})", "core": core,
+        "system": f"{platform.system()} {platform.machine()}",
         "commit": _commit(), "versions": versions | {name: version(name) for name in PACKAGES},
         "compilers": [x for x in map(compilers.version, ("gcc", "clang")) if x], **flags,
     }  # fmt: skip
