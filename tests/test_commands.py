@@ -58,6 +58,13 @@ def test_names_are_printed_as_they_are_whatever_brackets_and_colons_they_hold(
     assert Log.load("l[b]og.npz").joints == (joint,)
 
 
+def test_what_rounding_leaves_of_a_torque_is_printed_as_none() -> None:
+    """Where joint5 stands upright gravity asks 1.8e-16 N m of it."""
+    table = [line.split("│") for line in printed("torque", "xia2019", "--q", "0,0,0,0,90,0", "--degrees").splitlines()]
+    (joint5,) = [cells for cells in table if len(cells) > 1 and cells[1].strip() == "joint5"]
+    assert [cell.strip() for cell in joint5[3:7]] == ["0", "0", "0", "0 arcmin"]
+
+
 def test_limits_that_a_motion_meets_are_said(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.chdir(tmp_path)
     Path("arm.urdf").write_text(ONE_JOINT.format(joint="swing"), encoding="utf-8")

@@ -103,18 +103,23 @@ def torque_table(robot: Robot, q: Array, v: Array, a: Array, u: ElasticTorques) 
     title = "torques at the joint's side (N m; N on prismatic joints)"
     names = ["joint", "position", "gravity", "joint torque", "with friction and rotor", "motor leads by"]
     table = _table(title, *names)
-    gravity = robot.gravity_forces(q)
-    for k, (name, slides) in enumerate(zip(robot.joints, _slides(robot), strict=True)):
-        lead = u.theta[k] - q[k]
+    torques = _without_rounding(np.array([robot.gravity_forces(q), u.joint_torque, u.motor_torque]))
+    leads = _without_rounding(u.theta - q)
+    rows = zip(robot.joints, _slides(robot), q, *torques, leads, strict=True)
+    for name, slides, position, gravity, on_link, at_motor, lead in rows:
         table.add_row(
-            name, _position(q[k], slides), f"{gravity[k]:.6g}", f"{u.joint_torque[k]:.10g}",
-            f"{u.motor_torque[k]:.10g}",
+            name, _position(position, slides), f"{gravity:.6g}", f"{on_link:.10g}", f"{at_motor:.10g}",
             f"{lead * 1e3:.4g} mm" if slides else f"{np.degrees(lead) * 60:.4g} arcmin",
         )  # fmt: skip
     table.caption = (
         f"speeds {np.array2string(v, precision=4)}, accelerations {np.array2string(a, precision=4)}, SI units"
     )
     return table
+
+
+def _without_rounding(numbers: Array) -> Array:
+    """Zero where no more is left than rounding leaves beside the largest."""
+    return np.where(np.abs(numbers) > max(1e-13 * np.abs(numbers).max(initial=0.0), 1e-14), numbers, 0.0)
 
 
 def error_table(robot: Robot, log: "Log") -> Table:
