@@ -139,6 +139,15 @@ def test_what_a_fit_of_many_unknowns_leaves_of_white_noise_tells_its_size():
     assert np.trace(spread) == pytest.approx(np.trace(np.linalg.inv(columns.T @ columns)), rel=0.1)
 
 
+@pytest.mark.parametrize("faint", [0.0, 1e-200, 1e-150])
+def test_a_column_with_hardly_anything_in_it_tells_nothing_and_leaves_the_others_as_they_are(faint):
+    rng = np.random.default_rng(0)
+    columns, noise = rng.normal(size=(1000, 2)), rng.normal(size=1000)
+    alone, beside = covariance(columns, noise), covariance(np.column_stack([columns, faint * noise]), noise)
+    assert beside[2, 2] == np.inf
+    np.testing.assert_allclose(beside[:2, :2], alone, rtol=1e-12)
+
+
 @pytest.mark.parametrize("band", [20.0, 40.0])
 def test_waves_that_a_filter_weakens_come_out_at_their_size(band: float):
     time = PERIOD * np.arange(20000)

@@ -15,6 +15,8 @@ WINDOWS = 25
 DEGREES = 1.5 * WINDOWS
 """Of freedom, of Student's t: how uncertain such a covariance itself is."""
 
+FAINT = 1e-100
+"""Columns no larger than that show nothing: of laws whose constants went where they do not matter."""
 
 SIGNIFICANT = 4.0
 """Standard deviations above which a value is told from none."""
@@ -40,15 +42,17 @@ class Unknowns:
 def covariance(jacobian: Array, residual: Array) -> Array:
     """Covariance (p, p) of p estimates from the model's derivatives (N, p) and its residual (N,).
 
-    A column that the others make up has an infinite variance.
+    A column that the others make up has an infinite variance, and so has one without anything in it.
     """
     size = np.linalg.norm(jacobian, axis=0)
-    scaled = jacobian / np.where(size > 0.0, size, 1.0)
+    shown = size > FAINT
+    size = np.where(shown, size, 1.0)
+    scaled = np.where(shown, jacobian, 0.0) / size
     inverse = np.linalg.pinv(scaled.T @ scaled, hermitian=True)
     length = max(1, residual.size // WINDOWS)
     found, steady = as_found(scaled * residual[:, None], length), alike(scaled, residual, length)
     spread = at_least(inverse @ found @ inverse, inverse @ steady @ inverse)
-    spread = spread / np.outer(size, size).clip(np.finfo(float).tiny) / _left(residual, int(np.count_nonzero(size)))
+    spread = spread / np.outer(size, size) / _left(residual, int(np.count_nonzero(shown)))
     return _without(spread, _undetermined(scaled.T @ scaled))
 
 
