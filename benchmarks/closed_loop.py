@@ -35,7 +35,7 @@ ACCURACY = 1e-4
 """rad, that no link may be off at any sample."""
 
 SUBSTEPS = (1, 2, 3, 4, 5, 6, 8, 10, 12, 16, 20, 24, 32, 40, 64)
-EXACT, AGREEMENT = 256, 1e-9
+EXACT, AGREEMENT = 400, 1e-9
 """Steps a period that count as exact, and how far the contenders may then be apart, rad."""
 
 Simulation = Callable[[int], np.ndarray]
