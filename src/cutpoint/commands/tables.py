@@ -118,7 +118,7 @@ def torque_table(robot: Robot, q: Array, v: Array, a: Array, u: ElasticTorques) 
 
 
 def _without_rounding(numbers: Array) -> Array:
-    """Zero where no more is left than rounding leaves beside the largest."""
+    """N m (N) or rad (m): zero where no more is left than rounding leaves beside the largest, or below 1e-14."""
     return np.where(np.abs(numbers) > max(1e-13 * np.abs(numbers).max(initial=0.0), 1e-14), numbers, 0.0)
 
 

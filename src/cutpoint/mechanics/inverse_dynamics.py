@@ -39,13 +39,14 @@ def move(X: Pose, omega: Vec3, zv: Motion, parent: BodyMotion, zv_r: Motion, za_
     have accelerations as their rates: angular ones need no sum then.
     """
     carried, R_T = X.outward(parent.V), X.rotation.T
-    V, za = carried + zv_r, zv_r.rate() if za_r is None else za_r
-    linear = R_T @ (parent.A.linear + parent.U @ X.position)
-    linear = linear + za.linear + carried.angular.cross(zv.linear) + omega.cross(zv_r.linear)
+    V = carried + zv_r
     if za_r is None:
-        angular = V.angular.rate()
+        own, angular = zv_r.linear.rate(), V.angular.rate()
     else:
-        angular = R_T @ parent.A.angular + za.angular + carried.angular.cross(zv.angular)
+        own = za_r.linear
+        angular = R_T @ parent.A.angular + za_r.angular + carried.angular.cross(zv.angular)
+    linear = R_T @ (parent.A.linear + parent.U @ X.position)
+    linear = linear + own + carried.angular.cross(zv.linear) + omega.cross(zv_r.linear)
     return BodyMotion(X, V, Motion(linear, angular), acceleration_gradient(angular, omega, V.angular))
 
 

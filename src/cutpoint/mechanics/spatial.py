@@ -86,10 +86,6 @@ class Motion:
     def __mul__(self, s: Scalar) -> "Motion": return Motion(self.linear * s, self.angular * s)
     def __iter__(self) -> Iterator[Any]: return iter((*self.linear, *self.angular))
 
-    def rate(self) -> "Motion":
-        """Of time jets their derivatives, one order shorter."""
-        return Motion(self.linear.rate(), self.angular.rate())
-
     def cross(self, W: "Motion") -> "Motion":
         """Rate of the motion W carried by this one.  Featherstone (2008) eq. (2.31)."""
         angular = self.angular.cross(W.angular)

@@ -38,8 +38,9 @@ def stage(
     y = [x + ahead * r for x, r in zip(origin, k, strict=True)]
     total = [x + weight * r for x, r in zip(total, k, strict=True)]
     speeds = {id(x): j for j, x in enumerate(state)}  # by identity: such a rate is the state's own number
-    for i, j in ((i, speeds[id(r)]) for i, r in enumerate(k) if id(r) in speeds):
-        y[i] = sum((share * x[j] for share, x in zip(shares, (origin, state, y, total), strict=True)), origin[i])
+    for i, rate in enumerate(k):
+        if (j := speeds.get(id(rate))) is not None:
+            y[i] = sum((share * x[j] for share, x in zip(shares, (origin, state, y, total), strict=True)), origin[i])
     return y, total
 
 

@@ -16,7 +16,7 @@ DEGREES = 1.5 * WINDOWS
 """Of freedom, of Student's t: how uncertain such a covariance itself is."""
 
 FAINT = 1e-100
-"""Columns no larger than that show nothing: of laws whose constants went where they do not matter."""
+"""rad over an unknown's unit: columns no larger show nothing; those of constants that went where they do not matter."""
 
 SIGNIFICANT = 4.0
 """Standard deviations above which a value is told from none."""
