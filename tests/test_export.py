@@ -16,7 +16,8 @@ from c_builds import STRICT, CFunction, assert_same_bits, build, run
 from cutpoint import Coulomb, Drive, InputError, LuGre, Rotor, TraceError
 from cutpoint.control import PD, Fault, Feedforward, Guard
 from cutpoint.export import RESULTS, export_controller, export_function
-from cutpoint.simulation.control_kernel import law_kernel, law_memory, law_parameters
+from cutpoint.simulation.control_kernel import law_kernel, law_memory
+from cutpoint.simulation.parameters import law_parameters
 from cutpoint.trajectories import cycloid
 
 DYNAMICS = {
@@ -96,7 +97,7 @@ def test_an_exported_law_commands_what_the_loop_commands(arm: cutpoint.Robot, tm
     log = cutpoint.simulate(arm, law, move, duration=0.05, control_period=PERIOD)
     export_controller(arm, law, tmp_path, period=PERIOD)
     step = CFunction(tmp_path, "control_step", law_kernel(arm, law).graph, flags=("-O1",))
-    memory, parameters = law_memory(law), law_parameters(arm, law, PERIOD)
+    memory, parameters = law_memory(law), law_parameters(law, PERIOD)
     reference = move.derivatives(log.time, 4)
     measured = [log[f"measured_{key}"] for key in ("q", "theta", "v", "theta_dot")]
     for k, time in enumerate(log.time):
@@ -158,7 +159,7 @@ def test_the_header_says_what_wrenches_and_strains_are(arm: cutpoint.Robot, tmp_
 @pytest.mark.parametrize("standard", ["c++11", "c++14", "c++17"])
 def test_a_header_with_tables_suits_every_cpp(arm: cutpoint.Robot, tmp_path: Path, standard: str) -> None:
     export_controller(arm, Integrating(), tmp_path, period=PERIOD, name="law")
-    table = "return law_parameters[0] != 100;" if standard == "c++17" else "return 0;"
+    table = f"return law_parameters[0] != {PERIOD};" if standard == "c++17" else "return 0;"
     (tmp_path / "use.cpp").write_text(f'#include "law.h"\nint main() {{ {table} }}\n')
     done = compiled_cpp(tmp_path, f"-std={standard} -Wno-unused-const-variable use.cpp -o use")
     assert done.returncode == 0, done.stderr

@@ -15,7 +15,8 @@ from cutpoint.export_notes import PER_DRIVE, labels_of, notes_of, result_of
 from cutpoint.kernels import c99_package, cuda_package
 from cutpoint.kernels.c99_texts import Values
 from cutpoint.robot import Robot
-from cutpoint.simulation.control_kernel import law_kernel, law_memory, law_parameters
+from cutpoint.simulation.control_kernel import law_kernel, law_memory
+from cutpoint.simulation.parameters import law_parameters
 
 RESULTS = {
     "inverse_dynamics": "torque", "forward_dynamics": "a", "mass_matrix": "M", "bias_forces": "torque",
@@ -74,14 +75,14 @@ def export_controller(
 ) -> tuple[Path, ...]:
     """Writes one step of a control law as a package of C99, the same step that simulation compiles into its loop.
 
-    period: of control, s.  The header holds as <name>_parameters the numbers of drives and law and the period, and as
-    <name>_memory the law's memory before the first step.  Torque limits are not applied.
+    period: of control, s.  The header holds as <name>_parameters the law's numbers and the period, and as <name>_memory
+    the law's memory before the first step.  Torque limits are not applied.
     Raises InputError as `export_function` does, TraceError for a law that cannot be traced.
     """
     period = positive("export_controller", "period", period, "s")
     graph = law_kernel(robot, law, name=name).graph
-    labels = [*labels_of(dict(robot.drives)), *labels_of(law, type(law).__name__), "control period, s"]
-    values = {"parameters": Values(law_parameters(robot, law, period), labels)}
+    labels = [*labels_of(law, type(law).__name__), "control period, s"]
+    values = {"parameters": Values(law_parameters(law, period), labels)}
     memory = law_memory(law)
     if memory.size:
         values["memory"] = Values(memory, [f"memory[{k}]" for k in range(memory.size)])

@@ -9,7 +9,8 @@ from law_library import LAWS, elbow, law
 from c_builds import CFunction, assert_same_bits
 from cutpoint.control import Guard
 from cutpoint.export import export_controller
-from cutpoint.simulation.control_kernel import law_kernel, law_memory, law_parameters
+from cutpoint.simulation.control_kernel import law_kernel, law_memory
+from cutpoint.simulation.parameters import law_parameters
 
 PERIOD = 1e-3
 
@@ -22,7 +23,7 @@ def test_an_exported_law_has_the_bits_of_its_compiled_self(name: str, tmp_path: 
     kernel, rng = law_kernel(elbow(), made), np.random.default_rng(11)
     function, parameters = (
         CFunction(tmp_path, "step", kernel.graph, flags=("-O1",)),
-        law_parameters(elbow(), made, PERIOD),
+        law_parameters(made, PERIOD),
     )
     for scales in ([0.0, 0.0, 1e-9, *[0.1] * 40, 3.0], [1.0, 1e3, 1e9, 1e200], [np.inf], [np.nan]):
         memory = own = law_memory(made)

@@ -11,7 +11,8 @@ from cutpoint import Coulomb, Drive, LinearSpring, Robot, Rotor
 from cutpoint.control import AdaptiveVDC
 from cutpoint.control.adaptation import factor, inertial_of_factor, natural, projected
 from cutpoint.mechanics.pseudo_inertia import pseudo_inertia
-from cutpoint.simulation.control_kernel import law_kernel, law_memory, law_parameters
+from cutpoint.simulation.control_kernel import law_kernel, law_memory
+from cutpoint.simulation.parameters import law_parameters
 from robot_library import Array, assert_close, derivative, robot, tree
 
 RUNS = 1000
@@ -119,7 +120,7 @@ def test_the_law_keeps_what_it_believes_within_bounds_and_physical_in_a_thousand
     kernel, start = law_kernel(ours, law), law_memory(law)
     bodies = sum(np.size(x) for x in law.start().bodies)
     joints = sum(np.size(x) for x in law.start().joints)
-    memory, numbers = np.broadcast_to(start, (RUNS, start.size)), law_parameters(ours, law, 1e-3)
+    memory, numbers = np.broadcast_to(start, (RUNS, start.size)), law_parameters(law, 1e-3)
     for time in range(3):
         given = 10 ** rng.uniform(-9, 1 if update == "projection" else 0.3, (RUNS, 1, 1)) * rng.normal(
             size=(RUNS, 9, 2)

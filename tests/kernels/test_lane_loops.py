@@ -7,10 +7,9 @@ import numpy as np
 import pytest
 
 from cutpoint.errors import InputError
-from cutpoint.kernels import Loop, Program, Region, Stage, View, compile_program
+from cutpoint.kernels import LaneLoop, Loop, Program, Region, Stage, View, compile_program
 from cutpoint.kernels.fastcall import Front
 from cutpoint.kernels.program_front import front_of
-from cutpoint.kernels.program_plan import LaneLoop
 from cutpoint.scalars import sin
 
 BACKENDS = ("llvm", "numpy")

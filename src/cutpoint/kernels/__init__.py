@@ -12,10 +12,10 @@ from cutpoint.kernels.graph import Graph
 from cutpoint.kernels.kernel import Kernel, compile
 from cutpoint.kernels.program import Program, compile_program
 from cutpoint.kernels.specialise import graph_of
-from cutpoint.kernels.stepping import Loop, Region, Stage, View
+from cutpoint.kernels.stepping import LaneLoop, Loop, Region, Stage, View
 from cutpoint.kernels.tracing import Traced
 
 __all__ = [
-    "Graph", "Kernel", "Loop", "Program", "Region", "Stage", "Traced", "View", "compile", "compile_program", "graph_of",
-    "jacobian_of",
+    "Graph", "Kernel", "LaneLoop", "Loop", "Program", "Region", "Stage", "Traced", "View", "compile",
+    "compile_program", "graph_of", "jacobian_of",
 ]  # fmt: skip

@@ -35,12 +35,14 @@ def hoist(graph: Graph, fixed: Container[int]) -> Split:
 def _frontier(graph: Graph, fixed: Container[int]) -> list[Node]:
     """Operations on fixed inputs alone that something else, or a result, reads."""
     still: dict[int, Node] = {}
-    read: set[int] = {x.serial for x in graph.results if isinstance(x, Node)}
     for x in graph.nodes:
         operands = [y for y in x.args if isinstance(y, Node)]
-        known = x.args[0] in fixed if x.op == "input" else all(y.serial in still for y in operands)
-        if known and x.op not in CONDITIONS:  # memory holds numbers alone
+        if x.args[0] in fixed if x.op == "input" else all(y.serial in still for y in operands):
             still[x.serial] = x
-        else:
-            read.update(y.serial for y in operands)
+    read = {x.serial for x in graph.results if isinstance(x, Node)}
+    for x in reversed(graph.nodes):  # users before operands
+        if x.serial in still and x.op in CONDITIONS and x.serial in read:
+            del still[x.serial]  # memory holds numbers alone: it is found again from these
+        if x.serial not in still:
+            read.update(y.serial for y in x.args if isinstance(y, Node))
     return [x for x in still.values() if x.serial in read and x.op != "input"]

@@ -90,6 +90,15 @@ class Code:
             self.lines.append(f"call void @llvm.prefetch.p0(ptr {self.at(pointer, offset, 'i8')}, i32 0, i32 3, i32 1)")
 
     @contextmanager
+    def where(self, condition: str) -> Iterator[None]:
+        """The block, if a condition holds."""
+        then, after = self.name("then"), self.name("after")
+        self.branch(condition, then, after)
+        self.open(then)
+        yield
+        self.label(after)
+
+    @contextmanager
     def loop(self, count: str | int, until: str | None = None) -> Iterator[Running]:
         """The block, count times; after an iteration that leaves a number other than 0 at `until`, no more."""
         before, head, body, latch, after = (self.name(x) for x in ("before", "head", "body", "latch", "after"))

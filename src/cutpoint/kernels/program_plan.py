@@ -11,18 +11,10 @@ from cutpoint.errors import InputError, TraceError, unknown_name
 from cutpoint.kernels.graph import Graph
 from cutpoint.kernels.ports import Port
 from cutpoint.kernels.specialise import checked, name_of
-from cutpoint.kernels.stepping import Loop, Region, Stage, View
+from cutpoint.kernels.stepping import LaneLoop, Loop, Region, Stage, View
 from cutpoint.kernels.tracing import tracing
 
 Counts = tuple[int | str, ...]
-
-
-class LaneLoop(Loop):
-    """A loop through like things one by one, whose regions hold several of them side by side.
-
-    Its streams and views advance lane by lane: inside, such a region is one lane of a row, and a row of its array
-    serves as many iterations as it has lanes.  Only stages of one lane can use it there.
-    """
 
 
 class Advance(NamedTuple):
@@ -41,6 +33,7 @@ class Plan:
     counts: the names of numbers that a run must state.  views: by name.
     single: for each stage the names of which it sees one lane.  single_views: the views that are one lane of a row.
     indices: for each list of rows, the counts of the loops it advances with.
+    onward: for each stage the regions that go on to the next row with the loop right around it.
     """
 
     body: Loop
@@ -53,6 +46,7 @@ class Plan:
     indices: dict[str, list[int | str]]
     single: dict[Stage, frozenset[str]]
     single_views: frozenset[str]
+    onward: dict[Stage, frozenset[str]]
 
     @cached_property
     def sizes(self) -> dict[str, int]:
@@ -80,6 +74,11 @@ class Plan:
         sources = [(root(port.name), k) for port in graph.inputs for k in range(port.size)]
         return {slot: results[place] for slot, place in enumerate(sources) if place in results}
 
+    def known_ahead(self, stage: Stage) -> frozenset[str]:
+        """Regions that a stage reads row by row, each row there before its turn and the same for all lanes."""
+        shared = {name for name in stage.reads if name in self.regions and self.regions[name].lanes == 1}
+        return (self.onward[stage] & shared) - self.written
+
     def is_laned(self, stage: Stage, name: str) -> bool:
         """Whether each lane of a stage has numbers of its own in a region."""
         return stage.lanes > 1 and self.regions[self.root(name)].lanes == stage.lanes
@@ -102,7 +101,9 @@ def plan(body: Loop, regions: Sequence[Region]) -> Plan:
     streamed, indices = dict(walk.streamed), dict(walk.indices)
     single_views = frozenset(name for name, single in walk.single_views.items() if single)
     counts = tuple(walk.counts)
-    return Plan(body, named, walk.graphs, written, streamed, counts, walk.views, indices, walk.single, single_views)
+    return Plan(
+        body, named, walk.graphs, written, streamed, counts, walk.views, indices, walk.single, single_views, walk.onward
+    )
 
 
 class _Walk:
@@ -115,6 +116,7 @@ class _Walk:
         self.streamed: dict[str, list[Advance]] = defaultdict(list)
         self.single: dict[Stage, frozenset[str]] = {}
         self.single_views: dict[str, bool] = {}
+        self.onward: dict[Stage, frozenset[str]] = {}
         self.views: dict[str, View] = {}
         self.indices: dict[str, list[int | str]] = defaultdict(list)
         self.counts: dict[str, None] = {}
@@ -136,6 +138,8 @@ class _Walk:
                 self.loop(item, inside, single, (*around, loop.count))
             elif isinstance(item, Stage):
                 self._stage(item, inside, single)
+                goes_on = frozenset(() if loop.backward or isinstance(loop, LaneLoop) else loop.streams)
+                self.onward[item] = self.onward.get(item, goes_on) & goes_on
             else:
                 raise InputError(f"a loop's body holds stages and loops, not a {type(item).__name__}")
 

@@ -72,3 +72,11 @@ class Loop:
     def advancing(self) -> tuple[str, ...]:
         """All regions that advance with the loop."""
         return (*self.streams, *self.onward)
+
+
+class LaneLoop(Loop):
+    """A loop through like things one by one, whose regions hold several of them side by side.
+
+    Its streams and views advance lane by lane: inside, such a region is one lane of a row, and a row of its array
+    serves as many iterations as it has lanes.  Only stages of one lane can use it there.
+    """

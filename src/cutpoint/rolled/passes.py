@@ -6,8 +6,7 @@ from itertools import groupby
 from types import MappingProxyType
 from typing import Any, Literal, NamedTuple
 
-from cutpoint.kernels import Loop, Region, Stage, Traced, View, graph_of
-from cutpoint.kernels.program_plan import LaneLoop
+from cutpoint.kernels import LaneLoop, Loop, Region, Stage, Traced, View, graph_of
 from cutpoint.rolled.bodies import Columns
 from cutpoint.scalars import Jet, Scalar
 

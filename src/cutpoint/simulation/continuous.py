@@ -42,9 +42,9 @@ def continuous_step(loop: ClosedLoop, trajectory: Trajectory | None) -> Callable
     """A function that advances the loop's memory by one period, the controller in the differential equation: DOP853."""
     n, layout = loop.layout.n, loop.layout
 
-    def rates(x: list, row: list, parameters: list) -> list:
+    def rates(x: list, row: list, law: list, parameters: list) -> list:
         measured, _ = loop.sense(loop.lanes.padded(x), [], [], parameters)
-        command, _ = loop.control(measured, [], row, parameters)
+        command, _ = loop.control(measured, [], row, law)
         told, _ = loop.actuate(loop.lanes.padded(x), command, [0] * loop.lanes.size(n), parameters)
         machine = loop.robot.machine_with(parameters[: len(loop.robot.drive_parameters)])
         return [*command[:n], *plant_rates(machine, x, x, loop.lanes.dense(told), layout.disturbance(row))]
@@ -54,17 +54,18 @@ def continuous_step(loop: ClosedLoop, trajectory: Trajectory | None) -> Callable
 
     def step(memory: dict[str, Array], row: Array) -> None:
         nonlocal kernel
-        parameters, at = memory["parameters"], row.copy()
+        numbers, at = [memory[name] for name in ("law", "parameters")], row.copy()
         if kernel is None:
+            law, parameters = map(len, numbers)
             kernel = kernels.compile(
-                rates, name="closed_loop", backend=loop.robot.backend, **sizes, parameters=len(parameters)
+                rates, name="closed_loop", backend=loop.robot.backend, **sizes, law=law, parameters=parameters
             )
 
         def f(t: float, x: Array) -> Array:
             at[0] = t
             if trajectory is not None:
                 at[1 : 1 + 5 * n] = trajectory.derivatives(np.array([t]), 4)[:, 0].ravel()
-            found = kernel(x, at, parameters)
+            found = kernel(x, at, *numbers)
             if np.isnan(found[:n]).any():
                 raise NoNumberError(t, found[:n])
             return found[n:]

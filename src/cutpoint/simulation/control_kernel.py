@@ -13,6 +13,7 @@ from cutpoint.robot import Robot
 from cutpoint.scalars import leaves, with_float_leaves
 from cutpoint.simulation.controllers import fitting
 from cutpoint.simulation.loop import ClosedLoop
+from cutpoint.simulation.parameters import law_parameters
 from cutpoint.simulation.sensors import Sensors, encoders_of
 
 Array = NDArray[np.float64]
@@ -44,13 +45,11 @@ def law_kernel(robot: Robot, law: Any, *, name: str = "control_step") -> Kernel:
     Raises InputError for a law of another robot's size, TraceError for one that cannot be traced.
     """
     loop = _loop_of(robot, law)
-    n, count = loop.layout.n, len(law_parameters(robot, law, 1.0))
+    n, count = loop.layout.n, len(law_parameters(loop.controller, 1.0))
 
     def control_step(time: Any, memory: Any, parameters: Any, **given: Any) -> ControlStep:
         measured, references = ([x for key in keys for x in given[key]] for keys in (MEASURED, REFERENCE))
-        period, unused = parameters[-1], [0.0] * n  # the loop's parameters hold torque limits, too
-        numbers = [*parameters[:-1], *unused, period]
-        command, after = loop.control(measured, memory, [time, *references], numbers)
+        command, after = loop.control(measured, memory, [time, *references], parameters)
         torque, feedforward, theta, theta_dot = (command[k * n : (k + 1) * n] for k in range(4))
         return ControlStep(torque, feedforward, theta, theta_dot, command[-1], after)
 
@@ -59,11 +58,6 @@ def law_kernel(robot: Robot, law: Any, *, name: str = "control_step") -> Kernel:
     return kernels.compile(
         control_step, name=name, backend=robot.backend, **sizes, time=(), memory=memory, parameters=count
     )
-
-
-def law_parameters(robot: Robot, law: Any, period: float) -> Array:
-    """What a law's kernel takes as parameters: the numbers of the drives and of the law, then the control period, s."""
-    return np.array([*robot.drive_parameters, *leaves(law), period], float)
 
 
 def law_memory(law: Any) -> Array:

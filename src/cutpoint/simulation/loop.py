@@ -22,7 +22,7 @@ from cutpoint.scalars import Scalar, clip, leaves, rebuild, where
 from cutpoint.simulation.channels import absent_from, recordable, recorded_for
 from cutpoint.simulation.lanes import Lanes
 from cutpoint.simulation.layout import Layout
-from cutpoint.simulation.parameters import Given, parameters_of, with_parameters
+from cutpoint.simulation.parameters import Given, law_parameters, parameters_of, with_parameters
 from cutpoint.simulation.plant import State, is_uniform, own_parts, sizes
 from cutpoint.simulation.sensors import Encoders
 from cutpoint.simulation.stages import PlantStages
@@ -49,7 +49,8 @@ class ClosedLoop:
     memory: the controller's memory at the start, a record.  programs: those compiled so far for loops of this
     structure.  refusal: why the controller cannot be compiled, where that is known.
     runs: how many runs of this structure go side by side, in lanes.  own_rows: whether each has a reference and
-    disturbances of its own, or all the same.  kept: the log's channels that are wanted; None for all.
+    disturbances of its own, or all the same.  own_laws: whether each has a law with numbers of its own.
+    kept: the log's channels that are wanted; None for all.
     """
 
     robot: Robot
@@ -61,6 +62,7 @@ class ClosedLoop:
     refusal: TraceError | None = None
     runs: int = 1
     own_rows: bool = False
+    own_laws: bool = False
     kept: frozenset[str] | None = None
 
     @cached_property
@@ -94,7 +96,10 @@ class ClosedLoop:
         return recordable(self.parts._asdict(), self.layout.n, self.layout.nv)
 
     def parameters(self, limits: Array) -> Array:
-        return parameters_of(self.robot, self.controller, self.encoders, limits, self.period)
+        return parameters_of(self.robot, self.encoders, limits, self.period)
+
+    def law_parameters(self) -> Array:
+        return law_parameters(self.controller, self.period)
 
     def regions(self) -> list[Region]:
         n, nv, state, lanes = self.layout.n, self.layout.nv, self.layout.state, self.lanes
@@ -107,8 +112,9 @@ class ClosedLoop:
         plain = {
             "row": self.layout.row, "sensing": len(self.encoders.memory(*[[0.0] * n] * 4)), "measured": 4 * n,
             "memory": len(leaves(self.memory)), "command": 4 * n + 1, "elapsed": 1,
-            "parameters": len(self.parameters(np.zeros(n))), "tableau": TABLEAU.shape[1],
-            "record": sum(self.channels.values()), "fault": 1, "steps": 1, "noise": self.layout.noise,
+            "parameters": len(self.parameters(np.zeros(n))), "law": len(self.law_parameters()),
+            "tableau": TABLEAU.shape[1], "record": sum(self.channels.values()), "fault": 1, "steps": 1,
+            "noise": self.layout.noise,
         }  # fmt: skip
         runs = {name: 1 if name in self.shared else self.runs for name in plain}
         drives = [Region(name, lanes.size(size) * self.runs, lanes.width * self.runs) for name, size in laned.items()]
@@ -117,7 +123,8 @@ class ClosedLoop:
     @property
     def shared(self) -> tuple[str, ...]:
         """Regions that runs side by side have in common."""
-        return ("elapsed", "tableau", "steps") if self.own_rows else ("elapsed", "tableau", "steps", "row")
+        own = {"row": self.own_rows, "law": self.own_laws}
+        return ("elapsed", "tableau", "steps", *(name for name, is_own in own.items() if not is_own))
 
     def initial_memory(self) -> Array:
         return np.array(leaves(self.memory), float)
@@ -130,11 +137,12 @@ class ClosedLoop:
         sample = [getattr(at, name) for name in ("q", "theta", "v", "theta_dot") for at in places]
         return given.encoders.measure(sample, sensing, noise, given.period)
 
-    def control(self, measured: Scalars, memory: Scalars, row: Scalars, parameters: Scalars) -> tuple[Scalars, Scalars]:
+    def control(self, measured: Scalars, memory: Scalars, row: Scalars, law: Scalars) -> tuple[Scalars, Scalars]:
         """Command: torque, the part of it that is feedforward, motor reference and its speed; and a fault."""
-        given, before = self._given(parameters), rebuild(self.memory, iter(memory))
-        after, command = stepped(given.controller, before, *self.layout.seen(measured, row, given.period))
-        return self.layout.command(command, row), numbers_after(given.controller, after, len(memory))
+        numbers, before = iter(law), rebuild(self.memory, iter(memory))
+        controller, period = rebuild(self.controller, numbers), next(numbers)
+        after, command = stepped(controller, before, *self.layout.seen(measured, row, period))
+        return self.layout.command(command, row), numbers_after(controller, after, len(memory))
 
     def actuate(
         self, state: Scalars, command: Scalars, torque: Scalars, parameters: Scalars
@@ -172,7 +180,7 @@ class ClosedLoop:
         """
         if self.refusal and part in ("whole", "command"):
             raise self.refusal
-        key = (part, self.runs, self.own_rows, self.kept)
+        key = (part, self.runs, self.own_rows, self.own_laws, self.kept)
         if key not in self.programs:
             body = {
                 "whole": [*self._before, self._control, *self._after],
@@ -195,7 +203,7 @@ class ClosedLoop:
 
     @property
     def _control(self) -> Stage:
-        return Stage(self.control, ("measured", "memory", "row", "parameters"), ("command", "memory"), self.runs)
+        return Stage(self.control, ("measured", "memory", "row", "law"), ("command", "memory"), self.runs)
 
     @property
     def _told(self) -> list[Stage | Loop]:
@@ -241,4 +249,4 @@ class ClosedLoop:
         return "numbers" if self.lanes.are_wide else "parameters"
 
     def _given(self, numbers: Scalars) -> Given:
-        return with_parameters(self.robot, self.controller, self.encoders, numbers)
+        return with_parameters(self.robot, self.encoders, numbers)

@@ -55,10 +55,14 @@ class Setup:
 
 @dataclass(frozen=True, eq=False)
 class Pack:
-    """Up to WIDTH setups of one structure.  own_rows: see `ClosedLoop`; times (N,), s; settings go into the logs."""
+    """Up to WIDTH setups of one structure.
+
+    own_rows, own_laws: see `ClosedLoop`.  times (N,), s; settings go into the logs.
+    """
 
     setups: Sequence[Setup]
     own_rows: bool
+    own_laws: bool
     times: Array
     steps: Steps
     settings: dict[str, object]
@@ -88,7 +92,7 @@ class Pack:
         return {setup.number: self._outcome(setup, own, done, bool(fault)) for setup, own, fault in found}
 
     def _loop(self, setup: Setup) -> ClosedLoop:
-        return replace(setup.loop, runs=WIDTH, own_rows=self.own_rows)
+        return replace(setup.loop, runs=WIDTH, own_rows=self.own_rows, own_laws=self.own_laws)
 
     def _memory(self) -> dict[str, Array]:
         """Regions with the runs' numbers side by side, but for rows; those with a row a sample have BUFFER of them."""
@@ -96,7 +100,8 @@ class Pack:
         regions = {region.name: region.size for region in loops[0].regions()}
         own = [first_numbers(x, s.start, s.told, s.limits) for x, s in zip(loops, self._filled, strict=True)]
         memory: dict[str, Array] = {name: np.zeros(size) for name, size in regions.items()}
-        memory |= {name: _beside([numbers[name] for numbers in own]) for name in own[0]}
+        for name, numbers in own[0].items():
+            memory[name] = numbers if name in loops[0].shared else _beside([x[name] for x in own])
         memory |= {name: np.empty((BUFFER, regions[name])) for name in ("noise", "record")}
         return memory | shared_numbers(loops[0], self.steps.number)
 
@@ -150,5 +155,6 @@ def packs_of(setups: Sequence[Setup], structure: Callable[[Setup], Any], **commo
     packs: list[Pack] = []
     for group in groups.values():
         own_rows = len({id(s.rows) for s in group}) > 1
-        packs += [Pack(group[k : k + WIDTH], own_rows, **common) for k in range(0, len(group), WIDTH)]
+        own_laws = len({s.loop.law_parameters().tobytes() for s in group}) > 1
+        packs += [Pack(group[k : k + WIDTH], own_rows, own_laws, **common) for k in range(0, len(group), WIDTH)]
     return packs

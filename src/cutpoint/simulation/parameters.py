@@ -15,24 +15,27 @@ Scalars = list[Scalar]
 
 
 class Given(NamedTuple):
-    """What has parameters.  limits: of torque, N m at the joint's side; period: of control, s."""
+    """What has parameters beside the law.  limits: of torque, N m at the joint's side; period: of control, s."""
 
     machine: Machine
-    controller: Any
     encoders: Encoders
     limits: Scalars
     period: Scalar
 
 
-def parameters_of(robot: Robot, controller: Any, encoders: Encoders, limits: Array, period: float) -> Array:
-    """Numbers of drives, controller, sensors, torque limits, then the control period."""
-    parts = [leaves(controller), leaves(encoders), limits, [period]]
-    return np.concatenate([robot.drive_parameters, *(np.array(p, float) for p in parts)])
+def parameters_of(robot: Robot, encoders: Encoders, limits: Array, period: float) -> Array:
+    """Numbers of drives, sensors, torque limits, then the control period."""
+    return np.concatenate([robot.drive_parameters, np.array([*leaves(encoders), *limits, period], float)])
 
 
-def with_parameters(robot: Robot, controller: Any, encoders: Encoders, parameters: Scalars) -> Given:
+def with_parameters(robot: Robot, encoders: Encoders, parameters: Scalars) -> Given:
     """All of that with these numbers, of any kind."""
     numbers = iter(parameters)
     machine = robot.machine_with([next(numbers) for _ in robot.drive_parameters], lean=True)
-    controller, encoders = rebuild(controller, numbers), rebuild(encoders, numbers)
-    return Given(machine, controller, encoders, [next(numbers) for _ in robot.drives], next(numbers))
+    encoders = rebuild(encoders, numbers)
+    return Given(machine, encoders, [next(numbers) for _ in robot.drives], next(numbers))
+
+
+def law_parameters(law: Any, period: float) -> Array:
+    """Numbers of the law, then the control period, s."""
+    return np.array([*leaves(law), period], float)

@@ -66,7 +66,7 @@ def first_numbers(loop: ClosedLoop, start: State, told: Array, limits: Array) ->
     return {
         "state": state, "origin": state.copy(), "total": state.copy(), "torque": torque, "torque_before": torque.copy(),
         "sensing": np.array(loop.encoders.memory(*seen), float), "memory": loop.initial_memory(),
-        "parameters": loop.parameters(limits), "numbers": loop.plant.numbers(),
+        "parameters": loop.parameters(limits), "law": loop.law_parameters(), "numbers": loop.plant.numbers(),
     }  # fmt: skip
 
 

@@ -47,12 +47,11 @@ class PlantStages:
     layout: Layout
     lanes: Lanes
 
-    def feel(self, *regions: Scalars) -> Scalars:
+    def feel(self, state: Scalars, torque: Scalars, before: Scalars, parameters: Scalars) -> Scalars:
         """Torques at the shaft, through the drive, and lost to the link's friction.
 
         A command that is still on its way to the motor is not there yet.
         """
-        state, torque, before, parameters = regions
         felt: list[Scalars] = []
         for d, own, u, old in zip(*self._drives(parameters, state), torque, before, strict=True):
             shaft, _ = motor_torque(d, own, old if d.has_delay else u)
@@ -91,9 +90,19 @@ class PlantStages:
         q = state[: 1 if self.lanes.are_wide else self.layout.n]
         return [*map(sin, q), *map(cos, q)]
 
-    def drive(self, *regions: Scalars) -> Scalars:
+    def drive(
+        self,
+        state: Scalars,
+        origin: Scalars,
+        torque: Scalars,
+        before: Scalars,
+        resists: Scalars,
+        earlier: Scalars,
+        elapsed: Scalars,
+        parameters: Scalars,
+        steps: Scalars,
+    ) -> Scalars:
         """What the drives do, with what resists them."""
-        state, origin, torque, before, resists, earlier, elapsed, parameters, steps = regions
         drives, own = self._drives(parameters, state)
         _, past = self._drives(parameters, origin)
         held, added = _by_drive(resists, len(drives)), _by_drive(earlier[: 2 * len(drives)], len(drives))
@@ -104,9 +113,10 @@ class PlantStages:
             found.append([effort.on_link, effort.left, effort.alpha, *(electric or [0])])
         return _by_field(found)
 
-    def accelerate(self, *regions: Scalars) -> Scalars:
+    def accelerate(
+        self, state: Scalars, turns: Scalars, resists: Scalars, found: Scalars, row: Scalars, parameters: Scalars
+    ) -> Scalars:
         """Accelerations of links, then of motors, under what the drives do."""
-        state, turns, resists, found, row, parameters = regions
         machine, n = self._machine(parameters), self.layout.n
         s = split(machine, self.lanes.dense(state))
         efforts: list[DriveEffort] = []
@@ -118,9 +128,18 @@ class PlantStages:
         a, theta_ddot = driven_accelerations(*machine, q, s.v, s.theta_dot, efforts, pushed)
         return self.lanes.padded([*a, *theta_ddot])
 
-    def advance(self, *regions: Scalars) -> tuple[Scalars, Scalars, Scalars]:
+    def advance(
+        self,
+        state: Scalars,
+        origin: Scalars,
+        total: Scalars,
+        earlier: Scalars,
+        tableau: Scalars,
+        found: Scalars,
+        accelerations: Scalars,
+        steps: Scalars,
+    ) -> tuple[Scalars, Scalars, Scalars]:
         """One stage of an integration step."""
-        state, origin, total, earlier, tableau, found, accelerations, steps = regions
         if self.lanes.are_wide:
             (a, alpha), drive = accelerations, self.robot.machine.drives[0].drive
             k, driven = own_rates(drive, state, a, alpha, found[3]), [a, alpha]

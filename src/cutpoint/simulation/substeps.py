@@ -1,5 +1,6 @@
 """How many integration steps a control period takes, and what asks for as many."""
 
+import math
 import warnings
 from typing import NamedTuple
 
@@ -9,7 +10,6 @@ from numpy.typing import NDArray
 from cutpoint.functions.idle_joints import check_moves_inertia
 from cutpoint.mechanics.harmonic_drive import friction_resistance
 from cutpoint.mechanics.kinematic_error import KinematicError
-from cutpoint.mechanics.motor import TURN
 from cutpoint.mechanics.presliding import Presliding
 from cutpoint.model.drive import Friction
 from cutpoint.model.limits import efforts_in_force
@@ -126,7 +126,7 @@ def fastest_decay(robot: Robot) -> Limit:
             rate = (friction_resistance(drive.motor_friction, 0.0, strain=0.0) + (drive.damping or 0.0)) * mobility
             found.append(Limit(float(rate), f"the motor friction or damping of {name!r}"))
         if drive.motor is not None and drive.motor.bandwidth is not None:
-            found.append(Limit(TURN * drive.motor.bandwidth, f"the current loop of {name!r}"))
+            found.append(Limit(math.tau * drive.motor.bandwidth, f"the current loop of {name!r}"))
     return max(found)
 
 

@@ -9,7 +9,8 @@ import numpy as np
 
 from cutpoint.control.interface import Command, Measurement, Reference
 from cutpoint.control.law import Wrapper
-from cutpoint.simulation.control_kernel import MEASURED, REFERENCE, law_kernel, law_memory, law_parameters
+from cutpoint.simulation.control_kernel import MEASURED, REFERENCE, law_kernel, law_memory
+from cutpoint.simulation.parameters import law_parameters
 from cutpoint.studies.compare.bench import USUAL, Bench
 from cutpoint.studies.compare.matching import Match
 from cutpoint.studies.cost.timing import in_turns
@@ -28,7 +29,7 @@ def _call(bench: Bench, match: Match) -> Callable[[], object]:
     wanted = dict(zip(REFERENCE, sample, strict=True))
     given = [np.ascontiguousarray(x) for x in (*measured.values(), *wanted.values())]
     law = _Remembering(match.law)
-    parameters = law_parameters(bench.robot, law, bench.control_period)
+    parameters = law_parameters(law, bench.control_period)
     return partial(law_kernel(bench.robot, law).call, *given, 0.3 * USUAL, law_memory(law), parameters)
 
 
