@@ -101,6 +101,16 @@ def test_ctrl_c_saves_what_was_simulated_and_says_so(tmp_path: Path, monkeypatch
     assert not Path("none.npz").exists()
 
 
+@pytest.mark.parametrize("ending", ["npz", "csv"])
+def test_a_run_whose_log_no_file_would_hold_is_refused_before_it_runs(tmp_path: Path, ending: str) -> None:
+    output = tmp_path / f"run.{ending}"
+    arguments = ("simulate", "xia2019", "--to", "1,1,1,1,1,1", "--duration", "5000", "--output", str(output))
+    result = CliRunner().invoke(app, [*arguments])
+    assert isinstance(result.exception, InputError)
+    assert re.search(r"a log of 5,000,000 samples takes some .* bytes, .*; shorten --duration", str(result.exception))
+    assert not output.exists()
+
+
 @pytest.mark.parametrize(
     ("command", "place", "told"),
     [

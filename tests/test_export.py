@@ -14,6 +14,7 @@ import pytest
 import cutpoint
 from c_builds import STRICT, CFunction, assert_same_bits, build, run
 from cutpoint import Coulomb, Drive, InputError, LuGre, Rotor, TraceError
+from cutpoint.commands.deployment import FUNCTIONS
 from cutpoint.control import PD, Fault, Feedforward, Guard
 from cutpoint.export import RESULTS, export_controller, export_function
 from cutpoint.simulation.control_kernel import law_kernel, law_memory
@@ -142,8 +143,8 @@ def test_the_header_names_rows_and_columns(arm: cutpoint.Robot, tmp_path: Path) 
 
 def test_the_header_says_what_wrenches_and_strains_are(arm: cutpoint.Robot, tmp_path: Path) -> None:
     wrenches = {"tool": np.zeros(6), "link3": np.zeros(6)}
-    export_function(arm, "inverse_dynamics", tmp_path, name="pushed", external=wrenches)
-    header = (tmp_path / "pushed.h").read_text()
+    export_function(arm, "inverse_dynamics", tmp_path / "pushed", name="pushed", external=wrenches)
+    header = (tmp_path / "pushed" / "pushed.h").read_text()
     assert "inverse_dynamics of xia2019, external tool, link3." in header
     assert "in   wrench_1: 6, on the robot: force (N), then moment (N m), at its frame's origin, " in header
     slides = LuGre(Coulomb(1.0, 0.5, 0.1), 1e-4, 0.0)
@@ -154,6 +155,27 @@ def test_the_header_says_what_wrenches_and_strains_are(arm: cutpoint.Robot, tmp_
     header = (tmp_path / "sticky.h").read_text()
     assert f"in   strains: 6, rad (m): {', '.join(sticky.strain_names)}" in header
     assert "elastic_forward_dynamics of xia2019." in header
+
+
+def test_the_check_looks_at_the_headers_table(arm: cutpoint.Robot, tmp_path: Path) -> None:
+    """A controller that takes the table takes what the check has seen."""
+    export_function(arm, "static_deflection", tmp_path, name="lead")
+    header = (tmp_path / "lead.h").read_text()
+    (first,) = re.findall(r"lead_parameters\[\d+\] = \{\n  ([^,]*),", header)
+    for text, expected in ((header, 0), (header.replace(f"  {first},", "  0x1p0,", 1), 1)):
+        (tmp_path / "lead.h").write_text(text)
+        build(tmp_path, "lead.c", "lead_check.c", "-o", "check", flags=(*STRICT, "-O0"))
+        assert run(tmp_path)[0] == expected
+
+
+def test_cpp_takes_the_headers_table(arm: cutpoint.Robot, tmp_path: Path) -> None:
+    export_function(arm, "static_deflection", tmp_path, name="lead")
+    body = "double q[6] = {0}, found[6]; cutpoint::lead(q, lead_parameters, found); return 0;"
+    wrong = body.replace("found[6]", "found[5]")
+    for text, is_taken in ((body, True), (wrong, False)):
+        (tmp_path / "use.cpp").write_text(f'#include "lead.hpp"\nint main() {{ {text} }}\n')
+        done = compiled_cpp(tmp_path, "-std=c++17 -c use.cpp -o use.o")
+        assert (done.returncode == 0) == is_taken, done.stderr
 
 
 @pytest.mark.parametrize("standard", ["c++11", "c++14", "c++17"])
@@ -239,9 +261,9 @@ def test_full_coupling_takes_all_the_derivatives_that_it_needs(tmp_path: Path) -
     arm = cutpoint.robots.xia2019()
     soft = cutpoint.LinearSpring(5e3)
     two = arm.with_drives({j: Drive(100.0, rotor, soft) if j in ("joint1", "joint2") else Drive() for j in arm.joints})
-    export_function(two, "elastic_inverse_dynamics", tmp_path)
+    export_function(two, "elastic_inverse_dynamics", tmp_path / "whole")
     assert two.derivatives_needed == 6
-    assert "const double derivative_6[6]" in (tmp_path / "elastic_inverse_dynamics.h").read_text()
+    assert "const double derivative_6[6]" in (tmp_path / "whole" / "elastic_inverse_dynamics.h").read_text()
     for robot in (two, arm):
         export_function(robot, "elastic_inverse_dynamics", tmp_path, name="quasi", quasi_rigid=True)
         header = (tmp_path / "quasi.h").read_text()
@@ -287,3 +309,7 @@ def test_the_command_line_exports(tmp_path: Path) -> None:
     assert f"c: {tmp_path / 'gravity_forces.c'}" in done.stdout
     done = subprocess.run([*command, "gravity", tmp_path], capture_output=True, text=True, check=False)
     assert done.returncode == 1 and "no function to export is named 'gravity'" in done.stderr
+
+
+def test_the_help_lists_what_can_be_exported() -> None:
+    assert [*FUNCTIONS] == [*RESULTS]

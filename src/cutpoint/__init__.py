@@ -23,7 +23,7 @@ from cutpoint.robot import Robot
 from cutpoint.scalars import absolute, atan, clip, cos, exp, log, maximum, minimum, sin, sqrt, tan, tanh, where
 
 if TYPE_CHECKING:
-    from cutpoint import control, derivatives, robots, trajectories
+    from cutpoint import analysis, control, derivatives, formats, identification, robots, simulation, trajectories
     from cutpoint.loading import load
     from cutpoint.simulation import Log, Sensors, State, simulate, simulate_many
 
@@ -33,19 +33,21 @@ __all__ = [
     "Backlash", "CatalogueSpring", "Coulomb", "CutpointError", "Drive", "ElastoPlastic", "Flexspline", "Grease",
     "Harmonic", "HarmonicSpring", "InputError", "Kernel", "KinematicError", "Limits", "LinearSpring", "Log",
     "LuGre", "MaxwellSlip", "ModelError", "Motor", "Ratings", "Robot", "Rotor", "Sensors", "SimulationError",
-    "State", "Stribeck", "TraceError", "WaveGenerator", "absolute", "atan", "clip", "compile", "control", "cos",
-    "derivatives", "exp", "load", "log", "maximum", "minimum", "robots", "simulate", "simulate_many", "sin", "sqrt",
-    "tan", "tanh", "trajectories", "where",
+    "State", "Stribeck", "TraceError", "WaveGenerator", "absolute", "analysis", "atan", "clip", "compile", "control",
+    "cos", "derivatives", "exp", "formats", "identification", "load", "log", "maximum", "minimum", "robots", "simulate",
+    "simulate_many", "simulation", "sin", "sqrt", "tan", "tanh", "trajectories", "where",
 ]  # fmt: skip
 
-_ROOMS = ("control", "derivatives", "formats", "identification", "robots", "simulation", "trajectories")
+_SUBPACKAGES = (
+    "analysis", "control", "derivatives", "formats", "identification", "robots", "simulation", "trajectories",
+)  # fmt: skip
 _SIMULATION = ("Log", "Sensors", "State", "simulate", "simulate_many")
 _ELSEWHERE = {"load": "loading", **dict.fromkeys(_SIMULATION, "simulation")}
 """The modules of names that are imported at their first use: SciPy and the file formats cost more than all else."""
 
 
 def __getattr__(name: str) -> Any:
-    if name in _ROOMS:
+    if name in _SUBPACKAGES:
         return import_module(f"cutpoint.{name}")
     if name not in _ELSEWHERE:
         raise AttributeError(f"module 'cutpoint' has no attribute {name!r}")

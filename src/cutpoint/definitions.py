@@ -9,7 +9,7 @@ from collections.abc import Mapping
 from typing import Any, NamedTuple
 
 from cutpoint.mechanics import drive_regressor as drives
-from cutpoint.mechanics import elastic, elastic_forward, kinematics, mass_matrix, power_flow, regressor
+from cutpoint.mechanics import elastic, elastic_forward, energy, kinematics, mass_matrix, power_flow, regressor
 from cutpoint.mechanics import forward_dynamics as forward
 from cutpoint.mechanics import inverse_dynamics as inverse
 from cutpoint.mechanics.drive_regressor import DriveRegressor
@@ -69,17 +69,17 @@ def mass(m: Machine, q: Scalars) -> list[Scalars]:
 
 def kinetic_energy(m: Machine, q: Scalars, v: Scalars) -> Any:
     """J, of links and rigidly geared rotors."""
-    return mass_matrix.kinetic_energy_of(m.system, q, v)
+    return energy.kinetic_energy(m.system, q, v)
 
 
 def potential_energy(m: Machine, q: Scalars) -> Any:
     """J, of the weight."""
-    return mass_matrix.potential_energy_of(m.system, q)
+    return energy.potential_energy(m.system, q)
 
 
 def momentum(m: Machine, q: Scalars, v: Scalars, theta_dot: Scalars | None = None) -> Scalars:
     """Linear and angular (6), about the world's origin and along its axes."""
-    return [*mass_matrix.momentum_of(m.system, q, v, _rotor_speeds(m, theta_dot))]
+    return [*energy.momentum(m.system, q, v, _rotor_speeds(m, theta_dot))]
 
 
 def torque_regressor(m: Machine, q: Scalars, v: Scalars, a: Scalars) -> list[Scalars]:
@@ -138,7 +138,7 @@ def elastic_energy(
 ) -> Any:
     """J of springs, of rotors and, with v, of what else moves with links that carry rotors."""
     own = elastic.elastic_energy(m.drives, q, theta, theta_dot, _held(m, strains))
-    return own if v is None else own + mass_matrix.carried_energy_of(m.system, q, v, _rotor_speeds(m, theta_dot))
+    return own if v is None else own + energy.carried_energy(m.system, q, v, _rotor_speeds(m, theta_dot))
 
 
 def drive_torque(m: Machine, theta: Scalars, q: Scalars) -> Scalars:

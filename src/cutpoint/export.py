@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from cutpoint.door import positive
+from cutpoint.door import check_kind, positive
 from cutpoint.errors import InputError, unknown_name
 from cutpoint.export_notes import PER_DRIVE, labels_of, notes_of, result_of
 from cutpoint.kernels import c99_package, cuda_package
@@ -50,6 +50,7 @@ def export_function(
     Where drives count, their numbers are the function's last input, and the header holds them as <name>_parameters.
     Raises InputError for an unknown function or target, a missing option, a name C cannot take, and files in the way.
     """
+    check_kind("export_function", "robot", robot, Robot, "a Robot (cutpoint.load reads files)")
     if function not in RESULTS:
         raise unknown_name("function to export", function, RESULTS)
     if to not in _WRITERS:
@@ -65,7 +66,8 @@ def export_function(
     told = {key: x for key, x in options.items() if isinstance(x, (str, bool, Mapping))}
     said = [f"{key} {', '.join(x) if isinstance(x, Mapping) else x}" for key, x in told.items()]
     about = ", ".join([f"{function} of {robot.name}", *said])
-    values = {"parameters": Values(robot.drive_parameters, [*labels_of(dict(robot.drives))])}
+    labels = [label for name, drive in robot.drives.items() for label in labels_of(drive, name)]
+    values = {"parameters": Values(robot.drive_parameters, labels)}
     notes = notes_of(robot, graph, about, values, result_of(robot, function, **options))
     return _WRITERS[to](graph, name or function, folder, notes, force=force)
 
@@ -79,6 +81,8 @@ def export_controller(
     the law's memory before the first step.  Torque limits are not applied.
     Raises InputError as `export_function` does, TraceError for a law that cannot be traced.
     """
+    check_kind("export_controller", "robot", robot, Robot, "a Robot (cutpoint.load reads files)")
+    check_kind("export_controller", "name", name, str, "the name of a C function")
     period = positive("export_controller", "period", period, "s")
     graph = law_kernel(robot, law, name=name).graph
     labels = [*labels_of(law, type(law).__name__), "control period, s"]

@@ -93,8 +93,8 @@ def labels_of(record: Any, path: str = "") -> Iterator[str]:
     if isinstance(record, np.ndarray):
         yield from (f"{path}[{k}]" for k in range(record.size))
     elif isinstance(record, Mapping):
-        for key, part in record.items():
-            yield from labels_of(part, f"{path} {key}".strip())
+        for key in sorted(record, key=repr):
+            yield from labels_of(record[key], f"{path} {key}".strip())
     elif isinstance(record, (list, tuple)):
         for k, part in enumerate(record):
             yield from labels_of(part, f"{path}[{k}]")

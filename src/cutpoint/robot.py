@@ -485,7 +485,7 @@ class Robot:
     @cached_property
     def trace_key(self) -> Any:
         """Equal for robots that one trace serves: the same mechanism, driven through drives of the same structure."""
-        return (id(self.mechanism), self.backend, structure_of(dict(self.drives)))
+        return (id(self.mechanism), self.backend, structure_of([*self.drives.items()]))
 
     @property
     def drive_parameters(self) -> Array:

@@ -1,5 +1,6 @@
 """Gains that `tune` gives hold the arm, those it refuses do not, and `slowest_pole` knows how fast."""
 
+from contextlib import nullcontext
 from dataclasses import replace
 from typing import Any
 
@@ -199,3 +200,14 @@ def test_an_observer_does_not_wind_up_while_the_motors_give_all_they_have(limit)
     assert errors[0].max() > 0.05  # it is asked for too much
     assert errors[1].max() < 1.5 * errors[0].max()
     assert errors[1][-500:].max() < 2 * errors[0][-500:].max() + 1e-4
+
+
+@pytest.mark.parametrize(("kind", "helps"), [(PD, True), (ComputedTorque, True), (FullStateFeedback, False)])
+def test_a_shorter_period_is_advised_where_it_helps(kind, helps):
+    bare = {j: replace(d, damping=None, link_friction=None, motor_friction=None) for j, d in elbow().drives.items()}
+    ours = elbow().with_drives(bare)
+    with pytest.raises(InputError) as refused:
+        tune(ours, 200.0, kind)
+    assert ("or a shorter control_period" in str(refused.value)) == helps
+    with nullcontext() if helps else pytest.raises(InputError):
+        tune(ours, 200.0, kind, control_period=PERIOD / 4)

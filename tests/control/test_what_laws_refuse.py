@@ -1,12 +1,13 @@
 """What makes no sense is refused where it is given: thing, value, rule, remedy."""
 
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
 import pytest
 from law_library import elbow, law
 
-from cutpoint import InputError, Robot
+from cutpoint import InputError, Motor, Robot
 from cutpoint.control import (
     PD,
     PID,
@@ -21,6 +22,7 @@ from cutpoint.control import (
     Robust,
     SlotineLi,
     SpeedFilter,
+    Sum,
     slowest_pole,
     tune,
 )
@@ -38,6 +40,11 @@ def balls() -> Robot:
     links = [Link("base"), *(Link(name, 1.0, inertia=np.eye(3)) for name in ("upper", "lower"))]
     joints = [Joint("socket", "spherical", "base", "upper"), Joint("hinge", "revolute", "upper", "lower")]
     return Robot(build("balls", links, joints))
+
+
+def late(delay: float) -> Robot:
+    drives = {name: replace(drive, motor=Motor(0.1, delay=delay)) for name, drive in elbow().drives.items()}
+    return elbow().with_drives(drives)
 
 
 def vdc(**options: Any) -> VDC:
@@ -195,6 +202,32 @@ REFUSED = {
     "a pole at an unknown period": (lambda: slowest_pole(elbow(), law("PD"), [0.0] * 2, np.nan), r"period nan s must"),
     "a pole at an endless period": (lambda: slowest_pole(elbow(), law("PD"), [0.0] * 2, np.inf), r"period inf s must"),
     "a pole of a class": (lambda: slowest_pole(elbow(), PD, [0.0] * 2, 1e-3), r"controller PD is a class; give an obj"),
+    "a guard around a law for another number of drives": (
+        lambda: Guard(PID([9.0] * 3, 1.0, 1.0, 1.0) + law("PD"), elbow()),
+        r"PID is for 3 drives, the robot has 2: make it for as many",
+    ),
+    "an observer around a law for one drive": (
+        lambda: DisturbanceObserver(elbow(), SpeedFilter(PD(1.0, 1.0)), 30.0),
+        r"PD is for 1 drives, the robot has 2",
+    ),
+    "a pole of a law for another robot": (
+        lambda: slowest_pole(elbow(), SpeedFilter(law("PD") + PD(1.0, 1.0)), [0.0] * 2, 1e-3),
+        r"PD is for 1 drives, the robot has 2",
+    ),
+    "a pole where commands come too late": (
+        lambda: slowest_pole(late(5e-3), law("PD"), [0.0] * 2, 1e-3),
+        r"slowest_pole: a motor's delay 0.005 s must not exceed the control period, 0.001 s; put whole periods into",
+    ),
+    "a pole of a law that commands no number": (
+        lambda: slowest_pole(elbow(), lambda memory, m, r: (memory, m.q + np.nan), [0.0] * 2, 1e-3),
+        r"slowest_pole: <lambda> commands or remembers what is not a finite number at rest",
+    ),
+    "tuning what is found by tuning": (
+        lambda: tune(elbow(), 3.0, kp=1.0),
+        r"tune: PD does not take these options: .*'kp'",
+    ),
+    "tuning at several poses": (lambda: tune(elbow(), 3.0, q=[[0.0] * 2]), r"q has shape \(1, 2\), it must be one"),
+    "a sum of nothing": (lambda: Sum(()), r"Sum: it has no parts, and so no number of drives; give it a law"),
     "tuning elsewhere": (lambda: tune(elbow(), 3.0, q=[0.0]), r"tune: q has shape \(1,\)"),
 }
 

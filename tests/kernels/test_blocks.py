@@ -158,3 +158,12 @@ def test_what_does_not_fit_is_explained() -> None:
             blocks.rows(good, count)
     with pytest.raises(InputError, match=r"only kernels with inputs take blocks"):
         _ = compile(lambda: [1.0], name="constant").blocks
+
+
+def test_several_outputs_become_rows_at_once(kernel: Kernel) -> None:
+    rows = batch(11)
+    blocks = kernel.blocks
+    found = blocks.rows(blocks(*map(blocks.of, rows)), 11)
+    assert type(found) is type(kernel(*rows))
+    assert all(x.tobytes() == y.tobytes() for x, y in zip(found, kernel(*rows), strict=True))
+    assert blocks.rows((blocks.of(rows[0]),), 11)[0].tobytes() == rows[0].tobytes()

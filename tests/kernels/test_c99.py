@@ -130,13 +130,11 @@ def test_code_calls_nothing_of_the_library_but_fma_and_sqrt(tmp_path: Path) -> N
 
 def test_unused_and_empty_arguments_compile(tmp_path: Path) -> None:
     kernel = compile(lambda a, b, c, d: ([1.5, b]), name="idle", a=4, b=(), c=0, d=())
-    kernel.to_c(tmp_path)
-    build(tmp_path, "idle.c", "idle_check.c", "-o", "check")
-    assert run(tmp_path)[0] == 0
-    constant = compile(lambda: 2.0, name="two")
-    constant.to_c(tmp_path)
-    build(tmp_path, "two.c", "two_check.c", "-o", "check")
-    assert run(tmp_path)[0] == 0
+    for own in (kernel, compile(lambda: 2.0, name="two")):
+        folder = tmp_path / own.name
+        own.to_c(folder)
+        build(folder, f"{own.name}.c", f"{own.name}_check.c", "-o", "check")
+        assert run(folder)[0] == 0
 
 
 def test_the_same_kernel_gives_the_same_files(tmp_path: Path) -> None:
@@ -157,6 +155,18 @@ def test_only_our_own_files_are_overwritten_unless_forced(folder: Path) -> None:
     assert (folder / "law.c").read_text() == before and (folder / "CMakeLists.txt").read_text() == "project(mine)\n"
     assert kernel.to_c(folder, force=True)[0] == folder / "law.c"
     assert "project(law " in (folder / "CMakeLists.txt").read_text()
+
+
+def test_a_folder_holds_one_function(folder: Path) -> None:
+    """Its CMakeLists.txt would build the first no longer."""
+    compile(lambda q: q * 2, name="law", q=()).to_c(folder)
+    before = (folder / "CMakeLists.txt").read_text()
+    other = compile(lambda q: q * 3, name="other", q=())
+    with pytest.raises(InputError, match=r"CMakeLists.txt' builds 'law', and a package holds one function; choose"):
+        other.to_c(folder)
+    assert (folder / "CMakeLists.txt").read_text() == before and not (folder / "other.c").exists()
+    other.to_c(folder, force=True)
+    assert "project(other " in (folder / "CMakeLists.txt").read_text()
 
 
 MACROS = ("NULL", "NAN", "INFINITY", "HUGE_VAL", "M_PI", "EOF", "I", "complex", "errno", "EINVAL", "INT_MAX", "PRIu64")

@@ -337,3 +337,13 @@ def test_a_condition_on_what_never_changes_chooses_anew_in_each_run(backend: str
         x = np.array([1.0])
         program.run({"ticks": 3}, x=x, rate=np.array([rate]))
         assert x[0] == expected
+
+
+@pytest.mark.parametrize("lanes", [1, 3])
+@pytest.mark.parametrize("backend", BACKENDS)
+def test_what_passes_through_is_as_it_was_before(backend: str, lanes: int) -> None:
+    swap = Stage(lambda x, y: (y, x), ("x", "y"), ("x", "y"), lanes)
+    regions = [Region("x", 2 * lanes, lanes), Region("y", 2 * lanes, lanes)]
+    x, y = np.arange(2.0 * lanes), -np.arange(2.0 * lanes)
+    compile_program(Loop(3, [swap]), regions, backend).run({}, x=x, y=y)
+    assert np.array_equal(x, -np.arange(2.0 * lanes)) and np.array_equal(y, np.arange(2.0 * lanes))

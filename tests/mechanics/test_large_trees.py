@@ -235,3 +235,13 @@ def test_torques_and_accelerations_undo_each_other() -> None:
     back = robot.inverse_dynamics(q, v, robot.forward_dynamics(q, v, tau))
     # backward stable: the torques of what was found are the torques given
     assert_close(back, tau, 150 * 100 * EPS)
+
+
+@pytest.mark.parametrize("far", [1e3, 1e6])
+def test_where_a_large_robot_is_mounted_makes_no_difference(far: float) -> None:
+    robot, mount = Robot(chain(40)), np.eye(4)
+    mount[:3, 3] = far
+    q = states(robot)[0]
+    for name in ("mass_matrix", "forward_dynamics"):
+        given = (q,) if name == "mass_matrix" else (q, q, q)
+        assert_close(getattr(robot.with_base(mount), name)(*given), getattr(robot, name)(*given), 1e-11)

@@ -17,7 +17,7 @@ from cutpoint.mechanics.regrouping import UNMOVED
 from cutpoint.model import Joint, Link, Mechanism
 from cutpoint.model.build import build
 from cutpoint.model.mechanism import WORLD
-from random_trees import random_tree, tree_of_every_kind
+from random_trees import placement, random_tree, tree_of_every_kind
 from robot_library import Array, assert_close, load, mixed_drives, robot
 
 ARMS: dict[str, Callable[[], Robot]] = {
@@ -256,3 +256,20 @@ def test_the_user_never_sees_it(name: str) -> None:
     assert_close(ours.inverse_dynamics(q, v, a), expected, 1e-11)
     lean_count = operations(definitions.inverse_dynamics, lean(ours), given, "q v a")
     assert sum(ours.kernel("inverse_dynamics").operations.values()) == lean_count
+
+
+@pytest.mark.parametrize("far", [1e2, 3e4, 1e6])
+@pytest.mark.parametrize("seed", range(6))
+def test_where_a_robot_is_mounted_makes_no_difference(seed: int, far: float) -> None:
+    """A tilted first axis meets the world's far away, where a frame would lose all digits."""
+    rng = np.random.default_rng(seed)
+    ours = arm("xia2019") if seed == 0 else Robot(random_tree(seed, 1 + seed))
+    turn = placement(rng)
+    mounted = turn.copy()
+    mounted[:3, 3] = far * rng.uniform(-1.0, 1.0, 3)
+    turn[:3, 3] = 0.0
+    here, there = (lean(ours.with_base(T)) for T in (turn, mounted))
+    for name in ("inverse_dynamics", "forward_dynamics", "mass_matrix", "kinetic_energy"):
+        function, inputs = FUNCTIONS[name]
+        expected = values(function, here, states(ours), inputs)
+        assert_close(values(function, there, states(ours), inputs), expected, 1e-11, scale=1.0)

@@ -16,6 +16,8 @@ import test_large_trees as large_trees
 import test_laws_against_numpy as against_numpy
 import test_laws_of_adaptation as adaptation
 import test_laws_of_motion as laws
+import test_lean_model as lean_model
+import test_looking_ahead as looking_ahead
 import test_rotors_as_bodies as rotors_as_bodies
 import test_sensors as sensing
 import test_spring_and_friction_laws as springs
@@ -26,16 +28,17 @@ import test_package_agrees_with_paper as paper
 from cutpoint import Drive, Flexspline, Robot, definitions, robots
 from cutpoint.control import joint_law
 from cutpoint.formats import drive_entry
-from cutpoint.kernels import fusion, program_llvm
+from cutpoint.kernels import fusion, program_stage
 from cutpoint.mechanics import (
     assembly,
     elastic,
     elastic_forward,
+    energy,
     harmonic_drive,
     inverse_dynamics,
-    mass_matrix,
     motor,
     power_flow,
+    reframing,
     rigid_body,
     rotations,
     strains,
@@ -86,7 +89,7 @@ MUTANTS = {
         System.base_acceleration.fget, "-self.gravity", "self.gravity", oracle.test_inverse_dynamics, ARM
     ),
     "gravity sign of the potential energy": Mutant(
-        mass_matrix.potential_energy_of,
+        energy.potential_energy,
         "total - system.gravity",
         "total + system.gravity",
         laws.test_gravity_forces_are_the_slope_of_potential_energy,
@@ -329,11 +332,25 @@ MUTANTS = {
         {"seed": 4},
     ),
     "a row just written taken for any other": Mutant(
-        program_llvm._Stage._at_hand_or_loaded,
+        program_stage.StageCode._at_hand_or_loaded,
         "icmp eq ptr",
         "icmp ne ptr",
         large_trees.test_loops_give_what_straight_line_code_gives,
         {"tree": "tree of 20", "backend": "llvm"},
+    ),
+    "rows looked at ahead taken by the wrong lane": Mutant(
+        program_stage.StageCode.look_ahead,
+        "code.at(self._ahead_at, lane)",
+        "code.at(self._ahead_at, 0)",
+        looking_ahead.test_rows_at_once_are_rows_one_by_one_to_the_last_bit,
+        {"ticks": 9, "lanes": 1},
+    ),
+    "a mount far away taken for a long arm": Mutant(
+        reframing._Tree.__init__,
+        "for k in borne",
+        "for k in (*borne, 0)",
+        lean_model.test_where_a_robot_is_mounted_makes_no_difference,
+        {"seed": 1, "far": 1e6},
     ),
     "a number that comes late taken away": Mutant(
         fusion._Fusion._sum,

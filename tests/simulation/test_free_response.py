@@ -7,12 +7,19 @@ import pinocchio as pin
 import pytest
 from scipy.integrate import solve_ivp
 
-from cutpoint import Log, State, simulate
+import cutpoint
+from cutpoint import Log, ModelError, State, simulate
+from cutpoint.model import Joint, Link
+from cutpoint.model.build import build
 from robot_library import Array, Robot, assert_close, frictionless, robot
 from twins import Twin, pinocchio_of
 
 # rad: near the paper's start, folded, stretched out sideways; the arm falls and swings at up to 17 rad/s
 STARTS = [np.zeros(6), np.array([1.3, -1.0, 0.9, -0.4, 1.5, 0.2]), np.array([-0.4, 1.6, 0.3, 1.9, -0.7, 1.1])]
+
+
+STONE = '''<robot name="stone"><link name="stone"><inertial><mass value="2"/>
+<inertia ixx="0.1" iyy="0.1" izz="0.1" ixy="0" ixz="0" iyz="0"/></inertial></link></robot>'''
 
 
 @cache
@@ -115,3 +122,22 @@ def test_momentum_stays_when_floating_free():
     base_speeds = [log[f"base_{x}"] for x in ("vx", "vy", "vz", "wx", "wy", "wz")]
     momentum = ours.momentum(np.column_stack([*base, log["q"]]), np.column_stack([*base_speeds, log["v"]]))
     assert_close(momentum, np.broadcast_to(momentum[0], momentum.shape), 1e-8)
+
+
+@pytest.mark.parametrize("floating", [True, False])
+def test_a_robot_without_drives_falls_or_stands(tmp_path, floating):
+    (tmp_path / "stone.urdf").write_text(STONE)
+    log = simulate(cutpoint.load(tmp_path / "stone.urdf", floating_base=floating), duration=0.1)
+    if floating:
+        assert_close(log["base_z"], -0.5 * 9.81 * log.time**2, 1e-9)
+    assert log["q"].shape == (101, 0)
+
+
+def test_a_floating_base_without_inertia_is_told():
+    """Where nothing moves that weighs, no step is short enough, and no gain low enough."""
+    links = [Link("root"), Link("arm", 1.0, np.array([0.1, 0.0, 0.0]), np.eye(3) * 0.01)]
+    joint = Joint("turn", "revolute", "root", "arm", np.eye(4), np.array([0.0, 0.0, 1.0]))
+    root = Joint("root_joint", "floating", "world", "root", np.eye(4))
+    ours = Robot(build("top", [Link("world"), *links], [root, joint]))
+    with pytest.raises(ModelError, match="joints 'root_joint', 'turn' can move against each other while nothing"):
+        simulate(ours, duration=0.01)

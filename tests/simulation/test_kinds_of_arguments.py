@@ -6,7 +6,8 @@ from typing import Any
 import numpy as np
 import pytest
 
-from cutpoint import InputError, Motor, Sensors, simulate, simulate_many
+from cutpoint import InputError, Motor, Sensors, State, simulate, simulate_many
+from cutpoint.control import PD
 from cutpoint.trajectories import cycloid
 from robot_library import frictionless, robot
 
@@ -67,3 +68,31 @@ def test_a_trajectory_of_ones_own_is_one():
 
     ours = robot("xia2019")
     assert np.array_equal(simulate(ours, None, Mine())["q"], simulate(ours, None, cycloid(np.full(6, 0.1), 0.02))["q"])
+
+
+@pytest.mark.parametrize(("part", "size"), [("q", 6), ("v", 6), ("theta", 6), ("theta_dot", 6), ("strains", 0)])
+@pytest.mark.parametrize("law", [None, PD([1.0] * 6, [1.0] * 6)])
+def test_a_run_has_one_start(part, size, law):
+    told = rf"initial.{part} has shape \(1, {size}\), a run starts from one of \({size},\)"
+    with pytest.raises(InputError, match=told):
+        simulate(robot("xia2019"), law, duration=0.01, initial=State(**{part: np.zeros((1, size))}))
+
+
+@pytest.mark.parametrize(
+    ("made", "message"),
+    [
+        (lambda t: [1, 2], r"has shape \(2,\), its last axis must be 6"),
+        (lambda t: np.zeros((3, len(t), 6)), r"has shape \(3, 21, 6\), it must be \(5, 21, 6\): position"),
+        (lambda t: np.full((5, len(t), 6), np.nan), r"\[0, 0, 0\] is nan, every number must be finite"),
+        (lambda t: "no", "must be numbers of shape"),
+    ],
+)
+def test_what_a_trajectory_of_ones_own_gives_is_looked_at(made, message):
+    class Mine:
+        duration, size = 0.02, 6
+
+        def derivatives(self, t: Any, order: int) -> Any:
+            return made(t)
+
+    with pytest.raises(InputError, match=r"simulate: trajectory.derivatives\(times, 4\).*" + message):
+        simulate(robot("xia2019"), None, Mine())

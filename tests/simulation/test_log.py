@@ -53,6 +53,13 @@ def test_an_unknown_channel_is_refused_and_the_known_are_listed():
         example().plot("p")
 
 
+@pytest.mark.parametrize("name", [["q"], 3, None])
+def test_a_channel_is_asked_for_by_its_name(name: Any):
+    for ask in (example().__getitem__, example().plot):
+        with pytest.raises(InputError, match=r"log: channel must be a name, such as 'q', got"):
+            ask(name)
+
+
 def test_rms_and_max_are_per_joint():
     log = example()
     assert np.allclose(log.rms("q"), np.linalg.norm(log["q"], axis=0) / np.sqrt(50), rtol=1e-14)
@@ -124,7 +131,7 @@ def test_a_save_that_fails_leaves_what_was_there(tmp_path: Path, ending: str, mo
     path = tmp_path / f"run.{ending}"
     example().save(path)
     monkeypatch.setattr(log_files, "LARGEST", 10)
-    with pytest.raises(InputError, match=r"log of [\d,]+ bytes is more than a file may hold, 10: save it in parts"):
+    with pytest.raises(InputError, match=r"log of [\d,]+ bytes is more than a file may hold, 10: save parts of it"):
         example(99).save(path)
     monkeypatch.undo()
     assert os.listdir(tmp_path) == [path.name]
@@ -281,7 +288,7 @@ GOOD = {"header": np.array(header()), "time": np.arange(3.0), "q": np.zeros((3, 
         ({"header": None}, "There is no item named 'header.npy'"),
         ({"q": None}, "There is no item named 'q.npy'"),
         ({"q": np.zeros((2, 1))}, r"channel 'q' has shape \(2, 1\)"),
-        ({"q": np.array([["a"]] * 3)}, "q is of type <U1 and shape"),
+        ({"q": np.array([["a"]] * 3)}, "q is of type <U1, not float64"),
         ({"q": np.zeros((3, 1), dtype=complex)}, "q is of type complex128"),
         ({"header": np.zeros(3)}, "header is of type float64"),
         ({"header": np.array("{")}, "Expecting property name"),
@@ -290,7 +297,9 @@ GOOD = {"header": np.array(header()), "time": np.arange(3.0), "q": np.zeros((3, 
         ({"header": np.array("[" * 100_000)}, "recursion"),
         ({"header": np.array(header(cutpoint_log=2))}, "its version is 2, not 1"),
         ({"header": np.array(header(units=["q"]))}, "list indices must be integers"),
-        ({"header": np.array(header(joints=7))}, "'int' object is not iterable"),
+        ({"q": np.zeros((3, 1), dtype=int)}, "q is of type int64, not float64"),
+        ({"header": np.array(header(joints=7))}, "its joints are 7, not a list of names"),
+        ({"header": np.array(header(joints="a"))}, "its joints are 'a', not a list of names"),
         ({"header": np.array(header(joints=[7]))}, "must be names"),
         ({"header": np.array(header(meta=7))}, "not iterable"),
         ({"header": np.array([header()] * 2)}, "can only convert an array of size 1"),
@@ -398,10 +407,11 @@ def test_an_npz_cut_short_is_refused(tmp_path: Path, keep: float):
         ),
         (f"# {header()}\ntime [s],q.a [rad]\n0,1\n1,0.2", "line 4 has no end: the file was cut off; copy"),
         (f"# {header()}\ntime [s],q.a [rad]\n0,b\n", "line 3: could not convert string to float: 'b'"),
+        (f"# {header()}\ntime [s],q.a [rad]\n0,1_0\n", "line 3: '1_0' is no number"),
         (f"# {header()}\ntime [s],q.a [rad]\n1,0\n0,0\n", r"time of shape \(2,\) must be"),
         (f"# {header()}\ntime [s],q.b [rad]\n0,1\n", "its columns are not those its first line announces"),
         (f"# {header()}\ntime [s],q.a [deg]\n0,1\n", "its columns are not those its first line announces"),
-        (f"# {header(joints=['a', 'b'])}\ntime [s],q.a [rad]\n0,1\n", r"channel 'q' has shape \(1, 1\)"),
+        (f"# {header(joints=['a', 'b'])}\ntime [s],q.a [rad]\n0,1\n", "its columns are not those its first line"),
     ],
 )
 def test_a_csv_that_is_no_log_is_refused(tmp_path: Path, text: str, message: str):
@@ -416,3 +426,22 @@ def test_endings_may_be_in_capitals(tmp_path: Path, ending: str):
     path = tmp_path / f"run.{ending}"
     example().save(path)
     assert same(Log.load(path), example())
+
+
+@pytest.mark.parametrize("ending", ["npz", "csv"])
+def test_a_log_without_joints_comes_back(tmp_path: Path, ending: str):
+    bare = Log(np.arange(3.0), {"q": np.zeros((3, 0)), "power": np.arange(3.0)}, {"q": "rad", "power": "W"}, ())
+    bare.save(tmp_path / f"run.{ending}")
+    assert same(Log.load(tmp_path / f"run.{ending}"), bare)
+
+
+@pytest.mark.parametrize(("ending", "largest"), [("npz", 100), ("csv", 100), ("csv", 80_000)])
+def test_a_log_too_large_for_a_file_is_refused(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, ending: str, largest: int
+):
+    """Before it is written; one whose text alone is too long, soon."""
+    long = Log(np.arange(9000.0) / 3, {"power": np.arange(9000.0) / 7}, {"power": "W"}, ())
+    monkeypatch.setattr(log_files, "LARGEST", largest)
+    with pytest.raises(InputError, match=r"is more than a file may hold, .*: save parts of it, log.between"):
+        long.save(tmp_path / f"run.{ending}")
+    assert not [*tmp_path.iterdir()]

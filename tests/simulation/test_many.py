@@ -6,7 +6,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from cutpoint import InputError, Log, Robot, Sensors, SimulationError, State, simulate
+from cutpoint import InputError, Log, Motor, Robot, Sensors, SimulationError, State, simulate
 from cutpoint.control import PD, Command, Feedforward, Law
 from cutpoint.simulation import UntracedControllerWarning, simulate_many
 from cutpoint.trajectories import cycloid
@@ -168,3 +168,26 @@ def test_an_error_in_each_is_the_users_own():
 def test_arguments_that_make_no_sense_are_refused(options, message):
     with pytest.raises(InputError, match=message):
         simulate_many(robot("xia2019"), duration=0.1, **options)
+
+
+@pytest.mark.parametrize("backend", ["llvm", "numpy"])
+def test_a_command_that_is_on_its_way_arrives_late_in_each_run(backend):
+    ours = robot("xia2019", backend)
+    ours = ours.with_drives({name: replace(d, motor=Motor(0.1, delay=1e-3)) for name, d in ours.drives.items()})
+    shared: dict[str, Any] = {"duration": 3e-3, "substeps": 2, "channels": ["motor_torque"]}
+    laws = [PD(KP / (10 + k), KD / 10) for k in range(2)]
+    runs = simulate_many(ours, laws, MOVE, **shared)
+    assert all(same(run, simulate(ours, law, MOVE, **shared)) for run, law in zip(runs, laws, strict=True))
+
+
+def test_laws_alike_in_their_numbers_or_not_are_those_alone():
+    """What depends on the reference alone is found once for all runs where it can be."""
+    ours, count = robot("xia2019"), 9
+    shared: dict[str, Any] = {"duration": 0.02, "substeps": 4}
+    sensors = [Sensors(motor_noise=1e-5, seed=k) for k in range(count)]
+    alike, apart = [Feedforward(ours)] * count, [Feedforward(weaker(ours, 1 + 0.1 * k)) for k in range(count)]
+    for laws in (alike, apart):
+        whole = [PD(KP / 10, KD / 10) + law for law in laws]
+        runs = simulate_many(ours, whole, MOVE, sensors=sensors, **shared)
+        for k in (0, 3, 8):
+            assert same(runs[k], simulate(ours, whole[k], MOVE, sensors=sensors[k], **shared))

@@ -148,3 +148,41 @@ def test_a_memory_that_grows_is_refused():
 
 def test_one_number_is_the_torque_of_all_drives():
     assert np.array_equal(run(lambda s, m, r: (s, 2))["q"], run(lambda s, m, r: (s, np.full(6, 2.0)))["q"])
+
+
+def test_a_dict_of_memory_may_come_back_in_any_order():
+    class Ordered(PID):
+        def step(self, memory: Any, m: Any, r: Any) -> Any:
+            after, torque = super().step(memory, m, r)
+            return dict(sorted(after.items(), reverse=self.turned)), torque
+
+    logs = []
+    for Ordered.turned in (False, True):
+        logs.append(run(Ordered()))
+    np.testing.assert_array_equal(logs[0]["command_torque"], logs[1]["command_torque"])
+    np.testing.assert_array_equal(logs[0]["command_torque"], run(PID())["command_torque"])
+
+
+def test_memory_with_other_keys_is_called_back():
+    class Renaming:
+        def start(self) -> Any:
+            return {"a": 0.0, "b": 10.0}
+
+        def step(self, memory: Any, m: Any, r: Any) -> Any:
+            found = memory.get("a", memory.get("c"))
+            return {"b": memory["b"], "c": found + 1}, found
+
+    with pytest.warns(UntracedControllerWarning, match="Renaming returns memory with other keys than start"):
+        log = run(Renaming())
+    np.testing.assert_array_equal(log["command_torque"][:, 0], np.arange(len(log.time)))
+
+
+def test_a_law_may_hold_an_array_of_no_axes():
+    class Constant:
+        def __init__(self) -> None:
+            self.torque = np.array(3.0)
+
+        def step(self, memory: Any, m: Any, r: Any) -> Any:
+            return memory, np.ones(6) * self.torque
+
+    assert (run(Constant())["command_torque"] == 3.0).all()

@@ -11,13 +11,13 @@ from cutpoint.errors import CutpointError, InputError
 from cutpoint.kernels import compile, graph_of
 from cutpoint.mechanics.elastic import elastic_inverse_dynamics
 from cutpoint.mechanics.elastic_forward import elastic_forward_dynamics
+from cutpoint.reporting.folder import write
+from cutpoint.reporting.html import Heading
 from cutpoint.studies.cost import run
 from cutpoint.studies.cost.chains import random_machine
 from cutpoint.studies.cost.contenders import CONTENDERS, Contender, arithmetic
 from cutpoint.studies.cost.growth import exponent, polynomial
 from cutpoint.studies.cost.measure import check_agreement, measured
-from cutpoint.studies.report.folder import write
-from cutpoint.studies.report.html import Heading
 
 VD, NE, JETS, EXPLICIT, CHRISTOFFEL, LAGRANGE = CONTENDERS
 RIGID = [c for c in CONTENDERS if not c.elastic]
@@ -166,6 +166,6 @@ def test_a_report_tells_versions_of_what_is_installed(tmp_path, monkeypatch):
             raise PackageNotFoundError(name)
         return "1.0"
 
-    monkeypatch.setattr("cutpoint.studies.report.folder.version", version)
+    monkeypatch.setattr("cutpoint.reporting.folder.version", version)
     found = write(tmp_path, Heading("a study", "cutpoint cost", ()), [], {}, "cost.json")
     assert [*found["versions"]] == ["cutpoint", "Python", "numpy", "scipy", "matplotlib"]

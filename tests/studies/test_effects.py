@@ -15,6 +15,7 @@ from matplotlib import pyplot
 from cutpoint import LinearSpring
 from cutpoint.control import Feedforward
 from cutpoint.mechanics.presliding import ElastoPlastic
+from cutpoint.reporting.style import png, styled
 from cutpoint.studies.paper import effects, effects_figures
 from cutpoint.studies.paper.bench import Bench, pd
 from cutpoint.studies.paper.effects_drives import (
@@ -34,7 +35,6 @@ from cutpoint.studies.paper.effects_drives import (
 from cutpoint.studies.paper.effects_runs import Runs, Share, Shares, arm
 from cutpoint.studies.paper.effects_waves import by_order
 from cutpoint.studies.paper.printed import GOAL
-from cutpoint.studies.style import png, styled
 from cutpoint.trajectories import cycloid
 
 MARGIN = 1e-4

@@ -9,11 +9,11 @@ import pytest
 from matplotlib.figure import Figure
 
 from cutpoint.errors import InputError
+from cutpoint.reporting.html import Heading, html
+from cutpoint.reporting.page import Page, Picture, Table, number, plain
 from cutpoint.studies.paper import run, study
 from cutpoint.studies.paper.bench import Bench
 from cutpoint.studies.paper.stability import fastest_growth
-from cutpoint.studies.report.html import Heading, html
-from cutpoint.studies.report.page import Page, Picture, Table, number, plain
 
 FIGURES = [*(f"figure_{k}" for k in range(1, 15)), *(f"figure_a{k}" for k in range(1, 7))]
 TABLES = ["table_3", "table_4", "table_5", *(f"table_a{k}" for k in range(1, 8))]

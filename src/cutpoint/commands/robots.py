@@ -16,6 +16,7 @@ from cutpoint.commands.shared import (
     RobotFile,
     Rung,
     app,
+    check_log_fits,
     check_targets,
     console,
     keep,
@@ -105,6 +106,7 @@ def simulate(
     if feedforward != "none":
         controller = controller + Feedforward(loaded, feedforward)
     try:
+        check_log_fits(output, loaded, controller, trajectory, period)
         log = cutpoint.simulate(loaded, controller, trajectory, control_period=period)
     except SimulationError as error:
         if error.log is not None:

@@ -1,5 +1,6 @@
 """Adaptive virtual decomposition control: every subsystem learns its own parameters.  Zhu (2010) chapters 3 and 4."""
 
+import math
 from dataclasses import dataclass, replace
 from typing import Any, Literal, NamedTuple
 
@@ -25,7 +26,6 @@ from cutpoint.mechanics.inverse_dynamics import (
     required_motions,
     rotor_efforts,
 )
-from cutpoint.mechanics.motor import TURN
 from cutpoint.mechanics.pseudo_inertia import nominal_sizes
 from cutpoint.mechanics.rigid_body import body_regressor, inertia_of, parameters_of
 from cutpoint.mechanics.system import Segment
@@ -91,7 +91,7 @@ class AdaptiveVDC(VDC):
         drives = self.machine.drives
         believed = [with_numbers(d.drive, x) for d, x in zip(drives, memory.joints, strict=True)]
         tau_r = [self._borne(k, drive, tau[k], v_r[k], measurement.v[k]) for k, drive in enumerate(believed)]
-        omega = TURN * self.filter_bandwidth[0]
+        omega = math.tau * self.filter_bandwidth[0]
         filters, filtered = command_filter.step(memory.filters, tau_r, omega, measurement.period)
         m, told, joints = measurement, [], []
         # each joint: what its motor must do for that, and what it learns

@@ -7,7 +7,7 @@ import numpy as np
 
 from cutpoint.control.gains import gains, motor_limits
 from cutpoint.control.interface import Command, Measurement, Reference
-from cutpoint.control.law import Wrapper, as_law, needs_of
+from cutpoint.control.law import Wrapper, as_law, check_drives, needs_of
 from cutpoint.control.rigid_law import RigidLaw
 from cutpoint.mechanics.forward_dynamics import forward_dynamics
 from cutpoint.scalars import clip, where
@@ -35,6 +35,7 @@ class DisturbanceObserver(RigidLaw, Wrapper):
         self._set(law=as_law(self.law), gain=gains("DisturbanceObserver", "gain", self.gain, self.size))
         limit = motor_limits(self.robot) if self.torque_limit is None else self.torque_limit
         self._set(torque_limit=gains("DisturbanceObserver", "torque_limit", limit, self.size, positive=True))
+        check_drives(self.law, self.size)
 
     @property
     def needs(self) -> tuple[str, ...]:

@@ -10,7 +10,7 @@ import numpy as np
 
 from cutpoint.control.guard_limits import LIMITS, limits_of
 from cutpoint.control.interface import SENSED, Command, Measurement, Reference, completed
-from cutpoint.control.law import Wrapper, as_law
+from cutpoint.control.law import Wrapper, as_law, check_drives
 from cutpoint.door import check_kind, positive
 from cutpoint.errors import unknown_name
 from cutpoint.kernels import Traced
@@ -96,6 +96,7 @@ class Guard(Wrapper):
             object.__setattr__(self, "ramp_time", positive("Guard", "ramp_time", self.ramp_time, "s"))
         for name, limit in limits_of(self.robot, {name: getattr(self, name) for name in LIMITS}).items():
             object.__setattr__(self, name, limit)
+        check_drives(self.law, self.size)
 
     @property
     def size(self) -> int:

@@ -47,8 +47,10 @@ def held_by(law: Any) -> dict[int, Held]:
         if kind is not None:
             content = kind.read(thing)
             found[id(thing)] = Held(thing, name, kind, content)
+            if kind in _CLOSED:
+                continue
             parts = content.items() if isinstance(content, dict) else [(name, x) for x in content]
-            waiting += [] if kind in _CLOSED else [(name or str(key).removeprefix("__dict__"), x) for key, x in parts]
+            waiting += [(name or str(key).removeprefix("__dict__"), x) for key, x in parts]
     return found
 
 

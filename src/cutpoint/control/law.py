@@ -66,6 +66,8 @@ class Sum(Law):
     parts: tuple[Any, ...]
 
     def __post_init__(self) -> None:
+        if not self.parts:
+            raise InputError("Sum: it has no parts, and so no number of drives; give it a law at least")
         makers = [type(part).__name__ for part in self.parts if makes_reference(part)]
         if len(makers) > 1:
             raise InputError(f"{' and '.join(makers)} both make a motor reference; a sum may hold one such law")
@@ -89,13 +91,15 @@ class Sum(Law):
     def step(self, memory: Any, measurement: Measurement, reference: Reference) -> tuple[Any, Command]:
         memories, commands = [*memory], []
         made = Command(0)
-        # the maker of the motor reference first, so that the others see it
+        # the maker of the motors' reference first, so that the others see it
         for k in sorted(range(len(self.parts)), key=lambda k: not makes_reference(self.parts[k])):
             memories[k], told = stepped(self.parts[k], memory[k], measurement, reference)
             commands.append(told)
-            if told.theta is not None:
-                made = told
-                reference = reference._replace(theta=made.theta, theta_dot=made.theta_dot)
+            if told.theta is None:
+                continue
+            _check_announced(self.parts[k])
+            made = told if told.theta_dot is not None else told._replace(theta_dot=reference.theta_dot)
+            reference = reference._replace(theta=made.theta, theta_dot=made.theta_dot)
         torque, feedforward = sum(c.torque for c in commands), sum(c.feedforward for c in commands)
         fault = reduce(_first, [*memory[len(self.parts) :], *(c.fault for c in commands)])
         if self._reporters > 1:
@@ -160,6 +164,26 @@ def needs_of(law: Controller) -> tuple[str, ...]:
 def parts_of(law: Controller) -> tuple[Any, ...]:
     """The parts of a sum, or the law itself."""
     return law.parts if isinstance(law, Sum) else (law,)
+
+
+def check_drives(law: Controller, drives: int) -> None:
+    """Raises InputError if a law, or one that it is made of, is for another number of drives."""
+    inner = law.parts if isinstance(law, Sum) else (law.law,) if isinstance(law, Wrapper) else ()
+    for part in inner:
+        check_drives(part, drives)
+    size = getattr(law, "size", drives)
+    if size != drives:
+        raise InputError(f"{name_of(law)} is for {size} drives, the robot has {drives}: make it for as many")
+
+
+def _check_announced(law: Any) -> None:
+    """Raises InputError for a user's law that makes a motor reference without saying so.
+
+    Laws around others pass theirs on, and guards hold what was commanded last.
+    """
+    if is_own(law) and not isinstance(law, Wrapper) and not makes_reference(law):
+        rule = "in a sum a law that commands theta must say makes_motor_reference = True"
+        raise InputError(f"controller {name_of(law)}: {rule}, so that the others track it")
 
 
 def _first(fault: Scalar, later: Scalar) -> Scalar:

@@ -19,7 +19,7 @@ from cutpoint.control.interface import (
 from cutpoint.control.law import Sum, Wrapper, makes_reference, needs_of
 from cutpoint.errors import InputError, TraceError
 from cutpoint.kernels import Graph, graph_of
-from cutpoint.scalars import constants, leaves, rebuild, with_float_leaves
+from cutpoint.scalars import constants, keys_of, leaves, rebuild, with_float_leaves
 
 SEEN = (*SENSED, *(f"reference_{name}" for name in Reference._fields))
 
@@ -109,6 +109,8 @@ class _Step:
 
 def _check_memory(law: Any, start: Any, after: Any) -> None:
     """Raises TraceError for memory that a compiled loop does not carry on."""
+    if keys_of(start) != keys_of(after):
+        _refuse(law, "returns memory with other keys than start() gives")
     pairs = zip(was := constants(start), now := constants(with_float_leaves(after)), strict=False)
     if len(was) != len(now) or not all(x is y or (type(x) is type(y) is str and x == y) for x, y in pairs):
         _refuse(law, "changes what is no number in its memory, such as a text or a truth value")

@@ -1,5 +1,6 @@
 """Whether a law holds a robot whose joints bend, near a pose, when it acts only once a period."""
 
+import math
 from dataclasses import fields, is_dataclass, replace
 from typing import TYPE_CHECKING, Any, NamedTuple
 
@@ -8,12 +9,12 @@ from numpy.typing import ArrayLike, NDArray
 from scipy.linalg import expm
 
 from cutpoint import kernels
-from cutpoint.control.interface import Measurement, Reference, start_of, stepped
-from cutpoint.control.law import Law, as_law
+from cutpoint.control.interface import Measurement, Reference, name_of, start_of, stepped
+from cutpoint.control.law import Law, as_law, check_drives
 from cutpoint.control.model_law import ModelLaw, check_all_driven
 from cutpoint.control.own_law import check_pure
 from cutpoint.door import check_kind, checked_array, positive
-from cutpoint.mechanics.motor import TURN
+from cutpoint.errors import InputError
 from cutpoint.robot import Robot
 from cutpoint.scalars import leaves, rebuild, with_float_leaves
 
@@ -58,12 +59,13 @@ def slowest_pole(robot: Robot, law: Any, q: ArrayLike, period: float) -> Sampled
     it: clocks and latched faults do not.
 
     Raises:
-        InputError: a joint has no motor; the period is not positive.
+        InputError: a joint has no motor; the period is not positive, or shorter than a motor's delay.
         TraceError: the law is a user's own, and cannot be compiled.
     """
     q, law = _checked("slowest_pole", robot, law, q)
     period = positive("slowest_pole", "period", period, "s")
     check_all_driven("slowest_pole", robot)
+    check_delays("slowest_pole", robot, period)
     model = robot.linearize(q)
     of_state, of_memory, memory_of_state, memory_of_memory = _slopes(robot, law, model, period)
     plant, count, n = _sampled(robot, model, period), len(model.states), len(robot.drives)
@@ -83,6 +85,14 @@ def slowest_pole(robot: Robot, law: Any, q: ArrayLike, period: float) -> Sampled
     return SampledPole(float(abs(poles[worst])), float(abs(np.angle(poles[worst])) / (2 * np.pi * period)), joint)
 
 
+def check_delays(function: str, robot: Robot, period: float) -> None:
+    """Raises InputError if a command does not reach its motor within the control period, s."""
+    delays = [d.motor.delay for d in robot.drives.values() if d.motor is not None and d.motor.delay is not None]
+    if max(delays, default=0.0) > period:
+        told = f"a motor's delay {max(delays)} s must not exceed the control period, {period} s"
+        raise InputError(f"{function}: {told}; put whole periods into Sensors(delay=)", delay=max(delays))
+
+
 class _Plant(NamedTuple):
     """x after a period is ahead @ x + now @ command + before @ (command of the sample before); x ends in currents."""
 
@@ -94,7 +104,7 @@ class _Plant(NamedTuple):
 def _sampled(robot: Robot, model: "LinearModel", period: float) -> _Plant:
     """The linear plant between samples, exactly, with its motors' current loops and delays."""
     motors = [drive.motor for drive in robot.drives.values()]
-    lags = {k: TURN * x.bandwidth for k, x in enumerate(motors) if x is not None and x.bandwidth is not None}
+    lags = {k: math.tau * x.bandwidth for k, x in enumerate(motors) if x is not None and x.bandwidth is not None}
     delays = [0.0 if x is None or x.delay is None else float(x.delay) for x in motors]
     count, n, lagging = len(model.states), len(motors), [*lags]
     A, B = np.zeros((count + len(lags),) * 2), np.zeros((count + len(lags), n))
@@ -130,7 +140,9 @@ def small_signal(robot: Robot, law: Any, q: ArrayLike, period: float) -> SmallSi
 def _checked(function: str, robot: Robot, law: Any, q: ArrayLike) -> tuple[Array, Any]:
     """The pose, and the law without friction."""
     check_kind(function, "robot", robot, Robot, "a Robot (cutpoint.load reads files)")
-    return checked_array(function, "q", q, robot.nq), without_friction(as_law(law))
+    law = as_law(law)
+    check_drives(law, len(robot.drives))
+    return checked_array(function, "q", q, robot.nq), without_friction(law)
 
 
 def without_friction(law: Any) -> Any:
@@ -156,7 +168,11 @@ def _slopes(robot: Robot, law: Any, model: Any, period: float) -> tuple[Array, A
     of_state = _differences(lambda x: at.told((model.C @ x).reshape(4, -1), at.memory), rest)
     of_memory = _differences(lambda m: at.told(np.zeros((4, len(robot.drives))), m), at.memory)
     matter = _between(of_state[1], of_memory[1], of_memory[0])
-    return of_state[0], of_memory[0][:, matter], of_state[1][matter], of_memory[1][np.ix_(matter, matter)]
+    slopes = of_state[0], of_memory[0][:, matter], of_state[1][matter], of_memory[1][np.ix_(matter, matter)]
+    if not all(np.isfinite(x).all() for x in slopes):
+        rule = "commands or remembers what is not a finite number at rest, so it has no slopes there"
+        raise InputError(f"slowest_pole: {name_of(law)} {rule}", q=model.point.q)
+    return slopes
 
 
 def _between(of_state: Array, of_memory: Array, on_torque: Array) -> NDArray[np.bool_]:

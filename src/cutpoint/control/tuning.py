@@ -15,7 +15,7 @@ from cutpoint.control.model_law import check_all_driven
 from cutpoint.control.pd import PD
 from cutpoint.control.pid import PID
 from cutpoint.control.robust import Robust
-from cutpoint.control.sampled_loop import slowest_pole
+from cutpoint.control.sampled_loop import SampledPole, slowest_pole
 from cutpoint.control.slotine_li import SlotineLi
 from cutpoint.control.super_twisting import SuperTwisting
 from cutpoint.control.vdc import VDC
@@ -34,6 +34,10 @@ SWING, STROKE = 1.0, 0.1
 
 STOPPED = 1.0
 """Nepers a second: what grows more slowly is stopped by friction, which the linear plant lacks."""
+
+
+SHORTER = 4
+"""Times that a control period is shortened to see whether that would help."""
 
 
 class Wanted(NamedTuple):
@@ -119,10 +123,19 @@ def tune(
         raise unknown_name("law that can be tuned", law.__name__, names)
     check_all_driven("tune", robot)
     pose = robot.neutral() if q is None else checked_array("tune", "q", q, robot.nq)
-    made = RECIPES[law](_wanted(robot, pose, 2 * np.pi * bandwidth, damping, period), **options)
+    if pose.ndim != 1:
+        raise InputError(f"tune: q has shape {pose.shape}, it must be one pose, ({robot.nq},)", q=q)
+    made = _made(law, _wanted(robot, pose, 2 * np.pi * bandwidth, damping, period), options)
     if law is not SuperTwisting:
         check_holds(robot, made, pose, period)
     return made
+
+
+def _made(law: Any, wanted: Wanted, options: dict[str, Any]) -> Any:
+    try:
+        return RECIPES[law](wanted, **options)
+    except TypeError as error:  # an option that the law lacks, or that is what is sought
+        raise InputError(f"tune: {law.__name__} does not take these options: {error}", **options) from None
 
 
 def check_holds(robot: Robot, law: Any, q: ArrayLike, period: float) -> None:
@@ -130,16 +143,33 @@ def check_holds(robot: Robot, law: Any, q: ArrayLike, period: float) -> None:
 
     Where all drives have friction, it may leave what grows more slowly than STOPPED to that.
     """
-    worst, drives = slowest_pole(robot, law, q, period), robot.drives.values()
-    rubs = all(drive.link_friction or drive.motor_friction for drive in drives)
+    worst = slowest_pole(robot, law, q, period)
     growth = np.log(worst.size) / period
-    if worst.size > 1 + 1e-9 and growth > STOPPED * rubs:
-        what = f"{worst.joint!r} would swing at {worst.frequency:.1f} Hz and grow by {growth:.3g} nepers a second"
-        bends = any(drive.is_elastic for drive in drives)
-        remedies = ["ask for another bandwidth or a shorter control_period"]
-        remedies += ["or give the springs damping"] * bends + ["or take a wider width="] * hasattr(law, "width")
-        name, remedy = type(law).__name__, ", ".join(remedies)
-        raise InputError(f"{name} does not hold at this pose: {what}; {remedy}", joint=worst.joint, pole=worst)
+    if _is_held(robot, worst, period):
+        return
+    what = f"{worst.joint!r} would swing at {worst.frequency:.1f} Hz and grow by {growth:.3g} nepers a second"
+    remedies = ["ask for another bandwidth"]
+    if _would_be_held(robot, law, q, period / SHORTER):
+        remedies[0] += " or a shorter control_period"
+    if any(drive.is_elastic for drive in robot.drives.values()):
+        remedies.append("or give the springs damping")
+    if hasattr(law, "width"):
+        remedies.append("or take a wider width=")
+    name, remedy = type(law).__name__, ", ".join(remedies)
+    raise InputError(f"{name} does not hold at this pose: {what}; {remedy}", joint=worst.joint, pole=worst)
+
+
+def _would_be_held(robot: Robot, law: Any, q: ArrayLike, period: float) -> bool:
+    try:
+        return _is_held(robot, slowest_pole(robot, law, q, period), period)
+    except InputError:  # its motors answer later than that
+        return False
+
+
+def _is_held(robot: Robot, pole: SampledPole, period: float) -> bool:
+    """Whether the pole decays, or grows so slowly that friction stops it."""
+    rubs = all(drive.link_friction or drive.motor_friction for drive in robot.drives.values())
+    return pole.size <= 1 + 1e-9 or np.log(pole.size) / period <= STOPPED * rubs
 
 
 def _wanted(robot: Robot, q: Array, omega: float, damping: float, period: float) -> Wanted:

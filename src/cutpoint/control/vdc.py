@@ -4,6 +4,7 @@ Each law below is written for quantities at the joint's side: tau_r is ell tau_t
 speeds of the joint.
 """
 
+import math
 from dataclasses import dataclass
 from typing import Any, Literal
 
@@ -19,7 +20,6 @@ from cutpoint.errors import InputError
 from cutpoint.mechanics.harmonic_drive import friction_torque
 from cutpoint.mechanics.inverse_dynamics import quasi_rigid, required_efforts
 from cutpoint.mechanics.link_motion import link_motion, torques_on_links
-from cutpoint.mechanics.motor import TURN
 from cutpoint.scalars import Jet, value_of
 
 
@@ -128,7 +128,7 @@ class VDC(ModelLaw):
         if not self._bends:
             return memory, v_r, [RequiredTorque(Jet(x), rotor) for x, rotor in tau_r]
         commands = [x for x, _ in tau_r]
-        memory, filtered = command_filter.step(memory, commands, TURN * self.filter_bandwidth[0], m.period)
+        memory, filtered = command_filter.step(memory, commands, math.tau * self.filter_bandwidth[0], m.period)
         pairs = zip(tau_r, filtered, strict=True)
         return memory, v_r, [RequiredTorque(Jet(x, *z.derivatives[1:]), rotor) for (x, rotor), z in pairs]
 

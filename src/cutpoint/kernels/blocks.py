@@ -84,14 +84,19 @@ class Blocks:
             blocks[full, ..., : len(rest)] = np.moveaxis(rest, 0, -1)
         return blocks
 
-    def rows(self, blocks: Any, count: int) -> np.ndarray:
+    def rows(self, blocks: Any, count: int) -> Any:
         """So many rows, (count, *shape), out of blocks, (blocks, *shape, width): what `of` made blocks of.
+
+        Of a tuple of blocks, as calls return it for several outputs, a tuple of rows.
 
         Raises:
             InputError: they are no blocks of this width, or hold fewer rows; the count is no whole number from 0.
         """
         if not isinstance(count, (int, np.integer)) or count < 0:
             raise InputError(f"{self._name}: count={count!r} of rows must be a whole number from 0", count=count)
+        if isinstance(blocks, tuple):
+            several = [self.rows(x, count) for x in blocks]
+            return blocks._make(several) if hasattr(blocks, "_make") else tuple(several)  # type: ignore[attr-defined]
         array = as_numbers(blocks, self._wide.precision)
         if array.ndim < 2 or array.shape[-1] != self.width or count > len(array) * self.width:
             rule = f"it must be (blocks, ..., {self.width}) with at least {count} rows"

@@ -1,15 +1,17 @@
 """A graph as a package of C99 that whoever has a C compiler can build, check and install."""
 
+import re
 from collections.abc import Sequence
 from pathlib import Path
 
 import numpy as np
 
+from cutpoint.errors import InputError
 from cutpoint.kernels.arguments import as_numbers
 from cutpoint.kernels.backends import array_function, chosen
 from cutpoint.kernels.c99_texts import Notes, texts
 from cutpoint.kernels.graph import Graph
-from cutpoint.kernels.package_files import write_files
+from cutpoint.kernels.package_files import is_ours, write_files
 from cutpoint.kernels.ports import Port
 
 _SCALES = (0.0, *[1.0] * 12, 1e-300, 1e-8, 1e3)
@@ -23,13 +25,24 @@ def write_package(
 ) -> tuple[Path, ...]:
     """Writes the C function of a graph, with header, C++ header, check and CMake package; returns the files' paths.
 
-    force: overwrite files that cutpoint has not written.
+    force: overwrite files that cutpoint has not written, and the package of another function.
     Raises InputError for names that C cannot take, for files in the way, and where llvmlite is missing: the check
     records what machine code returns.
     """
     from cutpoint import __version__
 
+    if not force:
+        _check_alone(Path(folder), name)
     return write_files(folder, texts(graph, name, notes, __version__, _recorded(graph, name, notes)), force)
+
+
+def _check_alone(folder: Path, name: str) -> None:
+    """Raises InputError for the folder of another function: its CMakeLists.txt would build that one no longer."""
+    path = folder / "CMakeLists.txt"
+    found = re.search(r"^project\((\w+)", path.read_text(), re.MULTILINE) if is_ours(path) else None
+    if found and found[1] != name:
+        remedy = "choose another folder, or say force=True (--force on the command line) to replace it"
+        raise InputError(f"{str(path)!r} builds {found[1]!r}, and a package holds one function; {remedy}", path=path)
 
 
 def _recorded(graph: Graph, name: str, notes: Notes) -> tuple[np.ndarray, np.ndarray]:

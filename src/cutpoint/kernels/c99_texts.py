@@ -66,6 +66,7 @@ def texts(
         "parameters": c99.parameters(inputs, outputs, precision) or "void", "helpers": c99.helpers(primitive),
         "body": c99.body(primitive, inputs, outputs), "names": ", ".join(p.name for p in (*inputs, *outputs)),
         "arguments": arguments(inputs, outputs, notes), "values": values(name, notes, precision),
+        "tables": _tables(name, inputs, notes),
         **_check(inputs, outputs, *recorded, precision), **_cpp(inputs, outputs, name, precision),
     }  # fmt: skip
     folder = files("cutpoint.kernels") / "c99_templates"
@@ -99,6 +100,18 @@ def values(name: str, notes: Notes, precision: Precision) -> str:
         rows = [f"  {c99.number(float(x), precision)}, /* {comment(label)} */" for x, label in pairs]
         arrays.append(f"static const {precision.c} {name}_{argument}[{len(rows)}] = {{\n" + "\n".join(rows) + "\n};\n")
     return "\n".join(["", "#include <math.h>", "", *arrays]) if arrays else ""
+
+
+def _tables(name: str, inputs: Sequence[Port], notes: Notes) -> str:
+    """The header's tables beside the first case, which was recorded with their numbers."""
+    lines, start = list[str](), 0
+    for p in inputs:
+        if p.name in notes.values:
+            table = f"{name}_{p.name}"
+            lines.append(f"  if (memcmp(cutpoint_inputs[0] + {start}, {table}, sizeof {table}) != 0) {{\n")
+            lines.append(f'    puts("{table}: not the table that was recorded");\n    differences++;\n  }}\n')
+        start += p.size
+    return "".join(lines)
 
 
 def _check(

@@ -65,8 +65,10 @@ def check_names(function: str, inputs: Sequence[Port], outputs: Sequence[Port]) 
     """Raises InputError for a name that C or C++ cannot take, or that two arguments share."""
     names = [function, *(p.name for p in (*inputs, *outputs))]
     for name in names:
-        if not re.fullmatch("(?!cutpoint_)[A-Za-z][A-Za-z0-9_]*", name) or name in _RESERVED or _MACROS.fullmatch(name):
-            rule = "must start with a letter, hold ASCII letters, digits and underscores, and be no word or macro of C"
+        is_one = re.fullmatch("(?!cutpoint_)[A-Za-z][A-Za-z0-9_]{0,127}", name)
+        if not is_one or name in _RESERVED or _MACROS.fullmatch(name):
+            kinds = "ASCII letters, digits and underscores, 128 at most"
+            rule = f"must start with a letter, hold {kinds}, and be no word or macro of C"
             raise InputError(f"{function}: {name!r} cannot be a name in C; it {rule}: rename it", name=name)
     if _LIBRARY.fullmatch(function):
         raise InputError(f"{function}: C's own library, or its build, has this name already: rename it", name=function)

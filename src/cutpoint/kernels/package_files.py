@@ -23,7 +23,7 @@ def write_files(folder: str | Path, texts: Mapping[str, str], force: bool) -> tu
     except OSError as error:
         raise InputError(f"folder {str(folder)!r} cannot be made: {error.strerror}", path=folder) from None
     for path in contents:
-        if path.exists() and not (force or _is_ours(path)):
+        if path.exists() and not (force or is_ours(path)):
             told = "was not written by cutpoint; choose another folder, or say force=True (--force on the command line)"
             raise InputError(f"{str(path)!r} {told}", path=path)
     for path, text in contents.items():
@@ -32,7 +32,8 @@ def write_files(folder: str | Path, texts: Mapping[str, str], force: bool) -> tu
     return tuple(contents)
 
 
-def _is_ours(path: Path) -> bool:
+def is_ours(path: Path) -> bool:
+    """Whether a file is there that cutpoint has written."""
     if not path.is_file():
         return False
     with path.open("rb") as file:

@@ -58,10 +58,10 @@ class NumpyProgram:
     def _stage(self, stage: Stage, rows: Mapping[str, np.ndarray]) -> None:
         graph = self._plan.graphs[stage]
         numbers = [x for port in graph.inputs for x in self._numbers(stage, port.name, rows[port.name])]
-        results = iter(evaluate(graph, numbers))
+        # all is read before anything is written: what passes through is a piece of a region still
+        results = iter([np.array(np.broadcast_to(x, stage.lanes)) for x in evaluate(graph, numbers)])
         for port in graph.outputs:
-            found = [next(results) for _ in range(port.size)]
-            rows[port.name][:] = np.ravel([np.broadcast_to(x, stage.lanes) for x in found])
+            rows[port.name][:] = np.ravel([next(results) for _ in range(port.size)])
 
     def _numbers(self, stage: Stage, name: str, row: np.ndarray) -> Iterable[Any]:
         """What a stage sees of a region: arrays of one number a lane, or plain numbers."""

@@ -88,7 +88,9 @@ def elastic_inverse_dynamics(
     moved = motions(system, coordinate_jets(system, q, v), v, None)
     F = net_wrenches(system, moved, v, a)
     # a leader's torque is whole once the innermost of its followers has added its share
-    found, whole_at = {}, {min(i for i, s in enumerate(system.segments) if s.v.start == d.v): d for d in drives}
+    innermost = {s.v.start: i for i, s in reversed([*enumerate(system.segments)])}
+    whole_at = {innermost[d.v]: d for d in drives}
+    found: dict[int, _Motor] = {}
     spins = {spin.joint: spin for spin in system.spins if spin.elastic}
     strained = {d.segment: s for d, s in zip(drives, strains or [UNKNOWN] * len(drives), strict=True)}
     tau: list[Jet] = [_as_jet(x) for x in rotor_efforts(system, moved, a)]

@@ -3,13 +3,12 @@
 Torques at the joint's side, ratio times the shaft's; rotor angle ratio * theta.
 """
 
+import math
 from collections.abc import Sequence
 
 from cutpoint.mechanics.harmonics import series
 from cutpoint.model.drive import Drive, Harmonic, Motor
 from cutpoint.scalars import Scalar, clip
-
-TURN = 6.283185307179586
 
 
 def within_limits(drive: Drive, command: Scalar, theta_dot: Scalar) -> Scalar:
@@ -35,7 +34,7 @@ def within_limits(drive: Drive, command: Scalar, theta_dot: Scalar) -> Scalar:
 def lag_rate(motor: Motor, command: Scalar, torque: Scalar) -> Scalar:
     """d torque / dt of a current loop of first order, N m/s."""
     assert motor.bandwidth is not None, "a motor without bandwidth follows at once"
-    return (TURN * motor.bandwidth) * (command - torque)
+    return (math.tau * motor.bandwidth) * (command - torque)
 
 
 def shaft_torque(drive: Drive, torque: Scalar, theta: Scalar) -> Scalar:

@@ -25,7 +25,7 @@ from cutpoint.mechanics.operation_costs import (
 )
 from cutpoint.mechanics.placements import NEGLIGIBLE, about_z, inverse, joined, shift
 from cutpoint.mechanics.pseudo_inertia import pseudo_inertia_of_body
-from cutpoint.mechanics.regrouping import regrouped, transformed, without_unmoved
+from cutpoint.mechanics.regrouping import extent, regrouped, transformed, without_unmoved
 from cutpoint.mechanics.spatial import Pose
 from cutpoint.model.mechanism import WORLD, Array, Body
 from cutpoint.scalars import Scalar
@@ -34,8 +34,8 @@ MOVABLE = (*TURNING, "helical", "prismatic")
 """Kinds whose frame may be turned about z and shifted along it."""
 
 FAR = 4.0
-"""Feet of common normals farther away than this, times the longest way between two bodies, lose too many digits:
-axes that are all but parallel meet anywhere."""
+"""Frames that move farther than this, times the robot's reach, lose too many digits: axes that are all but parallel
+meet anywhere, and a robot may be mounted far from the world's origin."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -89,6 +89,7 @@ class _Tree:
 
     moves (4, 4): where each body's frame sits in the one it had at first.  edges (4, 4): placements of those.
     own, inertias (4, 4): pseudo-inertias there, before and after regrouping.
+    reach: the longest way from a body to one that it carries, or to its own outskirts, m.
     """
 
     def __init__(self, bodies: Sequence[Body], turns: Sequence[Array]) -> None:
@@ -102,7 +103,8 @@ class _Tree:
         given = map(pseudo_inertia_of_body, bodies)
         self.own = [transformed(inverse(turn), P) for turn, P in zip(turns, given, strict=True)]
         self.inertias = regrouped(bodies, self.own, self.edges)
-        self.reach = max((float(np.linalg.norm(T[:3, 3])) for T in self.edges), default=0.0)
+        ways = [float(np.linalg.norm(self.edges[k][:3, 3])) for borne in self.children for k in borne]
+        self.reach = max([*ways, *map(extent, self.own)], default=0.0)
 
     def edge(self, i: int) -> Array:
         """(4, 4) placement of body i in its carrier, as frames are now."""

@@ -50,6 +50,12 @@ def transformed(T: Array, P: Array) -> Array:
     return _snapped(T @ P @ T.T, _seen_from(T, _size(P)))
 
 
+def extent(P: Array) -> float:
+    """How far from the frame a body's mass lies in the mean of squares, m; 0 without mass."""
+    trace, mass = _size(P)
+    return float(np.sqrt(trace / mass)) if mass else 0.0
+
+
 def _snapped(P: Array, size: Array) -> Array:
     """Symmetric, and zero where an entry is nothing beside a body of this size."""
     P = (P + P.T) / 2

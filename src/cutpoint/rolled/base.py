@@ -14,7 +14,7 @@ from cutpoint.mechanics.spatial import IDENTITY, NO_ROTATION, STILL, ZERO, Pose,
 from cutpoint.mechanics.system import Segment, System
 from cutpoint.model.mechanism import WORLD
 from cutpoint.rolled.bodies import BASE_NUMBERS, Columns
-from cutpoint.rolled.packing import articulated, flat, motion_of, pose_of, upper, wrench_of
+from cutpoint.rolled.packing import flat, motion_of, packed_resistance, pose_of, resistance_of, wrench_of
 from cutpoint.rolled.passes import Order, Pass, Scalars
 from cutpoint.scalars import where
 
@@ -75,7 +75,8 @@ class Base:
             X = own.placement @ self.kind.pose(q)
             found, turn = prepare(own, X, STILL, NO_ROTATION, v), Pose(X.rotation, ZERO)
             M, P = found.M.seen_from_parent(turn), turn.inward(found.P)
-            return [*flat(X.rotation), *X.position], [*(X.rotation @ found.V.angular)], [*found.bias], [*upper(M), *P]
+            omega = X.rotation @ found.V.angular
+            return [*flat(X.rotation), *X.position], [*omega], [*found.bias], packed_resistance(M, P)
 
         reads, writes = ("base.body", "base.q", "base.v"), ("turned", "omega", "bias", "resistance")
         return Pass("once", Stage(resists, reads, [f"base.{name}" for name in writes]))
@@ -86,7 +87,8 @@ class Base:
         def gives_way(turned: Any, resistance: Any, bias: Any, tau: Any, world: Any) -> Any:
             X = pose_of(turned)
             back = Pose(X.rotation.T, ZERO)
-            M, P = articulated(resistance).seen_from_parent(back), back.inward(wrench_of(resistance[21:]))
+            M, P = resistance_of(resistance)
+            M, P = M.seen_from_parent(back), back.inward(P)
             steps = M.give_way(self.kind.axes, P + M * motion_of(bias), tau, [NO_ROTOR] * self.axes)[2]
             carried = X.outward(motion_of(world))
             a = accelerations(steps, carried)

@@ -21,17 +21,23 @@ from cutpoint.scalars import Scalar, is_plain_zero, rebuild, where
 
 Array = np.ndarray
 
-BODY = 33
-"""Numbers of a body and its joint; those of its drive follow."""
+FIELDS = {
+    "rotation": 9, "position": 3, "inertia": 10, "screw": 2, "armature": 1, "rotor's axis": 3, "geared momentum": 1,
+    "sprung momentum": 1, "sprung inertia": 1, "number": 1, "last carried": 1,
+}  # fmt: skip
+"""What a body's row consists of, in order, and how many numbers each takes; those of its drive follow.
 
-SPRUNG = 29
-"""Among them, the momentum of a rotor behind a spring at unit speed."""
+A rotor's momentum is that at unit speed: of one rigidly geared, or of one behind a spring.
+"""
+
+BODY = sum(FIELDS.values())
+SPRUNG = sum([*FIELDS.values()][: [*FIELDS].index("sprung momentum")])
 
 BASE = -2
 """Where a body's number is asked for, a base that moves freely."""
 
-BASE_NUMBERS = 23
-"""Of a base that moves freely: its joint's placement, its inertia, and the highest number of a body that it carries."""
+BASE_NUMBERS = sum(FIELDS[name] for name in ("rotation", "position", "inertia", "last carried"))
+"""Of a base that moves freely."""
 
 
 def base_of(system: System) -> Segment | None:
@@ -105,7 +111,7 @@ class Columns:
     """Which of the bodies' numbers are code and which are read.
 
     stated: the first, by column.  read: (n, width), the others.  are_coupled: whether rotors with full coupling are
-    behind springs.
+    behind springs.  mount: (3,) where the first body's joint stands in the world, if it stands there, m.
     """
 
     def __init__(self, rows: Array, models: Sequence[Model] = (), base: JointKind | None = None) -> None:
@@ -116,6 +122,7 @@ class Columns:
         same = (rows == first).all(axis=0) & np.isin(first, (-1.0, 0.0, 1.0))
         self.stated = {int(k): int(first[k]) for k in np.flatnonzero(same)}
         self.read = np.ascontiguousarray(rows[:, ~same])
+        self.mount = np.zeros(3) if base else first[9:12]
         self.width = self.read.shape[1]
         self._columns = rows.shape[1]
 

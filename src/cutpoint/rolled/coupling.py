@@ -4,10 +4,10 @@ from typing import Any
 
 from cutpoint.kernels import Stage
 from cutpoint.mechanics.articulated import Articulated
-from cutpoint.mechanics.spatial import Vec3, Wrench
+from cutpoint.mechanics.spatial import Vec3
 from cutpoint.rolled.bodies import Columns
 from cutpoint.rolled.drives import Model
-from cutpoint.rolled.packing import articulated, motion_of, pose_of, upper, wrench_of
+from cutpoint.rolled.packing import motion_of, packed_resistance, pose_of, resistance_of, wrench_of
 from cutpoint.rolled.passes import Order, Pass
 
 
@@ -41,8 +41,9 @@ def let_spin(columns: Columns) -> Pass:
     def spins(row: Any, turned: Any, omega: Any, speed: Any, alpha: Any, borne: Any) -> Any:
         own = columns.subsystem(row).along_the_world(pose_of(turned)).behind
         assert own is not None
-        P: Wrench = wrench_of(borne[21:]) + own.reaction(Vec3(*omega), speed[0], alpha[0])
-        return [*upper(articulated(borne) + Articulated.about(own.axis, -own.inertia)), *P]
+        M, P = resistance_of(borne)
+        P = P + own.reaction(Vec3(*omega), speed[0], alpha[0])
+        return packed_resistance(M + Articulated.about(own.axis, -own.inertia), P)
 
     reads = ("body", "turned", "carrier", "theta_dot", "theta_ddot", "borne")
     return Pass("inward", Stage(spins, reads, ("borne",)))
@@ -57,8 +58,8 @@ def left_behind(columns: Columns) -> Pass:
         turn = own.axis.dot(A.angular)
 
         def own_turn(drive: Model) -> list[Any]:
-            is_coupled = drive and drive.is_elastic and drive.rotor and drive.rotor.coupling == "full"
-            return [theta_ddot[0] - turn / drive.ratio if drive and is_coupled else theta_ddot[0]]
+            rides_along = drive is not None and drive.is_elastic and drive.is_coupled
+            return [theta_ddot[0] - turn / drive.ratio if drive and rides_along else theta_ddot[0]]
 
         return columns.by_drive(row, own_turn)
 

@@ -10,7 +10,15 @@ from cutpoint.mechanics.rigid_body import acceleration_gradient
 from cutpoint.mechanics.spatial import IDENTITY, ZERO, Motion, Pose, Vec3, Wrench
 from cutpoint.rolled.base import base_in, sizes_apart
 from cutpoint.rolled.bodies import Columns
-from cutpoint.rolled.packing import articulated, flat, motion_of, pose_of, upper, wrench_of
+from cutpoint.rolled.packing import (
+    RESISTANCE,
+    flat,
+    motion_of,
+    packed_resistance,
+    pose_of,
+    resistance_of,
+    wrench_of,
+)
 from cutpoint.rolled.passes import PLAIN, UPWARD, Pass, Steps
 from cutpoint.rolled.steps import placing
 from cutpoint.rolled.subsystem import Subsystem
@@ -18,7 +26,7 @@ from cutpoint.scalars import Scalar
 
 NUMBERS = ("q", "v", "tau", "a")
 
-SIZES = {"turned": 12, "omega": 3, "bias": 6, "resistance": 27, "step": 7, "acceleration": 6}
+SIZES = {"turned": 12, "omega": 3, "bias": 6, "resistance": RESISTANCE, "step": 7, "acceleration": 6}
 """Of what is kept of each body, beside its pose."""
 
 VIEWS = (
@@ -47,16 +55,15 @@ def forward_dynamics(columns: Columns) -> Steps:
         body = along(row, turned).body
         omega_p = Vec3(*omega) - body.joint.motion(v).angular
         found = prepare(body, body.placement, Motion(ZERO, omega_p), acceleration_gradient(ZERO, omega_p, omega_p), v)
-        return [*found.bias], [*upper(found.M), *found.P]
+        return [*found.bias], packed_resistance(found.M, found.P)
 
     def inward(row: Any, turned: Any, v: Any, tau: Any, bias: Any, resistance: Any, carrier: Any, borne: Any) -> Any:
-        own, M = along(row, turned), articulated(resistance)
-        P = wrench_of(resistance[21:]) + M * motion_of(bias)
-        M_p, P_p, step = _give_way(own, M, P, tau[0])
-        P_p = wrench_of(borne[21:]) + P_p
+        own, (M, P), (M_p, P_p) = along(row, turned), resistance_of(resistance), resistance_of(borne)
+        left_M, left_P, step = _give_way(own, M, P + M * motion_of(bias), tau[0])
+        P_p = P_p + left_P
         if own.spin:
             P_p = P_p + own.spin.reaction(Vec3(*carrier), v[0], 0)
-        return [step.own, *step.share], [*upper(articulated(borne) + M_p), *P_p]
+        return [step.own, *step.share], packed_resistance(M_p + left_M, P_p)
 
     def give_way(row: Any, turned: Any, bias: Any, step: Any, carried: Any) -> Any:
         body, A = along(row, turned).body, motion_of(carried)

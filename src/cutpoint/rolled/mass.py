@@ -1,7 +1,8 @@
 """The mass matrix as passes: composite inertias inward, then every pair of bodies.
 
-All about the world's origin and along its axes, where what bodies carry is a plain sum.  A base that moves freely
-stands there too: where it is makes no difference.
+All about one place and along the world's axes, where what bodies carry is a plain sum: about the first body's joint,
+however far from the world's origin the robot is mounted.  A base that moves freely stands there: where it is makes no
+difference.
 """
 
 from typing import Any
@@ -54,7 +55,8 @@ def mass_matrix(columns: Columns) -> Steps:
     kept |= {"column": 6, "carried": 10, "momentum": 6, "span": 3}
     tied, apart = ({"tied": base.axes}, {"base.block": base.axes**2}) if base else ({}, {})
     sizes, constants = sizes_apart(base, ("q",))
-    return Steps({**kept, **tied}, ("q",), views, {"turned": flat(IDENTITY)}, passes, {**sizes, **apart}, constants)
+    world = {"turned": [*flat(IDENTITY), *(-columns.mount)]}
+    return Steps({**kept, **tied}, ("q",), views, world, passes, {**sizes, **apart}, constants)
 
 
 def _entry(held: Any, column: Any, momentum: Any, span: Any) -> Any:

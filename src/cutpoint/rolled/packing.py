@@ -30,13 +30,16 @@ def pose_of(twelve: Scalars) -> Pose:
     return Pose(mat3(iter(twelve[:9])), Vec3(*twelve[9:]))
 
 
-def upper(M: Articulated) -> list[Scalar]:
-    return [M.rows[j][k] for j, k in UPPER]
+RESISTANCE = len(UPPER) + 6
+"""Numbers of an inertia and its bias wrench."""
 
 
-def articulated(numbers: Scalars) -> Articulated:
-    """From `upper`; what follows is left alone."""
+def packed_resistance(M: Articulated, P: Wrench) -> list[Scalar]:
+    return [*(M.rows[j][k] for j, k in UPPER), *P]
+
+
+def resistance_of(numbers: Scalars) -> tuple[Articulated, Wrench]:
     rows: list[list[Any]] = [[0] * 6 for _ in range(6)]
-    for (j, k), x in zip(UPPER, numbers, strict=False):
+    for (j, k), x in zip(UPPER, numbers[: len(UPPER)], strict=True):
         rows[j][k] = rows[k][j] = x
-    return Articulated(rows)
+    return Articulated(rows), wrench_of(numbers[len(UPPER) :])

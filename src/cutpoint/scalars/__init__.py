@@ -22,6 +22,7 @@ from cutpoint.scalars.jet import Jet, rate_of, value_of
 from cutpoint.scalars.records import (
     constants,
     is_of_cutpoint,
+    keys_of,
     leaves,
     map_leaves,
     rebuild,
@@ -31,6 +32,6 @@ from cutpoint.scalars.records import (
 
 __all__ = [
     "Angle", "Jet", "Scalar", "absolute", "atan", "clip", "constants", "cos", "exp", "is_of_cutpoint", "is_plain_zero",
-    "leaves", "log", "map_leaves", "maximum", "minimum", "rate_of", "rebuild", "sin", "sqrt", "structure_of", "tan",
-    "tanh", "value_of", "where", "with_float_leaves",
+    "keys_of", "leaves", "log", "map_leaves", "maximum", "minimum", "rate_of", "rebuild", "sin", "sqrt", "structure_of",
+    "tan", "tanh", "value_of", "where", "with_float_leaves",
 ]  # fmt: skip

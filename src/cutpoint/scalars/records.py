@@ -1,6 +1,7 @@
 """Records: nests of dataclasses, tuples, lists, dicts and arrays, as a flat list of their numbers and back.
 
-A whole number, a truth value, a text, or any object that is no number is structure: it stays in the record.
+A whole number, a truth value, a text, or any object that is no number is structure: it stays in the record.  A dict's
+numbers come in the order of its sorted keys: equal dicts have equal numbers, whatever order they were filled in.
 """
 
 from collections.abc import Callable, Hashable, Iterator, Mapping, Sequence
@@ -43,7 +44,8 @@ def map_leaves(function: Callable[[Any], Any], record: Any, structure: tuple[typ
         parts = [map_leaves(function, part, structure) for part in record]
         return type(record)(*parts) if hasattr(record, "_fields") else type(record)(parts)
     if isinstance(record, dict):
-        return {key: map_leaves(function, part, structure) for key, part in record.items()}
+        parts = {key: map_leaves(function, record[key], structure) for key in _keys(record)}
+        return {key: parts[key] for key in record}
     if is_dataclass(record) and not isinstance(record, type):
         parts = {name: map_leaves(function, getattr(record, name), structure) for name in _fields(type(record))}
         return _refilled(record, parts) if _is_law_of_user(record) else replace(record, **parts)
@@ -58,6 +60,12 @@ def constants(record: Any) -> list[Any]:
     if parts is None:
         return [] if _is_number(record) else [record]
     return [x for part in parts for x in constants(part)]
+
+
+def keys_of(record: Any) -> list[Any]:
+    """The keys of all dicts in a record, depth first."""
+    own = _keys(record) if isinstance(record, dict) else []
+    return [*own, *(key for part in _parts(record) or () for key in keys_of(part))]
 
 
 def is_of_cutpoint(thing: Any) -> bool:
@@ -78,7 +86,7 @@ def structure_of(record: Any, known: Mapping[int, Hashable] | None = None) -> Ha
     if isinstance(record, (list, tuple)):
         return (type(record), *(structure_of(part, known) for part in record))
     if isinstance(record, dict):
-        return (dict, *((key, structure_of(part, known)) for key, part in record.items()))
+        return (dict, *((key, structure_of(record[key], known)) for key in _keys(record)))
     if is_dataclass(record) and not isinstance(record, type):
         return (type(record), *(structure_of(getattr(record, name), known) for name in _fields(type(record))))
     if isinstance(record, (*_STRUCTURE, str, bytes, type(None))):
@@ -93,10 +101,14 @@ def _parts(record: Any) -> Sequence[Any] | None:
     if isinstance(record, (list, tuple)):
         return record
     if isinstance(record, dict):
-        return [*record.values()]
+        return [record[key] for key in _keys(record)]
     if is_dataclass(record) and not isinstance(record, type):
         return [getattr(record, name) for name in _fields(type(record))]
     return None
+
+
+def _keys(record: dict[Any, Any]) -> list[Any]:
+    return sorted(record, key=repr)
 
 
 def _is_number(thing: Any) -> bool:

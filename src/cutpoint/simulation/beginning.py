@@ -35,11 +35,19 @@ def _motion(robot: Robot, given: State, reference: Array) -> State:
     speeds = [d.v for d in robot.machine.drives]
     q, v = robot.neutral(), np.zeros(robot.nv)
     q[driven], v[speeds] = reference[0, 0], reference[1, 0]
-    q = q if given.q is None else checked_array("simulate", "initial.q", given.q, robot.nq)
-    v = v if given.v is None else checked_array("simulate", "initial.v", given.v, robot.nv)
+    q = q if given.q is None else vector("q", given.q, robot.nq)
+    v = v if given.v is None else vector("v", given.v, robot.nv)
     theta = q[driven] + robot.static_deflection(q) if given.theta is None else given.theta
     omega = v[speeds] if given.theta_dot is None else given.theta_dot
     return State(q, v, _of_motors(robot, "theta", theta, q[driven]), _of_motors(robot, "theta_dot", omega, v[speeds]))
+
+
+def vector(name: str, told: Any, size: int) -> Array:
+    """A part of the given state, (size,).  Raises InputError for an array of several."""
+    array = checked_array("simulate", f"initial.{name}", told, size)
+    if array.ndim != 1:
+        raise InputError(f"simulate: initial.{name} has shape {array.shape}, a run starts from one of ({size},)")
+    return array
 
 
 def _of_motors(robot: Robot, name: str, told: Any, links: Array) -> Array:
@@ -47,7 +55,7 @@ def _of_motors(robot: Robot, name: str, told: Any, links: Array) -> Array:
 
     Raises InputError for a rigid drive's that is another.
     """
-    motors = checked_array("simulate", f"initial.{name}", told, len(links))
+    motors = vector(name, told, len(links))
     rigid = np.array([not drive.is_elastic for drive in robot.drives.values()], bool)
     apart = rigid & (np.abs(motors - links) > ROUNDING * np.maximum(np.abs(links), 1.0))
     if apart.any():
@@ -64,6 +72,6 @@ def _with_inner_states(robot: Robot, given: State, start: State, told: Array) ->
     current = told[lagging] if given.current is None else given.current
     strains = np.zeros(expected.strains) if given.strains is None else given.strains
     return start._replace(
-        current=checked_array("simulate", "initial.current", current, expected.current),
-        strains=checked_array("simulate", "initial.strains", strains, expected.strains),
+        current=vector("current", current, expected.current),
+        strains=vector("strains", strains, expected.strains),
     )

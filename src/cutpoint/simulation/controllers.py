@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 
 from cutpoint.control.interface import Command, name_of
-from cutpoint.control.law import Law, as_law, parts_of
+from cutpoint.control.law import Law, as_law, check_drives, parts_of
 from cutpoint.control.own_law import own_parts, traced
 from cutpoint.errors import InputError, TraceError
 from cutpoint.robot import Robot
@@ -40,11 +40,8 @@ class Admitted:
 
 def fitting(robot: Robot, controller: Any) -> Any:
     """The controller as a law.  Raises InputError for one that is no law, or is for another number of drives."""
-    law, n = as_law(controller), len(robot.drives)
-    for part in parts_of(law):
-        size = getattr(part, "size", n)
-        if size != n:
-            raise InputError(f"{name_of(part)} is for {size} drives, the robot has {n}: give it gains for each")
+    law = as_law(controller)
+    check_drives(law, len(robot.drives))
     return law
 
 

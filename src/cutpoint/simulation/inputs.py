@@ -8,6 +8,7 @@ from numpy.typing import ArrayLike, NDArray
 from cutpoint.door import check_configuration, checked_array, number, positive
 from cutpoint.errors import InputError
 from cutpoint.robot import Robot
+from cutpoint.simulation.beginning import vector
 from cutpoint.simulation.loop import ClosedLoop
 from cutpoint.simulation.noise import noise_beside
 from cutpoint.simulation.plant import State
@@ -46,12 +47,16 @@ def reference_at(robot: Robot, trajectory: Trajectory | None, initial: State | N
     if trajectory is None:
         hold = np.zeros((5, len(times), n))
         if initial is not None and initial.q is not None:
-            q = checked_array("simulate", "initial.q", initial.q, robot.nq)
+            q = vector("q", initial.q, robot.nq)
             hold[0] = q[[d.q for d in robot.machine.drives]]
         return hold
     if trajectory.size != n:
         raise InputError(f"simulate: the trajectory has {trajectory.size} joints, the robot has {n} drives")
-    reference = trajectory.derivatives(times, 4)
+    asked = "trajectory.derivatives(times, 4)"
+    reference, expected = checked_array("simulate", asked, trajectory.derivatives(times, 4), n), (5, len(times), n)
+    if reference.shape != expected:
+        rule = f"it must be {expected}: position to snap, times, joints"
+        raise InputError(f"simulate: {asked} has shape {reference.shape}, {rule}", shape=reference.shape)
     by_joint = np.ascontiguousarray(reference[0].T)  # NumPy looks through contiguous numbers ten times as fast
     for extreme in (by_joint.min(axis=1), by_joint.max(axis=1)):
         check_configuration(robot.mechanism, extreme)

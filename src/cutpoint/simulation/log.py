@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from cutpoint.door import check_kind
 from cutpoint.errors import InputError, unknown_name
 
 if TYPE_CHECKING:
@@ -75,6 +76,7 @@ class Log:
 
     def __getitem__(self, name: str) -> Array:
         """A channel, (N, n) or (N,).  An unknown name is an InputError that lists those there are."""
+        check_kind("log", "channel", name, str, "a name, such as 'q'")
         if name not in self.channels:
             raise unknown_name("channel", name, self.channels)
         return self.channels[name]

@@ -30,6 +30,9 @@ LARGEST = 1_000_000_000
 LONGEST_HEADER = 1_000_000
 """Characters."""
 
+LINES_AT_ONCE = 1000
+"""Of a .csv, before its size is looked at."""
+
 LONGEST_LINE = 10_000_000
 """Characters of a line in a .csv."""
 
@@ -56,13 +59,16 @@ def save(log: Log, path: Path) -> None:
     """Writes the log, or leaves what was there.  Raises InputError for a path that cannot be written."""
     write = _by_ending(path, {".npz": _write_npz, ".csv": _write_csv})
     check_target_file(path, "log")
+    _check_size(sum(values.nbytes for values in log.channels.values()))
     with replacing(path) as file:
         write(log, file)
-        size = max(file.tell(), sum(values.nbytes for values in log.channels.values()))
-        if size > LARGEST:
-            raise InputError(
-                f"log of {size:,} bytes is more than a file may hold, {LARGEST:,}: save it in parts, between"
-            )
+        _check_size(file.tell())
+
+
+def _check_size(size: int) -> None:
+    if size > LARGEST:
+        remedy = "save parts of it, log.between(start, end), or simulate with channels= of those that you need"
+        raise InputError(f"log of {size:,} bytes is more than a file may hold, {LARGEST:,}: {remedy}", size=size)
 
 
 def load(path: Path) -> Log:
@@ -94,6 +100,8 @@ def _parsed(header: str) -> dict[str, Any]:
     version = found.pop("cutpoint_log") if isinstance(found, dict) else None
     if version != VERSION:
         raise ValueError(f"its version is {version}, not {VERSION}")
+    if not isinstance(found["joints"], list):
+        raise ValueError(f"its joints are {found['joints']!r}, not a list of names")
     return {"joints": found["joints"], "units": found["units"], "meta": found["meta"]}
 
 
@@ -124,7 +132,9 @@ def _member(archive: zipfile.ZipFile, name: str) -> NDArray[Any]:
             raise ValueError(f"{name} has another version of the format than 1.0")
         shape, _, dtype = np.lib.format.read_array_header_1_0(file)
     kind, most = ("U", 4 * LONGEST_HEADER) if name == "header" else ("f", LARGEST)
-    if dtype.kind != kind or not dtype.itemsize * int(np.prod(shape, dtype=object)) <= min(member.file_size, most):
+    if dtype.kind != kind:
+        raise ValueError(f"{name} is of type {dtype}, not {'text' if kind == 'U' else 'float64'}")
+    if not dtype.itemsize * int(np.prod(shape, dtype=object)) <= min(member.file_size, most):
         raise ValueError(f"{name} is of type {dtype} and shape {shape}, more than its {member.file_size} bytes hold")
     with archive.open(member) as file:
         return np.lib.format.read_array(file, allow_pickle=False)
@@ -141,7 +151,9 @@ def _write_csv(log: Log, file: IO[bytes]) -> None:
     text.write(f"# {_header(log)}\n")
     writer = csv.writer(text, lineterminator="\n", quoting=csv.QUOTE_NONNUMERIC)
     writer.writerow(_titles(log))
-    writer.writerows(row.tolist() for row in table)
+    for start in range(0, len(table), LINES_AT_ONCE):
+        writer.writerows(table[start : start + LINES_AT_ONCE].tolist())
+        _check_size(file.tell())
     text.detach()
 
 
@@ -182,6 +194,8 @@ def _numbers(cells: list[str], width: int, line: int) -> list[float]:
         rule = "copy the file anew, or take that line out"
         raise ValueError(f"line {line} has {len(cells)} cells, and must have {width} as the line of titles; {rule}")
     try:
+        if any("_" in cell for cell in cells):  # Python takes 1_000 for a number
+            raise ValueError(f"{next(cell for cell in cells if '_' in cell)!r} is no number")
         return [float(cell) for cell in cells]
     except ValueError as error:
         raise ValueError(f"line {line}: {str(error)[:100]}") from error
@@ -192,10 +206,10 @@ def _channels(titles: list[str], table: Array, header: dict[str, Any]) -> dict[s
     channels: dict[str, Array] = {}
     next_column = 1
     for name in header["units"]:
-        if next_column >= len(titles):
-            raise ValueError(OTHER_COLUMNS)
-        alone = titles[next_column].startswith(f"{name} [")
+        alone = next_column < len(titles) and titles[next_column].startswith(f"{name} [")
         width = 1 if alone else len(header["joints"])
+        if next_column + width > len(titles):
+            raise ValueError(OTHER_COLUMNS)
         columns = table[:, next_column : next_column + width]
         channels[name] = columns[:, 0] if alone else columns
         next_column += width

@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cutpoint.control.interface import start_of
+from cutpoint.control.sampled_loop import check_delays
 from cutpoint.door import check_kind, whole
 from cutpoint.errors import InputError, SimulationError
 from cutpoint.model.limits import efforts_in_force
@@ -179,10 +180,7 @@ def steps_of(robot: Robot, accuracy: str, substeps: int | None, period: float, s
     """Integration steps a control period: the caller's, or what the accuracy takes."""
     if accuracy not in ("standard", "fine", "reference"):
         raise InputError(f"simulate: accuracy {accuracy!r} must be 'standard', 'fine' or 'reference'")
-    delays = [d.motor.delay for d in robot.drives.values() if d.motor is not None and d.motor.delay is not None]
-    if max(delays, default=0.0) > period:
-        told = f"a motor's delay {max(delays)} s must not exceed the control period, {period} s"
-        raise InputError(f"simulate: {told}; put whole periods into Sensors(delay=)", delay=max(delays))
+    check_delays("simulate", robot, period)
     if accuracy == "reference":
         if substeps is not None:
             raise InputError(f"simulate: substeps={substeps!r} has no effect on accuracy 'reference': leave it out")

@@ -194,4 +194,4 @@ def _by_field(found: list[Scalars]) -> Scalars:
 
 def _by_drive(numbers: Scalars, n: int) -> list[tuple[Scalar, ...]]:
     """The inverse: each drive's own numbers."""
-    return [*zip(*(numbers[k : k + n] for k in range(0, len(numbers), n)), strict=True)]
+    return [*zip(*(numbers[k : k + n] for k in range(0, len(numbers), max(1, n))), strict=True)]

@@ -40,7 +40,12 @@ SETTINGS = {
 }
 """By accuracy."""
 
+LONGEST_STEP = "the longest step of this accuracy"
+
 MOST_SUBSTEPS = 400
+
+SINGULAR = 1e12
+"""Condition of a mass matrix, of any units, from which on it is asked whether inertia is missing."""
 
 FEW = 256
 """Rows of a matrix up to which all its eigenvalues are found; of a larger one the largest alone."""
@@ -77,13 +82,14 @@ def substeps_for(robot: Robot, accuracy: str, period: float, poses: Array, speed
         (longest.wave, fastest_wave(robot, np.zeros(len(robot.drives)) if speeds is None else speeds)),
     ]
     steps = [(share / max(limit.rate, 1e-9), limit.cause) for share, limit in bounds]
-    step, cause = min([(longest.seconds, "the longest step of this accuracy"), *steps])
+    step, cause = min([(longest.seconds, LONGEST_STEP), *steps])
     wanted = int(np.ceil(period / step - 1e-9))
     if wanted > MOST_SUBSTEPS:
+        parts = "distance, stiffness, bandwidth, Stribeck velocity, order of a wave"
+        remedy = "Shorten the control_period" if cause == LONGEST_STEP else f"Soften it ({parts})"
         warnings.warn(
             f"{cause} would take {wanted} integration steps a control period (its fastest mode is "
-            f"{mode.rate / 2 / np.pi:.0f} Hz); {MOST_SUBSTEPS} are taken. "
-            "Soften it (distance, stiffness, bandwidth, Stribeck velocity, order of a wave), or give substeps=",
+            f"{mode.rate / 2 / np.pi:.0f} Hz); {MOST_SUBSTEPS} are taken. {remedy}, or give substeps=",
             StiffnessWarning,
             stacklevel=4,
         )
@@ -179,13 +185,10 @@ def _largest_eigenvalue(A: Array) -> tuple[float, Array]:
 
 def _link_mobility(robot: Robot, q: Array) -> Array:
     """M^-1 of the driven joints.  Raises ModelError: a joint moves no inertia."""
-    driven = np.array([d.v for d in robot.machine.drives], int)
-    try:
-        whole = np.linalg.inv(robot.mass_matrix(q))
-    except np.linalg.LinAlgError:
+    driven, M = np.array([d.v for d in robot.machine.drives], int), robot.mass_matrix(q)
+    if M.size and np.linalg.cond(M) > SINGULAR:
         check_moves_inertia(robot.mechanism, robot.machine)
-        raise
-    return np.asarray(whole, np.float64)[np.ix_(driven, driven)]
+    return np.asarray(np.linalg.inv(M), np.float64)[np.ix_(driven, driven)]
 
 
 def _rotor_mobility(robot: Robot) -> Array:

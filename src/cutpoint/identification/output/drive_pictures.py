@@ -18,8 +18,8 @@ from cutpoint.identification.logs.recording import Recording
 from cutpoint.identification.output.pictures import ROW, thinned, titled
 from cutpoint.identification.rigid.identify_rigid import RigidEstimate
 from cutpoint.identification.rigid.rigid_robot import link_torques
+from cutpoint.reporting.style import MOTOR, SPRING, WIDTH
 from cutpoint.robot import Robot
-from cutpoint.studies.style import MOTOR, SPRING, WIDTH
 
 Array = NDArray[np.float64]
 

@@ -7,8 +7,8 @@ from numpy.typing import NDArray
 
 from cutpoint.identification.joint_units import at_joints, either
 from cutpoint.identification.output.torque_errors import TorqueErrors
+from cutpoint.reporting.style import FAINT, HAIR, INK, LINK, MOTOR, WIDTH
 from cutpoint.robot import Robot
-from cutpoint.studies.style import FAINT, HAIR, INK, LINK, MOTOR, WIDTH
 
 Array = NDArray[np.float64]
 

@@ -10,10 +10,10 @@ from cutpoint.identification.output.drive_pictures import bendings, loop_picture
 from cutpoint.identification.output.identification import Identification
 from cutpoint.identification.output.numbers import Number
 from cutpoint.identification.output.pictures import residual_picture, torque_picture
-from cutpoint.studies.report.folder import versions
-from cutpoint.studies.report.html import Heading, html
-from cutpoint.studies.report.page import Block, Page, Picture, Table
-from cutpoint.studies.style import png, styled
+from cutpoint.reporting.folder import versions
+from cutpoint.reporting.html import Heading, html
+from cutpoint.reporting.page import Block, Page, Picture, Table
+from cutpoint.reporting.style import png, styled
 
 
 def report(found: Identification, notes: Sequence[str] = ()) -> str:

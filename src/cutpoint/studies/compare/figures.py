@@ -6,11 +6,11 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
+from cutpoint.reporting.style import INK, LINK, MOTOR, WIDTH
 from cutpoint.studies.compare.contenders import OURS
 from cutpoint.studies.compare.results import Results
 from cutpoint.studies.compare.scenarios import SCENARIOS
 from cutpoint.studies.compare.tables import law_name
-from cutpoint.studies.style import INK, LINK, MOTOR, WIDTH
 
 WORST = 100.0
 """Times the best of a column: what is as bad, or worse, has the darkest shade."""

@@ -4,10 +4,10 @@ from collections.abc import Iterable, Mapping, Sequence
 
 import numpy as np
 
+from cutpoint.reporting.page import number
 from cutpoint.studies.compare.contenders import CONTENDERS, OURS
 from cutpoint.studies.compare.results import Results
 from cutpoint.studies.compare.scenarios import SCENARIOS
-from cutpoint.studies.report.page import number
 
 NAMES = {contender.key: contender.name for contender in CONTENDERS}
 COLUMNS = {scenario.key: scenario.name for scenario in SCENARIOS}

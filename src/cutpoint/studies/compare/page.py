@@ -5,6 +5,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from cutpoint.model.limits import efforts_in_force
+from cutpoint.reporting.page import Page, Picture, listed
 from cutpoint.robot import Robot
 from cutpoint.studies.compare import figures
 from cutpoint.studies.compare.bench import FAST, USUAL, Bench
@@ -13,7 +14,6 @@ from cutpoint.studies.compare.findings import findings
 from cutpoint.studies.compare.results import Results
 from cutpoint.studies.compare.scenarios import LINK_STEP, MOTOR_STEP, NOISE, SCENARIOS, TURN
 from cutpoint.studies.compare.tables import error_tables, further_tables, numbers, refusals, tuning_table
-from cutpoint.studies.report.page import Page, Picture, listed
 
 
 def pages_of(bench: Bench, results: Results, seeds: int) -> list[Page]:

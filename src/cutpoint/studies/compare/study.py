@@ -9,6 +9,10 @@ from rich.console import Console
 from rich.progress import Progress
 
 from cutpoint.errors import unknown_name
+from cutpoint.reporting.folder import checked_folder, write
+from cutpoint.reporting.html import Heading
+from cutpoint.reporting.style import styled
+from cutpoint.reporting.terminal import say, show
 from cutpoint.robots import xia2019
 from cutpoint.studies.compare.bench import Bench, bench_of
 from cutpoint.studies.compare.contenders import CONTENDERS, Contender
@@ -18,10 +22,6 @@ from cutpoint.studies.compare.results import Results
 from cutpoint.studies.compare.runs import Outcome, outcome
 from cutpoint.studies.compare.scenarios import SCENARIOS, Scenario
 from cutpoint.studies.compare.step_times import step_times
-from cutpoint.studies.report.folder import checked_folder, write
-from cutpoint.studies.report.html import Heading
-from cutpoint.studies.report.terminal import say, show
-from cutpoint.studies.style import styled
 
 SEEDS, QUICK_SEEDS = 64, 4
 

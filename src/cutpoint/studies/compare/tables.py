@@ -5,12 +5,12 @@ from typing import Any
 
 import numpy as np
 
+from cutpoint.reporting.page import Table, number
 from cutpoint.studies.compare.contenders import CONTENDERS
 from cutpoint.studies.compare.matching import Match
 from cutpoint.studies.compare.results import Results
 from cutpoint.studies.compare.runs import Outcome
 from cutpoint.studies.compare.scenarios import SCENARIOS, Scenario
-from cutpoint.studies.report.page import Table, number
 
 BEST = "•"
 """Marks the best of a column."""

@@ -6,9 +6,9 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.ticker import NullFormatter, NullLocator, ScalarFormatter
 
+from cutpoint.reporting.style import FAINT, FORCE, LINK, MOTOR, SPRING, WIDTH
 from cutpoint.studies.cost.contenders import CHRISTOFFEL, CONTENDERS, EXPLICIT, JETS, LAGRANGE, NE, VD, Contender
 from cutpoint.studies.cost.measure import Cost
-from cutpoint.studies.style import FAINT, FORCE, LINK, MOTOR, SPRING, WIDTH
 
 _LOOKS = {
     VD: (MOTOR, "-", "o"), NE: (LINK, "-", "s"), JETS: (MOTOR, "--", "o"), EXPLICIT: (LINK, "--", "s"),

@@ -4,12 +4,12 @@ from collections.abc import Mapping
 from dataclasses import asdict
 from typing import Any
 
+from cutpoint.reporting.page import Page, Picture, Table, number
 from cutpoint.studies.cost.contenders import CONTENDERS
 from cutpoint.studies.cost.figure import figure_of
 from cutpoint.studies.cost.growth import exponent, polynomial
 from cutpoint.studies.cost.measure import AGREEMENT, BATCH, COMPILE_LIMIT, Cost
 from cutpoint.studies.cost.verdict import verdict
-from cutpoint.studies.report.page import Page, Picture, Table, number
 
 _METHOD = (
     "Every formulation is written in plain Python on scalars of any kind, traced for one random chain of revolute "

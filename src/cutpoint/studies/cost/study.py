@@ -7,12 +7,12 @@ from typing import Any
 from rich.console import Console
 from rich.progress import Progress
 
+from cutpoint.reporting.folder import checked_folder, write
+from cutpoint.reporting.html import Heading
+from cutpoint.reporting.style import styled
+from cutpoint.reporting.terminal import say, show
 from cutpoint.studies.cost.measure import ARM, BATCH, measured
 from cutpoint.studies.cost.page import page_of, verdict_page
-from cutpoint.studies.report.folder import checked_folder, write
-from cutpoint.studies.report.html import Heading
-from cutpoint.studies.report.terminal import say, show
-from cutpoint.studies.style import styled
 
 SIZES = (1, 2, 3, 4, 6, 8, 10, 12, 16, 24, 32, 48, 64)
 

@@ -2,10 +2,10 @@
 
 from collections.abc import Mapping
 
+from cutpoint.reporting.page import number
 from cutpoint.studies.cost.contenders import EXPLICIT, JETS, LAGRANGE, NE, VD, Contender
 from cutpoint.studies.cost.growth import polynomial
 from cutpoint.studies.cost.measure import ARM, Cost
-from cutpoint.studies.report.page import number
 
 _PERCENT = 1e4
 """A hundredth of a control period of 1 ms, ns."""

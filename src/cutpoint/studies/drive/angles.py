@@ -7,10 +7,10 @@ from matplotlib.axes import Axes
 
 from cutpoint.formats.catalogue_entry import ARC_MINUTE
 from cutpoint.mechanics.catalogue import CatalogueSpring
+from cutpoint.reporting.style import FAINT, FORCE, INK, MOTOR, MOTOR_FILL
 from cutpoint.studies.chain import Array
 from cutpoint.studies.drive.loop import Loop
 from cutpoint.studies.drive.measured import Specimen, arc_minutes
-from cutpoint.studies.style import FAINT, FORCE, INK, MOTOR, MOTOR_FILL
 
 _ORDERS = 8
 """Waves a turn to which the spectrum goes."""

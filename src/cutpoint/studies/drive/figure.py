@@ -6,10 +6,10 @@ from matplotlib.figure import Figure
 from matplotlib.layout_engine import ConstrainedLayoutEngine
 
 from cutpoint.files import save_figure
+from cutpoint.reporting.style import WIDTH, styled
 from cutpoint.studies.drive.angles import accuracy, stiffness
 from cutpoint.studies.drive.losses import efficiency, running_torque
 from cutpoint.studies.drive.measured import Specimen
-from cutpoint.studies.style import WIDTH, styled
 
 
 def save_picture(name: str, path: Path) -> None:

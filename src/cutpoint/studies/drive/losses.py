@@ -7,10 +7,10 @@ from matplotlib.axes import Axes
 
 from cutpoint.formats.catalogue import catalogue_gear
 from cutpoint.formats.catalogue_sheets import CatalogueGear
+from cutpoint.reporting.style import FAINT, FORCE, INK, JOINTS, LINK
 from cutpoint.studies.drive.angles import missing
 from cutpoint.studies.drive.measured import Specimen
 from cutpoint.studies.drive.rows import SPEEDS
-from cutpoint.studies.style import FAINT, FORCE, INK, JOINTS, LINK
 
 
 def running_torque(axes: Axes, specimen: Specimen) -> None:

@@ -7,9 +7,9 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from mpl_toolkits.mplot3d import Axes3D
 
+from cutpoint.reporting.style import FAINT, HAIR, INK, LINK, MOTOR, SPRING
 from cutpoint.studies.chain import Array, Chain, places
 from cutpoint.studies.paper.printed import LENGTHS
-from cutpoint.studies.style import FAINT, HAIR, INK, LINK, MOTOR, SPRING
 
 Room = tuple[tuple[float, float, float], tuple[float, float, float]]
 """Lowest and highest x, y, z of what is seen, m; x and y in quarters."""

@@ -8,10 +8,10 @@ from scipy.optimize import least_squares
 
 from cutpoint.formats.catalogue_entry import ARC_MINUTE
 from cutpoint.mechanics.compliance import Flexspline
+from cutpoint.reporting.page import Page, Picture, Table, number
+from cutpoint.reporting.style import INK, LINK, MOTOR, SPRING, WIDTH
 from cutpoint.studies.chain import Array
 from cutpoint.studies.paper.bench import Bench
-from cutpoint.studies.report.page import Page, Picture, Table, number
-from cutpoint.studies.style import INK, LINK, MOTOR, SPRING, WIDTH
 
 
 class Size(NamedTuple):

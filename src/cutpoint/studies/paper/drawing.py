@@ -8,7 +8,7 @@ from matplotlib.figure import Figure
 from matplotlib.patches import FancyArrowPatch, FancyBboxPatch
 from matplotlib.patheffects import withStroke
 
-from cutpoint.studies.style import FAINT, INK
+from cutpoint.reporting.style import FAINT, INK
 
 Point = tuple[float, float]
 

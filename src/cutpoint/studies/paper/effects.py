@@ -7,6 +7,7 @@ import numpy as np
 from cutpoint.formats.catalogue import catalogue_drive
 from cutpoint.formats.catalogue_entry import ARC_MINUTE
 from cutpoint.mechanics.friction import STATED_AT, Coulomb
+from cutpoint.reporting.page import Page, Picture, listed, number
 from cutpoint.robot import Robot
 from cutpoint.studies.paper import effects_bars, effects_figures
 from cutpoint.studies.paper import effects_drives as sizes
@@ -14,7 +15,6 @@ from cutpoint.studies.paper.bench import KP, PERIOD, Bench
 from cutpoint.studies.paper.effects_runs import MISTAKEN, Runs, Share, Shares, arm, shares
 from cutpoint.studies.paper.effects_tables import NAMES, results, tables
 from cutpoint.studies.paper.printed import DURATION
-from cutpoint.studies.report.page import Page, Picture, listed, number
 
 NEGLIGIBLE = 0.01
 """Of the largest share: what costs less is not worth compensation."""

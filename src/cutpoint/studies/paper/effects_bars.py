@@ -6,8 +6,8 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
+from cutpoint.reporting.style import LINK, MOTOR, WIDTH
 from cutpoint.studies.paper.effects_runs import Share, Shares
-from cutpoint.studies.style import LINK, MOTOR, WIDTH
 
 _LEAST, _MOST = 1e-2, 3e3
 """Ends of the logarithmic axis, 1e-3 deg; what grows by less than the one, or falls, has its number and no bar."""

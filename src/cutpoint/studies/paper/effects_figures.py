@@ -14,6 +14,7 @@ from cutpoint.mechanics.catalogue import CatalogueSpring
 from cutpoint.mechanics.friction import Stribeck
 from cutpoint.mechanics.presliding import ElastoPlastic
 from cutpoint.model.drive import Drive
+from cutpoint.reporting.style import FAINT, FORCE, INK, LINK, MOTOR, MOTOR_FILL, SPRING, WIDTH
 from cutpoint.simulation import Log
 from cutpoint.studies.chain import Array
 from cutpoint.studies.drive.loop import Wound, branch, cycle, wound_to
@@ -29,7 +30,6 @@ from cutpoint.studies.paper.effects_drives import (
     drive_with,
 )
 from cutpoint.studies.paper.effects_waves import kinematic_error, spectrum_of_torque, spectrum_of_tracking, torque_waves
-from cutpoint.studies.style import FAINT, FORCE, INK, LINK, MOTOR, MOTOR_FILL, SPRING, WIDTH
 
 SHOWN = 1
 """Joint 2."""

@@ -2,10 +2,10 @@
 
 from collections.abc import Mapping
 
+from cutpoint.reporting.page import Table, number, row
 from cutpoint.studies.paper import effects_drives as sizes
 from cutpoint.studies.paper.effects_runs import MISTAKEN, Share, Shares, arm
 from cutpoint.studies.paper.printed import JOINTS
-from cutpoint.studies.report.page import Table, number, row
 
 NAMES = ("not known", "known")
 """To the feedforward."""

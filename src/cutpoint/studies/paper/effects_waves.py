@@ -8,10 +8,10 @@ from matplotlib.axes import Axes
 from cutpoint.formats.catalogue_entry import ARC_MINUTE
 from cutpoint.mechanics.motor import shaft_torque
 from cutpoint.model.drive import Drive
+from cutpoint.reporting.style import FORCE, INK, LINK, MOTOR, MOTOR_FILL, SPRING
 from cutpoint.simulation import Log
 from cutpoint.studies.chain import Array
 from cutpoint.studies.paper.effects_drives import COGGING_ORDER
-from cutpoint.studies.style import FORCE, INK, LINK, MOTOR, MOTOR_FILL, SPRING
 
 ORDERS = 10.0
 """Waves a turn to which the spectrum of tracking goes."""

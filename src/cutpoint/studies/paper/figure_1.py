@@ -5,8 +5,8 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.patches import Arc, Circle, Polygon
 
+from cutpoint.reporting.style import BASE, BASE_FILL, FAINT, FORCE, INK, LINK, LINK_FILL, MOTOR, MOTOR_FILL, SPRING
 from cutpoint.studies.paper.drawing import arrow, box, canvas, ground, leader, spring, text
-from cutpoint.studies.style import BASE, BASE_FILL, FAINT, FORCE, INK, LINK, LINK_FILL, MOTOR, MOTOR_FILL, SPRING
 
 _Q, _THETA = 14.0, 36.0  # degrees: link and motor in the drawing, far more apart than they ever are
 

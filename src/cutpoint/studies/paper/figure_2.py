@@ -3,9 +3,9 @@
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
+from cutpoint.reporting.style import BASE, LINK, MOTOR, SPRING
 from cutpoint.studies.paper import section
 from cutpoint.studies.paper.drawing import canvas, leader, text
-from cutpoint.studies.style import BASE, LINK, MOTOR, SPRING
 
 
 def figure_2() -> Figure:

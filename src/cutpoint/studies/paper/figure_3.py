@@ -4,8 +4,8 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.patches import Ellipse
 
+from cutpoint.reporting.style import BASE, BASE_FILL, FORCE, INK, LINK, LINK_FILL, MOTOR, MOTOR_FILL, SPRING
 from cutpoint.studies.paper.drawing import arrow, box, canvas, ground, span, spring, text
-from cutpoint.studies.style import BASE, BASE_FILL, FORCE, INK, LINK, LINK_FILL, MOTOR, MOTOR_FILL, SPRING
 
 
 def figure_3() -> Figure:

@@ -3,9 +3,9 @@
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
+from cutpoint.reporting.style import BASE, INK, LINK, MOTOR, SPRING
 from cutpoint.studies.paper import section
 from cutpoint.studies.paper.drawing import canvas, leader, text, triad, turn
-from cutpoint.studies.style import BASE, INK, LINK, MOTOR, SPRING
 
 _AXIS = 4.6
 

@@ -3,9 +3,9 @@
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
+from cutpoint.reporting.style import BASE, FORCE, LINK, MOTOR
 from cutpoint.studies.paper import section
 from cutpoint.studies.paper.drawing import arrow, canvas, text, triad
-from cutpoint.studies.style import BASE, FORCE, LINK, MOTOR
 
 _AXIS, _SCALE = 4.8, 0.62
 

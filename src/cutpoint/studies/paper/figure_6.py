@@ -5,11 +5,11 @@ from matplotlib.figure import Figure
 from matplotlib.patheffects import withStroke
 from mpl_toolkits.mplot3d import Axes3D, proj3d
 
+from cutpoint.reporting.style import INK, LINK, WIDTH
 from cutpoint.robots import xia2019_mechanism
 from cutpoint.studies.chain import Array, Chain, chain_of
 from cutpoint.studies.paper.arm_view import draw_arm, draw_legend, view
 from cutpoint.studies.paper.printed import GOAL, LENGTHS
-from cutpoint.studies.style import INK, LINK, WIDTH
 
 Label = tuple[int, float, float]
 """At which corner of the arm, and how far from it on paper, in points."""

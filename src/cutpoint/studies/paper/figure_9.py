@@ -4,8 +4,8 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.patches import Circle, Rectangle
 
+from cutpoint.reporting.style import BASE, BASE_FILL, INK, LINK, LINK_FILL, MOTOR, MOTOR_FILL, SPRING, SPRING_FILL
 from cutpoint.studies.paper.drawing import arrow, box, canvas, path, text
-from cutpoint.studies.style import BASE, BASE_FILL, INK, LINK, LINK_FILL, MOTOR, MOTOR_FILL, SPRING, SPRING_FILL
 
 _ROW = 3.6
 

@@ -4,10 +4,10 @@ from collections.abc import Mapping
 
 import numpy as np
 
+from cutpoint.reporting.page import Table, row
 from cutpoint.studies.chain import Array
 from cutpoint.studies.paper.imperfections import ALL, Imperfections
 from cutpoint.studies.paper.stand_in import StandIn
-from cutpoint.studies.report.page import Table, row
 
 SEEDS = range(10)
 

@@ -5,12 +5,12 @@ from typing import NamedTuple
 import numpy as np
 from matplotlib.figure import Figure
 
+from cutpoint.reporting.page import Page, Picture, Table, number
+from cutpoint.reporting.style import INK, LINK, MOTOR, WIDTH
 from cutpoint.simulation import Log
 from cutpoint.studies.paper.bench import Bench, pd
 from cutpoint.studies.paper.printed import DURATION
 from cutpoint.studies.paper.stability import growth_rates
-from cutpoint.studies.report.page import Page, Picture, Table, number
-from cutpoint.studies.style import INK, LINK, MOTOR, WIDTH
 
 _SHOWN = 1  # joint 2, which bears the most
 

@@ -4,11 +4,11 @@ import numpy as np
 from matplotlib.figure import Figure, SubFigure
 from matplotlib.lines import Line2D
 
+from cutpoint.reporting.style import INK, LINK, MOTOR, WIDTH, six_panels
+from cutpoint.reporting.style import JOINTS as COLOURS
 from cutpoint.simulation import Log
 from cutpoint.studies.chain import Array
 from cutpoint.studies.paper.printed import JOINTS, TABLE_4_POSITION, TABLE_4_TORQUE
-from cutpoint.studies.style import INK, LINK, MOTOR, WIDTH, six_panels
-from cutpoint.studies.style import JOINTS as COLOURS
 
 
 def position_rms(log: Log) -> Array:

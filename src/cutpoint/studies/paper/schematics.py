@@ -1,5 +1,6 @@
 """Figures 1 to 6 and 9, redrawn for the reading that this package takes."""
 
+from cutpoint.reporting.page import Page, Picture
 from cutpoint.studies.paper.bench import Bench
 from cutpoint.studies.paper.figure_1 import figure_1
 from cutpoint.studies.paper.figure_2 import figure_2
@@ -8,7 +9,6 @@ from cutpoint.studies.paper.figure_4 import figure_4
 from cutpoint.studies.paper.figure_5 import figure_5
 from cutpoint.studies.paper.figure_6 import figure_6
 from cutpoint.studies.paper.figure_9 import figure_9
-from cutpoint.studies.report.page import Page, Picture
 
 _SIDES = (
     "Two coordinates describe a joint that bends: the link's q, and the motor's θ, which is the rotor's angle divided "

@@ -9,7 +9,7 @@ from matplotlib.axes import Axes
 from matplotlib.patches import Rectangle
 from matplotlib.transforms import Affine2D, Transform
 
-from cutpoint.studies.style import BASE, BASE_FILL, LINK, LINK_FILL, MOTOR, MOTOR_FILL, SPRING, SPRING_FILL
+from cutpoint.reporting.style import BASE, BASE_FILL, LINK, LINK_FILL, MOTOR, MOTOR_FILL, SPRING, SPRING_FILL
 
 Slab = tuple[float, float, float, float]
 """From x to x along the axis, from r to r off it."""

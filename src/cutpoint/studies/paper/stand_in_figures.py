@@ -9,11 +9,11 @@ from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 from scipy.ndimage import uniform_filter1d
 
+from cutpoint.reporting.style import FAINT, HAIR, INK, LINK, MOTOR, WIDTH
+from cutpoint.reporting.style import JOINTS as COLOURS
 from cutpoint.studies.chain import Array
 from cutpoint.studies.paper.printed import JOINTS
 from cutpoint.studies.paper.stand_in import Run
-from cutpoint.studies.style import FAINT, HAIR, INK, LINK, MOTOR, WIDTH
-from cutpoint.studies.style import JOINTS as COLOURS
 
 _MEAN = 20  # samples: 20 ms
 _SHOWN = 10  # every so many samples of a mean are drawn

@@ -8,14 +8,14 @@ from rich.console import Console
 from rich.progress import Progress
 
 from cutpoint.errors import SimulationError
+from cutpoint.reporting.folder import checked_folder, write
+from cutpoint.reporting.html import Heading
+from cutpoint.reporting.page import Page
+from cutpoint.reporting.style import styled
+from cutpoint.reporting.terminal import show
 from cutpoint.studies.paper import catalogue, effects, link_side, schematics, table_3, table_4, table_5, torque_estimate
 from cutpoint.studies.paper.bench import KD, KP, PERIOD, Bench
 from cutpoint.studies.paper.printed import DURATION, GOAL
-from cutpoint.studies.report.folder import checked_folder, write
-from cutpoint.studies.report.html import Heading
-from cutpoint.studies.report.page import Page
-from cutpoint.studies.report.terminal import show
-from cutpoint.studies.style import styled
 
 _HEADING = Heading(
     "Section IV of Xia et al. (2019), computed again",

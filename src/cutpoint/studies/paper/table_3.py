@@ -3,15 +3,15 @@
 import numpy as np
 from matplotlib.figure import Figure
 
+from cutpoint.reporting.page import Page, Picture, Table, number, row
+from cutpoint.reporting.style import FAINT, INK, LINK, MOTOR, WIDTH, six_panels
+from cutpoint.reporting.style import JOINTS as COLOURS
 from cutpoint.robots import xia2019_mechanism
 from cutpoint.studies import lagrange, newton_euler
 from cutpoint.studies.chain import Array, chain_of
 from cutpoint.studies.paper.bench import Bench
 from cutpoint.studies.paper.candidates import AS_PRINTED, LENGTHS, candidates
 from cutpoint.studies.paper.printed import DURATION, JOINTS, TABLE_3, TABLE_3_LARGEST
-from cutpoint.studies.report.page import Page, Picture, Table, number, row
-from cutpoint.studies.style import FAINT, INK, LINK, MOTOR, WIDTH, six_panels
-from cutpoint.studies.style import JOINTS as COLOURS
 
 SAMPLES = 1001
 _N_MM = 1e3

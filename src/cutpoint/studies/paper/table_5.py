@@ -4,6 +4,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from cutpoint.reporting.page import Page, Picture, Table, listed, number
 from cutpoint.studies.paper.bench import PERIOD, Bench
 from cutpoint.studies.paper.figure_12 import figure_12
 from cutpoint.studies.paper.imperfections import ALL, ORDERS
@@ -12,7 +13,6 @@ from cutpoint.studies.paper.printed import DURATION_5, GOAL_5, TABLE_5_PEAK, TAB
 from cutpoint.studies.paper.stand_in import KP, Run, StandIn, nearest_to_median
 from cutpoint.studies.paper.stand_in_figures import figure_13, figure_14
 from cutpoint.studies.paper.stand_in_results import measured, pose_samples, results
-from cutpoint.studies.report.page import Page, Picture, Table, listed, number
 
 N_SEEDS = 20
 

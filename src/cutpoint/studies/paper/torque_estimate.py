@@ -7,6 +7,8 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
 from cutpoint.mechanics.compliance import Flexspline
+from cutpoint.reporting.page import Page, Picture, Table, row
+from cutpoint.reporting.style import INK, LINK, MOTOR, SPRING, WIDTH
 from cutpoint.robot import Robot
 from cutpoint.simulation import Log
 from cutpoint.studies.chain import Array
@@ -14,8 +16,6 @@ from cutpoint.studies.paper import whole_drive_torque
 from cutpoint.studies.paper.bench import Bench
 from cutpoint.studies.paper.printed import JOINTS
 from cutpoint.studies.paper.table_3 import rms
-from cutpoint.studies.report.page import Page, Picture, Table, row
-from cutpoint.studies.style import INK, LINK, MOTOR, SPRING, WIDTH
 
 IDEAL = "ideal encoders"
 COARSE, FINE = "2^{17} counts on the link", "2^{20} counts on the link"

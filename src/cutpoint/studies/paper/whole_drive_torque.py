@@ -6,12 +6,12 @@ import numpy as np
 
 from cutpoint.analysis import TorqueBound, followed_hysteresis, torque_bound
 from cutpoint.control import Feedforward
+from cutpoint.reporting.page import Table, row
 from cutpoint.simulation import Sensors, simulate
 from cutpoint.studies.chain import Array
 from cutpoint.studies.paper.bench import PERIOD, Bench, pd
 from cutpoint.studies.paper.effects_drives import EFFECTS, with_effects
 from cutpoint.studies.paper.printed import JOINTS
-from cutpoint.studies.report.page import Table, row
 
 COUNTS = 2**20, 2**17
 """Of the encoders, a turn: on the link, on the motor."""

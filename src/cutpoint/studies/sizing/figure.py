@@ -11,9 +11,9 @@ from matplotlib.patheffects import withStroke
 from numpy.typing import NDArray
 
 from cutpoint.mechanics.motor import within_limits
+from cutpoint.reporting.style import BASE_FILL, FAINT, FORCE, INK, LINK, MOTOR, styled
 from cutpoint.studies.sizing.sizing import DriveSizing, Sizing
 from cutpoint.studies.sizing.table import TO_RPM
-from cutpoint.studies.style import BASE_FILL, FAINT, FORCE, INK, LINK, MOTOR, styled
 
 Array = NDArray[np.float64]
 

@@ -11,9 +11,9 @@ from typing import Any
 import cutpoint
 from cutpoint.errors import InputError
 from cutpoint.files import check_target_folder, replacing
-from cutpoint.studies.report.html import Heading, html
-from cutpoint.studies.report.page import Page, plain
-from cutpoint.studies.style import png
+from cutpoint.reporting.html import Heading, html
+from cutpoint.reporting.page import Page, plain
+from cutpoint.reporting.style import png
 
 
 def checked_folder(output: Path, name: str) -> Path:

@@ -7,7 +7,7 @@ from rich.console import Console
 from rich.table import Table as RichTable
 from rich.text import Text
 
-from cutpoint.studies.report.page import Page, Table, plain
+from cutpoint.reporting.page import Page, Table, plain
 
 _NARROWEST = 108
 """Columns; where there are fewer the lines wrap, and no number is cut."""

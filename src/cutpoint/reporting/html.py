@@ -8,7 +8,7 @@ from html import escape
 from pathlib import Path
 from string import Template
 
-from cutpoint.studies.report.page import Block, Page, Picture, Table
+from cutpoint.reporting.page import Block, Page, Picture, Table
 
 _TEMPLATE = Template((Path(__file__).parent / "template.html").read_text(encoding="utf-8"))
 

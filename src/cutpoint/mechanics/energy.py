@@ -1,0 +1,59 @@
+"""Energies and momentum of all bodies together."""
+
+from collections.abc import Mapping, Sequence
+
+from cutpoint.mechanics import rigid_body
+from cutpoint.mechanics.kinematics import body_velocities, world_poses
+from cutpoint.mechanics.spatial import NO_WRENCH, ZERO, Wrench
+from cutpoint.mechanics.system import System
+from cutpoint.scalars import Scalar
+
+Scalars = Sequence[Scalar]
+
+
+def kinetic_energy(system: System, q: Scalars, v: Scalars) -> Scalar:
+    """Kinetic energy of links and rigidly geared rotors, J."""
+    total: Scalar = 0
+    V = body_velocities(system, q, v)
+    for body, V_i in zip(system.segments, V, strict=True):
+        total = total + rigid_body.kinetic_energy(body.inertia, V_i)
+    for I_m, v_i in zip(system.armature, v, strict=True):
+        total = total + I_m * v_i * v_i / 2
+    for spin in system.spins:
+        if not spin.elastic:
+            total = total + spin.torque(V[spin.carrier].angular) * system.segments[spin.joint].speeds(v)[0]
+    return total
+
+
+def potential_energy(system: System, q: Scalars) -> Scalar:
+    """Potential energy of the weight, J; zero with every centre of mass at the world's origin."""
+    total: Scalar = 0
+    for body, X in zip(system.segments, world_poses(system, q), strict=True):
+        weighed = X.position * body.inertia.mass + X.rotation @ body.inertia.first_moment
+        total = total - system.gravity.dot(weighed)
+    return total
+
+
+def carried_energy(system: System, q: Scalars, v: Scalars, rotors: Mapping[int, Scalar]) -> Scalar:
+    """Energy that elastic drives' rotors with full coupling have because they spin on carriers that turn, J.
+
+    rotors: their speeds over ratio, by the segment that they drive.
+    """
+    V = body_velocities(system, q, v)
+    turned = (spin.torque(V[spin.carrier].angular) * rotors[spin.joint] for spin in system.spins if spin.elastic)
+    return sum(turned, 0)
+
+
+def momentum(system: System, q: Scalars, v: Scalars, rotors: Mapping[int, Scalar]) -> Wrench:
+    """Linear and angular momentum of all bodies about the world's origin, along its axes, kg m/s and kg m2/s.
+
+    rotors: speeds over ratio of those that elastic drives turn, by the segment; they count with full coupling.
+    """
+    total = NO_WRENCH
+    X, V = world_poses(system, q), body_velocities(system, q, v)
+    for body, X_i, V_i in zip(system.segments, X, V, strict=True):
+        total = total + X_i.inward(body.inertia * V_i)
+    for spin in system.spins:
+        speed = rotors[spin.joint] if spin.elastic else system.segments[spin.joint].speeds(v)[0]
+        total = total + X[spin.carrier].inward(Wrench(ZERO, spin.axis * (spin.geared * speed)))
+    return total

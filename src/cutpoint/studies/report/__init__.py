@@ -1,1 +1,0 @@
-"""Reports of studies: pages of prose, tables and pictures, as one HTML file, as JSON, and in the terminal."""
