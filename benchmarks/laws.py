@@ -25,7 +25,8 @@ from cutpoint.control import (
     SlotineLi,
     tune,
 )
-from cutpoint.simulation.control_kernel import law_kernel, law_memory, law_parameters
+from cutpoint.simulation.control_kernel import law_kernel, law_memory
+from cutpoint.simulation.parameters import law_parameters
 from cutpoint.studies.cost.timing import in_turns
 
 COUNT, BANDWIDTH, PERIOD = 256, 4.0, 1e-3
@@ -74,7 +75,7 @@ def _laws(robot: cutpoint.Robot) -> dict[str, tuple[cutpoint.Robot, object]]:
 
 def _entries(robot: cutpoint.Robot, law: object) -> dict[str, ours.Entry]:
     kernel, rng = law_kernel(robot, law), np.random.default_rng(0)
-    given = {"time": np.zeros(COUNT), "memory": law_memory(law), "parameters": law_parameters(robot, law, PERIOD)}
+    given = {"time": np.zeros(COUNT), "memory": law_memory(law), "parameters": law_parameters(law, PERIOD)}
     inputs = [
         np.ascontiguousarray(np.broadcast_to(given[p.name], (COUNT, *p.shape))) if p.name in given
         else 1e-2 * rng.normal(size=(COUNT, *p.shape))

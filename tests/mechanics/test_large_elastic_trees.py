@@ -220,3 +220,12 @@ def test_wrong_input_of_elastic_loops_is_explained() -> None:
         function(*given)
     with pytest.raises(InputError, match=r"elastic_inverse_dynamics: snap has shape \(10,\), its last axis must be 11"):
         function(*np.ones((4, 11)), np.ones(10))
+
+
+def test_a_large_robot_without_drives_has_nothing_to_tell_of_motors() -> None:
+    robot = Robot(chain(40, ("helical",)))
+    q, v, a, jerk, snap = np.random.default_rng(0).uniform(-1.0, 1.0, (5, robot.nv))
+    found = robot.elastic_inverse_dynamics(q, v, a, jerk, snap)
+    assert found.motor_torque.shape == (0,)
+    assert_close(found.joint_torque, robot.inverse_dynamics(q, v, a), 1e-10)
+    assert_close(robot.elastic_forward_dynamics(q, v, [], [], []).a, robot.forward_dynamics(q, v, np.zeros(40)), 1e-8)

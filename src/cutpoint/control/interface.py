@@ -4,6 +4,7 @@ One entry a drive, in the order of `robot.joints`, all at the joint's side.  In 
 numbers in NumPy object arrays, so a law is written with array arithmetic; in a callback they are plain float arrays.
 """
 
+from collections.abc import Callable
 from traceback import walk_tb
 from typing import Any, NamedTuple, NoReturn, Protocol
 
@@ -57,15 +58,18 @@ class Command(NamedTuple):
 
 
 class Controller(Protocol):
-    """A law.  Numbers in a dataclass's fields are inputs of the compiled loop; `start` gives its memory, any record."""
+    """A law.  Numbers in a dataclass's fields are inputs of the compiled loop.
 
-    def start(self) -> Any:
-        """The memory before the first step: a record of numbers, () for none."""
-        ...
+    One that remembers has `start()`, too, which gives the memory before the first step: any record of numbers.
+    """
 
     def step(self, memory: Any, measurement: Measurement, reference: Reference) -> tuple[Any, Any]:
         """One control period: the memory after it, and the command."""
         ...
+
+
+StepFunction = Callable[[Any, Measurement, Reference], tuple[Any, Any]]
+"""A law that is nothing but its step."""
 
 
 def stepped(law: Controller, memory: Any, measurement: Measurement, reference: Reference) -> tuple[Any, Command]:

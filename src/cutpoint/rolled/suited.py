@@ -33,6 +33,8 @@ def unsuited(machine: Machine, reads_drives: bool, takes_coupled: bool) -> str |
 
 def _odd_drive(machine: Machine, takes_coupled: bool) -> str | None:
     system, models = machine.system, models_of(bodies_of(machine.system), machine.drives)
+    if not models:
+        return "no drive at all"
     if len(models) > MOST_STRUCTURES:
         return f"drives of {len(models)} structures, but {MOST_STRUCTURES} at most"
     for spin in system.spins:

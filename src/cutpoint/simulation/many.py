@@ -23,7 +23,7 @@ from cutpoint.simulation.packs import Pack, Setup, packs_of
 from cutpoint.simulation.plant import State
 from cutpoint.simulation.runner import SHOW_PROGRESS_AFTER, Bar, UntracedControllerWarning
 from cutpoint.simulation.sensors import Sensors
-from cutpoint.simulation.simulate import check_kinds, prepared, simulate, steps_of
+from cutpoint.simulation.simulate import Control, check_kinds, prepared, simulate, steps_of
 from cutpoint.simulation.steps_reached import check_steps
 from cutpoint.simulation.substeps import Steps
 from cutpoint.trajectories import Trajectory
@@ -64,7 +64,7 @@ class Runs(Sequence[Any]):
 
 def simulate_many(
     robot: Robot | Sequence[Robot],
-    controller: Any = None,
+    controller: Control | Sequence[Control] = None,
     trajectory: Trajectory | Sequence[Trajectory] | None = None,
     duration: float | None = None,
     control_period: float = 1e-3,

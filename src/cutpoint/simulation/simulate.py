@@ -7,7 +7,7 @@ from typing import Any, Literal, Protocol, runtime_checkable
 import numpy as np
 from numpy.typing import NDArray
 
-from cutpoint.control.interface import start_of
+from cutpoint.control.interface import Controller, StepFunction, start_of
 from cutpoint.control.sampled_loop import check_delays
 from cutpoint.door import check_kind, whole
 from cutpoint.errors import InputError, SimulationError
@@ -40,6 +40,8 @@ from cutpoint.trajectories import Trajectory
 
 Array = NDArray[np.float64]
 Accuracy = Literal["standard", "fine", "reference"]
+Control = Controller | StepFunction | None
+"""A law, or a step without memory; None for no torque."""
 
 
 @runtime_checkable
@@ -66,7 +68,7 @@ KINDS: dict[str, tuple[Any, str]] = {
 
 def simulate(
     robot: Robot,
-    controller: Any = None,
+    controller: Control = None,
     trajectory: Trajectory | None = None,
     duration: float | None = None,
     control_period: float = 1e-3,
