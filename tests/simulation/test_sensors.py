@@ -7,7 +7,7 @@ import pytest
 
 from cutpoint import InputError, Log, Sensors, simulate
 from cutpoint.control import PD
-from cutpoint.simulation.noise import noise_beside
+from cutpoint.simulation.noise import Noise
 from cutpoint.trajectories import quintic
 from robot_library import frictionless, robot
 
@@ -50,6 +50,12 @@ def test_noise_has_its_deviation_and_comes_again_with_its_seed():
         assert abs(noise.mean()) < 0.2 * deviation
         assert np.array_equal(log[f"measured_{name}"], again[f"measured_{name}"])
         assert not np.array_equal(log[f"measured_{name}"], other[f"measured_{name}"])
+
+
+def noise_beside(seeds: list[int], samples: int, size: int, backend: str) -> np.ndarray:
+    rows = np.empty((samples, size * len(seeds)))
+    Noise(seeds, size, backend).fill(rows)
+    return rows
 
 
 @pytest.mark.parametrize("backend", ["llvm", "numpy"])

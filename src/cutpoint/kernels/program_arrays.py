@@ -87,7 +87,8 @@ def _number(count: int | str, counts: Mapping[str, int]) -> int:
 
 def _check_apart(plan: Plan, arrays: Mapping[str, np.ndarray]) -> None:
     """No array overlaps another, unless both are only read."""
-    spans = sorted((a.ctypes.data, a.ctypes.data + a.nbytes, name) for name, a in arrays.items() if a.nbytes)
+    starts = [(a.ctypes.data, a.nbytes, name) for name, a in arrays.items() if a.nbytes]
+    spans = sorted((start, start + size, name) for start, size, name in starts)
     reach, owner = 0, ""
     for start, end, name in spans:
         if start < reach and (name in plan.written or owner in plan.written):

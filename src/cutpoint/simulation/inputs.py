@@ -10,7 +10,7 @@ from cutpoint.errors import InputError
 from cutpoint.robot import Robot
 from cutpoint.simulation.beginning import vector
 from cutpoint.simulation.loop import ClosedLoop
-from cutpoint.simulation.noise import noise_beside
+from cutpoint.simulation.noise import Noise
 from cutpoint.simulation.plant import State
 from cutpoint.trajectories import Trajectory
 
@@ -80,4 +80,6 @@ def rows_of(loop: ClosedLoop, times: Array, reference: Array, disturbances: Dist
 
 def noise_of(loop: ClosedLoop, samples: int) -> Array:
     """Standard normal numbers of a run, a row a sample."""
-    return noise_beside([loop.encoders.seed], samples, loop.layout.noise, loop.robot.backend)
+    rows: Array = np.empty((samples, loop.layout.noise))
+    Noise([loop.encoders.seed], loop.layout.noise, loop.robot.backend).fill(rows)
+    return rows

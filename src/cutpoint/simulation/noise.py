@@ -1,6 +1,6 @@
 """Noise of encoders: standard normal numbers by the method of Box and Muller (1958), many at once in compiled lanes."""
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from functools import cache
 
 import numpy as np
@@ -16,32 +16,35 @@ BLOCK = 512
 """Samples whose noise is made at once, while the cache still has it."""
 
 
-def noise_beside(seeds: Sequence[int], samples: int, size: int, backend: str) -> Array:
-    """Noise of runs side by side, (samples, size * runs): number k of run l is in column k * runs + l."""
-    noise: Array = np.empty((samples, size * len(seeds)))
-    starts = range(0, samples if size else 0, BLOCK)
-    for start, block in zip(starts, blocks_beside(seeds, size, backend), strict=False):
-        noise[start : start + BLOCK] = block[: samples - start]
-    return noise
-
-
-def blocks_beside(seeds: Sequence[int], size: int, backend: str) -> Iterator[Array]:
-    """The same without end, BLOCK samples after BLOCK samples.
+class Noise:
+    """Noise of runs side by side, sample after sample, `size` numbers a run.
 
     Blocks are drawn whole: what a run gets depends on its seed and size alone, and a longer run begins as a shorter.
     """
-    sources = [np.random.default_rng(seed) for seed in seeds]
-    while True:
-        block: Array = np.empty((BLOCK * size, len(seeds)))
-        for run, source in enumerate(sources):
-            block[:, run] = _normals(source, BLOCK * size, backend)
-        yield block.reshape(BLOCK, -1)
 
+    def __init__(self, seeds: Sequence[int], size: int, backend: str) -> None:
+        self._sources, self._size, self._backend = [np.random.default_rng(seed) for seed in seeds], size, backend
 
-def _normals(source: np.random.Generator, count: int, backend: str) -> Array:
-    """An even count of normal numbers."""
-    radius, turn = source.random((2, count // 2))
-    return _box_muller(backend)(radius, turn).ravel()
+    def fill(self, rows: Array) -> None:
+        """The next samples, (samples, size * runs): number k of run l is in column k * runs + l.
+
+        rows: C-contiguous; a whole number of blocks, but for the last.
+        """
+        for start in range(0, len(rows) if self._size else 0, BLOCK):
+            own = rows[start : start + BLOCK]
+            if len(own) == BLOCK:
+                self._draw(own)
+            else:
+                whole = np.empty((BLOCK, rows.shape[1]))
+                self._draw(whole)
+                own[:] = whole[: len(own)]
+
+    def _draw(self, block: Array) -> None:
+        pairs = block.reshape(-1, 2, len(self._sources))
+        normals = _box_muller(self._backend)
+        for run, source in enumerate(self._sources):
+            radius, turn = source.random((2, len(pairs)))
+            normals(radius, turn, out=pairs[..., run])
 
 
 @cache

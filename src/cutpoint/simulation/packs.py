@@ -1,7 +1,7 @@
 """Runs of one structure in the lanes of one program: a pack.  What each does is what it does alone, to the last bit."""
 
 import time
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -13,7 +13,7 @@ from cutpoint.kernels import Program
 from cutpoint.simulation.inputs import noise_of
 from cutpoint.simulation.log import Log
 from cutpoint.simulation.loop import ClosedLoop
-from cutpoint.simulation.noise import BLOCK, blocks_beside
+from cutpoint.simulation.noise import BLOCK, Noise
 from cutpoint.simulation.plant import State
 from cutpoint.simulation.recording import log_of
 from cutpoint.simulation.runner import (
@@ -73,7 +73,7 @@ class Pack:
 
     def run(self, goes_on: Callable[[int], bool]) -> dict[int, Log | SimulationError]:
         """All runs' logs or what stopped them; goes_on hears how many samples were done, and may end it."""
-        program, memory, blocks = self.program(), self._memory(), self._noise()
+        program, memory, noise = self.program(), self._memory(), self._noise()
         beside = memory["record"].reshape(BUFFER, -1, WIDTH)
         records = [np.empty((len(self.times), beside.shape[1])) for _ in self.setups]
         total, done, chunk = len(self.times), 0, FIRST_CHUNK
@@ -81,7 +81,7 @@ class Pack:
             first = done % BUFFER
             if first == 0:
                 memory["row"] = self._rows(done)
-                np.concatenate([next(blocks) for _ in range(BUFFER // BLOCK)], out=memory["noise"])
+                noise.fill(memory["noise"])
             before, ticks = time.perf_counter(), min(chunk, BUFFER - first, total - done)
             run_samples(program, memory, first, ticks, self.steps.number)
             for k, record in enumerate(records):
@@ -110,9 +110,9 @@ class Pack:
         rows = [s.rows[first : first + BUFFER] for s in self._filled]
         return _beside(rows) if self.own_rows else rows[0]
 
-    def _noise(self) -> Iterator[Array]:
+    def _noise(self) -> Noise:
         loops = [s.loop for s in self._filled]
-        return blocks_beside([x.encoders.seed for x in loops], loops[0].layout.noise, loops[0].robot.backend)
+        return Noise([x.encoders.seed for x in loops], loops[0].layout.noise, loops[0].robot.backend)
 
     @property
     def _filled(self) -> list[Setup]:
