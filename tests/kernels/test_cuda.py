@@ -153,6 +153,7 @@ def test_the_command_line_exports_to_cuda(tmp_path: Path) -> None:
     numbers = re.findall(r"^  \(?(\S+?)\)?, /\*", header, re.MULTILINE)
     values = [float(x.lower().replace("infinity", "inf")) if "INF" in x else float.fromhex(x) for x in numbers]
     assert values == cutpoint.robots.xia2019().drive_parameters.tolist()
+    compiled(header, "sm_90")
 
 
 def test_an_unknown_target_is_refused(tmp_path: Path) -> None:

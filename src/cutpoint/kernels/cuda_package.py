@@ -31,10 +31,15 @@ def _texts(graph: Graph, name: str, notes: Notes) -> dict[str, str]:
     fields = {
         "version": __version__, "about": comment(notes.about), "name": name, "guard": name.upper(),
         "declaration": cuda.declaration(name, graph), "code": code, "precision": graph.precision.dtype.name,
-        "arguments": arguments(inputs, outputs, notes), "values": values(name, notes, graph.precision),
+        "arguments": arguments(inputs, outputs, notes), "values": _host_values(values(name, notes, graph.precision)),
     }  # fmt: skip
     templates = files("cutpoint.kernels") / "cuda_templates"
     return {
         f"{name}.{kind}": Template((templates / f"kernel.{kind}").read_text("utf-8")).substitute(fields)
         for kind in ("cu", "cuh")
     }
+
+
+def _host_values(tables: str) -> str:
+    """Tables for the host's memory: NVRTC has none, and no <math.h> either."""
+    return f"\n#ifndef __CUDACC_RTC__{tables}#endif\n" if tables else ""

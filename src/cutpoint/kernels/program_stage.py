@@ -28,7 +28,7 @@ _MOST_HANDED_ON = 16
 Place = tuple[str, int]
 """A region and a slot of it."""
 
-NOTHING: Mapping[Place, str] = MappingProxyType({})
+_NOTHING: Mapping[Place, str] = MappingProxyType({})
 
 
 class StageCode:
@@ -189,7 +189,7 @@ class StageCode:
         code: Code,
         regions: Mapping[str, str],
         slot: int,
-        at_hand: Mapping[Place, str] = NOTHING,
+        at_hand: Mapping[Place, str] = _NOTHING,
         lanes: Lanes | None = None,
     ) -> str:
         """An input's number in the lanes of the stage, or in others."""
