@@ -1,10 +1,9 @@
-"""How every figure of the studies looks: type, colours, sizes.  One place, so that a reader learns them once."""
+"""How every figure of a report looks: type, colours, sizes.  One place, so that a reader learns them once."""
 
 from io import BytesIO
 from typing import Any
 
 from matplotlib import rc_context
-from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 INK = "#1d1d1f"
@@ -52,20 +51,6 @@ STYLE: Any = {
 def styled() -> Any:
     """A context in which figures are made and saved in this style, and after which matplotlib is as it was."""
     return rc_context(STYLE)
-
-
-def six_panels(title: str, unit: str) -> tuple[Figure, list[Axes]]:
-    """A figure of 2 x 3 panels over time, one a joint, each named; y axes carry the unit."""
-    figure = Figure(figsize=(WIDTH, 5.0), layout="constrained")
-    panels = list(figure.subplots(2, 3, sharex=True).flat)
-    for k, axes in enumerate(panels):
-        axes.set_title(f"({'abcdef'[k]}) joint {k + 1}")
-        axes.margins(x=0)
-        if k % 3 == 0:
-            axes.set_ylabel(f"{title} [{unit}]")
-        if k >= 3:
-            axes.set_xlabel("time [s]")
-    return figure, panels
 
 
 def png(figure: Figure) -> bytes:

@@ -4,10 +4,11 @@ import numpy as np
 from matplotlib.figure import Figure, SubFigure
 from matplotlib.lines import Line2D
 
-from cutpoint.reporting.style import INK, LINK, MOTOR, WIDTH, six_panels
+from cutpoint.reporting.style import INK, LINK, MOTOR, WIDTH
 from cutpoint.reporting.style import JOINTS as COLOURS
 from cutpoint.simulation import Log
 from cutpoint.studies.chain import Array
+from cutpoint.studies.paper.panels import six_panels
 from cutpoint.studies.paper.printed import JOINTS, TABLE_4_POSITION, TABLE_4_TORQUE
 
 
@@ -17,8 +18,8 @@ def position_rms(log: Log) -> Array:
 
 
 def figure_10(log: Log) -> Figure:
-    figure, panels = six_panels("torque", "N m")
-    for k, axes in enumerate(panels):
+    figure = Figure(figsize=(WIDTH, 5.0), layout="constrained")
+    for k, axes in enumerate(six_panels(figure, "torque", "N m")):
         axes.plot(log.time, log["command_torque"][:, k], color=LINK, lw=0.5, alpha=0.8)
         axes.plot(log.time, log["feedforward_torque"][:, k], color=MOTOR, lw=1.6, ls="--")
     handles = [Line2D([], [], color=LINK, lw=2), Line2D([], [], color=MOTOR, ls="--")]
@@ -37,15 +38,9 @@ def figure_11(log: Log) -> Figure:
 
 def _errors(figure: SubFigure, title: str, unit: str, time: Array, errors: Array) -> None:
     figure.suptitle(title, x=0.01, ha="left", weight="bold", fontsize=12)
-    for k, axes in enumerate(figure.subplots(2, 3, sharex=True).flat):
+    for k, axes in enumerate(six_panels(figure, "error", unit)):
         axes.plot(time, errors[:, k], color=COLOURS[k], lw=0.4, alpha=0.55)
         axes.plot(time, np.convolve(errors[:, k], np.full(101, 1 / 101), mode="same"), color=INK, lw=1.2)
-        axes.set_title(f"joint {k + 1}")
-        axes.margins(x=0)
-        if k % 3 == 0:
-            axes.set_ylabel(f"error [{unit}]")
-        if k >= 3:
-            axes.set_xlabel("time [s]")
 
 
 def by_rung(logs: dict[str, Log]) -> Figure:

@@ -4,13 +4,14 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from cutpoint.reporting.page import Page, Picture, Table, number, row
-from cutpoint.reporting.style import FAINT, INK, LINK, MOTOR, WIDTH, six_panels
+from cutpoint.reporting.style import FAINT, INK, LINK, MOTOR, WIDTH
 from cutpoint.reporting.style import JOINTS as COLOURS
 from cutpoint.robots import xia2019_mechanism
 from cutpoint.studies import lagrange, newton_euler
 from cutpoint.studies.chain import Array, chain_of
 from cutpoint.studies.paper.bench import Bench
 from cutpoint.studies.paper.candidates import AS_PRINTED, LENGTHS, candidates
+from cutpoint.studies.paper.panels import six_panels
 from cutpoint.studies.paper.printed import DURATION, JOINTS, TABLE_3, TABLE_3_LARGEST
 
 SAMPLES = 1001
@@ -83,7 +84,8 @@ def _verdict(vd: Array, ne: Array, differences: dict[str, Array]) -> str:
 
 
 def _figure_7(time: Array, vd: Array, ne: Array) -> Figure:
-    figure, panels = six_panels("torque", "N m")
+    figure = Figure(figsize=(WIDTH, 5.0), layout="constrained")
+    panels = six_panels(figure, "torque", "N m")
     for k, axes in enumerate(panels):
         axes.plot(time, vd[:, k], color=MOTOR)
         axes.plot(time[::50], ne[::50, k], "o", color=LINK, ms=4, mfc="white", mew=1.2)
