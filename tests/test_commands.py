@@ -107,7 +107,7 @@ def test_a_run_whose_log_no_file_would_hold_is_refused_before_it_runs(tmp_path: 
     arguments = ("simulate", "xia2019", "--to", "1,1,1,1,1,1", "--duration", "5000", "--output", str(output))
     result = CliRunner().invoke(app, [*arguments])
     assert isinstance(result.exception, InputError)
-    assert re.search(r"a log of 5,000,000 samples takes some .* bytes, .*; shorten --duration", str(result.exception))
+    assert re.search(r"a log of 5,000,000 samples may take .* bytes, .*; shorten --duration", str(result.exception))
     assert not output.exists()
 
 

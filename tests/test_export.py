@@ -14,9 +14,9 @@ import pytest
 import cutpoint
 from c_builds import STRICT, CFunction, assert_same_bits, build, run
 from cutpoint import Coulomb, Drive, InputError, LuGre, Rotor, TraceError
-from cutpoint.commands.deployment import FUNCTIONS
 from cutpoint.control import PD, Fault, Feedforward, Guard
-from cutpoint.export import RESULTS, export_controller, export_function
+from cutpoint.export import export_controller, export_function
+from cutpoint.functions.exported import RESULTS
 from cutpoint.simulation.control_kernel import law_kernel, law_memory
 from cutpoint.simulation.parameters import law_parameters
 from cutpoint.trajectories import cycloid
@@ -309,7 +309,3 @@ def test_the_command_line_exports(tmp_path: Path) -> None:
     assert f"c: {tmp_path / 'gravity_forces.c'}" in done.stdout
     done = subprocess.run([*command, "gravity", tmp_path], capture_output=True, text=True, check=False)
     assert done.returncode == 1 and "no function to export is named 'gravity'" in done.stderr
-
-
-def test_the_help_lists_what_can_be_exported() -> None:
-    assert [*FUNCTIONS] == [*RESULTS]

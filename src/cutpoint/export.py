@@ -12,22 +12,12 @@ from numpy.typing import ArrayLike
 from cutpoint.door import check_kind, positive
 from cutpoint.errors import InputError, unknown_name
 from cutpoint.export_notes import PER_DRIVE, labels_of, notes_of, result_of
+from cutpoint.functions.exported import RESULTS
 from cutpoint.kernels import c99_package, cuda_package
 from cutpoint.kernels.c99_texts import Values
 from cutpoint.robot import Robot
 from cutpoint.simulation.control_kernel import law_kernel, law_memory
 from cutpoint.simulation.parameters import law_parameters
-
-RESULTS = {
-    "inverse_dynamics": "torque", "forward_dynamics": "a", "mass_matrix": "M", "bias_forces": "torque",
-    "gravity_forces": "torque", "coriolis_matrix": "C", "regressor": "Y", "jacobian": "J", "frame_pose": "pose",
-    "velocity_map": "J", "kinetic_energy": "energy", "potential_energy": "energy", "momentum": "h",
-    "power_flows": "power", "integrate": "q_next", "difference": "v", "coordinate_rates": "q_dot",
-    "elastic_inverse_dynamics": "", "elastic_forward_dynamics": "", "elastic_energy": "energy",
-    "drive_torque": "torque", "static_deflection": "deflection", "friction_torques": "torque",
-}  # fmt: skip
-"""What can be exported, and how its result is called; those that return several name them themselves."""
-
 
 _WRITERS = {"c": c99_package.write_package, "cuda": cuda_package.write_package}
 """What a function can be exported to."""

@@ -6,21 +6,14 @@ from typing import Annotated, Literal
 import typer
 
 from cutpoint.commands.shared import Drives, Gravity, Locks, Mimics, RobotFile, app, robot_of, say_path
-
-FUNCTIONS = (
-    "inverse_dynamics", "forward_dynamics", "mass_matrix", "bias_forces", "gravity_forces", "coriolis_matrix",
-    "regressor", "jacobian", "frame_pose", "velocity_map", "kinetic_energy", "potential_energy", "momentum",
-    "power_flows", "integrate", "difference", "coordinate_rates", "elastic_inverse_dynamics",
-    "elastic_forward_dynamics", "elastic_energy", "drive_torque", "static_deflection", "friction_torques",
-)  # fmt: skip
-"""What `export_function` takes, for --help: to ask it would load all that it needs."""
+from cutpoint.functions.exported import RESULTS
 
 
 @app.command(epilog="Example: cutpoint export xia2019 --function elastic_inverse_dynamics --to c deployed")
 def export(
     robot: RobotFile,
     folder: Annotated[Path, typer.Argument(metavar="DIR", help="Folder for the files; made if it is not there.")],
-    function: Annotated[str, typer.Option(help=f"Which of Robot's methods: {', '.join(FUNCTIONS)}.")],
+    function: Annotated[str, typer.Option(help=f"Which of Robot's methods: {', '.join(RESULTS)}.")],
     to: Annotated[
         Literal["c", "cuda"],
         typer.Option(help="What to write: c, a package of C99 with a header for C++17, or cuda, CUDA C."),

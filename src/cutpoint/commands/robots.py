@@ -16,7 +16,6 @@ from cutpoint.commands.shared import (
     RobotFile,
     Rung,
     app,
-    check_log_fits,
     check_targets,
     console,
     keep,
@@ -35,7 +34,13 @@ from cutpoint.commands.tables import (
     torque_table,
 )
 from cutpoint.door import check_configuration
-from cutpoint.errors import INTERRUPTED, SimulationError
+from cutpoint.errors import INTERRUPTED, InputError, SimulationError
+
+MANY_SAMPLES = 100_000
+"""Of a log; how large a longer one would be is looked at before it is run."""
+
+CHARACTERS = 25
+"""That a number takes in a .csv at most, its comma included."""
 
 
 @app.command(epilog="Example: cutpoint inspect arm.urdf --drives arm.drives.yaml")
@@ -106,7 +111,7 @@ def simulate(
     if feedforward != "none":
         controller = controller + Feedforward(loaded, feedforward)
     try:
-        check_log_fits(output, loaded, controller, trajectory, period)
+        _check_log_fits(output, loaded, controller, trajectory, period)
         log = cutpoint.simulate(loaded, controller, trajectory, control_period=period)
     except SimulationError as error:
         if error.log is not None:
@@ -148,3 +153,21 @@ def modes(
     if plot:
         keep_picture(found.plot(), plot)
     console.print(modes_table(loaded, found))
+
+
+def _check_log_fits(
+    output: Path | None, robot: cutpoint.Robot, controller: Any, trajectory: Any, period: float
+) -> None:
+    """Raises InputError for a run whose log would be larger than a file may be, before it is run."""
+    from cutpoint.simulation.log_files import LARGEST
+
+    samples = trajectory.duration / period
+    if output is None or not MANY_SAMPLES < samples < np.inf:
+        return
+    few = cutpoint.simulate(robot, controller, trajectory, duration=period, control_period=period)
+    numbers = samples * sum(x.size for x in few.channels.values()) / len(few.time)
+    size = numbers * (8 if output.suffix.lower() == ".npz" else CHARACTERS)
+    if size > LARGEST:
+        remedy = "shorten --duration or lengthen --period, or simulate in Python with channels= of those that you need"
+        told = f"a log of {samples:,.0f} samples may take {size:.2g} bytes, a file may hold {LARGEST:.2g}"
+        raise InputError(f"--output {str(output)!r}: {told}; {remedy}", path=output)

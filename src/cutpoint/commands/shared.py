@@ -21,13 +21,6 @@ if TYPE_CHECKING:
     from cutpoint.simulation import Log
 
 
-MANY_SAMPLES = 100_000
-"""Of a log; how large a longer one would be is looked at before it is run."""
-
-CHARACTERS = 18
-"""That a number takes in a .csv."""
-
-
 class Commands(TyperGroup):
     """All commands; Ctrl-C ends one with a line that says so, and what its KeyboardInterrupt knows of files."""
 
@@ -136,24 +129,6 @@ def say_notes(notes: Iterable[str]) -> None:
 def say_path(word: str, path: Path) -> None:
     """In one line, however long it is: people and programs copy it."""
     console.print(f"{word}: {path}", soft_wrap=True, highlight=False)
-
-
-def check_log_fits(
-    output: Path | None, robot: cutpoint.Robot, controller: Any, trajectory: Any, period: float
-) -> None:
-    """Raises InputError for a run whose log would be larger than a file may be, before it is run."""
-    from cutpoint.simulation.log_files import LARGEST
-
-    samples = trajectory.duration / period
-    if output is None or not MANY_SAMPLES < samples < np.inf:
-        return
-    few = cutpoint.simulate(robot, controller, trajectory, duration=period, control_period=period)
-    numbers = samples * sum(x.size for x in few.channels.values()) / len(few.time)
-    size = numbers * (8 if output.suffix.lower() == ".npz" else CHARACTERS)
-    if size > LARGEST:
-        remedy = "shorten --duration or lengthen --period, or simulate in Python with channels= of those that you need"
-        told = f"a log of {samples:,.0f} samples takes some {size:.2g} bytes, a file may hold {LARGEST:.2g}"
-        raise InputError(f"--output {str(output)!r}: {told}; {remedy}", path=output)
 
 
 def keep(log: "Log", output: Path | None, plot: Path | None) -> None:
