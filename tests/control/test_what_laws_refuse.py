@@ -224,7 +224,11 @@ REFUSED = {
     ),
     "tuning what is found by tuning": (
         lambda: tune(elbow(), 3.0, kp=1.0),
-        r"tune: PD does not take these options: .*'kp'",
+        r"tune: kp of PD is what tune finds; leave it out",
+    ),
+    "tuning with an unknown option": (
+        lambda: tune(elbow(), 3.0, sides="motor"),
+        r"no option of PD is named 'sides'.*'side'",
     ),
     "tuning at several poses": (lambda: tune(elbow(), 3.0, q=[[0.0] * 2]), r"q has shape \(1, 2\), it must be one"),
     "a sum of nothing": (lambda: Sum(()), r"Sum: it has no parts, and so no number of drives; give it a law"),

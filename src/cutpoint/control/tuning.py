@@ -1,6 +1,7 @@
 """Gains from what an engineer asks for: bandwidth and damping, at a pose, on the plant as it is sampled."""
 
 from collections.abc import Callable
+from inspect import signature
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -132,10 +133,17 @@ def tune(
 
 
 def _made(law: Any, wanted: Wanted, options: dict[str, Any]) -> Any:
+    known = [*signature(law).parameters]
+    for name in options:
+        if name not in known:
+            raise unknown_name(f"option of {law.__name__}", name, known)
     try:
         return RECIPES[law](wanted, **options)
-    except TypeError as error:  # an option that the law lacks, or that is what is sought
-        raise InputError(f"tune: {law.__name__} does not take these options: {error}", **options) from None
+    except TypeError as error:
+        twice = [name for name in options if f"multiple values for argument {name!r}" in str(error)]
+        if not twice:
+            raise
+        raise InputError(f"tune: {twice[0]} of {law.__name__} is what tune finds; leave it out", **options) from None
 
 
 def check_holds(robot: Robot, law: Any, q: ArrayLike, period: float) -> None:
@@ -144,9 +152,9 @@ def check_holds(robot: Robot, law: Any, q: ArrayLike, period: float) -> None:
     Where all drives have friction, it may leave what grows more slowly than STOPPED to that.
     """
     worst = slowest_pole(robot, law, q, period)
-    growth = np.log(worst.size) / period
     if _is_held(robot, worst, period):
         return
+    growth = np.log(worst.size) / period
     what = f"{worst.joint!r} would swing at {worst.frequency:.1f} Hz and grow by {growth:.3g} nepers a second"
     remedies = ["ask for another bandwidth"]
     if _would_be_held(robot, law, q, period / SHORTER):
