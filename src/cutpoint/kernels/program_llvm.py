@@ -72,7 +72,7 @@ def program_ir(plan: Plan) -> str:
             turns = [*around, _Turn(running.iteration, count)]
             inside = regions | _rows(code, plan, this, turns, starts)
             for item in this.body:
-                if isinstance(item, Stage) and stages[item].looks_ahead:
+                if isinstance(item, Stage):
                     inside |= stages[item].look_ahead(code, inside, running.iteration, count)
             at_hand: dict[Place, str] = {}
             for item, following in zip(this.body, [*this.body[1:], None], strict=True):

@@ -33,7 +33,7 @@ class Plan:
     counts: the names of numbers that a run must state.  views: by name.
     single: for each stage the names of which it sees one lane.  single_views: the views that are one lane of a row.
     indices: for each list of rows, the counts of the loops it advances with.
-    onward: for each stage the regions that go on to the next row with the loop right around it.
+    advancing: for each stage the regions that go on to the next row with the loop right around it.
     """
 
     body: Loop
@@ -46,7 +46,7 @@ class Plan:
     indices: dict[str, list[int | str]]
     single: dict[Stage, frozenset[str]]
     single_views: frozenset[str]
-    onward: dict[Stage, frozenset[str]]
+    advancing: dict[Stage, frozenset[str]]
 
     @cached_property
     def sizes(self) -> dict[str, int]:
@@ -77,7 +77,7 @@ class Plan:
     def known_ahead(self, stage: Stage) -> frozenset[str]:
         """Regions that a stage reads row by row, each row there before its turn and the same for all lanes."""
         shared = {name for name in stage.reads if name in self.regions and self.regions[name].lanes == 1}
-        return (self.onward[stage] & shared) - self.written
+        return (self.advancing[stage] & shared) - self.written
 
     def is_laned(self, stage: Stage, name: str) -> bool:
         """Whether each lane of a stage has numbers of its own in a region."""
@@ -102,7 +102,8 @@ def plan(body: Loop, regions: Sequence[Region]) -> Plan:
     single_views = frozenset(name for name, single in walk.single_views.items() if single)
     counts = tuple(walk.counts)
     return Plan(
-        body, named, walk.graphs, written, streamed, counts, walk.views, indices, walk.single, single_views, walk.onward
+        body, named, walk.graphs, written, streamed, counts, walk.views, indices, walk.single, single_views,
+        walk.advancing,
     )
 
 
@@ -116,7 +117,7 @@ class _Walk:
         self.streamed: dict[str, list[Advance]] = defaultdict(list)
         self.single: dict[Stage, frozenset[str]] = {}
         self.single_views: dict[str, bool] = {}
-        self.onward: dict[Stage, frozenset[str]] = {}
+        self.advancing: dict[Stage, frozenset[str]] = {}
         self.views: dict[str, View] = {}
         self.indices: dict[str, list[int | str]] = defaultdict(list)
         self.counts: dict[str, None] = {}
@@ -139,7 +140,7 @@ class _Walk:
             elif isinstance(item, Stage):
                 self._stage(item, inside, single)
                 goes_on = frozenset(() if loop.backward or isinstance(loop, LaneLoop) else loop.streams)
-                self.onward[item] = self.onward.get(item, goes_on) & goes_on
+                self.advancing[item] = self.advancing.get(item, goes_on) & goes_on
             else:
                 raise InputError(f"a loop's body holds stages and loops, not a {type(item).__name__}")
 

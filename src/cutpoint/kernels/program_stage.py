@@ -37,8 +37,7 @@ class StageCode:
     What it computes of numbers that never change is computed here, before all loops.  What it computes of rows that no
     stage writes is computed for AT_ONCE iterations at a time, in their lanes, where that is worth while.
 
-    lanes: of the stage.  hands_on: whether an iteration may hand what it writes to the next.  looks_ahead: whether
-    iterations find some of it done by `look_ahead`.
+    lanes: of the stage.  hands_on: whether an iteration may hand what it writes to the next.
     """
 
     def __init__(self, code: Code, plan: Plan, stage: Stage, regions: Mapping[str, str]) -> None:
@@ -56,7 +55,6 @@ class StageCode:
         if laned:
             self._fix(code, regions, self.lanes)
         self._ahead, self._ahead_at = self._cut_ahead(code)
-        self.looks_ahead = self._ahead is not None
         self._rest = self._graph
 
     def _fix(self, code: Code, regions: Mapping[str, str], lanes: Lanes) -> None:
@@ -89,8 +87,12 @@ class StageCode:
         return before, self._kept(code, Lanes(AT_ONCE), len(before.results), laned=False)
 
     def look_ahead(self, code: Code, regions: Mapping[str, str], iteration: str, count: str | int) -> dict[str, str]:
-        """Computes for the next iterations what rows say of them, if it is time; where this one's numbers are."""
-        assert self._ahead is not None
+        """Computes for the next iterations what rows say of them, if it is time; where this one's numbers are.
+
+        Nothing where it is not worth while.
+        """
+        if self._ahead is None:
+            return {}
         lanes, lane = Lanes(AT_ONCE), code.let(f"urem i64 {iteration}, {AT_ONCE}")
         with code.where(code.let(f"icmp eq i64 {lane}, 0")):
             rows = self._rows_ahead(code, regions, code.let(f"sub i64 {count}, {iteration}"))

@@ -5,6 +5,7 @@ others it reads.  So one piece of code, of one size, serves trees of any size.
 """
 
 from collections.abc import Callable, Iterable, Sequence
+from itertools import accumulate
 
 import numpy as np
 
@@ -30,8 +31,10 @@ FIELDS = {
 A rotor's momentum is that at unit speed: of one rigidly geared, or of one behind a spring.
 """
 
-BODY = sum(FIELDS.values())
-SPRUNG = sum([*FIELDS.values()][: [*FIELDS].index("sprung momentum")])
+ENDS = dict(zip(FIELDS, accumulate(FIELDS.values()), strict=True))
+"""Where each ends in its row."""
+
+BODY, SPRUNG = ENDS["last carried"], ENDS["sprung momentum"] - 1
 
 BASE = -2
 """Where a body's number is asked for, a base that moves freely."""
@@ -122,7 +125,7 @@ class Columns:
         same = (rows == first).all(axis=0) & np.isin(first, (-1.0, 0.0, 1.0))
         self.stated = {int(k): int(first[k]) for k in np.flatnonzero(same)}
         self.read = np.ascontiguousarray(rows[:, ~same])
-        self.mount = np.zeros(3) if base else first[9:12]
+        self.mount = np.zeros(3) if base else first[ENDS["rotation"] : ENDS["position"]]
         self.width = self.read.shape[1]
         self._columns = rows.shape[1]
 

@@ -58,8 +58,9 @@ def left_behind(columns: Columns) -> Pass:
         turn = own.axis.dot(A.angular)
 
         def own_turn(drive: Model) -> list[Any]:
-            rides_along = drive is not None and drive.is_elastic and drive.is_coupled
-            return [theta_ddot[0] - turn / drive.ratio if drive and rides_along else theta_ddot[0]]
+            if drive is None or not (drive.is_elastic and drive.is_coupled):
+                return [theta_ddot[0]]
+            return [theta_ddot[0] - turn / drive.ratio]
 
         return columns.by_drive(row, own_turn)
 
