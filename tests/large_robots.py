@@ -6,6 +6,7 @@ import numpy as np
 
 from cutpoint.model import Joint, Link, Mechanism
 from cutpoint.model.build import build
+from cutpoint.rolled import RECIPES
 from random_trees import placement
 
 
@@ -20,6 +21,12 @@ def chain(size: int, kinds: tuple[str, ...] = ("revolute",)) -> Mechanism:
         stated = {"pitch": pitch} if kind == "helical" else {}
         joints.append(Joint(f"joint{k}", kind, links[-2].name, links[-1].name, T, along, **stated))  # type: ignore[arg-type]
     return build("chain", links, joints)
+
+
+def longest(key: Any) -> int:
+    """Bodies of the longest chain for which a function is code without loops."""
+    recipe = RECIPES[key]
+    return max(n for n in range(1, recipe.above + 1) if n * (n + 1) / 2 <= recipe.pairs)
 
 
 def based(kind: Any, size: int, branching: bool = True) -> Mechanism:

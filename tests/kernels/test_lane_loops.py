@@ -10,6 +10,7 @@ from cutpoint.errors import InputError
 from cutpoint.kernels import LaneLoop, Loop, Program, Region, Stage, View, compile_program
 from cutpoint.kernels.fastcall import Front
 from cutpoint.kernels.program_front import front_of
+from cutpoint.kernels.program_outputs import whole
 from cutpoint.scalars import sin
 
 BACKENDS = ("llvm", "numpy")
@@ -103,7 +104,7 @@ def test_a_front_takes_vectors_and_gives_its_callers_their_own() -> None:
     n = 9
     arrays, parents = memory(n, np.ones((n, 2))), np.array([n, *range(n - 1)])
     run = program("llvm").bound({"blocks": 3, "nodes": n}, parents=parents, **arrays)
-    own = {"x": arrays["x"].reshape(-1)[:4]}, {"total": arrays["total"].reshape(-1)[:4]}
+    own = {"x": arrays["x"].reshape(-1)[:4]}, {"total": whole(arrays["total"].reshape(-1)[:4])}
     front = front_of(run, "walk", *own, Front(lambda *given: ("general", *given), largest=1e15))
     x = np.array([0.1, 0.2, 0.3, 0.4])
     first = front(x)
@@ -118,7 +119,7 @@ def test_fronts_called_from_threads_do_not_meet() -> None:
     n = 9
     arrays, parents = memory(n, np.ones((n, 2))), np.array([n, *range(n - 1)])
     run = program("llvm").bound({"blocks": 3, "nodes": n}, parents=parents, **arrays)
-    own = {"x": arrays["x"].reshape(-1)[:4]}, {"total": arrays["total"].reshape(-1)[:4]}
+    own = {"x": arrays["x"].reshape(-1)[:4]}, {"total": whole(arrays["total"].reshape(-1)[:4])}
     front = front_of(run, "walk", *own, Front(lambda *given: None))
     inputs = np.random.default_rng(0).normal(size=(4, 4))
     expected, wrong = [front(x) for x in inputs], []

@@ -101,7 +101,7 @@ def test_accelerations_of_a_large_elastic_robot_are_those_of_its_motor_torques()
 
 
 def test_loops_are_for_large_robots_and_what_they_were_asked_for() -> None:
-    mechanism = random_tree(7, 40)
+    mechanism = random_tree(7, 150)
     machine = Robot(mechanism, drives_of(mechanism, "springs", np.random.default_rng(0))).machine
     plain = (INVERSE, False, False, True)
     assert rolled(plain, machine, "llvm") and rolled(FORWARD, machine, "llvm")
@@ -223,9 +223,9 @@ def test_wrong_input_of_elastic_loops_is_explained() -> None:
 
 
 def test_a_large_robot_without_drives_has_nothing_to_tell_of_motors() -> None:
-    robot = Robot(chain(40, ("helical",)))
+    robot = Robot(chain(60, ("helical",)))
     q, v, a, jerk, snap = np.random.default_rng(0).uniform(-1.0, 1.0, (5, robot.nv))
     found = robot.elastic_inverse_dynamics(q, v, a, jerk, snap)
     assert found.motor_torque.shape == (0,)
     assert_close(found.joint_torque, robot.inverse_dynamics(q, v, a), 1e-10)
-    assert_close(robot.elastic_forward_dynamics(q, v, [], [], []).a, robot.forward_dynamics(q, v, np.zeros(40)), 1e-8)
+    assert_close(robot.elastic_forward_dynamics(q, v, [], [], []).a, robot.forward_dynamics(q, v, np.zeros(60)), 1e-8)

@@ -18,7 +18,7 @@ from cutpoint.rolled import RECIPES, RolledFunction
 from cutpoint.rolled import rolled as suited_to
 from cutpoint.rolled.bodies import columns_of
 from cutpoint.rolled.passes import one_by_one, side_by_side
-from large_robots import assert_close, based
+from large_robots import assert_close, based, longest
 from twins import pinocchio_of
 
 RIGID = ("inverse_dynamics", "bias_forces", "gravity_forces", "forward_dynamics", "mass_matrix")
@@ -84,9 +84,9 @@ def test_a_floating_robot_of_150_moves_as_pinocchio_says(branching: bool) -> Non
 
 @pytest.mark.parametrize("name", RIGID)
 def test_large_floating_robots_loop_and_small_ones_do_not(name: str) -> None:
-    above = RECIPES[name].above
-    assert suited_to(name, Robot(based("floating", above - 1)).machine, "llvm") is None
-    assert suited_to(name, Robot(based("floating", above)).machine, "llvm") is not None
+    most = longest(name)
+    assert suited_to(name, Robot(based("floating", most - 1, branching=False)).machine, "llvm") is None
+    assert suited_to(name, Robot(based("floating", most, branching=False)).machine, "llvm") is not None
 
 
 @pytest.mark.parametrize("name", [*RIGID, *ELASTIC])

@@ -28,7 +28,7 @@ TREES = {
     "tree": random_tree(1, 14),
     "one body": chain(1),
     "floating": based("floating", 14),
-    "planar": based("planar", 14),
+    "planar": based("planar", 16),
 }
 
 

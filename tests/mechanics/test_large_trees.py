@@ -21,8 +21,9 @@ from cutpoint.rolled import RECIPES, RolledFunction
 from cutpoint.rolled import rolled as suited_to
 from cutpoint.rolled.bodies import Columns, rows_of
 from cutpoint.rolled.passes import one_by_one, side_by_side
-from large_robots import assert_close, chain
+from large_robots import assert_close, chain, longest
 from random_trees import random_tree
+from robot_library import load
 
 DYNAMICS = ("inverse_dynamics", "forward_dynamics")
 RIGID = ("inverse_dynamics", "bias_forces", "gravity_forces", "forward_dynamics", "mass_matrix")
@@ -120,13 +121,21 @@ def test_a_chain_of_192_moves_as_pinocchio_says() -> None:
 
 @pytest.mark.parametrize("name", RIGID)
 def test_large_robots_loop_and_small_ones_do_not(name: str) -> None:
-    above = RECIPES[name].above
-    assert suited_to(name, machine_of(chain(above), {}), "llvm") is None
-    robot = Robot(chain(above + 1))
-    given = dict(zip(("q", "v", "a"), states(robot), strict=True)) | {"tau": np.ones(above + 1)}
+    most = longest(name)
+    assert suited_to(name, machine_of(chain(most), {}), "llvm") is None
+    robot = Robot(chain(most + 1))
+    given = dict(zip(("q", "v", "a"), states(robot), strict=True)) | {"tau": np.ones(most + 1)}
     getattr(robot, name)(*(given[x] for x in RECIPES[name].inputs))
-    with pytest.raises(InputError, match=rf"{name}: of {above + 1} bodies it runs as loops over them"):
+    with pytest.raises(InputError, match=rf"{name}: of {most + 1} bodies it runs as loops over them"):
         robot.kernel(name)
+
+
+def test_robots_of_many_short_chains_loop_later() -> None:
+    machine = load("tiago_dual.urdf").machine  # of 101 bodies, up to 17 in a chain
+    assert suited_to("forward_dynamics", machine, "llvm") is None
+    assert suited_to("mass_matrix", machine, "llvm") is not None
+    assert suited_to("mass_matrix", load("talos_full_v2.urdf").machine, "llvm") is None
+    assert suited_to("forward_dynamics", machine_of(random_tree(1, 300), {}), "llvm") is not None
 
 
 def test_code_is_as_long_for_ten_bodies_as_for_a_thousand() -> None:
@@ -239,7 +248,7 @@ def test_torques_and_accelerations_undo_each_other() -> None:
 
 @pytest.mark.parametrize("far", [1e3, 1e6])
 def test_where_a_large_robot_is_mounted_makes_no_difference(far: float) -> None:
-    robot, mount = Robot(chain(40)), np.eye(4)
+    robot, mount = Robot(chain(60)), np.eye(4)
     mount[:3, 3] = far
     q = states(robot)[0]
     for name in ("mass_matrix", "forward_dynamics"):

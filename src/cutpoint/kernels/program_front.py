@@ -1,57 +1,92 @@
-"""A program as a built-in function of Python: vectors in, the program's run on memory of its own, vectors out.
+"""A program as a built-in function of Python: arrays in, the program's run on memory of its own, arrays out.
 
 A call keeps the GIL, so that calls from several threads do not meet in that memory.
 """
 
-from collections.abc import Callable, Mapping
-from typing import Any
+from collections.abc import Callable, Mapping, Sequence
+from itertools import count
+from typing import Any, NamedTuple
 
 import numpy as np
 
 from cutpoint.kernels.element import FUNCTION
 from cutpoint.kernels.fastcall import Front, fastcall, is_possible
 from cutpoint.kernels.jit import Compiled
+from cutpoint.kernels.llvm_code import Code
 from cutpoint.kernels.ports import Port
 from cutpoint.kernels.program_llvm import BoundProgram
+from cutpoint.kernels.program_outputs import Output, whole
 
-Vectors = Mapping[str, np.ndarray]
+NUMBER = np.dtype(np.float64).itemsize
 
 
-def front_of(run: Callable[[], int], name: str, inputs: Vectors, outputs: Vectors, front: Front) -> Any:
+def front_of(
+    run: Callable[[], int], name: str, inputs: Mapping[str, np.ndarray], outputs: Mapping[str, Output], front: Front
+) -> Any:
     """The function; `front.general` itself where Python or NumPy knows no shortcut.
 
-    run: a program's, bound by LLVM.  inputs, outputs: stretches of its arrays, which calls are given and give.
+    run: a program's, bound by LLVM.  inputs: stretches of its arrays, which calls are given.
     """
     if not is_possible():
         return front.general
     assert isinstance(run, BoundProgram), "NumPy's programs have no machine code"
-    given, made = ([Port(key, x.shape) for key, x in vectors.items()] for vectors in (inputs, outputs))
-    return fastcall(_Element(run, inputs, outputs), name, given, made, front)
+    given, made = ([Port(key, x.shape) for key, x in some.items()] for some in (inputs, outputs))
+    return fastcall(_Element(run, [*inputs.values()], [*outputs.values()]), name, given, made, front)
 
 
 class _Element:
     """Copies in, the run, copies out, as a function of pointers."""
 
-    def __init__(self, run: BoundProgram, inputs: Vectors, outputs: Vectors) -> None:
+    def __init__(self, run: BoundProgram, inputs: Sequence[np.ndarray], outputs: Sequence[Output]) -> None:
         self.call: Callable[..., Any] = run
-        symbols = {f"own{k}": x.ctypes.data for k, x in enumerate((*inputs.values(), *outputs.values()))}
-        self._code = Compiled(_ir(inputs, outputs), FUNCTION, symbols=symbols | run.symbols)
+        parts = [*map(whole, inputs), *outputs]
+        owned = [part.own for x in parts for part in x.parts]
+        symbols = {f"own{k}": own.ctypes.data for k, own in enumerate(owned)}
+        self._code = Compiled(_ir(parts, len(inputs)), FUNCTION, symbols=symbols | run.symbols)
 
     @property
     def element(self) -> int:
         return self._code.address
 
 
-def _ir(inputs: Vectors, outputs: Vectors) -> str:
-    sizes = [x.nbytes for x in (*inputs.values(), *outputs.values())]
-    places = [("@own", "%given")] * len(inputs) + [("%given", "@own")] * len(outputs)
-    lines = [f"@own{k} = external global i8" for k in range(len(sizes))]
+def _ir(arguments: Sequence[Output], inputs: int) -> str:
+    """The module's text; so many of the arguments are inputs."""
+    lines = [f"@own{k} = external global i8" for k in range(sum(len(x.parts) for x in arguments))]
     lines += ["@counts = external global i8", "@regions = external global i8", "declare i64 @program(ptr, ptr)"]
     lines += ["declare void @llvm.memcpy.p0.p0.i64(ptr, ptr, i64, i1)"]
-    lines += [f"define void @{FUNCTION}({', '.join(f'ptr %given{k}' for k in range(len(sizes)))}) {{\nentry:"]
-    copies = [
-        f"call void @llvm.memcpy.p0.p0.i64(ptr {to}{k}, ptr {source}{k}, i64 {size}, i1 false)"
-        for k, (size, (to, source)) in enumerate(zip(sizes, places, strict=True))
-    ]
-    run = "call i64 @program(ptr @counts, ptr @regions)"
-    return "\n".join([*lines, *copies[: len(inputs)], run, *copies[len(inputs) :], "ret void", "}", ""])
+    head = f"define void @{FUNCTION}({', '.join(f'ptr %given{k}' for k in range(len(arguments)))}) {{\nentry:"
+    code, numbers = Code(), count()
+    for k, x in enumerate(arguments):
+        if k == inputs:
+            code.let("call i64 @program(ptr @counts, ptr @regions)")
+        room = np.empty(x.shape)
+        for part in x.parts:
+            there = part.place(room)
+            place = code.at(f"%given{k}", there.ctypes.data - room.ctypes.data, "i8")
+            given, own = _Place(place, there.strides), _Place(f"@own{next(numbers)}", part.own.strides)
+            to, source = (own, given) if k < inputs else (given, own)
+            _copy(code, to, source, part.own.shape)
+    return "\n".join([*lines, head, *code.lines, "ret void", "}", ""])
+
+
+class _Place(NamedTuple):
+    """Where an array begins, and its strides in bytes."""
+
+    pointer: str
+    strides: Sequence[int]
+
+    def entry(self, code: Code, k: str) -> "_Place":
+        """The k-th of the first axis."""
+        offset = code.let(f"mul i64 {k}, {self.strides[0]}")
+        return _Place(code.at(self.pointer, offset, "i8"), self.strides[1:])
+
+
+def _copy(code: Code, to: _Place, source: _Place, shape: Sequence[int]) -> None:
+    if not shape:
+        code.store(code.load(source.pointer, 0), to.pointer, 0)
+    elif len(shape) == 1 and to.strides[0] == source.strides[0] == NUMBER:
+        arguments = f"ptr {to.pointer}, ptr {source.pointer}, i64 {NUMBER * shape[0]}, i1 false"
+        code.lines.append(f"call void @llvm.memcpy.p0.p0.i64({arguments})")
+    else:
+        with code.loop(shape[0]) as loop:
+            _copy(code, to.entry(code, loop.iteration), source.entry(code, loop.iteration), shape[1:])

@@ -70,10 +70,8 @@ def forward_dynamics(
 
 def is_shallow(system: System) -> bool:
     """Whether few joints carry a body, each of one axis."""
-    carrying: list[int] = []
-    for body in system.segments:
-        carrying.append(1 + (0 if body.parent == WORLD else carrying[body.parent]))
-    return sum(carrying) <= FEW * len(carrying) and all(len(body.joint.axes) == 1 for body in system.segments)
+    bodies = system.segments
+    return sum(system.depths) <= FEW * len(bodies) and all(len(body.joint.axes) == 1 for body in bodies)
 
 
 def articulated_accelerations(

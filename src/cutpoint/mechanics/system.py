@@ -111,6 +111,14 @@ class System:
         """Whether some coordinate drives several joints."""
         return any(s.follower for s in self.segments)
 
+    @property
+    def depths(self) -> list[int]:
+        """For each body how many joints carry it, its own among them."""
+        depths: list[int] = []
+        for body in self.segments:
+            depths.append(1 + (0 if body.parent == WORLD else depths[body.parent]))
+        return depths
+
     def chain_to(self, body: int) -> list[int]:
         """Indices of the bodies from the world outward to this one."""
         chain = []

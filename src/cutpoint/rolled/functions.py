@@ -45,7 +45,9 @@ def rolled(
     asked, frame = without_frame(key)
     name, bodies = name_of(key), size_of(machine.system, frame)
     recipe = RECIPES.get(asked) or RECIPES.get(name)
-    if recipe is None or bodies <= recipe.above or backends.chosen(backend) != "llvm":
+    if recipe is None or backends.chosen(backend) != "llvm":
+        return None
+    if bodies <= recipe.above and sum(machine.system.depths) <= recipe.pairs:
         return None
     odd = unsuited(machine, recipe.reads_drives, recipe.takes_coupled) if asked in RECIPES else recipe.odd
     if odd is None:
@@ -112,7 +114,7 @@ class RolledFunction:
 
     def _shortcut(self) -> Callable[..., Any]:
         """For single calls, with less between, where inputs and outputs lie in memory as they are given."""
-        if self._one.program.backend != "llvm" or self._task.is_in_parts or not self._are_all_driven:
+        if self._one.program.backend != "llvm" or not self._are_all_driven:
             return self._general
         from cutpoint.kernels.fastcall import Front
         from cutpoint.kernels.program_front import front_of

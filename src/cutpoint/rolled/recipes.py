@@ -3,6 +3,7 @@
 from collections.abc import Callable, Mapping
 from functools import partial
 from itertools import product
+from math import inf
 from typing import Any, NamedTuple, get_args
 
 from cutpoint.mechanics.elastic import DEFAULT, Options
@@ -16,18 +17,20 @@ class Recipe(NamedTuple):
     """A function as loops.
 
     inputs: those that are given; the others are zero.  above: the most bodies, of the robot or of the chain that
-    carries the frame, for which straight-line code is taken.  reads_drives: whether drives have numbers in it.  odd:
-    what its variants want that loops do not take.  takes_coupled: whether it takes rotors with full coupling behind
-    springs.
+    carries the frame, for which straight-line code is taken.  pairs: the most pairs of a body and a joint that carries
+    it, where the code grows with these.  reads_drives: whether drives have numbers in it.  odd: what its variants want
+    that loops do not take.  takes_coupled: whether it takes rotors with full coupling behind springs.
 
-    Measured on chains: in single calls loops take two thirds of the time from some 12 bodies on, in batches twice the
-    time up to the size given; beyond it straight-line code takes more than 2 s to compile, or its batches are slower.
+    Measured on chains of 12 to 128 joints and on humanoids of 29 to 101: up to these sizes straight-line code compiles
+    in some 2 s, takes a third to all of the loops' time in batches and, but on chains, half to all of it in single
+    calls.
     """
 
     steps: Callable[[Columns], Steps]
     inputs: tuple[str, ...]
     outputs: tuple[str, ...]
     above: int
+    pairs: float = inf
     reads_drives: bool = False
     odd: str = "external wrenches"
     takes_coupled: bool = False
@@ -35,17 +38,17 @@ class Recipe(NamedTuple):
 
 def _elastic_inverse(options: Options) -> Recipe:
     passes = partial(elastic.elastic_inverse_dynamics, options=options)
-    return Recipe(passes, steps.RATES, elastic.MOTOR, 24, True, "strains", options.quasi_rigid)
+    return Recipe(passes, steps.RATES, elastic.MOTOR, 32, inf, True, "strains", options.quasi_rigid)
 
 
 STATE = ("q", "v", "theta", "theta_dot", "motor_torque")
 
 RECIPES: Mapping[Any, Recipe] = {
-    "inverse_dynamics": Recipe(steps.inverse_dynamics, ("q", "v", "a"), ("tau",), 64),
-    "bias_forces": Recipe(steps.inverse_dynamics, ("q", "v"), ("tau",), 64),
-    "gravity_forces": Recipe(steps.inverse_dynamics, ("q",), ("tau",), 64),
-    "forward_dynamics": Recipe(forward.forward_dynamics, ("q", "v", "tau"), ("a",), 32),
-    "mass_matrix": Recipe(mass.mass_matrix, ("q",), ("matrix",), 24),
+    "inverse_dynamics": Recipe(steps.inverse_dynamics, ("q", "v", "a"), ("tau",), 96),
+    "bias_forces": Recipe(steps.inverse_dynamics, ("q", "v"), ("tau",), 96),
+    "gravity_forces": Recipe(steps.inverse_dynamics, ("q",), ("tau",), 96),
+    "forward_dynamics": Recipe(forward.forward_dynamics, ("q", "v", "tau"), ("a",), 128, 1000),
+    "mass_matrix": Recipe(mass.mass_matrix, ("q",), ("matrix",), 128, 500),
     ("frame_pose",): Recipe(kinematics.frame_pose, ("q",), ("placement",), 64),
     "kinetic_energy": Recipe(totals.kinetic_energy, ("q", "v"), ("total",), 64),
     "potential_energy": Recipe(totals.potential_energy, ("q",), ("total",), 64),
@@ -59,9 +62,9 @@ RECIPES: Mapping[Any, Recipe] = {
         for choice in product((False, True), repeat=2)
     },
     "elastic_inverse_dynamics": _elastic_inverse(DEFAULT),
-    "static_deflection": Recipe(elastic.static_deflection, ("q",), ("deflection",), 64, True, takes_coupled=True),
+    "static_deflection": Recipe(elastic.static_deflection, ("q",), ("deflection",), 64, inf, True, takes_coupled=True),
     "elastic_forward_dynamics": Recipe(
-        elastic.elastic_forward_dynamics, STATE, ("a", "theta_ddot"), 32, True, "strains", True
+        elastic.elastic_forward_dynamics, STATE, ("a", "theta_ddot"), 128, 1000, True, "strains", True
     ),
 }
 """By name, or by a key that begins with it."""

@@ -6,6 +6,7 @@ from math import prod
 import numpy as np
 
 from cutpoint.kernels import Program, compile_program
+from cutpoint.kernels.program_outputs import Output, Part, whole
 from cutpoint.rolled.memory import COLUMN, MATRIX, Spare, Task, aligned
 from cutpoint.rolled.passes import one_by_one, side_by_side
 
@@ -31,10 +32,10 @@ class One:
         sizes = {r.name: r.size for r in self._rolled.regions}
         arrays: dict[str, Array] = {k: aligned(rows.get(k, 1) * x).reshape(-1, x) for k, x in sizes.items()}
         vectors = {name: aligned((blocks + 1) * lanes, task.of_base(name)) for name in task.steps.numbers}
-        for name, whole in vectors.items():
+        for name, vector in vectors.items():
             head = task.of_base(name)
-            arrays[name] = whole[head:].reshape(-1, lanes)
-            arrays |= {f"base.{name}": whole[:head]} if head else {}
+            arrays[name] = vector[head:].reshape(-1, lanes)
+            arrays |= {f"base.{name}": vector[:head]} if head else {}
         by_body = {k: arrays[k].reshape(blocks + 1, -1, lanes).swapaxes(1, 2) for k in ("body", *task.steps.kept)}
         for k in range(n):
             by_body["body"][k // lanes, k % lanes] = task.columns.read[k]
@@ -50,48 +51,57 @@ class One:
 class OneMemory:
     """What the loops of one call read and write.
 
-    inputs, outputs: arrays by name; a matrix is no output, it is put together from its parts.
+    inputs, outputs: by name, stretches of arrays, and what outputs are put together from.
     """
 
     def __init__(self, task: Task, arrays: dict[str, Array], vectors: dict[str, Array], run: Callable[[], int]) -> None:
         self.run, self._task, self._arrays = run, task, arrays
         self.inputs = {k: vectors[k][: task.size(k)] for k in task.recipe.inputs}
-        shapes = {} if task.is_in_parts else {k: task.shape(k) for k in task.recipe.outputs}
-        own = {k: vectors.get(k, arrays[k].reshape(-1)) for k in shapes}
-        self.outputs = {k: x[: prod(shapes[k])].reshape(shapes[k]) for k, x in own.items()}
+        self.outputs = {k: self._output(k, vectors.get(k)) for k in task.recipe.outputs}
 
     def __call__(self, given: Iterable[Array], found: Iterable[Array]) -> None:
         """Checked arrays (n,) in, results into others."""
         for own, x in zip(self.inputs.values(), given, strict=True):
             own[:] = x
         self.run()
-        for name, x in zip(self._task.recipe.outputs, found, strict=True):
-            if name == MATRIX:
-                self._put_together(x)
-            elif name == COLUMN:
-                self._put_columns_together(x)
-            else:
-                x[...] = self.outputs[name]
+        for output, x in zip(self.outputs.values(), found, strict=True):
+            output.put(x)
 
-    def _put_together(self, M: Array) -> None:
-        """The matrix, of pairs of bodies without the padding, and of what a base's speeds share with them."""
-        n = self._task.bodies
-        k, arrays = len(M) - n, self._arrays
-        M[k:, k:] = arrays[MATRIX].reshape(n, -1)[:, :n]
-        if k:
-            rows = self._by_number("tied", k)
-            M[:k, :k], M[:k, k:], M[k:, :k] = arrays["base.block"].reshape(k, k), rows, rows.T
+    def _output(self, name: str, vector: Array | None) -> Output:
+        shape = self._task.shape(name)
+        if name == MATRIX:
+            return Output(shape, self._matrix(shape[1] - self._task.bodies))
+        if name == COLUMN:
+            return Output(shape, self._columns(shape[1] - self._task.bodies))
+        own = self._arrays[name].reshape(-1) if vector is None else vector
+        return whole(own[: prod(shape)].reshape(shape))
 
-    def _put_columns_together(self, J: Array) -> None:
-        k = J.shape[1] - self._task.bodies
-        J[:, k:] = self._by_number(COLUMN, 6)
-        if k:
-            J[:, :k] = self._arrays["base.columns"].reshape(k, 6).T
+    def _matrix(self, k: int) -> list[Part]:
+        """Of pairs of bodies without the padding, and of what the k speeds of a base share with them."""
+        n, arrays = self._task.bodies, self._arrays
+        pairs = Part(arrays[MATRIX].reshape(n, -1)[:, :n], np.s_[k:, k:])
+        if not k:
+            return [pairs]
+        tied = self._by_number("tied", k, k)
+        across = [Part(np.moveaxis(own, 0, -1), index[::-1]) for own, index in tied]
+        return [pairs, Part(arrays["base.block"].reshape(k, k), np.s_[:k, :k]), *tied, *across]
 
-    def _by_number(self, name: str, size: int) -> Array:
-        """(size, bodies) what is kept of each body."""
+    def _columns(self, k: int) -> list[Part]:
+        """A Jacobian's, of the k speeds of a base and of all bodies."""
+        base = [Part(self._arrays["base.columns"].reshape(k, 6).T, np.s_[:, :k])] if k else []
+        return [*base, *self._by_number(COLUMN, 6, k)]
+
+    def _by_number(self, name: str, size: int, first: int) -> list[Part]:
+        """What is kept of each body, so many numbers in as many rows, from a column on: whole blocks, and the rest."""
         kept = self._arrays[name]
-        return kept.reshape(len(kept), size, -1).swapaxes(0, 1).reshape(size, -1)[:, : self._task.bodies]
+        by_row = kept.reshape(len(kept), size, -1).swapaxes(0, 1)
+        lanes, n = by_row.shape[-1], self._task.bodies
+        last = first + n // lanes * lanes
+        parts = [
+            Part(by_row[:, : n // lanes], np.s_[:size, first:last]),
+            Part(by_row[:, n // lanes, : n % lanes], np.s_[:size, last : first + n]),
+        ]
+        return [part for part in parts if part.own.size]
 
 
 class Many:
