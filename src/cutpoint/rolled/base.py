@@ -10,7 +10,7 @@ from cutpoint.mechanics.forward_dynamics import prepare
 from cutpoint.mechanics.inverse_dynamics import motions
 from cutpoint.mechanics.joints import JointKind
 from cutpoint.mechanics.rigid_body import inertia_of, net_wrench, parameters_of
-from cutpoint.mechanics.spatial import IDENTITY, NO_ROTATION, STILL, ZERO, Pose, Vec3
+from cutpoint.mechanics.spatial import IDENTITY, NO_ROTATION, STILL, ZERO, Motion, Pose, Vec3
 from cutpoint.mechanics.system import Segment, System
 from cutpoint.model.mechanism import WORLD
 from cutpoint.rolled.bodies import BASE_NUMBERS, Columns
@@ -43,6 +43,10 @@ class Base:
     def segment(self, row: Scalars) -> Segment:
         q, v = slice(0, self.kind.coordinates), slice(0, self.axes)
         return Segment("", WORLD, pose_of(row[:12]), self.kind, inertia_of(row[12:22]), q, v, IDENTITY)
+
+    def motions(self) -> list[Motion]:
+        """At unit speed of each of its axes, in its own frame."""
+        return [self.kind.motion([int(j == k) for j in range(self.axes)]) for k in range(self.axes)]
 
     def moves(self, order: Order, rates: Sequence[str]) -> Pass:
         """Its motion, and what that costs it."""
@@ -123,9 +127,8 @@ class Base:
             return [where(carried, effort, 0) for effort in self.kind.effort(wrench_of(momentum))]
 
         def moved(carried: Any) -> Any:
-            units = [[int(j == k) for j in range(self.axes)] for k in range(self.axes)]
-            rows = [self.kind.effort(inertia_of(carried) * self.kind.motion(unit)) for unit in units]
+            rows = [self.kind.effort(inertia_of(carried) * S) for S in self.motions()]
             return [rows[max(j, k)][min(j, k)] for j in range(self.axes) for k in range(self.axes)]
 
-        alone = Pass("alone", Stage(couples, ("base.body", "span", "momentum"), ("tied",)))
-        return [alone, Pass("once", Stage(moved, ("base.carried",), ("base.block",)))]
+        alone = Pass("alone", Stage(couples, ("base.body", "span", "momentum"), ("matrix_rows",)))
+        return [alone, Pass("once", Stage(moved, ("base.carried",), ("base.matrix",)))]

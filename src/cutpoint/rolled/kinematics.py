@@ -74,8 +74,7 @@ def _of_base(base: Base) -> Pass:
     """What a base's own speeds mean at a frame that it carries."""
 
     def columns(row: Any, turned: Any, seen: Any, frame: Any) -> Any:
-        units = [[int(j == k) for j in range(base.axes)] for k in range(base.axes)]
-        motions = [_seen(base.kind.motion(unit), pose_of(turned), pose_of(seen)) for unit in units]
+        motions = [_seen(S, pose_of(turned), pose_of(seen)) for S in base.motions()]
         return [where(frame[12] <= row[-1], x, 0) for V in motions for x in V]
 
     return Pass("once", Stage(columns, ("base.body", "base.turned", "seen", "frame"), ("base.columns",)))

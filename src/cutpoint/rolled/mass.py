@@ -53,7 +53,7 @@ def mass_matrix(columns: Columns) -> Steps:
     ]
     views = (ABOVE, View("borne", "carried", "parent"))
     kept |= {"column": 6, "carried": 10, "momentum": 6, "span": 3}
-    tied, apart = ({"tied": base.axes}, {"base.block": base.axes**2}) if base else ({}, {})
+    tied, apart = ({"matrix_rows": base.axes}, {"base.matrix": base.axes**2}) if base else ({}, {})
     sizes, constants = sizes_apart(base, ("q",))
     world = {"turned": [*flat(IDENTITY), *(-columns.mount)]}
     return Steps({**kept, **tied}, ("q",), views, world, passes, {**sizes, **apart}, constants)

@@ -8,7 +8,7 @@ from typing import Any, NamedTuple, get_args
 
 from cutpoint.mechanics.elastic import DEFAULT, Options
 from cutpoint.mechanics.kinematics import ExpressedIn
-from cutpoint.rolled import elastic, forward, kinematics, mass, steps, totals
+from cutpoint.rolled import derivatives, elastic, forward, kinematics, mass, steps, totals
 from cutpoint.rolled.bodies import Columns
 from cutpoint.rolled.passes import Steps
 
@@ -49,6 +49,9 @@ RECIPES: Mapping[Any, Recipe] = {
     "gravity_forces": Recipe(steps.inverse_dynamics, ("q",), ("tau",), 96),
     "forward_dynamics": Recipe(forward.forward_dynamics, ("q", "v", "tau"), ("a",), 128, 1000),
     "mass_matrix": Recipe(mass.mass_matrix, ("q",), ("matrix",), 128, 500),
+    ("inverse_dynamics_derivatives", None): Recipe(
+        derivatives.inverse_dynamics, derivatives.RATES, derivatives.MATRICES, 24, 150
+    ),
     ("frame_pose",): Recipe(kinematics.frame_pose, ("q",), ("placement",), 64),
     "kinetic_energy": Recipe(totals.kinetic_energy, ("q", "v"), ("total",), 64),
     "potential_energy": Recipe(totals.potential_energy, ("q",), ("total",), 64),

@@ -7,7 +7,7 @@ import numpy as np
 
 from cutpoint.kernels import Program, compile_program
 from cutpoint.kernels.program_outputs import Output, Part, whole
-from cutpoint.rolled.memory import COLUMN, MATRIX, Spare, Task, aligned
+from cutpoint.rolled.memory import COLUMN, MATRICES, Spare, Task, aligned
 from cutpoint.rolled.passes import one_by_one, side_by_side
 
 Array = np.ndarray
@@ -28,7 +28,7 @@ class One:
     def _memory(self) -> "OneMemory":
         task, lanes = self._task, self._lanes
         n, blocks = task.bodies, -(-task.bodies // lanes)
-        rows = {**dict.fromkeys(("body", *task.steps.kept), blocks + 1), MATRIX: n * blocks}
+        rows = {**dict.fromkeys(("body", *task.steps.kept), blocks + 1), **dict.fromkeys(MATRICES, n * blocks)}
         sizes = {r.name: r.size for r in self._rolled.regions}
         arrays: dict[str, Array] = {k: aligned(rows.get(k, 1) * x).reshape(-1, x) for k, x in sizes.items()}
         vectors = {name: aligned((blocks + 1) * lanes, task.of_base(name)) for name in task.steps.numbers}
@@ -42,7 +42,7 @@ class One:
         for name, numbers in task.world.items():
             by_body[name][blocks, 0, : len(numbers)] = numbers
         arrays |= task.constants | task.rows(blocks * lanes)
-        if MATRIX in arrays:
+        if any(name in arrays for name in MATRICES):
             arrays["self"] = np.arange(n)
         run = self.program.bound({"bodies": n, "blocks": blocks}, **arrays)
         return OneMemory(task, arrays, vectors, run)
@@ -69,22 +69,24 @@ class OneMemory:
 
     def _output(self, name: str, vector: Array | None) -> Output:
         shape = self._task.shape(name)
-        if name == MATRIX:
-            return Output(shape, self._matrix(shape[1] - self._task.bodies))
+        if name in MATRICES:
+            return Output(shape, self._matrix(name, shape[1] - self._task.bodies))
         if name == COLUMN:
             return Output(shape, self._columns(shape[1] - self._task.bodies))
         own = self._arrays[name].reshape(-1) if vector is None else vector
         return whole(own[: prod(shape)].reshape(shape))
 
-    def _matrix(self, k: int) -> list[Part]:
+    def _matrix(self, name: str, k: int) -> list[Part]:
         """Of pairs of bodies without the padding, and of what the k speeds of a base share with them."""
         n, arrays = self._task.bodies, self._arrays
-        pairs = Part(arrays[MATRIX].reshape(n, -1)[:, :n], np.s_[k:, k:])
+        pairs = Part(arrays[name].reshape(n, -1)[:, :n], np.s_[k:, k:])
         if not k:
             return [pairs]
-        tied = self._by_number("tied", k, k)
-        across = [Part(np.moveaxis(own, 0, -1), index[::-1]) for own, index in tied]
-        return [pairs, Part(arrays["base.block"].reshape(k, k), np.s_[:k, :k]), *tied, *across]
+        rows, columns = f"{name}_rows", f"{name}_columns"
+        across = self._by_number(columns if columns in arrays else rows, k, k)
+        turned = [Part(np.moveaxis(own, 0, -1), index[::-1]) for own, index in across]
+        own = Part(arrays[f"base.{name}"].reshape(k, k), np.s_[:k, :k])
+        return [pairs, own, *self._by_number(rows, k, k), *turned]
 
     def _columns(self, k: int) -> list[Part]:
         """A Jacobian's, of the k speeds of a base and of all bodies."""

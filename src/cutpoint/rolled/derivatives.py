@@ -1,0 +1,168 @@
+"""How the torques of a motion change with it, as passes: clouds of mass inward, then every pair of bodies.
+
+All about one place and along axes that stand still, as in `mass`: there what bodies carry is a plain sum.  Below a base
+that moves freely these are where it is at this instant.
+"""
+
+from collections.abc import Sequence
+from typing import Any
+
+from cutpoint.kernels import Stage, View
+from cutpoint.mechanics.rigid_body import inertia_of, parameters_of
+from cutpoint.mechanics.spatial import AT_ORIGIN, IDENTITY, ZERO, Inertia, Motion, Vec3, Wrench
+from cutpoint.mechanics.torque_derivatives import Change, Cloud, Effort
+from cutpoint.rolled.base import Base, base_in, sizes_apart
+from cutpoint.rolled.bodies import Columns
+from cutpoint.rolled.kinematics import ABOVE, world_poses
+from cutpoint.rolled.packing import flat, motion_of, pose_of, wrench_of
+from cutpoint.rolled.passes import UPWARD, Pass, Steps
+from cutpoint.rolled.subsystem import mat3
+from cutpoint.scalars import Scalar, where
+
+Scalars = Sequence[Scalar]
+
+RATES = ("q", "v", "a")
+MATRICES = ("d_q", "d_v", "d_a")
+
+KEPT = {"column": 6, "velocity": 6, "acceleration": 6, "carried": 28, "changes": 15, "effort": 9, "felt": 12, "span": 3}
+"""Of each body, beside its pose."""
+
+
+def inverse_dynamics(columns: Columns) -> Steps:
+    """d torque / d (q, v, a).  Carpentier and Mansard (2018), by the records of `mechanics.torque_derivatives`.
+
+    column: a body's motion at unit speed of its joint.  velocity, acceleration: of the point of the body that is at
+    that one place, and angular.  carried: the cloud of the body and its wrench, then with those of all that it carries.
+    changes: of the motion of all that, by the joint's position and by its speed.  effort: what changes further in take
+    along the joint.  felt: what the joint's own changes take, further in.  span: the body's number, the last number
+    that it carries, and its armature.
+    """
+    base = base_in(columns)
+    placed, kept = world_poses(columns, [_moves(base)] if base else [])
+
+    def column(row: Any, turned: Any) -> Any:
+        return [*columns.subsystem(row).body.joint.motion([1]).seen_from_parent(pose_of(turned))]
+
+    def outward(column: Any, v: Any, a: Any, carrier: Any, lift: Any) -> Any:
+        S, V_p, A_p = motion_of(column), motion_of(carrier), motion_of(lift)
+        zv = S * v[0]
+        return [*(V_p + zv)], [*(A_p + S * a[0] + V_p.cross(zv))]
+
+    def alone(row: Any, turned: Any, velocity: Any, acceleration: Any) -> Any:
+        M = columns.subsystem(row).body.inertia.seen_from_parent(pose_of(turned))
+        return _costs(M, motion_of(velocity), motion_of(acceleration))
+
+    def inward(carried: Any, borne: Any) -> Any:
+        return [x + y for x, y in zip(borne, carried, strict=True)]
+
+    def changed(row: Any, column: Any, velocity: Any, acceleration: Any, carried: Any) -> Any:
+        own, S, V = columns.subsystem(row), motion_of(column), motion_of(velocity)
+        rate = V.cross(S)
+        by_q = Change(motion_of(acceleration).cross(S) + V.cross(rate), rate.angular)
+        by_v = Change(rate * 2, S.angular)
+        cloud, F = _cloud(carried)
+        effort, felt = cloud.effort(S), [cloud.wrench(by_q) + S.cross_wrench(F), cloud.wrench(by_v)]
+        changes = [*by_q.A, *by_q.omega, *by_v.A]
+        return changes, [*effort.F, *effort.moment], [x for G in felt for x in G], [own.number, own.last, own.armature]
+
+    moved, seen = ("velocity", "acceleration"), ("changes", "effort", "felt", "span")
+    passes = [
+        *placed,
+        Pass("alone", Stage(column, ("body", "turned"), ("column",))),
+        Pass("outward", Stage(outward, ("column", "v", "a", "carrier", "lift"), moved)),
+        Pass("alone", Stage(alone, ("body", "turned", *moved), ("carried",))),
+        Pass("inward", Stage(inward, ("carried", "borne"), ("borne",))),
+        Pass("alone", Stage(changed, ("body", "column", *moved, "carried"), seen)),
+        *(_couples(base) if base else []),
+        Pass("pairs", Stage(_entries, ("held", "column", *seen), MATRICES)),
+    ]
+    views = (
+        ABOVE, View("carrier", "velocity", "parent"), View("lift", "acceleration", "parent"),
+        View("borne", "carried", "parent"),
+    )  # fmt: skip
+    sizes, constants = sizes_apart(base, RATES)
+    if base:
+        kept |= dict.fromkeys([*(f"{x}_rows" for x in MATRICES), *(f"{x}_columns" for x in MATRICES[:2])], base.axes)
+        sizes |= {"base.changes": 12 * base.axes, **{f"base.{x}": base.axes**2 for x in MATRICES}}
+    world = {"turned": [*flat(IDENTITY), *(-columns.mount)], "acceleration": [(UPWARD, k) for k in range(6)]}
+    return Steps({**kept, **KEPT}, RATES, views, world, passes, sizes, constants)
+
+
+def _costs(M: Inertia, V: Motion, A: Motion) -> list[Scalar]:
+    """A body's cloud, about a place that stands still, and what its motion costs."""
+    cloud = Cloud.of(M, V.angular).seen_from_parent(AT_ORIGIN, V.linear)
+    F = M * A + V.cross_wrench(M * V)
+    return [*parameters_of(M), *cloud.twice_momentum, *flat(cloud.drift), *F]
+
+
+def _cloud(carried: Scalars) -> tuple[Cloud, Wrench]:
+    return Cloud(inertia_of(carried[:10]), Vec3(*carried[10:13]), mat3(iter(carried[13:22]))), wrench_of(carried[22:])
+
+
+def _changes(column: Scalars, numbers: Scalars) -> tuple[Change, Change]:
+    """By a joint's position, and by its speed."""
+    turning = Vec3(*column[3:])
+    return Change(motion_of(numbers[:6]), Vec3(*numbers[6:9])), Change(motion_of(numbers[9:15]), turning)
+
+
+def _entries(held: Any, *other: Any) -> Any:
+    """Of one body's torque, by another's joint: of three matrices, if one carries the other."""
+    sizes = [KEPT[name] for name in ("column", "changes", "effort", "felt", "span")]
+    starts = [sum(sizes[:k]) for k in range(len(sizes))]
+    own = [held[start : start + size] for start, size in zip(starts, sizes, strict=True)]
+    S, effort, (number, last, armature) = motion_of(own[0]), _effort(own[2]), own[4]
+    column, changes, their_effort, felt, span = other
+    further_in = (span[0] <= number) & (number <= span[1])
+    further_out = (number <= span[0]) & (span[0] <= last)
+    by_q, by_v = _changes(column, changes)
+    inner = [effort.of(by_q), effort.of(by_v), motion_of(column).power(effort.F)]
+    outer = [S.power(wrench_of(felt[:6])), S.power(wrench_of(felt[6:])), S.power(_effort(their_effort).F)]
+    found = [where(further_in, x, where(further_out, y, 0)) for x, y in zip(inner, outer, strict=True)]
+    return [found[0]], [found[1]], [found[2] + where(further_in & further_out, armature, 0)]
+
+
+def _effort(numbers: Scalars) -> Effort:
+    return Effort(wrench_of(numbers[:6]), Vec3(*numbers[6:]))
+
+
+def _moves(base: Base) -> Pass:
+    """A base, seen from where it is: how it moves, what that costs it, and how each of its speeds changes that."""
+
+    def moves(row: Any, q: Any, v: Any, a: Any, world: Any) -> Any:
+        own, kind = base.segment(row), base.kind
+        X = own.placement @ kind.pose(q)
+        upward, V = Motion(X.rotation.T @ motion_of(world).linear, ZERO), kind.motion(v)
+        A = upward + kind.motion(a)
+        changes = [x for S in base.motions() for x in (*upward.cross(S), *V.cross(S))]
+        return [*flat(IDENTITY), *ZERO], [*V], [*A], _costs(own.inertia, V, A), changes
+
+    reads = ("base.body", *(f"base.{x}" for x in RATES), "world.acceleration")
+    writes = ("base.turned", "base.velocity", "base.acceleration", "base.carried", "base.changes")
+    return Pass("once", Stage(moves, reads, writes))
+
+
+def _couples(base: Base) -> list[Pass]:
+    """What a base's torques and speeds share with each carried body, and among themselves."""
+
+    def by_each(numbers: Scalars) -> list[tuple[Change, Change]]:
+        """Its speeds' changes."""
+        places = [numbers[k : k + 12] for k in range(0, len(numbers), 12)]
+        pairs = zip(base.motions(), places, strict=True)
+        return [(Change(motion_of(x[:6]), ZERO), Change(motion_of(x[6:]), S.angular)) for S, x in pairs]
+
+    def couples(row: Any, base_changes: Any, effort: Any, felt: Any, span: Any) -> Any:
+        own, by = _effort(effort), by_each(base_changes)
+        rows = [base.kind.effort(F) for F in (wrench_of(felt[:6]), wrench_of(felt[6:]), own.F)]
+        columns = [[own.of(by_q) for by_q, _ in by], [own.of(by_v) for _, by_v in by]]
+        return [[where(span[0] <= row[-1], x, 0) for x in part] for part in (*rows, *columns)]
+
+    def among(carried: Any, base_changes: Any) -> Any:
+        cloud, by, motions = _cloud(carried)[0], by_each(base_changes), base.motions()
+        efforts = [cloud.effort(S) for S in motions]
+        d_q, d_v = ([own.of(changes[k]) for own in efforts for changes in by] for k in (0, 1))
+        return d_q, d_v, [S.power(own.F) for own in efforts for S in motions]
+
+    rows, columns = [f"{x}_rows" for x in MATRICES], [f"{x}_columns" for x in MATRICES[:2]]
+    reads = ("base.body", "base.changes", "effort", "felt", "span")
+    blocks = Stage(among, ("base.carried", "base.changes"), [f"base.{x}" for x in MATRICES])
+    return [Pass("alone", Stage(couples, reads, [*rows, *columns])), Pass("once", blocks)]
