@@ -1,4 +1,4 @@
-"""Derivatives of large robots, which are swept instead of compiled: the same as compiled ones, and as Pinocchio's."""
+"""Derivatives of large robots, as loops or swept instead of compiled: the same as compiled ones, and as Pinocchio's."""
 
 from typing import Any
 
@@ -10,9 +10,16 @@ from test_large_trees import model_of
 from cutpoint import Drive, LinearSpring, Robot, Rotor, derivatives
 from cutpoint.derivatives import sweeps
 from cutpoint.errors import InputError
+from cutpoint.functions.compiled import machine_of
+from cutpoint.kernels.program_llvm import program_ir
+from cutpoint.kernels.program_plan import plan
 from cutpoint.model import Mechanism
+from cutpoint.rolled import RECIPES, RolledFunction
+from cutpoint.rolled.bodies import columns_of
+from cutpoint.rolled.passes import one_by_one
 from large_robots import assert_close, based, chain
-from random_trees import tree_of_every_kind
+from random_trees import random_tree, tree_of_every_kind
+from twins import pinocchio_of
 
 EPS = np.finfo(float).eps
 SMALL = {"chain": chain(5), "floating": based("floating", 4), **{f"tree {k}": tree_of_every_kind(k) for k in (3, 5)}}
@@ -39,18 +46,79 @@ def test_swept_derivatives_are_the_compiled_ones(name: str, coupling: str) -> No
     q, v, a = s.pop("q"), s.pop("v"), s.pop("a")
     compiled = (
         derivatives.inverse_dynamics(robot, q, v, a),
-        derivatives.forward_dynamics(robot, q, v, a),
         derivatives.elastic_forward_dynamics(robot, q, v, **s),
     )
     swept = (
         sweeps.inverse_dynamics(robot, q=q, v=v, a=a),
-        sweeps.forward_dynamics(robot, q=q, v=v, tau=a),
         sweeps.elastic_forward_dynamics(robot, q=q, v=v, **s),
     )
     for theirs, ours in zip(compiled, swept, strict=True):
         for x, y in zip(ours, theirs, strict=True):
             assert x.shape == y.shape
             np.testing.assert_allclose(x, y, rtol=0, atol=1e-12 * np.abs(y).max(initial=1.0))
+
+
+LOOPED = {
+    "one body": chain(1),
+    "every kind": chain(9, ("helical", "revolute", "prismatic")),
+    "tree": random_tree(1, 16),
+    "floating": based("floating", 14),
+    "planar": based("planar", 16),
+    "spherical": based("spherical", 5, branching=False),
+}
+KEY = ("inverse_dynamics_derivatives", None)
+
+
+@pytest.mark.parametrize(("tree", "backend"), [(tree, "llvm") for tree in LOOPED] + [("floating", "numpy")])
+def test_loops_find_what_sweeps_find(tree: str, backend: str) -> None:
+    joints = Robot(LOOPED[tree]).joints
+    robot = Robot(LOOPED[tree], dict.fromkeys(joints, Drive(50.0, Rotor(1e-3))), backend="numpy")  # it never loops
+    s = states(robot, 3)
+    given = s["q"], s["v"], s["a"]
+    function = RolledFunction(KEY, robot.machine, backend, derivatives.InverseDynamicsDerivatives)
+    found = function(*given)
+    for ours, theirs in zip(found, sweeps.inverse_dynamics(robot, **dict(zip("qva", given, strict=True))), strict=True):
+        np.testing.assert_allclose(ours, theirs, rtol=0, atol=1e-13 * np.abs(theirs).max(initial=1.0))
+    for one, of_batch in zip(function(*(x[2] for x in given)), found, strict=True):
+        np.testing.assert_array_equal(one, of_batch[2])
+
+
+def test_derivatives_of_a_large_floating_robot_are_pinocchios() -> None:
+    robot = Robot(based("floating", 30))
+    model = pinocchio_of(robot.mechanism)
+    data, s = model.createData(), states(robot)
+    q, v, a = s["q"], s["v"], s["a"]
+    pinocchio.computeRNEADerivatives(model, data, q, v, a)
+    ours = derivatives.inverse_dynamics(robot, q, v, a)
+    assert_close(ours.d_q, data.dtau_dq)
+    assert_close(ours.d_v, data.dtau_dv)
+    with pytest.raises(InputError, match="of 31 bodies it runs as loops over them"):
+        robot.kernel("inverse_dynamics_derivatives")
+    zero = np.where(np.arange(robot.nq) < 7, 0.0, q)
+    with pytest.raises(InputError, match="inverse_dynamics_derivatives: the quaternion of joint 'base' is zero"):
+        derivatives.inverse_dynamics(robot, zero, v, a)
+
+
+def test_rotors_that_loops_do_not_take_are_swept() -> None:
+    mechanism = chain(25)
+    drives = dict.fromkeys(Robot(mechanism).joints, Drive(50.0, Rotor(1e-3, coupling="full")))
+    robot = Robot(mechanism, drives)
+    s = states(robot)
+    given = {"q": s["q"], "v": s["v"], "a": s["a"]}
+    for x, y in zip(
+        derivatives.inverse_dynamics(robot, **given), sweeps.inverse_dynamics(robot, **given), strict=True
+    ):
+        np.testing.assert_array_equal(x, y)
+
+
+@pytest.mark.parametrize("kind", ["floating", "revolute"])
+def test_code_of_derivatives_is_as_long_for_ten_bodies_as_for_a_thousand(kind: str) -> None:
+    texts = []
+    for size in (10, 1000):
+        columns = columns_of(machine_of(based(kind, size, branching=False), {}).system)
+        built = one_by_one(RECIPES[KEY].steps(columns), columns, 8)
+        texts.append(program_ir(plan(built.body, built.regions)))
+    assert texts[0] == texts[1]
 
 
 def test_derivatives_of_a_chain_of_96_are_pinocchios() -> None:
@@ -95,7 +163,7 @@ def test_a_batch_of_a_large_robot_is_its_configurations_one_by_one() -> None:
 
 
 @pytest.mark.parametrize("name", ["inverse_dynamics", "forward_dynamics", "elastic_inverse_dynamics"])
-def test_what_is_too_large_is_refused_with_a_remedy(name: str) -> None:
+def test_what_is_too_large_to_sweep_is_refused_with_a_remedy(name: str) -> None:
     robot = Robot(chain(501), backend="numpy")
     zeros = [np.zeros(501)] * (5 if name.startswith("elastic") else 3)
     with pytest.raises(InputError, match=r"501 bodies are too many, at most (500|48); take differences"):

@@ -1,9 +1,11 @@
 """Derivatives of a robot's dynamics, exact to rounding, as functions compiled at their first call.
 
 They stand beside `Robot`, which offers the functions themselves, and are called like its methods: leading axes are
-batches, a wrong shape or a number that is not finite raises InputError that names it.  Of robots of more than 24 bodies
-they are not compiled but swept, one configuration after another: see `sweeps`.  d_q is taken along tangent
+batches, a wrong shape or a number that is not finite raises InputError that names it.  d_q is taken along tangent
 directions, those of `Robot.integrate`: they are q itself but for quaternions and planar joints.
+
+Of large robots those of rigid dynamics run as loops over bodies.  Where loops do not take a robot of more than 24
+bodies, and of its elastic forward dynamics, they are swept, one configuration after another: see `sweeps`.
 """
 
 from collections.abc import Callable
@@ -28,6 +30,10 @@ Array = NDArray[np.float64]
 
 MOST_COMPILED = 48
 """Bodies beyond which derivatives of an elastic inverse dynamics are more than can be compiled."""
+
+
+MOST_LOOPED = 4000
+"""Bodies of which derivatives run as loops: three matrices, half a gigabyte in all, and as much to work in."""
 
 
 class InverseDynamicsDerivatives(NamedTuple):
@@ -77,7 +83,7 @@ class ElasticForwardDynamicsDerivatives(NamedTuple):
 
 def inverse_dynamics(robot: Robot, q: ArrayLike, v: ArrayLike, a: ArrayLike) -> InverseDynamicsDerivatives:
     """Of `Robot.inverse_dynamics`, joint torques of a motion."""
-    if sweeps.is_swept(robot):
+    if not _is_looped(robot) and sweeps.is_swept(robot):
         return InverseDynamicsDerivatives(*sweeps.inverse_dynamics(robot, q=q, v=v, a=a))
     definition = definitions.inverse_dynamics
     return _function(robot, "inverse_dynamics", definition, "q v a", record=InverseDynamicsDerivatives)(q, v, a)
@@ -85,10 +91,17 @@ def inverse_dynamics(robot: Robot, q: ArrayLike, v: ArrayLike, a: ArrayLike) -> 
 
 def forward_dynamics(robot: Robot, q: ArrayLike, v: ArrayLike, tau: ArrayLike) -> ForwardDynamicsDerivatives:
     """Of `Robot.forward_dynamics`, accelerations under joint torques."""
-    if sweeps.is_swept(robot):
-        return ForwardDynamicsDerivatives(*sweeps.forward_dynamics(robot, q=q, v=v, tau=tau))
+    if _is_looped(robot) or sweeps.is_swept(robot):
+        return _of_a_large_robot(robot, q, v, tau)
     definition = definitions.forward_dynamics
     return _function(robot, "forward_dynamics", definition, "q v tau", record=ForwardDynamicsDerivatives)(q, v, tau)
+
+
+def _of_a_large_robot(robot: Robot, q: ArrayLike, v: ArrayLike, tau: ArrayLike) -> ForwardDynamicsDerivatives:
+    """From M d_a = d_tau - d(inverse dynamics at that a).  Carpentier and Mansard (2018)."""
+    d_q, d_v, M = inverse_dynamics(robot, q, v, robot.forward_dynamics(q, v, tau))
+    d_tau = np.asarray(np.linalg.inv(M), np.float64)
+    return ForwardDynamicsDerivatives(-d_tau @ d_q, -d_tau @ d_v, d_tau)
 
 
 def elastic_inverse_dynamics(
@@ -130,6 +143,15 @@ def elastic_forward_dynamics(
     record = ElasticForwardDynamicsDerivatives
     function = _function(robot, "elastic_forward_dynamics", definition, inputs, True, record=record)
     return function(q, v, theta, theta_dot, motor_torque)
+
+
+def _is_looped(robot: Robot) -> bool:
+    """Whether derivatives of rigid dynamics run as loops.  Raises InputError if matrices of that size are too large."""
+    if not robot._compiled.loops(("inverse_dynamics_derivatives", None)):  # pyright: ignore[reportPrivateUsage]
+        return False
+    if len(robot.mechanism.bodies) > MOST_LOOPED:
+        raise sweeps.too_large(len(robot.mechanism.bodies), MOST_LOOPED)
+    return True
 
 
 def _function(

@@ -82,20 +82,6 @@ def inverse_dynamics(robot: Robot, **state: ArrayLike) -> list[Array]:
     return _over_batch("inverse_dynamics_derivatives", robot, each, [(robot.nv, robot.nv)] * 3, state)
 
 
-def forward_dynamics(robot: Robot, **state: ArrayLike) -> list[Array]:
-    """d a / d (q, v, tau), from M d_a = d_tau - d(inverse dynamics at that a).  Carpentier and Mansard (2018)."""
-    machine = _lean(robot)
-
-    def each(q: Array, v: Array, tau: Array) -> list[Array]:
-        state = (q, v, robot.forward_dynamics(q, v, tau))
-        slope = swept(definitions.inverse_dynamics, machine, *_lists(state)).slope
-        d_q, d_v, M = np.split(slope, 3, axis=1)
-        solved = np.linalg.solve(M, np.hstack([-d_q, -d_v, np.eye(robot.nv)]))
-        return np.split(np.asarray(solved, np.float64), 3, axis=1)
-
-    return _over_batch("forward_dynamics_derivatives", robot, each, [(robot.nv, robot.nv)] * 3, state)
-
-
 def elastic_forward_dynamics(robot: Robot, **state: ArrayLike) -> list[Array]:
     """d a / d (q, v, theta, theta_dot, motor_torque), then those of theta_ddot."""
     machine, nv, drives = _lean(robot), robot.nv, len(robot.drives)

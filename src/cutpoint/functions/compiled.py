@@ -24,7 +24,7 @@ from cutpoint.mechanics.elastic import Driven
 from cutpoint.mechanics.reframing import Framing
 from cutpoint.model import Drive, Mechanism
 from cutpoint.model.mechanism import frozen
-from cutpoint.rolled import JointByJoint, check_compiles, joint_by_joint, name_of, rolled
+from cutpoint.rolled import JointByJoint, check_compiles, joint_by_joint, loops_take, name_of, rolled
 from cutpoint.scalars import leaves, rebuild
 
 JOINT_QUANTITIES = frozenset({
@@ -77,6 +77,7 @@ class Compiled:
         self._functions: dict[Any, Callable[..., Any]] = {}
         self._kernels: dict[str, Kernel] = {}
         self._loops: set[str] = set()
+        self._is_looped: dict[Any, bool] = {}
 
     def size_of(self, name: str) -> int | tuple[()]:
         """Length of an input's last axis; () for a single number."""
@@ -138,6 +139,12 @@ class Compiled:
                 found = with_empty_matrices(found)
             self._functions[key] = found
         return found
+
+    def loops(self, key: Any) -> bool:
+        """Whether a function runs, or will run, as loops over bodies."""
+        if key not in self._is_looped:
+            self._is_looped[key] = loops_take(key, self.machine, self._backend)
+        return self._is_looped[key]
 
     def made_before(self, *key: Any) -> Callable[..., Any] | None:
         """The function of a tuple key, if it has been made; None too for what can be no key."""

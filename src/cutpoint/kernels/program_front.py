@@ -3,8 +3,10 @@
 A call keeps the GIL, so that calls from several threads do not meet in that memory.
 """
 
+import ctypes
 from collections.abc import Callable, Mapping, Sequence
 from itertools import count
+from math import prod
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -18,6 +20,7 @@ from cutpoint.kernels.program_llvm import BoundProgram
 from cutpoint.kernels.program_outputs import Output, whole
 
 NUMBER = np.dtype(np.float64).itemsize
+_LOOP = "rows"
 
 
 def front_of(
@@ -29,28 +32,49 @@ def front_of(
     """
     if not is_possible():
         return front.general
-    assert isinstance(run, BoundProgram), "NumPy's programs have no machine code"
     given, made = ([Port(key, x.shape) for key, x in some.items()] for some in (inputs, outputs))
-    return fastcall(_Element(run, [*inputs.values()], [*outputs.values()]), name, given, made, front)
+    return fastcall(ProgramElement(run, [*inputs.values()], [*outputs.values()]), name, given, made, front)
 
 
-class _Element:
-    """Copies in, the run, copies out, as a function of pointers."""
+class ProgramElement:
+    """Copies in, a run that LLVM bound, copies out, as a function of pointers."""
 
-    def __init__(self, run: BoundProgram, inputs: Sequence[np.ndarray], outputs: Sequence[Output]) -> None:
+    def __init__(self, run: Callable[[], int], inputs: Sequence[np.ndarray], outputs: Sequence[Output]) -> None:
+        assert isinstance(run, BoundProgram), "NumPy's programs have no machine code"
         self.call: Callable[..., Any] = run
-        parts = [*map(whole, inputs), *outputs]
-        owned = [part.own for x in parts for part in x.parts]
+        arguments = [*map(whole, inputs), *outputs]
+        owned = [part.own for x in arguments for part in x.parts]
         symbols = {f"own{k}": own.ctypes.data for k, own in enumerate(owned)}
-        self._code = Compiled(_ir(parts, len(inputs)), FUNCTION, symbols=symbols | run.symbols)
+        text = _ir(arguments, len(inputs)) + _loop_ir(arguments)
+        self._code = Compiled(text, FUNCTION, _LOOP, symbols=symbols | run.symbols)
+        prototype = ctypes.CFUNCTYPE(None, ctypes.c_int64, *[ctypes.c_void_p] * len(arguments))
+        self._loop = prototype(self._code.addresses[_LOOP])
 
     @property
     def element(self) -> int:
         return self._code.address
 
+    def rows(self, given: Sequence[np.ndarray], found: Sequence[np.ndarray]) -> None:
+        """One run for each row; what is found is tidy in memory."""
+        tidy = [np.ascontiguousarray(x) for x in given]
+        self._loop(len(found[0]), *(x.ctypes.data for x in (*tidy, *found)))
+
+
+def _loop_ir(arguments: Sequence[Output]) -> str:
+    """Text of the function that runs the element for each row."""
+    names = [f"%rows{k}" for k in range(len(arguments))]
+    code = Code()
+    with code.loop("%count") as loop:
+        sizes = [NUMBER * prod(x.shape) for x in arguments]
+        offsets = [code.let(f"mul i64 {loop.iteration}, {size}") for size in sizes]
+        places = [code.at(name, offset, "i8") for name, offset in zip(names, offsets, strict=True)]
+        code.lines.append(f"call void @{FUNCTION}({', '.join(f'ptr {place}' for place in places)})")
+    head = f"define void @{_LOOP}(i64 %count, {', '.join(f'ptr {name}' for name in names)}) {{\nentry:"
+    return "\n".join([head, *code.lines, "ret void", "}", ""])
+
 
 def _ir(arguments: Sequence[Output], inputs: int) -> str:
-    """The module's text; so many of the arguments are inputs."""
+    """The module's text up to the element; so many of the arguments are inputs."""
     lines = [f"@own{k} = external global i8" for k in range(sum(len(x.parts) for x in arguments))]
     lines += ["@counts = external global i8", "@regions = external global i8", "declare i64 @program(ptr, ptr)"]
     lines += ["declare void @llvm.memcpy.p0.p0.i64(ptr, ptr, i64, i1)"]

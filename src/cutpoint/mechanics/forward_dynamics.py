@@ -71,7 +71,7 @@ def forward_dynamics(
 def is_shallow(system: System) -> bool:
     """Whether few joints carry a body, each of one axis."""
     bodies = system.segments
-    return sum(system.depths) <= FEW * len(bodies) and all(len(body.joint.axes) == 1 for body in bodies)
+    return all(len(body.joint.axes) == 1 for body in bodies) and sum(system.depths) <= FEW * len(bodies)
 
 
 def articulated_accelerations(

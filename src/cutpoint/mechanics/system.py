@@ -113,10 +113,10 @@ class System:
 
     @property
     def depths(self) -> list[int]:
-        """For each body how many joints carry it, its own among them."""
+        """For each body how many speeds move it, those of its own joint among them."""
         depths: list[int] = []
         for body in self.segments:
-            depths.append(1 + (0 if body.parent == WORLD else depths[body.parent]))
+            depths.append(len(body.joint.axes) + (0 if body.parent == WORLD else depths[body.parent]))
         return depths
 
     def chain_to(self, body: int) -> list[int]:

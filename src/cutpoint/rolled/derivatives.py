@@ -57,7 +57,7 @@ def inverse_dynamics(columns: Columns) -> Steps:
 
     def changed(row: Any, column: Any, velocity: Any, acceleration: Any, carried: Any) -> Any:
         own, S, V = columns.subsystem(row), motion_of(column), motion_of(velocity)
-        rate = V.cross(S)
+        rate = V.cross(S)  # as by the carrier's velocity: the joint's own leaves its axis where it is
         by_q = Change(motion_of(acceleration).cross(S) + V.cross(rate), rate.angular)
         by_v = Change(rate * 2, S.angular)
         cloud, F = _cloud(carried)

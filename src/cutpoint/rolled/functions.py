@@ -44,18 +44,38 @@ def rolled(
     """
     asked, frame = without_frame(key)
     name, bodies = name_of(key), size_of(machine.system, frame)
-    recipe = RECIPES.get(asked) or RECIPES.get(name)
-    if recipe is None or backends.chosen(backend) != "llvm":
+    if not is_large_for(key, machine.system, backend):
         return None
-    if bodies <= recipe.above and sum(machine.system.depths) <= recipe.pairs:
-        return None
-    odd = unsuited(machine, recipe.reads_drives, recipe.takes_coupled) if asked in RECIPES else recipe.odd
+    odd = what_hinders(key, machine)
     if odd is None:
         return RolledFunction(asked, machine, backend, record, frame)
     if bodies > TOO_LARGE:
         complaint = f"{bodies} bodies are too many for code without loops, and loops do not take {odd}"
         raise InputError(f"{name}: {complaint}; at most {TOO_LARGE} bodies, or backend='numpy', can do", bodies=bodies)
     return None
+
+
+def loops_take(key: Any, machine: Machine, backend: str) -> bool:
+    """Whether a function of this robot runs as loops."""
+    return is_large_for(key, machine.system, backend) and what_hinders(key, machine) is None
+
+
+def is_large_for(key: Any, system: System, backend: str) -> bool:
+    """Whether a function has a recipe, and the robot is so large that loops suit it better."""
+    asked, frame = without_frame(key)
+    recipe = RECIPES.get(asked) or RECIPES.get(name_of(key))
+    if recipe is None or backends.chosen(backend) != "llvm":
+        return False
+    return size_of(system, frame) > recipe.above or sum(system.depths) > recipe.pairs
+
+
+def what_hinders(key: Any, machine: Machine) -> str | None:
+    """What loops do not take, of the robot or of what a function with a recipe is asked for."""
+    asked = without_frame(key)[0]
+    if asked not in RECIPES:
+        return RECIPES[name_of(key)].odd
+    recipe = RECIPES[asked]
+    return unsuited(machine, recipe.reads_drives, recipe.takes_coupled, recipe.takes_geared)
 
 
 def name_of(key: Any) -> str:
@@ -157,8 +177,8 @@ class RolledFunction:
         wide = len(rows[0]) // LANES * LANES if not self._task.is_in_parts else 0
         if wide:
             self._many([x[:wide] for x in rows], [x[:wide] for x in found])
-        memory = self._one.spare.take()
-        for k in range(wide, len(rows[0])):
-            memory([x[k] for x in rows], [x[k, ...] for x in found])
-        self._one.spare.give_back(memory)
+        if wide < len(rows[0]):
+            memory = self._one.spare.take()
+            memory([x[wide:] for x in rows], [x[wide:] for x in found])
+            self._one.spare.give_back(memory)
         return [x.reshape(shape + own)[()] for x, own in zip(found, shapes, strict=True)]

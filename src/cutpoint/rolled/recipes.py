@@ -17,9 +17,10 @@ class Recipe(NamedTuple):
     """A function as loops.
 
     inputs: those that are given; the others are zero.  above: the most bodies, of the robot or of the chain that
-    carries the frame, for which straight-line code is taken.  pairs: the most pairs of a body and a joint that carries
+    carries the frame, for which straight-line code is taken.  pairs: the most pairs of a body and a speed that moves
     it, where the code grows with these.  reads_drives: whether drives have numbers in it.  odd: what its variants want
-    that loops do not take.  takes_coupled: whether it takes rotors with full coupling behind springs.
+    that loops do not take.  takes_coupled, takes_geared: whether it takes rotors with full coupling, behind springs
+    or geared rigidly.
 
     Measured on chains of 12 to 128 joints and on humanoids of 29 to 101: up to these sizes straight-line code compiles
     in some 2 s, takes a third to all of the loops' time in batches and, but on chains, half to all of it in single
@@ -34,6 +35,7 @@ class Recipe(NamedTuple):
     reads_drives: bool = False
     odd: str = "external wrenches"
     takes_coupled: bool = False
+    takes_geared: bool = True
 
 
 def _elastic_inverse(options: Options) -> Recipe:
@@ -50,7 +52,7 @@ RECIPES: Mapping[Any, Recipe] = {
     "forward_dynamics": Recipe(forward.forward_dynamics, ("q", "v", "tau"), ("a",), 128, 1000),
     "mass_matrix": Recipe(mass.mass_matrix, ("q",), ("matrix",), 128, 500),
     ("inverse_dynamics_derivatives", None): Recipe(
-        derivatives.inverse_dynamics, derivatives.RATES, derivatives.MATRICES, 24, 150
+        derivatives.inverse_dynamics, derivatives.RATES, derivatives.MATRICES, 24, 120, takes_geared=False
     ),
     ("frame_pose",): Recipe(kinematics.frame_pose, ("q",), ("placement",), 64),
     "kinetic_energy": Recipe(totals.kinetic_energy, ("q", "v"), ("total",), 64),

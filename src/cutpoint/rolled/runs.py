@@ -1,14 +1,20 @@
 """Runs of a function's loops: on one configuration, or on several side by side."""
 
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Sequence
+from functools import cached_property
 from math import prod
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from cutpoint.kernels import Program, compile_program
+from cutpoint.kernels.backends import chosen
 from cutpoint.kernels.program_outputs import Output, Part, whole
 from cutpoint.rolled.memory import COLUMN, MATRICES, Spare, Task, aligned
 from cutpoint.rolled.passes import one_by_one, side_by_side
+
+if TYPE_CHECKING:
+    from cutpoint.kernels.program_front import ProgramElement
 
 Array = np.ndarray
 
@@ -59,13 +65,26 @@ class OneMemory:
         self.inputs = {k: vectors[k][: task.size(k)] for k in task.recipe.inputs}
         self.outputs = {k: self._output(k, vectors.get(k)) for k in task.recipe.outputs}
 
-    def __call__(self, given: Iterable[Array], found: Iterable[Array]) -> None:
-        """Checked arrays (n,) in, results into others."""
-        for own, x in zip(self.inputs.values(), given, strict=True):
-            own[:] = x
-        self.run()
-        for output, x in zip(self.outputs.values(), found, strict=True):
-            output.put(x)
+    def __call__(self, given: Sequence[Array], found: Sequence[Array]) -> None:
+        """Checked arrays (m, n) in, results into others (m, ...): one configuration after another."""
+        if self._element:
+            self._element.rows(given, found)
+            return
+        for k in range(len(found[0])):
+            for own, x in zip(self.inputs.values(), given, strict=True):
+                own[:] = x[k]
+            self.run()
+            for output, x in zip(self.outputs.values(), found, strict=True):
+                output.put(x[k, ...])
+
+    @cached_property
+    def _element(self) -> "ProgramElement | None":
+        """In machine code, where there is some."""
+        if chosen(self._task.backend) != "llvm":
+            return None
+        from cutpoint.kernels.program_front import ProgramElement
+
+        return ProgramElement(self.run, [*self.inputs.values()], [*self.outputs.values()])
 
     def _output(self, name: str, vector: Array | None) -> Output:
         shape = self._task.shape(name)

@@ -18,11 +18,15 @@ MOST_STRUCTURES = 6
 """Of drives: each body computes what it would do with every one of them, and chooses."""
 
 
-def unsuited(machine: Machine, reads_drives: bool, takes_coupled: bool) -> str | None:
+def unsuited(machine: Machine, reads_drives: bool, takes_coupled: bool, takes_geared: bool) -> str | None:
     """Why loops cannot take the machine, or None: each body but a floating base needs one coordinate of its own.
 
-    reads_drives: whether drives take part; takes_coupled: also with rotors with full coupling.
+    reads_drives: whether drives take part; takes_coupled, takes_geared: also with rotors with full coupling, behind
+    springs or geared rigidly.
     """
+    for spin in machine.system.spins:
+        if not spin.elastic and not takes_geared:
+            return f"rigidly geared rotors with full coupling, as at {machine.system.segments[spin.joint].name!r}"
     for body in (machine.system.segments[i] for i in bodies_of(machine.system)):
         if body.follower:
             return f"the joint of {body.name!r}, which follows another"
