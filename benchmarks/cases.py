@@ -65,9 +65,14 @@ class Case:
         return [rng.uniform(-2, 2, (count, n)) for _ in TASKS[task]]
 
 
+def robot_file(name: str) -> str:
+    """Of the package example-robot-data."""
+    return next(str(entry.locate()) for entry in files("example-robot-data") or () if entry.name == name)
+
+
 def case(name: str) -> Case:
     file, locked = ROBOTS[name]
-    path = next(str(entry.locate()) for entry in files("example-robot-data") or () if entry.name == file)
+    path = robot_file(file)
     robot = cutpoint.load(path, lock=dict.fromkeys(locked, 0.0))
     model = pin.buildModelFromUrdf(path)
     model = pin.buildReducedModel(model, [model.getJointId(j) for j in locked], pin.neutral(model))

@@ -23,6 +23,7 @@ from closed_loop import closed_loop
 from document import document
 from elastic import elastic_inverse_dynamics
 from from_memory import from_memory
+from humanoids import humanoids
 from latency import CALLS, latency
 from laws import laws
 from limits import limits
@@ -59,6 +60,7 @@ def _measured(calls: int) -> dict:
     return {
         "limits": limits(), "tasks": tasks(), "elastic": elastic_inverse_dynamics(),
         "parameters": parameters_as_inputs(), "from memory": from_memory(), "chains": chains(),
+        "humanoids": humanoids(),
         "from Python": python_calls(), "closed loop": closed_loop(), "own arm": loops(), "steps": steps(),
         "laws": laws(),
         "latency": latency(calls=calls),

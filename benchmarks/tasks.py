@@ -49,8 +49,13 @@ def measured(robot: Case, task: str) -> dict:
 
 def agreed(title: str, entries: Mapping[str, Entry], expected: np.ndarray) -> dict[str, float]:
     """How far everyone's results are off, as a share of the largest; nothing is timed that is too far off."""
-    largest = np.abs(expected).max()
     found = {name: x.results[: len(expected)].reshape(expected.shape) for name, x in entries.items()}
+    return agreed_with(title, found, expected)
+
+
+def agreed_with(title: str, found: Mapping[str, np.ndarray], expected: np.ndarray) -> dict[str, float]:
+    """The same, of results of the same shape."""
+    largest = np.abs(expected).max()
     differences = {name: float(np.abs(x - expected).max() / largest) for name, x in found.items()}
     wrong = {name: x for name, x in differences.items() if not x < AGREEMENT}
     if wrong:
