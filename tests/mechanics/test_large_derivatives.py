@@ -9,6 +9,7 @@ from test_large_trees import model_of
 
 from cutpoint import Drive, LinearSpring, Robot, Rotor, derivatives
 from cutpoint.derivatives import sweeps
+from cutpoint.derivatives.inertia import inverse_of
 from cutpoint.errors import InputError
 from cutpoint.functions.compiled import machine_of
 from cutpoint.kernels.program_llvm import program_ir
@@ -97,6 +98,12 @@ def test_derivatives_of_a_large_floating_robot_are_pinocchios() -> None:
     zero = np.where(np.arange(robot.nq) < 7, 0.0, q)
     with pytest.raises(InputError, match="inverse_dynamics_derivatives: the quaternion of joint 'base' is zero"):
         derivatives.inverse_dynamics(robot, zero, v, a)
+
+
+def test_a_mass_matrix_without_an_inverse_is_refused() -> None:
+    """Robots have none: where joints move no inertia they are refused before."""
+    with pytest.raises(InputError, match=r"forward_dynamics_derivatives: the first 2 rows of the mass matrix"):
+        inverse_of(np.array([np.eye(3), np.ones((3, 3))]))
 
 
 def test_rotors_that_loops_do_not_take_are_swept() -> None:

@@ -16,6 +16,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from cutpoint.derivatives import definitions, sweeps
+from cutpoint.derivatives.inertia import inverse_of
 from cutpoint.functions.variants import motion_names, wrong_motion
 from cutpoint.mechanics.elastic import Options
 from cutpoint.robot import Robot
@@ -100,7 +101,7 @@ def forward_dynamics(robot: Robot, q: ArrayLike, v: ArrayLike, tau: ArrayLike) -
 def _of_a_large_robot(robot: Robot, q: ArrayLike, v: ArrayLike, tau: ArrayLike) -> ForwardDynamicsDerivatives:
     """From M d_a = d_tau - d(inverse dynamics at that a).  Carpentier and Mansard (2018)."""
     d_q, d_v, M = inverse_dynamics(robot, q, v, robot.forward_dynamics(q, v, tau))
-    d_tau = np.asarray(np.linalg.inv(M), np.float64)
+    d_tau = inverse_of(M)
     return ForwardDynamicsDerivatives(-d_tau @ d_q, -d_tau @ d_v, d_tau)
 
 
