@@ -23,10 +23,10 @@ def chain(size: int, kinds: tuple[str, ...] = ("revolute",)) -> Mechanism:
     return build("chain", links, joints)
 
 
-def longest(key: Any) -> int:
-    """Bodies of the longest chain for which a function is code without loops."""
+def longest(key: Any, first: int = 1) -> int:
+    """Bodies of the longest chain for which a function is code without loops.  first: axes of its first joint."""
     recipe = RECIPES[key]
-    return max(n for n in range(1, recipe.above + 1) if n * (n + 1) / 2 <= recipe.pairs)
+    return max(n for n in range(1, recipe.above + 1) if n * first + n * (n - 1) / 2 <= recipe.pairs)
 
 
 def based(kind: Any, size: int, branching: bool = True) -> Mechanism:

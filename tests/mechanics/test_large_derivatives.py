@@ -106,15 +106,20 @@ def test_a_mass_matrix_without_an_inverse_is_refused() -> None:
         inverse_of(np.array([np.eye(3), np.ones((3, 3))]))
 
 
+def test_motions_too_fast_for_their_accelerations_to_be_taken_are_refused() -> None:
+    robot = Robot(chain(30))
+    s = states(robot)
+    with pytest.raises(InputError, match=r"forward_dynamics_derivatives: .* accelerations up to .*, at most 1e\+15"):
+        derivatives.forward_dynamics(robot, s["q"], 1e8 * s["v"], s["a"])
+
+
 def test_rotors_that_loops_do_not_take_are_swept() -> None:
     mechanism = chain(25)
     drives = dict.fromkeys(Robot(mechanism).joints, Drive(50.0, Rotor(1e-3, coupling="full")))
     robot = Robot(mechanism, drives)
     s = states(robot)
     given = {"q": s["q"], "v": s["v"], "a": s["a"]}
-    for x, y in zip(
-        derivatives.inverse_dynamics(robot, **given), sweeps.inverse_dynamics(robot, **given), strict=True
-    ):
+    for x, y in zip(derivatives.inverse_dynamics(robot, **given), sweeps.inverse_dynamics(robot, **given), strict=True):
         np.testing.assert_array_equal(x, y)
 
 

@@ -84,7 +84,7 @@ def test_a_floating_robot_of_150_moves_as_pinocchio_says(branching: bool) -> Non
 
 @pytest.mark.parametrize("name", RIGID)
 def test_large_floating_robots_loop_and_small_ones_do_not(name: str) -> None:
-    most = longest(name)
+    most = longest(name, first=6)
     assert suited_to(name, Robot(based("floating", most - 1, branching=False)).machine, "llvm") is None
     assert suited_to(name, Robot(based("floating", most, branching=False)).machine, "llvm") is not None
 

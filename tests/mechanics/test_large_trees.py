@@ -10,12 +10,13 @@ import pinocchio
 import pytest
 
 import cutpoint
-from cutpoint import Robot
+from cutpoint import Robot, derivatives
 from cutpoint.errors import InputError
 from cutpoint.functions.compiled import machine_of
 from cutpoint.kernels.program_llvm import program_ir
 from cutpoint.kernels.program_plan import plan
-from cutpoint.model import Drive, Mechanism
+from cutpoint.model import Drive, Joint, Link, Mechanism
+from cutpoint.model.build import build
 from cutpoint.model.drive import Rotor
 from cutpoint.rolled import RECIPES, RolledFunction
 from cutpoint.rolled import rolled as suited_to
@@ -254,3 +255,26 @@ def test_where_a_large_robot_is_mounted_makes_no_difference(far: float) -> None:
     for name in ("mass_matrix", "forward_dynamics"):
         given = (q,) if name == "mass_matrix" else (q, q, q)
         assert_close(getattr(robot.with_base(mount), name)(*given), getattr(robot, name)(*given), 1e-11)
+
+
+def test_how_far_trees_stand_from_each_other_makes_no_difference() -> None:
+    near, far = (Robot(two_trees(distance)) for distance in (1.0, 1e6))
+    q, v, a = states(near)
+    assert_close(far.mass_matrix(q), near.mass_matrix(q), 1e-13)
+    found = [derivatives.inverse_dynamics(robot, q, v, a) for robot in (far, near)]
+    for ours, theirs in zip(*found, strict=True):
+        assert_close(ours, theirs, 1e-13)
+
+
+def two_trees(distance: float) -> Mechanism:
+    """Two chains of 40 joints."""
+    links, joints = [Link("world")], []
+    for name, far in (("left", 0.0), ("right", distance)):
+        own = chain(40)
+        mount = np.array(own.bodies[0].placement)
+        mount[0, 3] += far
+        for k, body in enumerate(own.bodies):
+            links.append(Link(f"{name}{k}", body.mass, body.com, body.inertia))
+            parent, place = (f"{name}{k - 1}", body.placement) if k else ("world", mount)
+            joints.append(Joint(f"{name} {k}", "revolute", parent, f"{name}{k}", place, body.joint.axis))
+    return build("two trees", links, joints)

@@ -17,6 +17,8 @@ from numpy.typing import ArrayLike, NDArray
 
 from cutpoint.derivatives import definitions, sweeps
 from cutpoint.derivatives.inertia import inverse_of
+from cutpoint.door import LARGEST
+from cutpoint.errors import InputError
 from cutpoint.functions.variants import motion_names, wrong_motion
 from cutpoint.mechanics.elastic import Options
 from cutpoint.robot import Robot
@@ -100,7 +102,11 @@ def forward_dynamics(robot: Robot, q: ArrayLike, v: ArrayLike, tau: ArrayLike) -
 
 def _of_a_large_robot(robot: Robot, q: ArrayLike, v: ArrayLike, tau: ArrayLike) -> ForwardDynamicsDerivatives:
     """From M d_a = d_tau - d(inverse dynamics at that a).  Carpentier and Mansard (2018)."""
-    d_q, d_v, M = inverse_dynamics(robot, q, v, robot.forward_dynamics(q, v, tau))
+    a = robot.forward_dynamics(q, v, tau)
+    if not (largest := np.abs(a).max(initial=0.0)) <= LARGEST:
+        told = f"these speeds and torques ask for accelerations up to {largest:.3g}, at most {LARGEST:.0e} are taken"
+        raise InputError(f"forward_dynamics_derivatives: {told}", largest=largest)
+    d_q, d_v, M = inverse_dynamics(robot, q, v, a)
     d_tau = inverse_of(M)
     return ForwardDynamicsDerivatives(-d_tau @ d_q, -d_tau @ d_v, d_tau)
 

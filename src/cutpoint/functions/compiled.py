@@ -183,7 +183,8 @@ class Compiled:
         if name not in self._kernels:
             if name in self._loops:
                 n = len(self.machine.system.segments)
-                raise InputError(f"{name}: of {n} bodies it runs as loops over them, and has no kernel", name=name)
+                told = f"of {n} bodies it runs as loops over them, and has no kernel to look at or to export"
+                raise InputError(f"{name}: {told}", name=name)
             there = f"there are: {', '.join(map(repr, self._kernels))}" if self._kernels else "there is none yet"
             remedy = "functions compile at their first call, so call it once first"
             told = f"no compiled function is named {name!r}, {there}; {remedy}"

@@ -5,6 +5,7 @@ others it reads.  So one piece of code, of one size, serves trees of any size.
 """
 
 from collections.abc import Callable, Iterable, Sequence
+from dataclasses import replace
 from itertools import accumulate
 
 import numpy as np
@@ -13,7 +14,7 @@ from cutpoint.mechanics.elastic import Driven
 from cutpoint.mechanics.joints import Helical, JointKind, Prismatic
 from cutpoint.mechanics.rigid_body import inertia_of, parameters_of
 from cutpoint.mechanics.rotors import Spin
-from cutpoint.mechanics.spatial import IDENTITY, Pose
+from cutpoint.mechanics.spatial import IDENTITY, ZERO, Pose
 from cutpoint.mechanics.system import Place, Segment, System
 from cutpoint.model.mechanism import WORLD
 from cutpoint.rolled.drives import Model, drive_rows, models_of
@@ -31,16 +32,24 @@ FIELDS = {
 A rotor's momentum is that at unit speed: of one rigidly geared, or of one behind a spring.
 """
 
-ENDS = dict(zip(FIELDS, accumulate(FIELDS.values()), strict=True))
-"""Where each ends in its row."""
-
-BODY, SPRUNG = ENDS["last carried"], ENDS["sprung momentum"] - 1
+_ENDS = dict(zip(FIELDS, accumulate(FIELDS.values()), strict=True))
+BODY, SPRUNG = _ENDS["last carried"], _ENDS["sprung momentum"] - 1
 
 BASE = -2
 """Where a body's number is asked for, a base that moves freely."""
 
 BASE_NUMBERS = sum(FIELDS[name] for name in ("rotation", "position", "inertia", "last carried"))
 """Of a base that moves freely."""
+
+
+def rooted(system: System) -> System:
+    """The same trees, the first joint of each at the world's origin, where what is summed up about it loses no digits.
+
+    To the joints it makes no difference.
+    """
+    roots = [replace(body, placement=Pose(body.placement.rotation, ZERO)) for body in system.segments]
+    pairs = zip(system.segments, roots, strict=True)
+    return replace(system, segments=tuple(root if body.parent == WORLD else body for body, root in pairs))
 
 
 def base_of(system: System) -> Segment | None:
@@ -114,7 +123,7 @@ class Columns:
     """Which of the bodies' numbers are code and which are read.
 
     stated: the first, by column.  read: (n, width), the others.  are_coupled: whether rotors with full coupling are
-    behind springs.  mount: (3,) where the first body's joint stands in the world, if it stands there, m.
+    behind springs.
     """
 
     def __init__(self, rows: Array, models: Sequence[Model] = (), base: JointKind | None = None) -> None:
@@ -125,7 +134,6 @@ class Columns:
         same = (rows == first).all(axis=0) & np.isin(first, (-1.0, 0.0, 1.0))
         self.stated = {int(k): int(first[k]) for k in np.flatnonzero(same)}
         self.read = np.ascontiguousarray(rows[:, ~same])
-        self.mount = np.zeros(3) if base else first[ENDS["rotation"] : ENDS["position"]]
         self.width = self.read.shape[1]
         self._columns = rows.shape[1]
 

@@ -84,7 +84,7 @@ def inverse_dynamics(columns: Columns) -> Steps:
     if base:
         kept |= dict.fromkeys([*(f"{x}_rows" for x in MATRICES), *(f"{x}_columns" for x in MATRICES[:2])], base.axes)
         sizes |= {"base.changes": 12 * base.axes, **{f"base.{x}": base.axes**2 for x in MATRICES}}
-    world = {"turned": [*flat(IDENTITY), *(-columns.mount)], "acceleration": [(UPWARD, k) for k in range(6)]}
+    world = {"turned": flat(IDENTITY), "acceleration": [(UPWARD, k) for k in range(6)]}
     return Steps({**kept, **KEPT}, RATES, views, world, passes, sizes, constants)
 
 

@@ -17,7 +17,7 @@ from cutpoint.errors import InputError
 from cutpoint.kernels import backends
 from cutpoint.kernels.arguments import common_batch
 from cutpoint.mechanics.system import System
-from cutpoint.rolled.bodies import bodies_of, columns_of
+from cutpoint.rolled.bodies import bodies_of, columns_of, rooted
 from cutpoint.rolled.memory import Task
 from cutpoint.rolled.recipes import OF_DRIVES, OF_FRAMES, RECIPES
 from cutpoint.rolled.runs import Many, One
@@ -112,10 +112,11 @@ class RolledFunction:
         start = time.perf_counter()
         self.name, self._record, recipe = name_of(key), record, RECIPES[key]
         drives = machine.drives if recipe.reads_drives else ()
-        columns = columns_of(machine.system, drives)
+        system = rooted(machine.system) if recipe.is_rooted else machine.system
+        columns = columns_of(system, drives)
         self._driven = [d.segment - bodies_of(machine.system).start for d in drives]
         self._are_all_driven = len(self._driven) in (0, len(columns.read))
-        self._task = Task(recipe, machine.system, columns, backend, frame)
+        self._task = Task(recipe, system, columns, backend, frame)
         self._one = One(self._task, LANES)
         self._quick = self._shortcut()
         self.compile_seconds = time.perf_counter() - start

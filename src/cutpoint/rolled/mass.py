@@ -1,8 +1,7 @@
 """The mass matrix as passes: composite inertias inward, then every pair of bodies.
 
-All about one place and along the world's axes, where what bodies carry is a plain sum: about the first body's joint,
-however far from the world's origin the robot is mounted.  A base that moves freely stands there: where it is makes no
-difference.
+All about one place and along the world's axes, where what bodies carry is a plain sum.  The first joint of each tree
+stands there, however far from the world's origin it is mounted, and a base that moves freely.
 """
 
 from typing import Any
@@ -55,7 +54,7 @@ def mass_matrix(columns: Columns) -> Steps:
     kept |= {"column": 6, "carried": 10, "momentum": 6, "span": 3}
     tied, apart = ({"matrix_rows": base.axes}, {"base.matrix": base.axes**2}) if base else ({}, {})
     sizes, constants = sizes_apart(base, ("q",))
-    world = {"turned": [*flat(IDENTITY), *(-columns.mount)]}
+    world = {"turned": flat(IDENTITY)}
     return Steps({**kept, **tied}, ("q",), views, world, passes, {**sizes, **apart}, constants)
 
 

@@ -20,11 +20,12 @@ class Recipe(NamedTuple):
     carries the frame, for which straight-line code is taken.  pairs: the most pairs of a body and a speed that moves
     it, where the code grows with these.  reads_drives: whether drives have numbers in it.  odd: what its variants want
     that loops do not take.  takes_coupled, takes_geared: whether it takes rotors with full coupling, behind springs
-    or geared rigidly.
+    or geared rigidly.  is_rooted: whether it takes each tree about its first joint.
 
     Measured on chains of 12 to 128 joints and on humanoids of 29 to 101: up to these sizes straight-line code compiles
-    in some 2 s, takes a third to all of the loops' time in batches and, but on chains, half to all of it in single
-    calls.
+    in some 2 s, at most 5, takes a third to all of the loops' time in batches and, but on chains, half to all of it in
+    single calls.  Derivatives are quicker as loops from some ten bodies on; those of forward dynamics, which have no
+    loops of their own, are not up to these sizes.
     """
 
     steps: Callable[[Columns], Steps]
@@ -36,6 +37,7 @@ class Recipe(NamedTuple):
     odd: str = "external wrenches"
     takes_coupled: bool = False
     takes_geared: bool = True
+    is_rooted: bool = False
 
 
 def _elastic_inverse(options: Options) -> Recipe:
@@ -50,9 +52,15 @@ RECIPES: Mapping[Any, Recipe] = {
     "bias_forces": Recipe(steps.inverse_dynamics, ("q", "v"), ("tau",), 96),
     "gravity_forces": Recipe(steps.inverse_dynamics, ("q",), ("tau",), 96),
     "forward_dynamics": Recipe(forward.forward_dynamics, ("q", "v", "tau"), ("a",), 128, 1000),
-    "mass_matrix": Recipe(mass.mass_matrix, ("q",), ("matrix",), 128, 500),
+    "mass_matrix": Recipe(mass.mass_matrix, ("q",), ("matrix",), 128, 500, is_rooted=True),
     ("inverse_dynamics_derivatives", None): Recipe(
-        derivatives.inverse_dynamics, derivatives.RATES, derivatives.MATRICES, 24, 120, takes_geared=False
+        derivatives.inverse_dynamics,
+        derivatives.RATES,
+        derivatives.MATRICES,
+        24,
+        120,
+        takes_geared=False,
+        is_rooted=True,
     ),
     ("frame_pose",): Recipe(kinematics.frame_pose, ("q",), ("placement",), 64),
     "kinetic_energy": Recipe(totals.kinetic_energy, ("q", "v"), ("total",), 64),
