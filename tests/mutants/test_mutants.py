@@ -12,6 +12,7 @@ import test_drives_that_remember as remember
 import test_elastic_against_rotor_bodies as rotor_bodies
 import test_elastic_laws as elastic_laws
 import test_every_joint_kind as joint_kinds
+import test_large_derivatives as large_derivatives
 import test_large_trees as large_trees
 import test_laws_against_numpy as against_numpy
 import test_laws_of_adaptation as adaptation
@@ -50,6 +51,8 @@ from cutpoint.mechanics.presliding import ElastoPlastic, LuGre
 from cutpoint.mechanics.rotors import Spin
 from cutpoint.mechanics.spatial import Pose
 from cutpoint.mechanics.system import System
+from cutpoint.rolled import bodies
+from cutpoint.rolled import derivatives as looped_derivatives
 from cutpoint.simulation.loop import ClosedLoop
 from cutpoint.simulation.sensors import Encoders
 
@@ -344,6 +347,27 @@ MUTANTS = {
         "code.at(self._ahead_at, 0)",
         looking_ahead.test_rows_at_once_are_rows_one_by_one_to_the_last_bit,
         {"ticks": 9, "lanes": 1},
+    ),
+    "a base's last body taken for another tree's": Mutant(
+        looped_derivatives._couples,
+        "span[0] <= row[-1]",
+        "span[0] < row[-1]",
+        large_derivatives.test_loops_find_what_sweeps_find,
+        {"tree": "floating", "backend": "llvm"},
+    ),
+    "a joint's own change felt without what it bears": Mutant(
+        looped_derivatives.inverse_dynamics,
+        "cloud.wrench(by_q) + S.cross_wrench(F)",
+        "cloud.wrench(by_q)",
+        large_derivatives.test_loops_find_what_sweeps_find,
+        {"tree": "tree", "backend": "llvm"},
+    ),
+    "a tree taken about another's first joint": Mutant(
+        bodies.rooted,
+        "Pose(body.placement.rotation, ZERO)",
+        "body.placement",
+        large_trees.test_how_far_trees_stand_from_each_other_makes_no_difference,
+        {},
     ),
     "a mount far away taken for a long arm": Mutant(
         reframing._Tree.__init__,
