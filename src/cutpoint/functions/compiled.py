@@ -134,7 +134,8 @@ class Compiled:
                 check_moves_inertia(self._mechanism, self.machine)
             found = self._made(key, definition, inputs.split(), reads_drives, record)
             if self.quaternions:
-                found = with_quaternions(found, name, inputs.split(), self.quaternions)
+                nq = self.machine.system.nq
+                found = with_quaternions(found, name, inputs.split(), self.quaternions, nq, self._backend)
             if name in MATRICES and not self.machine.system.nv:
                 found = with_empty_matrices(found)
             self._functions[key] = found

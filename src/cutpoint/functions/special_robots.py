@@ -7,6 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cutpoint.errors import InputError
+from cutpoint.kernels.backends import chosen
 from cutpoint.mechanics.joints import Floating, Spherical
 from cutpoint.mechanics.system import System
 from cutpoint.model import Mechanism
@@ -45,29 +46,25 @@ def check_quaternions(function: str, name: str, q: Array, quaternions: Mapping[s
 
 
 def with_quaternions(
-    function: Function, name: str, inputs: Sequence[str], quaternions: Mapping[str, slice]
+    function: Function, name: str, inputs: Sequence[str], quaternions: Mapping[str, slice], nq: int, backend: str
 ) -> Function:
-    """The function, which looks at the quaternions among its inputs.
+    """The function, which looks at the quaternions among its inputs, each (..., nq)."""
+    places = {k: key for k, key in enumerate(inputs) if key in ("q", "q_next")}
+    if not places:
+        return function
 
-    It looks once the function has taken them: then they are numbers, and as many as there must be.
-    """
-    last = [own.stop - 1 for own in quaternions.values()]
-    places = [(k, key) for k, key in enumerate(inputs) if key in ("q", "q_next")]
-
-    def looking(*given: Any) -> Any:
-        found = function(*given)
-        for k, key in places:
-            q = given[k]
-            if type(q) is np.ndarray and q.ndim == 1:  # single calls: plainly written out, they cost little
-                for w in last:
-                    if -SHORTEST <= q.item(w) <= SHORTEST:
-                        break
-                else:
-                    continue
-            check_quaternions(name, key, np.asarray(q, np.float64), quaternions)
+    def checked(*given: Any) -> Any:
+        found = function(*given)  # has taken them: they are numbers, and as many as there must be
+        for k, key in places.items():
+            check_quaternions(name, key, np.asarray(given[k], np.float64), quaternions)
         return found
 
-    return looking if places else function
+    if chosen(backend) != "llvm":
+        return checked
+    from cutpoint.kernels.looking import looking
+
+    last = [own.stop - 1 for own in quaternions.values()]
+    return looking(function, checked, name, dict.fromkeys(places, last), nq, SHORTEST)
 
 
 def with_empty_matrices(function: Function) -> Function:

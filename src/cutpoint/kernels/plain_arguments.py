@@ -14,18 +14,19 @@ ELSEWHERE = "%general"
 
 def recognised(code: Code, ports: Sequence[Port], largest: float | None) -> list[str]:
     """Pointers to the arguments' numbers; what is not recognised leaves for ELSEWHERE."""
-    _require(code, code.let(f"icmp eq i64 %count, {len(ports)}"), code.let("icmp eq ptr %names, null"))
+    require(code, code.let(f"icmp eq i64 %count, {len(ports)}"), code.let("icmp eq ptr %names, null"))
     objects = [code.load("%arguments", k, "ptr") for k in range(len(ports))]
-    found = [(_array if p.shape else _scalar)(code, x, p) for x, p in zip(objects, ports, strict=True)]
+    found = [(plain_array if p.shape else _scalar)(code, x, p) for x, p in zip(objects, ports, strict=True)]
     if largest is not None:
         _require_within(code, [(pointer, port.size) for pointer, port in zip(found, ports, strict=True)], largest)
     return found
 
 
-def _array(code: Code, x: str, port: Port) -> str:
-    _require(code, code.let(f"icmp eq ptr {code.field(x, KIND)}, @array_type"))
+def plain_array(code: Code, x: str, port: Port) -> str:
+    """A pointer to the numbers of an object, if it is a tidy float64 array of the port's shape."""
+    require(code, code.let(f"icmp eq ptr {code.field(x, KIND)}, @array_type"))
     tidy = code.let(f"and i32 {code.field(x, FLAGS, 'i32')}, {TIDY}")
-    _require(
+    require(
         code,
         code.let(f"icmp eq i32 {code.field(x, RANK, 'i32')}, {len(port.shape)}"),
         code.let(f"icmp eq ptr {code.field(x, TYPE)}, @float64"),
@@ -33,7 +34,7 @@ def _array(code: Code, x: str, port: Port) -> str:
     )
     if port.shape:
         shape = code.field(x, SHAPE)
-        _require(code, *(code.let(f"icmp eq i64 {code.load(shape, k, 'i64')}, {n}") for k, n in enumerate(port.shape)))
+        require(code, *(code.let(f"icmp eq i64 {code.load(shape, k, 'i64')}, {n}") for k, n in enumerate(port.shape)))
     return code.field(x, DATA)
 
 
@@ -44,7 +45,7 @@ def _scalar(code: Code, x: str, port: Port) -> str:
     kinds = [code.let(f"icmp eq ptr {kind}, @{name}") for name in ("float_type", "float64_type")]
     code.branch(code.let(f"or i1 {', '.join(kinds)}"), number, other)
     code.open(other)
-    inside = _array(code, x, port)
+    inside = plain_array(code, x, port)
     code.label(array)
     code.lines.append(f"br label {end}")
     code.open(number)
@@ -59,11 +60,11 @@ def _require_within(code: Code, arguments: list[tuple[str, int]], largest: float
         if size >= width:
             with code.loop(size // width) as loop:
                 block = code.at(pointer, code.let(f"mul i64 {loop.iteration}, {width}"))
-                _require(code, _are_within(code, block, width, largest))
+                require(code, _are_within(code, block, width, largest))
         if size % width:
             conditions.append(_are_within(code, code.at(pointer, size // width * width), size % width, largest))
     if conditions:
-        _require(code, *conditions)
+        require(code, *conditions)
 
 
 def _are_within(code: Code, pointer: str, size: int, largest: float) -> str:
@@ -80,7 +81,7 @@ def splat(x: float, size: int) -> str:
     return f"<{', '.join([f'double {literal(x)}'] * size)}>"
 
 
-def _require(code: Code, *conditions: str) -> None:
+def require(code: Code, *conditions: str) -> None:
     """All conditions hold from here on."""
     all_hold, then = conditions[0], code.name("then")
     for condition in conditions[1:]:
