@@ -15,7 +15,7 @@ from cutpoint.functions.compiled import machine_of
 from cutpoint.kernels.program_llvm import program_ir
 from cutpoint.kernels.program_plan import plan
 from cutpoint.model import Mechanism
-from cutpoint.rolled import RECIPES, RolledFunction
+from cutpoint.rolled import DERIVATIVES, RECIPES, RolledFunction
 from cutpoint.rolled.bodies import columns_of
 from cutpoint.rolled.passes import one_by_one
 from large_robots import assert_close, based, chain
@@ -67,7 +67,6 @@ LOOPED = {
     "planar": based("planar", 16),
     "spherical": based("spherical", 5, branching=False),
 }
-KEY = ("inverse_dynamics_derivatives", None)
 
 
 @pytest.mark.parametrize(("tree", "backend"), [(tree, "llvm") for tree in LOOPED] + [("floating", "numpy")])
@@ -76,7 +75,7 @@ def test_loops_find_what_sweeps_find(tree: str, backend: str) -> None:
     robot = Robot(LOOPED[tree], dict.fromkeys(joints, Drive(50.0, Rotor(1e-3))), backend="numpy")  # it never loops
     s = states(robot, 3)
     given = s["q"], s["v"], s["a"]
-    function = RolledFunction(KEY, robot.machine, backend, derivatives.InverseDynamicsDerivatives)
+    function = RolledFunction(DERIVATIVES, robot.machine, backend, derivatives.InverseDynamicsDerivatives)
     found = function(*given)
     for ours, theirs in zip(found, sweeps.inverse_dynamics(robot, **dict(zip("qva", given, strict=True))), strict=True):
         np.testing.assert_allclose(ours, theirs, rtol=0, atol=1e-13 * np.abs(theirs).max(initial=1.0))
@@ -84,17 +83,23 @@ def test_loops_find_what_sweeps_find(tree: str, backend: str) -> None:
         np.testing.assert_array_equal(one, of_batch[2])
 
 
+def assert_pinocchios(ours: Any, model: Any, data: Any, *state: np.ndarray) -> None:
+    pinocchio.computeRNEADerivatives(model, data, *state)
+    assert_close(ours.d_q, data.dtau_dq)
+    assert_close(ours.d_v, data.dtau_dv)
+
+
 def test_derivatives_of_a_large_floating_robot_are_pinocchios() -> None:
     robot = Robot(based("floating", 30))
     model = pinocchio_of(robot.mechanism)
     data, s = model.createData(), states(robot)
     q, v, a = s["q"], s["v"], s["a"]
-    pinocchio.computeRNEADerivatives(model, data, q, v, a)
     ours = derivatives.inverse_dynamics(robot, q, v, a)
-    assert_close(ours.d_q, data.dtau_dq)
-    assert_close(ours.d_v, data.dtau_dv)
-    with pytest.raises(InputError, match="of 31 bodies it runs as loops over them"):
-        robot.kernel("inverse_dynamics_derivatives")
+    assert_pinocchios(ours, model, data, q, v, a)
+    derivatives.forward_dynamics(robot, q, v, a)
+    for name in ("inverse_dynamics_derivatives", "forward_dynamics_derivatives"):
+        with pytest.raises(InputError, match=rf"{name}: of 31 bodies it runs as loops over them, .*: lock joints"):
+            robot.kernel(name)
     zero = np.where(np.arange(robot.nq) < 7, 0.0, q)
     with pytest.raises(InputError, match="inverse_dynamics_derivatives: the quaternion of joint 'base' is zero"):
         derivatives.inverse_dynamics(robot, zero, v, a)
@@ -128,7 +133,7 @@ def test_code_of_derivatives_is_as_long_for_ten_bodies_as_for_a_thousand(kind: s
     texts = []
     for size in (10, 1000):
         columns = columns_of(machine_of(based(kind, size, branching=False), {}).system)
-        built = one_by_one(RECIPES[KEY].steps(columns), columns, 8)
+        built = one_by_one(RECIPES[DERIVATIVES].steps(columns), columns, 8)
         texts.append(program_ir(plan(built.body, built.regions)))
     assert texts[0] == texts[1]
 
@@ -138,10 +143,8 @@ def test_derivatives_of_a_chain_of_96_are_pinocchios() -> None:
     model = model_of(robot.mechanism)
     data, s = model.createData(), states(robot)
     q, v, a = s["q"], s["v"], s["a"]
-    pinocchio.computeRNEADerivatives(model, data, q, v, a)
     ours = derivatives.inverse_dynamics(robot, q, v, a)
-    assert_close(ours.d_q, data.dtau_dq)
-    assert_close(ours.d_v, data.dtau_dv)
+    assert_pinocchios(ours, model, data, q, v, a)
     assert_close(ours.d_a, robot.mass_matrix(q))
     tau = robot.inverse_dynamics(q, v, a)
     pinocchio.computeABADerivatives(model, data, q, v, tau)

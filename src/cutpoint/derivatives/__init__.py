@@ -34,9 +34,8 @@ Array = NDArray[np.float64]
 MOST_COMPILED = 48
 """Bodies beyond which derivatives of an elastic inverse dynamics are more than can be compiled."""
 
-
 MOST_LOOPED = 4000
-"""Bodies of which derivatives run as loops: three matrices, half a gigabyte in all, and as much to work in."""
+"""Bodies of which derivatives run as loops: three matrices, 0.4 gigabytes in all, and as much to work in."""
 
 
 class InverseDynamicsDerivatives(NamedTuple):
@@ -100,17 +99,6 @@ def forward_dynamics(robot: Robot, q: ArrayLike, v: ArrayLike, tau: ArrayLike) -
     return _function(robot, "forward_dynamics", definition, "q v tau", record=ForwardDynamicsDerivatives)(q, v, tau)
 
 
-def _of_a_large_robot(robot: Robot, q: ArrayLike, v: ArrayLike, tau: ArrayLike) -> ForwardDynamicsDerivatives:
-    """From M d_a = d_tau - d(inverse dynamics at that a).  Carpentier and Mansard (2018)."""
-    a = robot.forward_dynamics(q, v, tau)
-    if not (largest := np.abs(a).max(initial=0.0)) <= LARGEST:
-        told = f"these speeds and torques ask for accelerations up to {largest:.3g}, at most {LARGEST:.0e} are taken"
-        raise InputError(f"forward_dynamics_derivatives: {told}", largest=largest)
-    d_q, d_v, M = inverse_dynamics(robot, q, v, a)
-    d_tau = inverse_of(M)
-    return ForwardDynamicsDerivatives(-d_tau @ d_q, -d_tau @ d_v, d_tau)
-
-
 def elastic_inverse_dynamics(
     robot: Robot,
     q: ArrayLike,
@@ -152,9 +140,21 @@ def elastic_forward_dynamics(
     return function(q, v, theta, theta_dot, motor_torque)
 
 
+def _of_a_large_robot(robot: Robot, q: ArrayLike, v: ArrayLike, tau: ArrayLike) -> ForwardDynamicsDerivatives:
+    """From M d_a = d_tau - d(inverse dynamics at that a).  Carpentier and Mansard (2018)."""
+    a = robot.forward_dynamics(q, v, tau)
+    if not (largest := np.abs(a).max(initial=0.0)) <= LARGEST:
+        told = f"these speeds and torques ask for accelerations up to {largest:.3g}, at most {LARGEST:.0e} are taken"
+        raise InputError(f"forward_dynamics_derivatives: {told}; are they in rad/s and N m?", largest=largest)
+    d_q, d_v, M = inverse_dynamics(robot, q, v, a)
+    robot._compiled.has_no_kernel("forward_dynamics_derivatives")  # pyright: ignore[reportPrivateUsage]
+    d_tau = inverse_of(M)
+    return ForwardDynamicsDerivatives(-d_tau @ d_q, -d_tau @ d_v, d_tau)
+
+
 def _is_looped(robot: Robot) -> bool:
     """Whether derivatives of rigid dynamics run as loops.  Raises InputError if matrices of that size are too large."""
-    if not robot._compiled.loops(("inverse_dynamics_derivatives", None)):  # pyright: ignore[reportPrivateUsage]
+    if not robot._compiled.derivatives_loop:  # pyright: ignore[reportPrivateUsage]
         return False
     if len(robot.mechanism.bodies) > MOST_LOOPED:
         raise sweeps.too_large(len(robot.mechanism.bodies), MOST_LOOPED)

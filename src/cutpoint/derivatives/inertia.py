@@ -21,8 +21,8 @@ def inverse_of(M: Array) -> Array:
     for k in np.ndindex(M.shape[:-2]):
         factor, order = _factors(M[k])
         if order:
-            told = f"the first {order} rows of the mass matrix are singular to rounding: some bodies are too light"
-            raise InputError(f"forward_dynamics_derivatives: {told} beside others", rows=order)
+            told = f"the first {order} rows of the mass matrix are singular to rounding"
+            raise InputError(f"forward_dynamics_derivatives: {told}; give light links inertia, or drives rotors")
         half, _ = _inverse(factor, overwrite_c=True)  # zeros below the diagonal
         np.add(half, half.T, out=inverse[k])
     np.einsum("...ii->...i", inverse)[...] /= 2

@@ -24,7 +24,7 @@ from cutpoint.mechanics.elastic import Driven
 from cutpoint.mechanics.reframing import Framing
 from cutpoint.model import Drive, Mechanism
 from cutpoint.model.mechanism import frozen
-from cutpoint.rolled import JointByJoint, check_compiles, joint_by_joint, loops_take, name_of, rolled
+from cutpoint.rolled import DERIVATIVES, JointByJoint, check_compiles, joint_by_joint, loops_take, name_of, rolled
 from cutpoint.scalars import leaves, rebuild
 
 JOINT_QUANTITIES = frozenset({
@@ -77,7 +77,6 @@ class Compiled:
         self._functions: dict[Any, Callable[..., Any]] = {}
         self._kernels: dict[str, Kernel] = {}
         self._loops: set[str] = set()
-        self._is_looped: dict[Any, bool] = {}
 
     def size_of(self, name: str) -> int | tuple[()]:
         """Length of an input's last axis; () for a single number."""
@@ -95,6 +94,15 @@ class Compiled:
     def quaternions(self) -> dict[str, slice]:
         """Where they stand in q, by the joint's name."""
         return quaternions_of(self._mechanism, self.machine.system)
+
+    @cached_property
+    def derivatives_loop(self) -> bool:
+        """Whether derivatives of rigid dynamics run as loops over bodies."""
+        return loops_take(DERIVATIVES, self.machine, self._backend)
+
+    def has_no_kernel(self, name: str) -> None:
+        """Keeps in mind what users are told who ask for it."""
+        self._loops.add(name)
 
     @cached_property
     def lean(self) -> Machine:
@@ -141,12 +149,6 @@ class Compiled:
             self._functions[key] = found
         return found
 
-    def loops(self, key: Any) -> bool:
-        """Whether a function runs, or will run, as loops over bodies."""
-        if key not in self._is_looped:
-            self._is_looped[key] = loops_take(key, self.machine, self._backend)
-        return self._is_looped[key]
-
     def made_before(self, *key: Any) -> Callable[..., Any] | None:
         """The function of a tuple key, if it has been made; None too for what can be no key."""
         try:
@@ -185,7 +187,7 @@ class Compiled:
             if name in self._loops:
                 n = len(self.machine.system.segments)
                 told = f"of {n} bodies it runs as loops over them, and has no kernel to look at or to export"
-                raise InputError(f"{name}: {told}", name=name)
+                raise InputError(f"{name}: {told}; of fewer it has one: lock joints that stand still", name=name)
             there = f"there are: {', '.join(map(repr, self._kernels))}" if self._kernels else "there is none yet"
             remedy = "functions compile at their first call, so call it once first"
             told = f"no compiled function is named {name!r}, {there}; {remedy}"

@@ -64,7 +64,7 @@ def with_quaternions(
     from cutpoint.kernels.looking import looking
 
     last = [own.stop - 1 for own in quaternions.values()]
-    return looking(function, checked, name, dict.fromkeys(places, last), nq, SHORTEST)
+    return looking(function, checked, name, [*places], last, nq, SHORTEST)
 
 
 def with_empty_matrices(function: Function) -> Function:

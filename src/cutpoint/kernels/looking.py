@@ -1,6 +1,6 @@
 """A function of Python behind a look at some numbers of its arguments, in machine code: nanoseconds a call."""
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Sequence
 from typing import Any
 
 from cutpoint.kernels import numpy_api, python_api
@@ -18,29 +18,30 @@ def looking(
     function: Callable[..., Any],
     otherwise: Callable[..., Any],
     name: str,
-    looks: Mapping[int, Sequence[int]],
+    arguments: Sequence[int],
+    entries: Sequence[int],
     size: int,
     smallest: float,
 ) -> Callable[..., Any]:
     """Calls the function, or `otherwise` unless all numbers that are looked at are larger than the smallest.
 
-    looks: which entries of which arguments; these are plain vectors of that size.  What is not goes to `otherwise`,
-    which also gets all calls where Python's or NumPy's objects are not as expected.
+    arguments, entries: which entries of which arguments; these are plain vectors of that size.  What is not goes to
+    `otherwise`, which also gets all calls where Python's or NumPy's objects are not as expected.
     """
     if not is_possible():
         return otherwise
     symbols = python_api.symbols() | numpy_api.symbols() | {"function": id(function), "general": id(otherwise)}
-    code = Compiled(_ir(looks, size, smallest), _FUNCTION, symbols=symbols, optimisation=_OPTIMISATION)
+    code = Compiled(_ir(arguments, entries, size, smallest), _FUNCTION, symbols=symbols, optimisation=_OPTIMISATION)
     doc = getattr(function, "__doc__", None) or name
     return python_api.builtin(code.address, name, doc, (code, function, otherwise))
 
 
-def _ir(looks: Mapping[int, Sequence[int]], size: int, smallest: float) -> str:
+def _ir(arguments: Sequence[int], entries: Sequence[int], size: int, smallest: float) -> str:
     """The module's text."""
     code = Code()
-    enough = code.let(f"icmp sgt i64 %count, {max(looks)}")
+    enough = code.let(f"icmp sgt i64 %count, {max(arguments)}")
     require(code, enough, code.let("icmp eq ptr %names, null"))
-    for argument, entries in looks.items():
+    for argument in arguments:
         numbers = plain_array(code, code.load("%arguments", argument, "ptr"), Port("looked at", (size,)))
         for entry in entries:
             x = code.load(numbers, entry)

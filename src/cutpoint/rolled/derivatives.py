@@ -24,7 +24,10 @@ Scalars = Sequence[Scalar]
 RATES = ("q", "v", "a")
 MATRICES = ("d_q", "d_v", "d_a")
 
-KEPT = {"column": 6, "velocity": 6, "acceleration": 6, "carried": 28, "changes": 15, "effort": 9, "felt": 12, "span": 3}
+SEEN = {"column": 6, "changes": 15, "effort": 9, "felt": 12, "span": 3}
+"""What one body of a pair needs to know of the other."""
+
+KEPT = {"velocity": 6, "acceleration": 6, "carried": 28, **SEEN}
 """Of each body, beside its pose."""
 
 
@@ -56,16 +59,14 @@ def inverse_dynamics(columns: Columns) -> Steps:
         return [x + y for x, y in zip(borne, carried, strict=True)]
 
     def changed(row: Any, column: Any, velocity: Any, acceleration: Any, carried: Any) -> Any:
-        own, S, V = columns.subsystem(row), motion_of(column), motion_of(velocity)
-        rate = V.cross(S)  # as by the carrier's velocity: the joint's own leaves its axis where it is
-        by_q = Change(motion_of(acceleration).cross(S) + V.cross(rate), rate.angular)
-        by_v = Change(rate * 2, S.angular)
+        own, S = columns.subsystem(row), motion_of(column)
+        by_q, by_v = _changes(S, motion_of(velocity), motion_of(acceleration))
         cloud, F = _cloud(carried)
         effort, felt = cloud.effort(S), [cloud.wrench(by_q) + S.cross_wrench(F), cloud.wrench(by_v)]
         changes = [*by_q.A, *by_q.omega, *by_v.A]
         return changes, [*effort.F, *effort.moment], [x for G in felt for x in G], [own.number, own.last, own.armature]
 
-    moved, seen = ("velocity", "acceleration"), ("changes", "effort", "felt", "span")
+    moved, (_, *seen) = ("velocity", "acceleration"), SEEN
     passes = [
         *placed,
         Pass("alone", Stage(column, ("body", "turned"), ("column",))),
@@ -74,7 +75,7 @@ def inverse_dynamics(columns: Columns) -> Steps:
         Pass("inward", Stage(inward, ("carried", "borne"), ("borne",))),
         Pass("alone", Stage(changed, ("body", "column", *moved, "carried"), seen)),
         *(_couples(base) if base else []),
-        Pass("pairs", Stage(_entries, ("held", "column", *seen), MATRICES)),
+        Pass("pairs", Stage(_entries, ("held", *SEEN), MATRICES)),
     ]
     views = (
         ABOVE, View("carrier", "velocity", "parent"), View("lift", "acceleration", "parent"),
@@ -82,10 +83,24 @@ def inverse_dynamics(columns: Columns) -> Steps:
     )  # fmt: skip
     sizes, constants = sizes_apart(base, RATES)
     if base:
-        kept |= dict.fromkeys([*(f"{x}_rows" for x in MATRICES), *(f"{x}_columns" for x in MATRICES[:2])], base.axes)
+        kept |= dict.fromkeys([*_ROWS, *_COLUMNS], base.axes)
         sizes |= {"base.changes": 12 * base.axes, **{f"base.{x}": base.axes**2 for x in MATRICES}}
     world = {"turned": flat(IDENTITY), "acceleration": [(UPWARD, k) for k in range(6)]}
     return Steps({**kept, **KEPT}, RATES, views, world, passes, sizes, constants)
+
+
+_ROWS, _COLUMNS = [f"{x}_rows" for x in MATRICES], [f"{x}_columns" for x in ("d_q", "d_v")]
+"""Of a base's speeds, by body; d_a is symmetric."""
+
+
+def _changes(S: Motion, V: Motion, A: Motion) -> tuple[Change, Change]:
+    """Of the motion of a body that moves with V and A, by the position and by the speed of its joint along S.
+
+    Singh, Russell and Wensing (2022), arXiv 2105.05102: from the rates of S.  A joint's own speed leaves its axis where
+    it is, so that they are the same by the body's velocity as by its carrier's.
+    """
+    rate = V.cross(S)
+    return Change(A.cross(S) + V.cross(rate), rate.angular), Change(rate * 2, S.angular)
 
 
 def _costs(M: Inertia, V: Motion, A: Motion) -> list[Scalar]:
@@ -99,22 +114,14 @@ def _cloud(carried: Scalars) -> tuple[Cloud, Wrench]:
     return Cloud(inertia_of(carried[:10]), Vec3(*carried[10:13]), mat3(iter(carried[13:22]))), wrench_of(carried[22:])
 
 
-def _changes(column: Scalars, numbers: Scalars) -> tuple[Change, Change]:
-    """By a joint's position, and by its speed."""
-    turning = Vec3(*column[3:])
-    return Change(motion_of(numbers[:6]), Vec3(*numbers[6:9])), Change(motion_of(numbers[9:15]), turning)
-
-
-def _entries(held: Any, *other: Any) -> Any:
+def _entries(held: Any, column: Any, changes: Any, their_effort: Any, felt: Any, span: Any) -> Any:
     """Of one body's torque, by another's joint: of three matrices, if one carries the other."""
-    sizes = [KEPT[name] for name in ("column", "changes", "effort", "felt", "span")]
-    starts = [sum(sizes[:k]) for k in range(len(sizes))]
-    own = [held[start : start + size] for start, size in zip(starts, sizes, strict=True)]
-    S, effort, (number, last, armature) = motion_of(own[0]), _effort(own[2]), own[4]
-    column, changes, their_effort, felt, span = other
+    numbers = iter(held)
+    own = {name: [next(numbers) for _ in range(size)] for name, size in SEEN.items()}
+    S, effort, (number, last, armature) = motion_of(own["column"]), _effort(own["effort"]), own["span"]
     further_in = (span[0] <= number) & (number <= span[1])
     further_out = (number <= span[0]) & (span[0] <= last)
-    by_q, by_v = _changes(column, changes)
+    by_q, by_v = Change(motion_of(changes[:6]), Vec3(*changes[6:9])), Change(motion_of(changes[9:]), Vec3(*column[3:]))
     inner = [effort.of(by_q), effort.of(by_v), motion_of(column).power(effort.F)]
     outer = [S.power(wrench_of(felt[:6])), S.power(wrench_of(felt[6:])), S.power(_effort(their_effort).F)]
     found = [where(further_in, x, where(further_out, y, 0)) for x, y in zip(inner, outer, strict=True)]
@@ -162,7 +169,6 @@ def _couples(base: Base) -> list[Pass]:
         d_q, d_v = ([own.of(changes[k]) for own in efforts for changes in by] for k in (0, 1))
         return d_q, d_v, [S.power(own.F) for own in efforts for S in motions]
 
-    rows, columns = [f"{x}_rows" for x in MATRICES], [f"{x}_columns" for x in MATRICES[:2]]
     reads = ("base.body", "base.changes", "effort", "felt", "span")
     blocks = Stage(among, ("base.carried", "base.changes"), [f"base.{x}" for x in MATRICES])
-    return [Pass("alone", Stage(couples, reads, [*rows, *columns])), Pass("once", blocks)]
+    return [Pass("alone", Stage(couples, reads, [*_ROWS, *_COLUMNS])), Pass("once", blocks)]

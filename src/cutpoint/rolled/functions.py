@@ -44,9 +44,9 @@ def rolled(
     """
     asked, frame = without_frame(key)
     name, bodies = name_of(key), size_of(machine.system, frame)
-    if not is_large_for(key, machine.system, backend):
+    if not _is_large_for(key, machine.system, backend):
         return None
-    odd = what_hinders(key, machine)
+    odd = _hindrance(key, machine)
     if odd is None:
         return RolledFunction(asked, machine, backend, record, frame)
     if bodies > TOO_LARGE:
@@ -56,11 +56,11 @@ def rolled(
 
 
 def loops_take(key: Any, machine: Machine, backend: str) -> bool:
-    """Whether a function of this robot runs as loops."""
-    return is_large_for(key, machine.system, backend) and what_hinders(key, machine) is None
+    """Whether a function of this robot runs as loops: see `rolled`."""
+    return _is_large_for(key, machine.system, backend) and _hindrance(key, machine) is None
 
 
-def is_large_for(key: Any, system: System, backend: str) -> bool:
+def _is_large_for(key: Any, system: System, backend: str) -> bool:
     """Whether a function has a recipe, and the robot is so large that loops suit it better."""
     asked, frame = without_frame(key)
     recipe = RECIPES.get(asked) or RECIPES.get(name_of(key))
@@ -69,7 +69,7 @@ def is_large_for(key: Any, system: System, backend: str) -> bool:
     return size_of(system, frame) > recipe.above or sum(system.depths) > recipe.pairs
 
 
-def what_hinders(key: Any, machine: Machine) -> str | None:
+def _hindrance(key: Any, machine: Machine) -> str | None:
     """What loops do not take, of the robot or of what a function with a recipe is asked for."""
     asked = without_frame(key)[0]
     if asked not in RECIPES:

@@ -15,11 +15,6 @@ from cutpoint.rolled.recipes import Recipe
 Array = np.ndarray
 T = TypeVar("T")
 
-MATRICES = ("matrix", "d_q", "d_v", "d_a")
-"""Regions with a number for every pair of bodies.  Where a base moves freely, there are others with its rows and its
-columns, by body, and with its own part: "matrix_rows", "matrix_columns" unless the matrix is symmetric, "base.matrix".
-"""
-
 COLUMN = "column"
 """The region with a column of a Jacobian for every body."""
 
@@ -54,13 +49,13 @@ class Task:
     def shape(self, name: str) -> tuple[int, ...]:
         """Of an output."""
         speeds = self.bodies + (len(self.columns.base.axes) if self.columns.base else 0)
-        in_parts = {**dict.fromkeys(MATRICES, (speeds, speeds)), COLUMN: (6, speeds)}
+        in_parts = {**dict.fromkeys(self.steps.matrices, (speeds, speeds)), COLUMN: (6, speeds)}
         return {**in_parts, **self.steps.shapes}.get(name, (self.size(name),))
 
     @property
     def is_in_parts(self) -> bool:
         """Whether its output is put together after the loops."""
-        return self.recipe.outputs[0] in (*MATRICES, COLUMN)
+        return self.recipe.outputs[0] in (*self.steps.matrices, COLUMN)
 
     def rows(self, world: int) -> dict[str, Array]:
         """Lists of rows, given the world's; the base's is the one after it."""

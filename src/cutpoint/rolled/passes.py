@@ -56,6 +56,15 @@ class Steps(NamedTuple):
     def sizes(self) -> dict[str, int]:
         return {**self.kept, **dict.fromkeys(self.numbers, 1)}
 
+    @property
+    def matrices(self) -> tuple[str, ...]:
+        """Outputs with a number for every pair of bodies.
+
+        Where a base moves freely, other regions hold its rows and its columns, by body, and its own part: "x_rows",
+        "x_columns" unless x is symmetric, "base.x".
+        """
+        return tuple(name for p in self.passes if p.way == "pairs" for name in p.stage.writes)
+
     def rows_of(self, p: Pass) -> tuple[View, ...]:
         """What a pass that runs once calls by the name of its row."""
         names = dict.fromkeys((*p.stage.reads, *p.stage.writes))

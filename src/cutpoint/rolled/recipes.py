@@ -32,18 +32,21 @@ class Recipe(NamedTuple):
     inputs: tuple[str, ...]
     outputs: tuple[str, ...]
     above: int
-    pairs: float = inf
     reads_drives: bool = False
     odd: str = "external wrenches"
     takes_coupled: bool = False
     takes_geared: bool = True
     is_rooted: bool = False
+    pairs: float = inf
 
 
 def _elastic_inverse(options: Options) -> Recipe:
     passes = partial(elastic.elastic_inverse_dynamics, options=options)
-    return Recipe(passes, steps.RATES, elastic.MOTOR, 32, inf, True, "strains", options.quasi_rigid)
+    return Recipe(passes, steps.RATES, elastic.MOTOR, 32, True, "strains", options.quasi_rigid)
 
+
+DERIVATIVES = ("inverse_dynamics_derivatives", None)
+"""Of rigid dynamics; those of forward dynamics follow from them."""
 
 STATE = ("q", "v", "theta", "theta_dot", "motor_torque")
 
@@ -51,14 +54,14 @@ RECIPES: Mapping[Any, Recipe] = {
     "inverse_dynamics": Recipe(steps.inverse_dynamics, ("q", "v", "a"), ("tau",), 96),
     "bias_forces": Recipe(steps.inverse_dynamics, ("q", "v"), ("tau",), 96),
     "gravity_forces": Recipe(steps.inverse_dynamics, ("q",), ("tau",), 96),
-    "forward_dynamics": Recipe(forward.forward_dynamics, ("q", "v", "tau"), ("a",), 128, 1000),
-    "mass_matrix": Recipe(mass.mass_matrix, ("q",), ("matrix",), 128, 500, is_rooted=True),
-    ("inverse_dynamics_derivatives", None): Recipe(
+    "forward_dynamics": Recipe(forward.forward_dynamics, ("q", "v", "tau"), ("a",), 128, pairs=1000),
+    "mass_matrix": Recipe(mass.mass_matrix, ("q",), ("matrix",), 128, pairs=500, is_rooted=True),
+    DERIVATIVES: Recipe(
         derivatives.inverse_dynamics,
         derivatives.RATES,
         derivatives.MATRICES,
         24,
-        120,
+        pairs=120,
         takes_geared=False,
         is_rooted=True,
     ),
@@ -75,9 +78,9 @@ RECIPES: Mapping[Any, Recipe] = {
         for choice in product((False, True), repeat=2)
     },
     "elastic_inverse_dynamics": _elastic_inverse(DEFAULT),
-    "static_deflection": Recipe(elastic.static_deflection, ("q",), ("deflection",), 64, inf, True, takes_coupled=True),
+    "static_deflection": Recipe(elastic.static_deflection, ("q",), ("deflection",), 64, True, takes_coupled=True),
     "elastic_forward_dynamics": Recipe(
-        elastic.elastic_forward_dynamics, STATE, ("a", "theta_ddot"), 128, 1000, True, "strains", True
+        elastic.elastic_forward_dynamics, STATE, ("a", "theta_ddot"), 128, True, "strains", True, pairs=1000
     ),
 }
 """By name, or by a key that begins with it."""

@@ -10,7 +10,7 @@ import numpy as np
 from cutpoint.kernels import Program, compile_program
 from cutpoint.kernels.backends import chosen
 from cutpoint.kernels.program_outputs import Output, Part, whole
-from cutpoint.rolled.memory import COLUMN, MATRICES, Spare, Task, aligned
+from cutpoint.rolled.memory import COLUMN, Spare, Task, aligned
 from cutpoint.rolled.passes import one_by_one, side_by_side
 
 if TYPE_CHECKING:
@@ -34,7 +34,8 @@ class One:
     def _memory(self) -> "OneMemory":
         task, lanes = self._task, self._lanes
         n, blocks = task.bodies, -(-task.bodies // lanes)
-        rows = {**dict.fromkeys(("body", *task.steps.kept), blocks + 1), **dict.fromkeys(MATRICES, n * blocks)}
+        rows = dict.fromkeys(("body", *task.steps.kept), blocks + 1)
+        rows |= dict.fromkeys(task.steps.matrices, n * blocks)
         sizes = {r.name: r.size for r in self._rolled.regions}
         arrays: dict[str, Array] = {k: aligned(rows.get(k, 1) * x).reshape(-1, x) for k, x in sizes.items()}
         vectors = {name: aligned((blocks + 1) * lanes, task.of_base(name)) for name in task.steps.numbers}
@@ -48,7 +49,7 @@ class One:
         for name, numbers in task.world.items():
             by_body[name][blocks, 0, : len(numbers)] = numbers
         arrays |= task.constants | task.rows(blocks * lanes)
-        if any(name in arrays for name in MATRICES):
+        if task.steps.matrices:
             arrays["self"] = np.arange(n)
         run = self.program.bound({"bodies": n, "blocks": blocks}, **arrays)
         return OneMemory(task, arrays, vectors, run)
@@ -88,7 +89,7 @@ class OneMemory:
 
     def _output(self, name: str, vector: Array | None) -> Output:
         shape = self._task.shape(name)
-        if name in MATRICES:
+        if name in self._task.steps.matrices:
             return Output(shape, self._matrix(name, shape[1] - self._task.bodies))
         if name == COLUMN:
             return Output(shape, self._columns(shape[1] - self._task.bodies))
