@@ -44,8 +44,8 @@ class Case:
     model: pin.Model
 
     @property
-    def flange(self) -> str:
-        return FLANGES[self.name]
+    def flange(self) -> str | None:
+        return FLANGES.get(self.name)
 
     @cached_property
     def data(self) -> pin.Data:
