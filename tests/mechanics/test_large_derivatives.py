@@ -7,9 +7,9 @@ import pinocchio
 import pytest
 from test_large_trees import model_of
 
-from cutpoint import Drive, LinearSpring, Robot, Rotor, derivatives
+from cutpoint import Drive, Flexspline, LinearSpring, Robot, Rotor, Stribeck, derivatives
 from cutpoint.derivatives import sweeps
-from cutpoint.derivatives.inertia import inverse_of
+from cutpoint.derivatives.large import inverse_of
 from cutpoint.errors import InputError
 from cutpoint.functions.compiled import machine_of
 from cutpoint.kernels.program_llvm import program_ir
@@ -83,6 +83,46 @@ def test_loops_find_what_sweeps_find(tree: str, backend: str) -> None:
         np.testing.assert_array_equal(one, of_batch[2])
 
 
+def driven_by_turns(mechanism: Mechanism) -> dict[str, Drive]:
+    """Elastic drives with friction, rigid ones and no drive, joint after joint."""
+    friction = Stribeck(0.3, 0.6, 0.2, 0.1, 0.02)
+    spring = Flexspline(2e4, 0.04)
+    elastic = Drive(100.0, Rotor(1e-4), spring, damping=2.0, link_friction=friction, motor_friction=friction)
+    rigid = Drive(50.0, Rotor(1e-3), motor_friction=friction)
+    choices = (elastic, rigid, None, elastic)
+    chosen = ((name, choices[k % 4]) for k, name in enumerate(Robot(mechanism).joints))
+    return {name: drive for name, drive in chosen if drive}
+
+
+@pytest.mark.parametrize("mechanism", [chain(30), based("floating", 28)], ids=["chain", "floating"])
+def test_elastic_derivatives_that_follow_from_loops_are_the_swept_ones(mechanism: Mechanism) -> None:
+    robot = Robot(mechanism, driven_by_turns(mechanism))
+    s = states(robot, 2)
+    del s["a"]
+    assert derivatives.elastic_loops(robot)
+    found = derivatives.elastic_forward_dynamics(robot, **s)
+    for ours, theirs in zip(found, sweeps.elastic_forward_dynamics(robot, **s), strict=True):
+        assert ours.shape == theirs.shape
+        np.testing.assert_allclose(ours, theirs, rtol=0, atol=1e-12 * np.abs(theirs).max(initial=1.0))
+    for one, of_batch in zip(
+        derivatives.elastic_forward_dynamics(robot, **{k: x[1] for k, x in s.items()}), found, strict=True
+    ):
+        np.testing.assert_array_equal(one, of_batch[1])
+
+
+@pytest.mark.parametrize("friction", [False, True])
+def test_large_robots_are_linearised_as_well_from_loops_as_by_sweeps(friction: bool) -> None:
+    mechanism = chain(26)
+    drives = driven_by_turns(mechanism)
+    looped, swept = (Robot(mechanism, drives, backend=x) for x in ("llvm", "numpy"))
+    assert derivatives.elastic_loops(looped) and not derivatives.elastic_loops(swept)
+    q, v = looped.random(1), np.linspace(-0.1, 0.1, 26)
+    ours, theirs = (robot.linearize(q, v, np.ones(len(robot.drives)), friction=friction) for robot in (looped, swept))
+    assert ours.states == theirs.states
+    for x, y in ((ours.A, theirs.A), (ours.B, theirs.B), (ours.drift, theirs.drift)):
+        np.testing.assert_allclose(x, y, rtol=0, atol=1e-11 * np.abs(y).max())
+
+
 def assert_pinocchios(ours: Any, model: Any, data: Any, *state: np.ndarray) -> None:
     pinocchio.computeRNEADerivatives(model, data, *state)
     assert_close(ours.d_q, data.dtau_dq)
@@ -108,7 +148,7 @@ def test_derivatives_of_a_large_floating_robot_are_pinocchios() -> None:
 def test_a_mass_matrix_without_an_inverse_is_refused() -> None:
     """Robots have none: where joints move no inertia they are refused before."""
     with pytest.raises(InputError, match=r"forward_dynamics_derivatives: the first 2 rows of the mass matrix"):
-        inverse_of(np.array([np.eye(3), np.ones((3, 3))]))
+        inverse_of(np.array([np.eye(3), np.ones((3, 3))]), "forward_dynamics_derivatives")
 
 
 def test_motions_too_fast_for_their_accelerations_to_be_taken_are_refused() -> None:

@@ -13,6 +13,7 @@ from cutpoint.kernels import Kernel
 from cutpoint.mechanics.elastic import DEFAULT, ElasticMotion
 from cutpoint.mechanics.elastic_forward import elastic_forward_dynamics
 from cutpoint.mechanics.kinematics import coordinate_rates
+from cutpoint.model import Drive
 from cutpoint.robot import Robot
 from cutpoint.scalars import Jet, Scalar
 
@@ -83,8 +84,11 @@ def steady_motion(machine: Machine, derivatives: int, q: Scalars, v: Scalars) ->
 
 def without_friction(machine: Machine) -> Machine:
     """The machine with no friction on either side; damping of its springs stays."""
-    bare = [replace(d.drive, link_friction=None, motor_friction=None) for d in machine.drives]
-    return Machine(machine.system, [replace(d, drive=b) for d, b in zip(machine.drives, bare, strict=True)])
+    return Machine(machine.system, [replace(d, drive=frictionless(d.drive)) for d in machine.drives])
+
+
+def frictionless(drive: Drive) -> Drive:
+    return replace(drive, link_friction=None, motor_friction=None)
 
 
 def slopes_along(machine: Machine, state: Sequence[Scalars], direction: Scalars) -> Slopes:

@@ -1,18 +1,15 @@
 """A robot with elastic joints, linearised: Jacobians of its equations of motion, exact to rounding."""
 
-from typing import Any
-
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from cutpoint.analysis.derivatives import kernels_of, steady_motion, without_friction
 from cutpoint.analysis.linear_model import LinearModel, OperatingPoint
-from cutpoint.derivatives import sweeps
+from cutpoint.analysis.plant import Plant, plant_of
+from cutpoint.derivatives.sweeps import Slopes
 from cutpoint.door import checked_array
 from cutpoint.errors import InputError
-from cutpoint.functions.idle_joints import check_moves_inertia
 from cutpoint.functions.special_robots import check_quaternions, quaternions_of
-from cutpoint.robot import ElasticTorques, Robot
+from cutpoint.robot import Robot
 
 Array = NDArray[np.float64]
 
@@ -45,8 +42,9 @@ def linearize(
             a robot that cannot move.
         ModelError: a joint can move while nothing with inertia does.
     """
-    point = _operating_point(robot, q, v, motor_torque, friction)
-    by_direction, drift = _plant(robot, point, friction)
+    point, plant = _operating_point(robot, q, v, motor_torque, friction)
+    slopes = plant.slopes(point.q, point.v, point.theta, point.theta_dot, point.motor_torque)
+    by_direction, drift = _rates(robot, point, slopes)
     kept, C, outputs = _kept(robot), _outputs(robot), _output_names(robot)
     return LinearModel(
         A=by_direction[np.ix_(kept, kept)],
@@ -66,7 +64,7 @@ def linearize(
 
 def _operating_point(
     robot: Robot, q: ArrayLike, v: ArrayLike | None, motor_torque: ArrayLike | None, friction: bool
-) -> OperatingPoint:
+) -> tuple[OperatingPoint, Plant]:
     if not robot.nv:
         raise InputError(f"linearize: robot {robot.name!r} has no joint that moves, so there is nothing to linearise")
     q = _configuration(robot, q)
@@ -75,20 +73,12 @@ def _operating_point(
         if own.v.stop - own.v.start > 1 and v[own.v].any():
             what = f"linearize: v of {body.joint.kind} joint {body.joint.name!r}"
             raise InputError(f"{what} must be zero: its tangent frame would turn", joint=body.joint.name)
-    steady = _steady(robot, q, v, friction)
+    plant = plant_of(robot, friction)
+    steady = plant.steady(q, v)
     torque = steady.motor_torque
     if motor_torque is not None:
         torque = _one("motor_torque", motor_torque, len(robot.drives))
-    return OperatingPoint(q, v, steady.theta, steady.theta_dot, torque)
-
-
-def _steady(robot: Robot, q: Array, v: Array, friction: bool) -> Any:
-    """What motors do for a motion at constant speed."""
-    if sweeps.is_swept(robot):
-        machine = robot.machine if friction else without_friction(robot.machine)
-        found = steady_motion(machine, robot.derivatives_needed, q.tolist(), v.tolist())
-        return ElasticTorques(*(np.array(x, float) for x in found))
-    return kernels_of(robot, friction).steady(q, v, robot.drive_parameters)
+    return OperatingPoint(q, v, steady.theta, steady.theta_dot, torque), plant
 
 
 def _configuration(robot: Robot, q: ArrayLike) -> Array:
@@ -108,25 +98,13 @@ def _one(name: str, value: ArrayLike, size: int) -> Array:
     return array
 
 
-def _plant(robot: Robot, point: OperatingPoint, friction: bool) -> tuple[Array, Array]:
+def _rates(robot: Robot, point: OperatingPoint, found: Slopes) -> tuple[Array, Array]:
     """x' of all motors, rigid ones too: for each direction of (x, motor torques), and at the point itself."""
     nv, drives = robot.nv, len(robot.drives)
     directions = np.eye(2 * nv + 3 * drives)
-    value, slopes = _slopes(robot, point, directions, friction)
     v, theta_dot = directions[nv : 2 * nv], directions[2 * nv + drives : 2 * (nv + drives)]
-    by_direction = np.vstack([v, slopes[:nv], theta_dot, slopes[nv:]])
-    return by_direction, np.concatenate([point.v, value[:nv], point.theta_dot, value[nv:]])
-
-
-def _slopes(robot: Robot, point: OperatingPoint, directions: Array, friction: bool) -> tuple[Array, Array]:
-    """[a; theta_ddot] of all motors, and how fast they change along each direction, a column each."""
-    state = (point.q, point.v, point.theta, point.theta_dot, point.motor_torque)
-    if sweeps.is_swept(robot):
-        check_moves_inertia(robot.mechanism, robot.machine)
-        machine = robot.machine if friction else without_friction(robot.machine)
-        return sweeps.swept(sweeps.accelerations, machine, *(x.tolist() for x in state))
-    found = kernels_of(robot, friction).slopes(*state, directions, robot.drive_parameters)
-    return found.value[0], found.slope.T
+    by_direction = np.vstack([v, found.slope[:nv], theta_dot, found.slope[nv:]])
+    return by_direction, np.concatenate([point.v, found.value[:nv], point.theta_dot, found.value[nv:]])
 
 
 def _kept(robot: Robot) -> list[int]:

@@ -4,8 +4,8 @@ They stand beside `Robot`, which offers the functions themselves, and are called
 batches, a wrong shape or a number that is not finite raises InputError that names it.  d_q is taken along tangent
 directions, those of `Robot.integrate`: they are q itself but for quaternions and planar joints.
 
-Of large robots those of rigid dynamics run as loops over bodies.  Where loops do not take a robot of more than 24
-bodies, and of its elastic forward dynamics, they are swept, one configuration after another: see `sweeps`.
+Of large robots those of rigid dynamics run as loops over bodies, and those of accelerations follow from them.  Where
+loops do not take a robot of more than 24 bodies they are swept, one configuration after another: see `sweeps`.
 """
 
 from collections.abc import Callable
@@ -15,12 +15,13 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from cutpoint.derivatives import definitions, sweeps
-from cutpoint.derivatives.inertia import inverse_of
+from cutpoint.derivatives import definitions, large, sweeps
+from cutpoint.derivatives.definitions import DriveSlopes
 from cutpoint.door import LARGEST
 from cutpoint.errors import InputError
 from cutpoint.functions.variants import motion_names, wrong_motion
 from cutpoint.mechanics.elastic import Options
+from cutpoint.mechanics.elastic_forward import STATE
 from cutpoint.robot import Robot
 
 __all__ = [
@@ -94,7 +95,8 @@ def inverse_dynamics(robot: Robot, q: ArrayLike, v: ArrayLike, a: ArrayLike) -> 
 def forward_dynamics(robot: Robot, q: ArrayLike, v: ArrayLike, tau: ArrayLike) -> ForwardDynamicsDerivatives:
     """Of `Robot.forward_dynamics`, accelerations under joint torques."""
     if _is_looped(robot) or sweeps.is_swept(robot):
-        return _of_a_large_robot(robot, q, v, tau)
+        a = robot.forward_dynamics(q, v, tau)
+        return ForwardDynamicsDerivatives(*large.forward_dynamics(*_rigid_at(robot, "forward_dynamics", q, v, a)))
     definition = definitions.forward_dynamics
     return _function(robot, "forward_dynamics", definition, "q v tau", record=ForwardDynamicsDerivatives)(q, v, tau)
 
@@ -131,25 +133,31 @@ def elastic_forward_dynamics(
     robot: Robot, q: ArrayLike, v: ArrayLike, theta: ArrayLike, theta_dot: ArrayLike, motor_torque: ArrayLike
 ) -> ElasticForwardDynamicsDerivatives:
     """Of `Robot.elastic_forward_dynamics`, accelerations of links and motors under motor torques."""
+    name, record, inputs = "elastic_forward_dynamics", ElasticForwardDynamicsDerivatives, " ".join(STATE)
+    state = dict(zip(STATE, (q, v, theta, theta_dot, motor_torque), strict=True))
+    if elastic_loops(robot):
+        a = robot.elastic_forward_dynamics(**state).a
+        key, definition = "drive_slopes", definitions.drive_slopes
+        slopes = robot._function(key, definition, inputs, True, DriveSlopes)(*state.values())
+        rigid = _rigid_at(robot, name, q, v, a)
+        return record(*large.elastic_forward_dynamics(robot.machine.drives, *rigid, slopes))
     if sweeps.is_swept(robot):
-        state = {"q": q, "v": v, "theta": theta, "theta_dot": theta_dot, "motor_torque": motor_torque}
-        return ElasticForwardDynamicsDerivatives(*sweeps.elastic_forward_dynamics(robot, **state))
-    definition, inputs = definitions.elastic_forward_dynamics, "q v theta theta_dot motor_torque"
-    record = ElasticForwardDynamicsDerivatives
-    function = _function(robot, "elastic_forward_dynamics", definition, inputs, True, record=record)
-    return function(q, v, theta, theta_dot, motor_torque)
+        return record(*sweeps.elastic_forward_dynamics(robot, **state))
+    return _function(robot, name, definitions.elastic_forward_dynamics, inputs, True, record=record)(*state.values())
 
 
-def _of_a_large_robot(robot: Robot, q: ArrayLike, v: ArrayLike, tau: ArrayLike) -> ForwardDynamicsDerivatives:
-    """From M d_a = d_tau - d(inverse dynamics at that a).  Carpentier and Mansard (2018)."""
-    a = robot.forward_dynamics(q, v, tau)
+def elastic_loops(robot: Robot) -> bool:
+    """Whether derivatives of elastic forward dynamics follow from loops: no rotor behind a spring feels its carrier."""
+    return _is_looped(robot) and not any(spin.elastic for spin in robot.machine.system.spins)
+
+
+def _rigid_at(robot: Robot, name: str, q: ArrayLike, v: ArrayLike, a: Array) -> InverseDynamicsDerivatives:
+    """Those of inverse dynamics at the accelerations that a function of this name has found."""
     if not (largest := np.abs(a).max(initial=0.0)) <= LARGEST:
         told = f"these speeds and torques ask for accelerations up to {largest:.3g}, at most {LARGEST:.0e} are taken"
-        raise InputError(f"forward_dynamics_derivatives: {told}; are they in rad/s and N m?", largest=largest)
-    d_q, d_v, M = inverse_dynamics(robot, q, v, a)
-    robot._compiled.has_no_kernel("forward_dynamics_derivatives")  # pyright: ignore[reportPrivateUsage]
-    d_tau = inverse_of(M)
-    return ForwardDynamicsDerivatives(-d_tau @ d_q, -d_tau @ d_v, d_tau)
+        raise InputError(f"{name}_derivatives: {told}; are they in rad/s and N m?", largest=largest)
+    robot._compiled.has_no_kernel(f"{name}_derivatives")  # pyright: ignore[reportPrivateUsage]
+    return inverse_dynamics(robot, q, v, a)
 
 
 def _is_looped(robot: Robot) -> bool:

@@ -3,6 +3,7 @@
 Derivatives with respect to q are taken along tangent directions, those of `Robot.integrate`.
 """
 
+from collections import namedtuple
 from functools import partial
 from typing import Any, NamedTuple
 
@@ -11,10 +12,15 @@ from cutpoint.definitions import Machine, Scalars, transposed
 from cutpoint.kernels import jacobian_of
 from cutpoint.mechanics import kinematics, torque_derivatives
 from cutpoint.mechanics.elastic import Options
+from cutpoint.mechanics.elastic_forward import SLOPES, effort_slopes
 from cutpoint.mechanics.forward_dynamics import solve_symmetric
+from cutpoint.mechanics.harmonic_drive import DriveState
 from cutpoint.mechanics.joints import dot
 
 Matrix = list[Scalars]
+
+DriveSlopes = namedtuple("DriveSlopes", SLOPES)
+"""By drive."""
 
 
 class InverseDynamicsDerivatives(NamedTuple):
@@ -64,6 +70,16 @@ def elastic_inverse_dynamics(m: Machine, options: Options, q: Scalars, **rates: 
 def elastic_forward_dynamics(m: Machine, **state: Scalars) -> Any:
     """d (a, theta_ddot) / d (q, v, theta, theta_dot, motor_torque), named d_a_d_q and so on."""
     return _with_tangents(m, state["q"], jacobian_of(partial(definitions.elastic_forward_dynamics, m))(**state))
+
+
+def drive_slopes(m: Machine, **state: Scalars) -> Any:
+    """d (what a drive does to its link, what it leaves its own rotor) / d (each number of its state), by drive."""
+    q, v, theta, theta_dot, motor_torque = state.values()
+    rows = [
+        effort_slopes(d.drive, DriveState(q[d.q], v[d.v], x, w), u)
+        for d, x, w, u in zip(m.drives, theta, theta_dot, motor_torque, strict=True)
+    ]
+    return DriveSlopes(*map(list, zip(*rows, strict=True)))
 
 
 def _along_tangents(m: Machine, q: Scalars, rows: Matrix) -> Matrix:

@@ -35,11 +35,12 @@ class Program:
 
     Attributes:
         backend: "llvm" or "numpy".
+        counts: names of the numbers that runs are given.
         compile_seconds: what tracing took, and compiling or finding the code on disk, s.
     """
 
     def __init__(self, plan: Plan, backend: str, start: float) -> None:
-        self._plan, self.backend = plan, backend
+        self._plan, self.backend, self.counts = plan, backend, frozenset(plan.counts)
         if backend == "llvm":
             from cutpoint.kernels.program_llvm import LlvmProgram
 

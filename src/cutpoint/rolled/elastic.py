@@ -7,11 +7,11 @@ from typing import Any
 
 from cutpoint.kernels import Stage
 from cutpoint.mechanics.elastic import DEFAULT, Driven, Options, motor_motion, motor_torque
-from cutpoint.mechanics.elastic_forward import drive_effort
+from cutpoint.mechanics.elastic_forward import SLOPES, STATE, drive_effort, effort_slopes
 from cutpoint.mechanics.harmonic_drive import DriveState, static_lead
 from cutpoint.mechanics.strains import UNKNOWN
 from cutpoint.rolled import coupling
-from cutpoint.rolled.base import base_in
+from cutpoint.rolled.base import base_in, sizes_apart
 from cutpoint.rolled.bodies import Columns
 from cutpoint.rolled.drives import Model
 from cutpoint.rolled.forward import forward_dynamics
@@ -51,7 +51,7 @@ def elastic_inverse_dynamics(columns: Columns, options: Options = DEFAULT) -> St
 
 def elastic_forward_dynamics(columns: Columns) -> Steps:
     """Accelerations of links and motors under motor torques.  Spong (1987)."""
-    rigid, state = forward_dynamics(columns), ("q", "v", "theta", "theta_dot")
+    rigid, state = forward_dynamics(columns), STATE[:4]
 
     def drive(row: Any, motor_torque: Any, *at: Any) -> Any:
         def effort(drive: Model) -> list[Any]:
@@ -72,6 +72,21 @@ def elastic_forward_dynamics(columns: Columns) -> Steps:
         passes += [Pass("alone", Stage(follow, ("body", "theta_ddot", "a"), ("theta_ddot",)))]
     numbers = (*state, "motor_torque", "a", "theta_ddot")
     return rigid._replace(kept={**rigid.kept, "tau": 1}, numbers=numbers, passes=passes)
+
+
+def drive_slopes(columns: Columns) -> Steps:
+    """How what drives do to links and rotors changes with their states."""
+
+    def slopes(row: Any, *at: Any) -> Any:
+        *state, torque = (x for (x,) in at)
+
+        def of(drive: Model) -> list[Any]:
+            return effort_slopes(drive, DriveState(*state), torque) if drive else [0] * len(SLOPES)
+
+        return [[x] for x in columns.by_drive(row, of)]
+
+    alone = Pass("alone", Stage(slopes, ("body", *STATE), SLOPES))
+    return Steps({}, (*STATE, *SLOPES), (), {}, [alone], *sizes_apart(base_in(columns), STATE[:2]))
 
 
 def static_deflection(columns: Columns) -> Steps:

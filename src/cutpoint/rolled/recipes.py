@@ -7,6 +7,7 @@ from math import inf
 from typing import Any, NamedTuple, get_args
 
 from cutpoint.mechanics.elastic import DEFAULT, Options
+from cutpoint.mechanics.elastic_forward import SLOPES, STATE
 from cutpoint.mechanics.kinematics import ExpressedIn
 from cutpoint.rolled import derivatives, elastic, forward, kinematics, mass, steps, totals
 from cutpoint.rolled.bodies import Columns
@@ -48,8 +49,6 @@ def _elastic_inverse(options: Options) -> Recipe:
 DERIVATIVES = ("inverse_dynamics_derivatives", None)
 """Of rigid dynamics; those of forward dynamics follow from them."""
 
-STATE = ("q", "v", "theta", "theta_dot", "motor_torque")
-
 RECIPES: Mapping[Any, Recipe] = {
     "inverse_dynamics": Recipe(steps.inverse_dynamics, ("q", "v", "a"), ("tau",), 96),
     "bias_forces": Recipe(steps.inverse_dynamics, ("q", "v"), ("tau",), 96),
@@ -82,10 +81,11 @@ RECIPES: Mapping[Any, Recipe] = {
     "elastic_forward_dynamics": Recipe(
         elastic.elastic_forward_dynamics, STATE, ("a", "theta_ddot"), 128, True, "strains", True, pairs=1000
     ),
+    "drive_slopes": Recipe(elastic.drive_slopes, STATE, SLOPES, 12, True),
 }
 """By name, or by a key that begins with it."""
 
-OF_DRIVES = ("theta", "theta_dot", "theta_ddot", "motor_torque", "deflection")
+OF_DRIVES = ("theta", "theta_dot", "theta_ddot", "motor_torque", "deflection", *SLOPES)
 """Inputs and outputs with a number for each drive."""
 
 OF_FRAMES = ("frame_pose", "jacobian")

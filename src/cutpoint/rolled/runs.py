@@ -51,7 +51,8 @@ class One:
         arrays |= task.constants | task.rows(blocks * lanes)
         if task.steps.matrices:
             arrays["self"] = np.arange(n)
-        run = self.program.bound({"bodies": n, "blocks": blocks}, **arrays)
+        counts = {"bodies": n, "blocks": blocks}
+        run = self.program.bound({k: counts[k] for k in self.program.counts}, **arrays)
         return OneMemory(task, arrays, vectors, run)
 
 
