@@ -47,6 +47,8 @@ def main() -> None:
     parser.add_argument("--into", type=Path, help="a folder for both files")
     parser.add_argument("--calls", type=float, default=CALLS, help="of the exported function, for latency")
     given = parser.parse_args()
+    if given.into:  # now, not after minutes of measuring
+        given.into.mkdir(parents=True, exist_ok=True)
     start = time.perf_counter()
     for name in pinocchio_cpp.COMPILERS:  # with all cores, before anything is timed
         pinocchio_cpp.built(name)
