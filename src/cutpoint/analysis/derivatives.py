@@ -1,34 +1,37 @@
-"""The plant's accelerations and their exact directional derivatives, compiled once for a structure of robot."""
+"""The plant's accelerations and their exact derivatives, compiled once for a structure of robot."""
 
-from collections.abc import Hashable, Sequence
+from collections.abc import Hashable
 from dataclasses import dataclass, field, replace
 from functools import lru_cache
-from itertools import chain
 from typing import Any, NamedTuple
 
 from cutpoint import definitions, kernels
 from cutpoint.definitions import Machine
+from cutpoint.derivatives.definitions import derived_elastic_recursion, elastic_forward_dynamics
 from cutpoint.functions.idle_joints import check_moves_inertia
 from cutpoint.kernels import Kernel
 from cutpoint.mechanics.elastic import DEFAULT, ElasticMotion
-from cutpoint.mechanics.elastic_forward import elastic_forward_dynamics
-from cutpoint.mechanics.kinematics import coordinate_rates
 from cutpoint.model import Drive
 from cutpoint.robot import Robot
-from cutpoint.scalars import Jet, Scalar
 
 Scalars = list[Any]
 
 
 class Slopes(NamedTuple):
-    """Accelerations of links and elastic motors [a; theta_ddot], and how fast they change along a direction."""
+    """[a; theta_ddot] of links and motors, and how it changes with (q, v, theta, theta_dot, motor_torque), a row each.
+
+    With q along the directions of the speeds.
+    """
 
     value: Scalars
-    slope: Scalars
+    slope: list[Scalars]
 
 
 class Kernels(NamedTuple):
-    """steady(q, v, parameters): a motion at constant speed; slopes(state, motor_torque, direction, parameters)."""
+    """steady(q, v, parameters): a motion at constant speed.
+
+    slopes(q, v, theta, theta_dot, motor_torque, parameters): see `Slopes`.
+    """
 
     steady: Kernel
     slopes: Kernel
@@ -64,15 +67,25 @@ def _compiled(structure: _Structure) -> Kernels:
     def steady(q: Scalars, v: Scalars, parameters: Scalars) -> Any:
         return steady_motion(machine(parameters), robot.derivatives_needed, q, v)
 
-    def slopes(direction: Scalars, parameters: Scalars, **state: Scalars) -> Slopes:
-        return slopes_along(machine(parameters), [*state.values()], direction)
+    slopes_of = elastic_forward_dynamics if is_all_driven(robot) else derived_elastic_recursion
+
+    def slopes(parameters: Scalars, **state: Scalars) -> Slopes:
+        m = machine(parameters)
+        found, by_each = definitions.elastic_forward_dynamics(m, **state), slopes_of(m, **state)
+        rows = (row for x in (by_each[:5], by_each[5:]) for row in zip(*x, strict=True))
+        return Slopes([*found.a, *found.theta_ddot], [[x for part in row for x in part] for row in rows])
 
     sizes: dict[str, Any] = {"q": nq, "v": nv, "theta": drives, "theta_dot": drives, "motor_torque": drives}
-    sizes |= {"direction": 2 * nv + 3 * drives, "parameters": robot.drive_parameters.size}
+    sizes |= {"parameters": robot.drive_parameters.size}
     return Kernels(
         kernels.compile(steady, backend=robot.backend, q=nq, v=nv, parameters=robot.drive_parameters.size),
         kernels.compile(slopes, backend=robot.backend, **sizes),
     )
+
+
+def is_all_driven(robot: Robot) -> bool:
+    """Otherwise noise where the recursions have zeros would move the poles of what falls."""
+    return robot.nv == len(robot.drives)
 
 
 def steady_motion(machine: Machine, derivatives: int, q: Scalars, v: Scalars) -> ElasticMotion:
@@ -89,22 +102,3 @@ def without_friction(machine: Machine) -> Machine:
 
 def frictionless(drive: Drive) -> Drive:
     return replace(drive, link_friction=None, motor_friction=None)
-
-
-def slopes_along(machine: Machine, state: Sequence[Scalars], direction: Scalars) -> Slopes:
-    """d [a; theta_ddot] along a direction of (q, v, theta, theta_dot, motor_torque): one sweep of first-order jets.
-
-    The direction is tangent in q: nv entries, which the joints' own rates turn into those of quaternions.
-    """
-    nv = machine.system.nv
-    along = [*coordinate_rates(machine.system, state[0], direction[:nv]), *direction[nv:]]
-    moving = iter(Jet(x, dx) for x, dx in zip(chain(*state), along, strict=True))
-    q, v, theta, theta_dot, torque = ([next(moving) for _ in x] for x in state)
-    found = elastic_forward_dynamics(machine.system, machine.drives, q, v, theta, theta_dot, torque)
-    results = [*found.a, *found.theta_ddot]
-    return Slopes([_part(x, 0) for x in results], [_part(x, 1) for x in results])
-
-
-def _part(x: Scalar, k: int) -> Scalar:
-    """Value or slope of a result, which is a plain number where nothing enters it."""
-    return x.derivative(k) if isinstance(x, Jet) else (0 if k else x)

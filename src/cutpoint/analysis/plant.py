@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cutpoint import derivatives
-from cutpoint.analysis.derivatives import frictionless, kernels_of, steady_motion
+from cutpoint.analysis.derivatives import frictionless, is_all_driven, kernels_of, steady_motion
 from cutpoint.derivatives import sweeps
 from cutpoint.derivatives.sweeps import Slopes
 from cutpoint.functions.idle_joints import check_moves_inertia
@@ -33,18 +33,12 @@ def plant_of(robot: Robot, friction: bool) -> Plant:
     if not sweeps.is_swept(robot):
         return _compiled(robot, friction)
     own = robot if friction else _bare(robot)
-    return _looped(own) if derivatives.elastic_loops(own) else _swept(own)
+    return _looped(own) if derivatives.elastic_loops(own) and is_all_driven(own) else _swept(own)
 
 
 def _compiled(robot: Robot, friction: bool) -> Plant:
     kernels, parameters = kernels_of(robot, friction), robot.drive_parameters
-    directions = np.eye(2 * robot.nv + 3 * len(robot.drives))
-
-    def slopes(*state: Array) -> Slopes:
-        found = kernels.slopes(*state, directions, parameters)
-        return Slopes(found.value[0], found.slope.T)
-
-    return Plant(lambda q, v: kernels.steady(q, v, parameters), slopes)
+    return Plant(lambda q, v: kernels.steady(q, v, parameters), lambda *state: kernels.slopes(*state, parameters))
 
 
 def _looped(robot: Robot) -> Plant:

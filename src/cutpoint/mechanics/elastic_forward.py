@@ -78,6 +78,12 @@ def effort_slopes(drive: Drive, at: DriveState, motor_torque: Scalar) -> list[An
     return [value_of(rate_of(x)) for x in (*(e.on_link for e in efforts), *(e.alpha for e in efforts))]
 
 
+def drive_states(
+    drives: Sequence[Driven], q: Scalars, v: Scalars, theta: Scalars, theta_dot: Scalars
+) -> list[DriveState]:
+    return [DriveState(q[d.q], v[d.v], x, w) for d, x, w in zip(drives, theta, theta_dot, strict=True)]
+
+
 def elastic_forward_dynamics(
     system: System,
     drives: Sequence[Driven],
@@ -94,7 +100,7 @@ def elastic_forward_dynamics(
     theta_dot are not read.  strains: of the drives; where they are not known, friction is as in steady sliding and
     springs have no hysteresis.
     """
-    states = [DriveState(q[d.q], v[d.v], x, w) for d, x, w in zip(drives, theta, theta_dot, strict=True)]
+    states = drive_states(drives, q, v, theta, theta_dot)
     held = strains or [UNKNOWN] * len(drives)
     efforts = [drive_effort(d.drive, at, u, s) for d, at, u, s in zip(drives, states, motor_torque, held, strict=True)]
     return driven_accelerations(system, drives, q, v, theta_dot, efforts)
