@@ -10,8 +10,8 @@ from test_against_pinocchio import twin_of
 from cutpoint import Drive, LinearSpring, Rotor, derivatives, robots
 from cutpoint.derivatives import definitions
 from cutpoint.derivatives.sweeps import elastic_forward_dynamics
+from cutpoint.drive_slopes import STATE
 from cutpoint.errors import InputError
-from cutpoint.mechanics.elastic_forward import STATE
 from cutpoint.model import Link
 from cutpoint.model.build import build
 from large_robots import chain

@@ -8,12 +8,13 @@ import pytest
 from test_large_trees import model_of
 
 from cutpoint import Drive, Flexspline, LinearSpring, Robot, Rotor, Stribeck, derivatives
-from cutpoint.derivatives import sweeps
+from cutpoint.derivatives import definitions, sweeps
 from cutpoint.derivatives.large import inverse_of
 from cutpoint.errors import InputError
 from cutpoint.functions.compiled import machine_of
 from cutpoint.kernels.program_llvm import program_ir
 from cutpoint.kernels.program_plan import plan
+from cutpoint.mechanics.elastic import Options
 from cutpoint.model import Mechanism
 from cutpoint.rolled import DERIVATIVES, RECIPES, RolledFunction
 from cutpoint.rolled.bodies import columns_of
@@ -108,6 +109,35 @@ def test_elastic_derivatives_that_follow_from_loops_are_the_swept_ones(mechanism
         derivatives.elastic_forward_dynamics(robot, **{k: x[1] for k, x in s.items()}), found, strict=True
     ):
         np.testing.assert_array_equal(one, of_batch[1])
+
+
+@pytest.mark.parametrize("options", [Options(), Options(friction_rates=True)], ids=str)
+@pytest.mark.parametrize("tree", ["one body", "every kind", "tree"])
+def test_loops_find_elastic_inverse_dynamics_derivatives_as_straight_code_does(tree: str, options: Options) -> None:
+    mechanism = random_tree(1, 8) if tree == "tree" else LOOPED[tree]
+    robot = Robot(mechanism, driven_by_turns(mechanism), backend="numpy")
+    key = ("elastic_inverse_dynamics_derivatives", options)
+    function = RolledFunction(key, robot.machine, "llvm", definitions.ElasticInverseDynamicsDerivatives)
+    # so fast that friction, smoothed within 0.02 rad/s, has derivatives of the size of the others
+    motion = np.random.default_rng(3).choice([-1, 1], (5, 3, robot.nv)) * np.linspace(1, 1.5, robot.nv)
+    found = function(*motion)
+    straight = derivatives.elastic_inverse_dynamics(robot, *motion, friction_rates=options.friction_rates)
+    for ours, theirs in zip(found, straight[:5], strict=True):
+        assert_close(ours, theirs, 1e-12)
+    for one, of_batch in zip(function(*(x[2] for x in motion)), found, strict=True):
+        np.testing.assert_array_equal(one, of_batch[2])
+
+
+def test_elastic_inverse_dynamics_derivatives_of_a_large_robot_are_its_differences() -> None:
+    mechanism = chain(60)
+    robot = Robot(mechanism, driven_by_turns(mechanism))
+    motion = np.random.default_rng(4).choice([-1, 1], (5, robot.nv)) * np.linspace(1, 1.5, robot.nv)
+    found = derivatives.elastic_inverse_dynamics(robot, *motion)
+    for k, ours in enumerate(found[:5]):
+        steps = 1e-4 * np.eye(robot.nv)
+        ends = ([*motion[:k], motion[k] + sign * steps, *motion[k + 1 :]] for sign in (1, -1))
+        after, before = (robot.elastic_inverse_dynamics(*end).motor_torque for end in ends)
+        assert_close(ours, (after - before).T / 2e-4, 1e-6)
 
 
 @pytest.mark.parametrize("friction", [False, True])

@@ -16,12 +16,11 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from cutpoint.derivatives import definitions, large, sweeps
-from cutpoint.derivatives.definitions import DriveSlopes
 from cutpoint.door import LARGEST
+from cutpoint.drive_slopes import STATE, EffortSlopes
 from cutpoint.errors import InputError
 from cutpoint.functions.variants import motion_names, wrong_motion
 from cutpoint.mechanics.elastic import Options
-from cutpoint.mechanics.elastic_forward import STATE
 from cutpoint.robot import Robot
 
 __all__ = [
@@ -121,10 +120,8 @@ def elastic_inverse_dynamics(
     given = (q, v, a, jerk, snap, *higher)
     if len(given) != needed + 1:
         raise wrong_motion("derivatives.elastic_inverse_dynamics", len(given) - 1, needed)
-    if len(robot.mechanism.bodies) > MOST_COMPILED:
-        raise sweeps.too_large(len(robot.mechanism.bodies), MOST_COMPILED)
-    definition = partial(definitions.elastic_inverse_dynamics, options=options)
-    function = _function(robot, "elastic_inverse_dynamics", definition, motion_names(needed), True, variant=options)
+    compiled = robot._compiled  # pyright: ignore[reportPrivateUsage]
+    function = compiled.made_before(_ELASTIC_INVERSE, options) or _elastic_inverse(robot, needed, options)
     found = function(*given)
     return ElasticInverseDynamicsDerivatives(*found[:5], d_higher=tuple(found[5:]))
 
@@ -137,13 +134,28 @@ def elastic_forward_dynamics(
     state = dict(zip(STATE, (q, v, theta, theta_dot, motor_torque), strict=True))
     if elastic_loops(robot):
         a = robot.elastic_forward_dynamics(**state).a
-        key, definition = "drive_slopes", definitions.drive_slopes
-        slopes = robot._function(key, definition, inputs, True, DriveSlopes)(*state.values())
+        function = robot._compiled.function  # pyright: ignore[reportPrivateUsage]
+        slopes = function("drive_slopes", definitions.drive_slopes, inputs, True, EffortSlopes)(*state.values())
         rigid = _rigid_at(robot, name, q, v, a)
         return record(*large.elastic_forward_dynamics(robot.machine.drives, *rigid, slopes))
     if sweeps.is_swept(robot):
         return record(*sweeps.elastic_forward_dynamics(robot, **state))
     return _function(robot, name, definitions.elastic_forward_dynamics, inputs, True, record=record)(*state.values())
+
+
+_ELASTIC_INVERSE = "elastic_inverse_dynamics_derivatives"
+
+
+def _elastic_inverse(robot: Robot, needed: int, options: Options) -> Callable[..., Any]:
+    """Those of an elastic inverse dynamics, made.  Raises InputError if the robot is too large."""
+    bodies, compiled = len(robot.mechanism.bodies), robot._compiled  # pyright: ignore[reportPrivateUsage]
+    most = MOST_LOOPED if compiled.loops((_ELASTIC_INVERSE, options)) else MOST_COMPILED
+    if bodies > most:
+        raise sweeps.too_large(bodies, most)
+    definition = partial(definitions.elastic_inverse_dynamics, options=options)
+    record = definitions.ElasticInverseDynamicsDerivatives if needed == 4 else None
+    inputs = motion_names(needed)
+    return compiled.function((_ELASTIC_INVERSE, options), definition, inputs, True, record)
 
 
 def elastic_loops(robot: Robot) -> bool:
@@ -176,9 +188,8 @@ def _function(
     inputs: str,
     reads_drives: bool = False,
     *,
-    record: type[tuple[Any, ...]] | None = None,
-    variant: Options | None = None,
+    record: type[tuple[Any, ...]],
 ) -> Callable[..., Any]:
     """One of the robot's own functions, so that it knows the kernel: `robot.kernel(name + "_derivatives")`."""
-    key = (f"{name}_derivatives", variant)
+    key = (f"{name}_derivatives", None)
     return robot._function(key, definition, inputs, reads_drives, record)  # pyright: ignore[reportPrivateUsage]

@@ -4,24 +4,28 @@ Derivatives with respect to q are taken along tangent directions, those of `Robo
 """
 
 from collections import namedtuple
+from collections.abc import Sequence
 from functools import partial
 from typing import Any, NamedTuple
 
 from cutpoint import definitions
 from cutpoint.definitions import Machine, Scalars, transposed
+from cutpoint.drive_slopes import STATE, EffortSlopes, effort_slopes, motor_slopes
 from cutpoint.kernels import jacobian_of
 from cutpoint.mechanics import kinematics, torque_derivatives
 from cutpoint.mechanics.elastic import Options
-from cutpoint.mechanics.elastic_forward import SLOPES, STATE, drive_effort, drive_states, effort_slopes
+from cutpoint.mechanics.elastic_forward import drive_effort, drive_states
 from cutpoint.mechanics.forward_dynamics import solve_symmetric
 from cutpoint.mechanics.joints import dot
 from cutpoint.mechanics.strains import UNKNOWN
-from cutpoint.scalars import Scalar
+from cutpoint.mechanics.torque_derivatives import along_motion
+from cutpoint.scalars import Jet, Scalar
 
 Matrix = list[Scalars]
 
-DriveSlopes = namedtuple("DriveSlopes", SLOPES)
-"""By drive."""
+ElasticInverseDynamicsDerivatives = namedtuple(
+    "ElasticInverseDynamicsDerivatives", [f"d_motor_torque_d_{x}" for x in ("q", "v", "a", "jerk", "snap")]
+)
 
 ElasticForwardDynamicsDerivatives = namedtuple(
     "ElasticForwardDynamicsDerivatives", [f"d_{x}_d_{y}" for x in ("a", "theta_ddot") for y in STATE]
@@ -67,9 +71,38 @@ def forward_dynamics(m: Machine, q: Scalars, v: Scalars, tau: Scalars) -> Forwar
 
 
 def elastic_inverse_dynamics(m: Machine, options: Options, q: Scalars, **rates: Scalars) -> Any:
-    """d motor_torque / d (q and each of the rates), named d_motor_torque_d_q and so on."""
+    """d motor_torque / d (q and each of the rates), named d_motor_torque_d_q and so on.
+
+    From inverse dynamics' derivatives with their rates along the motion, on Panda in three quarters of the operations
+    of the derived recursion; by that one where joints do not suit, or rotors behind springs feel their carriers.
+    """
+    if torque_derivatives.suits(m.system) and not any(spin.elastic for spin in m.system.spins):
+        return ElasticInverseDynamicsDerivatives(*_through_springs(m, options, q, *rates.values()))
     function = partial(definitions.elastic_inverse_dynamics, m, options)
     return _with_tangents(m, q, jacobian_of(function, of=["motor_torque"])(q=q, **rates))
+
+
+def _through_springs(m: Machine, options: Options, *motion: Scalars) -> list[Matrix]:
+    """A motor answers for its joint's torque with two rates, and for its own joint's motion."""
+    q, v, a = ([Jet(*x) for x in zip(*motion[k : k + 3], strict=True)] for k in range(3))
+    torques = [_rates(x) for x in definitions.inverse_dynamics(m, q, v, a)]
+    by = [[[_rates(x) for x in row] for row in d] for d in torque_derivatives.torque_derivatives(m.system, q, v, a)]
+    found: list[Matrix] = [[] for _ in motion]
+    for d in m.drives:
+        slopes = motor_slopes(d.drive, [*torques[d.v], *(x[d.v] for x in motion)], options)
+        for rate, rows in enumerate(found):
+            row = [
+                sum(h * along_motion(entry, k, rate) for k, h in enumerate(slopes[:3]))
+                for entry in zip(*(x[d.v] for x in by), strict=True)
+            ]
+            row[d.v] = row[d.v] + slopes[3 + rate]
+            rows.append(row)
+    return found
+
+
+def _rates(x: Scalar) -> Sequence[Scalar]:
+    """A number and its first two time derivatives."""
+    return x.derivatives if isinstance(x, Jet) else (x, 0, 0)
 
 
 def elastic_forward_dynamics(m: Machine, **state: Scalars) -> Any:
@@ -88,15 +121,13 @@ def derived_elastic_recursion(m: Machine, **state: Scalars) -> Any:
     return _with_tangents(m, state["q"], jacobian_of(partial(definitions.elastic_forward_dynamics, m))(**state))
 
 
-def _through_drives(
-    m: Machine, q: Scalars, v: Scalars, theta: Scalars, theta_dot: Scalars, motor_torque: Scalars
-) -> list[Matrix]:
+def _through_drives(m: Machine, *state: Scalars) -> list[Matrix]:
     """d a / d (q, v, theta, theta_dot, motor_torque), then those of theta_ddot."""
-    M, tau, nv = definitions.mass(m, q), _negated([definitions.bias_forces(m, q, v)])[0], m.system.nv
-    states = drive_states(m.drives, q, v, theta, theta_dot)
-    for d, at, torque in zip(m.drives, states, motor_torque, strict=True):
+    (q, v, *motors), nv = state, m.system.nv
+    M, tau = definitions.mass(m, q), [0 - b for b in definitions.bias_forces(m, q, v)]
+    for d, at, torque in zip(m.drives, drive_states(m.drives, q, v, *motors[:2]), motors[2], strict=True):
         tau[d.v] = tau[d.v] + drive_effort(d.drive, at, torque, UNKNOWN).on_link
-    slopes = drive_slopes(m, q, v, theta, theta_dot, motor_torque)
+    slopes = drive_slopes(m, *state)
     on_link, alpha = slopes[:5], slopes[5:]
     # what links' motion takes, less what drives give
     lacking = [[[*row] for row in x] for x in inverse_dynamics(m, q, v, solve_symmetric(M, tau))[:2]]
@@ -117,11 +148,11 @@ def _through_drives(
 
 def drive_slopes(
     m: Machine, q: Scalars, v: Scalars, theta: Scalars, theta_dot: Scalars, motor_torque: Scalars
-) -> DriveSlopes:
-    """d (what a drive does to its link, what it leaves its own rotor) / d (each number of its state), by drive."""
+) -> EffortSlopes:
+    """Of what each drive does to its link, and of what it leaves its rotor, with each number of its state."""
     pairs = zip(m.drives, drive_states(m.drives, q, v, theta, theta_dot), motor_torque, strict=True)
-    rows = [effort_slopes(d.drive, x, u) for d, x, u in pairs]
-    return DriveSlopes(*([row[k] for row in rows] for k in range(len(SLOPES))))
+    rows = [effort_slopes(d.drive, [*at, torque]) for d, at, torque in pairs]
+    return EffortSlopes(*([row[k] for row in rows] for k in range(len(EffortSlopes._fields))))
 
 
 def _along_tangents(m: Machine, q: Scalars, rows: Matrix) -> Matrix:

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.linalg import get_lapack_funcs
 
-from cutpoint.derivatives.definitions import DriveSlopes
+from cutpoint.drive_slopes import EffortSlopes
 from cutpoint.errors import InputError
 from cutpoint.mechanics.elastic import Driven
 
@@ -29,7 +29,7 @@ def forward_dynamics(d_q: Array, d_v: Array, M: Array) -> tuple[Array, Array, Ar
 
 
 def elastic_forward_dynamics(
-    drives: Sequence[Driven], d_q: Array, d_v: Array, M: Array, slopes: DriveSlopes
+    drives: Sequence[Driven], d_q: Array, d_v: Array, M: Array, slopes: EffortSlopes
 ) -> list[Array]:
     """d a / d (q, v, theta, theta_dot, motor_torque), then those of theta_ddot; rotors do not feel their carriers.
 

@@ -98,7 +98,11 @@ class Compiled:
     @cached_property
     def derivatives_loop(self) -> bool:
         """Whether derivatives of rigid dynamics run as loops over bodies."""
-        return loops_take(DERIVATIVES, self.machine, self._backend)
+        return self.loops(DERIVATIVES)
+
+    def loops(self, key: Any) -> bool:
+        """Whether a function runs as loops over bodies."""
+        return loops_take(key, self.machine, self._backend)
 
     def has_no_kernel(self, name: str) -> None:
         """Keeps in mind what users are told who ask for it."""

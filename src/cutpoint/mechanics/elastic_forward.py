@@ -19,7 +19,7 @@ from cutpoint.mechanics.harmonic_drive import (
 from cutpoint.mechanics.strains import UNKNOWN, Strains
 from cutpoint.mechanics.system import System
 from cutpoint.model.drive import Drive
-from cutpoint.scalars import Jet, Scalar, rate_of, value_of
+from cutpoint.scalars import Scalar
 
 Scalars = Sequence[Scalar]
 
@@ -58,24 +58,6 @@ def drive_effort(drive: Drive, at: DriveState, motor_torque: Scalar, strains: St
     tau_f = transmitted_torque(drive, at, strains.spring)
     left = motor_torque - load_on_motor(drive, tau_f, at.theta, at.theta_dot, strains.motor)
     return DriveEffort(tau_f - xi, left, left * (1 / drive.reflected_inertia), tau_f)
-
-
-STATE = ("q", "v", "theta", "theta_dot", "motor_torque")
-"""What a drive's effort depends on."""
-
-SLOPES = tuple(f"d_{effort}_d_{x}" for effort in ("on_link", "alpha") for x in STATE)
-
-
-def effort_slopes(drive: Drive, at: DriveState, motor_torque: Scalar) -> list[Any]:
-    """How on_link and alpha of `drive_effort` change with each number of the drive's state, as `SLOPES` has them.
-
-    Friction is as in steady sliding.
-    """
-    state, efforts = (*at, motor_torque), list[DriveEffort]()
-    for k in range(len(state)):
-        *moving, torque = (Jet(x, int(j == k)) for j, x in enumerate(state))
-        efforts.append(drive_effort(drive, DriveState(*moving), torque, UNKNOWN))
-    return [value_of(rate_of(x)) for x in (*(e.on_link for e in efforts), *(e.alpha for e in efforts))]
 
 
 def drive_states(

@@ -10,7 +10,8 @@ otherwise by
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import NamedTuple
+from math import comb
+from typing import Any, NamedTuple
 
 from cutpoint.mechanics.inverse_dynamics import BodyMotion, bear, motions, net_wrenches
 from cutpoint.mechanics.spatial import ZERO, Inertia, Mat3, Motion, Pose, Vec3, Wrench
@@ -111,6 +112,17 @@ def torque_derivatives(system: System, q: Scalars, v: Scalars, a: Scalars) -> tu
     for k, I_m in enumerate(system.armature):
         d_a[k][k] = d_a[k][k] + I_m
     return d_q, d_v, d_a
+
+
+def along_motion(by: Sequence[Sequence[Any]], k: int, rate: int) -> Any:
+    """How the k-th time derivative of a torque changes with a rate of the position, by Leibniz' rule.
+
+    by: how the torque changes with position, speed and acceleration, each with k time derivatives along the motion.
+    rate: 0 is the position, 1 the speed and so on.
+    """
+    lags = (rate - p for p in range(len(by)))
+    terms = (comb(k, lag) * by[p][k - lag] for p, lag in enumerate(lags) if 0 <= lag <= k)
+    return sum(terms, 0)
 
 
 def suits(system: System) -> bool:

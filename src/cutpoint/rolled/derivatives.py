@@ -7,32 +7,77 @@ that moves freely these are where it is at this instant.
 from collections.abc import Sequence
 from typing import Any
 
+from cutpoint.drive_slopes import MOTION, motor_slopes
 from cutpoint.kernels import Stage, View
+from cutpoint.mechanics.elastic import DEFAULT, Options
 from cutpoint.mechanics.rigid_body import inertia_of, parameters_of
 from cutpoint.mechanics.spatial import AT_ORIGIN, IDENTITY, ZERO, Inertia, Motion, Vec3, Wrench
-from cutpoint.mechanics.torque_derivatives import Change, Cloud, Effort
+from cutpoint.mechanics.torque_derivatives import Change, Cloud, Effort, along_motion
+from cutpoint.model import Drive
 from cutpoint.rolled.base import Base, base_in, sizes_apart
 from cutpoint.rolled.bodies import Columns
 from cutpoint.rolled.kinematics import ABOVE, world_poses
 from cutpoint.rolled.packing import flat, motion_of, pose_of, wrench_of
-from cutpoint.rolled.passes import UPWARD, Pass, Steps
+from cutpoint.rolled.passes import PLAIN, UPWARD, WITH_RATES, Order, Pass, Steps
+from cutpoint.rolled.steps import RATES
 from cutpoint.rolled.subsystem import mat3
 from cutpoint.scalars import Scalar, where
 
 Scalars = Sequence[Scalar]
 
-RATES = ("q", "v", "a")
 MATRICES = ("d_q", "d_v", "d_a")
+"""Of joint torques."""
 
-SEEN = {"column": 6, "changes": 15, "effort": 9, "felt": 12, "span": 3}
-"""What one body of a pair needs to know of the other."""
+OF_MOTORS = tuple(f"d_motor_torque_d_{rate}" for rate in RATES)
+
+SEEN = {"column": 6, "changes": 15, "effort": 9, "felt": 12}
+"""What one body of a pair needs to know of the other, beside its span."""
 
 KEPT = {"velocity": 6, "acceleration": 6, "carried": 28, **SEEN}
-"""Of each body, beside its pose."""
+"""Of each body, beside its pose and its span."""
 
 
 def inverse_dynamics(columns: Columns) -> Steps:
-    """d torque / d (q, v, a).  Carpentier and Mansard (2018), by the records of `mechanics.torque_derivatives`.
+    """d torque / d (q, v, a).  Carpentier and Mansard (2018), by the records of `mechanics.torque_derivatives`."""
+    found, base = _changes_within(columns, PLAIN), base_in(columns)
+
+    def entries(held: Any, *other: Any) -> Any:
+        return [[x] for x in _entries(_like(other, held), other)]
+
+    reads = ("held", *SEEN, "span")
+    passes = [*found.passes, *(_couples(base) if base else []), Pass("pairs", Stage(entries, reads, MATRICES))]
+    return found._replace(passes=passes)
+
+
+def elastic_inverse_dynamics(columns: Columns, options: Options = DEFAULT) -> Steps:
+    """d motor torque / d (q, v, a, jerk, snap), of trees without a base that moves freely.
+
+    A motor answers for its joint's torque with two rates, and for its own joint's motion.  slopes: by all of these.
+    """
+    found, read = _changes_within(columns, WITH_RATES), WITH_RATES.scalars
+
+    def motor(row: Any, column: Any, carried: Any, *motion: Any) -> Any:
+        (_, F), (acceleration,) = _cloud(read(carried)), WITH_RATES.rate(motion, 2)
+        torque = motion_of(read(column)).power(F) + columns.subsystem(row).armature * acceleration
+        given = [*WITH_RATES.packed([torque]), *(x for (x,) in motion)]
+        return columns.by_drive(row, lambda drive: motor_slopes(drive or Drive(), given, options))
+
+    def entries(held: Any, *other: Any) -> Any:
+        *own, slopes = _like(other, held)
+        by = [WITH_RATES.packed([x]) for x in _entries(*([*map(read, x[:4]), x[4]] for x in (own, other)))]
+        through = ([h * along_motion(by, k, rate) for k, h in enumerate(slopes[:3])] for rate in range(len(OF_MOTORS)))
+        number, their_number = own[4][0], other[4][0]
+        is_own = (number <= their_number) & (their_number <= number)
+        return [[sum(x, 0) + where(is_own, own_rate, 0)] for x, own_rate in zip(through, slopes[3:], strict=True)]
+
+    reads = ("held", *SEEN, "span", "slopes")
+    alone = Pass("alone", Stage(motor, ("body", "column", "carried", *RATES), ("slopes",)))
+    passes = [*found.passes, alone, Pass("pairs", Stage(entries, reads, OF_MOTORS))]
+    return found._replace(kept={**found.kept, "slopes": len(MOTION)}, passes=passes)
+
+
+def _changes_within(columns: Columns, order: Order) -> Steps:
+    """How each body's joint changes what torques must do, and how that is felt: all but the pairs.
 
     column: a body's motion at unit speed of its joint.  velocity, acceleration: of the point of the body that is at
     that one place, and angular.  carried: the cloud of the body and its wrench, then with those of all that it carries.
@@ -40,53 +85,54 @@ def inverse_dynamics(columns: Columns) -> Steps:
     along the joint.  felt: what the joint's own changes take, further in.  span: the body's number, the last number
     that it carries, and its armature.
     """
-    base = base_in(columns)
-    placed, kept = world_poses(columns, [_moves(base)] if base else [])
+    base, read, packed, m = base_in(columns), order.scalars, order.packed, order.numbers
+    placed, kept = world_poses(columns, [_moves(base)] if base else [], order)
 
     def column(row: Any, turned: Any) -> Any:
-        return [*columns.subsystem(row).body.joint.motion([1]).seen_from_parent(pose_of(turned))]
+        return packed(columns.subsystem(row).body.joint.motion([1]).seen_from_parent(pose_of(read(turned))))
 
-    def outward(column: Any, v: Any, a: Any, carrier: Any, lift: Any) -> Any:
-        S, V_p, A_p = motion_of(column), motion_of(carrier), motion_of(lift)
-        zv = S * v[0]
-        return [*(V_p + zv)], [*(A_p + S * a[0] + V_p.cross(zv))]
+    def outward(column: Any, carrier: Any, lift: Any, *rates: Any) -> Any:
+        S, V_p, A_p = (motion_of(read(x)) for x in (column, carrier, lift))
+        (v,), (a,) = (order.rate(rates, k) for k in (0, 1))
+        zv = S * v
+        return packed(V_p + zv), packed(A_p + S * a + V_p.cross(zv))
 
     def alone(row: Any, turned: Any, velocity: Any, acceleration: Any) -> Any:
-        M = columns.subsystem(row).body.inertia.seen_from_parent(pose_of(turned))
-        return _costs(M, motion_of(velocity), motion_of(acceleration))
+        M = columns.subsystem(row).body.inertia.seen_from_parent(pose_of(read(turned)))
+        return packed(_costs(M, motion_of(read(velocity)), motion_of(read(acceleration))))
 
     def inward(carried: Any, borne: Any) -> Any:
         return [x + y for x, y in zip(borne, carried, strict=True)]
 
     def changed(row: Any, column: Any, velocity: Any, acceleration: Any, carried: Any) -> Any:
-        own, S = columns.subsystem(row), motion_of(column)
-        by_q, by_v = _changes(S, motion_of(velocity), motion_of(acceleration))
-        cloud, F = _cloud(carried)
+        own, S = columns.subsystem(row), motion_of(read(column))
+        by_q, by_v = _changes(S, motion_of(read(velocity)), motion_of(read(acceleration)))
+        cloud, F = _cloud(read(carried))
         effort, felt = cloud.effort(S), [cloud.wrench(by_q) + S.cross_wrench(F), cloud.wrench(by_v)]
-        changes = [*by_q.A, *by_q.omega, *by_v.A]
-        return changes, [*effort.F, *effort.moment], [x for G in felt for x in G], [own.number, own.last, own.armature]
+        found = ([*by_q.A, *by_q.omega, *by_v.A], [*effort.F, *effort.moment], [x for G in felt for x in G])
+        return *map(packed, found), [own.number, own.last, own.armature]
 
-    moved, (_, *seen) = ("velocity", "acceleration"), SEEN
+    rates, moved, (_, *seen) = RATES[: m + 2], ("velocity", "acceleration"), (*SEEN, "span")
     passes = [
         *placed,
         Pass("alone", Stage(column, ("body", "turned"), ("column",))),
-        Pass("outward", Stage(outward, ("column", "v", "a", "carrier", "lift"), moved)),
+        Pass("outward", Stage(outward, ("column", "carrier", "lift", *rates[1:]), moved)),
         Pass("alone", Stage(alone, ("body", "turned", *moved), ("carried",))),
         Pass("inward", Stage(inward, ("carried", "borne"), ("borne",))),
         Pass("alone", Stage(changed, ("body", "column", *moved, "carried"), seen)),
-        *(_couples(base) if base else []),
-        Pass("pairs", Stage(_entries, ("held", *SEEN), MATRICES)),
     ]
     views = (
         ABOVE, View("carrier", "velocity", "parent"), View("lift", "acceleration", "parent"),
         View("borne", "carried", "parent"),
     )  # fmt: skip
-    sizes, constants = sizes_apart(base, RATES)
+    sizes, constants = sizes_apart(base, rates)
     if base:
         kept |= dict.fromkeys([*_ROWS, *_COLUMNS], base.axes)
         sizes |= {"base.changes": 12 * base.axes, **{f"base.{x}": base.axes**2 for x in MATRICES}}
-    world = {"turned": flat(IDENTITY), "acceleration": [(UPWARD, k) for k in range(6)]}
-    return Steps({**kept, **KEPT}, RATES, views, world, passes, sizes, constants)
+    upward = [x for k in range(6) for x in ((UPWARD, k), *[0] * (m - 1))]
+    world = {"turned": packed(flat(IDENTITY)), "acceleration": upward}
+    kept |= {"span": 3, **{name: size * m for name, size in KEPT.items()}}
+    return Steps(kept, rates, views, world, passes, sizes, constants)
 
 
 _ROWS, _COLUMNS = [f"{x}_rows" for x in MATRICES], [f"{x}_columns" for x in ("d_q", "d_v")]
@@ -114,18 +160,24 @@ def _cloud(carried: Scalars) -> tuple[Cloud, Wrench]:
     return Cloud(inertia_of(carried[:10]), Vec3(*carried[10:13]), mat3(iter(carried[13:22]))), wrench_of(carried[22:])
 
 
-def _entries(held: Any, column: Any, changes: Any, their_effort: Any, felt: Any, span: Any) -> Any:
+def _entries(own: Sequence[Any], other: Sequence[Any]) -> list[Scalar]:
     """Of one body's torque, by another's joint: of three matrices, if one carries the other."""
-    numbers = iter(held)
-    own = {name: [next(numbers) for _ in range(size)] for name, size in SEEN.items()}
-    S, effort, (number, last, armature) = motion_of(own["column"]), _effort(own["effort"]), own["span"]
+    own_column, _, own_effort, _, (number, last, armature) = own
+    column, changes, their_effort, felt, span = other
+    S, effort = motion_of(own_column), _effort(own_effort)
     further_in = (span[0] <= number) & (number <= span[1])
     further_out = (number <= span[0]) & (span[0] <= last)
     by_q, by_v = Change(motion_of(changes[:6]), Vec3(*changes[6:9])), Change(motion_of(changes[9:]), Vec3(*column[3:]))
     inner = [effort.of(by_q), effort.of(by_v), motion_of(column).power(effort.F)]
     outer = [S.power(wrench_of(felt[:6])), S.power(wrench_of(felt[6:])), S.power(_effort(their_effort).F)]
-    found = [where(further_in, x, where(further_out, y, 0)) for x, y in zip(inner, outer, strict=True)]
-    return [found[0]], [found[1]], [found[2] + where(further_in & further_out, armature, 0)]
+    d_q, d_v, d_a = (where(further_in, x, where(further_out, y, 0)) for x, y in zip(inner, outer, strict=True))
+    return [d_q, d_v, d_a + where(further_in & further_out, armature, 0)]
+
+
+def _like(parts: Sequence[Scalars], numbers: Scalars) -> list[Scalars]:
+    """The numbers in parts as long as these."""
+    rest = iter(numbers)
+    return [[next(rest) for _ in part] for part in parts]
 
 
 def _effort(numbers: Scalars) -> Effort:
@@ -143,7 +195,7 @@ def _moves(base: Base) -> Pass:
         changes = [x for S in base.motions() for x in (*upward.cross(S), *V.cross(S))]
         return [*flat(IDENTITY), *ZERO], [*V], [*A], _costs(own.inertia, V, A), changes
 
-    reads = ("base.body", *(f"base.{x}" for x in RATES), "world.acceleration")
+    reads = ("base.body", *(f"base.{x}" for x in RATES[:3]), "world.acceleration")
     writes = ("base.turned", "base.velocity", "base.acceleration", "base.carried", "base.changes")
     return Pass("once", Stage(moves, reads, writes))
 

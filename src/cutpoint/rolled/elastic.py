@@ -5,9 +5,10 @@ Some joints may have rigid drives, or none.
 
 from typing import Any
 
+from cutpoint.drive_slopes import EFFORT_SLOPES, STATE, effort_slopes
 from cutpoint.kernels import Stage
 from cutpoint.mechanics.elastic import DEFAULT, Driven, Options, motor_motion, motor_torque
-from cutpoint.mechanics.elastic_forward import SLOPES, STATE, drive_effort, effort_slopes
+from cutpoint.mechanics.elastic_forward import drive_effort
 from cutpoint.mechanics.harmonic_drive import DriveState, static_lead
 from cutpoint.mechanics.strains import UNKNOWN
 from cutpoint.rolled import coupling
@@ -77,16 +78,14 @@ def elastic_forward_dynamics(columns: Columns) -> Steps:
 def drive_slopes(columns: Columns) -> Steps:
     """How what drives do to links and rotors changes with their states."""
 
-    def slopes(row: Any, *at: Any) -> Any:
-        *state, torque = (x for (x,) in at)
-
+    def slopes(row: Any, *state: Any) -> Any:
         def of(drive: Model) -> list[Any]:
-            return effort_slopes(drive, DriveState(*state), torque) if drive else [0] * len(SLOPES)
+            return effort_slopes(drive, [x for (x,) in state]) if drive else [0] * len(EFFORT_SLOPES)
 
         return [[x] for x in columns.by_drive(row, of)]
 
-    alone = Pass("alone", Stage(slopes, ("body", *STATE), SLOPES))
-    return Steps({}, (*STATE, *SLOPES), (), {}, [alone], *sizes_apart(base_in(columns), STATE[:2]))
+    alone = Pass("alone", Stage(slopes, ("body", *STATE), EFFORT_SLOPES))
+    return Steps({}, (*STATE, *EFFORT_SLOPES), (), {}, [alone], *sizes_apart(base_in(columns), STATE[:2]))
 
 
 def static_deflection(columns: Columns) -> Steps:

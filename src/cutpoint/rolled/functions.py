@@ -18,6 +18,7 @@ from cutpoint.kernels import backends
 from cutpoint.kernels.arguments import common_batch
 from cutpoint.mechanics.system import System
 from cutpoint.rolled.bodies import bodies_of, columns_of, rooted
+from cutpoint.rolled.derivatives import OF_MOTORS
 from cutpoint.rolled.memory import Task
 from cutpoint.rolled.recipes import OF_DRIVES, OF_FRAMES, RECIPES
 from cutpoint.rolled.runs import Many, One
@@ -75,7 +76,7 @@ def _hindrance(key: Any, machine: Machine) -> str | None:
     if asked not in RECIPES:
         return RECIPES[name_of(key)].odd
     recipe = RECIPES[asked]
-    return unsuited(machine, recipe.reads_drives, recipe.takes_coupled, recipe.takes_geared)
+    return unsuited(machine, recipe.reads_drives, recipe.takes_coupled, recipe.takes_geared, recipe.takes_base)
 
 
 def name_of(key: Any) -> str:
@@ -149,8 +150,14 @@ class RolledFunction:
         found = self._batch([self._at_bodies(key, x) for key, x in pairs])
         if not self._are_all_driven:
             names = self._task.recipe.outputs
-            found = [x[..., self._driven] if k in OF_DRIVES else x for k, x in zip(names, found, strict=True)]
+            found = [self._of_driven(k, x) for k, x in zip(names, found, strict=True)]
         return self._record(*found) if self._record else found[0]
+
+    def _of_driven(self, name: str, found: Array) -> Array:
+        """An output without what it has for bodies that no drive moves."""
+        if name in OF_DRIVES:
+            return found[..., self._driven]
+        return found[..., self._driven, :] if name in OF_MOTORS else found
 
     def _at_bodies(self, key: str, given: ArrayLike) -> Array:
         """An input, checked; of drives, with zeros for the bodies that have none."""

@@ -9,8 +9,8 @@ from cutpoint.mechanics.spatial import IDENTITY, ZERO, Motion, Pose
 from cutpoint.rolled.base import Base, base_in, sizes_apart
 from cutpoint.rolled.bodies import Columns
 from cutpoint.rolled.packing import flat, pose_of
-from cutpoint.rolled.passes import PLAIN, Pass, Steps
-from cutpoint.rolled.steps import placing
+from cutpoint.rolled.passes import PLAIN, Order, Pass, Steps
+from cutpoint.rolled.steps import RATES, placing
 from cutpoint.scalars import where
 
 FRAME = {"frame": 13}
@@ -58,16 +58,16 @@ def jacobian(columns: Columns, expressed_in: ExpressedIn) -> Steps:
     return _of_frame(base, {**kept, "column": 6}, passes, apart)
 
 
-def world_poses(columns: Columns, first: list[Pass]) -> tuple[list[Pass], dict[str, int]]:
+def world_poses(columns: Columns, first: list[Pass], order: Order = PLAIN) -> tuple[list[Pass], dict[str, int]]:
     """Every body's pose in the world, kept as "turned", and what else is kept.  first: what places a base."""
-    place, pose = placing(columns, PLAIN, ("q",))
+    place, pose = placing(columns, order, RATES[: order.numbers])
 
     def outward(at: Any, above: Any) -> Any:
-        X = pose_of(above) @ pose_of(pose.all(at))
-        return [*flat(X.rotation), *X.position]
+        X = pose_of(order.scalars(above)) @ pose_of(order.scalars(pose.all(at)))
+        return order.packed([*flat(X.rotation), *X.position])
 
     passes = [Pass("alone", place), *first, Pass("outward", Stage(outward, ("pose", "above"), ("turned",)))]
-    return passes, {"pose": pose.size, "turned": 12}
+    return passes, {"pose": pose.size, "turned": 12 * order.numbers}
 
 
 def _of_base(base: Base) -> Pass:

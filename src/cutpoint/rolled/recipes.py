@@ -6,8 +6,8 @@ from itertools import product
 from math import inf
 from typing import Any, NamedTuple, get_args
 
+from cutpoint.drive_slopes import EFFORT_SLOPES, STATE
 from cutpoint.mechanics.elastic import DEFAULT, Options
-from cutpoint.mechanics.elastic_forward import SLOPES, STATE
 from cutpoint.mechanics.kinematics import ExpressedIn
 from cutpoint.rolled import derivatives, elastic, forward, kinematics, mass, steps, totals
 from cutpoint.rolled.bodies import Columns
@@ -21,7 +21,8 @@ class Recipe(NamedTuple):
     carries the frame, for which straight-line code is taken.  pairs: the most pairs of a body and a speed that moves
     it, where the code grows with these.  reads_drives: whether drives have numbers in it.  odd: what its variants want
     that loops do not take.  takes_coupled, takes_geared: whether it takes rotors with full coupling, behind springs
-    or geared rigidly.  is_rooted: whether it takes each tree about its first joint.
+    or geared rigidly; takes_base: also with a base that moves freely.  is_rooted: whether it takes each tree about its
+    first joint.
 
     Measured on chains of 12 to 128 joints and on humanoids of 29 to 101: up to these sizes straight-line code compiles
     in some 2 s, at most 5, takes a third to all of the loops' time in batches and, but on chains, half to all of it in
@@ -37,6 +38,7 @@ class Recipe(NamedTuple):
     odd: str = "external wrenches"
     takes_coupled: bool = False
     takes_geared: bool = True
+    takes_base: bool = True
     is_rooted: bool = False
     pairs: float = inf
 
@@ -44,6 +46,13 @@ class Recipe(NamedTuple):
 def _elastic_inverse(options: Options) -> Recipe:
     passes = partial(elastic.elastic_inverse_dynamics, options=options)
     return Recipe(passes, steps.RATES, elastic.MOTOR, 32, True, "strains", options.quasi_rigid)
+
+
+def _elastic_derivatives(options: Options) -> Recipe:
+    passes = partial(derivatives.elastic_inverse_dynamics, options=options)
+    return Recipe(
+        passes, steps.RATES, derivatives.OF_MOTORS, 8, True, takes_geared=False, takes_base=False, is_rooted=True
+    )
 
 
 DERIVATIVES = ("inverse_dynamics_derivatives", None)
@@ -57,13 +66,17 @@ RECIPES: Mapping[Any, Recipe] = {
     "mass_matrix": Recipe(mass.mass_matrix, ("q",), ("matrix",), 128, pairs=500, is_rooted=True),
     DERIVATIVES: Recipe(
         derivatives.inverse_dynamics,
-        derivatives.RATES,
+        ("q", "v", "a"),
         derivatives.MATRICES,
         24,
         pairs=120,
         takes_geared=False,
         is_rooted=True,
     ),
+    **{
+        ("elastic_inverse_dynamics_derivatives", Options(*choice)): _elastic_derivatives(Options(*choice))
+        for choice in product((False, True), repeat=2)
+    },
     ("frame_pose",): Recipe(kinematics.frame_pose, ("q",), ("placement",), 64),
     "kinetic_energy": Recipe(totals.kinetic_energy, ("q", "v"), ("total",), 64),
     "potential_energy": Recipe(totals.potential_energy, ("q",), ("total",), 64),
@@ -81,11 +94,11 @@ RECIPES: Mapping[Any, Recipe] = {
     "elastic_forward_dynamics": Recipe(
         elastic.elastic_forward_dynamics, STATE, ("a", "theta_ddot"), 128, True, "strains", True, pairs=1000
     ),
-    "drive_slopes": Recipe(elastic.drive_slopes, STATE, SLOPES, 12, True),
+    "drive_slopes": Recipe(elastic.drive_slopes, STATE, tuple(EFFORT_SLOPES), 12, True),
 }
 """By name, or by a key that begins with it."""
 
-OF_DRIVES = ("theta", "theta_dot", "theta_ddot", "motor_torque", "deflection", *SLOPES)
+OF_DRIVES = ("theta", "theta_dot", "theta_ddot", "motor_torque", "deflection", *EFFORT_SLOPES)
 """Inputs and outputs with a number for each drive."""
 
 OF_FRAMES = ("frame_pose", "jacobian")

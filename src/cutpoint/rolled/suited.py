@@ -7,7 +7,7 @@ from cutpoint.kernels.ports import Port
 from cutpoint.mechanics.joints import Helical, Prismatic, Revolute
 from cutpoint.mechanics.system import System
 from cutpoint.model.mechanism import WORLD
-from cutpoint.rolled.bodies import bodies_of
+from cutpoint.rolled.bodies import base_of, bodies_of
 from cutpoint.rolled.drives import models_of
 
 LEAST = {"coriolis_matrix": 8, "regressor": 9, "velocity_map": 3}
@@ -18,12 +18,16 @@ MOST_STRUCTURES = 6
 """Of drives: each body computes what it would do with every one of them, and chooses."""
 
 
-def unsuited(machine: Machine, reads_drives: bool, takes_coupled: bool, takes_geared: bool) -> str | None:
+def unsuited(
+    machine: Machine, reads_drives: bool, takes_coupled: bool, takes_geared: bool, takes_base: bool
+) -> str | None:
     """Why loops cannot take the machine, or None: each body but a floating base needs one coordinate of its own.
 
     reads_drives: whether drives take part; takes_coupled, takes_geared: also with rotors with full coupling, behind
-    springs or geared rigidly.
+    springs or geared rigidly; takes_base: also with such a base.
     """
+    if base_of(machine.system) and not takes_base:
+        return f"a base that moves freely, by joint {machine.system.segments[0].name!r}"
     for spin in machine.system.spins:
         if not spin.elastic and not takes_geared:
             return f"rigidly geared rotors with full coupling, as at {machine.system.segments[spin.joint].name!r}"

@@ -1,0 +1,49 @@
+"""How what a drive does changes with its state, by the chain rule on its own laws: the drives' part of derivatives.
+
+Within traces only.  Friction is as in steady sliding, and springs have no hysteresis.
+"""
+
+from collections import namedtuple
+from typing import Any
+
+from cutpoint.kernels import jacobian_of
+from cutpoint.mechanics.elastic import Driven, Options, motor_motion, motor_torque
+from cutpoint.mechanics.elastic_forward import drive_effort
+from cutpoint.mechanics.harmonic_drive import DriveState
+from cutpoint.mechanics.strains import UNKNOWN
+from cutpoint.model import Drive
+from cutpoint.scalars import Jet
+
+Scalars = list[Any]
+
+STATE = ("q", "v", "theta", "theta_dot", "motor_torque")
+"""What a drive's effort depends on."""
+
+EFFORT_SLOPES = [f"d_{effort}_d_{x}" for effort in ("on_link", "alpha") for x in STATE]
+
+EffortSlopes = namedtuple("EffortSlopes", EFFORT_SLOPES)
+
+MOTION = ("torque", "torque_dot", "torque_ddot", "q", "v", "a", "jerk", "snap")
+"""What a motor's torque depends on: its joint's, with two rates, and the joint's motion."""
+
+
+def effort_slopes(drive: Drive, state: Scalars) -> Scalars:
+    """Of on_link and alpha of `drive_effort` with its STATE, in the order of EFFORT_SLOPES."""
+
+    def effort(state: Scalars) -> Scalars:
+        *at, torque = state
+        found = drive_effort(drive, DriveState(*at), torque, UNKNOWN)
+        return [found.on_link, found.alpha]
+
+    return [x for row in jacobian_of(effort)(state=state)[0] for x in row]
+
+
+def motor_slopes(drive: Drive, motion: Scalars, options: Options) -> Scalars:
+    """Of the motor torque of an elastic inverse dynamics with its MOTION."""
+    driven = Driven(drive, 0, 0, 0)
+
+    def asked(motion: Scalars) -> Scalars:
+        torque, (q, *rates) = Jet(*motion[:3]), motion[3:]
+        return [motor_torque(driven, motor_motion(driven, torque, q, Jet(*rates), options, UNKNOWN), None, [], None)]
+
+    return jacobian_of(asked)(motion=motion)[0][0]
