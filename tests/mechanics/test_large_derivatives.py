@@ -141,16 +141,25 @@ def test_elastic_inverse_dynamics_derivatives_of_a_large_robot_are_its_differenc
 
 
 @pytest.mark.parametrize("friction", [False, True])
-def test_large_robots_are_linearised_as_well_from_loops_as_by_sweeps(friction: bool) -> None:
-    mechanism = chain(26)
-    drives = driven_by_turns(mechanism)
-    looped, swept = (Robot(mechanism, drives, backend=x) for x in ("llvm", "numpy"))
+@pytest.mark.parametrize("mechanism", [chain(26), based("floating", 26)], ids=["chain", "floating"])
+def test_large_robots_are_linearised_as_well_from_loops_as_by_sweeps(mechanism: Mechanism, friction: bool) -> None:
+    looped, swept = (Robot(mechanism, driven_by_turns(mechanism), backend=x) for x in ("llvm", "numpy"))
     assert derivatives.elastic_loops(looped) and not derivatives.elastic_loops(swept)
-    q, v = looped.random(1), np.linspace(-0.1, 0.1, 26)
-    ours, theirs = (robot.linearize(q, v, np.ones(len(robot.drives)), friction=friction) for robot in (looped, swept))
+    q, v = looped.random(1), np.zeros(looped.nv)
+    v[-26:] = np.linspace(-0.1, 0.1, 26)
+    torque = np.ones(len(looped.drives))
+    ours, theirs = (robot.linearize(q, v, torque, friction=friction) for robot in (looped, swept))
     assert ours.states == theirs.states
     for x, y in ((ours.A, theirs.A), (ours.B, theirs.B), (ours.drift, theirs.drift)):
         np.testing.assert_allclose(x, y, rtol=0, atol=1e-11 * np.abs(y).max())
+
+
+def test_modes_of_a_large_robot_that_falls_are_the_same_from_loops_as_by_sweeps() -> None:
+    mechanism = based("floating", 26)
+    drives = dict.fromkeys(Robot(mechanism).joints, Drive(100.0, Rotor(1e-3), LinearSpring(2e4), damping=2.0))
+    looped, swept = (Robot(mechanism, drives, backend=x).modes(Robot(mechanism).random(1)) for x in ("llvm", "numpy"))
+    np.testing.assert_allclose(looped.frequencies, swept.frequencies, rtol=1e-9)
+    np.testing.assert_allclose(looped.damping, swept.damping, rtol=1e-7)
 
 
 def assert_pinocchios(ours: Any, model: Any, data: Any, *state: np.ndarray) -> None:

@@ -28,6 +28,7 @@ from mutation import holds, mutated
 import test_package_agrees_with_paper as paper
 from cutpoint import Drive, Flexspline, Robot, definitions, robots
 from cutpoint.control import joint_law
+from cutpoint.derivatives import definitions as derivative_definitions
 from cutpoint.formats import drive_entry
 from cutpoint.kernels import fusion, program_stage
 from cutpoint.mechanics import (
@@ -356,11 +357,25 @@ MUTANTS = {
         {"tree": "floating", "backend": "llvm"},
     ),
     "a joint's own change felt without what it bears": Mutant(
-        looped_derivatives.inverse_dynamics,
+        looped_derivatives._changes_within,
         "cloud.wrench(by_q) + S.cross_wrench(F)",
         "cloud.wrench(by_q)",
         large_derivatives.test_loops_find_what_sweeps_find,
         {"tree": "tree", "backend": "llvm"},
+    ),
+    "rates of a product counted once": Mutant(
+        torque_derivatives.along_motion,
+        "comb(k, lag)",
+        "1",
+        slopes.test_elastic_inverse_dynamics_are_their_differences,
+        {"name": "flexspline", "options": {}},
+    ),
+    "a drive's slope left out where it moves its own link": Mutant(
+        derivative_definitions._through_drives,
+        "x[d.v][d.v] - slope",
+        "x[d.v][d.v]",
+        slopes.test_elastic_forward_dynamics_are_what_jets_make_of_them,
+        {"name": "xia2019"},
     ),
     "a tree taken about another's first joint": Mutant(
         bodies.rooted,

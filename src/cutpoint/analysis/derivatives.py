@@ -7,7 +7,7 @@ from typing import Any, NamedTuple
 
 from cutpoint import definitions, kernels
 from cutpoint.definitions import Machine
-from cutpoint.derivatives.definitions import derived_elastic_recursion, elastic_forward_dynamics
+from cutpoint.derivatives.definitions import elastic_forward_dynamics
 from cutpoint.functions.idle_joints import check_moves_inertia
 from cutpoint.kernels import Kernel
 from cutpoint.mechanics.elastic import DEFAULT, ElasticMotion
@@ -67,11 +67,9 @@ def _compiled(structure: _Structure) -> Kernels:
     def steady(q: Scalars, v: Scalars, parameters: Scalars) -> Any:
         return steady_motion(machine(parameters), robot.derivatives_needed, q, v)
 
-    slopes_of = elastic_forward_dynamics if is_all_driven(robot) else derived_elastic_recursion
-
     def slopes(parameters: Scalars, **state: Scalars) -> Slopes:
         m = machine(parameters)
-        found, by_each = definitions.elastic_forward_dynamics(m, **state), slopes_of(m, **state)
+        found, by_each = definitions.elastic_forward_dynamics(m, **state), elastic_forward_dynamics(m, **state)
         rows = (row for x in (by_each[:5], by_each[5:]) for row in zip(*x, strict=True))
         return Slopes([*found.a, *found.theta_ddot], [[x for part in row for x in part] for row in rows])
 
@@ -81,11 +79,6 @@ def _compiled(structure: _Structure) -> Kernels:
         kernels.compile(steady, backend=robot.backend, q=nq, v=nv, parameters=robot.drive_parameters.size),
         kernels.compile(slopes, backend=robot.backend, **sizes),
     )
-
-
-def is_all_driven(robot: Robot) -> bool:
-    """Otherwise noise where the recursions have zeros would move the poles of what falls."""
-    return robot.nv == len(robot.drives)
 
 
 def steady_motion(machine: Machine, derivatives: int, q: Scalars, v: Scalars) -> ElasticMotion:

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cutpoint import derivatives
-from cutpoint.analysis.derivatives import frictionless, is_all_driven, kernels_of, steady_motion
+from cutpoint.analysis.derivatives import frictionless, kernels_of, steady_motion
 from cutpoint.derivatives import sweeps
 from cutpoint.derivatives.sweeps import Slopes
 from cutpoint.functions.idle_joints import check_moves_inertia
@@ -30,10 +30,9 @@ class Plant(NamedTuple):
 
 def plant_of(robot: Robot, friction: bool) -> Plant:
     """Raises ModelError: a joint moves no inertia."""
-    if not sweeps.is_swept(robot):
-        return _compiled(robot, friction)
-    own = robot if friction else _bare(robot)
-    return _looped(own) if derivatives.elastic_loops(own) and is_all_driven(own) else _swept(own)
+    if derivatives.elastic_loops(robot):
+        return _looped(robot if friction else _bare(robot))
+    return _swept(robot if friction else _bare(robot)) if sweeps.is_swept(robot) else _compiled(robot, friction)
 
 
 def _compiled(robot: Robot, friction: bool) -> Plant:

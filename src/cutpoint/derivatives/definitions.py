@@ -108,17 +108,12 @@ def _rates(x: Scalar) -> Sequence[Scalar]:
 def elastic_forward_dynamics(m: Machine, **state: Scalars) -> Any:
     """d (a, theta_ddot) / d (q, v, theta, theta_dot, motor_torque), named d_a_d_q and so on.
 
-    From M d_a = d(what drives do to links) - d(inverse dynamics at that a), in three quarters of the operations of
-    `derived_elastic_recursion` on UR10, and half on Panda; by that one where rotors behind springs feel their carriers.
+    From M d_a = d(what drives do to links) - d(inverse dynamics at that a), in three quarters of the operations of the
+    derived recursion on UR10, and half on Panda; by that one where rotors behind springs feel their carriers.
     """
     if any(spin.elastic for spin in m.system.spins):
-        return derived_elastic_recursion(m, **state)
+        return _with_tangents(m, state["q"], jacobian_of(partial(definitions.elastic_forward_dynamics, m))(**state))
     return ElasticForwardDynamicsDerivatives(*_through_drives(m, *state.values()))
-
-
-def derived_elastic_recursion(m: Machine, **state: Scalars) -> Any:
-    """The same by the chain rule alone.  How a base without a drive turns never enters its joints, to the last bit."""
-    return _with_tangents(m, state["q"], jacobian_of(partial(definitions.elastic_forward_dynamics, m))(**state))
 
 
 def _through_drives(m: Machine, *state: Scalars) -> list[Matrix]:
