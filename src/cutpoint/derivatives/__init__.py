@@ -85,6 +85,8 @@ class ElasticForwardDynamicsDerivatives(NamedTuple):
 
 def inverse_dynamics(robot: Robot, q: ArrayLike, v: ArrayLike, a: ArrayLike) -> InverseDynamicsDerivatives:
     """Of `Robot.inverse_dynamics`, joint torques of a motion."""
+    if made := robot._compiled.made_before("inverse_dynamics_derivatives", None):
+        return made(q, v, a)
     if not _is_looped(robot) and sweeps.is_swept(robot):
         return InverseDynamicsDerivatives(*sweeps.inverse_dynamics(robot, q=q, v=v, a=a))
     definition = definitions.inverse_dynamics
@@ -93,6 +95,8 @@ def inverse_dynamics(robot: Robot, q: ArrayLike, v: ArrayLike, a: ArrayLike) -> 
 
 def forward_dynamics(robot: Robot, q: ArrayLike, v: ArrayLike, tau: ArrayLike) -> ForwardDynamicsDerivatives:
     """Of `Robot.forward_dynamics`, accelerations under joint torques."""
+    if made := robot._compiled.made_before("forward_dynamics_derivatives", None):
+        return made(q, v, tau)
     if _is_looped(robot) or sweeps.is_swept(robot):
         a = robot.forward_dynamics(q, v, tau)
         return ForwardDynamicsDerivatives(*large.forward_dynamics(*_rigid_at(robot, "forward_dynamics", q, v, a)))
@@ -130,6 +134,8 @@ def elastic_forward_dynamics(
     robot: Robot, q: ArrayLike, v: ArrayLike, theta: ArrayLike, theta_dot: ArrayLike, motor_torque: ArrayLike
 ) -> ElasticForwardDynamicsDerivatives:
     """Of `Robot.elastic_forward_dynamics`, accelerations of links and motors under motor torques."""
+    if made := robot._compiled.made_before("elastic_forward_dynamics_derivatives", None):
+        return made(q, v, theta, theta_dot, motor_torque)
     name, record, inputs = "elastic_forward_dynamics", ElasticForwardDynamicsDerivatives, " ".join(STATE)
     state = dict(zip(STATE, (q, v, theta, theta_dot, motor_torque), strict=True))
     if elastic_loops(robot):

@@ -56,7 +56,8 @@ def _check_size(name: str, array: np.ndarray, plan: Plan, counts: Mapping[str, i
         if array.size != size:
             raise InputError(f"region {name!r} has {size} slots, its array holds {array.size} numbers", name=name)
         return
-    rows = max(-(-prod(_number(c, counts) for c in way.counts) // way.steps) for way in plan.streamed[name])
+    ways = plan.streamed[name]
+    rows = max((-(-prod(_number(c, counts) for c in way.counts) // way.steps) for way in ways), default=0)
     if array.ndim != 2 or array.shape[1] != size or len(array) < rows:
         raise InputError(
             f"region {name!r} streams: its array has shape {array.shape}, it must have at least {rows} rows of {size}",

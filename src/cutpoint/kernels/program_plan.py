@@ -29,7 +29,7 @@ class Plan:
     """A program that is known to be sound.
 
     regions: by name.  graphs: of the stages, of one lane each.  written: regions that some stage writes.
-    streamed: how each region streams, for each time it does.
+    streamed: of regions with rows, how they stream, for each time they do: never if they are only viewed.
     counts: the names of numbers that a run must state.  views: by name.
     single: for each stage the names of which it sees one lane.  single_views: the views that are one lane of a row.
     indices: for each list of rows, the counts of the loops it advances with.
@@ -163,6 +163,7 @@ class _Walk:
         """A view may be had in several loops, but then it is the same."""
         if view.of not in self.regions:
             raise unknown_name("region", view.of, self.regions)
+        self.streamed.setdefault(view.of, [])
         self.views.setdefault(view.name, view)
         self.indices[view.index].append(loop.count)
         single = self.single_views.setdefault(view.name, isinstance(loop, LaneLoop))
@@ -172,13 +173,10 @@ class _Walk:
             raise InputError(f"view {view.name!r} by {view.index!r}: both must have names that nothing else has")
 
     def check_streams(self) -> None:
-        """A region that streams has rows only inside its loop, and only such a region can be viewed."""
-        for view in self.views.values():
-            if view.of not in self.streamed:
-                raise InputError(f"view {view.name!r}: region {view.of!r} has no rows, it streams in no loop")
+        """A region that streams, or is viewed, has rows only inside its loop."""
         for name, advancing in self.uses:
             if (name in self.streamed or name in self.views) and name not in advancing:
-                raise InputError(f"region {name!r} streams, so it can only be used inside the loop that it streams in")
+                raise InputError(f"region {name!r} has rows, so it can only be used inside the loop that it streams in")
 
     def _stage(self, stage: Stage, advancing: frozenset[str], single: frozenset[str]) -> None:
         self._check_names((*stage.reads, *stage.writes), advancing)

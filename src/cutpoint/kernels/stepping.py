@@ -35,7 +35,7 @@ class Stage:
 
 @dataclass(frozen=True)
 class View:
-    """A second name for a region that streams: the row that a list of whole numbers says, as of a tree's parents.
+    """A row of a region, the one that a list of whole numbers says, as of a tree's parents.
 
     name: what stages call that row.  of: the region.  index: the list, an int64 for each iteration; it goes with the
     loop's streams, backward if they do.  A stage must not write one row under both names.

@@ -52,6 +52,17 @@ class Task:
         in_parts = {**dict.fromkeys(self.steps.matrices, (speeds, speeds)), COLUMN: (6, speeds)}
         return {**in_parts, **self.steps.shapes}.get(name, (self.size(name),))
 
+    def pairs(self, lanes: int) -> dict[str, Array]:
+        """Bodies and blocks of others, by number, where one carries the other; and where their entries stand."""
+        n, blocks = self.bodies, -(-self.bodies // lanes)
+        carried = np.eye(n, blocks * lanes, dtype=bool)  # by each body, those that carry it, and itself
+        for i, parent in enumerate(self._parents):
+            if parent >= 0:
+                carried[i] |= carried[parent]
+        carried[:, :n] |= carried[:, :n].T
+        body, block = map(np.ascontiguousarray, np.nonzero(carried.reshape(n, blocks, lanes).any(axis=2)))
+        return {"pair.body": body, "pair.block": block, "pair.entry": body * blocks + block}
+
     @property
     def is_in_parts(self) -> bool:
         """Whether its output is put together after the loops."""

@@ -21,10 +21,11 @@ SINGLE = ("base", "world", "tip")
 
 
 class Pass(NamedTuple):
-    """A step of every body: alone, outward (parents first) or inward (children first); or of every pair of bodies.
+    """A step of every body: alone, outward (parents first) or inward (children first); or of every pair of bodies of
+    which one carries the other.
 
     A step may also run once, for what stands apart: see `SINGLE`.  Of a pair, the stage reads first what is "held" of
-    one, which is all that it reads of the other.
+    one, which is all that it reads of the other.  What it writes of bodies that are no such pair must be zero.
     """
 
     way: Literal["alone", "outward", "inward", "pairs", "once"]
@@ -99,14 +100,14 @@ def one_by_one(steps: Steps, columns: Columns, lanes: int) -> Rolled:
     """One configuration.  What bodies do alone, so many do at once, "blocks" of them in turn."""
     sizes = {"body": columns.width, **steps.sizes}
 
-    def loop(p: Pass) -> Loop:
+    def loops(p: Pass) -> list[Loop]:
         if p.way == "alone":
-            return Loop("blocks", [replace(p.stage, lanes=lanes)], tuple(sizes))
+            return [Loop("blocks", [replace(p.stage, lanes=lanes)], tuple(sizes))]
         if p.way == "pairs":
             return _pairs(p.stage, lanes)
         if p.way == "once":
-            return LaneLoop(1, [p.stage], views=steps.rows_of(p))
-        return LaneLoop("bodies", [p.stage], tuple(sizes), backward=p.way == "inward", views=steps.views)
+            return [LaneLoop(1, [p.stage], views=steps.rows_of(p))]
+        return [LaneLoop("bodies", [p.stage], tuple(sizes), backward=p.way == "inward", views=steps.views)]
 
     regions = [Region(name, size * lanes, lanes) for name, size in sizes.items()]
     regions += [Region(name, size) for name, size in {**steps.apart, **steps.constants}.items()]
@@ -114,16 +115,19 @@ def one_by_one(steps: Steps, columns: Columns, lanes: int) -> Rolled:
         if p.way == "pairs":
             regions += [Region(p.stage.reads[0], sum(sizes[name] for name in p.stage.reads[1:]))]
             regions += [Region(name, lanes, lanes) for name in p.stage.writes]
-    return Rolled(Loop(1, [loop(p) for p in steps.passes]), tuple(regions))
+    return Rolled(Loop(1, [loop for p in steps.passes for loop in loops(p)]), tuple(regions))
 
 
-def _pairs(stage: Stage, lanes: int) -> Loop:
-    """Each body with blocks of others."""
+def _pairs(stage: Stage, lanes: int) -> list[Loop]:
+    """Each body, put together, with each block of others that holds one which it carries, or which carries it."""
     held, *names = stage.reads
-    views = tuple(View(f"own_{name}", name, "self") for name in names)
-    hold = Stage(lambda *own: [x for numbers in own for x in numbers], [view.name for view in views], (held,))
-    others = Loop("blocks", [replace(stage, lanes=lanes)], names, onward=stage.writes)
-    return LaneLoop("bodies", [hold, others], views=views)
+    own = tuple(View(f"own_{name}", name, "self") for name in names)
+    hold = Stage(lambda *own: [x for numbers in own for x in numbers], [view.name for view in own], (held,))
+    one, others = View("one", held, "pair.body"), [View(f"other_{name}", name, "pair.block") for name in names]
+    entries = [View(f"entry_{name}", name, "pair.entry") for name in stage.writes]
+    reads = ("one", *(view.name for view in others))
+    pair = Stage(stage.function, reads, [view.name for view in entries], lanes)
+    return [LaneLoop("bodies", [hold], (held,), views=own), Loop("pairs", [pair], views=(one, *others, *entries))]
 
 
 class Kept:

@@ -35,7 +35,7 @@ class One:
         task, lanes = self._task, self._lanes
         n, blocks = task.bodies, -(-task.bodies // lanes)
         rows = dict.fromkeys(("body", *task.steps.kept), blocks + 1)
-        rows |= dict.fromkeys(task.steps.matrices, n * blocks)
+        rows |= {**dict.fromkeys(task.steps.matrices, n * blocks), "held": n}
         sizes = {r.name: r.size for r in self._rolled.regions}
         arrays: dict[str, Array] = {k: aligned(rows.get(k, 1) * x).reshape(-1, x) for k, x in sizes.items()}
         vectors = {name: aligned((blocks + 1) * lanes, task.of_base(name)) for name in task.steps.numbers}
@@ -49,9 +49,11 @@ class One:
         for name, numbers in task.world.items():
             by_body[name][blocks, 0, : len(numbers)] = numbers
         arrays |= task.constants | task.rows(blocks * lanes)
-        if task.steps.matrices:
-            arrays["self"] = np.arange(n)
         counts = {"bodies": n, "blocks": blocks}
+        if task.steps.matrices:
+            pairs = task.pairs(lanes)
+            arrays |= {"self": np.arange(n), **pairs}
+            counts["pairs"] = len(pairs["pair.body"])
         run = self.program.bound({k: counts[k] for k in self.program.counts}, **arrays)
         return OneMemory(task, arrays, vectors, run)
 
