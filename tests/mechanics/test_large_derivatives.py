@@ -264,8 +264,22 @@ def test_what_is_too_large_to_sweep_is_refused_with_a_remedy(name: str) -> None:
         getattr(derivatives, name)(robot, *zeros)
 
 
-@pytest.mark.parametrize("name", ["coriolis_matrix", "regressor", "velocity_map"])
+@pytest.mark.parametrize("tree", ["every kind", "tree"])
+def test_loops_find_the_coriolis_matrix_of_virtual_decomposition(tree: str) -> None:
+    robot = Robot(LOOPED[tree], backend="numpy")
+    q, v = robot.random(5, 3), np.random.default_rng(5).normal(size=(3, robot.nv))
+    found = RolledFunction("coriolis_matrix", robot.machine, "llvm")(q, v)
+    assert_close(found, robot.coriolis_matrix(q, v), 1e-13)
+
+
+def test_the_coriolis_matrix_of_400_joints_takes_the_bias_from_gravity() -> None:
+    robot = Robot(chain(400))
+    q, v = robot.random(6), np.random.default_rng(6).normal(size=400)
+    assert_close(robot.coriolis_matrix(q, v) @ v, robot.bias_forces(q, v) - robot.gravity_forces(q), 1e-11)
+
+
+@pytest.mark.parametrize("name", ["regressor", "velocity_map"])
 def test_matrices_that_cannot_be_compiled_are_refused_before_they_are_traced(name: str) -> None:
-    robot, inputs = Robot(chain(400)), {"coriolis_matrix": 2, "regressor": 3, "velocity_map": 1}
+    robot, inputs = Robot(chain(400)), {"regressor": 3, "velocity_map": 1}
     with pytest.raises(InputError, match=rf"{name}: of 400 bodies it takes far more than 200000 operations"):
         getattr(robot, name)(*[np.zeros(400)] * inputs[name])

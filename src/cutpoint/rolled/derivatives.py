@@ -49,6 +49,23 @@ def inverse_dynamics(columns: Columns) -> Steps:
     return found._replace(passes=passes)
 
 
+def coriolis_matrix(columns: Columns) -> Steps:
+    """C(q, v) of trees without a base that moves freely.
+
+    There it is that of Christoffel's symbols, so that torques C v change with v by 2 C: by C, then, at half the speed.
+    """
+    found = _changes_within(columns, PLAIN)
+
+    def halved(v: Any) -> Any:
+        return [x * 0.5 for x in v]
+
+    def entries(held: Any, *other: Any) -> Any:
+        return [_entries(_like(other, held), other)[1]]
+
+    first, pairs = Stage(halved, ("v",), ("v",)), Stage(entries, ("held", *SEEN, "span"), ("C",))
+    return found._replace(passes=[Pass("alone", first), *found.passes, Pass("pairs", pairs)])
+
+
 def elastic_inverse_dynamics(columns: Columns, options: Options = DEFAULT) -> Steps:
     """d motor torque / d (q, v, a, jerk, snap), of trees without a base that moves freely.
 

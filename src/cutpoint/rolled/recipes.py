@@ -26,8 +26,8 @@ class Recipe(NamedTuple):
 
     Measured on chains of 12 to 128 joints and on humanoids of 29 to 101: up to these sizes straight-line code compiles
     in some 2 s, at most 5, takes a third to all of the loops' time in batches and, but on chains, half to all of it in
-    single calls.  Derivatives are quicker as loops from some ten bodies on; those of forward dynamics, which have no
-    loops of their own, are not up to these sizes.
+    single calls.  Derivatives are quicker as loops from some ten bodies on, with springs from seven on; those of
+    forward dynamics, which have no loops of their own, are not up to these sizes.
     """
 
     steps: Callable[[Columns], Steps]
@@ -71,6 +71,16 @@ RECIPES: Mapping[Any, Recipe] = {
         24,
         pairs=120,
         takes_geared=False,
+        is_rooted=True,
+    ),
+    "coriolis_matrix": Recipe(
+        derivatives.coriolis_matrix,
+        ("q", "v"),
+        ("C",),
+        24,
+        pairs=120,
+        takes_geared=False,
+        takes_base=False,
         is_rooted=True,
     ),
     **{
