@@ -139,6 +139,18 @@ def test_elastic_forward_dynamics_are_what_jets_make_of_them(name: str) -> None:
 
 
 @pytest.mark.parametrize("backend", BACKENDS)
+def test_robots_without_drives_have_derivatives_too(backend: str) -> None:
+    ours = Robot(chain(3, ("helical",)), backend=backend)
+    q, v, none = ours.random(1), np.ones(3), np.zeros(0)
+    found = derivatives.elastic_forward_dynamics(ours, q, v, none, none, none)
+    rigid = derivatives.forward_dynamics(ours, q, v, np.zeros(3))
+    assert_close(found.d_a_d_q, rigid.d_q, 1e-13)
+    assert [x.shape for x in found[2:5]] == [(3, 0)] * 3
+    still = derivatives.forward_dynamics(ours, q, 0 * v, 0 * v)
+    assert_close(ours.linearize(q).A[3:, :3], still.d_q, 1e-13)
+
+
+@pytest.mark.parametrize("backend", BACKENDS)
 def test_the_snap_of_links_is_felt_through_springs_by_rotors(backend: str) -> None:
     ours = robot("linear", backend)
     q, v, a, jerk, snap = np.random.default_rng(1).uniform(-1, 1, (5, 3, ours.nv))

@@ -372,8 +372,8 @@ MUTANTS = {
     ),
     "a drive's slope left out where it moves its own link": Mutant(
         derivative_definitions._through_drives,
-        "x[d.v][d.v] - slope",
-        "x[d.v][d.v]",
+        "rows[link][k] + x",
+        "rows[link][k]",
         slopes.test_elastic_forward_dynamics_are_what_jets_make_of_them,
         {"name": "xia2019"},
     ),

@@ -118,27 +118,25 @@ def elastic_forward_dynamics(m: Machine, **state: Scalars) -> Any:
 
 def _through_drives(m: Machine, *state: Scalars) -> list[Matrix]:
     """d a / d (q, v, theta, theta_dot, motor_torque), then those of theta_ddot."""
-    (q, v, *motors), nv = state, m.system.nv
+    (q, v, *motors), nv, n, links = state, m.system.nv, len(m.drives), [d.v for d in m.drives]
     M, tau = definitions.mass(m, q), [0 - b for b in definitions.bias_forces(m, q, v)]
     for d, at, torque in zip(m.drives, drive_states(m.drives, q, v, *motors[:2]), motors[2], strict=True):
         tau[d.v] = tau[d.v] + drive_effort(d.drive, at, torque, UNKNOWN).on_link
+    d_q, d_v, _ = inverse_dynamics(m, q, v, solve_symmetric(M, tau))
+    # where each drive's q, v, theta, theta_dot and motor_torque stand, and among how many
+    columns = [(links, nv)] * 2 + [([*range(n)], n)] * 3
+    forces = [_negated(d_q), _negated(d_v), *([[0] * n for _ in range(nv)] for _ in range(3))]
     slopes = drive_slopes(m, *state)
-    on_link, alpha = slopes[:5], slopes[5:]
-    # what links' motion takes, less what drives give
-    lacking = [[[*row] for row in x] for x in inverse_dynamics(m, q, v, solve_symmetric(M, tau))[:2]]
-    for x, given in zip(lacking, on_link, strict=False):
-        for d, slope in zip(m.drives, given, strict=True):
-            x[d.v][d.v] = x[d.v][d.v] - slope
-    inverse = _solved(M, _unit(nv))
-    d_a = [_solved(M, _negated(x)) for x in lacking]
-    d_a += [[[row[d.v] * x for d, x in zip(m.drives, given, strict=True)] for row in inverse] for given in on_link[2:]]
-    # a rotor turns by its own drive's state, a rigid drive's with its link
-    places = [[d.v for d in m.drives]] * 2 + [[*range(len(m.drives))]] * 3
-    d_alpha = [
-        [_row(x[k], at[k], len(rows[0])) if d.drive.is_elastic else rows[d.v] for k, d in enumerate(m.drives)]
-        for x, at, rows in zip(alpha, places, d_a, strict=True)
+    for rows, given, (at, _) in zip(forces, slopes[:5], columns, strict=True):
+        for link, k, x in zip(links, at, given, strict=True):
+            rows[link][k] = rows[link][k] + x
+    d_a = [_solved(M, rows) for rows in forces]
+    # a rotor by its own drive's state; a rigid drive's moves with its link
+    alpha = [
+        [_row(x, k, width) if d.drive.is_elastic else rows[d.v] for d, k, x in zip(m.drives, at, own, strict=True)]
+        for rows, own, (at, width) in zip(d_a, slopes[5:], columns, strict=True)
     ]
-    return [*d_a, *d_alpha]
+    return [*d_a, *alpha]
 
 
 def drive_slopes(
@@ -163,8 +161,8 @@ def _with_tangents(m: Machine, q: Scalars, found: Any) -> Any:
 
 
 def _solved(M: Matrix, rows: Matrix) -> Matrix:
-    """X with M X = rows."""
-    return transposed([solve_symmetric(M, column) for column in transposed(rows)])
+    """X with M X = rows, which may be empty."""
+    return transposed([solve_symmetric(M, column) for column in transposed(rows)]) or rows
 
 
 def _row(x: Scalar, at: int, length: int) -> Scalars:

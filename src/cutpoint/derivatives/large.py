@@ -38,15 +38,15 @@ def elastic_forward_dynamics(
     Raises:
         InputError: see `inverse_of`.
     """
-    inverse, at = inverse_of(M, "elastic_forward_dynamics_derivatives"), [d.v for d in drives]
-    nv, n, motors, on_link, alpha = M.shape[-1], len(at), [*range(len(at))], slopes[:5], slopes[5:]
-    by_link = zip(on_link, (d_q, d_v), strict=False)
-    d_a = [inverse @ (_entries(x, at, at, (nv, nv)) - d) for x, d in by_link]
-    d_a += [inverse[..., at] * x[..., None, :] for x in on_link[2:]]
-    d_alpha = [_entries(x, motors, at, (n, nv)) for x in alpha[:2]]
-    d_alpha += [_entries(x, motors, motors, (n, n)) for x in alpha[2:]]
-    bends = np.array([[d.drive.is_elastic] for d in drives], bool)  # a rigid drive's motor moves with its link
-    return [*d_a, *(np.where(bends, own, links[..., at, :]) for own, links in zip(d_alpha, d_a, strict=True))]
+    inverse, nv, n = inverse_of(M, "elastic_forward_dynamics_derivatives"), M.shape[-1], len(drives)
+    links, motors, bends = [d.v for d in drives], [*range(n)], [[d.drive.is_elastic] for d in drives]
+    # where each drive's q, v, theta, theta_dot and motor_torque stand, and among how many
+    columns = [(links, nv)] * 2 + [(motors, n)] * 3
+    forces = [_entries(x, links, at, (nv, width)) for x, (at, width) in zip(slopes[:5], columns, strict=True)]
+    d_a = [inverse @ x for x in (forces[0] - d_q, forces[1] - d_v, *forces[2:])]
+    # a rotor by its own drive's state; a rigid drive's moves with its link
+    alpha = [_entries(x, motors, at, (n, width)) for x, (at, width) in zip(slopes[5:], columns, strict=True)]
+    return [*d_a, *(np.where(bends, own, of_links[..., links, :]) for own, of_links in zip(alpha, d_a, strict=True))]
 
 
 def _entries(x: Array, rows: Sequence[int], columns: Sequence[int], shape: tuple[int, ...]) -> Array:
