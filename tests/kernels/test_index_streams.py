@@ -190,8 +190,21 @@ def same(x: Any) -> Any:
     return x
 
 
+@pytest.mark.parametrize("backend", BACKENDS)
+def test_rows_that_only_lists_name_are_as_many_as_the_array_has(backend: str) -> None:
+    """Rows that no list names stay as they are."""
+    stage = Stage(lambda x, y: [x[0] + 10 * y[0]], ("from", "to"), ("to",))
+    views = (View("from", "x", "i"), View("to", "y", "j"))
+    program = compile_program(Loop("pairs", [stage], views=views), [Region("x", 1), Region("y", 1)], backend)
+    x, y, i, j = np.arange(3.0)[:, None], np.ones((4, 1)), np.array([2, 1, 2]), np.array([0, 3, 0])
+    program.run({"pairs": 3}, x=x, y=y, i=i, j=j)
+    np.testing.assert_array_equal(y[:, 0], [122, 1, 1, 11])
+    with pytest.raises(InputError, match="list of rows 'j' names row 4; region 'y' has rows 0 to 3"):
+        program.run({"pairs": 3}, x=x, y=y, i=i, j=np.array([0, 3, 4]))
+
+
 UNSOUND: list[tuple[Callable[[], Loop], str]] = [
-    (lambda: Loop(1, [Stage(same, ("y",), ("y",))], views=(View("y", "x", "i"),)), "has no rows"),
+    (lambda: Loop(1, [Stage(same, ("x",), ("x",))], views=(View("y", "x", "i"),)), "only be used inside the loop"),
     (lambda: Loop(1, [], ("x",), views=(View("y", "w", "i"),)), "no region is named 'w'"),
     (lambda: Loop(1, [], ("x",), views=(View("x", "x", "i"),)), "names that nothing else has"),
     (lambda: Loop(1, [], ("x",), views=(View("y", "x", "x"),)), "names that nothing else has"),

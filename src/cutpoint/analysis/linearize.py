@@ -115,7 +115,8 @@ def _without_noise(slope: Array) -> Array:
 
     Where eigenvalues are computed, rows and columns are scaled to the same size, noise too.
     """
-    return np.where(np.abs(slope) > EPS * np.abs(slope).max(axis=1, keepdims=True, initial=0.0), slope, 0.0)
+    rounding = slope.shape[1] * EPS * np.abs(slope).max(axis=1, keepdims=True, initial=0.0)
+    return np.where(np.abs(slope) > rounding, slope, 0.0)
 
 
 def _kept(robot: Robot) -> list[int]:

@@ -176,8 +176,8 @@ def elastic_loops(robot: Robot) -> bool:
 def _rigid_at(robot: Robot, name: str, q: ArrayLike, v: ArrayLike, a: Array) -> InverseDynamicsDerivatives:
     """Those of inverse dynamics at the accelerations that a function of this name has found."""
     if not (largest := np.abs(a).max(initial=0.0)) <= LARGEST:
-        told = f"these speeds and torques ask for accelerations up to {largest:.3g}, at most {LARGEST:.0e} are taken"
-        raise InputError(f"{name}_derivatives: {told}; are they in rad/s and N m?", largest=largest)
+        told = f"state and torques ask for accelerations up to {largest:.3g}, at most {LARGEST:.0e} are taken"
+        raise InputError(f"{name}_derivatives: {told}; are they in rad, rad/s and N m?", largest=largest)
     _compiled(robot).has_no_kernel(f"{name}_derivatives")
     return inverse_dynamics(robot, q, v, a)
 
