@@ -115,7 +115,7 @@ def _eigen(model: LinearModel) -> tuple[ComplexArray, ComplexArray]:
     moving = np.array([name.startswith(("v.", "theta_dot.")) for name in model.states])
     swing = np.sqrt(np.abs(model.A[np.ix_(moving, ~moving)]).sum(axis=1).max(initial=0.0)) or 1.0
     scale = np.where(moving, swing, 1.0)
-    triangle, turned = scipy.linalg.schur(model.A * scale / scale[:, None], output="complex")
+    triangle, turned, *_ = scipy.linalg.schur(model.A * scale / scale[:, None], output="complex")
     poles, vectors = np.linalg.eig(triangle)
     return poles, (turned @ vectors) * scale[:, None]
 

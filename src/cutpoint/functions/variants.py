@@ -56,6 +56,8 @@ def wrong_motion(function: str, given: int, needed: int) -> InputError:
 
 @cache
 def with_options(friction_rates: bool, quasi_rigid: bool) -> Any:
-    """An elastic inverse dynamics with these options."""
+    """An elastic inverse dynamics with these options.  Raises InputError: one is not True or False."""
+    for name, value in {"friction_rates": friction_rates, "quasi_rigid": quasi_rigid}.items():
+        check_kind("elastic_inverse_dynamics", name, value, (bool, np.bool_), "True or False")
     options = Options(friction_rates, quasi_rigid)
     return partial(definitions.elastic_inverse_dynamics, options=options)
