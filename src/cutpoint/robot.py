@@ -506,7 +506,7 @@ class Robot:
 
     def _check_told(self, function: str, name: str, whose: str) -> None:
         """Raises InputError if rotors turn with their carriers, and at speeds of their own."""
-        if any(spin.elastic for spin in self.machine.system.spins):
+        if self.machine.system.has_sprung_rotors:
             reason = "rotors with full coupling turn at speeds of their own, on links that turn"
             raise InputError(f"{function}: give {name}= too, the {whose}' speeds: {reason}", name=name)
 

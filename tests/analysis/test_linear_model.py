@@ -10,7 +10,7 @@ from scipy.linalg import expm
 
 import cutpoint
 from cutpoint import InputError, State
-from cutpoint.analysis.derivatives import kernels_of
+from cutpoint.analysis.plant import kernels_of
 from cutpoint.model import Joint, Link
 from cutpoint.model.build import build
 from robot_library import BACKENDS, Array, Robot, assert_close, derivative, robot, states

@@ -13,8 +13,6 @@ from cutpoint.robot import Robot
 
 Array = NDArray[np.float64]
 
-EPS = np.finfo(float).eps
-
 
 def linearize(
     robot: Robot,
@@ -105,18 +103,8 @@ def _rates(robot: Robot, point: OperatingPoint, found: Slopes) -> tuple[Array, A
     nv, drives = robot.nv, len(robot.drives)
     directions = np.eye(2 * nv + 3 * drives)
     v, theta_dot = directions[nv : 2 * nv], directions[2 * nv + drives : 2 * (nv + drives)]
-    slope = _without_noise(found.slope)
-    by_direction = np.vstack([v, slope[:nv], theta_dot, slope[nv:]])
+    by_direction = np.vstack([v, found.slope[:nv], theta_dot, found.slope[nv:]])
     return by_direction, np.concatenate([point.v, found.value[:nv], point.theta_dot, found.value[nv:]])
-
-
-def _without_noise(slope: Array) -> Array:
-    """Zeros for what rounding leaves of them: how a falling base is turned moves no joint.
-
-    Where eigenvalues are computed, rows and columns are scaled to the same size, noise too.
-    """
-    rounding = slope.shape[1] * EPS * np.abs(slope).max(axis=1, keepdims=True, initial=0.0)
-    return np.where(np.abs(slope) > rounding, slope, 0.0)
 
 
 def _kept(robot: Robot) -> list[int]:

@@ -170,7 +170,7 @@ def _elastic_inverse(robot: Robot, needed: int, options: Options) -> Callable[..
 
 def elastic_loops(robot: Robot) -> bool:
     """Whether derivatives of elastic forward dynamics follow from loops: no rotor behind a spring feels its carrier."""
-    return _is_looped(robot) and not any(spin.elastic for spin in robot.machine.system.spins)
+    return _is_looped(robot) and not robot.machine.system.has_sprung_rotors
 
 
 def _rigid_at(robot: Robot, name: str, q: ArrayLike, v: ArrayLike, a: Array) -> InverseDynamicsDerivatives:

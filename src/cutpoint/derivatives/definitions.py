@@ -76,7 +76,7 @@ def elastic_inverse_dynamics(m: Machine, options: Options, q: Scalars, **rates: 
     From inverse dynamics' derivatives with their rates along the motion, on Panda in three quarters of the operations
     of the derived recursion; by that one where joints do not suit, or rotors behind springs feel their carriers.
     """
-    if torque_derivatives.suits(m.system) and not any(spin.elastic for spin in m.system.spins):
+    if torque_derivatives.suits(m.system) and not m.system.has_sprung_rotors:
         return ElasticInverseDynamicsDerivatives(*_through_springs(m, options, q, *rates.values()))
     function = partial(definitions.elastic_inverse_dynamics, m, options)
     return _with_tangents(m, q, jacobian_of(function, of=["motor_torque"])(q=q, **rates))
@@ -111,7 +111,7 @@ def elastic_forward_dynamics(m: Machine, **state: Scalars) -> Any:
     From M d_a = d(what drives do to links) - d(inverse dynamics at that a), in three quarters of the operations of the
     derived recursion on UR10, and half on Panda; by that one where rotors behind springs feel their carriers.
     """
-    if any(spin.elastic for spin in m.system.spins):
+    if m.system.has_sprung_rotors:
         return _with_tangents(m, state["q"], jacobian_of(partial(definitions.elastic_forward_dynamics, m))(**state))
     return ElasticForwardDynamicsDerivatives(*_through_drives(m, *state.values()))
 

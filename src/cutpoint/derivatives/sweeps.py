@@ -5,7 +5,7 @@ numbers that hold their derivatives in an array, an entry a direction; nothing i
 """
 
 from collections.abc import Callable, Mapping, Sequence
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -38,8 +38,8 @@ WIDTH = 512
 class Slopes(NamedTuple):
     """Of a function of (q, ...): values (m,), and derivatives (m, directions), of which the first nv are q's."""
 
-    value: Array
-    slope: Array
+    value: Any
+    slope: Any
 
 
 def is_swept(robot: Robot) -> bool:

@@ -105,7 +105,7 @@ def driven_accelerations(
     system = replace(system, armature=tuple(inertia))
     # undriven joints: the recursion keeps symmetries to the last bit, as linear models need
     solves = system.has_followers or (system.nv == len(drives) and is_shallow(system))
-    if any(spin.elastic for spin in system.spins) or not solves:
+    if system.has_sprung_rotors or not solves:
         motors = zip(drives, efforts, theta_dot, strict=True)
         rotors = {d.segment: (e.left, w) for d, e, w in motors if d.drive.is_elastic}
         a, A = articulated_accelerations(system, q, v, tau, {}, rotors)

@@ -112,6 +112,11 @@ class System:
         return any(s.follower for s in self.segments)
 
     @property
+    def has_sprung_rotors(self) -> bool:
+        """Whether some rotor behind a spring feels its carrier: full coupling."""
+        return any(spin.elastic for spin in self.spins)
+
+    @property
     def depths(self) -> list[int]:
         """For each body how many speeds move it, those of its own joint among them."""
         depths: list[int] = []
