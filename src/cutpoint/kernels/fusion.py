@@ -49,25 +49,27 @@ class Term(NamedTuple):
         return None
 
 
-def fuse(graph: Graph, arrivals: Mapping[int, int] = _AT_ONCE) -> Graph:
+def fuse(graph: Graph, arrivals: Mapping[int, int] = _AT_ONCE, *, again: bool = False) -> Graph:
     """The graph with a * b + c, a * b - c and c - a * b as one operation wherever a * b is needed nowhere else.
 
     arrivals: cycles after which an input slot's number comes, where that is later than others: see `recurrence`.
+    again: a product that several sums need, and nothing else, is made again in each; like sums then stay alike.
     """
-    return rewrite(graph, _Fusion(graph, arrivals).rule)
+    return rewrite(graph, _Fusion(graph, arrivals, again).rule)
 
 
 class _Fusion:
     """Of one graph.
 
-    uses: of its numbers, by serial.  products: of which a sum that is needed once consists.  there: the cycle in which
-    a new number is.
+    uses: of its numbers, by serial.  shared: products that only sums need.  products: of which a sum consists that is
+    needed once.  there: the cycle in which a new number is.
     """
 
-    def __init__(self, graph: Graph, arrivals: Mapping[int, int]) -> None:
+    def __init__(self, graph: Graph, arrivals: Mapping[int, int], again: bool) -> None:
         self._arrivals = arrivals
         self._uses = Counter(y.serial for x in graph.nodes for y in x.args if isinstance(y, Node))
         self._uses.update(x.serial for x in graph.results if isinstance(x, Node))
+        self._shared = _only_in_sums(graph) if again else set[int]()
         self._products: dict[int, list[Term]] = {}
         self._there: dict[int, int] = {}
         for x in graph.nodes:
@@ -91,7 +93,7 @@ class _Fusion:
     def _parts(self, x: Operand) -> list[Term]:
         if not isinstance(x, Node):
             return [Term(1, (x,))]
-        if x.op == "mul" and self._uses[x.serial] == 1:
+        if x.op == "mul" and (self._uses[x.serial] == 1 or x.serial in self._shared):
             return [Term(1, x.args)]
         return self._products.get(x.serial) or [Term(1, (x,))]
 
@@ -146,6 +148,12 @@ class _Fusion:
         node = trace.node(op, *operands)
         self._there[node.serial] = self._ready(operands) + cycles(op)
         return node
+
+
+def _only_in_sums(graph: Graph) -> set[int]:
+    others = {y.serial for x in graph.nodes if x.op not in ("add", "sub") for y in x.args if isinstance(y, Node)}
+    others |= {x.serial for x in graph.results if isinstance(x, Node)}
+    return {x.serial for x in graph.nodes} - others
 
 
 def _key(x: Operand) -> Hashable:

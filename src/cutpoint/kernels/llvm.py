@@ -1,6 +1,6 @@
 """LLVM IR of a graph: straight-line code in single static assignment, no fast-math, no contraction."""
 
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Sequence
 from typing import Any
 
 from cutpoint.kernels.graph import Graph, reach
@@ -68,6 +68,22 @@ class Lanes:
             found = code.let(f"insertelement {self.real} {found}, {self.one} {number}, i64 {lane}")
         return found
 
+    def turned(self, code: Code, vector: str, lanes: Sequence[int]) -> str:
+        """Chosen numbers of a vector side by side, what comes after them unspecified."""
+        places = [f"i32 {k}" for k in lanes] + ["i32 poison"] * (self.width - len(lanes))
+        kind = f"<{self.width} x i32> <{', '.join(places)}>"
+        return code.let(f"shufflevector {self.real} {vector}, {self.real} poison, {kind}")
+
+    def signed(self, code: Code, vector: str, signs: Sequence[int]) -> str:
+        """A vector's numbers as they are (1), with their signs turned (-1), or zeros (0); what comes after them too."""
+        top, bits = 1 << self.precision.bits - 1, _bits(code, self, vector)
+        every = [*signs] + [1] * (self.width - len(signs))
+        kept, turned = [-abs(sign) for sign in every], [top * (sign < 0) for sign in every]
+        for operation, masks in (("and", kept), ("xor", turned)):
+            numbers = ", ".join(f"{self._bits} {mask}" for mask in masks)
+            bits = code.let(f"{operation} {self.whole} {bits}, <{numbers}>")
+        return _real(code, self, bits)
+
     def one_of(self, code: Code, vector: str, lane: int) -> str:
         return code.let(f"extractelement {self.real} {vector}, i64 {lane}")
 
@@ -124,16 +140,19 @@ class StraightLine:
     def _write(self, x: Node) -> None:
         if x.op == "input":
             name = self._load(x.args[0])
-        elif x.op in _FORMS:
-            name = self._lanes.apply(self._code, x.op, *map(self._name, x.args))
         else:
-            name = _SEQUENCES[x.op](self._code, self._lanes, *map(self._name, x.args))
+            name = applied(self._code, self._lanes, x.op, *map(self._name, x.args))
         self._names[x.serial] = name
         for slot in self._slots.get(x.serial, ()):
             self._ready(slot, name)
 
     def _name(self, x: Any) -> str:
         return self._names[x.serial] if isinstance(x, Node) else self._lanes.constant(x) if isinstance(x, float) else x
+
+
+def applied(code: Code, lanes: Lanes, op: str, *arguments: Any) -> str:
+    """The name of an operation's value."""
+    return lanes.apply(code, op, *arguments) if op in _FORMS else _SEQUENCES[op](code, lanes, *arguments)
 
 
 def _fms(code: Code, lanes: Lanes, a: str, b: str, c: str) -> str:

@@ -10,8 +10,10 @@ from cutpoint.kernels.jit import Compiled
 from cutpoint.kernels.llvm import Lanes
 from cutpoint.kernels.llvm_code import Code, in_turn
 from cutpoint.kernels.program_plan import Plan
-from cutpoint.kernels.program_stage import AT_ONCE, Place, StageCode
+from cutpoint.kernels.program_stage import AT_ONCE, Place
+from cutpoint.kernels.program_triples import stage_code
 from cutpoint.kernels.stepping import LaneLoop, Loop, Stage
+from cutpoint.kernels.superwords import WIDE
 from cutpoint.kernels.tuning import beside_numbers, for_divisions
 
 _FUNCTION = "program"
@@ -64,7 +66,7 @@ def program_ir(plan: Plan) -> str:
     code = Code()
     counts = {name: code.load("%counts", k, "i64") for k, name in enumerate(plan.counts)}
     starts = {name: code.load("%regions", k, "ptr") for k, name in enumerate(plan.names)}
-    stages = {stage: StageCode(code, plan, stage, starts) for stage in plan.graphs}
+    stages = {stage: stage_code(code, plan, stage, starts) for stage in plan.graphs}
 
     def loop(this: Loop, regions: dict[str, str], around: list[_Turn]) -> str:
         count = counts[this.count] if isinstance(this.count, str) else this.count
@@ -93,7 +95,7 @@ def program_ir(plan: Plan) -> str:
 
     done = loop(plan.body, starts, [])
     widths = {stage.lanes for stage in plan.graphs}
-    declarations = "".join(Lanes(width).declarations for width in sorted({*widths, 1, AT_ONCE}))
+    declarations = "".join(Lanes(width).declarations for width in sorted({*widths, 1, WIDE.width, AT_ONCE}))
     attributes = f"{beside_numbers() if 1 in widths else ''} {for_divisions(plan.graphs.values())}"
     head = f"{declarations}define i64 @{_FUNCTION}(ptr %counts, ptr %regions) {attributes} {{\nentry:"
     return "\n".join([head, *code.lines, f"ret i64 {done}", "}", ""])

@@ -61,8 +61,16 @@ class NumpyProgram:
         # all is read before anything is written: what passes through is a piece of a region still
         results = iter([np.array(np.broadcast_to(x, stage.lanes)) for x in evaluate(graph, numbers)])
         for port in graph.outputs:
-            rows[port.name][:] = np.ravel([next(results) for _ in range(port.size)])
+            numbers = np.ravel([next(results) for _ in range(port.size)])
+            rows[port.name][self._places(port.name, numbers.size)] = numbers
 
     def _numbers(self, stage: Stage, name: str, row: np.ndarray) -> Iterable[Any]:
         """What a stage sees of a region: arrays of one number a lane, or plain numbers."""
-        return row.reshape(-1, stage.lanes) if self._plan.is_laned(stage, name) else row
+        if self._plan.is_laned(stage, name):
+            return row.reshape(-1, stage.lanes)
+        return row[self._places(name, self._plan.regions[self._plan.root(name)].size)]
+
+    def _places(self, name: str, size: int) -> Any:
+        """Where a region's slots are in its row."""
+        region = self._plan.regions[self._plan.root(name)]
+        return [region.place(k) for k in range(region.size)] if region.triples else slice(size)

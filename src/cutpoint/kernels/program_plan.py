@@ -50,7 +50,8 @@ class Plan:
 
     @cached_property
     def sizes(self) -> dict[str, int]:
-        return {name: region.size for name, region in self.regions.items()}
+        """Numbers in a row of each region's array."""
+        return {name: region.room for name, region in self.regions.items()}
 
     @property
     def names(self) -> tuple[str, ...]:
@@ -79,6 +80,10 @@ class Plan:
         shared = {name for name in stage.reads if name in self.regions and self.regions[name].lanes == 1}
         return (self.advancing[stage] & shared) - self.written
 
+    def in_threes(self, stage: Stage) -> bool:
+        """Whether a stage uses regions whose numbers come in threes."""
+        return any(self.regions[self.root(name)].triples for name in (*stage.reads, *stage.writes))
+
     def is_laned(self, stage: Stage, name: str) -> bool:
         """Whether each lane of a stage has numbers of its own in a region."""
         return stage.lanes > 1 and self.regions[self.root(name)].lanes == stage.lanes
@@ -94,6 +99,8 @@ def plan(body: Loop, regions: Sequence[Region]) -> Plan:
     named = {region.name: region for region in regions}
     if len(named) < len(regions) or any(r.size < 0 or r.lanes < 1 or r.size % r.lanes for r in regions):
         raise InputError(f"regions must have different names and sizes of 0 or more, whole in lanes: {[*regions]}")
+    if any(r.triples and (r.lanes > 1 or r.size % 3) for r in regions):
+        raise InputError(f"regions of triples must be of one lane and of a size whole in threes: {[*regions]}")
     walk = _Walk(named)
     walk.loop(body, frozenset(), frozenset(), ())
     walk.check_streams()
@@ -102,7 +109,16 @@ def plan(body: Loop, regions: Sequence[Region]) -> Plan:
     single_views = frozenset(name for name, single in walk.single_views.items() if single)
     counts = tuple(walk.counts)
     return Plan(
-        body, named, walk.graphs, written, streamed, counts, walk.views, indices, walk.single, single_views,
+        body,
+        named,
+        walk.graphs,
+        written,
+        streamed,
+        counts,
+        walk.views,
+        indices,
+        walk.single,
+        single_views,
         walk.advancing,
     )
 
@@ -193,6 +209,11 @@ class _Walk:
         if self.single.setdefault(stage, seen) != seen or (seen and stage.lanes > 1):
             told = f"stage {name_of(stage.function)} uses {', '.join(sorted(self.single[stage] | seen))}"
             raise InputError(f"{told} lane by lane: it must be of one lane, and do so in every loop that holds it")
+        for name in (*stage.reads, *stage.writes):
+            root = self.views[name].of if name in self.views else name
+            if self.regions[root].triples and name not in seen:
+                told = f"stage {name_of(stage.function)} uses region {name!r} of triples"
+                raise InputError(f"{told}, so it must be in a LaneLoop that advances with it")
 
     def _check_lanes(self, stage: Stage, known: dict[str, Region]) -> None:
         for name in stage.writes if stage.lanes > 1 else ():

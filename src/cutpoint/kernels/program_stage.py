@@ -41,8 +41,10 @@ class StageCode:
     """
 
     def __init__(self, code: Code, plan: Plan, stage: Stage, regions: Mapping[str, str]) -> None:
-        fused, fed, self.lanes = fuse(plan.graphs[stage]), plan.fed(stage), Lanes(stage.lanes)
-        self._graph = depth_first(in_primitives(fuse(plan.graphs[stage], arrivals(fused, fed)) if fed else fused))
+        graph, fed, self.lanes = plan.graphs[stage], plan.fed(stage), Lanes(stage.lanes)
+        fused = fuse(graph, again=plan.in_threes(stage))
+        late = fuse(graph, arrivals(fused, fed), again=plan.in_threes(stage)) if fed else fused
+        self._graph = depth_first(in_primitives(late))
         laned = {name for name in (*plan.regions, *plan.views) if plan.is_laned(stage, name)}
         self._plan, self._rows = plan, plan.known_ahead(stage)
         self._steps = dict.fromkeys(laned, stage.lanes)
@@ -50,12 +52,16 @@ class StageCode:
         self._sources = [(port.name, k, port.name in laned) for port in self._graph.inputs for k in range(port.size)]
         self._targets = [(port.name, k) for port in self._graph.outputs for k in range(port.size)]
         self._begun = dict[int, str]()
-        self.hands_on = bool(plan.single[stage] and fed) and len({*fed.values()}) <= _MOST_HANDED_ON
+        self.hands_on = bool(plan.single[stage] and fed) and self._handed_on({*fed.values()}) <= _MOST_HANDED_ON
         self._fix(code, regions, Lanes(1))
         if laned:
             self._fix(code, regions, self.lanes)
         self._ahead, self._ahead_at = self._cut_ahead(code)
         self._rest = self._graph
+
+    def _handed_on(self, results: set[int]) -> int:
+        """Registers that these take."""
+        return len(results)
 
     def _fix(self, code: Code, regions: Mapping[str, str], lanes: Lanes) -> None:
         """What never changes, computed here; in one lane, what all lanes of the stage have in common."""
@@ -143,34 +149,55 @@ class StageCode:
     def write_on(self, code: Code, regions: Mapping[str, str], running: Running) -> None:
         """The same in a loop through bodies: a row that the iteration before wrote need not come through memory."""
         root, known = self._plan.root, dict[int, str]()
-        before = {root(name): code.name("before") for name, _ in self._targets}
-        numbers = {(root(name), k): code.name("number") for name, k in self._targets}
+        read = {root(name) for name, *_ in self._sources}
+        targets = [(name, k) for name, k in self._targets if root(name) in read]
+        before = {root(name): code.name("before") for name, _ in targets}
+        numbers = {(root(name), k): code.name("number") for name, k in targets}
         for name in dict.fromkeys(name for name, *_ in self._sources if root(name) in before):
             known |= self._at_hand_or_loaded(code, regions, name, before[root(name)], numbers)
-
-        def load(slot: int) -> str:
-            return known[slot] if slot in known else self._load(code, regions, slot)
-
-        for (name, k), value in self._written(code, regions, load):
+        for (name, k), value in self._written_with(code, regions, known):
+            if root(name) not in read:
+                continue
             running.handed_on[before[root(name)]] = ("ptr", "null", regions[name])
-            running.handed_on[numbers[root(name), k]] = (self.lanes.real, "0.0", value)
+            running.handed_on[numbers[root(name), k]] = (self._kind(name), "zeroinitializer", value)
 
     def _at_hand_or_loaded(
         self, code: Code, regions: Mapping[str, str], name: str, before: str, numbers: Mapping[Place, str]
     ) -> dict[int, str]:
         """A region's numbers by input slot.  before, numbers: the row that the iteration before wrote, and its own."""
-        used = {x.args[0] for x in self._graph.nodes if x.op == "input"}
-        slots = [slot for slot, (own, *_) in enumerate(self._sources) if own == name and slot in used]
+        slots = self._fetched(name)
         here, fetch, there = (code.name(x) for x in ("here", "fetch", "there"))
         code.label(here)
         code.branch(code.let(f"icmp eq ptr {regions[name]}, {before}"), there, fetch)
         code.open(fetch)
-        loaded = [self._load(code, regions, slot) for slot in slots]
+        loaded = [self._fetch(code, regions, slot) for slot in slots]
         code.label(there)
         at_hand = [numbers[self._plan.root(name), self._sources[slot][1]] for slot in slots]
         either = zip(at_hand, loaded, strict=True)
-        found = [code.let(f"phi {self.lanes.real} [ {x}, {here} ], [ {y}, {fetch} ]") for x, y in either]
+        found = [code.let(f"phi {self._kind(name)} [ {x}, {here} ], [ {y}, {fetch} ]") for x, y in either]
         return dict(zip(slots, found, strict=True))
+
+    def _fetched(self, name: str) -> list[int]:
+        """The slots of a region that are read."""
+        used = {x.args[0] for x in self._graph.nodes if x.op == "input"}
+        return [slot for slot, (own, *_) in enumerate(self._sources) if own == name and slot in used]
+
+    def _fetch(self, code: Code, regions: Mapping[str, str], slot: int) -> str:
+        return self._load(code, regions, slot)
+
+    def _kind(self, name: str) -> str:
+        """In what a region's numbers are handed on."""
+        return self.lanes.real
+
+    def _written_with(
+        self, code: Code, regions: Mapping[str, str], known: Mapping[int, str]
+    ) -> list[tuple[Place, str]]:
+        """As `_written`.  known: what need not be fetched, by slot."""
+
+        def load(slot: int) -> str:
+            return known[slot] if slot in known else self._load(code, regions, slot)
+
+        return self._written(code, regions, load)
 
     def _written(self, code: Code, regions: Mapping[str, str], load: Callable[[int], str]) -> list[tuple[Place, str]]:
         """What has changed goes to memory; all results, with their places."""

@@ -10,11 +10,23 @@ class Region:
     """A named stretch of `size` numbers that the caller provides and that stages read and write.
 
     lanes: how many like things its numbers belong to, side by side: number f of thing l is at f * lanes + l.
+    triples: whether every three numbers have the room of four, so that a wide register takes them at once; only in
+        regions of one lane, and only stages in a LaneLoop may use them.
     """
 
     name: str
     size: int
     lanes: int = 1
+    triples: bool = False
+
+    @property
+    def room(self) -> int:
+        """Numbers that a row of its array has."""
+        return self.place(self.size)
+
+    def place(self, slot: int) -> int:
+        """Where a slot is in that row."""
+        return slot // 3 * 4 + slot % 3 if self.triples else slot
 
 
 @dataclass(frozen=True, eq=False)

@@ -98,6 +98,13 @@ class Articulated:
         rows = [[*a, *b] for a, b in zip(M, H_p.T, strict=True)] + [[*a, *b] for a, b in zip(H_p, J_p, strict=True)]
         return Articulated([[rows[min(i, j)][max(i, j)] for j in range(6)] for i in range(6)])
 
+    def carried_along(self, p: Vec3) -> "Articulated":
+        """The same resistance, felt at a frame along the same axes from which this one is at p; entry by entry."""
+        columns = [(Vec3(*column[:3]), Vec3(*column[3:])) for column in zip(*self.rows, strict=True)]
+        moved = [[*force, *(moment + p.cross(force))] for force, moment in columns]
+        rows = [(Vec3(*row[:3]), Vec3(*row[3:])) for row in zip(*moved, strict=True)]
+        return Articulated([[*linear, *(angular + p.cross(linear))] for linear, angular in rows])
+
     def _block(self, i: int, j: int) -> Mat3:
         return Mat3(*(Vec3(*row[j : j + 3]) for row in self.rows[i : i + 3]))
 

@@ -14,7 +14,16 @@ from cutpoint.mechanics.spatial import IDENTITY, NO_ROTATION, STILL, ZERO, Motio
 from cutpoint.mechanics.system import Segment, System
 from cutpoint.model.mechanism import WORLD
 from cutpoint.rolled.bodies import BASE_NUMBERS, Columns
-from cutpoint.rolled.packing import flat, motion_of, packed_resistance, pose_of, resistance_of, wrench_of
+from cutpoint.rolled.packing import (
+    by_columns,
+    flat,
+    motion_of,
+    packed_resistance,
+    pose_by_columns,
+    pose_of,
+    resistance_of,
+    wrench_of,
+)
 from cutpoint.rolled.passes import Order, Pass, Scalars
 from cutpoint.scalars import where
 
@@ -80,7 +89,7 @@ class Base:
             found, turn = prepare(own, X, STILL, NO_ROTATION, v), Pose(X.rotation, ZERO)
             M, P = found.M.seen_from_parent(turn), turn.inward(found.P)
             omega = X.rotation @ found.V.angular
-            return [*flat(X.rotation), *X.position], [*omega], [*found.bias], packed_resistance(M, P)
+            return by_columns(X), [*omega], [*found.bias], packed_resistance(M, P)
 
         reads, writes = ("base.body", "base.q", "base.v"), ("turned", "omega", "bias", "resistance")
         return Pass("once", Stage(resists, reads, [f"base.{name}" for name in writes]))
@@ -89,7 +98,7 @@ class Base:
         """Its acceleration, axis by axis in its own frame.  Featherstone (2008) eqs. (7.38)-(7.44)."""
 
         def gives_way(turned: Any, resistance: Any, bias: Any, tau: Any, world: Any) -> Any:
-            X = pose_of(turned)
+            X = pose_by_columns(turned)
             back = Pose(X.rotation.T, ZERO)
             M, P = resistance_of(resistance)
             M, P = M.seen_from_parent(back), back.inward(P)

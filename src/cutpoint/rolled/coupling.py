@@ -7,7 +7,7 @@ from cutpoint.mechanics.articulated import Articulated
 from cutpoint.mechanics.spatial import Vec3
 from cutpoint.rolled.bodies import Columns
 from cutpoint.rolled.drives import Model
-from cutpoint.rolled.packing import motion_of, packed_resistance, pose_of, resistance_of, wrench_of
+from cutpoint.rolled.packing import motion_of, packed_resistance, pose_by_columns, resistance_of, wrench_of
 from cutpoint.rolled.passes import Order, Pass
 
 
@@ -39,7 +39,7 @@ def let_spin(columns: Columns) -> Pass:
     """What a rotor's spin costs its carrier, which it does not follow about its axis."""
 
     def spins(row: Any, turned: Any, omega: Any, speed: Any, alpha: Any, borne: Any) -> Any:
-        own = columns.subsystem(row).along_the_world(pose_of(turned)).behind
+        own = columns.subsystem(row).along_the_world(pose_by_columns(turned)).behind
         assert own is not None
         M, P = resistance_of(borne)
         P = P + own.reaction(Vec3(*omega), speed[0], alpha[0])
@@ -53,7 +53,7 @@ def left_behind(columns: Columns) -> Pass:
     """What its carrier turns by, such a rotor need not turn itself."""
 
     def lags(row: Any, turned: Any, acceleration: Any, theta_ddot: Any) -> Any:
-        own, A = columns.subsystem(row).along_the_world(pose_of(turned)).behind, motion_of(acceleration)
+        own, A = columns.subsystem(row).along_the_world(pose_by_columns(turned)).behind, motion_of(acceleration)
         assert own is not None
         turn = own.axis.dot(A.angular)
 

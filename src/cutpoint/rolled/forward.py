@@ -4,17 +4,17 @@ from typing import Any
 
 from cutpoint.kernels import Stage, View
 from cutpoint.mechanics.articulated import Articulated, Yield
-from cutpoint.mechanics.forward_dynamics import prepare
 from cutpoint.mechanics.joints import dot
-from cutpoint.mechanics.rigid_body import acceleration_gradient
 from cutpoint.mechanics.spatial import IDENTITY, ZERO, Motion, Pose, Vec3, Wrench
 from cutpoint.rolled.base import base_in, sizes_apart
 from cutpoint.rolled.bodies import Columns
 from cutpoint.rolled.packing import (
     RESISTANCE,
+    by_columns,
     flat,
     motion_of,
     packed_resistance,
+    pose_by_columns,
     pose_of,
     resistance_of,
     wrench_of,
@@ -26,8 +26,8 @@ from cutpoint.scalars import Scalar
 
 NUMBERS = ("q", "v", "tau", "a")
 
-SIZES = {"turned": 12, "omega": 3, "bias": 6, "resistance": RESISTANCE, "step": 7, "acceleration": 6}
-"""Of what is kept of each body, beside its pose."""
+THREES = {"turned": 12, "omega": 3, "bias": 6, "resistance": RESISTANCE, "share": 6, "acceleration": 6}
+"""What is kept of each body, and in how many numbers, beside its pose and its own step."""
 
 VIEWS = (
     View("above", "turned", "parent"),
@@ -35,6 +35,8 @@ VIEWS = (
     View("borne", "resistance", "parent"),
     View("carried", "acceleration", "parent"),
 )
+
+OUTWARD = ("turned", "omega", "bias", "resistance")
 
 WORLD_ROWS: dict[str, list[Any]] = {"turned": flat(IDENTITY), "acceleration": [(UPWARD, k) for k in range(6)]}
 
@@ -48,14 +50,15 @@ def forward_dynamics(columns: Columns) -> Steps:
     (place, pose), base = placing(columns, PLAIN, ("q",)), base_in(columns)
 
     def outward(row: Any, at: Any, v: Any, above: Any, carrier: Any) -> Any:
-        turned = _turned_pose(pose_of(above), pose_of(pose.all(at)))
-        return turned, [*(Vec3(*carrier) + along(row, turned).body.joint.motion(v).angular)]
-
-    def alone(row: Any, turned: Any, v: Any, omega: Any) -> Any:
-        body = along(row, turned).body
-        omega_p = Vec3(*omega) - body.joint.motion(v).angular
-        found = prepare(body, body.placement, Motion(ZERO, omega_p), acceleration_gradient(ZERO, omega_p, omega_p), v)
-        return [*found.bias], packed_resistance(found.M, found.P)
+        turned, omega_p = _turned_pose(pose_by_columns(above), pose_of(pose.all(at))), Vec3(*carrier)
+        body = columns.subsystem(row).along_the_world(turned).body
+        own, p = body.joint.motion(v), body.placement.position
+        omega = omega_p + own.angular
+        centripetal = omega_p.cross(omega_p.cross(p)) + (omega_p + omega).cross(own.linear)
+        spinning = Motion(ZERO, omega)
+        P = spinning.cross_wrench(body.inertia * spinning)
+        bias = [*centripetal, *omega_p.cross(own.angular)]
+        return by_columns(turned), [*omega], bias, packed_resistance(Articulated.of(body.inertia), P)
 
     def inward(row: Any, turned: Any, v: Any, tau: Any, bias: Any, resistance: Any, carrier: Any, borne: Any) -> Any:
         own, (M, P), (M_p, P_p) = along(row, turned), resistance_of(resistance), resistance_of(borne)
@@ -63,27 +66,27 @@ def forward_dynamics(columns: Columns) -> Steps:
         P_p = P_p + left_P
         if own.spin:
             P_p = P_p + own.spin.reaction(Vec3(*carrier), v[0], 0)
-        return [step.own, *step.share], packed_resistance(M_p + left_M, P_p)
+        return [step.own], step.share, packed_resistance(M_p + left_M, P_p)
 
-    def give_way(row: Any, turned: Any, bias: Any, step: Any, carried: Any) -> Any:
+    def give_way(row: Any, turned: Any, bias: Any, step: Any, share: Any, carried: Any) -> Any:
         body, A = along(row, turned).body, motion_of(carried)
-        a = [step[0] - A.power(wrench_of(step[1:]))]
+        a = [step[0] - A.power(wrench_of(share))]
         return a, [*(body.placement.outward(A) + motion_of(bias) + body.joint.motion(a))]
 
     def along(row: Any, turned: Any) -> Subsystem:
-        return columns.subsystem(row).along_the_world(pose_of(turned))
+        return columns.subsystem(row).along_the_world(pose_by_columns(turned))
 
-    known, inner = ("body", "turned", "v"), ("tau", "bias", "resistance", "carrier", "borne")
+    borne = ("body", "turned", "v", "tau", "bias", "resistance", "carrier", "borne")
     passes = [
         Pass("alone", place),
         *([base.resists()] if base else []),
-        Pass("outward", Stage(outward, ("body", "pose", "v", "above", "carrier"), ("turned", "omega"))),
-        Pass("alone", Stage(alone, (*known, "omega"), ("bias", "resistance"))),
-        Pass("inward", Stage(inward, (*known, *inner), ("step", "borne"))),
+        Pass("outward", Stage(outward, ("body", "pose", "v", "above", "carrier"), OUTWARD)),
+        Pass("inward", Stage(inward, borne, ("step", "share", "borne"))),
         *([base.gives_way()] if base else []),
-        Pass("outward", Stage(give_way, ("body", "turned", "bias", "step", "carried"), ("a", "acceleration"))),
+        Pass("outward", Stage(give_way, ("body", "turned", "bias", "step", "share", "carried"), ("a", "acceleration"))),
     ]
-    return Steps({"pose": pose.size, **SIZES}, NUMBERS, VIEWS, WORLD_ROWS, passes, *sizes_apart(base, NUMBERS))
+    kept, (apart, constants) = {"pose": pose.size, "step": 1, **THREES}, sizes_apart(base, NUMBERS)
+    return Steps(kept, NUMBERS, VIEWS, WORLD_ROWS, passes, apart, constants, threes=tuple(THREES))
 
 
 def _give_way(own: Subsystem, M: Articulated, P: Wrench, tau: Scalar) -> tuple[Articulated, Wrench, Yield]:
@@ -100,10 +103,10 @@ def _give_way(own: Subsystem, M: Articulated, P: Wrench, tau: Scalar) -> tuple[A
     column = X.inward(wrench_of(Mz) + Wrench(ZERO, tie))
     share = [gain * x for x in column]
     taken = Articulated([[-s * x for x in column] for s in share])
-    return M.seen_from_parent(X) + taken, X.inward(P) + Wrench(column.force * a, column.moment * a), Yield(z, a, share)
+    left_P = X.inward(P) + Wrench(column.force * a, column.moment * a)
+    return M.carried_along(X.position) + taken, left_P, Yield(z, a, share)
 
 
-def _turned_pose(above: Pose, X: Pose) -> list[Scalar]:
+def _turned_pose(above: Pose, X: Pose) -> Pose:
     """A body's axes in the world's, and its place in its parent along the world's, from those of its parent."""
-    R_p = above.rotation
-    return [*flat(R_p @ X.rotation), *(R_p @ X.position)]
+    return Pose(above.rotation @ X.rotation, above.rotation @ X.position)

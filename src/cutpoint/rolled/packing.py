@@ -1,7 +1,6 @@
 """Records of the mechanics as lists of numbers, as regions keep them, and back."""
 
 from collections.abc import Sequence
-from typing import Any
 
 from cutpoint.mechanics.articulated import Articulated
 from cutpoint.mechanics.spatial import Mat3, Motion, Pose, Vec3, Wrench
@@ -9,10 +8,6 @@ from cutpoint.rolled.subsystem import mat3
 from cutpoint.scalars import Scalar
 
 Scalars = Sequence[Scalar]
-
-UPPER = [(j, k) for j in range(6) for k in range(j, 6)]
-"""Entries of a symmetric (6, 6) matrix that are kept."""
-
 
 def flat(A: Mat3) -> list[Scalar]:
     return [x for row in A for x in row]
@@ -30,16 +25,23 @@ def pose_of(twelve: Scalars) -> Pose:
     return Pose(mat3(iter(twelve[:9])), Vec3(*twelve[9:]))
 
 
-RESISTANCE = len(UPPER) + 6
+def by_columns(X: Pose) -> list[Scalar]:
+    """A pose in threes, the columns of its rotation one after another."""
+    return [*flat(X.rotation.T), *X.position]
+
+
+def pose_by_columns(twelve: Scalars) -> Pose:
+    return Pose(mat3(iter(twelve[:9])).T, Vec3(*twelve[9:]))
+
+
+RESISTANCE = 6 * 6 + 6
 """Numbers of an inertia and its bias wrench."""
 
 
 def packed_resistance(M: Articulated, P: Wrench) -> list[Scalar]:
-    return [*(M.rows[j][k] for j, k in UPPER), *P]
+    """In threes, forces and moments: column by column, also what symmetry says twice, and then the wrench."""
+    return [*(x for column in zip(*M.rows, strict=True) for x in column), *P]
 
 
 def resistance_of(numbers: Scalars) -> tuple[Articulated, Wrench]:
-    rows: list[list[Any]] = [[0] * 6 for _ in range(6)]
-    for (j, k), x in zip(UPPER, numbers[: len(UPPER)], strict=True):
-        rows[j][k] = rows[k][j] = x
-    return Articulated(rows), wrench_of(numbers[len(UPPER) :])
+    return Articulated([[*numbers[row:36:6]] for row in range(6)]), wrench_of(numbers[36:])

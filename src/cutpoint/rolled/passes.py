@@ -41,7 +41,8 @@ class Steps(NamedTuple):
     kept: sizes of regions that have a row for each body, and others for what is in `SINGLE`.  numbers: names of regions
     with one number for each body, inputs and outputs.  views: rows of a body's parent.  world: how the world's rows
     begin; they are zero elsewhere.  apart: sizes of regions without rows, of passes that run once.  constants: of those
-    that hold the robot's numbers.  shapes: of outputs that are not a number for each body.
+    that hold the robot's numbers.  shapes: of outputs that are not a number for each body.  threes: what of the kept,
+    for one configuration, goes through wide registers by threes; only passes from body to body use it.
     """
 
     kept: dict[str, int]
@@ -52,6 +53,7 @@ class Steps(NamedTuple):
     apart: Mapping[str, int] = NONE
     constants: Mapping[str, int] = NONE
     shapes: Mapping[str, tuple[int, ...]] = MappingProxyType({})
+    threes: tuple[str, ...] = ()
 
     @property
     def sizes(self) -> dict[str, int]:
@@ -109,7 +111,8 @@ def one_by_one(steps: Steps, columns: Columns, lanes: int) -> Rolled:
             return [LaneLoop(1, [p.stage], views=steps.rows_of(p))]
         return [LaneLoop("bodies", [p.stage], tuple(sizes), backward=p.way == "inward", views=steps.views)]
 
-    regions = [Region(name, size * lanes, lanes) for name, size in sizes.items()]
+    regions = [Region(name, size * lanes, lanes) for name, size in sizes.items() if name not in steps.threes]
+    regions += [Region(name, sizes[name], triples=True) for name in steps.threes]
     regions += [Region(name, size) for name, size in {**steps.apart, **steps.constants}.items()]
     for p in steps.passes:
         if p.way == "pairs":

@@ -36,18 +36,22 @@ class One:
         n, blocks = task.bodies, -(-task.bodies // lanes)
         rows = dict.fromkeys(("body", *task.steps.kept), blocks + 1)
         rows |= {**dict.fromkeys(task.steps.matrices, n * blocks), "held": n}
-        sizes = {r.name: r.size for r in self._rolled.regions}
+        rows |= dict.fromkeys(task.steps.threes, blocks * lanes + 2)
+        sizes = {r.name: r.room for r in self._rolled.regions}
         arrays: dict[str, Array] = {k: aligned(rows.get(k, 1) * x).reshape(-1, x) for k, x in sizes.items()}
         vectors = {name: aligned((blocks + 1) * lanes, task.of_base(name)) for name in task.steps.numbers}
         for name, vector in vectors.items():
             head = task.of_base(name)
             arrays[name] = vector[head:].reshape(-1, lanes)
             arrays |= {f"base.{name}": vector[:head]} if head else {}
-        by_body = {k: arrays[k].reshape(blocks + 1, -1, lanes).swapaxes(1, 2) for k in ("body", *task.steps.kept)}
+        body = arrays["body"].reshape(blocks + 1, -1, lanes).swapaxes(1, 2)
         for k in range(n):
-            by_body["body"][k // lanes, k % lanes] = task.columns.read[k]
+            body[k // lanes, k % lanes] = task.columns.read[k]
         for name, numbers in task.world.items():
-            by_body[name][blocks, 0, : len(numbers)] = numbers
+            if name in task.steps.threes:
+                arrays[name][blocks * lanes].reshape(-1, 4)[:, :3].flat = numbers
+            else:
+                arrays[name][blocks].reshape(-1, lanes)[: len(numbers), 0] = numbers
         arrays |= task.constants | task.rows(blocks * lanes)
         counts = {"bodies": n, "blocks": blocks}
         if task.steps.matrices:
