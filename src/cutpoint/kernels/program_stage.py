@@ -148,18 +148,19 @@ class StageCode:
 
     def write_on(self, code: Code, regions: Mapping[str, str], running: Running) -> None:
         """The same in a loop through bodies: a row that the iteration before wrote need not come through memory."""
-        root, known = self._plan.root, dict[int, str]()
-        read = {root(name) for name, *_ in self._sources}
-        targets = [(name, k) for name, k in self._targets if root(name) in read]
-        before = {root(name): code.name("before") for name, _ in targets}
-        numbers = {(root(name), k): code.name("number") for name, k in targets}
-        for name in dict.fromkeys(name for name, *_ in self._sources if root(name) in before):
-            known |= self._at_hand_or_loaded(code, regions, name, before[root(name)], numbers)
+        root, known, written = self._plan.root, dict[int, str](), {name for name, _ in self._targets}
+        # what it writes under the same name is another's row: rarely the one before, and read just to be added to
+        names = dict.fromkeys(name for name, *_ in self._sources if name not in written)
+        handed = {root(name) for name in names} & {root(name) for name in written}
+        before = {name: code.name("before") for name in handed}
+        numbers = {(root(name), k): code.name("number") for name, k in self._targets if root(name) in handed}
+        for name in names:
+            if root(name) in handed:
+                known |= self._at_hand_or_loaded(code, regions, name, before[root(name)], numbers)
         for (name, k), value in self._written_with(code, regions, known):
-            if root(name) not in read:
-                continue
-            running.handed_on[before[root(name)]] = ("ptr", "null", regions[name])
-            running.handed_on[numbers[root(name), k]] = (self._kind(name), "zeroinitializer", value)
+            if root(name) in handed:
+                running.handed_on[before[root(name)]] = ("ptr", "null", regions[name])
+                running.handed_on[numbers[root(name), k]] = (self._kind(name), "zeroinitializer", value)
 
     def _at_hand_or_loaded(
         self, code: Code, regions: Mapping[str, str], name: str, before: str, numbers: Mapping[Place, str]

@@ -175,15 +175,15 @@ class RolledFunction:
     def _batch(self, given: Sequence[Array]) -> list[Array]:
         """As many as possible side by side, what is left one by one, in memory that no other call uses.
 
-        Matrices one by one: their entries are many at once already.  What goes by threes too: it is no slower.
+        Matrices one by one, their entries are many at once already; what goes by threes too, it is as quick.
         """
         pairs = zip(self._task.recipe.inputs, given, strict=True)
         shape = common_batch(self.name, {key: x.shape[:-1] for key, x in pairs})
         rows = [np.broadcast_to(x, (*shape, x.shape[-1])).reshape(-1, x.shape[-1]) for x in given]
         shapes = [self._task.shape(name) for name in self._task.recipe.outputs]
         found = [np.empty((len(rows[0]), *own)) for own in shapes]
-        is_wide = self._task.is_in_parts or self._task.steps.threes
-        wide = 0 if is_wide else len(rows[0]) // LANES * LANES
+        one_by_one = self._task.is_in_parts or self._task.steps.threes
+        wide = 0 if one_by_one else len(rows[0]) // LANES * LANES
         if wide:
             self._many([x[:wide] for x in rows], [x[:wide] for x in found])
         if wide < len(rows[0]):

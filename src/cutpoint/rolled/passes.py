@@ -41,8 +41,8 @@ class Steps(NamedTuple):
     kept: sizes of regions that have a row for each body, and others for what is in `SINGLE`.  numbers: names of regions
     with one number for each body, inputs and outputs.  views: rows of a body's parent.  world: how the world's rows
     begin; they are zero elsewhere.  apart: sizes of regions without rows, of passes that run once.  constants: of those
-    that hold the robot's numbers.  shapes: of outputs that are not a number for each body.  threes: what of the kept,
-    for one configuration, goes through wide registers by threes; only passes from body to body use it.
+    that hold the robot's numbers.  shapes: of outputs that are not a number for each body.  threes: those kept that
+    hold vectors alone and go through wide registers; passes outward and inward may use them, and no others.
     """
 
     kept: dict[str, int]
