@@ -14,7 +14,7 @@ from cutpoint.mechanics.elastic import Driven
 from cutpoint.mechanics.joints import Helical, JointKind, Prismatic
 from cutpoint.mechanics.rigid_body import inertia_of, parameters_of
 from cutpoint.mechanics.rotors import Spin
-from cutpoint.mechanics.spatial import IDENTITY, ZERO, Pose
+from cutpoint.mechanics.spatial import IDENTITY, ZERO, Mat3, Pose
 from cutpoint.mechanics.system import Place, Segment, System
 from cutpoint.model.mechanism import WORLD
 from cutpoint.rolled.drives import Model, drive_rows, models_of
@@ -89,9 +89,13 @@ def rows_of(system: System, drives: Sequence[Driven] = ()) -> Array:
     return np.hstack([np.array(rows, dtype=np.float64), drive_rows(bodies, drives)])
 
 
-def columns_of(system: System, drives: Sequence[Driven] = ()) -> "Columns":
-    base = base_of(system)
-    return Columns(rows_of(system, drives), models_of(bodies_of(system), drives), base.joint if base else None)
+def columns_of(system: System, drives: Sequence[Driven] = (), *, turns: bool = False) -> "Columns":
+    """turns: whether `Columns.turn` will be asked for."""
+    base, rows = base_of(system), rows_of(system, drives)
+    if turns:
+        own = [[x for row in system.segments[i].turn for x in row] for i in bodies_of(system)]
+        rows = np.hstack([rows, np.array(own, dtype=np.float64)])
+    return Columns(rows, models_of(bodies_of(system), drives), base.joint if base else None)
 
 
 def _last_carried(system: System) -> list[int]:
@@ -149,6 +153,10 @@ class Columns:
         spin = None if is_plain_zero(geared) else Spin(0, 0, axis, 0, geared, False)
         behind = None if is_plain_zero(sprung) else Spin(0, 0, axis, J, sprung, True)
         return Subsystem(own, armature, spin, number, last, behind)
+
+    def turn(self, read: Iterable[Scalar]) -> Mat3:
+        """Of the body whose row holds these, its axes as the user knows them along its own."""
+        return mat3(iter(self._whole(read)[-9:]))
 
     def by_drive(self, read: Iterable[Scalar], step: Callable[[Model], list[Scalar]]) -> list[Scalar]:
         """What a step finds for the drive of the body whose row holds these."""

@@ -42,7 +42,8 @@ class Steps(NamedTuple):
     with one number for each body, inputs and outputs.  views: rows of a body's parent.  world: how the world's rows
     begin; they are zero elsewhere.  apart: sizes of regions without rows, of passes that run once.  constants: of those
     that hold the robot's numbers.  shapes: of outputs that are not a number for each body.  threes: those kept that
-    hold vectors alone and go through wide registers; passes outward and inward may use them, and no others.
+    hold vectors alone and go through wide registers; passes outward and inward may use them, and no others.  entries:
+    numbers for each pair, of outputs that have more than one.
     """
 
     kept: dict[str, int]
@@ -54,6 +55,7 @@ class Steps(NamedTuple):
     constants: Mapping[str, int] = NONE
     shapes: Mapping[str, tuple[int, ...]] = MappingProxyType({})
     threes: tuple[str, ...] = ()
+    entries: Mapping[str, int] = NONE
 
     @property
     def sizes(self) -> dict[str, int]:
@@ -117,7 +119,7 @@ def one_by_one(steps: Steps, columns: Columns, lanes: int) -> Rolled:
     for p in steps.passes:
         if p.way == "pairs":
             regions += [Region(p.stage.reads[0], sum(sizes[name] for name in p.stage.reads[1:]))]
-            regions += [Region(name, lanes, lanes) for name in p.stage.writes]
+            regions += [Region(name, steps.entries.get(name, 1) * lanes, lanes) for name in p.stage.writes]
     return Rolled(Loop(1, [loop for p in steps.passes for loop in loops(p)]), tuple(regions))
 
 

@@ -9,7 +9,7 @@ from typing import Any, NamedTuple, get_args
 from cutpoint.drive_slopes import EFFORT_SLOPES, STATE
 from cutpoint.mechanics.elastic import DEFAULT, Options
 from cutpoint.mechanics.kinematics import ExpressedIn
-from cutpoint.rolled import derivatives, elastic, forward, kinematics, mass, steps, totals
+from cutpoint.rolled import derivatives, elastic, forward, kinematics, mass, regressor, steps, totals
 from cutpoint.rolled.bodies import Columns
 from cutpoint.rolled.passes import Steps
 
@@ -22,7 +22,7 @@ class Recipe(NamedTuple):
     it, where the code grows with these.  reads_drives: whether drives have numbers in it.  odd: what its variants want
     that loops do not take.  takes_coupled, takes_geared: whether it takes rotors with full coupling, behind springs
     or geared rigidly; takes_base: also with a base that moves freely.  is_rooted: whether it takes each tree about its
-    first joint.
+    first joint.  reads_turns: whether it knows the axes of the bodies' own frames.
 
     Measured on chains of 12 to 128 joints and on humanoids of 29 to 101: up to these sizes straight-line code compiles
     in some 2 s, at most 5, takes a third to all of the loops' time in batches and, but on chains, half to all of it in
@@ -41,6 +41,7 @@ class Recipe(NamedTuple):
     takes_base: bool = True
     is_rooted: bool = False
     pairs: float = inf
+    reads_turns: bool = False
 
 
 def _elastic_inverse(options: Options) -> Recipe:
@@ -87,6 +88,16 @@ RECIPES: Mapping[Any, Recipe] = {
         ("elastic_inverse_dynamics_derivatives", Options(*choice)): _elastic_derivatives(Options(*choice))
         for choice in product((False, True), repeat=2)
     },
+    "regressor": Recipe(
+        regressor.torque_regressor,
+        ("q", "v", "a"),
+        ("Y",),
+        48,
+        pairs=160,
+        takes_base=False,
+        is_rooted=True,
+        reads_turns=True,
+    ),
     ("frame_pose",): Recipe(kinematics.frame_pose, ("q",), ("placement",), 64),
     "kinetic_energy": Recipe(totals.kinetic_energy, ("q", "v"), ("total",), 64),
     "potential_energy": Recipe(totals.potential_energy, ("q",), ("total",), 64),

@@ -96,6 +96,8 @@ class OneMemory:
 
     def _output(self, name: str, vector: Array | None) -> Output:
         shape = self._task.shape(name)
+        if name in self._task.steps.entries:
+            return Output(shape, self._columns_by_body(name))
         if name in self._task.steps.matrices:
             return Output(shape, self._matrix(name, shape[1] - self._task.bodies))
         if name == COLUMN:
@@ -114,6 +116,15 @@ class OneMemory:
         turned = [Part(np.moveaxis(own, 0, -1), index[::-1]) for own, index in across]
         own = Part(arrays[f"base.{name}"].reshape(k, k), np.s_[:k, :k])
         return [pairs, own, *self._by_number(rows, k, k), *turned]
+
+    def _columns_by_body(self, name: str) -> list[Part]:
+        """Of a matrix with several columns for each body: whole blocks of bodies, and the rest."""
+        n, size, kept = self._task.bodies, self._task.steps.entries[name], self._arrays[name]
+        lanes = kept.shape[1] // size
+        by_block = kept.reshape(n, -1, size, lanes).swapaxes(2, 3)
+        whole, last = n // lanes, n // lanes * lanes * size
+        parts = [Part(by_block[:, :whole], np.s_[:, :last]), Part(by_block[:, whole:, : n % lanes], np.s_[:, last:])]
+        return [part for part in parts if part.own.size]
 
     def _columns(self, k: int) -> list[Part]:
         """A Jacobian's, of the k speeds of a base and of all bodies."""

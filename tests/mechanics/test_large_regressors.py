@@ -1,0 +1,64 @@
+"""Regressors of large robots, as loops over bodies: the same as without loops, and as inverse dynamics."""
+
+import numpy as np
+import pytest
+
+from cutpoint import Drive, Robot, Rotor
+from cutpoint.model import Mechanism
+from cutpoint.rolled import RolledFunction
+from large_robots import assert_close, chain
+from random_trees import random_tree
+
+TREES = {
+    "one body": chain(1),
+    "every kind": chain(9, ("helical", "revolute", "prismatic")),
+    "tree of 16": random_tree(1, 16),
+    "tree of 21": random_tree(4, 21),
+}
+
+
+@pytest.mark.parametrize("backend", ["llvm", "numpy"])
+@pytest.mark.parametrize("tree", TREES)
+def test_loops_give_what_straight_line_code_gives(tree: str, backend: str) -> None:
+    robot = Robot(TREES[tree], backend="numpy")  # it never loops
+    rng, loops = np.random.default_rng(3), RolledFunction("regressor", robot.machine, backend)
+    q, v, a = robot.random(rng, (3,)), *rng.normal(size=(2, 3, robot.nv))
+    expected = robot.regressor(q, v, a)
+    assert_close(loops(q, v, a), expected, 1e-13)
+    assert np.array_equal(loops(q[1], v[1], a[1]), loops(q, v, a)[1])
+
+
+def test_a_joint_feels_nothing_of_bodies_that_it_does_not_carry() -> None:
+    robot = Robot(random_tree(2, 20))
+    Y = RolledFunction("regressor", robot.machine, "llvm")(*[np.ones(robot.nv)] * 3).reshape(robot.nv, -1, 10)
+    for k, body in enumerate(robot.machine.system.segments):
+        carriers = {i for i in range(robot.nv) if k in _carried(robot, i)}
+        felt = {*np.flatnonzero(np.abs(Y[:, k]).any(axis=1)).tolist()}
+        assert felt <= carriers, body.name
+        assert k in felt
+
+
+def _carried(robot: Robot, i: int) -> set[int]:
+    parents = [body.parent for body in robot.machine.system.segments]
+    found = {i}
+    for k in range(i + 1, len(parents)):
+        if parents[k] in found:
+            found.add(k)
+    return found
+
+
+@pytest.mark.parametrize("mechanism", [chain(20), chain(400), random_tree(5, 300)], ids=["20", "400", "tree of 300"])
+def test_it_times_the_parameters_is_what_inverse_dynamics_says(mechanism: Mechanism) -> None:
+    robot, rng = Robot(mechanism), np.random.default_rng(7)
+    q, v, a = robot.random(rng), *rng.normal(size=(2, robot.nv)) / robot.nv
+    assert_close(robot.regressor(q, v, a) @ robot.inertial_parameters, robot.inverse_dynamics(q, v, a), 1e-11)
+
+
+def test_what_rotors_spin_costs_is_no_part_of_it() -> None:
+    """Rigidly geared: what is lacking is armature times acceleration."""
+    mechanism = chain(24)
+    rotors = {body.joint.name: Drive(ratio=100.0, rotor=Rotor(1e-4, coupling="reduced")) for body in mechanism.bodies}
+    robot, rng = Robot(mechanism, rotors), np.random.default_rng(8)
+    q, v, a = robot.random(rng), *rng.normal(size=(2, 24))
+    told = robot.regressor(q, v, a) @ robot.inertial_parameters
+    assert_close(told + 1.0 * a, robot.inverse_dynamics(q, v, a), 1e-12)
