@@ -282,7 +282,3 @@ def test_matrices_that_cannot_be_compiled_are_refused_before_they_are_traced() -
     robot = Robot(chain(400))
     with pytest.raises(InputError, match="velocity_map: of 400 bodies it takes far more than 200000 operations"):
         robot.velocity_map(np.zeros(400))
-    floating = Robot(based("floating", 400, branching=False))
-    state = [floating.neutral(), *[np.zeros(floating.nv)] * 2]
-    with pytest.raises(InputError, match="regressor: of 401 bodies it takes far more than 200000 operations"):
-        floating.regressor(*state)

@@ -1,12 +1,14 @@
 """Regressors of large robots, as loops over bodies: the same as without loops, and as inverse dynamics."""
 
+from typing import Any
+
 import numpy as np
 import pytest
 
 from cutpoint import Drive, Robot, Rotor
 from cutpoint.model import Mechanism
 from cutpoint.rolled import RolledFunction
-from large_robots import assert_close, chain
+from large_robots import assert_close, based, chain
 from random_trees import random_tree
 
 TREES = {
@@ -14,6 +16,10 @@ TREES = {
     "every kind": chain(9, ("helical", "revolute", "prismatic")),
     "tree of 16": random_tree(1, 16),
     "tree of 21": random_tree(4, 21),
+    "floating": based("floating", 14),
+    "floating, two blocks": based("floating", 16),
+    "planar": based("planar", 9),
+    "spherical": based("spherical", 5, branching=False),
 }
 
 
@@ -47,18 +53,17 @@ def _carried(robot: Robot, i: int) -> set[int]:
     return found
 
 
-@pytest.mark.parametrize("mechanism", [chain(20), chain(400), random_tree(5, 300)], ids=["20", "400", "tree of 300"])
+@pytest.mark.parametrize("mechanism", [chain(20), chain(400), based("floating", 200)], ids=["20", "400", "floating"])
 def test_it_times_the_parameters_is_what_inverse_dynamics_says(mechanism: Mechanism) -> None:
     robot, rng = Robot(mechanism), np.random.default_rng(7)
     q, v, a = robot.random(rng), *rng.normal(size=(2, robot.nv)) / robot.nv
     assert_close(robot.regressor(q, v, a) @ robot.inertial_parameters, robot.inverse_dynamics(q, v, a), 1e-11)
 
 
-def test_what_rotors_spin_costs_is_no_part_of_it() -> None:
-    """Rigidly geared: what is lacking is armature times acceleration."""
+@pytest.mark.parametrize("coupling", ["reduced", "full"])
+def test_what_rotors_spin_costs_is_no_part_of_it(coupling: Any) -> None:
     mechanism = chain(24)
-    rotors = {body.joint.name: Drive(ratio=100.0, rotor=Rotor(1e-4, coupling="reduced")) for body in mechanism.bodies}
-    robot, rng = Robot(mechanism, rotors), np.random.default_rng(8)
-    q, v, a = robot.random(rng), *rng.normal(size=(2, 24))
-    told = robot.regressor(q, v, a) @ robot.inertial_parameters
-    assert_close(told + 1.0 * a, robot.inverse_dynamics(q, v, a), 1e-12)
+    names = [body.joint.name for body in mechanism.bodies]
+    rotors = dict.fromkeys(names, Drive(ratio=100.0, rotor=Rotor(1e-4, coupling=coupling)))
+    state = np.random.default_rng(8).normal(size=(3, 24))
+    assert_close(Robot(mechanism, rotors).regressor(*state), Robot(mechanism, backend="numpy").regressor(*state), 1e-13)

@@ -43,8 +43,8 @@ class ProgramElement:
         assert isinstance(run, BoundProgram), "NumPy's programs have no machine code"
         self.call: Callable[..., Any] = run
         arguments = [*map(whole, inputs), *outputs]
-        owned = [part.own for x in arguments for part in x.parts]
-        symbols = {f"own{k}": own.ctypes.data for k, own in enumerate(owned)}
+        self._owned = [part.own for x in arguments for part in x.parts]  # some of it the run itself does not hold
+        symbols = {f"own{k}": own.ctypes.data for k, own in enumerate(self._owned)}
         text = _ir(arguments, len(inputs)) + _loop_ir(arguments)
         self._code = Compiled(text, FUNCTION, _LOOP, symbols=symbols | run.symbols)
         prototype = ctypes.CFUNCTYPE(None, ctypes.c_int64, *[ctypes.c_void_p] * len(arguments))

@@ -11,7 +11,7 @@ from itertools import accumulate
 import numpy as np
 
 from cutpoint.mechanics.elastic import Driven
-from cutpoint.mechanics.joints import Helical, JointKind, Prismatic
+from cutpoint.mechanics.joints import Helical, Prismatic
 from cutpoint.mechanics.rigid_body import inertia_of, parameters_of
 from cutpoint.mechanics.rotors import Spin
 from cutpoint.mechanics.spatial import IDENTITY, ZERO, Mat3, Pose
@@ -95,7 +95,7 @@ def columns_of(system: System, drives: Sequence[Driven] = (), *, turns: bool = F
     if turns:
         own = [[x for row in system.segments[i].turn for x in row] for i in bodies_of(system)]
         rows = np.hstack([rows, np.array(own, dtype=np.float64)])
-    return Columns(rows, models_of(bodies_of(system), drives), base.joint if base else None)
+    return Columns(rows, models_of(bodies_of(system), drives), base)
 
 
 def _last_carried(system: System) -> list[int]:
@@ -126,13 +126,14 @@ def _coupling(spin: Spin | None) -> list[Scalar]:
 class Columns:
     """Which of the bodies' numbers are code and which are read.
 
-    stated: the first, by column.  read: (n, width), the others.  are_coupled: whether rotors with full coupling are
-    behind springs.
+    stated: the first, by column.  read: (n, width), the others.  base: its joint, if there is one; base_turn: its axes
+    as the user knows them along its own.  are_coupled: whether rotors with full coupling are behind springs.
     """
 
-    def __init__(self, rows: Array, models: Sequence[Model] = (), base: JointKind | None = None) -> None:
-        """models: of the drives' structures.  base: its joint, if there is one."""
-        self.base, self.models = base, models
+    def __init__(self, rows: Array, models: Sequence[Model] = (), base: Segment | None = None) -> None:
+        """models: of the drives' structures."""
+        self.base, self.models = base.joint if base else None, models
+        self.base_turn = base.turn if base else IDENTITY
         self.are_coupled = bool(rows[:, SPRUNG].any())
         first = rows[0]
         same = (rows == first).all(axis=0) & np.isin(first, (-1.0, 0.0, 1.0))

@@ -50,7 +50,8 @@ class Task:
         """Of an output."""
         speeds = self.bodies + (len(self.columns.base.axes) if self.columns.base else 0)
         in_parts = {**dict.fromkeys(self.steps.matrices, (speeds, speeds)), COLUMN: (6, speeds)}
-        in_parts |= {name: (speeds, k * self.bodies) for name, k in self.steps.entries.items()}
+        every = self.bodies + (self.columns.base is not None)
+        in_parts |= {name: (speeds, k * every) for name, k in self.steps.entries.items()}
         return {**in_parts, **self.steps.shapes}.get(name, (self.size(name),))
 
     def pairs(self, lanes: int) -> dict[str, Array]:

@@ -94,7 +94,6 @@ RECIPES: Mapping[Any, Recipe] = {
         ("Y",),
         48,
         pairs=160,
-        takes_base=False,
         is_rooted=True,
         reads_turns=True,
     ),

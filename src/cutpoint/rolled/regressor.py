@@ -1,32 +1,35 @@
 """The torque regressor as passes: what a unit of each parameter of a body takes, then every pair of bodies.
 
-All about one place and along the world's axes, as in the mass matrix.
+All about one place and along the world's axes, as in the mass matrix; of a base that moves freely, where that is.
 """
 
+from collections.abc import Sequence
 from typing import Any
 
 from cutpoint.kernels import Stage, View
 from cutpoint.mechanics.rigid_body import body_regressor
-from cutpoint.mechanics.spatial import IDENTITY, Motion, Pose
+from cutpoint.mechanics.spatial import IDENTITY, ZERO, Mat3, Motion, Pose, Wrench
+from cutpoint.rolled.base import Base, base_in, sizes_apart
 from cutpoint.rolled.bodies import Columns
 from cutpoint.rolled.kinematics import ABOVE, world_poses
 from cutpoint.rolled.packing import flat, motion_of, pose_of, wrench_of
 from cutpoint.rolled.passes import UPWARD, Pass, Steps
 from cutpoint.rolled.steps import RATES
-from cutpoint.scalars import where
+from cutpoint.scalars import Scalar, where
 
 PARAMETERS = 10
 """Of a body, in the order of `body_regressor`."""
 
 
 def torque_regressor(columns: Columns) -> Steps:
-    """Y(q, v, a), of trees without a base that moves freely.  Atkeson, An and Hollerbach (1986).
+    """Y(q, v, a).  Atkeson, An and Hollerbach (1986).
 
     column: a body's motion at unit speed of its joint.  velocity, acceleration: of the point of the body that is at
     that one place, and angular.  wrenches: what its motion takes for a unit of each of its parameters, along the axes
     that the user knows.  span: the body's number, and the last number that it carries.
     """
-    placed, kept = world_poses(columns, [])
+    base = base_in(columns)
+    placed, kept = world_poses(columns, [_moves(base, columns.base_turn)] if base else [])
 
     def outward(row: Any, turned: Any, carrier: Any, lift: Any, v: Any, a: Any) -> Any:
         S = columns.subsystem(row).body.joint.motion([1]).seen_from_parent(pose_of(turned))
@@ -34,24 +37,34 @@ def torque_regressor(columns: Columns) -> Steps:
         return [*S], [*(V_p + zv)], [*(motion_of(lift) + S * a[0] + V_p.cross(zv))]
 
     def alone(row: Any, turned: Any, velocity: Any, acceleration: Any) -> Any:
-        own, X, V, A = columns.subsystem(row), pose_of(turned), motion_of(velocity), motion_of(acceleration)
-        R, p = X.rotation @ columns.turn(row).T, X.position
-        omega = R.T @ V.angular
-        linear = A.linear + A.angular.cross(p) + V.angular.cross(V.linear + V.angular.cross(p))
-        wrenches = body_regressor(Motion(R.T @ linear, R.T @ A.angular), omega, omega)
-        return [x for F in wrenches for x in Pose(R, p).inward(F)], [own.number, own.last]
+        own, X = columns.subsystem(row), pose_of(turned)
+        own_axes = Pose(X.rotation @ columns.turn(row).T, X.position)
+        wrenches = _of_units(own_axes, motion_of(velocity), motion_of(acceleration))
+        return [x for F in wrenches for x in F], [own.number, own.last]
 
     motion = ("velocity", "acceleration")
     passes = [
         *placed,
         Pass("outward", Stage(outward, ("body", "turned", "carrier", "lift", *RATES[1:3]), ("column", *motion))),
         Pass("alone", Stage(alone, ("body", "turned", *motion), ("wrenches", "span"))),
+        *([_couples(base)] if base else []),
         Pass("pairs", Stage(_entries, ("held", "column", "wrenches", "span"), ("Y",))),
     ]
     views = (ABOVE, View("carrier", "velocity", "parent"), View("lift", "acceleration", "parent"))
     kept |= {"column": 6, "velocity": 6, "acceleration": 6, "wrenches": 6 * PARAMETERS, "span": 2}
+    sizes, constants = sizes_apart(base, RATES[:3])
+    if base:
+        kept, sizes = kept | {"Y_rows": base.axes * PARAMETERS}, sizes | {"base.Y": base.axes * PARAMETERS}
     world = {"turned": flat(IDENTITY), "acceleration": [(UPWARD, k) for k in range(6)]}
-    return Steps(kept, RATES[:3], views, world, passes, entries={"Y": PARAMETERS})
+    return Steps(kept, RATES[:3], views, world, passes, sizes, constants, entries={"Y": PARAMETERS})
+
+
+def _of_units(X: Pose, V: Motion, A: Motion) -> list[Wrench]:
+    """What a unit of each parameter of a body at X takes, if that moves with V and A, all about the one place."""
+    R_T, p, omega = X.rotation.T, X.position, V.angular
+    at_origin = A.linear + A.angular.cross(p) + omega.cross(V.linear + omega.cross(p))
+    units = body_regressor(Motion(R_T @ at_origin, R_T @ A.angular), R_T @ omega, R_T @ omega)
+    return [X.inward(F) for F in units]
 
 
 def _entries(held: Any, column: Any, wrenches: Any, span: Any) -> Any:
@@ -59,3 +72,33 @@ def _entries(held: Any, column: Any, wrenches: Any, span: Any) -> Any:
     S, (number, last) = motion_of(held[:6]), held[-2:]
     carries = (number <= span[0]) & (span[0] <= last)
     return [where(carries, S.power(wrench_of(wrenches[k : k + 6])), 0) for k in range(0, len(wrenches), 6)]
+
+
+def _moves(base: Base, turn: Mat3) -> Pass:
+    """A base, seen from where it is: how it moves, and what its own units take."""
+
+    def moves(row: Any, q: Any, v: Any, a: Any, world: Any) -> Any:
+        kind, X = base.kind, base.segment(row).placement @ base.kind.pose(q)
+        V = kind.motion(v)
+        A = Motion(X.rotation.T @ motion_of(world).linear, ZERO) + kind.motion(a)
+        wrenches = _of_units(Pose(turn.T, ZERO), V, A)
+        return [*flat(IDENTITY), *ZERO], [*V], [*A], _by_axis(base, wrenches)
+
+    reads = ("base.body", *(f"base.{x}" for x in RATES[:3]), "world.acceleration")
+    return Pass("once", Stage(moves, reads, [f"base.{x}" for x in ("turned", "velocity", "acceleration", "Y")]))
+
+
+def _couples(base: Base) -> Pass:
+    """What a base's joint bears of what it carries."""
+
+    def couples(row: Any, wrenches: Any, span: Any) -> Any:
+        borne = _by_axis(base, [wrench_of(wrenches[k : k + 6]) for k in range(0, len(wrenches), 6)])
+        return [where(span[0] <= row[-1], x, 0) for x in borne]
+
+    return Pass("alone", Stage(couples, ("base.body", "wrenches", "span"), ("Y_rows",)))
+
+
+def _by_axis(base: Base, wrenches: Sequence[Wrench]) -> list[Scalar]:
+    """What each axis of a base's joint bears of each."""
+    efforts = [base.kind.effort(F) for F in wrenches]
+    return [effort[axis] for axis in range(base.axes) for effort in efforts]

@@ -97,7 +97,7 @@ class OneMemory:
     def _output(self, name: str, vector: Array | None) -> Output:
         shape = self._task.shape(name)
         if name in self._task.steps.entries:
-            return Output(shape, self._columns_by_body(name))
+            return Output(shape, self._columns_by_body(name, shape[0] - self._task.bodies))
         if name in self._task.steps.matrices:
             return Output(shape, self._matrix(name, shape[1] - self._task.bodies))
         if name == COLUMN:
@@ -117,13 +117,26 @@ class OneMemory:
         own = Part(arrays[f"base.{name}"].reshape(k, k), np.s_[:k, :k])
         return [pairs, own, *self._by_number(rows, k, k), *turned]
 
-    def _columns_by_body(self, name: str) -> list[Part]:
-        """Of a matrix with several columns for each body: whole blocks of bodies, and the rest."""
+    def _columns_by_body(self, name: str, k: int) -> list[Part]:
+        """Of a matrix with several columns for each body, those of a base with k speeds first."""
         n, size, kept = self._task.bodies, self._task.steps.entries[name], self._arrays[name]
-        lanes = kept.shape[1] // size
-        by_block = kept.reshape(n, -1, size, lanes).swapaxes(2, 3)
-        whole, last = n // lanes, n // lanes * lanes * size
-        parts = [Part(by_block[:, :whole], np.s_[:, :last]), Part(by_block[:, whole:, : n % lanes], np.s_[:, last:])]
+        lanes, first = kept.shape[1] // size, size * (k > 0)
+        pairs = self._by_body(kept.reshape(n, -1, size, lanes), np.s_[k:], first)
+        if not k:
+            return pairs
+        rows = self._by_body(self._arrays[f"{name}_rows"].reshape(-1, k, size, lanes).swapaxes(0, 1), np.s_[:k], first)
+        own, none = self._arrays[f"base.{name}"].reshape(k, size), np.zeros((n, size))
+        return [Part(own, np.s_[:k, :size]), Part(none, np.s_[k:, :size]), *rows, *pairs]
+
+    def _by_body(self, kept: Array, rows: slice, first: int) -> list[Part]:
+        """What is kept as (rows, blocks, columns, lanes), from a column on: whole blocks, and the rest."""
+        *_, size, lanes = kept.shape
+        n, by_body = self._task.bodies, kept.swapaxes(2, 3)
+        whole, last = n // lanes, first + n // lanes * lanes * size
+        parts = [
+            Part(by_body[:, :whole], np.s_[rows, first:last]),
+            Part(by_body[:, whole : whole + 1, : n % lanes], np.s_[rows, last:]),
+        ]
         return [part for part in parts if part.own.size]
 
     def _columns(self, k: int) -> list[Part]:
