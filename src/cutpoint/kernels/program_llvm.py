@@ -13,7 +13,7 @@ from cutpoint.kernels.program_plan import Plan
 from cutpoint.kernels.program_stage import AT_ONCE, Place
 from cutpoint.kernels.program_triples import stage_code
 from cutpoint.kernels.stepping import LaneLoop, Loop, Stage
-from cutpoint.kernels.superwords import WIDE
+from cutpoint.kernels.superword_line import WIDE
 from cutpoint.kernels.tuning import beside_numbers, for_divisions
 
 _FUNCTION = "program"

@@ -7,7 +7,8 @@ from cutpoint.kernels.llvm_code import Code
 from cutpoint.kernels.program_plan import Plan
 from cutpoint.kernels.program_stage import Place, StageCode
 from cutpoint.kernels.stepping import Region, Stage
-from cutpoint.kernels.superwords import WIDE, SuperwordLine, Superwords
+from cutpoint.kernels.superword_line import WIDE, SuperwordLine
+from cutpoint.kernels.superwords import Superwords
 
 _NOTHING: Mapping[int, str] = {}
 
