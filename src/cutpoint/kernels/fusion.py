@@ -23,6 +23,9 @@ _ABOUT_AT_ONCE = 12
 _MOST_TERMS = 16
 """That join another sum at a time: in longer ones an operation less is little, and copies of them would be many."""
 
+_TOO_MANY_IN_A_ROW = 5
+"""Products that the next iteration would wait for, one after another."""
+
 _AT_ONCE: Mapping[int, int] = MappingProxyType({})
 """Arrivals where all inputs are there from the beginning."""
 
@@ -53,7 +56,8 @@ def fuse(graph: Graph, arrivals: Mapping[int, int] = _AT_ONCE, *, again: bool = 
     """The graph with a * b + c, a * b - c and c - a * b as one operation wherever a * b is needed nowhere else.
 
     arrivals: cycles after which an input slot's number comes, where that is later than others: see `recurrence`.
-    again: a product that several sums need, and nothing else, is made again in each; like sums then stay alike.
+    again: for code that waits for results more than for room: a product that several sums need, and nothing else, is
+        made again in each, so that like sums stay alike, and long sums go in two halves.
     """
     return rewrite(graph, _Fusion(graph, arrivals, again).rule)
 
@@ -66,7 +70,7 @@ class _Fusion:
     """
 
     def __init__(self, graph: Graph, arrivals: Mapping[int, int], again: bool) -> None:
-        self._arrivals = arrivals
+        self._arrivals, self._again = arrivals, again
         self._uses = Counter(y.serial for x in graph.nodes for y in x.args if isinstance(y, Node))
         self._uses.update(x.serial for x in graph.results if isinstance(x, Node))
         self._shared = _only_in_sums(graph) if again else set[int]()
@@ -98,11 +102,23 @@ class _Fusion:
         return self._products.get(x.serial) or [Term(1, (x,))]
 
     def _sum(self, terms: Sequence[Term], trace: Trace) -> Operand:
-        """All terms, one after another onto the first that is added."""
+        """All terms, one after another; where that may be, half of many products that come late beside the others."""
         terms = self._in_order(self._factored(terms, trace))
+        last = max((self._ready(t.factors) for t in terms if t.is_product), default=0)
+        late = [t for t in terms if t.is_product and self._ready(t.factors) > last - _ABOUT_AT_ONCE]
+        if not self._again or len(late) < _TOO_MANY_IN_A_ROW:
+            return self._one_after_another(terms, trace)
+        beside = late[len(late) // 2 :]
+        sign = max(t.sign for t in beside)
+        rest = self._one_after_another([t for t in terms if not any(t is x for x in beside)], trace)
+        other = self._one_after_another([t.times(sign) for t in beside], trace)
+        return self._made(trace, "add" if sign > 0 else "sub", rest, other)
+
+    def _one_after_another(self, terms: Sequence[Term], trace: Trace) -> Operand:
+        """All terms onto the first that is added."""
         start = next((t for t in terms if t.sign > 0), None)
         if start is None:
-            return self._made(trace, "neg", self._sum([t.times(-1) for t in terms], trace))
+            return self._made(trace, "neg", self._one_after_another([t.times(-1) for t in terms], trace))
         rest = [t for t in terms if t is not start]
         if not start.is_product:
             (total,) = start.factors
