@@ -175,7 +175,8 @@ class RolledFunction:
     def _batch(self, given: Sequence[Array]) -> list[Array]:
         """As many as possible side by side, what is left one by one, in memory that no other call uses.
 
-        Matrices one by one, their entries are many at once already; what goes by threes too, it is as quick.
+        One by one: matrices, whose entries are many at once already, and what goes by threes, of whose memory the cache
+        holds one configuration's.
         """
         pairs = zip(self._task.recipe.inputs, given, strict=True)
         shape = common_batch(self.name, {key: x.shape[:-1] for key, x in pairs})
