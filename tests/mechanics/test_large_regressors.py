@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from cutpoint import Drive, Robot, Rotor
+from cutpoint.errors import InputError
 from cutpoint.model import Mechanism
 from cutpoint.rolled import RolledFunction
 from large_robots import assert_close, based, chain
@@ -67,3 +68,9 @@ def test_what_rotors_spin_costs_is_no_part_of_it(coupling: Any) -> None:
     rotors = dict.fromkeys(names, Drive(ratio=100.0, rotor=Rotor(1e-4, coupling=coupling)))
     state = np.random.default_rng(8).normal(size=(3, 24))
     assert_close(Robot(mechanism, rotors).regressor(*state), Robot(mechanism, backend="numpy").regressor(*state), 1e-13)
+
+
+def test_one_that_memory_would_not_hold_is_refused(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("cutpoint.rolled.functions.MOST_NUMBERS", 40 * 400 - 1)
+    with pytest.raises(InputError, match=r"regressor: a matrix \(40, 400\) has more than 15999 numbers.*smaller model"):
+        Robot(chain(40)).regressor(*np.zeros((3, 40)))

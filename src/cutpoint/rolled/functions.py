@@ -6,6 +6,7 @@ Straight-line code is quickest for small robots; its size, and the time to compi
 import time
 from collections.abc import Callable, Sequence
 from functools import cached_property
+from math import prod
 from typing import Any
 
 import numpy as np
@@ -31,6 +32,9 @@ LANES = 8
 
 TOO_LARGE = 1000
 """Bodies beyond which straight-line machine code would take many minutes to compile."""
+
+MOST_NUMBERS = 2**28
+"""Of one matrix, 2 GiB; loops hold it once, and each call makes another."""
 
 
 def rolled(
@@ -118,6 +122,10 @@ class RolledFunction:
         self._driven = [d.segment - bodies_of(machine.system).start for d in drives]
         self._are_all_driven = len(self._driven) in (0, len(columns.read))
         self._task = Task(recipe, system, columns, backend, frame)
+        for output in recipe.outputs:
+            if prod(shape := self._task.shape(output)) > MOST_NUMBERS:
+                told = f"{self.name}: a matrix {shape} has more than {MOST_NUMBERS} numbers"
+                raise InputError(f"{told}, 2 GiB; take a smaller model", shape=shape)
         self._one = One(self._task, LANES)
         self._quick = self._shortcut()
         self.compile_seconds = time.perf_counter() - start
