@@ -334,12 +334,12 @@ class Robot:
         derivative of its deflection: at each instant `elastic_forward_dynamics` still gives a and theta_ddot back, but
         along a path theta and theta_dot disagree by as much, and motors that follow them let the arm depart from it.
         """
-        given = (q, v, a, jerk, snap, *higher)
+        given, definition = (q, v, a, jerk, snap, *higher), variants.with_options(friction_rates, quasi_rigid)
         needed = 4 if quasi_rigid else self.derivatives_needed
         if len(given) != needed + 1:
             raise variants.wrong_motion("elastic_inverse_dynamics", len(given) - 1, needed)
         key = ("elastic_inverse_dynamics", friction_rates, quasi_rigid, strains is None)
-        definition, inputs = variants.with_options(friction_rates, quasi_rigid), variants.motion_names(needed)
+        inputs = variants.motion_names(needed)
         if strains is None:
             return self._function(key, definition, inputs, True, ElasticTorques)(*given)
         function = self._function(key, definition, f"{inputs} strains", True, ElasticTorques)

@@ -1,6 +1,7 @@
 """Arguments of the wrong kind, or too many of them: an error names the argument, what it must be and what it is."""
 
 from dataclasses import replace
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -146,3 +147,12 @@ def test_strains_by_position_are_refused_where_they_would_be_taken_for_a_derivat
         ours.elastic_inverse_dynamics(Z, Z, Z, Z, Z, strains)
     held = ours.elastic_inverse_dynamics(Z, Z, Z, Z, Z, strains=strains)
     assert np.abs(held.theta - ours.elastic_inverse_dynamics(Z, Z, Z, Z, Z).theta).min() > 1e-6
+
+
+@pytest.mark.parametrize("option", ["friction_rates", "quasi_rigid"])
+@pytest.mark.parametrize("value", [[1], "x", None, Z])
+def test_options_are_true_or_false(option: str, value: Any) -> None:
+    arm = robot("xia2019")
+    for call in (arm.elastic_inverse_dynamics, partial(derivatives.elastic_inverse_dynamics, arm)):
+        with pytest.raises(InputError, match=f"^elastic_inverse_dynamics: {option} must be True or False, got "):
+            call(Z, Z, Z, Z, Z, **{option: value})

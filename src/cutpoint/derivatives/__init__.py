@@ -21,7 +21,7 @@ from cutpoint.door import LARGEST
 from cutpoint.drive_slopes import STATE, EffortSlopes
 from cutpoint.errors import InputError
 from cutpoint.functions.compiled import Compiled
-from cutpoint.functions.variants import motion_names, wrong_motion
+from cutpoint.functions.variants import motion_names, with_options, wrong_motion
 from cutpoint.mechanics.elastic import Options
 from cutpoint.robot import Robot
 
@@ -124,6 +124,7 @@ def elastic_inverse_dynamics(
 
     Strains are not taken.
     """
+    with_options(friction_rates, quasi_rigid)  # looks at them
     options = Options(friction_rates, quasi_rigid)
     needed = 4 if quasi_rigid else robot.derivatives_needed
     given = (q, v, a, jerk, snap, *higher)

@@ -54,9 +54,16 @@ def wrong_motion(function: str, given: int, needed: int) -> InputError:
     return InputError(told, needed=needed)
 
 
-@cache
 def with_options(friction_rates: bool, quasi_rigid: bool) -> Any:
     """An elastic inverse dynamics with these options.  Raises InputError: one is not True or False."""
+    try:
+        return _with_options(friction_rates, quasi_rigid)
+    except TypeError:  # of a cache, which cannot keep lists
+        return _with_options.__wrapped__(friction_rates, quasi_rigid)
+
+
+@cache
+def _with_options(friction_rates: bool, quasi_rigid: bool) -> Any:
     for name, value in {"friction_rates": friction_rates, "quasi_rigid": quasi_rigid}.items():
         check_kind("elastic_inverse_dynamics", name, value, (bool, np.bool_), "True or False")
     options = Options(friction_rates, quasi_rigid)
