@@ -1,5 +1,8 @@
 """Large robots run as loops over their bodies: the same results, and no cost that grows with the square of size."""
 
+import os
+import subprocess
+import sys
 import threading
 import time
 from functools import cache
@@ -149,6 +152,30 @@ def test_code_is_as_long_for_ten_bodies_as_for_a_thousand() -> None:
             built = [arranged(RECIPES[name].steps(columns), columns, 8) for arranged in arrangements]
             texts.append([program_ir(plan(x.body, x.regions)) for x in built])
         assert texts[0] == texts[1]
+
+
+TEXT = """
+from cutpoint.functions.compiled import machine_of
+from cutpoint.kernels.program_llvm import program_ir
+from cutpoint.kernels.program_plan import plan
+from cutpoint.rolled import RECIPES
+from cutpoint.rolled.bodies import Columns, rows_of
+from cutpoint.rolled.passes import one_by_one
+from large_robots import chain
+
+columns = Columns(rows_of(machine_of(chain(10), {}).system))
+for name in ("inverse_dynamics", "forward_dynamics", "mass_matrix"):
+    built = one_by_one(RECIPES[name].steps(columns), columns, 8)
+    print(program_ir(plan(built.body, built.regions)))
+"""
+
+
+def test_code_is_the_same_text_in_every_process() -> None:
+    """So that it is found on disk, in whatever order a process has its sets."""
+    given = {**os.environ, "PYTHONPATH": os.pathsep.join(sys.path)}
+    command = [sys.executable, "-c", TEXT]
+    texts = [subprocess.check_output(command, env={**given, "PYTHONHASHSEED": seed}) for seed in ("1", "2")]
+    assert texts[0] == texts[1] != b""
 
 
 def test_ten_thousand_joints_work_in_seconds(tmp_path: Path) -> None:

@@ -151,7 +151,7 @@ class StageCode:
         root, known, written = self._plan.root, dict[int, str](), {name for name, _ in self._targets}
         # what it writes under the same name is another's row: rarely the one before, and read just to be added to
         names = dict.fromkeys(name for name, *_ in self._sources if name not in written)
-        handed = {root(name) for name in names} & {root(name) for name in written}
+        handed = [name for name in dict.fromkeys(map(root, names)) if name in {root(x) for x in written}]
         before = {name: code.name("before") for name in handed}
         numbers = {(root(name), k): code.name("number") for name, k in self._targets if root(name) in handed}
         for name in names:
