@@ -392,7 +392,7 @@ MUTANTS = {
         {"seed": 1, "far": 1e6},
     ),
     "a number that comes late taken away": Mutant(
-        fusion._Fusion._sum,
+        fusion._Fusion._one_after_another,
         " and rest[0].sign < 0",
         "",
         large_trees.test_loops_feel_rotors,
