@@ -99,7 +99,10 @@ class Articulated:
         return Articulated([[rows[min(i, j)][max(i, j)] for j in range(6)] for i in range(6)])
 
     def carried_along(self, p: Vec3) -> "Articulated":
-        """The same resistance, felt at a frame along the same axes from which this one is at p; entry by entry."""
+        """The same resistance, felt at a frame along the same axes from which this one is at p: U M U^T, all entries.
+
+        As they are given: equal ones only if those of this one are, and then but for rounding.
+        """
         columns = [(Vec3(*column[:3]), Vec3(*column[3:])) for column in zip(*self.rows, strict=True)]
         moved = [[*force, *(moment + p.cross(force))] for force, moment in columns]
         rows = [(Vec3(*row[:3]), Vec3(*row[3:])) for row in zip(*moved, strict=True)]

@@ -12,7 +12,7 @@ from cutpoint.mechanics.inverse_dynamics import handed_on, inverse_dynamics
 from cutpoint.mechanics.mass_matrix import mass_matrix
 from cutpoint.mechanics.rigid_body import acceleration_gradient, net_wrench
 from cutpoint.mechanics.rotors import Spin
-from cutpoint.mechanics.spatial import NO_ROTATION, STILL, ZERO, Mat3, Motion, Pose, Wrench
+from cutpoint.mechanics.spatial import NO_ROTATION, STILL, ZERO, Mat3, Motion, Pose, Vec3, Wrench
 from cutpoint.mechanics.system import Segment, System
 from cutpoint.model.mechanism import WORLD
 from cutpoint.scalars import Scalar, is_plain_zero
@@ -51,6 +51,18 @@ def prepare(body: Segment, X: Pose, V_p: Motion, U_p: Mat3, v: Scalars) -> Artic
     linear = X.rotation.T @ (U_p @ X.position) + (carried.angular + V.angular).cross(zv.linear)
     bias = Motion(linear, carried.angular.cross(zv.angular))
     return ArticulatedBody(X, V, U, bias, Articulated.of(body.inertia), net_wrench(body.inertia, STILL, U))
+
+
+def spinning(body: Segment, omega_p: Vec3, v: Scalars) -> tuple[Vec3, Motion, Wrench]:
+    """Of a body along its parent's axes, which turn with omega_p: its own turning, and what `prepare` finds beside it.
+
+    In cross products: each is one operation on three numbers.  Featherstone (2008) eq. (7.46).
+    """
+    own, p = body.motion(v), body.placement.position
+    omega = omega_p + own.angular
+    bias = Motion(omega_p.cross(omega_p.cross(p)) + (omega_p + omega).cross(own.linear), omega_p.cross(own.angular))
+    V = Motion(ZERO, omega)
+    return omega, bias, V.cross_wrench(body.inertia * V)
 
 
 def forward_dynamics(

@@ -16,9 +16,10 @@ from cutpoint.mechanics.torque_derivatives import Change, Cloud, Effort, along_m
 from cutpoint.model import Drive
 from cutpoint.rolled.base import Base, base_in, sizes_apart
 from cutpoint.rolled.bodies import Columns
-from cutpoint.rolled.kinematics import ABOVE, world_poses
+from cutpoint.rolled.kinematics import world_poses
+from cutpoint.rolled.motions import MOVED, VIEWS, against_gravity, body_motions, world_rows
 from cutpoint.rolled.packing import flat, motion_of, pose_of, wrench_of
-from cutpoint.rolled.passes import PLAIN, UPWARD, WITH_RATES, Order, Pass, Steps
+from cutpoint.rolled.passes import PLAIN, WITH_RATES, Order, Pass, Steps
 from cutpoint.rolled.steps import RATES
 from cutpoint.rolled.subsystem import mat3
 from cutpoint.scalars import Scalar, where
@@ -105,15 +106,6 @@ def _changes_within(columns: Columns, order: Order) -> Steps:
     base, read, packed, m = base_in(columns), order.scalars, order.packed, order.numbers
     placed, kept = world_poses(columns, [_moves(base)] if base else [], order)
 
-    def column(row: Any, turned: Any) -> Any:
-        return packed(columns.subsystem(row).body.joint.motion([1]).seen_from_parent(pose_of(read(turned))))
-
-    def outward(column: Any, carrier: Any, lift: Any, *rates: Any) -> Any:
-        S, V_p, A_p = (motion_of(read(x)) for x in (column, carrier, lift))
-        (v,), (a,) = (order.rate(rates, k) for k in (0, 1))
-        zv = S * v
-        return packed(V_p + zv), packed(A_p + S * a + V_p.cross(zv))
-
     def alone(row: Any, turned: Any, velocity: Any, acceleration: Any) -> Any:
         M = columns.subsystem(row).body.inertia.seen_from_parent(pose_of(read(turned)))
         return packed(_costs(M, motion_of(read(velocity)), motion_of(read(acceleration))))
@@ -129,27 +121,21 @@ def _changes_within(columns: Columns, order: Order) -> Steps:
         found = ([*by_q.A, *by_q.omega, *by_v.A], [*effort.F, *effort.moment], [x for G in felt for x in G])
         return *map(packed, found), [own.number, own.last, own.armature]
 
-    rates, moved, (_, *seen) = RATES[: m + 2], ("velocity", "acceleration"), (*SEEN, "span")
+    rates, (_, *seen) = RATES[: m + 2], (*SEEN, "span")
     passes = [
         *placed,
-        Pass("alone", Stage(column, ("body", "turned"), ("column",))),
-        Pass("outward", Stage(outward, ("column", "carrier", "lift", *rates[1:]), moved)),
-        Pass("alone", Stage(alone, ("body", "turned", *moved), ("carried",))),
+        *body_motions(columns, order, rates),
+        Pass("alone", Stage(alone, ("body", "turned", *MOVED), ("carried",))),
         Pass("inward", Stage(inward, ("carried", "borne"), ("borne",))),
-        Pass("alone", Stage(changed, ("body", "column", *moved, "carried"), seen)),
+        Pass("alone", Stage(changed, ("body", "column", *MOVED, "carried"), seen)),
     ]
-    views = (
-        ABOVE, View("carrier", "velocity", "parent"), View("lift", "acceleration", "parent"),
-        View("borne", "carried", "parent"),
-    )  # fmt: skip
     sizes, constants = sizes_apart(base, rates)
     if base:
         kept |= dict.fromkeys([*_ROWS, *_COLUMNS], base.axes)
         sizes |= {"base.changes": 12 * base.axes, **{f"base.{x}": base.axes**2 for x in MATRICES}}
-    upward = [x for k in range(6) for x in ((UPWARD, k), *[0] * (m - 1))]
-    world = {"turned": packed(flat(IDENTITY)), "acceleration": upward}
     kept |= {"span": 3, **{name: size * m for name, size in KEPT.items()}}
-    return Steps(kept, rates, views, world, passes, sizes, constants)
+    views = (*VIEWS, View("borne", "carried", "parent"))
+    return Steps(kept, rates, views, world_rows(order), passes, sizes, constants)
 
 
 _ROWS, _COLUMNS = [f"{x}_rows" for x in MATRICES], [f"{x}_columns" for x in ("d_q", "d_v")]
@@ -205,12 +191,10 @@ def _moves(base: Base) -> Pass:
     """A base, seen from where it is: how it moves, what that costs it, and how each of its speeds changes that."""
 
     def moves(row: Any, q: Any, v: Any, a: Any, world: Any) -> Any:
-        own, kind = base.segment(row), base.kind
-        X = own.placement @ kind.pose(q)
-        upward, V = Motion(X.rotation.T @ motion_of(world).linear, ZERO), kind.motion(v)
-        A = upward + kind.motion(a)
+        upward, V = against_gravity(base, row, q, world), base.kind.motion(v)
+        A = upward + base.kind.motion(a)
         changes = [x for S in base.motions() for x in (*upward.cross(S), *V.cross(S))]
-        return [*flat(IDENTITY), *ZERO], [*V], [*A], _costs(own.inertia, V, A), changes
+        return [*flat(IDENTITY), *ZERO], [*V], [*A], _costs(base.segment(row).inertia, V, A), changes
 
     reads = ("base.body", *(f"base.{x}" for x in RATES[:3]), "world.acceleration")
     writes = ("base.turned", "base.velocity", "base.acceleration", "base.carried", "base.changes")

@@ -4,8 +4,9 @@ from typing import Any
 
 from cutpoint.kernels import Stage, View
 from cutpoint.mechanics.articulated import Articulated, Yield
+from cutpoint.mechanics.forward_dynamics import spinning
 from cutpoint.mechanics.joints import dot
-from cutpoint.mechanics.spatial import IDENTITY, ZERO, Motion, Pose, Vec3, Wrench
+from cutpoint.mechanics.spatial import IDENTITY, ZERO, Pose, Vec3, Wrench
 from cutpoint.rolled.base import base_in, sizes_apart
 from cutpoint.rolled.bodies import Columns
 from cutpoint.rolled.packing import (
@@ -52,13 +53,8 @@ def forward_dynamics(columns: Columns) -> Steps:
     def outward(row: Any, at: Any, v: Any, above: Any, carrier: Any) -> Any:
         turned, omega_p = _turned_pose(pose_by_columns(above), pose_of(pose.all(at))), Vec3(*carrier)
         body = columns.subsystem(row).along_the_world(turned).body
-        own, p = body.joint.motion(v), body.placement.position
-        omega = omega_p + own.angular
-        centripetal = omega_p.cross(omega_p.cross(p)) + (omega_p + omega).cross(own.linear)
-        spinning = Motion(ZERO, omega)
-        P = spinning.cross_wrench(body.inertia * spinning)
-        bias = [*centripetal, *omega_p.cross(own.angular)]
-        return by_columns(turned), [*omega], bias, packed_resistance(Articulated.of(body.inertia), P)
+        omega, bias, P = spinning(body, omega_p, v)
+        return by_columns(turned), [*omega], [*bias], packed_resistance(Articulated.of(body.inertia), P)
 
     def inward(row: Any, turned: Any, v: Any, tau: Any, bias: Any, resistance: Any, carrier: Any, borne: Any) -> Any:
         own, (M, P), (M_p, P_p) = along(row, turned), resistance_of(resistance), resistance_of(borne)
@@ -76,12 +72,12 @@ def forward_dynamics(columns: Columns) -> Steps:
     def along(row: Any, turned: Any) -> Subsystem:
         return columns.subsystem(row).along_the_world(pose_by_columns(turned))
 
-    borne = ("body", "turned", "v", "tau", "bias", "resistance", "carrier", "borne")
+    reads = ("body", "turned", "v", "tau", "bias", "resistance", "carrier", "borne")
     passes = [
         Pass("alone", place),
         *([base.resists()] if base else []),
         Pass("outward", Stage(outward, ("body", "pose", "v", "above", "carrier"), OUTWARD)),
-        Pass("inward", Stage(inward, borne, ("step", "share", "borne"))),
+        Pass("inward", Stage(inward, reads, ("step", "share", "borne"))),
         *([base.gives_way()] if base else []),
         Pass("outward", Stage(give_way, ("body", "turned", "bias", "step", "share", "carried"), ("a", "acceleration"))),
     ]

@@ -6,14 +6,15 @@ All about one place and along the world's axes, as in the mass matrix; of a base
 from collections.abc import Sequence
 from typing import Any
 
-from cutpoint.kernels import Stage, View
+from cutpoint.kernels import Stage
 from cutpoint.mechanics.rigid_body import body_regressor
 from cutpoint.mechanics.spatial import IDENTITY, ZERO, Mat3, Motion, Pose, Wrench
 from cutpoint.rolled.base import Base, base_in, sizes_apart
 from cutpoint.rolled.bodies import Columns
-from cutpoint.rolled.kinematics import ABOVE, world_poses
+from cutpoint.rolled.kinematics import world_poses
+from cutpoint.rolled.motions import MOVED, VIEWS, against_gravity, body_motions, world_rows
 from cutpoint.rolled.packing import flat, motion_of, pose_of, wrench_of
-from cutpoint.rolled.passes import UPWARD, Pass, Steps
+from cutpoint.rolled.passes import PLAIN, Pass, Steps
 from cutpoint.rolled.steps import RATES
 from cutpoint.scalars import Scalar, where
 
@@ -31,36 +32,31 @@ def torque_regressor(columns: Columns) -> Steps:
     base = base_in(columns)
     placed, kept = world_poses(columns, [_moves(base, columns.base_turn)] if base else [])
 
-    def outward(row: Any, turned: Any, carrier: Any, lift: Any, v: Any, a: Any) -> Any:
-        S = columns.subsystem(row).body.joint.motion([1]).seen_from_parent(pose_of(turned))
-        V_p, zv = motion_of(carrier), S * v[0]
-        return [*S], [*(V_p + zv)], [*(motion_of(lift) + S * a[0] + V_p.cross(zv))]
-
     def alone(row: Any, turned: Any, velocity: Any, acceleration: Any) -> Any:
         own, X = columns.subsystem(row), pose_of(turned)
         own_axes = Pose(X.rotation @ columns.turn(row).T, X.position)
         wrenches = _of_units(own_axes, motion_of(velocity), motion_of(acceleration))
         return [x for F in wrenches for x in F], [own.number, own.last]
 
-    motion = ("velocity", "acceleration")
     passes = [
         *placed,
-        Pass("outward", Stage(outward, ("body", "turned", "carrier", "lift", *RATES[1:3]), ("column", *motion))),
-        Pass("alone", Stage(alone, ("body", "turned", *motion), ("wrenches", "span"))),
+        *body_motions(columns, PLAIN, RATES[:3]),
+        Pass("alone", Stage(alone, ("body", "turned", *MOVED), ("wrenches", "span"))),
         *([_couples(base)] if base else []),
         Pass("pairs", Stage(_entries, ("held", "column", "wrenches", "span"), ("Y",))),
     ]
-    views = (ABOVE, View("carrier", "velocity", "parent"), View("lift", "acceleration", "parent"))
     kept |= {"column": 6, "velocity": 6, "acceleration": 6, "wrenches": 6 * PARAMETERS, "span": 2}
     sizes, constants = sizes_apart(base, RATES[:3])
     if base:
         kept, sizes = kept | {"Y_rows": base.axes * PARAMETERS}, sizes | {"base.Y": base.axes * PARAMETERS}
-    world = {"turned": flat(IDENTITY), "acceleration": [(UPWARD, k) for k in range(6)]}
-    return Steps(kept, RATES[:3], views, world, passes, sizes, constants, entries={"Y": PARAMETERS})
+    return Steps(kept, RATES[:3], VIEWS, world_rows(PLAIN), passes, sizes, constants, entries={"Y": PARAMETERS})
 
 
 def _of_units(X: Pose, V: Motion, A: Motion) -> list[Wrench]:
-    """What a unit of each parameter of a body at X takes, if that moves with V and A, all about the one place."""
+    """What a unit of each parameter of a body at X takes, if that moves with V and A, all about the one place.
+
+    Its origin accelerates by A and by what passes there, omega x v: Featherstone (2008) section 2.11.
+    """
     R_T, p, omega = X.rotation.T, X.position, V.angular
     at_origin = A.linear + A.angular.cross(p) + omega.cross(V.linear + omega.cross(p))
     units = body_regressor(Motion(R_T @ at_origin, R_T @ A.angular), R_T @ omega, R_T @ omega)
@@ -78,9 +74,7 @@ def _moves(base: Base, turn: Mat3) -> Pass:
     """A base, seen from where it is: how it moves, and what its own units take."""
 
     def moves(row: Any, q: Any, v: Any, a: Any, world: Any) -> Any:
-        kind, X = base.kind, base.segment(row).placement @ base.kind.pose(q)
-        V = kind.motion(v)
-        A = Motion(X.rotation.T @ motion_of(world).linear, ZERO) + kind.motion(a)
+        V, A = base.kind.motion(v), against_gravity(base, row, q, world) + base.kind.motion(a)
         wrenches = _of_units(Pose(turn.T, ZERO), V, A)
         return [*flat(IDENTITY), *ZERO], [*V], [*A], _by_axis(base, wrenches)
 

@@ -1,0 +1,54 @@
+"""How every body moves, as passes: all about one place and along axes that stand still, as in `mass`.
+
+Below a base that moves freely these are where it is at this instant.
+"""
+
+from collections.abc import Sequence
+from typing import Any
+
+from cutpoint.kernels import Stage, View
+from cutpoint.mechanics.spatial import IDENTITY, ZERO, Motion
+from cutpoint.rolled.base import Base
+from cutpoint.rolled.bodies import Columns
+from cutpoint.rolled.kinematics import ABOVE
+from cutpoint.rolled.packing import flat, motion_of, pose_of
+from cutpoint.rolled.passes import UPWARD, Order, Pass, Scalars
+
+MOVED = ("velocity", "acceleration")
+"""Of the point of a body that is at the one place, and angular."""
+
+VIEWS = (ABOVE, View("carrier", "velocity", "parent"), View("lift", "acceleration", "parent"))
+
+
+def body_motions(columns: Columns, order: Order, rates: Sequence[str]) -> list[Pass]:
+    """"column", a body's motion at unit speed of its joint, and what is `MOVED`, from where bodies are "turned".
+
+    Featherstone (2008) section 2.11: about a place that stands still accelerations add as velocities do.
+    """
+    read, packed = order.scalars, order.packed
+
+    def column(row: Any, turned: Any) -> Any:
+        return packed(columns.subsystem(row).body.joint.motion([1]).seen_from_parent(pose_of(read(turned))))
+
+    def outward(column: Any, carrier: Any, lift: Any, *rates: Any) -> Any:
+        S, V_p, A_p = (motion_of(read(x)) for x in (column, carrier, lift))
+        (v,), (a,) = (order.rate(rates, k) for k in (0, 1))
+        zv = S * v
+        return packed(V_p + zv), packed(A_p + S * a + V_p.cross(zv))
+
+    return [
+        Pass("alone", Stage(column, ("body", "turned"), ("column",))),
+        Pass("outward", Stage(outward, ("column", "carrier", "lift", *rates[1:]), MOVED)),
+    ]
+
+
+def against_gravity(base: Base, row: Scalars, q: Scalars, world: Scalars) -> Motion:
+    """What a base's acceleration begins with, as seen from where it is."""
+    X = base.segment(row).placement @ base.kind.pose(q)
+    return Motion(X.rotation.T @ motion_of(world).linear, ZERO)
+
+
+def world_rows(order: Order) -> dict[str, list[Any]]:
+    """Of the world: where it is, and its acceleration against gravity."""
+    upward = [x for k in range(6) for x in ((UPWARD, k), *[0] * (order.numbers - 1))]
+    return {"turned": order.packed(flat(IDENTITY)), "acceleration": upward}
