@@ -278,7 +278,9 @@ def test_the_coriolis_matrix_of_400_joints_takes_the_bias_from_gravity() -> None
     assert_close(robot.coriolis_matrix(q, v) @ v, robot.bias_forces(q, v) - robot.gravity_forces(q), 1e-11)
 
 
-def test_matrices_that_cannot_be_compiled_are_refused_before_they_are_traced() -> None:
-    robot = Robot(chain(400))
-    with pytest.raises(InputError, match="velocity_map: of 400 bodies it takes far more than 200000 operations"):
-        robot.velocity_map(np.zeros(400))
+@pytest.mark.parametrize("name", ["regressor", "velocity_map"])
+def test_matrices_that_cannot_be_compiled_are_refused_before_they_are_traced(name: str) -> None:
+    """With a joint that loops do not take."""
+    robot, inputs = Robot(chain(400, ("revolute",) * 399 + ("planar",))), {"regressor": 3, "velocity_map": 1}
+    with pytest.raises(InputError, match=rf"{name}: of 400 bodies it takes far more than 200000 operations"):
+        getattr(robot, name)(*[np.zeros(robot.nv)] * inputs[name])
