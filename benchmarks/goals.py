@@ -45,7 +45,7 @@ WHERE = """
 * Elastic inverse dynamics, one call: each number comes with two derivatives; much of what waits between the recursions
   outward and inward leaves the registers for memory, and comes back.
 * Chains: each body waits for the one before it: to turn a vector takes three operations one after another; forward
-  dynamics goes through inertias of 36 numbers by threes, a division between, in about 140 operations a joint.
+  dynamics goes through inertias of 36 numbers by threes, a division between, in some 160 operations a joint.
 * One call from Python, general: NumPy looks at types, shapes and strides of each argument for the gufunc; the shortcut
   that plain arrays take does not.
 * Closed loop: steps are {steps} times as quick as CasADi's, and fewer; checks, arrays of references and the log are the

@@ -183,8 +183,8 @@ class RolledFunction:
     def _batch(self, given: Sequence[Array]) -> list[Array]:
         """As many as possible side by side, what is left one by one, in memory that no other call uses.
 
-        One by one: matrices, whose entries are many at once already, and what goes by threes, of whose memory the cache
-        holds one configuration's.
+        One by one: matrices, whose entries are many at once already, and what goes by threes; side by side that would
+        save some 30 % of the time for hundreds of bodies, in another form and with other bits than single calls have.
         """
         pairs = zip(self._task.recipe.inputs, given, strict=True)
         shape = common_batch(self.name, {key: x.shape[:-1] for key, x in pairs})
