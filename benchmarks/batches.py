@@ -18,8 +18,8 @@ import numpy as np
 from llvmlite import binding
 
 import cutpoint
-from cutpoint.kernels.backends import array_function
-from cutpoint.kernels.jit import vector_width
+from cutpoint.kernels.arrays.backends import array_function
+from cutpoint.kernels.machine.jit import vector_width
 
 ROUNDS = 41
 BYTES = 1_000_000
@@ -57,7 +57,7 @@ def measure(robot: cutpoint.Robot, function: str, vectors: int) -> tuple[list[fl
     arguments = [*rng.uniform(-2, 2, (vectors, count, robot.nv))]
     if len(graph.inputs) > vectors:
         arguments.append(robot.drive_parameters)
-    with patch("cutpoint.kernels.packs._MOST_NODES", 0):
+    with patch("cutpoint.kernels.arrays.packs._MOST_NODES", 0):
         single = array_function(graph, function, "llvm")
     packs = array_function(graph, function, "llvm")
     results = single.call(*arguments)

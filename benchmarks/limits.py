@@ -9,8 +9,8 @@ from collections.abc import Callable
 import numpy as np
 from machine_loops import Machine
 
-from cutpoint.kernels.jit import vector_width
-from cutpoint.kernels.llvm_code import Code
+from cutpoint.kernels.machine.jit import vector_width
+from cutpoint.kernels.machine.llvm_code import Code
 
 CHAINS = 12
 """Independent multiply-adds under way: more than two units of latency 4 take, and few enough for the registers."""

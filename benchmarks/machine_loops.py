@@ -8,8 +8,8 @@ from collections.abc import Callable, Sequence
 
 import numpy as np
 
-from cutpoint.kernels.jit import Compiled
-from cutpoint.kernels.llvm_code import Code
+from cutpoint.kernels.machine.jit import Compiled
+from cutpoint.kernels.machine.llvm_code import Code
 
 
 def called(address: int, arrays: Sequence[np.ndarray], count: int, owner: object) -> Callable[[], None]:

@@ -14,7 +14,7 @@ import pinocchio_python
 from cases import ROBOTS, TASKS, Case, Entry, case
 
 from cutpoint.kernels import Kernel
-from cutpoint.kernels.lowering import lower
+from cutpoint.kernels.lowering.lower import lower
 from cutpoint.studies.cost.timing import Timing, in_turns
 
 AGREEMENT = 1e-10

@@ -271,7 +271,7 @@ def test_full_coupling_takes_all_the_derivatives_that_it_needs(tmp_path: Path) -
 
 
 def test_a_hostile_joint_name_stays_in_its_comment(arm: cutpoint.Robot, tmp_path: Path) -> None:
-    from cutpoint.kernels.c99_texts import comment
+    from cutpoint.kernels.targets.c99_texts import comment
 
     assert comment("a */ int x; /* \\\n #include ??/ // b") == "a ?/ int x; /? ?? ?include ??/ ?/ b"
 

@@ -13,8 +13,8 @@ from cutpoint.door import check_kind, positive
 from cutpoint.errors import InputError, unknown_name
 from cutpoint.export_notes import PER_DRIVE, labels_of, notes_of, result_of
 from cutpoint.functions.exported import RESULTS
-from cutpoint.kernels import c99_package, cuda_package
-from cutpoint.kernels.c99_texts import Values
+from cutpoint.kernels.targets import c99_package, cuda_package
+from cutpoint.kernels.targets.c99_texts import Values
 from cutpoint.robot import Robot
 from cutpoint.simulation.control_kernel import law_kernel, law_memory
 from cutpoint.simulation.parameters import law_parameters

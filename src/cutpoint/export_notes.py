@@ -7,8 +7,8 @@ from typing import Any
 import numpy as np
 
 from cutpoint.control import Fault
-from cutpoint.kernels.c99_texts import Notes, Values
-from cutpoint.kernels.graph import Graph
+from cutpoint.kernels.graphs.graph import Graph
+from cutpoint.kernels.targets.c99_texts import Notes, Values
 from cutpoint.robot import Robot
 from cutpoint.simulation.control_kernel import ControlStep
 

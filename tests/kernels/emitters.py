@@ -13,8 +13,8 @@ from running_error import Bounded
 
 from c_builds import CFunction, compilers
 from cutpoint.kernels import Kernel
-from cutpoint.kernels.numpy_backend import NumpyFunction
-from cutpoint.kernels.replay import replay
+from cutpoint.kernels.arrays.numpy_backend import NumpyFunction
+from cutpoint.kernels.graphs.replay import replay
 
 jax.config.update("jax_enable_x64", True)
 mpmath.mp.dps = 60

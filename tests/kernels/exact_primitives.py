@@ -6,8 +6,8 @@ import struct
 from fractions import Fraction
 from typing import Any
 
-from cutpoint.kernels.graph import Graph
-from cutpoint.kernels.nodes import Node
+from cutpoint.kernels.graphs.graph import Graph
+from cutpoint.kernels.graphs.nodes import Node
 
 
 def bits(x: float) -> int: return struct.unpack("<Q", struct.pack("<d", x))[0]

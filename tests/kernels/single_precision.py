@@ -7,7 +7,7 @@ from emitters import Rows
 
 import robot_library
 from cutpoint.kernels import Kernel
-from cutpoint.kernels.batch_loop import WORTH_MAKING_PACKS
+from cutpoint.kernels.machine.batch_loop import WORTH_MAKING_PACKS
 from cutpoint.scalars import atan, exp, log, sin, tanh, where
 
 RNG = np.random.default_rng(9)

@@ -29,11 +29,11 @@ def every_kind(q: Any, v: Any, M: Any) -> Found:
 def kernel(request: pytest.FixtureRequest) -> Kernel:
     with pytest.MonkeyPatch.context() as patch:
         if request.param == "narrow":
-            patch.setattr("cutpoint.kernels.packs.vector_width", lambda: 2)
+            patch.setattr("cutpoint.kernels.arrays.packs.vector_width", lambda: 2)
         if request.param == "too large for packs":
-            patch.setattr("cutpoint.kernels.packs._MOST_NODES", 0)
+            patch.setattr("cutpoint.kernels.arrays.packs._MOST_NODES", 0)
         if request.param == "past the caches":
-            patch.setattr("cutpoint.kernels.block_loop.BEYOND_CACHES", -1)
+            patch.setattr("cutpoint.kernels.machine.block_loop.BEYOND_CACHES", -1)
         made = compile(every_kind, q=7, v=(), M=(3, 4), backend="numpy" if request.param == "numpy" else "llvm")
         assert made.blocks.width == 2 or request.param != "narrow"
     return made
@@ -104,7 +104,7 @@ def test_out_may_begin_where_vectors_do(kernel: Kernel) -> None:
 @pytest.mark.parametrize("limit", [-1, 2**60])
 @pytest.mark.parametrize("backend", ["llvm", "numpy"])
 def test_out_may_be_an_input(backend: str, limit: int, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("cutpoint.kernels.block_loop.BEYOND_CACHES", limit)
+    monkeypatch.setattr("cutpoint.kernels.machine.block_loop.BEYOND_CACHES", limit)
     kernel = compile(lambda x: [x[2], x[0] * x[1], x[1]], x=3, backend=backend)
     rows = RNG.normal(size=(40, 3))
     x = kernel.blocks.of(rows)

@@ -16,7 +16,7 @@ import cutpoint
 from c_builds import CFunction, assert_same_bits, build, compilers, pointer, run
 from cutpoint import InputError
 from cutpoint.kernels import compile
-from cutpoint.kernels.nodes import CONDITIONS, PRIMITIVES
+from cutpoint.kernels.graphs.nodes import CONDITIONS, PRIMITIVES
 
 EDGES = [0.0, -0.0, 5e-324, 1e-300, 1e-8, 0.5, -1.0, 3.0, 1e5, 1e17, -1e300, np.inf, -np.inf, np.nan]
 FLAGS = [
@@ -83,7 +83,7 @@ def test_random_expressions_have_the_bits_of_machine_code(tmp_path_factory: Any,
 
 
 def test_every_primitive_can_be_said_in_c() -> None:
-    from cutpoint.kernels import c99
+    from cutpoint.kernels.targets import c99
 
     assert set(PRIMITIVES) == {"input", *c99._FORMS, *c99._HELPERS} and set(c99._FORMS) >= CONDITIONS
 

@@ -15,10 +15,10 @@ import pytest
 from llvmlite import binding
 
 from cutpoint.kernels import Kernel, compile
-from cutpoint.kernels import cache as caches
-from cutpoint.kernels.batch_loop import WORTH_MAKING_PACKS
-from cutpoint.kernels.cache import VARIABLE, Cache, key_of, not_kept, user_folder
-from cutpoint.kernels.jit import object_code
+from cutpoint.kernels.machine import cache as caches
+from cutpoint.kernels.machine.batch_loop import WORTH_MAKING_PACKS
+from cutpoint.kernels.machine.cache import VARIABLE, Cache, key_of, not_kept, user_folder
+from cutpoint.kernels.machine.jit import object_code
 from cutpoint.scalars import sin, tanh
 
 HEADER = 80  # bytes before the code

@@ -16,7 +16,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from cutpoint.errors import InputError
-from cutpoint.kernels import Kernel, compile, fastcall, numpy_api
+from cutpoint.kernels import Kernel, compile
+from cutpoint.kernels.arrays import fastcall, numpy_api
 from cutpoint.scalars import exp, sin, where
 
 RNG = np.random.default_rng(7)

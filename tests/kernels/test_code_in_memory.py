@@ -7,7 +7,7 @@ from pathlib import Path
 import numpy as np
 
 from cutpoint.kernels import Kernel, compile
-from cutpoint.kernels.jit import Compiled
+from cutpoint.kernels.machine.jit import Compiled
 
 DOUBLED = "define double @doubled(double %x) {\n %y = fadd double %x, %x\n ret double %y\n}\n"
 

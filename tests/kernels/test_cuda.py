@@ -21,9 +21,10 @@ from c_builds import assert_same_bits
 from cutpoint import InputError
 from cutpoint.commands import app
 from cutpoint.export import RESULTS, export_function
-from cutpoint.kernels import Kernel, compile, cuda
-from cutpoint.kernels.lowering import lower
-from cutpoint.kernels.nodes import CONDITIONS, PRIMITIVES
+from cutpoint.kernels import Kernel, compile
+from cutpoint.kernels.graphs.nodes import CONDITIONS, PRIMITIVES
+from cutpoint.kernels.lowering.lower import lower
+from cutpoint.kernels.targets import cuda
 
 ARCHITECTURES = ("sm_80", "sm_90")
 

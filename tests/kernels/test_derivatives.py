@@ -15,9 +15,10 @@ from running_error import EPS, Bounded
 
 from cutpoint import scalars
 from cutpoint.errors import InputError, TraceError
-from cutpoint.kernels import Graph, compile, elimination, graph_of, jacobian_of, slopes
-from cutpoint.kernels.elimination import Order, Web, cheapest_first, forward, reverse
-from cutpoint.kernels.nodes import Node
+from cutpoint.kernels import Graph, compile, graph_of, jacobian_of
+from cutpoint.kernels.graphs import elimination, slopes
+from cutpoint.kernels.graphs.elimination import Order, Web, cheapest_first, forward, reverse
+from cutpoint.kernels.graphs.nodes import Node
 from cutpoint.scalars import Jet, atan, cos, exp, log, sin, sqrt, tan, tanh, where
 
 ORDERS = (forward, reverse, cheapest_first)

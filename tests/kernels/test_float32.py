@@ -14,8 +14,8 @@ import robot_library
 from c_builds import assert_same_bits
 from cutpoint import InputError, scalars
 from cutpoint.kernels import Kernel, compile
-from cutpoint.kernels.cache import VARIABLE
-from cutpoint.kernels.replay import replay
+from cutpoint.kernels.graphs.replay import replay
+from cutpoint.kernels.machine.cache import VARIABLE
 from cutpoint.scalars import sin, sqrt, where
 
 LARGEST = float(np.finfo(np.float32).max)

@@ -18,9 +18,11 @@ from hypothesis import strategies as st
 from single_precision import LONG, ROBOTS, TINY, batch, every_kind, robot_kernel, robot_rows
 
 from c_builds import STRICT, assert_same_bits, build, run
-from cutpoint.kernels import Kernel, compile, packs, strided_loop, threads
-from cutpoint.kernels.batch_loop import WORTH_MAKING_PACKS
-from cutpoint.kernels.jit import vector_width
+from cutpoint.kernels import Kernel, compile
+from cutpoint.kernels.arrays import packs, threads
+from cutpoint.kernels.machine import strided_loop
+from cutpoint.kernels.machine.batch_loop import WORTH_MAKING_PACKS
+from cutpoint.kernels.machine.jit import vector_width
 from cutpoint.scalars import atan, cos, exp, log, sin, tan, tanh, where
 
 LARGEST = float(np.finfo(np.float32).max)
@@ -62,7 +64,7 @@ def test_long_rows_run_in_packs_and_only_strided_elements_make_a_loop_for_them(m
 
 @pytest.mark.parametrize("width", [2, 4, 8])
 def test_every_width_of_packs_gives_the_bits_of_single_calls(width: int, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("cutpoint.kernels.packs.vector_width", lambda: width)
+    monkeypatch.setattr("cutpoint.kernels.arrays.packs.vector_width", lambda: width)
     kernel, rows = compile(every_kind, q=7, v=(), M=(3, 4), backend="llvm").float32, batch(LONG)
     expected = one_by_one(kernel, rows)
     assert kernel.blocks.width == 2 * width

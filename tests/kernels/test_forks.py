@@ -6,7 +6,7 @@ import sys
 
 import pytest
 
-from cutpoint.kernels.cache import VARIABLE
+from cutpoint.kernels.machine.cache import VARIABLE
 
 PROGRAM = """
 import os, signal, threading

@@ -17,7 +17,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from running_error import Bounded
 
-from cutpoint.kernels import Kernel, backends, compile
+from cutpoint.kernels import Kernel, compile
+from cutpoint.kernels.arrays import backends
 from cutpoint.scalars import cos, exp, sin, sqrt, where
 
 BACKENDS = ("llvm", "numpy")
@@ -206,10 +207,10 @@ def test_the_interpreter_runs_while_a_kernel_does() -> None:
 
 @pytest.fixture
 def without_llvm(monkeypatch: pytest.MonkeyPatch) -> Iterator[None]:
-    for module in [m for m in sys.modules if m.startswith(("llvmlite", "cutpoint.kernels.jit"))]:
+    for module in [m for m in sys.modules if m.startswith(("llvmlite", "cutpoint.kernels.machine.jit"))]:
         monkeypatch.delitem(sys.modules, module)
     monkeypatch.setitem(sys.modules, "llvmlite", None)
-    monkeypatch.delattr("cutpoint.kernels.jit", raising=False)
+    monkeypatch.delattr("cutpoint.kernels.machine.jit", raising=False)
     backends.llvm_is_installed.cache_clear()
     yield
     monkeypatch.undo()

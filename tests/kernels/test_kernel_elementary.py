@@ -9,7 +9,7 @@ import sympy
 import cutpoint
 from cutpoint import scalars
 from cutpoint.kernels import Kernel, compile
-from cutpoint.kernels.lowering import lower
+from cutpoint.kernels.lowering.lower import lower
 
 DIGITS = 40
 RNG = np.random.default_rng(5)

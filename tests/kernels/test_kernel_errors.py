@@ -7,7 +7,8 @@ import numpy as np
 import pytest
 
 from cutpoint.errors import CutpointError, InputError, TraceError
-from cutpoint.kernels import Kernel, backends, compile, jacobian_of
+from cutpoint.kernels import Kernel, compile, jacobian_of
+from cutpoint.kernels.arrays import backends
 
 BACKENDS = ("llvm", "numpy")
 ZEROS = np.zeros((4, 6))

@@ -15,9 +15,9 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from cutpoint.kernels import compile, graph_of
-from cutpoint.kernels.graph import reach
-from cutpoint.kernels.lowering import lower
-from cutpoint.kernels.nodes import ELEMENTARY, PRIMITIVES, Node
+from cutpoint.kernels.graphs.graph import reach
+from cutpoint.kernels.graphs.nodes import ELEMENTARY, PRIMITIVES, Node
+from cutpoint.kernels.lowering.lower import lower
 from cutpoint.scalars import cos, exp, sin
 
 recipes = st.lists(steps, min_size=1, max_size=25)

@@ -8,9 +8,9 @@ import pytest
 
 from cutpoint.errors import InputError
 from cutpoint.kernels import LaneLoop, Loop, Program, Region, Stage, View, compile_program
-from cutpoint.kernels.fastcall import Front
-from cutpoint.kernels.program_front import front_of
-from cutpoint.kernels.program_outputs import whole
+from cutpoint.kernels.arrays.fastcall import Front
+from cutpoint.kernels.programs.front import front_of
+from cutpoint.kernels.programs.outputs import whole
 from cutpoint.scalars import sin
 
 BACKENDS = ("llvm", "numpy")

@@ -6,8 +6,10 @@ import numpy as np
 import pytest
 
 from cutpoint.errors import InputError
-from cutpoint.kernels import Loop, Region, Stage, backends, compile_program, nodes
+from cutpoint.kernels import Loop, Region, Stage, compile_program
 from cutpoint.kernels import compile as compile_kernel
+from cutpoint.kernels.arrays import backends
+from cutpoint.kernels.graphs import nodes
 
 
 def sums(x: Any) -> Any:

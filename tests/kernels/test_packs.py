@@ -10,10 +10,11 @@ from graph_recipes import Step, cook, steps
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from cutpoint.kernels import Kernel, compile, strided_loop
-from cutpoint.kernels.batch_loop import WORTH_MAKING_PACKS
-from cutpoint.kernels.jit import vector_width
-from cutpoint.kernels.strided import WORTH_MAKING
+from cutpoint.kernels import Kernel, compile
+from cutpoint.kernels.arrays.strided import WORTH_MAKING
+from cutpoint.kernels.machine import strided_loop
+from cutpoint.kernels.machine.batch_loop import WORTH_MAKING_PACKS
+from cutpoint.kernels.machine.jit import vector_width
 from cutpoint.scalars import atan, exp, log, sin, tanh, where
 
 WIDTH = vector_width()
@@ -202,7 +203,7 @@ def test_a_kernel_too_wide_for_packs_takes_long_batches_all_the_same() -> None:
 
 @pytest.mark.parametrize("width", [2, 4, 8])
 def test_every_width_of_packs_gives_the_bits_of_single_calls(width: int, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("cutpoint.kernels.packs.vector_width", lambda: width)
+    monkeypatch.setattr("cutpoint.kernels.arrays.packs.vector_width", lambda: width)
     kernel = compile(every_kind, q=7, v=(), M=(3, 4), backend="llvm")
     arguments = batch(LONG)
     assert kernel(*arguments).tobytes() == one_by_one(kernel, arguments).tobytes()

@@ -8,8 +8,9 @@ import numpy as np
 import pytest
 
 from cutpoint.errors import InputError, TraceError
-from cutpoint.kernels import Loop, Program, Region, Stage, backends, compile_program
+from cutpoint.kernels import Loop, Program, Region, Stage, compile_program
 from cutpoint.kernels import compile as compile_kernel
+from cutpoint.kernels.arrays import backends
 from cutpoint.scalars import absolute, exp, sin, where
 
 BACKENDS = ("llvm", "numpy")

@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 from cutpoint.kernels import Kernel, compile
-from cutpoint.kernels.lowering import lower
-from cutpoint.kernels.side_by_side import side_by_side
+from cutpoint.kernels.lowering.lower import lower
+from cutpoint.kernels.lowering.side_by_side import side_by_side
 from cutpoint.scalars import atan, cos, exp, log, sin, tanh
 
 

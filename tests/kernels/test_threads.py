@@ -9,8 +9,9 @@ import numpy as np
 import pytest
 
 from cutpoint import InputError
-from cutpoint.kernels import Kernel, compile, threads
-from cutpoint.kernels.ports import Port
+from cutpoint.kernels import Kernel, compile
+from cutpoint.kernels.arrays import threads
+from cutpoint.kernels.graphs.ports import Port
 from cutpoint.scalars import exp, sin
 
 RNG = np.random.default_rng(7)

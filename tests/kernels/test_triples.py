@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 
 from cutpoint.errors import InputError
 from cutpoint.kernels import LaneLoop, Loop, Region, Stage, View, compile_program, graph_of
-from cutpoint.kernels.superwords import Superwords, Word
+from cutpoint.kernels.programs.superwords import Superwords, Word
 
 BACKENDS = ("llvm", "numpy")
 Vector = list[Any]

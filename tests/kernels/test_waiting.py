@@ -11,9 +11,11 @@ from collections.abc import Iterator
 import numpy as np
 import pytest
 
-from cutpoint.kernels import Loop, Region, Stage, compile, compile_program, packs, waiting
-from cutpoint.kernels.batch_loop import WORTH_MAKING_PACKS
-from cutpoint.kernels.waiting import interruptible, shown
+from cutpoint.kernels import Loop, Region, Stage, compile, compile_program
+from cutpoint.kernels.arrays import packs
+from cutpoint.kernels.machine import waiting
+from cutpoint.kernels.machine.batch_loop import WORTH_MAKING_PACKS
+from cutpoint.kernels.machine.waiting import interruptible, shown
 from cutpoint.scalars import sin
 
 

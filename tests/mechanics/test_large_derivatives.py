@@ -12,8 +12,8 @@ from cutpoint.derivatives import definitions, sweeps
 from cutpoint.derivatives.large import inverse_of
 from cutpoint.errors import InputError
 from cutpoint.functions.compiled import machine_of
-from cutpoint.kernels.program_llvm import program_ir
-from cutpoint.kernels.program_plan import plan
+from cutpoint.kernels.programs.compiled import program_ir
+from cutpoint.kernels.programs.plan import plan
 from cutpoint.mechanics.elastic import Options
 from cutpoint.model import Mechanism
 from cutpoint.rolled import DERIVATIVES, RECIPES, RolledFunction

@@ -10,8 +10,8 @@ import pytest
 
 from cutpoint import Robot
 from cutpoint.errors import InputError
-from cutpoint.kernels.program_llvm import program_ir
-from cutpoint.kernels.program_plan import plan
+from cutpoint.kernels.programs.compiled import program_ir
+from cutpoint.kernels.programs.plan import plan
 from cutpoint.mechanics.compliance import Flexspline, LinearSpring
 from cutpoint.mechanics.friction import Coulomb, Stribeck
 from cutpoint.mechanics.kinematic_error import KinematicError

@@ -9,8 +9,8 @@ import pytest
 
 from cutpoint import Robot
 from cutpoint.functions.compiled import machine_of
-from cutpoint.kernels.program_llvm import program_ir
-from cutpoint.kernels.program_plan import plan
+from cutpoint.kernels.programs.compiled import program_ir
+from cutpoint.kernels.programs.plan import plan
 from cutpoint.mechanics.compliance import LinearSpring
 from cutpoint.model import Drive
 from cutpoint.model.drive import Rotor

@@ -16,8 +16,8 @@ import cutpoint
 from cutpoint import Robot, derivatives
 from cutpoint.errors import InputError
 from cutpoint.functions.compiled import machine_of
-from cutpoint.kernels.program_llvm import program_ir
-from cutpoint.kernels.program_plan import plan
+from cutpoint.kernels.programs.compiled import program_ir
+from cutpoint.kernels.programs.plan import plan
 from cutpoint.model import Drive, Joint, Link, Mechanism
 from cutpoint.model.build import build
 from cutpoint.model.drive import Rotor
@@ -156,8 +156,8 @@ def test_code_is_as_long_for_ten_bodies_as_for_a_thousand() -> None:
 
 TEXT = """
 from cutpoint.functions.compiled import machine_of
-from cutpoint.kernels.program_llvm import program_ir
-from cutpoint.kernels.program_plan import plan
+from cutpoint.kernels.programs.compiled import program_ir
+from cutpoint.kernels.programs.plan import plan
 from cutpoint.rolled import RECIPES
 from cutpoint.rolled.bodies import Columns, rows_of
 from cutpoint.rolled.passes import one_by_one

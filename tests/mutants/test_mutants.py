@@ -30,7 +30,8 @@ from cutpoint import Drive, Flexspline, Robot, definitions, robots
 from cutpoint.control import joint_law
 from cutpoint.derivatives import definitions as derivative_definitions
 from cutpoint.formats import drive_entry
-from cutpoint.kernels import fusion, program_stage
+from cutpoint.kernels.lowering import fusion
+from cutpoint.kernels.programs import stage
 from cutpoint.mechanics import (
     assembly,
     elastic,
@@ -336,14 +337,14 @@ MUTANTS = {
         {"seed": 4},
     ),
     "a row just written taken for any other": Mutant(
-        program_stage.StageCode._at_hand_or_loaded,
+        stage.StageCode._at_hand_or_loaded,
         "icmp eq ptr",
         "icmp ne ptr",
         large_trees.test_loops_give_what_straight_line_code_gives,
         {"tree": "tree of 20", "backend": "llvm"},
     ),
     "rows looked at ahead taken by the wrong lane": Mutant(
-        program_stage.StageCode.look_ahead,
+        stage.StageCode.look_ahead,
         "code.at(self._ahead_at, lane)",
         "code.at(self._ahead_at, 0)",
         looking_ahead.test_rows_at_once_are_rows_one_by_one_to_the_last_bit,

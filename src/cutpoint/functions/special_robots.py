@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cutpoint.errors import InputError
-from cutpoint.kernels.backends import chosen
+from cutpoint.kernels.arrays.backends import chosen
 from cutpoint.mechanics.joints import Floating, Spherical
 from cutpoint.mechanics.system import System
 from cutpoint.model import Mechanism
@@ -61,7 +61,7 @@ def with_quaternions(
 
     if chosen(backend) != "llvm":
         return checked
-    from cutpoint.kernels.looking import looking
+    from cutpoint.kernels.arrays.looking import looking
 
     last = [own.stop - 1 for own in quaternions.values()]
     return looking(function, checked, name, [*places], last, nq, SHORTEST)

@@ -1,19 +1,22 @@
 """Kernels: functions of scalars, traced once, compiled for arrays and for stepping loops.  Knows nothing of robots.
 
-A function becomes a graph (`specialise`, `tracing`, `algebra`), which runs node by node in NumPy (`numpy_backend`), or
-is lowered to PRIMITIVES (`nodes`, `lowering`) and emitted (`llvm`, `c99`, `cuda`).  A new emitter walks the nodes of
-`lower(graph)`, which come operands first, writes one statement for each `op`, and hands out the lowered graph's
-`results`: see docs/emitters.md.  Derivatives are taken of the graph before it is lowered (`derivatives`, `elimination`,
-`slopes`), and are graphs again.
+Its rooms, each built on those before it:
+
+graphs: a function becomes a graph of nodes; its derivatives are graphs again.
+lowering: sines and the like become arithmetic, in an order that suits a processor; every emitter takes what comes out.
+machine: machine code by LLVM, for one element and for batches.
+arrays: a graph called from Python on NumPy's arrays: single calls, rows, blocks, threads.
+programs: stages of traced functions in loops, which step through memory.
+targets: a graph leaves as C99, CUDA C, a function of JAX, SymPy's expressions; docs/emitters.md adds another.
 """
 
-from cutpoint.kernels.derivatives import jacobian_of
-from cutpoint.kernels.graph import Graph
+from cutpoint.kernels.graphs.derivatives import jacobian_of
+from cutpoint.kernels.graphs.graph import Graph
+from cutpoint.kernels.graphs.specialise import graph_of
+from cutpoint.kernels.graphs.tracing import Traced
 from cutpoint.kernels.kernel import Kernel, compile
-from cutpoint.kernels.program import Program, compile_program
-from cutpoint.kernels.specialise import graph_of
-from cutpoint.kernels.stepping import LaneLoop, Loop, Region, Stage, View
-from cutpoint.kernels.tracing import Traced
+from cutpoint.kernels.programs.program import Program, compile_program
+from cutpoint.kernels.programs.stepping import LaneLoop, Loop, Region, Stage, View
 
 __all__ = [
     "Graph", "Kernel", "LaneLoop", "Loop", "Program", "Region", "Stage", "Traced", "View", "compile",

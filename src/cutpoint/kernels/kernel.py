@@ -12,14 +12,14 @@ from typing import Any
 import numpy as np
 
 from cutpoint.errors import InputError
-from cutpoint.kernels.array_call import ArrayCall
-from cutpoint.kernels.backends import array_function, check_size, chosen
-from cutpoint.kernels.blocks import Blocks
-from cutpoint.kernels.graph import Graph
-from cutpoint.kernels.ports import port
-from cutpoint.kernels.precision import FLOAT32, FLOAT64
-from cutpoint.kernels.specialise import name_of, traced
-from cutpoint.kernels.waiting import shown
+from cutpoint.kernels.arrays.array_call import ArrayCall
+from cutpoint.kernels.arrays.backends import array_function, check_size, chosen
+from cutpoint.kernels.arrays.blocks import Blocks
+from cutpoint.kernels.graphs.graph import Graph
+from cutpoint.kernels.graphs.ports import port
+from cutpoint.kernels.graphs.precision import FLOAT32, FLOAT64
+from cutpoint.kernels.graphs.specialise import name_of, traced
+from cutpoint.kernels.machine.waiting import shown
 
 
 def compile(
@@ -133,7 +133,7 @@ class Kernel:
         """
         if self._function.element is None or self.graph.precision is not FLOAT64:
             return general
-        from cutpoint.kernels.fastcall import Front, fastcall, is_possible
+        from cutpoint.kernels.arrays.fastcall import Front, fastcall, is_possible
 
         if not is_possible():
             return general
@@ -149,7 +149,7 @@ class Kernel:
         Raises:
             InputError: C cannot take a name, files are in the way, or llvmlite is not installed.
         """
-        from cutpoint.kernels.c99_package import write_package
+        from cutpoint.kernels.targets.c99_package import write_package
 
         return write_package(self.graph, self.name, folder, force=force)
 
@@ -163,7 +163,7 @@ class Kernel:
         Raises:
             InputError: CUDA C cannot take a name, or files are in the way.
         """
-        from cutpoint.kernels.cuda_package import write_package
+        from cutpoint.kernels.targets.cuda_package import write_package
 
         return write_package(self.graph, self.name, folder, force=force)
 
@@ -175,7 +175,7 @@ class Kernel:
         Raises:
             InputError: CuPy is not installed, or CUDA C cannot take a name.
         """
-        from cutpoint.kernels.gpu import gpu_function
+        from cutpoint.kernels.targets.gpu import gpu_function
 
         return gpu_function(self.graph, self.name, self._record)
 
@@ -191,7 +191,7 @@ class Kernel:
         """
         chosen("llvm")
         _check_installed("to_jax", "jax")
-        from cutpoint.kernels.jax_target import jax_function
+        from cutpoint.kernels.targets.jax import jax_function
 
         return jax_function(self.graph, self.name, self._record)
 
@@ -209,7 +209,7 @@ class Kernel:
             InputError: SymPy is not installed, or two numbers would have one symbol.
         """
         _check_installed("to_sympy", "sympy")
-        from cutpoint.kernels.symbolic import expressions
+        from cutpoint.kernels.targets.symbolic import expressions
 
         before, found = expressions(self.graph, self.name, steps)
         outputs = self._record._make(found) if self._record else found[0]

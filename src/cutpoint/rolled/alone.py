@@ -11,7 +11,7 @@ from cutpoint import kernels
 from cutpoint.definitions import Machine
 from cutpoint.door import checked_array
 from cutpoint.kernels import Kernel
-from cutpoint.kernels.arguments import common_batch
+from cutpoint.kernels.arrays.arguments import common_batch
 from cutpoint.mechanics.elastic import Driven
 from cutpoint.mechanics.system import Segment, System
 from cutpoint.model.mechanism import WORLD

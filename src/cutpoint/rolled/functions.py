@@ -15,8 +15,8 @@ from numpy.typing import ArrayLike
 from cutpoint.definitions import Machine
 from cutpoint.door import LARGEST, checked_array
 from cutpoint.errors import InputError
-from cutpoint.kernels import backends
-from cutpoint.kernels.arguments import common_batch
+from cutpoint.kernels.arrays import backends
+from cutpoint.kernels.arrays.arguments import common_batch
 from cutpoint.mechanics.system import System
 from cutpoint.rolled.bodies import bodies_of, columns_of, rooted
 from cutpoint.rolled.derivatives import OF_MOTORS
@@ -146,8 +146,8 @@ class RolledFunction:
         """For single calls, with less between, where inputs and outputs lie in memory as they are given."""
         if self._one.program.backend != "llvm" or not self._are_all_driven:
             return self._general
-        from cutpoint.kernels.fastcall import Front
-        from cutpoint.kernels.program_front import front_of
+        from cutpoint.kernels.arrays.fastcall import Front
+        from cutpoint.kernels.programs.front import front_of
 
         memory = self._one.spare.take()
         front = Front(self._general, largest=LARGEST, record=self._record)

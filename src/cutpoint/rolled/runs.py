@@ -8,13 +8,13 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from cutpoint.kernels import Program, compile_program
-from cutpoint.kernels.backends import chosen
-from cutpoint.kernels.program_outputs import Output, Part, whole
+from cutpoint.kernels.arrays.backends import chosen
+from cutpoint.kernels.programs.outputs import Output, Part, whole
 from cutpoint.rolled.memory import COLUMN, Spare, Task, aligned
 from cutpoint.rolled.passes import one_by_one, side_by_side
 
 if TYPE_CHECKING:
-    from cutpoint.kernels.program_front import ProgramElement
+    from cutpoint.kernels.programs.front import ProgramElement
 
 Array = np.ndarray
 
@@ -90,7 +90,7 @@ class OneMemory:
         """In machine code, where there is some."""
         if chosen(self._task.backend) != "llvm":
             return None
-        from cutpoint.kernels.program_front import ProgramElement
+        from cutpoint.kernels.programs.front import ProgramElement
 
         return ProgramElement(self.run, [*self.inputs.values()], [*self.outputs.values()])
 

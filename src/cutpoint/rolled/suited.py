@@ -2,8 +2,9 @@
 
 from cutpoint.definitions import Machine
 from cutpoint.errors import InputError
-from cutpoint.kernels import backends, nodes
-from cutpoint.kernels.ports import Port
+from cutpoint.kernels.arrays import backends
+from cutpoint.kernels.graphs import nodes
+from cutpoint.kernels.graphs.ports import Port
 from cutpoint.mechanics.joints import Helical, Prismatic, Revolute
 from cutpoint.mechanics.system import System
 from cutpoint.model.mechanism import WORLD

@@ -1,6 +1,6 @@
 """The closed loop as stages over memory: sense, control, actuate, record, integrate.
 
-What the stages read and write are flat lists of scalars; `kernels.program` compiles them into one function that runs
+What the stages read and write are flat lists of scalars; `kernels.programs` compiles them into one function that runs
 any number of control periods, or runs them as they are where nothing can be compiled.
 """
 

@@ -1,6 +1,6 @@
 """What a loop does with the plant between two samples, as stages over memory.
 
-Where all drives are alike, stages of drives are seen from one of them: see `kernels.stepping`.
+Where all drives are alike, stages of drives are seen from one of them: see `kernels.programs.stepping`.
 """
 
 from dataclasses import dataclass

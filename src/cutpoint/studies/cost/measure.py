@@ -9,7 +9,7 @@ import numpy as np
 
 from cutpoint.errors import CutpointError
 from cutpoint.kernels import Kernel, compile, graph_of
-from cutpoint.kernels.cache import not_kept
+from cutpoint.kernels.machine.cache import not_kept
 from cutpoint.studies.chain import Array
 from cutpoint.studies.cost.chains import random_machine
 from cutpoint.studies.cost.contenders import CONTENDERS, JETS, VD, Contender, arithmetic

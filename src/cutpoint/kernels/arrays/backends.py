@@ -1,0 +1,83 @@
+"""What can run a graph on arrays: LLVM where it is installed, NumPy everywhere."""
+
+from collections.abc import Callable, Iterable
+from functools import cache
+from typing import Any, Protocol
+
+from cutpoint.errors import InputError, unknown_name
+from cutpoint.kernels.arrays.numpy_backend import NumpyFunction
+from cutpoint.kernels.graphs.graph import Graph
+from cutpoint.kernels.graphs.ports import Port
+
+MOST_COMPILED = 200_000
+"""That are compiled: it takes time that grows with their square, for so many two or three minutes."""
+
+MOST_NUMBERS = 2**15
+"""In all arguments of a compiled function together: scratch memory for strided ones lies on the stack."""
+
+
+class Function(Protocol):
+    """A graph ready to run."""
+
+    call: Callable[..., Any]
+    """call(*arrays, out=None) with the semantics of a NumPy generalised ufunc."""
+
+    @property
+    def element(self) -> int | None:
+        """Where its machine code for one element is, if there is some: see `cutpoint.kernels.machine.element`."""
+
+
+def chosen(backend: str) -> str:
+    """The backend that a name stands for: "llvm" or "numpy".
+
+    Raises:
+        InputError: there is no such backend, or it is not installed.
+    """
+    if backend not in ("auto", "llvm", "numpy"):
+        raise unknown_name("backend", backend, ("auto", "llvm", "numpy"))
+    if backend == "llvm" and not llvm_is_installed():
+        raise InputError("backend 'llvm' needs llvmlite, which cannot be imported: pip install llvmlite")
+    return "numpy" if backend == "numpy" or not llvm_is_installed() else "llvm"
+
+
+def array_function(graph: Graph, name: str, backend: str) -> Function:
+    """The graph as a function of arrays.
+
+    Raises:
+        InputError: it is too long to compile, or takes and gives too many numbers.
+    """
+    if backend == "numpy":
+        return NumpyFunction(graph)
+    check_size(name, (*graph.inputs, *graph.outputs))
+    check_length(name, [graph])
+    from cutpoint.kernels.arrays.empty_ports import AroundEmptyPorts
+    from cutpoint.kernels.arrays.gufunc import Gufunc
+
+    if graph.inputs and all(p.size for p in (*graph.inputs, *graph.outputs)):
+        return Gufunc(graph, graph.inputs, graph.outputs, name)
+    return AroundEmptyPorts(graph, name)
+
+
+def check_length(name: str, graphs: Iterable[Graph]) -> None:
+    """Raises InputError if compiling would take many minutes."""
+    operations = sum(len(graph.nodes) for graph in graphs)
+    if operations > MOST_COMPILED:
+        told = f"{name}: {operations} operations a call, at most {MOST_COMPILED} compile"
+        raise InputError(f"{told}; use backend='numpy', or a smaller model", operations=operations)
+
+
+def check_size(name: str, ports: Iterable[Port]) -> None:
+    """Raises InputError for a function with more numbers in its arguments than machine code takes."""
+    numbers = sum(p.size for p in ports)
+    if numbers > MOST_NUMBERS:
+        told = f"{name}: {numbers} numbers in its arguments, at most {MOST_NUMBERS} compile"
+        raise InputError(f"{told}; use backend='numpy', or a smaller model", numbers=numbers)
+
+
+@cache
+def llvm_is_installed() -> bool:
+    try:
+        from cutpoint.kernels.machine import jit  # noqa: F401
+    except (ImportError, OSError):
+        return False
+    return True

@@ -1,0 +1,100 @@
+"""What runs a graph on blocks: machine code for blocks, or any function of rows."""
+
+from collections.abc import Callable, Sequence
+from typing import Any, Protocol
+
+import numpy as np
+
+from cutpoint.kernels.arrays.backends import Function
+from cutpoint.kernels.graphs.graph import Graph
+from cutpoint.kernels.graphs.ports import Port
+
+_USUAL_WIDTH = 8
+
+
+class BlockFunction(Protocol):
+    """A graph ready to run on blocks.
+
+    call(*arrays, out=None): a NumPy generalised ufunc of axes (*shape, width).  direct: the same with less between, for
+    C-contiguous arrays.
+    """
+
+    width: int
+    call: Callable[..., Any]
+    direct: Callable[..., Any]
+
+
+def block_function(graph: Graph, name: str, function: Function) -> BlockFunction:
+    """function: the graph as a function of rows, which does the work where there is no machine code for packs."""
+    if function.element is None or not all(p.size for p in (*graph.inputs, *graph.outputs)):
+        return RowsOfBlocks(graph, function)
+    from cutpoint.kernels.arrays.packs import width_of_packs
+
+    width = width_of_packs(graph, graph.inputs, graph.outputs)
+    return MachineBlocks(graph, name, width) if width else RowsOfBlocks(graph, function)
+
+
+class MachineBlocks:
+    """Machine code that reads and writes blocks where they are."""
+
+    def __init__(self, graph: Graph, name: str, width: int) -> None:
+        from cutpoint.kernels.arrays.loop_gufunc import LoopGufunc
+        from cutpoint.kernels.lowering.lower import lower
+        from cutpoint.kernels.machine.block_loop import FUNCTION, block_loop
+
+        self.width = width
+        self._inputs, self._outputs = wide(graph.inputs, width), wide(graph.outputs, width)
+        text = block_loop(lower(graph), graph.inputs, graph.outputs, width)
+        self._gufunc = LoopGufunc(text, FUNCTION, graph.precision, self._inputs, self._outputs, name)
+        self.direct = self._gufunc.call
+
+    def call(self, *arguments: Any, out: Any = None) -> Any:
+        """Inputs whose blocks are not C-contiguous are copied first."""
+        arrays = [_tidy(p, np.asarray(x)) for p, x in zip(self._inputs, arguments, strict=True)]
+        if out is None:
+            return self.direct(*arrays)
+        for port, target in zip(self._outputs, out if isinstance(out, tuple) else (out,), strict=False):
+            if isinstance(target, np.ndarray) and _tidy(port, target) is not target:
+                raise ValueError(f"blocks of out for {port.name} must be C-contiguous")
+        return self.direct(*arrays, out=out)
+
+
+class RowsOfBlocks:
+    """A function of rows on views of blocks."""
+
+    def __init__(self, graph: Graph, function: Function) -> None:
+        self.width = _USUAL_WIDTH
+        self._inputs, self._outputs, self._call = graph.inputs, graph.outputs, function.call
+        self.direct = self.call
+
+    def call(self, *arguments: Any, out: Any = None) -> Any:
+        arrays = [_lane_first(p, np.asarray(x)) for p, x in zip(self._inputs, arguments, strict=True)]
+        results = self._call(*arrays)
+        found = results if isinstance(results, tuple) else (results,)
+        blocks = [np.moveaxis(x, -1 - len(p.shape), -1) for p, x in zip(self._outputs, found, strict=True)]
+        if out is None:
+            made = [*map(np.ascontiguousarray, blocks)]
+            return tuple(made) if len(made) > 1 else made[0]
+        for target, x in zip(out if isinstance(out, tuple) else (out,), blocks, strict=True):
+            if target.shape != x.shape:
+                raise ValueError(f"out has shape {target.shape}, it must be {x.shape}")
+            np.copyto(target, x, casting="same_kind")
+        return out
+
+
+def wide(ports: Sequence[Port], width: int) -> tuple[Port, ...]:
+    """The ports of blocks."""
+    return tuple(Port(p.name, (*p.shape, width)) for p in ports)
+
+
+def _tidy(port: Port, x: np.ndarray) -> np.ndarray:
+    """The array itself if its blocks are C-contiguous, or are no blocks."""
+    one = x[(0,) * (x.ndim - len(port.shape))] if x.size and x.ndim >= len(port.shape) else x
+    return x if one.flags.c_contiguous else np.ascontiguousarray(x)
+
+
+def _lane_first(port: Port, x: np.ndarray) -> np.ndarray:
+    """Blocks as a batch of rows: the last axis goes before the port's own."""
+    if x.ndim <= len(port.shape) or x.shape[-1] != _USUAL_WIDTH:
+        raise ValueError(f"{port.name} has shape {x.shape}, its last axis must be {_USUAL_WIDTH}")
+    return np.moveaxis(x, -1, -1 - len(port.shape))

@@ -1,0 +1,134 @@
+"""Kernels on blocks: for those who keep their batches as (blocks, *shape, width), so that nothing is turned around."""
+
+from dataclasses import replace
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+
+from cutpoint.errors import InputError
+from cutpoint.kernels.arrays.arguments import as_numbers, explained, in_order
+from cutpoint.kernels.arrays.backends import Function
+from cutpoint.kernels.arrays.block_function import block_function, wide
+from cutpoint.kernels.arrays.threads import Threaded, thread_count
+from cutpoint.kernels.graphs.graph import Graph
+from cutpoint.kernels.graphs.precision import FLOAT64, Precision
+from cutpoint.kernels.machine.waiting import shown
+
+_CACHE_LINE = 64
+
+
+class Blocks:
+    """A kernel whose elements lie `width` side by side: an input of shape (n,) is given as (blocks, n, width).
+
+    Leading axes are a batch of blocks and broadcast.  A last axis of length 1 is spread over the block, so that
+    `parameters[:, None]` is the same for all.  Results have the bits that rows would have.
+
+    Attributes:
+        width: how many elements a block holds: 8, 4 or 2, as many float64 as this processor's instructions take, or
+            twice as many float32.
+    """
+
+    def __init__(self, name: str, graph: Graph, function: Function, record: type[tuple[Any, ...]] | None) -> None:
+        if not graph.inputs:
+            raise InputError(f"{name}: only kernels with inputs take blocks")
+        with shown(f"{name} for blocks"):
+            self._function = block_function(graph, name, function)
+        self.width = width = self._function.width
+        self._name, self._make = name, record and record._make  # type: ignore[attr-defined]
+        self._wide = replace(graph, inputs=wide(graph.inputs, width), outputs=wide(graph.outputs, width))
+
+    def __call__(self, *arguments: Any, out: Any = None, threads: int | None = None, **named: Any) -> Any:
+        """The outputs, (..., *shape, width) each; called as the kernel is.
+
+        Raises:
+            InputError: an argument is missing, unknown, or of a shape or kind that does not fit; what is in `out` has
+                blocks that are not C-contiguous.
+        """
+        if threads is None and not named and _lie_ready(arguments, out):
+            direct = self._function.direct
+            try:
+                return self._made(direct(*arguments) if out is None else direct(*arguments, out=out))
+            except (TypeError, ValueError):
+                pass  # the longer way says why, or mends it
+        given = [self._spread(x) for x in in_order(self._name, self._wide.inputs, arguments, named)]
+        count = 1 if threads is None else thread_count(self._name, threads)
+        try:
+            if self._wide.precision is not FLOAT64:
+                given = [as_numbers(x, self._wide.precision) for x in given]
+            result = self._function.call(*given, out=out) if count == 1 else self._threaded(count, given, out)
+        except (TypeError, ValueError) as error:
+            raise explained(self._name, self._wide, given, out, error) from None
+        return self._made(result)
+
+    def _made(self, result: Any) -> Any:
+        if self._make is None:
+            return result
+        return self._make(result if len(self._wide.outputs) > 1 else (result,))
+
+    def of(self, rows: Any) -> np.ndarray:
+        """Blocks, (blocks, *shape, width), of an array of rows, (count, *shape); the last row fills the last block up.
+
+        Raises:
+            InputError: there are no rows.
+        """
+        array = as_numbers(rows, self._wide.precision)
+        if not array.ndim or not len(array):
+            raise InputError(f"{self._name}: an array of shape {array.shape} has no rows to make blocks of")
+        blocks = _aligned((-(-len(array) // self.width), *array.shape[1:], self.width), self._wide.precision)
+        full = len(array) // self.width
+        blocks[:full] = np.moveaxis(array[: full * self.width].reshape(full, self.width, *array.shape[1:]), 1, -1)
+        rest = array[full * self.width :]
+        if len(rest):
+            blocks[full] = array[-1][..., None]
+            blocks[full, ..., : len(rest)] = np.moveaxis(rest, 0, -1)
+        return blocks
+
+    def rows(self, blocks: Any, count: int) -> Any:
+        """So many rows, (count, *shape), out of blocks, (blocks, *shape, width): what `of` made blocks of.
+
+        Of a tuple of blocks, as calls return it for several outputs, a tuple of rows.
+
+        Raises:
+            InputError: they are no blocks of this width, or hold fewer rows; the count is no whole number from 0.
+        """
+        if not isinstance(count, (int, np.integer)) or count < 0:
+            raise InputError(f"{self._name}: count={count!r} of rows must be a whole number from 0", count=count)
+        if isinstance(blocks, tuple):
+            several = [self.rows(x, count) for x in blocks]
+            return blocks._make(several) if hasattr(blocks, "_make") else tuple(several)  # type: ignore[attr-defined]
+        array = as_numbers(blocks, self._wide.precision)
+        if array.ndim < 2 or array.shape[-1] != self.width or count > len(array) * self.width:
+            rule = f"it must be (blocks, ..., {self.width}) with at least {count} rows"
+            raise InputError(f"{self._name}: an array of blocks has shape {array.shape}, {rule}")
+        return np.moveaxis(array, -1, 1).reshape(len(array) * self.width, *array.shape[1:-1])[:count]
+
+    def _spread(self, x: Any) -> Any:
+        """Numbers that are one for all of a block, with as many as the block holds."""
+        try:
+            array = np.atleast_1d(x)
+        except ValueError:  # told where it is explained
+            return x
+        return np.repeat(array, self.width, axis=-1) if array.shape[-1] == 1 else x
+
+    @cached_property
+    def _threaded(self) -> Threaded:
+        operations = len(self._wide.nodes) * self.width
+        ports = (self._wide.inputs, self._wide.outputs)
+        return Threaded(*ports, operations, self._function.call, self._wide.precision)
+
+
+def _lie_ready(arguments: tuple[Any, ...], out: Any) -> bool:
+    """Whether everything that is read and written lies in order; what does not fit otherwise NumPy refuses."""
+    for x in arguments if out is None else (*arguments, *out) if type(out) is tuple else (*arguments, out):
+        if type(x) is not np.ndarray or not x.flags.c_contiguous:
+            return False
+    return True
+
+
+def _aligned(shape: tuple[int, ...], precision: Precision) -> np.ndarray:
+    """An array that begins where a line of the cache does: vectors across two lines take longer."""
+    size = int(np.prod(shape)) * precision.item
+    memory = np.empty(size + _CACHE_LINE, np.uint8)
+    start = -memory.ctypes.data % _CACHE_LINE
+    return memory[start : start + size].view(precision.dtype).reshape(shape)

@@ -1,0 +1,41 @@
+"""A NumPy generalised ufunc over a loop in machine code.
+
+NumPy's own machinery then broadcasts, casts, walks strides, releases the GIL and writes to `out`.
+"""
+
+import ctypes
+from collections.abc import Sequence
+
+from cutpoint.errors import InputError
+from cutpoint.kernels.arrays.numpy_api import MOST_OPERANDS, new_gufunc
+from cutpoint.kernels.arrays.packs import Packs, lanes_of
+from cutpoint.kernels.graphs.graph import Graph
+from cutpoint.kernels.graphs.ports import Port
+from cutpoint.kernels.machine import element
+from cutpoint.kernels.machine.batch_loop import FUNCTION, batch_loop
+from cutpoint.kernels.machine.jit import Compiled, Unwritten
+
+
+class Gufunc:
+    """A compiled graph as a NumPy generalised ufunc; owns the code and tables that NumPy only points to.
+
+    Attributes:
+        call: the generalised ufunc.
+        element: the address of the code for one element.
+    """
+
+    def __init__(self, graph: Graph, inputs: Sequence[Port], outputs: Sequence[Port], name: str) -> None:
+        """Raises InputError for more arrays than NumPy takes."""
+        if (count := len(inputs) + len(outputs)) > MOST_OPERANDS:
+            told = f"{name}: {count} inputs and outputs, at most {MOST_OPERANDS} compile"
+            raise InputError(f"{told}; gather numbers into vectors, or use backend='numpy'", arrays=count)
+        self._packs = Packs(graph, inputs, outputs, name)
+        lanes, width = lanes_of(graph.precision), self._packs.width
+        text = Unwritten(
+            (FUNCTION, graph.digest(), inputs, outputs, lanes, width),
+            lambda: batch_loop(graph, inputs, outputs, lanes, width),
+        )
+        self._code = Compiled(text, FUNCTION, element.FUNCTION)
+        self.element: int | None = self._code.addresses[element.FUNCTION]
+        data, dtype = ctypes.addressof(self._packs.table), graph.precision.dtype
+        self.call, self._tables = new_gufunc(self._code.address, data, dtype, inputs, outputs, name)

@@ -1,0 +1,58 @@
+"""A function of Python behind a look at some numbers of its arguments, in machine code: nanoseconds a call."""
+
+from collections.abc import Callable, Sequence
+from typing import Any
+
+from cutpoint.kernels.arrays import numpy_api, python_api
+from cutpoint.kernels.arrays.fastcall import is_possible
+from cutpoint.kernels.arrays.plain_arguments import ELSEWHERE, plain_array, require
+from cutpoint.kernels.graphs.ports import Port
+from cutpoint.kernels.machine.jit import Compiled
+from cutpoint.kernels.machine.llvm_code import Code, literal
+
+_FUNCTION = "look"
+_OPTIMISATION = 0
+
+
+def looking(
+    function: Callable[..., Any],
+    otherwise: Callable[..., Any],
+    name: str,
+    arguments: Sequence[int],
+    entries: Sequence[int],
+    size: int,
+    smallest: float,
+) -> Callable[..., Any]:
+    """Calls the function, or `otherwise` unless all numbers that are looked at are larger than the smallest.
+
+    arguments, entries: which entries of which arguments; these are plain vectors of that size.  What is not goes to
+    `otherwise`, which also gets all calls where Python's or NumPy's objects are not as expected.
+    """
+    if not is_possible():
+        return otherwise
+    symbols = python_api.symbols() | numpy_api.symbols() | {"function": id(function), "general": id(otherwise)}
+    code = Compiled(_ir(arguments, entries, size, smallest), _FUNCTION, symbols=symbols, optimisation=_OPTIMISATION)
+    doc = getattr(function, "__doc__", None) or name
+    return python_api.builtin(code.address, name, doc, (code, function, otherwise))
+
+
+def _ir(arguments: Sequence[int], entries: Sequence[int], size: int, smallest: float) -> str:
+    """The module's text."""
+    code = Code()
+    enough = code.let(f"icmp sgt i64 %count, {max(arguments)}")
+    require(code, enough, code.let("icmp eq ptr %names, null"))
+    for argument in arguments:
+        numbers = plain_array(code, code.load("%arguments", argument, "ptr"), Port("looked at", (size,)))
+        for entry in entries:
+            x = code.load(numbers, entry)
+            above = code.let(f"fcmp ogt double {x}, {literal(smallest)}")
+            below = code.let(f"fcmp olt double {x}, {literal(-smallest)}")
+            require(code, code.let(f"or i1 {above}, {below}"))
+    for name in ("function", "general"):
+        if name == "general":
+            code.open(ELSEWHERE)
+        found = code.let(f"call ptr @PyObject_Vectorcall(ptr @{name}, ptr %arguments, i64 %count, ptr %names)")
+        code.lines.append(f"ret ptr {found}")
+    externals = [f"@{name} = external global i8" for name in ("array_type", "float64", "function", "general")]
+    head = f"define ptr @{_FUNCTION}(ptr %self, ptr %arguments, i64 %count, ptr %names) {{\nentry:"
+    return "\n".join([python_api.DECLARATIONS, *externals, head, *code.lines, "}", ""])

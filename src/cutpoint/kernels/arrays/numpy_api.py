@@ -1,0 +1,118 @@
+"""NumPy's C API and the memory of its arrays: all that the package takes for granted about them is in this file.
+
+Places in NumPy's tables of functions are fixed by its ABI.  The fields of an array have kept their order since
+NumPy 1.7; machine code reads them only where `arrays_are_as_expected`.
+"""
+
+import ctypes
+from collections.abc import Callable, Sequence
+from functools import cache
+from importlib import import_module
+from typing import Any
+
+import numpy as np
+
+from cutpoint.kernels.graphs.ports import Port
+
+DOUBLE = 12
+"""The number of float64 among NumPy's types."""
+
+MOST_OPERANDS = 64 if hasattr(np, "_core") else 32
+"""Of a ufunc, inputs and outputs together: in NumPy 2, and in 1.26."""
+
+_HEADER = object.__basicsize__
+DATA, RANK, SHAPE, TYPE, FLAGS = _HEADER, _HEADER + 8, _HEADER + 16, _HEADER + 40, _HEADER + 48
+"""Where an array's fields are, in bytes: void *data, int nd, npy_intp *dimensions, PyArray_Descr *descr, int flags."""
+
+TIDY = 0x0001 | 0x0100
+"""The flags of an array that is C-contiguous and aligned."""
+
+_VERSIONS = (0x01000009, 0x02000000)
+"""Of the ABI: NumPy 1 and NumPy 2."""
+_GET_VERSION, _SCALAR, _NEW = 0, 60, 93
+_FROM_FUNC_AND_DATA_AND_SIGNATURE = 31
+_NO_IDENTITY = -1
+
+
+def new_gufunc(
+    loop: int, data: int | None, dtype: np.dtype[Any], inputs: Sequence[Port], outputs: Sequence[Port], name: str
+) -> tuple[Callable[..., Any], Any]:
+    """A generalised ufunc over a loop in machine code, and the tables that it points to: keep them as long as it.
+
+    loop, data: the addresses of the loop and of what NumPy hands to it.  dtype: of all arrays.
+    """
+    pointer, text, number = ctypes.c_void_p, ctypes.c_char_p, ctypes.c_int
+    prototype = ctypes.PYFUNCTYPE(
+        ctypes.py_object, pointer, pointer, text, number, number, number, number, text, text, number, text
+    )
+    make = prototype(_table("umath", "_UFUNC_API")[_FROM_FUNC_AND_DATA_AND_SIGNATURE])
+    types, signature = bytes([dtype.num] * (len(inputs) + len(outputs))), _signature(inputs, outputs).encode()
+    tables = (pointer * 1)(loop), (pointer * 1)(data), types
+    named = name.encode()
+    made = make(*tables, 1, len(inputs), len(outputs), _NO_IDENTITY, named, b"", 0, signature)
+    return made, (*tables, named, signature)
+
+
+def _signature(inputs: Sequence[Port], outputs: Sequence[Port]) -> str:
+    """NumPy's text of core dimensions, all of them frozen: (6),(3,4)->()."""
+    left, right = (",".join(f"({','.join(map(str, p.shape))})" for p in ports) for ports in (inputs, outputs))
+    return f"{left}->{right}"
+
+
+@cache
+def symbols() -> dict[str, int]:
+    """Addresses, by the names that machine code calls them."""
+    table = _table("multiarray", "_ARRAY_API")
+    objects = {"array_type": np.ndarray, "float64_type": np.float64, "float64": np.dtype(np.float64)}
+    return {"PyArray_New": table[_NEW], "PyArray_Scalar": table[_SCALAR]} | {k: id(x) for k, x in objects.items()}
+
+
+@cache
+def arrays_are_as_expected() -> bool:
+    """Whether this NumPy's arrays lie in memory, and are made, as machine code takes for granted."""
+    if ctypes.sizeof(ctypes.c_void_p) != 8 or np.ndarray.__basicsize__ < FLAGS + 4:
+        return False
+    version = ctypes.CFUNCTYPE(ctypes.c_uint)(_table("multiarray", "_ARRAY_API")[_GET_VERSION])()
+    return version in _VERSIONS and all(map(_lies_as_expected, _specimens())) and _new_ones_are_right()
+
+
+def _specimens() -> list[np.ndarray]:
+    """Arrays that differ in every field."""
+    fixed = np.arange(30.0).reshape(5, 6)
+    fixed.flags.writeable = False
+    odd = np.frombuffer(bytes(41), np.uint8)[1:].view(np.float64)
+    return [np.array(1.5), np.zeros(7), fixed, fixed[1:, ::2], fixed.T, odd, np.zeros((2, 3, 4), np.float32),
+            np.zeros(3, ">f8"), np.zeros(3, "<f8")]  # fmt: skip
+
+
+def _lies_as_expected(a: np.ndarray) -> bool:
+    def read(offset: int, kind: Any) -> Any:
+        return kind.from_address(id(a) + offset).value
+
+    tidy = 0x0001 * a.flags.c_contiguous | 0x0100 * a.flags.aligned
+    if (read(DATA, ctypes.c_void_p), read(RANK, ctypes.c_int)) != (a.ctypes.data, a.ndim):
+        return False
+    if (read(TYPE, ctypes.c_void_p), read(FLAGS, ctypes.c_int) & TIDY) != (id(a.dtype), tidy):
+        return False
+    return not a.ndim or tuple((ctypes.c_int64 * a.ndim).from_address(read(SHAPE, ctypes.c_void_p))) == a.shape
+
+
+def _new_ones_are_right() -> bool:
+    pointer, number, thing, at = ctypes.c_void_p, ctypes.c_int, ctypes.py_object, symbols()
+    new = ctypes.PYFUNCTYPE(thing, pointer, number, pointer, number, pointer, pointer, number, number, pointer)
+    shape = (ctypes.c_int64 * 2)(2, 3)
+    array = new(at["PyArray_New"])(at["array_type"], 2, ctypes.addressof(shape), DOUBLE, None, None, 0, 0, None)
+    value = ctypes.c_double(1.5)
+    scalar = ctypes.PYFUNCTYPE(thing, pointer, pointer, pointer)(at["PyArray_Scalar"])
+    float64 = scalar(ctypes.addressof(value), at["float64"], None)
+    right = type(array) is np.ndarray and array.dtype is np.dtype(np.float64) and array.shape == (2, 3)
+    lies = np.float64.__basicsize__ >= _HEADER + 8 and ctypes.c_double.from_address(id(float64) + _HEADER).value == 1.5
+    return right and array.flags.carray and type(float64) is np.float64 and float64 == 1.5 and lies
+
+
+def _table(module: str, name: str) -> Any:
+    """One of the tables of functions that NumPy hands to extension modules."""
+    inside = import_module(f"numpy.{'_core' if hasattr(np, '_core') else 'core'}.{module}")  # NumPy 2 or 1.26
+    get = ctypes.pythonapi.PyCapsule_GetPointer
+    get.restype, get.argtypes = ctypes.c_void_p, [ctypes.py_object, ctypes.c_char_p]
+    return ctypes.cast(get(getattr(inside, name), None), ctypes.POINTER(ctypes.c_void_p))

@@ -1,0 +1,90 @@
+"""LLVM IR that recognises plain arguments of a Python call: one test after another, the first that fails leaves."""
+
+from collections.abc import Sequence
+
+from cutpoint.kernels.arrays.numpy_api import DATA, FLAGS, RANK, SHAPE, TIDY, TYPE
+from cutpoint.kernels.arrays.python_api import KIND, VALUE
+from cutpoint.kernels.graphs.ports import Port
+from cutpoint.kernels.machine.jit import vector_width
+from cutpoint.kernels.machine.llvm_code import Code, literal
+
+ELSEWHERE = "%general"
+"""Where calls go whose arguments are not plain."""
+
+
+def recognised(code: Code, ports: Sequence[Port], largest: float | None) -> list[str]:
+    """Pointers to the arguments' numbers; what is not recognised leaves for ELSEWHERE."""
+    require(code, code.let(f"icmp eq i64 %count, {len(ports)}"), code.let("icmp eq ptr %names, null"))
+    objects = [code.load("%arguments", k, "ptr") for k in range(len(ports))]
+    found = [(plain_array if p.shape else _scalar)(code, x, p) for x, p in zip(objects, ports, strict=True)]
+    if largest is not None:
+        _require_within(code, [(pointer, port.size) for pointer, port in zip(found, ports, strict=True)], largest)
+    return found
+
+
+def plain_array(code: Code, x: str, port: Port) -> str:
+    """A pointer to the numbers of an object, if it is a tidy float64 array of the port's shape."""
+    require(code, code.let(f"icmp eq ptr {code.field(x, KIND)}, @array_type"))
+    tidy = code.let(f"and i32 {code.field(x, FLAGS, 'i32')}, {TIDY}")
+    require(
+        code,
+        code.let(f"icmp eq i32 {code.field(x, RANK, 'i32')}, {len(port.shape)}"),
+        code.let(f"icmp eq ptr {code.field(x, TYPE)}, @float64"),
+        code.let(f"icmp eq i32 {tidy}, {TIDY}"),
+    )
+    if port.shape:
+        shape = code.field(x, SHAPE)
+        require(code, *(code.let(f"icmp eq i64 {code.load(shape, k, 'i64')}, {n}") for k, n in enumerate(port.shape)))
+    return code.field(x, DATA)
+
+
+def _scalar(code: Code, x: str, port: Port) -> str:
+    """A float, an np.float64, whose value lies where a float's does, or an array without axes."""
+    number, other, array, end = (code.name(x) for x in ("number", "other", "array", "end"))
+    kind = code.field(x, KIND)
+    kinds = [code.let(f"icmp eq ptr {kind}, @{name}") for name in ("float_type", "float64_type")]
+    code.branch(code.let(f"or i1 {', '.join(kinds)}"), number, other)
+    code.open(other)
+    inside = plain_array(code, x, port)
+    code.label(array)
+    code.lines.append(f"br label {end}")
+    code.open(number)
+    value = code.at(x, VALUE, "i8")
+    code.label(end)
+    return code.let(f"phi ptr [ {inside}, {array} ], [ {value}, {number} ]")
+
+
+def _require_within(code: Code, arguments: list[tuple[str, int]], largest: float) -> None:
+    width, conditions = vector_width(), []
+    for pointer, size in arguments:
+        if size >= width:
+            with code.loop(size // width) as loop:
+                block = code.at(pointer, code.let(f"mul i64 {loop.iteration}, {width}"))
+                require(code, _are_within(code, block, width, largest))
+        if size % width:
+            conditions.append(_are_within(code, code.at(pointer, size // width * width), size % width, largest))
+    if conditions:
+        require(code, *conditions)
+
+
+def _are_within(code: Code, pointer: str, size: int, largest: float) -> str:
+    """By the squares, which are greater, or unordered, for what is beyond, infinite or no number."""
+    kind = f"<{size} x double>"
+    x = code.load(pointer, 0, kind, align=8)
+    square = code.let(f"fmul {kind} {x}, {x}")
+    odd = code.let(f"fcmp ugt {kind} {square}, {splat(largest * largest, size)}")
+    return code.let(f"icmp eq i{size} {code.let(f'bitcast <{size} x i1> {odd} to i{size}')}, 0")
+
+
+def splat(x: float, size: int) -> str:
+    """A constant in every lane of a vector."""
+    return f"<{', '.join([f'double {literal(x)}'] * size)}>"
+
+
+def require(code: Code, *conditions: str) -> None:
+    """All conditions hold from here on."""
+    all_hold, then = conditions[0], code.name("then")
+    for condition in conditions[1:]:
+        all_hold = code.let(f"and i1 {all_hold}, {condition}")
+    code.branch(all_hold, then, ELSEWHERE)
+    code.open(then)

@@ -1,0 +1,136 @@
+"""Long batches on several threads: NumPy's ufuncs let other threads run while they work."""
+
+import operator
+import os
+from collections.abc import Callable, Sequence
+from concurrent.futures import ThreadPoolExecutor, wait
+from functools import cache
+from typing import Any
+
+import numpy as np
+
+from cutpoint.errors import InputError
+from cutpoint.kernels.arrays.arguments import as_numbers, batch_shape
+from cutpoint.kernels.graphs.ports import Port, Shape
+from cutpoint.kernels.graphs.precision import FLOAT64, Precision
+
+CHUNK = 2**23
+"""Operations that a thread does before it looks for more: fewer do not outweigh waking it, which takes up to 0.1 ms."""
+
+_CHUNKS_PER_THREAD = 4
+_ALIGNED = 16  # parts end where packs do
+
+
+class Threaded:
+    """Runs a function of arrays on parts of a batch."""
+
+    def __init__(
+        self,
+        inputs: Sequence[Port],
+        outputs: Sequence[Port],
+        operations: int,
+        call: Callable[..., Any],
+        precision: Precision = FLOAT64,
+    ) -> None:
+        """call(*arrays, out=None): elements, of so many operations, are independent of each other and broadcast."""
+        self._inputs, self._outputs, self._call, self._precision = inputs, outputs, call, precision
+        self._least = CHUNK // max(operations, 1)
+
+    def __call__(self, threads: int, arguments: Sequence[Any], out: Any) -> Any:
+        """What one call gives, to the last bit."""
+        try:
+            arrays = [as_numbers(x, self._precision) for x in arguments]
+            batches = [batch_shape(p, x) for p, x in zip(self._inputs, arrays, strict=True)]
+            batch = np.broadcast_shapes(*batches)
+        except (TypeError, ValueError):
+            return self._call(*arguments, out=out)  # which explains what is wrong
+        targets = self._targets(batch, out)
+        ranges = _ranges(max(batch, default=1), threads, self._least)
+        if len(ranges) < 2 or targets is None or _overlap(arrays, targets):
+            return self._call(*arguments, out=out)
+        axis = batch.index(max(batch))
+        pairs = zip((*self._inputs, *self._outputs), (*arrays, *targets), strict=True)
+        cuts = [_Cut(x, axis - (len(batch) + len(p.shape))) for p, x in pairs]
+        inputs, outputs = cuts[: len(arrays)], cuts[len(arrays) :]
+
+        def run(part: slice) -> None:
+            self._call(*(cut(part) for cut in inputs), out=tuple(cut(part) for cut in outputs))
+
+        _shared(run, ranges, threads)
+        return targets[0] if len(targets) == 1 else tuple(targets)
+
+    def _targets(self, batch: Shape, out: Any) -> list[Any] | None:
+        """Arrays for the results; None if those that were given do not fit."""
+        shapes = [(*batch, *p.shape) for p in self._outputs]
+        if out is None:
+            return [np.empty(shape, self._precision.dtype) for shape in shapes]
+        targets = [*out] if isinstance(out, tuple) else [out]
+        return targets if [getattr(x, "shape", None) for x in targets] == shapes else None
+
+
+class _Cut:
+    """An array, and how to take a part of it along an axis counted from the last; one that it lacks it repeats."""
+
+    def __init__(self, array: np.ndarray, axis: int) -> None:
+        self._array, self._axis = array, axis
+        self._is_shared = array.ndim < -axis or array.shape[axis] == 1
+
+    def __call__(self, part: slice) -> np.ndarray:
+        if self._is_shared:
+            return self._array
+        return self._array[(..., part, *[slice(None)] * (-self._axis - 1))]
+
+
+def _shared(run: Callable[[slice], None], ranges: Sequence[slice], threads: int) -> None:
+    """Runs every range once, here and on other threads; who is done takes the next."""
+    left = iter(ranges)
+
+    def work() -> None:
+        for part in left:
+            run(part)
+
+    helpers = [_pool(threads - 1).submit(work) for _ in range(threads - 1)]
+    try:
+        work()
+    finally:  # nobody writes to the results any more when this returns
+        unfinished = [x for x in helpers if not x.cancel()]
+        wait(unfinished)
+    for helper in unfinished:
+        helper.result()
+
+
+def _ranges(length: int, threads: int, least: int) -> list[slice]:
+    """Parts of an axis, about equal, a few for each thread: one that is held up leaves work to the others."""
+    size = max(least, _ALIGNED, -(-length // (threads * _CHUNKS_PER_THREAD)))
+    size += -size % _ALIGNED
+    return [slice(first, min(first + size, length)) for first in range(0, length, size)]
+
+
+def _overlap(arrays: Sequence[np.ndarray], targets: Sequence[np.ndarray]) -> bool:
+    """Whether a result might overwrite what another part of the batch has still to read."""
+    return any(np.may_share_memory(x, y) for x in arrays for y in targets)
+
+
+def thread_count(name: str, threads: Any) -> int:
+    """A number of threads.
+
+    Raises:
+        InputError: it is no whole number from 1.
+    """
+    try:
+        count = operator.index(threads)
+    except TypeError:
+        count = 0
+    if count < 1:
+        raise InputError(f"{name}: threads={threads!r} must be a whole number from 1", threads=threads)
+    return count
+
+
+@cache
+def _pool(count: int) -> ThreadPoolExecutor:
+    return ThreadPoolExecutor(count, thread_name_prefix="cutpoint")
+
+
+if hasattr(os, "register_at_fork"):
+    # a child process has none of its parent's threads
+    os.register_at_fork(after_in_child=_pool.cache_clear)

@@ -1,0 +1,64 @@
+"""From a function to its graph: called once with traced scalars, it leaves what it does."""
+
+import inspect
+from collections.abc import Callable
+from numbers import Real
+from typing import Any
+
+from cutpoint.errors import InputError, TraceError
+from cutpoint.kernels.graphs.graph import Graph
+from cutpoint.kernels.graphs.nodes import Trace
+from cutpoint.kernels.graphs.ports import Port, flatten, named_parts, nest, port
+from cutpoint.kernels.graphs.refusals import as_float
+from cutpoint.kernels.graphs.tracing import Operand, Traced, tracing
+
+
+def graph_of(function: Callable[..., Any], /, **inputs: int | tuple[int, ...]) -> Graph:
+    """The graph of a function, with nothing compiled.  Inputs as in `compile`."""
+    return traced(function, [port(name, shape) for name, shape in inputs.items()])[0]
+
+
+def traced(function: Callable[..., Any], inputs: list[Port]) -> tuple[Graph, str | None]:
+    """The graph of a function of these inputs, and the name of the record it returns, None if it returns one array."""
+    with tracing() as trace:
+        slots = iter([trace.node("input", k) for k in range(sum(p.size for p in inputs))])
+        result = function(**_bound(function, {p.name: nest(slots, p.shape) for p in inputs}))
+        named = named_parts(result)
+        ports, numbers = [], []
+        for name, value in ({"result": result} if named is None else named).items():
+            shape, flat = _flat(function, name, value)
+            ports.append(Port(name, shape))
+            numbers += [checked(function, name, x, trace) for x in flat]
+    return Graph(tuple(inputs), tuple(ports), tuple(numbers)), None if named is None else type(result).__name__
+
+
+def name_of(function: Callable[..., Any]) -> str:
+    return getattr(function, "__name__", type(function).__name__).replace("<lambda>", "lambda")
+
+
+def _bound(function: Callable[..., Any], arguments: dict[str, Any]) -> dict[str, Any]:
+    try:
+        inspect.signature(function).bind(**arguments)
+    except ValueError:
+        wrapped = f"lambda {', '.join(arguments)}: {name_of(function)}(...)"
+        raise InputError(f"{name_of(function)}: its parameters are not known; compile {wrapped}") from None
+    except TypeError as error:
+        raise InputError(f"{name_of(function)}: its parameters are not the inputs {[*arguments]}: {error}") from None
+    return arguments
+
+
+def _flat(function: Callable[..., Any], name: str, value: Any) -> tuple[tuple[int, ...], list[Any]]:
+    try:
+        return flatten(value)
+    except ValueError as error:
+        raise TraceError(f"{name_of(function)}: output {name!r} is ragged: {error}") from None
+
+
+def checked(function: Callable[..., Any], name: str, x: Any, trace: Trace) -> Operand:
+    """A number that may leave a kernel."""
+    if isinstance(x, Traced) and x.trace is trace:
+        return x
+    if isinstance(x, Real):
+        return as_float(x)
+    what = "a number of another trace" if isinstance(x, Traced) else f"a {type(x).__name__}"
+    raise TraceError(f"{name_of(function)}: output {name!r} holds {what}; it must hold traced numbers, ints and floats")

@@ -1,0 +1,176 @@
+"""Contraction, decided once in the graph: sums take products in as fused multiply-adds, everywhere alike.
+
+Products that nothing else needs join the sum that their own sum is a term of: t + (a x + b y) takes two operations, not
+three.  Those that share a factor share a product: a x + a y is a (x + y).  What is waited for longest comes in last.
+Numbers that are no products keep their places, so that (x + y) - y is what it was; in loops, one that the iteration
+before hands on late comes after the products.
+"""
+
+import math
+from collections import Counter
+from collections.abc import Callable, Hashable, Mapping, Sequence
+from types import MappingProxyType
+from typing import Any, NamedTuple
+
+from cutpoint.kernels.graphs.algebra import Operand
+from cutpoint.kernels.graphs.graph import Graph, rewrite
+from cutpoint.kernels.graphs.nodes import Node, Trace
+from cutpoint.kernels.lowering.latencies import cycles
+
+_ABOUT_AT_ONCE = 12
+"""Cycles.  Terms whose operands come closer to each other than that stay in the order in which they were written."""
+
+_MOST_TERMS = 16
+"""That join another sum at a time: in longer ones an operation less is little, and copies of them would be many."""
+
+_TOO_MANY_IN_A_ROW = 5
+"""Products that the next iteration would wait for, one after another."""
+
+_AT_ONCE: Mapping[int, int] = MappingProxyType({})
+"""Arrivals where all inputs are there from the beginning."""
+
+
+class Term(NamedTuple):
+    """What a sum adds (1) or takes away (-1): a product of two factors, or one number."""
+
+    sign: int
+    factors: tuple[Operand, ...]
+
+    @property
+    def is_product(self) -> bool:
+        return len(self.factors) == 2
+
+    def times(self, sign: int) -> "Term":
+        return Term(sign * self.sign, self.factors)
+
+    def beside(self, factor: Hashable) -> Operand | None:
+        """The other factor of a product with this one."""
+        if self.is_product:
+            for x, y in (self.factors, self.factors[::-1]):
+                if _key(x) == factor:
+                    return y
+        return None
+
+
+def fuse(graph: Graph, arrivals: Mapping[int, int] = _AT_ONCE, *, again: bool = False) -> Graph:
+    """The graph with a * b + c, a * b - c and c - a * b as one operation wherever a * b is needed nowhere else.
+
+    arrivals: cycles after which an input slot's number comes, where that is later than others: see `recurrence`.
+    again: for code that waits for results more than for room: a product that several sums need, and nothing else, is
+        made again in each, so that like sums stay alike, and long sums go in two halves.
+    """
+    return rewrite(graph, _Fusion(graph, arrivals, again).rule)
+
+
+class _Fusion:
+    """Of one graph.
+
+    uses: of its numbers, by serial.  shared: products that only sums need.  products: of which a sum consists that is
+    needed once.  there: the cycle in which a new number is.
+    """
+
+    def __init__(self, graph: Graph, arrivals: Mapping[int, int], again: bool) -> None:
+        self._arrivals, self._again = arrivals, again
+        self._uses = Counter(y.serial for x in graph.nodes for y in x.args if isinstance(y, Node))
+        self._uses.update(x.serial for x in graph.results if isinstance(x, Node))
+        self._shared = _only_in_sums(graph) if again else set[int]()
+        self._products: dict[int, list[Term]] = {}
+        self._there: dict[int, int] = {}
+        for x in graph.nodes:
+            terms = self._terms(x) if x.op in ("add", "sub") and self._uses[x.serial] == 1 else []
+            if 0 < len(terms) <= _MOST_TERMS and all(t.is_product for t in terms):
+                self._products[x.serial] = terms
+
+    def rule(self, x: Node, operands: list[Operand], new: Callable[[Any], Operand], trace: Trace) -> Operand:
+        if x.op == "input":
+            node = self._made(trace, x.op, *operands)
+            self._there[node.serial] += self._arrivals.get(x.args[0], 0)
+            return node
+        if x.op not in ("add", "sub"):
+            return self._made(trace, x.op, *operands)
+        return self._sum([Term(t.sign, tuple(map(new, t.factors))) for t in self._terms(x)], trace)
+
+    def _terms(self, x: Node) -> list[Term]:
+        first, second = map(self._parts, x.args)
+        return first + [t.times(1 if x.op == "add" else -1) for t in second]
+
+    def _parts(self, x: Operand) -> list[Term]:
+        if not isinstance(x, Node):
+            return [Term(1, (x,))]
+        if x.op == "mul" and (self._uses[x.serial] == 1 or x.serial in self._shared):
+            return [Term(1, x.args)]
+        return self._products.get(x.serial) or [Term(1, (x,))]
+
+    def _sum(self, terms: Sequence[Term], trace: Trace) -> Operand:
+        """All terms, one after another; where that may be, half of many products that come late beside the others."""
+        terms = self._in_order(self._factored(terms, trace))
+        last = max((self._ready(t.factors) for t in terms if t.is_product), default=0)
+        late = [t for t in terms if t.is_product and self._ready(t.factors) > last - _ABOUT_AT_ONCE]
+        if not self._again or len(late) < _TOO_MANY_IN_A_ROW:
+            return self._one_after_another(terms, trace)
+        beside = late[len(late) // 2 :]
+        sign = max(t.sign for t in beside)
+        rest = self._one_after_another([t for t in terms if not any(t is x for x in beside)], trace)
+        other = self._one_after_another([t.times(sign) for t in beside], trace)
+        return self._made(trace, "add" if sign > 0 else "sub", rest, other)
+
+    def _one_after_another(self, terms: Sequence[Term], trace: Trace) -> Operand:
+        """All terms onto the first that is added."""
+        start = next((t for t in terms if t.sign > 0), None)
+        if start is None:
+            return self._made(trace, "neg", self._one_after_another([t.times(-1) for t in terms], trace))
+        rest = [t for t in terms if t is not start]
+        if not start.is_product:
+            (total,) = start.factors
+        elif rest and not rest[0].is_product and rest[0].sign < 0:
+            total = self._made(trace, "fms", *start.factors, *rest.pop(0).factors)
+        else:
+            total = self._made(trace, "mul", *start.factors)
+        for t in rest:
+            if t.is_product:
+                total = self._made(trace, "fma" if t.sign > 0 else "fnma", *t.factors, total)
+            else:
+                total = self._made(trace, "add" if t.sign > 0 else "sub", total, *t.factors)
+        return total
+
+    def _factored(self, terms: Sequence[Term], trace: Trace) -> Sequence[Term]:
+        """Products that share a factor as one product with a sum; the factor that most of them share goes first."""
+        counts = Counter(key for t in terms if t.is_product for key in dict.fromkeys(map(_key, t.factors)))
+        common, count = next(iter(counts.most_common(1)), (None, 0))
+        if count < 2:
+            return terms
+        sharing = [t for t in terms if t.beside(common) is not None]
+        factor = next(x for x in sharing[0].factors if _key(x) == common)
+        sign = max(t.sign for t in sharing)
+        others = self._sum([Term(sign * t.sign, (t.beside(common),)) for t in sharing], trace)
+        rest = [t for t in terms if t.beside(common) is None]
+        return self._factored([*rest, Term(sign, (factor, others))], trace)
+
+    def _in_order(self, terms: Sequence[Term]) -> Sequence[Term]:
+        """A number that is no product first: products fuse with it, unless a loop hands it on after they are there."""
+        products = [self._ready(t.factors) for t in terms if t.is_product]
+        late = max(products) + _ABOUT_AT_ONCE if products and self._arrivals else math.inf
+
+        def place(t: Term) -> tuple[int, int]:
+            there = self._ready(t.factors)
+            return 1 if t.is_product else 2 if there > late else 0, there // _ABOUT_AT_ONCE
+
+        return sorted(terms, key=place)
+
+    def _ready(self, operands: Sequence[Operand]) -> int:
+        return max((self._there[x.serial] for x in operands if isinstance(x, Node)), default=0)
+
+    def _made(self, trace: Trace, op: str, *operands: Operand) -> Node:
+        node = trace.node(op, *operands)
+        self._there[node.serial] = self._ready(operands) + cycles(op)
+        return node
+
+
+def _only_in_sums(graph: Graph) -> set[int]:
+    others = {y.serial for x in graph.nodes if x.op not in ("add", "sub") for y in x.args if isinstance(y, Node)}
+    others |= {x.serial for x in graph.results if isinstance(x, Node)}
+    return {x.serial for x in graph.nodes} - others
+
+
+def _key(x: Operand) -> Hashable:
+    return x.serial if isinstance(x, Node) else repr(x)

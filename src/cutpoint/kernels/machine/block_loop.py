@@ -1,0 +1,134 @@
+"""LLVM IR of a graph over blocks: arrays that hold as many elements side by side as the processor has lanes.
+
+A block is (*shape, width) in C order, so every number of a port is one vector in memory and nothing is transposed.
+"""
+
+from collections.abc import Sequence
+
+from cutpoint.kernels.graphs.graph import Graph
+from cutpoint.kernels.graphs.ports import Port
+from cutpoint.kernels.lowering.scheduling import depth_first
+from cutpoint.kernels.machine.lane_memory import ALL_EXCEPTIONS
+from cutpoint.kernels.machine.llvm import Lanes, straight_line
+from cutpoint.kernels.machine.llvm_code import PREFETCH, Code, in_turn
+from cutpoint.kernels.machine.tuning import for_divisions
+
+FUNCTION = "block_loop"
+
+BEYOND_CACHES = 2**25
+"""Bytes, of all blocks of a call: results of more are written past the caches, which would not keep them anyway.
+
+Measured for inverse dynamics of a 6R arm, 190 MB: 10 to 25 % less time.  For arrays of rows it gained nothing.
+"""
+
+
+_OPERATIONS_A_STORE = 3
+"""Where there are fewer, stores are waited for: depth-first order, in which they come at all times, is quicker.
+
+Measured for an arm's regressor in batches of 1 MB: 10 to 20 % less time.
+"""
+
+
+class _Memory:
+    """One port's blocks."""
+
+    def __init__(self, code: Code, number: int) -> None:
+        self.start = code.load("%arguments", number, "ptr")
+        self.step = code.load("%steps", number, "i64")
+        self.here = ""
+
+    def advance(self, code: Code, block: str) -> None:
+        self.here = code.at(self.start, code.let(f"mul i64 {self.step}, {block}"), "i8")
+
+
+def block_loop(graph: Graph, inputs: Sequence[Port], outputs: Sequence[Port], width: int) -> str:
+    """The module's text, in the calling convention of NumPy's generalised ufuncs; blocks are C-contiguous.
+
+    The ports are the graph's own.  An output may be an input: results wait in scratch memory then.
+    """
+    code, lanes = Code(), Lanes(width, graph.precision)
+    if len(graph.nodes) < _OPERATIONS_A_STORE * len(graph.results):
+        graph = depth_first(graph)
+    scratch = [code.let(f"alloca {lanes.real}, i64 {port.size}") for port in outputs]
+    arguments = [_Memory(code, number) for number in range(len(inputs) + len(outputs))]
+    sources, targets = arguments[: len(inputs)], arguments[len(inputs) :]
+    count = code.load("%dimensions", 0, "i64")
+    streams = _streams(code, arguments, targets, count, lanes)
+    direct = code.let(f"xor i1 {streams}, true")
+    for a, b in ((a, b) for a in sources for b in targets):
+        direct = code.let(f"and i1 {direct}, {code.let(f'icmp ne ptr {a.start}, {b.start}')}")
+    with code.loop(count) as loop:
+        for argument in arguments:
+            argument.advance(code, loop.iteration)
+        places = [code.let(f"select i1 {direct}, ptr {a.here}, ptr {x}") for a, x in zip(targets, scratch, strict=True)]
+        with code.aside() as asked:
+            for argument, port in zip(sources, inputs, strict=True):
+                code.ask(argument.here, port.size * lanes.item * lanes.width)
+        with code.aside() as block:
+            _block(code, graph, lanes, _slots(inputs, [a.here for a in sources]), _slots(outputs, places))
+        code.lines += in_turn(block, asked)
+        move, end = code.name("move"), code.name("moved")
+        code.branch(direct, end, move)
+        code.open(move)
+        for port, source, target in zip(outputs, scratch, targets, strict=True):
+            _move(code, lanes, port.size, source, target.here, streams)
+        code.label(end)
+    # stores past the caches keep no order; whoever reads the results finds them
+    code.lines.append("fence seq_cst")
+    # results, not processor flags, tell of overflow and NaN: both sides of a select are computed
+    code.let(f"call i32 @feclearexcept(i32 {ALL_EXCEPTIONS})")
+    head = f"{lanes.declarations}{PREFETCH}declare i32 @feclearexcept(i32)\n"
+    head += f"define void @{FUNCTION}(ptr %arguments, ptr %dimensions, ptr %steps, ptr %data) "
+    head += f"{for_divisions([graph])} {{\nentry:"
+    return "\n".join([head, *code.lines, "ret void", "}", "!0 = !{i32 1}", ""])
+
+
+def _block(code: Code, graph: Graph, lanes: Lanes, read: list[tuple[str, int]], write: list[tuple[str, int]]) -> None:
+    """One block from memory to memory; stores of constants among those of results, since they have to wait as these."""
+    constants = [(slot, lanes.constant(x)) for slot, x in enumerate(graph.results) if isinstance(x, float)]
+    each = -(-len(constants) // max(len(graph.results) - len(constants), 1))
+
+    def store(slot: int, value: str) -> None:
+        code.store(value, *write[slot], lanes.real, align=lanes.item)  # all that NumPy promises
+
+    def ready(slot: int, value: str) -> None:
+        store(slot, value)
+        for _ in range(min(each, len(constants))):
+            store(*constants.pop())
+
+    straight_line(code, graph, lanes, lambda slot: code.load(*read[slot], lanes.real, align=lanes.item), ready)
+    for constant in constants:
+        store(*constant)
+
+
+def _streams(code: Code, arguments: list[_Memory], targets: list[_Memory], count: str, lanes: Lanes) -> str:
+    """Whether results go past the caches: the call is long enough, and results begin where vectors may."""
+    total, places = "0", "0"
+    for argument in arguments:
+        total = code.let(f"add i64 {total}, {argument.step}")
+    for target in targets:
+        start = code.let(f"ptrtoint ptr {target.start} to i64")
+        places = code.let(f"or i64 {places}, {code.let(f'or i64 {start}, {target.step}')}")
+    is_long = code.let(f"icmp sgt i64 {code.let(f'mul i64 {total}, {count}')}, {BEYOND_CACHES}")
+    odd = code.let(f"and i64 {places}, {lanes.item * lanes.width - 1}")
+    return code.let(f"and i1 {is_long}, {code.let(f'icmp eq i64 {odd}, 0')}")
+
+
+def _move(code: Code, lanes: Lanes, size: int, source: str, target: str, streams: str) -> None:
+    """Results that waited in scratch memory."""
+    past, through, end = code.name("past"), code.name("through"), code.name("end")
+    code.branch(streams, past, through)
+    whole = lanes.item * lanes.width
+    for label, suffix in ((past, f"align {whole}, !nontemporal !0"), (through, f"align {lanes.item}")):
+        code.open(label)
+        with code.loop(size) as loop:
+            value = code.load(source, loop.iteration, lanes.real)
+            place = code.at(target, loop.iteration, lanes.real)
+            code.lines.append(f"store {lanes.real} {value}, ptr {place}, {suffix}")
+        code.lines.append(f"br label {end}")
+    code.open(end)
+
+
+def _slots(ports: Sequence[Port], memory: list[str]) -> list[tuple[str, int]]:
+    """Pointer and index of every vector."""
+    return [(pointer, k) for port, pointer in zip(ports, memory, strict=True) for k in range(port.size)]

@@ -1,0 +1,47 @@
+"""LLVM IR of a graph over a batch of any strides, in packs, in the calling convention of NumPy's generalised ufuncs."""
+
+from collections.abc import Sequence
+
+from cutpoint.kernels.graphs.graph import Graph
+from cutpoint.kernels.graphs.ports import Port
+from cutpoint.kernels.machine.lane_memory import ALL_EXCEPTIONS, LaneMemory
+from cutpoint.kernels.machine.llvm import Lanes, straight_line
+from cutpoint.kernels.machine.llvm_code import Code
+from cutpoint.kernels.machine.tuning import for_divisions
+
+FUNCTION = "strided_loop"
+
+
+def strided_loop(graph: Graph, inputs: Sequence[Port], outputs: Sequence[Port], width: int) -> str:
+    """The module's text.  All of a pack is read before any of it is written, so an output may be an input."""
+    code, lanes = Code(), Lanes(width, graph.precision)
+    arguments, first_stride = [], len(inputs) + len(outputs)
+    for number, port in enumerate((*inputs, *outputs)):
+        arguments.append(LaneMemory(code, lanes, port, number, first_stride))
+        first_stride += len(port.shape)
+    sources, targets = arguments[: len(inputs)], arguments[len(inputs) :]
+    read = [(a.scratch, k) for a, port in zip(sources, inputs, strict=True) for k in range(port.size)]
+    write = [(a.scratch, k) for a, port in zip(targets, outputs, strict=True) for k in range(port.size)]
+    for argument in arguments:
+        argument.prepare(code)
+    for x, place in zip(graph.results, write, strict=True):
+        if isinstance(x, float):
+            code.store(lanes.constant(x), *place, lanes.real)
+    count = code.load("%dimensions", 0, "i64")
+    packs = code.let(f"sdiv i64 {code.let(f'add i64 {count}, {width - 1}')}, {width}")
+    with code.loop(packs) as loop:
+        first = code.let(f"mul i64 {loop.iteration}, {width}")
+        for argument in sources:
+            argument.fetch(code, first, count)
+        straight_line(
+            code, graph, lanes, lambda slot: code.load(*read[slot], lanes.real),
+            lambda slot, value: code.store(value, *write[slot], lanes.real),
+        )  # fmt: skip
+        for argument in targets:
+            argument.deliver(code, first, count)
+    # results, not processor flags, tell of overflow and NaN: both sides of a select are computed
+    code.let(f"call i32 @feclearexcept(i32 {ALL_EXCEPTIONS})")
+    head = f"{lanes.declarations}declare i32 @feclearexcept(i32)\n"
+    head += f"define void @{FUNCTION}(ptr %arguments, ptr %dimensions, ptr %steps, ptr %data) "
+    head += f"{for_divisions([graph])} {{\nentry:"
+    return "\n".join([head, *code.lines, "ret void", "}", ""])

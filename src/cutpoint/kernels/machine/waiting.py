@@ -1,0 +1,90 @@
+"""What a user sees, and can do, while code is made that takes its time."""
+
+import math
+import sys
+import threading
+import time
+from collections.abc import Callable, Generator
+from contextlib import contextmanager
+from typing import Any, TypeVar
+
+from cutpoint.kernels.machine.forks import new_lock
+
+T = TypeVar("T")
+
+SHOWN_AFTER = 1.0
+"""Until then a wait passes without a word, s."""
+
+_HEARD_WITHIN = 0.1
+"""The longest time that Ctrl-C goes unheard where a waiting thread cannot be interrupted, s."""
+
+PAUSE = 0.2
+"""Compilations that follow one another within this time are one wait, s."""
+
+_terminal = new_lock()
+
+
+class _Wait:
+    """When the wait began that goes on, and when its last compilation ended, s."""
+
+    began = ended = -math.inf
+
+
+@contextmanager
+def shown(what: str) -> Generator[None, None, None]:
+    """Says on a terminal what is compiled once a user has waited long; only the outermost of several speaks."""
+    is_mine = sys.stderr is not None and sys.stderr.isatty() and _terminal.acquire(blocking=False)
+    if not is_mine:
+        yield
+        return
+    now = time.monotonic()
+    if now - _Wait.ended > PAUSE:
+        _Wait.began = now
+    bars: list[Any] = []
+    timer = threading.Timer(max(0.0, _Wait.began + SHOWN_AFTER - now), lambda: bars.append(_bar(what)))
+    timer.daemon = True
+    timer.start()
+    try:
+        yield
+    finally:
+        timer.cancel()
+        timer.join()
+        for bar in bars:
+            bar.stop()
+        _Wait.ended = time.monotonic()
+        _terminal.release()
+
+
+def _bar(what: str) -> Any:
+    from rich.console import Console
+    from rich.progress import Progress, SpinnerColumn, TextColumn, TimeElapsedColumn
+
+    columns = (SpinnerColumn(), TextColumn("compiling {task.description}", markup=False), TimeElapsedColumn())
+    # what a traced function prints stays where it belongs
+    bar = Progress(*columns, console=Console(stderr=True), transient=True, redirect_stdout=False, redirect_stderr=False)
+    bar.add_task(what, total=None)
+    bar.start()
+    return bar
+
+
+def interruptible(work: Callable[[], T]) -> T:
+    """What some work in machine code returns, or raises, done by another thread so that Ctrl-C is heard at once.
+
+    After Ctrl-C the work still runs to its end: what it returns is lost, what it does besides stays.
+    """
+    found: list[T] = []
+    failed: list[BaseException] = []
+
+    def run() -> None:
+        try:
+            found.append(work())
+        except BaseException as error:
+            failed.append(error)
+
+    thread = threading.Thread(target=run, name="cutpoint compiles", daemon=True)
+    thread.start()
+    while thread.is_alive():
+        thread.join(_HEARD_WITHIN)
+    if failed:
+        raise failed[0]
+    return found[0]

@@ -1,0 +1,137 @@
+"""A stepping program in machine code: all its stages and loops as one function."""
+
+import ctypes
+from collections.abc import Callable, Mapping, Sequence
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from cutpoint.kernels.machine.jit import Compiled
+from cutpoint.kernels.machine.llvm import Lanes
+from cutpoint.kernels.machine.llvm_code import Code, in_turn
+from cutpoint.kernels.machine.tuning import beside_numbers, for_divisions
+from cutpoint.kernels.programs.plan import Plan
+from cutpoint.kernels.programs.stage import AT_ONCE, Place
+from cutpoint.kernels.programs.stepping import LaneLoop, Loop, Stage
+from cutpoint.kernels.programs.superword_line import WIDE
+from cutpoint.kernels.programs.triples import stage_code
+
+_FUNCTION = "program"
+
+
+class LlvmProgram:
+    """A plan's machine code: i64 program(i64 *counts, double **regions)."""
+
+    def __init__(self, plan: Plan) -> None:
+        self._names, self._counts = plan.names, plan.counts
+        self._code = Compiled(program_ir(plan), _FUNCTION)
+        self._call = ctypes.CFUNCTYPE(ctypes.c_int64, ctypes.c_void_p, ctypes.c_void_p)(self._code.address)
+
+    @property
+    def address(self) -> int:
+        return self._code.address
+
+    def run(self, counts: Mapping[str, int], arrays: Mapping[str, np.ndarray]) -> int:
+        """The iterations of the outermost loop; arrays must have been checked."""
+        return self.bound(counts, arrays)()
+
+    def bound(self, counts: Mapping[str, int], arrays: Mapping[str, np.ndarray]) -> Callable[[], int]:
+        """`run` on these, again and again."""
+        numbers = (ctypes.c_int64 * len(self._counts))(*[counts[name] for name in self._counts])
+        pointers = (ctypes.c_void_p * len(self._names))(*[arrays[name].ctypes.data for name in self._names])
+        return BoundProgram(self, self._call, numbers, pointers, [*arrays.values()])
+
+
+class BoundProgram(NamedTuple):
+    """A call with its arguments, and with what owns the code and the memory that they point to."""
+
+    program: LlvmProgram
+    call: Callable[..., int]
+    numbers: Any
+    pointers: Any
+    arrays: list[np.ndarray]
+
+    @property
+    def symbols(self) -> dict[str, int]:
+        """Where code and arguments are, for other code that calls it."""
+        places = {"counts": ctypes.addressof(self.numbers), "regions": ctypes.addressof(self.pointers)}
+        return {_FUNCTION: self.program.address, **places}
+
+    def __call__(self) -> int:
+        return self.call(self.numbers, self.pointers)
+
+
+def program_ir(plan: Plan) -> str:
+    """The module's text."""
+    code = Code()
+    counts = {name: code.load("%counts", k, "i64") for k, name in enumerate(plan.counts)}
+    starts = {name: code.load("%regions", k, "ptr") for k, name in enumerate(plan.names)}
+    stages = {stage: stage_code(code, plan, stage, starts) for stage in plan.graphs}
+
+    def loop(this: Loop, regions: dict[str, str], around: list[_Turn]) -> str:
+        count = counts[this.count] if isinstance(this.count, str) else this.count
+        with code.loop(count, regions.get(this.until or "")) as running:
+            turns = [*around, _Turn(running.iteration, count)]
+            inside = regions | _rows(code, plan, this, turns, starts)
+            for item in this.body:
+                if isinstance(item, Stage):
+                    inside |= stages[item].look_ahead(code, inside, running.iteration, count)
+            at_hand: dict[Place, str] = {}
+            for item, following in zip(this.body, [*this.body[1:], None], strict=True):
+                if isinstance(item, Loop):
+                    loop(item, inside, turns)
+                    at_hand.clear()
+                elif len(this.body) == 1 and stages[item].hands_on:
+                    stages[item].write_on(code, inside, running)
+                elif item.lanes > 1 and isinstance(following, Stage) and following.lanes in (1, item.lanes):
+                    with code.aside() as wide:
+                        stages[item].write(code, inside, at_hand)
+                    with code.aside() as narrow:
+                        stages[following].begin(code, inside, item.writes)
+                    code.lines += in_turn(wide, narrow)
+                else:
+                    stages[item].write(code, inside, at_hand)
+        return running.done
+
+    done = loop(plan.body, starts, [])
+    widths = {stage.lanes for stage in plan.graphs}
+    declarations = "".join(Lanes(width).declarations for width in sorted({*widths, 1, WIDE.width, AT_ONCE}))
+    attributes = f"{beside_numbers() if 1 in widths else ''} {for_divisions(plan.graphs.values())}"
+    head = f"{declarations}define i64 @{_FUNCTION}(ptr %counts, ptr %regions) {attributes} {{\nentry:"
+    return "\n".join([head, *code.lines, f"ret i64 {done}", "}", ""])
+
+
+class _Turn(NamedTuple):
+    """One of the loops around: its iteration, and how often it runs."""
+
+    iteration: str
+    often: str | int
+
+
+def _rows(code: Code, plan: Plan, this: Loop, turns: Sequence[_Turn], starts: Mapping[str, str]) -> dict[str, str]:
+    """Where the rows of this iteration begin, by name."""
+
+    def at(region: str, row: str) -> str:
+        size, lanes = plan.sizes[region], plan.regions[region].lanes
+        if not isinstance(this, LaneLoop):
+            return code.at(starts[region], code.let(f"mul i64 {row}, {size}"))
+        block = code.let(f"mul i64 {code.let(f'udiv i64 {row}, {lanes}')}, {size}")
+        return code.at(starts[region], code.let(f"add i64 {block}, {code.let(f'urem i64 {row}, {lanes}')}"))
+
+    row, count = turns[-1]
+    if this.backward:
+        row = code.let(f"sub i64 {code.let(f'sub i64 {count}, 1')}, {row}")
+    rows = {name: at(name, row) for name in this.streams}
+    if this.onward:
+        whole = _after_all(code, turns[:-1], count, row)
+        rows |= {name: at(name, whole) for name in this.onward}
+    named = {index: code.load(starts[index], row, "i64") for index in dict.fromkeys(view.index for view in this.views)}
+    return rows | {view.name: at(view.of, named[view.index]) for view in this.views}
+
+
+def _after_all(code: Code, around: Sequence[_Turn], count: str | int, row: str) -> str:
+    """The row of a loop that goes on where it stopped."""
+    entries = "0"
+    for turn in around:
+        entries = code.let(f"add i64 {code.let(f'mul i64 {entries}, {turn.often}')}, {turn.iteration}")
+    return code.let(f"add i64 {code.let(f'mul i64 {entries}, {count}')}, {row}")

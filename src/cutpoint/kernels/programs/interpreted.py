@@ -1,0 +1,76 @@
+"""A stepping program interpreted: where LLVM is missing, and as a second opinion on it."""
+
+from collections.abc import Callable, Iterable, Mapping
+from typing import Any
+
+import numpy as np
+
+from cutpoint.kernels.arrays.numpy_backend import evaluate
+from cutpoint.kernels.programs.plan import LaneLoop, Plan
+from cutpoint.kernels.programs.stepping import Loop, Stage
+
+
+class NumpyProgram:
+    """A plan run stage by stage."""
+
+    def __init__(self, plan: Plan) -> None:
+        self._plan = plan
+
+    def run(self, counts: Mapping[str, int], arrays: Mapping[str, np.ndarray]) -> int:
+        """The iterations of the outermost loop; arrays must have been checked."""
+        rows = {name: array.reshape(-1) for name, array in arrays.items() if name not in self._plan.streamed}
+        return self._loop(self._plan.body, counts, arrays, rows, 0)
+
+    def bound(self, counts: Mapping[str, int], arrays: Mapping[str, np.ndarray]) -> Callable[[], int]:
+        """`run` on these, again and again."""
+        return lambda: self.run(counts, arrays)
+
+    def _loop(
+        self,
+        loop: Loop,
+        counts: Mapping[str, int],
+        arrays: Mapping[str, np.ndarray],
+        rows: Mapping[str, np.ndarray],
+        entries: int,
+    ) -> int:
+        """entries: how often this loop was entered before, as the iterations around it count."""
+        count = counts[loop.count] if isinstance(loop.count, str) else loop.count
+        for index in range(count):
+            row = count - 1 - index if loop.backward else index
+            streams = {name: self._row(loop, name, arrays, row) for name in loop.streams}
+            onward = {name: self._row(loop, name, arrays, entries * count + row) for name in loop.onward}
+            views = {view.name: self._row(loop, view.of, arrays, arrays[view.index][row]) for view in loop.views}
+            inside = {**rows, **streams, **onward, **views}
+            for item in loop.body:
+                if isinstance(item, Loop):
+                    self._loop(item, counts, arrays, inside, entries * count + index)
+                else:
+                    self._stage(item, inside)
+            if loop.until is not None and inside[loop.until][0] != 0:
+                return index + 1
+        return count
+
+    def _row(self, loop: Loop, name: str, arrays: Mapping[str, np.ndarray], row: int) -> np.ndarray:
+        """A row of a region, or one lane of a row."""
+        lanes = self._plan.regions[name].lanes if isinstance(loop, LaneLoop) else 1
+        return arrays[name][row // lanes, row % lanes :: lanes]
+
+    def _stage(self, stage: Stage, rows: Mapping[str, np.ndarray]) -> None:
+        graph = self._plan.graphs[stage]
+        numbers = [x for port in graph.inputs for x in self._numbers(stage, port.name, rows[port.name])]
+        # all is read before anything is written: what passes through is a piece of a region still
+        results = iter([np.array(np.broadcast_to(x, stage.lanes)) for x in evaluate(graph, numbers)])
+        for port in graph.outputs:
+            numbers = np.ravel([next(results) for _ in range(port.size)])
+            rows[port.name][self._places(port.name, numbers.size)] = numbers
+
+    def _numbers(self, stage: Stage, name: str, row: np.ndarray) -> Iterable[Any]:
+        """What a stage sees of a region: arrays of one number a lane, or plain numbers."""
+        if self._plan.is_laned(stage, name):
+            return row.reshape(-1, stage.lanes)
+        return row[self._places(name, self._plan.regions[self._plan.root(name)].size)]
+
+    def _places(self, name: str, size: int) -> Any:
+        """Where a region's slots are in its row."""
+        region = self._plan.regions[self._plan.root(name)]
+        return [region.place(k) for k in range(region.size)] if region.triples else slice(size)

@@ -1,0 +1,235 @@
+"""A stage of a program in machine code: what of it is computed before its turn, and where its numbers are."""
+
+from collections.abc import Callable, Mapping, Sequence
+from types import MappingProxyType
+
+from cutpoint.kernels.graphs.algebra import Operand
+from cutpoint.kernels.graphs.graph import Graph
+from cutpoint.kernels.graphs.nodes import Node
+from cutpoint.kernels.lowering.fusion import fuse
+from cutpoint.kernels.lowering.lower import in_primitives
+from cutpoint.kernels.lowering.scheduling import depth_first, scheduled
+from cutpoint.kernels.machine.llvm import Lanes, straight_line
+from cutpoint.kernels.machine.llvm_code import Code, Running
+from cutpoint.kernels.programs.hoisting import hoist
+from cutpoint.kernels.programs.plan import Plan
+from cutpoint.kernels.programs.recurrence import arrivals
+from cutpoint.kernels.programs.stepping import Stage
+
+AT_ONCE = 8
+"""Iterations that a stage looks ahead: numbers that a wide register holds."""
+
+_WORTH_LOOKING_AHEAD = 128
+"""Operations; those of a few are sooner done than their numbers are brought into lanes and back."""
+
+_MOST_HANDED_ON = 16
+"""Numbers that an iteration hands to the next in registers; with more they would go through memory after all."""
+
+Place = tuple[str, int]
+"""A region and a slot of it."""
+
+_NOTHING: Mapping[Place, str] = MappingProxyType({})
+
+
+class StageCode:
+    """A stage lowered.
+
+    What it computes of numbers that never change is computed here, before all loops.  What it computes of rows that no
+    stage writes is computed for AT_ONCE iterations at a time, in their lanes, where that is worth while.
+
+    lanes: of the stage.  hands_on: whether an iteration may hand what it writes to the next.
+    """
+
+    def __init__(self, code: Code, plan: Plan, stage: Stage, regions: Mapping[str, str]) -> None:
+        graph, fed, self.lanes = plan.graphs[stage], plan.fed(stage), Lanes(stage.lanes)
+        fused = fuse(graph, again=plan.in_threes(stage))
+        late = fuse(graph, arrivals(fused, fed), again=plan.in_threes(stage)) if fed else fused
+        self._graph = depth_first(in_primitives(late))
+        laned = {name for name in (*plan.regions, *plan.views) if plan.is_laned(stage, name)}
+        self._plan, self._rows = plan, plan.known_ahead(stage)
+        self._steps = dict.fromkeys(laned, stage.lanes)
+        self._steps |= {name: plan.regions[plan.root(name)].lanes for name in plan.single[stage]}
+        self._sources = [(port.name, k, port.name in laned) for port in self._graph.inputs for k in range(port.size)]
+        self._targets = [(port.name, k) for port in self._graph.outputs for k in range(port.size)]
+        self._begun = dict[int, str]()
+        self.hands_on = bool(plan.single[stage] and fed) and self._handed_on({*fed.values()}) <= _MOST_HANDED_ON
+        self._fix(code, regions, Lanes(1))
+        if laned:
+            self._fix(code, regions, self.lanes)
+        self._ahead, self._ahead_at = self._cut_ahead(code)
+        self._rest = self._graph
+
+    def _handed_on(self, results: set[int]) -> int:
+        """Registers that these take."""
+        return len(results)
+
+    def _fix(self, code: Code, regions: Mapping[str, str], lanes: Lanes) -> None:
+        """What never changes, computed here; in one lane, what all lanes of the stage have in common."""
+        before, self._graph = hoist(self._graph, self._fixed(laned=lanes.width > 1))
+        values = straight_line(code, before, lanes, lambda slot: self._load(code, regions, slot, lanes=lanes))
+        memory = self._kept(code, lanes, len(values), laned=lanes.width > 1)
+        for k, value in enumerate(values):
+            code.store(value, memory, k, lanes.real)
+
+    def _fixed(self, *, laned: bool) -> set[int]:
+        """Input slots that never change; with laned, those that each lane has for itself too."""
+        changing = self._plan.changing
+        return {k for k, (name, _, own) in enumerate(self._sources) if name not in changing and (laned or not own)}
+
+    def _kept(self, code: Code, lanes: Lanes, count: int, *, laned: bool) -> str:
+        """Memory for so many numbers of its own, which are inputs from here on; its address is its name."""
+        memory = code.let(f"alloca {lanes.real}, i64 {count}") if count else ""
+        self._sources += [(memory, k, laned) for k in range(count)]
+        self._steps[memory] = lanes.width
+        return memory
+
+    def _cut_ahead(self, code: Code) -> tuple[Graph | None, str]:
+        """What rows say ahead, taken out of the graph, and where it is kept."""
+        rows = {k for k, (name, *_) in enumerate(self._sources) if name in self._rows}
+        before, inside = hoist(self._graph, self._fixed(laned=False) | rows)
+        if sum(before.operations.values()) < _WORTH_LOOKING_AHEAD:
+            return None, ""
+        self._graph = inside
+        return before, self._kept(code, Lanes(AT_ONCE), len(before.results), laned=False)
+
+    def look_ahead(self, code: Code, regions: Mapping[str, str], iteration: str, count: str | int) -> dict[str, str]:
+        """Computes for the next iterations what rows say of them, if it is time; where this one's numbers are.
+
+        Nothing where it is not worth while.
+        """
+        if self._ahead is None:
+            return {}
+        lanes, lane = Lanes(AT_ONCE), code.let(f"urem i64 {iteration}, {AT_ONCE}")
+        with code.where(code.let(f"icmp eq i64 {lane}, 0")):
+            rows = self._rows_ahead(code, regions, code.let(f"sub i64 {count}, {iteration}"))
+
+            def load(slot: int) -> str:
+                name, k, _ = self._sources[slot]
+                if name not in rows:
+                    return self._load(code, regions, slot, lanes=lanes)
+                return lanes.joined(code, [code.load(row, k) for row in rows[name]])
+
+            for k, value in enumerate(straight_line(code, scheduled(self._ahead), lanes, load)):
+                code.store(value, self._ahead_at, k, lanes.real)
+        return {self._ahead_at: code.at(self._ahead_at, lane)}
+
+    def _rows_ahead(self, code: Code, regions: Mapping[str, str], left: str) -> dict[str, list[str]]:
+        """Where the rows of the next iterations begin; the last stands in for those after it.  left: how many come."""
+        last, rows = code.let(f"sub i64 {left}, 1"), list[str]()
+        for k in range(AT_ONCE):
+            is_there = code.let(f"icmp slt i64 {k}, {left}")
+            rows.append(code.let(f"select i1 {is_there}, i64 {k}, i64 {last}"))
+        return {name: [self._at_row(code, regions, name, row) for row in rows] for name in self._rows}
+
+    def _at_row(self, code: Code, regions: Mapping[str, str], name: str, row: str) -> str:
+        return code.at(regions[name], code.let(f"mul i64 {row}, {self._plan.sizes[name]}"))
+
+    def begin(self, code: Code, regions: Mapping[str, str], awaited: Sequence[str]) -> None:
+        """What does not wait for some regions; `write` goes on from there, and must follow."""
+        root = self._plan.root
+        late = {k for k, (name, *_) in enumerate(self._sources) if root(name) in map(root, awaited)}
+        before, self._rest = hoist(self._graph, set(range(len(self._sources))) - late)
+        begun = straight_line(code, scheduled(before), self.lanes, lambda slot: self._load(code, regions, slot))
+        self._begun = dict(enumerate(begun, len(self._sources)))
+
+    def write(self, code: Code, regions: Mapping[str, str], at_hand: dict[Place, str]) -> None:
+        """Reads, computes, then writes what has changed.
+
+        at_hand: single numbers that stages of this block have just written.  Lanes take them from there: a wide load of
+        memory that was written number by number a moment ago makes the processor wait.
+        """
+
+        width = self.lanes.width
+        for (name, k), value in self._written(code, regions, lambda slot: self._load(code, regions, slot, at_hand)):
+            written = {(name, k * width + lane): value for lane in range(width)}
+            at_hand.update(written) if width == 1 else [at_hand.pop(place, None) for place in written]
+        if self._plan.views:  # a number may have been written under another name
+            at_hand.clear()
+
+    def write_on(self, code: Code, regions: Mapping[str, str], running: Running) -> None:
+        """The same in a loop through bodies: a row that the iteration before wrote need not come through memory."""
+        root, known, written = self._plan.root, dict[int, str](), {name for name, _ in self._targets}
+        # what it writes under the same name is another's row: rarely the one before, and read just to be added to
+        names = dict.fromkeys(name for name, *_ in self._sources if name not in written)
+        handed = [name for name in dict.fromkeys(map(root, names)) if name in {root(x) for x in written}]
+        before = {name: code.name("before") for name in handed}
+        numbers = {(root(name), k): code.name("number") for name, k in self._targets if root(name) in handed}
+        for name in names:
+            if root(name) in handed:
+                known |= self._at_hand_or_loaded(code, regions, name, before[root(name)], numbers)
+        for (name, k), value in self._written_with(code, regions, known):
+            if root(name) in handed:
+                running.handed_on[before[root(name)]] = ("ptr", "null", regions[name])
+                running.handed_on[numbers[root(name), k]] = (self._kind(name), "zeroinitializer", value)
+
+    def _at_hand_or_loaded(
+        self, code: Code, regions: Mapping[str, str], name: str, before: str, numbers: Mapping[Place, str]
+    ) -> dict[int, str]:
+        """A region's numbers by input slot.  before, numbers: the row that the iteration before wrote, and its own."""
+        slots = self._fetched(name)
+        here, fetch, there = (code.name(x) for x in ("here", "fetch", "there"))
+        code.label(here)
+        code.branch(code.let(f"icmp eq ptr {regions[name]}, {before}"), there, fetch)
+        code.open(fetch)
+        loaded = [self._fetch(code, regions, slot) for slot in slots]
+        code.label(there)
+        at_hand = [numbers[self._plan.root(name), self._sources[slot][1]] for slot in slots]
+        either = zip(at_hand, loaded, strict=True)
+        found = [code.let(f"phi {self._kind(name)} [ {x}, {here} ], [ {y}, {fetch} ]") for x, y in either]
+        return dict(zip(slots, found, strict=True))
+
+    def _fetched(self, name: str) -> list[int]:
+        """The slots of a region that are read."""
+        used = {x.args[0] for x in self._graph.nodes if x.op == "input"}
+        return [slot for slot, (own, *_) in enumerate(self._sources) if own == name and slot in used]
+
+    def _fetch(self, code: Code, regions: Mapping[str, str], slot: int) -> str:
+        return self._load(code, regions, slot)
+
+    def _kind(self, name: str) -> str:
+        """In what a region's numbers are handed on."""
+        return self.lanes.real
+
+    def _written_with(
+        self, code: Code, regions: Mapping[str, str], known: Mapping[int, str]
+    ) -> list[tuple[Place, str]]:
+        """As `_written`.  known: what need not be fetched, by slot."""
+
+        def load(slot: int) -> str:
+            return known[slot] if slot in known else self._load(code, regions, slot)
+
+        return self._written(code, regions, load)
+
+    def _written(self, code: Code, regions: Mapping[str, str], load: Callable[[int], str]) -> list[tuple[Place, str]]:
+        """What has changed goes to memory; all results, with their places."""
+        graph, self._rest = self._rest, self._graph
+        values = straight_line(code, scheduled(graph), self.lanes, load)
+        for x, value, (name, k) in zip(graph.results, values, self._targets, strict=True):
+            if not self._is_input(x, (name, k)):
+                code.store(value, code.at(regions[name], k * self._steps.get(name, 1)), 0, self.lanes.real, align=8)
+        return [*zip(self._targets, values, strict=True)]
+
+    def _is_input(self, x: Operand, place: Place) -> bool:
+        """Whether a result is what already stands in its place."""
+        slot = x.args[0] if isinstance(x, Node) and x.op == "input" else len(self._sources)
+        return slot < len(self._sources) and self._sources[slot][:2] == place
+
+    def _load(
+        self,
+        code: Code,
+        regions: Mapping[str, str],
+        slot: int,
+        at_hand: Mapping[Place, str] = _NOTHING,
+        lanes: Lanes | None = None,
+    ) -> str:
+        """An input's number in the lanes of the stage, or in others."""
+        if slot in self._begun:
+            return self._begun[slot]
+        (name, k, laned), lanes = self._sources[slot], lanes or self.lanes
+        places = [(name, k * lanes.width + lane) for lane in range(lanes.width)]
+        if laned and all(place in at_hand for place in places):
+            return lanes.joined(code, [at_hand[place] for place in places])
+        start, place = regions.get(name, name), k * self._steps.get(name, 1)
+        if laned or lanes.width == 1:
+            return code.load(code.at(start, place), 0, lanes.real, align=8)
+        return lanes.spread(code, code.load(start, place))

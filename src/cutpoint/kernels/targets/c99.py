@@ -1,0 +1,158 @@
+"""C99 of a graph: one function of straight-line code, which rounds exactly as our machine code does.
+
+Every operation is one statement, so nothing is left to contract or reassociate but by flags that break C's own rules;
+those are refused, and contraction is switched off, at the head of the file.
+"""
+
+import math
+from collections.abc import Sequence
+from string import Template
+from typing import Any
+
+from cutpoint.kernels.graphs.graph import Graph
+from cutpoint.kernels.graphs.nodes import CONDITIONS, Node
+from cutpoint.kernels.graphs.ports import Port
+from cutpoint.kernels.graphs.precision import Precision
+
+_FORMS = {
+    "add": "{} + {}", "sub": "{} - {}", "mul": "{} * {}", "div": "{} / {}", "neg": "{}", "sqrt": "sqrt{f}({})",
+    "fma": "fma{f}({}, {}, {})", "fms": "fma{f}({}, {}, {})", "fnma": "fma{f}({}, {}, {})",
+    "lt": "{} < {}", "le": "{} <= {}", "and": "{} & {}", "or": "{} | {}", "not": "!{}", "select": "{} ? {} : {}",
+}  # fmt: skip
+"""Operations that C has; all others are calls of the functions below."""
+
+_TURNED = {"neg": 0, "fms": 2, "fnma": 0}
+"""Which operand changes its sign."""
+
+_FUSED = ("fma", "fms", "fnma")
+
+_BITS = """\
+static inline $word cutpoint_bits($real x) {
+  $word bits;
+  memcpy(&bits, &x, sizeof bits);
+  return bits;
+}
+
+static inline $real cutpoint_real($word bits) {
+  $real x;
+  memcpy(&x, &bits, sizeof x);
+  return x;
+}
+"""
+
+_HELPERS = {
+    "flip": """\
+static inline $real cutpoint_flip($real a, int bit, $real c) {
+  return cutpoint_real(cutpoint_bits(c) ^ (cutpoint_bits(a) >> bit & 1) << $top);
+}
+""",
+    # by masks, since which side is taken cannot be predicted
+    "pick": """\
+static inline $real cutpoint_pick($real a, int bit, $real c, $real d) {
+  const $word mask = 0 - (cutpoint_bits(a) >> bit & 1);
+  return cutpoint_real((cutpoint_bits(c) & mask) | (cutpoint_bits(d) & ~mask));
+}
+""",
+    "pow2": """\
+static inline $real cutpoint_pow2($real a) {
+  return cutpoint_real((cutpoint_bits(a + $magic) + $bias) << $fraction);
+}
+""",
+    "exponent": """\
+static inline $real cutpoint_exponent($real a) {
+  return ($real)((int)(cutpoint_bits(a) >> $fraction) - $bias);
+}
+""",
+    "significand": """\
+static inline $real cutpoint_significand($real a) {
+  return cutpoint_real((cutpoint_bits(a) & ${mask}U) | ($word)$bias << $fraction);
+}
+""",
+}
+"""The primitives that look at bits; PRIMITIVES says what they mean."""
+
+_MINUS = """\
+static inline $real cutpoint_minus($real x) { /* a sign that gcc does not draw into a fused operation */
+  return cutpoint_real(cutpoint_bits(x) ^ ($word)1 << $top);
+}
+"""
+
+
+def words(precision: Precision) -> dict[str, Any]:
+    """What stands in templates for numbers of this precision, and for their bits."""
+    magic, mask = number(precision.magic, precision), hex((1 << precision.fraction) - 1)
+    return {
+        "real": precision.c, "word": f"uint{precision.bits}_t", "top": precision.bits - 1, "mask": mask,
+        "fraction": precision.fraction, "bias": precision.bias, "magic": magic,
+    }  # fmt: skip
+
+
+def number(x: float, precision: Precision) -> str:
+    """A float as a C99 constant: hexadecimal, so no digit is lost; in parentheses where it has a sign."""
+    x = precision.rounded(x)
+    text = "NAN" if math.isnan(x) else "INFINITY" if math.isinf(x) else f"{abs(x).hex()}{precision.suffix}"
+    return f"(-{text})" if math.copysign(1, x) < 0 and not math.isnan(x) else text
+
+
+def parameters(inputs: Sequence[Port], outputs: Sequence[Port], precision: Precision) -> str:
+    """The function's parameters: a number by value, arrays by their address, rows one after another."""
+    real = precision.c
+    given = [f"const {real} {p.name}[{p.size}]" if p.shape else f"{real} {p.name}" for p in inputs]
+    return ", ".join([*given, *(f"{real} {p.name}[{p.size}]" for p in outputs)])
+
+
+def helpers(graph: Graph) -> str:
+    """The functions that the code of a lowered graph calls."""
+    used = [text for op, text in _HELPERS.items() if op in graph.operations]
+    used += [_MINUS] if any(_is_fused(x.args[_turned(x)]) for x in graph.nodes if x.op in _TURNED) else []
+    text = "\n".join([_BITS, *used]) + "\n" if used else ""
+    return Template(text).substitute(words(graph.precision))
+
+
+def body(graph: Graph, inputs: Sequence[Port], outputs: Sequence[Port]) -> str:
+    """The statements of a lowered graph.  All inputs are read before an output is written, so they may share memory."""
+    names: dict[int, str] = {}
+    read, write, precision = _slots(inputs, by_value=True), _slots(outputs), graph.precision
+
+    def name(x: Any) -> str:
+        return names[x.serial] if isinstance(x, Node) else number(x, precision) if isinstance(x, float) else str(x)
+
+    lines = [f"(void){p.name};" for p in inputs if not _is_read(graph, p, inputs)]
+    for count, x in enumerate(graph.nodes):
+        names[x.serial] = f"_{count}"
+        value = read[x.args[0]] if x.op == "input" else _expression(x, [name(y) for y in x.args], precision)
+        lines.append(f"const {'int' if x.op in CONDITIONS else precision.c} _{count} = {value};")
+    lines += [f"{slot} = {name(x)};" for slot, x in zip(write, graph.results, strict=True)]
+    return "".join(f"  {line}\n" for line in lines)
+
+
+def _expression(x: Node, operands: list[str], precision: Precision) -> str:
+    if x.op in _TURNED:
+        k = _turned(x)
+        operands[k] = f"cutpoint_minus({operands[k]})" if _is_fused(x.args[k]) else f"-{operands[k]}"
+    if x.op in _FORMS:
+        return _FORMS[x.op].format(*operands, f=precision.suffix)
+    return f"cutpoint_{x.op}({', '.join(operands)})"
+
+
+def _turned(x: Node) -> int:
+    """The operand that changes its sign; of two factors one that is not fused, where there is one.
+
+    Of -fma(a, b, c) gcc makes one operation, fma(-a, b, -c), whose exact zeros have the other sign.
+    """
+    first = _TURNED[x.op]
+    return 1 if x.op == "fnma" and _is_fused(x.args[0]) and not _is_fused(x.args[1]) else first
+
+
+def _is_fused(x: Any) -> bool:
+    return isinstance(x, Node) and x.op in _FUSED
+
+
+def _slots(ports: Sequence[Port], by_value: bool = False) -> list[str]:
+    """What every slot is called."""
+    return [p.name if by_value and not p.shape else f"{p.name}[{k}]" for p in ports for k in range(p.size)]
+
+
+def _is_read(graph: Graph, port: Port, inputs: Sequence[Port]) -> bool:
+    start = sum(p.size for p in inputs[: list(inputs).index(port)])
+    return any(x.op == "input" and start <= x.args[0] < start + port.size for x in graph.nodes)

@@ -1,0 +1,69 @@
+"""A graph as a package of C99 that whoever has a C compiler can build, check and install."""
+
+import re
+from collections.abc import Sequence
+from pathlib import Path
+
+import numpy as np
+
+from cutpoint.errors import InputError
+from cutpoint.kernels.arrays.arguments import as_numbers
+from cutpoint.kernels.arrays.backends import array_function, chosen
+from cutpoint.kernels.graphs.graph import Graph
+from cutpoint.kernels.graphs.ports import Port
+from cutpoint.kernels.targets.c99_texts import Notes, texts
+from cutpoint.kernels.targets.package_files import is_ours, write_files
+
+_SCALES = (0.0, *[1.0] * 12, 1e-300, 1e-8, 1e3)
+"""Of the check's random inputs, a case each."""
+
+_NO_NOTES = Notes()
+
+
+def write_package(
+    graph: Graph, name: str, folder: str | Path, notes: Notes = _NO_NOTES, *, force: bool = False
+) -> tuple[Path, ...]:
+    """Writes the C function of a graph, with header, C++ header, check and CMake package; returns the files' paths.
+
+    force: overwrite files that cutpoint has not written, and the package of another function.
+    Raises InputError for names that C cannot take, for files in the way, and where llvmlite is missing: the check
+    records what machine code returns.
+    """
+    from cutpoint import __version__
+
+    if not force:
+        _check_alone(Path(folder), name)
+    return write_files(folder, texts(graph, name, notes, __version__, _recorded(graph, name, notes)), force)
+
+
+def _check_alone(folder: Path, name: str) -> None:
+    """Raises InputError for the folder of another function: its CMakeLists.txt would build that one no longer."""
+    path = folder / "CMakeLists.txt"
+    found = re.search(r"^project\((\w+)", path.read_text(), re.MULTILINE) if is_ours(path) else None
+    if found and found[1] != name:
+        remedy = "choose another folder, or say force=True (--force on the command line) to replace it"
+        raise InputError(f"{str(path)!r} builds {found[1]!r}, and a package holds one function; {remedy}", path=path)
+
+
+def _recorded(graph: Graph, name: str, notes: Notes) -> tuple[np.ndarray, np.ndarray]:
+    """Inputs and outputs, (cases, slots) each: random numbers, and the values that an argument usually has, varied."""
+    rng = np.random.default_rng(0)
+    scales = np.array(_SCALES)
+    given = []
+    for p in graph.inputs:
+        random = rng.standard_normal((len(scales), *p.shape))
+        spread = scales.reshape(-1, *[1] * len(p.shape))
+        usual = notes.values.get(p.name)
+        # the first case has scale 0: there the values are exact
+        numbers = random * spread if usual is None else usual.numbers * (1 + np.minimum(spread, 1) * random / 20)
+        given.append(as_numbers(numbers, graph.precision))
+    function = array_function(graph, name, chosen("llvm"))  # it must outlive its call, whose code it owns
+    found = function.call(*given)
+    columns = found if isinstance(found, tuple) else (found,)
+    return _flat(given, graph.inputs), _flat(columns, graph.outputs)
+
+
+def _flat(arrays: Sequence[np.ndarray], ports: Sequence[Port]) -> np.ndarray:
+    """Arrays (cases, ...) side by side; one that depends on no input has no axis of cases."""
+    wide = [np.broadcast_to(a, (len(_SCALES), *p.shape)) for a, p in zip(arrays, ports, strict=True)]
+    return np.concatenate([np.empty((len(_SCALES), 0)), *(a.reshape(len(_SCALES), -1) for a in wide)], axis=1)

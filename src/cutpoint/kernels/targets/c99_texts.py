@@ -1,0 +1,161 @@
+"""What the files of an exported function say: templates, filled in."""
+
+import re
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+from importlib.resources import files
+from string import Template
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from cutpoint.kernels.graphs.graph import Graph
+from cutpoint.kernels.graphs.ports import Port
+from cutpoint.kernels.graphs.precision import Precision
+from cutpoint.kernels.lowering.lower import lower
+from cutpoint.kernels.targets import c99, c_names
+
+FILES = {
+    "{}.c": "function.c", "{}.h": "function.h", "{}.hpp": "function.hpp", "{}_check.c": "check.c",
+    "CMakeLists.txt": "CMakeLists.txt", "README.txt": "README.txt",
+}  # fmt: skip
+"""Templates by the names of the files that they make."""
+
+
+class Values(NamedTuple):
+    """The numbers that an argument usually has, and what each of them is."""
+
+    numbers: np.ndarray
+    labels: Sequence[str]
+
+
+@dataclass(frozen=True)
+class Notes:
+    """What is said of a function beyond its graph.
+
+    about: what it is of, in a sentence.  arguments: unit and order of an argument, by its name.  values: of arguments
+    that have some; the header then holds them as <function>_<argument>.
+    """
+
+    about: str = ""
+    arguments: Mapping[str, str] = field(default_factory=dict)
+    values: Mapping[str, Values] = field(default_factory=dict)
+
+
+class _Template(Template):
+    """Placeholders are @{name}: C and CMake use the dollar themselves."""
+
+    delimiter = "@"
+
+
+def texts(
+    graph: Graph, name: str, notes: Notes, version: str, recorded: tuple[np.ndarray, np.ndarray]
+) -> dict[str, str]:
+    """Every file's text by its name.
+
+    recorded: inputs and outputs of the check, (cases, slots) each.
+    Raises InputError for names that C cannot take.
+    """
+    inputs, outputs = ([p for p in ports if p.size] for ports in (graph.inputs, graph.outputs))
+    c_names.check_names(name, inputs, outputs)
+    primitive = lower(graph)
+    precision = graph.precision
+    fields = {
+        **c99.words(precision),
+        "version": version, "about": comment(notes.about), "name": name, "guard": name.upper(),
+        "parameters": c99.parameters(inputs, outputs, precision) or "void", "helpers": c99.helpers(primitive),
+        "body": c99.body(primitive, inputs, outputs), "names": ", ".join(p.name for p in (*inputs, *outputs)),
+        "arguments": arguments(inputs, outputs, notes), "values": values(name, notes, precision),
+        "tables": _tables(name, inputs, notes),
+        **_check(inputs, outputs, *recorded, precision), **_cpp(inputs, outputs, name, precision),
+    }  # fmt: skip
+    folder = files("cutpoint.kernels.targets") / "c99_templates"
+    return {
+        target.format(name): _Template((folder / source).read_text("utf-8")).substitute(fields)
+        for target, source in FILES.items()
+    }
+
+
+def comment(text: str) -> str:
+    """A text that cannot end or upset a comment in C."""
+    return re.sub(r"[^A-Za-z0-9_ .,:;()\[\]=<>+'/-]|/(?=/)", "?", text)
+
+
+def arguments(inputs: Sequence[Port], outputs: Sequence[Port], notes: Notes) -> str:
+    """What is said of every argument, a line each."""
+    lines = []
+    for side, ports in (("in ", inputs), ("out", outputs)):
+        for p in ports:
+            shape = " x ".join(map(str, p.shape)) or "a number"
+            told = comment(notes.arguments.get(p.name, ""))
+            lines.append(f"   {side}  {p.name}: {shape}{', ' if told else ''}{told}")
+    return "\n".join(lines)
+
+
+def values(name: str, notes: Notes, precision: Precision) -> str:
+    """The notes' values as tables."""
+    arrays = []
+    for argument, (numbers, labels) in notes.values.items():
+        pairs = zip(numbers, labels, strict=True)
+        rows = [f"  {c99.number(float(x), precision)}, /* {comment(label)} */" for x, label in pairs]
+        arrays.append(f"static const {precision.c} {name}_{argument}[{len(rows)}] = {{\n" + "\n".join(rows) + "\n};\n")
+    return "\n".join(["", "#include <math.h>", "", *arrays]) if arrays else ""
+
+
+def _tables(name: str, inputs: Sequence[Port], notes: Notes) -> str:
+    """The header's tables beside the first case, which was recorded with their numbers."""
+    lines, start = list[str](), 0
+    for p in inputs:
+        if p.name in notes.values:
+            table = f"{name}_{p.name}"
+            lines.append(f"  if (memcmp(cutpoint_inputs[0] + {start}, {table}, sizeof {table}) != 0) {{\n")
+            lines.append(f'    puts("{table}: not the table that was recorded");\n    differences++;\n  }}\n')
+        start += p.size
+    return "".join(lines)
+
+
+def _check(
+    inputs: Sequence[Port], outputs: Sequence[Port], given: np.ndarray, found: np.ndarray, precision: Precision
+) -> dict[str, Any]:
+    labels = [f"{p.name}[{k}]" for p in outputs for k in range(p.size)]
+    return {
+        "cases": len(given), "input_count": max(1, given.shape[1]), "output_count": found.shape[1],
+        "inputs": _table(given, precision), "expected": _table(found, precision),
+        "call": ", ".join(_call(inputs, outputs)),
+        "output_names": "".join(f'  "{label}",\n' for label in labels),
+    }  # fmt: skip
+
+
+def _table(rows: np.ndarray, precision: Precision) -> str:
+    lines = (", ".join(c99.number(x, precision) for x in row.tolist()) for row in rows)
+    return "".join(f"  {{{line or '0'}}},\n" for line in lines)
+
+
+def _call(inputs: Sequence[Port], outputs: Sequence[Port]) -> list[str]:
+    """The check's arguments: where each begins in the rows."""
+    call = []
+    for memory, ports, by_value in (("cutpoint_in", inputs, True), ("cutpoint_out", outputs, False)):
+        start = 0
+        for p in ports:
+            call.append(f"{memory}[{start}]" if by_value and not p.shape else f"{memory} + {start}")
+            start += p.size
+    return call
+
+
+def _cpp(inputs: Sequence[Port], outputs: Sequence[Port], name: str, precision: Precision) -> dict[str, str]:
+    """A template parameter for each array; a number is passed by value, and one that is an output by reference."""
+    kinds, parameters, arguments = [], [], []
+    for p, is_output in [*((p, False) for p in inputs), *((p, True) for p in outputs)]:
+        if not p.shape:
+            parameters.append(f"{precision.c} {'&' if is_output else ''}{p.name}")
+            arguments.append(f"{'&' if is_output else ''}{p.name}")
+            continue
+        kind = f"cutpoint_{len(kinds)}"
+        kinds.append(f"class {kind}")
+        parameters.append(f"{kind} &&{p.name}" if is_output else f"const {kind} &{p.name}")
+        is_matrix = str(len(p.shape) > 1).lower()
+        arguments.append(f"detail_{name}::address<{p.size}, {is_matrix}>({p.name})")
+    head = f"template <{', '.join(kinds)}>\n" if kinds else ""
+    return {
+        "template": head, "cpp_parameters": ", ".join(parameters), "cpp_arguments": ", ".join(arguments)
+    }  # fmt: skip

@@ -1,0 +1,166 @@
+"""CUDA C of a graph: one thread computes one configuration, in straight-line code that rounds as our machine code does.
+
+Every rounding is one of CUDA's intrinsics, __dadd_rn or __fadd_rn and their like, which compilers neither contract nor
+reassociate.
+"""
+
+import math
+import re
+from collections.abc import Sequence
+from string import Template
+from typing import Any
+
+from cutpoint.errors import InputError
+from cutpoint.kernels.graphs.graph import Graph
+from cutpoint.kernels.graphs.nodes import CONDITIONS, Node
+from cutpoint.kernels.graphs.ports import Port
+from cutpoint.kernels.graphs.precision import FLOAT32, FLOAT64, Precision
+from cutpoint.kernels.lowering.lower import lower
+from cutpoint.kernels.targets import c99, c_names
+
+_FORMS = {
+    "add": "__{d}add_rn({}, {})", "sub": "__{d}sub_rn({}, {})", "mul": "__{d}mul_rn({}, {})",
+    "div": "__{d}div_rn({}, {})", "neg": "-{}", "sqrt": "__{d}sqrt_rn({})",
+    "fma": "__fma{f}_rn({}, {}, {})", "fms": "__fma{f}_rn({}, {}, -{})", "fnma": "__fma{f}_rn(-{}, {}, {})",
+    "lt": "{} < {}", "le": "{} <= {}", "and": "{} & {}", "or": "{} | {}", "not": "!{}", "select": "{} ? {} : {}",
+}  # fmt: skip
+"""Operations that CUDA has; all others are calls of the functions below."""
+
+_WORDS = {
+    FLOAT64: {"whole": "long long", "as_bits": "__double_as_longlong", "as_real": "__longlong_as_double", "d": "d"},
+    FLOAT32: {"whole": "int", "as_bits": "__float_as_int", "as_real": "__int_as_float", "d": "f"},
+}
+"""What CUDA calls a number's bits, how to come by them and back, and the letter in the names of its roundings."""
+
+_HELPERS = {
+    "flip": """\
+static __device__ $real cutpoint_flip($real a, int bit, $real c) {
+  const unsigned $whole sign = (unsigned $whole)$as_bits(a) >> bit & 1;
+  return $as_real($as_bits(c) ^ ($whole)(sign << $top));
+}
+""",
+    "pick": """\
+static __device__ $real cutpoint_pick($real a, int bit, $real c, $real d) {
+  return $as_bits(a) >> bit & 1 ? c : d;
+}
+""",
+    "pow2": """\
+static __device__ $real cutpoint_pow2($real a) {
+  const $whole bits = $as_bits(__${d}add_rn(a, $magic)) + $bias;
+  return $as_real(($whole)((unsigned $whole)bits << $fraction));
+}
+""",
+    "exponent": """\
+static __device__ $real cutpoint_exponent($real a) {
+  return ($real)((int)((unsigned $whole)$as_bits(a) >> $fraction) - $bias);
+}
+""",
+    "significand": """\
+static __device__ $real cutpoint_significand($real a) {
+  return $as_real(($as_bits(a) & $mask) | ($whole)$bias << $fraction);
+}
+""",
+}
+"""The primitives that look at bits; PRIMITIVES says what they mean."""
+
+_OWN = [Port(name, ()) for name in ("count", "blockIdx", "blockDim", "threadIdx", "gridDim", "warpSize")]
+"""What CUDA and the code have names for."""
+
+_FUNCTIONS = re.compile(
+    "(rcbrt|rhypot|r?norm([34]d)?|normcdf(inv)?|erfc?inv|erfcx|sincospi|cyl_bessel_i[01]|fdivide)f?|(u|ll|ull)?(min|max)"
+    "|clock64|dim3"
+)
+"""What CUDA has besides C's library."""
+
+
+def check_names(name: str, graph: Graph) -> None:
+    """Raises InputError for a name that CUDA C cannot take, or that two arguments share."""
+    inputs, outputs = full(graph)
+    c_names.check_names(name, [*_OWN, *inputs, *map(_step, inputs)], outputs)
+    if _FUNCTIONS.fullmatch(name):
+        raise InputError(f"{name}: CUDA has this name already: rename it", name=name)
+
+
+def full(graph: Graph) -> tuple[list[Port], list[Port]]:
+    """Inputs and outputs that hold numbers: only these are the function's arguments."""
+    inputs, outputs = ([p for p in ports if p.size] for ports in (graph.inputs, graph.outputs))
+    return inputs, outputs
+
+
+def declaration(name: str, graph: Graph) -> str:
+    """The kernel's head."""
+    (inputs, outputs), real = full(graph), graph.precision.c
+    read = [f"const {real} *__restrict__ {p.name}, long long {_step(p).name}" for p in inputs]
+    arguments = ["long long count", *read, *(f"{real} *__restrict__ {p.name}" for p in outputs)]
+    lines = ",\n    ".join(arguments)
+    return f'extern "C" __global__ void {name}(\n    {lines})'
+
+
+def code(name: str, graph: Graph) -> str:
+    """All of the code: nothing is included.
+
+    Raises InputError for names that CUDA C cannot take.
+    """
+    check_names(name, graph)
+    lowered = lower(graph)
+    used = "\n".join(text for op, text in _HELPERS.items() if op in lowered.operations)
+    helpers = Template(used).substitute(c99.words(graph.precision) | _WORDS[graph.precision])
+    return f"{helpers}\n{declaration(name, graph)} {{\n{_body(lowered)}}}\n".lstrip()
+
+
+def _body(graph: Graph) -> str:
+    """The statements.  A result leaves as soon as it is there, so that few registers are held."""
+    names: dict[int, str] = {}
+    (inputs, outputs), precision = full(graph), graph.precision
+    read, write = _slots(inputs), _slots(outputs)
+
+    def name(x: Any) -> str:
+        return names[x.serial] if isinstance(x, Node) else _number(x, precision) if isinstance(x, float) else str(x)
+
+    lines = [*_place(inputs, outputs)]
+    leaving: dict[int, list[str]] = {}
+    for slot, x in zip(write, graph.results, strict=True):
+        if isinstance(x, Node):
+            leaving.setdefault(x.serial, []).append(slot)
+        else:
+            lines.append(f"{slot} = {name(x)};")
+    for count, x in enumerate(graph.nodes):
+        names[x.serial] = f"_{count}"
+        value = read[x.args[0]] if x.op == "input" else _expression(x.op, [name(y) for y in x.args], precision)
+        lines.append(f"const {'bool' if x.op in CONDITIONS else precision.c} _{count} = {value};")
+        lines += [f"{slot} = _{count};" for slot in leaving.get(x.serial, ())]
+    return "".join(f"  {line}\n" for line in lines)
+
+
+def _place(inputs: Sequence[Port], outputs: Sequence[Port]) -> list[str]:
+    """Which configuration this thread has, and where its numbers lie."""
+    return [
+        "const long long cutpoint_thread = (long long)blockIdx.x * blockDim.x + threadIdx.x;",
+        "if (cutpoint_thread >= count) return;",
+        *(f"{p.name} += cutpoint_thread * {_step(p).name};" for p in inputs),
+        *(f"{p.name} += cutpoint_thread * {p.size};" for p in outputs),
+    ]
+
+
+def _expression(op: str, operands: list[str], precision: Precision) -> str:
+    if op in _FORMS:
+        return _FORMS[op].format(*operands, d=_WORDS[precision]["d"], f=precision.suffix)
+    return f"cutpoint_{op}({', '.join(operands)})"
+
+
+def _number(x: float, precision: Precision) -> str:
+    """A float as a constant; CUDA knows infinity and not-a-number by their bits only."""
+    if math.isfinite(x):
+        return c99.number(x, precision)
+    bits = precision.dtype.type(abs(x)).view(f"i{precision.item}")
+    text = f"{_WORDS[precision]['as_real']}({hex(bits)})"
+    return f"(-{text})" if x < 0 else text
+
+
+def _step(port: Port) -> Port:
+    """The argument that says how many numbers lie between two configurations of an input: 0 if all share it."""
+    return Port(f"{port.name}_step", ())
+
+
+def _slots(ports: Sequence[Port]) -> list[str]:
+    return [f"{p.name}[{k}]" for p in ports for k in range(p.size)]
