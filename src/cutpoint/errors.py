@@ -1,11 +1,21 @@
 """What can go wrong, said once: which thing, what was found, what was expected, where, and how to mend it."""
 
-from collections.abc import Collection
+import difflib
+from collections.abc import Collection, Iterable, Sequence
 from pathlib import Path
 from typing import Any
 
 INTERRUPTED = 130
 """The exit status of a command that Ctrl-C ends, as shells have it."""
+
+SHORT_LIST = 12
+"""Up to this many names an error lists them all; beyond, only those that resemble the wrong one, if any do."""
+
+LONG_LIST = 24
+"""A list with more names than this is cut."""
+
+LONGEST_GUESS = 100
+"""Characters of a wrong name that are compared: the cost grows with their square."""
 
 
 class CutpointError(Exception):
@@ -43,6 +53,24 @@ class SimulationError(CutpointError, RuntimeError):
 
 
 def unknown_name(kind: str, name: str, known: Collection[str], **kwargs: Any) -> InputError:
-    """An error for a name that does not exist: it lists those that do."""
-    names = ", ".join(repr(k) for k in known)
-    return InputError(f"no {kind} is named {name!r}; there are: {names}", name=name, known=list(known), **kwargs)
+    """An error for a name that does not exist: it says which do."""
+    complaint = f"no {kind} is named {name!r}; {those_that_exist(name, known)}"
+    return InputError(complaint, name=name, known=list(known), **kwargs)
+
+
+def those_that_exist(name: str, known: Iterable[str]) -> str:
+    """The end of a message about an unknown name: which names there are, or which of many come near."""
+    known = list(known)
+    many = known if len(known) > SHORT_LIST else []
+    near = difflib.get_close_matches(str(name)[:LONGEST_GUESS], many, n=3, cutoff=0.5)
+    if near:
+        return f"did you mean {' or '.join(map(repr, near))}?"
+    return f"there are: {listed(known)}" if known else "there are none"
+
+
+def listed(names: Sequence[str], separator: str = ", ") -> str:
+    """Quoted names for a message; a long list is cut in the middle."""
+    quoted = [repr(name) for name in names]
+    if len(quoted) > LONG_LIST:
+        quoted = [*quoted[:SHORT_LIST], f"... ({len(quoted)} in all)", quoted[-1]]
+    return separator.join(quoted)

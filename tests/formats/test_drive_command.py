@@ -70,7 +70,7 @@ def test_a_picture_is_saved_with_ink_in_it(name: str, tmp_path: Path) -> None:
     ("arguments", "message"),
     [
         (["CSG-20-101", "--plot", "drive.png"], r"no 'CSG-20-101'; did you mean .*'CSG-20-100'"),
-        (["gearbox"], r"none of the \d+ names comes near"),
+        (["gearbox"], r"no 'gearbox'; there are: .*\(\d+ in all\)"),
         (["CSG-20-100", "--plot", "drive.bmp"], r"must end in \.png"),
         (["--plot", "drive.png"], r"need the NAME of a drive"),
         (["--yaml"], r"need the NAME of a drive"),

@@ -8,7 +8,7 @@ from functools import cache
 from pathlib import Path
 from typing import Any
 
-from cutpoint.errors import ModelError
+from cutpoint.errors import ModelError, those_that_exist
 from cutpoint.formats.catalogue_entry import drive_entry
 from cutpoint.formats.catalogue_friction import InputFriction, input_friction
 from cutpoint.formats.catalogue_sheets import CatalogueGear
@@ -18,7 +18,6 @@ from cutpoint.formats.drive_sheet import DriveSheet
 from cutpoint.formats.reading import read_bytes
 from cutpoint.formats.safe_yaml import MAXIMUM_BYTES, YamlDocument, parse_yaml
 from cutpoint.model.drive import Drive
-from cutpoint.model.places import those_that_exist
 
 _FOLDER = Path(__file__).parents[1] / "catalogue_data"
 

@@ -7,10 +7,9 @@ from typing import Any, TypeVar, get_args
 from pydantic import ValidationError
 from pydantic.fields import FieldInfo
 
-from cutpoint.errors import ModelError
+from cutpoint.errors import ModelError, listed
 from cutpoint.formats.safe_yaml import YamlDocument, YamlPath
 from cutpoint.formats.sheet import Sheet
-from cutpoint.model.places import listed
 
 S = TypeVar("S", bound=Sheet)
 

@@ -6,6 +6,7 @@ from typing import Any
 
 import yaml
 
+from cutpoint.errors import those_that_exist
 from cutpoint.files import replacing
 from cutpoint.formats.drive_entry import to_drive
 from cutpoint.formats.drive_section import Section
@@ -17,7 +18,6 @@ from cutpoint.formats.safe_yaml import MAXIMUM_BYTES, parse_yaml
 from cutpoint.mechanics.friction import Coulomb
 from cutpoint.model.drive import Drive
 from cutpoint.model.mechanism import Joint, Mechanism
-from cutpoint.model.places import those_that_exist
 from cutpoint.model.validation import DRIVEN_KINDS
 
 VERSION = 1

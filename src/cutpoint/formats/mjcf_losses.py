@@ -6,8 +6,8 @@ from typing import Any
 
 import numpy as np
 
+from cutpoint.errors import listed
 from cutpoint.formats.mjcf_model import BALL, FREE, names_of
-from cutpoint.model.places import listed
 
 
 class NotCarriedOver(UserWarning):

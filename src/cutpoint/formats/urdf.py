@@ -12,14 +12,14 @@ from typing import Literal
 import numpy as np
 from numpy.typing import ArrayLike
 
-from cutpoint.errors import InputError, ModelError
+from cutpoint.errors import InputError, ModelError, listed
 from cutpoint.formats.reading import read_bytes
 from cutpoint.formats.safe_xml import MAXIMUM_BYTES, Element, parse_xml
 from cutpoint.formats.urdf_elements import Reader
 from cutpoint.formats.xacro_expansion import expand
 from cutpoint.model.build import build
 from cutpoint.model.mechanism import STANDARD_GRAVITY, Joint, JointKind, Limits, Link, Mechanism, Mimic
-from cutpoint.model.places import Places, listed
+from cutpoint.model.places import Places
 from cutpoint.model.validation import DEGREES_BEYOND
 
 KINDS: tuple[JointKind, ...] = ("fixed", "revolute", "continuous", "prismatic", "planar", "floating")

@@ -6,12 +6,11 @@ import numpy as np
 
 from cutpoint import definitions
 from cutpoint.definitions import Machine
-from cutpoint.errors import ModelError
+from cutpoint.errors import ModelError, listed
 from cutpoint.functions.configurations import at_random
 from cutpoint.mechanics.spatial import IDENTITY, ZERO, Inertia
 from cutpoint.mechanics.system import System
 from cutpoint.model import Mechanism
-from cutpoint.model.places import listed
 
 ROUNDING = 1e-13
 """Of the inertia that a motion could move at most."""

@@ -5,8 +5,9 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from cutpoint.errors import those_that_exist
 from cutpoint.model.mechanism import Joint, Mimic
-from cutpoint.model.places import Places, those_that_exist
+from cutpoint.model.places import Places
 from cutpoint.model.pose import pose, rotation_about
 from cutpoint.model.validation import DEGREES_BEYOND, ONE_COORDINATE, check_size
 

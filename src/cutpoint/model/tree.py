@@ -3,9 +3,9 @@
 from collections import Counter, defaultdict
 from collections.abc import Iterable, Sequence
 
-from cutpoint.errors import ModelError
+from cutpoint.errors import ModelError, listed, those_that_exist
 from cutpoint.model.mechanism import Joint, Link
-from cutpoint.model.places import Places, listed, those_that_exist
+from cutpoint.model.places import Places
 
 
 def depth_first(links: Sequence[Link], joints: Sequence[Joint], places: Places) -> tuple[str, list[Joint]]:

@@ -12,9 +12,10 @@ from typing import get_args
 
 import numpy as np
 
+from cutpoint.errors import listed, those_that_exist
 from cutpoint.model.lumping import MassProperties
 from cutpoint.model.mechanism import Array, Body, Joint, JointKind, Limits, Link
-from cutpoint.model.places import Places, listed, those_that_exist
+from cutpoint.model.places import Places
 from cutpoint.model.pose import is_rigid, unit_vector
 
 RELATIVE = 1e-6

@@ -3,11 +3,10 @@
 from collections.abc import Iterable, Mapping, Sequence
 from typing import NamedTuple
 
-from cutpoint.errors import InputError
+from cutpoint.errors import InputError, listed
 from cutpoint.identification.logs.channel_names import KNOWN, NAMES, is_wished, letters, name_and_label
 from cutpoint.identification.logs.mapping_sheet import MappingSheet
 from cutpoint.identification.logs.table import Table
-from cutpoint.model.places import listed
 
 
 class Group(NamedTuple):

@@ -8,11 +8,11 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from cutpoint.errors import listed
 from cutpoint.identification.logs.mapping import ChannelMap, check_unit
 from cutpoint.identification.logs.table import Channel, Table
 from cutpoint.identification.logs.units import COUNTS, SLIDING, TURNING, UNITS
 from cutpoint.identification.logs.wrapping import spans
-from cutpoint.model.places import listed
 
 Array = NDArray[np.float64]
 

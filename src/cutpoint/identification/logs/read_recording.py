@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from cutpoint.errors import ModelError
+from cutpoint.errors import ModelError, listed, those_that_exist
 from cutpoint.identification.logs.common_times import at_common_times
 from cutpoint.identification.logs.mapping import ChannelMap, load_mapping, obvious_mapping, parse_mapping
 from cutpoint.identification.logs.quantity import Columns, check_kinds, columns_of, in_si, picked, stated_ratio
@@ -14,7 +14,6 @@ from cutpoint.identification.logs.reading import read_table
 from cutpoint.identification.logs.recording import Recording
 from cutpoint.identification.logs.suspicions import refuse_degrees, suspicions
 from cutpoint.identification.logs.table import Table
-from cutpoint.model.places import listed, those_that_exist
 from cutpoint.robot import Robot
 
 

@@ -9,9 +9,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from cutpoint.errors import CutpointError, InputError
+from cutpoint.errors import CutpointError, InputError, those_that_exist
 from cutpoint.identification.logs.units import name_and_unit
-from cutpoint.model.places import those_that_exist
 
 Array = NDArray[np.float64]
 
