@@ -40,6 +40,8 @@ def _softened(data: Deflections, fit: DeflectionFit, torque: Array) -> Deflectio
     if not instrument @ alone > RELIABLE * (alone @ alone):
         return fit
     softer = float(instrument @ fit.residual / (instrument @ alone))
+    if abs(softer) > 1.0 / RELIABLE - 1.0:  # more than noise can hide: no spring is told from the rest
+        return fit
     weights = np.linalg.lstsq(columns, fit.residual - softer * deflection)[0]
     step = np.zeros(fit.columns.shape[1])
     step[:count] = fit.constants[:count] * (1.0 / (1.0 + softer) - 1.0)
