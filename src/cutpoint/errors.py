@@ -8,11 +8,8 @@ from typing import Any
 INTERRUPTED = 130
 """The exit status of a command that Ctrl-C ends, as shells have it."""
 
-SHORT_LIST = 12
-"""Up to this many names an error lists them all; beyond, only those that resemble the wrong one, if any do."""
-
 LONG_LIST = 24
-"""A list with more names than this is cut."""
+"""Up to this many names an error lists them all; of more, those that resemble a wrong one, or a list that is cut."""
 
 LONGEST_GUESS = 100
 """Characters of a wrong name that are compared: the cost grows with their square."""
@@ -61,10 +58,10 @@ def unknown_name(kind: str, name: str, known: Collection[str], **kwargs: Any) ->
 def those_that_exist(name: str, known: Iterable[str]) -> str:
     """The end of a message about an unknown name: which names there are, or which of many come near."""
     known = list(known)
-    many = known if len(known) > SHORT_LIST else []
-    near = difflib.get_close_matches(str(name)[:LONGEST_GUESS], many, n=3, cutoff=0.5)
+    many = {one.casefold(): one for one in known} if len(known) > LONG_LIST else {}
+    near = difflib.get_close_matches(str(name).casefold()[:LONGEST_GUESS], many)
     if near:
-        return f"did you mean {' or '.join(map(repr, near))}?"
+        return f"did you mean {' or '.join(repr(many[one]) for one in near)}?"
     return f"there are: {listed(known)}" if known else "there are none"
 
 
@@ -72,5 +69,5 @@ def listed(names: Sequence[str], separator: str = ", ") -> str:
     """Quoted names for a message; a long list is cut in the middle."""
     quoted = [repr(name) for name in names]
     if len(quoted) > LONG_LIST:
-        quoted = [*quoted[:SHORT_LIST], f"... ({len(quoted)} in all)", quoted[-1]]
+        quoted = [*quoted[: LONG_LIST // 2], f"... ({len(quoted)} in all)", quoted[-1]]
     return separator.join(quoted)

@@ -225,7 +225,7 @@ def test_a_version_of_the_future_is_refused():
 
 
 def test_a_missing_channel_among_many_is_answered_with_those_that_come_near():
-    many = table(**{f"filler_{k}": Q for k in range(20)}, actual_position=Q)
+    many = table(**{f"filler_{k}": Q for k in range(30)}, actual_position=Q)
     with pytest.raises(ModelError, match=r"no channel 'actual_positoin'; did you mean 'actual_position'\?"):
         mapped("q: actual_positoin", many)
 

@@ -363,7 +363,7 @@ def test_any_tensor_that_mass_can_have_passes(a: float, b: float, c: float, plac
 
 
 def test_a_wrong_name_among_many_brings_the_nearest_to_mind() -> None:
-    with pytest.raises(ModelError, match=r"no joint has this name; did you mean 'j7'\?"):
+    with pytest.raises(ModelError, match=r"no joint has this name; did you mean 'j7' or "):
         chain(*["revolute"] * 30, lock={"J7": 0.0})
     with pytest.raises(ModelError, match=r"no joint has this name; there are: 'j1', .*, \.\.\. \(30 in all\), 'j30'$"):
         chain(*["revolute"] * 30, lock={"elbow": 0.0})
@@ -371,7 +371,7 @@ def test_a_wrong_name_among_many_brings_the_nearest_to_mind() -> None:
 
 def test_a_call_with_a_wrong_name_says_no_more_than_one_can_read() -> None:
     robot = cutpoint.Robot(chain(*["revolute"] * 300))
-    with pytest.raises(cutpoint.InputError, match=r"no frame is named 'J7'; did you mean .*'j7'\?") as caught:
+    with pytest.raises(cutpoint.InputError, match=r"no frame is named 'J7'; did you mean 'j7' or ") as caught:
         robot.frame_pose(np.zeros(300), "J7")
     assert len(str(caught.value)) < 100
     assert {*robot.frames} == {*caught.value.evidence["known"]}
