@@ -1,7 +1,7 @@
 """What can go wrong, said once: which thing, what was found, what was expected, where, and how to mend it."""
 
 import difflib
-from collections.abc import Collection, Iterable, Sequence
+from collections.abc import Collection, Iterable
 from pathlib import Path
 from typing import Any
 
@@ -65,7 +65,7 @@ def those_that_exist(name: str, known: Iterable[str]) -> str:
     return f"there are: {listed(known)}" if known else "there are none"
 
 
-def listed(names: Sequence[str], separator: str = ", ") -> str:
+def listed(names: Iterable[str], separator: str = ", ") -> str:
     """Quoted names for a message; a long list is cut in the middle."""
     quoted = [repr(name) for name in names]
     if len(quoted) > LONG_LIST:

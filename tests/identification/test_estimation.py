@@ -257,7 +257,7 @@ def test_what_cannot_be_identified_is_refused(options: dict[str, object], messag
 
 def test_a_joint_that_was_not_recorded_is_named():
     arm = known_arm(0)
-    with pytest.raises(InputError, match=r"joint 'joint1' was not recorded; there are: joint0"):
+    with pytest.raises(InputError, match=r"joint 'joint1' was not recorded; there are: 'joint0'"):
         identify_rigid(arm.file, recorded(arm.robot, 0).joint("joint0"))
 
 

@@ -74,7 +74,7 @@ class Section:
         owner = sheet_at(sheet, path[:-1])
         key, within = "".join(path[-1:]), f" in {'.'.join(path[:-1])}" if len(path) > 1 else ""
         if kind == "extra_forbidden" and owner:
-            known = ", ".join(map(repr, owner.model_fields))
+            known = listed(owner.model_fields)
             return self.error(path, f"unknown key {key!r}{within}; those that exist are {known}")
         if kind == "missing":
             unit = self.unit(field_of(sheet, path))
@@ -85,7 +85,7 @@ class Section:
         nested = sheet_at(sheet, path)
         if detail["type"] == "model_type" and nested:
             rigid = "'rigid' or " if path[-1:] == ("compliance",) else ""
-            return f"must be {rigid}a mapping with keys out of {listed(list(nested.model_fields))}"
+            return f"must be {rigid}a mapping with keys out of {listed(nested.model_fields)}"
         if detail["type"] == "literal_error":
             return f"must be {detail['ctx']['expected']}"
         context = detail.get("ctx", {})

@@ -13,7 +13,7 @@ import numpy as np
 
 from cutpoint import kernels
 from cutpoint.definitions import Machine
-from cutpoint.errors import InputError
+from cutpoint.errors import InputError, those_that_exist
 from cutpoint.functions.idle_joints import check_moves_inertia
 from cutpoint.functions.robot_function import RobotFunction
 from cutpoint.functions.special_robots import MATRICES, quaternions_of, with_empty_matrices, with_quaternions
@@ -192,7 +192,7 @@ class Compiled:
                 n = len(self.machine.system.segments)
                 told = f"of {n} bodies it runs as loops over them, and has no kernel to look at or to export"
                 raise InputError(f"{name}: {told}; of fewer it has one: lock joints that stand still", name=name)
-            there = f"there are: {', '.join(map(repr, self._kernels))}" if self._kernels else "there is none yet"
+            there = those_that_exist(name, self._kernels) if self._kernels else "there is none yet"
             remedy = "functions compile at their first call, so call it once first"
             told = f"no compiled function is named {name!r}, {there}; {remedy}"
             raise InputError(told, name=name, known=[*self._kernels])

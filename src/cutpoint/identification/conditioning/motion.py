@@ -6,7 +6,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from cutpoint.errors import InputError, unknown_name
+from cutpoint.errors import InputError, those_that_exist, unknown_name
 from cutpoint.identification.conditioning.filtering import STILL, derivative, low_pass, noise_cutoff
 from cutpoint.identification.logs.recording import Recording
 from cutpoint.robot import Robot
@@ -106,9 +106,9 @@ def torques_of(robot: Robot, recording: Recording, constants: Mapping[str, float
 def _channels(robot: Robot, recording: Recording) -> dict[str, Array]:
     missing = [joint for joint in robot.joints if joint not in recording.joints]
     if missing:
-        known = ", ".join(recording.joints)
+        there = those_that_exist(missing[0], recording.joints)
         rule = "map its channels, or lock it (--lock at the command line)"
-        raise InputError(f"joint {missing[0]!r} was not recorded; there are: {known}; {rule}")
+        raise InputError(f"joint {missing[0]!r} was not recorded; {there}; {rule}")
     return recording.in_order(robot.joints).channels
 
 

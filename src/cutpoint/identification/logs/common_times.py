@@ -5,7 +5,7 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from cutpoint.errors import InputError
+from cutpoint.errors import InputError, listed
 from cutpoint.identification.logs.channel_names import time_channel
 from cutpoint.identification.logs.mapping import ChannelMap
 from cutpoint.identification.logs.quantity import Measured
@@ -76,7 +76,7 @@ def _times(table: Table, mapping: ChannelMap, count: int) -> Array:
         raise section.error(("time", "channel"), f"time: {table.missing(name)}")
     unit = sheet.unit or channel.unit or "s"
     if unit not in TIMES:
-        known = ", ".join(map(repr, TIMES))
+        known = listed(TIMES)
         rule = f"time: channel {name!r} is in {unit!r}, of which no time is known; state time.unit, one of {known}"
         raise section.error(("time",), rule)
     return TIMES[unit] * channel.values

@@ -33,7 +33,7 @@ def default_mapping(table: Table, joints: Sequence[str] = ()) -> MappingSheet:
     likeliest = {quantity: _likeliest(names, groups) for quantity, names in NAMES.items()}
     first = likeliest["q"] or likeliest["theta"]
     if not first:
-        there = listed(list(table.channels))
+        there = listed(table.channels)
         rule = f"no channel is named like a position; give a mapping.  There are: {there}{table.besides}"
         raise InputError(rule, place=table.file)
     positions = groups[first].channels
@@ -92,7 +92,7 @@ def _channels(first: Mapping[str, str], group: Group, labels: Sequence[str], tab
         if not ((_are_numbers(labels) and _are_numbers(own)) or "" in (*first, *own)):
             lacking = next(label for label in labels if label not in own)
             rule = f"none of them is named like {first[lacking]!r}; name them alike, or give a mapping"
-            raise InputError(f"columns {listed(list(own.values()))}: {rule}{table.besides}", place=table.file)
+            raise InputError(f"columns {listed(own.values())}: {rule}{table.besides}", place=table.file)
         labels = _in_order(own, ())
     found = [own[label] for label in labels]
     twin = next((name for name in found if name in group.twins), None)

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from cutpoint.errors import ModelError
+from cutpoint.errors import ModelError, listed
 from cutpoint.formats.drive_section import Section
 from cutpoint.formats.reading import read_bytes
 from cutpoint.formats.safe_yaml import MAXIMUM_BYTES, YamlDocument, YamlPath, parse_yaml
@@ -105,5 +105,5 @@ def check_unit(name: str, sheet: ChannelSheet, unit: str, section: Section) -> N
         if sheet.gain is None:
             raise section.error((name, "unit"), f"{name}.unit {unit!r} needs 'gain': what one {unit} is worth in SI")
     elif unit not in UNITS[name]:
-        known = ", ".join(map(repr, UNITS[name]))
+        known = listed(UNITS[name])
         raise section.error((name, "unit"), f"{name}.unit {unit!r} is not known; there are {known}, or one with 'gain'")

@@ -80,12 +80,12 @@ def check_kinds(
         return
     for joint, unit in zip(joints, _units(name, columns, mapping), strict=True):
         if unit in TURNING and joint in sliding and sheet.side == "link":
-            fitting = ", ".join(repr(each) for each in UNITS[name] if each in SLIDING)
+            fitting = listed(each for each in UNITS[name] if each in SLIDING)
             remedy = "without unit:, the columns' titles can say each joint's own"
             rule = f"{name}.unit {unit!r} is of joints that turn, and {joint!r} slides: it must be one of {fitting}"
             raise mapping.section.error((name, "unit"), f"{rule}; {remedy}")
         if unit in SLIDING and joint not in sliding:
-            fitting = ", ".join(repr(each) for each in UNITS[name] if each not in SLIDING)
+            fitting = listed(each for each in UNITS[name] if each not in SLIDING)
             rule = f"{name}.unit {unit!r} is of joints that slide, and {joint!r} turns: it must be one of {fitting}"
             raise mapping.section.error((name, "unit"), rule)
 
