@@ -5,14 +5,20 @@ operations, chapter 6.
 """
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 from cutpoint.mechanics.articulated import NO_ROTOR, Articulated, FeltRotor, Yield, accelerations
-from cutpoint.mechanics.inverse_dynamics import handed_on, inverse_dynamics
+from cutpoint.mechanics.inverse_dynamics import (
+    BodyMotion,
+    handed_on,
+    inverse_dynamics,
+    motions,
+    net_wrenches,
+    rotor_efforts,
+)
 from cutpoint.mechanics.mass_matrix import mass_matrix
-from cutpoint.mechanics.rigid_body import acceleration_gradient, net_wrench
 from cutpoint.mechanics.rotors import Spin
-from cutpoint.mechanics.spatial import NO_ROTATION, STILL, ZERO, Mat3, Motion, Pose, Vec3, Wrench
+from cutpoint.mechanics.spatial import STILL, ZERO, Motion, Vec3, Wrench
 from cutpoint.mechanics.system import Segment, System
 from cutpoint.model.mechanism import WORLD
 from cutpoint.scalars import Scalar, is_plain_zero
@@ -27,42 +33,17 @@ takes four fifths of the operations, and three quarters of the time on arms.
 """
 
 
-@dataclass(slots=True, eq=False)
-class ArticulatedBody:
-    """A body's pose and velocity, what velocities add to its acceleration, and how it and all it carries resist.
+def coasting(body: Segment, omega_p: Vec3, A_p: Motion, v: Scalars) -> tuple[Vec3, Motion, Wrench]:
+    """Of a body along its parent's axes, which turn with omega_p and accelerate with A_p: its own turning, acceleration
+    and net wrench while its joint keeps its speed.
 
-    U is the gradient of the acceleration that its angular velocity alone makes, see `rigid_body`.
+    As `motions` and `net_wrench`, in cross products: each is one operation on three numbers.
     """
-
-    X: Pose
-    V: Motion
-    U: Mat3
-    bias: Motion
-    M: Articulated
-    P: Wrench
-
-
-def prepare(body: Segment, X: Pose, V_p: Motion, U_p: Mat3, v: Scalars) -> ArticulatedBody:
-    """Velocity of a body, and acceleration and wrench that velocities alone make.  Featherstone (2008) eq. (7.46)."""
-    zv = body.motion(v)
-    carried = X.outward(V_p)
-    V = carried + zv
-    U = acceleration_gradient(ZERO, V.angular, V.angular)
-    linear = X.rotation.T @ (U_p @ X.position) + (carried.angular + V.angular).cross(zv.linear)
-    bias = Motion(linear, carried.angular.cross(zv.angular))
-    return ArticulatedBody(X, V, U, bias, Articulated.of(body.inertia), net_wrench(body.inertia, STILL, U))
-
-
-def spinning(body: Segment, omega_p: Vec3, v: Scalars) -> tuple[Vec3, Motion, Wrench]:
-    """Of a body along its parent's axes, which turn with omega_p: its own turning, and what `prepare` finds beside it.
-
-    In cross products: each is one operation on three numbers.  Featherstone (2008) eq. (7.46).
-    """
-    own, p = body.motion(v), body.placement.position
+    own, X, M = body.motion(v), body.placement, body.inertia
     omega = omega_p + own.angular
-    bias = Motion(omega_p.cross(omega_p.cross(p)) + (omega_p + omega).cross(own.linear), omega_p.cross(own.angular))
-    V = Motion(ZERO, omega)
-    return omega, bias, V.cross_wrench(body.inertia * V)
+    linear = omega_p.cross(omega_p.cross(X.position)) + (omega_p + omega).cross(own.linear)
+    V, A = Motion(ZERO, omega), X.outward(A_p) + Motion(linear, omega_p.cross(own.angular))
+    return omega, A, M * A + V.cross_wrench(M * V)
 
 
 def forward_dynamics(
@@ -96,36 +77,40 @@ def articulated_accelerations(
 ) -> tuple[list[Scalar], list[Motion]]:
     """Accelerations of the coordinates and of the bodies, by the articulated-body recursion.
 
+    While all joints keep their speeds the robot coasts, and inverse dynamics knows what that takes.  What is left of
+    the torques finds a robot that neither moves nor weighs anything: Featherstone (2008) section 7.3 with v = 0.
+
     rotors: for each segment with an elastic drive and full coupling, the torque that its rotor is left with, and its
     speed, at the joint's side.
     """
-    bodies: list[ArticulatedBody] = []
-    # outward: velocities, and what they alone cost
-    for body in system.segments:
-        V_p, U_p = (STILL, NO_ROTATION) if body.parent == WORLD else (bodies[body.parent].V, bodies[body.parent].U)
-        bodies.append(prepare(body, body.pose(q), V_p, U_p, v))
+    still = [0] * system.nv
+    # outward: how the bodies coast, and what that takes of bodies and joints
+    coast = motions(system, q, v, still)
+    P = net_wrenches(system, coast, v, still)
     for i, F_e in handed_on(system, contact):
-        bodies[i].P = bodies[i].P + F_e
+        P[i] = P[i] + F_e
+    M = [Articulated.of(body.inertia) for body in system.segments]
     for spin in system.spins:
-        _let_spin(spin, system, bodies[spin.carrier], v, rotors)
+        if spin.elastic:
+            _let_spin(spin, coast[spin.carrier], M, P, *rotors[spin.joint])
+    left = [t - taken for t, taken in zip(tau, rotor_efforts(system, coast, still), strict=True)]
     # inward: what a body and all it carries still resist once its joint gives way
     gave: list[list[Yield]] = []
     felt = felt_rotors(system)
-    for i, (own, body) in reversed([*enumerate(zip(bodies, system.segments, strict=True))]):
-        M, P, steps = own.M.give_way(body.joint.axes, own.P + own.M * own.bias, tau[body.v], felt[i])
+    for i, body in reversed([*enumerate(system.segments)]):
+        M_i, P_i, steps = M[i].give_way(body.joint.axes, P[i], left[body.v], felt[i])
         gave.append(steps)
         if body.parent != WORLD:
-            carrier = bodies[body.parent]
-            carrier.M = carrier.M + M.seen_from_parent(own.X)
-            carrier.P = carrier.P + own.X.inward(P)
-    # outward: each joint gives way to what its parent's acceleration leaves it
-    A: list[Motion] = []
+            M[body.parent] = M[body.parent] + M_i.seen_from_parent(coast[i].X)
+            P[body.parent] = P[body.parent] + coast[i].X.inward(P_i)
+    # outward: each joint gives way to what its parent's added acceleration leaves it
+    added: list[Motion] = []
     found: list[Scalar] = [0] * system.nv
-    for own, body, steps in zip(bodies, system.segments, reversed(gave), strict=True):
-        carried = own.X.outward(system.base_acceleration if body.parent == WORLD else A[body.parent])
+    for own, body, steps in zip(coast, system.segments, reversed(gave), strict=True):
+        carried = STILL if body.parent == WORLD else own.X.outward(added[body.parent])
         found[body.v] = accelerations(steps, carried)
-        A.append(carried + own.bias + body.motion(found))
-    return found, A
+        added.append(carried + body.motion(found))
+    return found, [own.A + A for own, A in zip(coast, added, strict=True)]
 
 
 def felt_rotors(system: System) -> list[list[FeltRotor]]:
@@ -138,16 +123,13 @@ def felt_rotors(system: System) -> list[list[FeltRotor]]:
 
 
 def _let_spin(
-    spin: Spin, system: System, carrier: ArticulatedBody, v: Scalars, rotors: Mapping[int, tuple[Scalar, Scalar]]
+    spin: Spin, carrier: BodyMotion, M: list[Articulated], P: list[Wrench], torque: Scalar, speed: Scalar
 ) -> None:
-    """What a rotor's spin costs its carrier.  An elastic drive's rotor does not follow its carrier about its axis."""
-    if not spin.elastic:
-        carrier.P = carrier.P + spin.reaction(carrier.V.angular, system.segments[spin.joint].speeds(v)[0], 0)
-        return
-    torque, speed = rotors[spin.joint]
-    carrier.M = carrier.M + Articulated.about(spin.axis, -spin.inertia)
-    pushed = Wrench(ZERO, spin.axis * (torque * spin.inertia / spin.geared))
-    carrier.P = carrier.P + spin.reaction(carrier.V.angular, speed, 0) + pushed
+    """What the spin of an elastic drive's rotor takes from its carrier, which it does not follow about its axis."""
+    i, own = spin.carrier, torque - spin.torque(carrier.A.angular)
+    M[i] = M[i] + Articulated.about(spin.axis, -spin.inertia)
+    pushed = Wrench(ZERO, spin.axis * (own * spin.inertia / spin.geared))
+    P[i] = P[i] + spin.reaction(carrier.V.angular, speed, 0) + pushed
 
 
 def through_mass_matrix(

@@ -4,13 +4,12 @@ from collections.abc import Sequence
 from typing import Any
 
 from cutpoint.kernels import Stage
-from cutpoint.mechanics.articulated import NO_ROTOR, accelerations
+from cutpoint.mechanics.articulated import NO_ROTOR, Articulated, accelerations
 from cutpoint.mechanics.elastic import coordinate_jets
-from cutpoint.mechanics.forward_dynamics import prepare
 from cutpoint.mechanics.inverse_dynamics import motions
 from cutpoint.mechanics.joints import JointKind
 from cutpoint.mechanics.rigid_body import inertia_of, net_wrench, parameters_of
-from cutpoint.mechanics.spatial import IDENTITY, NO_ROTATION, STILL, ZERO, Motion, Pose, Vec3
+from cutpoint.mechanics.spatial import IDENTITY, STILL, ZERO, Motion, Pose, Vec3
 from cutpoint.mechanics.system import Segment, System
 from cutpoint.model.mechanism import WORLD
 from cutpoint.rolled.bodies import BASE_NUMBERS, Columns
@@ -81,35 +80,34 @@ class Base:
         return Pass("once", Stage(bears, ("base.wrench",), (f"base.{written}",)))
 
     def resists(self) -> Pass:
-        """Where it is, how fast it turns, and how it resists, along the world's axes but for its bias."""
+        """Where it is, how fast it turns and accelerates as it coasts, and how it resists, along the world's axes."""
 
-        def resists(row: Any, q: Any, v: Any) -> Any:
+        def resists(row: Any, world: Any, q: Any, v: Any) -> Any:
             own = self.segment(row)
-            X = own.placement @ self.kind.pose(q)
-            found, turn = prepare(own, X, STILL, NO_ROTATION, v), Pose(X.rotation, ZERO)
-            M, P = found.M.seen_from_parent(turn), turn.inward(found.P)
-            omega = X.rotation @ found.V.angular
-            return by_columns(X), [*omega], [*found.bias], packed_resistance(M, P)
+            alone = System((own,), -motion_of(world).linear, {}, own.q.stop, own.v.stop, (0,) * own.v.stop)
+            (coast,) = motions(alone, q, v, [0] * self.axes)
+            turn = Pose(coast.X.rotation, ZERO)
+            M = Articulated.of(own.inertia).seen_from_parent(turn)
+            P, A = turn.inward(net_wrench(own.inertia, coast.A, coast.U)), coast.A.seen_from_parent(turn)
+            return by_columns(coast.X), [*turn.rotation @ coast.V.angular], [*A], packed_resistance(M, P)
 
-        reads, writes = ("base.body", "base.q", "base.v"), ("turned", "omega", "bias", "resistance")
-        return Pass("once", Stage(resists, reads, [f"base.{name}" for name in writes]))
+        reads = ("base.body", "world.coasting", "base.q", "base.v")
+        writes = ("base.turned", "base.omega", "base.coasting", "base.resistance")
+        return Pass("once", Stage(resists, reads, writes))
 
     def gives_way(self) -> Pass:
-        """Its acceleration, axis by axis in its own frame.  Featherstone (2008) eqs. (7.38)-(7.44)."""
+        """What its joint adds to its acceleration, axis by axis in its own frame."""
 
-        def gives_way(turned: Any, resistance: Any, bias: Any, tau: Any, world: Any) -> Any:
-            X = pose_by_columns(turned)
-            back = Pose(X.rotation.T, ZERO)
+        def gives_way(turned: Any, resistance: Any, tau: Any) -> Any:
+            turn = Pose(pose_by_columns(turned).rotation, ZERO)
+            back = Pose(turn.rotation.T, ZERO)
             M, P = resistance_of(resistance)
-            M, P = M.seen_from_parent(back), back.inward(P)
-            steps = M.give_way(self.kind.axes, P + M * motion_of(bias), tau, [NO_ROTOR] * self.axes)[2]
-            carried = X.outward(motion_of(world))
-            a = accelerations(steps, carried)
-            A = carried + motion_of(bias) + self.kind.motion(a)
-            return a, [*(X.rotation @ A.linear), *(X.rotation @ A.angular)]
+            steps = M.seen_from_parent(back).give_way(self.kind.axes, back.inward(P), tau, [NO_ROTOR] * self.axes)[2]
+            a = accelerations(steps, STILL)
+            return a, [*self.kind.motion(a).seen_from_parent(turn)]
 
-        reads = ("base.turned", "base.resistance", "base.bias", "base.tau", "world.acceleration")
-        return Pass("once", Stage(gives_way, reads, ("base.a", "base.acceleration")))
+        reads = ("base.turned", "base.resistance", "base.tau")
+        return Pass("once", Stage(gives_way, reads, ("base.a", "base.added")))
 
     def is_placed(self) -> Pass:
         """Where it is in the world."""

@@ -4,7 +4,7 @@ from typing import Any
 
 from cutpoint.kernels import Stage, View
 from cutpoint.mechanics.articulated import Articulated, Yield
-from cutpoint.mechanics.forward_dynamics import spinning
+from cutpoint.mechanics.forward_dynamics import coasting
 from cutpoint.mechanics.joints import dot
 from cutpoint.mechanics.spatial import IDENTITY, ZERO, Pose, Vec3, Wrench
 from cutpoint.rolled.base import base_in, sizes_apart
@@ -27,59 +27,61 @@ from cutpoint.scalars import Scalar
 
 NUMBERS = ("q", "v", "tau", "a")
 
-THREES = {"turned": 12, "omega": 3, "bias": 6, "resistance": RESISTANCE, "share": 6, "acceleration": 6}
+THREES = {"turned": 12, "omega": 3, "coasting": 6, "resistance": RESISTANCE, "share": 6, "added": 6}
 """What is kept of each body, and in how many numbers, beside its pose and its own step."""
 
 VIEWS = (
     View("above", "turned", "parent"),
     View("carrier", "omega", "parent"),
+    View("carried", "coasting", "parent"),
     View("borne", "resistance", "parent"),
-    View("carried", "acceleration", "parent"),
+    View("led", "added", "parent"),
 )
 
-OUTWARD = ("turned", "omega", "bias", "resistance")
+OUTWARD = ("turned", "omega", "coasting", "resistance")
 
-WORLD_ROWS: dict[str, list[Any]] = {"turned": flat(IDENTITY), "acceleration": [(UPWARD, k) for k in range(6)]}
+WORLD_ROWS: dict[str, list[Any]] = {"turned": flat(IDENTITY), "coasting": [(UPWARD, k) for k in range(6)]}
 
 
 def forward_dynamics(columns: Columns) -> Steps:
     """Accelerations a under torques tau.  Featherstone (2008) section 7.3, every body along the world's axes.
 
     There no inertia that passes from body to body is ever turned.  turned: the body's axes in the world's, and where it
-    is in its parent.  resistance: inertia and bias wrench, then those of all that the body carries too.
+    is in its parent.  coasting: its acceleration while all joints keep their speeds.  resistance: inertia, and the
+    wrench for that acceleration, then those of all that the body carries too.  added: what joints add to it.
     """
     (place, pose), base = placing(columns, PLAIN, ("q",)), base_in(columns)
 
-    def outward(row: Any, at: Any, v: Any, above: Any, carrier: Any) -> Any:
+    def outward(row: Any, at: Any, v: Any, above: Any, carrier: Any, carried: Any) -> Any:
         turned, omega_p = _turned_pose(pose_by_columns(above), pose_of(pose.all(at))), Vec3(*carrier)
         body = columns.subsystem(row).along_the_world(turned).body
-        omega, bias, P = spinning(body, omega_p, v)
-        return by_columns(turned), [*omega], [*bias], packed_resistance(Articulated.of(body.inertia), P)
+        omega, A, P = coasting(body, omega_p, motion_of(carried), v)
+        return by_columns(turned), [*omega], [*A], packed_resistance(Articulated.of(body.inertia), P)
 
-    def inward(row: Any, turned: Any, v: Any, tau: Any, bias: Any, resistance: Any, carrier: Any, borne: Any) -> Any:
-        own, (M, P), (M_p, P_p) = along(row, turned), resistance_of(resistance), resistance_of(borne)
-        left_M, left_P, step = _give_way(own, M, P + M * motion_of(bias), tau[0])
-        P_p = P_p + left_P
+    def inward(row: Any, turned: Any, v: Any, tau: Any, resistance: Any, carrier: Any, carried: Any, borne: Any) -> Any:
+        own, (M, P), (M_p, P_p), left = along(row, turned), resistance_of(resistance), resistance_of(borne), tau[0]
         if own.spin:
+            left = left - own.spin.torque(motion_of(carried).angular)
             P_p = P_p + own.spin.reaction(Vec3(*carrier), v[0], 0)
-        return [step.own], step.share, packed_resistance(M_p + left_M, P_p)
+        left_M, left_P, step = _give_way(own, M, P, left)
+        return [step.own], step.share, packed_resistance(M_p + left_M, P_p + left_P)
 
-    def give_way(row: Any, turned: Any, bias: Any, step: Any, share: Any, carried: Any) -> Any:
-        body, A = along(row, turned).body, motion_of(carried)
+    def give_way(row: Any, turned: Any, step: Any, share: Any, led: Any) -> Any:
+        body, A = along(row, turned).body, motion_of(led)
         a = [step[0] - A.power(wrench_of(share))]
-        return a, [*(body.placement.outward(A) + motion_of(bias) + body.joint.motion(a))]
+        return a, [*(body.placement.outward(A) + body.joint.motion(a))]
 
     def along(row: Any, turned: Any) -> Subsystem:
         return columns.subsystem(row).along_the_world(pose_by_columns(turned))
 
-    reads = ("body", "turned", "v", "tau", "bias", "resistance", "carrier", "borne")
+    reads = ("body", "turned", "v", "tau", "resistance", "carrier", "carried", "borne")
     passes = [
         Pass("alone", place),
         *([base.resists()] if base else []),
-        Pass("outward", Stage(outward, ("body", "pose", "v", "above", "carrier"), OUTWARD)),
+        Pass("outward", Stage(outward, ("body", "pose", "v", "above", "carrier", "carried"), OUTWARD)),
         Pass("inward", Stage(inward, reads, ("step", "share", "borne"))),
         *([base.gives_way()] if base else []),
-        Pass("outward", Stage(give_way, ("body", "turned", "bias", "step", "share", "carried"), ("a", "acceleration"))),
+        Pass("outward", Stage(give_way, ("body", "turned", "step", "share", "led"), ("a", "added"))),
     ]
     kept, (apart, constants) = {"pose": pose.size, "step": 1, **THREES}, sizes_apart(base, NUMBERS)
     return Steps(kept, NUMBERS, VIEWS, WORLD_ROWS, passes, apart, constants, threes=tuple(THREES))
