@@ -92,7 +92,7 @@ class Articulated:
     def seen_from_parent(self, pose: Pose) -> "Articulated":
         """The same resistance, felt at the parent's frame: U M U^T."""
         R, p_x = pose.rotation, pose.position.skew()
-        M, H, J = (R @ self._block(i, j) @ R.T for i, j in ((0, 0), (3, 0), (3, 3)))
+        M, H, J = (R.congruence(self._block(i, j)) for i, j in ((0, 0), (3, 0), (3, 3)))
         H_p = H + p_x @ M
         J_p = J + p_x @ H.T - H_p @ p_x
         rows = [[*a, *b] for a, b in zip(M, H_p.T, strict=True)] + [[*a, *b] for a, b in zip(H_p, J_p, strict=True)]

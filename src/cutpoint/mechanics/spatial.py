@@ -70,6 +70,10 @@ class Mat3:
             return Mat3(*(Vec3(*(row.dot(c) for c in columns)) for row in self.rows))
         return Vec3(*(row.dot(b) for row in self.rows))
 
+    def congruence(self, S: "Mat3") -> "Mat3":
+        """R S R^T: of a rotation R, the tensor S along the axes of the frame that it leads to."""
+        return self @ S @ self.T
+
 
 NO_ROTATION = Mat3(ZERO, ZERO, ZERO)
 IDENTITY = Mat3(Vec3(1, 0, 0), Vec3(0, 1, 0), Vec3(0, 0, 1))
@@ -177,4 +181,4 @@ class Inertia:
         h = R @ self.first_moment
         h_parent = h + p * self.mass
         shift = p.skew() @ h.skew() + h_parent.skew() @ p.skew()
-        return Inertia(self.mass, h_parent, R @ self.rotational @ R.T - shift)
+        return Inertia(self.mass, h_parent, R.congruence(self.rotational) - shift)

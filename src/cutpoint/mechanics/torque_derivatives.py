@@ -54,7 +54,7 @@ class Cloud:
         """The same, felt at the parent's frame, in which this one's origin has the velocity u."""
         R, r, inertia, twice = X.rotation, X.position, self.inertia.seen_from_parent(X), u * 2
         momentum = R @ self.twice_momentum
-        drift = R @ self.drift @ R.T + _outer(twice, inertia.first_moment) + _outer(momentum, r)
+        drift = R.congruence(self.drift) + _outer(twice, inertia.first_moment) + _outer(momentum, r)
         return Cloud(inertia, momentum + twice * inertia.mass, drift)
 
     def wrench(self, change: Change) -> Wrench:

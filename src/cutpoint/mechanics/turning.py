@@ -7,7 +7,7 @@ and fewer products than derivatives of R's numbers would.
 
 from typing import Any, overload
 
-from cutpoint.mechanics.spatial import Mat3, Vec3
+from cutpoint.mechanics.spatial import IDENTITY, Mat3, Vec3
 from cutpoint.scalars import Jet, Scalar, cos, sin
 
 
@@ -22,6 +22,30 @@ def turned(angle: Scalar, x: Scalar, y: Scalar) -> tuple[Scalar, Scalar]:
     """A vector of the plane, turned."""
     s, c = sin(angle), cos(angle)
     return c * x - s * y, s * x + c * y
+
+
+class TurnAboutZ(Mat3):
+    """outer @ R_z, which knows that in the plane of a turn half of a tensor stays as it is.
+
+    What is the same along all axes of the plane, and what is skew, does not turn; the rest turns by twice the angle.
+    """
+
+    __slots__ = ("c", "outer", "s")
+
+    def __init__(self, outer: Mat3, c: Scalar, s: Scalar) -> None:
+        super().__init__(*(outer @ Mat3(Vec3(c, -s, 0), Vec3(s, c, 0), Vec3(0, 0, 1))))
+        self.outer, self.c, self.s = outer, c, s
+
+    def __rmatmul__(self, a: Mat3) -> Mat3: return TurnAboutZ(a @ self.outer, self.c, self.s)
+
+    def congruence(self, S: Mat3) -> Mat3:
+        """R S R^T, in half as many operations in the plane as two products take."""
+        c, s = self.c, self.s
+        (xx, xy, xz), (yx, yy, yz), (zx, zy, zz) = S
+        w = s * (xx - yy) + c * (xy + yx)
+        x = Vec3(xx - s * w, c * w - yx, c * xz - s * yz)
+        y = Vec3(c * w - xy, yy + s * w, s * xz + c * yz)
+        return self.outer.congruence(Mat3(x, y, Vec3(c * zx - s * zy, s * zx + c * zy, zz)))
 
 
 class InTurn(Mat3):
@@ -82,5 +106,4 @@ class FromNowOn(Mat3):
 
 
 def _about_z(angle: Scalar) -> Mat3:
-    s, c = sin(angle), cos(angle)
-    return Mat3(Vec3(c, -s, 0), Vec3(s, c, 0), Vec3(0, 0, 1))
+    return TurnAboutZ(IDENTITY, cos(angle), sin(angle))
