@@ -38,24 +38,23 @@ def pushed(columns: Columns, order: Order) -> Pass:
 def let_spin(columns: Columns) -> Pass:
     """What a rotor's spin costs its carrier, which it does not follow about its axis."""
 
-    def spins(row: Any, turned: Any, omega: Any, speed: Any, alpha: Any, borne: Any) -> Any:
-        own = columns.subsystem(row).along_the_world(pose_by_columns(turned)).behind
+    def spins(row: Any, turned: Any, omega: Any, carried: Any, speed: Any, alpha: Any, borne: Any) -> Any:
+        own, A = columns.subsystem(row).along_the_world(pose_by_columns(turned)).behind, motion_of(carried)
         assert own is not None
-        M, P = resistance_of(borne)
-        P = P + own.reaction(Vec3(*omega), speed[0], alpha[0])
-        return packed_resistance(M + Articulated.about(own.axis, -own.inertia), P)
+        (M, P), apart = resistance_of(borne), Articulated.about(own.axis, -own.inertia)
+        return packed_resistance(M + apart, P + apart * A + own.reaction(Vec3(*omega), speed[0], alpha[0]))
 
-    reads = ("body", "turned", "carrier", "theta_dot", "theta_ddot", "borne")
+    reads = ("body", "turned", "carrier", "carried", "theta_dot", "theta_ddot", "borne")
     return Pass("inward", Stage(spins, reads, ("borne",)))
 
 
 def left_behind(columns: Columns) -> Pass:
     """What its carrier turns by, such a rotor need not turn itself."""
 
-    def lags(row: Any, turned: Any, acceleration: Any, theta_ddot: Any) -> Any:
-        own, A = columns.subsystem(row).along_the_world(pose_by_columns(turned)).behind, motion_of(acceleration)
+    def lags(row: Any, turned: Any, coasting: Any, added: Any, theta_ddot: Any) -> Any:
+        own, A = columns.subsystem(row).along_the_world(pose_by_columns(turned)).behind, motion_of(coasting)
         assert own is not None
-        turn = own.axis.dot(A.angular)
+        turn = own.axis.dot((A + motion_of(added)).angular)
 
         def own_turn(drive: Model) -> list[Any]:
             if drive is None or not (drive.is_elastic and drive.is_coupled):
@@ -64,4 +63,4 @@ def left_behind(columns: Columns) -> Pass:
 
         return columns.by_drive(row, own_turn)
 
-    return Pass("outward", Stage(lags, ("body", "turned", "carried", "theta_ddot"), ("theta_ddot",)))
+    return Pass("outward", Stage(lags, ("body", "turned", "carried", "led", "theta_ddot"), ("theta_ddot",)))
