@@ -25,11 +25,11 @@ from cutpoint.scalars import Scalar, is_plain_zero
 
 Scalars = Sequence[Scalar]
 
-FEW = 6
-"""Joints between the world and a body, averaged over all bodies: up to 11 in a chain, more on trees.
+FEW = 4
+"""Joints between the world and a body, averaged over all bodies: up to 7 in a chain, more on trees.
 
-Counted on random chains and trees: at this many both ways cost about the same; for 6 joints in a chain the mass matrix
-takes four fifths of the operations, and three quarters of the time on arms.
+Counted on random chains and trees and on arms: at this many both ways cost about the same.  With fewer, the mass matrix
+costs less; it also waits less, for its rows do not wait for each other.
 """
 
 
@@ -126,10 +126,10 @@ def _let_spin(
     spin: Spin, carrier: BodyMotion, M: list[Articulated], P: list[Wrench], torque: Scalar, speed: Scalar
 ) -> None:
     """What the spin of an elastic drive's rotor takes from its carrier, which it does not follow about its axis."""
-    i, own = spin.carrier, torque - spin.torque(carrier.A.angular)
-    M[i] = M[i] + Articulated.about(spin.axis, -spin.inertia)
-    pushed = Wrench(ZERO, spin.axis * (own * spin.inertia / spin.geared))
-    P[i] = P[i] + spin.reaction(carrier.V.angular, speed, 0) + pushed
+    i, apart = spin.carrier, Articulated.about(spin.axis, -spin.inertia)
+    pushed = Wrench(ZERO, spin.axis * (torque * spin.inertia / spin.geared))
+    M[i] = M[i] + apart
+    P[i] = P[i] + apart * carrier.A + spin.reaction(carrier.V.angular, speed, 0) + pushed
 
 
 def through_mass_matrix(
