@@ -107,7 +107,7 @@ def driven_accelerations(
     solves = system.has_followers or (system.nv == len(drives) and is_shallow(system))
     if system.has_sprung_rotors or not solves:
         motors = zip(drives, efforts, theta_dot, strict=True)
-        rotors = {d.segment: (e.left, w) for d, e, w in motors if d.drive.is_elastic}
+        rotors = {d.segment: (w, e.alpha) for d, e, w in motors if d.drive.is_elastic}
         a, A = articulated_accelerations(system, q, v, tau, {}, rotors)
     else:
         a, A = through_mass_matrix(system, q, v, tau), []

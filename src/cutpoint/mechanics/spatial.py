@@ -71,7 +71,7 @@ class Mat3:
         return Vec3(*(row.dot(b) for row in self.rows))
 
     def congruence(self, S: "Mat3") -> "Mat3":
-        """R S R^T: of a rotation R, the tensor S along the axes of the frame that it leads to."""
+        """R S R^T: the tensor S of a turned frame, along the axes of the unturned."""
         return self @ S @ self.T
 
 

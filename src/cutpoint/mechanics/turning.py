@@ -27,7 +27,8 @@ def turned(angle: Scalar, x: Scalar, y: Scalar) -> tuple[Scalar, Scalar]:
 class TurnAboutZ(Mat3):
     """outer @ R_z, which knows that in the plane of a turn half of a tensor stays as it is.
 
-    What is the same along all axes of the plane, and what is skew, does not turn; the rest turns by twice the angle.
+    What is the same along all axes of the plane, and what is skew, does not turn; the rest turns by twice the angle, as
+    on Mohr's circle.
     """
 
     __slots__ = ("c", "outer", "s")

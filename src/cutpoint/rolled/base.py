@@ -52,6 +52,10 @@ class Base:
         q, v = slice(0, self.kind.coordinates), slice(0, self.axes)
         return Segment("", WORLD, pose_of(row[:12]), self.kind, inertia_of(row[12:22]), q, v, IDENTITY)
 
+    def alone(self, own: Segment, upward: Vec3) -> System:
+        """The base without what it carries.  upward: gravity's opposite, m/s2."""
+        return System((own,), -upward, {}, self.kind.coordinates, self.axes, (0,) * self.axes)
+
     def motions(self) -> list[Motion]:
         """At unit speed of each of its axes, in its own frame."""
         return [self.kind.motion([int(j == k) for j in range(self.axes)]) for k in range(self.axes)]
@@ -61,8 +65,8 @@ class Base:
         m = order.numbers
 
         def moves(row: Any, world: Any, *given: Any) -> Any:
-            own, gravity = self.segment(row), -Vec3(*world[3 * m :: m][:3])
-            alone = System((own,), gravity, {}, own.q.stop, own.v.stop, (0,) * own.v.stop)
+            own = self.segment(row)
+            alone = self.alone(own, Vec3(*world[3 * m :: m][:3]))
             v, a = order.rate(given, 1), order.rate(given, 2)
             q = given[0] if m == 1 else coordinate_jets(alone, given[0], v)
             (moved,) = motions(alone, q, v, a)
@@ -84,8 +88,7 @@ class Base:
 
         def resists(row: Any, world: Any, q: Any, v: Any) -> Any:
             own = self.segment(row)
-            alone = System((own,), -motion_of(world).linear, {}, own.q.stop, own.v.stop, (0,) * own.v.stop)
-            (coast,) = motions(alone, q, v, [0] * self.axes)
+            (coast,) = motions(self.alone(own, motion_of(world).linear), q, v, [0] * self.axes)
             turn = Pose(coast.X.rotation, ZERO)
             M = Articulated.of(own.inertia).seen_from_parent(turn)
             P, A = turn.inward(net_wrench(own.inertia, coast.A, coast.U)), coast.A.seen_from_parent(turn)
@@ -96,7 +99,10 @@ class Base:
         return Pass("once", Stage(resists, reads, writes))
 
     def gives_way(self) -> Pass:
-        """What its joint adds to its acceleration, axis by axis in its own frame."""
+        """What its joint adds to its acceleration, axis by axis in its own frame.
+
+        Featherstone (2008) eqs. (7.38)-(7.44).
+        """
 
         def gives_way(turned: Any, resistance: Any, tau: Any) -> Any:
             turn = Pose(pose_by_columns(turned).rotation, ZERO)

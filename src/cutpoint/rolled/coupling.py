@@ -3,7 +3,7 @@
 from typing import Any
 
 from cutpoint.kernels import Stage
-from cutpoint.mechanics.articulated import Articulated
+from cutpoint.mechanics import forward_dynamics
 from cutpoint.mechanics.spatial import Vec3
 from cutpoint.rolled.bodies import Columns
 from cutpoint.rolled.drives import Model
@@ -41,8 +41,8 @@ def let_spin(columns: Columns) -> Pass:
     def spins(row: Any, turned: Any, omega: Any, carried: Any, speed: Any, alpha: Any, borne: Any) -> Any:
         own, A = columns.subsystem(row).along_the_world(pose_by_columns(turned)).behind, motion_of(carried)
         assert own is not None
-        (M, P), apart = resistance_of(borne), Articulated.about(own.axis, -own.inertia)
-        return packed_resistance(M + apart, P + apart * A + own.reaction(Vec3(*omega), speed[0], alpha[0]))
+        M, P = resistance_of(borne)
+        return packed_resistance(*forward_dynamics.let_spin(own, M, P, Vec3(*omega), A, speed[0], alpha[0]))
 
     reads = ("body", "turned", "carrier", "carried", "theta_dot", "theta_ddot", "borne")
     return Pass("inward", Stage(spins, reads, ("borne",)))
