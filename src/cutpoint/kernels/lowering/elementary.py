@@ -31,7 +31,7 @@ def tan(x: Any, c: Coefficients) -> Any:
 def _sin_cos(x: Any, c: Coefficients) -> tuple[Any, Any]:
     """Both at once: Cody and Waite's reduction by multiples of pi/2, a polynomial each, then the quadrant."""
     y, n, r = _reduced(x, 2 / math.pi, c.half_pi, c)
-    z = _select(n * n < 4.0 ** (c.precision.fraction - 2), r * r, math.nan)  # beyond, n is not whole
+    z = _select(_turned_with(n, n, c) < 2.0 ** (c.precision.fraction - 2), r * r, math.nan)  # beyond, n is not whole
     node = x.trace.node
     cube = _fma(r, z, 0.0)  # not r * z: of r = -0.0 this is 0.0, so that the sum below keeps the sign of r
     sine = node("flip", y, 1, _fma(cube, _polynomial(z, c.sin), r))
