@@ -2,7 +2,7 @@
 
 from collections.abc import Callable, Mapping, Sequence
 from functools import cached_property, partial
-from typing import TYPE_CHECKING, Any, Literal, NamedTuple, NoReturn, get_args
+from typing import TYPE_CHECKING, Any, Literal, NoReturn, get_args
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -10,7 +10,9 @@ from numpy.typing import ArrayLike, NDArray
 from cutpoint import definitions, door
 from cutpoint.errors import InputError
 from cutpoint.functions import configurations, variants
+from cutpoint.functions.answers import ElasticAccelerations, ElasticTorques
 from cutpoint.functions.compiled import Compiled
+from cutpoint.functions.plain import PLAIN, Functions
 from cutpoint.kernels import Kernel
 from cutpoint.mechanics import strains as strains_of
 from cutpoint.mechanics.drive_regressor import DriveRegressor, columns
@@ -33,26 +35,6 @@ Array = NDArray[np.float64]
 Backend = Literal["auto", "llvm", "numpy"]
 
 
-class ElasticTorques(NamedTuple):
-    """What motors must do for a motion; at the joint's side, an entry for each drive (joint_torque: each speed).
-
-    motor_torque (N m), theta (rad), theta_dot (rad/s), theta_ddot (rad/s2), joint_torque (N m).
-    """
-
-    motor_torque: Array
-    theta: Array
-    theta_dot: Array
-    theta_ddot: Array
-    joint_torque: Array
-
-
-class ElasticAccelerations(NamedTuple):
-    """Accelerations of the links' coordinates, a (..., nv), and of the motors, theta_ddot (..., drives); rad/s2."""
-
-    a: Array
-    theta_ddot: Array
-
-
 class Robot:
     """A tree of bodies with its drives.  Immutable; its functions compile at their first call.
 
@@ -67,6 +49,7 @@ class Robot:
     backend: Backend
     _compiled: Compiled
     _function: Callable[..., Callable[..., Any]]
+    _functions: Functions
 
     def __init__(
         self,
@@ -81,7 +64,8 @@ class Robot:
         own = frozen(door.validated_drives(mechanism, {} if drives is None else drives))
         compiled = Compiled(mechanism, own, backend)
         parts = {"mechanism": mechanism, "drives": own, "backend": backend, "_compiled": compiled}
-        for name, part in (parts | {"_function": compiled.function}).items():
+        parts |= {"_function": compiled.function, "_functions": compiled.functions}
+        for name, part in parts.items():
             object.__setattr__(self, name, part)
 
     def __setattr__(self, name: str, value: Any) -> NoReturn:
@@ -191,8 +175,8 @@ class Robot:
         rotor of a rigid drive counts as armature; friction does not count.
         """
         if external is None:
-            return self._function("inverse_dynamics", definitions.inverse_dynamics, "q v a")(q, v, a)
-        return self._under_wrenches("inverse_dynamics", definitions.inverse_dynamics, "q v a", (q, v, a), external)
+            return self._functions["inverse_dynamics"](q, v, a)
+        return self._under_wrenches("inverse_dynamics", (q, v, a), external)
 
     def forward_dynamics(
         self, q: ArrayLike, v: ArrayLike, tau: ArrayLike, external: Mapping[str, ArrayLike] | None = None
@@ -202,27 +186,27 @@ class Robot:
         external: as in `inverse_dynamics`.
         """
         if external is None:
-            return self._function("forward_dynamics", definitions.forward_dynamics, "q v tau")(q, v, tau)
-        return self._under_wrenches("forward_dynamics", definitions.forward_dynamics, "q v tau", (q, v, tau), external)
+            return self._functions["forward_dynamics"](q, v, tau)
+        return self._under_wrenches("forward_dynamics", (q, v, tau), external)
 
     def mass_matrix(self, q: ArrayLike) -> Array:
         """M(q), (..., nv, nv), kg m2.  Featherstone (2008) section 6.2."""
-        return self._function("mass_matrix", definitions.mass, "q")(q)
+        return self._functions["mass_matrix"](q)
 
     def bias_forces(self, q: ArrayLike, v: ArrayLike) -> Array:
         """Torques (..., nv) of a motion without acceleration: Coriolis, centrifugal and gravity."""
-        return self._function("bias_forces", definitions.bias_forces, "q v")(q, v)
+        return self._functions["bias_forces"](q, v)
 
     def gravity_forces(self, q: ArrayLike) -> Array:
         """Torques (..., nv) that hold the robot still."""
-        return self._function("gravity_forces", definitions.gravity_forces, "q")(q)
+        return self._functions["gravity_forces"](q)
 
     def coriolis_matrix(self, q: ArrayLike, v: ArrayLike) -> Array:
         """C(q, v), (..., nv, nv): the sum of the bodies' C(omega), Xia (2019) eq. (61); M' - 2 C is skew symmetric.
 
         Of the many C with C v = Coriolis and centrifugal torques this is the one of virtual decomposition.
         """
-        return self._function("coriolis_matrix", definitions.coriolis_matrix, "q v")(q, v)
+        return self._functions["coriolis_matrix"](q, v)
 
     def regressor(self, q: ArrayLike, v: ArrayLike, a: ArrayLike) -> Array:
         """Y(q, v, a), (..., nv, 10 n): Y p for p = `inertial_parameters` is the torque of all bodies.
@@ -230,7 +214,7 @@ class Robot:
         `inverse_dynamics` has beside it what rigidly geared rotors' own spin costs, which is not in Y p: the armature,
         inertia times ratio^2 times a, and with full coupling what the spin exchanges with its carrier.
         """
-        return self._function("regressor", definitions.torque_regressor, "q v a")(q, v, a)
+        return self._functions["regressor"](q, v, a)
 
     @cached_property
     def inertial_parameters(self) -> Array:
@@ -270,15 +254,15 @@ class Robot:
 
         The rows below J_q of the paper's J_ba, Xia (2019) eqs. (39)-(43); body frames have their z along the joint.
         """
-        return self._function("velocity_map", definitions.velocity_map, "q")(q)
+        return self._functions["velocity_map"](q)
 
     def kinetic_energy(self, q: ArrayLike, v: ArrayLike) -> Array:
         """(...,) J, of links and of rigidly geared rotors; those of drives that bend are in `elastic_energy`."""
-        return self._function("kinetic_energy", definitions.kinetic_energy, "q v")(q, v)
+        return self._functions["kinetic_energy"](q, v)
 
     def potential_energy(self, q: ArrayLike) -> Array:
         """(...,) J, of the weight; zero with all centres of mass at the world's origin."""
-        return self._function("potential_energy", definitions.potential_energy, "q")(q)
+        return self._functions["potential_energy"](q)
 
     def momentum(self, q: ArrayLike, v: ArrayLike, theta_dot: ArrayLike | None = None) -> Array:
         """(..., 6): linear (kg m/s) and angular momentum (kg m2/s) about the world's origin, along its axes.
@@ -288,25 +272,24 @@ class Robot:
         """
         if theta_dot is None:
             self._check_told("momentum", "theta_dot", "motors")
-            return self._function("momentum", definitions.momentum, "q v")(q, v)
-        key = ("momentum", "theta_dot")
-        return self._function(key, definitions.momentum, "q v theta_dot")(q, v, theta_dot)
+            return self._functions["momentum"](q, v)
+        return self._with("momentum", "theta_dot")(q, v, theta_dot)
 
     def power_flows(self, q: ArrayLike, v: ArrayLike, a: ArrayLike) -> Array:
         """(..., cuts): power that passes outward through each of `cuts`, W.  Zhu (2010) section 2.9."""
-        return self._function("power_flows", definitions.power_flows, "q v a")(q, v, a)
+        return self._functions["power_flows"](q, v, a)
 
     def integrate(self, q: ArrayLike, v: ArrayLike, dt: float) -> Array:
         """(..., nq): coordinates after a time dt (s) at constant speeds v, each joint in its moving frame."""
-        return self._function("integrate", definitions.integrate, "q v dt")(q, v, dt)
+        return self._functions["integrate"](q, v, dt)
 
     def difference(self, q: ArrayLike, q_next: ArrayLike) -> Array:
         """(..., nv): the constant speeds that lead from q to q_next in a unit of time: the inverse of `integrate`."""
-        return self._function("difference", definitions.difference, "q q_next")(q, q_next)
+        return self._functions["difference"](q, q_next)
 
     def coordinate_rates(self, q: ArrayLike, v: ArrayLike) -> Array:
         """(..., nq): time derivative of q; v itself but for quaternions and planar joints."""
-        return self._function("coordinate_rates", definitions.coordinate_rates, "q v")(q, v)
+        return self._functions["coordinate_rates"](q, v)
 
     # the robot whose joints bend
 
@@ -334,16 +317,18 @@ class Robot:
         derivative of its deflection: at each instant `elastic_forward_dynamics` still gives a and theta_ddot back, but
         along a path theta and theta_dot disagree by as much, and motors that follow them let the arm depart from it.
         """
-        given, definition = (q, v, a, jerk, snap, *higher), variants.with_options(friction_rates, quasi_rigid)
-        needed = 4 if quasi_rigid else self.derivatives_needed
+        key = ("elastic_inverse_dynamics", friction_rates, quasi_rigid, strains is None)
+        made = self._compiled.made_before(*key)
+        definition = None if made else variants.with_options(friction_rates, quasi_rigid)
+        given, needed = (q, v, a, jerk, snap, *higher), 4 if quasi_rigid else self.derivatives_needed
         if len(given) != needed + 1:
             raise variants.wrong_motion("elastic_inverse_dynamics", len(given) - 1, needed)
-        key = ("elastic_inverse_dynamics", friction_rates, quasi_rigid, strains is None)
-        inputs = variants.motion_names(needed)
-        if strains is None:
-            return self._function(key, definition, inputs, True, ElasticTorques)(*given)
-        function = self._function(key, definition, f"{inputs} strains", True, ElasticTorques)
-        return function(*given, strains)
+        if strains is not None:
+            given = (*given, strains)
+        if made is None:
+            inputs = variants.motion_names(needed) + ("" if strains is None else " strains")
+            made = self._function(key, definition, inputs, True, ElasticTorques)
+        return made(*given)
 
     @cached_property
     def derivatives_needed(self) -> int:
@@ -368,12 +353,9 @@ class Robot:
 
         strains: as in `elastic_inverse_dynamics`.
         """
-        name, inputs = "elastic_forward_dynamics", "q v theta theta_dot motor_torque"
         if strains is None:
-            function = self._function(name, definitions.elastic_forward_dynamics, inputs, True, ElasticAccelerations)
-            return function(q, v, theta, theta_dot, motor_torque)
-        key, inputs = (name, "strains"), f"{inputs} strains"
-        function = self._function(key, definitions.elastic_forward_dynamics, inputs, True, ElasticAccelerations)
+            return self._functions["elastic_forward_dynamics"](q, v, theta, theta_dot, motor_torque)
+        function = self._with("elastic_forward_dynamics", "strains")
         return function(q, v, theta, theta_dot, motor_torque, strains)
 
     @cached_property
@@ -397,14 +379,10 @@ class Robot:
         v: of the links.  Leaving it out raises InputError if an elastic drive's rotor has full coupling: its energy
         depends on v.
         """
-        name, definition, inputs = "elastic_energy", definitions.elastic_energy, "q theta theta_dot"
         if v is None:
-            self._check_told(name, "v", "links")
+            self._check_told("elastic_energy", "v", "links")
         extra = {key: x for key, x in (("strains", strains), ("v", v)) if x is not None}
-        if not extra:
-            return self._function(name, definition, inputs, True)(q, theta, theta_dot)
-        function = self._function((name, *extra), definition, " ".join([inputs, *extra]), True)
-        return function(q, theta, theta_dot, *extra.values())
+        return self._with("elastic_energy", *extra)(q, theta, theta_dot, *extra.values())
 
     def drive_torque(self, theta: ArrayLike, q: ArrayLike) -> Array:
         """(..., drives) N m: torque read from the deflection between two encoders.  Xia (2019) eqs. (2)-(3).
@@ -412,15 +390,15 @@ class Robot:
         theta is the motor's encoder over ratio, q the link's.  The drive's damping, and what lies beyond the spring, is
         not seen; a rigid drive shows 0.
         """
-        return self._function("drive_torque", definitions.drive_torque, "theta q", True)(theta, q)
+        return self._functions["drive_torque"](theta, q)
 
     def static_deflection(self, q: ArrayLike) -> Array:
         """(..., drives) rad: how far each motor leads its link when gravity is all there is."""
-        return self._function("static_deflection", definitions.static_deflection, "q", True)(q)
+        return self._functions["static_deflection"](q)
 
     def friction_torques(self, v: ArrayLike) -> Array:
         """(..., nv) N m: what link-side friction takes.  Xia (2019) eq. (54)."""
-        return self._function("friction_torques", definitions.friction_torques, "v", True)(v)
+        return self._functions["friction_torques"](v)
 
     def drive_regressor(
         self, q: ArrayLike, v: ArrayLike, theta: ArrayLike, theta_dot: ArrayLike, theta_ddot: ArrayLike
@@ -430,9 +408,7 @@ class Robot:
         c are `drive_coefficients`.  A rigid drive's motor row lacks the torque on its link, its link row is empty.
         Friction is as in steady sliding and without load.  Xia (2019) eqs. (2), (54)-(56).
         """
-        inputs = "q v theta theta_dot theta_ddot"
-        function = self._function("drive_regressor", definitions.drive_regressor, inputs, True, DriveRegressor)
-        return function(q, v, theta, theta_dot, theta_ddot)
+        return self._functions["drive_regressor"](q, v, theta, theta_dot, theta_ddot)
 
     @property
     def drive_coefficients(self) -> dict[str, float]:
@@ -510,16 +486,23 @@ class Robot:
             reason = "rotors with full coupling turn at speeds of their own, on links that turn"
             raise InputError(f"{function}: give {name}= too, the {whose}' speeds: {reason}", name=name)
 
-    def _under_wrenches(
-        self, name: str, definition: Any, inputs: str, given: Sequence[ArrayLike], external: Mapping[str, ArrayLike]
-    ) -> Array:
+    def _with(self, name: str, *extra: str) -> Callable[..., Any]:
+        """A function with further inputs of these names."""
+        if not extra:
+            return self._functions[name]
+        plain = PLAIN[name]
+        inputs = " ".join([plain.inputs, *extra])
+        return self._function((name, *extra), *plain._replace(inputs=inputs))
+
+    def _under_wrenches(self, name: str, given: Sequence[ArrayLike], external: Mapping[str, ArrayLike]) -> Array:
         """A function of a motion whose robot bears wrenches, compiled for their frames."""
         wrenches = variants.checked_wrenches(name, external, self.mechanism.frames)
         if not wrenches:
-            return self._function(name, definition, inputs)(*given)
-        inputs = " ".join([inputs, *(f"wrench_{k}" for k in range(len(wrenches)))])
-        function = self._function((name, *wrenches), variants.on_frames(definition, tuple(wrenches)), inputs)
-        return function(*given, *wrenches.values())
+            return self._functions[name](*given)
+        plain = PLAIN[name]
+        inputs = " ".join([plain.inputs, *(f"wrench_{k}" for k in range(len(wrenches)))])
+        definition = variants.on_frames(plain.definition, tuple(wrenches))
+        return self._function((name, *wrenches), definition, inputs)(*given, *wrenches.values())
 
     def _across_gear(self, name: str, angle: ArrayLike | None, torque: ArrayLike | None, direction: float) -> Array:
         ratio = np.array([drive.ratio for drive in self.drives.values()])

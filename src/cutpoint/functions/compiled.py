@@ -15,6 +15,7 @@ from cutpoint import kernels
 from cutpoint.definitions import Machine
 from cutpoint.errors import InputError, those_that_exist
 from cutpoint.functions.idle_joints import check_moves_inertia
+from cutpoint.functions.plain import Functions
 from cutpoint.functions.robot_function import RobotFunction
 from cutpoint.functions.special_robots import MATRICES, quaternions_of, with_empty_matrices, with_quaternions
 from cutpoint.kernels import Kernel
@@ -66,7 +67,7 @@ class Compiled:
 
     machine: the robot with its bodies' own frames (z along the joints) and inertias, for functions of frames, single
     bodies and their parameters.  lean: the same robot, reframed and regrouped, for all others.
-    parameters: the drives' numbers, in the order of the drives and of their fields.
+    parameters: the drives' numbers, in the order of the drives and of their fields.  functions: made so far.
     """
 
     def __init__(self, mechanism: Mechanism, drives: Mapping[str, Drive], backend: str) -> None:
@@ -74,7 +75,7 @@ class Compiled:
         self.machine = machine_of(mechanism, drives)
         self.parameters = frozen(np.array(leaves([*drives.values()]), dtype=float))
         self._rotors_are_felt = any(rotor_is_felt(drive) for drive in drives.values())
-        self._functions: dict[Any, Callable[..., Any]] = {}
+        self.functions = Functions(self.function)
         self._kernels: dict[str, Kernel] = {}
         self._loops: set[str] = set()
 
@@ -139,7 +140,7 @@ class Compiled:
         Raises:
             ModelError: it divides by inertia, and a joint moves none.
         """
-        found = self._functions.get(key)
+        found = self.functions.get(key)
         if found is None:
             name = name_of(key)
             if name in DIVIDE_BY_INERTIA:
@@ -150,13 +151,13 @@ class Compiled:
                 found = with_quaternions(found, name, inputs.split(), self.quaternions, nq, self._backend)
             if name in MATRICES and not self.machine.system.nv:
                 found = with_empty_matrices(found)
-            self._functions[key] = found
+            self.functions[key] = found
         return found
 
     def made_before(self, *key: Any) -> Callable[..., Any] | None:
         """The function of a tuple key, if it has been made; None too for what can be no key."""
         try:
-            return self._functions.get(key)
+            return self.functions.get(key)
         except TypeError:  # a list in place of a name
             return None
 

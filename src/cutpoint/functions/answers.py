@@ -1,0 +1,28 @@
+"""What functions of a robot give that give several things."""
+
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+Array = NDArray[np.float64]
+
+
+class ElasticTorques(NamedTuple):
+    """What motors must do for a motion; at the joint's side, an entry for each drive (joint_torque: each speed).
+
+    motor_torque (N m), theta (rad), theta_dot (rad/s), theta_ddot (rad/s2), joint_torque (N m).
+    """
+
+    motor_torque: Array
+    theta: Array
+    theta_dot: Array
+    theta_ddot: Array
+    joint_torque: Array
+
+
+class ElasticAccelerations(NamedTuple):
+    """Accelerations of the links' coordinates, a (..., nv), and of the motors, theta_ddot (..., drives); rad/s2."""
+
+    a: Array
+    theta_ddot: Array
