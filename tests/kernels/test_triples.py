@@ -10,6 +10,8 @@ from hypothesis import strategies as st
 
 from cutpoint.errors import InputError
 from cutpoint.kernels import LaneLoop, Loop, Region, Stage, View, compile_program, graph_of
+from cutpoint.kernels.graphs.nodes import Node
+from cutpoint.kernels.lowering.fusion import fuse
 from cutpoint.kernels.programs.superwords import Superwords, Word
 
 BACKENDS = ("llvm", "numpy")
@@ -24,6 +26,11 @@ def cross(a: Vector, b: Vector) -> Vector:
     return [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
 
 
+def quadratic(a: Vector, rows: list[Vector]) -> Any:
+    """a^T R a, by products of a."""
+    return sum(dot([x * y for y in a], row) for x, row in zip(a, rows, strict=True))
+
+
 OPERATIONS: dict[str, Callable[[Vector, Vector], Vector]] = {
     "plus": lambda a, b: [x + y for x, y in zip(a, b, strict=True)],
     "less": lambda a, b: [x - y for x, y in zip(a, b, strict=True)],
@@ -33,6 +40,8 @@ OPERATIONS: dict[str, Callable[[Vector, Vector], Vector]] = {
     "along": lambda a, b: [dot(a, b) * x for x in b],
     "turned": lambda a, _: [a[2], a[0], a[1]],
     "beside": lambda a, b: [a[2], b[0], -b[1]],
+    "column": lambda a, b: [a[0], b[0], a[1]],
+    "squared": lambda a, b: [x * quadratic(a, [b, a, cross(a, b)]) for x in b],
     "flat": lambda a, _: [-a[1], a[0], 0.0],
     "mixed": lambda a, b: [a[0] * b[0], a[1] + b[1], 0.5],
     "shared": lambda a, b: [a[0] * b[1] + a[2], a[0] * b[1] - b[2], a[0] * b[1]],
@@ -98,6 +107,32 @@ def test_like_operations_go_into_words() -> None:
     found = Superwords(graph, range(0, 9, 3), [0])
     assert found.words[0].op != "join"
     assert all(isinstance(unit, Word) and unit.op != "join" for unit in found.order)
+
+
+def test_what_adds_up_to_one_number_goes_into_a_word() -> None:
+    """Of a quadratic form only the sum of the last three numbers is computed number by number."""
+    graph = graph_of(lambda a, R: [quadratic(a, [R[:3], R[3:6], R[6:]])], a=3, R=9)
+    found = Superwords(fuse(graph, again=True), range(0, 12, 3), [])
+    alone = [unit.op for unit in found.order if isinstance(unit, Node)]
+    assert [op for op in alone if op != "input"] == ["add", "add"]
+    assert all(unit.op != "join" for unit in found.order if isinstance(unit, Word))
+
+
+def test_columns_of_rows_are_joined_word_by_word() -> None:
+    graph = graph_of(lambda R, x: [x[k] * R[3 * k] for k in range(3)], R=9, x=3)
+    found = Superwords(graph, range(0, 12, 3), [0])
+    (join,) = [unit for unit in found.order if isinstance(unit, Word) and unit.op == "join"]
+    assert [(word.op, word.slot, lane) for word, lane in zip(join.operands, join.lanes, strict=True)] == [
+        ("read", 0, 0), ("read", 3, 0), ("read", 6, 0),
+    ]  # fmt: skip
+
+
+@pytest.mark.parametrize("backend", BACKENDS)
+def test_rows_are_turned_into_columns(backend: str) -> None:
+    stage = Stage(lambda x: [x[3 * (k % 3) + k // 3] for k in (0, 4, 5, 1, 2, 3, 8, 6, 7)], ("x",), ("x",))
+    loop, x = LaneLoop(1, [stage], ("x",)), np.arange(12.0)[None]
+    compile_program(Loop(1, [loop]), [Region("x", 9, triples=True)], backend).run({}, x=x)
+    np.testing.assert_array_equal(x.reshape(3, 4)[:, :3], [[0, 5, 9], [4, 8, 1], [10, 2, 6]])
 
 
 def one_after_another(x: Any, s: Any) -> list[Any]:

@@ -55,6 +55,12 @@ class Articulated:
         turning = [[inertia * a * b for b in axis] for a in axis]
         return Articulated([[0] * 6] * 3 + [[0, 0, 0, *row] for row in turning])
 
+    @staticmethod
+    def of_blocks(linear: Mat3, coupling: Mat3, angular: Mat3) -> "Articulated":
+        """coupling: the moment that linear acceleration takes."""
+        upper = [[*a, *b] for a, b in zip(linear, coupling.T, strict=True)]
+        return Articulated(upper + [[*a, *b] for a, b in zip(coupling, angular, strict=True)])
+
     def __add__(self, B: "Articulated") -> "Articulated":
         return Articulated([[a + b for a, b in zip(r, s, strict=True)] for r, s in zip(self.rows, B.rows, strict=True)])
 
@@ -62,6 +68,10 @@ class Articulated:
         v = [*V]
         f = [dot(row, v) for row in self.rows]
         return Wrench(Vec3(*f[:3]), Vec3(*f[3:]))
+
+    def along(self, z: Axis) -> Scalar:
+        """z^T M z: what resists along an axis.  By products of z, since these are there before M is."""
+        return sum(dot([a * b for b in z], row) for a, row in zip(z, self.rows, strict=True))
 
     def give_way(
         self, axes: Sequence[Axis], P: Wrench, tau: Sequence[Scalar], rotors: Sequence[FeltRotor]
@@ -99,14 +109,31 @@ class Articulated:
         return Articulated([[rows[min(i, j)][max(i, j)] for j in range(6)] for i in range(6)])
 
     def carried_along(self, p: Vec3) -> "Articulated":
-        """The same resistance, felt at a frame along the same axes from which this one is at p: U M U^T, all entries.
+        """The same resistance, felt at a frame along the same axes from which this one is at p: U M U^T.
 
-        As they are given: equal ones only if those of this one are, and then but for rounding.
+        The symmetric blocks number by number: equal ones only if those of this one are, and then but for rounding.
         """
-        columns = [(Vec3(*column[:3]), Vec3(*column[3:])) for column in zip(*self.rows, strict=True)]
-        moved = [[*force, *(moment + p.cross(force))] for force, moment in columns]
-        rows = [(Vec3(*row[:3]), Vec3(*row[3:])) for row in zip(*moved, strict=True)]
-        return Articulated([[*linear, *(angular + p.cross(linear))] for linear, angular in rows])
+        p_x, H = p.skew(), self.coupling
+        H_p = H + p_x @ self.linear
+        H_p_p = Mat3(*(p.cross(row) for row in H_p))
+        return Articulated.of_blocks(self.linear, H_p, self.angular + p_x @ H.T + H_p_p)
+
+    @property
+    def T(self) -> "Articulated":
+        """The same, which of two equal numbers is taken apart."""
+        return Articulated([[*column] for column in zip(*self.rows, strict=True)])
+
+    @property
+    def linear(self) -> Mat3:
+        return self._block(0, 0)
+
+    @property
+    def coupling(self) -> Mat3:
+        return self._block(3, 0)
+
+    @property
+    def angular(self) -> Mat3:
+        return self._block(3, 3)
 
     def _block(self, i: int, j: int) -> Mat3:
         return Mat3(*(Vec3(*row[j : j + 3]) for row in self.rows[i : i + 3]))

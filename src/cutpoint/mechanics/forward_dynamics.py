@@ -17,7 +17,7 @@ from cutpoint.mechanics.inverse_dynamics import (
 )
 from cutpoint.mechanics.mass_matrix import mass_matrix
 from cutpoint.mechanics.rotors import Spin
-from cutpoint.mechanics.spatial import STILL, ZERO, Motion, Vec3, Wrench
+from cutpoint.mechanics.spatial import STILL, Motion, Vec3, Wrench
 from cutpoint.mechanics.system import Segment, System
 from cutpoint.model.mechanism import WORLD
 from cutpoint.scalars import Scalar, is_plain_zero
@@ -32,18 +32,16 @@ takes less.  UR10 and the paper's arm would spare 4 % of theirs by the recursion
 """
 
 
-def coasting(body: Segment, omega_p: Vec3, A_p: Motion, v: Scalars) -> tuple[Vec3, Motion, Wrench]:
-    """Of a body along its parent's axes, which turn with omega_p and accelerate with A_p: its own turning, acceleration
-    and net wrench while its joint keeps its speed.
+def coasting(body: Segment, omega_p: Vec3, A_p: Motion, v: Scalars) -> tuple[Vec3, Motion]:
+    """How a body along its parent's axes, which turn with omega_p and accelerate with A_p, turns, and accelerates while
+    its joint keeps its speed.
 
-    As `motions` and `net_wrench`, Xia (2019) eqs. (31), (47), in cross products: each is one operation on three
-    numbers.
+    As `motions`, Xia (2019) eq. (31), in cross products: each is one operation on three numbers.
     """
-    own, X, M = body.motion(v), body.placement, body.inertia
+    own, X = body.motion(v), body.placement
     omega = omega_p + own.angular
     linear = omega_p.cross(omega_p.cross(X.position)) + (omega_p + omega).cross(own.linear)
-    V, A = Motion(ZERO, omega), X.outward(A_p) + Motion(linear, omega_p.cross(own.angular))
-    return omega, A, M * A + V.cross_wrench(M * V)
+    return omega, X.outward(A_p) + Motion(linear, omega_p.cross(own.angular))
 
 
 def forward_dynamics(

@@ -6,7 +6,7 @@ and U = (alpha x) + (omega x)(omega x) the gradient of acceleration.  Every sum 
 
 from collections.abc import Sequence
 
-from cutpoint.mechanics.spatial import Inertia, Mat3, Motion, Vec3, Wrench
+from cutpoint.mechanics.spatial import ZERO, Inertia, Mat3, Motion, Vec3, Wrench
 from cutpoint.scalars import Scalar
 
 
@@ -31,6 +31,12 @@ def net_wrench(M: Inertia, A: Motion, U: Mat3) -> Wrench:
     h, B = M.first_moment, U @ M.second_moment
     (_, xy, xz), (yx, _, yz), (zx, zy, _) = B
     return Wrench(A.linear * M.mass + U @ h, h.cross(A.linear) + Vec3(zy - yz, xz - zx, yx - xy))
+
+
+def net_wrench_in_crosses(M: Inertia, A: Motion, omega: Vec3) -> Wrench:
+    """The same of a body that turns with omega, in cross products: each is one operation on three numbers."""
+    V = Motion(ZERO, omega)
+    return M * A + V.cross_wrench(M * V)
 
 
 def kinetic_energy(M: Inertia, V: Motion) -> Scalar:

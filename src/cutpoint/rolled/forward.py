@@ -6,6 +6,7 @@ from cutpoint.kernels import Stage, View
 from cutpoint.mechanics.articulated import Articulated, Yield
 from cutpoint.mechanics.forward_dynamics import coasting
 from cutpoint.mechanics.joints import dot
+from cutpoint.mechanics.rigid_body import net_wrench_in_crosses
 from cutpoint.mechanics.spatial import IDENTITY, ZERO, Pose, Vec3, Wrench
 from cutpoint.rolled.base import base_in, sizes_apart
 from cutpoint.rolled.bodies import Columns
@@ -38,7 +39,7 @@ VIEWS = (
     View("led", "added", "parent"),
 )
 
-OUTWARD = ("turned", "omega", "coasting", "resistance")
+MOTION = ("turned", "omega", "coasting")
 
 WORLD_ROWS: dict[str, list[Any]] = {"turned": flat(IDENTITY), "coasting": [(UPWARD, k) for k in range(6)]}
 
@@ -52,24 +53,29 @@ def forward_dynamics(columns: Columns) -> Steps:
     """
     (place, pose), base = placing(columns, PLAIN, ("q",)), base_in(columns)
 
-    def outward(row: Any, at: Any, v: Any, above: Any, carrier: Any, carried: Any) -> Any:
-        turned, omega_p = _turned_pose(pose_by_columns(above), pose_of(pose.all(at))), Vec3(*carrier)
-        body = columns.subsystem(row).along_the_world(turned).body
-        omega, A, P = coasting(body, omega_p, motion_of(carried), v)
-        return by_columns(turned), [*omega], [*A], packed_resistance(Articulated.of(body.inertia), P)
+    def moves(row: Any, at: Any, v: Any, above: Any, carrier: Any, carried: Any) -> Any:
+        turned = _turned_pose(pose_by_columns(above), pose_of(pose.all(at)))
+        omega, A = coasting(along(row, by_columns(turned)).body, Vec3(*carrier), motion_of(carried), v)
+        return by_columns(turned), [*omega], [*A]
 
-    def inward(row: Any, turned: Any, v: Any, tau: Any, resistance: Any, carrier: Any, carried: Any, borne: Any) -> Any:
+    def resists(row: Any, turned: Any, omega: Any, coasting: Any) -> Any:
+        M = along(row, turned).body.inertia
+        P = net_wrench_in_crosses(M, motion_of(coasting), Vec3(*omega))
+        return packed_resistance(Articulated.of(M).T, P)  # R J R^T is computed by columns, and wanted by rows
+
+    def yields(row: Any, turned: Any, v: Any, tau: Any, resistance: Any, carrier: Any, carried: Any, borne: Any) -> Any:
         own, (M, P), (M_p, P_p), left = along(row, turned), resistance_of(resistance), resistance_of(borne), tau[0]
         if own.spin:
             left = left - own.spin.torque(motion_of(carried).angular)
             P_p = P_p + own.spin.reaction(Vec3(*carrier), v[0], 0)
-        left_M, left_P, step = _give_way(own, M, P, left)
-        return [step.own], step.share, packed_resistance(M_p + left_M, P_p + left_P)
+        M_p, P_p, step = _give_way(own, M, P, left, M_p, P_p)
+        return [step.own], step.share, packed_resistance(M_p, P_p)
 
-    def give_way(row: Any, turned: Any, step: Any, share: Any, led: Any) -> Any:
+    def follows(row: Any, turned: Any, step: Any, share: Any, led: Any) -> Any:
         body, A = along(row, turned).body, motion_of(led)
-        a = [step[0] - A.power(wrench_of(share))]
-        return a, [*(body.placement.outward(A) + body.joint.motion(a))]
+        eased = A.power(wrench_of(share))  # what is waited for, so it comes last
+        kept = body.placement.outward(A) + body.joint.motion(step)
+        return [step[0] - eased], [*(kept + body.joint.motion([-eased]))]
 
     def along(row: Any, turned: Any) -> Subsystem:
         return columns.subsystem(row).along_the_world(pose_by_columns(turned))
@@ -78,31 +84,34 @@ def forward_dynamics(columns: Columns) -> Steps:
     passes = [
         Pass("alone", place),
         *([base.resists()] if base else []),
-        Pass("outward", Stage(outward, ("body", "pose", "v", "above", "carrier", "carried"), OUTWARD)),
-        Pass("inward", Stage(inward, reads, ("step", "share", "borne"))),
+        Pass("outward", Stage(moves, ("body", "pose", "v", "above", "carrier", "carried"), MOTION)),
+        Pass("outward", Stage(resists, ("body", *MOTION), ("resistance",))),
+        Pass("inward", Stage(yields, reads, ("step", "share", "borne"))),
         *([base.gives_way()] if base else []),
-        Pass("outward", Stage(give_way, ("body", "turned", "step", "share", "led"), ("a", "added"))),
+        Pass("outward", Stage(follows, ("body", "turned", "step", "share", "led"), ("a", "added"))),
     ]
     kept, (apart, constants) = {"pose": pose.size, "step": 1, **THREES}, sizes_apart(base, NUMBERS)
     return Steps(kept, NUMBERS, VIEWS, WORLD_ROWS, passes, apart, constants, threes=tuple(THREES))
 
 
-def _give_way(own: Subsystem, M: Articulated, P: Wrench, tau: Scalar) -> tuple[Articulated, Wrench, Yield]:
-    """What is left of inertia and bias wrench once the joint gives way, and how it does, at the parent's place.
+def _give_way(
+    own: Subsystem, M: Articulated, P: Wrench, tau: Scalar, M_p: Articulated, P_p: Wrench
+) -> tuple[Articulated, Wrench, Yield]:
+    """What the parent resists with, inertia and bias wrench, once a child's joint gives way, and how the joint does.
 
-    Featherstone (2008) eqs. (7.38)-(7.44).  Only there the update of rank one is made: the inertia need not wait for
-    the division.  A rotor with full coupling ties the joint to its carrier's turning.
+    Featherstone (2008) eqs. (7.38)-(7.44).  The update of rank one is made at the parent's place, and last: all else
+    need not wait for the division.  A rotor with full coupling ties the joint to its carrier's turning.
     """
     (z,), X = own.body.joint.axes, own.body.placement
-    Mz = [dot(z, row) for row in M.rows]
-    gain = 1 / (dot(z, Mz) + own.armature)
+    Mz = [dot(z, column) for column in zip(*M.rows, strict=True)]
+    gain = 1 / (M.along(z) + own.armature)
     a = gain * (tau - dot(z, [*P]))
     tie = own.spin.axis * own.spin.geared if own.spin else ZERO
     column = X.inward(wrench_of(Mz) + Wrench(ZERO, tie))
     share = [gain * x for x in column]
-    taken = Articulated([[-s * x for x in column] for s in share])
-    left_P = X.inward(P) + Wrench(column.force * a, column.moment * a)
-    return M.carried_along(X.position) + taken, left_P, Yield(z, a, share)
+    taken = Articulated([[-x * s for s in share] for x in column])
+    left_P = P_p + X.inward(P) + Wrench(column.force * a, column.moment * a)
+    return M_p + M.carried_along(X.position) + taken, left_P, Yield(z, a, share)
 
 
 def _turned_pose(above: Pose, X: Pose) -> Pose:

@@ -34,14 +34,15 @@ def pose_by_columns(twelve: Scalars) -> Pose:
     return Pose(mat3(iter(twelve[:9])).T, Vec3(*twelve[9:]))
 
 
-RESISTANCE = 6 * 6 + 6
+RESISTANCE = 3 * 9 + 6
 """Numbers of an inertia and its bias wrench."""
 
 
 def packed_resistance(M: Articulated, P: Wrench) -> list[Scalar]:
-    """In threes, forces and moments: column by column, also what symmetry says twice, and then the wrench."""
-    return [*(x for column in zip(*M.rows, strict=True) for x in column), *P]
+    """In threes: the rows of the inertia's blocks, and then the wrench."""
+    return [*(x for block in (M.linear, M.coupling, M.angular) for x in flat(block)), *P]
 
 
 def resistance_of(numbers: Scalars) -> tuple[Articulated, Wrench]:
-    return Articulated([[*numbers[row:36:6]] for row in range(6)]), wrench_of(numbers[36:])
+    blocks = (mat3(iter(numbers[k : k + 9])) for k in (0, 9, 18))
+    return Articulated.of_blocks(*blocks), wrench_of(numbers[27:])

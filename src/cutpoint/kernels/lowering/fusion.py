@@ -26,22 +26,29 @@ _MOST_TERMS = 16
 _TOO_MANY_IN_A_ROW = 5
 """Products that the next iteration would wait for, one after another."""
 
+_BESIDE = 3
+"""Sums side by side in place of one: as many as a vector has numbers, so that they go together."""
+
 _AT_ONCE: Mapping[int, int] = MappingProxyType({})
 """Arrivals where all inputs are there from the beginning."""
 
 
 class Term(NamedTuple):
-    """What a sum adds (1) or takes away (-1): a product of two factors, or one number."""
+    """What a sum adds (1) or takes away (-1): a product of two factors, or one number.
+
+    written: the product's serial in the graph.
+    """
 
     sign: int
     factors: tuple[Operand, ...]
+    written: int = 0
 
     @property
     def is_product(self) -> bool:
         return len(self.factors) == 2
 
     def times(self, sign: int) -> "Term":
-        return Term(sign * self.sign, self.factors)
+        return self._replace(sign=sign * self.sign)
 
     def beside(self, factor: Hashable) -> Operand | None:
         """The other factor of a product with this one."""
@@ -57,7 +64,8 @@ def fuse(graph: Graph, arrivals: Mapping[int, int] = _AT_ONCE, *, again: bool = 
 
     arrivals: cycles after which an input slot's number comes, where that is later than others: see `recurrence`.
     again: for code that waits for results more than for room: a product that several sums need, and nothing else, is
-        made again in each, so that like sums stay alike, and long sums go in two halves.
+        made again in each, so that like sums stay alike; no sum comes before a product that could take one; long sums
+        go in three parts.
     """
     return rewrite(graph, _Fusion(graph, arrivals, again).rule)
 
@@ -88,7 +96,7 @@ class _Fusion:
             return node
         if x.op not in ("add", "sub"):
             return self._made(trace, x.op, *operands)
-        return self._sum([Term(t.sign, tuple(map(new, t.factors))) for t in self._terms(x)], trace)
+        return self._sum([t._replace(factors=tuple(map(new, t.factors))) for t in self._terms(x)], trace)
 
     def _terms(self, x: Node) -> list[Term]:
         first, second = map(self._parts, x.args)
@@ -98,21 +106,26 @@ class _Fusion:
         if not isinstance(x, Node):
             return [Term(1, (x,))]
         if x.op == "mul" and (self._uses[x.serial] == 1 or x.serial in self._shared):
-            return [Term(1, x.args)]
+            return [Term(1, x.args, x.serial)]
         return self._products.get(x.serial) or [Term(1, (x,))]
 
     def _sum(self, terms: Sequence[Term], trace: Trace) -> Operand:
-        """All terms, one after another; where that may be, half of many products that come late beside the others."""
-        terms = self._in_order(self._factored(terms, trace))
+        """All terms, one after another; where that may be, many products that come late in sums beside each other."""
+        if not self._again:
+            return self._one_after_another(self._in_order(self._factored(terms, trace)), trace)
         last = max((self._ready(t.factors) for t in terms if t.is_product), default=0)
         late = [t for t in terms if t.is_product and self._ready(t.factors) > last - _ABOUT_AT_ONCE]
-        if not self._again or len(late) < _TOO_MANY_IN_A_ROW:
-            return self._one_after_another(terms, trace)
-        beside = late[len(late) // 2 :]
-        sign = max(t.sign for t in beside)
-        rest = self._one_after_another([t for t in terms if not any(t is x for x in beside)], trace)
-        other = self._one_after_another([t.times(sign) for t in beside], trace)
-        return self._made(trace, "add" if sign > 0 else "sub", rest, other)
+        if len(late) < _TOO_MANY_IN_A_ROW:
+            return self._one_after_another(self._in_order(terms), trace)
+        late.sort(key=lambda t: t.written)
+        sign = max(t.sign for t in late)
+        sums = [self._one_after_another([t.times(sign) for t in late[k::_BESIDE]], trace) for k in range(_BESIDE)]
+        total = self._made(trace, "add", self._made(trace, "add", *sums[:2]), sums[2])
+        early = [t for t in terms if not any(t is x for x in late)]
+        if not early:
+            return total if sign > 0 else self._made(trace, "neg", total)
+        rest = self._one_after_another(self._in_order(early), trace)
+        return self._made(trace, "add" if sign > 0 else "sub", rest, total)
 
     def _one_after_another(self, terms: Sequence[Term], trace: Trace) -> Operand:
         """All terms onto the first that is added."""

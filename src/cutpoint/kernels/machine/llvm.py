@@ -74,6 +74,11 @@ class Lanes:
         kind = f"<{self.width} x i32> <{', '.join(places)}>"
         return code.let(f"shufflevector {self.real} {vector}, {self.real} poison, {kind}")
 
+    def beside(self, code: Code, a: str, b: str, lanes: Sequence[int | None]) -> str:
+        """Chosen numbers of two vectors, those of the second counted on from the first's; None: unspecified."""
+        places = ", ".join(f"i32 {'poison' if k is None else k}" for k in lanes)
+        return code.let(f"shufflevector {self.real} {a}, {self.real} {b}, <{len(lanes)} x i32> <{places}>")
+
     def signed(self, code: Code, vector: str, signs: Sequence[int]) -> str:
         """A vector's numbers as they are (1), with their signs turned (-1), or zeros (0); what comes after them too."""
         top, bits = 1 << self.precision.bits - 1, _bits(code, self, vector)

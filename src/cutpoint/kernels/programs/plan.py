@@ -68,12 +68,17 @@ class Plan:
         return self.views[name].of if name in self.views else name
 
     def fed(self, stage: Stage) -> dict[int, int]:
-        """By input slot that reads rows which the stage writes too: the result that may be there an iteration later."""
+        """By input slot that reads rows which the stage writes too: the result that may be there an iteration later.
+
+        What it writes under the same name is another's row: rarely the one before, and read just to be added to.
+        """
         graph, root = self.graphs[stage], self.root
         places = [(root(port.name), k) for port in graph.outputs for k in range(port.size)]
         results = {place: k for k, place in enumerate(places) if place[0] in self.streamed}
-        sources = [(root(port.name), k) for port in graph.inputs for k in range(port.size)]
-        return {slot: results[place] for slot, place in enumerate(sources) if place in results}
+        sources = [(port.name, k) for port in graph.inputs for k in range(port.size)]
+        own = {port.name for port in graph.outputs}
+        fed = {slot: (root(name), k) for slot, (name, k) in enumerate(sources) if name not in own}
+        return {slot: results[place] for slot, place in fed.items() if place in results}
 
     def known_ahead(self, stage: Stage) -> frozenset[str]:
         """Regions that a stage reads row by row, each row there before its turn and the same for all lanes."""

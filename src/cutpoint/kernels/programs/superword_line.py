@@ -53,10 +53,17 @@ class SuperwordLine:
         if word.op == "signed":
             return WIDE.signed(self._code, self.word(word.operands[0]), word.signs)
         if word.op == "join":
-            return WIDE.joined(self._code, [*map(self.number, word.numbers)])
+            return self._joined(word)
         if word.op == "spread":
             return self._spread(word.numbers[0])
         return applied(self._code, WIDE, word.op, *map(self.word, word.operands))
+
+    def _joined(self, word: Word) -> str:
+        """Of words, where all three are in some, else of numbers.  What nobody reads stays as it is: zero."""
+        if not word.operands:
+            return WIDE.joined(self._code, [*map(self.number, word.numbers)])
+        (a, b, c), (i, j, k) = map(self.word, word.operands), word.lanes
+        return WIDE.beside(self._code, WIDE.beside(self._code, a, b, [i, 4 + j, None, 3]), c, [0, 1, 4 + k, 3])
 
     def _spread(self, x: Operand) -> str:
         place = self._superwords.place(x)

@@ -59,6 +59,9 @@ class Superwords:
         # those last whose numbers may be in words of others, but for their signs
         by_signs = sorted(threes, key=lambda first: any(_sign(x) != 1 for x in threes[first]))
         self.words = {first: self._together(threes[first]) for first in by_signs}
+        for three in filter(None, map(_summed, graph.nodes)):
+            if not any(map(self.place, three)):
+                self._together(three)
         order = self._order(graph)
         if order is None:  # two words wait for each other: one by one, then
             self.words, self._places = {first: Word("join", three) for first, three in threes.items()}, {}
@@ -80,7 +83,8 @@ class Superwords:
     def _before(self, unit: Unit) -> list[Unit]:
         """What it is computed from."""
         if isinstance(unit, Word):
-            return [*unit.operands] if unit.op not in ("spread", "join") else [*map(self.unit, unit.numbers)]
+            is_of_numbers = unit.op in ("spread", "join") and not unit.operands
+            return [*map(self.unit, unit.numbers)] if is_of_numbers else [*unit.operands]
         return [*map(self.unit, unit.args)] if isinstance(unit, Node) and unit.op != "input" else []
 
     def _together(self, numbers: Triple) -> Word:
@@ -106,12 +110,15 @@ class Superwords:
 
     def _inputs(self, numbers: Triple, places: Sequence[tuple[int, int] | None]) -> Word:
         known = [place for place in places if place]
-        if len(known) < 3 or len({first for first, _ in known}) > 1:
+        if len(known) < 3:
             return Word("join", numbers)
-        first, lanes = known[0][0], [lane for _, lane in known]
-        key = ("read", first)
-        self._found.setdefault(key, Word("read", (), slot=first))
-        return self._found[key] if lanes == [0, 1, 2] else Word("turn", numbers, [self._found[key]], lanes=lanes)
+        words, lanes = [self._read_word(first) for first, _ in known], [lane for _, lane in known]
+        if len({first for first, _ in known}) > 1:
+            return Word("join", numbers, words, lanes=lanes)
+        return words[0] if lanes == [0, 1, 2] else Word("turn", numbers, words[:1], lanes=lanes)
+
+    def _read_word(self, first: int) -> Word:
+        return self._found.setdefault(("read", first), Word("read", (), slot=first))
 
     def _signed(self, numbers: Triple) -> Word | None:
         """Where zeros and turned signs are all that keeps them from being in one word already."""
@@ -133,7 +140,7 @@ class Superwords:
         own = {x.serial: (word, lane) for lane, x in enumerate(nodes) if x.serial not in self._places}
         self._places |= own
         word.operands = [self._together(triple) for triple in self._operands(nodes)]
-        if own and any(x.op != "join" for x in word.operands):
+        if any(x.op != "join" for x in word.operands):
             return word
         for serial in own:
             del self._places[serial]
@@ -168,6 +175,15 @@ class Superwords:
             return 5
         below = [self._likeness(a, b, foresight - 1) for a, b in zip(x.args, y.args, strict=True)] if foresight else []
         return 1 + sum(below) / (3 * len(x.args))
+
+
+def _summed(x: Node) -> tuple[Node, Node, Node] | None:
+    """What adds up to this number, where that is three operations of the same kind."""
+    if x.op == "add" and isinstance(x.args[0], Node) and x.args[0].op == "add":
+        three = (*x.args[0].args, x.args[1])
+        if all(isinstance(y, Node) for y in three) and len({y.op for y in three}) == 1 and three[0].op in _ALIKE:
+            return three
+    return None
 
 
 def _sign(x: Operand) -> int:
