@@ -2,7 +2,7 @@
 
 from collections.abc import Sequence
 
-from function_sections import elastic, from_memory, functions, parameters
+from function_sections import elastic, from_memory, functions, in_jax, parameters
 from goals import goals
 from run_sections import chains, closed_loop, humanoids, latency, laws, python_calls, steps
 from tables import NONE
@@ -50,7 +50,8 @@ def document(results: dict, others: Sequence[dict] = ()) -> str:
     tables = [
         goals(results, others), functions(results["tasks"], limits), elastic(results["elastic"]),
         parameters(results["parameters"]),
-        from_memory(results["from memory"], limits), chains(results["chains"]), humanoids(results["humanoids"]),
+        from_memory(results["from memory"], limits), in_jax(results["in JAX"]),
+        chains(results["chains"]), humanoids(results["humanoids"]),
         python_calls(results["from Python"]),
         closed_loop(results["closed loop"], results["own arm"]), steps(results["steps"]), laws(results["laws"]),
         latency(results["latency"]),
@@ -61,6 +62,6 @@ def document(results: dict, others: Sequence[dict] = ()) -> str:
 
 def _worst(results: dict) -> float:
     """The largest difference there was, of all that is measured as a share of the largest result."""
-    measured = [*results["tasks"], *results["elastic"], *results["parameters"], *results["chains"]["long"],
-                *results["humanoids"]]
+    measured = [*results["tasks"], *results["elastic"], *results["parameters"], *results["in JAX"],
+                *results["chains"]["long"], *results["humanoids"]]
     return max(x for row in measured for x in row["differences"].values())

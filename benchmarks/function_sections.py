@@ -39,6 +39,12 @@ them folded in, frames and parameters where they cost least.
 
 """
 
+_JAX = """## In JAX
+
+`kernel.to_jax()` under `jit` and `vmap`, on the processor, from JAX's arrays to JAX's, beside rows of NumPy's.
+
+"""
+
 _MEMORY = """## A million configurations
 
 Inverse dynamics, from and to memory; a share of what copying as many bytes takes.
@@ -101,3 +107,12 @@ def from_memory(rows: list[dict], limits: dict) -> str:
         found.append(Row(told[:1], [*told[1:], *shown, *map(share, shares.values())]))
     head = "robot | MB | copying, ms | rows, ms | lanes, ms | rows: share | lanes: share"
     return _MEMORY + table(head, found)
+
+
+def in_jax(rows: list[dict]) -> str:
+    found = []
+    for row in rows:
+        times = row["times"]
+        longer = times["JAX"]["least"] / times["rows"]["least"]
+        found.append(Row((row["robot"], row["task"]), [*cells(times, ("rows", "JAX")), f"{longer:.2f}"]))
+    return _JAX + table("robot | task | rows | JAX | JAX / rows", found)

@@ -24,6 +24,7 @@ from document import document
 from elastic import elastic_inverse_dynamics
 from from_memory import from_memory
 from humanoids import humanoids
+from jax_rows import jax_rows
 from latency import CALLS, latency
 from laws import laws
 from limits import limits
@@ -39,7 +40,7 @@ from cutpoint.studies.cost.study import processor
 
 HERE = Path(__file__).parent
 RESULTS = HERE / "results"
-PACKAGES = ("numpy", "llvmlite", "pin", "mujoco", "casadi", "example-robot-data")
+PACKAGES = ("numpy", "llvmlite", "pin", "mujoco", "casadi", "jax", "example-robot-data")
 
 
 def main() -> None:
@@ -61,7 +62,7 @@ def main() -> None:
 def _measured(calls: int) -> dict:
     return {
         "limits": limits(), "tasks": tasks(), "elastic": elastic_inverse_dynamics(),
-        "parameters": parameters_as_inputs(), "from memory": from_memory(), "chains": chains(),
+        "parameters": parameters_as_inputs(), "from memory": from_memory(), "in JAX": jax_rows(), "chains": chains(),
         "humanoids": humanoids(),
         "from Python": python_calls(), "closed loop": closed_loop(), "own arm": loops(), "steps": steps(),
         "laws": laws(),

@@ -6,8 +6,8 @@ from typing import Any
 import numpy as np
 
 from cutpoint.kernels.arrays.numpy_backend import evaluate
-from cutpoint.kernels.programs.plan import LaneLoop, Plan
-from cutpoint.kernels.programs.stepping import Loop, Stage
+from cutpoint.kernels.programs.plan import Plan
+from cutpoint.kernels.programs.stepping import LaneLoop, Loop, Stage
 
 
 class NumpyProgram:
