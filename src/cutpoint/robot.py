@@ -234,7 +234,10 @@ class Robot:
         expressed_in: "local", the frame's own axes; "local_world_aligned", the same velocity along the world's axes;
         "world", the velocity, along the world's axes, of the point of the frame's body that passes the world's origin.
         """
-        made = self._compiled.made_before("jacobian", frame, expressed_in)
+        try:
+            made = self._functions.get(("jacobian", frame, expressed_in))
+        except TypeError:  # a list in place of a name
+            made = None
         if made is None:
             door.checked_name("way to express a Jacobian", expressed_in, get_args(ExpressedIn))
             definition = partial(definitions.jacobian, frame=self._frame(frame), expressed_in=expressed_in)
@@ -243,7 +246,10 @@ class Robot:
 
     def frame_pose(self, q: ArrayLike, frame: str) -> Array:
         """(..., 4, 4): where a frame is in the world."""
-        made = self._compiled.made_before("frame_pose", frame)
+        try:
+            made = self._functions.get(("frame_pose", frame))
+        except TypeError:
+            made = None
         if made is None:
             definition = partial(definitions.frame_pose, frame=self._frame(frame))
             made = self._function(("frame_pose", frame), definition, "q")
@@ -318,8 +324,8 @@ class Robot:
         along a path theta and theta_dot disagree by as much, and motors that follow them let the arm depart from it.
         """
         key = ("elastic_inverse_dynamics", friction_rates, quasi_rigid, strains is None)
-        made = self._compiled.made_before(*key)
-        definition = None if made else variants.with_options(friction_rates, quasi_rigid)
+        definition = variants.with_options(friction_rates, quasi_rigid)
+        made = self._functions.get(key)
         given, needed = (q, v, a, jerk, snap, *higher), 4 if quasi_rigid else self.derivatives_needed
         if len(given) != needed + 1:
             raise variants.wrong_motion("elastic_inverse_dynamics", len(given) - 1, needed)

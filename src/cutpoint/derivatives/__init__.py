@@ -90,7 +90,7 @@ class ElasticForwardDynamicsDerivatives(NamedTuple):
 
 def inverse_dynamics(robot: Robot, q: ArrayLike, v: ArrayLike, a: ArrayLike) -> InverseDynamicsDerivatives:
     """Of `Robot.inverse_dynamics`, joint torques of a motion."""
-    if made := _compiled(robot).made_before("inverse_dynamics_derivatives", None):
+    if made := _compiled(robot).functions.get(("inverse_dynamics_derivatives", None)):
         return made(q, v, a)
     if not _is_looped(robot) and sweeps.is_swept(robot):
         return InverseDynamicsDerivatives(*sweeps.inverse_dynamics(robot, q=q, v=v, a=a))
@@ -100,7 +100,7 @@ def inverse_dynamics(robot: Robot, q: ArrayLike, v: ArrayLike, a: ArrayLike) -> 
 
 def forward_dynamics(robot: Robot, q: ArrayLike, v: ArrayLike, tau: ArrayLike) -> ForwardDynamicsDerivatives:
     """Of `Robot.forward_dynamics`, accelerations under joint torques."""
-    if made := _compiled(robot).made_before("forward_dynamics_derivatives", None):
+    if made := _compiled(robot).functions.get(("forward_dynamics_derivatives", None)):
         return made(q, v, tau)
     if _is_looped(robot) or sweeps.is_swept(robot):
         a = robot.forward_dynamics(q, v, tau)
@@ -130,7 +130,7 @@ def elastic_inverse_dynamics(
     given = (q, v, a, jerk, snap, *higher)
     if len(given) != needed + 1:
         raise wrong_motion("derivatives.elastic_inverse_dynamics", len(given) - 1, needed)
-    function = _compiled(robot).made_before(_ELASTIC_INVERSE, options) or _elastic_inverse(robot, needed, options)
+    function = _compiled(robot).functions.get((_ELASTIC_INVERSE, options)) or _elastic_inverse(robot, needed, options)
     found = function(*given)
     return ElasticInverseDynamicsDerivatives(*found[:5], d_higher=tuple(found[5:]))
 
@@ -139,7 +139,7 @@ def elastic_forward_dynamics(
     robot: Robot, q: ArrayLike, v: ArrayLike, theta: ArrayLike, theta_dot: ArrayLike, motor_torque: ArrayLike
 ) -> ElasticForwardDynamicsDerivatives:
     """Of `Robot.elastic_forward_dynamics`, accelerations of links and motors under motor torques."""
-    if made := _compiled(robot).made_before("elastic_forward_dynamics_derivatives", None):
+    if made := _compiled(robot).functions.get(("elastic_forward_dynamics_derivatives", None)):
         return made(q, v, theta, theta_dot, motor_torque)
     name, record, inputs = "elastic_forward_dynamics", ElasticForwardDynamicsDerivatives, " ".join(STATE)
     state = dict(zip(STATE, (q, v, theta, theta_dot, motor_torque), strict=True))

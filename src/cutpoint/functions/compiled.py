@@ -154,13 +154,6 @@ class Compiled:
             self.functions[key] = found
         return found
 
-    def made_before(self, *key: Any) -> Callable[..., Any] | None:
-        """The function of a tuple key, if it has been made; None too for what can be no key."""
-        try:
-            return self.functions.get(key)
-        except TypeError:  # a list in place of a name
-            return None
-
     def _made(
         self,
         key: Any,
