@@ -25,6 +25,7 @@ ARMS: dict[str, Callable[[], Robot]] = {
     "ur5": lambda: load("ur5_robot.urdf"),
     "ur10": lambda: load("ur10_robot.urdf"),
     "panda": lambda: load("panda.urdf"),
+    "panda_arm": lambda: load("panda.urdf", lock=dict.fromkeys(["panda_finger_joint1", "panda_finger_joint2"], 0.0)),
     "panda_coupled": lambda: load("panda.urdf", mimic="coupled"),
     "kinova": lambda: load("kinova.urdf"),
     "talos": lambda: load("talos_reduced.urdf", floating_base=True),
@@ -56,8 +57,8 @@ ELASTIC: dict[str, tuple[Callable[..., Any], str]] = {
 }  # fmt: skip
 
 MOST_OPERATIONS = {
-    "xia2019": (276, 708, 201, 1840), "ur5": (293, 650, 205, 295), "ur10": (293, 650, 205, 295),
-    "panda": (682, 1683, 613, 703), "kinova": (586, 1810, 671, 591),
+    "xia2019": (271, 493, 126, 1517), "ur5": (288, 522, 151, 288), "ur10": (288, 522, 151, 288),
+    "panda": (682, 1341, 532, 700), "kinova": (582, 1275, 572, 582),
 }  # fmt: skip
 """Of inverse dynamics, forward dynamics, mass matrix and elastic inverse dynamics, elementary functions as one."""
 
@@ -163,10 +164,44 @@ def test_followers_stay_on_their_leaders(seed: int) -> None:
 
 @pytest.mark.parametrize("seed", range(8))
 def test_wrenches_on_the_robot_act_where_they_did(seed: int) -> None:
-    ours, rng = Robot(tree_of_every_kind(seed)), np.random.default_rng(seed)
+    assert_wrenches_act(Robot(tree_of_every_kind(seed)), seed)
+
+
+@pytest.mark.parametrize("name", ["xia2019", "ur10", "panda_arm"])
+def test_wrenches_on_an_arm_act_in_its_unit_of_length(name: str) -> None:
+    assert lean(arm(name)).system.length != 1
+    assert_wrenches_act(arm(name), 0)
+
+
+def assert_wrenches_act(ours: Robot, seed: int) -> None:
+    rng = np.random.default_rng(seed)
     wrenches: dict[str, Any] = {frame: [*rng.normal(0.0, 10.0, 6)] for frame in ours.frames}
     functions = {name: (partial(FUNCTIONS[name][0], **wrenches), FUNCTIONS[name][1]) for name in PUSHED}
     assert_same(lean(ours), ours.machine, states(ours), functions)
+
+
+@pytest.mark.parametrize(("name", "length", "count"), [("ur10", 0.612, 1), ("panda_arm", 0.0825, 2)])
+def test_the_length_that_is_there_most_often_is_one(name: str, length: float, count: int) -> None:
+    system = lean(arm(name)).system
+    ones = [x for body in system.segments for x in body.placement.position if isinstance(x, int) and abs(x) == 1]
+    assert len(ones) == count
+    assert_close(system.length, length, 1e-12)
+
+
+@pytest.mark.parametrize("lengths", [(0.0, 0.0), (0.3, 1e-9), (1e-9, 1e-9)])
+def test_a_unit_of_length_is_no_rounding(lengths: tuple[float, float]) -> None:
+    """Offsets that only files' digits have left are no unit, unless there is nothing else."""
+    joints = [Joint(f"joint{k}", "revolute", f"link{k}", f"link{k + 1}", placement=placements.shift([0.0, x, 0.0]))
+              for k, x in enumerate((0.0, *lengths, lengths[1]))]  # fmt: skip
+    links = [Link(f"link{k}", 1.0, np.full(3, 0.1), 0.02 * np.eye(3)) for k in range(5)]
+    ours = Robot(build("short", links, joints))
+    longest = max(np.abs(T[:3, 3]).max() for T in lean_framing(ours.mechanism).placements[1:])
+    assert longest <= 1e3 * lean(ours).system.length
+    assert_same(lean(ours), ours.machine, states(ours), FUNCTIONS)
+
+
+def test_robots_with_a_joint_that_slides_keep_the_metre() -> None:
+    assert lean(Robot(nearly_parallel(0.1, "prismatic"))).system.length == 1
 
 
 @pytest.mark.parametrize("name", MOST_OPERATIONS)

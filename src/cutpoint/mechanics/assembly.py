@@ -15,6 +15,7 @@ from cutpoint.mechanics.reframing import Framing, RevoluteFrom, fallen, framing_
 from cutpoint.mechanics.rotors import Spin, axis_of, standing_still
 from cutpoint.mechanics.spatial import Inertia, Mat3, Pose, Vec3
 from cutpoint.mechanics.system import Follower, Place, Segment, System
+from cutpoint.mechanics.units import in_unit_of_length
 from cutpoint.model.drive import Drive
 from cutpoint.model.mechanism import WORLD, Array, Body, Joint, Mechanism
 from cutpoint.scalars import Scalar
@@ -56,12 +57,12 @@ def system_of(
         for body, turn in zip(mechanism.bodies, turns, strict=True)
         if body.joint.name in turning
     }
-    return _with_rotors(system, segments, seats, drives or {})
+    return in_unit_of_length(_with_rotors(system, segments, seats, drives or {}), given.length)
 
 
 @lru_cache(maxsize=32)
 def lean_framing(mechanism: Mechanism) -> Framing:
-    """Frames and inertias that make the same equations short: see `reframing` and `regrouping`."""
+    """Frames, inertias and units that make the same equations short: see `reframing`, `regrouping` and `units`."""
     return framing_of(mechanism.bodies, [_turn_to_z(body) for body in mechanism.bodies], mechanism.gravity)
 
 

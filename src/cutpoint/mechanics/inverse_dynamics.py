@@ -85,11 +85,14 @@ def bear(system: System, X: Sequence[Pose], F: Sequence[Wrench], contact: Mappin
 
 
 def handed_on(system: System, contact: Mapping[str, Wrench]) -> Iterator[tuple[int, Wrench]]:
-    """What each body hands on to the environment, and so must receive: the body's index, the wrench in its frame."""
+    """What each body hands on to the environment, and so must receive: the body's index, the wrench in its frame.
+
+    contact: in N and N m, of which the system keeps N m.
+    """
     for name, F_e in contact.items():
         place = system.frames[name]
         if place.body != WORLD:
-            yield place.body, place.pose.inward(F_e)
+            yield place.body, place.pose.inward(Wrench(F_e.force * system.length, F_e.moment))
 
 
 def net_wrenches(

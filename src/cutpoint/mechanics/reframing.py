@@ -27,6 +27,7 @@ from cutpoint.mechanics.placements import NEGLIGIBLE, about_z, inverse, joined, 
 from cutpoint.mechanics.pseudo_inertia import pseudo_inertia_of_body
 from cutpoint.mechanics.regrouping import extent, regrouped, transformed, without_unmoved
 from cutpoint.mechanics.spatial import Pose
+from cutpoint.mechanics.units import unit_of_length
 from cutpoint.model.mechanism import WORLD, Array, Body
 from cutpoint.scalars import Scalar
 
@@ -43,7 +44,8 @@ class Framing:
     """A frame for each body, and what the equations need in it.
 
     world (4, 4): a turn of the world's frame.  frames (4, 4): in the bodies' own frames.  placements (4, 4): in their
-    carriers'.  zeros: rad, what to add to a coordinate.  inertias (4, 4): pseudo-inertias, regrouped.
+    carriers'.  zeros: rad, what to add to a coordinate.  inertias (4, 4): pseudo-inertias, regrouped.  length: the unit
+    of length that the equations are best written in, m; all here is in m and kg.
     """
 
     world: Array
@@ -51,6 +53,7 @@ class Framing:
     placements: list[Array]
     zeros: list[float]
     inertias: list[Array]
+    length: float = 1.0
 
 
 @dataclass(frozen=True)
@@ -75,7 +78,8 @@ def framing_of(bodies: Sequence[Body], turns: Sequence[Array], gravity: Array) -
     placements, zeros = zip(*(tree.placed(i) for i in range(len(bodies))), strict=True) if bodies else ((), ())
     own = [transformed(inverse(move), P) for move, P in zip(tree.moves, tree.own, strict=True)]
     frames = [turn @ move for turn, move in zip(turns, tree.moves, strict=True)]
-    return Framing(tree.world, frames, [*placements], [*zeros], regrouped(bodies, own, placements))
+    length = unit_of_length(bodies, placements)
+    return Framing(tree.world, frames, [*placements], [*zeros], regrouped(bodies, own, placements), length)
 
 
 def fallen(world: Array, gravity: Array) -> Array:

@@ -90,7 +90,7 @@ class System:
     """Segments, parents before children; gravity in the world's frame, m/s2; frames by name.
 
     armature: inertia of rigidly geared rotors, one for each speed, kg m2 (kg) at the joint; 0 where there is none.
-    spins: rotors with full coupling.
+    spins: rotors with full coupling.  length: the unit of all lengths, m; see `units`.
     """
 
     segments: tuple[Segment, ...]
@@ -100,6 +100,7 @@ class System:
     nv: int
     armature: tuple[Scalar, ...]
     spins: tuple[Spin, ...] = ()
+    length: Scalar = 1
 
     @property
     def base_acceleration(self) -> Motion:
