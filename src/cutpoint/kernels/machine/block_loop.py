@@ -11,7 +11,7 @@ from cutpoint.kernels.lowering.scheduling import depth_first
 from cutpoint.kernels.machine.lane_memory import ALL_EXCEPTIONS
 from cutpoint.kernels.machine.llvm import Lanes, straight_line
 from cutpoint.kernels.machine.llvm_code import PREFETCH, Code, in_turn
-from cutpoint.kernels.machine.tuning import for_divisions
+from cutpoint.kernels.machine.tuning import for_blocks
 
 FUNCTION = "block_loop"
 
@@ -79,7 +79,7 @@ def block_loop(graph: Graph, inputs: Sequence[Port], outputs: Sequence[Port], wi
     code.let(f"call i32 @feclearexcept(i32 {ALL_EXCEPTIONS})")
     head = f"{lanes.declarations}{PREFETCH}declare i32 @feclearexcept(i32)\n"
     head += f"define void @{FUNCTION}(ptr %arguments, ptr %dimensions, ptr %steps, ptr %data) "
-    head += f"{for_divisions([graph])} {{\nentry:"
+    head += f"{for_blocks(graph)} {{\nentry:"
     return "\n".join([head, *code.lines, "ret void", "}", "!0 = !{i32 1}", ""])
 
 

@@ -1,4 +1,4 @@
-"""What functions tell LLVM about the processor, beside its name: measured on Intel's, with vectors of 512 bits."""
+"""What functions tell LLVM about the processor, beside its name: measured where vectors have 512 bits."""
 
 from collections.abc import Iterable
 from functools import cache
@@ -29,10 +29,21 @@ def for_divisions(graphs: Iterable[Graph]) -> str:
     return '"tune-cpu"="atom"' if divides and _is_wide() else ""
 
 
+def for_blocks(graph: Graph) -> str:
+    """Attributes of a function of a graph over blocks.
+
+    LLVM's model of AMD's Zen keeps results for the end, where their stores wait for each other.  That of AMD's Jaguar
+    lets them go as they come: on Zen 4 that was measured to save 17 to 20 % of mass matrices, 2 % of an arm's forward
+    dynamics, and to cost nothing elsewhere.
+    """
+    return '"tune-cpu"="btver2"' if vector_width() == 8 and not _is_wide() else for_divisions([graph])
+
+
 def _is_computed(x: Node | float) -> bool:
     return isinstance(x, Node) and x.op != "input"
 
 
 @cache
 def _is_wide() -> bool:
+    """Whether vectors have 512 bits, on a processor that is not AMD's."""
     return vector_width() == 8 and not binding.get_host_cpu_name().startswith("znver")
