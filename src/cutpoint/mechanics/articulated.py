@@ -57,7 +57,7 @@ class Articulated:
 
     @staticmethod
     def of_blocks(linear: Mat3, coupling: Mat3, angular: Mat3) -> "Articulated":
-        """coupling: the moment that linear acceleration takes."""
+        """What acceleration takes: linear, of force, kg; coupling, of moment, kg m; angular, of moment, kg m2."""
         upper = [[*a, *b] for a, b in zip(linear, coupling.T, strict=True)]
         return Articulated(upper + [[*a, *b] for a, b in zip(coupling, angular, strict=True)])
 
@@ -70,7 +70,7 @@ class Articulated:
         return Wrench(Vec3(*f[:3]), Vec3(*f[3:]))
 
     def along(self, z: Axis) -> Scalar:
-        """z^T M z: what resists along an axis.  By products of z, since these are there before M is."""
+        """z^T M z: what resists acceleration along an axis.  By products of z: recursions have these before M."""
         return sum(dot([a * b for b in z], row) for a, row in zip(z, self.rows, strict=True))
 
     def give_way(
@@ -102,7 +102,7 @@ class Articulated:
     def seen_from_parent(self, pose: Pose) -> "Articulated":
         """The same resistance, felt at the parent's frame: U M U^T."""
         R, p_x = pose.rotation, pose.position.skew()
-        M, H, J = (R.congruence(self._block(i, j)) for i, j in ((0, 0), (3, 0), (3, 3)))
+        M, H, J = map(R.congruence, (self.linear, self.coupling, self.angular))
         H_p = H + p_x @ M
         J_p = J + p_x @ H.T - H_p @ p_x
         rows = [[*a, *b] for a, b in zip(M, H_p.T, strict=True)] + [[*a, *b] for a, b in zip(H_p, J_p, strict=True)]
@@ -115,12 +115,12 @@ class Articulated:
         """
         p_x, H = p.skew(), self.coupling
         H_p = H + p_x @ self.linear
-        H_p_p = Mat3(*(p.cross(row) for row in H_p))
-        return Articulated.of_blocks(self.linear, H_p, self.angular + p_x @ H.T + H_p_p)
+        minus_H_p_p_x = Mat3(*(p.cross(row) for row in H_p))
+        return Articulated.of_blocks(self.linear, H_p, self.angular + p_x @ H.T + minus_H_p_p_x)
 
     @property
     def T(self) -> "Articulated":
-        """The same, which of two equal numbers is taken apart."""
+        """The same, since it is symmetric: of two numbers that are equal but for rounding, the other."""
         return Articulated([[*column] for column in zip(*self.rows, strict=True)])
 
     @property

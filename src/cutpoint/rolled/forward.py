@@ -103,7 +103,7 @@ def _give_way(
     need not wait for the division.  A rotor with full coupling ties the joint to its carrier's turning.
     """
     (z,), X = own.body.joint.axes, own.body.placement
-    Mz = [dot(z, column) for column in zip(*M.rows, strict=True)]
+    Mz = [dot(z, column) for column in zip(*M.rows, strict=True)]  # z^T M: rows are what lies side by side
     gain = 1 / (M.along(z) + own.armature)
     a = gain * (tau - dot(z, [*P]))
     tie = own.spin.axis * own.spin.geared if own.spin else ZERO
