@@ -45,7 +45,8 @@ WHERE = """
 * Elastic inverse dynamics, one call: each number comes with two derivatives; much of what waits between the recursions
   outward and inward leaves the registers for memory, and comes back.
 * Chains: each body waits for the one before it: to turn a vector takes three operations one after another; forward
-  dynamics goes through inertias of 36 numbers by threes, a division between, in some 160 operations a joint.
+  dynamics goes through inertias of 27 numbers by threes, in some 190 operations a joint of which a quarter only move
+  numbers within registers, and from joint to joint through a quadratic form, a division and two operations more.
 * One call from Python, general: NumPy looks at types, shapes and strides of each argument for the gufunc; the shortcut
   that plain arrays take does not.
 * Closed loop: steps are {steps} times as quick as CasADi's, and fewer; checks, arrays of references and the log are the
