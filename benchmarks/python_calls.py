@@ -42,7 +42,8 @@ def _calls(robot: Case, task: str) -> dict[str, Callable[[], object]]:
 
 def _public(robot: Case, task: str) -> Callable[..., object]:
     if task == "Jacobian":
-        return lambda q: robot.robot.jacobian(q, robot.flange, "local_world_aligned")
+        jacobian, frame = robot.robot.jacobian, robot.flange
+        return lambda q: jacobian(q, frame, "local_world_aligned")
     if task == "derivatives":
         return lambda q, v, a: derivatives.inverse_dynamics(robot.robot, q, v, a)
     return getattr(robot.robot, task.replace(" ", "_"))

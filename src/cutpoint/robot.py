@@ -460,7 +460,8 @@ class Robot:
     def machine_with(self, parameters: Sequence[Any], *, lean: bool = False) -> definitions.Machine:
         """The same with other numbers, of any kind, in its drives: see `drive_parameters`.
 
-        lean: with frames and inertias that cost least, for functions that tell nothing of single bodies.
+        lean: with frames, inertias and a unit of length that cost least, for functions that tell nothing of single
+        bodies or places.
         """
         return self._compiled.with_parameters(parameters, lean)
 
