@@ -323,6 +323,9 @@ class Robot:
         derivative of its deflection: at each instant `elastic_forward_dynamics` still gives a and theta_ddot back, but
         along a path theta and theta_dot disagree by as much, and motors that follow them let the arm depart from it.
         """
+        is_plain = friction_rates is False and quasi_rigid is False and strains is None and not higher
+        if is_plain and self.derivatives_needed == 4:
+            return self._functions["elastic_inverse_dynamics"](q, v, a, jerk, snap)
         key = ("elastic_inverse_dynamics", friction_rates, quasi_rigid, strains is None)
         definition = variants.with_options(friction_rates, quasi_rigid)
         made = self._functions.get(key)

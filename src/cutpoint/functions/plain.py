@@ -1,12 +1,14 @@
 """Functions of a robot as they are asked for most: by name alone, without variants."""
 
 from collections.abc import Callable, Mapping
+from functools import partial
 from types import MappingProxyType
 from typing import Any, NamedTuple
 
 from cutpoint import definitions
-from cutpoint.functions.answers import ElasticAccelerations
+from cutpoint.functions.answers import ElasticAccelerations, ElasticTorques
 from cutpoint.mechanics.drive_regressor import DriveRegressor
+from cutpoint.mechanics.elastic import DEFAULT
 
 Function = Callable[..., Any]
 
@@ -36,6 +38,9 @@ PLAIN: Mapping[str, Plain] = MappingProxyType({
     "integrate": Plain(definitions.integrate, "q v dt"),
     "difference": Plain(definitions.difference, "q q_next"),
     "coordinate_rates": Plain(definitions.coordinate_rates, "q v"),
+    "elastic_inverse_dynamics": Plain(
+        partial(definitions.elastic_inverse_dynamics, options=DEFAULT), "q v a jerk snap", True, ElasticTorques
+    ),
     "elastic_forward_dynamics": Plain(
         definitions.elastic_forward_dynamics, "q v theta theta_dot motor_torque", True, ElasticAccelerations
     ),
