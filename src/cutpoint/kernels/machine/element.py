@@ -10,7 +10,7 @@ from cutpoint.kernels.graphs.ports import Port
 from cutpoint.kernels.lowering.side_by_side import side_by_side
 from cutpoint.kernels.machine.llvm import Lanes, StraightLine, straight_line
 from cutpoint.kernels.machine.llvm_code import Code
-from cutpoint.kernels.machine.tuning import beside_numbers, for_divisions
+from cutpoint.kernels.machine.tuning import for_divisions, for_one_element
 
 FUNCTION = "element"
 
@@ -44,7 +44,7 @@ def element(graph: Graph, inputs: Sequence[Port], outputs: Sequence[Port], width
             in_vectors |= {slot: (vector, k) for k, slot in enumerate(slots)}
     rest.written(range(len(graph.results)))
     pointers = ", ".join(f"ptr noalias {pointer}" for pointer in memory)
-    head = f"define void @{FUNCTION}({pointers}) {beside_numbers()} {for_divisions([graph])} {{\nentry:"
+    head = f"define void @{FUNCTION}({pointers}) {for_one_element()} {for_divisions([graph])} {{\nentry:"
     return "\n".join([head, *code.lines, "ret void", "}", ""])
 
 
