@@ -2,10 +2,12 @@
 
 import gc
 import resource
+import weakref
 from pathlib import Path
 
 import numpy as np
 
+from cutpoint import Robot, robots
 from cutpoint.kernels import Kernel, compile
 from cutpoint.kernels.machine.jit import Compiled
 
@@ -38,3 +40,17 @@ def test_kernels_outlive_those_compiled_beside_them() -> None:
     del kernel
     gc.collect()
     assert all(kernel(3.0) == 3 * factor for factor, kernel in kept.items())
+
+
+def test_a_robots_kernels_go_with_it_at_once() -> None:
+    paper = robots.xia2019()
+    ours, q = Robot(paper.mechanism, paper.drives), np.zeros(paper.nv)
+    ours.inverse_dynamics(q, q, q)
+    ours.jacobian(q, paper.frames[-1])
+    kernels = [weakref.ref(ours.kernel(name)) for name in ("inverse_dynamics", "jacobian")]
+    gc.disable()
+    try:
+        del ours
+        assert [kernel() for kernel in kernels] == [None, None]
+    finally:
+        gc.enable()

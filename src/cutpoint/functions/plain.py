@@ -4,6 +4,7 @@ from collections.abc import Callable, Mapping
 from functools import partial
 from types import MappingProxyType
 from typing import Any, NamedTuple
+from weakref import WeakMethod
 
 from cutpoint import definitions
 from cutpoint.functions.answers import ElasticAccelerations, ElasticTorques
@@ -56,9 +57,11 @@ class Functions(dict[Any, Function]):
     """Those that have been made, by name or by a tuple that begins with it; a plain one is made when asked for."""
 
     def __init__(self, make: Function) -> None:
-        """make: makes the function of a name and a `Plain`, and puts it here."""
+        """make: a method that makes the function of a name and a `Plain`, and puts it here."""
         super().__init__()
-        self._make = make
+        self._make = WeakMethod(make)  # whose object holds these: machine code goes as soon as nobody has the robot
 
     def __missing__(self, name: str) -> Function:
-        return self._make(name, *PLAIN[name])
+        make = self._make()
+        assert make is not None, "a robot holds what makes its functions"
+        return make(name, *PLAIN[name])
