@@ -248,7 +248,7 @@ class Robot:
         """(..., 4, 4): where a frame is in the world."""
         try:
             made = self._functions.get(("frame_pose", frame))
-        except TypeError:
+        except TypeError:  # a list in place of a name
             made = None
         if made is None:
             definition = partial(definitions.frame_pose, frame=self._frame(frame))

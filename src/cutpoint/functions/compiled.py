@@ -66,7 +66,8 @@ class Compiled:
     """Kernels of one robot by name; each is made when first asked for.
 
     machine: the robot with its bodies' own frames (z along the joints) and inertias, for functions of frames, single
-    bodies and their parameters.  lean: the same robot, reframed and regrouped, for all others.
+    bodies and their parameters.  lean: the same robot, reframed, regrouped and in a unit of length of its own, for all
+    others.
     parameters: the drives' numbers, in the order of the drives and of their fields.  functions: made so far.
     """
 

@@ -34,7 +34,8 @@ def net_wrench(M: Inertia, A: Motion, U: Mat3) -> Wrench:
 
 
 def net_wrench_in_crosses(M: Inertia, A: Motion, omega: Vec3) -> Wrench:
-    """The same of a body that turns with omega, in cross products: each is one operation on three numbers.
+    """F* as `net_wrench` has it, of a body that turns with omega (rad/s), in cross products: each is one operation on
+    three numbers.
 
     Xia (2019) eqs. (47), (59)-(62).
     """
