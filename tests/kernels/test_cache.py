@@ -93,7 +93,7 @@ def answer(process: "subprocess.Popen[str]") -> str:
 def test_a_second_process_compiles_nothing_and_gives_the_same_bits(folder: Path) -> None:
     first = answer(start())
     kept = entries(folder)
-    assert len(kept) == 3  # single elements, packs, and the shortcut for single calls
+    assert len(kept) == 4  # single elements, packs, and the shortcuts for single calls and for whole batches
     assert answer(start(REFUSES_TO_COMPILE)) == first
     assert entries(folder) == kept
 
@@ -108,7 +108,7 @@ def test_code_for_another_processor_is_not_used(folder: Path) -> None:
 def test_processes_that_start_together_share_the_folder_in_peace(folder: Path) -> None:
     together = [start() for _ in range(4)]
     assert len({answer(process) for process in together}) == 1
-    assert len(entries(folder)) == 3 and all(name.endswith(".code") for name in entries(folder))
+    assert len(entries(folder)) == 4 and all(name.endswith(".code") for name in entries(folder))
     answer(start(REFUSES_TO_COMPILE))
 
 
@@ -125,12 +125,12 @@ def test_a_kernel_from_disk_gives_the_bits_of_a_compiled_one(
     compiled: list[int], monkeypatch: pytest.MonkeyPatch
 ) -> None:
     first = bits(law())
-    assert len(compiled) == 3
+    assert len(compiled) == 4
     assert bits(law()) == first
-    assert len(compiled) == 3
+    assert len(compiled) == 4
     monkeypatch.setenv(VARIABLE, "")
     assert bits(law()) == first
-    assert len(compiled) == 6
+    assert len(compiled) == 8
 
 
 DAMAGES: dict[str, Callable[[bytes], bytes]] = {
@@ -187,7 +187,7 @@ def test_a_folder_that_is_open_to_others_is_neither_read_nor_written(
     for path in folder.iterdir():
         path.write_bytes(b"")
     assert bits(law()) == first
-    assert len(compiled) == 6 and set(entries(folder).values()) == {b""}
+    assert len(compiled) == 8 and set(entries(folder).values()) == {b""}
 
 
 @pytest.mark.parametrize("mode", [0o620, 0o602, 0o666])
@@ -196,7 +196,7 @@ def test_an_entry_that_others_may_write_is_replaced(folder: Path, compiled: list
     for path in folder.iterdir():
         path.chmod(mode)
     assert bits(law()) == first
-    assert len(compiled) == 6 and all(path.stat().st_mode & 0o777 == 0o600 for path in folder.iterdir())
+    assert len(compiled) == 8 and all(path.stat().st_mode & 0o777 == 0o600 for path in folder.iterdir())
 
 
 def test_a_folder_or_an_entry_of_another_user_is_not_used(
@@ -205,7 +205,7 @@ def test_a_folder_or_an_entry_of_another_user_is_not_used(
     first, own = bits(law()), os.geteuid()
     monkeypatch.setattr(os, "geteuid", lambda: own + 1)
     assert bits(law()) == first
-    assert len(compiled) == 6
+    assert len(compiled) == 8
 
 
 def test_links_are_not_followed(folder: Path, compiled: list[int], tmp_path: Path) -> None:
@@ -214,11 +214,11 @@ def test_links_are_not_followed(folder: Path, compiled: list[int], tmp_path: Pat
         path.rename(tmp_path / path.name)
         path.symlink_to(tmp_path / path.name)
     assert bits(law()) == first
-    assert len(compiled) == 6 and not any(path.is_symlink() for path in folder.iterdir())
+    assert len(compiled) == 8 and not any(path.is_symlink() for path in folder.iterdir())
     folder.rename(tmp_path / "elsewhere")
     folder.symlink_to(tmp_path / "elsewhere")
     assert bits(law()) == first
-    assert len(compiled) == 9
+    assert len(compiled) == 12
 
 
 @pytest.mark.parametrize("kind", ["pipe", "folder"])
@@ -252,7 +252,7 @@ def test_where_nothing_can_be_kept_kernels_work_all_the_same(
     for place in (tmp_path / "file", tmp_path / "file" / "below", Path("/dev/null")):
         monkeypatch.setenv(VARIABLE, str(place))
         results |= {bits(law()), bits(law())}
-    assert len(results) == 1 and len(compiled) == 18
+    assert len(results) == 1 and len(compiled) == 24
 
 
 def test_an_empty_variable_keeps_nothing_anywhere(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:

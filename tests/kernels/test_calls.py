@@ -17,7 +17,7 @@ from hypothesis import strategies as st
 
 from cutpoint.errors import InputError
 from cutpoint.kernels import Kernel, compile
-from cutpoint.kernels.arrays import fastcall, numpy_api
+from cutpoint.kernels.arrays import numpy_api, plain_arguments
 from cutpoint.scalars import exp, sin, where
 
 RNG = np.random.default_rng(7)
@@ -103,7 +103,7 @@ class Spy:
 
 
 def test_this_python_and_this_numpy_are_known() -> None:
-    assert fastcall.is_possible()
+    assert plain_arguments.is_possible()
 
 
 def test_plain_arguments_give_the_bits_of_the_general_call(kernel: Kernel) -> None:
@@ -376,7 +376,7 @@ def test_every_kernel_has_a_call(backend: str, function: Callable[..., Any], inp
 
 
 def test_without_the_numpy_and_python_it_knows_calls_are_general(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(fastcall, "is_possible", lambda: False)
+    monkeypatch.setattr(plain_arguments, "is_possible", lambda: False)
     kernel = compile(lambda q: [2 * x for x in q], q=3, backend="llvm")
     assert kernel.call is kernel.general
     np.testing.assert_array_equal(kernel(np.arange(3.0)), [0, 2, 4])

@@ -133,7 +133,8 @@ class Kernel:
         """
         if self._function.element is None or self.graph.precision is not FLOAT64:
             return general
-        from cutpoint.kernels.arrays.fastcall import Front, fastcall, is_possible
+        from cutpoint.kernels.arrays.fastcall import Front, fastcall
+        from cutpoint.kernels.arrays.plain_arguments import is_possible
 
         if not is_possible():
             return general

@@ -21,7 +21,7 @@ class ArrayCall:
 
     def __init__(self, name: str, graph: Graph, function: Function, record: type[tuple[Any, ...]] | None) -> None:
         """record: the NamedTuple that holds the outputs, None for plain ones."""
-        self._name, self._graph, self._function = name, graph, function
+        self._name, self._graph, self._function, self._whole = name, graph, function, function.whole
         self._strided = None if function.element is None else Strided(graph, name, function.call)
         self._make = record and record._make  # type: ignore[attr-defined]
         self._direct = function.call if graph.precision is FLOAT64 and record is None else None
@@ -29,6 +29,10 @@ class ArrayCall:
 
     def __call__(self, *arguments: Any, out: Any = None, threads: int | None = None, **named: Any) -> Any:
         """See `Kernel.__call__`."""
+        if self._whole and threads is None and not named:
+            found = self._whole(arguments, out)
+            if found is not None:
+                return found if self._make is None else self._made(found)
         if self._direct and out is None and threads is None and not named and self._are_few(arguments):
             try:
                 return self._direct(*arguments)
@@ -43,8 +47,10 @@ class ArrayCall:
             result = self._run(arguments, out) if count == 1 else self._threaded(count, arguments, out)
         except (TypeError, ValueError) as error:
             raise explained(self._name, self._graph, arguments, out, error) from None
-        if self._make is None:
-            return result
+        return result if self._make is None else self._made(result)
+
+    def _made(self, result: Any) -> Any:
+        assert self._make is not None
         return self._make(result if len(self._graph.outputs) > 1 else (result,))
 
     def _are_few(self, arguments: tuple[Any, ...]) -> bool:

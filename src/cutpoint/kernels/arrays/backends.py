@@ -9,6 +9,9 @@ from cutpoint.kernels.arrays.numpy_backend import NumpyFunction
 from cutpoint.kernels.graphs.graph import Graph
 from cutpoint.kernels.graphs.ports import Port
 
+Whole = Callable[[tuple[Any, ...], Any], Any]
+"""whole(arguments, out): what a ufunc would return, None if it has to do the work; see `WholeBatches`."""
+
 MOST_COMPILED = 200_000
 """That are compiled: it takes time that grows with their square, for so many two or three minutes."""
 
@@ -16,15 +19,23 @@ MOST_NUMBERS = 2**15
 """In all arguments of a compiled function together: scratch memory for strided ones lies on the stack."""
 
 
-class Function(Protocol):
+class Element(Protocol):
+    """What may have machine code for one element."""
+
+    @property
+    def element(self) -> int | None:
+        """Where it is, if there is some: see `cutpoint.kernels.machine.element`."""
+
+
+class Function(Element, Protocol):
     """A graph ready to run."""
 
     call: Callable[..., Any]
     """call(*arrays, out=None) with the semantics of a NumPy generalised ufunc."""
 
     @property
-    def element(self) -> int | None:
-        """Where its machine code for one element is, if there is some: see `cutpoint.kernels.machine.element`."""
+    def whole(self) -> Whole | None:
+        """`call` for batches given whole, if there is such a way."""
 
 
 def chosen(backend: str) -> str:

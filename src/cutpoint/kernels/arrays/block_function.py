@@ -5,7 +5,7 @@ from typing import Any, Protocol
 
 import numpy as np
 
-from cutpoint.kernels.arrays.backends import Function
+from cutpoint.kernels.arrays.backends import Function, Whole
 from cutpoint.kernels.graphs.graph import Graph
 from cutpoint.kernels.graphs.ports import Port
 
@@ -15,13 +15,15 @@ _USUAL_WIDTH = 8
 class BlockFunction(Protocol):
     """A graph ready to run on blocks.
 
-    call(*arrays, out=None): a NumPy generalised ufunc of axes (*shape, width).  direct: the same with less between, for
-    C-contiguous arrays.
+    call(*arrays, out=None): a NumPy generalised ufunc of axes (*shape, width).
     """
 
     width: int
     call: Callable[..., Any]
-    direct: Callable[..., Any]
+
+    @property
+    def whole(self) -> Whole | None:
+        """`call` for batches given whole, if there is such a way."""
 
 
 def block_function(graph: Graph, name: str, function: Function) -> BlockFunction:
@@ -46,26 +48,27 @@ class MachineBlocks:
         self._inputs, self._outputs = wide(graph.inputs, width), wide(graph.outputs, width)
         text = block_loop(lower(graph), graph.inputs, graph.outputs, width)
         self._gufunc = LoopGufunc(text, FUNCTION, graph.precision, self._inputs, self._outputs, name)
-        self.direct = self._gufunc.call
+        self.whole = self._gufunc.whole
 
     def call(self, *arguments: Any, out: Any = None) -> Any:
         """Inputs whose blocks are not C-contiguous are copied first."""
         arrays = [_tidy(p, np.asarray(x)) for p, x in zip(self._inputs, arguments, strict=True)]
         if out is None:
-            return self.direct(*arrays)
+            return self._gufunc.call(*arrays)
         for port, target in zip(self._outputs, out if isinstance(out, tuple) else (out,), strict=False):
             if isinstance(target, np.ndarray) and _tidy(port, target) is not target:
                 raise ValueError(f"blocks of out for {port.name} must be C-contiguous")
-        return self.direct(*arrays, out=out)
+        return self._gufunc.call(*arrays, out=out)
 
 
 class RowsOfBlocks:
     """A function of rows on views of blocks."""
 
+    whole = None
+
     def __init__(self, graph: Graph, function: Function) -> None:
         self.width = _USUAL_WIDTH
         self._inputs, self._outputs, self._call = graph.inputs, graph.outputs, function.call
-        self.direct = self.call
 
     def call(self, *arguments: Any, out: Any = None) -> Any:
         arrays = [_lane_first(p, np.asarray(x)) for p, x in zip(self._inputs, arguments, strict=True)]

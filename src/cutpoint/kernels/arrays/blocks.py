@@ -34,9 +34,9 @@ class Blocks:
             raise InputError(f"{name}: only kernels with inputs take blocks")
         with shown(f"{name} for blocks"):
             self._function = block_function(graph, name, function)
-        self.width = width = self._function.width
+        self.width, self._whole = self._function.width, self._function.whole
         self._name, self._make = name, record and record._make  # type: ignore[attr-defined]
-        self._wide = replace(graph, inputs=wide(graph.inputs, width), outputs=wide(graph.outputs, width))
+        self._wide = replace(graph, inputs=wide(graph.inputs, self.width), outputs=wide(graph.outputs, self.width))
 
     def __call__(self, *arguments: Any, out: Any = None, threads: int | None = None, **named: Any) -> Any:
         """The outputs, (..., *shape, width) each; called as the kernel is.
@@ -45,12 +45,10 @@ class Blocks:
             InputError: an argument is missing, unknown, or of a shape or kind that does not fit; what is in `out` has
                 blocks that are not C-contiguous.
         """
-        if threads is None and not named and _lie_ready(arguments, out):
-            direct = self._function.direct
-            try:
-                return self._made(direct(*arguments) if out is None else direct(*arguments, out=out))
-            except (TypeError, ValueError):
-                pass  # the longer way says why, or mends it
+        if self._whole and threads is None and not named:
+            found = self._whole(arguments, out)
+            if found is not None:
+                return found if self._make is None else self._made(found)
         given = [self._spread(x) for x in in_order(self._name, self._wide.inputs, arguments, named)]
         count = 1 if threads is None else thread_count(self._name, threads)
         try:
@@ -59,11 +57,10 @@ class Blocks:
             result = self._function.call(*given, out=out) if count == 1 else self._threaded(count, given, out)
         except (TypeError, ValueError) as error:
             raise explained(self._name, self._wide, given, out, error) from None
-        return self._made(result)
+        return result if self._make is None else self._made(result)
 
     def _made(self, result: Any) -> Any:
-        if self._make is None:
-            return result
+        assert self._make is not None
         return self._make(result if len(self._wide.outputs) > 1 else (result,))
 
     def of(self, rows: Any) -> np.ndarray:
@@ -116,14 +113,6 @@ class Blocks:
         operations = len(self._wide.nodes) * self.width
         ports = (self._wide.inputs, self._wide.outputs)
         return Threaded(*ports, operations, self._function.call, self._wide.precision)
-
-
-def _lie_ready(arguments: tuple[Any, ...], out: Any) -> bool:
-    """Whether everything that is read and written lies in order; what does not fit otherwise NumPy refuses."""
-    for x in arguments if out is None else (*arguments, *out) if type(out) is tuple else (*arguments, out):
-        if type(x) is not np.ndarray or not x.flags.c_contiguous:
-            return False
-    return True
 
 
 def _aligned(shape: tuple[int, ...], precision: Precision) -> np.ndarray:

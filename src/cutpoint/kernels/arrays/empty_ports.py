@@ -21,6 +21,8 @@ class AroundEmptyPorts:
             read, between inputs and outputs; None where all outputs are empty.
     """
 
+    whole = None
+
     def __init__(self, graph: Graph, name: str) -> None:
         self._graph, self._precision = graph, graph.precision
         outputs = [p for p in graph.outputs if p.size]

@@ -13,7 +13,8 @@ import numpy as np
 
 from cutpoint.errors import InputError
 from cutpoint.kernels.arrays import numpy_api, python_api
-from cutpoint.kernels.arrays.backends import Function
+from cutpoint.kernels.arrays.backends import Element
+from cutpoint.kernels.arrays.new_objects import DECLARATIONS, new, new_array, new_tuple
 from cutpoint.kernels.arrays.numpy_api import DATA, DOUBLE
 from cutpoint.kernels.arrays.plain_arguments import ELSEWHERE, recognised
 from cutpoint.kernels.graphs.ports import Port
@@ -25,9 +26,6 @@ _OPTIMISATION = 0  # compiles in a third of the time that 2 takes, and was measu
 _MANY = 64
 """Numbers whose checks, a loop then, are worth the usual optimisation: 60 ns of an inverse dynamics of 192 joints."""
 _OBJECTS = ("array_type", "float64_type", "float64", "float_type", "new_tuple", "general", "record")
-_DECLARATIONS = f"""{python_api.DECLARATIONS}declare ptr @PyArray_New(ptr, i32, ptr, i32, ptr, ptr, i32, i32, ptr)
-declare ptr @PyArray_Scalar(ptr, ptr, ptr)
-"""
 
 
 class Front(NamedTuple):
@@ -39,12 +37,7 @@ class Front(NamedTuple):
     record: type[tuple[Any, ...]] | None = None
 
 
-def is_possible() -> bool:
-    """Whether Python's and NumPy's objects are as machine code takes for granted."""
-    return python_api.objects_are_as_expected() and numpy_api.arrays_are_as_expected()
-
-
-def fastcall(function: Function, name: str, inputs: Sequence[Port], outputs: Sequence[Port], front: Front) -> Any:
+def fastcall(function: Element, name: str, inputs: Sequence[Port], outputs: Sequence[Port], front: Front) -> Any:
     """The built-in function around a function's code for one element.
 
     Raises:
@@ -80,43 +73,25 @@ def _ir(given: Sequence[Port], outputs: Sequence[Port], front: Front) -> str:
     code.open(ELSEWHERE)
     found = code.let("call ptr @PyObject_Vectorcall(ptr @general, ptr %arguments, i64 %count, ptr %names)")
     body = [*code.lines, f"ret ptr {found}", "}", ""]
-    return "\n".join([_DECLARATIONS, f"declare void @element({pointers})", *externals, *constants, head, *body])
+    declarations = [python_api.DECLARATIONS, DECLARATIONS, f"declare void @element({pointers})"]
+    return "\n".join([*declarations, *externals, *constants, head, *body])
 
 
 def _answer(code: Code, sources: list[str], outputs: Sequence[Port], *, recorded: bool) -> None:
     """Makes the outputs, fills them and returns them."""
     alone = len(outputs) == 1 and not recorded
-    owner = None if alone else _made(code, f"PyTuple_New(i64 {len(outputs)})")
-    arrays = [_made(code, _new_array(p, k), owner, k) if p.shape else None for k, p in enumerate(outputs)]
+    owner = None if alone else new(code, new_tuple(len(outputs)))
+    kinds = [new_array(len(p.shape), f"@shape{k}", DOUBLE) for k, p in enumerate(outputs)]
+    arrays = [new(code, kinds[k], owner, k) if p.shape else None for k, p in enumerate(outputs)]
     places = [code.field(x, DATA) if x else code.let("alloca double") for x in arrays]
     filled = [place for place, port in zip(places, outputs, strict=True) if port.size]
     code.lines.append(f"call void @element({', '.join(f'ptr {p}' for p in (*sources, *filled))})")
     results = [
-        x or _made(code, f"PyArray_Scalar(ptr {place}, ptr @float64, ptr null)", owner, k)
+        x or new(code, f"PyArray_Scalar(ptr {place}, ptr @float64, ptr null)", owner, k)
         for k, (x, place) in enumerate(zip(arrays, places, strict=True))
     ]
     answer = results[0] if owner is None else _recorded(code, owner) if recorded else owner
     code.lines.append(f"ret ptr {answer}")
-
-
-def _new_array(port: Port, k: int) -> str:
-    shape = f"i32 {len(port.shape)}, ptr @shape{k}, i32 {DOUBLE}"
-    return f"PyArray_New(ptr @array_type, {shape}, ptr null, ptr null, i32 0, i32 0, ptr null)"
-
-
-def _made(code: Code, expression: str, owner: str | None = None, k: int = 0) -> str:
-    """A new object, the k-th of its owner if it has one.  If there is no memory for it the call fails."""
-    made, failed = code.name("made"), code.name("failed")
-    x = code.let(f"call ptr @{expression}")
-    code.branch(code.let(f"icmp ne ptr {x}, null"), made, failed)
-    code.open(failed)
-    if owner:
-        code.lines.append(f"call void @Py_DecRef(ptr {owner})")
-    code.lines.append("ret ptr null")
-    code.open(made)
-    if owner:
-        code.let(f"call i32 @PyTuple_SetItem(ptr {owner}, i64 {k}, ptr {x})")
-    return x
 
 
 def _recorded(code: Code, plain: str) -> str:

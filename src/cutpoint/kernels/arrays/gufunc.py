@@ -9,6 +9,7 @@ from collections.abc import Sequence
 from cutpoint.errors import InputError
 from cutpoint.kernels.arrays.numpy_api import MOST_OPERANDS, new_gufunc
 from cutpoint.kernels.arrays.packs import Packs, lanes_of
+from cutpoint.kernels.arrays.whole_batches import WholeBatches
 from cutpoint.kernels.graphs.graph import Graph
 from cutpoint.kernels.graphs.ports import Port
 from cutpoint.kernels.machine import element
@@ -21,6 +22,7 @@ class Gufunc:
 
     Attributes:
         call: the generalised ufunc.
+        whole: the same for batches given whole.
         element: the address of the code for one element.
     """
 
@@ -39,3 +41,5 @@ class Gufunc:
         self.element: int | None = self._code.addresses[element.FUNCTION]
         data, dtype = ctypes.addressof(self._packs.table), graph.precision.dtype
         self.call, self._tables = new_gufunc(self._code.address, data, dtype, inputs, outputs, name)
+        owner = (self._code, self._packs)
+        self.whole = WholeBatches((self._code.address, data), graph.precision, inputs, outputs, owner).call

@@ -4,8 +4,7 @@ from collections.abc import Callable, Sequence
 from typing import Any
 
 from cutpoint.kernels.arrays import numpy_api, python_api
-from cutpoint.kernels.arrays.fastcall import is_possible
-from cutpoint.kernels.arrays.plain_arguments import ELSEWHERE, plain_array, require
+from cutpoint.kernels.arrays.plain_arguments import ELSEWHERE, is_possible, plain_array, require
 from cutpoint.kernels.graphs.ports import Port
 from cutpoint.kernels.machine.jit import Compiled
 from cutpoint.kernels.machine.llvm_code import Code, literal

@@ -3,6 +3,7 @@
 from collections.abc import Sequence
 
 from cutpoint.kernels.arrays.numpy_api import new_gufunc
+from cutpoint.kernels.arrays.whole_batches import WholeBatches
 from cutpoint.kernels.graphs.ports import Port
 from cutpoint.kernels.graphs.precision import Precision
 from cutpoint.kernels.machine.jit import Compiled
@@ -13,6 +14,7 @@ class LoopGufunc:
 
     Attributes:
         call: the generalised ufunc.
+        whole: the same for batches given whole.
     """
 
     def __init__(
@@ -20,3 +22,4 @@ class LoopGufunc:
     ) -> None:
         self._code = Compiled(ir, function)
         self.call, self._tables = new_gufunc(self._code.address, None, precision.dtype, inputs, outputs, name)
+        self.whole = WholeBatches((self._code.address, None), precision, inputs, outputs, self._code).call

@@ -27,6 +27,9 @@ DATA, RANK, SHAPE, TYPE, FLAGS = _HEADER, _HEADER + 8, _HEADER + 16, _HEADER + 4
 TIDY = 0x0001 | 0x0100
 """The flags of an array that is C-contiguous and aligned."""
 
+WRITEABLE = 0x0400
+"""The flag of one that may be written to."""
+
 _VERSIONS = (0x01000009, 0x02000000)
 """Of the ABI: NumPy 1 and NumPy 2."""
 _GET_VERSION, _SCALAR, _NEW = 0, 60, 93
@@ -63,7 +66,8 @@ def _signature(inputs: Sequence[Port], outputs: Sequence[Port]) -> str:
 def symbols() -> dict[str, int]:
     """Addresses, by the names that machine code calls them."""
     table = _table("multiarray", "_ARRAY_API")
-    objects = {"array_type": np.ndarray, "float64_type": np.float64, "float64": np.dtype(np.float64)}
+    dtypes = {name: np.dtype(name) for name in ("float64", "float32")}
+    objects = {"array_type": np.ndarray, "float64_type": np.float64} | dtypes
     return {"PyArray_New": table[_NEW], "PyArray_Scalar": table[_SCALAR]} | {k: id(x) for k, x in objects.items()}
 
 
@@ -89,10 +93,10 @@ def _lies_as_expected(a: np.ndarray) -> bool:
     def read(offset: int, kind: Any) -> Any:
         return kind.from_address(id(a) + offset).value
 
-    tidy = 0x0001 * a.flags.c_contiguous | 0x0100 * a.flags.aligned
+    flags = 0x0001 * a.flags.c_contiguous | 0x0100 * a.flags.aligned | 0x0400 * a.flags.writeable
     if (read(DATA, ctypes.c_void_p), read(RANK, ctypes.c_int)) != (a.ctypes.data, a.ndim):
         return False
-    if (read(TYPE, ctypes.c_void_p), read(FLAGS, ctypes.c_int) & TIDY) != (id(a.dtype), tidy):
+    if (read(TYPE, ctypes.c_void_p), read(FLAGS, ctypes.c_int) & (TIDY | WRITEABLE)) != (id(a.dtype), flags):
         return False
     return not a.ndim or tuple((ctypes.c_int64 * a.ndim).from_address(read(SHAPE, ctypes.c_void_p))) == a.shape
 

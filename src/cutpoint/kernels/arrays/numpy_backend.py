@@ -43,7 +43,7 @@ def evaluate(graph: Graph, inputs: Sequence[Any]) -> list[Any]:
 class NumpyFunction:
     """A graph as a callable with the semantics of a generalised ufunc."""
 
-    element = None
+    element = whole = None
 
     def __init__(self, graph: Graph) -> None:
         self._graph = graph

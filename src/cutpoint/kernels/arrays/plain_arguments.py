@@ -2,6 +2,7 @@
 
 from collections.abc import Sequence
 
+from cutpoint.kernels.arrays import numpy_api, python_api
 from cutpoint.kernels.arrays.numpy_api import DATA, FLAGS, RANK, SHAPE, TIDY, TYPE
 from cutpoint.kernels.arrays.python_api import KIND, VALUE
 from cutpoint.kernels.graphs.ports import Port
@@ -10,6 +11,11 @@ from cutpoint.kernels.machine.llvm_code import Code, literal
 
 ELSEWHERE = "%general"
 """Where calls go whose arguments are not plain."""
+
+
+def is_possible() -> bool:
+    """Whether Python's and NumPy's objects are as machine code takes for granted."""
+    return python_api.objects_are_as_expected() and numpy_api.arrays_are_as_expected()
 
 
 def recognised(code: Code, ports: Sequence[Port], largest: float | None) -> list[str]:
@@ -24,18 +30,23 @@ def recognised(code: Code, ports: Sequence[Port], largest: float | None) -> list
 
 def plain_array(code: Code, x: str, port: Port) -> str:
     """A pointer to the numbers of an object, if it is a tidy float64 array of the port's shape."""
-    require(code, code.let(f"icmp eq ptr {code.field(x, KIND)}, @array_type"))
-    tidy = code.let(f"and i32 {code.field(x, FLAGS, 'i32')}, {TIDY}")
-    require(
-        code,
-        code.let(f"icmp eq i32 {code.field(x, RANK, 'i32')}, {len(port.shape)}"),
-        code.let(f"icmp eq ptr {code.field(x, TYPE)}, @float64"),
-        code.let(f"icmp eq i32 {tidy}, {TIDY}"),
-    )
+    shape = shape_of(code, x, len(port.shape), "float64", TIDY)
     if port.shape:
-        shape = code.field(x, SHAPE)
         require(code, *(code.let(f"icmp eq i64 {code.load(shape, k, 'i64')}, {n}") for k, n in enumerate(port.shape)))
     return code.field(x, DATA)
+
+
+def shape_of(code: Code, x: str, rank: int, dtype: str, flags: int) -> str:
+    """A pointer to the lengths of an object's axes, if it is an array of so many, of this type and with these flags."""
+    require(code, code.let(f"icmp eq ptr {code.field(x, KIND)}, @array_type"))
+    found = code.let(f"and i32 {code.field(x, FLAGS, 'i32')}, {flags}")
+    require(
+        code,
+        code.let(f"icmp eq i32 {code.field(x, RANK, 'i32')}, {rank}"),
+        code.let(f"icmp eq ptr {code.field(x, TYPE)}, @{dtype}"),
+        code.let(f"icmp eq i32 {found}, {flags}"),
+    )
+    return code.field(x, SHAPE)
 
 
 def _scalar(code: Code, x: str, port: Port) -> str:

@@ -8,17 +8,23 @@ from functools import cache
 from typing import Any
 
 _HEADER = object.__basicsize__
-KIND, VALUE = _HEADER - 8, _HEADER
-"""Where any object's type is, and a float's value, in bytes."""
+KIND, VALUE, LENGTH, ITEMS = _HEADER - 8, _HEADER, _HEADER, _HEADER + 8
+"""Where any object's type is, a float's value, and a tuple's length and items, in bytes."""
 
 _NEW_TUPLE = tuple.__new__
 _FASTCALL_WITH_KEYWORDS = 0x0080 | 0x0002
-_FUNCTIONS = ("PyObject_Vectorcall", "PyTuple_New", "PyTuple_SetItem", "Py_DecRef")
+_FUNCTIONS = (
+    "PyObject_Vectorcall", "PyTuple_New", "PyTuple_SetItem", "Py_IncRef", "Py_DecRef",
+    "PyEval_SaveThread", "PyEval_RestoreThread",
+)  # fmt: skip
 
 DECLARATIONS = """declare ptr @PyObject_Vectorcall(ptr, ptr, i64, ptr)
 declare ptr @PyTuple_New(i64)
 declare i32 @PyTuple_SetItem(ptr, i64, ptr)
+declare void @Py_IncRef(ptr)
 declare void @Py_DecRef(ptr)
+declare ptr @PyEval_SaveThread()
+declare void @PyEval_RestoreThread(ptr)
 """
 
 
@@ -29,14 +35,17 @@ def objects_are_as_expected() -> bool:
     if not one_at_a_time or ctypes.sizeof(ctypes.c_void_p) != 8 or float.__basicsize__ != VALUE + 8:
         return False
     kinds = all(ctypes.c_void_p.from_address(id(x) + KIND).value == id(type(x)) for x in (1.5, "", [], print, int))
-    return kinds and all(ctypes.c_double.from_address(id(x) + VALUE).value == x for x in (1.5, -0.1))
+    numbers = all(ctypes.c_double.from_address(id(x) + VALUE).value == x for x in (1.5, -0.1))
+    several = (1.5, "", [])
+    length, items = ctypes.c_ssize_t.from_address(id(several) + LENGTH).value, id(several) + ITEMS
+    return kinds and numbers and [*map(id, several)] == [*(ctypes.c_void_p * length).from_address(items)]
 
 
 @cache
 def symbols() -> dict[str, int]:
     """Addresses, by the names that machine code calls them."""
     functions = {name: ctypes.cast(getattr(ctypes.pythonapi, name), ctypes.c_void_p).value or 0 for name in _FUNCTIONS}
-    return functions | {"float_type": id(float), "new_tuple": id(_NEW_TUPLE)}
+    return functions | {"float_type": id(float), "new_tuple": id(_NEW_TUPLE), "none": id(None), "tuple_type": id(tuple)}
 
 
 def builtin(address: int, name: str, doc: str, owner: Any) -> Callable[..., Any]:

@@ -11,7 +11,8 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from cutpoint.kernels.arrays.fastcall import Front, fastcall, is_possible
+from cutpoint.kernels.arrays.fastcall import Front, fastcall
+from cutpoint.kernels.arrays.plain_arguments import is_possible
 from cutpoint.kernels.graphs.ports import Port
 from cutpoint.kernels.machine.element import FUNCTION
 from cutpoint.kernels.machine.jit import Compiled

@@ -1,0 +1,203 @@
+"""Batches given whole go without NumPy's machinery, and nobody sees it; all others go with it."""
+
+import sys
+from collections.abc import Callable
+from typing import Any, NamedTuple
+
+import numpy as np
+import pytest
+
+from cutpoint import InputError
+from cutpoint.kernels import Kernel, compile
+from cutpoint.kernels.arrays import whole_batches
+from cutpoint.scalars import sin
+
+RNG = np.random.default_rng(17)
+SHAPES = ((3,), (), (2, 2))
+COUNT = 5
+
+
+class Found(NamedTuple):
+    column: Any
+    number: Any
+
+
+def law(q: Any, t: Any, M: Any) -> Found:
+    return Found([x * t + M[0][1] for x in q], sin(t) / M[1][0] + q[2])
+
+
+@pytest.fixture(params=[np.float64, np.float32], ids=["double", "single"])
+def kernel(request: pytest.FixtureRequest) -> Kernel:
+    made = compile(law, q=3, t=(), M=(2, 2), backend="llvm")
+    return made if request.param is np.float64 else made.float32
+
+
+@pytest.fixture
+def runs(monkeypatch: pytest.MonkeyPatch) -> list[bool]:
+    """Whether each batch from now on went without NumPy's machinery."""
+    seen: list[bool] = []
+    call = whole_batches.WholeBatches.call
+
+    def counted(self: Any, arguments: Any, out: Any) -> Any:
+        found = call(self, arguments, out)
+        seen.append(found is not None)
+        return found
+
+    monkeypatch.setattr(whole_batches.WholeBatches, "call", counted)
+    return seen
+
+
+def batch(kernel: Kernel, count: int = COUNT) -> list[np.ndarray]:
+    return [RNG.normal(size=(count, *shape)).astype(kernel.graph.precision.dtype) for shape in SHAPES]
+
+
+def empty(kernel: Kernel, count: int = COUNT) -> tuple[np.ndarray, ...]:
+    return tuple(np.full((count, *p.shape), 7.0, kernel.graph.precision.dtype) for p in kernel.graph.outputs)
+
+
+def one_by_one(kernel: Kernel, rows: list[np.ndarray]) -> list[np.ndarray]:
+    found = [kernel(*row) for row in zip(*rows, strict=True)]
+    return [np.stack(column) for column in zip(*found, strict=True)]
+
+
+def assert_same(found: Any, expected: Any) -> None:
+    for x, y in zip(found, expected, strict=True):
+        assert (x.shape, x.dtype) == (y.shape, y.dtype)
+        assert x.tobytes() == y.tobytes()
+
+
+def test_what_is_whole_goes_the_short_way(runs: list[bool], kernel: Kernel) -> None:
+    rows = batch(kernel)
+    found, targets = kernel(*rows), empty(kernel)
+    into = kernel(*rows, out=targets)
+    assert runs == [True, True] and type(found) is type(into) is type(kernel(*(x[0] for x in rows)))
+    assert all(x is y for x, y in zip(into, targets, strict=True))
+    for x in found, into:
+        assert_same(x, one_by_one(kernel, rows))
+
+
+def test_blocks_that_are_whole_go_the_short_way(runs: list[bool], kernel: Kernel) -> None:
+    rows = batch(kernel, 21)
+    blocks = kernel.blocks
+    found = blocks(*map(blocks.of, rows))
+    targets = tuple(np.empty_like(x) for x in found)
+    assert blocks(*map(blocks.of, rows), out=targets)[0] is targets[0]
+    assert runs == [True, True]
+    for x in found, targets:
+        assert_same(blocks.rows(x, 21), one_by_one(kernel, rows))
+
+
+@pytest.mark.parametrize("given", [lambda out: out, lambda out: (out,)], ids=["array", "tuple"])
+def test_a_result_alone_is_an_array(runs: list[bool], given: Callable[[np.ndarray], Any]) -> None:
+    kernel = compile(lambda q: [x * x for x in q], q=3, backend="llvm")
+    rows, target = RNG.normal(size=(COUNT, 3)), np.empty((COUNT, 3))
+    assert kernel(rows, out=given(target)) is target
+    assert np.array_equal(kernel(rows), rows * rows) and np.array_equal(target, rows * rows)
+    assert runs[-1]
+
+
+def overlapping(x: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    memory = np.empty((len(x) + 1, *x.shape[1:]), x.dtype)
+    memory[:-1] = x
+    return memory[:-1], memory[1:]
+
+
+def test_results_may_lie_where_arguments_lie(runs: list[bool], kernel: Kernel) -> None:
+    rows = batch(kernel)
+    expected, targets = one_by_one(kernel, rows), empty(kernel)
+    q, behind = overlapping(rows[0])
+    found = kernel(q, *rows[1:], out=(behind, targets[1]))
+    assert found[0] is behind
+    assert_same(found, expected)
+    assert_same(kernel(*rows, out=(rows[0], targets[1])), expected)
+    assert runs[-2:] == [False, False]
+
+
+class Odd(np.ndarray): ...
+
+
+BROKEN: dict[str, Callable[[np.ndarray], Any]] = {
+    "a list": lambda x: x.tolist(),
+    "other precision": lambda x: x.astype(np.float32 if x.dtype == np.float64 else np.float64),
+    "other byte order": lambda x: x.astype(x.dtype.newbyteorder()),
+    "backwards": lambda x: x[::-1].copy()[::-1],
+    "every second": lambda x: np.repeat(x, 2, axis=0)[::2],
+    "one for all": lambda x: x[:1],
+    "without a batch": lambda x: x[0],
+    "two axes of batch": lambda x: x[None],
+    "a subclass": lambda x: x.view(Odd),
+    "odd in memory": lambda x: np.frombuffer(b"." + x.tobytes(), np.uint8)[1:].view(x.dtype).reshape(x.shape),
+}
+
+
+@pytest.mark.parametrize("place", range(3))
+@pytest.mark.parametrize("change", BROKEN.values(), ids=BROKEN)
+def test_what_is_not_whole_gives_the_same(
+    runs: list[bool], kernel: Kernel, change: Callable[[np.ndarray], Any], place: int
+) -> None:
+    rows: list[Any] = batch(kernel)
+    rows[place] = change(rows[place])
+    found = kernel(*rows)
+    assert not any(runs)
+    dtype = kernel.graph.precision.dtype
+    plain = [np.asarray(x).astype(dtype) for x in rows]
+    spread = [np.broadcast_to(x, (1, COUNT, *shape))[0] for x, shape in zip(plain, SHAPES, strict=True)]
+    ours = [x.reshape(COUNT, *p.shape) for x, p in zip(found, kernel.graph.outputs, strict=True)]
+    assert_same(ours, one_by_one(kernel, spread))
+
+
+def test_an_empty_batch_has_empty_results(kernel: Kernel) -> None:
+    found = kernel(*batch(kernel, 0))
+    assert [x.shape for x in found] == [(0, 3), (0,)]
+
+
+WRONG: dict[str, Callable[[list[np.ndarray], tuple[np.ndarray, ...]], Any]] = {
+    "fewer": lambda rows, out: (rows[:2], None),
+    "none": lambda rows, out: ([], None),
+    "of another length": lambda rows, out: ([rows[0], rows[1][:2], rows[2]], None),
+    "of another shape": lambda rows, out: ([rows[0][:, :2], *rows[1:]], None),
+    "out too short": lambda rows, out: (rows, (out[0][:2], out[1])),
+    "out alone": lambda rows, out: (rows, out[0]),
+    "out of too many": lambda rows, out: (rows, (*out, out[0])),
+    "out that is none": lambda rows, out: (rows, "no array"),
+}
+
+
+@pytest.mark.parametrize("change", WRONG.values(), ids=WRONG)
+def test_what_does_not_fit_is_told(kernel: Kernel, change: Callable[..., Any]) -> None:
+    arguments, out = change(batch(kernel), empty(kernel))
+    with pytest.raises(InputError, match="law"):
+        kernel(*arguments, out=out)
+
+
+def test_what_may_not_be_written_to_is_left_alone(kernel: Kernel) -> None:
+    targets = empty(kernel)
+    targets[0].flags.writeable = False
+    with pytest.raises(InputError):
+        kernel(*batch(kernel), out=targets)
+    assert (targets[0] == 7).all()
+
+
+def test_calls_keep_and_lose_no_references(kernel: Kernel) -> None:
+    rows, targets = batch(kernel), empty(kernel)
+    held = [*rows, targets, *targets, None]
+
+    def counts() -> list[int]:
+        return [sys.getrefcount(x) for x in held[:-1]]
+
+    kernel(*rows), kernel(*rows, out=targets)
+    before = counts()
+    for _ in range(100):
+        found = kernel(*rows)
+        kernel(*rows, out=targets)
+        assert kernel.general(*rows[:2], rows[2][:1], out=targets) is not None
+    assert counts() == before
+    assert all(sys.getrefcount(x) == sys.getrefcount(np.empty(1)) + 2 for x in found)
+
+
+def test_without_the_python_it_knows_numpy_does_the_work(kernel: Kernel, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(whole_batches, "is_possible", lambda: False)
+    fresh = compile(law, q=3, t=(), M=(2, 2), backend="llvm")
+    fresh = fresh if kernel.graph.precision.dtype == np.float64 else fresh.float32
+    rows = batch(kernel)
+    assert_same(fresh(*rows), kernel(*rows))
