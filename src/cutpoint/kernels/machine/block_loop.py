@@ -7,7 +7,7 @@ from collections.abc import Sequence
 
 from cutpoint.kernels.graphs.graph import Graph
 from cutpoint.kernels.graphs.ports import Port
-from cutpoint.kernels.lowering.scheduling import depth_first
+from cutpoint.kernels.lowering.scheduling import as_stored
 from cutpoint.kernels.machine.lane_memory import ALL_EXCEPTIONS
 from cutpoint.kernels.machine.llvm import Lanes, straight_line
 from cutpoint.kernels.machine.llvm_code import PREFETCH, Code, in_turn
@@ -19,13 +19,6 @@ BEYOND_CACHES = 2**25
 """Bytes, of all blocks of a call: results of more are written past the caches, which would not keep them anyway.
 
 Measured for inverse dynamics of a 6R arm, 190 MB: 10 to 25 % less time.  For arrays of rows it gained nothing.
-"""
-
-
-_OPERATIONS_A_STORE = 3
-"""Where there are fewer, stores are waited for: depth-first order, in which they come at all times, is quicker.
-
-Measured for an arm's regressor in batches of 1 MB: 10 to 20 % less time.
 """
 
 
@@ -46,9 +39,7 @@ def block_loop(graph: Graph, inputs: Sequence[Port], outputs: Sequence[Port], wi
 
     The ports are the graph's own.  An output may be an input: results wait in scratch memory then.
     """
-    code, lanes = Code(), Lanes(width, graph.precision)
-    if len(graph.nodes) < _OPERATIONS_A_STORE * len(graph.results):
-        graph = depth_first(graph)
+    code, lanes, graph = Code(), Lanes(width, graph.precision), as_stored(graph)
     scratch = [code.let(f"alloca {lanes.real}, i64 {port.size}") for port in outputs]
     arguments = [_Memory(code, number) for number in range(len(inputs) + len(outputs))]
     sources, targets = arguments[: len(inputs)], arguments[len(inputs) :]

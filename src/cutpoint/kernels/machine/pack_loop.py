@@ -9,6 +9,7 @@ from collections.abc import Sequence
 from cutpoint.kernels.graphs.algebra import Operand
 from cutpoint.kernels.graphs.graph import Graph
 from cutpoint.kernels.graphs.ports import Port
+from cutpoint.kernels.lowering.scheduling import as_stored
 from cutpoint.kernels.machine.llvm import Lanes, straight_line
 from cutpoint.kernels.machine.llvm_code import PREFETCH, Code, in_turn
 from cutpoint.kernels.machine.transposition import blocks, constants_to_rows, lanes_of_rows, lanes_to_rows
@@ -32,13 +33,24 @@ class _Rows:
         self._start = code.load("%arguments", number, "ptr")
         self._step = code.load("%steps", number, "i64")
         self._offsets = [code.let(f"mul i64 {self._step}, {lane}") for lane in range(lanes.width)]
-        self._scratch = "" if port.size <= _FEW else code.let(f"alloca {lanes.real}, i64 {port.size}")
-        self._vectors: list[str] = []
         self.size = port.size * lanes.item * lanes.width
 
     def first(self, code: Code, pack: str) -> str:
         element = code.let(f"mul i64 {pack}, {self._lanes.width}")
         return code.at(self._start, code.let(f"mul i64 {self._step}, {element}"), "i8")
+
+    def _rows(self, code: Code, pack: str) -> list[str]:
+        first = self.first(code, pack)
+        return [code.at(first, offset, "i8") for offset in self._offsets]
+
+
+class _Source(_Rows):
+    """An input's."""
+
+    def __init__(self, code: Code, lanes: Lanes, port: Port, number: int) -> None:
+        super().__init__(code, lanes, port, number)
+        self._scratch = "" if port.size <= _FEW else code.let(f"alloca {lanes.real}, i64 {port.size}")
+        self._vectors: list[str] = []
 
     def fetch(self, code: Code, pack: str) -> None:
         """From rows to lanes; many numbers that are the same for the whole batch are fetched once."""
@@ -57,31 +69,55 @@ class _Rows:
         """Lanes that have been fetched."""
         return code.load(self._scratch, k, self._lanes.real) if self._scratch else self._vectors[k]
 
-    def deliver(self, code: Code, pack: str, results: Sequence[Operand], vectors: Sequence[str]) -> None:
-        """From lanes to rows; what is known beforehand needs no lanes."""
-        rows, precision = self._rows(code, pack), self._lanes.precision
-        for column, size in self._blocks:
-            numbers = results[column : column + size]
-            if all(isinstance(x, float) for x in numbers):
-                constants_to_rows(code, precision, numbers, rows, column)
-            else:
-                lanes_to_rows(code, precision, vectors[column : column + size], rows, column)
-
     def _turned(self, code: Code, pack: str) -> list[str]:
         rows, precision = self._rows(code, pack), self._lanes.precision
         return [x for column, size in self._blocks for x in lanes_of_rows(code, precision, rows, column, size)]
 
-    def _rows(self, code: Code, pack: str) -> list[str]:
-        first = self.first(code, pack)
-        return [code.at(first, offset, "i8") for offset in self._offsets]
+
+class _Target(_Rows):
+    """An output's: a block of columns is turned back as soon as all of it is there."""
+
+    def __init__(self, code: Code, lanes: Lanes, port: Port, number: int, results: Sequence[Operand]) -> None:
+        super().__init__(code, lanes, port, number)
+        self._results, self._block = results, {k: b for b in self._blocks for k in range(b[0], sum(b))}
+        self._vectors = {k: lanes.constant(x) for k, x in enumerate(results) if isinstance(x, float)}
+        self._here: list[str] = []
+
+    def begin(self, code: Code, pack: str) -> None:
+        """A pack: what is known beforehand needs no lanes."""
+        self._here = self._rows(code, pack)
+        for column, size in self._blocks:
+            numbers = [x for x in self._results[column : column + size] if isinstance(x, float)]
+            if len(numbers) == size:
+                constants_to_rows(code, self._lanes.precision, numbers, self._here, column)
+
+    def take(self, code: Code, k: int, vector: str) -> None:
+        """The lanes of a number, computed just now."""
+        self._vectors[k] = vector
+        column, size = self._block[k]
+        vectors = [self._vectors[x] for x in range(column, column + size) if x in self._vectors]
+        if len(vectors) == size:
+            lanes_to_rows(code, self._lanes.precision, vectors, self._here, column)
 
 
 def pack_loop(graph: Graph, inputs: Sequence[Port], outputs: Sequence[Port], width: int) -> str:
     """The module's text: void pack_loop(char **arguments, i64 *steps, i64 packs), steps in bytes; C-contiguous rows."""
-    code, lanes = Code(), Lanes(width, graph.precision)
-    arguments = [_Rows(code, lanes, port, number) for number, port in enumerate((*inputs, *outputs))]
-    sources, targets = arguments[: len(inputs)], arguments[len(inputs) :]
-    read = [(a, k) for a, port in zip(sources, inputs, strict=True) for k in range(port.size)]
+    code, lanes, graph = Code(), Lanes(width, graph.precision), as_stored(graph)
+    sources = [_Source(code, lanes, port, number) for number, port in enumerate(inputs)]
+    targets = [
+        _Target(code, lanes, port, number, graph.output(port.name)) for number, port in enumerate(outputs, len(inputs))
+    ]
+    read = [(source, k) for source, port in zip(sources, inputs, strict=True) for k in range(port.size)]
+    write = [(target, k) for target, port in zip(targets, outputs, strict=True) for k in range(port.size)]
+
+    def load(slot: int) -> str:
+        source, k = read[slot]
+        return source.number(code, k)
+
+    def ready(slot: int, vector: str) -> None:
+        target, k = write[slot]
+        target.take(code, k, vector)
+
     with code.loop("%packs") as loop:
         for source in sources:
             source.fetch(code, loop.iteration)
@@ -89,10 +125,10 @@ def pack_loop(graph: Graph, inputs: Sequence[Port], outputs: Sequence[Port], wid
             for source in sources:
                 code.ask(source.first(code, loop.iteration), source.size)
         with code.aside() as pack:
-            vectors = iter(straight_line(code, graph, lanes, lambda slot: read[slot][0].number(code, read[slot][1])))
+            for target in targets:
+                target.begin(code, loop.iteration)
+            straight_line(code, graph, lanes, load, ready)
         code.lines += in_turn(pack, asked)
-        for target, port in zip(targets, outputs, strict=True):
-            target.deliver(code, loop.iteration, graph.output(port.name), [next(vectors) for _ in range(port.size)])
     head = f"{lanes.declarations}{PREFETCH}define void @{FUNCTION}"
     head += f"(ptr %arguments, ptr %steps, i64 %packs) {for_divisions([graph])} {{\nentry:"
     return "\n".join([head, *code.lines, "ret void", "}", ""])
