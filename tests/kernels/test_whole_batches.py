@@ -9,7 +9,7 @@ import pytest
 
 from cutpoint import InputError
 from cutpoint.kernels import Kernel, compile
-from cutpoint.kernels.arrays import whole_batches
+from cutpoint.kernels.arrays import gufunc, loop_gufunc, whole_batches
 from cutpoint.scalars import sin
 
 RNG = np.random.default_rng(17)
@@ -36,14 +36,20 @@ def kernel(request: pytest.FixtureRequest) -> Kernel:
 def runs(monkeypatch: pytest.MonkeyPatch) -> list[bool]:
     """Whether each batch from now on went without NumPy's machinery."""
     seen: list[bool] = []
-    call = whole_batches.WholeBatches.call
 
-    def counted(self: Any, arguments: Any, out: Any) -> Any:
-        found = call(self, arguments, out)
-        seen.append(found is not None)
-        return found
+    def made(*arguments: Any, **named: Any) -> Callable[..., Any]:
+        run = whole_batches.whole_batches(*arguments, **named)
+        assert run is not None
 
-    monkeypatch.setattr(whole_batches.WholeBatches, "call", counted)
+        def counted(arguments: Any, out: Any) -> Any:
+            found = run(arguments, out)
+            seen.append(found is not None)
+            return found
+
+        return counted
+
+    for module in gufunc, loop_gufunc:
+        monkeypatch.setattr(module, "whole_batches", made)
     return seen
 
 

@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 
 from cutpoint.kernels.arrays.arguments import as_numbers, explained, in_order
-from cutpoint.kernels.arrays.backends import Function
+from cutpoint.kernels.arrays.backends import Function, Whole
 from cutpoint.kernels.arrays.strided import WORTH_MAKING, Strided
 from cutpoint.kernels.arrays.threads import Threaded, thread_count
 from cutpoint.kernels.graphs.graph import Graph
@@ -21,15 +21,17 @@ class ArrayCall:
 
     def __init__(self, name: str, graph: Graph, function: Function, record: type[tuple[Any, ...]] | None) -> None:
         """record: the NamedTuple that holds the outputs, None for plain ones."""
-        self._name, self._graph, self._function, self._whole = name, graph, function, function.whole
+        self._name, self._graph, self._function = name, graph, function
         self._strided = None if function.element is None else Strided(graph, name, function.call)
         self._make = record and record._make  # type: ignore[attr-defined]
         self._direct = function.call if graph.precision is FLOAT64 and record is None else None
+        self._rank = len(graph.inputs[0].shape) + 1 if graph.inputs else 0  # of a batch
         self._count, self._short = len(graph.inputs), min((p.size for p in graph.inputs), default=0) * WORTH_MAKING
 
     def __call__(self, *arguments: Any, out: Any = None, threads: int | None = None, **named: Any) -> Any:
         """See `Kernel.__call__`."""
-        if self._whole and threads is None and not named:
+        first = arguments[0] if arguments and threads is None and not named else None
+        if type(first) is _ARRAY and first.ndim == self._rank and self._whole:
             found = self._whole(arguments, out)
             if found is not None:
                 return found if self._make is None else self._made(found)
@@ -48,6 +50,10 @@ class ArrayCall:
         except (TypeError, ValueError) as error:
             raise explained(self._name, self._graph, arguments, out, error) from None
         return result if self._make is None else self._made(result)
+
+    @cached_property
+    def _whole(self) -> Whole | None:
+        return self._function.whole()
 
     def _made(self, result: Any) -> Any:
         assert self._make is not None

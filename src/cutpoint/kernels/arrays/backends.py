@@ -10,7 +10,7 @@ from cutpoint.kernels.graphs.graph import Graph
 from cutpoint.kernels.graphs.ports import Port
 
 Whole = Callable[[tuple[Any, ...], Any], Any]
-"""whole(arguments, out): what a ufunc would return, None if it has to do the work; see `WholeBatches`."""
+"""whole(arguments, out): what a ufunc would return, None if it has to do the work: see `whole_batches`."""
 
 MOST_COMPILED = 200_000
 """That are compiled: it takes time that grows with their square, for so many two or three minutes."""
@@ -33,9 +33,8 @@ class Function(Element, Protocol):
     call: Callable[..., Any]
     """call(*arrays, out=None) with the semantics of a NumPy generalised ufunc."""
 
-    @property
     def whole(self) -> Whole | None:
-        """`call` for batches given whole, if there is such a way."""
+        """Makes `call` for batches given whole, where there is such a way."""
 
 
 def chosen(backend: str) -> str:

@@ -21,9 +21,8 @@ class BlockFunction(Protocol):
     width: int
     call: Callable[..., Any]
 
-    @property
     def whole(self) -> Whole | None:
-        """`call` for batches given whole, if there is such a way."""
+        """Makes `call` for batches given whole, where there is such a way."""
 
 
 def block_function(graph: Graph, name: str, function: Function) -> BlockFunction:
@@ -48,7 +47,9 @@ class MachineBlocks:
         self._inputs, self._outputs = wide(graph.inputs, width), wide(graph.outputs, width)
         text = block_loop(lower(graph), graph.inputs, graph.outputs, width)
         self._gufunc = LoopGufunc(text, FUNCTION, graph.precision, self._inputs, self._outputs, name)
-        self.whole = self._gufunc.whole
+
+    def whole(self) -> Whole | None:
+        return self._gufunc.whole()
 
     def call(self, *arguments: Any, out: Any = None) -> Any:
         """Inputs whose blocks are not C-contiguous are copied first."""
@@ -64,11 +65,11 @@ class MachineBlocks:
 class RowsOfBlocks:
     """A function of rows on views of blocks."""
 
-    whole = None
-
     def __init__(self, graph: Graph, function: Function) -> None:
         self.width = _USUAL_WIDTH
         self._inputs, self._outputs, self._call = graph.inputs, graph.outputs, function.call
+
+    def whole(self) -> None: ...
 
     def call(self, *arguments: Any, out: Any = None) -> Any:
         arrays = [_lane_first(p, np.asarray(x)) for p, x in zip(self._inputs, arguments, strict=True)]

@@ -34,7 +34,7 @@ class Blocks:
             raise InputError(f"{name}: only kernels with inputs take blocks")
         with shown(f"{name} for blocks"):
             self._function = block_function(graph, name, function)
-        self.width, self._whole = self._function.width, self._function.whole
+        self.width, self._whole = self._function.width, self._function.whole()
         self._name, self._make = name, record and record._make  # type: ignore[attr-defined]
         self._wide = replace(graph, inputs=wide(graph.inputs, self.width), outputs=wide(graph.outputs, self.width))
 

@@ -21,14 +21,14 @@ class AroundEmptyPorts:
             read, between inputs and outputs; None where all outputs are empty.
     """
 
-    whole = None
-
     def __init__(self, graph: Graph, name: str) -> None:
         self._graph, self._precision = graph, graph.precision
         outputs = [p for p in graph.outputs if p.size]
         inputs = [*(p for p in graph.inputs if p.size), _BATCH]
         self._inner = Gufunc(graph, inputs, outputs, name) if outputs else None
         self.element = self._inner.element if self._inner else None
+
+    def whole(self) -> None: ...
 
     def call(self, *arguments: Any, out: Any = None) -> Any:
         pairs = [(p, as_numbers(a, self._precision)) for p, a in zip(self._graph.inputs, arguments, strict=True)]

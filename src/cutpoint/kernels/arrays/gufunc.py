@@ -7,14 +7,16 @@ import ctypes
 from collections.abc import Sequence
 
 from cutpoint.errors import InputError
+from cutpoint.kernels.arrays.backends import Whole
 from cutpoint.kernels.arrays.numpy_api import MOST_OPERANDS, new_gufunc
 from cutpoint.kernels.arrays.packs import Packs, lanes_of
-from cutpoint.kernels.arrays.whole_batches import WholeBatches
+from cutpoint.kernels.arrays.whole_batches import whole_batches
 from cutpoint.kernels.graphs.graph import Graph
 from cutpoint.kernels.graphs.ports import Port
 from cutpoint.kernels.machine import element
 from cutpoint.kernels.machine.batch_loop import FUNCTION, batch_loop
 from cutpoint.kernels.machine.jit import Compiled, Unwritten
+from cutpoint.kernels.machine.ufunc_loop import bare
 
 
 class Gufunc:
@@ -22,7 +24,6 @@ class Gufunc:
 
     Attributes:
         call: the generalised ufunc.
-        whole: the same for batches given whole.
         element: the address of the code for one element.
     """
 
@@ -37,9 +38,12 @@ class Gufunc:
             (FUNCTION, graph.digest(), inputs, outputs, lanes, width),
             lambda: batch_loop(graph, inputs, outputs, lanes, width),
         )
-        self._code = Compiled(text, FUNCTION, element.FUNCTION)
+        self._code = Compiled(text, FUNCTION, bare(FUNCTION), element.FUNCTION)
         self.element: int | None = self._code.addresses[element.FUNCTION]
         data, dtype = ctypes.addressof(self._packs.table), graph.precision.dtype
         self.call, self._tables = new_gufunc(self._code.address, data, dtype, inputs, outputs, name)
-        owner = (self._code, self._packs)
-        self.whole = WholeBatches((self._code.address, data), graph.precision, inputs, outputs, owner).call
+        self._loop = ((self._code.addresses[bare(FUNCTION)], data), graph.precision, inputs, outputs)
+
+    def whole(self) -> Whole | None:
+        """The same for batches given whole, compiled now."""
+        return whole_batches(*self._loop, owner=(self._code, self._packs))

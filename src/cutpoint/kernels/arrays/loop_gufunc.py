@@ -2,11 +2,13 @@
 
 from collections.abc import Sequence
 
+from cutpoint.kernels.arrays.backends import Whole
 from cutpoint.kernels.arrays.numpy_api import new_gufunc
-from cutpoint.kernels.arrays.whole_batches import WholeBatches
+from cutpoint.kernels.arrays.whole_batches import whole_batches
 from cutpoint.kernels.graphs.ports import Port
 from cutpoint.kernels.graphs.precision import Precision
 from cutpoint.kernels.machine.jit import Compiled
+from cutpoint.kernels.machine.ufunc_loop import bare
 
 
 class LoopGufunc:
@@ -14,12 +16,16 @@ class LoopGufunc:
 
     Attributes:
         call: the generalised ufunc.
-        whole: the same for batches given whole.
     """
 
     def __init__(
         self, ir: str, function: str, precision: Precision, inputs: Sequence[Port], outputs: Sequence[Port], name: str
     ) -> None:
-        self._code = Compiled(ir, function)
+        """function: the loop's name in `ir`, as `ufunc_loop` wrote it."""
+        self._code = Compiled(ir, function, bare(function))
         self.call, self._tables = new_gufunc(self._code.address, None, precision.dtype, inputs, outputs, name)
-        self.whole = WholeBatches((self._code.address, None), precision, inputs, outputs, self._code).call
+        self._loop = ((self._code.addresses[bare(function)], None), precision, inputs, outputs)
+
+    def whole(self) -> Whole | None:
+        """The same for batches given whole, compiled now."""
+        return whole_batches(*self._loop, owner=self._code)

@@ -43,10 +43,12 @@ def evaluate(graph: Graph, inputs: Sequence[Any]) -> list[Any]:
 class NumpyFunction:
     """A graph as a callable with the semantics of a generalised ufunc."""
 
-    element = whole = None
+    element = None
 
     def __init__(self, graph: Graph) -> None:
         self._graph = graph
+
+    def whole(self) -> None: ...
 
     def call(self, *arguments: Any, out: Any = None) -> Any:
         ports = self._graph.inputs

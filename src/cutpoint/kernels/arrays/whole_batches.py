@@ -4,13 +4,11 @@ NumPy's machinery takes a microsecond or two to find that there is nothing to br
 code finds it in some fifty nanoseconds, and then runs the same loop.
 """
 
-from collections.abc import Callable, Sequence
-from functools import cached_property
+from collections.abc import Sequence
 from typing import Any
 
-import numpy as np
-
 from cutpoint.kernels.arrays import new_objects, numpy_api, python_api
+from cutpoint.kernels.arrays.backends import Whole
 from cutpoint.kernels.arrays.new_objects import new, new_array, new_tuple
 from cutpoint.kernels.arrays.numpy_api import DATA, TIDY, WRITEABLE
 from cutpoint.kernels.arrays.plain_arguments import ELSEWHERE, is_possible, require, shape_of
@@ -21,43 +19,22 @@ from cutpoint.kernels.machine.jit import Compiled
 from cutpoint.kernels.machine.lane_memory import row_lengths
 from cutpoint.kernels.machine.llvm_code import Code
 
-_ARRAY = np.ndarray
 _FUNCTION = "whole"
 _OPTIMISATION = 0  # compiles soonest; what it costs a call is not to be seen beside a batch
 
 
-class WholeBatches:
-    """A loop in NumPy's convention for generalised ufuncs, called without NumPy where a batch is given whole."""
+def whole_batches(
+    loop: tuple[int, int | None], precision: Precision, inputs: Sequence[Port], outputs: Sequence[Port], owner: Any
+) -> Whole | None:
+    """The built-in function around a loop; None where Python or NumPy is not as machine code takes for granted.
 
-    def __init__(
-        self,
-        loop: tuple[int, int | None],
-        precision: Precision,
-        inputs: Sequence[Port],
-        outputs: Sequence[Port],
-        owner: Any,
-    ) -> None:
-        """loop: addresses of the code and of what it finds behind its data pointer; owner: of both."""
-        self._loop, self._precision, self._ports, self._owner = loop, precision, (inputs, outputs), owner
-        self._rank = len(inputs[0].shape) + 1
-
-    def call(self, arguments: tuple[Any, ...], out: Any) -> Any:
-        """What the ufunc would return; None if it has to do the work, or to say what does not fit."""
-        first = arguments[0] if arguments else None
-        return self._run(arguments, out) if type(first) is _ARRAY and first.ndim == self._rank else None
-
-    @cached_property
-    def _run(self) -> Callable[..., Any]:
-        """Compiled when the first batch comes."""
-        if not is_possible():
-            return _nothing
-        (code, data), (inputs, outputs) = self._loop, self._ports
-        symbols = python_api.symbols() | numpy_api.symbols() | {"loop": code, "data": data or id(None)}
-        made = Compiled(_ir(self._precision, inputs, outputs), _FUNCTION, symbols=symbols, optimisation=_OPTIMISATION)
-        return python_api.builtin(made.address, _FUNCTION, "", (made, self._owner))
-
-
-def _nothing(arguments: tuple[Any, ...], out: Any) -> None: ...
+    loop: addresses of the code and of what it finds behind its data pointer; owner: of both.
+    """
+    if not is_possible():
+        return None
+    symbols = python_api.symbols() | numpy_api.symbols() | {"loop": loop[0], "data": loop[1] or id(None)}
+    code = Compiled(_ir(precision, inputs, outputs), _FUNCTION, symbols=symbols, optimisation=_OPTIMISATION)
+    return python_api.builtin(code.address, _FUNCTION, "whole(arguments, out)", (code, owner))
 
 
 class _Batch:

@@ -11,16 +11,14 @@ from cutpoint.kernels.graphs.graph import Graph
 from cutpoint.kernels.graphs.ports import Port
 from cutpoint.kernels.graphs.precision import Precision
 from cutpoint.kernels.machine import element
-from cutpoint.kernels.machine.lane_memory import ALL_EXCEPTIONS, row_lengths
+from cutpoint.kernels.machine.lane_memory import row_lengths
 from cutpoint.kernels.machine.llvm import Lanes
 from cutpoint.kernels.machine.llvm_code import Code
+from cutpoint.kernels.machine.ufunc_loop import ufunc_loop
 
 FUNCTION = "batch_loop"
 
-_HEADER = f"""declare void @llvm.memset.p0.i64(ptr, i8, i64, i1)
-declare i32 @feclearexcept(i32)
-define void @{FUNCTION}(ptr %arguments, ptr %dimensions, ptr %steps, ptr %packs) {{
-entry:"""
+_MEMSET = "declare void @llvm.memset.p0.i64(ptr, i8, i64, i1)\n"
 WORTH_MAKING_PACKS = 64
 """The shortest batch for which packs are compiled."""
 
@@ -78,10 +76,8 @@ def batch_loop(graph: Graph, inputs: Sequence[Port], outputs: Sequence[Port], la
         for argument in arguments:
             argument.advance(code, index)
         _one(code, arguments[: len(inputs)], arguments[len(inputs) :], tidy)
-    # results, not processor flags, tell of overflow and NaN: both sides of a select are computed
-    code.let(f"call i32 @feclearexcept(i32 {ALL_EXCEPTIONS})")
-    head = "".join(Lanes(x, graph.precision).declarations for x in (1, lanes)) + _HEADER
-    return "\n".join([element.element(graph, inputs, outputs, lanes), head, *code.lines, "ret void", "}", ""])
+    head = "".join(Lanes(x, graph.precision).declarations for x in (1, lanes)) + _MEMSET
+    return element.element(graph, inputs, outputs, lanes) + head + ufunc_loop(FUNCTION, code)
 
 
 def _is_apart(code: Code, arguments: list[_Argument], inputs: int) -> list[str]:
@@ -103,7 +99,7 @@ def _packed(code: Code, count: str, tidy: str, width: int) -> str:
     code.open(wanted)
     code.branch(there, run, make)
     code.open(make)
-    code.lines.append(f"call void {code.load('%packs', 1, 'ptr')}()")
+    code.lines.append(f"call void {code.load('%data', 1, 'ptr')}()")
     code.label(made)
     code.branch(code.let(f"icmp ne ptr {_loop_over_packs(code)}, null"), run, rest)
     code.open(run)
@@ -116,7 +112,7 @@ def _packed(code: Code, count: str, tidy: str, width: int) -> str:
 
 def _loop_over_packs(code: Code) -> str:
     """Its address, null before it is made; another thread may be making it."""
-    return code.let("load atomic ptr, ptr %packs acquire, align 8")
+    return code.let("load atomic ptr, ptr %data acquire, align 8")
 
 
 def _one(code: Code, inputs: list[_Argument], outputs: list[_Argument], tidy: str) -> None:

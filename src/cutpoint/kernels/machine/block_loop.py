@@ -8,10 +8,10 @@ from collections.abc import Sequence
 from cutpoint.kernels.graphs.graph import Graph
 from cutpoint.kernels.graphs.ports import Port
 from cutpoint.kernels.lowering.scheduling import as_stored
-from cutpoint.kernels.machine.lane_memory import ALL_EXCEPTIONS
 from cutpoint.kernels.machine.llvm import Lanes, straight_line
 from cutpoint.kernels.machine.llvm_code import PREFETCH, Code, in_turn
 from cutpoint.kernels.machine.tuning import for_blocks
+from cutpoint.kernels.machine.ufunc_loop import ufunc_loop
 
 FUNCTION = "block_loop"
 
@@ -66,12 +66,7 @@ def block_loop(graph: Graph, inputs: Sequence[Port], outputs: Sequence[Port], wi
         code.label(end)
     # stores past the caches keep no order; whoever reads the results finds them
     code.lines.append("fence seq_cst")
-    # results, not processor flags, tell of overflow and NaN: both sides of a select are computed
-    code.let(f"call i32 @feclearexcept(i32 {ALL_EXCEPTIONS})")
-    head = f"{lanes.declarations}{PREFETCH}declare i32 @feclearexcept(i32)\n"
-    head += f"define void @{FUNCTION}(ptr %arguments, ptr %dimensions, ptr %steps, ptr %data) "
-    head += f"{for_blocks(graph)} {{\nentry:"
-    return "\n".join([head, *code.lines, "ret void", "}", "!0 = !{i32 1}", ""])
+    return "\n".join([lanes.declarations, PREFETCH, ufunc_loop(FUNCTION, code, for_blocks(graph)), "!0 = !{i32 1}", ""])
 
 
 def _block(code: Code, graph: Graph, lanes: Lanes, read: list[tuple[str, int]], write: list[tuple[str, int]]) -> None:

@@ -7,9 +7,6 @@ from cutpoint.kernels.machine.llvm import Lanes
 from cutpoint.kernels.machine.llvm_code import Code
 from cutpoint.kernels.machine.transposition import blocks, lanes_of_rows, lanes_to_rows
 
-ALL_EXCEPTIONS = 0x3F
-"""A superset of every platform's FE_ALL_EXCEPT."""
-
 
 class LaneMemory:
     """One port's array, with any strides, and lanes in scratch memory.

@@ -4,10 +4,11 @@ from collections.abc import Sequence
 
 from cutpoint.kernels.graphs.graph import Graph
 from cutpoint.kernels.graphs.ports import Port
-from cutpoint.kernels.machine.lane_memory import ALL_EXCEPTIONS, LaneMemory
+from cutpoint.kernels.machine.lane_memory import LaneMemory
 from cutpoint.kernels.machine.llvm import Lanes, straight_line
 from cutpoint.kernels.machine.llvm_code import Code
 from cutpoint.kernels.machine.tuning import for_divisions
+from cutpoint.kernels.machine.ufunc_loop import ufunc_loop
 
 FUNCTION = "strided_loop"
 
@@ -39,9 +40,4 @@ def strided_loop(graph: Graph, inputs: Sequence[Port], outputs: Sequence[Port], 
         )  # fmt: skip
         for argument in targets:
             argument.deliver(code, first, count)
-    # results, not processor flags, tell of overflow and NaN: both sides of a select are computed
-    code.let(f"call i32 @feclearexcept(i32 {ALL_EXCEPTIONS})")
-    head = f"{lanes.declarations}declare i32 @feclearexcept(i32)\n"
-    head += f"define void @{FUNCTION}(ptr %arguments, ptr %dimensions, ptr %steps, ptr %data) "
-    head += f"{for_divisions([graph])} {{\nentry:"
-    return "\n".join([head, *code.lines, "ret void", "}", ""])
+    return lanes.declarations + ufunc_loop(FUNCTION, code, for_divisions([graph]))
