@@ -1,12 +1,14 @@
 """Batches given whole go without NumPy's machinery, and nobody sees it; all others go with it."""
 
 import sys
+import tracemalloc
 from collections.abc import Callable
 from typing import Any, NamedTuple
 
 import numpy as np
 import pytest
 
+import cutpoint
 from cutpoint import InputError
 from cutpoint.kernels import Kernel, compile
 from cutpoint.kernels.arrays import gufunc, loop_gufunc, whole_batches
@@ -93,6 +95,24 @@ def test_blocks_that_are_whole_go_the_short_way(runs: list[bool], kernel: Kernel
         assert_same(blocks.rows(x, 21), one_by_one(kernel, rows))
 
 
+@pytest.mark.parametrize(("place", "is_short"), [(0, False), (1, False), (2, True)])
+def test_all_elements_may_share_an_array(runs: list[bool], kernel: Kernel, place: int, is_short: bool) -> None:
+    rows = batch(kernel)
+    shared: list[Any] = [x[1] if k == place else x for k, x in enumerate(rows)]
+    repeated = [np.repeat(x[1:2], COUNT, axis=0) if k == place else x for k, x in enumerate(rows)]
+    assert_same(kernel(*shared), one_by_one(kernel, repeated))
+    assert any(runs) == is_short
+    assert_same(kernel(*shared, out=empty(kernel)), one_by_one(kernel, repeated))
+
+
+def test_no_result_is_written_where_a_shared_array_lies(kernel: Kernel) -> None:
+    rows, memory = batch(kernel), np.zeros((COUNT, 3), kernel.graph.precision.dtype)
+    M = memory.reshape(-1)[-4:].reshape(2, 2)
+    M[:] = rows[2][0]
+    expected = kernel(rows[0], rows[1], M.copy())
+    assert_same(kernel(rows[0], rows[1], M, out=(memory, empty(kernel)[1])), expected)
+
+
 @pytest.mark.parametrize("given", [lambda out: out, lambda out: (out,)], ids=["array", "tuple"])
 def test_a_result_alone_is_an_array(runs: list[bool], given: Callable[[np.ndarray], Any]) -> None:
     kernel = compile(lambda q: [x * x for x in q], q=3, backend="llvm")
@@ -129,7 +149,6 @@ BROKEN: dict[str, Callable[[np.ndarray], Any]] = {
     "backwards": lambda x: x[::-1].copy()[::-1],
     "every second": lambda x: np.repeat(x, 2, axis=0)[::2],
     "one for all": lambda x: x[:1],
-    "without a batch": lambda x: x[0],
     "two axes of batch": lambda x: x[None],
     "a subclass": lambda x: x.view(Odd),
     "odd in memory": lambda x: np.frombuffer(b"." + x.tobytes(), np.uint8)[1:].view(x.dtype).reshape(x.shape),
@@ -207,3 +226,71 @@ def test_without_the_python_it_knows_numpy_does_the_work(kernel: Kernel, monkeyp
     fresh = fresh if kernel.graph.precision.dtype == np.float64 else fresh.float32
     rows = batch(kernel)
     assert_same(fresh(*rows), kernel(*rows))
+
+
+LARGEST = 1e3
+LONG = 2 * whole_batches._CHUNK + 77
+
+
+@pytest.fixture(scope="module")
+def guarded() -> tuple[Kernel, Callable[..., Any], np.ndarray]:
+    """A kernel, its function for whole batches with the last input bound, and what is bound."""
+    kernel, last = compile(law, q=3, t=(), M=(2, 2), backend="llvm"), RNG.normal(size=(2, 2))
+    run = kernel.whole(bound=[last], largest=LARGEST)
+    assert run is not None
+    return kernel, run, last
+
+
+@pytest.mark.parametrize("count", [0, 1, 7, 8, LONG - 77, LONG])
+def test_what_is_bound_is_the_same_for_all(guarded: Any, count: int) -> None:
+    kernel, run, last = guarded
+    q, t = RNG.normal(size=(count, 3)), RNG.normal(size=count)
+    assert_same(run((q, t), None), kernel(q, t, last))
+
+
+@pytest.mark.parametrize("bad", [np.nan, np.inf, -np.inf, 1001.0, -1e300])
+@pytest.mark.parametrize("place", [0, 1, 255, 256, LONG - 2, LONG - 1])
+def test_no_work_is_done_on_numbers_out_of_bounds(guarded: Any, bad: float, place: int) -> None:
+    _, run, _ = guarded
+    for argument, where in ((0, (place, 2)), (0, (place, 0)), (1, (place,))):
+        given = (RNG.uniform(-LARGEST, LARGEST, (LONG, 3)), RNG.uniform(-LARGEST, LARGEST, LONG))
+        assert run(given, None) is not None
+        given[argument][where] = np.copysign(LARGEST, bad)
+        assert run(given, None) is not None
+        given[argument][where] = bad
+        assert run(given, None) is None
+
+
+def test_refusals_keep_no_memory(guarded: Any) -> None:
+    _, run, _ = guarded
+    given = (np.full((LONG, 3), np.nan), np.zeros(LONG))
+    run(given, None)
+    tracemalloc.start()
+    before = tracemalloc.get_traced_memory()[0]
+    for _ in range(200):
+        assert run(given, None) is None
+    assert tracemalloc.get_traced_memory()[0] - before < 10_000
+    tracemalloc.stop()
+
+
+def test_what_cannot_be_bound_is_told() -> None:
+    kernel = compile(law, q=3, t=(), M=(2, 2), backend="llvm")
+    for wrong in (np.zeros((2, 3)), np.zeros((2, 2), np.float32), np.zeros((2, 4))[:, ::2]):
+        with pytest.raises(InputError, match="bound to M"):
+            kernel.whole(bound=[wrong])
+
+
+@pytest.mark.parametrize("name", ["inverse_dynamics", "elastic_inverse_dynamics", "mass_matrix"])
+def test_batches_of_a_robot_have_the_bits_and_the_refusals_of_single_calls(name: str) -> None:
+    robot = cutpoint.robots.xia2019()
+    function = getattr(robot, name)
+    vectors = {"inverse_dynamics": 3, "elastic_inverse_dynamics": 5, "mass_matrix": 1}[name]
+    given = RNG.normal(size=(vectors, LONG, robot.nv))
+    found, single = function(*given), [function(*given[:, k]) for k in range(LONG)]
+    assert type(found) is type(single[0])
+    for k, x in enumerate(single):
+        pairs = zip(found, x, strict=True) if isinstance(x, tuple) else [(found, x)]
+        assert all(whole[k].tobytes() == one.tobytes() for whole, one in pairs)
+    given[-1, 300, 1] = np.nan
+    with pytest.raises(InputError, match=r"\[300, 1\] is nan"):
+        function(*given)

@@ -1,28 +1,51 @@
 """A kernel as a user calls it: what is given is checked, what the robot knows is added."""
 
-from collections.abc import Callable
-from typing import Any, NamedTuple
+from collections.abc import Callable, Mapping, Sequence
+from functools import cached_property
+from typing import Any
+
+import numpy as np
 
 from cutpoint.door import LARGEST, are_plain_vectors, checked_array
 from cutpoint.kernels import Kernel
 
 
-class RobotFunction(NamedTuple):
-    """A kernel behind the door: the inputs that users give with their sizes, and what the robot adds."""
+class RobotFunction:
+    """A kernel behind the door.
 
-    name: str
-    kernel: Kernel
-    sizes: dict[str, Any]
-    added: list[Any]
-    record: type[tuple[Any, ...]] | None
+    sizes: of the inputs that users give, by name.  added: what the robot gives after them.  record: holds the outputs.
+    """
+
+    def __init__(
+        self,
+        name: str,
+        kernel: Kernel,
+        sizes: Mapping[str, Any],
+        added: Sequence[np.ndarray],
+        record: type[tuple[Any, ...]] | None,
+    ) -> None:
+        self.name, self.kernel, self.sizes, self.added, self.record = name, kernel, sizes, added, record
 
     def __call__(self, *given: Any) -> Any:
-        if not are_plain_vectors(given):  # of the wrong length they are the kernel's to refuse
-            pairs = zip(self.sizes.items(), given, strict=True)
-            given = tuple(checked_array(self.name, key, x, size) for (key, size), x in pairs)
-        result = self.kernel.general(*given, *self.added)
+        result = self._of_batch(given)
+        if result is None:
+            if not are_plain_vectors(given):  # of the wrong length they are the kernel's to refuse
+                pairs = zip(self.sizes.items(), given, strict=True)
+                given = tuple(checked_array(self.name, key, x, size) for (key, size), x in pairs)
+            result = self.kernel.general(*given, *self.added)
         return self.record(*result) if self.record else result
+
+    def _of_batch(self, given: tuple[Any, ...]) -> Any:
+        """The outputs of a batch that lies in order; None for all else, mistakes too."""
+        first = given[0] if given else None
+        if type(first) is not np.ndarray or first.ndim < 2 or self._whole is None:
+            return None
+        return self._whole(given, None)
 
     def quick(self) -> Callable[..., Any]:
         """The same, quickest for single calls."""
         return self.kernel.shortcut(self, bound=self.added, largest=LARGEST, record=self.record)
+
+    @cached_property
+    def _whole(self) -> Callable[..., Any] | None:
+        return self.kernel.whole(bound=self.added, largest=LARGEST)

@@ -13,7 +13,7 @@ import numpy as np
 
 from cutpoint.errors import InputError
 from cutpoint.kernels.arrays.array_call import ArrayCall
-from cutpoint.kernels.arrays.backends import array_function, check_size, chosen
+from cutpoint.kernels.arrays.backends import Whole, array_function, check_size, chosen
 from cutpoint.kernels.arrays.blocks import Blocks
 from cutpoint.kernels.graphs.graph import Graph
 from cutpoint.kernels.graphs.ports import port
@@ -140,6 +140,19 @@ class Kernel:
             return general
         front = Front(general, bound, largest, record)
         return fastcall(self._function, self.name, self.graph.inputs, self.graph.outputs, front)
+
+    def whole(self, *, bound: Sequence[np.ndarray] = (), largest: float | None = None) -> Whole | None:
+        """A function that runs the kernel on batches that lie in order; None if there is no such way.
+
+        It takes a tuple of arguments and `out`, and returns an array, or a tuple of them, where there are several
+        outputs; None if the general call has to do the work.  bound, largest: as for `shortcut`.
+        """
+        if self.graph.precision is not FLOAT64:
+            return None
+        from cutpoint.kernels.arrays.plain_arguments import check_bound
+
+        check_bound(self.name, self.graph.inputs, bound)
+        return self._function.whole(bound, largest)
 
     def to_c(self, folder: str | Path, *, force: bool = False) -> tuple[Path, ...]:
         """Writes the kernel as a package of C99, equal to machine code to the last bit; returns the files' paths.

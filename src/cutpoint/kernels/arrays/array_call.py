@@ -8,7 +8,7 @@ import numpy as np
 
 from cutpoint.kernels.arrays.arguments import as_numbers, explained, in_order
 from cutpoint.kernels.arrays.backends import Function, Whole
-from cutpoint.kernels.arrays.strided import WORTH_MAKING, Strided
+from cutpoint.kernels.arrays.strided import Strided
 from cutpoint.kernels.arrays.threads import Threaded, thread_count
 from cutpoint.kernels.graphs.graph import Graph
 from cutpoint.kernels.graphs.precision import FLOAT64
@@ -26,20 +26,19 @@ class ArrayCall:
         self._make = record and record._make  # type: ignore[attr-defined]
         self._direct = function.call if graph.precision is FLOAT64 and record is None else None
         self._rank = len(graph.inputs[0].shape) + 1 if graph.inputs else 0  # of a batch
-        self._count, self._short = len(graph.inputs), min((p.size for p in graph.inputs), default=0) * WORTH_MAKING
+        self._count, self._longest = len(graph.inputs), max((p.size for p in graph.inputs), default=0)
 
     def __call__(self, *arguments: Any, out: Any = None, threads: int | None = None, **named: Any) -> Any:
         """See `Kernel.__call__`."""
-        first = arguments[0] if arguments and threads is None and not named else None
-        if type(first) is _ARRAY and first.ndim == self._rank and self._whole:
-            found = self._whole(arguments, out)
-            if found is not None:
-                return found if self._make is None else self._made(found)
-        if self._direct and out is None and threads is None and not named and self._are_few(arguments):
+        if self._direct and out is None and threads is None and not named and self._are_single(arguments):
             try:
                 return self._direct(*arguments)
             except (TypeError, ValueError) as error:
                 raise explained(self._name, self._graph, arguments, out, error) from None
+        if threads is None and not named and self._are_batch(arguments) and self._whole:
+            found = self._whole(arguments, out)
+            if found is not None:
+                return found if self._make is None else self._made(found)
         if named or len(arguments) != len(self._graph.inputs):
             arguments = tuple(in_order(self._name, self._graph.inputs, arguments, named))
         count = 1 if threads is None else thread_count(self._name, threads)
@@ -59,15 +58,20 @@ class ArrayCall:
         assert self._make is not None
         return self._make(result if len(self._graph.outputs) > 1 else (result,))
 
-    def _are_few(self, arguments: tuple[Any, ...]) -> bool:
-        """Whether there is nothing to gain or to mend: an array for each input, none of them long."""
+    def _are_single(self, arguments: tuple[Any, ...]) -> bool:
+        """Whether there is nothing to gain or to mend: an array for each input, none longer than single ones."""
         if len(arguments) != self._count:
             return False
         for x in arguments:  # plainly written out: all calls but plain single ones come here
-            if type(x) is _ARRAY and x.size < self._short:
+            if type(x) is _ARRAY and x.size <= self._longest:
                 continue
             return False
         return True
+
+    def _are_batch(self, arguments: tuple[Any, ...]) -> bool:
+        """Whether the first argument has one axis of elements."""
+        first = arguments[0] if arguments else None
+        return type(first) is _ARRAY and first.ndim == self._rank
 
     def _run(self, arguments: Sequence[Any], out: Any) -> Any:
         call = self._function.call

@@ -1,8 +1,10 @@
 """What can run a graph on arrays: LLVM where it is installed, NumPy everywhere."""
 
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Sequence
 from functools import cache
 from typing import Any, Protocol
+
+import numpy as np
 
 from cutpoint.errors import InputError, unknown_name
 from cutpoint.kernels.arrays.numpy_backend import NumpyFunction
@@ -33,8 +35,8 @@ class Function(Element, Protocol):
     call: Callable[..., Any]
     """call(*arrays, out=None) with the semantics of a NumPy generalised ufunc."""
 
-    def whole(self) -> Whole | None:
-        """Makes `call` for batches given whole, where there is such a way."""
+    def whole(self, bound: Sequence[np.ndarray] = (), largest: float | None = None) -> Whole | None:
+        """Makes `call` for batches given whole, where there is such a way: see `whole_batches`."""
 
 
 def chosen(backend: str) -> str:

@@ -1,5 +1,6 @@
 """Kernels with inputs or outputs of size 0, which NumPy's generalised ufuncs do not know: they go around the ufunc."""
 
+from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
@@ -28,7 +29,7 @@ class AroundEmptyPorts:
         self._inner = Gufunc(graph, inputs, outputs, name) if outputs else None
         self.element = self._inner.element if self._inner else None
 
-    def whole(self) -> None: ...
+    def whole(self, bound: Sequence[np.ndarray] = (), largest: float | None = None) -> None: ...
 
     def call(self, *arguments: Any, out: Any = None) -> Any:
         pairs = [(p, as_numbers(a, self._precision)) for p, a in zip(self._graph.inputs, arguments, strict=True)]

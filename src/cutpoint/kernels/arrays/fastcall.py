@@ -11,12 +11,11 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from cutpoint.errors import InputError
 from cutpoint.kernels.arrays import numpy_api, python_api
 from cutpoint.kernels.arrays.backends import Element
 from cutpoint.kernels.arrays.new_objects import DECLARATIONS, new, new_array, new_tuple
 from cutpoint.kernels.arrays.numpy_api import DATA, DOUBLE
-from cutpoint.kernels.arrays.plain_arguments import ELSEWHERE, recognised
+from cutpoint.kernels.arrays.plain_arguments import ELSEWHERE, check_bound, recognised
 from cutpoint.kernels.graphs.ports import Port
 from cutpoint.kernels.machine.jit import OPTIMISATION, Compiled
 from cutpoint.kernels.machine.llvm_code import Code
@@ -44,9 +43,7 @@ def fastcall(function: Element, name: str, inputs: Sequence[Port], outputs: Sequ
         InputError: a bound array is not what the kernel's code may read.
     """
     given = inputs[: len(inputs) - len(front.bound)]
-    for port, x in zip(inputs[len(given) :], front.bound, strict=True):
-        if x.shape != port.shape or x.dtype != np.float64 or not (x.flags.c_contiguous and x.flags.aligned):
-            raise InputError(f"{name}: what is bound to {port.name} must be a tidy float64 array of shape {port.shape}")
+    check_bound(name, inputs, front.bound)
     own = {"element": function.element or 0, "general": id(front.general), "record": id(front.record)}
     symbols = python_api.symbols() | numpy_api.symbols() | own
     symbols |= {f"bound{k}": x.ctypes.data for k, x in enumerate(front.bound)}

@@ -6,6 +6,8 @@ NumPy's own machinery then broadcasts, casts, walks strides, releases the GIL an
 import ctypes
 from collections.abc import Sequence
 
+import numpy as np
+
 from cutpoint.errors import InputError
 from cutpoint.kernels.arrays.backends import Whole
 from cutpoint.kernels.arrays.numpy_api import MOST_OPERANDS, new_gufunc
@@ -44,6 +46,6 @@ class Gufunc:
         self.call, self._tables = new_gufunc(self._code.address, data, dtype, inputs, outputs, name)
         self._loop = ((self._code.addresses[bare(FUNCTION)], data), graph.precision, inputs, outputs)
 
-    def whole(self) -> Whole | None:
+    def whole(self, bound: Sequence[np.ndarray] = (), largest: float | None = None) -> Whole | None:
         """The same for batches given whole, compiled now."""
-        return whole_batches(*self._loop, owner=(self._code, self._packs))
+        return whole_batches(*self._loop, (self._code, self._packs), bound, largest)

@@ -28,4 +28,4 @@ class LoopGufunc:
 
     def whole(self) -> Whole | None:
         """The same for batches given whole, compiled now."""
-        return whole_batches(*self._loop, owner=self._code)
+        return whole_batches(*self._loop, self._code)

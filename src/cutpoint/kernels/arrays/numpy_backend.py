@@ -48,7 +48,7 @@ class NumpyFunction:
     def __init__(self, graph: Graph) -> None:
         self._graph = graph
 
-    def whole(self) -> None: ...
+    def whole(self, bound: Sequence[np.ndarray] = (), largest: float | None = None) -> None: ...
 
     def call(self, *arguments: Any, out: Any = None) -> Any:
         ports = self._graph.inputs

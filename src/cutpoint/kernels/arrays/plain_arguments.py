@@ -2,6 +2,9 @@
 
 from collections.abc import Sequence
 
+import numpy as np
+
+from cutpoint.errors import InputError
 from cutpoint.kernels.arrays import numpy_api, python_api
 from cutpoint.kernels.arrays.numpy_api import DATA, FLAGS, RANK, SHAPE, TIDY, TYPE
 from cutpoint.kernels.arrays.python_api import KIND, VALUE
@@ -16,6 +19,13 @@ ELSEWHERE = "%general"
 def is_possible() -> bool:
     """Whether Python's and NumPy's objects are as machine code takes for granted."""
     return python_api.objects_are_as_expected() and numpy_api.arrays_are_as_expected()
+
+
+def check_bound(name: str, ports: Sequence[Port], bound: Sequence[np.ndarray]) -> None:
+    """Raises InputError if an array for one of a kernel's last inputs is not what machine code may read."""
+    for port, x in zip(ports[len(ports) - len(bound) :], bound, strict=True):
+        if x.shape != port.shape or x.dtype != np.float64 or not (x.flags.c_contiguous and x.flags.aligned):
+            raise InputError(f"{name}: what is bound to {port.name} must be a tidy float64 array of shape {port.shape}")
 
 
 def recognised(code: Code, ports: Sequence[Port], largest: float | None) -> list[str]:
@@ -38,15 +48,17 @@ def plain_array(code: Code, x: str, port: Port) -> str:
 
 def shape_of(code: Code, x: str, rank: int, dtype: str, flags: int) -> str:
     """A pointer to the lengths of an object's axes, if it is an array of so many, of this type and with these flags."""
+    require_array(code, x, dtype, flags)
+    require(code, code.let(f"icmp eq i32 {code.field(x, RANK, 'i32')}, {rank}"))
+    return code.field(x, SHAPE)
+
+
+def require_array(code: Code, x: str, dtype: str, flags: int) -> None:
+    """An object is an array of this type with these flags."""
     require(code, code.let(f"icmp eq ptr {code.field(x, KIND)}, @array_type"))
     found = code.let(f"and i32 {code.field(x, FLAGS, 'i32')}, {flags}")
-    require(
-        code,
-        code.let(f"icmp eq i32 {code.field(x, RANK, 'i32')}, {rank}"),
-        code.let(f"icmp eq ptr {code.field(x, TYPE)}, @{dtype}"),
-        code.let(f"icmp eq i32 {found}, {flags}"),
-    )
-    return code.field(x, SHAPE)
+    of_type = code.let(f"icmp eq ptr {code.field(x, TYPE)}, @{dtype}")
+    require(code, of_type, code.let(f"icmp eq i32 {found}, {flags}"))
 
 
 def _scalar(code: Code, x: str, port: Port) -> str:
@@ -71,14 +83,14 @@ def _require_within(code: Code, arguments: list[tuple[str, int]], largest: float
         if size >= width:
             with code.loop(size // width) as loop:
                 block = code.at(pointer, code.let(f"mul i64 {loop.iteration}, {width}"))
-                require(code, _are_within(code, block, width, largest))
+                require(code, are_within(code, block, width, largest))
         if size % width:
-            conditions.append(_are_within(code, code.at(pointer, size // width * width), size % width, largest))
+            conditions.append(are_within(code, code.at(pointer, size // width * width), size % width, largest))
     if conditions:
         require(code, *conditions)
 
 
-def _are_within(code: Code, pointer: str, size: int, largest: float) -> str:
+def are_within(code: Code, pointer: str, size: int, largest: float) -> str:
     """By the squares, which are greater, or unordered, for what is beyond, infinite or no number."""
     kind = f"<{size} x double>"
     x = code.load(pointer, 0, kind, align=8)
@@ -92,10 +104,10 @@ def splat(x: float, size: int) -> str:
     return f"<{', '.join([f'double {literal(x)}'] * size)}>"
 
 
-def require(code: Code, *conditions: str) -> None:
+def require(code: Code, *conditions: str, otherwise: str = ELSEWHERE) -> None:
     """All conditions hold from here on."""
     all_hold, then = conditions[0], code.name("then")
     for condition in conditions[1:]:
         all_hold = code.let(f"and i1 {all_hold}, {condition}")
-    code.branch(all_hold, then, ELSEWHERE)
+    code.branch(all_hold, then, otherwise)
     code.open(then)

@@ -1,4 +1,4 @@
-"""Batches given whole: one axis of elements in every array, tidy in memory, no result sharing memory with anything.
+"""Batches given whole: one axis of elements, or none; tidy in memory, no result sharing memory with anything else.
 
 NumPy's machinery takes a microsecond or two to find that there is nothing to broadcast, to cast or to copy.  Machine
 code finds it in some fifty nanoseconds, and then runs the same loop.
@@ -7,87 +7,173 @@ code finds it in some fifty nanoseconds, and then runs the same loop.
 from collections.abc import Sequence
 from typing import Any
 
+import numpy as np
+
 from cutpoint.kernels.arrays import new_objects, numpy_api, python_api
 from cutpoint.kernels.arrays.backends import Whole
 from cutpoint.kernels.arrays.new_objects import new, new_array, new_tuple
-from cutpoint.kernels.arrays.numpy_api import DATA, TIDY, WRITEABLE
-from cutpoint.kernels.arrays.plain_arguments import ELSEWHERE, is_possible, require, shape_of
+from cutpoint.kernels.arrays.numpy_api import DATA, RANK, SHAPE, TIDY, WRITEABLE
+from cutpoint.kernels.arrays.plain_arguments import ELSEWHERE, are_within, is_possible, require, require_array
 from cutpoint.kernels.arrays.python_api import ITEMS, KIND, LENGTH
 from cutpoint.kernels.graphs.ports import Port
 from cutpoint.kernels.graphs.precision import Precision
-from cutpoint.kernels.machine.jit import Compiled
+from cutpoint.kernels.machine.jit import OPTIMISATION, Compiled, vector_width
 from cutpoint.kernels.machine.lane_memory import row_lengths
 from cutpoint.kernels.machine.llvm_code import Code
 
-_FUNCTION = "whole"
-_OPTIMISATION = 0  # compiles soonest; what it costs a call is not to be seen beside a batch
+_FUNCTION, _REFUSED = "whole", "%refused"
+
+_CHUNK = 256
+"""Elements whose numbers are looked at before they are worked on, few enough to be in the cache still."""
 
 
 def whole_batches(
-    loop: tuple[int, int | None], precision: Precision, inputs: Sequence[Port], outputs: Sequence[Port], owner: Any
+    loop: tuple[int, int | None],
+    precision: Precision,
+    inputs: Sequence[Port],
+    outputs: Sequence[Port],
+    owner: Any,
+    bound: Sequence[np.ndarray] = (),
+    largest: float | None = None,
 ) -> Whole | None:
     """The built-in function around a loop; None where Python or NumPy is not as machine code takes for granted.
 
     loop: addresses of the code and of what it finds behind its data pointer; owner: of both.
+    bound: arrays for the last inputs, the same for all elements, which callers then do not give.
+    largest: magnitude of a number beyond which, as with NaN, it does no work; None for any.  Only for float64.
     """
     if not is_possible():
         return None
     symbols = python_api.symbols() | numpy_api.symbols() | {"loop": loop[0], "data": loop[1] or id(None)}
-    code = Compiled(_ir(precision, inputs, outputs), _FUNCTION, symbols=symbols, optimisation=_OPTIMISATION)
-    return python_api.builtin(code.address, _FUNCTION, "whole(arguments, out)", (code, owner))
+    symbols |= {f"bound{k}": x.ctypes.data for k, x in enumerate(bound)}
+    text = _ir(precision, inputs[: len(inputs) - len(bound)], inputs[len(inputs) - len(bound) :], outputs, largest)
+    # what looks at all numbers has to be quick; the rest is not to be seen beside a batch, and compiles soonest
+    code = Compiled(text, _FUNCTION, symbols=symbols, optimisation=0 if largest is None else OPTIMISATION)
+    return python_api.builtin(code.address, _FUNCTION, "whole(arguments, out)", (code, owner, bound))
 
 
-class _Batch:
-    """Arrays of a batch whose length is known: their ports, and where the numbers of each begin."""
+class _Arrays:
+    """Arrays of a batch, by port: where the numbers of each begin, and its step from element to element, bytes.
+
+    count: of elements; not known before the first array is.  Arrays that all elements share have step 0.
+    """
 
     def __init__(self, precision: Precision, ports: Sequence[Port], count: str = "") -> None:
         self._precision, self._ports = precision, ports
-        self.count, self.starts = count, list[str]()
+        self.count, self.starts, self.steps = count, list[str](), list[str]()
 
-    def require(self, code: Code, objects: Sequence[str], flags: int) -> None:
-        """Every object is an array of the length of the first, of its port's shape, with these flags."""
+    def require(self, code: Code, objects: Sequence[str], flags: int, *, may_be_shared: bool = False) -> None:
+        """Every object is an array of as many elements as the first, or a single one, of its port's shape."""
         for x, port in zip(objects, self._ports, strict=True):
-            shape = shape_of(code, x, len(port.shape) + 1, self._precision.dtype.name, flags)
-            lengths = [code.load(shape, axis, "i64") for axis in range(len(port.shape) + 1)]
-            self.count = self.count or lengths[0]
-            pairs = zip(lengths, (self.count, *port.shape), strict=True)
-            require(code, *(code.let(f"icmp eq i64 {found}, {wanted}") for found, wanted in pairs))
+            require_array(code, x, self._precision.dtype.name, flags)
+            shape, rank = code.field(x, SHAPE), len(port.shape)
+            axes = code.let(f"sub i32 {code.field(x, RANK, 'i32')}, {rank}")
+            alone = "false"
+            if may_be_shared and self.count and rank:
+                alone = code.let(f"icmp eq i32 {axes}, 0")
+            require(code, code.let(f"or i1 {alone}, {code.let(f'icmp eq i32 {axes}, 1')}"))
+            first, axes = code.load(shape, 0, "i64"), code.let(f"zext i32 {axes} to i64")
+            self.count = self.count or first
+            own, fits = code.at(shape, axes, "i64"), code.let(f"icmp eq i64 {first}, {self.count}")
+            lengths = [code.let(f"icmp eq i64 {code.load(own, k, 'i64')}, {n}") for k, n in enumerate(port.shape)]
+            require(code, code.let(f"or i1 {alone}, {fits}"), *lengths)
             self.starts.append(code.field(x, DATA))
+            self.steps.append(code.let(f"mul i64 {axes}, {port.size * self._precision.item}"))
+
+    def numbers(self, code: Code, k: int, count: str) -> str:
+        """How many the k-th array holds for so many elements."""
+        one = self._ports[k].size
+        alone, all_own = code.let(f"icmp eq i64 {self.steps[k]}, 0"), code.let(f"mul i64 {count}, {one}")
+        return code.let(f"select i1 {alone}, i64 {one}, i64 {all_own}")
 
     def ranges(self, code: Code) -> list[tuple[str, str]]:
         """The addresses where each array begins and ends."""
-        begins = [code.let(f"ptrtoint ptr {start} to i64") for start in self.starts]
-        sizes = [code.let(f"mul i64 {self.count}, {port.size * self._precision.item}") for port in self._ports]
-        return [(x, code.let(f"add i64 {x}, {size}")) for x, size in zip(begins, sizes, strict=True)]
+        found: list[tuple[str, str]] = []
+        for k, start in enumerate(self.starts):
+            size = code.let(f"mul i64 {self.numbers(code, k, self.count)}, {self._precision.item}")
+            begin = code.let(f"ptrtoint ptr {start} to i64")
+            found.append((begin, code.let(f"add i64 {begin}, {size}")))
+        return found
 
 
-def _ir(precision: Precision, inputs: Sequence[Port], outputs: Sequence[Port]) -> str:
+class _Work:
+    """Runs of the loop: places for what it reads of its arrays."""
+
+    def __init__(self, code: Code, starts: Sequence[str], steps: Sequence[str], own_strides: Sequence[int]) -> None:
+        self._starts, self._steps = starts, steps
+        self._places, self._count = code.let(f"alloca [{len(starts)} x ptr]"), code.let("alloca i64")
+        self._strides = code.let(f"alloca [{len(steps) + len(own_strides)} x i64]")
+        for k, step in enumerate((*steps, *own_strides)):
+            code.store(str(step), self._strides, k, "i64")
+
+    def run(self, code: Code, first: str, count: str) -> None:
+        """On so many elements."""
+        for k, (start, step) in enumerate(zip(self._starts, self._steps, strict=True)):
+            code.store(code.at(start, code.let(f"mul i64 {first}, {step}"), "i8"), self._places, k, "ptr")
+        code.store(count, self._count, 0, "i64")
+        code.lines.append(f"call void @loop(ptr {self._places}, ptr {self._count}, ptr {self._strides}, ptr @data)")
+
+
+def _ir(
+    precision: Precision,
+    inputs: Sequence[Port],
+    bound: Sequence[Port],
+    outputs: Sequence[Port],
+    largest: float | None,
+) -> str:
     """Text of the function that is given a tuple of arguments and `out`."""
-    code, ports = Code(), (*inputs, *outputs)
+    code = Code()
     given, out = (code.load("%arguments", k, "ptr") for k in range(2))
-    sources = _Batch(precision, inputs)
-    sources.require(code, _items(code, given, len(inputs)), TIDY)
+    sources = _Arrays(precision, inputs)
+    sources.require(code, _items(code, given, len(inputs)), TIDY, may_be_shared=True)
     targets, answer = _targets(code, precision, outputs, sources, out)
-    places = code.let(f"alloca [{len(ports)} x ptr]")
-    for k, start in enumerate((*sources.starts, *targets)):
-        code.store(start, places, k, "ptr")
-    dimensions = code.let("alloca i64")
-    code.store(sources.count, dimensions, 0, "i64")
+    names = [f"bound{k}" for k in range(len(bound))]
+    starts = [*sources.starts, *(f"@{name}" for name in names), *targets]
+    steps = [*sources.steps, *["0"] * len(bound), *(str(precision.item * port.size) for port in outputs)]
+    own = [precision.item * n for port in (*inputs, *bound, *outputs) for n in row_lengths(port.shape)]
+    work = _Work(code, starts, steps, own)
     # other threads of Python's run meanwhile
     thread = code.let("call ptr @PyEval_SaveThread()")
-    code.lines.append(f"call void @loop(ptr {places}, ptr {dimensions}, ptr @steps, ptr @data)")
-    code.lines.append(f"call void @PyEval_RestoreThread(ptr {thread})")
-    code.lines.append(f"ret ptr {answer}")
+    if largest is None:
+        work.run(code, "0", sources.count)
+    else:
+        _run_in_chunks(code, work, sources, largest)
+    code.lines += [f"call void @PyEval_RestoreThread(ptr {thread})", f"ret ptr {answer}"]
+    if largest is not None:
+        code.open(_REFUSED)
+        code.lines += [f"call void @PyEval_RestoreThread(ptr {thread})", f"call void @Py_DecRef(ptr {answer})"]
+        code.lines.append(f"br label {ELSEWHERE}")
     code.open(ELSEWHERE)
     code.lines += ["call void @Py_IncRef(ptr @none)", "ret ptr @none"]
-    steps = [precision.item * port.size for port in ports]
-    steps += [precision.item * n for port in ports for n in row_lengths(port.shape)]
-    constant = f"@steps = private constant [{len(steps)} x i64] [{', '.join(f'i64 {n}' for n in steps)}]"
-    objects = ("array_type", "tuple_type", "none", precision.dtype.name, "data")
+    objects = ("array_type", "tuple_type", "none", precision.dtype.name, "data", *names)
     externals = [f"@{name} = external global i8" for name in objects]
     declarations = [python_api.DECLARATIONS, new_objects.DECLARATIONS, "declare void @loop(ptr, ptr, ptr, ptr)"]
     head = f"define ptr @{_FUNCTION}(ptr %self, ptr %arguments, i64 %count, ptr %names) {{\nentry:"
-    return "\n".join([*declarations, *externals, constant, head, *code.lines, "}", ""])
+    return "\n".join([*declarations, *externals, head, *code.lines, "}", ""])
+
+
+def _run_in_chunks(code: Code, work: _Work, sources: _Arrays, largest: float) -> None:
+    """Some elements after the other, each time after a look at their numbers."""
+    chunks = code.let(f"udiv i64 {code.let(f'add i64 {sources.count}, {_CHUNK - 1}')}, {_CHUNK}")
+    with code.loop(chunks) as loop:
+        first = code.let(f"mul i64 {loop.iteration}, {_CHUNK}")
+        left = code.let(f"sub i64 {sources.count}, {first}")
+        count = code.let(f"select i1 {code.let(f'icmp slt i64 {left}, {_CHUNK}')}, i64 {left}, i64 {_CHUNK}")
+        for k, (start, step) in enumerate(zip(sources.starts, sources.steps, strict=True)):
+            here = code.at(start, code.let(f"mul i64 {first}, {step}"), "i8")
+            _require_within(code, here, sources.numbers(code, k, count), largest)
+        work.run(code, first, count)
+
+
+def _require_within(code: Code, start: str, numbers: str, largest: float) -> None:
+    width = vector_width()
+    vectors = code.let(f"udiv i64 {numbers}, {width}")
+    done = code.let(f"mul i64 {vectors}, {width}")
+    for count, first, size in ((vectors, "0", width), (code.let(f"sub i64 {numbers}, {done}"), done, 1)):
+        begin = code.at(start, first)
+        with code.loop(count) as loop:
+            here = code.at(begin, code.let(f"mul i64 {loop.iteration}, {size}"))
+            require(code, are_within(code, here, size, largest), otherwise=_REFUSED)
 
 
 def _items(code: Code, x: str, count: int) -> list[str]:
@@ -97,7 +183,7 @@ def _items(code: Code, x: str, count: int) -> list[str]:
 
 
 def _targets(
-    code: Code, precision: Precision, outputs: Sequence[Port], sources: _Batch, out: str
+    code: Code, precision: Precision, outputs: Sequence[Port], sources: _Arrays, out: str
 ) -> tuple[list[str], str]:
     """Where the results go, and what the call returns: new arrays, or those that were given."""
     make, made, take, taken, end = (code.name(x) for x in ("make", "made", "take", "taken", "end"))
@@ -127,13 +213,13 @@ def _made(code: Code, precision: Precision, outputs: Sequence[Port], count: str)
 
 
 def _taken(
-    code: Code, precision: Precision, outputs: Sequence[Port], sources: _Batch, out: str
+    code: Code, precision: Precision, outputs: Sequence[Port], sources: _Arrays, out: str
 ) -> tuple[list[str], str]:
     """What is in `out`: a tuple, or an array where there is one result."""
     if len(outputs) > 1:
         require(code, code.let(f"icmp eq ptr {code.field(out, KIND)}, @tuple_type"))
     arrays = _items(code, out, len(outputs)) if len(outputs) > 1 else [out]
-    targets = _Batch(precision, outputs, sources.count)
+    targets = _Arrays(precision, outputs, sources.count)
     targets.require(code, arrays, TIDY | WRITEABLE)
     others = sources.ranges(code)
     for target in targets.ranges(code):
