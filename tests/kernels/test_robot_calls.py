@@ -91,6 +91,20 @@ def test_a_number_that_is_not_finite_is_named_in_every_call(name: str, x: float)
         arm.integrate(q, v, x)
 
 
+@pytest.mark.parametrize("x", [np.nan, np.inf, -1e16])
+@pytest.mark.parametrize("place", [(0, 0), (255, 5), (256, 1), (699, 5)])
+def test_a_number_out_of_bounds_is_named_wherever_it_is_in_a_long_batch(place: tuple[int, int], x: float) -> None:
+    arm = robot("xia2019")
+    q, v, a, *_ = given(arm, 700)
+    arm.elastic_inverse_dynamics(q, v, a, v, a)
+    a[place] = x
+    where = rf"a\[{place[0]}, {place[1]}\]"
+    with pytest.raises(InputError, match=f"inverse_dynamics: {where} is"):
+        arm.inverse_dynamics(q, v, a)
+    with pytest.raises(InputError, match=rf"elastic_inverse_dynamics: snap\[{place[0]}, {place[1]}\] is"):
+        arm.elastic_inverse_dynamics(q, v, v, v, a)
+
+
 def test_every_robot_reads_the_numbers_of_its_own_drives() -> None:
     arm = robot("xia2019")
     v = given(arm, 1)[1][0]

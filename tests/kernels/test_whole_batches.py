@@ -8,7 +8,6 @@ from typing import Any, NamedTuple
 import numpy as np
 import pytest
 
-import cutpoint
 from cutpoint import InputError
 from cutpoint.kernels import Kernel, compile
 from cutpoint.kernels.arrays import gufunc, loop_gufunc, whole_batches
@@ -278,19 +277,3 @@ def test_what_cannot_be_bound_is_told() -> None:
     for wrong in (np.zeros((2, 3)), np.zeros((2, 2), np.float32), np.zeros((2, 4))[:, ::2]):
         with pytest.raises(InputError, match="bound to M"):
             kernel.whole(bound=[wrong])
-
-
-@pytest.mark.parametrize("name", ["inverse_dynamics", "elastic_inverse_dynamics", "mass_matrix"])
-def test_batches_of_a_robot_have_the_bits_and_the_refusals_of_single_calls(name: str) -> None:
-    robot = cutpoint.robots.xia2019()
-    function = getattr(robot, name)
-    vectors = {"inverse_dynamics": 3, "elastic_inverse_dynamics": 5, "mass_matrix": 1}[name]
-    given = RNG.normal(size=(vectors, LONG, robot.nv))
-    found, single = function(*given), [function(*given[:, k]) for k in range(LONG)]
-    assert type(found) is type(single[0])
-    for k, x in enumerate(single):
-        pairs = zip(found, x, strict=True) if isinstance(x, tuple) else [(found, x)]
-        assert all(whole[k].tobytes() == one.tobytes() for whole, one in pairs)
-    given[-1, 300, 1] = np.nan
-    with pytest.raises(InputError, match=r"\[300, 1\] is nan"):
-        function(*given)

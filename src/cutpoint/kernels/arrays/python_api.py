@@ -8,7 +8,7 @@ from functools import cache
 from typing import Any
 
 _HEADER = object.__basicsize__
-KIND, VALUE, LENGTH, ITEMS = _HEADER - 8, _HEADER, _HEADER, _HEADER + 8
+KIND, VALUE, LENGTH, ITEMS = _HEADER - 8, _HEADER, _HEADER, tuple.__basicsize__
 """Where any object's type is, a float's value, and a tuple's length and items, in bytes."""
 
 _NEW_TUPLE = tuple.__new__
