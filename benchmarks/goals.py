@@ -40,6 +40,7 @@ WHERE = """
   builds here, which counts.
 * Lanes: Intel's processors do additions by the two units that do multiply-adds; AMD's have two more for them, of which
   those of Zen 4 take half of a vector of 512 bits at a time.
+* Inverse dynamics, lanes, on Zen 4: nearly every cycle begins a multiply-add, see their share; it would take fewer.
 * Regressor: its matrices leave number by number; rows of {regressor} numbers fill the memory's stores before the
   arithmetic is done.
 * Elastic inverse dynamics, one call: each number comes with two derivatives; much of what waits between the recursions
