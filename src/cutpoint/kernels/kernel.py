@@ -13,8 +13,9 @@ import numpy as np
 
 from cutpoint.errors import InputError
 from cutpoint.kernels.arrays.array_call import ArrayCall
-from cutpoint.kernels.arrays.backends import Whole, array_function, check_size, chosen
+from cutpoint.kernels.arrays.backends import array_function, check_size, chosen
 from cutpoint.kernels.arrays.blocks import Blocks
+from cutpoint.kernels.arrays.function import Whole
 from cutpoint.kernels.graphs.graph import Graph
 from cutpoint.kernels.graphs.ports import port
 from cutpoint.kernels.graphs.precision import FLOAT32, FLOAT64

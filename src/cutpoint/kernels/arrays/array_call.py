@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 
 from cutpoint.kernels.arrays.arguments import as_numbers, explained, in_order
-from cutpoint.kernels.arrays.backends import Function, Whole
+from cutpoint.kernels.arrays.function import Function, Whole
 from cutpoint.kernels.arrays.strided import Strided
 from cutpoint.kernels.arrays.threads import Threaded, thread_count
 from cutpoint.kernels.graphs.graph import Graph

@@ -1,42 +1,19 @@
 """What can run a graph on arrays: LLVM where it is installed, NumPy everywhere."""
 
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Iterable
 from functools import cache
-from typing import Any, Protocol
-
-import numpy as np
 
 from cutpoint.errors import InputError, unknown_name
+from cutpoint.kernels.arrays.function import Function
 from cutpoint.kernels.arrays.numpy_backend import NumpyFunction
 from cutpoint.kernels.graphs.graph import Graph
 from cutpoint.kernels.graphs.ports import Port
-
-Whole = Callable[[tuple[Any, ...], Any], Any]
-"""whole(arguments, out): what a ufunc would return, None if it has to do the work: see `whole_batches`."""
 
 MOST_COMPILED = 200_000
 """That are compiled: it takes time that grows with their square, for so many two or three minutes."""
 
 MOST_NUMBERS = 2**15
 """In all arguments of a compiled function together: scratch memory for strided ones lies on the stack."""
-
-
-class Element(Protocol):
-    """What may have machine code for one element."""
-
-    @property
-    def element(self) -> int | None:
-        """Where it is, if there is some: see `cutpoint.kernels.machine.element`."""
-
-
-class Function(Element, Protocol):
-    """A graph ready to run."""
-
-    call: Callable[..., Any]
-    """call(*arrays, out=None) with the semantics of a NumPy generalised ufunc."""
-
-    def whole(self, bound: Sequence[np.ndarray] = (), largest: float | None = None) -> Whole | None:
-        """Makes `call` for batches given whole, where there is such a way: see `whole_batches`."""
 
 
 def chosen(backend: str) -> str:

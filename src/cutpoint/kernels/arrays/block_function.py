@@ -5,7 +5,7 @@ from typing import Any, Protocol
 
 import numpy as np
 
-from cutpoint.kernels.arrays.backends import Function, Whole
+from cutpoint.kernels.arrays.function import Function, Whole
 from cutpoint.kernels.graphs.graph import Graph
 from cutpoint.kernels.graphs.ports import Port
 

@@ -8,8 +8,8 @@ import numpy as np
 
 from cutpoint.errors import InputError
 from cutpoint.kernels.arrays.arguments import as_numbers, explained, in_order
-from cutpoint.kernels.arrays.backends import Function
 from cutpoint.kernels.arrays.block_function import block_function, wide
+from cutpoint.kernels.arrays.function import Function
 from cutpoint.kernels.arrays.threads import Threaded, thread_count
 from cutpoint.kernels.graphs.graph import Graph
 from cutpoint.kernels.graphs.precision import FLOAT64, Precision

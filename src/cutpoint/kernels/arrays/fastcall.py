@@ -12,7 +12,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from cutpoint.kernels.arrays import numpy_api, python_api
-from cutpoint.kernels.arrays.backends import Element
+from cutpoint.kernels.arrays.function import Element
 from cutpoint.kernels.arrays.new_objects import DECLARATIONS, new, new_array, new_tuple
 from cutpoint.kernels.arrays.numpy_api import DATA, DOUBLE
 from cutpoint.kernels.arrays.plain_arguments import ELSEWHERE, check_bound, recognised

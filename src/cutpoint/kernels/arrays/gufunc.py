@@ -9,7 +9,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from cutpoint.errors import InputError
-from cutpoint.kernels.arrays.backends import Whole
+from cutpoint.kernels.arrays.function import Whole
 from cutpoint.kernels.arrays.numpy_api import MOST_OPERANDS, new_gufunc
 from cutpoint.kernels.arrays.packs import Packs, lanes_of
 from cutpoint.kernels.arrays.whole_batches import whole_batches

@@ -2,7 +2,7 @@
 
 from collections.abc import Sequence
 
-from cutpoint.kernels.arrays.backends import Whole
+from cutpoint.kernels.arrays.function import Whole
 from cutpoint.kernels.arrays.numpy_api import new_gufunc
 from cutpoint.kernels.arrays.whole_batches import whole_batches
 from cutpoint.kernels.graphs.ports import Port

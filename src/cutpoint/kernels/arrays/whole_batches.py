@@ -10,8 +10,8 @@ from typing import Any
 import numpy as np
 
 from cutpoint.kernels.arrays import new_objects, numpy_api, python_api
-from cutpoint.kernels.arrays.backends import Whole
 from cutpoint.kernels.arrays.batch_arrays import BatchArrays, items, targets_of
+from cutpoint.kernels.arrays.function import Whole
 from cutpoint.kernels.arrays.numpy_api import TIDY
 from cutpoint.kernels.arrays.plain_arguments import ELSEWHERE, are_within, is_possible, require
 from cutpoint.kernels.graphs.ports import Port
