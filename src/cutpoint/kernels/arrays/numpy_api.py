@@ -30,6 +30,10 @@ TIDY = 0x0001 | 0x0100
 WRITEABLE = 0x0400
 """The flag of one that may be written to."""
 
+DECLARATIONS = """declare ptr @PyArray_New(ptr, i32, ptr, i32, ptr, ptr, i32, i32, ptr)
+declare ptr @PyArray_Scalar(ptr, ptr, ptr)
+"""
+
 _VERSIONS = (0x01000009, 0x02000000)
 """Of the ABI: NumPy 1 and NumPy 2."""
 _GET_VERSION, _SCALAR, _NEW = 0, 60, 93
@@ -60,6 +64,17 @@ def _signature(inputs: Sequence[Port], outputs: Sequence[Port]) -> str:
     """NumPy's text of core dimensions, all of them frozen: (6),(3,4)->()."""
     left, right = (",".join(f"({','.join(map(str, p.shape))})" for p in ports) for ports in (inputs, outputs))
     return f"{left}->{right}"
+
+
+def new_array(rank: int, shape: str, kind: int) -> str:
+    """The call that makes an array.  shape: a pointer to the lengths of its axes; kind: its type's number."""
+    plain = "ptr null, ptr null, i32 0, i32 0, ptr null"
+    return f"PyArray_New(ptr @array_type, i32 {rank}, ptr {shape}, i32 {kind}, {plain})"
+
+
+def new_scalar(place: str) -> str:
+    """The call that makes an np.float64 of the number at a place."""
+    return f"PyArray_Scalar(ptr {place}, ptr @float64, ptr null)"
 
 
 @cache

@@ -28,6 +28,11 @@ declare void @PyEval_RestoreThread(ptr)
 """
 
 
+def new_tuple(size: int) -> str:
+    """The call that makes a tuple, to be filled."""
+    return f"PyTuple_New(i64 {size})"
+
+
 @cache
 def objects_are_as_expected() -> bool:
     """Whether this Python's objects lie in memory as machine code takes for granted, and one thread runs at a time."""

@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from cutpoint.kernels.arrays import new_objects, numpy_api, python_api
+from cutpoint.kernels.arrays import numpy_api, python_api
 from cutpoint.kernels.arrays.batch_arrays import BatchArrays, items, targets_of
 from cutpoint.kernels.arrays.function import Whole
 from cutpoint.kernels.arrays.numpy_api import TIDY
@@ -102,7 +102,7 @@ def _ir(
     code.lines += ["call void @Py_IncRef(ptr @none)", "ret ptr @none"]
     objects = ("array_type", "tuple_type", "none", precision.dtype.name, "data", *names)
     externals = [f"@{name} = external global i8" for name in objects]
-    declarations = [python_api.DECLARATIONS, new_objects.DECLARATIONS, "declare void @loop(ptr, ptr, ptr, ptr)"]
+    declarations = [python_api.DECLARATIONS, numpy_api.DECLARATIONS, "declare void @loop(ptr, ptr, ptr, ptr)"]
     head = f"define ptr @{_FUNCTION}(ptr %self, ptr %arguments, i64 %count, ptr %names) {{\nentry:"
     return "\n".join([*declarations, *externals, head, *code.lines, "}", ""])
 
