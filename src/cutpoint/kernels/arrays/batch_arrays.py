@@ -2,10 +2,9 @@
 
 from collections.abc import Sequence
 
-from cutpoint.kernels.arrays.new_objects import new
 from cutpoint.kernels.arrays.numpy_api import DATA, RANK, SHAPE, TIDY, WRITEABLE, new_array
 from cutpoint.kernels.arrays.plain_arguments import require, require_array
-from cutpoint.kernels.arrays.python_api import ITEMS, KIND, LENGTH, new_tuple
+from cutpoint.kernels.arrays.python_api import ITEMS, KIND, LENGTH, new, new_tuple
 from cutpoint.kernels.graphs.ports import Port
 from cutpoint.kernels.graphs.precision import Precision
 from cutpoint.kernels.machine.llvm_code import Code

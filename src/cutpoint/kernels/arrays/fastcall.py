@@ -13,7 +13,6 @@ import numpy as np
 
 from cutpoint.kernels.arrays import numpy_api, python_api
 from cutpoint.kernels.arrays.function import Element
-from cutpoint.kernels.arrays.new_objects import new
 from cutpoint.kernels.arrays.numpy_api import DATA, DOUBLE, new_array, new_scalar
 from cutpoint.kernels.arrays.plain_arguments import ELSEWHERE, check_bound, recognised
 from cutpoint.kernels.graphs.ports import Port
@@ -77,14 +76,14 @@ def _ir(given: Sequence[Port], outputs: Sequence[Port], front: Front) -> str:
 def _answer(code: Code, sources: list[str], outputs: Sequence[Port], *, recorded: bool) -> None:
     """Makes the outputs, fills them and returns them."""
     alone = len(outputs) == 1 and not recorded
-    owner = None if alone else new(code, python_api.new_tuple(len(outputs)))
+    owner = None if alone else python_api.new(code, python_api.new_tuple(len(outputs)))
     kinds = [new_array(len(p.shape), f"@shape{k}", DOUBLE) for k, p in enumerate(outputs)]
-    arrays = [new(code, kinds[k], owner, k) if p.shape else None for k, p in enumerate(outputs)]
+    arrays = [python_api.new(code, kinds[k], owner, k) if p.shape else None for k, p in enumerate(outputs)]
     places = [code.field(x, DATA) if x else code.let("alloca double") for x in arrays]
     filled = [place for place, port in zip(places, outputs, strict=True) if port.size]
     code.lines.append(f"call void @element({', '.join(f'ptr {p}' for p in (*sources, *filled))})")
     results = [
-        x or new(code, new_scalar(place), owner, k)
+        x or python_api.new(code, new_scalar(place), owner, k)
         for k, (x, place) in enumerate(zip(arrays, places, strict=True))
     ]
     answer = results[0] if owner is None else _recorded(code, owner) if recorded else owner

@@ -7,6 +7,8 @@ from collections.abc import Callable
 from functools import cache
 from typing import Any
 
+from cutpoint.kernels.machine.llvm_code import Code
+
 _HEADER = object.__basicsize__
 KIND, VALUE, LENGTH, ITEMS = _HEADER - 8, _HEADER, _HEADER, tuple.__basicsize__
 """Where any object's type is, a float's value, and a tuple's length and items, in bytes."""
@@ -28,6 +30,24 @@ declare void @PyEval_RestoreThread(ptr)
 """
 
 
+def new(code: Code, expression: str, owner: str | None = None, k: int = 0) -> str:
+    """The new object that a call of the C API returns; the k-th of its owner, a tuple, if it has one.
+
+    Where there is no memory for it the function fails, and leaves nothing behind.
+    """
+    made, failed = code.name("made"), code.name("failed")
+    x = code.let(f"call ptr @{expression}")
+    code.branch(code.let(f"icmp ne ptr {x}, null"), made, failed)
+    code.open(failed)
+    if owner:
+        code.lines.append(f"call void @Py_DecRef(ptr {owner})")
+    code.lines.append("ret ptr null")
+    code.open(made)
+    if owner:
+        code.let(f"call i32 @PyTuple_SetItem(ptr {owner}, i64 {k}, ptr {x})")
+    return x
+
+
 def new_tuple(size: int) -> str:
     """The call that makes a tuple, to be filled."""
     return f"PyTuple_New(i64 {size})"
@@ -42,8 +62,9 @@ def objects_are_as_expected() -> bool:
     kinds = all(ctypes.c_void_p.from_address(id(x) + KIND).value == id(type(x)) for x in (1.5, "", [], print, int))
     numbers = all(ctypes.c_double.from_address(id(x) + VALUE).value == x for x in (1.5, -0.1))
     several = (1.5, "", [])
-    length, items = ctypes.c_ssize_t.from_address(id(several) + LENGTH).value, id(several) + ITEMS
-    return kinds and numbers and [*map(id, several)] == [*(ctypes.c_void_p * length).from_address(items)]
+    items = (ctypes.c_void_p * 3).from_address(id(several) + ITEMS)
+    tuples = ctypes.c_ssize_t.from_address(id(several) + LENGTH).value == 3 and [*items] == [*map(id, several)]
+    return kinds and numbers and tuples
 
 
 @cache
