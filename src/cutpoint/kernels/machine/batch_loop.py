@@ -19,8 +19,12 @@ from cutpoint.kernels.machine.ufunc_loop import ufunc_loop
 FUNCTION = "batch_loop"
 
 _MEMSET = "declare void @llvm.memset.p0.i64(ptr, i8, i64, i1)\n"
+
 WORTH_MAKING_PACKS = 64
 """The shortest batch for which packs are compiled."""
+
+_FEW_ARE_LEFT = 4
+"""The part of a pack up to which single elements are as quick; of more, a last pack takes others a second time."""
 
 
 class _Argument:
@@ -70,7 +74,7 @@ def batch_loop(graph: Graph, inputs: Sequence[Port], outputs: Sequence[Port], la
     for condition in [*_is_apart(code, arguments, len(inputs)), *(c for a in arguments for c in a.is_tidy(code))]:
         tidy = code.let(f"and i1 {tidy}, {condition}")
     count = code.load("%dimensions", 0, "i64")
-    done = _packed(code, count, tidy, width) if width else "0"
+    done = _packed(code, arguments, count, tidy, width) if width else "0"
     with code.loop(code.let(f"sub i64 {count}, {done}")) as loop:
         index = code.let(f"add i64 {loop.iteration}, {done}")
         for argument in arguments:
@@ -89,9 +93,11 @@ def _is_apart(code: Code, arguments: list[_Argument], inputs: int) -> list[str]:
     return [code.let(f"icmp ne ptr {a}, {b}") for a, b in pairs]
 
 
-def _packed(code: Code, count: str, tidy: str, width: int) -> str:
+def _packed(code: Code, arguments: list[_Argument], count: str, tidy: str, width: int) -> str:
     """Runs the packs, made when a batch is first worth it; how many elements they took."""
-    check, wanted, make, made, run, rest = (code.name(x) for x in ("check", "wanted", "make", "made", "run", "rest"))
+    names = ("check", "wanted", "make", "made", "run", "again", "rest")
+    check, wanted, make, made, run, again, rest = map(code.name, names)
+    pointers = code.let(f"alloca [{len(arguments)} x ptr]")
     code.label(check)
     there = code.let(f"icmp ne ptr {_loop_over_packs(code)}, null")
     enough = code.let(f"icmp sge i64 {count}, {code.let(f'select i1 {there}, i64 {width}, i64 {WORTH_MAKING_PACKS}')}")
@@ -104,10 +110,19 @@ def _packed(code: Code, count: str, tidy: str, width: int) -> str:
     code.branch(code.let(f"icmp ne ptr {_loop_over_packs(code)}, null"), run, rest)
     code.open(run)
     packs = code.let(f"sdiv i64 {count}, {width}")
-    code.lines.append(f"call void {_loop_over_packs(code)}(ptr %arguments, ptr %steps, i64 {packs})")
+    loop = _loop_over_packs(code)
+    code.lines.append(f"call void {loop}(ptr %arguments, ptr %steps, i64 {packs})")
     taken = code.let(f"mul i64 {packs}, {width}")
+    left = code.let(f"sub i64 {count}, {taken}")
+    code.branch(code.let(f"icmp sgt i64 {left}, {width // _FEW_ARE_LEFT}"), again, rest)
+    code.open(again)
+    behind = code.let(f"sub i64 {count}, {width}")
+    for k, argument in enumerate(arguments):
+        argument.advance(code, behind)
+        code.store(argument.here, pointers, k, "ptr")
+    code.lines.append(f"call void {loop}(ptr {pointers}, ptr %steps, i64 1)")
     code.label(rest)
-    return code.let(f"phi i64 [ 0, {check} ], [ 0, {made} ], [ {taken}, {run} ]")
+    return code.let(f"phi i64 [ 0, {check} ], [ 0, {made} ], [ {taken}, {run} ], [ {count}, {again} ]")
 
 
 def _loop_over_packs(code: Code) -> str:
