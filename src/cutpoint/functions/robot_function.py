@@ -40,7 +40,8 @@ class RobotFunction:
         first = given[0] if given else None
         if type(first) is not np.ndarray or first.ndim < 2 or self._whole is None:
             return None
-        return self._whole(given, None)
+        found = self._whole(given, None)
+        return (found,) if self.record and type(found) is np.ndarray else found
 
     def quick(self) -> Callable[..., Any]:
         """The same, quickest for single calls."""
