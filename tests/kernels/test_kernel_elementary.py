@@ -26,7 +26,7 @@ ANGLES = np.concatenate(
 DOMAINS: dict[str, tuple[float, np.ndarray]] = {
     "sin": (2, ANGLES),
     "cos": (2, ANGLES),
-    "tan": (4.3, ANGLES),
+    "tan": (4, ANGLES),
     "exp": (1.5, np.concatenate([RNG.uniform(-708, 709, 150), RNG.uniform(-1, 1, 150), magnitudes(-310, 2.8)])),
     "log": (1.5, np.concatenate([RNG.uniform(0.4, 2.5, 150), abs(magnitudes(-307, 308)), [5e-324, 1e-310, 1e308]])),
     "tanh": (4, np.concatenate([RNG.uniform(-1, 1, 150), RNG.uniform(-25, 25, 80), magnitudes(-310, 2)])),

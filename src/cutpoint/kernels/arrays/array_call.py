@@ -52,6 +52,7 @@ class ArrayCall:
 
     @cached_property
     def _whole(self) -> Whole | None:
+        """Made when the first batch comes."""
         return self._function.whole()
 
     def _made(self, result: Any) -> Any:

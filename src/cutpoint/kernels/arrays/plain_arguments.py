@@ -40,17 +40,12 @@ def recognised(code: Code, ports: Sequence[Port], largest: float | None) -> list
 
 def plain_array(code: Code, x: str, port: Port) -> str:
     """A pointer to the numbers of an object, if it is a tidy float64 array of the port's shape."""
-    shape = shape_of(code, x, len(port.shape), "float64", TIDY)
+    require_array(code, x, "float64", TIDY)
+    require(code, code.let(f"icmp eq i32 {code.field(x, RANK, 'i32')}, {len(port.shape)}"))
     if port.shape:
+        shape = code.field(x, SHAPE)
         require(code, *(code.let(f"icmp eq i64 {code.load(shape, k, 'i64')}, {n}") for k, n in enumerate(port.shape)))
     return code.field(x, DATA)
-
-
-def shape_of(code: Code, x: str, rank: int, dtype: str, flags: int) -> str:
-    """A pointer to the lengths of an object's axes, if it is an array of so many, of this type and with these flags."""
-    require_array(code, x, dtype, flags)
-    require(code, code.let(f"icmp eq i32 {code.field(x, RANK, 'i32')}, {rank}"))
-    return code.field(x, SHAPE)
 
 
 def require_array(code: Code, x: str, dtype: str, flags: int) -> None:

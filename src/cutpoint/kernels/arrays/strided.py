@@ -34,7 +34,7 @@ class Strided:
 
     def suits(self, arguments: Sequence[Any], out: Any) -> bool:
         """Whether a call gains: some long argument is not C-contiguous in its elements, or is written to."""
-        # plainly written out: all calls but plain single ones come here
+        # plainly written out: all calls come here but single ones and batches that lie in order
         for (size, own, strides), x in zip(self._inputs, arguments, strict=True):
             if type(x) is _ARRAY and x.size >= size and x.strides[own] != strides and self._is_broken(x, own, strides):
                 return True

@@ -7,20 +7,9 @@ for |r| <= log(2) / 2 is 2 % of an ulp of 1 at degree 13, and 4 % at degree 7.
 """
 
 import math
-from fractions import Fraction
 from typing import NamedTuple
 
 from cutpoint.kernels.graphs.precision import FLOAT32, FLOAT64, Precision
-
-
-class Stepped(NamedTuple):
-    """A polynomial of x by steps: that of the first coefficients, then p <- p (x**2 + a) + b for each (a, b).
-
-    A step raises the degree by two for one product; Horner's scheme takes two.
-    """
-
-    first: tuple[float, ...]
-    steps: tuple[tuple[float, float], ...] = ()
 
 
 class Coefficients(NamedTuple):
@@ -43,8 +32,8 @@ class Coefficients(NamedTuple):
     half_pi: tuple[float, ...]
     ln2: tuple[float, ...]
     ln2_short: tuple[float, ...]
-    sin: Stepped
-    cos: Stepped
+    sin: tuple[float, ...]
+    cos: tuple[float, ...]
     exp: tuple[float, ...]
     exp_least: float
     exp_most: float
@@ -53,18 +42,6 @@ class Coefficients(NamedTuple):
     atan_over: tuple[float, ...]
     atan_under: tuple[float, ...]
     atan_middle: float
-
-
-def _in_steps(c5: float, c4: float, c3: float, c2: float, c1: float, c0: float) -> Stepped:
-    """Eve's form, The evaluation of polynomials (Numerische Mathematik 6, 1964), whose a are roots of the odd part.
-
-    The larger a comes first: then what the steps cancel, and so lose, is least.
-    """
-    a = (c3 + math.copysign(math.sqrt(c3 * c3 - 4 * c1 * c5), c3)) / (2 * c5)
-    d = c1 / (c5 * a)
-    b = c2 - c4 * (a + d)
-    e = Fraction(c0) - Fraction(d) * (Fraction(c4) * Fraction(a) + Fraction(b))
-    return Stepped((c5, c4), ((a, b), (d, float(e))))
 
 
 def _taylor(degree: int) -> tuple[float, ...]:
@@ -76,11 +53,11 @@ _DOUBLE = Coefficients(
     half_pi=(1.5707963267948966, 6.123233995736765e-17, 1.082856673921914e-32),  # within 2**-160
     ln2=(0.6931471805599453, 2.3190468138462996e-17),
     ln2_short=(6.93147180369123816490e-01, 1.90821492927058770002e-10),
-    sin=_in_steps(
+    sin=(
         1.58969099521155010221e-10, -2.50507602534068634195e-08, 2.75573137070700676789e-06,
         -1.98412698298579493134e-04, 8.33333333332248946124e-03, -1.66666666666666324348e-01,
     ),
-    cos=_in_steps(
+    cos=(
         -1.13596475577881948265e-11, 2.08757232129817482790e-09, -2.75573143513906633035e-07,
         2.48015872894767294178e-05, -1.38888888888741095749e-03, 4.16666666666666019037e-02,
     ),
@@ -108,8 +85,8 @@ _SINGLE = Coefficients(
     half_pi=(1.570796251296997, 7.549789415861596e-08, 5.390302953474238e-15),  # within 2**-73
     ln2=(0.6931471824645996, -1.9046542121259336e-09),
     ln2_short=(0.6931381225585938, 9.05800061445916e-06),
-    sin=Stepped((-1.9515295891e-4, 8.3321608736e-3, -1.6666654611e-1)),
-    cos=Stepped((2.443315711809948e-5, -1.388731625493765e-3, 4.166664568298827e-2)),
+    sin=(-1.9515295891e-4, 8.3321608736e-3, -1.6666654611e-1),
+    cos=(2.443315711809948e-5, -1.388731625493765e-3, 4.166664568298827e-2),
     exp=_taylor(7),
     exp_least=-104.0,
     exp_most=89.0,

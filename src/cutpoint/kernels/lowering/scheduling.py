@@ -25,7 +25,6 @@ _LOOKED_AT = 256
 _MOST_NODES = 2**12
 """Longer code waits for its own instructions, from memory, more than for operands: it stays depth first."""
 
-
 _OPERATIONS_A_STORE = 3
 """Where side by side there are fewer, stores are waited for: in depth-first order they come at all times.
 

@@ -24,7 +24,7 @@ WORTH_MAKING_PACKS = 64
 """The shortest batch for which packs are compiled."""
 
 _FEW_ARE_LEFT = 4
-"""The part of a pack up to which single elements are as quick; of more, a last pack takes others a second time."""
+"""One part in so many of a pack goes as quickly one by one; of more, a last pack takes others a second time."""
 
 
 class _Argument:
