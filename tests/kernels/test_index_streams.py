@@ -30,11 +30,11 @@ def tree_program(backend: str) -> Program:
     there = [Stage(outward, ("x", "total", "above"), ("total", "load")), Stage(first, ("x", "load"), ("load",))]
     back = Stage(inward, ("load", "borne", "total"), ("borne",))
     passes = [
-        Loop("nodes", there, ("total", "load"), onward=("x",), views=views),
-        Loop("nodes", [back, Stage(keep, ("load",), ("result",))], ("total", "load"), None, ("result",), True, views),
+        Loop("nodes", there, ("total", "load", "x"), views=views),
+        Loop("nodes", [back, Stage(keep, ("load",), ("result",))], ("total", "load", "result"), None, True, views),
     ]
     regions = [Region("x", 1), Region("total", 2), Region("load", 2), Region("result", 2)]
-    return compile_program(Loop("times", passes), regions, backend)
+    return compile_program(Loop(1, passes), regions, backend)
 
 
 def first(x: Any, load: Any) -> Any:
@@ -69,26 +69,26 @@ def memory(n: int, x: np.ndarray) -> dict[str, np.ndarray]:
 
 @pytest.mark.parametrize("backend", BACKENDS)
 @pytest.mark.parametrize("n", [1, 2, 7, 30])
-def test_any_tree_is_walked_outward_and_inward_for_one_configuration_after_another(backend: str, n: int) -> None:
+def test_any_tree_is_walked_outward_and_inward(backend: str, n: int) -> None:
     program = tree_program(backend)
     for seed in range(4):
         rng = np.random.default_rng(seed)
-        parents, x = random_parents(rng, n), rng.normal(size=(3, n))
+        parents, x = random_parents(rng, n), rng.normal(size=n)
         arrays = memory(n, x)
-        assert program.run({"times": 3, "nodes": n}, parents=parents, **arrays) == 3
-        expected = np.concatenate([plainly(parents, row) for row in x])
+        assert program.run({"nodes": n}, parents=parents, **arrays) == 1
+        expected = plainly(parents, x)
         # at most n sums and products of numbers of either sign
-        scale = np.abs(np.concatenate([plainly(parents, np.abs(row)) for row in x])).max()
+        scale = np.abs(plainly(parents, np.abs(x))).max()
         np.testing.assert_allclose(arrays["result"], expected, rtol=0, atol=4 * n * np.finfo(float).eps * scale)
 
 
 def test_both_backends_agree_in_every_place() -> None:
     n, ends = 12, []
     rng = np.random.default_rng(9)
-    parents, x = random_parents(rng, n), rng.normal(size=(2, n))
+    parents, x = random_parents(rng, n), rng.normal(size=n)
     for backend in BACKENDS:
         arrays = memory(n, x)
-        tree_program(backend).run({"times": 2, "nodes": n}, parents=parents, **arrays)
+        tree_program(backend).run({"nodes": n}, parents=parents, **arrays)
         ends.append(arrays)
     for name in ends[0]:
         np.testing.assert_allclose(ends[0][name], ends[1][name], rtol=1e-12, atol=1e-14, err_msg=name)
@@ -106,22 +106,11 @@ def test_a_backward_stream_ends_with_its_first_row(backend: str) -> None:
 
 
 @pytest.mark.parametrize("backend", BACKENDS)
-def test_a_stream_that_goes_on_does_so_through_all_loops_around(backend: str) -> None:
-    digit = Stage(lambda row, out: [out[0] * 10 + row[0]], ("row", "out"), ("out",))
-    for backward, expected in ((False, 12345678), (True, 21436587)):
-        inner = Loop(2, [digit], onward=("row",), backward=backward)
-        program = compile_program(Loop("a", [Loop(2, [inner])]), [Region("row", 1), Region("out", 1)], backend)
-        out = np.zeros(1)
-        program.run({"a": 2}, row=np.arange(1.0, 9.0).reshape(-1, 1), out=out)
-        assert out[0] == expected
-
-
-@pytest.mark.parametrize("backend", BACKENDS)
 def test_a_bound_program_runs_again_on_what_its_arrays_hold_now(backend: str) -> None:
     n, rng = 5, np.random.default_rng(2)
     parents, x = random_parents(rng, n), rng.normal(size=(1, n))
     arrays = memory(n, x)
-    run = tree_program(backend).bound({"times": 1, "nodes": n}, parents=parents, **arrays)
+    run = tree_program(backend).bound({"nodes": n}, parents=parents, **arrays)
     for _ in range(2):
         arrays["x"][:] = rng.normal(size=(n, 1))
         assert run() == 1
@@ -174,16 +163,16 @@ WRONG_ROWS: list[tuple[Any, str]] = [
 def test_no_wrong_list_of_rows_reaches_machine_code(case: int) -> None:
     rows, message = WRONG_ROWS[case]
     with pytest.raises(InputError) as caught:
-        tree_program("llvm").bound({"times": 1, "nodes": 3}, parents=rows, **memory(3, np.ones((1, 3))))
+        tree_program("llvm").bound({"nodes": 3}, parents=rows, **memory(3, np.ones((1, 3))))
     assert message in str(caught.value)
 
 
-def test_a_stream_that_goes_on_needs_rows_for_all_its_iterations() -> None:
+def test_a_stream_needs_rows_for_all_its_iterations() -> None:
     arrays = memory(3, np.ones((1, 3)))
-    with pytest.raises(InputError, match=r"region 'x' streams: .* at least 6 rows of 1"):
-        tree_program("llvm").run({"times": 2, "nodes": 3}, parents=np.array([3, 0, 1]), **arrays)
+    with pytest.raises(InputError, match=r"region 'x' streams: .* at least 4 rows of 1"):
+        tree_program("llvm").run({"nodes": 4}, parents=np.array([3, 0, 1, 2]), **arrays)
     with pytest.raises(InputError, match="array 'parents' is missing"):
-        tree_program("llvm").run({"times": 1, "nodes": 3}, **arrays)
+        tree_program("llvm").run({"nodes": 3}, **arrays)
 
 
 def same(x: Any) -> Any:
@@ -210,7 +199,6 @@ UNSOUND: list[tuple[Callable[[], Loop], str]] = [
     (lambda: Loop(1, [], ("x",), views=(View("y", "x", "x"),)), "names that nothing else has"),
     (lambda: Loop(1, [], ("x",), views=(View("y", "x", "y"),)), "names that nothing else has"),
     (lambda: Loop(1, [], ("x",), views=(View("y", "x", "i"), View("y", "x", "j"))), "names that nothing else has"),
-    (lambda: Loop(1, [], ("x",), onward=("x",)), "different names"),
     (lambda: Loop(1, [Loop(1, [], ("x",), views=(View("y", "x", "i"),)), Stage(same, ("y",), ("y",))]), "only be used"),
     (lambda: Loop(1, [Stage(same, ("y",), ("y",))], ("x",)), "no region is named 'y'"),
     (lambda: Loop(1, [Stage(same, ("z",), ("y",))], ("x",), views=(View("y", "x", "i"),)), "there are: 'x', 'y'"),

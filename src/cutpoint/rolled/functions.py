@@ -7,7 +7,7 @@ import time
 from collections.abc import Callable, Sequence
 from functools import cached_property
 from math import prod
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -22,8 +22,11 @@ from cutpoint.rolled.bodies import bodies_of, columns_of, rooted
 from cutpoint.rolled.derivatives import OF_MOTORS
 from cutpoint.rolled.memory import Task
 from cutpoint.rolled.recipes import OF_DRIVES, OF_FRAMES, RECIPES
-from cutpoint.rolled.runs import Many, One
+from cutpoint.rolled.runs import One
 from cutpoint.rolled.suited import unsuited
+
+if TYPE_CHECKING:
+    from cutpoint.rolled.batches import Batches
 
 Array = np.ndarray
 
@@ -149,13 +152,15 @@ class RolledFunction:
         from cutpoint.kernels.arrays.fastcall import Front
         from cutpoint.kernels.programs.front import front_of
 
-        memory = self._one.spare.take()
+        memory = self._one.memory()
         front = Front(self._general, largest=LARGEST, record=self._record)
         return front_of(memory.run, self.name, memory.inputs, memory.outputs, front)
 
     def _general(self, *given: ArrayLike) -> Any:
-        pairs = zip(self._task.recipe.inputs, given, strict=True)
-        found = self._batch([self._at_bodies(key, x) for key, x in pairs])
+        found = self._of_batch(given)
+        if found is None:
+            pairs = zip(self._task.recipe.inputs, given, strict=True)
+            found = self._computed([self._at_bodies(key, x) for key, x in pairs])
         if not self._are_all_driven:
             names = self._task.recipe.outputs
             found = [self._of_driven(k, x) for k, x in zip(names, found, strict=True)]
@@ -176,27 +181,31 @@ class RolledFunction:
         spread[..., self._driven] = x
         return spread
 
-    @cached_property
-    def _many(self) -> Many:
-        return Many(self._task, LANES)
+    def _of_batch(self, given: tuple[Any, ...]) -> Sequence[Array] | None:
+        """The outputs of a batch that lies in order; None for all else, mistakes too."""
+        first = given[0] if given else None
+        if self._batches is None or not self._are_all_driven or type(first) is not np.ndarray or first.ndim < 2:
+            return None
+        with self._batches.of(len(first)).lent() as batch:
+            found = batch.whole(given, None) if batch.whole else None
+        return (found,) if isinstance(found, np.ndarray) else found
 
-    def _batch(self, given: Sequence[Array]) -> list[Array]:
-        """As many as possible side by side, what is left one by one, in memory that no other call uses.
-
-        One by one: matrices, whose entries are many at once already, and what goes by threes; side by side that would
-        save some 30 % of the time for hundreds of bodies, in another form and with other bits than single calls have.
-        """
+    def _computed(self, given: Sequence[Array]) -> list[Array]:
+        """The outputs for checked arrays, in memory that no other call uses."""
         pairs = zip(self._task.recipe.inputs, given, strict=True)
         shape = common_batch(self.name, {key: x.shape[:-1] for key, x in pairs})
         rows = [np.broadcast_to(x, (*shape, x.shape[-1])).reshape(-1, x.shape[-1]) for x in given]
         shapes = [self._task.shape(name) for name in self._task.recipe.outputs]
         found = [np.empty((len(rows[0]), *own)) for own in shapes]
-        one_by_one = self._task.is_in_parts or self._task.steps.threes
-        wide = 0 if one_by_one else len(rows[0]) // LANES * LANES
-        if wide:
-            self._many([x[:wide] for x in rows], [x[:wide] for x in found])
-        if wide < len(rows[0]):
-            memory = self._one.spare.take()
-            memory([x[wide:] for x in rows], [x[wide:] for x in found])
-            self._one.spare.give_back(memory)
+        with (self._batches.of(len(rows[0])) if self._batches else self._one.spare).lent() as memory:
+            memory(rows, found)
         return [x.reshape(shape + own)[()] for x, own in zip(found, shapes, strict=True)]
+
+    @cached_property
+    def _batches(self) -> "Batches | None":
+        """In machine code, where there is some."""
+        if self._one.program.backend != "llvm":
+            return None
+        from cutpoint.rolled.batches import Batches
+
+        return Batches(self._task, self._one, LARGEST)

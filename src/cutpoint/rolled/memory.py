@@ -1,6 +1,7 @@
 """Memory that a function's loops work in, and what they need to know of their robot."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from typing import Generic, TypeVar
 
 import numpy as np
@@ -85,14 +86,14 @@ class Spare(Generic[T]):
     def __init__(self, make: Callable[[], T]) -> None:
         self._make, self._free = make, list[T]()
 
-    def take(self) -> T:
-        """Memory that no other call uses."""
+    @contextmanager
+    def lent(self) -> Iterator[T]:
+        """Memory that no other call uses meanwhile."""
         try:
-            return self._free.pop()
+            memory = self._free.pop()
         except IndexError:
-            return self._make()
-
-    def give_back(self, memory: T) -> None:
+            memory = self._make()
+        yield memory
         self._free.append(memory)
 
 

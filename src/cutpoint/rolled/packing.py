@@ -9,6 +9,7 @@ from cutpoint.scalars import Scalar
 
 Scalars = Sequence[Scalar]
 
+
 def flat(A: Mat3) -> list[Scalar]:
     return [x for row in A for x in row]
 

@@ -85,19 +85,20 @@ class Rolled(NamedTuple):
 
 
 def side_by_side(steps: Steps, columns: Columns, lanes: int) -> Rolled:
-    """So many configurations in each step, "groups" of them in turn, over "bodies"."""
+    """So many configurations in each step, over "bodies"."""
 
     def joined(passes: Iterable[Pass], way: str) -> list[Loop]:
         if way == "once":
             return [Loop(1, [replace(p.stage, lanes=lanes)], views=steps.rows_of(p)) for p in passes]
         stages, inward = [replace(p.stage, lanes=lanes) for p in passes], way == "inward"
-        return [Loop("bodies", stages, ("body", *steps.kept), None, steps.numbers, inward, steps.views)]
+        return [Loop("bodies", stages, tuple(sizes), backward=inward, views=steps.views)]
 
+    sizes = {"body": columns.width, **steps.sizes}
     kinds = groupby(steps.passes, key=lambda p: p.way if p.way in ("inward", "once") else "outward")
     loops = [loop for way, some in kinds for loop in joined(some, way)]
     regions = [Region(name, size * lanes, lanes) for name, size in {**steps.sizes, **steps.apart}.items()]
     constants = [Region(name, size) for name, size in {"body": columns.width, **steps.constants}.items()]
-    return Rolled(Loop("groups", loops, tuple(steps.apart)), (*constants, *regions))
+    return Rolled(Loop(1, loops), (*constants, *regions))
 
 
 def one_by_one(steps: Steps, columns: Columns, lanes: int) -> Rolled:

@@ -1,38 +1,30 @@
-"""Runs of a function's loops: on one configuration, or on several side by side."""
+"""Runs of a function's loops on one configuration."""
 
 from collections.abc import Callable, Sequence
-from functools import cached_property
 from math import prod
-from typing import TYPE_CHECKING
 
 import numpy as np
 
-from cutpoint.kernels import Program, compile_program
-from cutpoint.kernels.arrays.backends import chosen
+from cutpoint.kernels import compile_program
 from cutpoint.kernels.programs.outputs import Output, Part, whole
 from cutpoint.rolled.memory import COLUMN, Spare, Task, aligned
-from cutpoint.rolled.passes import one_by_one, side_by_side
-
-if TYPE_CHECKING:
-    from cutpoint.kernels.programs.front import ProgramElement
+from cutpoint.rolled.passes import one_by_one
 
 Array = np.ndarray
-
-CHUNK = 4096
-"""Numbers of one input that are handed over at a time: a batch's memory stays in the cache."""
 
 
 class One:
     """A function of one configuration: what bodies do alone, they do `lanes` at once."""
 
     def __init__(self, task: Task, lanes: int) -> None:
-        self._task, self._lanes = task, lanes
+        self._task, self.lanes = task, lanes
         self._rolled = one_by_one(task.steps, task.columns, lanes)
         self.program = compile_program(self._rolled.body, self._rolled.regions, task.backend)
-        self.spare = Spare(self._memory)
+        self.spare = Spare(self.memory)
 
-    def _memory(self) -> "OneMemory":
-        task, lanes = self._task, self._lanes
+    def memory(self) -> "OneMemory":
+        """For calls that do not run at once."""
+        task, lanes = self._task, self.lanes
         n, blocks = task.bodies, -(-task.bodies // lanes)
         rows = dict.fromkeys(("body", *task.steps.kept), blocks + 1)
         rows |= {**dict.fromkeys(task.steps.matrices, n * blocks), "held": n}
@@ -74,25 +66,13 @@ class OneMemory:
         self.outputs = {k: self._output(k, vectors.get(k)) for k in task.recipe.outputs}
 
     def __call__(self, given: Sequence[Array], found: Sequence[Array]) -> None:
-        """Checked arrays (m, n) in, results into others (m, ...): one configuration after another."""
-        if self._element:
-            self._element.rows(given, found)
-            return
+        """Arrays (m, n) in, results into others (m, ...): one configuration after another."""
         for k in range(len(found[0])):
             for own, x in zip(self.inputs.values(), given, strict=True):
                 own[:] = x[k]
             self.run()
             for output, x in zip(self.outputs.values(), found, strict=True):
                 output.put(x[k, ...])
-
-    @cached_property
-    def _element(self) -> "ProgramElement | None":
-        """In machine code, where there is some."""
-        if chosen(self._task.backend) != "llvm":
-            return None
-        from cutpoint.kernels.programs.front import ProgramElement
-
-        return ProgramElement(self.run, [*self.inputs.values()], [*self.outputs.values()])
 
     def _output(self, name: str, vector: Array | None) -> Output:
         shape = self._task.shape(name)
@@ -155,61 +135,3 @@ class OneMemory:
             Part(by_row[:, n // lanes, : n % lanes], np.s_[:size, last : first + n]),
         ]
         return [part for part in parts if part.own.size]
-
-
-class Many:
-    """A function of configurations (m, n), m whole in lanes."""
-
-    def __init__(self, task: Task, lanes: int) -> None:
-        self._task, self._lanes = task, lanes
-        self._rolled = side_by_side(task.steps, task.columns, lanes)
-        self.program = compile_program(self._rolled.body, self._rolled.regions, task.backend)
-        self._groups = max(1, CHUNK // (lanes * task.bodies))
-        self._spare = Spare(self._memory)
-
-    def __call__(self, given: Sequence[Array], found: Sequence[Array]) -> None:
-        memory, step = self._spare.take(), self._groups * self._lanes
-        for first in range(0, len(found[0]), step):
-            memory([x[first : first + step] for x in given], [x[first : first + step] for x in found])
-        self._spare.give_back(memory)
-
-    def _memory(self) -> "ManyMemory":
-        task, n = self._task, self._task.bodies
-        rows = {**dict.fromkeys(task.steps.numbers, self._groups * n), "body": n}
-        rows |= dict.fromkeys(task.steps.kept, n + 2) | dict.fromkeys(task.steps.apart, self._groups)
-        arrays = {r.name: aligned(rows.get(r.name, 1) * r.size).reshape(-1, r.size) for r in self._rolled.regions}
-        arrays["body"][:] = task.columns.read
-        for name, numbers in task.world.items():
-            arrays[name][n].reshape(-1, self._lanes)[: len(numbers)] = numbers[:, None]
-        arrays |= task.constants | task.rows(n)
-        return ManyMemory(self.program, task, arrays, self._lanes)
-
-
-class ManyMemory:
-    """The same for several configurations."""
-
-    def __init__(self, program: Program, task: Task, arrays: dict[str, Array], lanes: int) -> None:
-        self._program, self._arrays, self._n, self._lanes = program, arrays, task.bodies, lanes
-        self._inputs = [self._parts(task, name) for name in task.recipe.inputs]
-        self._outputs = [self._parts(task, name) for name in task.recipe.outputs]
-        self._runs: dict[int, Callable[[], int]] = {}
-
-    def _parts(self, task: Task, name: str) -> list[tuple[slice, Array]]:
-        """By group, lane, number: the bodies' and before them a base's; or those of no body."""
-        head, n = task.of_base(name), prod(task.steps.shapes.get(name, (task.bodies,)))
-        parts = [(slice(head, None), self._arrays[name], n), (slice(head), self._arrays.get(f"base.{name}"), head)]
-        return [(s, x.reshape(-1, size, self._lanes).swapaxes(1, 2)) for s, x, size in parts if x is not None]
-
-    def __call__(self, given: Sequence[Array], found: Sequence[Array]) -> None:
-        groups = len(found[0]) // self._lanes
-        for parts, x in zip(self._inputs, given, strict=True):
-            whole = x.reshape(groups, self._lanes, -1)
-            for some, own in parts:
-                own[:groups] = whole[..., some]
-        if groups not in self._runs:
-            self._runs[groups] = self._program.bound({"groups": groups, "bodies": self._n}, **self._arrays)
-        self._runs[groups]()
-        for parts, x in zip(self._outputs, found, strict=True):
-            whole = x.reshape(groups, self._lanes, -1)
-            for some, own in parts:
-                whole[..., some] = own[:groups]

@@ -1,7 +1,7 @@
 """A stepping program in machine code: all its stages and loops as one function."""
 
 import ctypes
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Mapping
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -68,18 +68,17 @@ def program_ir(plan: Plan) -> str:
     starts = {name: code.load("%regions", k, "ptr") for k, name in enumerate(plan.names)}
     stages = {stage: stage_code(code, plan, stage, starts) for stage in plan.graphs}
 
-    def loop(this: Loop, regions: dict[str, str], around: list[_Turn]) -> str:
+    def loop(this: Loop, regions: dict[str, str]) -> str:
         count = counts[this.count] if isinstance(this.count, str) else this.count
         with code.loop(count, regions.get(this.until or "")) as running:
-            turns = [*around, _Turn(running.iteration, count)]
-            inside = regions | _rows(code, plan, this, turns, starts)
+            inside = regions | _rows(code, plan, this, running.iteration, count, starts)
             for item in this.body:
                 if isinstance(item, Stage):
                     inside |= stages[item].look_ahead(code, inside, running.iteration, count)
             at_hand: dict[Place, str] = {}
             for item, following in zip(this.body, [*this.body[1:], None], strict=True):
                 if isinstance(item, Loop):
-                    loop(item, inside, turns)
+                    loop(item, inside)
                     at_hand.clear()
                 elif len(this.body) == 1 and stages[item].hands_on:
                     stages[item].write_on(code, inside, running)
@@ -93,7 +92,7 @@ def program_ir(plan: Plan) -> str:
                     stages[item].write(code, inside, at_hand)
         return running.done
 
-    done = loop(plan.body, starts, [])
+    done = loop(plan.body, starts)
     widths = {stage.lanes for stage in plan.graphs}
     declarations = "".join(Lanes(width).declarations for width in sorted({*widths, 1, WIDE.width, AT_ONCE}))
     attributes = f"{beside_numbers() if 1 in widths else ''} {for_divisions(plan.graphs.values())}"
@@ -101,15 +100,8 @@ def program_ir(plan: Plan) -> str:
     return "\n".join([head, *code.lines, f"ret i64 {done}", "}", ""])
 
 
-class _Turn(NamedTuple):
-    """One of the loops around: its iteration, and how often it runs."""
-
-    iteration: str
-    often: str | int
-
-
-def _rows(code: Code, plan: Plan, this: Loop, turns: Sequence[_Turn], starts: Mapping[str, str]) -> dict[str, str]:
-    """Where the rows of this iteration begin, by name."""
+def _rows(code: Code, plan: Plan, this: Loop, row: str, count: str | int, starts: Mapping[str, str]) -> dict[str, str]:
+    """Where the rows of an iteration begin, by name."""
 
     def at(region: str, row: str) -> str:
         size, lanes = plan.sizes[region], plan.regions[region].lanes
@@ -118,20 +110,8 @@ def _rows(code: Code, plan: Plan, this: Loop, turns: Sequence[_Turn], starts: Ma
         block = code.let(f"mul i64 {code.let(f'udiv i64 {row}, {lanes}')}, {size}")
         return code.at(starts[region], code.let(f"add i64 {block}, {code.let(f'urem i64 {row}, {lanes}')}"))
 
-    row, count = turns[-1]
     if this.backward:
         row = code.let(f"sub i64 {code.let(f'sub i64 {count}, 1')}, {row}")
     rows = {name: at(name, row) for name in this.streams}
-    if this.onward:
-        whole = _after_all(code, turns[:-1], count, row)
-        rows |= {name: at(name, whole) for name in this.onward}
     named = {index: code.load(starts[index], row, "i64") for index in dict.fromkeys(view.index for view in this.views)}
     return rows | {view.name: at(view.of, named[view.index]) for view in this.views}
-
-
-def _after_all(code: Code, around: Sequence[_Turn], count: str | int, row: str) -> str:
-    """The row of a loop that goes on where it stopped."""
-    entries = "0"
-    for turn in around:
-        entries = code.let(f"add i64 {code.let(f'mul i64 {entries}, {turn.often}')}, {turn.iteration}")
-    return code.let(f"add i64 {code.let(f'mul i64 {entries}, {count}')}, {row}")

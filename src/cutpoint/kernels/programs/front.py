@@ -3,10 +3,8 @@
 A call keeps the GIL, so that calls from several threads do not meet in that memory.
 """
 
-import ctypes
 from collections.abc import Callable, Mapping, Sequence
 from itertools import count
-from math import prod
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -21,7 +19,6 @@ from cutpoint.kernels.programs.compiled import BoundProgram
 from cutpoint.kernels.programs.outputs import Output, whole
 
 NUMBER = np.dtype(np.float64).itemsize
-_LOOP = "rows"
 
 
 def front_of(
@@ -46,32 +43,11 @@ class ProgramElement:
         arguments = [*map(whole, inputs), *outputs]
         self._owned = [part.own for x in arguments for part in x.parts]  # some of it the run itself does not hold
         symbols = {f"own{k}": own.ctypes.data for k, own in enumerate(self._owned)}
-        text = _ir(arguments, len(inputs)) + _loop_ir(arguments)
-        self._code = Compiled(text, FUNCTION, _LOOP, symbols=symbols | run.symbols)
-        prototype = ctypes.CFUNCTYPE(None, ctypes.c_int64, *[ctypes.c_void_p] * len(arguments))
-        self._loop = prototype(self._code.addresses[_LOOP])
+        self._code = Compiled(_ir(arguments, len(inputs)), FUNCTION, symbols=symbols | run.symbols)
 
     @property
     def element(self) -> int:
         return self._code.address
-
-    def rows(self, given: Sequence[np.ndarray], found: Sequence[np.ndarray]) -> None:
-        """One run for each row; what is found is tidy in memory."""
-        tidy = [np.ascontiguousarray(x) for x in given]
-        self._loop(len(found[0]), *(x.ctypes.data for x in (*tidy, *found)))
-
-
-def _loop_ir(arguments: Sequence[Output]) -> str:
-    """Text of the function that runs the element for each row."""
-    names = [f"%rows{k}" for k in range(len(arguments))]
-    code = Code()
-    with code.loop("%count") as loop:
-        sizes = [NUMBER * prod(x.shape) for x in arguments]
-        offsets = [code.let(f"mul i64 {loop.iteration}, {size}") for size in sizes]
-        places = [code.at(name, offset, "i8") for name, offset in zip(names, offsets, strict=True)]
-        code.lines.append(f"call void @{FUNCTION}({', '.join(f'ptr {place}' for place in places)})")
-    head = f"define void @{_LOOP}(i64 %count, {', '.join(f'ptr {name}' for name in names)}) {{\nentry:"
-    return "\n".join([head, *code.lines, "ret void", "}", ""])
 
 
 def _ir(arguments: Sequence[Output], inputs: int) -> str:

@@ -19,7 +19,7 @@ class NumpyProgram:
     def run(self, counts: Mapping[str, int], arrays: Mapping[str, np.ndarray]) -> int:
         """The iterations of the outermost loop; arrays must have been checked."""
         rows = {name: array.reshape(-1) for name, array in arrays.items() if name not in self._plan.streamed}
-        return self._loop(self._plan.body, counts, arrays, rows, 0)
+        return self._loop(self._plan.body, counts, arrays, rows)
 
     def bound(self, counts: Mapping[str, int], arrays: Mapping[str, np.ndarray]) -> Callable[[], int]:
         """`run` on these, again and again."""
@@ -31,19 +31,16 @@ class NumpyProgram:
         counts: Mapping[str, int],
         arrays: Mapping[str, np.ndarray],
         rows: Mapping[str, np.ndarray],
-        entries: int,
     ) -> int:
-        """entries: how often this loop was entered before, as the iterations around it count."""
         count = counts[loop.count] if isinstance(loop.count, str) else loop.count
         for index in range(count):
             row = count - 1 - index if loop.backward else index
             streams = {name: self._row(loop, name, arrays, row) for name in loop.streams}
-            onward = {name: self._row(loop, name, arrays, entries * count + row) for name in loop.onward}
             views = {view.name: self._row(loop, view.of, arrays, arrays[view.index][row]) for view in loop.views}
-            inside = {**rows, **streams, **onward, **views}
+            inside = {**rows, **streams, **views}
             for item in loop.body:
                 if isinstance(item, Loop):
-                    self._loop(item, counts, arrays, inside, entries * count + index)
+                    self._loop(item, counts, arrays, inside)
                 else:
                     self._stage(item, inside)
             if loop.until is not None and inside[loop.until][0] != 0:

@@ -66,8 +66,6 @@ class Loop:
     streams: regions that advance with the loop: their arrays have a row for each iteration, and inside the loop the
         region is the row of the iteration.  Entered again, the loop begins with the first row.  Outside there is none.
     until: a region of one slot; after an iteration that leaves it other than 0, the loop is left.
-    onward: regions that stream too, but entered again the loop goes on with the row after its last ones: their arrays
-        have as many rows as it runs in all.
     backward: whether streams begin with the last of each entry's rows and end with the first.
     views: rows of regions that lists of whole numbers name, to be used inside.
     """
@@ -76,14 +74,8 @@ class Loop:
     body: "Sequence[Stage | Loop]"
     streams: Sequence[str] = ()
     until: str | None = None
-    onward: Sequence[str] = ()
     backward: bool = False
     views: Sequence[View] = ()
-
-    @property
-    def advancing(self) -> tuple[str, ...]:
-        """All regions that advance with the loop."""
-        return (*self.streams, *self.onward)
 
 
 class LaneLoop(Loop):

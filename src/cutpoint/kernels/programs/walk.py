@@ -11,13 +11,11 @@ from cutpoint.kernels.graphs.specialise import name_of
 from cutpoint.kernels.programs.stage_graph import stage_graph
 from cutpoint.kernels.programs.stepping import LaneLoop, Loop, Region, Stage, View
 
-Counts = tuple[int | str, ...]
-
 
 class Advance(NamedTuple):
-    """How a region streams: counts whose product is how often it advances, and how many such steps take one row."""
+    """How a region streams: the count of how often it advances, and how many such steps take one row."""
 
-    counts: Counts
+    often: int | str
     steps: int
 
 
@@ -37,20 +35,20 @@ class Walk:
         self.counts: dict[str, None] = {}
         self.uses: list[tuple[str, frozenset[str]]] = []
 
-    def loop(self, loop: Loop, advancing: frozenset[str], single: frozenset[str], around: Counts) -> None:
+    def loop(self, loop: Loop, advancing: frozenset[str], single: frozenset[str]) -> None:
         self._check_loop(loop, advancing)
         if isinstance(loop.count, str):
             self.counts[loop.count] = None
-        for name in loop.advancing:
-            counts = (*around, loop.count) if name in loop.onward else (loop.count,)
-            self.streamed[name].append(Advance(counts, self.regions[name].lanes if isinstance(loop, LaneLoop) else 1))
+        for name in loop.streams:
+            lanes = self.regions[name].lanes if isinstance(loop, LaneLoop) else 1
+            self.streamed[name].append(Advance(loop.count, lanes))
         for view in loop.views:
             self._view(view, loop)
-        own = frozenset((*loop.advancing, *(view.name for view in loop.views)))
+        own = frozenset((*loop.streams, *(view.name for view in loop.views)))
         inside, single = advancing | own, single | own if isinstance(loop, LaneLoop) else single
         for item in loop.body:
             if isinstance(item, Loop):
-                self.loop(item, inside, single, (*around, loop.count))
+                self.loop(item, inside, single)
             elif isinstance(item, Stage):
                 self._stage(item, inside, single)
                 goes_on = frozenset(() if loop.backward or isinstance(loop, LaneLoop) else loop.streams)
@@ -64,13 +62,13 @@ class Walk:
         if not isinstance(loop.count, str) and loop.count < 0:
             raise InputError(f"a loop's count {loop.count} must not be negative")
         until = [] if loop.until is None else [loop.until]
-        self._check_names((*loop.advancing, *until), advancing.union(loop.advancing))
-        if len(set(loop.advancing)) < len(loop.advancing):
-            raise InputError(f"a loop's streams {loop.advancing} must have different names")
-        for name in advancing.intersection(loop.advancing):
+        self._check_names((*loop.streams, *until), advancing.union(loop.streams))
+        if len(set(loop.streams)) < len(loop.streams):
+            raise InputError(f"a loop's streams {loop.streams} must have different names")
+        for name in advancing.intersection(loop.streams):
             raise InputError(f"region {name!r} streams in two loops, one inside the other; it can advance with one")
         end = self.regions.get(loop.until or "")
-        if loop.until is not None and (end is None or end.size != 1 or loop.until in loop.advancing):
+        if loop.until is not None and (end is None or end.size != 1 or loop.until in loop.streams):
             raise InputError(f"region {loop.until!r} ends a loop, so it must have one slot and not stream in that loop")
 
     def _view(self, view: View, loop: Loop) -> None:
