@@ -213,6 +213,21 @@ def test_batches_broadcast_as_kernels_do() -> None:
     assert_close(lists, small.inverse_dynamics(q[0], v[0], a[0].astype(np.float32)))
 
 
+@pytest.mark.parametrize("name", DYNAMICS)
+@pytest.mark.parametrize("count", [0, 1, 7, 8, 21])
+def test_batches_in_any_layout_are_their_configurations_bit_by_bit(name: str, count: int) -> None:
+    robot = Robot(TREES["chain of 20"], backend="numpy")
+    q, v, x = states(robot, count)
+    function = rolled(robot, name, "llvm")
+    alone = [function(*one) for one in zip(q, v, x, strict=True)]
+    np.testing.assert_array_equal(function(q, v, x), np.reshape(alone, (count, robot.nv)))
+    np.testing.assert_array_equal(function(*(np.asfortranarray(one) for one in (q, v, x))), function(q, v, x))
+    np.testing.assert_array_equal(function(q[::-1], v[::-1], x[::-1]), function(q, v, x)[::-1])
+    shared = states(robot)[1]
+    np.testing.assert_array_equal(function(q, shared, x), function(q, np.tile(shared, (count, 1)), x))
+    np.testing.assert_array_equal(function(q[None], v, x), function(q, v, x)[None])
+
+
 def test_wrong_input_is_explained() -> None:
     robot = Robot(chain(100))
     q, v, a = states(robot)
@@ -222,6 +237,10 @@ def test_wrong_input_is_explained() -> None:
         robot.inverse_dynamics(q, v, a[:1])
     with pytest.raises(InputError, match=r"forward_dynamics: tau\[3\] is nan, every number must be finite"):
         robot.forward_dynamics(q, v, np.where(np.arange(100) == 3, np.nan, a))
+    rows = states(robot, 20)
+    rows[1, 17, 4] = -1e16
+    with pytest.raises(InputError, match=r"inverse_dynamics: v\[17, 4\] is -1e\+16"):
+        robot.inverse_dynamics(*rows)
     with pytest.raises(InputError, match="leading axes do not broadcast"):
         robot.inverse_dynamics(np.zeros((2, 100)), np.zeros((3, 100)), a)
 
@@ -242,7 +261,8 @@ def test_threads_do_not_meet() -> None:
 
     def work(k: int) -> None:
         for _ in range(200):
-            if not np.array_equal(robot.inverse_dynamics(q[k], v[k], a[k]), expected[k]):
+            single, batch = robot.inverse_dynamics(q[k], v[k], a[k]), robot.inverse_dynamics(q, v, a)
+            if not (np.array_equal(single, expected[k]) and np.array_equal(batch, expected)):
                 wrong.append(k)
 
     threads = [threading.Thread(target=work, args=(k,)) for k in range(8)]

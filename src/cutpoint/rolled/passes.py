@@ -89,11 +89,15 @@ def side_by_side(steps: Steps, columns: Columns, lanes: int) -> Rolled:
 
     def joined(passes: Iterable[Pass], way: str) -> list[Loop]:
         if way == "once":
-            return [Loop(1, [replace(p.stage, lanes=lanes)], views=steps.rows_of(p)) for p in passes]
-        stages, inward = [replace(p.stage, lanes=lanes) for p in passes], way == "inward"
+            return [Loop(1, [wide(p.stage)], views=steps.rows_of(p)) for p in passes]
+        stages, inward = [wide(p.stage) for p in passes], way == "inward"
         return [Loop("bodies", stages, tuple(sizes), backward=inward, views=steps.views)]
 
-    sizes = {"body": columns.width, **steps.sizes}
+    def wide(stage: Stage) -> Stage:
+        used = {of.get(name, name) for name in (*stage.reads, *stage.writes)}
+        return replace(stage, lanes=lanes, as_in_threes=not used.isdisjoint(steps.threes))
+
+    sizes, of = {"body": columns.width, **steps.sizes}, {view.name: view.of for view in steps.views}
     kinds = groupby(steps.passes, key=lambda p: p.way if p.way in ("inward", "once") else "outward")
     loops = [loop for way, some in kinds for loop in joined(some, way)]
     regions = [Region(name, size * lanes, lanes) for name, size in {**steps.sizes, **steps.apart}.items()]

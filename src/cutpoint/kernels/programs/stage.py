@@ -42,8 +42,9 @@ class StageCode:
 
     def __init__(self, code: Code, plan: Plan, stage: Stage, regions: Mapping[str, str]) -> None:
         graph, fed, self.lanes = plan.graphs[stage], plan.fed(stage), Lanes(stage.lanes)
-        fused = fuse(graph, again=plan.in_threes(stage))
-        late = fuse(graph, arrivals(fused, fed), again=plan.in_threes(stage)) if fed else fused
+        again = stage.as_in_threes or plan.in_threes(stage)
+        fused = fuse(graph, again=again)
+        late = fuse(graph, arrivals(fused, fed), again=again) if fed else fused
         self._graph = depth_first(in_primitives(late))
         laned = {name for name in (*plan.regions, *plan.views) if plan.is_laned(stage, name)}
         self._plan, self._rows = plan, plan.known_ahead(stage)

@@ -37,12 +37,14 @@ class Stage:
     itself if there is but one).  All is read before anything is written.
     lanes: how many like things it is computed for, all at once.  The function then sees one of them: its own numbers of
     regions with as many lanes, and all numbers of the others, which it can only read.
+    as_in_threes: whether each lane computes what a stage on regions of triples does, to the last bit.
     """
 
     function: Callable[..., Any]
     reads: Sequence[str]
     writes: Sequence[str]
     lanes: int = 1
+    as_in_threes: bool = False
 
 
 @dataclass(frozen=True)
