@@ -158,6 +158,15 @@ def test_a_xacro_file_that_cannot_be_expanded_says_why(tmp_path: Path) -> None:
         load_urdf(path)
 
 
+def test_a_xacro_file_that_needs_ros_says_where_to_expand_it(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setitem(sys.modules, "ament_index_python", None)
+    monkeypatch.setitem(sys.modules, "ament_index_python.packages", None)
+    path = tmp_path / "arm.urdf.xacro"
+    path.write_text(f'<robot name="r" {XACRO}><xacro:include filename="$(find arm)/arm.xacro"/></robot>')
+    with pytest.raises(ModelError, match=r"asks ROS: expand it where that is, xacro arm\.urdf\.xacro > arm\.urdf, and"):
+        load_urdf(path)
+
+
 def test_without_the_xacro_package_the_error_says_how_to_get_it(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:

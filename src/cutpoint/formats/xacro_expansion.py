@@ -23,4 +23,8 @@ def expand(path: Path) -> str:
         document: Any = xacro.process_file(str(path))  # the package says a file, but it is a DOM document
         return document.toprettyxml(indent="  ")
     except Exception as problem:  # expressions in the file may raise anything
-        raise ModelError(f"xacro cannot expand this file: {' '.join(str(problem).split())}", place=path) from problem
+        told, remedy = " ".join(str(problem).split()), ""
+        if "ament_index_python" in told:
+            command = f"xacro {path.name} > {path.name.split('.')[0]}.urdf"
+            remedy = f"; $(find ...) asks ROS: expand it where that is, {command}, and give that file"
+        raise ModelError(f"xacro cannot expand this file: {told}{remedy}", place=path) from problem
