@@ -3,9 +3,8 @@
 import operator
 import os
 from collections.abc import Callable, Sequence
-from concurrent.futures import ThreadPoolExecutor, wait
 from functools import cache
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -13,6 +12,9 @@ from cutpoint.errors import InputError
 from cutpoint.kernels.arrays.arguments import as_numbers, batch_shape
 from cutpoint.kernels.graphs.ports import Port, Shape
 from cutpoint.kernels.graphs.precision import FLOAT64, Precision
+
+if TYPE_CHECKING:
+    from concurrent.futures import ThreadPoolExecutor
 
 CHUNK = 2**23
 """Operations that a thread does before it looks for more: fewer do not outweigh waking it, which takes up to 0.1 ms."""
@@ -94,7 +96,8 @@ def _shared(run: Callable[[slice], None], ranges: Sequence[slice], threads: int)
         work()
     finally:  # nobody writes to the results any more when this returns
         unfinished = [x for x in helpers if not x.cancel()]
-        wait(unfinished)
+        for helper in unfinished:
+            helper.exception()
     for helper in unfinished:
         helper.result()
 
@@ -127,7 +130,9 @@ def thread_count(name: str, threads: Any) -> int:
 
 
 @cache
-def _pool(count: int) -> ThreadPoolExecutor:
+def _pool(count: int) -> "ThreadPoolExecutor":
+    from concurrent.futures import ThreadPoolExecutor  # takes 4 ms, which a start need not spend
+
     return ThreadPoolExecutor(count, thread_name_prefix="cutpoint")
 
 
