@@ -1,13 +1,15 @@
 """Runs of a function's loops on several configurations: side by side in machine code, what is left one by one."""
 
 from functools import cached_property
-from math import prod
+
+import numpy as np
 
 from cutpoint.kernels import Program, compile_program
 from cutpoint.kernels.graphs.ports import Port
 from cutpoint.kernels.programs.compiled import BoundProgram
 from cutpoint.kernels.programs.front import ProgramElement
-from cutpoint.kernels.programs.rows import ProgramRows, SideBySide, Stretch
+from cutpoint.kernels.programs.outputs import Output, Part
+from cutpoint.kernels.programs.rows import ProgramRows, SideBySide
 from cutpoint.rolled.memory import Spare, Task, aligned
 from cutpoint.rolled.passes import side_by_side
 from cutpoint.rolled.runs import One
@@ -60,11 +62,12 @@ class Batches:
         run = self._program.bound({"bodies": n}, **arrays)
         assert isinstance(run, BoundProgram), "there is machine code"
 
-        def stretches(name: str) -> list[Stretch]:
+        def of(name: str) -> Output:
             """The bodies' and before them a base's; or those of no body."""
-            head, size = task.of_base(name), prod(task.steps.shapes.get(name, (n,)))
-            base = [Stretch(arrays[f"base.{name}"].reshape(head, lanes), 0)] if head else []
-            return [*base, Stretch(arrays[name].reshape(size, lanes), head)]
+            shape, head = task.shape(name) if name in task.recipe.outputs else (task.size(name),), task.of_base(name)
+            rest = arrays[name].reshape(*(shape if name in task.steps.shapes else (n,)), lanes)
+            base = [Part(arrays[f"base.{name}"].reshape(head, lanes), np.s_[:head])] if head else []
+            return Output(shape, [*base, Part(rest, np.s_[head:] if shape else ...)])
 
-        inputs, outputs = ([*map(stretches, names)] for names in (task.recipe.inputs, task.recipe.outputs))
+        inputs, outputs = ([*map(of, names)] for names in (task.recipe.inputs, task.recipe.outputs))
         return self._one_by_one(SideBySide(run, lanes, inputs, outputs))

@@ -21,29 +21,23 @@ from cutpoint.kernels.machine.llvm_code import Code
 from cutpoint.kernels.machine.transposition import blocks, lanes_of_rows, lanes_to_rows
 from cutpoint.kernels.programs.compiled import BoundProgram
 from cutpoint.kernels.programs.front import ProgramElement
+from cutpoint.kernels.programs.outputs import Output, Part
 
 _LOOP = "rows"
 _PROTOTYPE = ctypes.CFUNCTYPE(None, ctypes.c_void_p, ctypes.c_void_p, ctypes.c_void_p, ctypes.c_void_p)
 
 
-class Stretch(NamedTuple):
-    """Memory (numbers, lanes) of a program, and the column of the rows where its first number stands."""
-
-    own: np.ndarray
-    column: int
-
-
 class SideBySide(NamedTuple):
-    """A run on several rows at once, and where it has what of each input and output."""
+    """A run on several rows at once; inputs and outputs in its memory, whose last axis is that of the lanes."""
 
     run: BoundProgram
     lanes: int
-    inputs: Sequence[Sequence[Stretch]]
-    outputs: Sequence[Sequence[Stretch]]
+    inputs: Sequence[Output]
+    outputs: Sequence[Output]
 
     @property
-    def stretches(self) -> list[Stretch]:
-        return [x for one in (*self.inputs, *self.outputs) for x in one]
+    def parts(self) -> list[Part]:
+        return [part for x in (*self.inputs, *self.outputs) for part in x.parts]
 
 
 class ProgramRows:
@@ -62,7 +56,7 @@ class ProgramRows:
         self._owned = one, several
         symbols = {FUNCTION: one.element}
         if several:
-            symbols |= {f"own{k}": x.own.ctypes.data for k, x in enumerate(several.stretches)} | several.run.symbols
+            symbols |= {f"own{k}": x.own.ctypes.data for k, x in enumerate(several.parts)} | several.run.symbols
         self._code = Compiled(_ir([port.size for port in (*inputs, *outputs)], several), _LOOP, symbols=symbols)
 
     def __call__(self, given: Sequence[np.ndarray], found: Sequence[np.ndarray]) -> None:
@@ -89,7 +83,7 @@ def _ir(sizes: Sequence[int], several: SideBySide | None) -> str:
     rows, done, lines = code.load("%dimensions", 0, "i64"), "0", list[str]()
     if several:
         done = _packs(code, several, rows, starts, steps)
-        lines += [f"@own{k} = external global i8" for k in range(len(several.stretches))]
+        lines += [f"@own{k} = external global i8" for k in range(len(several.parts))]
         lines += ["@counts = external global i8", "@regions = external global i8", "declare i64 @program(ptr, ptr)"]
     with code.loop(code.let(f"sub i64 {rows}, {done}")) as loop:
         row = code.let(f"add i64 {loop.iteration}, {done}")
@@ -115,37 +109,62 @@ def _packs(code: Code, several: SideBySide, rows: str, starts: Sequence[str], st
         first = code.let(f"mul i64 {loop.iteration}, {lanes}")
         each = [code.let(f"add i64 {first}, {lane}") for lane in range(lanes)]
         here = [[_row(code, start, step, k) for k in each] for start, step in zip(starts, steps, strict=True)]
-        for some, stretches in zip(here, several.inputs, strict=False):
-            _turn(code, some, stretches, numbers, inward=True)
+        for some, x in zip(here, several.inputs, strict=False):
+            _turn(code, some, x, numbers, lanes, inward=True)
         code.let("call i64 @program(ptr @counts, ptr @regions)")
-        for some, stretches in zip(here[len(several.inputs) :], several.outputs, strict=True):
-            _turn(code, some, stretches, numbers, inward=False)
+        for some, x in zip(here[len(several.inputs) :], several.outputs, strict=True):
+            _turn(code, some, x, numbers, lanes, inward=False)
     return code.let(f"mul i64 {packs}, {lanes}")
 
 
-def _turn(
-    code: Code, rows: Sequence[str], stretches: Sequence[Stretch], numbers: "count[int]", *, inward: bool
-) -> None:
+def _turn(code: Code, rows: Sequence[str], x: Output, numbers: "count[int]", lanes: int, *, inward: bool) -> None:
     """Rows into the program's memory, or out of it."""
-    for own, column in stretches:
-        there, begin = f"@own{next(numbers)}", [code.at(row, column) for row in rows]
-        _, most = next(blocks(len(rows), len(rows), FLOAT64.item))
-        whole = len(own) // most
-        with code.loop(whole) as loop:
-            offset = code.let(f"mul i64 {loop.iteration}, {most}")
-            _turn_block(code, [code.at(row, offset) for row in begin], there, offset, most, inward=inward)
-        for first, size in blocks(len(own) - whole * most, len(rows), FLOAT64.item):
-            offset = whole * most + first
-            _turn_block(code, [code.at(row, offset) for row in begin], there, str(offset), size, inward=inward)
+    room = np.empty((*x.shape, lanes))
+    for part in x.parts:
+        there = part.place(room)
+        offset = (there.ctypes.data - room.ctypes.data) // lanes
+        places = _Places([code.at(row, offset, "i8") for row in rows], f"@own{next(numbers)}")
+        axes = [*zip(part.own.shape, (step // lanes for step in there.strides), part.own.strides, strict=True)]
+        _turn_axes(code, places, axes[:-1], inward=inward)
 
 
-def _turn_block(code: Code, rows: Sequence[str], own: str, first: str, size: int, *, inward: bool) -> None:
-    """So many columns, which begin at the rows' pointers; their numbers' place is the first from `own` on."""
-    kind, item = f"<{len(rows)} x {FLOAT64.real}>", FLOAT64.item
-    here = code.at(own, first, kind)
+class _Places(NamedTuple):
+    """Where numbers are in rows, and in the program's memory."""
+
+    rows: Sequence[str]
+    own: str
+
+    def after(self, code: Code, number: str | int, step: int, own_step: int) -> "_Places":
+        """So many numbers on, each a step, in bytes."""
+        offset, own_offset = (code.let(f"mul i64 {number}, {x}") for x in (step, own_step))
+        return _Places([code.at(row, offset, "i8") for row in self.rows], code.at(self.own, own_offset, "i8"))
+
+
+def _turn_axes(code: Code, places: _Places, axes: Sequence[tuple[int, int, int]], *, inward: bool) -> None:
+    """axes: length, and steps in rows and in the program's memory, bytes."""
+    if not axes:
+        _turn_block(code, places, 1, 0, inward=inward)
+        return
+    length, step, own_step = axes[0]
+    if len(axes) > 1 or step != FLOAT64.item:
+        with code.loop(length) as loop:
+            _turn_axes(code, places.after(code, loop.iteration, step, own_step), axes[1:], inward=inward)
+        return
+    _, most = next(blocks(len(places.rows), len(places.rows), FLOAT64.item))
+    with code.loop(length // most) as loop:
+        here = places.after(code, loop.iteration, most * step, most * own_step)
+        _turn_block(code, here, most, own_step, inward=inward)
+    first = length // most * most
+    for column, size in blocks(length - first, len(places.rows), FLOAT64.item):
+        _turn_block(code, places.after(code, first + column, step, own_step), size, own_step, inward=inward)
+
+
+def _turn_block(code: Code, places: _Places, size: int, own_step: int, *, inward: bool) -> None:
+    """So many columns side by side."""
+    kind, item = f"<{len(places.rows)} x {FLOAT64.real}>", FLOAT64.item
+    own = [code.at(places.own, k * own_step, "i8") for k in range(size)]
     if inward:
-        for k, vector in enumerate(lanes_of_rows(code, FLOAT64, rows, 0, size)):
-            code.store(vector, here, k, kind, align=item)
+        for place, vector in zip(own, lanes_of_rows(code, FLOAT64, places.rows, 0, size), strict=True):
+            code.store(vector, place, 0, kind, align=item)
     else:
-        vectors = [code.load(here, k, kind, align=item) for k in range(size)]
-        lanes_to_rows(code, FLOAT64, vectors, rows, 0)
+        lanes_to_rows(code, FLOAT64, [code.load(place, 0, kind, align=item) for place in own], places.rows, 0)
