@@ -1,5 +1,6 @@
 """Runs of a function's loops on several configurations: side by side in machine code, what is left one by one."""
 
+from collections.abc import Mapping
 from functools import cached_property
 
 import numpy as np
@@ -10,9 +11,11 @@ from cutpoint.kernels.programs.compiled import BoundProgram
 from cutpoint.kernels.programs.front import ProgramElement
 from cutpoint.kernels.programs.outputs import Output, Part
 from cutpoint.kernels.programs.rows import ProgramRows, SideBySide
-from cutpoint.rolled.memory import Spare, Task, aligned
+from cutpoint.rolled.memory import COLUMN, Spare, Task, aligned
 from cutpoint.rolled.passes import side_by_side
 from cutpoint.rolled.runs import One
+
+Array = np.ndarray
 
 MOST_MEMORY = 2**25
 """Bytes for configurations side by side.
@@ -20,19 +23,35 @@ MOST_MEMORY = 2**25
 Caches hold them: 24 MB saved 20 % of a chain's forward dynamics against one by one, 48 MB cost 25 % more.
 """
 
+FULL = 0.75
+"""Share of the lanes of one configuration that its pairs of bodies fill on chains: several side by side are slower."""
+
 
 class Batches:
-    """Memory for a function's calls with rows of configurations.
-
-    Matrices go one by one, whose entries are many at once already, and so does what needs much memory.
-    """
+    """Memory for a function's calls with rows of configurations."""
 
     def __init__(self, task: Task, one: One, largest: float) -> None:
         self._task, self._one, self._largest = task, one, largest
         self._loops = side_by_side(task.steps, task.columns, one.lanes)
-        memory = 8 * task.bodies * sum(region.size for region in self._loops.regions)
-        self._least = None if task.is_in_parts or memory > MOST_MEMORY else one.lanes
+        memory = 8 * sum(self._rows(region.name) * region.size for region in self._loops.regions)
+        is_quicker = memory <= MOST_MEMORY and not self._fills_lanes()
+        self._least = one.lanes if is_quicker else None
         self._few, self._many = Spare(self._one_by_one), Spare(self._side_by_side)
+
+    def _fills_lanes(self) -> bool:
+        """Whether the pairs of one configuration do."""
+        if not self._task.steps.matrices:
+            return False
+        lanes = self._one.lanes
+        pairs, blocks = (len(self._task.pairs(k)["pair.body"]) for k in (1, lanes))
+        return pairs > FULL * lanes * blocks
+
+    def _rows(self, name: str) -> int:
+        """Of a region's array."""
+        n, steps = self._task.bodies, self._task.steps
+        if name in steps.matrices:
+            return n * n
+        return n + 2 if name in steps.kept else n if name in (*steps.numbers, "body") else 1
 
     @cached_property
     def _program(self) -> Program:
@@ -52,22 +71,81 @@ class Batches:
 
     def _side_by_side(self) -> ProgramRows:
         task, lanes = self._task, self._one.lanes
-        n = task.bodies
-        rows = {**dict.fromkeys((*task.steps.numbers, "body"), n), **dict.fromkeys(task.steps.kept, n + 2)}
-        arrays = {r.name: aligned(rows.get(r.name, 1) * r.size).reshape(-1, r.size) for r in self._loops.regions}
+        arrays = {r.name: aligned(self._rows(r.name) * r.size).reshape(-1, r.size) for r in self._loops.regions}
         arrays["body"][:] = task.columns.read
         for name, numbers in task.world.items():
-            arrays[name][n].reshape(-1, lanes)[: len(numbers)] = numbers[:, None]
-        arrays |= task.constants | task.rows(n)
-        run = self._program.bound({"bodies": n}, **arrays)
+            arrays[name][task.bodies].reshape(-1, lanes)[: len(numbers)] = numbers[:, None]
+        pairs = task.pairs(1) if task.steps.matrices else {}
+        known = arrays | task.constants | task.rows(task.bodies) | pairs
+        counts = {"bodies": task.bodies, "pairs": len(pairs.get("pair.body", ()))}
+        run = self._program.bound({k: counts[k] for k in self._program.counts}, **known)
         assert isinstance(run, BoundProgram), "there is machine code"
-
-        def of(name: str) -> Output:
-            """The bodies' and before them a base's; or those of no body."""
-            shape, head = task.shape(name) if name in task.recipe.outputs else (task.size(name),), task.of_base(name)
-            rest = arrays[name].reshape(*(shape if name in task.steps.shapes else (n,)), lanes)
-            base = [Part(arrays[f"base.{name}"].reshape(head, lanes), np.s_[:head])] if head else []
-            return Output(shape, [*base, Part(rest, np.s_[head:] if shape else ...)])
-
-        inputs, outputs = ([*map(of, names)] for names in (task.recipe.inputs, task.recipe.outputs))
+        places = Places(task, arrays, lanes)
+        inputs, outputs = ([*map(places.of, names)] for names in (task.recipe.inputs, task.recipe.outputs))
         return self._one_by_one(SideBySide(run, lanes, inputs, outputs))
+
+
+class Places:
+    """Where inputs and outputs of several configurations stand in their memory, whose last axis is that of the lanes.
+
+    Like `OneMemory`, which has bodies side by side in place of configurations.
+    """
+
+    def __init__(self, task: Task, arrays: Mapping[str, Array], lanes: int) -> None:
+        self._task, self._arrays, self._lanes = task, arrays, lanes
+
+    def of(self, name: str) -> Output:
+        task = self._task
+        shape = (task.size(name),) if name in task.recipe.inputs else task.shape(name)
+        if name in task.steps.entries:
+            return Output(shape, self._columns_by_body(name, shape[0] - task.bodies))
+        if name in task.steps.matrices:
+            return Output(shape, self._matrix(name, shape[0] - task.bodies))
+        if name == COLUMN:
+            return Output(shape, self._columns(shape[-1] - task.bodies))
+        if name in task.steps.shapes:
+            return Output(shape, [Part(self._in_shape(name, *shape))])
+        head = task.of_base(name)
+        base = [Part(self._in_shape(f"base.{name}", head), np.s_[:head])] if head else []
+        return Output(shape, [*base, Part(self._by_body(name), np.s_[head:])])
+
+    def _in_shape(self, name: str, *shape: int) -> Array:
+        return self._arrays[name].reshape(*shape, self._lanes)
+
+    def _by_body(self, name: str, *shape: int) -> Array:
+        """What is kept of each, without the rows of what is no body."""
+        return self._arrays[name][: self._task.bodies].reshape(self._task.bodies, *shape, self._lanes)
+
+    def _matrix(self, name: str, k: int) -> list[Part]:
+        """Of pairs of bodies, and of what the k speeds of a base share with them."""
+        n = self._task.bodies
+        pairs = Part(self._in_shape(name, n, n), np.s_[k:, k:])
+        if not k:
+            return [pairs]
+        rows, columns = f"{name}_rows", f"{name}_columns"
+        across = self._by_body(columns if columns in self._arrays else rows, k)
+        return [
+            pairs,
+            Part(self._in_shape(f"base.{name}", k, k), np.s_[:k, :k]),
+            Part(self._by_body(rows, k).swapaxes(0, 1), np.s_[:k, k:]),
+            Part(across, np.s_[k:, :k]),
+        ]
+
+    def _columns_by_body(self, name: str, k: int) -> list[Part]:
+        """Of a matrix with several columns for each body, those of a base with k speeds first."""
+        n, size = self._task.bodies, self._task.steps.entries[name]
+        first = size * (k > 0)
+        pairs = Part(self._in_shape(name, n, n, size), np.s_[k:, first:])
+        if not k:
+            return [pairs]
+        return [
+            pairs,
+            Part(self._in_shape(f"base.{name}", k, size), np.s_[:k, :size]),
+            Part(np.zeros((n, size, self._lanes)), np.s_[k:, :size]),
+            Part(self._by_body(f"{name}_rows", k, size).swapaxes(0, 1), np.s_[:k, first:]),
+        ]
+
+    def _columns(self, k: int) -> list[Part]:
+        """A Jacobian's, of the k speeds of a base and of all bodies."""
+        base = [Part(self._in_shape("base.columns", k, 6).swapaxes(0, 1), np.s_[:, :k])] if k else []
+        return [*base, Part(self._by_body(COLUMN, 6).swapaxes(0, 1), np.s_[:, k:])]

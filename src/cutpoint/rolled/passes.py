@@ -89,20 +89,24 @@ def side_by_side(steps: Steps, columns: Columns, lanes: int) -> Rolled:
 
     def joined(passes: Iterable[Pass], way: str) -> list[Loop]:
         if way == "once":
-            return [Loop(1, [wide(p.stage)], views=steps.rows_of(p)) for p in passes]
-        stages, inward = [wide(p.stage) for p in passes], way == "inward"
+            return [Loop(1, [wide(p)], views=steps.rows_of(p)) for p in passes]
+        if way == "pairs":
+            return [_each_pair(p.stage, lanes) for p in passes]
+        stages, inward = [wide(p) for p in passes], way == "inward"
         return [Loop("bodies", stages, tuple(sizes), backward=inward, views=steps.views)]
 
-    def wide(stage: Stage) -> Stage:
-        used = {of.get(name, name) for name in (*stage.reads, *stage.writes)}
-        return replace(stage, lanes=lanes, as_in_threes=not used.isdisjoint(steps.threes))
+    def wide(p: Pass) -> Stage:
+        of = {view.name: view.of for view in (steps.rows_of(p) if p.way == "once" else steps.views)}
+        used = {of.get(name, name) for name in (*p.stage.reads, *p.stage.writes)}
+        return replace(p.stage, lanes=lanes, as_in_threes=not used.isdisjoint(steps.threes))
 
-    sizes, of = {"body": columns.width, **steps.sizes}, {view.name: view.of for view in steps.views}
-    kinds = groupby(steps.passes, key=lambda p: p.way if p.way in ("inward", "once") else "outward")
+    sizes = {"body": columns.width, **steps.sizes}
+    kinds = groupby(steps.passes, key=lambda p: "outward" if p.way == "alone" else p.way)
     loops = [loop for way, some in kinds for loop in joined(some, way)]
     regions = [Region(name, size * lanes, lanes) for name, size in {**steps.sizes, **steps.apart}.items()]
     constants = [Region(name, size) for name, size in {"body": columns.width, **steps.constants}.items()]
-    return Rolled(Loop(1, loops), (*constants, *regions))
+    entries = [Region(name, steps.entries.get(name, 1) * lanes, lanes) for name in steps.matrices]
+    return Rolled(Loop(1, loops), (*constants, *regions, *entries))
 
 
 def one_by_one(steps: Steps, columns: Columns, lanes: int) -> Rolled:
@@ -126,6 +130,19 @@ def one_by_one(steps: Steps, columns: Columns, lanes: int) -> Rolled:
             regions += [Region(p.stage.reads[0], sum(sizes[name] for name in p.stage.reads[1:]))]
             regions += [Region(name, steps.entries.get(name, 1) * lanes, lanes) for name in p.stage.writes]
     return Rolled(Loop(1, [loop for p in steps.passes for loop in loops(p)]), tuple(regions))
+
+
+def _each_pair(stage: Stage, lanes: int) -> Loop:
+    """Each body with each other that it carries, or that carries it."""
+    _, *names = stage.reads
+    own, others = ([View(f"{x}_{name}", name, f"pair.{x}") for name in names] for x in ("body", "block"))
+    entries = [View(f"entry_{name}", name, "pair.entry") for name in stage.writes]
+
+    def entry(*numbers: Any) -> Any:
+        return stage.function([x for one in numbers[: len(own)] for x in one], *numbers[len(own) :])
+
+    reads = [view.name for view in (*own, *others)]
+    return Loop("pairs", [Stage(entry, reads, [x.name for x in entries], lanes)], views=(*own, *others, *entries))
 
 
 def _pairs(stage: Stage, lanes: int) -> list[Loop]:
