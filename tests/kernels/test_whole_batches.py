@@ -219,6 +219,24 @@ def test_calls_keep_and_lose_no_references(kernel: Kernel) -> None:
     assert all(sys.getrefcount(x) == sys.getrefcount(np.empty(1)) + 2 for x in found)
 
 
+def test_large_results_lie_together_and_are_arrays_of_their_own(kernel: Kernel) -> None:
+    rows = batch(kernel, 9001)
+    parts = [kernel(*(x[k : k + 100] for x in rows)) for k in range(0, 9001, 100)]
+    for _ in range(3):
+        found = kernel(*rows)
+    assert_same(found, [np.concatenate(column) for column in zip(*parts, strict=True)])
+    column, number = found
+    memory, alone = column.base, sys.getrefcount(np.empty(1))
+    held = sys.getrefcount(memory)
+    assert held == alone + 3  # by its name and by two arrays
+    assert number.base is memory and not np.shares_memory(column, number)
+    assert all(type(x) is np.ndarray and x.flags.carray and x.ctypes.data % 64 == 0 for x in found)
+    kept = number.copy()
+    del found, column
+    held = sys.getrefcount(memory)
+    assert np.array_equal(number, kept) and held == alone + 2
+
+
 def test_without_the_python_it_knows_numpy_does_the_work(kernel: Kernel, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(whole_batches, "is_possible", lambda: False)
     fresh = compile(law, q=3, t=(), M=(2, 2), backend="llvm")

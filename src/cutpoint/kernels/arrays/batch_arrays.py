@@ -2,12 +2,20 @@
 
 from collections.abc import Sequence
 
-from cutpoint.kernels.arrays.numpy_api import DATA, RANK, SHAPE, TIDY, WRITEABLE, new_array
+from cutpoint.kernels.arrays.numpy_api import DATA, RANK, SHAPE, TIDY, WRITEABLE, new_array, owned
 from cutpoint.kernels.arrays.plain_arguments import require, require_array
 from cutpoint.kernels.arrays.python_api import ITEMS, KIND, LENGTH, new, new_tuple
 from cutpoint.kernels.graphs.ports import Port
 from cutpoint.kernels.graphs.precision import Precision
-from cutpoint.kernels.machine.llvm_code import Code
+from cutpoint.kernels.machine.llvm_code import LINE, Code
+
+_TOGETHER = 2**16
+"""Bytes of results that get one stretch of memory.
+
+Of three arrays that are made and freed call after call, glibc gives the memory back to the system each time, and the
+faults of fetching it again took four times as long as derivatives of a 6R arm.  Where a line of the cache begins, rows
+of results are written in up to 27 % less time than where NumPy lets them begin.
+"""
 
 
 class BatchArrays:
@@ -64,30 +72,73 @@ def targets_of(
     code: Code, precision: Precision, outputs: Sequence[Port], sources: BatchArrays, out: str
 ) -> tuple[list[str], str]:
     """Where the results go, and what the call returns: new arrays, or those that were given."""
-    make, made, take, taken, end = (code.name(x) for x in ("make", "made", "take", "taken", "end"))
-    code.branch(code.let(f"icmp eq ptr {out}, @none"), make, take)
-    code.open(make)
-    fresh, new_answer = _made(code, precision, outputs, sources.count)
-    code.label(made)
-    code.lines.append(f"br label {end}")
-    code.open(take)
-    found, own_answer = _taken(code, precision, outputs, sources, out)
-    code.label(taken)
-    code.label(end)
-    pairs = zip((*fresh, new_answer), (*found, own_answer), strict=True)
-    *starts, answer = [code.let(f"phi ptr [ {x}, {made} ], [ {y}, {taken} ]") for x, y in pairs]
+    fresh, apart, together, take, end = (code.name(x) for x in ("fresh", "apart", "together", "take", "end"))
+    code.branch(code.let(f"icmp eq ptr {out}, @none"), fresh, take)
+    code.open(fresh)
+    sizes = [code.let(f"mul i64 {sources.count}, {port.size * precision.item}") for port in outputs]
+    total = "0"
+    for size in sizes:
+        total = code.let(f"add i64 {total}, {size}")
+    code.branch(code.let(f"icmp ult i64 {total}, {_TOGETHER}"), apart, together)
+    ways = {
+        apart: lambda: _apart(code, precision, outputs, sources.count),
+        together: lambda: _together(code, precision, outputs, sources.count, sizes),
+        take: lambda: _taken(code, precision, outputs, sources, out),
+    }
+    found: list[list[str]] = []
+    for label, way in ways.items():
+        code.open(label)
+        starts, answer = way()
+        done = code.name("done")
+        code.label(done)
+        code.lines.append(f"br label {end}")
+        found.append([f"[ {x}, {done} ]" for x in (*starts, answer)])
+    code.open(end)
+    *starts, answer = [code.let(f"phi ptr {', '.join(each)}") for each in zip(*found, strict=True)]
     return starts, answer
 
 
-def _made(code: Code, precision: Precision, outputs: Sequence[Port], count: str) -> tuple[list[str], str]:
+def _apart(code: Code, precision: Precision, outputs: Sequence[Port], count: str) -> tuple[list[str], str]:
+    """New arrays as NumPy makes them."""
     owner = new(code, new_tuple(len(outputs))) if len(outputs) > 1 else None
     arrays: list[str] = []
     for k, port in enumerate(outputs):
-        shape = code.let(f"alloca [{len(port.shape) + 1} x i64]")
-        for axis, n in enumerate((count, *port.shape)):
-            code.store(str(n), shape, axis, "i64")
+        shape = _shape(code, (count, *port.shape))
         arrays.append(new(code, new_array(len(port.shape) + 1, shape, precision.dtype.num), owner, k))
     return [code.field(x, DATA) for x in arrays], owner or arrays[0]
+
+
+def _together(
+    code: Code, precision: Precision, outputs: Sequence[Port], count: str, sizes: Sequence[str]
+) -> tuple[list[str], str]:
+    """New arrays in one stretch of memory, each from the beginning of a line on.  sizes: in bytes."""
+    offsets = ["0"]
+    for size in sizes:
+        lines = code.let(f"and i64 {code.let(f'add i64 {size}, {LINE - 1}')}, {-LINE}")
+        offsets.append(code.let(f"add i64 {offsets[-1]}, {lines}"))
+    *offsets, end = offsets
+    numbers = code.let(f"udiv i64 {code.let(f'add i64 {end}, {LINE}')}, {precision.item}")
+    owner = new(code, new_tuple(len(outputs))) if len(outputs) > 1 else None
+    memory = new(code, new_array(1, _shape(code, (numbers,)), precision.dtype.num), held=owner)
+    begin = code.let(f"ptrtoint ptr {code.field(memory, DATA)} to i64")
+    skipped = code.let(f"and i64 {code.let(f'sub i64 0, {begin}')}, {LINE - 1}")
+    first = code.at(code.field(memory, DATA), skipped, "i8")
+    starts, arrays = [code.at(first, offset, "i8") for offset in offsets], list[str]()
+    for k, (port, start) in enumerate(zip(outputs, starts, strict=True)):
+        made = new_array(len(port.shape) + 1, _shape(code, (count, *port.shape)), precision.dtype.num, start)
+        arrays.append(new(code, made, owner, k, held=memory))
+        code.lines.append(f"call void @Py_IncRef(ptr {memory})")
+        code.let(f"call {owned(arrays[k], memory)}")
+    code.lines.append(f"call void @Py_DecRef(ptr {memory})")
+    return starts, owner or arrays[0]
+
+
+def _shape(code: Code, lengths: Sequence[str | int]) -> str:
+    """A pointer to the lengths of axes."""
+    shape = code.let(f"alloca [{len(lengths)} x i64]")
+    for axis, n in enumerate(lengths):
+        code.store(str(n), shape, axis, "i64")
+    return shape
 
 
 def _taken(

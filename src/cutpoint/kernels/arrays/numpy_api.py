@@ -32,11 +32,12 @@ WRITEABLE = 0x0400
 
 DECLARATIONS = """declare ptr @PyArray_New(ptr, i32, ptr, i32, ptr, ptr, i32, i32, ptr)
 declare ptr @PyArray_Scalar(ptr, ptr, ptr)
+declare i32 @PyArray_SetBaseObject(ptr, ptr)
 """
 
 _VERSIONS = (0x01000009, 0x02000000)
 """Of the ABI: NumPy 1 and NumPy 2."""
-_GET_VERSION, _SCALAR, _NEW = 0, 60, 93
+_GET_VERSION, _SCALAR, _NEW, _SET_BASE = 0, 60, 93, 282
 _FROM_FUNC_AND_DATA_AND_SIGNATURE = 31
 _NO_IDENTITY = -1
 
@@ -66,10 +67,18 @@ def _signature(inputs: Sequence[Port], outputs: Sequence[Port]) -> str:
     return f"{left}->{right}"
 
 
-def new_array(rank: int, shape: str, kind: int) -> str:
-    """The call that makes an array.  shape: a pointer to the lengths of its axes; kind: its type's number."""
-    plain = "ptr null, ptr null, i32 0, i32 0, ptr null"
-    return f"PyArray_New(ptr @array_type, i32 {rank}, ptr {shape}, i32 {kind}, {plain})"
+def new_array(rank: int, shape: str, kind: int, memory: str | None = None) -> str:
+    """The call that makes an array.  shape: a pointer to the lengths of its axes; kind: its type's number.
+
+    memory: where its numbers are, if somebody else owns them: see `owned`.
+    """
+    given = f"ptr {memory}, i32 0, i32 {TIDY | WRITEABLE}" if memory else "ptr null, i32 0, i32 0"
+    return f"PyArray_New(ptr @array_type, i32 {rank}, ptr {shape}, i32 {kind}, ptr null, {given}, ptr null)"
+
+
+def owned(array: str, owner: str) -> str:
+    """The call that makes an object, whose reference it takes, the owner of an array's numbers."""
+    return f"i32 @PyArray_SetBaseObject(ptr {array}, ptr {owner})"
 
 
 def new_scalar(place: str) -> str:
@@ -83,7 +92,8 @@ def symbols() -> dict[str, int]:
     table = _table("multiarray", "_ARRAY_API")
     dtypes = {name: np.dtype(name) for name in ("float64", "float32")}
     objects = {"array_type": np.ndarray, "float64_type": np.float64} | dtypes
-    return {"PyArray_New": table[_NEW], "PyArray_Scalar": table[_SCALAR]} | {k: id(x) for k, x in objects.items()}
+    functions = {"PyArray_New": _NEW, "PyArray_Scalar": _SCALAR, "PyArray_SetBaseObject": _SET_BASE}
+    return {name: table[place] for name, place in functions.items()} | {k: id(x) for k, x in objects.items()}
 
 
 @cache
@@ -124,7 +134,14 @@ def _new_ones_are_right() -> bool:
     value = ctypes.c_double(1.5)
     scalar = ctypes.PYFUNCTYPE(thing, pointer, pointer, pointer)(at["PyArray_Scalar"])
     float64 = scalar(ctypes.addressof(value), at["float64"], None)
-    right = type(array) is np.ndarray and array.dtype is np.dtype(np.float64) and array.shape == (2, 3)
+    memory = np.zeros(8)
+    place, flags = memory[1:].ctypes.data, TIDY | WRITEABLE
+    view = new(at["PyArray_New"])(at["array_type"], 2, ctypes.addressof(shape), DOUBLE, None, place, 0, flags, None)
+    ctypes.pythonapi.Py_IncRef(thing(memory))
+    ctypes.PYFUNCTYPE(number, thing, thing)(at["PyArray_SetBaseObject"])(view, memory)
+    view[1, 2] = 1
+    right = all(type(x) is np.ndarray and x.dtype is np.dtype(np.float64) and x.shape == (2, 3) for x in (array, view))
+    right = right and view.flags.carray and view.base is memory and memory[6] == 1
     lies = np.float64.__basicsize__ >= _HEADER + 8 and ctypes.c_double.from_address(id(float64) + _HEADER).value == 1.5
     return right and array.flags.carray and type(float64) is np.float64 and float64 == 1.5 and lies
 

@@ -30,17 +30,16 @@ declare void @PyEval_RestoreThread(ptr)
 """
 
 
-def new(code: Code, expression: str, owner: str | None = None, k: int = 0) -> str:
+def new(code: Code, expression: str, owner: str | None = None, k: int = 0, held: str | None = None) -> str:
     """The new object that a call of the C API returns; the k-th of its owner, a tuple, if it has one.
 
-    Where there is no memory for it the function fails, and leaves nothing behind.
+    Where there is no memory for it the function fails, and leaves nothing behind, nor what else it held.
     """
     made, failed = code.name("made"), code.name("failed")
     x = code.let(f"call ptr @{expression}")
     code.branch(code.let(f"icmp ne ptr {x}, null"), made, failed)
     code.open(failed)
-    if owner:
-        code.lines.append(f"call void @Py_DecRef(ptr {owner})")
+    code.lines += [f"call void @Py_DecRef(ptr {x})" for x in (owner, held) if x]
     code.lines.append("ret ptr null")
     code.open(made)
     if owner:
