@@ -53,11 +53,11 @@ class ProgramRows:
     ) -> None:
         """largest: see `whole`."""
         self._inputs, self._outputs, self._largest = inputs, outputs, largest
-        self._owned = one, several
         symbols = {FUNCTION: one.element}
         if several:
             symbols |= {f"own{k}": x.own.ctypes.data for k, x in enumerate(several.parts)} | several.run.symbols
         self._code = Compiled(_ir([port.size for port in (*inputs, *outputs)], several), _LOOP, symbols=symbols)
+        self._owned = self._code, one, several
 
     def __call__(self, given: Sequence[np.ndarray], found: Sequence[np.ndarray]) -> None:
         """One run for each row; what is found is tidy in memory."""
@@ -73,13 +73,14 @@ class ProgramRows:
         It does no work where a number is NaN or beyond the largest.
         """
         loop = self._code.address, None
-        return whole_batches(loop, FLOAT64, self._inputs, self._outputs, self._code, largest=self._largest)
+        return whole_batches(loop, FLOAT64, self._inputs, self._outputs, self._owned, largest=self._largest)
 
 
 def _ir(sizes: Sequence[int], several: SideBySide | None) -> str:
     """The module's text.  sizes: numbers in a row of each argument."""
     code = Code()
-    starts, steps = ([code.load(x, k, kind) for k in range(len(sizes))] for x, kind in (_PLACES, _STEPS))
+    starts = [code.load("%arguments", k, "ptr") for k in range(len(sizes))]
+    steps = [code.load("%steps", k, "i64") for k in range(len(sizes))]
     rows, done, lines = code.load("%dimensions", 0, "i64"), "0", list[str]()
     if several:
         done = _packs(code, several, rows, starts, steps)
@@ -92,9 +93,6 @@ def _ir(sizes: Sequence[int], several: SideBySide | None) -> str:
     lines.append(f"declare void @{FUNCTION}({', '.join(['ptr'] * len(sizes))})")
     head = f"define void @{_LOOP}(ptr %arguments, ptr %dimensions, ptr %steps, ptr %data) {{\nentry:"
     return "\n".join([*lines, head, *code.lines, "ret void", "}", ""])
-
-
-_PLACES, _STEPS = ("%arguments", "ptr"), ("%steps", "i64")
 
 
 def _row(code: Code, start: str, step: str, number: str) -> str:
