@@ -94,6 +94,15 @@ def test_blocks_that_are_whole_go_the_short_way(runs: list[bool], kernel: Kernel
         assert_same(blocks.rows(x, 21), one_by_one(kernel, rows))
 
 
+def test_earlier_results_may_be_filled_again(runs: list[bool], kernel: Kernel) -> None:
+    first, second = batch(kernel), batch(kernel)
+    expected, found = kernel(*second), kernel(*first)
+    again = kernel(*second, out=found)
+    assert all(x is y for x, y in zip(again, found, strict=True)) and all(runs)
+    assert_same(again, expected)
+    assert_same(kernel(*first[:2], first[2][::-1][::-1], out=again, threads=2), kernel(*first))
+
+
 @pytest.mark.parametrize(("place", "is_short"), [(0, False), (1, False), (2, True)])
 def test_all_elements_may_share_an_array(runs: list[bool], kernel: Kernel, place: int, is_short: bool) -> None:
     rows = batch(kernel)

@@ -35,6 +35,8 @@ class ArrayCall:
                 return self._direct(*arguments)
             except (TypeError, ValueError) as error:
                 raise explained(self._name, self._graph, arguments, out, error) from None
+        if self._make and isinstance(out, tuple):
+            out = tuple(out)  # NumPy wants no record, such as an earlier call's results are
         if threads is None and not named and self._are_batch(arguments) and self._whole:
             found = self._whole(arguments, out)
             if found is not None:

@@ -11,7 +11,7 @@ from cutpoint.kernels.graphs.graph import Graph
 from cutpoint.kernels.graphs.ports import Port
 from cutpoint.kernels.lowering.scheduling import as_stored
 from cutpoint.kernels.machine.llvm import Lanes, straight_line
-from cutpoint.kernels.machine.llvm_code import PREFETCH, Code, in_turn
+from cutpoint.kernels.machine.llvm_code import ON_LINES, PREFETCH, Code, in_turn
 from cutpoint.kernels.machine.transposition import blocks, constants_to_rows, lanes_of_rows, lanes_to_rows
 from cutpoint.kernels.machine.tuning import for_divisions
 
@@ -130,5 +130,5 @@ def pack_loop(graph: Graph, inputs: Sequence[Port], outputs: Sequence[Port], wid
             straight_line(code, graph, lanes, load, ready)
         code.lines += in_turn(pack, asked)
     head = f"{lanes.declarations}{PREFETCH}define void @{FUNCTION}"
-    head += f"(ptr %arguments, ptr %steps, i64 %packs) {for_divisions([graph])} {{\nentry:"
+    head += f"(ptr %arguments, ptr %steps, i64 %packs) {ON_LINES} {for_divisions([graph])} {{\nentry:"
     return "\n".join([head, *code.lines, "ret void", "}", ""])

@@ -6,7 +6,7 @@ from cutpoint.kernels.graphs.graph import Graph
 from cutpoint.kernels.graphs.ports import Port
 from cutpoint.kernels.machine.lane_memory import LaneMemory
 from cutpoint.kernels.machine.llvm import Lanes, straight_line
-from cutpoint.kernels.machine.llvm_code import Code
+from cutpoint.kernels.machine.llvm_code import ON_LINES, Code
 from cutpoint.kernels.machine.tuning import for_divisions
 from cutpoint.kernels.machine.ufunc_loop import ufunc_loop
 
@@ -40,4 +40,4 @@ def strided_loop(graph: Graph, inputs: Sequence[Port], outputs: Sequence[Port], 
         )  # fmt: skip
         for argument in targets:
             argument.deliver(code, first, count)
-    return lanes.declarations + ufunc_loop(FUNCTION, code, for_divisions([graph]))
+    return lanes.declarations + ufunc_loop(FUNCTION, code, f"{ON_LINES} {for_divisions([graph])}")

@@ -8,7 +8,7 @@ import numpy as np
 
 from cutpoint.kernels.machine.jit import Compiled
 from cutpoint.kernels.machine.llvm import Lanes
-from cutpoint.kernels.machine.llvm_code import Code, in_turn
+from cutpoint.kernels.machine.llvm_code import ON_LINES, Code, in_turn
 from cutpoint.kernels.machine.tuning import beside_numbers, for_divisions
 from cutpoint.kernels.programs.plan import Plan
 from cutpoint.kernels.programs.stage import AT_ONCE, Place
@@ -95,7 +95,7 @@ def program_ir(plan: Plan) -> str:
     done = loop(plan.body, starts)
     widths = {stage.lanes for stage in plan.graphs}
     declarations = "".join(Lanes(width).declarations for width in sorted({*widths, 1, WIDE.width, AT_ONCE}))
-    attributes = f"{beside_numbers() if 1 in widths else ''} {for_divisions(plan.graphs.values())}"
+    attributes = f"{ON_LINES} {beside_numbers() if 1 in widths else ''} {for_divisions(plan.graphs.values())}"
     head = f"{declarations}define i64 @{_FUNCTION}(ptr %counts, ptr %regions) {attributes} {{\nentry:"
     return "\n".join([head, *code.lines, f"ret i64 {done}", "}", ""])
 

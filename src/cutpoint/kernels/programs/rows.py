@@ -17,7 +17,7 @@ from cutpoint.kernels.graphs.ports import Port
 from cutpoint.kernels.graphs.precision import FLOAT64
 from cutpoint.kernels.machine.element import FUNCTION
 from cutpoint.kernels.machine.jit import Compiled
-from cutpoint.kernels.machine.llvm_code import Code
+from cutpoint.kernels.machine.llvm_code import ON_LINES, Code
 from cutpoint.kernels.machine.transposition import blocks, lanes_of_rows, lanes_to_rows
 from cutpoint.kernels.programs.compiled import BoundProgram
 from cutpoint.kernels.programs.front import ProgramElement
@@ -91,7 +91,7 @@ def _ir(sizes: Sequence[int], several: SideBySide | None) -> str:
         here = [_row(code, start, step, row) for start, step in zip(starts, steps, strict=True)]
         code.lines.append(f"call void @{FUNCTION}({', '.join(f'ptr {place}' for place in here)})")
     lines.append(f"declare void @{FUNCTION}({', '.join(['ptr'] * len(sizes))})")
-    head = f"define void @{_LOOP}(ptr %arguments, ptr %dimensions, ptr %steps, ptr %data) {{\nentry:"
+    head = f"define void @{_LOOP}(ptr %arguments, ptr %dimensions, ptr %steps, ptr %data) {ON_LINES} {{\nentry:"
     return "\n".join([*lines, head, *code.lines, "ret void", "}", ""])
 
 
