@@ -66,11 +66,6 @@ class Task:
         body, block = map(np.ascontiguousarray, np.nonzero(carried.reshape(n, blocks, lanes).any(axis=2)))
         return {"pair.body": body, "pair.block": block, "pair.entry": body * blocks + block}
 
-    @property
-    def is_in_parts(self) -> bool:
-        """Whether its output is put together after the loops."""
-        return self.recipe.outputs[0] in (*self.steps.matrices, COLUMN)
-
     def rows(self, world: int) -> dict[str, Array]:
         """Lists of rows, given the world's; the base's is the one after it."""
         numbers = {"parent": self._parents, "world": np.array([WORLD]), "base": np.array([BASE]), "tip": self._tip}

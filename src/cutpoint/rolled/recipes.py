@@ -25,7 +25,7 @@ class Recipe(NamedTuple):
     first joint.  reads_turns: whether it knows the axes of the bodies' own frames.
 
     Measured on chains of 12 to 128 joints and on humanoids of 29 to 101: up to these sizes straight-line code compiles
-    in some 2 s, at most 5, takes a third to all of the loops' time in batches and, but on chains, half to all of it in
+    in some 2 s, at most 5, takes half to all of the loops' time in batches and, but on chains, half to all of it in
     single calls.  Derivatives are quicker as loops from some ten bodies on, with springs from seven on; those of
     forward dynamics, which have no loops of their own, are not up to these sizes.
     """
