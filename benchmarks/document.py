@@ -62,6 +62,12 @@ def document(results: dict, others: Sequence[dict] = ()) -> str:
 
 def _worst(results: dict) -> float:
     """The largest difference there was, of all that is measured as a share of the largest result."""
-    measured = [*results["tasks"], *results["elastic"], *results["parameters"], *results["in JAX"],
-                *results["chains"]["long"], *results["humanoids"]]
+    measured = [
+        *results["tasks"],
+        *results["elastic"],
+        *results["parameters"],
+        *results["in JAX"],
+        *results["chains"]["long"],
+        *results["humanoids"],
+    ]
     return max(x for row in measured for x in row["differences"].values())

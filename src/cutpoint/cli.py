@@ -2,6 +2,7 @@
 
 import atexit
 import gc
+import os
 import sys
 import warnings
 from typing import Any
@@ -14,6 +15,8 @@ def main() -> None:
     # what a command makes stays until its end: looking for garbage more often, and once more at the end, finds none
     gc.set_threshold(100_000)
     atexit.register(gc.freeze)
+    # pydantic would look through all installed packages for plugins of its own
+    os.environ.setdefault("PYDANTIC_DISABLE_PLUGINS", "__all__")
     warnings.showwarning = _warn
     try:
         # here, so that Ctrl-C is heard while it is imported

@@ -124,7 +124,7 @@ class Robot:
         """The configuration with every joint unmoved, (nq,)."""
         return configurations.neutral(self.machine.system)
 
-    def random(self, seed: int | np.random.Generator | None = None, size: int | tuple[int, ...] = ()) -> Array:
+    def random(self, seed: "int | np.random.Generator | None" = None, size: int | tuple[int, ...] = ()) -> Array:
         """Random configurations (*size, nq): within limits where there are any, otherwise within a turn, or 1 m.
 
         A free turn is spread evenly over all turns.

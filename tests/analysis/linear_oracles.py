@@ -60,9 +60,7 @@ def fully_coupled() -> Robot:
 def wheel(inertia: float = 1.0) -> Robot:
     """A disc on a vertical axis, with a rigid drive: gravity does nothing to it."""
     disc = Link("disc", 1.0, np.zeros(3), inertia * np.eye(3))
-    return Robot(
-        build("wheel", [Link("stand"), disc], [Joint("axle", "continuous", "stand", "disc")])
-    )
+    return Robot(build("wheel", [Link("stand"), disc], [Joint("axle", "continuous", "stand", "disc")]))
 
 
 def sprung(wheel: Robot, J: float, K: float, damping: float | None = None, viscous: float = 0.0) -> Robot:

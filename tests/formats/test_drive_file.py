@@ -152,9 +152,9 @@ BRISTLES = st.one_of(
     st.builds(LuGre, COULOMB, POSITIVE, NOT_NEGATIVE),
     st.builds(ElastoPlastic, COULOMB, POSITIVE, NOT_NEGATIVE, st.floats(0.0, 0.9)),
 )
-WAVES = st.lists(
-    st.builds(Harmonic, st.integers(1, 48), st.floats(0.0, 0.02), st.floats(-9.0, 9.0)), max_size=3
-).map(tuple)
+WAVES = st.lists(st.builds(Harmonic, st.integers(1, 48), st.floats(0.0, 0.02), st.floats(-9.0, 9.0)), max_size=3).map(
+    tuple
+)
 MOTORS = st.builds(Motor, POSITIVE, POSITIVE, MAYBE, MAYBE, MAYBE, MAYBE, WAVES, WAVES)
 LIMITS = st.builds(
     Limits,

@@ -340,7 +340,7 @@ def test_shapes_that_dynamics_does_not_need_are_never_opened(case: str) -> None:
 
 def test_losses_that_the_file_switches_off_are_none() -> None:
     hinge = '<joint name="elbow" damping="3" frictionloss="2"/><geom size="0.1" mass="1"/>'
-    text = f'<mujoco><option><flag {{}}/></option><worldbody><body>{hinge}</body></worldbody></mujoco>'
+    text = f"<mujoco><option><flag {{}}/></option><worldbody><body>{hinge}</body></worldbody></mujoco>"
     lossy = ('contact="enable"', 3.0, 2.0), ('damper="disable"', 0.0, 2.0), ('frictionloss="disable"', 3.0, 0.0)
     for flags, damping, friction in lossy:
         (body,) = read(text.format(flags)).mechanism.bodies

@@ -10,8 +10,12 @@ from cutpoint.kernels.graphs.graph import Graph
 from cutpoint.kernels.graphs.nodes import Node
 
 
-def bits(x: float) -> int: return struct.unpack("<Q", struct.pack("<d", x))[0]
-def real(pattern: int) -> float: return struct.unpack("<d", struct.pack("<Q", pattern))[0]
+def bits(x: float) -> int:
+    return struct.unpack("<Q", struct.pack("<d", x))[0]
+
+
+def real(pattern: int) -> float:
+    return struct.unpack("<d", struct.pack("<Q", pattern))[0]
 
 
 def fma(a: float, b: float, c: float) -> float:
@@ -36,7 +40,8 @@ FORMS = {
 def evaluate(graph: Graph, inputs: list[float]) -> list[float]:
     values: dict[int, Any] = {}
 
-    def value(x: Any) -> Any: return values[x.serial] if isinstance(x, Node) else x
+    def value(x: Any) -> Any:
+        return values[x.serial] if isinstance(x, Node) else x
 
     for x in graph.nodes:
         values[x.serial] = inputs[x.args[0]] if x.op == "input" else FORMS[x.op](*map(value, x.args))

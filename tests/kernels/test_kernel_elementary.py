@@ -15,8 +15,12 @@ DIGITS = 40
 RNG = np.random.default_rng(5)
 
 
-def both_signs(x: np.ndarray) -> np.ndarray: return np.concatenate([x, -x])
-def magnitudes(low: float, high: float) -> np.ndarray: return both_signs(10 ** RNG.uniform(low, high, 60))
+def both_signs(x: np.ndarray) -> np.ndarray:
+    return np.concatenate([x, -x])
+
+
+def magnitudes(low: float, high: float) -> np.ndarray:
+    return both_signs(10 ** RNG.uniform(low, high, 60))
 
 
 QUARTERS = np.arange(1, 63_000, 997) * (math.pi / 2)

@@ -18,8 +18,8 @@ from twins import Twin, pinocchio_of
 STARTS = [np.zeros(6), np.array([1.3, -1.0, 0.9, -0.4, 1.5, 0.2]), np.array([-0.4, 1.6, 0.3, 1.9, -0.7, 1.1])]
 
 
-STONE = '''<robot name="stone"><link name="stone"><inertial><mass value="2"/>
-<inertia ixx="0.1" iyy="0.1" izz="0.1" ixy="0" ixz="0" iyz="0"/></inertial></link></robot>'''
+STONE = """<robot name="stone"><link name="stone"><inertial><mass value="2"/>
+<inertia ixx="0.1" iyy="0.1" izz="0.1" ixy="0" ixz="0" iyz="0"/></inertial></link></robot>"""
 
 
 @cache

@@ -13,9 +13,9 @@ def quantity(rotary: str, linear: str, meaning: str, default: Any = ..., **rules
 
 
 class Sheet(BaseModel):
-    """Unknown keys are errors, and nothing is converted."""
+    """Unknown keys are errors, and nothing is converted.  Validators are built at their first use, for quick starts."""
 
-    model_config = ConfigDict(extra="forbid", frozen=True, strict=True, allow_inf_nan=False)
+    model_config = ConfigDict(extra="forbid", frozen=True, strict=True, allow_inf_nan=False, defer_build=True)
 
 
 Wave = Annotated[list[float], Field(min_length=3, max_length=3)]

@@ -21,7 +21,7 @@ def neutral(system: System) -> Array:
     return q
 
 
-def at_random(mechanism: Mechanism, system: System, rng: np.random.Generator, shape: tuple[int, ...]) -> Array:
+def at_random(mechanism: Mechanism, system: System, rng: "np.random.Generator", shape: tuple[int, ...]) -> Array:
     """(*shape, nq): see `Robot.random`."""
     q = np.empty((*shape, system.nq))
     for segment, body in zip(system.segments, mechanism.bodies, strict=True):
@@ -30,7 +30,7 @@ def at_random(mechanism: Mechanism, system: System, rng: np.random.Generator, sh
     return q
 
 
-def _random_coordinates(joint: Joint, count: int, rng: np.random.Generator, shape: tuple[int, ...]) -> Array:
+def _random_coordinates(joint: Joint, count: int, rng: "np.random.Generator", shape: tuple[int, ...]) -> Array:
     """Coordinates (*shape, count) of a joint: see `Robot.random`."""
     free = np.pi if joint.kind in ("revolute", "continuous", "helical") else 1.0
     if count == 1:

@@ -38,7 +38,7 @@ def check_moves_inertia(mechanism: Mechanism, machine: Machine) -> None:
     raise ModelError(complaint, joints=idle)
 
 
-def _idle_joints(mechanism: Mechanism, machine: Machine, rng: np.random.Generator) -> list[str]:
+def _idle_joints(mechanism: Mechanism, machine: Machine, rng: "np.random.Generator") -> list[str]:
     """Joints that take part in the motion of least inertia at a random configuration, if that is none."""
     system = machine.system
     q, names = at_random(mechanism, system, rng, ()), np.empty(system.nv, object)

@@ -21,9 +21,7 @@ def torque_regressor(system: System, q: Scalars, v: Scalars, a: Scalars) -> list
     return _of_bodies(system, moved, moved)
 
 
-def required_torque_regressor(
-    system: System, q: Scalars, v: Scalars, v_r: Scalars, a_r: Scalars
-) -> list[list[Scalar]]:
+def required_torque_regressor(system: System, q: Scalars, v: Scalars, v_r: Scalars, a_r: Scalars) -> list[list[Scalar]]:
     """Y(q, v, v_r, a_r), nv x 10 n, with Y p = M a_r + C(q, v) v_r + g.  Slotine and Li (1987)."""
     actual, required = required_motions(system, q, v, v_r, a_r)
     return _of_bodies(system, actual, required)

@@ -21,7 +21,7 @@ VIEWS = (ABOVE, View("carrier", "velocity", "parent"), View("lift", "acceleratio
 
 
 def body_motions(columns: Columns, order: Order, rates: Sequence[str]) -> list[Pass]:
-    """"column", a body's motion at unit speed of its joint, and what is `MOVED`, from where bodies are "turned".
+    """A body's motion at unit speed of its joint, "column", and what is `MOVED`, from where bodies are "turned".
 
     Featherstone (2008) section 2.11: about a place that stands still accelerations add as velocities do.
     """
