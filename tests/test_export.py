@@ -20,6 +20,7 @@ from cutpoint.functions.exported import RESULTS
 from cutpoint.simulation.control_kernel import law_kernel, law_memory
 from cutpoint.simulation.parameters import law_parameters
 from cutpoint.trajectories import cycloid
+from robot_library import mixed
 
 DYNAMICS = {
     "inverse_dynamics": 3, "forward_dynamics": 3, "mass_matrix": 1, "elastic_inverse_dynamics": 5,
@@ -139,6 +140,17 @@ def test_the_header_names_rows_and_columns(arm: cutpoint.Robot, tmp_path: Path) 
     assert "about the world's origin" in said["momentum"] and "joint1" not in said["momentum"]
     export_function(arm, "jacobian", tmp_path, name="f", frame="link3", expressed_in="local_world_aligned")
     assert "of frame link3, along the world's axes" in (tmp_path / "f.h").read_text()
+
+
+def test_the_header_names_rows_and_columns_of_derivatives(tmp_path: Path) -> None:
+    robot = mixed(floating=True)
+    export_function(robot, "elastic_forward_dynamics_derivatives", tmp_path, name="f")
+    said = dict(re.findall(r"out  (\w+): (.*)", (tmp_path / "f.h").read_text()))
+    drives = ", ".join(robot.drives)
+    speeds = ", ".join([*(f"root_joint({k})" for k in range(6)), *robot.drives])
+    assert said["d_a_d_q"].endswith(f", along the directions of the speeds, SI units; rows and columns: {speeds}")
+    assert said["d_a_d_theta"].endswith(f", SI units; rows: {speeds}; columns: {drives}")
+    assert said["d_theta_ddot_d_theta"].endswith(f", SI units; rows and columns: {drives}")
 
 
 def test_the_header_says_what_wrenches_and_strains_are(arm: cutpoint.Robot, tmp_path: Path) -> None:
@@ -277,7 +289,7 @@ def test_a_hostile_joint_name_stays_in_its_comment(arm: cutpoint.Robot, tmp_path
 
 
 def test_what_cannot_be_exported_is_explained(arm: cutpoint.Robot, tmp_path: Path) -> None:
-    with pytest.raises(InputError, match="no function to export is named 'inverse'; there are: 'inverse_dynamics', "):
+    with pytest.raises(InputError, match="no function to export is named 'inverse'; did you mean .*'inverse_dynamics'"):
         export_function(arm, "inverse", tmp_path)
     with pytest.raises(InputError, match=r"jacobian: give frame= \(--frame on the command line\)"):
         export_function(arm, "jacobian", tmp_path)

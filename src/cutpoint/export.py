@@ -1,14 +1,16 @@
 """Export: robots' functions and control laws as C99, equal to machine code to the last bit; functions as CUDA C too."""
 
 import inspect
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import replace
+from functools import partial
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike
 
+from cutpoint import derivatives
 from cutpoint.door import check_kind, positive
 from cutpoint.errors import InputError, unknown_name
 from cutpoint.export_notes import PER_DRIVE, labels_of, notes_of, result_of
@@ -35,7 +37,8 @@ def export_function(
 ) -> tuple[Path, ...]:
     """Writes one of a robot's functions as a package of C99, or as CUDA C; returns the files' paths.
 
-    function: a method's name, one of RESULTS.  to: "c" or "cuda".  name: of the C function, the same if not given.
+    function: a method's name, or a function's of `cutpoint.derivatives` with "_derivatives" behind it: one of RESULTS.
+    to: "c" or "cuda".  name: of the C function, the same if not given.
     options: the method's own, such as frame= for a Jacobian.  force: overwrite files that cutpoint has not written.
     Where drives count, their numbers are the function's last input, and the header holds them as <name>_parameters.
     Raises InputError for an unknown function or target, a missing option, a name C cannot take, and files in the way.
@@ -47,7 +50,8 @@ def export_function(
         raise unknown_name("target of export", to, _WRITERS)
     # a robot of its own has made no other variant of the kernel
     fresh = Robot(robot.mechanism, robot.drives, backend=robot.backend)
-    getattr(fresh, function)(*_neutral_arguments(fresh, function, options), **options)
+    called = _called(fresh, function)
+    called(*_neutral_arguments(fresh, function, called, options), **options)
     graph = fresh.kernel(function).graph
     if RESULTS[function]:
         (port,) = graph.outputs
@@ -84,13 +88,21 @@ def export_controller(
     return c99_package.write_package(graph, name, folder, notes, force=force)
 
 
-def _neutral_arguments(robot: Robot, function: str, options: Mapping[str, Any]) -> list[Any]:
-    """Arguments to call a method with once, so that it compiles.
+def _called(robot: Robot, function: str) -> Callable[..., Any]:
+    """What users call in Python."""
+    of = function.removesuffix("_derivatives")
+    return getattr(robot, function) if of == function else partial(getattr(derivatives, of), robot)
+
+
+def _neutral_arguments(
+    robot: Robot, function: str, called: Callable[..., Any], options: Mapping[str, Any]
+) -> list[Any]:
+    """Arguments to call it with once, so that it compiles.
 
     Raises InputError for options that it lacks or does not know.
     """
     arguments: list[Any] = []
-    known = inspect.signature(getattr(robot, function)).parameters
+    known = inspect.signature(called).parameters
     for key in options:
         if key not in known or known[key].annotation is ArrayLike:
             raise unknown_name(

@@ -68,10 +68,22 @@ def _told(robot: Robot, name: str, shape: Sequence[int]) -> str:
         return "on the robot: force (N), then moment (N m), at its frame's origin, along its axes"
     if name == "strains":
         return f"rad (m): {', '.join(robot.strain_names)}"
+    if name.startswith("d_"):
+        return _slopes_told(robot, name)
     unit = _UNITS.get(name.removeprefix("reference_"), "SI units")
     ordered = len(shape) == 1 and name not in ("h", "memory", "next_memory")
     order = _order(robot, name, shape[0]) if ordered else []
     return f"{unit}: {', '.join(order)}" if (len(order),) == tuple(shape) else unit
+
+
+def _slopes_told(robot: Robot, name: str) -> str:
+    """Rows and columns of derivatives: d_q of a function's only result, d_a_d_q of one of several."""
+    result, _, by = name.removeprefix("d_").rpartition("_d_")
+    speeds = ", ".join(_order(robot, "v", robot.nv))
+    rows, columns = (", ".join(robot.drives) if x in PER_DRIVE else speeds for x in (result, by))
+    tangents = "along the directions of the speeds, " if by == "q" else ""
+    sides = f"rows and columns: {rows}" if rows == columns else f"rows: {rows}; columns: {columns}"
+    return f"{tangents}SI units; {sides}"
 
 
 def _order(robot: Robot, name: str, size: int) -> list[str]:

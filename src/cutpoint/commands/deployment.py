@@ -13,7 +13,7 @@ from cutpoint.functions.exported import RESULTS
 def export(
     robot: RobotFile,
     folder: Annotated[Path, typer.Argument(metavar="DIR", help="Folder for the files; made if it is not there.")],
-    function: Annotated[str, typer.Option(help=f"Which of Robot's methods: {', '.join(RESULTS)}.")],
+    function: Annotated[str, typer.Option(help=f"A method of Robot, or its derivatives: {', '.join(RESULTS)}.")],
     to: Annotated[
         Literal["c", "cuda"],
         typer.Option(help="What to write: c, a package of C99 with a header for C++17, or cuda, CUDA C."),
