@@ -289,7 +289,7 @@ def test_a_hostile_joint_name_stays_in_its_comment(arm: cutpoint.Robot, tmp_path
 
 
 def test_what_cannot_be_exported_is_explained(arm: cutpoint.Robot, tmp_path: Path) -> None:
-    with pytest.raises(InputError, match="no function to export is named 'inverse'; did you mean .*'inverse_dynamics'"):
+    with pytest.raises(InputError, match=r"no function to export is named 'inverse'; did you mean .*dynamics'"):
         export_function(arm, "inverse", tmp_path)
     with pytest.raises(InputError, match=r"jacobian: give frame= \(--frame on the command line\)"):
         export_function(arm, "jacobian", tmp_path)

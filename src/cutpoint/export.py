@@ -14,6 +14,7 @@ from cutpoint import derivatives
 from cutpoint.door import check_kind, positive
 from cutpoint.errors import InputError, unknown_name
 from cutpoint.export_notes import PER_DRIVE, labels_of, notes_of, result_of
+from cutpoint.functions.compiled import compiled_of
 from cutpoint.functions.exported import RESULTS
 from cutpoint.kernels.targets import c99_package, cuda_package
 from cutpoint.kernels.targets.c99_texts import Values
@@ -52,17 +53,22 @@ def export_function(
     fresh = Robot(robot.mechanism, robot.drives, backend=robot.backend)
     called = _called(fresh, function)
     called(*_neutral_arguments(fresh, function, called, options), **options)
-    graph = fresh.kernel(function).graph
-    if RESULTS[function]:
-        (port,) = graph.outputs
-        graph = replace(graph, outputs=(replace(port, name=RESULTS[function]),))
     # arrays are told of where the arguments are
     told = {key: x for key, x in options.items() if isinstance(x, (str, bool, Mapping))}
     said = [f"{key} {', '.join(x) if isinstance(x, Mapping) else x}" for key, x in told.items()]
     about = ", ".join([f"{function} of {robot.name}", *said])
     labels = [label for name, drive in robot.drives.items() for label in labels_of(drive, name)]
     values = {"parameters": Values(robot.drive_parameters, labels)}
-    notes = notes_of(robot, graph, about, values, result_of(robot, function, **options))
+    result = result_of(robot, function, **options)
+    if (loops := compiled_of(fresh).looping(function)) and to == "c":
+        source = loops.to_c(RESULTS[function])
+        notes = notes_of(robot, source, about, values, result)
+        return c99_package.write_source(source, loops, name or function, folder, notes, force=force)
+    graph = fresh.kernel(function).graph
+    if RESULTS[function]:
+        (port,) = graph.outputs
+        graph = replace(graph, outputs=(replace(port, name=RESULTS[function]),))
+    notes = notes_of(robot, graph, about, values, result)
     return _WRITERS[to](graph, name or function, folder, notes, force=force)
 
 

@@ -8,6 +8,7 @@ import numpy as np
 
 from cutpoint.control import Fault
 from cutpoint.kernels.graphs.graph import Graph
+from cutpoint.kernels.targets.c99 import Source
 from cutpoint.kernels.targets.c99_texts import Notes, Values
 from cutpoint.robot import Robot
 from cutpoint.simulation.control_kernel import ControlStep
@@ -51,12 +52,14 @@ def result_of(robot: Robot, function: str, frame: str = "", expressed_in: str = 
     return told.get(function, "")
 
 
-def notes_of(robot: Robot, graph: Graph, about: str, values: Mapping[str, Values], result: str = "") -> Notes:
-    """What is said of a graph's arguments; of the values, those that it takes.  result: of its only output."""
-    kept = {key: value for key, value in values.items() if key in [p.name for p in graph.inputs]}
-    told = {p.name: _told(robot, p.name, p.shape) for p in (*graph.inputs, *graph.outputs)}
+def notes_of(
+    robot: Robot, function: Graph | Source, about: str, values: Mapping[str, Values], result: str = ""
+) -> Notes:
+    """What is said of a function's arguments; of the values, those that it takes.  result: of its only output."""
+    kept = {key: value for key, value in values.items() if key in [p.name for p in function.inputs]}
+    told = {p.name: _told(robot, p.name, p.shape) for p in (*function.inputs, *function.outputs)}
     if result:
-        told[graph.outputs[0].name] = result
+        told[function.outputs[0].name] = result
     return Notes(f"{about}.  SI units and radians, at the joints' side.", told, kept)
 
 

@@ -10,7 +10,6 @@ loops do not take a robot of more than 24 bodies they are swept, one configurati
 
 from collections.abc import Callable
 from functools import partial
-from operator import attrgetter
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -20,7 +19,7 @@ from cutpoint.derivatives import definitions, large, sweeps
 from cutpoint.door import LARGEST
 from cutpoint.drive_slopes import STATE, EffortSlopes
 from cutpoint.errors import InputError
-from cutpoint.functions.compiled import Compiled
+from cutpoint.functions.compiled import compiled_of
 from cutpoint.functions.variants import motion_names, with_options, wrong_motion
 from cutpoint.mechanics.elastic import Options
 from cutpoint.robot import Robot
@@ -32,9 +31,6 @@ __all__ = [
 ]  # fmt: skip
 
 Array = NDArray[np.float64]
-
-_compiled: Callable[[Robot], Compiled] = attrgetter("_compiled")
-"""What a robot keeps for its functions."""
 
 MOST_COMPILED = 48
 """Bodies beyond which derivatives of an elastic inverse dynamics are more than can be compiled."""
@@ -90,7 +86,7 @@ class ElasticForwardDynamicsDerivatives(NamedTuple):
 
 def inverse_dynamics(robot: Robot, q: ArrayLike, v: ArrayLike, a: ArrayLike) -> InverseDynamicsDerivatives:
     """Of `Robot.inverse_dynamics`, joint torques of a motion."""
-    if made := _compiled(robot).functions.get(("inverse_dynamics_derivatives", None)):
+    if made := compiled_of(robot).functions.get(("inverse_dynamics_derivatives", None)):
         return made(q, v, a)
     if not _is_looped(robot) and sweeps.is_swept(robot):
         return InverseDynamicsDerivatives(*sweeps.inverse_dynamics(robot, q=q, v=v, a=a))
@@ -100,7 +96,7 @@ def inverse_dynamics(robot: Robot, q: ArrayLike, v: ArrayLike, a: ArrayLike) -> 
 
 def forward_dynamics(robot: Robot, q: ArrayLike, v: ArrayLike, tau: ArrayLike) -> ForwardDynamicsDerivatives:
     """Of `Robot.forward_dynamics`, accelerations under joint torques."""
-    if made := _compiled(robot).functions.get(("forward_dynamics_derivatives", None)):
+    if made := compiled_of(robot).functions.get(("forward_dynamics_derivatives", None)):
         return made(q, v, tau)
     if _is_looped(robot) or sweeps.is_swept(robot):
         a = robot.forward_dynamics(q, v, tau)
@@ -130,7 +126,7 @@ def elastic_inverse_dynamics(
     given = (q, v, a, jerk, snap, *higher)
     if len(given) != needed + 1:
         raise wrong_motion("derivatives.elastic_inverse_dynamics", len(given) - 1, needed)
-    function = _compiled(robot).functions.get((_ELASTIC_INVERSE, options)) or _elastic_inverse(robot, needed, options)
+    function = compiled_of(robot).functions.get((_ELASTIC_INVERSE, options)) or _elastic_inverse(robot, needed, options)
     found = function(*given)
     return ElasticInverseDynamicsDerivatives(*found[:5], d_higher=tuple(found[5:]))
 
@@ -139,13 +135,13 @@ def elastic_forward_dynamics(
     robot: Robot, q: ArrayLike, v: ArrayLike, theta: ArrayLike, theta_dot: ArrayLike, motor_torque: ArrayLike
 ) -> ElasticForwardDynamicsDerivatives:
     """Of `Robot.elastic_forward_dynamics`, accelerations of links and motors under motor torques."""
-    if made := _compiled(robot).functions.get(("elastic_forward_dynamics_derivatives", None)):
+    if made := compiled_of(robot).functions.get(("elastic_forward_dynamics_derivatives", None)):
         return made(q, v, theta, theta_dot, motor_torque)
     name, record, inputs = "elastic_forward_dynamics", ElasticForwardDynamicsDerivatives, " ".join(STATE)
     state = dict(zip(STATE, (q, v, theta, theta_dot, motor_torque), strict=True))
     if elastic_loops(robot):
         a = robot.elastic_forward_dynamics(**state).a
-        function = _compiled(robot).function
+        function = compiled_of(robot).function
         slopes = function("drive_slopes", definitions.drive_slopes, inputs, True, EffortSlopes)(*state.values())
         rigid = _rigid_at(robot, name, q, v, a)
         return record(*large.elastic_forward_dynamics(robot.machine.drives, *rigid, slopes))
@@ -159,7 +155,7 @@ _ELASTIC_INVERSE = "elastic_inverse_dynamics_derivatives"
 
 def _elastic_inverse(robot: Robot, needed: int, options: Options) -> Callable[..., Any]:
     """Those of an elastic inverse dynamics, made.  Raises InputError if the robot is too large."""
-    bodies, compiled = len(robot.mechanism.bodies), _compiled(robot)
+    bodies, compiled = len(robot.mechanism.bodies), compiled_of(robot)
     most = MOST_LOOPED if compiled.loops((_ELASTIC_INVERSE, options)) else MOST_COMPILED
     if bodies > most:
         raise sweeps.too_large(bodies, most)
@@ -179,13 +175,13 @@ def _rigid_at(robot: Robot, name: str, q: ArrayLike, v: ArrayLike, a: Array) -> 
     if not (largest := np.abs(a).max(initial=0.0)) <= LARGEST:
         told = f"state and torques ask for accelerations up to {largest:.3g}, at most {LARGEST:.0e} are taken"
         raise InputError(f"{name}_derivatives: {told}; are they in rad, rad/s and N m?", largest=largest)
-    _compiled(robot).has_no_kernel(f"{name}_derivatives")
+    compiled_of(robot).has_no_kernel(f"{name}_derivatives")
     return inverse_dynamics(robot, q, v, a)
 
 
 def _is_looped(robot: Robot) -> bool:
     """Whether derivatives of rigid dynamics run as loops.  Raises InputError if matrices of that size are too large."""
-    if not _compiled(robot).derivatives_loop:
+    if not compiled_of(robot).derivatives_loop:
         return False
     if len(robot.mechanism.bodies) > MOST_LOOPED:
         raise sweeps.too_large(len(robot.mechanism.bodies), MOST_LOOPED)
@@ -203,4 +199,4 @@ def _function(
 ) -> Callable[..., Any]:
     """One of the robot's own functions, so that it knows the kernel: `robot.kernel(name + "_derivatives")`."""
     key = (f"{name}_derivatives", None)
-    return _compiled(robot).function(key, definition, inputs, reads_drives, record)
+    return compiled_of(robot).function(key, definition, inputs, reads_drives, record)

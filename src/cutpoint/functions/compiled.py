@@ -7,6 +7,7 @@ them never compiles again.
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 from functools import cached_property
+from operator import attrgetter
 from typing import Any
 
 import numpy as np
@@ -25,7 +26,16 @@ from cutpoint.mechanics.elastic import Driven
 from cutpoint.mechanics.reframing import Framing
 from cutpoint.model import Drive, Mechanism
 from cutpoint.model.mechanism import frozen
-from cutpoint.rolled import DERIVATIVES, JointByJoint, check_compiles, joint_by_joint, loops_take, name_of, rolled
+from cutpoint.rolled import (
+    DERIVATIVES,
+    JointByJoint,
+    RolledFunction,
+    check_compiles,
+    joint_by_joint,
+    loops_take,
+    name_of,
+    rolled,
+)
 from cutpoint.scalars import leaves, rebuild
 
 JOINT_QUANTITIES = frozenset({
@@ -62,6 +72,10 @@ def rotor_is_felt(drive: Drive) -> bool:
     )
 
 
+compiled_of: Callable[[Any], "Compiled"] = attrgetter("_compiled")
+"""What a Robot keeps for its functions."""
+
+
 class Compiled:
     """Kernels of one robot by name; each is made when first asked for.
 
@@ -78,7 +92,7 @@ class Compiled:
         self._rotors_are_felt = any(rotor_is_felt(drive) for drive in drives.values())
         self.functions = Functions(self.function)
         self._kernels: dict[str, Kernel] = {}
-        self._loops: set[str] = set()
+        self._loops: dict[str, RolledFunction | None] = {}
 
     def size_of(self, name: str) -> int | tuple[()]:
         """Length of an input's last axis; () for a single number."""
@@ -108,7 +122,7 @@ class Compiled:
 
     def has_no_kernel(self, name: str) -> None:
         """Keeps in mind what users are told who ask for it."""
-        self._loops.add(name)
+        self._loops[name] = None
 
     @cached_property
     def lean(self) -> Machine:
@@ -167,7 +181,7 @@ class Compiled:
         name, loops = name_of(key), rolled(key, self.machine, self._backend, record)
         looping = loops.quick() if loops else self._joint_by_joint(key, definition, inputs, reads_drives)
         if looping:
-            self._loops.add(name)
+            self._loops[name] = loops
             return looping
         check_compiles(name, self.machine.system, self._backend)
         made = self._compile(name, definition, inputs, reads_drives, record)
@@ -180,12 +194,17 @@ class Compiled:
         machine = self.machine if reads_drives else self.machine._replace(drives=[])
         return joint_by_joint(key, definition, {x: self.size_of(x) for x in inputs}, machine, self._backend)
 
+    def looping(self, name: str) -> RolledFunction | None:
+        """A function that has been made as loops of one program."""
+        return self._loops.get(name)
+
     def made(self, name: str) -> Kernel:
         """A kernel that has been made, the latest variant of this name."""
         if name not in self._kernels:
             if name in self._loops:
                 n = len(self.machine.system.segments)
-                told = f"of {n} bodies it runs as loops over them, and has no kernel to look at or to export"
+                to_export = "; export_function writes these as C" if self._loops[name] else " or to export"
+                told = f"of {n} bodies it runs as loops over them, and has no kernel to look at{to_export}"
                 raise InputError(f"{name}: {told}; of fewer it has one: lock joints that stand still", name=name)
             there = those_that_exist(name, self._kernels) if self._kernels else "there is none yet"
             remedy = "functions compile at their first call, so call it once first"

@@ -26,6 +26,7 @@ from cutpoint.rolled.runs import One
 from cutpoint.rolled.suited import unsuited
 
 if TYPE_CHECKING:
+    from cutpoint.kernels.targets.c99 import Source
     from cutpoint.rolled.batches import Batches
 
 Array = np.ndarray
@@ -144,6 +145,18 @@ class RolledFunction:
     def quick(self) -> Callable[..., Any]:
         """The same, quickest for single calls."""
         return self._quick
+
+    def to_c(self, output: str = "") -> "Source":
+        """The same in C, the drives' numbers folded in.  output: what the only output is called.
+
+        Raises:
+            InputError: some joints have no drive, or it takes more memory than a stack holds.
+        """
+        from cutpoint.kernels.targets.c99_program import source_of
+
+        if not self._are_all_driven:
+            raise InputError(f"{self.name}: loops leave as C for robots with a drive in every joint, or in none")
+        return source_of(self._one.memory().fixed(getattr(self._record, "_fields", (output,))), self.name)
 
     def _shortcut(self) -> Callable[..., Any]:
         """For single calls, with less between, where inputs and outputs lie in memory as they are given."""

@@ -1,12 +1,12 @@
 """Runs of a function's loops on one configuration."""
 
-from collections.abc import Callable, Sequence
+from collections.abc import Mapping, Sequence
 from math import prod
 
 import numpy as np
 
-from cutpoint.kernels import compile_program
-from cutpoint.kernels.programs.outputs import Output, Part, whole
+from cutpoint.kernels import Program, compile_program
+from cutpoint.kernels.programs.outputs import Fixed, Output, Part, whole
 from cutpoint.rolled.memory import COLUMN, Spare, Task, aligned
 from cutpoint.rolled.passes import one_by_one
 
@@ -50,8 +50,8 @@ class One:
             pairs = task.pairs(lanes)
             arrays |= {"self": np.arange(n), **pairs}
             counts["pairs"] = len(pairs["pair.body"])
-        run = self.program.bound({k: counts[k] for k in self.program.counts}, **arrays)
-        return OneMemory(task, arrays, vectors, run)
+        stated = {k: counts[k] for k in self.program.counts}
+        return OneMemory(task, self.program, stated, arrays, vectors)
 
 
 class OneMemory:
@@ -60,8 +60,16 @@ class OneMemory:
     inputs, outputs: by name, stretches of arrays, and what outputs are put together from.
     """
 
-    def __init__(self, task: Task, arrays: dict[str, Array], vectors: dict[str, Array], run: Callable[[], int]) -> None:
-        self.run, self._task, self._arrays = run, task, arrays
+    def __init__(
+        self,
+        task: Task,
+        program: Program,
+        counts: Mapping[str, int],
+        arrays: dict[str, Array],
+        vectors: dict[str, Array],
+    ) -> None:
+        self._task, self._program, self._counts, self._arrays = task, program, counts, arrays
+        self.run = program.bound(counts, **arrays)
         self.inputs = {k: vectors[k][: task.size(k)] for k in task.recipe.inputs}
         self.outputs = {k: self._output(k, vectors.get(k)) for k in task.recipe.outputs}
 
@@ -73,6 +81,12 @@ class OneMemory:
             self.run()
             for output, x in zip(self.outputs.values(), found, strict=True):
                 output.put(x[k, ...])
+
+    def fixed(self, outputs: Sequence[str]) -> Fixed:
+        """All that runs have in common.  outputs: how these are called."""
+        inputs = {name: whole(own) for name, own in self.inputs.items()}
+        named = dict(zip(outputs, self.outputs.values(), strict=True))
+        return Fixed(self._program.plan, self._counts, self._arrays, inputs, named)
 
     def _output(self, name: str, vector: Array | None) -> Output:
         shape = self._task.shape(name)

@@ -1,9 +1,11 @@
-"""Outputs that are put together from parts of a program's memory."""
+"""Where a program's inputs and outputs stand in its memory: some are put together from parts of it."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from typing import Any, NamedTuple
 
 import numpy as np
+
+from cutpoint.kernels.programs.plan import Plan
 
 
 class Part(NamedTuple):
@@ -31,3 +33,17 @@ class Output(NamedTuple):
 def whole(own: np.ndarray) -> Output:
     """One that lies in memory as it is given."""
     return Output(own.shape, [Part(own)])
+
+
+class Fixed(NamedTuple):
+    """A program with all that its runs have in common.
+
+    counts: of its loops.  arrays: of regions and lists of rows, as they are before a run.  inputs, outputs: where in
+    these arrays they stand, by name.
+    """
+
+    plan: Plan
+    counts: Mapping[str, int]
+    arrays: Mapping[str, np.ndarray]
+    inputs: Mapping[str, Output]
+    outputs: Mapping[str, Output]

@@ -34,13 +34,14 @@ class Program:
     """A compiled program; its memory is the caller's.
 
     Attributes:
+        plan: what it runs.
         backend: "llvm" or "numpy".
         counts: names of the numbers that runs are given.
         compile_seconds: what tracing took, and compiling or finding the code on disk, s.
     """
 
     def __init__(self, plan: Plan, backend: str, start: float) -> None:
-        self._plan, self.backend, self.counts = plan, backend, frozenset(plan.counts)
+        self.plan, self.backend, self.counts = plan, backend, frozenset(plan.counts)
         if backend == "llvm":
             from cutpoint.kernels.programs.compiled import LlvmProgram
 
@@ -64,7 +65,7 @@ class Program:
         Raises:
             InputError: a count or an array is missing, unknown or does not fit.
         """
-        check_run(self._plan, counts, arrays)
+        check_run(self.plan, counts, arrays)
         return self._runner.run(counts, arrays)
 
     def bound(self, counts: Mapping[str, int], /, **arrays: np.ndarray) -> Callable[[], int]:
@@ -75,5 +76,5 @@ class Program:
         Raises:
             InputError: as `run`.
         """
-        check_run(self._plan, counts, arrays)
+        check_run(self.plan, counts, arrays)
         return self._runner.bound(counts, arrays)

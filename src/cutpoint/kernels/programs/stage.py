@@ -6,14 +6,12 @@ from types import MappingProxyType
 from cutpoint.kernels.graphs.algebra import Operand
 from cutpoint.kernels.graphs.graph import Graph
 from cutpoint.kernels.graphs.nodes import Node
-from cutpoint.kernels.lowering.fusion import fuse
-from cutpoint.kernels.lowering.lower import in_primitives
-from cutpoint.kernels.lowering.scheduling import depth_first, scheduled
+from cutpoint.kernels.lowering.scheduling import scheduled
 from cutpoint.kernels.machine.llvm import Lanes, straight_line
 from cutpoint.kernels.machine.llvm_code import Code, Running
 from cutpoint.kernels.programs.hoisting import hoist
+from cutpoint.kernels.programs.lowered import lowered
 from cutpoint.kernels.programs.plan import Plan
-from cutpoint.kernels.programs.recurrence import arrivals
 from cutpoint.kernels.programs.stepping import Stage
 
 AT_ONCE = 8
@@ -41,11 +39,7 @@ class StageCode:
     """
 
     def __init__(self, code: Code, plan: Plan, stage: Stage, regions: Mapping[str, str]) -> None:
-        graph, fed, self.lanes = plan.graphs[stage], plan.fed(stage), Lanes(stage.lanes)
-        again = stage.as_in_threes or plan.in_threes(stage)
-        fused = fuse(graph, again=again)
-        late = fuse(graph, arrivals(fused, fed), again=again) if fed else fused
-        self._graph = depth_first(in_primitives(late))
+        self._graph, fed, self.lanes = lowered(plan, stage), plan.fed(stage), Lanes(stage.lanes)
         laned = {name for name in (*plan.regions, *plan.views) if plan.is_laned(stage, name)}
         self._plan, self._rows = plan, plan.known_ahead(stage)
         self._steps = dict.fromkeys(laned, stage.lanes)

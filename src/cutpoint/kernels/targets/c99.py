@@ -1,4 +1,4 @@
-"""C99 of a graph: one function of straight-line code, which rounds exactly as our machine code does.
+"""C99 of a graph: straight-line code, which rounds exactly as our machine code does.
 
 Every operation is one statement, so nothing is left to contract or reassociate but by flags that break C's own rules;
 those are refused, and contraction is switched off, at the head of the file.
@@ -7,12 +7,13 @@ those are refused, and contraction is switched off, at the head of the file.
 import math
 from collections.abc import Sequence
 from string import Template
-from typing import Any
+from typing import Any, NamedTuple
 
 from cutpoint.kernels.graphs.graph import Graph
 from cutpoint.kernels.graphs.nodes import CONDITIONS, Node
 from cutpoint.kernels.graphs.ports import Port
 from cutpoint.kernels.graphs.precision import Precision
+from cutpoint.kernels.lowering.lower import lower
 
 _FORMS = {
     "add": "{} + {}", "sub": "{} - {}", "mul": "{} * {}", "div": "{} / {}", "neg": "{}", "sqrt": "sqrt{f}({})",
@@ -101,29 +102,53 @@ def parameters(inputs: Sequence[Port], outputs: Sequence[Port], precision: Preci
     return ", ".join([*given, *(f"{real} {p.name}[{p.size}]" for p in outputs)])
 
 
-def helpers(graph: Graph) -> str:
-    """The functions that the code of a lowered graph calls."""
-    used = [text for op, text in _HELPERS.items() if op in graph.operations]
-    used += [_MINUS] if any(_is_fused(x.args[_turned(x)]) for x in graph.nodes if x.op in _TURNED) else []
+class Source(NamedTuple):
+    """A function in C: what it takes and gives, the functions that it calls, its statements.
+
+    about: how it works, for those who call it.
+    """
+
+    inputs: Sequence[Port]
+    outputs: Sequence[Port]
+    precision: Precision
+    helpers: str
+    body: str
+    about: str
+
+
+def source_of(graph: Graph) -> Source:
+    """Of a graph, as straight-line code.  All inputs are read before an output is written: they may share memory."""
+    inputs, outputs = ([p for p in ports if p.size] for ports in (graph.inputs, graph.outputs))
+    primitive = lower(graph)
+    lines = [f"(void){p.name};" for p in inputs if not _is_read(primitive, p, inputs)]
+    lines += statements(primitive, _slots(inputs, by_value=True), _slots(outputs))
+    text = "".join(f"  {line}\n" for line in lines)
+    called = helpers([primitive], graph.precision)
+    return Source(graph.inputs, graph.outputs, graph.precision, called, text, "no loops")
+
+
+def helpers(graphs: Sequence[Graph], precision: Precision) -> str:
+    """The functions that the code of lowered graphs calls."""
+    used = [text for op, text in _HELPERS.items() if any(op in graph.operations for graph in graphs)]
+    turned = (x for graph in graphs for x in graph.nodes if x.op in _TURNED)
+    used += [_MINUS] if any(_is_fused(x.args[_turned(x)]) for x in turned) else []
     text = "\n".join([_BITS, *used]) + "\n" if used else ""
-    return Template(text).substitute(words(graph.precision))
+    return Template(text).substitute(words(precision))
 
 
-def body(graph: Graph, inputs: Sequence[Port], outputs: Sequence[Port]) -> str:
-    """The statements of a lowered graph.  All inputs are read before an output is written, so they may share memory."""
+def statements(graph: Graph, read: Sequence[str], write: Sequence[str]) -> list[str]:
+    """Those of a lowered graph.  read, write: what its input slots and results are called."""
     names: dict[int, str] = {}
-    read, write, precision = _slots(inputs, by_value=True), _slots(outputs), graph.precision
+    lines, precision = list[str](), graph.precision
 
     def name(x: Any) -> str:
         return names[x.serial] if isinstance(x, Node) else number(x, precision) if isinstance(x, float) else str(x)
 
-    lines = [f"(void){p.name};" for p in inputs if not _is_read(graph, p, inputs)]
     for count, x in enumerate(graph.nodes):
         names[x.serial] = f"_{count}"
         value = read[x.args[0]] if x.op == "input" else _expression(x, [name(y) for y in x.args], precision)
         lines.append(f"const {'int' if x.op in CONDITIONS else precision.c} _{count} = {value};")
-    lines += [f"{slot} = {name(x)};" for slot, x in zip(write, graph.results, strict=True)]
-    return "".join(f"  {line}\n" for line in lines)
+    return lines + [f"{slot} = {name(x)};" for slot, x in zip(write, graph.results, strict=True)]
 
 
 def _expression(x: Node, operands: list[str], precision: Precision) -> str:

@@ -1,8 +1,9 @@
-"""A graph as a package of C99 that whoever has a C compiler can build, check and install."""
+"""A function as a package of C99 that whoever has a C compiler can build, check and install."""
 
 import re
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
@@ -11,11 +12,18 @@ from cutpoint.kernels.arrays.arguments import as_numbers
 from cutpoint.kernels.arrays.backends import array_function, chosen
 from cutpoint.kernels.graphs.graph import Graph
 from cutpoint.kernels.graphs.ports import Port
+from cutpoint.kernels.targets.c99 import Source, source_of
 from cutpoint.kernels.targets.c99_texts import Notes, texts
 from cutpoint.kernels.targets.package_files import is_ours, write_files
 
 _SCALES = (0.0, *[1.0] * 12, 1e-300, 1e-8, 1e3)
 """Of the check's random inputs, a case each."""
+
+_FEW = (0.0, 1.0)
+"""The same for functions of so many numbers that the check would be larger than what it checks."""
+
+_MANY = 2000
+"""Numbers in and out."""
 
 _NO_NOTES = Notes()
 
@@ -23,17 +31,34 @@ _NO_NOTES = Notes()
 def write_package(
     graph: Graph, name: str, folder: str | Path, notes: Notes = _NO_NOTES, *, force: bool = False
 ) -> tuple[Path, ...]:
-    """Writes the C function of a graph, with header, C++ header, check and CMake package; returns the files' paths.
+    """Writes the C function of a graph: see `write_source`.
 
+    Raises InputError also where llvmlite is missing: the check records what machine code returns.
+    """
+    function = array_function(graph, name, chosen("llvm"))  # it must outlive its calls, whose code it owns
+    return write_source(source_of(graph), function.call, name, folder, notes, force=force)
+
+
+def write_source(
+    source: Source,
+    computed: Callable[..., Any],
+    name: str,
+    folder: str | Path,
+    notes: Notes = _NO_NOTES,
+    *,
+    force: bool = False,
+) -> tuple[Path, ...]:
+    """Writes a C function with header, C++ header, check and CMake package; returns the files' paths.
+
+    computed: the same function on arrays, for the check to record.
     force: overwrite files that cutpoint has not written, and the package of another function.
-    Raises InputError for names that C cannot take, for files in the way, and where llvmlite is missing: the check
-    records what machine code returns.
+    Raises InputError for names that C cannot take, and for files in the way.
     """
     from cutpoint import __version__
 
     if not force:
         _check_alone(Path(folder), name)
-    return write_files(folder, texts(graph, name, notes, __version__, _recorded(graph, name, notes)), force)
+    return write_files(folder, texts(source, name, notes, __version__, _recorded(source, computed, notes)), force)
 
 
 def _check_alone(folder: Path, name: str) -> None:
@@ -45,25 +70,25 @@ def _check_alone(folder: Path, name: str) -> None:
         raise InputError(f"{str(path)!r} builds {found[1]!r}, and a package holds one function; {remedy}", path=path)
 
 
-def _recorded(graph: Graph, name: str, notes: Notes) -> tuple[np.ndarray, np.ndarray]:
+def _recorded(source: Source, computed: Callable[..., Any], notes: Notes) -> tuple[np.ndarray, np.ndarray]:
     """Inputs and outputs, (cases, slots) each: random numbers, and the values that an argument usually has, varied."""
     rng = np.random.default_rng(0)
-    scales = np.array(_SCALES)
+    is_small = sum(p.size for p in (*source.inputs, *source.outputs)) <= _MANY
+    scales = np.array(_SCALES if is_small else _FEW)
     given = []
-    for p in graph.inputs:
+    for p in source.inputs:
         random = rng.standard_normal((len(scales), *p.shape))
         spread = scales.reshape(-1, *[1] * len(p.shape))
         usual = notes.values.get(p.name)
         # the first case has scale 0: there the values are exact
         numbers = random * spread if usual is None else usual.numbers * (1 + np.minimum(spread, 1) * random / 20)
-        given.append(as_numbers(numbers, graph.precision))
-    function = array_function(graph, name, chosen("llvm"))  # it must outlive its call, whose code it owns
-    found = function.call(*given)
+        given.append(as_numbers(numbers, source.precision))
+    found = computed(*given)
     columns = found if isinstance(found, tuple) else (found,)
-    return _flat(given, graph.inputs), _flat(columns, graph.outputs)
+    return _flat(given, source.inputs, len(scales)), _flat(columns, source.outputs, len(scales))
 
 
-def _flat(arrays: Sequence[np.ndarray], ports: Sequence[Port]) -> np.ndarray:
+def _flat(arrays: Sequence[np.ndarray], ports: Sequence[Port], cases: int) -> np.ndarray:
     """Arrays (cases, ...) side by side; one that depends on no input has no axis of cases."""
-    wide = [np.broadcast_to(a, (len(_SCALES), *p.shape)) for a, p in zip(arrays, ports, strict=True)]
-    return np.concatenate([np.empty((len(_SCALES), 0)), *(a.reshape(len(_SCALES), -1) for a in wide)], axis=1)
+    wide = [np.broadcast_to(a, (cases, *p.shape)) for a, p in zip(arrays, ports, strict=True)]
+    return np.concatenate([np.empty((cases, 0)), *(a.reshape(cases, -1) for a in wide)], axis=1)

@@ -9,10 +9,8 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from cutpoint.kernels.graphs.graph import Graph
 from cutpoint.kernels.graphs.ports import Port
 from cutpoint.kernels.graphs.precision import Precision
-from cutpoint.kernels.lowering.lower import lower
 from cutpoint.kernels.targets import c99, c_names
 
 FILES = {
@@ -49,22 +47,21 @@ class _Template(Template):
 
 
 def texts(
-    graph: Graph, name: str, notes: Notes, version: str, recorded: tuple[np.ndarray, np.ndarray]
+    source: c99.Source, name: str, notes: Notes, version: str, recorded: tuple[np.ndarray, np.ndarray]
 ) -> dict[str, str]:
     """Every file's text by its name.
 
     recorded: inputs and outputs of the check, (cases, slots) each.
     Raises InputError for names that C cannot take.
     """
-    inputs, outputs = ([p for p in ports if p.size] for ports in (graph.inputs, graph.outputs))
+    inputs, outputs = ([p for p in ports if p.size] for ports in (source.inputs, source.outputs))
+    precision = source.precision
     c_names.check_names(name, inputs, outputs)
-    primitive = lower(graph)
-    precision = graph.precision
     fields = {
         **c99.words(precision),
         "version": version, "about": comment(notes.about), "name": name, "guard": name.upper(),
-        "parameters": c99.parameters(inputs, outputs, precision) or "void", "helpers": c99.helpers(primitive),
-        "body": c99.body(primitive, inputs, outputs), "names": ", ".join(p.name for p in (*inputs, *outputs)),
+        "parameters": c99.parameters(inputs, outputs, precision) or "void", "helpers": source.helpers,
+        "body": source.body, "steps": source.about, "names": ", ".join(p.name for p in (*inputs, *outputs)),
         "arguments": arguments(inputs, outputs, notes), "values": values(name, notes, precision),
         "tables": _tables(name, inputs, notes),
         **_check(inputs, outputs, *recorded, precision), **_cpp(inputs, outputs, name, precision),

@@ -5,7 +5,7 @@
 @{arguments}
 
    Arrays hold rows one after another.  All inputs are read before an output is written, so an output may be an input's
-   own memory.  No allocation, no locks, no globals, no loops: safe in any thread.
+   own memory.  No allocation, no locks, no globals, @{steps}: safe in any thread.
    Tables of numbers, where there are any, are for C99 and C++17: earlier C++ cannot read their hexadecimal digits.
 */
 #ifndef CUTPOINT_@{guard}_H

@@ -1,0 +1,215 @@
+"""C99 of a program: loops around stages, on memory of the call's own; it rounds exactly as our machine code does."""
+
+import re
+from collections.abc import Iterator, Mapping, Sequence
+from itertools import count
+from typing import NamedTuple
+
+import numpy as np
+
+from cutpoint.errors import InputError
+from cutpoint.kernels.graphs.ports import Port
+from cutpoint.kernels.graphs.precision import FLOAT64
+from cutpoint.kernels.lowering.scheduling import scheduled
+from cutpoint.kernels.programs.lowered import lowered
+from cutpoint.kernels.programs.outputs import Fixed, Output
+from cutpoint.kernels.programs.stepping import LaneLoop, Loop, Region, Stage
+from cutpoint.kernels.targets.c99 import Source, helpers, number, statements
+
+Array = np.ndarray
+
+MOST_STACK = 2**22
+"""Bytes that a call may take: half of what threads usually have on a PC."""
+
+_FEW = 32
+"""Numbers up to which memory is begun by an assignment each, not by copying a table."""
+
+
+def source_of(fixed: Fixed, name: str) -> Source:
+    """The function of inputs and outputs.  All inputs are read before an output is written: they may share memory.
+
+    name: what errors call it.
+    Raises InputError for a program whose memory is more than a stack holds.
+    """
+    rooms = _Rooms(fixed)
+    if rooms.stack > MOST_STACK:
+        told = f"in C it would take {rooms.stack:,} bytes of the stack, {MOST_STACK:,} at most; take a smaller model"
+        raise InputError(f"{name}: {told}", bytes=rooms.stack)
+    loops = _Loops(fixed, rooms)
+    lines = [line for key, x in fixed.inputs.items() for line in _copied(rooms, key, x, inward=True)]
+    lines += loops.loop(fixed.plan.body, {})
+    lines += [line for key, x in fixed.outputs.items() for line in _copied(rooms, key, x, inward=False)]
+    text = "\n".join(lines)
+    lines = [*loops.lists(text), *rooms.declared(text), *lines]
+    inputs, outputs = ([Port(key, x.shape) for key, x in some.items()] for some in (fixed.inputs, fixed.outputs))
+    called = helpers([lowered(fixed.plan, stage) for stage in fixed.plan.graphs], FLOAT64)
+    about = f"loops of fixed lengths, {rooms.stack:,} bytes of the stack"
+    return Source(inputs, outputs, FLOAT64, called, "".join(f"  {line}\n" for line in lines), about)
+
+
+class _Room(NamedTuple):
+    """An array of C, for arrays that share memory here; it begins with what that holds."""
+
+    name: str
+    memory: Array
+    about: str
+
+
+def _room(name: str, arrays: Mapping[str, Array]) -> _Room:
+    """From the first number that arrays of these names have in common memory to the last."""
+    (owner, *_), starts = map(_owner, arrays.values()), [x.ctypes.data for x in arrays.values()]
+    ends = [start + x.nbytes for start, x in zip(starts, arrays.values(), strict=True)]
+    first, last = ((place - owner.ctypes.data) // FLOAT64.item for place in (min(starts), max(ends)))
+    return _Room(name, owner.reshape(-1)[first:last], ", ".join(arrays))
+
+
+class _Rooms:
+    """The arrays of C, of which those that nobody writes are tables; only what is used is declared."""
+
+    def __init__(self, fixed: Fixed) -> None:
+        plan = fixed.plan
+        given = [part.own for x in fixed.inputs.values() for part in x.parts]
+        found = [part.own for x in fixed.outputs.values() for part in x.parts]
+        arrays: dict[int, dict[str, Array]] = {}
+        for name in plan.regions:
+            arrays.setdefault(id(_owner(fixed.arrays[name])), {})[name] = fixed.arrays[name]
+        for x in (*given, *found):
+            arrays.setdefault(id(_owner(x)), {"zeros": x})
+        self._rooms = {key: _room(f"_m{k}", some) for k, (key, some) in enumerate(arrays.items())}
+        self._changing = {id(_owner(x)) for x in (*given, *(fixed.arrays[name] for name in plan.written))}
+
+    @property
+    def stack(self) -> int:
+        """Bytes that a call works in."""
+        return sum(self._rooms[key].memory.nbytes for key in self._changing)
+
+    def place(self, array: Array) -> tuple[str, int]:
+        """The array of C that an array here stands in, and from which number on."""
+        room = self._rooms[id(_owner(array))]
+        return room.name, (array.ctypes.data - room.memory.ctypes.data) // FLOAT64.item
+
+    def declared(self, text: str) -> Iterator[str]:
+        """Those that a text uses."""
+        for key, (name, memory, about) in self._rooms.items():
+            if f"{name}[" not in text:
+                continue
+            yield f"/* {about} */"
+            numbers = [number(x, FLOAT64) for x in memory.tolist()]
+            if key not in self._changing:
+                yield from _table("double", name, numbers)
+                continue
+            there = np.flatnonzero((memory != 0) | np.signbit(memory)).tolist()
+            if len(there) <= _FEW:
+                yield f"double {name}[{len(numbers)}] = {{0}};"
+                yield from (f"{name}[{k}] = {numbers[k]};" for k in there)
+            else:
+                yield from _table("double", f"{name}_begun", numbers)
+                yield f"double {name}[{len(numbers)}];"
+                yield f"memcpy({name}, {name}_begun, sizeof {name});"
+
+
+class _Loops:
+    """Loops and stages as statements."""
+
+    def __init__(self, fixed: Fixed, rooms: _Rooms) -> None:
+        self._fixed, self._plan, self._rooms, self._numbers = fixed, fixed.plan, rooms, count()
+        self._lists = {index: f"_r{k}" for k, index in enumerate(fixed.plan.indices)}
+
+    def lists(self, text: str) -> Iterator[str]:
+        """The lists of rows that a text uses."""
+        for index, name in self._lists.items():
+            if f"{name}[" in text:
+                yield from _table("int", name, [*map(str, self._fixed.arrays[index].tolist())])
+
+    def loop(self, this: Loop, starts: Mapping[str, str]) -> Iterator[str]:
+        """starts: by name, from which number on the rows of regions begin that outer loops go through."""
+        often = self._fixed.counts[this.count] if isinstance(this.count, str) else this.count
+        k = f"_i{next(self._numbers)}"
+        rows = {name: (name, k) for name in this.streams}
+        rows |= {view.name: (view.of, f"{self._lists[view.index]}[{k}]") for view in this.views}
+        own = {name: f"_at{next(self._numbers)}" for name in rows}
+        body = [line for item in this.body for line in self._item(item, {**starts, **own})]
+        if this.until:
+            body.append(f"if ({self._slot(this.until, 0, starts)} != 0) break;")
+        if often == 1 and not rows and not this.until:
+            yield from body
+            return
+        text = "\n".join(body)
+        yield (
+            f"for (int {k} = {often - 1}; {k} >= 0; {k}--) {{"
+            if this.backward
+            else (f"for (int {k} = 0; {k} < {often}; {k}++) {{")
+        )
+        for name, (region, row) in rows.items():
+            if re.search(rf"\b{own[name]}\b", text):
+                yield f"  const int {own[name]} = {self._start(self._plan.regions[region], row, this)};"
+        yield from (f"  {line}" for line in body)
+        yield "}"
+
+    def _item(self, item: Stage | Loop, starts: Mapping[str, str]) -> Iterator[str]:
+        return self.loop(item, starts) if isinstance(item, Loop) else self._stage(item, starts)
+
+    def _start(self, region: Region, row: str, loop: Loop) -> str:
+        if isinstance(loop, LaneLoop) and region.lanes > 1:
+            return f"{row} / {region.lanes} * {region.room} + {row} % {region.lanes}"
+        return f"{row} * {region.room}"
+
+    def _stage(self, stage: Stage, starts: Mapping[str, str]) -> Iterator[str]:
+        graph = scheduled(lowered(self._plan, stage))
+        read, write = (
+            [self._slot(port.name, k, starts, stage) for port in ports for k in range(port.size)]
+            for ports in (graph.inputs, graph.outputs)
+        )
+        lanes = f"for (int _lane = 0; _lane < {stage.lanes}; _lane++) " if stage.lanes > 1 else ""
+        yield f"{lanes}{{ /* from {', '.join(stage.reads)} to {', '.join(stage.writes)} */"
+        yield from (f"  {line}" for line in statements(graph, read, write))
+        yield "}"
+
+    def _slot(self, name: str, k: int, starts: Mapping[str, str], stage: Stage | None = None) -> str:
+        """A number of a region, as a stage sees it."""
+        region = self._plan.regions[self._plan.root(name)]
+        room, first = self._rooms.place(self._fixed.arrays[region.name])
+        is_laned = stage is not None and self._plan.is_laned(stage, name)
+        is_single = stage is not None and name in self._plan.single[stage]
+        step = region.lanes if is_laned or is_single else 1
+        place = first + region.place(k) * step
+        terms = [starts.get(name, ""), str(place) if place else "", "_lane" if is_laned else ""]
+        return f"{room}[{' + '.join(filter(None, terms)) or place}]"
+
+
+def _copied(rooms: _Rooms, name: str, argument: Output, *, inward: bool) -> Iterator[str]:
+    """An argument's numbers into memory, or out of it."""
+    everything = np.empty(argument.shape)
+    for part in argument.parts:
+        if not part.own.size:
+            continue
+        there = part.place(everything)
+        room, first = rooms.place(part.own)
+        place = (there.ctypes.data - everything.ctypes.data) // FLOAT64.item
+        axes = [axis for axis in zip(there.shape, there.strides, part.own.strides, strict=True) if axis[0] > 1]
+        for depth, (length, *_) in enumerate(axes):
+            yield f"{'  ' * depth}for (int _k{depth} = 0; _k{depth} < {length}; _k{depth}++)"
+        given = _index(name, place, [step for _, step, _ in axes])
+        own = _index(room, first, [step for *_, step in axes])
+        yield f"{'  ' * len(axes)}{own if inward else given} = {given if inward else own};"
+
+
+def _index(name: str, first: int, steps: Sequence[int]) -> str:
+    """steps: in bytes, of each loop."""
+    numbers = [step // FLOAT64.item for step in steps]
+    terms = [f"_k{depth}" if k == 1 else f"{k} * _k{depth}" for depth, k in enumerate(numbers)]
+    return f"{name}[{' + '.join([str(first)] * (first > 0) + terms) or first}]"
+
+
+def _table(kind: str, name: str, numbers: Sequence[str]) -> Iterator[str]:
+    yield f"static const {kind} {name}[{len(numbers)}] = {{"
+    for k in range(0, len(numbers), 8):
+        yield f"  {', '.join(numbers[k : k + 8])},"
+    yield "};"
+
+
+def _owner(array: Array) -> Array:
+    """The array that owns an array's memory."""
+    while isinstance(array.base, np.ndarray):
+        array = array.base
+    return array
