@@ -256,10 +256,11 @@ def test_what_is_lost_is_listed_once(case: str) -> None:
 BUILT = '<asset><mesh name="rock" builtin="sphere" params="30"/></asset>'
 MASSLESS = one_body('<body name="tip"><joint/><geom type="mesh" mesh="rock"/></body>', SHAPE)
 SAFETY = "is not read, for safety: it stands for text that is not in this file; load the model in MuJoCo, save it with"
+NO_FOLDER = "<include> is not read from text in memory, which has no folder; give the file's path"
 
 REFUSED = {
-    "include": (one_body('<include file="../secret.xml"/>'), f"<include> {SAFETY} .* (arm.xml:3)"),
-    "include in a section": (one_body("", '<asset><include file="a"/></asset>'), f"<include> {SAFETY} .* (arm.xml:1)"),
+    "include": (one_body('<include file="a.xml"/>'), f"{NO_FOLDER} (arm.xml:3)"),
+    "include in a section": (one_body("", '<asset><include file="a"/></asset>'), f"{NO_FOLDER} (arm.xml:1)"),
     "attach": (one_body('<attach model="m" body="b" prefix="p"/>'), f"<attach> {SAFETY} .* (arm.xml:3)"),
     "replicate": (one_body('<replicate count="1000000000"/>'), f"<replicate> {SAFETY} .* (arm.xml:3)"),
     "composite": (one_body('<composite type="cable" count="99999 1 1"/>'), f"<composite> {SAFETY} .* (arm.xml:3)"),

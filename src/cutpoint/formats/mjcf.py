@@ -17,11 +17,12 @@ from scipy.spatial.transform import Rotation
 
 from cutpoint.errors import ModelError
 from cutpoint.formats.drives import drive_of
+from cutpoint.formats.mjcf_includes import with_includes
 from cutpoint.formats.mjcf_losses import NotCarriedOver, losses
 from cutpoint.formats.mjcf_model import BALL, FREE, HINGE, SLIDE, compiled, free, names_of, package
 from cutpoint.formats.mjcf_text import excerpt_of
 from cutpoint.formats.reading import read_bytes
-from cutpoint.formats.safe_xml import parse_xml
+from cutpoint.formats.safe_xml import Element, parse_xml
 from cutpoint.model.build import build
 from cutpoint.model.drive import Drive, Rotor
 from cutpoint.model.mechanism import Array, Joint, JointKind, Limits, Link, Mechanism
@@ -41,7 +42,7 @@ class MjcfRobot(NamedTuple):
 def load_mjcf(
     path: str | Path, *, gravity: ArrayLike | None = None, lock: Mapping[str, float] | None = None
 ) -> MjcfRobot:
-    """The robot of an MJCF file; it must stand in that file alone, and no other file is opened.
+    """The robot of an MJCF file, and of those that it includes from its own folder and below.
 
     gravity: acceleration of free fall in the world's frame, m/s2; None is the file's.
     lock: coordinates (rad or m) at which joints are held fixed, by name.
@@ -51,7 +52,8 @@ def load_mjcf(
     Raises ModelError: the `mujoco` package is missing, or what is wrong in the file.
     """
     path = Path(path)
-    return parse_mjcf(read_bytes(path, MAXIMUM_BYTES), str(path), gravity=gravity, lock=lock)
+    root = with_includes(parse_xml(read_bytes(path, MAXIMUM_BYTES), str(path)), path, MAXIMUM_BYTES)
+    return _robot(root, str(path), gravity, lock)
 
 
 def parse_mjcf(
@@ -61,8 +63,12 @@ def parse_mjcf(
     gravity: ArrayLike | None = None,
     lock: Mapping[str, float] | None = None,
 ) -> MjcfRobot:
-    """The robot of an MJCF document in memory; `place` names it in messages.  Options and errors as in `load_mjcf`."""
-    root = parse_xml(content, place)
+    """The robot of an MJCF document in memory; `place` names it in messages.  Options and errors as in `load_mjcf`;
+    it includes nothing."""
+    return _robot(parse_xml(content, place), place, gravity, lock)
+
+
+def _robot(root: Element, place: str, gravity: ArrayLike | None, lock: Mapping[str, float] | None) -> MjcfRobot:
     excerpt = excerpt_of(root, place)
     model = compiled(excerpt.text, place)
     tree = _Tree(model)

@@ -46,7 +46,7 @@ WITHOUT_EFFECT = {
 }
 """Elements that bodies and joints move the same without."""
 
-OTHER_TEXT = ("include", "attach", "composite", "flexcomp", "replicate")
+OTHER_TEXT = ("attach", "composite", "flexcomp", "replicate")
 
 
 @dataclass
@@ -62,8 +62,8 @@ class Excerpt:
         return "".join(self.pieces)
 
     def write(self, element: Element, attributes: dict[str, str]) -> None:
-        """An opening tag, on the line where the file has it."""
-        lines = max(element.line - self.line, 0)
+        """An opening tag, on the line where the file has it; of an included file, where that is named."""
+        lines = max((element.at or element.line) - self.line, 0)
         self.line += lines
         stated = "".join(f" {name}={quoteattr(value)}" for name, value in attributes.items())
         self.pieces.append("\n" * lines + f"<{element.tag}{stated}>")
@@ -74,7 +74,7 @@ def excerpt_of(root: Element, place: str) -> Excerpt:
     if root.tag != "mujoco":
         other = {"robot": " (a URDF file; its ending is .urdf)", "sdf": " (an SDF file)"}.get(root.tag, "")
         raise ModelError(
-            f"the root element of an MJCF file is <mujoco>, got <{root.tag}>{other}", place=f"{place}:{root.line}"
+            f"the root element of an MJCF file is <mujoco>, got <{root.tag}>{other}", place=root.where(place)
         )
     _refuse_other_text(root, place)
     excerpt = Excerpt()
@@ -83,10 +83,13 @@ def excerpt_of(root: Element, place: str) -> Excerpt:
 
 
 def _refuse_other_text(element: Element, place: str) -> None:
+    if element.tag == "include":
+        complaint = "<include> is not read from text in memory, which has no folder; give the file's path"
+        raise ModelError(complaint, place=element.where(place), tag=element.tag)
     if element.tag in OTHER_TEXT:
         remedy = "load the model in MuJoCo, save it with mujoco.mj_saveLastXML, and give that file"
         complaint = f"<{element.tag}> is not read, for safety: it stands for text that is not in this file"
-        raise ModelError(f"{complaint}; {remedy}", place=f"{place}:{element.line}", tag=element.tag)
+        raise ModelError(f"{complaint}; {remedy}", place=element.where(place), tag=element.tag)
     for child in element.children:
         _refuse_other_text(child, place)
 
@@ -94,14 +97,14 @@ def _refuse_other_text(element: Element, place: str) -> None:
 def _copy(element: Element, excerpt: Excerpt, place: str) -> None:
     if len(excerpt.pieces) > MAXIMUM_PIECES:
         complaint = f"MJCF holds more than {MAXIMUM_PIECES // 2:,} bodies, joints and geoms, the most that is read"
-        raise ModelError(complaint, place=f"{place}:{element.line}")
+        raise ModelError(complaint, place=element.where(place))
     dropped = LEFT_OUT.get(element.tag, set())
     if element.tag == "mesh":
         dropped = element.attributes.keys() - OF_A_MESH
     kept = {name: value for name, value in element.attributes.items() if name not in dropped}
     for name, value in kept.items():
         if NOT_A_NUMBER.search(value):
-            raise ModelError(f"<{element.tag}> {name} {value!r} must not hold nan", place=f"{place}:{element.line}")
+            raise ModelError(f"<{element.tag}> {name} {value!r} must not hold nan", place=element.where(place))
     excerpt.write(element, kept)
     for child in element.children:
         if _is_kept(child, element):

@@ -23,12 +23,21 @@ MAXIMUM_ATTRIBUTE = 10_000
 
 @dataclass(frozen=True)
 class Element:
-    """A tag with its attributes and child elements; line counts from 1.  Text between tags is dropped."""
+    """A tag with its attributes and child elements; line counts from 1.  Text between tags is dropped.
+
+    file, at: of what stands in a file which the document includes, that file, and the line that names it.
+    """
 
     tag: str
     attributes: dict[str, str]
     line: int
     children: list["Element"] = field(default_factory=list)
+    file: str = ""
+    at: int = 0
+
+    def where(self, place: str) -> str:
+        """File and line, for messages; place: the document's name."""
+        return f"{self.file or place}:{self.line}"
 
     def all(self, tag: str) -> Iterator["Element"]:
         """Child elements of that tag, in order."""

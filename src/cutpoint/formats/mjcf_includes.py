@@ -1,0 +1,76 @@
+"""MJCF's <include>: what another file holds, in place of the element that names it."""
+
+from collections.abc import Iterator
+from dataclasses import replace
+from pathlib import Path
+
+from cutpoint.errors import ModelError
+from cutpoint.formats.reading import read_bytes
+from cutpoint.formats.safe_xml import MAXIMUM_DEPTH, Element, parse_xml
+
+MAXIMUM_FILES = 100
+
+
+def with_includes(root: Element, path: Path, limit: int) -> Element:
+    """The document of a file, with what it includes.  limit: bytes of all included files together.
+
+    As in MuJoCo, names are relative to the folder of the first file, and a file is included once.
+    Raises ModelError: a file is missing, outside that folder, named twice, no XML, or too large; too many files.
+    """
+    return _Includes(path, limit).expanded(root)
+
+
+class _Includes:
+    """What is included so far."""
+
+    def __init__(self, path: Path, limit: int) -> None:
+        self._folder, self._place, self._left = path.parent, str(path), limit
+        self._within, self._read = path.parent.resolve(), {path.resolve()}
+
+    def expanded(self, element: Element, depth: int = 1) -> Element:
+        if depth > MAXIMUM_DEPTH:
+            raise self._wrong(
+                element, f"XML holds elements nested more than {MAXIMUM_DEPTH} deep, the most that is read"
+            )
+        children = (each for child in element.children for each in self._instead_of(child))
+        return replace(element, children=[self.expanded(child, depth + 1) for child in children])
+
+    def _instead_of(self, element: Element) -> Iterator[Element]:
+        if element.tag != "include":
+            yield element
+            return
+        for child in self._root(element).children:
+            yield from self._instead_of(child)
+
+    def _root(self, include: Element) -> Element:
+        """The root of the file that an element names."""
+        name = include.attributes.get("file")
+        if not name:
+            raise self._wrong(include, '<include> names no file; give it file="..."')
+        path = self._folder / name
+        try:
+            target = path.resolve()
+            if not target.is_relative_to(self._within):
+                remedy = "put the file there, or load the model in MuJoCo and save it with mujoco.mj_saveLastXML"
+                told = f"<include> {name!r} is not within {str(self._folder)!r}, and is not read, for safety"
+                raise self._wrong(include, f"{told}; {remedy}")
+            if target in self._read:
+                raise self._wrong(include, f"<include> {name!r}: the file is part of the model already; name it once")
+            if len(self._read) > MAXIMUM_FILES:
+                raise self._wrong(include, f"more than {MAXIMUM_FILES} files are included, the most that are read")
+            if not path.exists():
+                raise self._wrong(include, f"<include> {name!r}: there is no such file in {str(self._folder)!r}")
+            self._read.add(target)
+            content = read_bytes(path, self._left)
+        except (OSError, RuntimeError) as problem:  # names that are too long, links in a circle
+            told = getattr(problem, "strerror", problem)
+            raise self._wrong(include, f"<include> {name[:80]!r} cannot be read: {told}") from problem
+        self._left -= len(content)
+        return _in_file(parse_xml(content, str(path)), str(path), include.at or include.line)
+
+    def _wrong(self, element: Element, complaint: str) -> ModelError:
+        return ModelError(complaint, place=element.where(self._place))
+
+
+def _in_file(element: Element, file: str, at: int) -> Element:
+    return replace(element, file=file, at=at, children=[_in_file(child, file, at) for child in element.children])
