@@ -23,6 +23,7 @@ from cutpoint.functions.compiled import compiled_of
 from cutpoint.functions.variants import motion_names, with_options, wrong_motion
 from cutpoint.mechanics.elastic import Options
 from cutpoint.robot import Robot
+from cutpoint.rolled import TreeSolver
 
 __all__ = [
     "ElasticForwardDynamicsDerivatives", "ElasticInverseDynamicsDerivatives", "ForwardDynamicsDerivatives",
@@ -100,7 +101,8 @@ def forward_dynamics(robot: Robot, q: ArrayLike, v: ArrayLike, tau: ArrayLike) -
         return made(q, v, tau)
     if _is_looped(robot) or sweeps.is_swept(robot):
         a = robot.forward_dynamics(q, v, tau)
-        return ForwardDynamicsDerivatives(*large.forward_dynamics(*_rigid_at(robot, "forward_dynamics", q, v, a)))
+        rigid = _rigid_at(robot, "forward_dynamics", q, v, a)
+        return ForwardDynamicsDerivatives(*large.forward_dynamics(*rigid, _solver(robot, robot.nv, robot.nv)))
     definition = definitions.forward_dynamics
     return _function(robot, "forward_dynamics", definition, "q v tau", record=ForwardDynamicsDerivatives)(q, v, tau)
 
@@ -144,7 +146,8 @@ def elastic_forward_dynamics(
         function = compiled_of(robot).function
         slopes = function("drive_slopes", definitions.drive_slopes, inputs, True, EffortSlopes)(*state.values())
         rigid = _rigid_at(robot, name, q, v, a)
-        return record(*large.elastic_forward_dynamics(robot.machine.drives, *rigid, slopes))
+        solver = _solver(robot, *[robot.nv] * 2, *[len(robot.drives)] * 3)
+        return record(*large.elastic_forward_dynamics(robot.machine.drives, *rigid, slopes, solver))
     if sweeps.is_swept(robot):
         return record(*sweeps.elastic_forward_dynamics(robot, **state))
     return _function(robot, name, definitions.elastic_forward_dynamics, inputs, True, record=record)(*state.values())
@@ -177,6 +180,11 @@ def _rigid_at(robot: Robot, name: str, q: ArrayLike, v: ArrayLike, a: Array) -> 
         raise InputError(f"{name}_derivatives: {told}; are they in rad, rad/s and N m?", largest=largest)
     compiled_of(robot).has_no_kernel(f"{name}_derivatives")
     return inverse_dynamics(robot, q, v, a)
+
+
+def _solver(robot: Robot, *widths: int) -> TreeSolver | None:
+    """For equations with the mass matrix, where derivatives run as loops."""
+    return compiled_of(robot).solver(*widths) if _is_looped(robot) else None
 
 
 def _is_looped(robot: Robot) -> bool:

@@ -4,32 +4,35 @@ M d_a = d_tau - d(inverse dynamics).  Carpentier and Mansard (2018).
 """
 
 from collections.abc import Sequence
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.linalg import get_lapack_funcs
+from scipy.linalg import get_blas_funcs, get_lapack_funcs
 
 from cutpoint.drive_slopes import EffortSlopes
 from cutpoint.errors import InputError
 from cutpoint.mechanics.elastic import Driven
+from cutpoint.rolled import TreeSolver
 
 Array = NDArray[np.float64]
+Numbers = NDArray[np.int64]
 
 _factors, _inverse = get_lapack_funcs(("potrf", "potri"), dtype=np.float64)
+_product: Any = get_blas_funcs("gemm", dtype=np.float64)
 
 
-def forward_dynamics(d_q: Array, d_v: Array, M: Array) -> tuple[Array, Array, Array]:
+def forward_dynamics(d_q: Array, d_v: Array, M: Array, solver: TreeSolver | None) -> Sequence[Array]:
     """d a / d (q, v, tau), each (..., nv, nv), from those of inverse dynamics.
 
     Raises:
         InputError: see `inverse_of`.
     """
-    d_tau = inverse_of(M, "forward_dynamics_derivatives")
-    return -d_tau @ d_q, -d_tau @ d_v, d_tau
+    return _solved(M, [d_q, d_v], solver, "forward_dynamics_derivatives")
 
 
 def elastic_forward_dynamics(
-    drives: Sequence[Driven], d_q: Array, d_v: Array, M: Array, slopes: EffortSlopes
+    drives: Sequence[Driven], d_q: Array, d_v: Array, M: Array, slopes: EffortSlopes, solver: TreeSolver | None
 ) -> list[Array]:
     """d a / d (q, v, theta, theta_dot, motor_torque), then those of theta_ddot; rotors do not feel their carriers.
 
@@ -38,18 +41,41 @@ def elastic_forward_dynamics(
     Raises:
         InputError: see `inverse_of`.
     """
-    inverse, nv, n = inverse_of(M, "elastic_forward_dynamics_derivatives"), M.shape[-1], len(drives)
-    links, motors, bends = [d.v for d in drives], [*range(n)], [[d.drive.is_elastic] for d in drives]
+    nv, n = M.shape[-1], len(drives)
+    links, motors = np.array([d.v for d in drives]), np.arange(n)
+    rigid = [k for k, d in enumerate(drives) if not d.drive.is_elastic]
     # where each drive's q, v, theta, theta_dot and motor_torque stand, and among how many
     columns = [(links, nv)] * 2 + [(motors, n)] * 3
-    forces = [_entries(x, links, at, (nv, width)) for x, (at, width) in zip(slopes[:5], columns, strict=True)]
-    d_a = [inverse @ x for x in (forces[0] - d_q, forces[1] - d_v, *forces[2:])]
+    less = [_entries(-x, links, at, (nv, width)) for x, (at, width) in zip(slopes[:5], columns, strict=True)]
+    *d_a, _ = _solved(M, [d_q + less[0], d_v + less[1], *less[2:]], solver, "elastic_forward_dynamics_derivatives")
     # a rotor by its own drive's state; a rigid drive's moves with its link
     alpha = [_entries(x, motors, at, (n, width)) for x, (at, width) in zip(slopes[5:], columns, strict=True)]
-    return [*d_a, *(np.where(bends, own, of_links[..., links, :]) for own, of_links in zip(alpha, d_a, strict=True))]
+    for own, of_links in zip(alpha, d_a, strict=True) if rigid else ():
+        own[..., rigid, :] = of_links[..., links[rigid], :]
+    return [*d_a, *alpha]
 
 
-def _entries(x: Array, rows: Sequence[int], columns: Sequence[int], shape: tuple[int, ...]) -> Array:
+def _solved(M: Array, B: Sequence[Array], solver: TreeSolver | None, asked: str) -> Sequence[Array]:
+    """Each X with M X + B = 0, and the inverse of M.  Raises InputError: see `inverse_of`."""
+    found = solver(M, *B) if solver else None
+    if found is None:
+        inverse = inverse_of(M, asked)
+        found = [*(_less_products(inverse, b) for b in B), inverse]
+    return found
+
+
+def _less_products(A: Array, B: Array) -> Array:
+    """-A B of matrices (..., n, n) and (..., n, width).
+
+    By the library that inverts: NumPy's own has threads too, and on few cores each would wait for those of the other.
+    """
+    found = np.empty_like(B)
+    for k in np.ndindex(B.shape[:-2]):
+        found[k] = _product(-1.0, B[k].T, A[k].T).T  # it takes arrays by columns
+    return found
+
+
+def _entries(x: Array, rows: Numbers, columns: Numbers, shape: tuple[int, ...]) -> Array:
     """Matrices (..., *shape) with x (..., n) at these places, and zeros elsewhere."""
     found = np.zeros((*x.shape[:-1], *shape))
     found[..., rows, columns] = x

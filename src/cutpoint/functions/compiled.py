@@ -30,7 +30,9 @@ from cutpoint.rolled import (
     DERIVATIVES,
     JointByJoint,
     RolledFunction,
+    TreeSolver,
     check_compiles,
+    is_sparse,
     joint_by_joint,
     loops_take,
     name_of,
@@ -93,6 +95,7 @@ class Compiled:
         self.functions = Functions(self.function)
         self._kernels: dict[str, Kernel] = {}
         self._loops: dict[str, RolledFunction | None] = {}
+        self._solvers: dict[tuple[int, ...], TreeSolver | None] = {}
 
     def size_of(self, name: str) -> int | tuple[()]:
         """Length of an input's last axis; () for a single number."""
@@ -193,6 +196,13 @@ class Compiled:
     ) -> JointByJoint | None:
         machine = self.machine if reads_drives else self.machine._replace(drives=[])
         return joint_by_joint(key, definition, {x: self.size_of(x) for x in inputs}, machine, self._backend)
+
+    def solver(self, *widths: int) -> TreeSolver | None:
+        """For equations with the mass matrix, right-hand sides of so many columns; None where it is better dense."""
+        if widths not in self._solvers:
+            system = self.machine.system
+            self._solvers[widths] = TreeSolver(system, widths) if is_sparse(system) else None
+        return self._solvers[widths]
 
     def looping(self, name: str) -> RolledFunction | None:
         """A function that has been made as loops of one program."""

@@ -6,6 +6,7 @@ operations, chapter 6.
 
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
+from typing import NamedTuple
 
 from cutpoint.mechanics.articulated import NO_ROTOR, Articulated, FeltRotor, Yield, accelerations
 from cutpoint.mechanics.inverse_dynamics import (
@@ -141,13 +142,21 @@ def through_mass_matrix(
     return solve_symmetric(mass_matrix(system, q), [t - b for t, b in zip(tau, bias, strict=True)])
 
 
-def solve_symmetric(M: list[list[Scalar]], b: Scalars) -> list[Scalar]:
-    """x with M x = b for a symmetric positive definite M, by L D L^T from the last row up; zeros of a tree stay zeros.
+class Factors(NamedTuple):
+    """L^T D L of a symmetric positive definite matrix, from its last row up; zeros of a tree stay zeros.
 
-    Featherstone (2008) section 6.5.
+    L: its rows, of which what stands right of the diagonal, and on it, is of no matter.  inverse: of D, for a division
+    costs ten products.
     """
-    n, L, x = len(b), [[*row] for row in M], [*b]
-    inverse: list[Scalar] = [0] * n  # of D: a division costs ten products
+
+    L: list[list[Scalar]]
+    inverse: list[Scalar]
+
+
+def factors_of(M: list[list[Scalar]]) -> Factors:
+    """Featherstone (2008) section 6.5."""
+    n, L = len(M), [[*row] for row in M]
+    inverse: list[Scalar] = [0] * n
     for k in reversed(range(n)):
         inverse[k] = 1 / L[k][k]
         for i in reversed(range(k)):
@@ -155,7 +164,20 @@ def solve_symmetric(M: list[list[Scalar]], b: Scalars) -> list[Scalar]:
             for j in range(i + 1):
                 L[i][j] = L[i][j] - share * L[k][j]
             L[k][i] = share
-            x[i] = x[i] - share * x[k]
+    return Factors(L, inverse)
+
+
+def solve(factors: Factors, b: Scalars) -> list[Scalar]:
+    """x with M x = b."""
+    (L, inverse), n, x = factors, len(b), [*b]
+    for k in reversed(range(n)):
+        for i in reversed(range(k)):
+            x[i] = x[i] - L[k][i] * x[k]
     for k in range(n):
         x[k] = x[k] * inverse[k] - sum((L[k][i] * x[i] for i in range(k)), 0)
     return x
+
+
+def solve_symmetric(M: list[list[Scalar]], b: Scalars) -> list[Scalar]:
+    """x with M x = b for a symmetric positive definite M."""
+    return solve(factors_of(M), b)

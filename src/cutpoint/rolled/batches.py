@@ -9,7 +9,7 @@ from cutpoint.kernels import Program, compile_program
 from cutpoint.kernels.graphs.ports import Port
 from cutpoint.kernels.programs.compiled import BoundProgram
 from cutpoint.kernels.programs.front import ProgramElement
-from cutpoint.kernels.programs.outputs import Output, Part
+from cutpoint.kernels.programs.outputs import Output, Part, whole
 from cutpoint.kernels.programs.rows import ProgramRows, SideBySide
 from cutpoint.rolled.memory import COLUMN, Spare, Task, aligned
 from cutpoint.rolled.passes import side_by_side
@@ -64,7 +64,7 @@ class Batches:
 
     def _one_by_one(self, several: SideBySide | None = None) -> ProgramRows:
         task, memory = self._task, self._one.memory()
-        element = ProgramElement(memory.run, [*memory.inputs.values()], [*memory.outputs.values()])
+        element = ProgramElement(memory.run, [*map(whole, memory.inputs.values())], [*memory.outputs.values()])
         inputs = [Port(name, (task.size(name),)) for name in task.recipe.inputs]
         outputs = [Port(name, task.shape(name)) for name in task.recipe.outputs]
         return ProgramRows(element, inputs, outputs, several, self._largest)

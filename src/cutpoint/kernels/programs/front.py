@@ -31,16 +31,17 @@ def front_of(
     if not is_possible():
         return front.general
     given, made = ([Port(key, x.shape) for key, x in some.items()] for some in (inputs, outputs))
-    return fastcall(ProgramElement(run, [*inputs.values()], [*outputs.values()]), name, given, made, front)
+    element = ProgramElement(run, [*map(whole, inputs.values())], [*outputs.values()])
+    return fastcall(element, name, given, made, front)
 
 
 class ProgramElement:
     """Copies in, a run that LLVM bound, copies out, as a function of pointers."""
 
-    def __init__(self, run: Callable[[], int], inputs: Sequence[np.ndarray], outputs: Sequence[Output]) -> None:
+    def __init__(self, run: Callable[[], int], inputs: Sequence[Output], outputs: Sequence[Output]) -> None:
         assert isinstance(run, BoundProgram), "NumPy's programs have no machine code"
         self.call: Callable[..., Any] = run
-        arguments = [*map(whole, inputs), *outputs]
+        arguments = [*inputs, *outputs]
         self._owned = [part.own for x in arguments for part in x.parts]  # some of it the run itself does not hold
         symbols = {f"own{k}": own.ctypes.data for k, own in enumerate(self._owned)}
         self._code = Compiled(_ir(arguments, len(inputs)), FUNCTION, symbols=symbols | run.symbols)
