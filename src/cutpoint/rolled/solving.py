@@ -73,16 +73,14 @@ class TreeSolver:
         """With memory of its own."""
         n, blocks = self._n, [-(-width // LANES) for width in self._widths]
         sizes = {r.name: r.room for r in self._program.plan.regions.values()}
-        rows = {"given": sum(blocks), "found": sum(blocks)}
+        rows = dict.fromkeys(("given", "found"), sum(blocks))
         arrays = {name: aligned(rows.get(name, 1) * size).reshape(-1, size) for name, size in sizes.items()}
+        starts = [sum(blocks[:k]) for k in range(len(blocks))]
         given, found = (
-            [
-                _in_blocks(arrays[name][sum(blocks[:k]) :], n, width)
-                for k, width in enumerate(self._widths)
-            ]
-            for name in ("given", "found")
-        )  # fmt: skip
-        for part in given.pop().parts:
+            [_in_blocks(arrays[name][start:], n, width) for start, width in zip(starts, self._widths, strict=True)]
+            for name in rows
+        )
+        for part in given.pop().parts:  # what has the inverse for its X
             part.own[...] = part.place(-np.eye(n))
         run = self._program.bound({"blocks": sum(blocks)}, **arrays)
         least = whole(arrays["least"].reshape(()))
