@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from cutpoint import derivatives
+from cutpoint.derivatives import in_c
 from cutpoint.door import check_kind, positive
 from cutpoint.errors import InputError, unknown_name
 from cutpoint.export_notes import PER_DRIVE, labels_of, notes_of, result_of
@@ -60,10 +61,9 @@ def export_function(
     labels = [label for name, drive in robot.drives.items() for label in labels_of(drive, name)]
     values = {"parameters": Values(robot.drive_parameters, labels)}
     result = result_of(robot, function, **options)
-    if (loops := compiled_of(fresh).looping(function)) and to == "c":
-        source = loops.to_c(RESULTS[function])
-        notes = notes_of(robot, source, about, values, result)
-        return c99_package.write_source(source, loops, name or function, folder, notes, force=force)
+    if to == "c" and (found := _as_loops(fresh, function)):
+        notes = notes_of(robot, found.source, about, values, result)
+        return c99_package.write_source(found.source, found.computed, name or function, folder, notes, force=force)
     graph = fresh.kernel(function).graph
     if RESULTS[function]:
         (port,) = graph.outputs
@@ -92,6 +92,14 @@ def export_controller(
         values["memory"] = Values(memory, [f"memory[{k}]" for k in range(memory.size)])
     notes = notes_of(robot, graph, f"a step of {type(law).__name__} for {robot.name}, limits not applied", values)
     return c99_package.write_package(graph, name, folder, notes, force=force)
+
+
+def _as_loops(robot: Robot, function: str) -> in_c.InC | None:
+    """A function that has been called, if it runs as loops that leave as C."""
+    if loops := compiled_of(robot).looping(function):
+        names = [RESULTS[function]] if RESULTS[function] else []
+        return in_c.InC(loops.to_c(*names), loops)
+    return in_c.forward_dynamics(robot) if function == "forward_dynamics_derivatives" else None
 
 
 def _called(robot: Robot, function: str) -> Callable[..., Any]:

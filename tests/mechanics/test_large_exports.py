@@ -8,12 +8,13 @@ import numpy as np
 import pytest
 
 from c_builds import STRICT, CFunction, assert_same_bits, build, compilers, run
-from cutpoint import Robot
+from cutpoint import Robot, derivatives
+from cutpoint.derivatives import in_c
 from cutpoint.errors import InputError
 from cutpoint.export import export_function
 from cutpoint.functions.compiled import compiled_of
-from large_robots import based, chain
-from robot_library import mixed_drives, tree
+from large_robots import assert_close, based, chain
+from robot_library import load, mixed_drives, tree
 
 CHAIN, TREE = Robot(chain(140, ("revolute", "prismatic", "helical"))), Robot(based("revolute", 140))
 FLOATING, BRANCHING = Robot(based("floating", 140, branching=False)), Robot(based("floating", 140))
@@ -66,6 +67,22 @@ def test_every_call_is_on_its_own(compiler: str, flags: tuple[str, ...], tmp_pat
         assert_same_bits(function(*given)[0], CHAIN.forward_dynamics(*given))
 
 
+@pytest.mark.parametrize("compiler", compilers())
+@pytest.mark.parametrize("floating", [False, True])
+def test_derivatives_of_a_humanoids_accelerations_leave(floating: bool, compiler: str, tmp_path: Path) -> None:
+    robot = load("talos_reduced.urdf", floating_base=floating)
+    export_function(robot, "forward_dynamics_derivatives", tmp_path, name="f")
+    build(tmp_path, "f.c", "f_check.c", "-o", "check", compiler=compiler, flags=(*STRICT, "-O1"))
+    assert run(tmp_path) == (0, f"f: 0 of {2 * 3 * robot.nv**2} numbers differ\n")
+    made = in_c.forward_dynamics(robot)
+    assert made is not None
+    function, rng = CFunction(tmp_path, "f", made.source, compiler), np.random.default_rng(0)
+    for _ in range(3):
+        given = robot.random(rng), *rng.normal(size=(2, robot.nv))
+        for ours, theirs in zip(function(*given), derivatives.forward_dynamics(robot, *given), strict=True):
+            assert_close(ours, theirs, 1e-11)  # which takes accelerations from code without loops
+
+
 def test_the_same_robot_leaves_as_the_same_text(tmp_path: Path) -> None:
     one, other = (export_function(Robot(FLOATING.mechanism), "mass_matrix", tmp_path / k) for k in "ab")
     assert [path.read_text() for path in one] == [path.read_text() for path in other]
@@ -85,9 +102,7 @@ def test_an_output_may_be_an_inputs_memory(tmp_path: Path) -> None:
 
 
 def test_what_does_not_leave_says_so(tmp_path: Path) -> None:
-    with pytest.raises(
-        InputError, match=r"of 140 bodies it runs as loops .* no kernel .*; export_function writes these as"
-    ):
+    with pytest.raises(InputError, match=r"of 140 bodies it runs as loops .* no kernel .*; loops leave as C alone"):
         export_function(CHAIN, "inverse_dynamics", tmp_path, to="cuda")
     with pytest.raises(
         InputError, match=r"forward_dynamics_derivatives: of 140 bodies .* no kernel to look at or to export"

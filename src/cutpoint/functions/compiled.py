@@ -213,7 +213,7 @@ class Compiled:
         if name not in self._kernels:
             if name in self._loops:
                 n = len(self.machine.system.segments)
-                to_export = "; export_function writes these as C" if self._loops[name] else " or to export"
+                to_export = "; loops leave as C alone" if self._loops[name] else " or to export"
                 told = f"of {n} bodies it runs as loops over them, and has no kernel to look at{to_export}"
                 raise InputError(f"{name}: {told}; of fewer it has one: lock joints that stand still", name=name)
             there = those_that_exist(name, self._kernels) if self._kernels else "there is none yet"

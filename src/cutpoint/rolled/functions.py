@@ -146,8 +146,8 @@ class RolledFunction:
         """The same, quickest for single calls."""
         return self._quick
 
-    def to_c(self, output: str = "") -> "Source":
-        """The same in C, the drives' numbers folded in.  output: what the only output is called.
+    def to_c(self, *outputs: str) -> "Source":
+        """The same in C, the drives' numbers folded in.  outputs: what they are called, if not as in the record.
 
         Raises:
             InputError: some joints have no drive, or it takes more memory than a stack holds.
@@ -156,7 +156,8 @@ class RolledFunction:
 
         if not self._are_all_driven:
             raise InputError(f"{self.name}: loops leave as C for robots with a drive in every joint, or in none")
-        return source_of(self._one.memory().fixed(getattr(self._record, "_fields", (output,))), self.name)
+        known = getattr(self._record, "_fields", self._task.recipe.outputs)
+        return source_of(self._one.memory().fixed(outputs or known), self.name)
 
     def _shortcut(self) -> Callable[..., Any]:
         """For single calls, with less between, where inputs and outputs lie in memory as they are given."""
@@ -173,7 +174,7 @@ class RolledFunction:
         found = self._of_batch(given)
         if found is None:
             pairs = zip(self._task.recipe.inputs, given, strict=True)
-            found = self._computed([self._at_bodies(key, x) for key, x in pairs])
+            found = self.computed([self._at_bodies(key, x) for key, x in pairs])
         if not self._are_all_driven:
             names = self._task.recipe.outputs
             found = [self._of_driven(k, x) for k, x in zip(names, found, strict=True)]
@@ -203,8 +204,8 @@ class RolledFunction:
             found = batch.whole(given, None) if batch.whole else None
         return (found,) if isinstance(found, np.ndarray) else found
 
-    def _computed(self, given: Sequence[Array]) -> list[Array]:
-        """The outputs for checked arrays, in memory that no other call uses."""
+    def computed(self, given: Sequence[Array]) -> list[Array]:
+        """The outputs for arrays of the right lengths, whatever numbers they hold."""
         pairs = zip(self._task.recipe.inputs, given, strict=True)
         shape = common_batch(self.name, {key: x.shape[:-1] for key, x in pairs})
         rows = [np.broadcast_to(x, (*shape, x.shape[-1])).reshape(-1, x.shape[-1]) for x in given]

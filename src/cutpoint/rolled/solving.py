@@ -15,8 +15,10 @@ from cutpoint.kernels.arrays.fastcall import Front, fastcall
 from cutpoint.kernels.arrays.plain_arguments import is_possible
 from cutpoint.kernels.graphs.ports import Port
 from cutpoint.kernels.programs.front import ProgramElement
-from cutpoint.kernels.programs.outputs import Output, Part, whole
+from cutpoint.kernels.programs.outputs import Fixed, Output, Part, whole
 from cutpoint.kernels.programs.rows import ProgramRows
+from cutpoint.kernels.targets.c99 import Source
+from cutpoint.kernels.targets.c99_program import source_of
 from cutpoint.mechanics.forward_dynamics import Factors, factors_of, solve
 from cutpoint.mechanics.system import System
 from cutpoint.rolled.memory import Spare, aligned
@@ -44,8 +46,18 @@ class TreeSolver:
 
     def __call__(self, M: Array, *given: Array) -> Sequence[Array] | None:
         """M: (..., n, n).  given: each B, (..., n, width).  Each X, and the inverse; None if some M has none."""
-        least, *found = self._solve(M, *given)
+        least, *found = self.solutions(M, *given)
         return found if (least > 0).all() else None
+
+    def solutions(self, M: Array, *given: Array) -> Sequence[Array]:
+        """The same of any M, after the least number of its D: it is above 0 where there is an inverse."""
+        return self._solve(M, *given)
+
+    def to_c(self, M: str, given: Sequence[str], found: Sequence[str]) -> Source:
+        """The same in C, without the least number; with these names for what it reads and finds."""
+        arrays, inputs, (_, *outputs) = self._memory()
+        named = dict(zip((M, *given), inputs, strict=True)), dict(zip(found, outputs, strict=True))
+        return source_of(Fixed(self._program.plan, self._counts, arrays, *named), "equations of motion")
 
     def _shortcut(self) -> Any:
         """For single matrices."""
@@ -71,9 +83,18 @@ class TreeSolver:
 
     def _element(self) -> ProgramElement:
         """With memory of its own."""
+        arrays, inputs, outputs = self._memory()
+        return ProgramElement(self._program.bound(self._counts, **arrays), inputs, outputs)
+
+    @property
+    def _counts(self) -> dict[str, int]:
+        return {"blocks": sum(-(-width // LANES) for width in self._widths)}
+
+    def _memory(self) -> tuple[dict[str, Array], list[Output], list[Output]]:
+        """Arrays, and where in them M and each B stand, and the least number, each X and the inverse."""
         n, blocks = self._n, [-(-width // LANES) for width in self._widths]
         sizes = {r.name: r.room for r in self._program.plan.regions.values()}
-        rows = dict.fromkeys(("given", "found"), sum(blocks))
+        rows: dict[str, int] = dict.fromkeys(("given", "found"), self._counts["blocks"])
         arrays = {name: aligned(rows.get(name, 1) * size).reshape(-1, size) for name, size in sizes.items()}
         starts = [sum(blocks[:k]) for k in range(len(blocks))]
         given, found = (
@@ -82,9 +103,8 @@ class TreeSolver:
         )
         for part in given.pop().parts:  # what has the inverse for its X
             part.own[...] = part.place(-np.eye(n))
-        run = self._program.bound({"blocks": sum(blocks)}, **arrays)
         least = whole(arrays["least"].reshape(()))
-        return ProgramElement(run, [whole(arrays["M"].reshape(n, n)), *given], [least, *found])
+        return arrays, [whole(arrays["M"].reshape(n, n)), *given], [least, *found]
 
 
 def is_sparse(system: System) -> bool:

@@ -7,6 +7,7 @@ those are refused, and contraction is switched off, at the head of the file.
 import math
 from collections.abc import Sequence
 from string import Template
+from textwrap import indent
 from typing import Any, NamedTuple
 
 from cutpoint.kernels.graphs.graph import Graph
@@ -105,15 +106,15 @@ def parameters(inputs: Sequence[Port], outputs: Sequence[Port], precision: Preci
 class Source(NamedTuple):
     """A function in C: what it takes and gives, the functions that it calls, its statements.
 
-    about: how it works, for those who call it.
+    stack: bytes that its loops work in; 0 of one without loops.
     """
 
     inputs: Sequence[Port]
     outputs: Sequence[Port]
     precision: Precision
-    helpers: str
+    helpers: Sequence[str]
     body: str
-    about: str
+    stack: int = 0
 
 
 def source_of(graph: Graph) -> Source:
@@ -124,16 +125,27 @@ def source_of(graph: Graph) -> Source:
     lines += statements(primitive, _slots(inputs, by_value=True), _slots(outputs))
     text = "".join(f"  {line}\n" for line in lines)
     called = helpers([primitive], graph.precision)
-    return Source(graph.inputs, graph.outputs, graph.precision, called, text, "no loops")
+    return Source(graph.inputs, graph.outputs, graph.precision, called, text)
 
 
-def helpers(graphs: Sequence[Graph], precision: Precision) -> str:
+def joined(parts: Sequence[Source], inputs: Sequence[Port], outputs: Sequence[Port]) -> Source:
+    """One function after another: each reads, by name, arguments and what those before it have found."""
+    precision, known = parts[0].precision, [p.name for p in (*inputs, *outputs)]
+    own = {p.name: p for part in parts for p in part.outputs if p.name not in known}.values()
+    lines = [f"  {precision.c} {p.name}[{p.size}];\n" for p in own]
+    lines += ["  {\n" + indent(part.body, "  ") + "  }\n" for part in parts]
+    called = dict.fromkeys(text for part in parts for text in part.helpers)
+    stack = sum(part.stack for part in parts) + sum(precision.item * p.size for p in own)
+    return Source(inputs, outputs, precision, [*called], "".join(lines), stack)
+
+
+def helpers(graphs: Sequence[Graph], precision: Precision) -> list[str]:
     """The functions that the code of lowered graphs calls."""
     used = [text for op, text in _HELPERS.items() if any(op in graph.operations for graph in graphs)]
     turned = (x for graph in graphs for x in graph.nodes if x.op in _TURNED)
     used += [_MINUS] if any(_is_fused(x.args[_turned(x)]) for x in turned) else []
-    text = "\n".join([_BITS, *used]) + "\n" if used else ""
-    return Template(text).substitute(words(precision))
+    texts = [_BITS, *used] if used else []
+    return [Template(text).substitute(words(precision)) for text in texts]
 
 
 def statements(graph: Graph, read: Sequence[str], write: Sequence[str]) -> list[str]:

@@ -32,9 +32,7 @@ def source_of(fixed: Fixed, name: str) -> Source:
     Raises InputError for a program whose memory is more than a stack holds.
     """
     rooms = _Rooms(fixed)
-    if rooms.stack > MOST_STACK:
-        told = f"in C it would take {rooms.stack:,} bytes of the stack, {MOST_STACK:,} at most; take a smaller model"
-        raise InputError(f"{name}: {told}", bytes=rooms.stack)
+    check_stack(name, rooms.stack)
     loops = _Loops(fixed, rooms)
     lines = [line for key, x in fixed.inputs.items() for line in _copied(rooms, key, x, inward=True)]
     lines += loops.loop(fixed.plan.body, {})
@@ -43,8 +41,14 @@ def source_of(fixed: Fixed, name: str) -> Source:
     lines = [*loops.lists(text), *rooms.declared(text), *lines]
     inputs, outputs = ([Port(key, x.shape) for key, x in some.items()] for some in (fixed.inputs, fixed.outputs))
     called = helpers([lowered(fixed.plan, stage) for stage in fixed.plan.graphs], FLOAT64)
-    about = f"loops of fixed lengths, {rooms.stack:,} bytes of the stack"
-    return Source(inputs, outputs, FLOAT64, called, "".join(f"  {line}\n" for line in lines), about)
+    return Source(inputs, outputs, FLOAT64, called, "".join(f"  {line}\n" for line in lines), rooms.stack)
+
+
+def check_stack(name: str, stack: int) -> None:
+    """Raises InputError for so many bytes, if they are too many."""
+    if stack > MOST_STACK:
+        told = f"in C it would take {stack:,} bytes of the stack, {MOST_STACK:,} at most; take a smaller model"
+        raise InputError(f"{name}: {told}", bytes=stack)
 
 
 class _Room(NamedTuple):
@@ -106,6 +110,8 @@ class _Rooms:
                 yield from _table("double", f"{name}_begun", numbers)
                 yield f"double {name}[{len(numbers)}];"
                 yield f"memcpy({name}, {name}_begun, sizeof {name});"
+            if not re.search(rf"= .*\b{name}\[|if \({name}\[", text):
+                yield f"(void){name}; /* written alone */"
 
 
 class _Loops:

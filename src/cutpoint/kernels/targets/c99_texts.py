@@ -57,11 +57,13 @@ def texts(
     inputs, outputs = ([p for p in ports if p.size] for ports in (source.inputs, source.outputs))
     precision = source.precision
     c_names.check_names(name, inputs, outputs)
+    helpers = "".join(f"{text}\n" for text in source.helpers)
+    steps = f"loops of fixed lengths, {source.stack:,} bytes of the stack" if source.stack else "no loops"
     fields = {
         **c99.words(precision),
         "version": version, "about": comment(notes.about), "name": name, "guard": name.upper(),
-        "parameters": c99.parameters(inputs, outputs, precision) or "void", "helpers": source.helpers,
-        "body": source.body, "steps": source.about, "names": ", ".join(p.name for p in (*inputs, *outputs)),
+        "parameters": c99.parameters(inputs, outputs, precision) or "void", "helpers": helpers,
+        "body": source.body, "steps": steps, "names": ", ".join(p.name for p in (*inputs, *outputs)),
         "arguments": arguments(inputs, outputs, notes), "values": values(name, notes, precision),
         "tables": _tables(name, inputs, notes),
         **_check(inputs, outputs, *recorded, precision), **_cpp(inputs, outputs, name, precision),
