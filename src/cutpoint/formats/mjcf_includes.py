@@ -32,6 +32,8 @@ class _Includes:
             raise self._wrong(
                 element, f"XML holds elements nested more than {MAXIMUM_DEPTH} deep, the most that is read"
             )
+        if not element.children:
+            return element
         children = (each for child in element.children for each in self._instead_of(child))
         return replace(element, children=[self.expanded(child, depth + 1) for child in children])
 
