@@ -60,6 +60,8 @@ def function(given: Case, model: Model, task: str) -> ca.Function:
             found = [symbolic_tasks.jacobian(model(q), flange_of(given))]
         case "derivatives":
             found = symbolic_tasks.derivatives(symbolic.inverse_dynamics(model(q), *rates), q, *rates)
+        case "forward derivatives":
+            found = symbolic_tasks.derivatives(symbolic.forward_dynamics(model(q), *rates), q, *rates)
         case _:
             p = SX.sym("p", 10 * given.robot.nv)
             found = [symbolic_tasks.regressor(symbolic_models.with_parameters(model(q), p), *rates, p)]

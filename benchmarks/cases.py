@@ -20,9 +20,11 @@ FLANGES = {"UR10": "tool0", "Panda": "panda_link8"}
 
 TASKS = {
     "inverse dynamics": ("q", "v", "a"), "forward dynamics": ("q", "v", "tau"), "mass matrix": ("q",),
-    "Jacobian": ("q",), "derivatives": ("q", "v", "a"), "regressor": ("q", "v", "a"),
+    "Jacobian": ("q",), "derivatives": ("q", "v", "a"), "forward derivatives": ("q", "v", "tau"),
+    "regressor": ("q", "v", "a"),
 }  # fmt: skip
-"""Inputs of each.  Jacobian: of the flange, along the world's axes.  Derivatives: d inverse dynamics / d (q, v, a)."""
+"""Inputs of each.  Jacobian: of the flange, along the world's axes.  Derivatives: d inverse dynamics / d (q, v, a), and
+d forward dynamics / d (q, v, tau)."""
 
 Call = Callable[[], object]
 
@@ -54,8 +56,8 @@ class Case:
     def shape(self, task: str) -> tuple[int, ...]:
         """Of a row of results."""
         n = self.model.nv
-        shapes = {"mass matrix": (n, n), "Jacobian": (6, n), "derivatives": (3, n, n), "regressor": (n, 10 * n)}
-        return shapes.get(task, (n,))
+        shapes = {"mass matrix": (n, n), "Jacobian": (6, n), "regressor": (n, 10 * n)}
+        return shapes.get(task, (3, n, n) if "derivatives" in task else (n,))
 
     def inputs(self, task: str) -> list[np.ndarray]:
         """Random rows, (count, n) each, as many as BYTES hold of inputs and outputs; whole packs."""

@@ -9,8 +9,8 @@ _RATIO = "quickest peer / cutpoint"
 _ONE_CALL = """## One call, without Python
 
 A row after another by a loop of machine code or C: cutpoint's machine code; the C that it exports, compiled by gcc.
-Jacobian: of the flange, along the world's axes.  Derivatives: of inverse dynamics with respect to q, v and a.
-Regressor: of joint torques.
+Jacobian: of the flange, along the world's axes.  Derivatives: of inverse dynamics with respect to q, v and a; forward
+derivatives: of forward dynamics with respect to q, v and torques.  Regressor: of joint torques.
 
 """
 

@@ -22,7 +22,7 @@ from cutpoint.studies.cost.timing import in_turns
 ROBOTS = {"G1": "g1_29dof_rev_1_0.urdf", "Talos": "talos_full_v2.urdf"}
 """Files of the package example-robot-data, of revolute joints; the pelvis stands still."""
 
-MEASURED = ("inverse dynamics", "forward dynamics", "mass matrix", "derivatives")
+MEASURED = ("inverse dynamics", "forward dynamics", "mass matrix", "derivatives", "forward derivatives")
 ROWS = 64
 
 
@@ -65,6 +65,7 @@ def _ours(robot: cutpoint.Robot) -> dict[str, Callable]:
     return {
         "inverse dynamics": robot.inverse_dynamics, "forward dynamics": robot.forward_dynamics,
         "mass matrix": robot.mass_matrix, "derivatives": lambda *x: derivatives.inverse_dynamics(robot, *x),
+        "forward derivatives": lambda *x: derivatives.forward_dynamics(robot, *x),
     }  # fmt: skip
 
 

@@ -26,6 +26,9 @@ def kernel_of(case: Case, task: str, inputs: list[np.ndarray]) -> Kernel:
     if task == "derivatives":
         derivatives.inverse_dynamics(robot, *rows)
         return robot.kernel("inverse_dynamics_derivatives")
+    if task == "forward derivatives":
+        derivatives.forward_dynamics(robot, *rows)
+        return robot.kernel("forward_dynamics_derivatives")
     name = task.replace(" ", "_")
     getattr(robot, name)(*rows)
     return robot.kernel(name)

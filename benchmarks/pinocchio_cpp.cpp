@@ -3,6 +3,7 @@
 // Every function takes the number of rows, the inputs, and where the results go; where that is null they stay in
 // Pinocchio's Data, as a program that uses it would leave them.
 
+#include <pinocchio/algorithm/aba-derivatives.hpp>
 #include <pinocchio/algorithm/aba.hpp>
 #include <pinocchio/algorithm/crba.hpp>
 #include <pinocchio/algorithm/frames.hpp>
@@ -114,6 +115,17 @@ void derivatives(Robot *r, long count, const double *q, const double *v, const d
     keep(out, 3 * k, r->d_q);
     keep(out, 3 * k + 1, r->d_v);
     keep(out, 3 * k + 2, r->d_a);
+  }
+}
+
+void forward_derivatives(Robot *r, long count, const double *q, const double *v, const double *tau, double *out) {
+  for (long k = 0; k < count; k++) {
+    computeABADerivatives(r->model, r->data, row(*r, q, k), row(*r, v, k), row(*r, tau, k));
+    if (!out) continue;
+    r->data.Minv.triangularView<Eigen::StrictlyLower>() = r->data.Minv.transpose();
+    keep(out, 3 * k, r->data.ddq_dq);
+    keep(out, 3 * k + 1, r->data.ddq_dv);
+    keep(out, 3 * k + 2, r->data.Minv);
   }
 }
 

@@ -25,7 +25,7 @@ DEFINED = (
 FUNCTIONS = {
     "inverse dynamics": ("inverse_dynamics",), "forward dynamics": ("forward_dynamics", "forward_dynamics_local"),
     "mass matrix": ("mass_matrix", "mass_matrix_local"), "Jacobian": ("jacobian",), "derivatives": ("derivatives",),
-    "regressor": ("regressor",),
+    "forward derivatives": ("forward_derivatives",), "regressor": ("regressor",),
 }  # fmt: skip
 """Of pinocchio_cpp.cpp; some tasks by either of two conventions."""
 

@@ -17,11 +17,18 @@ def function(case: Case, task: str) -> Callable[..., np.ndarray | tuple[np.ndarr
     if task == "Jacobian":
         frame = model.getFrameId(case.flange)
         return lambda q: pin.computeFrameJacobian(model, data, q, frame, pin.LOCAL_WORLD_ALIGNED)
+    if task == "forward derivatives":
+        return lambda *state: _forward_derivatives(model, data, *state)
     algorithm = {
         "inverse dynamics": pin.rnea, "forward dynamics": pin.aba, "mass matrix": pin.crba,
         "derivatives": pin.computeRNEADerivatives, "regressor": pin.computeJointTorqueRegressor,
     }[task]  # fmt: skip
     return lambda *state: algorithm(model, data, *state)
+
+
+def _forward_derivatives(model: pin.Model, data: pin.Data, *state: np.ndarray) -> tuple[np.ndarray, ...]:
+    pin.computeABADerivatives(model, data, *state)
+    return data.ddq_dq, data.ddq_dv, data.Minv
 
 
 def results(case: Case, task: str, inputs: list[np.ndarray]) -> np.ndarray:
@@ -34,8 +41,8 @@ def results(case: Case, task: str, inputs: list[np.ndarray]) -> np.ndarray:
 
 
 def _mirrored(found: np.ndarray, task: str) -> np.ndarray:
-    """With the lower triangle of d / da, which Pinocchio leaves empty."""
-    if task == "derivatives":
+    """With the lower triangle of the mass matrix or its inverse, which Pinocchio leaves empty."""
+    if "derivatives" in task:
         upper = np.triu(found[:, 2])
         found[:, 2] = upper + np.triu(upper, 1).swapaxes(1, 2)
     return found

@@ -46,6 +46,8 @@ def _public(robot: Case, task: str) -> Callable[..., object]:
         return lambda q: jacobian(q, frame, "local_world_aligned")
     if task == "derivatives":
         return lambda q, v, a: derivatives.inverse_dynamics(robot.robot, q, v, a)
+    if task == "forward derivatives":
+        return lambda q, v, tau: derivatives.forward_dynamics(robot.robot, q, v, tau)
     return getattr(robot.robot, task.replace(" ", "_"))
 
 

@@ -18,7 +18,7 @@ _HUMANOIDS = """## Humanoids
 
 Unitree's G1 (29 joints) and PAL's Talos (44), pelvis fixed, from the package example-robot-data; cutpoint from Python,
 that call and its checks included, by code without loops or with them as it chooses itself; Pinocchio C++ in loops of
-its own.  Derivatives: d inverse dynamics / d (q, v, a).
+its own.  Derivatives: d inverse dynamics / d (q, v, a); forward: d forward dynamics / d (q, v, tau).
 
 """
 

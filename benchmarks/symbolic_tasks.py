@@ -17,8 +17,8 @@ def jacobian(model: Chain, flange: ca.DM) -> SX:
     return ca.horzcat(*columns)
 
 
-def derivatives(tau: SX, q: SX, v: SX, a: SX) -> list[SX]:
-    return [ca.jacobian(tau, x) for x in (q, v, a)]
+def derivatives(found: SX, *given: SX) -> list[SX]:
+    return [ca.jacobian(found, x) for x in given]
 
 
 def regressor(model: Chain, v: SX, a: SX, p: SX) -> SX:
