@@ -1,10 +1,15 @@
 """How the command line starts: with what it needs, and with code that is there already."""
 
+import json
 import subprocess
 import sys
 from pathlib import Path
 
+import numpy as np
 import pytest
+
+import cutpoint
+from cutpoint import derivatives
 
 SOURCE = """
 import sys
@@ -37,3 +42,30 @@ def test_torques_take_no_slow_imports_and_no_second_compilation(
     first, imported = run()
     assert "14.23" in first and imported == "[]\n"
     assert run(REFUSES_TO_COMPILE)[0] == first
+
+
+WITHOUT_LLVMLITE = """
+import sys
+sys.modules["llvmlite"] = None  # as if it were not installed
+import cutpoint
+import cutpoint.export
+from cutpoint import derivatives
+robot = cutpoint.robots.xia2019()
+print(robot.gravity_forces([0.1] * 6).tolist())
+print(derivatives.forward_dynamics(robot, *[[0.1] * 6] * 3).d_tau[0].tolist())
+"""
+
+
+def test_all_of_the_package_runs_without_llvmlite() -> None:
+    command = [sys.executable, "-W", "error", "-c", WITHOUT_LLVMLITE]
+    done = subprocess.run(command, capture_output=True, text=True, timeout=120)
+    assert done.returncode == 0, done.stderr
+    robot, given = cutpoint.robots.xia2019(), np.full(6, 0.1)
+    expected = [robot.gravity_forces(given), derivatives.forward_dynamics(robot, given, given, given).d_tau[0]]
+    np.testing.assert_allclose([*map(json.loads, done.stdout.splitlines())], expected, rtol=1e-12, atol=1e-12)
+
+
+def test_a_start_imports_llvmlite_only_where_code_is_made() -> None:
+    source = "import sys, cutpoint; print('llvmlite' in sys.modules)"
+    done = subprocess.run([sys.executable, "-c", source], capture_output=True, text=True, timeout=120, check=True)
+    assert done.stdout == "False\n"

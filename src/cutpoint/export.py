@@ -18,6 +18,7 @@ from cutpoint.export_notes import PER_DRIVE, labels_of, notes_of, result_of
 from cutpoint.functions.compiled import compiled_of
 from cutpoint.functions.exported import RESULTS
 from cutpoint.kernels.targets import c99_package, cuda_package
+from cutpoint.kernels.targets.c99 import Source
 from cutpoint.kernels.targets.c99_texts import Values
 from cutpoint.robot import Robot
 from cutpoint.simulation.control_kernel import law_kernel, law_memory
@@ -62,8 +63,8 @@ def export_function(
     values = {"parameters": Values(robot.drive_parameters, labels)}
     result = result_of(robot, function, **options)
     if to == "c" and (found := _as_loops(fresh, function)):
-        notes = notes_of(robot, found.source, about, values, result)
-        return c99_package.write_source(found.source, found.computed, name or function, folder, notes, force=force)
+        notes = notes_of(robot, found[0], about, values, result)
+        return c99_package.write_source(*found, name or function, folder, notes, force=force)
     graph = fresh.kernel(function).graph
     if RESULTS[function]:
         (port,) = graph.outputs
@@ -94,11 +95,11 @@ def export_controller(
     return c99_package.write_package(graph, name, folder, notes, force=force)
 
 
-def _as_loops(robot: Robot, function: str) -> in_c.InC | None:
-    """A function that has been called, if it runs as loops that leave as C."""
+def _as_loops(robot: Robot, function: str) -> tuple[Source, Callable[..., Any]] | None:
+    """A function that has been called, in C and on arrays, if it runs as loops that leave as C."""
     if loops := compiled_of(robot).looping(function):
         names = [RESULTS[function]] if RESULTS[function] else []
-        return in_c.InC(loops.to_c(*names), loops)
+        return loops.to_c(*names), loops
     return in_c.forward_dynamics(robot) if function == "forward_dynamics_derivatives" else None
 
 

@@ -62,7 +62,10 @@ def test_it_is_the_robot_that_mujoco_reads(tmp_path: Path) -> None:
 
 ARM, LIMB = '<mujoco><include file="{}"/></mujoco>', '<mujoco><body name="x"><geom size="0.1" {}/></body></mujoco>'
 REFUSED = {
-    "no such file": ({"forearm": None}, "<include> 'forearm.xml': there is no such file in '{0}' ({0}/arm.xml:3)"),
+    "no such file": (
+        {"forearm": None},
+        "<include> 'forearm.xml': there is no such file in '{0}'; put it there ({0}/arm.xml:3)",
+    ),
     "no name": ({"arm": "<mujoco><include/></mujoco>"}, '<include> names no file; give it file="..." ({0}/arm.xml:1)'),
     "out of the folder": (
         {"arm": ARM.format("../secret.xml")},

@@ -9,7 +9,7 @@ import pytest
 from cutpoint import Robot, derivatives
 from cutpoint.derivatives.large import forward_dynamics
 from cutpoint.errors import InputError
-from cutpoint.rolled import TreeSolver, is_sparse
+from cutpoint.rolled.solving import TreeSolver, is_sparse
 from large_robots import assert_close, based, chain
 from random_trees import tree_of_every_kind
 from robot_library import load

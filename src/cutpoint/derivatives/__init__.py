@@ -10,7 +10,7 @@ loops do not take a robot of more than 24 bodies they are swept, one configurati
 
 from collections.abc import Callable
 from functools import partial
-from typing import Any, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -23,7 +23,9 @@ from cutpoint.functions.compiled import compiled_of
 from cutpoint.functions.variants import motion_names, with_options, wrong_motion
 from cutpoint.mechanics.elastic import Options
 from cutpoint.robot import Robot
-from cutpoint.rolled import TreeSolver
+
+if TYPE_CHECKING:
+    from cutpoint.rolled.solving import TreeSolver
 
 __all__ = [
     "ElasticForwardDynamicsDerivatives", "ElasticInverseDynamicsDerivatives", "ForwardDynamicsDerivatives",
@@ -182,7 +184,7 @@ def _rigid_at(robot: Robot, name: str, q: ArrayLike, v: ArrayLike, a: Array) -> 
     return inverse_dynamics(robot, q, v, a)
 
 
-def _solver(robot: Robot, *widths: int) -> TreeSolver | None:
+def _solver(robot: Robot, *widths: int) -> "TreeSolver | None":
     """For equations with the mass matrix, where derivatives run as loops."""
     return compiled_of(robot).solver(*widths) if _is_looped(robot) else None
 

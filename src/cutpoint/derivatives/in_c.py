@@ -1,7 +1,7 @@
 """Derivatives of large robots' accelerations as C: put together as `large` does it, without Python between."""
 
 from collections.abc import Callable
-from typing import NamedTuple
+from typing import Any
 
 import numpy as np
 
@@ -15,16 +15,11 @@ from cutpoint.rolled import DERIVATIVES, RolledFunction
 Array = np.ndarray
 
 
-class InC(NamedTuple):
-    """A function in C, and the same on arrays (m, n), for whatever numbers."""
+def forward_dynamics(robot: Robot) -> tuple[Source, Callable[..., Any]] | None:
+    """The function in C, and the same on arrays (m, n) for whatever numbers, the drives' folded in.
 
-    source: Source
-    computed: Callable[..., tuple[Array, ...]]
-
-
-def forward_dynamics(robot: Robot) -> InC | None:
-    """Where derivatives run as loops, and the mass matrix' factors are sparse; the drives' numbers are folded in.
-
+    None where derivatives do not run as loops, or the mass matrix' factors are not sparse.  Accelerations come from
+    loops, so that results differ in their last digits from those of robots whose own come from code without them.
     Raises InputError: it takes more memory than a stack holds.
     """
     n, name = robot.nv, "forward_dynamics_derivatives"
@@ -38,8 +33,9 @@ def forward_dynamics(robot: Robot) -> InC | None:
         _, *found = solver.solutions(M, d_q, d_v)
         return tuple(found)
 
-    steps = motion.to_c("a"), slopes.to_c("d_q", "d_v", "M"), solver.to_c("M", ("d_q", "d_v"), ("d_q", "d_v", "d_tau"))
+    outputs = ("d_q", "d_v", "d_tau")
+    steps = motion.to_c("a"), slopes.to_c("d_q", "d_v", "M"), solver.to_c(name, "M", ("d_q", "d_v"), outputs)
     inputs = [Port("q", (robot.nq,)), Port("v", (n,)), Port("tau", (n,))]
-    source = joined(steps, inputs, [Port(x, (n, n)) for x in ("d_q", "d_v", "d_tau")])
+    source = joined(steps, inputs, [Port(x, (n, n)) for x in outputs])
     check_stack(name, source.stack)
-    return InC(source, computed)
+    return source, computed

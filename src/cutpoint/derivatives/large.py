@@ -4,7 +4,7 @@ M d_a = d_tau - d(inverse dynamics).  Carpentier and Mansard (2018).
 """
 
 from collections.abc import Sequence
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -13,7 +13,9 @@ from scipy.linalg import get_blas_funcs, get_lapack_funcs
 from cutpoint.drive_slopes import EffortSlopes
 from cutpoint.errors import InputError
 from cutpoint.mechanics.elastic import Driven
-from cutpoint.rolled import TreeSolver
+
+if TYPE_CHECKING:
+    from cutpoint.rolled.solving import TreeSolver
 
 Array = NDArray[np.float64]
 Numbers = NDArray[np.int64]
@@ -22,7 +24,7 @@ _factors, _inverse = get_lapack_funcs(("potrf", "potri"), dtype=np.float64)
 _product: Any = get_blas_funcs("gemm", dtype=np.float64)
 
 
-def forward_dynamics(d_q: Array, d_v: Array, M: Array, solver: TreeSolver | None) -> Sequence[Array]:
+def forward_dynamics(d_q: Array, d_v: Array, M: Array, solver: "TreeSolver | None") -> Sequence[Array]:
     """d a / d (q, v, tau), each (..., nv, nv), from those of inverse dynamics.
 
     Raises:
@@ -32,7 +34,7 @@ def forward_dynamics(d_q: Array, d_v: Array, M: Array, solver: TreeSolver | None
 
 
 def elastic_forward_dynamics(
-    drives: Sequence[Driven], d_q: Array, d_v: Array, M: Array, slopes: EffortSlopes, solver: TreeSolver | None
+    drives: Sequence[Driven], d_q: Array, d_v: Array, M: Array, slopes: EffortSlopes, solver: "TreeSolver | None"
 ) -> list[Array]:
     """d a / d (q, v, theta, theta_dot, motor_torque), then those of theta_ddot; rotors do not feel their carriers.
 
@@ -55,7 +57,7 @@ def elastic_forward_dynamics(
     return [*d_a, *alpha]
 
 
-def _solved(M: Array, B: Sequence[Array], solver: TreeSolver | None, asked: str) -> Sequence[Array]:
+def _solved(M: Array, B: Sequence[Array], solver: "TreeSolver | None", asked: str) -> Sequence[Array]:
     """Each X with M X + B = 0, and the inverse of M.  Raises InputError: see `inverse_of`."""
     found = solver(M, *B) if solver else None
     if found is None:

@@ -10,6 +10,8 @@ from cutpoint.formats.safe_xml import MAXIMUM_DEPTH, Element, parse_xml
 
 MAXIMUM_FILES = 100
 
+_SAVED = "load the model in MuJoCo and save it with mujoco.mj_saveLastXML"
+
 
 def with_includes(root: Element, path: Path, limit: int) -> Element:
     """The document of a file, with what it includes.  limit: bytes of all included files together.
@@ -53,15 +55,18 @@ class _Includes:
         try:
             target = path.resolve()
             if not target.is_relative_to(self._within):
-                remedy = "put the file there, or load the model in MuJoCo and save it with mujoco.mj_saveLastXML"
                 told = f"<include> {name!r} is not within {str(self._folder)!r}, and is not read, for safety"
-                raise self._wrong(include, f"{told}; {remedy}")
+                raise self._wrong(include, f"{told}; put the file there, or {_SAVED}")
             if target in self._read:
                 raise self._wrong(include, f"<include> {name!r}: the file is part of the model already; name it once")
             if len(self._read) > MAXIMUM_FILES:
-                raise self._wrong(include, f"more than {MAXIMUM_FILES} files are included, the most that are read")
+                raise self._wrong(
+                    include, f"more than {MAXIMUM_FILES} files are included, the most that are read; {_SAVED}"
+                )
             if not path.exists():
-                raise self._wrong(include, f"<include> {name!r}: there is no such file in {str(self._folder)!r}")
+                raise self._wrong(
+                    include, f"<include> {name!r}: there is no such file in {str(self._folder)!r}; put it there"
+                )
             self._read.add(target)
             content = read_bytes(path, self._left)
         except (OSError, RuntimeError) as problem:  # names that are too long, links in a circle

@@ -8,7 +8,7 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 from functools import cached_property
 from operator import attrgetter
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -30,15 +30,16 @@ from cutpoint.rolled import (
     DERIVATIVES,
     JointByJoint,
     RolledFunction,
-    TreeSolver,
     check_compiles,
-    is_sparse,
     joint_by_joint,
     loops_take,
     name_of,
     rolled,
 )
 from cutpoint.scalars import leaves, rebuild
+
+if TYPE_CHECKING:
+    from cutpoint.rolled.solving import TreeSolver
 
 JOINT_QUANTITIES = frozenset({
     "inverse_dynamics", "forward_dynamics", "bias_forces", "gravity_forces", "coriolis_matrix", "mass_matrix",
@@ -197,8 +198,10 @@ class Compiled:
         machine = self.machine if reads_drives else self.machine._replace(drives=[])
         return joint_by_joint(key, definition, {x: self.size_of(x) for x in inputs}, machine, self._backend)
 
-    def solver(self, *widths: int) -> TreeSolver | None:
+    def solver(self, *widths: int) -> "TreeSolver | None":
         """For equations with the mass matrix, right-hand sides of so many columns; None where it is better dense."""
+        from cutpoint.rolled.solving import TreeSolver, is_sparse  # needs llvmlite
+
         if widths not in self._solvers:
             system = self.machine.system
             self._solvers[widths] = TreeSolver(system, widths) if is_sparse(system) else None

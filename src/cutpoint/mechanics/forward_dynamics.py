@@ -168,7 +168,7 @@ def factors_of(M: list[list[Scalar]]) -> Factors:
 
 
 def solve(factors: Factors, b: Scalars) -> list[Scalar]:
-    """x with M x = b."""
+    """x with M x = b, through L^T, D and L in turn.  Featherstone (2008) section 6.5."""
     (L, inverse), n, x = factors, len(b), [*b]
     for k in reversed(range(n)):
         for i in reversed(range(k)):

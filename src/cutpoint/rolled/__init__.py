@@ -3,10 +3,9 @@
 from cutpoint.rolled.alone import JointByJoint, joint_by_joint
 from cutpoint.rolled.functions import TOO_LARGE, RolledFunction, loops_take, name_of, rolled
 from cutpoint.rolled.recipes import DERIVATIVES, RECIPES
-from cutpoint.rolled.solving import TreeSolver, is_sparse
 from cutpoint.rolled.suited import check_compiles
 
 __all__ = [
-    "DERIVATIVES", "RECIPES", "TOO_LARGE", "JointByJoint", "RolledFunction", "TreeSolver", "check_compiles",
-    "is_sparse", "joint_by_joint", "loops_take", "name_of", "rolled",
+    "DERIVATIVES", "RECIPES", "TOO_LARGE", "JointByJoint", "RolledFunction", "check_compiles", "joint_by_joint",
+    "loops_take", "name_of", "rolled",
 ]  # fmt: skip

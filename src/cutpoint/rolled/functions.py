@@ -155,7 +155,8 @@ class RolledFunction:
         from cutpoint.kernels.targets.c99_program import source_of
 
         if not self._are_all_driven:
-            raise InputError(f"{self.name}: loops leave as C for robots with a drive in every joint, or in none")
+            told = "loops leave as C for robots with a drive in every joint, or in none; lock the joints that have none"
+            raise InputError(f"{self.name}: {told}")
         known = getattr(self._record, "_fields", self._task.recipe.outputs)
         return source_of(self._one.memory().fixed(outputs or known), self.name)
 

@@ -31,7 +31,7 @@ LANES = 8
 """Columns at once."""
 
 MOST_PRODUCTS = 5000
-"""In the factors; code of more takes long to compile."""
+"""In the factors: so many were measured to compile in 1.4 to 1.7 s, 11,000 in 3 to 4."""
 
 
 class TreeSolver:
@@ -53,11 +53,14 @@ class TreeSolver:
         """The same of any M, after the least number of its D: it is above 0 where there is an inverse."""
         return self._solve(M, *given)
 
-    def to_c(self, M: str, given: Sequence[str], found: Sequence[str]) -> Source:
-        """The same in C, without the least number; with these names for what it reads and finds."""
+    def to_c(self, name: str, M: str, given: Sequence[str], found: Sequence[str]) -> Source:
+        """The same in C, without the least number; with these names for what it reads and finds.
+
+        name: what errors call it.
+        """
         arrays, inputs, (_, *outputs) = self._memory()
         named = dict(zip((M, *given), inputs, strict=True)), dict(zip(found, outputs, strict=True))
-        return source_of(Fixed(self._program.plan, self._counts, arrays, *named), "equations of motion")
+        return source_of(Fixed(self._program.plan, self._counts, arrays, *named), name)
 
     def _shortcut(self) -> Any:
         """For single matrices."""

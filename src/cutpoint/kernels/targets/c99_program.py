@@ -141,11 +141,7 @@ class _Loops:
             yield from body
             return
         text = "\n".join(body)
-        yield (
-            f"for (int {k} = {often - 1}; {k} >= 0; {k}--) {{"
-            if this.backward
-            else (f"for (int {k} = 0; {k} < {often}; {k}++) {{")
-        )
+        yield f"for (int {k} = {f'{often - 1}; {k} >= 0; {k}--' if this.backward else f'0; {k} < {often}; {k}++'}) {{"
         for name, (region, row) in rows.items():
             if re.search(rf"\b{own[name]}\b", text):
                 yield f"  const int {own[name]} = {self._start(self._plan.regions[region], row, this)};"
