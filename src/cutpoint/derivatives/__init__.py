@@ -177,11 +177,15 @@ def elastic_loops(robot: Robot) -> bool:
 
 def _rigid_at(robot: Robot, name: str, q: ArrayLike, v: ArrayLike, a: Array) -> InverseDynamicsDerivatives:
     """Those of inverse dynamics at the accelerations that a function of this name has found."""
-    if not (largest := np.abs(a).max(initial=0.0)) <= LARGEST:
-        told = f"state and torques ask for accelerations up to {largest:.3g}, at most {LARGEST:.0e} are taken"
-        raise InputError(f"{name}_derivatives: {told}; are they in rad, rad/s and N m?", largest=largest)
     compiled_of(robot).has_no_kernel(f"{name}_derivatives")
-    return inverse_dynamics(robot, q, v, a)
+    try:
+        return inverse_dynamics(robot, q, v, a)
+    except InputError as error:
+        if (largest := np.abs(a).max(initial=0.0)) <= LARGEST:
+            raise
+        told = f"state and torques ask for accelerations up to {largest:.3g}, at most {LARGEST:.0e} are taken"
+        remedy = "are they in rad, rad/s and N m?"
+        raise InputError(f"{name}_derivatives: {told}; {remedy}", largest=largest) from error
 
 
 def _solver(robot: Robot, *widths: int) -> "TreeSolver | None":

@@ -200,9 +200,9 @@ class Compiled:
 
     def solver(self, *widths: int) -> "TreeSolver | None":
         """For equations with the mass matrix, right-hand sides of so many columns; None where it is better dense."""
-        from cutpoint.rolled.solving import TreeSolver, is_sparse  # needs llvmlite
-
         if widths not in self._solvers:
+            from cutpoint.rolled.solving import TreeSolver, is_sparse  # needs llvmlite
+
             system = self.machine.system
             self._solvers[widths] = TreeSolver(system, widths) if is_sparse(system) else None
         return self._solvers[widths]

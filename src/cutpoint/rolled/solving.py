@@ -47,7 +47,8 @@ class TreeSolver:
     def __call__(self, M: Array, *given: Array) -> Sequence[Array] | None:
         """M: (..., n, n).  given: each B, (..., n, width).  Each X, and the inverse; None if some M has none."""
         least, *found = self.solutions(M, *given)
-        return found if (least > 0).all() else None
+        exist = least > 0 if M.ndim == 2 else (least > 0).all()
+        return found if exist else None
 
     def solutions(self, M: Array, *given: Array) -> Sequence[Array]:
         """The same of any M, after the least number of its D: it is above 0 where there is an inverse."""
