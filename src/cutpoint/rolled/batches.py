@@ -23,9 +23,6 @@ MOST_MEMORY = 2**25
 Caches hold them: 24 MB saved 20 % of a chain's forward dynamics against one by one, 48 MB cost 25 % more.
 """
 
-FULL = 0.75
-"""Share of the lanes of one configuration that its pairs of bodies fill on chains: several side by side are slower."""
-
 
 class Batches:
     """Memory for a function's calls with rows of configurations."""
@@ -34,17 +31,8 @@ class Batches:
         self._task, self._one, self._largest = task, one, largest
         self._loops = side_by_side(task.steps, task.columns, one.lanes)
         memory = 8 * sum(self._rows(region.name) * region.size for region in self._loops.regions)
-        is_quicker = memory <= MOST_MEMORY and not self._fills_lanes()
-        self._least = one.lanes if is_quicker else None
+        self._least = one.lanes if memory <= MOST_MEMORY else None
         self._few, self._many = Spare(self._one_by_one), Spare(self._side_by_side)
-
-    def _fills_lanes(self) -> bool:
-        """Whether the pairs of one configuration do."""
-        if not self._task.steps.matrices:
-            return False
-        lanes = self._one.lanes
-        pairs, blocks = (len(self._task.pairs(k)["pair.body"]) for k in (1, lanes))
-        return pairs > FULL * lanes * blocks
 
     def _rows(self, name: str) -> int:
         """Of a region's array."""
@@ -75,9 +63,9 @@ class Batches:
         arrays["body"][:] = task.columns.read
         for name, numbers in task.world.items():
             arrays[name][task.bodies].reshape(-1, lanes)[: len(numbers)] = numbers[:, None]
-        pairs = task.pairs(1) if task.steps.matrices else {}
-        known = arrays | task.constants | task.rows(task.bodies) | pairs
-        counts = {"bodies": task.bodies, "pairs": len(pairs.get("pair.body", ()))}
+        lists, of_pairs = task.pairs(1) if task.steps.matrices else ({}, {})
+        known = arrays | task.constants | task.rows(task.bodies) | lists
+        counts = {"bodies": task.bodies, **of_pairs}
         run = self._program.bound({k: counts[k] for k in self._program.counts}, **known)
         assert isinstance(run, BoundProgram), "there is machine code"
         places = Places(task, arrays, lanes)

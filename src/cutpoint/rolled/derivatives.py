@@ -17,6 +17,7 @@ from cutpoint.model import Drive
 from cutpoint.rolled.base import Base, base_in, sizes_apart
 from cutpoint.rolled.bodies import Columns
 from cutpoint.rolled.kinematics import world_poses
+from cutpoint.rolled.kinship import Kinship
 from cutpoint.rolled.motions import MOVED, VIEWS, against_gravity, body_motions, world_rows
 from cutpoint.rolled.packing import flat, motion_of, pose_of, wrench_of
 from cutpoint.rolled.passes import PLAIN, WITH_RATES, Order, Pass, Steps
@@ -42,8 +43,8 @@ def inverse_dynamics(columns: Columns) -> Steps:
     """d torque / d (q, v, a).  Carpentier and Mansard (2018), by the records of `mechanics.torque_derivatives`."""
     found, base = _changes_within(columns, PLAIN), base_in(columns)
 
-    def entries(held: Any, *other: Any) -> Any:
-        return [[x] for x in _entries(_like(other, held), other)]
+    def entries(kin: Kinship, held: Any, *other: Any) -> Any:
+        return [[x] for x in _entries(kin, _like(other, held), other)]
 
     reads = ("held", *SEEN, "span")
     passes = [*found.passes, *(_couples(base) if base else []), Pass("pairs", Stage(entries, reads, MATRICES))]
@@ -60,8 +61,8 @@ def coriolis_matrix(columns: Columns) -> Steps:
     def halved(v: Any) -> Any:
         return [x * 0.5 for x in v]
 
-    def entries(held: Any, *other: Any) -> Any:
-        return [_entries(_like(other, held), other)[1]]
+    def entries(kin: Kinship, held: Any, *other: Any) -> Any:
+        return [_entries(kin, _like(other, held), other)[1]]
 
     first, pairs = Stage(halved, ("v",), ("v",)), Stage(entries, ("held", *SEEN, "span"), ("C",))
     return found._replace(passes=[Pass("alone", first), *found.passes, Pass("pairs", pairs)])
@@ -80,12 +81,11 @@ def elastic_inverse_dynamics(columns: Columns, options: Options = DEFAULT) -> St
         given = [*WITH_RATES.packed([torque]), *(x for (x,) in motion)]
         return columns.by_drive(row, lambda drive: motor_slopes(drive or Drive(), given, options))
 
-    def entries(held: Any, *other: Any) -> Any:
+    def entries(kin: Kinship, held: Any, *other: Any) -> Any:
         *own, slopes = _like(other, held)
-        by = [WITH_RATES.packed([x]) for x in _entries(*([*map(read, x[:4]), x[4]] for x in (own, other)))]
+        by = [WITH_RATES.packed([x]) for x in _entries(kin, *([*map(read, x[:4]), x[4]] for x in (own, other)))]
         through = ([h * along_motion(by, k, rate) for k, h in enumerate(slopes[:3])] for rate in range(len(OF_MOTORS)))
-        number, their_number = own[4][0], other[4][0]
-        is_own = (number <= their_number) & (their_number <= number)
+        is_own = kin.of(own[4], other[4]).is_same
         return [[sum(x, 0) + where(is_own, own_rate, 0)] for x, own_rate in zip(through, slopes[3:], strict=True)]
 
     reads = ("held", *SEEN, "span", "slopes")
@@ -163,18 +163,17 @@ def _cloud(carried: Scalars) -> tuple[Cloud, Wrench]:
     return Cloud(inertia_of(carried[:10]), Vec3(*carried[10:13]), mat3(iter(carried[13:22]))), wrench_of(carried[22:])
 
 
-def _entries(own: Sequence[Any], other: Sequence[Any]) -> list[Scalar]:
+def _entries(kin: Kinship, own: Sequence[Any], other: Sequence[Any]) -> list[Scalar]:
     """Of one body's torque, by another's joint: of three matrices, if one carries the other."""
-    own_column, _, own_effort, _, (number, last, armature) = own
+    own_column, _, own_effort, _, own_span = own
     column, changes, their_effort, felt, span = other
-    S, effort = motion_of(own_column), _effort(own_effort)
-    further_in = (span[0] <= number) & (number <= span[1])
-    further_out = (number <= span[0]) & (span[0] <= last)
+    S, effort, related = motion_of(own_column), _effort(own_effort), kin.of(own_span, span)
     by_q, by_v = Change(motion_of(changes[:6]), Vec3(*changes[6:9])), Change(motion_of(changes[9:]), Vec3(*column[3:]))
     inner = [effort.of(by_q), effort.of(by_v), motion_of(column).power(effort.F)]
     outer = [S.power(wrench_of(felt[:6])), S.power(wrench_of(felt[6:])), S.power(_effort(their_effort).F)]
+    further_in, further_out, is_same = related.is_carried, related.carries, related.is_same
     d_q, d_v, d_a = (where(further_in, x, where(further_out, y, 0)) for x, y in zip(inner, outer, strict=True))
-    return [d_q, d_v, d_a + where(further_in & further_out, armature, 0)]
+    return [d_q, d_v, d_a + where(is_same, own_span[2], 0)]
 
 
 def _like(parts: Sequence[Scalars], numbers: Scalars) -> list[Scalars]:

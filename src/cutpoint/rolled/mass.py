@@ -12,6 +12,7 @@ from cutpoint.mechanics.spatial import IDENTITY, ZERO, Vec3, Wrench
 from cutpoint.rolled.base import base_in, sizes_apart
 from cutpoint.rolled.bodies import Columns
 from cutpoint.rolled.kinematics import ABOVE, world_poses
+from cutpoint.rolled.kinship import Kinship
 from cutpoint.rolled.packing import flat, motion_of, pose_of, wrench_of
 from cutpoint.rolled.passes import Pass, Steps
 from cutpoint.scalars import where
@@ -58,9 +59,9 @@ def mass_matrix(columns: Columns) -> Steps:
     return Steps({**kept, **tied}, ("q",), views, world, passes, {**sizes, **apart}, constants)
 
 
-def _entry(held: Any, column: Any, momentum: Any, span: Any) -> Any:
+def _entry(kin: Kinship, held: Any, column: Any, momentum: Any, span: Any) -> Any:
     """The power of one body's momentum by the other's motion, if one carries the other."""
-    motion, F, (number, last, felt) = motion_of(held[:6]), wrench_of(held[6:12]), held[12:]
-    inside, outside = (number <= span[0]) & (span[0] <= last), (span[0] <= number) & (number <= span[1])
-    coupled = where(inside, motion.power(wrench_of(momentum)), where(outside, motion_of(column).power(F), 0))
-    return [coupled + where(inside & outside, felt, 0)]
+    motion, F, own_span = motion_of(held[:6]), wrench_of(held[6:12]), held[12:]
+    carries, is_carried, is_same = kin.of(own_span, span)
+    coupled = where(carries, motion.power(wrench_of(momentum)), where(is_carried, motion_of(column).power(F), 0))
+    return [coupled + where(is_same, own_span[2], 0)]

@@ -55,16 +55,27 @@ class Task:
         in_parts |= {name: (speeds, k * every) for name, k in self.steps.entries.items()}
         return {**in_parts, **self.steps.shapes}.get(name, (self.size(name),))
 
-    def pairs(self, lanes: int) -> dict[str, Array]:
-        """Bodies and blocks of others, by number, where one carries the other; and where their entries stand."""
+    def pairs(self, lanes: int) -> tuple[dict[str, Array], dict[str, int]]:
+        """Bodies and blocks of others, by number, where one carries the other, and where their entries stand.
+
+        By kinship: see `Kinship.lists`; then how many there are, by its name.
+        """
         n, blocks = self.bodies, -(-self.bodies // lanes)
-        carried = np.eye(n, blocks * lanes, dtype=bool)  # by each body, those that carry it, and itself
+        carry = np.eye(n, blocks * lanes, dtype=bool)  # each body, by those that carry it, and itself
         for i, parent in enumerate(self._parents):
             if parent >= 0:
-                carried[i] |= carried[parent]
-        carried[:, :n] |= carried[:, :n].T
-        body, block = map(np.ascontiguousarray, np.nonzero(carried.reshape(n, blocks, lanes).any(axis=2)))
-        return {"pair.body": body, "pair.block": block, "pair.entry": body * blocks + block}
+                carry[i] |= carry[parent]
+        carried = np.zeros_like(carry)
+        carried[:, :n] = carry[:, :n].T
+        is_carried, carries = (x.reshape(n, blocks, lanes).any(axis=2) for x in (carry, carried))
+        lists: dict[str, Array] = {}
+        counts: dict[str, int] = {}
+        for kin in self.steps.kinships(is_sure=lanes == 1):
+            chosen = (carries == kin.carries) & (is_carried == kin.is_carried)
+            body, block = map(np.ascontiguousarray, np.nonzero(chosen))
+            lists |= dict(zip(kin.lists, (body, block, body * blocks + block), strict=True))
+            counts[kin.name] = len(body)
+        return lists, counts
 
     def rows(self, world: int) -> dict[str, Array]:
         """Lists of rows, given the world's; the base's is the one after it."""

@@ -2,12 +2,14 @@
 
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import replace
+from functools import partial
 from itertools import groupby
 from types import MappingProxyType
 from typing import Any, Literal, NamedTuple
 
 from cutpoint.kernels import LaneLoop, Loop, Region, Stage, Traced, View, graph_of
 from cutpoint.rolled.bodies import Columns
+from cutpoint.rolled.kinship import Kinship, kinships
 from cutpoint.scalars import Jet, Scalar
 
 Scalars = Sequence[Scalar]
@@ -22,14 +24,20 @@ SINGLE = ("base", "world", "tip")
 
 class Pass(NamedTuple):
     """A step of every body: alone, outward (parents first) or inward (children first); or of every pair of bodies of
-    which one carries the other.
+    which one carries the other, or only the first the other.
 
-    A step may also run once, for what stands apart: see `SINGLE`.  Of a pair, the stage reads first what is "held" of
-    one, which is all that it reads of the other.  What it writes of bodies that are no such pair must be zero.
+    A step may also run once, for what stands apart: see `SINGLE`.  Of a pair, the stage is told the kinship, and reads
+    first what is "held" of one, which is all that it reads of the other.  What it writes of bodies that are no such
+    pair must be zero.
     """
 
-    way: Literal["alone", "outward", "inward", "pairs", "once"]
+    way: Literal["alone", "outward", "inward", "pairs", "carrying", "once"]
     stage: Stage
+
+    def kinships(self, *, is_sure: bool) -> list[Kinship]:
+        """Of the pairs that it goes through; none if it goes through bodies."""
+        every = kinships(is_sure=is_sure) if self.way in ("pairs", "carrying") else []
+        return [kin for kin in every if kin.carries or self.way == "pairs"]
 
 
 NONE: Mapping[str, int] = MappingProxyType({})
@@ -68,7 +76,12 @@ class Steps(NamedTuple):
         Where a base moves freely, other regions hold its rows and its columns, by body, and its own part: "x_rows",
         "x_columns" unless x is symmetric, "base.x".
         """
-        return tuple(name for p in self.passes if p.way == "pairs" for name in p.stage.writes)
+        return tuple(name for p in self.passes if p.kinships(is_sure=True) for name in p.stage.writes)
+
+    def kinships(self, *, is_sure: bool) -> list[Kinship]:
+        """Of the pairs that passes go through."""
+        every = (kin for p in self.passes for kin in p.kinships(is_sure=is_sure))
+        return [*dict.fromkeys(every)]
 
     def rows_of(self, p: Pass) -> tuple[View, ...]:
         """What a pass that runs once calls by the name of its row."""
@@ -90,8 +103,8 @@ def side_by_side(steps: Steps, columns: Columns, lanes: int) -> Rolled:
     def joined(passes: Iterable[Pass], way: str) -> list[Loop]:
         if way == "once":
             return [Loop(1, [wide(p)], views=steps.rows_of(p)) for p in passes]
-        if way == "pairs":
-            return [_each_pair(p.stage, lanes) for p in passes]
+        if way in ("pairs", "carrying"):
+            return [loop for p in passes for loop in _each_pair(p, lanes)]
         stages, inward = [wide(p) for p in passes], way == "inward"
         return [Loop("bodies", stages, tuple(sizes), backward=inward, views=steps.views)]
 
@@ -116,8 +129,8 @@ def one_by_one(steps: Steps, columns: Columns, lanes: int) -> Rolled:
     def loops(p: Pass) -> list[Loop]:
         if p.way == "alone":
             return [Loop("blocks", [replace(p.stage, lanes=lanes)], tuple(sizes))]
-        if p.way == "pairs":
-            return _pairs(p.stage, lanes)
+        if p.way in ("pairs", "carrying"):
+            return _pairs(p, lanes)
         if p.way == "once":
             return [LaneLoop(1, [p.stage], views=steps.rows_of(p))]
         return [LaneLoop("bodies", [p.stage], tuple(sizes), backward=p.way == "inward", views=steps.views)]
@@ -126,35 +139,49 @@ def one_by_one(steps: Steps, columns: Columns, lanes: int) -> Rolled:
     regions += [Region(name, sizes[name], triples=True) for name in steps.threes]
     regions += [Region(name, size) for name, size in {**steps.apart, **steps.constants}.items()]
     for p in steps.passes:
-        if p.way == "pairs":
+        if p.kinships(is_sure=False):
             regions += [Region(p.stage.reads[0], sum(sizes[name] for name in p.stage.reads[1:]))]
             regions += [Region(name, steps.entries.get(name, 1) * lanes, lanes) for name in p.stage.writes]
     return Rolled(Loop(1, [loop for p in steps.passes for loop in loops(p)]), tuple(regions))
 
 
-def _each_pair(stage: Stage, lanes: int) -> Loop:
+def _each_pair(p: Pass, lanes: int) -> list[Loop]:
     """Each body with each other that it carries, or that carries it."""
-    _, *names = stage.reads
-    own, others = ([View(f"{x}_{name}", name, f"pair.{x}") for name in names] for x in ("body", "block"))
-    entries = [View(f"entry_{name}", name, "pair.entry") for name in stage.writes]
+    _, *names = p.stage.reads
 
-    def entry(*numbers: Any) -> Any:
-        return stage.function([x for one in numbers[: len(own)] for x in one], *numbers[len(own) :])
+    def loop(kin: Kinship) -> Loop:
+        bodies, others, entries = kin.lists
 
-    reads = [view.name for view in (*own, *others)]
-    return Loop("pairs", [Stage(entry, reads, [x.name for x in entries], lanes)], views=(*own, *others, *entries))
+        def entry(*numbers: Any) -> Any:
+            held = [x for one in numbers[: len(names)] for x in one]
+            return p.stage.function(kin, held, *numbers[len(names) :])
+
+        read = [_view(name, index) for index in (bodies, others) for name in names]
+        written = [_view(name, entries) for name in p.stage.writes]
+        stage = Stage(entry, [view.name for view in read], [view.name for view in written], lanes)
+        return Loop(kin.name, [stage], views=(*read, *written))
+
+    return [loop(kin) for kin in p.kinships(is_sure=True)]
 
 
-def _pairs(stage: Stage, lanes: int) -> list[Loop]:
+def _pairs(p: Pass, lanes: int) -> list[Loop]:
     """Each body, put together, with each block of others that holds one which it carries, or which carries it."""
-    held, *names = stage.reads
+    held, *names = p.stage.reads
     own = tuple(View(f"own_{name}", name, "self") for name in names)
     hold = Stage(lambda *own: [x for numbers in own for x in numbers], [view.name for view in own], (held,))
-    one, others = View("one", held, "pair.body"), [View(f"other_{name}", name, "pair.block") for name in names]
-    entries = [View(f"entry_{name}", name, "pair.entry") for name in stage.writes]
-    reads = ("one", *(view.name for view in others))
-    pair = Stage(stage.function, reads, [view.name for view in entries], lanes)
-    return [LaneLoop("bodies", [hold], (held,), views=own), Loop("pairs", [pair], views=(one, *others, *entries))]
+
+    def loop(kin: Kinship) -> Loop:
+        bodies, others, entries = kin.lists
+        read = [_view(held, bodies), *(_view(name, others) for name in names)]
+        written = [_view(name, entries) for name in p.stage.writes]
+        reads, writes = ([view.name for view in some] for some in (read, written))
+        return Loop(kin.name, [Stage(partial(p.stage.function, kin), reads, writes, lanes)], views=(*read, *written))
+
+    return [LaneLoop("bodies", [hold], (held,), views=own), *(loop(kin) for kin in p.kinships(is_sure=False))]
+
+
+def _view(name: str, index: str) -> View:
+    return View(f"{name} by {index}", name, index)
 
 
 class Kept:

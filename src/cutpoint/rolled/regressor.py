@@ -12,6 +12,7 @@ from cutpoint.mechanics.spatial import IDENTITY, ZERO, Mat3, Motion, Pose, Wrenc
 from cutpoint.rolled.base import Base, base_in, sizes_apart
 from cutpoint.rolled.bodies import Columns
 from cutpoint.rolled.kinematics import world_poses
+from cutpoint.rolled.kinship import Kinship
 from cutpoint.rolled.motions import MOVED, VIEWS, against_gravity, body_motions, world_rows
 from cutpoint.rolled.packing import flat, motion_of, pose_of, wrench_of
 from cutpoint.rolled.passes import PLAIN, Pass, Steps
@@ -43,7 +44,7 @@ def torque_regressor(columns: Columns) -> Steps:
         *body_motions(columns, PLAIN, RATES[:3]),
         Pass("alone", Stage(alone, ("body", "turned", *MOVED), ("wrenches", "span"))),
         *([_couples(base)] if base else []),
-        Pass("pairs", Stage(_entries, ("held", "column", "wrenches", "span"), ("Y",))),
+        Pass("carrying", Stage(_entries, ("held", "column", "wrenches", "span"), ("Y",))),
     ]
     kept |= {"column": 6, "velocity": 6, "acceleration": 6, "wrenches": 6 * PARAMETERS, "span": 2}
     sizes, constants = sizes_apart(base, RATES[:3])
@@ -63,10 +64,9 @@ def _of_units(X: Pose, V: Motion, A: Motion) -> list[Wrench]:
     return [X.inward(F) for F in units]
 
 
-def _entries(held: Any, column: Any, wrenches: Any, span: Any) -> Any:
+def _entries(kin: Kinship, held: Any, column: Any, wrenches: Any, span: Any) -> Any:
     """What one body's joint bears of each of the other's wrenches, if it carries that."""
-    S, (number, last) = motion_of(held[:6]), held[-2:]
-    carries = (number <= span[0]) & (span[0] <= last)
+    S, carries = motion_of(held[:6]), kin.of(held[-2:], span).carries
     return [where(carries, S.power(wrench_of(wrenches[k : k + 6])), 0) for k in range(0, len(wrenches), 6)]
 
 

@@ -47,9 +47,9 @@ class One:
         arrays |= task.constants | task.rows(blocks * lanes)
         counts = {"bodies": n, "blocks": blocks}
         if task.steps.matrices:
-            pairs = task.pairs(lanes)
-            arrays |= {"self": np.arange(n), **pairs}
-            counts["pairs"] = len(pairs["pair.body"])
+            lists, of_pairs = task.pairs(lanes)
+            arrays |= {"self": np.arange(n), **lists}
+            counts |= of_pairs
         stated = {k: counts[k] for k in self.program.counts}
         return OneMemory(task, self.program, stated, arrays, vectors)
 

@@ -1,0 +1,49 @@
+"""Which of two bodies carries the other, where stages go through pairs of them."""
+
+from collections.abc import Sequence
+from typing import NamedTuple
+
+from cutpoint.scalars import Scalar
+
+Scalars = Sequence[Scalar]
+
+
+class Related(NamedTuple):
+    """Whether one body of a pair carries the other, is carried by it, and is the other; each carries itself."""
+
+    carries: Scalar
+    is_carried: Scalar
+    is_same: Scalar
+
+
+class Kinship(NamedTuple):
+    """What is known of pairs before their numbers are read.
+
+    name: of the lists that say which pairs.  carries, is_carried: whether one may carry the other, and be carried.
+    is_sure: whether what may be is so.
+    """
+
+    name: str
+    carries: bool
+    is_carried: bool
+    is_sure: bool
+
+    @property
+    def lists(self) -> tuple[str, str, str]:
+        """Of bodies, of others, and of where their entries stand."""
+        return f"{self.name}.body", f"{self.name}.other", f"{self.name}.entry"
+
+    def of(self, own: Scalars, other: Scalars) -> Related:
+        """own, other: spans, which begin with the body's number and the last number that it carries."""
+        if self.is_sure:
+            return Related(self.carries, self.is_carried, self.carries and self.is_carried)
+        (number, last), (its_number, its_last) = own[:2], other[:2]
+        carries = self.carries and (number <= its_number) & (its_number <= last)
+        is_carried = self.is_carried and (its_number <= number) & (number <= its_last)
+        return Related(carries, is_carried, carries & is_carried if self.carries and self.is_carried else False)
+
+
+def kinships(*, is_sure: bool) -> list[Kinship]:
+    """All there are; what one body takes or gives alone is left out where the other cannot have any of it."""
+    kinds = {"carrying": (True, False), "carried": (False, True), "mixed": (True, True)}
+    return [Kinship(name, *kind, is_sure) for name, kind in kinds.items()]
