@@ -72,6 +72,21 @@ def test_nested_loops_that_end_early(start: float, force: float, ends: bool, com
 
 
 @BOTH
+@pytest.mark.parametrize("is_backward", [False, True])
+def test_streams_of_nested_loops(is_backward: bool, compiler: str, tmp_path: Path) -> None:
+    sums = Stage(lambda x, total: ([x[0] + total[0]], [sin(x[0]) + total[0]]), ("x", "total"), ("x", "total"))
+    inner = Loop("inner", [sums], ("x",), backward=is_backward)
+    made = compile_program(Loop("outer", [Loop(1, [inner])], ("x",)), [Region("x", 1), Region("total", 1)])
+    x = np.zeros((6, 1))
+    fixed = Fixed(made.plan, {"outer": 2, "inner": 3}, {"x": x, "total": np.zeros(1)}, {"x": whole(x)}, {"y": whole(x)})
+    given = np.random.default_rng(0).normal(size=(6, 1))
+    (found,) = in_c(fixed, tmp_path, compiler)(given)
+    (expected,) = of_machine(fixed, given)
+    assert_same_bits(found, expected)
+    assert len(set(expected[:, 0])) == 6
+
+
+@BOTH
 @pytest.mark.parametrize("n", [1, 4, 31])
 def test_lanes_trees_and_outputs_in_parts(n: int, compiler: str, tmp_path: Path) -> None:
     rng = np.random.default_rng(n)

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from cutpoint.errors import InputError, TraceError
-from cutpoint.kernels import Loop, Program, Region, Stage, compile_program
+from cutpoint.kernels import LaneLoop, Loop, Program, Region, Stage, compile_program
 from cutpoint.kernels import compile as compile_kernel
 from cutpoint.kernels.arrays import backends
 from cutpoint.scalars import absolute, exp, sin, where
@@ -137,6 +137,23 @@ def test_an_inner_stream_begins_anew_and_an_outer_one_stays() -> None:
         assert arrays["out"].tolist() == [[123], [246]]
 
 
+@pytest.mark.parametrize("backend", BACKENDS)
+@pytest.mark.parametrize("is_backward", [False, True])
+def test_a_stream_of_an_outer_loop_too_has_a_row_for_each_iteration(backend: str, is_backward: bool) -> None:
+    sums = Stage(lambda x, total: ([x[0] + total[0]], [x[0] + total[0]]), ("x", "total"), ("x", "total"))
+    inner = Loop("inner", (sums,), streams=("x",), backward=is_backward)
+    twice = Stage(lambda x: [2 * x[0]], ("x",), ("x",))
+    begin = Stage(lambda: [0], (), ("total",))
+    body = Loop("outer", (begin, inner, Loop("inner", (twice,), streams=("x",))), streams=("x",))
+    program = compile_program(body, [Region("x", 1), Region("total", 1)], backend)
+    x = np.arange(1.0, 7)[:, None]
+    program.run({"outer": 2, "inner": 3}, x=x, total=np.zeros(1))
+    expected = [12, 10, 6, 30, 22, 12] if is_backward else [2, 6, 12, 8, 18, 30]
+    assert x[:, 0].tolist() == expected
+    with pytest.raises(InputError, match=r"region 'x' streams: .* at least 6 rows of 1"):
+        program.run({"outer": 2, "inner": 3}, x=x[:5], total=np.zeros(1))
+
+
 def test_empty_regions_are_no_special_case() -> None:
     for backend in BACKENDS:
         step = Stage(lambda x, none: ([x[0] + 1], none), ("x", "none"), ("x", "none"))
@@ -215,7 +232,9 @@ UNSOUND: list[tuple[Callable[[], Loop], type[Exception], str]] = [
     (lambda: Loop(1, (COPY,), streams=("w",)), InputError, "no region is named 'w'"),
     (lambda: Loop(1, (COPY,), until="x"), InputError, "one slot"),
     (lambda: Loop(1, (COPY,), until="flag", streams=("flag",)), InputError, "one slot"),
-    (lambda: Loop(1, (Loop(2, (COPY,), streams=("x",)),), streams=("x",)), InputError, "two loops"),
+    (lambda: Loop(1, (Loop(2, (COPY,), ("x",)), Loop(3, (COPY,), ("x",))), ("x",)), InputError, "the same count"),
+    (lambda: LaneLoop(1, (Loop(2, (COPY,), streams=("x",)),), streams=("x",)), InputError, "none must be a LaneLoop"),
+    (lambda: Loop(1, (COPY, Loop(2, (COPY,), streams=("x",))), streams=("x",)), InputError, "only be used inside"),
     (lambda: Loop(1, (COPY, Loop(2, (COPY,), streams=("x",)))), InputError, "only be used inside"),
     (lambda: Loop(-1, (COPY,)), InputError, "negative"),
     (lambda: Loop(None, (COPY,)), InputError, "number or a name"),  # type: ignore[arg-type]

@@ -1,6 +1,7 @@
 """What a run of a program is given, checked before machine code sees a pointer."""
 
 from collections.abc import Mapping, Sequence
+from math import prod
 from typing import Any
 
 import numpy as np
@@ -56,7 +57,7 @@ def _check_size(name: str, array: np.ndarray, plan: Plan, counts: Mapping[str, i
             raise InputError(f"region {name!r} has {size} slots, its array holds {array.size} numbers", name=name)
         return
     ways = plan.streamed[name]
-    rows = max((-(-_number(way.often, counts) // way.steps) for way in ways), default=0)
+    rows = max((-(-prod(_number(c, counts) for c in way.often) // way.steps) for way in ways), default=0)
     if array.ndim != 2 or array.shape[1] != size or len(array) < rows:
         raise InputError(
             f"region {name!r} streams: its array has shape {array.shape}, it must have at least {rows} rows of {size}",

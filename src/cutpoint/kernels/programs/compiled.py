@@ -69,9 +69,9 @@ def program_ir(plan: Plan) -> str:
     stages = {stage: stage_code(code, plan, stage, starts) for stage in plan.graphs}
 
     def loop(this: Loop, regions: dict[str, str]) -> str:
-        count = counts[this.count] if isinstance(this.count, str) else this.count
+        count = _number(this.count, counts)
         with code.loop(count, regions.get(this.until or "")) as running:
-            inside = regions | _rows(code, plan, this, running.iteration, count, starts)
+            inside = regions | _rows(code, plan, this, running.iteration, counts, starts, regions)
             for item in this.body:
                 if isinstance(item, Stage):
                     inside |= stages[item].look_ahead(code, inside, running.iteration, count)
@@ -100,18 +100,37 @@ def program_ir(plan: Plan) -> str:
     return "\n".join([head, *code.lines, f"ret i64 {done}", "}", ""])
 
 
-def _rows(code: Code, plan: Plan, this: Loop, row: str, count: str | int, starts: Mapping[str, str]) -> dict[str, str]:
-    """Where the rows of an iteration begin, by name."""
+def _rows(
+    code: Code,
+    plan: Plan,
+    this: Loop,
+    row: str,
+    counts: Mapping[str, str],
+    starts: Mapping[str, str],
+    outer: Mapping[str, str],
+) -> dict[str, str]:
+    """Where the rows of an iteration begin, by name.  outer: where those of the iterations around it do."""
 
-    def at(region: str, row: str) -> str:
+    def at(start: str, region: str, row: str) -> str:
         size, lanes = plan.sizes[region], plan.regions[region].lanes
         if not isinstance(this, LaneLoop):
-            return code.at(starts[region], code.let(f"mul i64 {row}, {size}"))
+            return code.at(start, code.let(f"mul i64 {row}, {size}"))
         block = code.let(f"mul i64 {code.let(f'udiv i64 {row}, {lanes}')}, {size}")
-        return code.at(starts[region], code.let(f"add i64 {block}, {code.let(f'urem i64 {row}, {lanes}')}"))
+        return code.at(start, code.let(f"add i64 {block}, {code.let(f'urem i64 {row}, {lanes}')}"))
+
+    def of_all_within(name: str) -> str:
+        """The number of the first row."""
+        first = row
+        for inner in this.within(name):
+            first = code.let(f"mul i64 {first}, {_number(inner, counts)}")
+        return first
 
     if this.backward:
-        row = code.let(f"sub i64 {code.let(f'sub i64 {count}, 1')}, {row}")
-    rows = {name: at(name, row) for name in this.streams}
+        row = code.let(f"sub i64 {code.let(f'sub i64 {_number(this.count, counts)}, 1')}, {row}")
+    rows = {name: at(outer[name], name, of_all_within(name)) for name in this.streams}
     named = {index: code.load(starts[index], row, "i64") for index in dict.fromkeys(view.index for view in this.views)}
-    return rows | {view.name: at(view.of, named[view.index]) for view in this.views}
+    return rows | {view.name: at(starts[view.of], view.of, named[view.index]) for view in this.views}
+
+
+def _number(count: int | str, counts: Mapping[str, str]) -> int | str:
+    return counts[count] if isinstance(count, str) else count

@@ -1,6 +1,7 @@
 """A stepping program interpreted: where LLVM is missing, and as a second opinion on it."""
 
 from collections.abc import Callable, Iterable, Mapping
+from math import prod
 from typing import Any
 
 import numpy as np
@@ -38,9 +39,10 @@ class NumpyProgram:
             streams = {name: self._row(loop, name, arrays, row) for name in loop.streams}
             views = {view.name: self._row(loop, view.of, arrays, arrays[view.index][row]) for view in loop.views}
             inside = {**rows, **streams, **views}
+            groups = {name: self._group(loop, name, arrays, row, counts) for name in loop.streams if loop.within(name)}
             for item in loop.body:
                 if isinstance(item, Loop):
-                    self._loop(item, counts, arrays, inside)
+                    self._loop(item, counts, {**arrays, **groups}, inside)
                 else:
                     self._stage(item, inside)
             if loop.until is not None and inside[loop.until][0] != 0:
@@ -51,6 +53,13 @@ class NumpyProgram:
         """A row of a region, or one lane of a row."""
         lanes = self._plan.regions[name].lanes if isinstance(loop, LaneLoop) else 1
         return arrays[name][row // lanes, row % lanes :: lanes]
+
+    def _group(
+        self, loop: Loop, name: str, arrays: Mapping[str, np.ndarray], row: int, counts: Mapping[str, int]
+    ) -> np.ndarray:
+        """The rows that loops inside go through."""
+        size = prod(counts[c] if isinstance(c, str) else c for c in loop.within(name))
+        return arrays[name][row * size : (row + 1) * size]
 
     def _stage(self, stage: Stage, rows: Mapping[str, np.ndarray]) -> None:
         graph = self._plan.graphs[stage]

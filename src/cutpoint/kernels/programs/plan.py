@@ -93,7 +93,7 @@ def plan(body: Loop, regions: Sequence[Region]) -> Plan:
     if any(r.triples and (r.lanes > 1 or r.size % 3) for r in regions):
         raise InputError(f"regions of triples must be of one lane and of a size whole in threes: {[*regions]}")
     walk = Walk(named)
-    walk.loop(body, frozenset(), frozenset())
+    walk.loop(body, frozenset(), frozenset(), {})
     walk.check_streams()
     written = frozenset(walk.views[name].of if name in walk.views else name for name in walk.written)
     streamed, indices = dict(walk.streamed), dict(walk.indices)

@@ -67,6 +67,7 @@ class Loop:
     count: how often; a text names a number that each run states.
     streams: regions that advance with the loop: their arrays have a row for each iteration, and inside the loop the
         region is the row of the iteration.  Entered again, the loop begins with the first row.  Outside there is none.
+        A region that streams in loops inside too has a row for each of their iterations, within each of this loop's.
     until: a region of one slot; after an iteration that leaves it other than 0, the loop is left.
     backward: whether streams begin with the last of each entry's rows and end with the first.
     views: rows of regions that lists of whole numbers name, to be used inside.
@@ -78,6 +79,19 @@ class Loop:
     until: str | None = None
     backward: bool = False
     views: Sequence[View] = ()
+
+    def within(self, name: str) -> "tuple[int | str, ...]":
+        """Counts of the loops inside that a region streams in too, outermost first."""
+        return next(iter(self.all_within(name)), ())
+
+    def all_within(self, name: str) -> "set[tuple[int | str, ...]]":
+        """The same of each path inward: they must not differ."""
+        found: set[tuple[int | str, ...]] = set()
+        for item in self.body:
+            if isinstance(item, Loop):
+                own = (item.count,) if name in item.streams else ()
+                found |= {(*own, *counts) for counts in item.all_within(name) or {()}} - {()}
+        return found
 
 
 class LaneLoop(Loop):

@@ -1,7 +1,7 @@
 """A walk through a nest of loops: what is in it, and whether it fits together."""
 
 from collections import defaultdict
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from itertools import combinations
 from typing import NamedTuple
 
@@ -13,9 +13,9 @@ from cutpoint.kernels.programs.stepping import LaneLoop, Loop, Region, Stage, Vi
 
 
 class Advance(NamedTuple):
-    """How a region streams: the count of how often it advances, and how many such steps take one row."""
+    """How a region streams: counts whose product is how often it advances, and how many such steps take one row."""
 
-    often: int | str
+    often: tuple[int | str, ...]
     steps: int
 
 
@@ -35,20 +35,28 @@ class Walk:
         self.counts: dict[str, None] = {}
         self.uses: list[tuple[str, frozenset[str]]] = []
 
-    def loop(self, loop: Loop, advancing: frozenset[str], single: frozenset[str]) -> None:
+    def loop(
+        self,
+        loop: Loop,
+        advancing: frozenset[str],
+        single: frozenset[str],
+        outer: Mapping[str, tuple[int | str, ...]],
+    ) -> None:
+        """outer: counts of the loops around that a region streams in, if it streams further in."""
         self._check_loop(loop, advancing)
         if isinstance(loop.count, str):
             self.counts[loop.count] = None
         for name in loop.streams:
             lanes = self.regions[name].lanes if isinstance(loop, LaneLoop) else 1
-            self.streamed[name].append(Advance(loop.count, lanes))
+            self.streamed[name].append(Advance((*outer.get(name, ()), loop.count), lanes))
         for view in loop.views:
             self._view(view, loop)
-        own = frozenset((*loop.streams, *(view.name for view in loop.views)))
+        grouped = {name: (*outer.get(name, ()), loop.count) for name in loop.streams if loop.within(name)}
+        own = frozenset((*loop.streams, *(view.name for view in loop.views))) - grouped.keys()
         inside, single = advancing | own, single | own if isinstance(loop, LaneLoop) else single
         for item in loop.body:
             if isinstance(item, Loop):
-                self.loop(item, inside, single)
+                self.loop(item, inside, single, {**outer, **grouped})
             elif isinstance(item, Stage):
                 self._stage(item, inside, single)
                 goes_on = frozenset(() if loop.backward or isinstance(loop, LaneLoop) else loop.streams)
@@ -65,11 +73,18 @@ class Walk:
         self._check_names((*loop.streams, *until), advancing.union(loop.streams))
         if len(set(loop.streams)) < len(loop.streams):
             raise InputError(f"a loop's streams {loop.streams} must have different names")
-        for name in advancing.intersection(loop.streams):
-            raise InputError(f"region {name!r} streams in two loops, one inside the other; it can advance with one")
+        for name in loop.streams:
+            self._check_groups(name, loop)
         end = self.regions.get(loop.until or "")
         if loop.until is not None and (end is None or end.size != 1 or loop.until in loop.streams):
             raise InputError(f"region {loop.until!r} ends a loop, so it must have one slot and not stream in that loop")
+
+    def _check_groups(self, name: str, loop: Loop) -> None:
+        """A region that streams in several loops has as many rows in each."""
+        inner = loop.all_within(name)
+        if len(inner) > 1 or (inner and _has_lane_loop(loop, name)):
+            told = f"region {name!r} streams in a loop and in others inside"
+            raise InputError(f"{told}: these must have the same count, and none must be a LaneLoop, not {inner}")
 
     def _view(self, view: View, loop: Loop) -> None:
         """A view may be had in several loops, but then it is the same."""
@@ -122,3 +137,9 @@ class Walk:
             if name not in self.regions and name not in self.views:
                 raise unknown_name("region", name, [*self.regions, *self.views])
             self.uses.append((name, advancing))
+
+
+def _has_lane_loop(loop: Loop, name: str) -> bool:
+    """Whether a region streams in such a loop, this one or one inside."""
+    inside = any(isinstance(item, Loop) and _has_lane_loop(item, name) for item in loop.body)
+    return inside or (isinstance(loop, LaneLoop) and name in loop.streams)

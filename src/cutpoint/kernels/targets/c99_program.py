@@ -3,6 +3,7 @@
 import re
 from collections.abc import Iterator, Mapping, Sequence
 from itertools import count
+from math import prod
 from typing import NamedTuple
 
 import numpy as np
@@ -129,9 +130,9 @@ class _Loops:
 
     def loop(self, this: Loop, starts: Mapping[str, str]) -> Iterator[str]:
         """starts: by name, from which number on the rows of regions begin that outer loops go through."""
-        often = self._fixed.counts[this.count] if isinstance(this.count, str) else this.count
-        k = f"_i{next(self._numbers)}"
-        rows = {name: (name, k) for name in this.streams}
+        often, k = self._number(this.count), f"_i{next(self._numbers)}"
+        groups = {name: prod(map(self._number, this.within(name))) for name in this.streams}
+        rows = {name: (name, f"{k} * {size}" if size > 1 else k) for name, size in groups.items()}
         rows |= {view.name: (view.of, f"{self._lists[view.index]}[{k}]") for view in this.views}
         own = {name: f"_at{next(self._numbers)}" for name in rows}
         body = [line for item in this.body for line in self._item(item, {**starts, **own})]
@@ -144,9 +145,14 @@ class _Loops:
         yield f"for (int {k} = {f'{often - 1}; {k} >= 0; {k}--' if this.backward else f'0; {k} < {often}; {k}++'}) {{"
         for name, (region, row) in rows.items():
             if re.search(rf"\b{own[name]}\b", text):
-                yield f"  const int {own[name]} = {self._start(self._plan.regions[region], row, this)};"
+                start = self._start(self._plan.regions[region], row, this)
+                outer = f"{starts[name]} + " if name in groups and name in starts else ""
+                yield f"  const int {own[name]} = {outer}{start};"
         yield from (f"  {line}" for line in body)
         yield "}"
+
+    def _number(self, count: int | str) -> int:
+        return self._fixed.counts[count] if isinstance(count, str) else count
 
     def _item(self, item: Stage | Loop, starts: Mapping[str, str]) -> Iterator[str]:
         return self.loop(item, starts) if isinstance(item, Loop) else self._stage(item, starts)
