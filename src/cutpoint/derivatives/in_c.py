@@ -30,11 +30,11 @@ def forward_dynamics(robot: Robot) -> tuple[Source, Callable[..., Any]] | None:
     def computed(q: Array, v: Array, tau: Array) -> tuple[Array, ...]:
         (a,) = motion.computed([q, v, tau])
         d_q, d_v, M = slopes.computed([q, v, a])
-        _, *found = solver.solutions(M, d_q, d_v)
+        _, *found = solver.solutions({"M": M, "q": q}[solver.reads], d_q, d_v)
         return tuple(found)
 
     outputs = ("d_q", "d_v", "d_tau")
-    steps = motion.to_c("a"), slopes.to_c("d_q", "d_v", "M"), solver.to_c(name, "M", ("d_q", "d_v"), outputs)
+    steps = motion.to_c("a"), slopes.to_c("d_q", "d_v", "M"), solver.to_c(name, ("d_q", "d_v"), outputs)
     inputs = [Port("q", (robot.nq,)), Port("v", (n,)), Port("tau", (n,))]
     source = joined(steps, inputs, [Port(x, (n, n)) for x in outputs])
     check_stack(name, source.stack)

@@ -15,7 +15,7 @@ from cutpoint.errors import InputError
 from cutpoint.mechanics.elastic import Driven
 
 if TYPE_CHECKING:
-    from cutpoint.rolled.solving import TreeSolver
+    from cutpoint.rolled.solving import Solver
 
 Array = NDArray[np.float64]
 Numbers = NDArray[np.int64]
@@ -24,17 +24,23 @@ _factors, _inverse = get_lapack_funcs(("potrf", "potri"), dtype=np.float64)
 _product: Any = get_blas_funcs("gemm", dtype=np.float64)
 
 
-def forward_dynamics(d_q: Array, d_v: Array, M: Array, solver: "TreeSolver | None") -> Sequence[Array]:
+def forward_dynamics(q: Array, d_q: Array, d_v: Array, M: Array, solver: "Solver | None") -> Sequence[Array]:
     """d a / d (q, v, tau), each (..., nv, nv), from those of inverse dynamics.
 
     Raises:
         InputError: see `inverse_of`.
     """
-    return _solved(M, [d_q, d_v], solver, "forward_dynamics_derivatives")
+    return _solved(q, M, [d_q, d_v], solver, "forward_dynamics_derivatives")
 
 
 def elastic_forward_dynamics(
-    drives: Sequence[Driven], d_q: Array, d_v: Array, M: Array, slopes: EffortSlopes, solver: "TreeSolver | None"
+    drives: Sequence[Driven],
+    q: Array,
+    d_q: Array,
+    d_v: Array,
+    M: Array,
+    slopes: EffortSlopes,
+    solver: "Solver | None",
 ) -> list[Array]:
     """d a / d (q, v, theta, theta_dot, motor_torque), then those of theta_ddot; rotors do not feel their carriers.
 
@@ -49,7 +55,7 @@ def elastic_forward_dynamics(
     # where each drive's q, v, theta, theta_dot and motor_torque stand, and among how many
     columns = [(links, nv)] * 2 + [(motors, n)] * 3
     less = [_entries(-x, links, at, (nv, width)) for x, (at, width) in zip(slopes[:5], columns, strict=True)]
-    *d_a, _ = _solved(M, [d_q + less[0], d_v + less[1], *less[2:]], solver, "elastic_forward_dynamics_derivatives")
+    *d_a, _ = _solved(q, M, [d_q + less[0], d_v + less[1], *less[2:]], solver, "elastic_forward_dynamics_derivatives")
     # a rotor by its own drive's state; a rigid drive's moves with its link
     alpha = [_entries(x, motors, at, (n, width)) for x, (at, width) in zip(slopes[5:], columns, strict=True)]
     for own, of_links in zip(alpha, d_a, strict=True) if rigid else ():
@@ -57,9 +63,9 @@ def elastic_forward_dynamics(
     return [*d_a, *alpha]
 
 
-def _solved(M: Array, B: Sequence[Array], solver: "TreeSolver | None", asked: str) -> Sequence[Array]:
+def _solved(q: Array, M: Array, B: Sequence[Array], solver: "Solver | None", asked: str) -> Sequence[Array]:
     """Each X with M X + B = 0, and the inverse of M.  Raises InputError: see `inverse_of`."""
-    found = solver(M, *B) if solver else None
+    found = solver(M if solver.reads == "M" else q, *B) if solver else None
     if found is None:
         inverse = inverse_of(M, asked)
         found = [*(_less_products(inverse, b) for b in B), inverse]

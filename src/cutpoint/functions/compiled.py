@@ -39,7 +39,7 @@ from cutpoint.rolled import (
 from cutpoint.scalars import leaves, rebuild
 
 if TYPE_CHECKING:
-    from cutpoint.rolled.solving import TreeSolver
+    from cutpoint.rolled.solving import Solver
 
 JOINT_QUANTITIES = frozenset({
     "inverse_dynamics", "forward_dynamics", "bias_forces", "gravity_forces", "coriolis_matrix", "mass_matrix",
@@ -96,7 +96,7 @@ class Compiled:
         self.functions = Functions(self.function)
         self._kernels: dict[str, Kernel] = {}
         self._loops: dict[str, RolledFunction | None] = {}
-        self._solvers: dict[tuple[int, ...], TreeSolver | None] = {}
+        self._solvers: dict[tuple[int, ...], Solver | None] = {}
 
     def size_of(self, name: str) -> int | tuple[()]:
         """Length of an input's last axis; () for a single number."""
@@ -198,13 +198,12 @@ class Compiled:
         machine = self.machine if reads_drives else self.machine._replace(drives=[])
         return joint_by_joint(key, definition, {x: self.size_of(x) for x in inputs}, machine, self._backend)
 
-    def solver(self, *widths: int) -> "TreeSolver | None":
+    def solver(self, *widths: int) -> "Solver | None":
         """For equations with the mass matrix, right-hand sides of so many columns; None where it is better dense."""
         if widths not in self._solvers:
-            from cutpoint.rolled.solving import TreeSolver, is_sparse  # needs llvmlite
+            from cutpoint.rolled.equations import solver_of  # needs llvmlite
 
-            system = self.machine.system
-            self._solvers[widths] = TreeSolver(system, widths) if is_sparse(system) else None
+            self._solvers[widths] = solver_of(self.machine.system, widths)
         return self._solvers[widths]
 
     def looping(self, name: str) -> RolledFunction | None:

@@ -54,7 +54,7 @@ def forward_dynamics(columns: Columns) -> Steps:
     (place, pose), base = placing(columns, PLAIN, ("q",)), base_in(columns)
 
     def moves(row: Any, at: Any, v: Any, above: Any, carrier: Any, carried: Any) -> Any:
-        turned = _turned_pose(pose_by_columns(above), pose_of(pose.all(at)))
+        turned = turned_pose(pose_by_columns(above), pose_of(pose.all(at)))
         omega, A = coasting(along(row, by_columns(turned)).body, Vec3(*carrier), motion_of(carried), v)
         return by_columns(turned), [*omega], [*A]
 
@@ -68,7 +68,7 @@ def forward_dynamics(columns: Columns) -> Steps:
         if own.spin:
             left = left - own.spin.torque(motion_of(carried).angular)
             P_p = P_p + own.spin.reaction(Vec3(*carrier), v[0], 0)
-        M_p, P_p, step = _give_way(own, M, P, left, M_p, P_p)
+        M_p, P_p, step = give_way(own, M, P, left, M_p, P_p)
         return [step.own], step.share, packed_resistance(M_p, P_p)
 
     def follows(row: Any, turned: Any, step: Any, share: Any, led: Any) -> Any:
@@ -94,7 +94,7 @@ def forward_dynamics(columns: Columns) -> Steps:
     return Steps(kept, NUMBERS, VIEWS, WORLD_ROWS, passes, apart, constants, threes=tuple(THREES))
 
 
-def _give_way(
+def give_way(
     own: Subsystem, M: Articulated, P: Wrench, tau: Scalar, M_p: Articulated, P_p: Wrench
 ) -> tuple[Articulated, Wrench, Yield]:
     """What the parent resists with, inertia and bias wrench, once a child's joint gives way, and how the joint does.
@@ -114,6 +114,6 @@ def _give_way(
     return M_p + M.carried_along(X.position) + taken, left_P, Yield(z, a, share)
 
 
-def _turned_pose(above: Pose, X: Pose) -> Pose:
+def turned_pose(above: Pose, X: Pose) -> Pose:
     """A body's axes in the world's, and its place in its parent along the world's, from those of its parent."""
     return Pose(above.rotation @ X.rotation, above.rotation @ X.position)

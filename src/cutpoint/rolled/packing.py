@@ -35,15 +35,26 @@ def pose_by_columns(twelve: Scalars) -> Pose:
     return Pose(mat3(iter(twelve[:9])).T, Vec3(*twelve[9:]))
 
 
-RESISTANCE = 3 * 9 + 6
-"""Numbers of an inertia and its bias wrench."""
+INERTIA = 3 * 9
+"""Numbers of an articulated inertia."""
+
+RESISTANCE = INERTIA + 6
+"""The same with its bias wrench."""
+
+
+def packed_inertia(M: Articulated) -> list[Scalar]:
+    """In threes: the rows of its blocks."""
+    return [x for block in (M.linear, M.coupling, M.angular) for x in flat(block)]
+
+
+def articulated_of(numbers: Scalars) -> Articulated:
+    return Articulated.of_blocks(*(mat3(iter(numbers[k : k + 9])) for k in (0, 9, 18)))
 
 
 def packed_resistance(M: Articulated, P: Wrench) -> list[Scalar]:
-    """In threes: the rows of the inertia's blocks, and then the wrench."""
-    return [*(x for block in (M.linear, M.coupling, M.angular) for x in flat(block)), *P]
+    """In threes, the wrench last."""
+    return [*packed_inertia(M), *P]
 
 
 def resistance_of(numbers: Scalars) -> tuple[Articulated, Wrench]:
-    blocks = (mat3(iter(numbers[k : k + 9])) for k in (0, 9, 18))
-    return Articulated.of_blocks(*blocks), wrench_of(numbers[27:])
+    return articulated_of(numbers), wrench_of(numbers[INERTIA:])

@@ -8,7 +8,7 @@ import numpy as np
 from cutpoint.kernels import Program, compile_program
 from cutpoint.kernels.programs.outputs import Fixed, Output, Part, whole
 from cutpoint.rolled.memory import COLUMN, Spare, Task, aligned
-from cutpoint.rolled.passes import one_by_one
+from cutpoint.rolled.passes import Rolled, one_by_one
 
 Array = np.ndarray
 
@@ -24,34 +24,39 @@ class One:
 
     def memory(self) -> "OneMemory":
         """For calls that do not run at once."""
-        task, lanes = self._task, self.lanes
-        n, blocks = task.bodies, -(-task.bodies // lanes)
-        rows = dict.fromkeys(("body", *task.steps.kept), blocks + 1)
-        rows |= {**dict.fromkeys(task.steps.matrices, n * blocks), "held": n}
-        rows |= dict.fromkeys(task.steps.threes, blocks * lanes + 2)
-        sizes = {r.name: r.room for r in self._rolled.regions}
-        arrays: dict[str, Array] = {k: aligned(rows.get(k, 1) * x).reshape(-1, x) for k, x in sizes.items()}
-        vectors = {name: aligned((blocks + 1) * lanes, task.of_base(name)) for name in task.steps.numbers}
-        for name, vector in vectors.items():
-            head = task.of_base(name)
-            arrays[name] = vector[head:].reshape(-1, lanes)
-            arrays |= {f"base.{name}": vector[:head]} if head else {}
-        body = arrays["body"].reshape(blocks + 1, -1, lanes).swapaxes(1, 2)
-        for k in range(n):
-            body[k // lanes, k % lanes] = task.columns.read[k]
-        for name, numbers in task.world.items():
-            if name in task.steps.threes:
-                arrays[name][blocks * lanes].reshape(-1, 4)[:, :3].flat = numbers
-            else:
-                arrays[name][blocks].reshape(-1, lanes)[: len(numbers), 0] = numbers
-        arrays |= task.constants | task.rows(blocks * lanes)
-        counts = {"bodies": n, "blocks": blocks}
-        if task.steps.matrices:
-            lists, of_pairs = task.pairs(lanes)
-            arrays |= {"self": np.arange(n), **lists}
-            counts |= of_pairs
+        arrays, vectors, counts = memory_of(self._task, self._rolled, self.lanes)
         stated = {k: counts[k] for k in self.program.counts}
-        return OneMemory(task, self.program, stated, arrays, vectors)
+        return OneMemory(self._task, self.program, stated, arrays, vectors)
+
+
+def memory_of(task: Task, rolled: Rolled, lanes: int) -> tuple[dict[str, Array], dict[str, Array], dict[str, int]]:
+    """Arrays by region or list of rows; of these, what inputs and outputs are stretches of; and counts."""
+    n, blocks = task.bodies, -(-task.bodies // lanes)
+    rows = dict.fromkeys(("body", *task.steps.kept), blocks + 1)
+    rows |= {**dict.fromkeys(task.steps.matrices, n * blocks), "held": n}
+    rows |= dict.fromkeys(task.steps.threes, blocks * lanes + 2)
+    sizes = {r.name: r.room for r in rolled.regions}
+    arrays: dict[str, Array] = {k: aligned(rows.get(k, 1) * x).reshape(-1, x) for k, x in sizes.items()}
+    vectors = {name: aligned((blocks + 1) * lanes, task.of_base(name)) for name in task.steps.numbers}
+    for name, vector in vectors.items():
+        head = task.of_base(name)
+        arrays[name] = vector[head:].reshape(-1, lanes)
+        arrays |= {f"base.{name}": vector[:head]} if head else {}
+    body = arrays["body"].reshape(blocks + 1, -1, lanes).swapaxes(1, 2)
+    for k in range(n):
+        body[k // lanes, k % lanes] = task.columns.read[k]
+    for name, numbers in task.world.items():
+        if name in task.steps.threes:
+            arrays[name][blocks * lanes].reshape(-1, 4)[:, :3].flat = numbers
+        else:
+            arrays[name][blocks].reshape(-1, lanes)[: len(numbers), 0] = numbers
+    arrays |= task.constants | task.rows(blocks * lanes)
+    counts = {"bodies": n, "blocks": blocks}
+    if task.steps.matrices:
+        lists, of_pairs = task.pairs(lanes)
+        arrays |= {"self": np.arange(n), **lists}
+        counts |= of_pairs
+    return arrays, vectors, counts
 
 
 class OneMemory:

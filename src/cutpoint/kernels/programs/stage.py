@@ -1,6 +1,6 @@
 """A stage of a program in machine code: what of it is computed before its turn, and where its numbers are."""
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from types import MappingProxyType
 
 from cutpoint.kernels.graphs.algebra import Operand
@@ -47,16 +47,21 @@ class StageCode:
         self._sources = [(port.name, k, port.name in laned) for port in self._graph.inputs for k in range(port.size)]
         self._targets = [(port.name, k) for port in self._graph.outputs for k in range(port.size)]
         self._begun = dict[int, str]()
-        self.hands_on = bool(plan.single[stage] and fed) and self._handed_on({*fed.values()}) <= _MOST_HANDED_ON
+        can_hand_on = bool(fed) and (bool(plan.single[stage]) or self._is_laned(fed))
+        self.hands_on = can_hand_on and self._handed_on({*fed.values()}) <= _MOST_HANDED_ON
         self._fix(code, regions, Lanes(1))
         if laned:
             self._fix(code, regions, self.lanes)
         self._ahead, self._ahead_at = self._cut_ahead(code)
         self._rest = self._graph
 
+    def _is_laned(self, slots: Iterable[int]) -> bool:
+        """Whether each lane has these numbers for itself."""
+        return all(self._sources[slot][2] for slot in slots)
+
     def _handed_on(self, results: set[int]) -> int:
         """Registers that these take."""
-        return len(results)
+        return len(results) * -(-self.lanes.width // AT_ONCE)
 
     def _fix(self, code: Code, regions: Mapping[str, str], lanes: Lanes) -> None:
         """What never changes, computed here; in one lane, what all lanes of the stage have in common."""

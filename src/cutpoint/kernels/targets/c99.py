@@ -132,7 +132,9 @@ def joined(parts: Sequence[Source], inputs: Sequence[Port], outputs: Sequence[Po
     """One function after another: each reads, by name, arguments and what those before it have found."""
     precision, known = parts[0].precision, [p.name for p in (*inputs, *outputs)]
     own = {p.name: p for part in parts for p in part.outputs if p.name not in known}.values()
+    read = {p.name for part in parts for p in part.inputs}
     lines = [f"  {precision.c} {p.name}[{p.size}];\n" for p in own]
+    lines += [f"  (void){p.name}; /* written alone */\n" for p in own if p.name not in read]
     lines += ["  {\n" + indent(part.body, "  ") + "  }\n" for part in parts]
     called = dict.fromkeys(text for part in parts for text in part.helpers)
     stack = sum(part.stack for part in parts) + sum(precision.item * p.size for p in own)
