@@ -4,7 +4,7 @@ from collections.abc import Sequence
 
 from function_sections import elastic, from_memory, functions, in_jax, parameters
 from goals import goals
-from run_sections import chains, closed_loop, humanoids, latency, laws, python_calls, steps
+from run_sections import chains, closed_loop, large_robots, latency, laws, python_calls, steps
 from tables import NONE
 
 _INTRODUCTION = """# Benchmarks
@@ -51,7 +51,7 @@ def document(results: dict, others: Sequence[dict] = ()) -> str:
         goals(results, others), functions(results["tasks"], limits), elastic(results["elastic"]),
         parameters(results["parameters"]),
         from_memory(results["from memory"], limits), in_jax(results["in JAX"]),
-        chains(results["chains"]), humanoids(results["humanoids"]),
+        chains(results["chains"]), large_robots(results["large robots"]),
         python_calls(results["from Python"]),
         closed_loop(results["closed loop"], results["own arm"]), steps(results["steps"]), laws(results["laws"]),
         latency(results["latency"]),
@@ -68,6 +68,6 @@ def _worst(results: dict) -> float:
         *results["parameters"],
         *results["in JAX"],
         *results["chains"]["long"],
-        *results["humanoids"],
+        *results["large robots"],
     ]
     return max(x for row in measured for x in row["differences"].values())

@@ -23,7 +23,6 @@ from closed_loop import closed_loop
 from document import document
 from elastic import elastic_inverse_dynamics
 from from_memory import from_memory
-from humanoids import humanoids
 from jax_rows import jax_rows
 from latency import CALLS, latency
 from laws import laws
@@ -37,6 +36,7 @@ from tasks import tasks
 
 import cutpoint
 from cutpoint.studies.cost.study import processor
+from large_robots import large_robots
 
 HERE = Path(__file__).parent
 RESULTS = HERE / "results"
@@ -63,7 +63,7 @@ def _measured(calls: int) -> dict:
     return {
         "limits": limits(), "tasks": tasks(), "elastic": elastic_inverse_dynamics(),
         "parameters": parameters_as_inputs(), "from memory": from_memory(), "in JAX": jax_rows(), "chains": chains(),
-        "humanoids": humanoids(),
+        "large robots": large_robots(),
         "from Python": python_calls(), "closed loop": closed_loop(), "own arm": loops(), "steps": steps(),
         "laws": laws(),
         "latency": latency(calls=calls),

@@ -14,11 +14,12 @@ Nanoseconds a joint, cutpoint from Python: one configuration a call, and 64.
 
 """
 
-_HUMANOIDS = """## Humanoids
+_LARGE = """## Large robots
 
-Unitree's G1 (29 joints) and PAL's Talos (44), pelvis fixed, from the package example-robot-data; cutpoint from Python,
-that call and its checks included, by code without loops or with them as it chooses itself; Pinocchio C++ in loops of
-its own.  Derivatives: d inverse dynamics / d (q, v, a); forward: d forward dynamics / d (q, v, tau).
+Unitree's G1 (29 joints) and PAL's Talos (44), pelvis fixed, from the package example-robot-data, and the chain of 192
+above; cutpoint from Python, that call and its checks included, by code without loops or with them as it chooses itself;
+Pinocchio C++ in loops of its own.  Derivatives: d inverse dynamics / d (q, v, a); forward: d forward dynamics /
+d (q, v, tau).
 
 """
 
@@ -86,14 +87,14 @@ def chains(found: dict[str, list[dict]]) -> str:
     return _CHAINS + long + _JOINTS + table(head, joints)
 
 
-def humanoids(found: list[dict]) -> str:
+def large_robots(found: list[dict]) -> str:
     rows, peers = [], ("Pinocchio", "Pinocchio, Python")
     for row in found:
         reached = times_as_quick(row["times"], "single", peers)
         shown = [*cells(row["times"], ("single", "rows", *peers)), ratio(reached)]
         rows.append(Row((row["robot"], row["task"]), shown))
     head = "robot | task | one call | 64 in one call, each | Pinocchio C++ | Pinocchio, Python"
-    return _HUMANOIDS + table(f"{head} | quickest peer / one call", rows)
+    return _LARGE + table(f"{head} | quickest peer / one call", rows)
 
 
 def python_calls(found: list[dict]) -> str:

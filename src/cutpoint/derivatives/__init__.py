@@ -104,7 +104,7 @@ def forward_dynamics(robot: Robot, q: ArrayLike, v: ArrayLike, tau: ArrayLike) -
     if _is_looped(robot) or sweeps.is_swept(robot):
         a = robot.forward_dynamics(q, v, tau)
         rigid = _rigid_at(robot, "forward_dynamics", q, v, a)
-        solver, position = _solver(robot, robot.nv, robot.nv), np.asarray(q, dtype=np.float64)
+        solver, position = _solver(robot), np.asarray(q, dtype=np.float64)
         return ForwardDynamicsDerivatives(*large.forward_dynamics(position, *rigid, solver))
     definition = definitions.forward_dynamics
     return _function(robot, "forward_dynamics", definition, "q v tau", record=ForwardDynamicsDerivatives)(q, v, tau)
@@ -149,7 +149,7 @@ def elastic_forward_dynamics(
         function = compiled_of(robot).function
         slopes = function("drive_slopes", definitions.drive_slopes, inputs, True, EffortSlopes)(*state.values())
         rigid = _rigid_at(robot, name, q, v, a)
-        solver = _solver(robot, *[robot.nv] * 2, *[len(robot.drives)] * 3)
+        solver = _solver(robot)
         position = np.asarray(q, dtype=np.float64)
         return record(*large.elastic_forward_dynamics(robot.machine.drives, position, *rigid, slopes, solver))
     if sweeps.is_swept(robot):
@@ -190,9 +190,9 @@ def _rigid_at(robot: Robot, name: str, q: ArrayLike, v: ArrayLike, a: Array) -> 
         raise InputError(f"{name}_derivatives: {told}; {remedy}", largest=largest) from error
 
 
-def _solver(robot: Robot, *widths: int) -> "Solver | None":
+def _solver(robot: Robot) -> "Solver | None":
     """For equations with the mass matrix, where derivatives run as loops."""
-    return compiled_of(robot).solver(*widths) if _is_looped(robot) else None
+    return compiled_of(robot).solver if _is_looped(robot) else None
 
 
 def _is_looped(robot: Robot) -> bool:

@@ -23,7 +23,7 @@ def forward_dynamics(robot: Robot) -> tuple[Source, Callable[..., Any]] | None:
     Raises InputError: it takes more memory than a stack holds.
     """
     n, name = robot.nv, "forward_dynamics_derivatives"
-    if not compiled_of(robot).derivatives_loop or not (solver := compiled_of(robot).solver(n, n)):
+    if not compiled_of(robot).derivatives_loop or not (solver := compiled_of(robot).solver):
         return None
     motion, slopes = (RolledFunction(key, robot.machine, robot.backend) for key in ("forward_dynamics", DERIVATIVES))
 

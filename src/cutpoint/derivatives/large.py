@@ -52,24 +52,28 @@ def elastic_forward_dynamics(
     nv, n = M.shape[-1], len(drives)
     links, motors = np.array([d.v for d in drives]), np.arange(n)
     rigid = [k for k, d in enumerate(drives) if not d.drive.is_elastic]
-    # where each drive's q, v, theta, theta_dot and motor_torque stand, and among how many
-    columns = [(links, nv)] * 2 + [(motors, n)] * 3
-    less = [_entries(-x, links, at, (nv, width)) for x, (at, width) in zip(slopes[:5], columns, strict=True)]
-    *d_a, _ = _solved(q, M, [d_q + less[0], d_v + less[1], *less[2:]], solver, "elastic_forward_dynamics_derivatives")
+    # each drive's effort acts on its own link, and changes with its own q, v, theta, theta_dot and motor_torque
+    B = d_q.copy(), d_v.copy()
+    for x, slope in zip(B, slopes[:2], strict=True):
+        x[..., links, links] -= slope
+    *d_a, inverse = _solved(q, M, B, solver, "elastic_forward_dynamics_derivatives")
+    by_effort = inverse[..., links]
+    d_a += [by_effort * slope[..., None, :] for slope in slopes[2:5]]
     # a rotor by its own drive's state; a rigid drive's moves with its link
+    columns = [(links, nv)] * 2 + [(motors, n)] * 3
     alpha = [_entries(x, motors, at, (n, width)) for x, (at, width) in zip(slopes[5:], columns, strict=True)]
     for own, of_links in zip(alpha, d_a, strict=True) if rigid else ():
         own[..., rigid, :] = of_links[..., links[rigid], :]
     return [*d_a, *alpha]
 
 
-def _solved(q: Array, M: Array, B: Sequence[Array], solver: "Solver | None", asked: str) -> Sequence[Array]:
+def _solved(q: Array, M: Array, B: Sequence[Array], solver: "Solver | None", asked: str) -> list[Array]:
     """Each X with M X + B = 0, and the inverse of M.  Raises InputError: see `inverse_of`."""
     found = solver(M if solver.reads == "M" else q, *B) if solver else None
     if found is None:
         inverse = inverse_of(M, asked)
         found = [*(_less_products(inverse, b) for b in B), inverse]
-    return found
+    return [*found]
 
 
 def _less_products(A: Array, B: Array) -> Array:

@@ -96,7 +96,6 @@ class Compiled:
         self.functions = Functions(self.function)
         self._kernels: dict[str, Kernel] = {}
         self._loops: dict[str, RolledFunction | None] = {}
-        self._solvers: dict[tuple[int, ...], Solver | None] = {}
 
     def size_of(self, name: str) -> int | tuple[()]:
         """Length of an input's last axis; () for a single number."""
@@ -198,13 +197,12 @@ class Compiled:
         machine = self.machine if reads_drives else self.machine._replace(drives=[])
         return joint_by_joint(key, definition, {x: self.size_of(x) for x in inputs}, machine, self._backend)
 
-    def solver(self, *widths: int) -> "Solver | None":
-        """For equations with the mass matrix, right-hand sides of so many columns; None where it is better dense."""
-        if widths not in self._solvers:
-            from cutpoint.rolled.equations import solver_of  # needs llvmlite
+    @cached_property
+    def solver(self) -> "Solver | None":
+        """For two equations at once with the mass matrix, by as many columns; None where they are better dense."""
+        from cutpoint.rolled.equations import solver_of  # needs llvmlite
 
-            self._solvers[widths] = solver_of(self.machine.system, widths)
-        return self._solvers[widths]
+        return solver_of(self.machine.system, [self.machine.system.nv] * 2)
 
     def looping(self, name: str) -> RolledFunction | None:
         """A function that has been made as loops of one program."""
