@@ -5,6 +5,7 @@
 
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
+from functools import cached_property
 
 from cutpoint.mechanics.joints import JointKind
 from cutpoint.mechanics.rotors import Spin
@@ -112,7 +113,7 @@ class System:
         """Whether some coordinate drives several joints."""
         return any(s.follower for s in self.segments)
 
-    @property
+    @cached_property
     def has_sprung_rotors(self) -> bool:
         """Whether some rotor behind a spring feels its carrier: full coupling."""
         return any(spin.elastic for spin in self.spins)
