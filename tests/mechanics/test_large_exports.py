@@ -23,13 +23,13 @@ DRIVEN, HELICAL = TURNING.with_drives(mixed_drives(TURNING)), CHAIN.with_drives(
 
 EVERYWHERE = (
     "inverse_dynamics", "forward_dynamics", "mass_matrix", "bias_forces", "gravity_forces", "regressor",
-    "kinetic_energy", "potential_energy", "momentum", "inverse_dynamics_derivatives",
+    "kinetic_energy", "potential_energy", "momentum", "inverse_dynamics_derivatives", "coriolis_matrix",
 )  # fmt: skip
 ELASTIC = (
     "elastic_inverse_dynamics", "elastic_forward_dynamics", "static_deflection", "elastic_inverse_dynamics_derivatives",
 )  # fmt: skip
 CASES: dict[str, tuple[Robot, str, dict[str, Any]]] = {
-    **{f"{name} of a chain": (CHAIN, name, {}) for name in (*EVERYWHERE, "coriolis_matrix")},
+    **{f"{name} of a chain": (CHAIN, name, {}) for name in EVERYWHERE},
     **{f"{name} of a tree": (TREE, name, {}) for name in EVERYWHERE},
     **{f"{name}, floating": (FLOATING, name, {}) for name in EVERYWHERE},
     **{f"{name}, floating and branching": (BRANCHING, name, {}) for name in ("mass_matrix", "regressor")},

@@ -4,8 +4,8 @@ All about one place and along axes that stand still, as in `mass`: there what bo
 that moves freely these are where it is at this instant.
 """
 
-from collections.abc import Sequence
-from typing import Any
+from collections.abc import Mapping, Sequence
+from typing import Any, NamedTuple
 
 from cutpoint.drive_slopes import MOTION, motor_slopes
 from cutpoint.kernels import Stage, View
@@ -42,21 +42,24 @@ KEPT = {"velocity": 6, "acceleration": 6, "carried": 28, **SEEN}
 def inverse_dynamics(columns: Columns) -> Steps:
     """d torque / d (q, v, a).  Carpentier and Mansard (2018), by the records of `mechanics.torque_derivatives`."""
     found, base = _changes_within(columns, PLAIN), base_in(columns)
+    own = _couples(base, dict(zip(MATRICES, MATRICES, strict=True))) if base else NO_BASE
 
     def entries(kin: Kinship, held: Any, *other: Any) -> Any:
         return [[x] for x in _entries(kin, _like(other, held), other)]
 
     reads = ("held", *SEEN, "span")
-    passes = [*found.passes, *(_couples(base) if base else []), Pass("pairs", Stage(entries, reads, MATRICES))]
-    return found._replace(passes=passes)
+    return own.with_pairs(found, Pass("pairs", Stage(entries, reads, MATRICES)))
 
 
 def coriolis_matrix(columns: Columns) -> Steps:
-    """C(q, v) of trees without a base that moves freely.
+    """C(q, v), of which M' - 2 C is skew and C(q, v) w - C(q, w) v is M times what v and w have for a bracket.
 
-    There it is that of Christoffel's symbols, so that torques C v change with v by 2 C: by C, then, at half the speed.
+    Of coordinates' own rates that is nothing, so that torques C v change with v by 2 C: by C, then, at half the speed.
+    A base's speeds are those of a moving frame, their bracket is V x W: with it they change a motion as joints' do.
     """
-    found = _changes_within(columns, PLAIN)
+    base = base_in(columns)
+    found = _changes_within(columns, PLAIN, brackets=True)
+    own = _couples(base, {"d_v": "C"}) if base else NO_BASE
 
     def halved(v: Any) -> Any:
         return [x * 0.5 for x in v]
@@ -64,8 +67,10 @@ def coriolis_matrix(columns: Columns) -> Steps:
     def entries(kin: Kinship, held: Any, *other: Any) -> Any:
         return [_entries(kin, _like(other, held), other)[1]]
 
-    first, pairs = Stage(halved, ("v",), ("v",)), Stage(entries, ("held", *SEEN, "span"), ("C",))
-    return found._replace(passes=[Pass("alone", first), *found.passes, Pass("pairs", pairs)])
+    first = [Pass("alone", Stage(halved, ("v",), ("v",)))]
+    first += [Pass("once", Stage(halved, ("base.v",), ("base.v",)))] if base else []
+    whole = own.with_pairs(found, Pass("pairs", Stage(entries, ("held", *SEEN, "span"), ("C",))))
+    return whole._replace(passes=[*first, *whole.passes])
 
 
 def elastic_inverse_dynamics(columns: Columns, options: Options = DEFAULT) -> Steps:
@@ -94,7 +99,7 @@ def elastic_inverse_dynamics(columns: Columns, options: Options = DEFAULT) -> St
     return found._replace(kept={**found.kept, "slopes": len(MOTION)}, passes=passes)
 
 
-def _changes_within(columns: Columns, order: Order) -> Steps:
+def _changes_within(columns: Columns, order: Order, *, brackets: bool = False) -> Steps:
     """How each body's joint changes what torques must do, and how that is felt: all but the pairs.
 
     column: a body's motion at unit speed of its joint.  velocity, acceleration: of the point of the body that is at
@@ -104,7 +109,7 @@ def _changes_within(columns: Columns, order: Order) -> Steps:
     that it carries, and its armature.
     """
     base, read, packed, m = base_in(columns), order.scalars, order.packed, order.numbers
-    placed, kept = world_poses(columns, [_moves(base)] if base else [], order)
+    placed, kept = world_poses(columns, [_moves(base, 1 + brackets)] if base else [], order)
 
     def alone(row: Any, turned: Any, velocity: Any, acceleration: Any) -> Any:
         M = columns.subsystem(row).body.inertia.seen_from_parent(pose_of(read(turned)))
@@ -130,16 +135,10 @@ def _changes_within(columns: Columns, order: Order) -> Steps:
         Pass("alone", Stage(changed, ("body", "column", *MOVED, "carried"), seen)),
     ]
     sizes, constants = sizes_apart(base, rates)
-    if base:
-        kept |= dict.fromkeys([*_ROWS, *_COLUMNS], base.axes)
-        sizes |= {"base.changes": 12 * base.axes, **{f"base.{x}": base.axes**2 for x in MATRICES}}
+    sizes |= {"base.changes": 12 * base.axes} if base else {}
     kept |= {"span": 3, **{name: size * m for name, size in KEPT.items()}}
     views = (*VIEWS, View("borne", "carried", "parent"))
     return Steps(kept, rates, views, world_rows(order), passes, sizes, constants)
-
-
-_ROWS, _COLUMNS = [f"{x}_rows" for x in MATRICES], [f"{x}_columns" for x in ("d_q", "d_v")]
-"""Of a base's speeds, by body; d_a is symmetric."""
 
 
 def _changes(S: Motion, V: Motion, A: Motion) -> tuple[Change, Change]:
@@ -186,13 +185,16 @@ def _effort(numbers: Scalars) -> Effort:
     return Effort(wrench_of(numbers[:6]), Vec3(*numbers[6:]))
 
 
-def _moves(base: Base) -> Pass:
-    """A base, seen from where it is: how it moves, what that costs it, and how each of its speeds changes that."""
+def _moves(base: Base, times: int) -> Pass:
+    """A base, seen from where it is: how it moves, what that costs it, and how each of its speeds changes that.
+
+    times: how often its velocity moves an axis on: twice where brackets count.
+    """
 
     def moves(row: Any, q: Any, v: Any, a: Any, world: Any) -> Any:
         upward, V = against_gravity(base, row, q, world), base.kind.motion(v)
         A = upward + base.kind.motion(a)
-        changes = [x for S in base.motions() for x in (*upward.cross(S), *V.cross(S))]
+        changes = [x for S in base.motions() for x in (*upward.cross(S), *(V.cross(S) * times))]
         return [*flat(IDENTITY), *ZERO], [*V], [*A], _costs(base.segment(row).inertia, V, A), changes
 
     reads = ("base.body", *(f"base.{x}" for x in RATES[:3]), "world.acceleration")
@@ -200,8 +202,27 @@ def _moves(base: Base) -> Pass:
     return Pass("once", Stage(moves, reads, writes))
 
 
-def _couples(base: Base) -> list[Pass]:
-    """What a base's torques and speeds share with each carried body, and among themselves."""
+class Own(NamedTuple):
+    """What a base has in matrices: passes, and sizes of regions with a row for each body and of those apart."""
+
+    passes: list[Pass]
+    kept: Mapping[str, int]
+    apart: Mapping[str, int]
+
+    def with_pairs(self, steps: Steps, pairs: Pass) -> Steps:
+        """Steps, and then all of the matrices."""
+        kept, apart = {**steps.kept, **self.kept}, {**steps.apart, **self.apart}
+        return steps._replace(passes=[*steps.passes, *self.passes, pairs], kept=kept, apart=apart)
+
+
+NO_BASE = Own([], {}, {})
+
+
+def _couples(base: Base, names: Mapping[str, str]) -> Own:
+    """What a base's torques and speeds share with each carried body, and among themselves.
+
+    names: of what is wanted of `MATRICES`, and what it is called.
+    """
 
     def by_each(numbers: Scalars) -> list[tuple[Change, Change]]:
         """Its speeds' changes."""
@@ -211,16 +232,23 @@ def _couples(base: Base) -> list[Pass]:
 
     def couples(row: Any, base_changes: Any, effort: Any, felt: Any, span: Any) -> Any:
         own, by = _effort(effort), by_each(base_changes)
-        rows = [base.kind.effort(F) for F in (wrench_of(felt[:6]), wrench_of(felt[6:]), own.F)]
-        columns = [[own.of(by_q) for by_q, _ in by], [own.of(by_v) for _, by_v in by]]
-        return [[where(span[0] <= row[-1], x, 0) for x in part] for part in (*rows, *columns)]
+        wrenches = {"d_q": wrench_of(felt[:6]), "d_v": wrench_of(felt[6:]), "d_a": own.F}
+        columns = {"d_q": [own.of(by_q) for by_q, _ in by], "d_v": [own.of(by_v) for _, by_v in by]}
+        parts = [*(base.kind.effort(wrenches[name]) for name in names), *(columns[name] for name in names_of_columns)]
+        return [[where(span[0] <= row[-1], x, 0) for x in part] for part in parts]
 
     def among(carried: Any, base_changes: Any) -> Any:
         cloud, by, motions = _cloud(carried)[0], by_each(base_changes), base.motions()
         efforts = [cloud.effort(S) for S in motions]
         d_q, d_v = ([own.of(changes[k]) for own in efforts for changes in by] for k in (0, 1))
-        return d_q, d_v, [S.power(own.F) for own in efforts for S in motions]
+        blocks = {"d_q": d_q, "d_v": d_v, "d_a": [S.power(own.F) for own in efforts for S in motions]}
+        found = [blocks[name] for name in names]
+        return found if len(found) > 1 else found[0]
 
+    names_of_columns = [name for name in names if name != "d_a"]  # which is symmetric
+    shared = [*(f"{x}_rows" for x in names.values()), *(f"{names[name]}_columns" for name in names_of_columns)]
+    apart = {f"base.{name}": base.axes**2 for name in names.values()}
     reads = ("base.body", "base.changes", "effort", "felt", "span")
-    blocks = Stage(among, ("base.carried", "base.changes"), [f"base.{x}" for x in MATRICES])
-    return [Pass("alone", Stage(couples, reads, [*_ROWS, *_COLUMNS])), Pass("once", blocks)]
+    blocks = Stage(among, ("base.carried", "base.changes"), [*apart])
+    passes = [Pass("alone", Stage(couples, reads, shared)), Pass("once", blocks)]
+    return Own(passes, dict.fromkeys(shared, base.axes), apart)

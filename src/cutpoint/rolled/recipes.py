@@ -81,7 +81,6 @@ RECIPES: Mapping[Any, Recipe] = {
         24,
         pairs=120,
         takes_geared=False,
-        takes_base=False,
         is_rooted=True,
     ),
     **{
