@@ -70,21 +70,18 @@ def block_loop(graph: Graph, inputs: Sequence[Port], outputs: Sequence[Port], wi
 
 
 def _block(code: Code, graph: Graph, lanes: Lanes, read: list[tuple[str, int]], write: list[tuple[str, int]]) -> None:
-    """One block from memory to memory; stores of constants among those of results, since they have to wait as these."""
-    constants = [(slot, lanes.constant(x)) for slot, x in enumerate(graph.results) if isinstance(x, float)]
-    each = -(-len(constants) // max(len(graph.results) - len(constants), 1))
+    """One block from memory to memory; constants are stored all along, since memory takes so much at a time."""
 
     def store(slot: int, value: str) -> None:
         code.store(value, *write[slot], lanes.real, align=lanes.item)  # all that NumPy promises
 
-    def ready(slot: int, value: str) -> None:
-        store(slot, value)
-        for _ in range(min(each, len(constants))):
-            store(*constants.pop())
-
-    straight_line(code, graph, lanes, lambda slot: code.load(*read[slot], lanes.real, align=lanes.item), ready)
-    for constant in constants:
-        store(*constant)
+    with code.aside() as constants:
+        for slot, x in enumerate(graph.results):
+            if isinstance(x, float):
+                store(slot, lanes.constant(x))
+    with code.aside() as computed:
+        straight_line(code, graph, lanes, lambda slot: code.load(*read[slot], lanes.real, align=lanes.item), store)
+    code.lines += in_turn(computed, constants)
 
 
 def _streams(code: Code, arguments: list[_Memory], targets: list[_Memory], count: str, lanes: Lanes) -> str:

@@ -84,8 +84,11 @@ class _Target(_Rows):
         self._here: list[str] = []
 
     def begin(self, code: Code, pack: str) -> None:
-        """A pack: what is known beforehand needs no lanes."""
+        """A pack."""
         self._here = self._rows(code, pack)
+
+    def put_constants(self, code: Code) -> None:
+        """What is known beforehand needs no lanes."""
         for column, size in self._blocks:
             numbers = [x for x in self._results[column : column + size] if isinstance(x, float)]
             if len(numbers) == size:
@@ -121,14 +124,17 @@ def pack_loop(graph: Graph, inputs: Sequence[Port], outputs: Sequence[Port], wid
     with code.loop("%packs") as loop:
         for source in sources:
             source.fetch(code, loop.iteration)
+        for target in targets:
+            target.begin(code, loop.iteration)
         with code.aside() as asked:
             for source in sources:
                 code.ask(source.first(code, loop.iteration), source.size)
         with code.aside() as pack:
-            for target in targets:
-                target.begin(code, loop.iteration)
             straight_line(code, graph, lanes, load, ready)
-        code.lines += in_turn(pack, asked)
+        with code.aside() as constants:
+            for target in targets:
+                target.put_constants(code)
+        code.lines += in_turn(in_turn(pack, constants), asked)
     head = f"{lanes.declarations}{PREFETCH}define void @{FUNCTION}"
     head += f"(ptr %arguments, ptr %steps, i64 %packs) {ON_LINES} {for_divisions([graph])} {{\nentry:"
     return "\n".join([head, *code.lines, "ret void", "}", ""])
