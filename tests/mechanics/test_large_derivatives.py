@@ -245,6 +245,20 @@ def test_a_long_elastic_chain_has_a_mode_for_every_drive_and_balances() -> None:
     assert np.abs(modes.model.drift).max() < 1e-9 * np.abs(robot.gravity_forces(q)).max()
 
 
+@pytest.mark.parametrize("key", ["mass_matrix", "regressor", "coriolis_matrix", DERIVATIVES], ids=str)
+@pytest.mark.parametrize("tree", ["every kind", "tree", "floating"])
+def test_matrices_of_a_batch_have_the_bits_of_single_calls(tree: str, key: Any) -> None:
+    drive = Drive(100.0, Rotor(1e-4))  # rigid: what links feel of rotors is in the mass matrix
+    bare = Robot(LOOPED[tree])
+    robot = bare.with_drives(dict.fromkeys(bare.joints[-5:], drive))
+    function, s = RolledFunction(key, robot.machine, "llvm"), states(robot, 19)
+    given = [s["q"], s["v"], s["a"]][: {"mass_matrix": 1, "coriolis_matrix": 2}.get(key, 3)]
+    whole = function.computed(given)
+    for k in range(19):
+        for x, one in zip(whole, function.computed([x[k] for x in given]), strict=True):
+            np.testing.assert_array_equal(x[k], one)
+
+
 def test_a_batch_of_a_large_robot_is_its_configurations_one_by_one() -> None:
     robot = Robot(chain(25))
     s = states(robot, 2)

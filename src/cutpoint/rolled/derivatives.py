@@ -89,9 +89,9 @@ def elastic_inverse_dynamics(columns: Columns, options: Options = DEFAULT) -> St
     def entries(kin: Kinship, held: Any, *other: Any) -> Any:
         *own, slopes = _like(other, held)
         by = [WITH_RATES.packed([x]) for x in _entries(kin, *([*map(read, x[:4]), x[4]] for x in (own, other)))]
-        through = ([h * along_motion(by, k, rate) for k, h in enumerate(slopes[:3])] for rate in range(len(OF_MOTORS)))
-        is_own = kin.of(own[4], other[4]).is_same
-        return [[sum(x, 0) + where(is_own, own_rate, 0)] for x, own_rate in zip(through, slopes[3:], strict=True)]
+        rates, is_own = range(len(OF_MOTORS)), kin.of(own[4], other[4]).is_same
+        through = (sum((h * along_motion(by, k, rate) for k, h in enumerate(slopes[:3])), 0) for rate in rates)
+        return [[where(is_own, x + own_rate, x)] for x, own_rate in zip(through, slopes[3:], strict=True)]
 
     reads = ("held", *SEEN, "span", "slopes")
     alone = Pass("alone", Stage(motor, ("body", "column", "carried", *RATES), ("slopes",)))
@@ -172,7 +172,7 @@ def _entries(kin: Kinship, own: Sequence[Any], other: Sequence[Any]) -> list[Sca
     outer = [S.power(wrench_of(felt[:6])), S.power(wrench_of(felt[6:])), S.power(_effort(their_effort).F)]
     further_in, further_out, is_same = related.is_carried, related.carries, related.is_same
     d_q, d_v, d_a = (where(further_in, x, where(further_out, y, 0)) for x, y in zip(inner, outer, strict=True))
-    return [d_q, d_v, d_a + where(is_same, own_span[2], 0)]
+    return [d_q, d_v, where(is_same, d_a + own_span[2], d_a)]
 
 
 def _like(parts: Sequence[Scalars], numbers: Scalars) -> list[Scalars]:

@@ -20,7 +20,7 @@ class Kinship(NamedTuple):
     """What is known of pairs before their numbers are read.
 
     name: of the lists that say which pairs.  carries, is_carried: whether one may carry the other, and be carried.
-    is_sure: whether what may be is so.
+    is_sure: whether what may be is so, and nothing need be read.
     """
 
     name: str
@@ -36,7 +36,7 @@ class Kinship(NamedTuple):
     def of(self, own: Scalars, other: Scalars) -> Related:
         """own, other: spans, which begin with the body's number and the last number that it carries."""
         if self.is_sure:
-            return Related(self.carries, self.is_carried, self.carries and self.is_carried)
+            return Related(self.carries, self.is_carried, False)
         (number, last), (its_number, its_last) = own[:2], other[:2]
         carries = self.carries and (number <= its_number) & (its_number <= last)
         is_carried = self.is_carried and (its_number <= number) & (number <= its_last)
@@ -44,6 +44,10 @@ class Kinship(NamedTuple):
 
 
 def kinships(*, is_sure: bool) -> list[Kinship]:
-    """All there are; what one body takes or gives alone is left out where the other cannot have any of it."""
-    kinds = {"carrying": (True, False), "carried": (False, True), "mixed": (True, True)}
-    return [Kinship(name, *kind, is_sure) for name, kind in kinds.items()]
+    """All there are; what one body takes or gives alone is left out where the other cannot have any of it.
+
+    is_sure: of two different bodies, by themselves.  A body with itself is looked at like those with a whole block of
+    others, so that both round alike.
+    """
+    apart = Kinship("carrying", True, False, is_sure), Kinship("carried", False, True, is_sure)
+    return [*apart, Kinship("mixed", True, True, is_sure=False)]

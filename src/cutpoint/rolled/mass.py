@@ -64,4 +64,4 @@ def _entry(kin: Kinship, held: Any, column: Any, momentum: Any, span: Any) -> An
     motion, F, own_span = motion_of(held[:6]), wrench_of(held[6:12]), held[12:]
     carries, is_carried, is_same = kin.of(own_span, span)
     coupled = where(carries, motion.power(wrench_of(momentum)), where(is_carried, motion_of(column).power(F), 0))
-    return [coupled + where(is_same, own_span[2], 0)]
+    return [where(is_same, coupled + own_span[2], coupled)]
