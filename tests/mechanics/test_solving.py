@@ -12,9 +12,9 @@ from cutpoint.errors import InputError
 from cutpoint.model import Joint, Link
 from cutpoint.model.build import build
 from cutpoint.rolled.equations import solver_of
-from cutpoint.rolled.factored import Factored, is_sparse
-from cutpoint.rolled.solving import Solver
-from cutpoint.rolled.yielding import Yielding
+from cutpoint.rolled.equations.factored import Factored, is_sparse
+from cutpoint.rolled.equations.solver import Solver
+from cutpoint.rolled.equations.yielding import Yielding
 from large_robots import assert_close, based, chain
 from random_trees import tree_of_every_kind
 from robot_library import load

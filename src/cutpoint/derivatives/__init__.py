@@ -25,7 +25,7 @@ from cutpoint.mechanics.elastic import Options
 from cutpoint.robot import Robot
 
 if TYPE_CHECKING:
-    from cutpoint.rolled.solving import Solver
+    from cutpoint.rolled.equations.solver import Solver
 
 __all__ = [
     "ElasticForwardDynamicsDerivatives", "ElasticInverseDynamicsDerivatives", "ForwardDynamicsDerivatives",

@@ -15,7 +15,7 @@ from cutpoint.errors import InputError
 from cutpoint.mechanics.elastic import Driven
 
 if TYPE_CHECKING:
-    from cutpoint.rolled.solving import Solver
+    from cutpoint.rolled.equations.solver import Solver
 
 Array = NDArray[np.float64]
 Numbers = NDArray[np.int64]

@@ -39,7 +39,7 @@ from cutpoint.rolled import (
 from cutpoint.scalars import leaves, rebuild
 
 if TYPE_CHECKING:
-    from cutpoint.rolled.solving import Solver
+    from cutpoint.rolled.equations.solver import Solver
 
 JOINT_QUANTITIES = frozenset({
     "inverse_dynamics", "forward_dynamics", "bias_forces", "gravity_forces", "coriolis_matrix", "mass_matrix",

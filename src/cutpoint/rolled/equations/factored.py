@@ -11,8 +11,8 @@ from typing import Any, Literal
 from cutpoint.kernels import Loop, Program, Region, Stage, compile_program
 from cutpoint.mechanics.forward_dynamics import Factors, factors_of, solve
 from cutpoint.mechanics.system import System
+from cutpoint.rolled.equations.solver import Room
 from cutpoint.rolled.memory import aligned
-from cutpoint.rolled.solving import Room
 from cutpoint.scalars import Scalar, minimum
 
 Scalars = Sequence[Scalar]

@@ -13,6 +13,7 @@ from cutpoint.mechanics.spatial import IDENTITY, ZERO, Motion, Pose, Vec3, Wrenc
 from cutpoint.mechanics.system import System
 from cutpoint.model.mechanism import WORLD
 from cutpoint.rolled.bodies import Columns, base_of, columns_of, parents_of
+from cutpoint.rolled.equations.solver import Room
 from cutpoint.rolled.forward import give_way, turned_pose
 from cutpoint.rolled.memory import Task, aligned
 from cutpoint.rolled.packing import (
@@ -29,7 +30,6 @@ from cutpoint.rolled.packing import (
 from cutpoint.rolled.passes import PLAIN, Kept, Pass, Rolled, Steps, one_by_one
 from cutpoint.rolled.recipes import Recipe
 from cutpoint.rolled.runs import memory_of
-from cutpoint.rolled.solving import Room
 from cutpoint.rolled.steps import placing
 from cutpoint.scalars import Scalar, minimum, where
 

@@ -3,9 +3,9 @@
 from collections.abc import Sequence
 
 from cutpoint.mechanics.system import System
-from cutpoint.rolled.factored import Factored, is_sparse
-from cutpoint.rolled.solving import Solver
-from cutpoint.rolled.yielding import Yielding, takes
+from cutpoint.rolled.equations.factored import Factored, is_sparse
+from cutpoint.rolled.equations.solver import Solver
+from cutpoint.rolled.equations.yielding import Yielding, takes
 
 
 def solver_of(system: System, widths: Sequence[int]) -> Solver | None:
