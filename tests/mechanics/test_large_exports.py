@@ -68,9 +68,10 @@ def test_every_call_is_on_its_own(compiler: str, flags: tuple[str, ...], tmp_pat
 
 
 @pytest.mark.parametrize("compiler", compilers())
-@pytest.mark.parametrize("which", ["humanoid", "floating", "chain"])
+@pytest.mark.parametrize("which", ["humanoid", "floating", "chain", "floating chain"])
 def test_derivatives_of_accelerations_leave(which: str, compiler: str, tmp_path: Path) -> None:
-    robot = TURNING if which == "chain" else load("talos_reduced.urdf", floating_base=which == "floating")
+    chains = {"chain": TURNING, "floating chain": Robot(based("floating", 60, branching=False))}
+    robot = chains.get(which) or load("talos_reduced.urdf", floating_base=which == "floating")
     export_function(robot, "forward_dynamics_derivatives", tmp_path, name="f")
     build(tmp_path, "f.c", "f_check.c", "-o", "check", compiler=compiler, flags=(*STRICT, "-O1"))
     assert run(tmp_path) == (0, f"f: 0 of {2 * 3 * robot.nv**2} numbers differ\n")
@@ -105,9 +106,9 @@ def test_what_does_not_leave_says_so(tmp_path: Path) -> None:
     with pytest.raises(InputError, match=r"of 140 bodies it runs as loops .* no kernel .*; loops leave as C alone"):
         export_function(CHAIN, "inverse_dynamics", tmp_path, to="cuda")
     with pytest.raises(
-        InputError, match=r"forward_dynamics_derivatives: of 141 bodies .* no kernel to look at or to export"
+        InputError, match=r"elastic_forward_dynamics_derivatives: of 70 bodies .* no kernel to look at or to export"
     ):
-        export_function(FLOATING, "forward_dynamics_derivatives", tmp_path)
+        export_function(DRIVEN, "elastic_forward_dynamics_derivatives", tmp_path)
     with pytest.raises(InputError, match="loops leave as C for robots with a drive in every joint, or in none"):
         export_function(HELICAL, "static_deflection", tmp_path)
     with pytest.raises(InputError, match=r"mass_matrix: in C it would take [\d,]+ bytes of the stack, 4"):

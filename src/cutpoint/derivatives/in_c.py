@@ -18,13 +18,14 @@ Array = np.ndarray
 def forward_dynamics(robot: Robot) -> tuple[Source, Callable[..., Any]] | None:
     """The function in C, and the same on arrays (m, n) for whatever numbers, the drives' folded in.
 
-    None where derivatives do not run as loops, or the mass matrix' factors are not sparse.  Accelerations come from
-    loops, so that results differ in their last digits from those of robots whose own come from code without them.
+    None where derivatives do not run as loops.  Accelerations come from loops, so that results differ in their last
+    digits from those of robots whose own come from code without them.
     Raises InputError: it takes more memory than a stack holds.
     """
     n, name = robot.nv, "forward_dynamics_derivatives"
-    if not compiled_of(robot).derivatives_loop or not (solver := compiled_of(robot).solver):
+    if not compiled_of(robot).derivatives_loop:
         return None
+    solver = compiled_of(robot).solver
     motion, slopes = (RolledFunction(key, robot.machine, robot.backend) for key in ("forward_dynamics", DERIVATIVES))
 
     def computed(q: Array, v: Array, tau: Array) -> tuple[Array, ...]:

@@ -198,8 +198,8 @@ class Compiled:
         return joint_by_joint(key, definition, {x: self.size_of(x) for x in inputs}, machine, self._backend)
 
     @cached_property
-    def solver(self) -> "Solver | None":
-        """For two equations at once with the mass matrix, by as many columns; None where they are better dense."""
+    def solver(self) -> "Solver":
+        """For two equations at once with the mass matrix, of as many columns."""
         from cutpoint.rolled.equations import solver_of  # needs llvmlite
 
         return solver_of(self.machine.system, [self.machine.system.nv] * 2)

@@ -5,11 +5,9 @@ from collections.abc import Sequence
 from cutpoint.mechanics.system import System
 from cutpoint.rolled.equations.factored import Factored, is_sparse
 from cutpoint.rolled.equations.solver import Solver
-from cutpoint.rolled.equations.yielding import Yielding, takes
+from cutpoint.rolled.equations.yielding import Yielding
 
 
-def solver_of(system: System, widths: Sequence[int]) -> Solver | None:
-    """For right-hand sides of so many columns; None where they are better dense."""
-    if is_sparse(system):
-        return Solver(Factored(system), widths)
-    return Solver(Yielding(system), widths) if takes(system) else None
+def solver_of(system: System, widths: Sequence[int]) -> Solver:
+    """For right-hand sides of so many columns."""
+    return Solver(Factored(system) if is_sparse(system) else Yielding(system), widths)

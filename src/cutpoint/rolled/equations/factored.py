@@ -25,10 +25,10 @@ class Factored:
     """By the matrix itself.  Featherstone (2008) sections 6.4 and 6.5."""
 
     reads: Literal["M", "q"] = "M"
-    lanes = 8
+    apart, lanes = 0, 8
 
     def __init__(self, system: System) -> None:
-        self.speeds = system.nv
+        self.speeds, self.shape = system.nv, (system.nv,) * 2
         self.program = _program(_related(system), self.lanes)
 
     def room(self) -> Room:

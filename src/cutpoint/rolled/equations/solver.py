@@ -32,13 +32,16 @@ class Equations(Protocol):
     """How a program solves them, for "blocks" of columns.
 
     It reads columns from its region "given", a block after another, in each a row for each speed, and leaves theirs in
-    "found".
+    "found"; those of a base, which come first, may stand in "base.given" and "base.found".
 
-    reads: what it reads first, the mass matrix or the robot's position.  speeds: how many.  lanes: columns of a block.
+    reads: what it reads first, the mass matrix or the robot's position, of this shape.  speeds: how many there are, and
+    how many of a base that stand apart.  lanes: columns of a block.
     """
 
     reads: Literal["M", "q"]
+    shape: tuple[int, ...]
     speeds: int
+    apart: int
     lanes: int
     program: Program
 
@@ -100,7 +103,7 @@ class Solver:
 
     @property
     def _ports(self) -> tuple[list[Port], list[Port]]:
-        state = Port(self.reads, (self._n,) * (2 if self.reads == "M" else 1))
+        state = Port(self.reads, self._equations.shape)
         matrices = [Port(f"X{k}", (self._n, width)) for k, width in enumerate(self._widths)]
         return [state, *matrices[:-1]], [Port("least", ()), *matrices]
 
@@ -123,25 +126,31 @@ class Solver:
 
     def _memory(self) -> tuple[dict[str, Array], list[Output], list[Output]]:
         """Arrays, and where in them the state and each B stand, and the least number, each X and the inverse."""
-        n, lanes, room = self._n, self._equations.lanes, self._equations.room()
-        blocks = {name: aligned(sum(self._blocks) * n * lanes).reshape(-1, n, lanes) for name in ("given", "found")}
-        starts = [sum(self._blocks[:k]) for k in range(len(self._blocks))]
-        given, found = (
-            [_in_blocks(x[start:], width) for start, width in zip(starts, self._widths, strict=True)]
-            for x in blocks.values()
-        )
+        room, sizes = self._equations.room(), self._equations.program.plan.sizes
+        arrays = dict(room.arrays)
+
+        def matrices(name: str) -> list[Output]:
+            """Of each B, or X."""
+            n, first, lanes = self._n, self._equations.apart, self._equations.lanes
+            every = {f"base.{name}": range(first), name: range(first, n)} if first else {name: range(n)}
+            parts: list[list[Part]] = [[] for _ in self._widths]
+            for region, rows in every.items():
+                blocks = aligned(sum(self._blocks) * len(rows) * lanes).reshape(-1, len(rows), lanes)
+                arrays[region] = blocks.reshape(-1, sizes[region])
+                for k, width in enumerate(self._widths):
+                    parts[k] += _in_blocks(blocks[sum(self._blocks[:k]) :], width, rows)
+            return [Output((n, width), x) for width, x in zip(self._widths, parts, strict=True)]
+
+        given, found = matrices("given"), matrices("found")
         for part in given.pop().parts:  # what has the inverse for its X
-            part.own[...] = part.place(-np.eye(n))
-        sizes = self._equations.program.plan.sizes
-        arrays = room.arrays | {name: x.reshape(-1, sizes[name]) for name, x in blocks.items()}
+            part.own[...] = part.place(-np.eye(self._n))
         return arrays, [whole(room.state), *given], [whole(room.least), *found]
 
 
-def _in_blocks(kept: Array, width: int) -> Output:
-    """A matrix (n, width), of which blocks of columns are kept (blocks, n, lanes)."""
-    _, n, lanes = kept.shape
+def _in_blocks(kept: Array, width: int, rows: range) -> list[Part]:
+    """Rows of a matrix (n, width), of which blocks of columns are kept (blocks, rows, lanes)."""
+    lanes, at = kept.shape[-1], slice(rows.start, rows.stop)
     count, rest = divmod(width, lanes)
     blocks = kept[: count + 1].swapaxes(0, 1)
-    parts = [Part(blocks[:, :count], np.s_[:, : count * lanes])] if count else []
-    parts += [Part(blocks[:, count, :rest], np.s_[:, count * lanes :])] if rest else []
-    return Output((n, width), parts)
+    parts = [Part(blocks[:, :count], np.s_[at, : count * lanes])] if count else []
+    return parts + ([Part(blocks[:, count, :rest], np.s_[at, count * lanes :])] if rest else [])
