@@ -1,0 +1,106 @@
+"""How every joint of a robot gives way, as passes over its bodies: what a unit of torque accelerates, and whom."""
+
+from collections.abc import Sequence
+from functools import reduce
+from typing import Any
+
+from cutpoint.kernels import Stage, View
+from cutpoint.mechanics.articulated import Articulated
+from cutpoint.mechanics.forward_dynamics import factors_of, solve
+from cutpoint.mechanics.joints import dot
+from cutpoint.mechanics.spatial import IDENTITY, ZERO, Pose, Wrench
+from cutpoint.rolled.base import Base, base_in, sizes_apart
+from cutpoint.rolled.bodies import Columns
+from cutpoint.rolled.forward import give_way, turned_pose
+from cutpoint.rolled.packing import (
+    INERTIA,
+    articulated_of,
+    by_columns,
+    flat,
+    packed_inertia,
+    pose_by_columns,
+    pose_of,
+)
+from cutpoint.rolled.passes import PLAIN, Kept, Pass, Steps
+from cutpoint.rolled.steps import placing
+from cutpoint.rolled.subsystem import Subsystem
+from cutpoint.scalars import Scalar, minimum
+
+Scalars = Sequence[Scalar]
+
+UNLIMITED = 1e300
+"""More than any inertia."""
+
+NOTHING = Wrench(ZERO, ZERO)
+
+
+def giving_way(columns: Columns) -> tuple[Steps, Kept]:
+    """How every joint gives way; and how that is kept, as "step".  Featherstone (2008) eqs. (7.38)-(7.44).
+
+    A step: the joint's axis, the share that it takes of its carrier's acceleration, what a unit of torque accelerates,
+    and where the body is in its carrier, along the world's axes.  least: what the softest of all joints resists.
+    base.step: what units of its torques accelerate, and its axes along the world's.
+    """
+    (place, pose), base = placing(columns, PLAIN, ("q",)), base_in(columns)
+
+    def turns(row: Any, at: Any, above: Any) -> Any:
+        return by_columns(turned_pose(pose_by_columns(above), pose_of(pose.all(at))))
+
+    def stands(row: Any, turned: Any) -> Any:
+        return packed_inertia(Articulated.of(along(row, turned).body.inertia).T)
+
+    def yields(row: Any, turned: Any, inertia: Any, carrier: Any) -> tuple[list[Scalar], Scalar, list[Scalar]]:
+        own = along(row, turned)
+        left, _, step = give_way(own, articulated_of(inertia), NOTHING, 1, articulated_of(carrier), NOTHING)
+        numbers = [*step.axis, *step.share, step.own, *own.body.placement.position]
+        return numbers, 1 / step.own, packed_inertia(left)
+
+    def inward(row: Any, turned: Any, inertia: Any, carrier: Any, least: Any) -> Any:
+        numbers, D, left = yields(row, turned, inertia, carrier)
+        return step.some(numbers), left, [minimum(least[0], D)]
+
+    def along(row: Any, turned: Any) -> Subsystem:
+        return columns.subsystem(row).along_the_world(pose_by_columns(turned))
+
+    sizes = {"row": columns.width, "turned": 12, "inertia": INERTIA, "carrier": INERTIA}
+    step, reads = Kept(lambda **x: yields(**x)[0], **sizes), ("body", "turned", "inertia", "resisted")
+    passes = [
+        Pass("alone", place),
+        Pass("once", Stage(lambda: [UNLIMITED], (), ("least",))),
+        *([_stands(base)] if base else []),
+        Pass("outward", Stage(turns, ("body", "pose", "above"), ("turned",))),
+        Pass("outward", Stage(stands, ("body", "turned"), ("inertia",))),
+        Pass("inward", Stage(inward, (*reads, "least"), ("step", "resisted", "least"))),
+        *([_gives_way(base)] if base else []),
+    ]
+    kept = {"pose": pose.size, "turned": 12, "inertia": INERTIA, "step": step.size}
+    views = (View("above", "turned", "parent"), View("resisted", "inertia", "parent"))
+    world: dict[str, list[Any]] = {"turned": flat(IDENTITY)}
+    apart, constants = sizes_apart(base, ("q",))
+    apart |= {"least": 1, **({"base.step": base.axes * (base.axes + 6)} if base else {})}
+    return Steps(kept, ("q",), views, world, passes, apart, constants, threes=("turned", "inertia")), step
+
+
+def _stands(base: Base) -> Pass:
+    """A base's axes, and its inertia, along the world's."""
+
+    def stands(row: Any, q: Any) -> Any:
+        own = base.segment(row)
+        X = own.placement @ base.kind.pose(q)
+        return by_columns(X), packed_inertia(Articulated.of(own.inertia).seen_from_parent(Pose(X.rotation, ZERO)))
+
+    return Pass("once", Stage(stands, ("base.body", "base.q"), ("base.turned", "base.inertia")))
+
+
+def _gives_way(base: Base) -> Pass:
+    """How a base gives way, all its axes at once."""
+
+    def gives_way(turned: Any, inertia: Any, least: Any) -> Any:
+        turn, M, n = Pose(pose_by_columns(turned).rotation, ZERO), articulated_of(inertia), base.axes
+        axes = [S.seen_from_parent(turn) for S in base.motions()]
+        lower = [[dot([*S], [dot(row, [*z]) for row in M.rows]) for S in axes] for z in axes]
+        factors = factors_of(lower)
+        gains = [x for k in range(n) for x in solve(factors, [int(j == k) for j in range(n)])]
+        return [*gains, *(x for S in axes for x in S)], [reduce(minimum, [factors.L[k][k] for k in range(n)], least[0])]
+
+    return Pass("once", Stage(gives_way, ("base.turned", "base.inertia", "least"), ("base.step", "least")))
