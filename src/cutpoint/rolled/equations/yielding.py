@@ -1,4 +1,4 @@
-"""Equations with a long tree's mass matrix, solved through its bodies: a column's time grows with their number alone."""
+"""Equations with a long tree's mass matrix, solved through its bodies: a column takes time as these are many."""
 
 from collections.abc import Sequence
 from typing import Any, Literal
