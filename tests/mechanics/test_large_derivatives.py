@@ -259,6 +259,28 @@ def test_matrices_of_a_batch_have_the_bits_of_single_calls(tree: str, key: Any) 
             np.testing.assert_array_equal(x[k], one)
 
 
+@pytest.mark.parametrize("size", [29, 40])  # by the mass matrix' factors, and through the bodies
+@pytest.mark.parametrize(
+    "axes", [((), (3,), ()), ((3,), (), ()), ((1,), (3,), (1,)), ((2, 1), (3,), ()), ((0,), (), ())]
+)
+def test_derivatives_of_accelerations_broadcast(size: int, axes: tuple[tuple[int, ...], ...]) -> None:
+    made, rng = sprung(chain(size)), np.random.default_rng(2)
+    robot = Robot(made.mechanism, made.drives)
+    q, v, tau = (rng.normal(size=(*x, size)) for x in axes)
+    theta, shape = q + 1e-3, np.broadcast_shapes(*axes)
+    whole = np.broadcast_arrays(q, v, tau, theta)
+    for function, given in (
+        (derivatives.forward_dynamics, (0, 1, 2)),
+        (derivatives.elastic_forward_dynamics, (0, 1, 3, 1, 2)),
+    ):
+        found = function(robot, *[(q, v, tau, theta)[k] for k in given])
+        for x in found:
+            assert x.shape == (*shape, size, size)
+        for at in np.ndindex(shape):
+            for x, one in zip(found, function(robot, *[whole[k][at] for k in given]), strict=True):
+                np.testing.assert_array_equal(x[at], one)
+
+
 def test_a_batch_of_a_large_robot_is_its_configurations_one_by_one() -> None:
     robot = Robot(chain(25))
     s = states(robot, 2)

@@ -31,7 +31,7 @@ def forward_dynamics(robot: Robot) -> tuple[Source, Callable[..., Any]] | None:
     def computed(q: Array, v: Array, tau: Array) -> tuple[Array, ...]:
         (a,) = motion.computed([q, v, tau])
         d_q, d_v, M = slopes.computed([q, v, a])
-        _, *found = solver.solutions({"M": M, "q": q}[solver.reads], d_q, d_v)
+        _, *found = solver.solutions(solver.state(q, M), d_q, d_v)
         return tuple(found)
 
     outputs = ("d_q", "d_v", "d_tau")

@@ -69,7 +69,7 @@ def elastic_forward_dynamics(
 
 def _solved(q: Array, M: Array, B: Sequence[Array], solver: "Solver | None", asked: str) -> list[Array]:
     """Each X with M X + B = 0, and the inverse of M.  Raises InputError: see `inverse_of`."""
-    found = solver(M if solver.reads == "M" else q, *B) if solver else None
+    found = solver(solver.state(q, M), *B) if solver else None
     if found is None:
         inverse = inverse_of(M, asked)
         found = [*(_less_products(inverse, b) for b in B), inverse]

@@ -56,6 +56,7 @@ def coriolis_matrix(columns: Columns) -> Steps:
 
     Of coordinates' own rates that is nothing, so that torques C v change with v by 2 C: by C, then, at half the speed.
     A base's speeds are those of a moving frame, their bracket is V x W: with it they change a motion as joints' do.
+    Coriolis Factorizations and their Connections to Riemannian Geometry (2023), arXiv 2312.14425.
     """
     base = base_in(columns)
     found = _changes_within(columns, PLAIN, brackets=True)
@@ -107,6 +108,8 @@ def _changes_within(columns: Columns, order: Order, *, brackets: bool = False) -
     changes: of the motion of all that, by the joint's position and by its speed.  effort: what changes further in take
     along the joint.  felt: what the joint's own changes take, further in.  span: the body's number, the last number
     that it carries, and its armature.
+
+    brackets: whether a base's speeds change motions by their brackets with its velocity too.
     """
     base, read, packed, m = base_in(columns), order.scalars, order.packed, order.numbers
     placed, kept = world_poses(columns, [_moves(base, 1 + brackets)] if base else [], order)

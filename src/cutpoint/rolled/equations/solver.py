@@ -71,6 +71,12 @@ class Solver:
         exist = least > 0 if isinstance(least, float) else (least > 0).all()
         return found if exist else None
 
+    def state(self, q: Array, M: Array) -> Array:
+        """What it reads of these, q with all of M's leading axes."""
+        if self.reads == "M":
+            return M
+        return q if q.shape[:-1] == M.shape[:-2] else np.broadcast_to(q, (*M.shape[:-2], q.shape[-1]))
+
     def solutions(self, state: Array, *given: Array) -> Sequence[Any]:
         """The same of any M, after the least number that it divides by: that is above 0 where there is an inverse."""
         return self._solve(state, *given)
