@@ -39,7 +39,8 @@ MOST_COMPILED = 48
 """Bodies beyond which derivatives of an elastic inverse dynamics are more than can be compiled."""
 
 MOST_LOOPED = 4000
-"""Bodies of which derivatives run as loops: three matrices, 0.4 gigabytes in all, and as much to work in."""
+"""Bodies of which derivatives run as loops: three matrices, 0.4 gigabytes in all, and as much to work in; to solve for
+accelerations takes some 3 gigabytes."""
 
 
 class InverseDynamicsDerivatives(NamedTuple):
