@@ -81,8 +81,7 @@ def _entries(robot: cutpoint.Robot, law: object) -> dict[str, ours.Entry]:
         else 1e-2 * rng.normal(size=(COUNT, *p.shape))
         for p in kernel.graph.inputs
     ]  # fmt: skip
-    many = ours.lanes if law_memory(law).size else ours.rows  # blocks have no shape without numbers
-    return {"single": ours.single(kernel, inputs), "lanes": many(kernel, inputs)}
+    return {"single": ours.single(kernel, inputs), "lanes": ours.lanes(kernel, inputs)}
 
 
 if __name__ == "__main__":

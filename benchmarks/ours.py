@@ -49,9 +49,8 @@ def entries(kernel: Kernel, inputs: list[np.ndarray]) -> dict[str, Entry]:
 def single(kernel: Kernel, inputs: list[np.ndarray]) -> Entry:
     out = _outputs(kernel, len(inputs[0]))
     address = kernel._function.element  # no public way leads to it: a call through Python is what is left out here
-    given, found = ([x for x in arrays if x.size] for arrays in (inputs, out))
-    unread = [np.zeros(1)] if len(given) + len(found) < len(inputs) + len(out) else []  # see `empty_ports`
-    return _entry(called(address, [*given, *unread, *found], len(inputs[0]), kernel), out)
+    with_numbers = [x for x in (*inputs, *out) if x.size]
+    return _entry(called(address, with_numbers, len(inputs[0]), kernel), out)
 
 
 def _c99(kernel: Kernel, inputs: list[np.ndarray]) -> Entry:

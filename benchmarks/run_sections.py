@@ -52,8 +52,8 @@ drift apart whatever the integrator does, their scores do not: how far the worst
 _LAWS = """## One step of a control law
 
 On the paper's arm, with flexspline and friction: machine code called once, and many in one call; operations with
-elementary functions counted as one.  Many are blocks of lanes, of laws that remember nothing rows, each with the
-parameters of its own.  The curves of springs and friction take about half the time of a law that inverts them.
+elementary functions counted as one.  Many are blocks of lanes, each with parameters of its own.  The curves of springs
+and friction take about half the time of a law that inverts them.
 
 """
 

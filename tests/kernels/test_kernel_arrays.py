@@ -6,7 +6,7 @@ import pickle
 import sys
 import threading
 from collections import namedtuple
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -19,6 +19,7 @@ from running_error import Bounded
 
 from cutpoint.kernels import Kernel, compile
 from cutpoint.kernels.arrays import backends
+from cutpoint.kernels.machine.batch_loop import WORTH_MAKING_PACKS
 from cutpoint.scalars import cos, exp, sin, sqrt, where
 
 BACKENDS = ("llvm", "numpy")
@@ -161,6 +162,27 @@ def test_ports_of_size_zero_are_no_special_case(backend: str) -> None:
     assert compile(lambda e: [], e=(3, 0), backend=backend)(np.empty((5, 3, 0))).shape == (5, 0)
     assert compile(lambda e: 7, e=0, backend=backend)(np.empty((5, 0))).tolist() == [7.0] * 5
     assert compile(lambda: [1, 2], backend=backend)().tolist() == [1, 2]
+
+
+LONG = 2 * WORTH_MAKING_PACKS
+
+WAYS_TO_CALL: dict[str, Callable[[Kernel, Sequence[np.ndarray]], Any]] = {
+    "a batch": lambda kernel, given: kernel(*given),
+    "in Fortran's order": lambda kernel, given: kernel(*map(np.asfortranarray, given)),
+    "by several threads": lambda kernel, given: kernel(*given, threads=2),
+    "into arrays": lambda kernel, given: kernel(*given, out=tuple(np.empty_like(x) for x in kernel(*given))),
+    "in blocks": lambda kernel, given: kernel.blocks.rows(kernel.blocks(*map(kernel.blocks.of, given)), LONG),
+}
+
+
+@pytest.mark.parametrize("backend", BACKENDS)
+@pytest.mark.parametrize("way", WAYS_TO_CALL.values(), ids=WAYS_TO_CALL)
+def test_ports_of_size_zero_change_nothing_of_the_others(way: Callable[..., Any], backend: str) -> None:
+    kernel = compile(lambda e, q, M, t: Wrench([], [q[0] * t, sin(q[1])]), e=0, q=2, M=(3, 0), t=(), backend=backend)
+    given = [RNG.normal(size=(LONG, *p.shape)) for p in kernel.graph.inputs]
+    force, moment = way(kernel, given)
+    one_by_one = np.stack([kernel(*x).moment for x in zip(*given, strict=True)])
+    assert force.shape == (LONG, 0) and moment.tobytes() == one_by_one.tobytes()
 
 
 @pytest.mark.parametrize("backend", BACKENDS)

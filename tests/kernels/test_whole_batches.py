@@ -103,7 +103,7 @@ def test_earlier_results_may_be_filled_again(runs: list[bool], kernel: Kernel) -
     assert_same(kernel(*first[:2], first[2][::-1][::-1], out=again, threads=2), kernel(*first))
 
 
-@pytest.mark.parametrize(("place", "is_short"), [(0, False), (1, False), (2, True)])
+@pytest.mark.parametrize(("place", "is_short"), [(0, False), (2, True)])
 def test_all_elements_may_share_an_array(runs: list[bool], kernel: Kernel, place: int, is_short: bool) -> None:
     rows = batch(kernel)
     shared: list[Any] = [x[1] if k == place else x for k, x in enumerate(rows)]
@@ -111,6 +111,23 @@ def test_all_elements_may_share_an_array(runs: list[bool], kernel: Kernel, place
     assert_same(kernel(*shared), one_by_one(kernel, repeated))
     assert any(runs) == is_short
     assert_same(kernel(*shared, out=empty(kernel)), one_by_one(kernel, repeated))
+
+
+@pytest.mark.parametrize(
+    ("kind", "is_short"), [(float, True), (np.float64, True), (np.float32, False), (np.array, False), (int, False)]
+)
+def test_all_elements_may_share_a_number(runs: list[bool], kernel: Kernel, kind: Callable[..., Any], is_short: bool):
+    t, dtype = kind(np.float32(-2.25)), kernel.graph.precision.dtype
+    q, _, M = batch(kernel)
+    assert_same(kernel(q, t, M), one_by_one(kernel, [q, np.full(COUNT, t, dtype), M]))
+    assert any(runs) == (is_short and dtype == np.float64)
+
+
+@pytest.mark.parametrize("text", ["2.25", b"2.25", None, [1.0, 2.0]])
+def test_what_is_no_number_for_all_elements_is_told(kernel: Kernel, text: object) -> None:
+    q, _, M = batch(kernel)
+    with pytest.raises(InputError, match=r"^law: (t|leading axes do not broadcast)"):
+        kernel(q, text, M)
 
 
 def test_no_result_is_written_where_a_shared_array_lies(kernel: Kernel) -> None:

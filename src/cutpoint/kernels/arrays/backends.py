@@ -4,6 +4,7 @@ from collections.abc import Iterable
 from functools import cache
 
 from cutpoint.errors import InputError, unknown_name
+from cutpoint.kernels.arrays.empty_ports import with_numbers
 from cutpoint.kernels.arrays.function import Function
 from cutpoint.kernels.arrays.numpy_backend import NumpyFunction
 from cutpoint.kernels.graphs.graph import Graph
@@ -39,12 +40,11 @@ def array_function(graph: Graph, name: str, backend: str) -> Function:
         return NumpyFunction(graph)
     check_size(name, (*graph.inputs, *graph.outputs))
     check_length(name, [graph])
-    from cutpoint.kernels.arrays.empty_ports import AroundEmptyPorts
+    if not (with_numbers(graph.inputs) and with_numbers(graph.outputs)):
+        return NumpyFunction(graph)
     from cutpoint.kernels.arrays.gufunc import Gufunc
 
-    if graph.inputs and all(p.size for p in (*graph.inputs, *graph.outputs)):
-        return Gufunc(graph, graph.inputs, graph.outputs, name)
-    return AroundEmptyPorts(graph, name)
+    return Gufunc(graph, name)
 
 
 def check_length(name: str, graphs: Iterable[Graph]) -> None:

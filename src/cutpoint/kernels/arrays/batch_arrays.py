@@ -1,12 +1,13 @@
 """LLVM IR that recognises the arrays of a batch, and finds or makes those for its results."""
 
 from collections.abc import Sequence
+from functools import partial
 
 from cutpoint.kernels.arrays.numpy_api import DATA, RANK, SHAPE, TIDY, WRITEABLE, new_array, owned
-from cutpoint.kernels.arrays.plain_arguments import require, require_array
+from cutpoint.kernels.arrays.plain_arguments import number_or_array, require, require_array
 from cutpoint.kernels.arrays.python_api import ITEMS, KIND, LENGTH, new, new_tuple
 from cutpoint.kernels.graphs.ports import Port
-from cutpoint.kernels.graphs.precision import Precision
+from cutpoint.kernels.graphs.precision import FLOAT64, Precision
 from cutpoint.kernels.machine.llvm_code import LINE, Code
 
 _TOGETHER = 2**16
@@ -21,7 +22,7 @@ of results are written in up to 27 % less time than where NumPy lets them begin.
 class BatchArrays:
     """Arrays of a batch, by port: where the numbers of each begin, and its step from element to element, bytes.
 
-    count: of elements; not known before the first array is.  Arrays that all elements share have step 0.
+    count: of elements; not known before the first array is.  What all elements share has step 0.
     """
 
     def __init__(self, precision: Precision, ports: Sequence[Port], count: str = "") -> None:
@@ -31,20 +32,29 @@ class BatchArrays:
     def require(self, code: Code, objects: Sequence[str], flags: int, *, may_be_shared: bool = False) -> None:
         """Every object is an array of as many elements as the first, or a single one, of its port's shape."""
         for x, port in zip(objects, self._ports, strict=True):
-            require_array(code, x, self._precision.dtype.name, flags)
-            shape, rank = code.field(x, SHAPE), len(port.shape)
-            axes = code.let(f"sub i32 {code.field(x, RANK, 'i32')}, {rank}")
-            alone = "false"
-            if may_be_shared and self.count and rank:
-                alone = code.let(f"icmp eq i32 {axes}, 0")
-            require(code, code.let(f"or i1 {alone}, {code.let(f'icmp eq i32 {axes}, 1')}"))
-            first, axes = code.load(shape, 0, "i64"), code.let(f"zext i32 {axes} to i64")
-            self.count = self.count or first
-            own, fits = code.at(shape, axes, "i64"), code.let(f"icmp eq i64 {first}, {self.count}")
-            lengths = [code.let(f"icmp eq i64 {code.load(own, k, 'i64')}, {n}") for k, n in enumerate(port.shape)]
-            require(code, code.let(f"or i1 {alone}, {fits}"), *lengths)
-            self.starts.append(code.field(x, DATA))
-            self.steps.append(code.let(f"mul i64 {axes}, {port.size * self._precision.item}"))
+            shared = may_be_shared and bool(self.count)
+            if shared and not port.shape and self._precision is FLOAT64:
+                array = partial(self._array, code, x, port, flags, may_be_shared=False)
+                start, step = number_or_array(code, x, ("ptr", "i64"), ["0"], array)
+            else:
+                start, step = self._array(code, x, port, flags, may_be_shared=shared and bool(port.shape))
+            self.starts.append(start)
+            self.steps.append(step)
+
+    def _array(self, code: Code, x: str, port: Port, flags: int, *, may_be_shared: bool) -> tuple[str, str]:
+        """Its start and its step."""
+        require_array(code, x, self._precision.dtype.name, flags)
+        shape, alone = code.field(x, SHAPE), "false"
+        axes = code.let(f"sub i32 {code.field(x, RANK, 'i32')}, {len(port.shape)}")
+        if may_be_shared:
+            alone = code.let(f"icmp eq i32 {axes}, 0")
+        require(code, code.let(f"or i1 {alone}, {code.let(f'icmp eq i32 {axes}, 1')}"))
+        first, axes = code.load(shape, 0, "i64"), code.let(f"zext i32 {axes} to i64")
+        self.count = self.count or first
+        own, fits = code.at(shape, axes, "i64"), code.let(f"icmp eq i64 {first}, {self.count}")
+        lengths = [code.let(f"icmp eq i64 {code.load(own, k, 'i64')}, {n}") for k, n in enumerate(port.shape)]
+        require(code, code.let(f"or i1 {alone}, {fits}"), *lengths)
+        return code.field(x, DATA), code.let(f"mul i64 {axes}, {port.size * self._precision.item}")
 
     def numbers(self, code: Code, k: int, count: str) -> str:
         """How many the k-th array holds for so many elements."""

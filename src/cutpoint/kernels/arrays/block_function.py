@@ -5,6 +5,7 @@ from typing import Any, Protocol
 
 import numpy as np
 
+from cutpoint.kernels.arrays.empty_ports import with_numbers
 from cutpoint.kernels.arrays.function import Function, Whole
 from cutpoint.kernels.graphs.graph import Graph
 from cutpoint.kernels.graphs.ports import Port
@@ -27,7 +28,7 @@ class BlockFunction(Protocol):
 
 def block_function(graph: Graph, name: str, function: Function) -> BlockFunction:
     """function: the graph as a function of rows, which does the work where there is no machine code for packs."""
-    if function.element is None or not all(p.size for p in (*graph.inputs, *graph.outputs)):
+    if function.element is None:
         return RowsOfBlocks(graph, function)
     from cutpoint.kernels.arrays.packs import width_of_packs
 
@@ -45,7 +46,7 @@ class MachineBlocks:
 
         self.width = width
         self._inputs, self._outputs = wide(graph.inputs, width), wide(graph.outputs, width)
-        text = block_loop(lower(graph), graph.inputs, graph.outputs, width)
+        text = block_loop(lower(graph), with_numbers(graph.inputs), with_numbers(graph.outputs), width)
         self._gufunc = LoopGufunc(text, FUNCTION, graph.precision, self._inputs, self._outputs, name)
 
     def whole(self) -> Whole | None:

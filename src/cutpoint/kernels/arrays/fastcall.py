@@ -62,8 +62,6 @@ def _ir(given: Sequence[Port], outputs: Sequence[Port], front: Front) -> str:
     code = Code()
     found = [x for x, port in zip(recognised(code, given, front.largest), given, strict=True) if port.size]
     sources = [*found, *bound]
-    if not sources or not all(port.size for port in (*given, *outputs)):  # see `empty_ports`
-        sources.append("null")
     _answer(code, sources, outputs, recorded=front.record is not None)
     pointers = ", ".join(["ptr"] * (len(sources) + sum(port.size > 0 for port in outputs)))
     code.open(ELSEWHERE)

@@ -9,12 +9,12 @@ from collections.abc import Sequence
 import numpy as np
 
 from cutpoint.errors import InputError
+from cutpoint.kernels.arrays.empty_ports import around_empty_ports, with_numbers
 from cutpoint.kernels.arrays.function import Whole
 from cutpoint.kernels.arrays.numpy_api import MOST_OPERANDS, new_gufunc
 from cutpoint.kernels.arrays.packs import Packs, lanes_of
 from cutpoint.kernels.arrays.whole_batches import whole_batches
 from cutpoint.kernels.graphs.graph import Graph
-from cutpoint.kernels.graphs.ports import Port
 from cutpoint.kernels.machine import element
 from cutpoint.kernels.machine.batch_loop import FUNCTION, batch_loop
 from cutpoint.kernels.machine.jit import Compiled, Unwritten
@@ -25,12 +25,13 @@ class Gufunc:
     """A compiled graph as a NumPy generalised ufunc; owns the code and tables that NumPy only points to.
 
     Attributes:
-        call: the generalised ufunc.
+        call: the generalised ufunc, also for ports without numbers.
         element: the address of the code for one element.
     """
 
-    def __init__(self, graph: Graph, inputs: Sequence[Port], outputs: Sequence[Port], name: str) -> None:
-        """Raises InputError for more arrays than NumPy takes."""
+    def __init__(self, graph: Graph, name: str) -> None:
+        """graph: some input and some output of it has numbers.  Raises InputError for more arrays than NumPy takes."""
+        inputs, outputs = with_numbers(graph.inputs), with_numbers(graph.outputs)
         if (count := len(inputs) + len(outputs)) > MOST_OPERANDS:
             told = f"{name}: {count} inputs and outputs, at most {MOST_OPERANDS} compile"
             raise InputError(f"{told}; gather numbers into vectors, or use backend='numpy'", arrays=count)
@@ -43,8 +44,9 @@ class Gufunc:
         self._code = Compiled(text, FUNCTION, bare(FUNCTION), element.FUNCTION)
         self.element: int | None = self._code.addresses[element.FUNCTION]
         data, dtype = ctypes.addressof(self._packs.table), graph.precision.dtype
-        self.call, self._tables = new_gufunc(self._code.address, data, dtype, inputs, outputs, name)
-        self._loop = ((self._code.addresses[bare(FUNCTION)], data), graph.precision, inputs, outputs)
+        ufunc, self._tables = new_gufunc(self._code.address, data, dtype, inputs, outputs, name)
+        self.call = around_empty_ports(ufunc, graph.precision, graph.inputs, graph.outputs)
+        self._loop = ((self._code.addresses[bare(FUNCTION)], data), graph.precision, graph.inputs, graph.outputs)
 
     def whole(self, bound: Sequence[np.ndarray] = (), largest: float | None = None) -> Whole | None:
         """The same for batches given whole, compiled now."""

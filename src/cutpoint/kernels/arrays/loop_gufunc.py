@@ -2,6 +2,7 @@
 
 from collections.abc import Sequence
 
+from cutpoint.kernels.arrays.empty_ports import around_empty_ports, with_numbers
 from cutpoint.kernels.arrays.function import Whole
 from cutpoint.kernels.arrays.numpy_api import new_gufunc
 from cutpoint.kernels.arrays.whole_batches import whole_batches
@@ -15,7 +16,7 @@ class LoopGufunc:
     """Owns the code and tables that NumPy only points to.
 
     Attributes:
-        call: the generalised ufunc.
+        call: the generalised ufunc, also for ports without numbers, of which the loop knows nothing.
     """
 
     def __init__(
@@ -23,7 +24,9 @@ class LoopGufunc:
     ) -> None:
         """function: the loop's name in `ir`, as `ufunc_loop` wrote it."""
         self._code = Compiled(ir, function, bare(function))
-        self.call, self._tables = new_gufunc(self._code.address, None, precision.dtype, inputs, outputs, name)
+        sides = with_numbers(inputs), with_numbers(outputs)
+        ufunc, self._tables = new_gufunc(self._code.address, None, precision.dtype, *sides, name)
+        self.call = around_empty_ports(ufunc, precision, inputs, outputs)
         self._loop = ((self._code.addresses[bare(function)], None), precision, inputs, outputs)
 
     def whole(self) -> Whole | None:

@@ -1,6 +1,6 @@
 """LLVM IR that recognises plain arguments of a Python call: one test after another, the first that fails leaves."""
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 
 import numpy as np
 
@@ -57,19 +57,29 @@ def require_array(code: Code, x: str, dtype: str, flags: int) -> None:
 
 
 def _scalar(code: Code, x: str, port: Port) -> str:
-    """A float, an np.float64, whose value lies where a float's does, or an array without axes."""
+    """A number, or an array without axes."""
+    (pointer,) = number_or_array(code, x, ["ptr"], [], lambda: [plain_array(code, x, port)])
+    return pointer
+
+
+def number_or_array(
+    code: Code, x: str, kinds: Sequence[str], with_number: Sequence[str], of_array: Callable[[], Sequence[str]]
+) -> list[str]:
+    """Of a float, or an np.float64, whose value lies where a float's does: a pointer to it, and what goes with one.
+
+    Of any other object what is found in it as an array.  kinds: of all that, in LLVM.
+    """
     number, other, array, end = (code.name(x) for x in ("number", "other", "array", "end"))
-    kind = code.field(x, KIND)
-    kinds = [code.let(f"icmp eq ptr {kind}, @{name}") for name in ("float_type", "float64_type")]
-    code.branch(code.let(f"or i1 {', '.join(kinds)}"), number, other)
+    value, kind = code.at(x, VALUE, "i8"), code.field(x, KIND)
+    are = [code.let(f"icmp eq ptr {kind}, @{name}") for name in ("float_type", "float64_type")]
+    code.label(number)
+    code.branch(code.let(f"or i1 {', '.join(are)}"), end, other)
     code.open(other)
-    inside = plain_array(code, x, port)
+    found = of_array()
     code.label(array)
-    code.lines.append(f"br label {end}")
-    code.open(number)
-    value = code.at(x, VALUE, "i8")
     code.label(end)
-    return code.let(f"phi ptr [ {inside}, {array} ], [ {value}, {number} ]")
+    pairs = zip(kinds, (value, *with_number), found, strict=True)
+    return [code.let(f"phi {kind} [ {a}, {number} ], [ {b}, {array} ]") for kind, a, b in pairs]
 
 
 def _require_within(code: Code, arguments: list[tuple[str, int]], largest: float) -> None:

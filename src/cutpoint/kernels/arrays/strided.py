@@ -4,11 +4,13 @@ The loop that every kernel has reads such elements one by one, through scratch m
 strides; on C-contiguous elements it is a little slower, and most callers never need it.
 """
 
+import sys
 from collections.abc import Callable, Sequence
 from typing import Any, NamedTuple
 
 import numpy as np
 
+from cutpoint.kernels.arrays.empty_ports import with_numbers
 from cutpoint.kernels.graphs.graph import Graph
 from cutpoint.kernels.graphs.ports import Port
 from cutpoint.kernels.graphs.precision import Precision
@@ -68,7 +70,7 @@ class Strided:
         width = width_of_packs(graph, inputs, outputs)
         if width is None:
             return self._otherwise
-        text = strided_loop(lower(graph), inputs, outputs, width)
+        text = strided_loop(lower(graph), with_numbers(inputs), with_numbers(outputs), width)
         self._owner = LoopGufunc(text, FUNCTION, graph.precision, inputs, outputs, self._name)
         return self._owner.call
 
@@ -89,4 +91,5 @@ def _tidy(port: Port, precision: Precision) -> _Tidy:
     """How many numbers make a batch long, which axes are the port's own, and their strides in bytes."""
     # NumPy tells the loop of a ufunc that the stride along an axis of length 1 is 0: none is right
     strides = (None,) * len(port.shape) if 1 in port.shape else np.empty(port.shape, precision.dtype).strides
-    return _Tidy(port.size * WORTH_MAKING, slice(-len(port.shape), None) if port.shape else slice(0), strides)
+    long = port.size * WORTH_MAKING or sys.maxsize
+    return _Tidy(long, slice(-len(port.shape), None) if port.shape else slice(0), strides)

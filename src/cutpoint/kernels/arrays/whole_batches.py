@@ -54,8 +54,11 @@ def whole_batches(
 class _Work:
     """Runs of the loop: places for what it reads of its arrays."""
 
-    def __init__(self, code: Code, starts: Sequence[str], steps: Sequence[str], own_strides: Sequence[int]) -> None:
+    def __init__(
+        self, code: Code, precision: Precision, ports: Sequence[Port], starts: Sequence[str], steps: Sequence[str]
+    ) -> None:
         self._starts, self._steps = starts, steps
+        own_strides = [precision.item * n for port in ports for n in row_lengths(port.shape)]
         self._places, self._count = code.let(f"alloca [{len(starts)} x ptr]"), code.let("alloca i64")
         self._strides = code.let(f"alloca [{len(steps) + len(own_strides)} x i64]")
         for k, step in enumerate((*steps, *own_strides)):
@@ -85,8 +88,9 @@ def _ir(
     names = [f"bound{k}" for k in range(len(bound))]
     starts = [*sources.starts, *(f"@{name}" for name in names), *targets]
     steps = [*sources.steps, *["0"] * len(bound), *(str(precision.item * port.size) for port in outputs)]
-    own = [precision.item * n for port in (*inputs, *bound, *outputs) for n in row_lengths(port.shape)]
-    work = _Work(code, starts, steps, own)
+    # the loop knows nothing of ports without numbers
+    parts = [x for x in zip((*inputs, *bound, *outputs), starts, steps, strict=True) if x[0].size]
+    work = _Work(code, precision, *zip(*parts, strict=True))
     # other threads of Python's run meanwhile
     thread = code.let("call ptr @PyEval_SaveThread()")
     if largest is None:
@@ -100,7 +104,8 @@ def _ir(
         code.lines.append(f"br label {ELSEWHERE}")
     code.open(ELSEWHERE)
     code.lines += ["call void @Py_IncRef(ptr @none)", "ret ptr @none"]
-    objects = ("array_type", "tuple_type", "none", precision.dtype.name, "data", *names)
+    kinds = ("array_type", "float_type", "float64_type", "tuple_type")
+    objects = (*kinds, "none", precision.dtype.name, "data", *names)
     externals = [f"@{name} = external global i8" for name in objects]
     declarations = [python_api.DECLARATIONS, numpy_api.DECLARATIONS, "declare void @loop(ptr, ptr, ptr, ptr)"]
     head = f"define ptr @{_FUNCTION}(ptr %self, ptr %arguments, i64 %count, ptr %names) {{\nentry:"

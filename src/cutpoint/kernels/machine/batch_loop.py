@@ -60,7 +60,7 @@ class _Argument:
 
 
 def batch_loop(graph: Graph, inputs: Sequence[Port], outputs: Sequence[Port], lanes: int, width: int | None) -> str:
-    """The module's text.  The ports are the graph's own, less those of size 0; more inputs at the end are not read.
+    """The module's text.  The ports are the graph's own, less those of size 0.
 
     lanes: how many numbers the processor takes side by side.  width: how many elements a pack holds; None if there are
     no packs.  The graph has yet to be lowered.

@@ -18,8 +18,8 @@ FUNCTION = "element"
 def element(graph: Graph, inputs: Sequence[Port], outputs: Sequence[Port], width: int) -> str:
     """The function's text: void element(const real *input, ..., real *output, ...), each C-contiguous.
 
-    Outputs must not overlap inputs.  The ports are the graph's own, less those of size 0; more inputs at the end are
-    not read.  width: how many numbers the processor takes side by side.  The graph has yet to be lowered.
+    Outputs must not overlap inputs.  The ports are the graph's own, less those of size 0.  width: how many
+    numbers the processor takes side by side.  The graph has yet to be lowered.
     """
     code, count, parts = Code(), len(inputs) + len(outputs), side_by_side(graph, width)
     lanes, wide = (Lanes(x, graph.precision) for x in (1, width))
