@@ -9,6 +9,8 @@ from hypothesis import HealthCheck, settings
 
 from measured_data import DATA, TESTS
 
+os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")  # each process of the tests has one core's share
+
 settings.register_profile("here", deadline=None, max_examples=50)
 settings.register_profile(
     "ci", deadline=None, max_examples=50, derandomize=True, suppress_health_check=[HealthCheck.too_slow]

@@ -12,6 +12,7 @@ from cutpoint.identification.drives.joint_torques import link_torque
 from cutpoint.identification.drives.one_drive import NARROWER, Channels, DriveEstimate, drive_of
 from cutpoint.identification.joint_units import words_at
 from cutpoint.identification.logs.recording import Recording
+from cutpoint.one_thread import by_one_thread
 from cutpoint.robot import Robot
 
 
@@ -48,6 +49,7 @@ class DriveEstimates:
         )
 
 
+@by_one_thread
 def identify_drives(
     robot: Robot,
     recording: Recording,

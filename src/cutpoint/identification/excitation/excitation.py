@@ -23,6 +23,7 @@ from cutpoint.identification.excitation.limits import Box, Use
 from cutpoint.identification.excitation.problem import Problem
 from cutpoint.identification.excitation.search import Found, search
 from cutpoint.identification.excitation.series import FourierSeries
+from cutpoint.one_thread import by_one_thread
 from cutpoint.robot import Robot
 
 if TYPE_CHECKING:
@@ -76,6 +77,7 @@ class Excitation:
         return figure_of(self.robot, self.trajectory, self.limits)
 
 
+@by_one_thread
 def excitation(
     robot: Robot,
     duration: float = 10.0,

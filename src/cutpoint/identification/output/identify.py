@@ -28,6 +28,7 @@ from cutpoint.identification.rigid.identify_rigid import FrictionWish, Method
 from cutpoint.identification.rigid.lateness import EFFORTS
 from cutpoint.identification.rigid.physical import Solver
 from cutpoint.loading import load
+from cutpoint.one_thread import by_one_thread
 from cutpoint.robot import Robot
 
 SPRING_PARTS = ("compliance", "damping", "kinematic_error", "hysteresis", "motor")
@@ -36,6 +37,7 @@ SPRING_PARTS = ("compliance", "damping", "kinematic_error", "hysteresis", "motor
 MOST_HELD = 0.9
 
 
+@by_one_thread
 def identify(
     robot: Robot | str | Path,
     log: Recording | str | Path,

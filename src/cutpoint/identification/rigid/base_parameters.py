@@ -14,6 +14,7 @@ from scipy.linalg import qr
 
 from cutpoint.errors import InputError, unknown_name
 from cutpoint.model.mechanism import Body
+from cutpoint.one_thread import by_one_thread
 from cutpoint.robot import Robot
 
 Array = NDArray[np.float64]
@@ -74,6 +75,7 @@ class BaseParameters:
         return " ".join(_term(float(row[k]), self.parameters[k], first=k == own) for k in order)
 
 
+@by_one_thread
 def base_parameters(robot: Robot, *, rotors: bool | Collection[str] = False) -> BaseParameters:
     """The base parameters of a robot in its field of gravity, with those of its bodies that are fixed together as one.
 

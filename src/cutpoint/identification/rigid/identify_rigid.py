@@ -25,6 +25,7 @@ from cutpoint.identification.rigid.rigid_estimate import Fitted, Log, RigidEstim
 from cutpoint.identification.rigid.rigid_robot import is_stated, laws_with, link_torques, stated_laws
 from cutpoint.identification.rigid.uncertainty import are_told
 from cutpoint.mechanics.friction import Sliding
+from cutpoint.one_thread import by_one_thread
 from cutpoint.robot import Robot
 
 Array = NDArray[np.float64]
@@ -44,6 +45,7 @@ LOADED_ROUNDS = 3
 """Rounds in which friction that grows with load learns the load."""
 
 
+@by_one_thread
 def identify_rigid(
     robot: Robot,
     recording: Recording,
