@@ -21,6 +21,13 @@ def compilers() -> list[str]:
     return found
 
 
+def cpp_compilers() -> list[str]:
+    """g++ and clang++, those that there are, or else c++; one is needed."""
+    found = [path for name in ("g++", "clang++") if (path := shutil.which(name))] or [shutil.which("c++") or ""]
+    assert all(found), "these tests need a C++ compiler: install g++ or clang++ (on Debian or Ubuntu: apt install g++)"
+    return found
+
+
 def build(folder: Path, *arguments: str, compiler: str = "", flags: Sequence[str] = STRICT) -> None:
     command = [compiler or compilers()[0], *flags, *arguments, "-lm"]
     done = subprocess.run(command, cwd=folder, capture_output=True, text=True, check=False)

@@ -12,7 +12,7 @@ import numpy as np
 import pytest
 
 import cutpoint
-from c_builds import STRICT, CFunction, assert_same_bits, build, run
+from c_builds import STRICT, CFunction, assert_same_bits, build, cpp_compilers, run
 from cutpoint import Coulomb, Drive, InputError, LuGre, Rotor, TraceError
 from cutpoint.control import PD, Fault, Feedforward, Guard
 from cutpoint.export import export_controller, export_function
@@ -180,22 +180,29 @@ def test_the_check_looks_at_the_headers_table(arm: cutpoint.Robot, tmp_path: Pat
         assert run(tmp_path)[0] == expected
 
 
-def test_cpp_takes_the_headers_table(arm: cutpoint.Robot, tmp_path: Path) -> None:
+each_cpp = pytest.mark.parametrize("compiler", cpp_compilers(), ids=lambda path: Path(path).name)
+
+
+@each_cpp
+def test_cpp_takes_the_headers_table(arm: cutpoint.Robot, compiler: str, tmp_path: Path) -> None:
     export_function(arm, "static_deflection", tmp_path, name="lead")
     body = "double q[6] = {0}, found[6]; cutpoint::lead(q, lead_parameters, found); return 0;"
     wrong = body.replace("found[6]", "found[5]")
     for text, is_taken in ((body, True), (wrong, False)):
         (tmp_path / "use.cpp").write_text(f'#include "lead.hpp"\nint main() {{ {text} }}\n')
-        done = compiled_cpp(tmp_path, "-std=c++17 -c use.cpp -o use.o")
+        done = compiled_cpp(tmp_path, compiler, "-std=c++17 -c use.cpp -o use.o")
         assert (done.returncode == 0) == is_taken, done.stderr
 
 
+@each_cpp
 @pytest.mark.parametrize("standard", ["c++11", "c++14", "c++17"])
-def test_a_header_with_tables_suits_every_cpp(arm: cutpoint.Robot, tmp_path: Path, standard: str) -> None:
+def test_a_header_with_tables_suits_every_cpp(
+    arm: cutpoint.Robot, tmp_path: Path, standard: str, compiler: str
+) -> None:
     export_controller(arm, Integrating(), tmp_path, period=PERIOD, name="law")
     table = f"return law_parameters[0] != {PERIOD};" if standard == "c++17" else "return 0;"
     (tmp_path / "use.cpp").write_text(f'#include "law.h"\nint main() {{ {table} }}\n')
-    done = compiled_cpp(tmp_path, f"-std={standard} -Wno-unused-const-variable use.cpp -o use")
+    done = compiled_cpp(tmp_path, compiler, f"-std={standard} -Wno-unused-const-variable use.cpp -o use")
     assert done.returncode == 0, done.stderr
     assert run(tmp_path, "use")[0] == 0
 
@@ -234,9 +241,7 @@ def test_the_package_builds_installs_and_serves_cpp(arm: cutpoint.Robot, tmp_pat
         assert run(tmp_path)[0] == 0
 
 
-def compiled_cpp(folder: Path, arguments: str) -> subprocess.CompletedProcess[str]:
-    compiler = shutil.which("g++") or shutil.which("clang++") or shutil.which("c++")
-    assert compiler, "this test needs a C++ compiler: install g++ or clang++"
+def compiled_cpp(folder: Path, compiler: str, arguments: str) -> subprocess.CompletedProcess[str]:
     command = f"{compiler} -Wall -Wextra -Wpedantic -Werror {arguments}".split()
     return subprocess.run(command, cwd=folder, capture_output=True, text=True, check=False)
 
@@ -257,12 +262,15 @@ int main() {
 """
 
 
-def test_cpp_takes_any_container_and_refuses_matrices_by_columns(arm: cutpoint.Robot, tmp_path: Path) -> None:
+@each_cpp
+def test_cpp_takes_any_container_and_refuses_matrices_by_columns(
+    arm: cutpoint.Robot, tmp_path: Path, compiler: str
+) -> None:
     export_function(arm, "mass_matrix", tmp_path)
     build(tmp_path, "-c", "mass_matrix.c", "-o", "mass_matrix.o")
     for by_rows in (1, 0):
         (tmp_path / "use.cpp").write_text(CPP % by_rows)
-        done = compiled_cpp(tmp_path, "-std=c++17 use.cpp mass_matrix.o -lm -o use")
+        done = compiled_cpp(tmp_path, compiler, "-std=c++17 use.cpp mass_matrix.o -lm -o use")
         assert (done.returncode == 0) == bool(by_rows)
     assert "takes row-major matrices" in done.stderr
     assert run(tmp_path, "use")[0] == 0

@@ -1,7 +1,6 @@
 """Exported CUDA C, without a GPU: compiled by CUDA's own compiler, and by a C++ compiler to run thread by thread."""
 
 import ctypes
-import shutil
 import subprocess
 from functools import cache
 from importlib.metadata import files
@@ -10,6 +9,7 @@ from typing import Any
 
 import numpy as np
 
+from c_builds import cpp_compilers
 from cutpoint.kernels import Graph
 
 _WORDS = Path(__file__).parent / "cuda_on_cpu.hpp"
@@ -48,8 +48,7 @@ class CpuKernel:
     """A CUDA kernel's own text, built by a C++ compiler, launched on this processor: a thread after the other."""
 
     def __init__(self, folder: Path, name: str) -> None:
-        compiler = shutil.which("g++") or shutil.which("clang++") or shutil.which("c++")
-        assert compiler, "these tests need a C++ compiler: install g++ (on Debian or Ubuntu: apt install g++)"
+        compiler = cpp_compilers()[0]
         library = folder / f"{name}.so"
         source = ["-include", str(_WORDS), "-x", "c++", str(folder / f"{name}.cu")]
         command = [compiler, *_STRICT, "-shared", "-fPIC", *source, "-o", str(library)]

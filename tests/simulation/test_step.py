@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from cutpoint import Coulomb, Drive, LinearSpring, Log, Rotor, State, Stribeck, simulate
+from cutpoint import Coulomb, Drive, ElastoPlastic, LinearSpring, Log, Rotor, State, Stribeck, simulate
 from cutpoint.control import PD, Command, Feedforward, Law
 from cutpoint.model import Motor
 from cutpoint.simulation.step import GAMMA, TABLEAU
@@ -200,6 +200,24 @@ def test_smoothing_does_not_set_the_steps_and_falling_friction_does():
     steps = substeps_for(falling, "standard", 1e-3, poses)
     assert steps.number > 10
     assert steps.cause.startswith("slipping of 'joint")
+
+
+BRISTLES = {"distance": 1e-9, "damping": 0.1, "elastic": 0.7}
+CULPRITS: dict[str, dict[str, Any]] = {
+    "the spring of": {"ratio": 100.0, "rotor": Rotor(1e-5), "compliance": LinearSpring(1e8)},
+    "the link friction's bristles of": {"link_friction": ElastoPlastic(Coulomb(1.0, 0.1, 0.01), **BRISTLES)},
+    "the motor friction's bristles of": {"motor_friction": ElastoPlastic(Coulomb(1.0, 0.1, 0.01), **BRISTLES)},
+    "slipping of": {"link_friction": Stribeck(1.0, 30.0, 0.1, 1e-4, 1e-5)},
+}
+
+
+@pytest.mark.filterwarnings("ignore::cutpoint.simulation.substeps.StiffnessWarning")
+@pytest.mark.parametrize("part", CULPRITS)
+@pytest.mark.parametrize("joint", arm().joints)
+def test_what_sets_the_steps_is_found_where_it_is(joint, part):
+    rigid = arm().with_drives({name: Drive() for name in arm().joints})
+    steps = substeps_for(rigid.with_drives({joint: Drive(**CULPRITS[part])}), "fine", 1e-1, np.zeros((1, 6)))
+    assert steps.cause == f"{part} {joint!r}"
 
 
 def test_growth_is_that_of_the_steepest_fall():

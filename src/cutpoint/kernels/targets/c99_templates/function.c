@@ -6,8 +6,8 @@
 #include <stdint.h>
 #include <string.h>
 
-#ifdef __FAST_MATH__
-#error "@{name}.c: -ffast-math changes its results; compile without it"
+#if defined(__FAST_MATH__) || defined(__ASSOCIATIVE_MATH__) || defined(__RECIPROCAL_MATH__)
+#error "@{name}.c: -ffast-math and parts of it change its results; compile without them"
 #endif
 #if FLT_EVAL_METHOD < 0 || FLT_EVAL_METHOD == 2
 #error "@{name}.c: doubles must be evaluated as doubles; on 32-bit x86 compile with -msse2 -mfpmath=sse"

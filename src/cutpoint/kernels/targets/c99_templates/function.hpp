@@ -21,36 +21,44 @@
 namespace cutpoint {
 namespace detail_@{name} {
 
+// std::void_t as a type of each T's own: with libstdc++'s alias, clang takes specialisations below for one
+template <class>
+struct void_of {
+  using type = void;
+};
+template <class T>
+using if_known = typename void_of<T>::type;
+
 // Eigen states how a matrix lies in memory; other containers are rows one after another
 template <class T, class = void>
 struct is_by_rows : std::true_type {};
 template <class T>
-struct is_by_rows<T, std::void_t<decltype(T::IsRowMajor)>> : std::bool_constant<bool(T::IsRowMajor)> {};
+struct is_by_rows<T, if_known<decltype(T::IsRowMajor)>> : std::bool_constant<bool(T::IsRowMajor)> {};
 
 template <class T, class = void>
 struct has_strides : std::false_type {};
 template <class T>
-struct has_strides<T, std::void_t<decltype(std::declval<const T &>().innerStride())>> : std::true_type {};
+struct has_strides<T, if_known<decltype(std::declval<const T &>().innerStride())>> : std::true_type {};
 
 // how many numbers a container always has, and how far apart they always are; -1 where only the running program knows
 template <class T, class = void>
 struct size_of : std::integral_constant<std::ptrdiff_t, -1> {};
 template <class T>
-struct size_of<T, std::void_t<decltype(std::tuple_size<T>::value)>>
+struct size_of<T, if_known<decltype(std::tuple_size<T>::value)>>
     : std::integral_constant<std::ptrdiff_t, std::ptrdiff_t(std::tuple_size<T>::value)> {};
 template <class T>
-struct size_of<T, std::void_t<decltype(T::SizeAtCompileTime)>>
+struct size_of<T, if_known<decltype(T::SizeAtCompileTime)>>
     : std::integral_constant<std::ptrdiff_t, std::ptrdiff_t(T::SizeAtCompileTime)> {};
 template <class T, std::size_t Count>
 struct size_of<T[Count], void> : std::integral_constant<std::ptrdiff_t, std::ptrdiff_t(Count)> {};
 template <class T>
-struct size_of<T, std::void_t<decltype(T::extent)>>
+struct size_of<T, if_known<decltype(T::extent)>>
     : std::integral_constant<std::ptrdiff_t, std::ptrdiff_t(T::extent)> {};
 
 template <class T, class = void>
 struct stride_of : std::integral_constant<std::ptrdiff_t, 1> {};
 template <class T>
-struct stride_of<T, std::void_t<decltype(T::InnerStrideAtCompileTime)>>
+struct stride_of<T, if_known<decltype(T::InnerStrideAtCompileTime)>>
     : std::integral_constant<std::ptrdiff_t, std::ptrdiff_t(T::InnerStrideAtCompileTime)> {};
 
 template <std::size_t Size, bool IsMatrix, class T>
