@@ -66,15 +66,14 @@ def write_log(path: Path, columns: dict[str, Array], joints: tuple[str, ...] = (
     return path
 
 
-def wound() -> dict[str, Array]:
-    """Encoders on both sides of drives that bend, and the motors' torques."""
-    q, v, a = motions()
+def wound(time: Array = TIME, step: float = 2.0 * np.pi / 2**20) -> dict[str, Array]:
+    """Encoders on both sides of drives that bend, and the motors' torques.  step: rad, of those on the links."""
+    q, v, a = motions(time)
     load = TRUTH.inverse_dynamics(q, v, a)
     theta = q + load / 7e3
-    speed, acceleration = (np.gradient(x, TIME[1], axis=0) for x in (theta, np.gradient(theta, TIME[1], axis=0)))
+    speed, acceleration = (np.gradient(x, time, axis=0) for x in (theta, np.gradient(theta, time, axis=0)))
     rng = np.random.default_rng(1)
     torque = 0.4 * acceleration + load + LAW.torque(speed) + 0.01 * rng.normal(size=q.shape)
-    step = 2.0 * np.pi / 2**20
     return {"q": step * np.round(q / step), "theta": 0.01 * step * np.round(theta / (0.01 * step)), "torque": torque}
 
 

@@ -147,11 +147,46 @@ def test_a_hold_out_that_is_no_share_is_refused(files: Path, tmp_path: Path, sha
     assert status == 1 and "must be a share of the log" in text
 
 
-@pytest.mark.parametrize("delay", ["nan", "100"])
-def test_a_delay_that_leaves_nothing_is_refused(files: Path, tmp_path: Path, delay: str):
+@pytest.mark.parametrize("delay", ["nan", "100", "5", "-1"])
+def test_a_delay_that_is_none_is_refused(files: Path, tmp_path: Path, delay: str):
     log = write_log(tmp_path / "log.csv", channels())
     status, text = run(files, log, tmp_path / "out", "--delay", delay)
-    assert status == 1 and re.search(r"torque_delay .* must be shorter than the log", " ".join(text.split())), text
+    assert status == 1 and re.search(r"torque_delay .* must be shorter than 1 s", " ".join(text.split())), text
+
+
+def test_a_delay_as_long_as_the_log_is_refused():
+    short = Recording(TIME[:200], ("shoulder", "elbow"), **{name: x[:200] for name, x in channels().items()})
+    with pytest.raises(InputError, match=r"torque_delay 0.5 s must be shorter than the log, "):
+        identify(TRUTH, short, torque_delay=0.5)
+
+
+def uneven(jitter: float) -> Array:
+    return TIME + jitter * TIME[1] * np.random.default_rng(4).uniform(-1.0, 1.0, TIME.size)
+
+
+@pytest.mark.parametrize("jitter", [0.0, 0.05])
+def test_coarse_encoders_are_known_for_what_they_are_at_uneven_times(files: Path, tmp_path: Path, jitter: float):
+    """Between samples others are interpolated, whose steps are finer than any encoder's."""
+    time = uneven(jitter)
+    log = write_log(tmp_path / "log.csv", {"t": time} | wound(time, step=1.5e-3))
+    found = identify(files / "arm.urdf", log, drives=files / "sprung.yaml")
+    assert not any(n.told for n in found.numbers if n.name.startswith("stiffness"))
+    assert any(re.search(r"winds the spring by .* steps", sentence) for sentence in found.untold)
+
+
+@pytest.mark.parametrize(("lost", "is_bridged"), [(5, True), (7, False)])
+@pytest.mark.parametrize("jitter", [0.0, 0.05])
+def test_five_lost_samples_are_bridged_however_uneven_times_are(
+    files: Path, tmp_path: Path, jitter: float, lost: int, is_bridged: bool
+):
+    time, kept = uneven(jitter), np.ones(TIME.size, bool)
+    for first in range(400, 3200, 1100):
+        kept[first : first + lost] = False
+    given = {"t": time} | channels(time)
+    log = write_log(tmp_path / "log.csv", {name: x[kept] for name, x in given.items()})
+    found = identify(files / "arm.urdf", log, drives=files / "rigid.yaml", friction="stated")
+    assert found.recording.complete().all() == is_bridged
+    assert any("bridged by splines" in note for note in found.notes) == is_bridged
 
 
 def test_a_recording_made_in_python_is_suspected_as_a_file_is(files: Path, tmp_path: Path):

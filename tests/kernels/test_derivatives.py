@@ -338,6 +338,12 @@ def test_unknown_names_list_those_that_there_are() -> None:
         graph_of(jacobian_of(pair), q=2)
 
 
+def test_two_derivatives_of_one_name_are_refused() -> None:
+    record = namedtuple("record", "a a_d_b")
+    with pytest.raises(InputError, match=r"^jacobian_of: two derivatives would be named 'd_a_d_b_d_q'; rename"):
+        compile(jacobian_of(lambda q, b_d_q: record(q + b_d_q, b_d_q * q)), q=(), b_d_q=())
+
+
 def test_without_a_trace_it_says_so() -> None:
     with pytest.raises(TraceError, match=r"jacobian_of pair is called without a traced number; compile it"):
         jacobian_of(pair)(q=[1.0, 2.0], k=3.0)

@@ -2,7 +2,9 @@
 
 import math
 from collections import namedtuple
+from collections.abc import Callable
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -160,6 +162,22 @@ def test_empty_inputs_and_outputs_are_taken(backend: str) -> None:
     found = kernel(np.ones(3), np.empty((3, 0)))
     assert found.none.shape == (3, 0) and found.some.shape == (3, 1)
     assert found.none.dtype == found.some.dtype == np.float32
+
+
+SCALED: dict[str, tuple[Callable[[Any], Any], float, float]] = {
+    "a divisor whose inverse is beyond float32": (lambda x: x / 1e-40, 1e-30, 1e10),
+    "factors whose product is beyond float32": (lambda x: x * 1e25 * 1e25, 1e-30, 1e20),
+    "factors whose product is nothing in float32": (lambda x: x * 1e-30 * 1e-30 * 1e38, 1e38, 1e16),
+}
+
+
+@pytest.mark.parametrize("backend", ["llvm", "numpy"])
+@pytest.mark.parametrize("name", SCALED)
+def test_constants_gather_within_both_precisions_alone(name: str, backend: str) -> None:
+    function, x, expected = SCALED[name]
+    kernel = compile(function, x=(), backend=backend)
+    assert kernel.float32(x) == pytest.approx(expected, rel=1e-5)  # 1e-40 has fewer digits in float32
+    assert kernel(x) == pytest.approx(expected, rel=1e-15)
 
 
 def test_a_kernel_has_one_in_single_precision_and_stays_as_it_was(kernel: Kernel) -> None:

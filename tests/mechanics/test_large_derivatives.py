@@ -207,6 +207,18 @@ def test_rotors_that_loops_do_not_take_are_swept() -> None:
         np.testing.assert_array_equal(x, y)
 
 
+def test_few_joints_of_many_axes_are_swept() -> None:
+    robot = Robot(chain(20, ("spherical", "revolute")))
+    s, h = states(robot), 1e-6
+    q, v, tau, along = s["q"], s["v"], s["a"], np.random.default_rng(2).normal(size=robot.nv)
+    found = derivatives.forward_dynamics(robot, q, v, tau)
+    accelerations = (robot.forward_dynamics(robot.integrate(q, along, x), v, tau) for x in (h, -h))
+    difference = np.subtract(*accelerations) / (2 * h)
+    assert robot.nv > sweeps.SPEEDS_ABOVE
+    np.testing.assert_allclose(found.d_q @ along, difference, rtol=0, atol=1e-6 * np.abs(difference).max())
+    np.testing.assert_allclose(found.d_tau @ robot.mass_matrix(q), np.eye(robot.nv), rtol=0, atol=1e-9)
+
+
 @pytest.mark.parametrize("kind", ["floating", "revolute"])
 def test_code_of_derivatives_is_as_long_for_ten_bodies_as_for_a_thousand(kind: str) -> None:
     texts = []

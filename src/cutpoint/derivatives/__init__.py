@@ -5,7 +5,8 @@ batches, a wrong shape or a number that is not finite raises InputError that nam
 directions, those of `Robot.integrate`: they are q itself but for quaternions and planar joints.
 
 Of large robots those of rigid dynamics run as loops over bodies, and those of accelerations follow from them.  Where
-loops do not take a robot of more than 24 bodies they are swept, one configuration after another: see `sweeps`.
+loops do not take a robot of more than 24 bodies or 36 speeds they are swept, one configuration after another: see
+`sweeps`.
 """
 
 from collections.abc import Callable

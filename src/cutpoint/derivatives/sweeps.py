@@ -28,6 +28,10 @@ Function = Callable[..., Scalars]
 ABOVE = 24
 """Bodies up to which straight-line code is taken: it compiles in seconds, and then runs in microseconds."""
 
+SPEEDS_ABOVE = 36
+"""Speeds up to which it is: of joints of several axes, 32 took 21 s to compile, 40 half a minute or more than can be
+compiled."""
+
 MOST = 500
 """Bodies that are swept at most: some seconds, and some hundred megabytes."""
 
@@ -47,7 +51,7 @@ def is_swept(robot: Robot) -> bool:
     bodies = len(robot.mechanism.bodies)
     if bodies > MOST:
         raise too_large(bodies, MOST)
-    return bodies > ABOVE
+    return bodies > ABOVE or robot.nv > SPEEDS_ABOVE
 
 
 def too_large(bodies: int, most: int) -> InputError:

@@ -182,7 +182,7 @@ def _largest_eigenvalue(A: Array) -> tuple[float, Array]:
     if len(A) <= FEW:
         values, vectors = np.linalg.eig(A)
         k = int(np.abs(values).argmax())
-        return float(np.abs(values[k])), vectors[:, k].real
+        return float(np.abs(values[k])), np.real(vectors[:, k])
     x, size = np.random.default_rng(0).standard_normal(len(A)), 1.0
     for _ in range(200):
         x = A @ (x / size)

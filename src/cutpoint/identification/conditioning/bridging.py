@@ -1,5 +1,7 @@
 """Short gaps of a log, in which an arm does nothing that the samples beside them do not show."""
 
+from dataclasses import replace
+
 import numpy as np
 
 from cutpoint.identification.logs.recording import Recording
@@ -12,16 +14,18 @@ LONGEST = 0.05
 """s that a bridge spans at most: it misses waves of 2 Hz by 0.05 % of their size, such of 5 Hz by 1.7 %."""
 
 
-def bridged(recording: Recording) -> Recording:
-    """Cubic splines over short gaps in channels of uniform times; a note says over how many samples.
+def bridged(recording: Recording, even: Recording) -> Recording:
+    """A recording at even times, with cubic splines over short gaps between the samples as they came; a note says how
+    many it has of them.
 
     One sample that a filter does not know costs it all of its memory before and after.
     """
-    time, span = recording.time, min(LONGEST, (LOST + 1.5) * recording.period)
-    filled = recording.with_channels(lambda x: np.where(np.isfinite(x), x, on_grid(time, x, time, span)))
-    made = filled.complete() & ~recording.complete()
+    time, span = recording.time, min(LONGEST, (LOST + 1.5) * even.period)
+    splines = {name: on_grid(time, x, even.time, span) for name, x in recording.channels.items()}
+    filled = replace(even, **{name: np.where(np.isfinite(x), x, splines[name]) for name, x in even.channels.items()})
+    made = filled.complete() & ~even.complete()
     if not made.any():
-        return recording
+        return even
     gaps = int((np.diff(made.astype(int), prepend=0) == 1).sum())
     rule = f"{gaps} gaps of at most {LOST} samples and {LONGEST:g} s were bridged by splines"
-    return filled.with_notes([f"{rule}: {made.sum()} of {time.size} samples, and the intervals take them for measured"])
+    return filled.with_notes([f"{rule}: {made.sum()} of {made.size} samples, and the intervals take them for measured"])

@@ -10,8 +10,9 @@ from cutpoint.errors import CutpointError, InputError
 from cutpoint.identification.conditioning.filtering import noise_cutoff
 from cutpoint.identification.drives.joint_torques import link_torque
 from cutpoint.identification.drives.one_drive import NARROWER, Channels, DriveEstimate, drive_of
+from cutpoint.identification.drives.two_encoders import smallest_step
 from cutpoint.identification.joint_units import words_at
-from cutpoint.identification.logs.recording import Recording
+from cutpoint.identification.logs.recording import Array, Recording
 from cutpoint.one_thread import by_one_thread
 from cutpoint.robot import Robot
 
@@ -64,8 +65,8 @@ def identify_drives(
     robot: its links are taken as known, their friction too unless springs show another; its drives state ratios, and
     what the recording cannot tell.
     recording: q, theta, and torque or current of all of its joints, on a uniform time and on one clock.
-    resolution: of both encoders together, rad at the joint's side, one or one for each joint; by default the smallest
-    steps that the samples show.
+    resolution: of both encoders together, rad at the joint's side, one or one for each joint; by default what the
+    samples show, see `encoder_steps`.
     torque_delay: s by which torque or current acts later than it is stamped: half a period for commands that are held.
     say: called with each joint's name when its turn comes.
 
@@ -87,7 +88,7 @@ def identify_drives(
     if resolution is not None and np.shape(resolution) not in ((), (1,), (len(names),)):
         shape = np.shape(resolution)
         raise InputError(f"identify_drives: resolution of shape {shape} must be one number, or one for each joint")
-    steps = [None] * len(names) if resolution is None else np.broadcast_to(resolution, len(names)).tolist()
+    steps = encoder_steps(recording) if resolution is None else np.broadcast_to(resolution, len(names))
     cutoff = noise_cutoff(recording["q"], recording.period)
     channels = _channels(robot, recording, cutoff, float(torque_delay))
     found: dict[str, DriveEstimate] = {}
@@ -96,13 +97,22 @@ def identify_drives(
         say(name)
         k = names.index(name)
         try:
-            estimate = drive_of(channels[k], robot.drives[name], steps[k], cutoff / NARROWER)
+            estimate = drive_of(channels[k], robot.drives[name], float(steps[k]), cutoff / NARROWER)
             robot = robot.with_drives({name: estimate.drive})
         except CutpointError as error:  # one joint's channels say nothing of the others'
             failed[name] = str(error)
         else:
             found[name] = estimate
     return DriveEstimates(robot, found, failed)
+
+
+def encoder_steps(recording: Recording) -> Array:
+    """(n,) rad, of both encoders together: the finest differences between samples.
+
+    Samples between which others were interpolated do not show them: look before a recording is resampled.
+    """
+    pairs = zip(recording["theta"].T, recording["q"].T, strict=True)
+    return np.array([np.hypot(smallest_step(theta), smallest_step(q)) for theta, q in pairs])
 
 
 def _channels(robot: Robot, recording: Recording, cutoff: float, delay: float) -> list[Channels]:

@@ -13,7 +13,7 @@ from cutpoint.identification.drives.rotor import RotorEstimate, motor_side
 from cutpoint.identification.drives.spring_estimate import UNCERTAIN, SpringEstimate
 from cutpoint.identification.drives.spring_laws import LAWS
 from cutpoint.identification.drives.stated_parts import as_wide, not_sought, with_spring
-from cutpoint.identification.drives.two_encoders import smallest_step, two_encoders
+from cutpoint.identification.drives.two_encoders import two_encoders
 from cutpoint.mechanics.backlash import Backlash
 from cutpoint.model.drive import Drive, Motor, Rotor
 
@@ -74,14 +74,12 @@ class Channels:
     is_current: bool
 
 
-def drive_of(joint: Channels, drive: Drive, resolution: float | None, cutoff: float) -> DriveEstimate:
+def drive_of(joint: Channels, drive: Drive, resolution: float, cutoff: float) -> DriveEstimate:
     """From the links' torque to the spring, to the rotor, to the motor's torque, to the spring again.
 
-    resolution: rad at the joint's side, None for the smallest steps that the samples show.  cutoff: Hz, for the rotor.
+    resolution: of both encoders together, rad at the joint's side.  cutoff: Hz, for the rotor.
     """
     ratio, period, kind = drive.ratio, joint.period, "current" if joint.is_current else "torque"
-    if resolution is None:
-        resolution = float(np.hypot(smallest_step(joint.theta), smallest_step(joint.q)))
     joint, shows_play = _beyond_play(joint, drive, resolution)
     spring, load, stated = _from_links(joint, ratio, resolution)
     rotor = motor_side(

@@ -22,6 +22,8 @@ Array = NDArray[np.float64]
 UNCERTAIN = 0.1
 """Of an estimate: with a standard deviation above that it counts as unidentifiable."""
 
+SHARE = f"is not told to {UNCERTAIN:.0%} of it"
+
 SMOOTHEST = 0.3
 """Of the RMS speed: dry friction changes sign over that at most, and over a hundredth of it at least."""
 
@@ -65,20 +67,20 @@ class RotorEstimate(Unknowns):
         """What cannot be told, "rotor inertia", "motor friction" or "torque constant", each with the sentence why."""
         found: dict[str, str] = {}
         if not self._surpasses("inertia", 1.0 / UNCERTAIN):
-            found["rotor inertia"] = self._vague("inertia", "kg m2 at the joint")
+            found["rotor inertia"] = self._vague("inertia", "kg m2 at the joint", SHARE)
         if not (self._surpasses("coulomb", SIGNIFICANT) or self._surpasses("viscous", SIGNIFICANT)):
-            found["motor friction"] = self._vague("coulomb", "N m")
+            found["motor friction"] = self._vague("coulomb", "N m", "cannot be told from zero")
         if "gain" in self.names and not self._surpasses("gain", 1.0 / UNCERTAIN):
-            found["torque constant"] = self._vague("gain", "N m/A at the joint")
+            found["torque constant"] = self._vague("gain", "N m/A at the joint", SHARE)
         return found
 
     def _surpasses(self, name: str, times: float) -> bool:
         value = abs(self[name]) if name == "gain" else self[name]
         return value > times * self.deviations[name]
 
-    def _vague(self, name: str, unit: str) -> str:
+    def _vague(self, name: str, unit: str, complaint: str) -> str:
         figures = f"{self[name]:.3g} +- {self.deviations[name]:.2g} {unit}"
-        return f"{name} {figures} cannot be told from zero: excite with more acceleration and speed"
+        return f"{name} {figures} {complaint}: excite with more acceleration and speed"
 
 
 def motor_side(

@@ -41,7 +41,9 @@ def warnings_of(errors: TorqueErrors, units: Mapping[str, str]) -> list[str]:
 
 
 def _of_all(errors: TorqueErrors) -> list[str]:
-    known = np.isfinite(errors.before)
+    known = np.isfinite(errors.before) & np.isfinite(errors.measured)
+    if not known.any():
+        return []
     times = float(np.linalg.norm(errors.measured[known]) / max(np.linalg.norm(errors.before[known]), TINY))
     if 1.0 / UNLIKE < times < UNLIKE:
         return []

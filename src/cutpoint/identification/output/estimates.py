@@ -7,7 +7,7 @@ from typing import Any, NamedTuple
 from cutpoint.errors import CutpointError, InputError
 from cutpoint.identification.conditioning.motion import torques_of
 from cutpoint.identification.drives.identify_drives import DriveEstimates, identify_drives, joints_that_bend
-from cutpoint.identification.logs.recording import Recording
+from cutpoint.identification.logs.recording import Array, Recording
 from cutpoint.identification.output.steps import Steps
 from cutpoint.identification.rigid.identify_rigid import FrictionWish, RigidEstimate, identify_rigid
 from cutpoint.model.drive import Drive, Rotor
@@ -31,6 +31,7 @@ def estimates(
     fitted: Recording,
     friction: FrictionWish,
     stamped: Recording | None,
+    steps: Array | None,
     torque_delay: float,
     how: Mapping[str, Any],
     say: Steps,
@@ -38,7 +39,7 @@ def estimates(
     """Links first, then springs by these, then links again by the rotors that the motors' sides tell.
 
     fitted: torques where they act.  stamped: as they are stamped, of which springs want to know how they were held
-    until then; None where no springs are sought.
+    until then; None where no springs are sought.  steps: rad, of encoders on both sides, see `encoder_steps`.
     how: further arguments of `identify_rigid`.  say: told what is done now.  Errors are those of `identify_rigid`.
     """
     say("links, rotors and friction")
@@ -48,7 +49,7 @@ def estimates(
     say.expect(1 + len(joints_that_bend(before)))
     stamped = _with_torques(before, stamped, how.get("torque_constants"))
     try:
-        drives = identify_drives(rigid.robot, stamped, None, torque_delay, lambda joint: say(f"spring of {joint}"))
+        drives = identify_drives(rigid.robot, stamped, steps, torque_delay, lambda joint: say(f"spring of {joint}"))
     except (CutpointError, KeyboardInterrupt) as error:  # what was found of the links is worth having without
         why = error if isinstance(error, CutpointError) else "Ctrl-C was pressed while they were sought"
         return Estimates(rigid, None, remarks=(f"springs were not identified: {why}",))

@@ -12,10 +12,10 @@ from cutpoint.formats.drive_file_writing import worded
 from cutpoint.identification.conditioning.alignment import aligned
 from cutpoint.identification.conditioning.bridging import bridged
 from cutpoint.identification.conditioning.spikes import without_spikes
-from cutpoint.identification.drives.identify_drives import DriveEstimates
+from cutpoint.identification.drives.identify_drives import DriveEstimates, encoder_steps
 from cutpoint.identification.joint_units import at_joints, words_at
 from cutpoint.identification.logs.read_recording import read_recording
-from cutpoint.identification.logs.recording import UNEVEN, Recording
+from cutpoint.identification.logs.recording import UNEVEN, Array, Recording
 from cutpoint.identification.logs.suspicions import refuse_degrees, suspicions
 from cutpoint.identification.output.drive_numbers import drive_numbers
 from cutpoint.identification.output.error_warnings import warnings_of
@@ -35,6 +35,9 @@ SPRING_PARTS = ("compliance", "damping", "kinematic_error", "hysteresis", "motor
 """Of a drive that two encoders tell; rotors and friction come with the links."""
 
 MOST_HELD = 0.9
+
+LONGEST_DELAY = 1.0
+"""s: what is longer was meant in milliseconds."""
 
 
 @by_one_thread
@@ -75,11 +78,11 @@ def identify(
     how: dict[str, Any] = {"method": method, "solver": solver, "torque_constants": torque_constants} | filters
     with Steps(3, progress) as say:
         say("reading the log")
-        before, stamped = _read(robot, log, mapping, drives)
+        before, stamped, steps = _read(robot, log, mapping, drives)
         recording = _acting(stamped, torque_delay)
         fitted, held_from = _fitted(recording, hold_out)
         drives_see = _fitted(stamped, hold_out)[0] if springs_wanted(before, fitted, springs) else None
-        found = estimates(before, fitted, friction, drives_see, torque_delay, how, say)
+        found = estimates(before, fitted, friction, drives_see, steps, torque_delay, how, say)
         say("torques on the part that was held out")
         errors = torque_errors(before, found.rigid, recording, held_from, torque_constants, **filters)
     file = Path(source) if source else None if isinstance(robot, Robot) else Path(robot)
@@ -91,11 +94,17 @@ def _read(
     log: Recording | str | Path,
     mapping: str | Path | Mapping[str, Any] | None,
     drives: str | Path | None,
-) -> tuple[Robot, Recording]:
-    """The robot as its files have it, and what was recorded, at uniform times, without spikes and short gaps."""
+) -> tuple[Robot, Recording, Array | None]:
+    """The robot as its files have it, and what was recorded, at uniform times, without spikes and short gaps.
+
+    At last the steps of encoders on both sides, rad, in the order of the robot's joints.
+    """
     before = robot if isinstance(robot, Robot) else load(robot, drives)
     recording = _suspected(log, before) if isinstance(log, Recording) else read_recording(log, mapping, before)
-    return before, bridged(_at_uniform_times(without_spikes(recording)))
+    are_both = {"q", "theta"} <= recording.channels.keys() and {*before.joints} <= {*recording.joints}
+    steps = encoder_steps(recording.in_order(before.joints)) if are_both else None
+    clean = without_spikes(recording)
+    return before, bridged(clean, _at_uniform_times(clean)), steps
 
 
 def _identification(
@@ -169,8 +178,10 @@ def _at_uniform_times(recording: Recording) -> Recording:
 
 def _acting(recording: Recording, torque_delay: float) -> Recording:
     """Torques at the times at which they act."""
-    if not abs(torque_delay) < (span := float(np.ptp(recording.time))):
-        rule = f"must be shorter than the log, {span:g} s; 0.0005 is half a millisecond"
+    span = float(np.ptp(recording.time))
+    if not abs(torque_delay) < min(LONGEST_DELAY, span):
+        longest = f"the log, {span:g} s" if span < LONGEST_DELAY else f"{LONGEST_DELAY:g} s"
+        rule = f"must be shorter than {longest}; 0.0005 is half a millisecond"
         raise InputError(f"torque_delay {torque_delay} s {rule}", delay=torque_delay)
     channels = [name for name in EFFORTS if name in recording.channels]
     if not torque_delay or not channels:

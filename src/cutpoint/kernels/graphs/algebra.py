@@ -4,11 +4,14 @@ Zeros and ones vanish, signs move outward to where an addition takes them in, co
 of + and * are ordered, so that equal expressions written differently are one node.
 """
 
-import sys
 from typing import Any
+
+import numpy as np
 
 from cutpoint.kernels.graphs.nodes import Node
 from cutpoint.kernels.graphs.refusals import refuse
+
+_LEAST, _LARGEST = float(np.finfo(np.float32).tiny), float(np.finfo(np.float32).max)
 
 Operand = Any
 """A node, or a float where the value is known."""
@@ -109,4 +112,5 @@ def _ordered(x: Node, y: Node) -> tuple[Node, Node]:
 
 
 def _is_normal(x: float) -> bool:
-    return sys.float_info.min <= abs(x) <= sys.float_info.max
+    """In every precision: one graph serves them all."""
+    return _LEAST <= abs(x) <= _LARGEST

@@ -43,7 +43,8 @@ def jacobian_of(
         orders: ways through the chain rule to try, see `elimination`; the fewest operations win.
 
     Raises:
-        InputError: there is no such output or input; raised when it is traced, as are the function's own errors.
+        InputError: there is no such output or input, or two derivatives would have one name; raised when it is traced,
+            as are the function's own errors.
         TraceError: it is called outside a trace.
     """
 
@@ -124,7 +125,10 @@ def _blocks(numbers: list[Operand], outputs: Mapping[str, Flat], inputs: Mapping
         column = 0
         for name, (own, columns) in inputs.items():
             block = [x for r in rows[row : row + len(flat)] for x in r[column : column + len(columns)]]
-            blocks[f"d_{output}_d_{name}"] = nest(iter(block), shape + own)
+            key = f"d_{output}_d_{name}"
+            if key in blocks:
+                raise InputError(f"jacobian_of: two derivatives would be named {key!r}; rename an input", name=key)
+            blocks[key] = nest(iter(block), shape + own)
             column += len(columns)
         row += len(flat)
     return namedtuple("Jacobian", blocks)(**blocks)
