@@ -14,7 +14,7 @@ from typer.testing import CliRunner
 
 import cutpoint
 from cutpoint import InputError, Log, robots
-from cutpoint.commands import app
+from cutpoint.commands import app, shared
 from cutpoint.simulation import runner
 
 ONE_JOINT = """<robot name="[/]arm:eyes:"><link name="base"/><link name="a[red]"><inertial><origin xyz="0.1 0 0"/>
@@ -99,6 +99,15 @@ def test_ctrl_c_saves_what_was_simulated_and_says_so(tmp_path: Path, monkeypatch
     result = CliRunner().invoke(app, [*arguments, "none.npz"])
     assert (result.exit_code, result.output) == (130, "interrupted; there is no log to save yet\n")
     assert not Path("none.npz").exists()
+
+
+def test_a_pipe_that_is_closed_loses_no_file(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setattr(shared.console, "print", Mock(side_effect=BrokenPipeError))
+    ends = ("--to", "1,1,1,1,1,1", "--duration", "0.05")
+    result = CliRunner().invoke(app, ["simulate", "xia2019", *ends, "--output", "run.npz", "--plot", "run.png"])
+    assert isinstance(result.exception, BrokenPipeError)
+    assert Path("run.npz").stat().st_size and Path("run.png").stat().st_size
 
 
 @pytest.mark.parametrize("ending", ["npz", "csv"])

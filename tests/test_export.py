@@ -10,10 +10,12 @@ from typing import Any
 
 import numpy as np
 import pytest
+from typer.testing import CliRunner
 
 import cutpoint
 from c_builds import STRICT, CFunction, assert_same_bits, build, cpp_compilers, run
 from cutpoint import Coulomb, Drive, InputError, LuGre, Rotor, TraceError
+from cutpoint.commands import app
 from cutpoint.control import PD, Fault, Feedforward, Guard
 from cutpoint.export import export_controller, export_function
 from cutpoint.functions.exported import RESULTS
@@ -329,3 +331,15 @@ def test_the_command_line_exports(tmp_path: Path) -> None:
     assert f"c: {tmp_path / 'gravity_forces.c'}" in done.stdout
     done = subprocess.run([*command, "gravity", tmp_path], capture_output=True, text=True, check=False)
     assert done.returncode == 1 and "no function to export is named 'gravity'" in done.stderr
+
+
+@pytest.mark.parametrize("axes", ["local", "world"])
+def test_the_command_line_exports_what_floats_along_the_axes_that_are_asked_for(tmp_path: Path, axes: Any) -> None:
+    options = ("--function", "jacobian", "--frame", "tool", "--expressed-in", axes, "--floating-base")
+    done = CliRunner().invoke(app, ["export", str(cutpoint.robots.XIA2019_URDF), str(tmp_path), *options])
+    assert done.exit_code == 0, done.output
+    arm = cutpoint.load(cutpoint.robots.XIA2019_URDF, floating_base=True)
+    q = arm.random(1)
+    expected = arm.jacobian(q, "tool", axes)
+    (found,) = CFunction(tmp_path, "jacobian", arm.kernel("jacobian").graph, flags=("-O1",))(q)
+    assert_same_bits(found, expected)

@@ -256,6 +256,10 @@ def test_what_is_lost_is_listed_once(case: str) -> None:
 BUILT = '<asset><mesh name="rock" builtin="sphere" params="30"/></asset>'
 MASSLESS = one_body('<body name="tip"><joint/><geom type="mesh" mesh="rock"/></body>', SHAPE)
 SAFETY = "is not read, for safety: it stands for text that is not in this file; load the model in MuJoCo, save it with"
+ELSEWHERE = (
+    "its inertia would come from a shape that is not in this file; give it an <inertial>; MuJoCo writes one where its "
+    "MjSpec.compiler.saveinertial is true"
+)
 NO_FOLDER = "<include> is not read from text in memory, which has no folder; give the file's path"
 
 REFUSED = {
@@ -289,11 +293,19 @@ REFUSED = {
     ),
     "inertia of a shape from a file": (
         MASSLESS,
-        "body 'tip': its inertia would come from a shape that is not in this file; give it an <inertial> (arm.xml)",
+        f"body 'tip': {ELSEWHERE} (arm.xml:3)",
     ),
     "inertia of a shape that MuJoCo builds": (
         one_body('<body name="tip"><joint/><geom type="mesh" mesh="rock"/></body>', BUILT),
-        "body 'tip': its inertia would come from a shape that is not in this file; give it an <inertial> (arm.xml)",
+        f"body 'tip': {ELSEWHERE} (arm.xml:3)",
+    ),
+    "inertia of a shape from a file, of a body without a name": (
+        MASSLESS.replace('name="tip"', ""),
+        f"a body without a name: {ELSEWHERE} (arm.xml:3)",
+    ),
+    "negative armature": (
+        one_body("").replace('name="elbow"', 'name="elbow" armature="-1"'),
+        "joint 'elbow': armature -1 kg m2 must not be negative (arm.xml)",
     ),
     "two names": (
         one_body('<body name="arm"/>'),
@@ -367,6 +379,37 @@ def test_a_total_mass_needs_every_shape() -> None:
     text = one_body("").replace("<worldbody>", f'<compiler settotalmass="9"/>{ABSENT}<worldbody>{GROUND}')
     with pytest.raises(ModelError, match="its inertia would come from a shape that is not in this file"):
         parse_mjcf(text)
+
+
+SITES = """<mujoco><default><default class="tool"><site euler="0 90 0" size="0.01"/></default></default><worldbody>
+  <site name="bench" pos="1 2 3"/>
+  <body name="arm"><joint name="elbow" axis="0 1 0"/>
+    <geom size="0.1" mass="1" contype="0" conaffinity="0"/>
+    <site name="arm" pos="0.1 0 0"/><site name="flange" class="tool" pos="0.2 0 0.3"/><site pos="9 9 9"/>
+    <body name="hand" pos="0 0 1"><site name="finger" pos="0 1 0"/></body>
+  </body>
+</worldbody></mujoco>"""
+
+
+def test_sites_are_frames() -> None:
+    robot, model = cutpoint.Robot(parse_mjcf(SITES).mechanism), mujoco.MjModel.from_xml_string(SITES)
+    data, q = mujoco.MjData(model), np.array([0.7])
+    data.qpos[:] = q
+    mujoco.mj_forward(model, data)
+    for frame, site in {"bench": "bench", "arm_": "arm", "flange": "flange", "finger": "finger"}.items():
+        found = robot.frame_pose(q, frame)
+        np.testing.assert_allclose(found[:3, 3], data.site(site).xpos, rtol=0, atol=1e-15)
+        np.testing.assert_allclose(found[:3, :3].reshape(-1), data.site(site).xmat, rtol=0, atol=1e-15)
+    assert not any("9" in frame for frame in robot.mechanism.frames)
+
+
+def test_what_mujoco_remarks_is_told_with_the_file() -> None:
+    text = one_body("").replace("<worldbody>", '<compiler settotalmass="9"/><worldbody>')
+    with warnings.catch_warnings(record=True) as caught:
+        warnings.simplefilter("always")
+        parse_mjcf(text, "arm.xml")
+    assert all(str(each.message).startswith("MuJoCo says of arm.xml: ") for each in caught)
+    assert all("mjcf_model" not in each.filename for each in caught)
 
 
 def test_without_mujoco_the_message_says_how_to_get_it(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -5,8 +5,9 @@ from typing import Annotated, Literal
 
 import typer
 
-from cutpoint.commands.shared import Drives, Gravity, Locks, Mimics, RobotFile, app, robot_of, say_path
+from cutpoint.commands.shared import Drives, FloatingBase, Gravity, Locks, Mimics, RobotFile, app, robot_of, say_path
 from cutpoint.functions.exported import RESULTS
+from cutpoint.mechanics.kinematics import ExpressedIn
 
 
 @app.command(epilog="Example: cutpoint export xia2019 --function elastic_inverse_dynamics --to c deployed")
@@ -22,14 +23,19 @@ def export(
     mimic: Mimics = "independent",
     lock: Locks = None,
     gravity: Gravity = None,
+    floating_base: FloatingBase = False,
     frame: Annotated[str | None, typer.Option(help="For jacobian and frame_pose: of which frame.")] = None,
+    expressed_in: Annotated[ExpressedIn | None, typer.Option(help="For jacobian: along which axes.")] = None,
     name: Annotated[str | None, typer.Option(help="Of the C function, the same if not given.")] = None,
-    force: Annotated[bool, typer.Option("--force", help="Overwrite files that cutpoint has not written.")] = False,
+    force: Annotated[
+        bool, typer.Option("--force", metavar="", help="Overwrite files that cutpoint has not written.")
+    ] = False,
 ) -> None:
     """Write a robot's function as code for machines without Python: C99, with a check of its bits, or CUDA C."""
     from cutpoint.export import export_function
 
-    options = {} if frame is None else {"frame": frame}
-    loaded = robot_of(robot, drives, mimic, lock, gravity)
+    given = {"frame": frame, "expressed_in": expressed_in}
+    options = {key: value for key, value in given.items() if value is not None}
+    loaded = robot_of(robot, drives, mimic, lock, gravity, floating_base=floating_base)
     for path in export_function(loaded, function, folder, to=to, name=name, force=force, **options):
         say_path(to, path)

@@ -92,7 +92,7 @@ def drive(
     name: Annotated[
         str | None, typer.Argument(metavar="NAME", help="Of the catalogue; all are listed without.")
     ] = None,
-    as_yaml: Annotated[bool, typer.Option("--yaml", help="Only its drive-file entry, to paste.")] = False,
+    as_yaml: Annotated[bool, typer.Option("--yaml", metavar="", help="Only its drive-file entry, to paste.")] = False,
     plot: Annotated[Path | None, typer.Option(metavar="FILE", help="Save its curves: .png, .pdf or .svg.")] = None,
 ) -> None:
     """Show a drive of the catalogue: its data sheet, with sources, and what the laws give back."""

@@ -135,7 +135,7 @@ def identify(
         float,
         typer.Option("--delay", "--torque-delay", help="s by which torques act late: half a period for commands."),
     ] = 0.0,
-    force: Annotated[bool, typer.Option("--force", help="Overwrite the files of an earlier run.")] = False,
+    force: Annotated[bool, typer.Option("--force", metavar="", help="Overwrite the files of an earlier run.")] = False,
 ) -> None:
     """Identify masses, inertias, friction and drives from a log, with intervals, and what the log cannot tell.
 

@@ -10,6 +10,7 @@ import cutpoint
 from cutpoint.commands.shared import (
     Degrees,
     Drives,
+    FloatingBase,
     Gravity,
     Locks,
     Mimics,
@@ -50,9 +51,10 @@ def inspect(
     mimic: Mimics = "independent",
     lock: Locks = None,
     gravity: Gravity = None,
+    floating_base: FloatingBase = False,
 ) -> None:
     """Show what a robot is: joints, bodies, limits, drives, and where virtual decomposition cuts it."""
-    loaded = robot_of(robot, drives, mimic, lock, gravity)
+    loaded = robot_of(robot, drives, mimic, lock, gravity, floating_base=floating_base)
     console.print(robot_table(loaded))
     console.print(drive_table(loaded))
 
@@ -100,12 +102,12 @@ def simulate(
         Path | None, typer.Option(metavar="FILE", help="Save a picture of the run: .png, .pdf or .svg.")
     ] = None,
 ) -> None:
-    """Move a robot along a cycloid, (57), under PD on its motors and feedforward, and report the errors."""
+    """Move a robot from rest to rest along a cycloid, under PD on its motors and feedforward, and report the errors."""
     from cutpoint.control import Feedforward, tune
 
     check_targets(output, plot)
     loaded = robot_of(robot, drives, mimic, lock, gravity)
-    ends = {"start": numbers_of(loaded, "from", start, degrees), "end": numbers_of(loaded, "to", to, degrees)}
+    ends = {"end": numbers_of(loaded, "to", to, degrees), "start": numbers_of(loaded, "from", start, degrees)}
     trajectory = cutpoint.trajectories.cycloid(duration=duration, **ends)
     controller: Any = tune(loaded, bandwidth, control_period=period)
     if feedforward != "none":
@@ -122,7 +124,6 @@ def simulate(
         raise typer.Exit(INTERRUPTED) from error
     except KeyboardInterrupt:
         raise KeyboardInterrupt("there is no log to save yet") from None
-    # what was asked for is saved before anything is printed: a terminal may fail
     keep(log, output, plot)
     console.print(error_table(loaded, log))
     say_notes(limits_met(loaded, log))
@@ -138,7 +139,8 @@ def modes(
     lock: Locks = None,
     gravity: Gravity = None,
     friction: Annotated[
-        bool, typer.Option("--friction", help="With friction's slope at rest; it damps, or locks, what swings.")
+        bool,
+        typer.Option("--friction", metavar="", help="With friction's slope at rest; it damps, or locks, what swings."),
     ] = False,
     plot: Annotated[
         Path | None, typer.Option(metavar="FILE", help="Save the frequency responses: .png, .pdf or .svg.")

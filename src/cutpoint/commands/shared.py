@@ -59,7 +59,11 @@ Gravity = Annotated[
     tuple[float, float, float] | None,
     typer.Option(metavar="X Y Z", help="Free fall in the world's frame, m/s2; 0 0 -9.81, or as an MJCF file states."),
 ]
-Degrees = Annotated[bool, typer.Option("--degrees", help="Angles, and their rates, are given in degrees.")]
+# metavar: an option that takes no value would be shown with one
+Degrees = Annotated[bool, typer.Option("--degrees", metavar="", help="Angles, and their rates, are given in degrees.")]
+FloatingBase = Annotated[
+    bool, typer.Option("--floating-base", metavar="", help="Carry the root link of a URDF on a free joint.")
+]
 Rung = Literal["none", "gravity", "rigid", "rotor", "friction", "elastic"]
 
 
@@ -69,11 +73,14 @@ def robot_of(
     mimic: Literal["independent", "coupled"] = "independent",
     lock: list[str] | None = None,
     gravity: tuple[float, float, float] | None = None,
+    *,
+    floating_base: bool = False,
 ) -> cutpoint.Robot:
     """The robot of a file, or one that comes with the package."""
     if str(path) == "xia2019":
         path, drives = cutpoint.robots.XIA2019_URDF, drives or cutpoint.robots.XIA2019_DRIVES
-    return cutpoint.load(path, drives, mimic=mimic, lock=_places_of(lock or []), gravity=gravity)
+    places = _places_of(lock or [])
+    return cutpoint.load(path, drives, mimic=mimic, lock=places, gravity=gravity, floating_base=floating_base)
 
 
 def _places_of(locks: list[str]) -> dict[str, float]:
@@ -132,11 +139,15 @@ def say_path(word: str, path: Path) -> None:
 
 
 def keep(log: "Log", output: Path | None, plot: Path | None) -> None:
+    """All is saved before anything is printed: a terminal may fail, a pipe be closed."""
     if output:
         log.save(output)
+    if plot:
+        save_figure(log.plot("q", "reference_q"), plot)
+    if output:
         console.print(f"log saved to {output}")
     if plot:
-        keep_picture(log.plot("q", "reference_q"), plot)
+        console.print(f"picture saved to {plot}")
 
 
 def keep_picture(figure: "Figure", plot: Path) -> None:

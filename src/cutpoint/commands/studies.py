@@ -75,7 +75,7 @@ def compare(
     ] = None,
     frame: Annotated[str | None, typer.Option(help="Where the payload hangs; the tool's if not given.")] = None,
     seeds: Annotated[int, typer.Option(help="Runs of a scenario in which chance has a part.", min=1)] = 64,
-    quick: Annotated[bool, typer.Option("--quick", help="4 seeds at most, and no slow move.")] = False,
+    quick: Annotated[bool, typer.Option("--quick", metavar="", help="4 seeds at most, and no slow move.")] = False,
 ) -> None:
     """Compare all control laws on one arm at equal stiffness, each departure from the model on its own."""
     from cutpoint.studies.compare import bench_of, panda, run

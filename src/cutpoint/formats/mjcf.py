@@ -1,6 +1,7 @@
 """MJCF files to a `Mechanism`, compiled by the `mujoco` package.
 
-Read: bodies with their inertias, joints with axes, positions, ranges, damping and friction, armature, gravity.
+Read: bodies with their inertias, joints with axes, positions, ranges, damping and friction, armature, gravity; sites,
+which are frames here.
 Coordinates are MuJoCo's but for quaternions, which are (x, y, z, w) here, and a free joint's linear velocity, which is
 along the moving body's axes here.  What else acts in MuJoCo is listed in a warning.
 """
@@ -70,17 +71,21 @@ def parse_mjcf(
 
 def _robot(root: Element, place: str, gravity: ArrayLike | None, lock: Mapping[str, float] | None) -> MjcfRobot:
     excerpt = excerpt_of(root, place)
-    model = compiled(excerpt.text, place)
+    model, remarks = compiled(excerpt.text, place)
     tree = _Tree(model)
     for body in range(1, model.nbody):
         tree.add_body(body)
+    for site in range(model.nsite):
+        tree.add_site(site)
     fall = _gravity(model, place) if gravity is None else gravity
     name = root.attributes.get("model") or Path(place).stem
     mechanism = build(name, tree.links, tree.joints, gravity=fall, lock=lock, place=Places(place))
-    lost = losses(model, excerpt.left_out)
+    drives, lost = _drives(mechanism, tree.armature, place), losses(model, excerpt.left_out)
     if lost:
         warnings.warn(NotCarriedOver(lost, place), stacklevel=4)
-    return MjcfRobot(mechanism, _drives(mechanism, tree.armature))
+    for words in remarks:
+        warnings.warn(f"MuJoCo says of {place}: {words}", stacklevel=4)
+    return MjcfRobot(mechanism, drives)
 
 
 def _gravity(model: Any, place: str) -> Array:
@@ -88,8 +93,12 @@ def _gravity(model: Any, place: str) -> Array:
     return np.zeros(3) if disabled else np.array(model.opt.gravity)
 
 
-def _drives(mechanism: Mechanism, armature: Mapping[str, float]) -> dict[str, Drive]:
+def _drives(mechanism: Mechanism, armature: Mapping[str, float], place: str) -> dict[str, Drive]:
     """Of every joint with armature: MuJoCo states what its rotor adds at the joint, so its ratio is 1."""
+    for name, inertia in armature.items():
+        if inertia < 0.0:
+            complaint = f"joint {name!r}: armature {inertia:g} kg m2 must not be negative"
+            raise ModelError(complaint, place=place, joint=name)
     joints = {body.joint.name: body.joint for body in mechanism.bodies}
     return {
         name: replace(drive_of(joints[name]), rotor=Rotor(inertia))
@@ -133,6 +142,16 @@ class _Tree:
         axes = _placement(name, model.body_ipos[b], model.body_iquat[b])[:3, :3]
         inertia = axes @ np.diag(model.body_inertia[b]) @ axes.T
         self.links.append(Link(name, float(model.body_mass[b]), np.array(model.body_ipos[b]), inertia))
+
+    def add_site(self, s: int) -> None:
+        """A frame with its name, if it has one."""
+        stated = self.model.site(s).name
+        if not stated:
+            return
+        carrier, name = self.body_names[self.model.site_bodyid[s]], free(stated, self.taken_by_links)
+        at = _placement(name, self.model.site_pos[s], self.model.site_quat[s])
+        self.joints.append(Joint(free(f"{name}_fixed", self.taken_by_joints), "fixed", carrier, name, at))
+        self.links.append(Link(name))
 
     def joint(self, j: int, parent: str, child: str, at: Array) -> Joint:
         """MuJoCo turns about an axis through `jnt_pos` by qpos less its reference; a free joint is placed by qpos."""

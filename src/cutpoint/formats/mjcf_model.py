@@ -4,6 +4,7 @@ Compiling resolves defaults, angles and orientations, and finds inertias from ge
 text (meshes and height fields from files) are made massless; a body that needs one for its inertia is refused.
 """
 
+import warnings
 from typing import Any
 
 import numpy as np
@@ -14,21 +15,26 @@ FREE, BALL, SLIDE, HINGE = range(4)
 """Kinds of joints: MuJoCo's mjtJoint."""
 
 
-def compiled(text: str, place: str) -> Any:
-    """The mujoco.MjModel of a document.  Raises ModelError: the package is missing, or it cannot compile the text."""
+def compiled(text: str, place: str) -> tuple[Any, list[str]]:
+    """The mujoco.MjModel of a document, and what MuJoCo remarks on it.
+
+    Raises ModelError: the package is missing, or it cannot compile the text.
+    """
     mujoco = package(place)
-    try:
-        spec = mujoco.MjSpec.from_string(text)
-    except Exception as problem:  # which class it raises changed with its versions
-        raise _refused(problem, place) from problem
-    present = {mesh.name for mesh in spec.meshes}
-    _leave_out_shapes(mujoco, spec, spec.worldbody, present, False, place)
-    try:
-        model = spec.compile()
-    except Exception as problem:
-        raise _refused(problem, place) from problem
+    with warnings.catch_warnings(record=True) as said:
+        warnings.simplefilter("always")
+        try:
+            spec = mujoco.MjSpec.from_string(text)
+        except Exception as problem:  # which class it raises changed with its versions
+            raise _refused(problem, place) from problem
+        present = {mesh.name for mesh in spec.meshes}
+        _leave_out_shapes(mujoco, spec, spec.worldbody, present, False, place)
+        try:
+            model = spec.compile()
+        except Exception as problem:
+            raise _refused(problem, place) from problem
     _switch_off(mujoco, model)
-    return model
+    return model, [" ".join(str(each.message).split()) for each in said]
 
 
 def names_of(model: Any, kind: str) -> list[str]:
@@ -64,8 +70,11 @@ def _leave_out_shapes(mujoco: Any, spec: Any, body: Any, present: set[str], move
         if not absent and geom.type not in (mujoco.mjtGeom.mjGEOM_HFIELD, mujoco.mjtGeom.mjGEOM_SDF):
             continue
         if moves and _gives_inertia(mujoco, spec, body, geom):
-            complaint = "its inertia would come from a shape that is not in this file; give it an <inertial>"
-            raise ModelError(f"body {body.name!r}: {complaint}", place=place, body=body.name)
+            told = f"body {body.name!r}" if body.name else "a body without a name"
+            complaint = "its inertia would come from a shape that is not in this file"
+            remedy = "give it an <inertial>; MuJoCo writes one where its MjSpec.compiler.saveinertial is true"
+            line = f":{body.info.removeprefix('line ')}" if body.info else ""
+            raise ModelError(f"{told}: {complaint}; {remedy}", place=f"{place}{line}", body=body.name)
         geom.type, geom.meshname, geom.hfieldname = mujoco.mjtGeom.mjGEOM_SPHERE, "", ""
         geom.size, geom.mass = [1.0, 0.0, 0.0], 0.0
     for child in body.bodies:  # by `settotalmass` the mass of each scales all others

@@ -18,12 +18,12 @@ MAXIMUM_PIECES = 40_000
 NOT_A_NUMBER = re.compile(r"(?i)(?<!\S)[+-]?nan(?!\w)")
 """MuJoCo would only warn of it, in a file of its own."""
 
-IN_BODY = ("body", "frame", "inertial", "joint", "freejoint", "geom")
+IN_BODY = ("body", "frame", "inertial", "joint", "freejoint", "geom", "site")
 
 KEPT: dict[str, tuple[str, ...]] = {
     "mujoco": ("compiler", "option", "default", "asset", "worldbody"),
     "option": ("flag",),
-    "default": ("default", "geom", "joint", "mesh"),
+    "default": ("default", "geom", "joint", "mesh", "site"),
     "asset": ("mesh",),
     "worldbody": IN_BODY,
     "body": IN_BODY,
@@ -34,6 +34,7 @@ KEPT: dict[str, tuple[str, ...]] = {
 LEFT_OUT = {
     "compiler": {"meshdir", "texturedir", "assetdir", "strippath", "discardvisual", "fusestatic", "usethread"},
     "geom": {"material", "hfield"},
+    "site": {"material"},
 }
 """Attributes that name or choose what is left out anyway; fused bodies would lose their names."""
 
@@ -42,7 +43,7 @@ OF_A_MESH = {"name", "class", "vertex", "face", "scale", "refpos", "refquat", "i
 
 WITHOUT_EFFECT = {
     *("visual", "statistic", "size", "custom", "sensor", "keyframe"),
-    *("site", "camera", "light", "texture", "material", "hfield", "skin"),
+    *("camera", "light", "texture", "material", "hfield", "skin"),
 }
 """Elements that bodies and joints move the same without."""
 

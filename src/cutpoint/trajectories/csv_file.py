@@ -89,8 +89,11 @@ def _read(lines: Iterable[str], path: Path) -> tuple[list[Column], list[list[flo
 def _header(cells: list[str], place: str) -> list[Column]:
     found = [_column(cell) for cell in cells[:MOST_COLUMNS]]
     if not 2 <= len(cells) <= MOST_COLUMNS or found[0].name.lower() not in ("t", "time"):
-        shown = ", ".join(cells[:8])
-        raise InputError(f"first line {shown[:200]!r} must name the columns, as in 't, shoulder, elbow'", place=place)
+        shown, example = ", ".join(cells[:8]), "as in 't, shoulder, elbow'"
+        if len(cells) == 1 and (other := next((x for x in ";\t|" if x in cells[0]), None)):
+            told = f"first line {shown[:200]!r} parts columns by {other!r}: commas must part them, {example}"
+            raise InputError(told, place=place)
+        raise InputError(f"first line {shown[:200]!r} must name the columns, {example}", place=place)
     if found[0].unit not in (None, "s"):
         raise InputError(f"time is in {found[0].unit!r}: it must be in 's'", place=place)
     names = [column.name for column in found]
