@@ -167,6 +167,18 @@ def test_a_xacro_file_that_needs_ros_says_where_to_expand_it(tmp_path: Path, mon
         load_urdf(path)
 
 
+def test_a_xacro_file_that_needs_arguments_says_how_to_state_them(tmp_path: Path) -> None:
+    path = tmp_path / "arm.urdf.xacro"
+    path.write_text(f'<robot name="$(arg name)" {XACRO}/>')
+    with pytest.raises(ModelError, match=r"; state its arguments, xacro arm\.urdf\.xacro NAME:=VALUE > arm\.urdf, and"):
+        load_urdf(path)
+
+
+def test_a_namespace_of_all_elements_changes_nothing() -> None:
+    spaced = one_joint().replace("<robot ", '<robot xmlns="http://drake.mit.edu" ', 1)
+    assert [body.joint.name for body in parse_urdf(spaced).bodies] == ["elbow"]
+
+
 def test_without_the_xacro_package_the_error_says_how_to_get_it(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:

@@ -53,9 +53,12 @@ class _Builder:
         self.root: Element | None = None
         self.open: list[Element] = []
         self.count = 0
+        self.namespace = ""  # the root's, which all elements of the format share
 
     def start(self, tag: str, attributes: dict[str, str]) -> None:
-        element = Element(tag, attributes, self.expat.CurrentLineNumber)
+        if not self.root:
+            self.namespace = tag[: tag.rfind("}") + 1]
+        element = Element(tag.removeprefix(self.namespace), attributes, self.expat.CurrentLineNumber)
         self.count += 1
         if self.count > MAXIMUM_ELEMENTS:
             raise self._too_much(f"more than {MAXIMUM_ELEMENTS:,} elements", element)

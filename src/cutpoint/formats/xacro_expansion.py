@@ -23,8 +23,9 @@ def expand(path: Path) -> str:
         document: Any = xacro.process_file(str(path))  # the package says a file, but it is a DOM document
         return document.toprettyxml(indent="  ")
     except Exception as problem:  # expressions in the file may raise anything
-        told, remedy = " ".join(str(problem).split()), ""
+        told, remedy, urdf = " ".join(str(problem).split()), "", f"{path.name.split('.')[0]}.urdf"
         if "ament_index_python" in told:
-            command = f"xacro {path.name} > {path.name.split('.')[0]}.urdf"
-            remedy = f"; $(find ...) asks ROS: expand it where that is, {command}, and give that file"
+            remedy = f"; $(find ...) asks ROS: expand it where that is, xacro {path.name} > {urdf}, and give that file"
+        if "Undefined substitution argument" in told:
+            remedy = f"; state its arguments, xacro {path.name} NAME:=VALUE > {urdf}, and give that file"
         raise ModelError(f"xacro cannot expand this file: {told}{remedy}", place=path) from problem
