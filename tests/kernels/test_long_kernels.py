@@ -10,6 +10,7 @@ from cutpoint.kernels import Loop, Region, Stage, compile_program
 from cutpoint.kernels import compile as compile_kernel
 from cutpoint.kernels.arrays import backends
 from cutpoint.kernels.graphs import nodes
+from cutpoint.scalars import sin
 
 
 def sums(x: Any) -> Any:
@@ -21,10 +22,12 @@ def sums(x: Any) -> Any:
 
 def test_a_function_too_long_for_machine_code_runs_without(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(backends, "MOST_COMPILED", 100)
-    with pytest.raises(InputError, match=r"sums: 4\d\d operations a call, at most 100 compile; use backend='numpy'"):
+    with pytest.raises(InputError, match=r"sums: 4\d\d operations a call, at most 100 compile, .*; use backend='numpy'"):
         compile_kernel(sums, x=2, backend="llvm")
     with pytest.raises(InputError, match=r"a stepping program: 4\d\d operations a call, at most 100 compile"):
         compile_program(Loop(1, [Stage(lambda x: [sums(x), x[1]], ("x",), ("x",))]), [Region("x", 2)], backend="llvm")
+    with pytest.raises(InputError, match=r"three: 1\d\d operations a call, at most 100 compile, sines count for 50"):
+        compile_kernel(lambda x: [sin(sin(sin(x)))], name="three", x=())
     x = np.array([0.5, 0.25])
     assert compile_kernel(sums, x=2, backend="numpy")(x) == pytest.approx(sums(x), rel=1e-13)
 
