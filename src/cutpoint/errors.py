@@ -9,7 +9,10 @@ INTERRUPTED = 130
 """The exit status of a command that Ctrl-C ends, as shells have it."""
 
 LONG_LIST = 24
-"""Up to this many names an error lists them all; of more, those that resemble a wrong one, or a list that is cut."""
+"""Up to this many names an error lists them all; of more, those that begin as a wrong one does, or resemble it, or a
+list that is cut."""
+
+MOST_GUESSED = 3
 
 LONGEST_GUESS = 100
 """Characters of a wrong name that are compared: the cost grows with their square."""
@@ -59,7 +62,9 @@ def those_that_exist(name: str, known: Iterable[str]) -> str:
     """The end of a message about an unknown name: which names there are, or which of many come near."""
     known = list(known)
     many = {one.casefold(): one for one in known} if len(known) > LONG_LIST else {}
-    near = difflib.get_close_matches(str(name).casefold()[:LONGEST_GUESS], many)
+    asked = str(name).casefold()[:LONGEST_GUESS]
+    near = [one for one in many if asked and one.startswith(asked)][:MOST_GUESSED]
+    near = near or difflib.get_close_matches(asked, many, MOST_GUESSED)
     if near:
         return f"did you mean {' or '.join(repr(many[one]) for one in near)}?"
     return f"there are: {listed(known)}" if known else "there are none"

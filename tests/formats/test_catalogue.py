@@ -146,7 +146,7 @@ def test_an_unknown_name_is_refused_with_names_that_come_near() -> None:
     assert "'CSG-20-100'" in message
     assert "arm.yaml:4" in message
     assert "arm.yaml:2" in refused("{}", "{catalogue: nothing}")
-    with pytest.raises(ModelError, match=r"the catalogue has no 'CSG-20'; did you mean"):
+    with pytest.raises(ModelError, match=r"has no 'CSG-20'; did you mean 'CSG-20-50' or 'CSG-20-80' or 'CSG-20-100'\?"):
         catalogue_gear("CSG-20")
 
 

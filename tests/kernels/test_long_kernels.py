@@ -22,7 +22,7 @@ def sums(x: Any) -> Any:
 
 def test_a_function_too_long_for_machine_code_runs_without(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(backends, "MOST_COMPILED", 100)
-    with pytest.raises(InputError, match=r"sums: 4\d\d operations a call, at most 100 compile, .*; use backend='numpy'"):
+    with pytest.raises(InputError, match=r"sums: 4\d\d operations a call, at most 100 compile, .* backend='numpy'"):
         compile_kernel(sums, x=2, backend="llvm")
     with pytest.raises(InputError, match=r"a stepping program: 4\d\d operations a call, at most 100 compile"):
         compile_program(Loop(1, [Stage(lambda x: [sums(x), x[1]], ("x",), ("x",))]), [Region("x", 2)], backend="llvm")

@@ -182,6 +182,12 @@ def test_a_plot_has_an_axis_for_each_channel_and_degrees_for_angles():
     assert np.array_equal(np.asarray(figure.axes[1].lines[0].get_ydata()), example()["q"][:, 2])
 
 
+def test_rounding_fills_no_axis():
+    still = Log([0.0, 1.0], {"q": [[1e-30], [3e-30]]}, {"q": "rad"}, ("joint",))
+    low, high = still.plot().axes[0].get_ylim()
+    assert low < 0.0 < high and high - low > 1e-10
+
+
 def test_a_plot_of_named_channels_has_an_axis_for_each_joint_and_unit():
     figure = example().plot("q", "torque", "q_d", "power")
     titles = [axis.get_title(loc="left") for axis in figure.axes]

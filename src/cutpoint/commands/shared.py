@@ -2,6 +2,7 @@
 
 import sys
 from collections.abc import Iterable
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, Literal
 
@@ -65,6 +66,10 @@ FloatingBase = Annotated[
     bool, typer.Option("--floating-base", metavar="", help="Carry the root link of a URDF on a free joint.")
 ]
 Rung = Literal["none", "gravity", "rigid", "rotor", "friction", "elastic"]
+
+
+OF_A_RUN = ("q", "position_error", "motor_torque")
+"""Channels that tell most of a run."""
 
 
 def robot_of(
@@ -143,7 +148,8 @@ def keep(log: "Log", output: Path | None, plot: Path | None) -> None:
     if output:
         log.save(output)
     if plot:
-        save_figure(log.plot("q", "reference_q"), plot)
+        shown = {name: values for name, values in log.channels.items() if name in OF_A_RUN}
+        save_figure(replace(log, channels=shown).plot(), plot)
     if output:
         console.print(f"log saved to {output}")
     if plot:

@@ -17,6 +17,9 @@ AXIS_WIDTH, AXIS_HEIGHT = 3.6, 2.0
 ACROSS = 3
 """Axes side by side."""
 
+LEAST_HEIGHT = 1e-9
+"""Of an axis, in its unit: what is smaller is rounding, which would fill it."""
+
 COLOURS, STYLES = 10, ("-", "--", "-.", ":")
 """How many colours lines go through, and the styles that they have from one time to the next."""
 
@@ -77,6 +80,9 @@ def _draw(
         style = later if later and index else style
         (drawn[label],) = axis.plot(time, values, style, color=colour, linewidth=1.0)
     axis.margins(x=0.0)
+    low, high = axis.get_ylim()
+    if high - low < LEAST_HEIGHT:
+        axis.set_ylim(low - LEAST_HEIGHT / 2, high + LEAST_HEIGHT / 2)
     axis.grid(alpha=0.3)
     axis.ticklabel_format(useOffset=False)
     return drawn
