@@ -3,6 +3,7 @@
 import gc
 import math
 from collections.abc import Callable
+from dataclasses import make_dataclass
 from typing import Any
 
 import numpy as np
@@ -127,6 +128,12 @@ REFUSED: dict[str, tuple[Callable[[Any, Any], Any], str]] = {
     "nothing": (lambda x, y: None * x, "NoneType"),
     "complex": (lambda x, y: x * 1j, "complex"),
     "condition in where": (lambda x, y: x.where(x, y, x), "comparison"),
+    "rounded": (lambda x, y: round(x, 2), "outside the kernel"),
+    "floor": (lambda x, y: math.floor(x), "outside the kernel"),
+    "bits": (lambda x, y: x >> 1, "whole numbers"),
+    "numbers joined": (lambda x, y: x & y, "join conditions"),
+    "sum of conditions": (lambda x, y: (x < y) + 1, "cutpoint.where(condition, 1.0, 0.0)"),
+    "counted conditions": (lambda x, y: sum([x < y, x < 0]), "cutpoint.where(condition, 1.0, 0.0)"),
     "condition joined with number": (lambda x, y: (x < y) & x, "join conditions"),
 }
 
@@ -138,6 +145,25 @@ def test_what_cannot_be_compiled_points_at_the_users_line(case: str) -> None:
         graph_of(function, x=(), y=())
     assert caught.value.place == f"{__file__}:{function.__code__.co_firstlineno}"
     assert remedy in str(caught.value) and caught.value.place in str(caught.value)
+
+
+def test_what_numpy_cannot_compute_is_named() -> None:
+    with pytest.raises(TraceError, match=r"^inv: NumPy cannot compute this with traced numbers \(.*\); write it out"):
+        graph_of(np.linalg.inv, a=(2, 2))
+
+
+@pytest.mark.parametrize(
+    ("fields", "complaint"),
+    [([], "law: the Found that it returns has no fields"), (["_x"], "law: output '_x' needs another name")],
+)
+def test_a_record_that_is_no_kernels_is_refused(fields: list[str], complaint: str) -> None:
+    Found = make_dataclass("Found", fields)
+
+    def law(x: Any) -> Any:
+        return Found(*[x] * len(fields))
+
+    with pytest.raises(TraceError, match=f"^{complaint}"):
+        graph_of(law, x=())
 
 
 def test_an_angle_is_wrapped_as_the_error_says() -> None:

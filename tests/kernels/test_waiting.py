@@ -57,7 +57,9 @@ def test_a_stepping_loop_is_named_too(monkeypatch: pytest.MonkeyPatch) -> None:
     terminal = terminal_of(monkeypatch)
     stage = Stage(lambda x: [slow(x[0])], ("x",), ("x",))
     compile_program(Loop(1, (stage,)), [Region("x", 1)])
-    assert "compiling the stepping loop" in terminal.getvalue()
+    compile_program(Loop(1, (stage,)), [Region("x", 1)], name="[bold]loop[/]")
+    assert "compiling a stepping program" in terminal.getvalue()
+    assert "compiling [bold]loop[/]" in terminal.getvalue()
 
 
 def test_a_quick_one_passes_without_a_word(monkeypatch: pytest.MonkeyPatch) -> None:

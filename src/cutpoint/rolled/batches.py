@@ -43,7 +43,8 @@ class Batches:
 
     @cached_property
     def _program(self) -> Program:
-        return compile_program(self._loops.body, self._loops.regions, self._task.backend)
+        name = f"{self._one.name} for batches"
+        return compile_program(self._loops.body, self._loops.regions, self._task.backend, name=name)
 
     def of(self, configurations: int) -> Spare[ProgramRows]:
         """For calls with so many."""

@@ -130,7 +130,7 @@ class RolledFunction:
             if prod(shape := self._task.shape(output)) > MOST_NUMBERS:
                 told = f"{self.name}: a matrix {shape} has more than {MOST_NUMBERS} numbers"
                 raise InputError(f"{told}, 2 GiB; take a smaller model", shape=shape)
-        self._one = One(self._task, LANES)
+        self._one = One(self._task, LANES, self.name)
         self._quick = self._shortcut()
         self.compile_seconds = time.perf_counter() - start
 

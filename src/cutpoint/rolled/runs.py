@@ -16,10 +16,11 @@ Array = np.ndarray
 class One:
     """A function of one configuration: what bodies do alone, they do `lanes` at once."""
 
-    def __init__(self, task: Task, lanes: int) -> None:
-        self._task, self.lanes = task, lanes
+    def __init__(self, task: Task, lanes: int, name: str) -> None:
+        """name: what those who wait for its code are told."""
+        self._task, self.lanes, self.name = task, lanes, name
         self._rolled = one_by_one(task.steps, task.columns, lanes)
-        self.program = compile_program(self._rolled.body, self._rolled.regions, task.backend)
+        self.program = compile_program(self._rolled.body, self._rolled.regions, task.backend, name=name)
         self.spare = Spare(self.memory)
 
     def memory(self) -> "OneMemory":

@@ -194,7 +194,7 @@ class ClosedLoop:
             integrates = part in ("whole", "after")
             regions = [region for region in self.regions() if integrates or region.name not in INTEGRATION]
             with as_it_was(self.controller):
-                self.programs[key] = compile_program(ticks, regions, backend=self.robot.backend)
+                self.programs[key] = compile_program(ticks, regions, self.robot.backend, name="the closed loop")
         return self.programs[key]
 
     @property

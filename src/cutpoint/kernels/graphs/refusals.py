@@ -58,6 +58,11 @@ class Refusals:
             "wrap an angle x by 2 * cutpoint.atan(cutpoint.tan(x / 2)), or outside the kernel"
         )
 
+    def __round__(self, *digits: object) -> NoReturn:
+        refuse("round, floor, ceil and trunc of a traced number cannot be compiled; take them outside the kernel")
+
+    __floor__ = __ceil__ = __trunc__ = __round__
+
     __rmod__ = __floordiv__ = __rfloordiv__ = __divmod__ = __mod__
 
 

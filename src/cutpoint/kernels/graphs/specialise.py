@@ -22,8 +22,17 @@ def traced(function: Callable[..., Any], inputs: list[Port]) -> tuple[Graph, str
     """The graph of a function of these inputs, and the name of the record it returns, None if it returns one array."""
     with tracing() as trace:
         slots = iter([trace.node("input", k) for k in range(sum(p.size for p in inputs))])
-        result = function(**_bound(function, {p.name: nest(slots, p.shape) for p in inputs}))
+        arguments = _bound(function, {p.name: nest(slots, p.shape) for p in inputs})
+        try:
+            result = function(**arguments)
+        except TypeError as error:
+            if not type(error).__module__.startswith("numpy"):
+                raise
+            told = f"NumPy cannot compute this with traced numbers ({error}); write it out with cutpoint's functions"
+            raise TraceError(f"{name_of(function)}: {told}") from error
         named = named_parts(result)
+        if named is not None:
+            _check_record(function, type(result).__name__, named)
         ports, numbers = [], []
         for name, value in ({"result": result} if named is None else named).items():
             shape, flat = _flat(function, name, value)
@@ -45,6 +54,16 @@ def _bound(function: Callable[..., Any], arguments: dict[str, Any]) -> dict[str,
     except TypeError as error:
         raise InputError(f"{name_of(function)}: its parameters are not the inputs {[*arguments]}: {error}") from None
     return arguments
+
+
+def _check_record(function: Callable[..., Any], record: str, fields: dict[str, Any]) -> None:
+    """Raises TraceError for a record that cannot be the NamedTuple of a kernel's outputs."""
+    if not fields:
+        raise TraceError(f"{name_of(function)}: the {record} that it returns has no fields; a kernel needs an output")
+    for name in fields:
+        if name.startswith("_"):
+            rule = "outputs are fields of a NamedTuple, whose names begin with no underscore"
+            raise TraceError(f"{name_of(function)}: output {name!r} needs another name: {rule}")
 
 
 def _flat(function: Callable[..., Any], name: str, value: Any) -> tuple[tuple[int, ...], list[Any]]:

@@ -68,6 +68,11 @@ class Condition(Refusals, Node):
     def __invert__(self) -> "Condition":
         return self.args[0] if self.op == "not" else self.trace.node("not", self)
 
+    def __add__(self, *other: object) -> Any:
+        refuse("a condition is no number: write cutpoint.where(condition, 1.0, 0.0)")
+
+    __sub__ = __mul__ = __truediv__ = __radd__ = __rsub__ = __rmul__ = __rtruediv__ = __neg__ = __add__
+
     def _join(self, op: str, other: Any) -> "Condition":
         if not isinstance(other, Condition):
             refuse(f"& and | join conditions, not a condition and a {type(other).__name__}")
@@ -96,6 +101,11 @@ class Traced(Refusals, Node):
     __gt__ = _operator(lambda x, y: False if x is y else _compare("lt", y, x))
     __le__ = _operator(lambda x, y: _compare("le", x, y))
     __ge__ = _operator(lambda x, y: _compare("le", y, x))
+
+    def __and__(self, other: object) -> Any:
+        refuse("& and | join conditions, << and >> move bits of whole numbers: a traced number has neither")
+
+    __or__ = __xor__ = __rand__ = __ror__ = __rxor__ = __lshift__ = __rshift__ = __and__
 
     def __neg__(self) -> Operand: return algebra.neg(self)
     def __pos__(self) -> "Traced": return self

@@ -13,21 +13,24 @@ from cutpoint.kernels.programs.plan import Plan, plan
 from cutpoint.kernels.programs.stepping import Loop, Region
 
 
-def compile_program(body: Loop, regions: Sequence[Region], backend: str = "auto") -> "Program":
+def compile_program(
+    body: Loop, regions: Sequence[Region], backend: str = "auto", *, name: str = "a stepping program"
+) -> "Program":
     """Compiles a nest of loops around stages.
 
     Args:
         body: the outermost loop.
         regions: all memory that stages read and write.
         backend: "llvm" for machine code, "numpy", or "auto": LLVM where llvmlite is installed.
+        name: what errors call it, and those who wait for it.
 
     Raises:
         InputError: regions, stages and loops do not fit together, or they are too long to compile.
         TraceError: a stage needs a value where there is none yet, or returns something else than its regions.
     """
     start = time.perf_counter()
-    with shown("the stepping loop"):
-        return Program(plan(body, regions), chosen(backend), start)
+    with shown(name):
+        return Program(plan(body, regions), chosen(backend), name, start)
 
 
 class Program:
@@ -40,12 +43,12 @@ class Program:
         compile_seconds: what tracing took, and compiling or finding the code on disk, s.
     """
 
-    def __init__(self, plan: Plan, backend: str, start: float) -> None:
+    def __init__(self, plan: Plan, backend: str, name: str, start: float) -> None:
         self.plan, self.backend, self.counts = plan, backend, frozenset(plan.counts)
         if backend == "llvm":
             from cutpoint.kernels.programs.compiled import LlvmProgram
 
-            check_length("a stepping program", plan.graphs.values())
+            check_length(name, plan.graphs.values())
             self._runner = LlvmProgram(plan)
         else:
             self._runner = NumpyProgram(plan)

@@ -11,7 +11,7 @@ from typing import Any, Literal
 from cutpoint.kernels import Loop, Program, Region, Stage, compile_program
 from cutpoint.mechanics.forward_dynamics import Factors, factors_of, solve
 from cutpoint.mechanics.system import System
-from cutpoint.rolled.equations.solver import Room
+from cutpoint.rolled.equations.solver import EQUATIONS, Room
 from cutpoint.rolled.memory import aligned
 from cutpoint.scalars import Scalar, minimum
 
@@ -76,4 +76,6 @@ def _program(related: Sequence[Sequence[int]], lanes: int) -> Program:
     columns = Loop("blocks", [Stage(solved, ("factors", "given"), ("found",), lanes)], ("given", "found"))
     body = Loop(1, [Stage(factor, ("M",), ("factors", "least")), columns])
     wide = [Region(name, n * lanes, lanes) for name in ("given", "found")]
-    return compile_program(body, [Region("M", n * n), Region("factors", count), Region("least", 1), *wide])
+    return compile_program(
+        body, [Region("M", n * n), Region("factors", count), Region("least", 1), *wide], name=EQUATIONS
+    )

@@ -18,6 +18,9 @@ from cutpoint.rolled.memory import Spare, aligned
 
 Array = np.ndarray
 
+EQUATIONS = "equations with the mass matrix"
+"""As those are told who wait for their code."""
+
 
 class Room(NamedTuple):
     """What a program works in beside columns: arrays by region, and of these what it reads first and the least number

@@ -13,7 +13,7 @@ from cutpoint.model.mechanism import WORLD
 from cutpoint.rolled.base import base_in
 from cutpoint.rolled.bodies import BASE, columns_of, parents_of
 from cutpoint.rolled.equations.giving_way import giving_way
-from cutpoint.rolled.equations.solver import Room
+from cutpoint.rolled.equations.solver import EQUATIONS, Room
 from cutpoint.rolled.memory import Task, aligned
 from cutpoint.rolled.packing import motion_of, wrench_of
 from cutpoint.rolled.passes import Kept, Rolled, one_by_one
@@ -46,7 +46,7 @@ class Yielding:
         self._task = Task(Recipe(lambda _: steps, ("q",), ("least",), 0), system, columns, "llvm", None)
         bodies = one_by_one(steps, columns, BODIES_AT_ONCE)
         self._rolled = _with_columns(bodies, step, self.lanes, self.apart)
-        self.program = compile_program(self._rolled.body, self._rolled.regions)
+        self.program = compile_program(self._rolled.body, self._rolled.regions, name=EQUATIONS)
 
     def room(self) -> Room:
         n, names = len(self._parents), self.program.plan.names
