@@ -1,7 +1,8 @@
 """Traced: a number that remembers how it came about.
 
 A Traced is never constant: an operation whose result is known gives a plain float, so Python itself folds constants.
-x * 0 is 0, x - x is 0 and x / x is 1 even where x turns out not to be finite: finiteness is checked at the door.
+x * 0, 0 / x and x - x are 0 and x / x is 1, whatever x turns out to be, 0, infinite or no number: a robot's zeros
+vanish by that, and robots' functions check at the door that numbers are finite.
 """
 
 import gc
