@@ -7,7 +7,7 @@ from threadpoolctl import threadpool_info, threadpool_limits
 
 from cutpoint.errors import InputError
 from cutpoint.identification import identify
-from cutpoint.one_thread import by_one_thread
+from cutpoint.identification.one_thread import by_one_thread
 
 
 def blas_threads() -> set[int]:

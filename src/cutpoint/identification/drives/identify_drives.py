@@ -13,7 +13,7 @@ from cutpoint.identification.drives.one_drive import NARROWER, Channels, DriveEs
 from cutpoint.identification.drives.two_encoders import smallest_step
 from cutpoint.identification.joint_units import words_at
 from cutpoint.identification.logs.recording import Array, Recording
-from cutpoint.one_thread import by_one_thread
+from cutpoint.identification.one_thread import by_one_thread
 from cutpoint.robot import Robot
 
 

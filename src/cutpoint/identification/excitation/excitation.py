@@ -23,7 +23,7 @@ from cutpoint.identification.excitation.limits import Box, Use
 from cutpoint.identification.excitation.problem import Problem
 from cutpoint.identification.excitation.search import Found, search
 from cutpoint.identification.excitation.series import FourierSeries
-from cutpoint.one_thread import by_one_thread
+from cutpoint.identification.one_thread import by_one_thread
 from cutpoint.robot import Robot
 
 if TYPE_CHECKING:

@@ -17,6 +17,7 @@ from cutpoint.identification.joint_units import at_joints, words_at
 from cutpoint.identification.logs.read_recording import read_recording
 from cutpoint.identification.logs.recording import UNEVEN, Array, Recording
 from cutpoint.identification.logs.suspicions import refuse_degrees, suspicions
+from cutpoint.identification.one_thread import by_one_thread
 from cutpoint.identification.output.drive_numbers import drive_numbers
 from cutpoint.identification.output.error_warnings import warnings_of
 from cutpoint.identification.output.estimates import Estimates, estimates, springs_wanted
@@ -28,7 +29,6 @@ from cutpoint.identification.rigid.identify_rigid import FrictionWish, Method
 from cutpoint.identification.rigid.lateness import EFFORTS
 from cutpoint.identification.rigid.physical import Solver
 from cutpoint.loading import load
-from cutpoint.one_thread import by_one_thread
 from cutpoint.robot import Robot
 
 SPRING_PARTS = ("compliance", "damping", "kinematic_error", "hysteresis", "motor")

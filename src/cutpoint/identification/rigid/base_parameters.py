@@ -13,8 +13,8 @@ from numpy.typing import ArrayLike, NDArray
 from scipy.linalg import qr
 
 from cutpoint.errors import InputError, unknown_name
+from cutpoint.identification.one_thread import by_one_thread
 from cutpoint.model.mechanism import Body
-from cutpoint.one_thread import by_one_thread
 from cutpoint.robot import Robot
 
 Array = NDArray[np.float64]

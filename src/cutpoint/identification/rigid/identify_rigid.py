@@ -13,6 +13,7 @@ from cutpoint.identification.conditioning.decimation import decimation
 from cutpoint.identification.conditioning.motion import Motion, motion_of, sliding_speeds, torques_of
 from cutpoint.identification.joint_units import at_joints
 from cutpoint.identification.logs.recording import Recording
+from cutpoint.identification.one_thread import by_one_thread
 from cutpoint.identification.rigid.base_parameters import BaseParameters, base_parameters
 from cutpoint.identification.rigid.friction_choice import FrictionChoice, choose_friction
 from cutpoint.identification.rigid.friction_shape import best_shapes, shape_slopes
@@ -25,7 +26,6 @@ from cutpoint.identification.rigid.rigid_estimate import Fitted, Log, RigidEstim
 from cutpoint.identification.rigid.rigid_robot import is_stated, laws_with, link_torques, stated_laws
 from cutpoint.identification.rigid.uncertainty import are_told
 from cutpoint.mechanics.friction import Sliding
-from cutpoint.one_thread import by_one_thread
 from cutpoint.robot import Robot
 
 Array = NDArray[np.float64]
