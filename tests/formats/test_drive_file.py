@@ -10,7 +10,8 @@ from hypothesis import strategies as st
 from urdf_text import ARM
 
 from cutpoint.errors import InputError
-from cutpoint.formats import drive_of, dump_drives, load_drives, parse_drives, parse_urdf, save_drives
+from cutpoint.formats import DegreesWarning, drive_of, dump_drives, load_drives, parse_drives, parse_urdf, save_drives
+from cutpoint.loading import load
 from cutpoint.mechanics.backlash import Backlash
 from cutpoint.mechanics.catalogue import CatalogueSpring
 from cutpoint.mechanics.compliance import Flexspline, LinearSpring
@@ -29,6 +30,16 @@ JOINTS = [body.joint.name for body in ROBOT.bodies]
 def shoulder(entry: str, defaults: str = "{}") -> Drive:
     text = f"version: 1\ndefaults: {defaults}\ndrives:\n  shoulder: {entry}"
     return parse_drives(text, ROBOT)["shoulder"]
+
+
+def test_limits_that_look_like_degrees_are_warned_of(tmp_path: Path) -> None:
+    (tmp_path / "arm.urdf").write_text(ARM)
+    (tmp_path / "arm.yaml").write_text("version: 1\ndrives: {shoulder: {limits: {position: [-180, 180]}}}")
+    with pytest.warns(DegreesWarning, match=r"limits of joints 'shoulder' look like degrees; a drive file's") as caught:
+        load(tmp_path / "arm.urdf", drives=tmp_path / "arm.yaml")
+    assert [each.filename for each in caught] == [__file__]
+    for radians in ("[-3.14, 3.14]", "[-20.5, 400.0]", "[-31.4, 31.4]"):
+        shoulder(f"{{limits: {{position: {radians}}}}}")
 
 
 def test_nothing_stated_is_a_rigid_drive_without_gear() -> None:

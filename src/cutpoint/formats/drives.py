@@ -1,12 +1,13 @@
 """Drive files (YAML, version 1): what drives each joint of a robot.  `docs/drive-file.md` describes every field."""
 
+import warnings
 from collections.abc import Collection, Mapping
 from pathlib import Path
 from typing import Any
 
 import yaml
 
-from cutpoint.errors import those_that_exist
+from cutpoint.errors import listed, those_that_exist
 from cutpoint.files import replacing
 from cutpoint.formats.drive_entry import to_drive
 from cutpoint.formats.drive_section import Section
@@ -15,8 +16,10 @@ from cutpoint.formats.drive_words import to_entry
 from cutpoint.formats.friction_sheets import DEFAULT_SMOOTHING
 from cutpoint.formats.reading import read_bytes
 from cutpoint.formats.safe_yaml import MAXIMUM_BYTES, parse_yaml
+from cutpoint.formats.urdf import DegreesWarning
 from cutpoint.mechanics.friction import Coulomb
 from cutpoint.model.drive import Drive
+from cutpoint.model.limits import look_like_degrees
 from cutpoint.model.mechanism import Joint, Mechanism
 from cutpoint.model.validation import DRIVEN_KINDS
 
@@ -33,6 +36,7 @@ def load_drives(path: str | Path, mechanism: Mechanism, locked: Collection[str] 
     """The drives that a file gives to joints of a robot, by joint.
 
     locked: joints whose drives are passed over, since they are held fixed.
+    Warns, DegreesWarning, of position limits that look like degrees.
     Raises ModelError, with file and line, for whatever is wrong in the file or does not fit the robot.
     """
     path = Path(path)
@@ -57,6 +61,10 @@ def parse_drives(
         joint = _driven(name, joints, mechanism, section)
         section = Section(section.thing, document, section.roots, slides=joint.kind == "prismatic")
         drives[name] = to_drive(section.read(DriveSheet, _laid_over(sheet.defaults, entry, section)), section)
+    turning = [name for name in drives if joints[name].kind != "prismatic"]
+    if degrees := [name for name in turning if look_like_degrees(drives[name].limits)]:
+        text = f"limits of joints {listed(degrees)} look like degrees; a drive file's angles are radians"
+        warnings.warn(f"{text} ({place})", DegreesWarning, stacklevel=5)  # the line that called cutpoint.load
     return drives
 
 

@@ -18,9 +18,9 @@ from cutpoint.formats.safe_xml import MAXIMUM_BYTES, Element, parse_xml
 from cutpoint.formats.urdf_elements import Reader
 from cutpoint.formats.xacro_expansion import expand
 from cutpoint.model.build import build
+from cutpoint.model.limits import look_like_degrees
 from cutpoint.model.mechanism import STANDARD_GRAVITY, Joint, JointKind, Limits, Link, Mechanism, Mimic
 from cutpoint.model.places import Places
-from cutpoint.model.validation import DEGREES_BEYOND
 
 KINDS: tuple[JointKind, ...] = ("fixed", "revolute", "continuous", "prismatic", "planar", "floating")
 X_AXIS = (1.0, 0.0, 0.0)
@@ -164,16 +164,7 @@ def _warn(joints: Sequence[Joint], coupled: bool, place: str) -> None:
     if mimics and not coupled:
         text = f"mimic joints {listed(mimics)} are read as coordinates of their own; mimic='coupled' ties them"
         warnings.warn(f"{text} ({place})", MimicWarning, stacklevel=4)
-    degrees = [joint.name for joint in joints if _looks_like_degrees(joint)]
+    degrees = [joint.name for joint in joints if joint.kind == "revolute" and look_like_degrees(joint.limits)]
     if degrees:
         text = f"limits of joints {listed(degrees)} look like degrees; URDF angles are radians"
         warnings.warn(f"{text} ({place})", DegreesWarning, stacklevel=4)
-
-
-def _looks_like_degrees(joint: Joint) -> bool:
-    """Half or whole numbers up to a full circle, beyond what radians of a joint usually are."""
-    bounds = np.array([joint.limits.lower, joint.limits.upper])
-    if joint.kind != "revolute" or not np.isfinite(bounds).all():
-        return False
-    furthest = np.max(np.abs(bounds))
-    return bool(DEGREES_BEYOND < furthest <= 360.0 and np.array_equal(2.0 * bounds, np.round(2.0 * bounds)))

@@ -7,6 +7,7 @@ from numpy.typing import NDArray
 
 from cutpoint.model.drive import Drive
 from cutpoint.model.mechanism import Limits, Mechanism
+from cutpoint.model.validation import DEGREES_BEYOND
 
 Array = NDArray[np.float64]
 
@@ -18,6 +19,15 @@ def limits_in_force(mechanism: Mechanism, drives: Mapping[str, Drive]) -> dict[s
     """
     told = {body.joint.name: body.joint.limits for body in mechanism.bodies}
     return {joint: _tighter(told[joint], drive.limits) for joint, drive in drives.items()}
+
+
+def look_like_degrees(limits: Limits) -> bool:
+    """Of a joint that turns: half or whole numbers up to a full circle, beyond what radians of a joint usually are."""
+    bounds = np.array([limits.lower, limits.upper])
+    if not np.isfinite(bounds).all():
+        return False
+    furthest = np.max(np.abs(bounds))
+    return bool(DEGREES_BEYOND < furthest <= 360.0 and np.array_equal(2.0 * bounds, np.round(2.0 * bounds)))
 
 
 def efforts_in_force(mechanism: Mechanism, drives: Mapping[str, Drive]) -> Array:
