@@ -58,7 +58,7 @@ def checked_array(function: str, name: str, value: ArrayLike, size: int | tuple[
         )
     if array.size and not (array.min() >= -LARGEST and array.max() <= LARGEST):
         where = tuple(int(i) for i in np.argwhere(~(np.abs(array) <= LARGEST))[0])
-        place = f"{name}[{', '.join(map(str, where))}]"
+        place = f"{name}[{', '.join(map(str, where))}]" if where else name
         rule = "every number must be finite" + (f" and within {LARGEST:g}" if np.isfinite(array[where]) else "")
         raise InputError(f"{function}: {place} is {array[where]}, {rule}", name=name, index=where)
     return array

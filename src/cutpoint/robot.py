@@ -129,7 +129,11 @@ class Robot:
 
         A free turn is spread evenly over all turns.
         """
-        shape, rng = door.checked_shape("random", "size", size), np.random.default_rng(seed)
+        shape = door.checked_shape("random", "size", size)
+        try:
+            rng = np.random.default_rng(seed)
+        except (TypeError, ValueError):
+            raise door.refused("random", "seed", seed, "a whole number from 0, or a NumPy Generator") from None
         return configurations.at_random(self.mechanism, self.machine.system, rng, shape)
 
     # others like it
