@@ -19,6 +19,8 @@ from cutpoint.identification.drives import (
     two_encoders,
 )
 from cutpoint.identification.drives.scatter import covariance
+from cutpoint.identification.drives.two_encoders import AS_STATED
+from cutpoint.model.drive import Compliance
 
 T = PERIOD * np.arange(8000)
 SPRINGS = {
@@ -49,18 +51,40 @@ def test_the_law_that_the_spring_follows_is_chosen_and_its_curve_found(law: str)
     assert found.unidentifiable["kinematic_error"].startswith("no wave stands out of the noise: of order 2, one of")
 
 
-def wound_slowly(noise: float, seed: int) -> SpringEstimate:
-    """A catalogue's spring found from 28 N m, little beyond its last corner at 25, and encoders' noise, rad."""
+def wound_slowly(noise: float, seed: int, stated: Compliance | None = None) -> SpringEstimate:
+    """A catalogue's spring found from 28 N m, little beyond its last corner at 25, and encoders' noise, rad.
+
+    stated: the one that a file states; encoders have fine steps then, to tell it.
+    """
     spring, t = cutpoint.CatalogueSpring(10e3, 16e3, 30e3, 7.0, 25.0), np.arange(0.0, 20.0, 1e-3)
     torque = 28.0 * np.sin(0.8 * np.pi * t) * np.cos(0.1 * np.pi * t)
     theta = spring.deflection(torque) + noise * np.random.default_rng(seed).normal(size=t.size)
     nothing = {"orders": [], "hysteresis": False, "damping": False}
-    return two_encoders(theta, 0.0 * t, torque, 1e-3, RATIO, resolution=noise, **nothing)
+    return two_encoders(
+        theta, 0.0 * t, torque, 1e-3, RATIO, resolution=1e-5 if stated else noise, stated=stated, **nothing
+    )
 
 
 def test_a_law_whose_last_stiffness_is_lost_in_noise_is_not_chosen():
     assert wound_slowly(1e-5, 1).law == "catalogue"
     assert wound_slowly(2e-4, 1).law == "flexspline"
+
+
+@pytest.mark.parametrize(
+    ("stated", "is_kept"),
+    [
+        (cutpoint.CatalogueSpring(10e3, 16e3, 30e3, 7.0, 25.0), True),
+        (cutpoint.CatalogueSpring(11e3, 17.6e3, 33e3, 7.7, 27.5), False),
+        (cutpoint.CatalogueSpring(9e3, 14.4e3, 27e3, 6.3, 22.5), False),
+        (cutpoint.CatalogueSpring(20e3, 16e3, 9e3, 7.0, 25.0), False),
+        (cutpoint.LinearSpring(12e3), False),
+        (cutpoint.Flexspline(10e3, 0.03), False),
+    ],
+)
+def test_a_files_curve_is_kept_where_no_other_law_predicts_better(stated: Compliance, is_kept: bool):
+    found = wound_slowly(2e-4, 1, stated)
+    assert found.law == "flexspline"
+    assert (found.unidentifiable.get("stiffness") == AS_STATED) == is_kept
 
 
 def test_intervals_hold_the_stiffnesses_of_a_spring_that_is_wound_little_beyond_its_last_corner():

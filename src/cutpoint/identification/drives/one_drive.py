@@ -14,8 +14,8 @@ from cutpoint.identification.drives.spring_estimate import UNCERTAIN, SpringEsti
 from cutpoint.identification.drives.spring_laws import LAWS
 from cutpoint.identification.drives.stated_parts import as_wide, not_sought, with_spring
 from cutpoint.identification.drives.two_encoders import two_encoders
-from cutpoint.mechanics.backlash import Backlash
-from cutpoint.model.drive import Drive, Motor, Rotor
+from cutpoint.mechanics.backlash import Backlash, spring_of
+from cutpoint.model.drive import Compliance, Drive, Motor, Rotor
 
 Array = NDArray[np.float64]
 
@@ -92,7 +92,7 @@ def drive_of(joint: Channels, drive: Drive, resolution: float, cutoff: float) ->
         delay=joint.delay,
         **{kind: joint.effort},
     )
-    spring, rotor, apart = _from_motor(joint, ratio, spring, rotor, resolution)
+    spring, rotor, apart = _from_motor(joint, ratio, spring, rotor, resolution, spring_of(drive.compliance))
     link = None
     if apart and not stated:
         share = transmitted_share(spring, joint.theta, ratio)
@@ -143,9 +143,17 @@ def _from_links(joint: Channels, ratio: float, resolution: float) -> tuple[Sprin
 
 
 def _from_motor(
-    joint: Channels, ratio: float, spring: SpringEstimate, rotor: RotorEstimate, resolution: float
+    joint: Channels,
+    ratio: float,
+    spring: SpringEstimate,
+    rotor: RotorEstimate,
+    resolution: float,
+    stated: Compliance | None,
 ) -> tuple[SpringEstimate, RotorEstimate, bool]:
-    """The spring by the motor's torque, and the rotor by the spring; whether that told the rotor from the links."""
+    """The spring by the motor's torque, and the rotor by the spring; whether that told the rotor from the links.
+
+    stated: the spring of the file, without play.
+    """
     torque, period = _torque(joint, rotor), joint.period
     lead = joint.theta - joint.q
     band = min(WIDER * noise_cutoff(lead, period, otherwise=HIGHEST / period), HIGHEST / period)
@@ -161,6 +169,7 @@ def _from_motor(
             theta, q, left, period, ratio,
             resolution=resolution, laws=laws, noise=noise, band=band, transmission=share,
             torque_unknowns=dict(zip(unknowns, columns, strict=True)) if seen else None,
+            stated=None if laws is SHAPE else stated,
         )  # fmt: skip
         if seen:
             rotor = corrected(rotor, spring)

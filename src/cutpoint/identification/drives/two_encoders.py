@@ -1,6 +1,7 @@
 """A drive's spring, kinematic error and hysteresis from encoders on both of its sides and the torque that it exerts."""
 
 from collections.abc import Mapping, Sequence
+from dataclasses import replace
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -13,7 +14,8 @@ from cutpoint.identification.drives.deflections import DeflectionFit, Deflection
 from cutpoint.identification.drives.law_choice import block_errors, simplest
 from cutpoint.identification.drives.scatter import SIGNIFICANT, covariance
 from cutpoint.identification.drives.spring_estimate import FEWEST_TURNS, SpringEstimate, estimate_of
-from cutpoint.identification.drives.spring_laws import LAWS
+from cutpoint.identification.drives.spring_laws import LAWS, SpringLaw, as_stated
+from cutpoint.model.drive import Compliance
 
 Array = NDArray[np.float64]
 
@@ -28,6 +30,11 @@ WIDER = 4.0
 quarter of its cut-off the filter changes nothing."""
 
 LEAST_SAMPLES = 500
+
+AS_STIFF = 0.03
+"""Share by which a file's curve may be stiffer or softer than what was measured, beside what noise makes of it."""
+
+AS_STATED = "the curve that the files state predicts the deflection as well as any other, and is as stiff: it is kept"
 
 OFFERED = (0, ELEMENTS // 2, ELEMENTS)
 """Elements of hysteresis: none or all, chosen as the law is; what fewer change counts as uncertainty."""
@@ -49,6 +56,7 @@ def two_encoders(
     noise: float = np.inf,
     band: float | None = None,
     transmission: Array | None = None,
+    stated: Compliance | None = None,
 ) -> SpringEstimate:
     """A joint's spring and all that makes its encoders differ, from channels (N,) on one uniform time; NaN: not known.
 
@@ -64,6 +72,8 @@ def two_encoders(
     transmission: of a torque that was read from the motor, 1 - e'(theta), by which it was divided: the kinematic error
     found is that of the encoders and of what the spring bears of the motor's torque.
     noise: RMS of the encoders', rad; what a fit leaves beyond that is the torque's.  By default all is the encoders'.
+    stated: the spring of a file.  If it is of another law than the best, predicts as well and is as stiff, it counts:
+    then "stiffness" is not told.
 
     Raises:
         InputError: shapes, an unknown law, too few samples, or channels that do not move.
@@ -90,9 +100,13 @@ def two_encoders(
     best, prediction = _best_law(data, laws, tried, offered[-1], damping)
     kept = orders if orders is not None else _standing_out(best, tried, data.resolution)
     rivals = fit_deflections(data, best.law, kept, offered, damping)
-    return estimate_of(
+    found = estimate_of(
         data, rivals, tuple(kept), tuple(unknowns), turns, prediction, hysteresis=hysteresis, damping=damping
     )
+    is_another = stated is not None and type(stated) is not type(found.compliance)
+    if is_another and _counts(data, as_stated(stated), rivals[offered[-1]], kept, offered[-1], damping):
+        found = replace(found, unidentifiable={"stiffness": AS_STATED, **found.unidentifiable})
+    return found
 
 
 def smallest_step(values: Array) -> float:
@@ -138,6 +152,17 @@ def _best_law(
     errors = {name: block_errors(fit) for name, fit in fits.items()}
     told = {name: each for name, each in errors.items() if _tells_stiffness(fits[name])}
     return fits[simplest(told or errors)], {name: float(np.sqrt(np.mean(each))) for name, each in errors.items()}
+
+
+def _counts(
+    data: Deflections, stated: SpringLaw, best: DeflectionFit, orders: Sequence[int], elements: int, damping: bool
+) -> bool:
+    """Whether a file's curve predicts what it was not fitted to as well as the best law's fit, and is as stiff."""
+    fit = fit_deflections(data, stated, orders, [elements], damping)[elements]
+    if simplest({"stated": block_errors(fit), "best": block_errors(best)}) != "stated":
+        return False
+    spread = float(np.sqrt(covariance(fit.columns, fit.residual)[0, 0]))
+    return abs(float(fit.constants[0]) - 1.0) < max(SIGNIFICANT * spread, AS_STIFF)
 
 
 def _tells_stiffness(fit: DeflectionFit) -> bool:
