@@ -1,8 +1,7 @@
 """Linear algebra by one thread.
 
-The matrices of a log are small: several threads gain little on them, and where something else keeps a core busy they
-wait for one another.  A log of 12 s of the paper's arm took 26 s by one thread and 255 s by two, beside one busy core
-of two.
+The matrices of a log are small, and threads wait for one another: a log of 12 s of the paper's arm took 18 s by one
+thread and 27 s by two; beside something else that kept one of two cores busy, 26 s and 255 s.
 """
 
 from collections.abc import Callable
