@@ -20,6 +20,7 @@ from cutpoint.identification.drives import (
 )
 from cutpoint.identification.drives.scatter import covariance
 from cutpoint.identification.drives.two_encoders import AS_STATED
+from cutpoint.mechanics.wave_generator import HarmonicSpring
 from cutpoint.model.drive import Compliance
 
 T = PERIOD * np.arange(8000)
@@ -85,6 +86,13 @@ def test_a_files_curve_is_kept_where_no_other_law_predicts_better(stated: Compli
     found = wound_slowly(2e-4, 1, stated)
     assert found.law == "flexspline"
     assert (found.unidentifiable.get("stiffness") == AS_STATED) == is_kept
+
+
+def test_a_files_wave_generator_is_kept_beside_its_spring():
+    spring = HarmonicSpring(cutpoint.Flexspline(16e3, 0.04), cutpoint.WaveGenerator(24e3, 0.1, RATIO, 1.0))
+    nothing = {"orders": [], "hysteresis": False, "damping": False}
+    found = two_encoders(*channels(spring), PERIOD, RATIO, stated=spring, **nothing)
+    assert found.unidentifiable["stiffness"] == AS_STATED
 
 
 def test_intervals_hold_the_stiffnesses_of_a_spring_that_is_wound_little_beyond_its_last_corner():

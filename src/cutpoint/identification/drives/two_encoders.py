@@ -104,7 +104,7 @@ def two_encoders(
         data, rivals, tuple(kept), tuple(unknowns), turns, prediction, hysteresis=hysteresis, damping=damping
     )
     is_another = stated is not None and type(stated) is not type(found.compliance)
-    if is_another and _counts(data, as_stated(stated), rivals[offered[-1]], kept, offered[-1], damping):
+    if is_another and _is_as_good(data, as_stated(stated), rivals[offered[-1]], kept, offered[-1], damping):
         found = replace(found, unidentifiable={"stiffness": AS_STATED, **found.unidentifiable})
     return found
 
@@ -154,7 +154,7 @@ def _best_law(
     return fits[simplest(told or errors)], {name: float(np.sqrt(np.mean(each))) for name, each in errors.items()}
 
 
-def _counts(
+def _is_as_good(
     data: Deflections, stated: SpringLaw, best: DeflectionFit, orders: Sequence[int], elements: int, damping: bool
 ) -> bool:
     """Whether a file's curve predicts what it was not fitted to as well as the best law's fit, and is as stiff."""

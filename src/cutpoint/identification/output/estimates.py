@@ -31,7 +31,7 @@ def estimates(
     fitted: Recording,
     friction: FrictionWish,
     stamped: Recording | None,
-    steps: Array | None,
+    resolution: Array | None,
     torque_delay: float,
     how: Mapping[str, Any],
     say: Steps,
@@ -39,7 +39,7 @@ def estimates(
     """Links first, then springs by these, then links again by the rotors that the motors' sides tell.
 
     fitted: torques where they act.  stamped: as they are stamped, of which springs want to know how they were held
-    until then; None where no springs are sought.  steps: rad, of encoders on both sides, see `encoder_steps`.
+    until then; None where no springs are sought.  resolution: rad, see `encoder_steps`.
     how: further arguments of `identify_rigid`.  say: told what is done now.  Errors are those of `identify_rigid`.
     """
     say("links, rotors and friction")
@@ -49,7 +49,9 @@ def estimates(
     say.expect(1 + len(joints_that_bend(before)))
     stamped = _with_torques(before, stamped, how.get("torque_constants"))
     try:
-        drives = identify_drives(rigid.robot, stamped, steps, torque_delay, lambda joint: say(f"spring of {joint}"))
+        drives = identify_drives(
+            rigid.robot, stamped, resolution, torque_delay, lambda joint: say(f"spring of {joint}")
+        )
     except (CutpointError, KeyboardInterrupt) as error:  # what was found of the links is worth having without
         why = error if isinstance(error, CutpointError) else "Ctrl-C was pressed while they were sought"
         return Estimates(rigid, None, remarks=(f"springs were not identified: {why}",))

@@ -78,11 +78,11 @@ def identify(
     how: dict[str, Any] = {"method": method, "solver": solver, "torque_constants": torque_constants} | filters
     with Steps(3, progress) as say:
         say("reading the log")
-        before, stamped, steps = _read(robot, log, mapping, drives)
+        before, stamped, resolution = _read(robot, log, mapping, drives)
         recording = _acting(stamped, torque_delay)
         fitted, held_from = _fitted(recording, hold_out)
         drives_see = _fitted(stamped, hold_out)[0] if springs_wanted(before, fitted, springs) else None
-        found = estimates(before, fitted, friction, drives_see, steps, torque_delay, how, say)
+        found = estimates(before, fitted, friction, drives_see, resolution, torque_delay, how, say)
         say("torques on the part that was held out")
         errors = torque_errors(before, found.rigid, recording, held_from, torque_constants, **filters)
     file = Path(source) if source else None if isinstance(robot, Robot) else Path(robot)
@@ -97,14 +97,14 @@ def _read(
 ) -> tuple[Robot, Recording, Array | None]:
     """The robot as its files have it, and what was recorded, at uniform times, without spikes and short gaps.
 
-    At last the steps of encoders on both sides, rad, in the order of the robot's joints.
+    At last what encoders on both sides resolve, see `encoder_steps`, in the order of the robot's joints.
     """
     before = robot if isinstance(robot, Robot) else load(robot, drives)
     recording = _suspected(log, before) if isinstance(log, Recording) else read_recording(log, mapping, before)
     are_both = {"q", "theta"} <= recording.channels.keys() and {*before.joints} <= {*recording.joints}
-    steps = encoder_steps(recording.in_order(before.joints)) if are_both else None
+    resolution = encoder_steps(recording.in_order(before.joints)) if are_both else None
     clean = without_spikes(recording)
-    return before, bridged(clean, _at_uniform_times(clean)), steps
+    return before, bridged(clean, _at_uniform_times(clean)), resolution
 
 
 def _identification(

@@ -4,12 +4,11 @@ from collections.abc import Iterable
 from functools import cache
 
 from cutpoint.errors import InputError, unknown_name
-from cutpoint.kernels.arrays.empty_ports import with_numbers
 from cutpoint.kernels.arrays.function import Function
 from cutpoint.kernels.arrays.numpy_backend import NumpyFunction
 from cutpoint.kernels.graphs.graph import Graph
 from cutpoint.kernels.graphs.nodes import ELEMENTARY
-from cutpoint.kernels.graphs.ports import Port
+from cutpoint.kernels.graphs.ports import Port, with_numbers
 
 MOST_COMPILED = 200_000
 """Operations: so many took minutes to compile."""

@@ -5,10 +5,9 @@ from typing import Any, Protocol
 
 import numpy as np
 
-from cutpoint.kernels.arrays.empty_ports import with_numbers
 from cutpoint.kernels.arrays.function import Function, Whole
 from cutpoint.kernels.graphs.graph import Graph
-from cutpoint.kernels.graphs.ports import Port
+from cutpoint.kernels.graphs.ports import Port, with_numbers
 
 _USUAL_WIDTH = 8
 

@@ -10,11 +10,6 @@ from cutpoint.kernels.graphs.ports import Port
 from cutpoint.kernels.graphs.precision import Precision
 
 
-def with_numbers(ports: Sequence[Port]) -> list[Port]:
-    """Those of a size above 0."""
-    return [port for port in ports if port.size]
-
-
 def around_empty_ports(
     ufunc: Callable[..., Any], precision: Precision, inputs: Sequence[Port], outputs: Sequence[Port]
 ) -> Callable[..., Any]:

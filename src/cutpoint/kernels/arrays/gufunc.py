@@ -9,12 +9,13 @@ from collections.abc import Sequence
 import numpy as np
 
 from cutpoint.errors import InputError
-from cutpoint.kernels.arrays.empty_ports import around_empty_ports, with_numbers
+from cutpoint.kernels.arrays.empty_ports import around_empty_ports
 from cutpoint.kernels.arrays.function import Whole
 from cutpoint.kernels.arrays.numpy_api import MOST_OPERANDS, new_gufunc
 from cutpoint.kernels.arrays.packs import Packs, lanes_of
 from cutpoint.kernels.arrays.whole_batches import whole_batches
 from cutpoint.kernels.graphs.graph import Graph
+from cutpoint.kernels.graphs.ports import with_numbers
 from cutpoint.kernels.machine import element
 from cutpoint.kernels.machine.batch_loop import FUNCTION, batch_loop
 from cutpoint.kernels.machine.jit import Compiled, Unwritten

@@ -2,11 +2,11 @@
 
 from collections.abc import Sequence
 
-from cutpoint.kernels.arrays.empty_ports import around_empty_ports, with_numbers
+from cutpoint.kernels.arrays.empty_ports import around_empty_ports
 from cutpoint.kernels.arrays.function import Whole
 from cutpoint.kernels.arrays.numpy_api import new_gufunc
 from cutpoint.kernels.arrays.whole_batches import whole_batches
-from cutpoint.kernels.graphs.ports import Port
+from cutpoint.kernels.graphs.ports import Port, with_numbers
 from cutpoint.kernels.graphs.precision import Precision
 from cutpoint.kernels.machine.jit import Compiled
 from cutpoint.kernels.machine.ufunc_loop import bare

@@ -10,9 +10,8 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from cutpoint.kernels.arrays.empty_ports import with_numbers
 from cutpoint.kernels.graphs.graph import Graph
-from cutpoint.kernels.graphs.ports import Port
+from cutpoint.kernels.graphs.ports import Port, with_numbers
 from cutpoint.kernels.graphs.precision import Precision
 from cutpoint.kernels.machine.forks import new_lock
 from cutpoint.kernels.machine.waiting import shown

@@ -57,6 +57,11 @@ def flatten(value: Any) -> tuple[Shape, list[Any]]:
     return (len(parts), *(shapes[0] if shapes else ())), [x for _, row in rows for x in row]
 
 
+def with_numbers(ports: Sequence[Port]) -> list[Port]:
+    """Those of a size above 0."""
+    return [port for port in ports if port.size]
+
+
 def named_parts(value: Any) -> dict[str, Any] | None:
     """The fields of a dataclass or NamedTuple instance by name; None for anything else."""
     if is_dataclass(value) and not isinstance(value, type):

@@ -12,7 +12,7 @@ from typing import Any, NamedTuple
 
 from cutpoint.kernels.graphs.graph import Graph
 from cutpoint.kernels.graphs.nodes import CONDITIONS, Node
-from cutpoint.kernels.graphs.ports import Port
+from cutpoint.kernels.graphs.ports import Port, with_numbers
 from cutpoint.kernels.graphs.precision import Precision
 from cutpoint.kernels.lowering.lower import lower
 
@@ -119,7 +119,7 @@ class Source(NamedTuple):
 
 def source_of(graph: Graph) -> Source:
     """Of a graph, as straight-line code.  All inputs are read before an output is written: they may share memory."""
-    inputs, outputs = ([p for p in ports if p.size] for ports in (graph.inputs, graph.outputs))
+    inputs, outputs = map(with_numbers, (graph.inputs, graph.outputs))
     primitive = lower(graph)
     lines = [f"(void){p.name};" for p in inputs if not _is_read(primitive, p, inputs)]
     lines += statements(primitive, _slots(inputs, by_value=True), _slots(outputs))

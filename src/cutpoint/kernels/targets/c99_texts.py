@@ -9,7 +9,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from cutpoint.kernels.graphs.ports import Port
+from cutpoint.kernels.graphs.ports import Port, with_numbers
 from cutpoint.kernels.graphs.precision import Precision
 from cutpoint.kernels.targets import c99, c_names
 
@@ -54,7 +54,7 @@ def texts(
     recorded: inputs and outputs of the check, (cases, slots) each.
     Raises InputError for names that C cannot take.
     """
-    inputs, outputs = ([p for p in ports if p.size] for ports in (source.inputs, source.outputs))
+    inputs, outputs = map(with_numbers, (source.inputs, source.outputs))
     precision = source.precision
     c_names.check_names(name, inputs, outputs)
     helpers = "".join(f"{text}\n" for text in source.helpers)

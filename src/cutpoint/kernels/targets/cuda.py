@@ -13,7 +13,7 @@ from typing import Any
 from cutpoint.errors import InputError
 from cutpoint.kernels.graphs.graph import Graph
 from cutpoint.kernels.graphs.nodes import CONDITIONS, Node
-from cutpoint.kernels.graphs.ports import Port
+from cutpoint.kernels.graphs.ports import Port, with_numbers
 from cutpoint.kernels.graphs.precision import FLOAT32, FLOAT64, Precision
 from cutpoint.kernels.lowering.lower import lower
 from cutpoint.kernels.targets import c99, c_names
@@ -83,7 +83,7 @@ def check_names(name: str, graph: Graph) -> None:
 
 def full(graph: Graph) -> tuple[list[Port], list[Port]]:
     """Inputs and outputs that hold numbers: only these are the function's arguments."""
-    inputs, outputs = ([p for p in ports if p.size] for ports in (graph.inputs, graph.outputs))
+    inputs, outputs = map(with_numbers, (graph.inputs, graph.outputs))
     return inputs, outputs
 
 

@@ -22,7 +22,7 @@ from cutpoint.kernels.arrays.packs import Packs, lanes_of
 from cutpoint.kernels.arrays.rows import as_reals, as_rows, batch_of
 from cutpoint.kernels.graphs.derivatives import jacobian_of
 from cutpoint.kernels.graphs.graph import Graph
-from cutpoint.kernels.graphs.ports import Port
+from cutpoint.kernels.graphs.ports import Port, with_numbers
 from cutpoint.kernels.graphs.precision import FLOAT64
 from cutpoint.kernels.graphs.replay import as_function
 from cutpoint.kernels.graphs.specialise import graph_of
@@ -118,7 +118,7 @@ def _merged(x: Any, moves: bool, size: int, length: int) -> Any:
 
 def _registered(graph: Graph, name: str) -> str:
     """What XLA knows the graph's machine code by."""
-    inputs, outputs = ([p for p in ports if p.size] for ports in (graph.inputs, graph.outputs))
+    inputs, outputs = map(with_numbers, (graph.inputs, graph.outputs))
     check_size(name, (*inputs, *outputs))
     check_length(name, [graph])
     target, lanes = f"cutpoint {next(_serials)}: {name}", lanes_of(graph.precision)
