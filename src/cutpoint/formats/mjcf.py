@@ -20,7 +20,18 @@ from cutpoint.errors import ModelError
 from cutpoint.formats.drives import drive_of
 from cutpoint.formats.mjcf_includes import with_includes
 from cutpoint.formats.mjcf_losses import NotCarriedOver, losses
-from cutpoint.formats.mjcf_model import BALL, FREE, HINGE, SLIDE, compiled, free, names_of, package
+from cutpoint.formats.mjcf_meshes import MeshFile, mesh_files, read_meshes
+from cutpoint.formats.mjcf_model import (
+    BALL,
+    FREE,
+    HINGE,
+    SLIDE,
+    compiled,
+    free,
+    meshes_of_inertias,
+    names_of,
+    package,
+)
 from cutpoint.formats.mjcf_text import excerpt_of
 from cutpoint.formats.reading import read_bytes
 from cutpoint.formats.safe_xml import Element, parse_xml
@@ -45,6 +56,8 @@ def load_mjcf(
 ) -> MjcfRobot:
     """The robot of an MJCF file, and of those that it includes from its own folder and below.
 
+    Of meshes it opens, there too, those that a body has its inertia from.
+
     gravity: acceleration of free fall in the world's frame, m/s2; None is the file's.
     lock: coordinates (rad or m) at which joints are held fixed, by name.
     Warns once, NotCarriedOver, of what has no counterpart here.  Several joints of a body become a chain of links
@@ -54,7 +67,7 @@ def load_mjcf(
     """
     path = Path(path)
     root = with_includes(parse_xml(read_bytes(path, MAXIMUM_BYTES), str(path)), path, MAXIMUM_BYTES)
-    return _robot(root, str(path), gravity, lock)
+    return _robot(root, str(path), gravity, lock, _meshes(root, path))
 
 
 def parse_mjcf(
@@ -65,13 +78,26 @@ def parse_mjcf(
     lock: Mapping[str, float] | None = None,
 ) -> MjcfRobot:
     """The robot of an MJCF document in memory; `place` names it in messages.  Options and errors as in `load_mjcf`;
-    it includes nothing."""
-    return _robot(parse_xml(content, place), place, gravity, lock)
+    it opens no other file."""
+    return _robot(parse_xml(content, place), place, gravity, lock, {})
 
 
-def _robot(root: Element, place: str, gravity: ArrayLike | None, lock: Mapping[str, float] | None) -> MjcfRobot:
-    excerpt = excerpt_of(root, place)
-    model, remarks = compiled(excerpt.text, place)
+def _meshes(root: Element, path: Path) -> dict[str, MeshFile]:
+    """What the file's own folder has of the meshes that inertias come from; most robots need none."""
+    files = mesh_files(root)
+    wanted = meshes_of_inertias(excerpt_of(root, str(path), {}).text, str(path)) if files else set[str]()
+    return read_meshes([file for file in files if file.name in wanted], path)
+
+
+def _robot(
+    root: Element,
+    place: str,
+    gravity: ArrayLike | None,
+    lock: Mapping[str, float] | None,
+    meshes: Mapping[str, MeshFile],
+) -> MjcfRobot:
+    excerpt = excerpt_of(root, place, meshes)
+    model, remarks = compiled(excerpt.text, place, meshes)
     tree = _Tree(model)
     for body in range(1, model.nbody):
         tree.add_body(body)

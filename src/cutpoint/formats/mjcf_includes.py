@@ -5,6 +5,7 @@ from dataclasses import replace
 from pathlib import Path
 
 from cutpoint.errors import ModelError
+from cutpoint.formats.beside import file_within
 from cutpoint.formats.reading import read_bytes
 from cutpoint.formats.safe_xml import MAXIMUM_DEPTH, Element, parse_xml
 
@@ -27,7 +28,7 @@ class _Includes:
 
     def __init__(self, path: Path, limit: int) -> None:
         self._folder, self._place, self._left = path.parent, str(path), limit
-        self._within, self._read = path.parent.resolve(), {path.resolve()}
+        self._read = {path.resolve()}
 
     def expanded(self, element: Element, depth: int = 1) -> Element:
         if depth > MAXIMUM_DEPTH:
@@ -51,27 +52,18 @@ class _Includes:
         name = include.attributes.get("file")
         if not name:
             raise self._wrong(include, '<include> names no file; give it file="..."')
-        path = self._folder / name
         try:
-            target = path.resolve()
-            if not target.is_relative_to(self._within):
-                told = f"<include> {name!r} is not within {str(self._folder)!r}, and is not read, for safety"
-                raise self._wrong(include, f"{told}; put the file there, or {_SAVED}")
-            if target in self._read:
-                raise self._wrong(include, f"<include> {name!r}: the file is part of the model already; name it once")
-            if len(self._read) > MAXIMUM_FILES:
-                raise self._wrong(
-                    include, f"more than {MAXIMUM_FILES} files are included, the most that are read; {_SAVED}"
-                )
-            if not path.exists():
-                raise self._wrong(
-                    include, f"<include> {name!r}: there is no such file in {str(self._folder)!r}; put it there"
-                )
-            self._read.add(target)
-            content = read_bytes(path, self._left)
-        except (OSError, RuntimeError) as problem:  # names that are too long, links in a circle
-            told = getattr(problem, "strerror", problem)
-            raise self._wrong(include, f"<include> {name[:80]!r} cannot be read: {told}") from problem
+            path = file_within(self._folder, name, _SAVED)
+        except ModelError as problem:
+            raise self._wrong(include, f"<include> {problem}") from problem
+        target = path.resolve()
+        if target in self._read:
+            raise self._wrong(include, f"<include> {name!r}: the file is part of the model already; name it once")
+        if len(self._read) > MAXIMUM_FILES:
+            complaint = f"more than {MAXIMUM_FILES} files are included, the most that are read; {_SAVED}"
+            raise self._wrong(include, complaint)
+        self._read.add(target)
+        content = read_bytes(path, self._left)
         self._left -= len(content)
         return _in_file(parse_xml(content, str(path)), str(path), include.at or include.line)
 

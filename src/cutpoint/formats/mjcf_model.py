@@ -1,34 +1,45 @@
 """MJCF text to MuJoCo's compiled model, by the `mujoco` package where it is installed; no file is opened.
 
-Compiling resolves defaults, angles and orientations, and finds inertias from geoms.  Geoms whose shape is not in the
-text (meshes and height fields from files) are made massless; a body that needs one for its inertia is refused.
+Compiling resolves defaults, angles and orientations, and finds inertias from geoms.  Geoms whose shape is not given
+(height fields, meshes that no inertia needs) are made massless; a body that needs one for its inertia is refused.
 """
 
 import warnings
+from collections.abc import Iterator, Mapping
 from typing import Any
 
 import numpy as np
 
 from cutpoint.errors import ModelError
+from cutpoint.formats.mjcf_meshes import INERTIAL, MeshFile
 
 FREE, BALL, SLIDE, HINGE = range(4)
 """Kinds of joints: MuJoCo's mjtJoint."""
 
 
-def compiled(text: str, place: str) -> tuple[Any, list[str]]:
-    """The mujoco.MjModel of a document, and what MuJoCo remarks on it.
+def meshes_of_inertias(text: str, place: str) -> set[str]:
+    """Names of the meshes that moving bodies have their inertia from and whose points are not in the text.
+
+    Raises as `compiled` does.
+    """
+    mujoco = package(place)
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")
+        spec = _parsed(mujoco, text, place)
+    return {geom.meshname for _, geom, counts in _without_shape(mujoco, spec) if counts and geom.meshname}
+
+
+def compiled(text: str, place: str, meshes: Mapping[str, MeshFile]) -> tuple[Any, list[str]]:
+    """The mujoco.MjModel of a document, and what MuJoCo remarks on it; meshes: by name, those that it names by alias.
 
     Raises ModelError: the package is missing, or it cannot compile the text.
     """
     mujoco = package(place)
     with warnings.catch_warnings(record=True) as said:
         warnings.simplefilter("always")
-        try:
-            spec = mujoco.MjSpec.from_string(text)
-        except Exception as problem:  # which class it raises changed with its versions
-            raise _refused(problem, place) from problem
-        present = {mesh.name for mesh in spec.meshes}
-        _leave_out_shapes(mujoco, spec, spec.worldbody, present, False, place)
+        spec = _parsed(mujoco, text, place)
+        spec.assets = {mesh.alias: mesh.content for mesh in meshes.values()}
+        _leave_out_shapes(mujoco, spec, place)
         try:
             model = spec.compile()
         except Exception as problem:
@@ -62,23 +73,40 @@ def package(place: str) -> Any:
     return mujoco
 
 
-def _leave_out_shapes(mujoco: Any, spec: Any, body: Any, present: set[str], moves: bool, place: str) -> None:
-    """Make geoms whose shape is not here massless spheres, in a body and all it carries."""
-    moves = moves or bool(len(body.joints))
-    for geom in body.geoms:
-        absent = geom.meshname and geom.meshname not in present
-        if not absent and geom.type not in (mujoco.mjtGeom.mjGEOM_HFIELD, mujoco.mjtGeom.mjGEOM_SDF):
-            continue
-        if moves and _gives_inertia(mujoco, spec, body, geom):
+def _parsed(mujoco: Any, text: str, place: str) -> Any:
+    """The mujoco.MjSpec of a document."""
+    try:
+        return mujoco.MjSpec.from_string(text)
+    except Exception as problem:  # which class it raises changed with its versions
+        raise _refused(problem, place) from problem
+
+
+def _without_shape(mujoco: Any, spec: Any) -> list[tuple[Any, Any, bool]]:
+    """Geoms whose shape is not here: the body of each, it, and whether the inertia of a moving body comes from it."""
+    present = {mesh.name for mesh in spec.meshes}
+    shapeless = (mujoco.mjtGeom.mjGEOM_HFIELD, mujoco.mjtGeom.mjGEOM_SDF)
+
+    def of(body: Any, moves: bool) -> Iterator[tuple[Any, Any, bool]]:
+        moves = moves or bool(len(body.joints))
+        for geom in body.geoms:
+            if (geom.meshname and geom.meshname not in present) or geom.type in shapeless:
+                yield body, geom, moves and _gives_inertia(mujoco, spec, body, geom)
+        for child in body.bodies:  # by `settotalmass` the mass of each scales all others
+            yield from of(child, moves or spec.compiler.settotalmass > 0.0)
+
+    return list(of(spec.worldbody, False))
+
+
+def _leave_out_shapes(mujoco: Any, spec: Any, place: str) -> None:
+    """Make geoms whose shape is not here massless spheres."""
+    for body, geom, gives_inertia in _without_shape(mujoco, spec):
+        if gives_inertia:
             told = f"body {body.name!r}" if body.name else "a body without a name"
             complaint = "its inertia would come from a shape that is not in this file"
-            remedy = "give it an <inertial>; MuJoCo writes one where its MjSpec.compiler.saveinertial is true"
             line = f":{body.info.removeprefix('line ')}" if body.info else ""
-            raise ModelError(f"{told}: {complaint}; {remedy}", place=f"{place}{line}", body=body.name)
+            raise ModelError(f"{told}: {complaint}; give it {INERTIAL}", place=f"{place}{line}", body=body.name)
         geom.type, geom.meshname, geom.hfieldname = mujoco.mjtGeom.mjGEOM_SPHERE, "", ""
         geom.size, geom.mass = [1.0, 0.0, 0.0], 0.0
-    for child in body.bodies:  # by `settotalmass` the mass of each scales all others
-        _leave_out_shapes(mujoco, spec, child, present, moves or spec.compiler.settotalmass > 0.0, place)
 
 
 def _switch_off(mujoco: Any, model: Any) -> None:

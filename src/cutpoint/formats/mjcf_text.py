@@ -1,15 +1,19 @@
 """Of an MJCF document what dynamics needs, written anew, so that MuJoCo opens no file and sees nothing else.
 
+Meshes in files are kept only where their contents come along, under names that are no paths.
+
 Elements are kept by name and place; whatever is not known by name is left out and counted.  What would change the tree
 of bodies by bringing in other text is refused.
 """
 
 import re
 from collections import Counter
+from collections.abc import Mapping
 from dataclasses import dataclass, field
 from xml.sax.saxutils import quoteattr
 
 from cutpoint.errors import ModelError
+from cutpoint.formats.mjcf_meshes import MeshFile, name_of
 from cutpoint.formats.safe_xml import Element
 
 MAXIMUM_PIECES = 40_000
@@ -38,7 +42,7 @@ LEFT_OUT = {
 }
 """Attributes that name or choose what is left out anyway; fused bodies would lose their names."""
 
-OF_A_MESH = {"name", "class", "vertex", "face", "scale", "refpos", "refquat", "inertia"}
+OF_A_MESH = {"name", "class", "vertex", "face", "scale", "refpos", "refquat", "inertia", "maxhullvert"}
 """Others make MuJoCo build shapes by itself, of any size."""
 
 WITHOUT_EFFECT = {
@@ -54,6 +58,7 @@ OTHER_TEXT = ("attach", "composite", "flexcomp", "replicate")
 class Excerpt:
     """The kept document, each element on its line, and how many elements of which kind were left out."""
 
+    meshes: Mapping[str, MeshFile]
     pieces: list[str] = field(default_factory=list[str])
     left_out: Counter[str] = field(default_factory=Counter[str])
     line: int = 1
@@ -70,15 +75,18 @@ class Excerpt:
         self.pieces.append("\n" * lines + f"<{element.tag}{stated}>")
 
 
-def excerpt_of(root: Element, place: str) -> Excerpt:
-    """Raises ModelError: no MJCF, elements that bring in other text, too many elements."""
+def excerpt_of(root: Element, place: str, meshes: Mapping[str, MeshFile]) -> Excerpt:
+    """meshes: those whose files were read, by name.
+
+    Raises ModelError: no MJCF, elements that bring in other text, too many elements.
+    """
     if root.tag != "mujoco":
         other = {"robot": " (a URDF file; its ending is .urdf)", "sdf": " (an SDF file)"}.get(root.tag, "")
         raise ModelError(
             f"the root element of an MJCF file is <mujoco>, got <{root.tag}>{other}", place=root.where(place)
         )
     _refuse_other_text(root, place)
-    excerpt = Excerpt()
+    excerpt = Excerpt(meshes)
     _copy(root, excerpt, place)
     return excerpt
 
@@ -106,18 +114,20 @@ def _copy(element: Element, excerpt: Excerpt, place: str) -> None:
     for name, value in kept.items():
         if NOT_A_NUMBER.search(value):
             raise ModelError(f"<{element.tag}> {name} {value!r} must not hold nan", place=element.where(place))
+    if element.tag == "mesh" and (mesh := excerpt.meshes.get(name_of(element))):
+        kept |= {"name": name_of(element), "file": mesh.alias}
     excerpt.write(element, kept)
     for child in element.children:
-        if _is_kept(child, element):
+        if _is_kept(child, element, excerpt.meshes):
             _copy(child, excerpt, place)
         else:
             _count(child, element, excerpt.left_out)
     excerpt.pieces.append(f"</{element.tag}>")
 
 
-def _is_kept(child: Element, parent: Element) -> bool:
-    """A mesh only if its points stand in the file."""
-    shape_is_elsewhere = parent.tag == "asset" and "vertex" not in child.attributes
+def _is_kept(child: Element, parent: Element, meshes: Mapping[str, MeshFile]) -> bool:
+    """A mesh only if its points stand in the document, or come along."""
+    shape_is_elsewhere = parent.tag == "asset" and "vertex" not in child.attributes and name_of(child) not in meshes
     return child.tag in KEPT.get(parent.tag, ()) and not shape_is_elsewhere
 
 

@@ -1,0 +1,26 @@
+"""Files that another file names: those in its folder and below, wherever links lead."""
+
+from pathlib import Path
+
+from cutpoint.errors import ModelError
+
+
+def file_within(folder: Path, name: str, otherwise: str) -> Path:
+    """The path of a file that is named relative to a folder.
+
+    otherwise: what a user can do who keeps the file elsewhere.
+    Raises ModelError, without a place: it is not there, or not within the folder.
+    """
+    path = folder / name
+    try:
+        if not path.resolve().is_relative_to(folder.resolve()):
+            told = f"{name!r} is not within {str(folder)!r}, and is not read, for safety"
+            raise ModelError(f"{told}; put the file there, or {otherwise}", file=name)
+        if not path.exists():
+            raise ModelError(f"{name!r}: there is no such file in {str(folder)!r}; put it there", file=name)
+    except (OSError, RuntimeError, ValueError) as problem:  # names that are too long, links in a circle
+        if isinstance(problem, ModelError):
+            raise
+        told = getattr(problem, "strerror", problem)
+        raise ModelError(f"{name[:80]!r} cannot be read: {told}", file=name) from problem
+    return path
