@@ -79,21 +79,7 @@ def two_encoders(
         InputError: shapes, an unknown law, too few samples, or channels that do not move.
     """
     unknowns = dict(torque_unknowns or {})
-    shares = [] if transmission is None else [transmission]
-    angle, link, load, *others = _known(theta, q, joint_torque, *unknowns.values(), *shares)
-    data = Deflections(
-        angle - link,
-        angle,
-        load,
-        period,
-        ratio,
-        _resolution(angle, link, resolution),
-        cutoff=min(WIDER * noise_cutoff(angle - link, period, otherwise=0.4 / period), 0.4 / period),
-        corrections=np.column_stack([np.empty((load.size, 0)), *others[: len(unknowns)]]),
-        noise=noise,
-        band=band,
-        transmission=others[-1] if shares else None,
-    )
+    data = _deflections(theta, q, joint_torque, period, ratio, resolution, unknowns, noise, band, transmission)
     turns = abs(ratio) * float(np.ptp(data.theta)) / (2.0 * np.pi)
     tried = orders if orders is not None else range(1, HIGHEST_ORDER + 1) if turns >= FEWEST_TURNS else ()
     offered = OFFERED if hysteresis else (0,)
@@ -107,6 +93,36 @@ def two_encoders(
     if is_another and _is_as_good(data, as_stated(stated), rivals[offered[-1]], kept, offered[-1], damping):
         found = replace(found, unidentifiable={"stiffness": AS_STATED, **found.unidentifiable})
     return found
+
+
+def _deflections(
+    theta: ArrayLike,
+    q: ArrayLike,
+    joint_torque: ArrayLike,
+    period: float,
+    ratio: float,
+    resolution: float | None,
+    unknowns: Mapping[str, Array],
+    noise: float,
+    band: float | None,
+    transmission: Array | None,
+) -> Deflections:
+    """The channels of `two_encoders` at the samples at which all are known."""
+    shares = [] if transmission is None else [transmission]
+    angle, link, load, *others = _known(theta, q, joint_torque, *unknowns.values(), *shares)
+    return Deflections(
+        angle - link,
+        angle,
+        load,
+        period,
+        ratio,
+        _resolution(angle, link, resolution),
+        cutoff=min(WIDER * noise_cutoff(angle - link, period, otherwise=0.4 / period), 0.4 / period),
+        corrections=np.column_stack([np.empty((load.size, 0)), *others[: len(unknowns)]]),
+        noise=noise,
+        band=band,
+        transmission=others[-1] if shares else None,
+    )
 
 
 def smallest_step(values: Array) -> float:
