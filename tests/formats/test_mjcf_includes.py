@@ -1,17 +1,12 @@
 """MJCF files that include others: the robot is that of one file that holds all; nothing leaves the folder."""
 
 import re
-import warnings
 from pathlib import Path
 
-import mujoco
-import numpy as np
 import pytest
+from beside_mujoco import assert_torques_are_mujocos, read
 
-import cutpoint
-from cutpoint import Robot
 from cutpoint.errors import ModelError
-from cutpoint.formats import NotCarriedOver
 from cutpoint.formats.mjcf_includes import MAXIMUM_FILES
 
 SCENE = """<mujoco model="scene">
@@ -43,21 +38,11 @@ def folder(at: Path, **changes: str | None) -> Path:
     return at / "scene.xml"
 
 
-def read(path: Path) -> Robot:
-    with warnings.catch_warnings():
-        warnings.simplefilter("ignore", NotCarriedOver)
-        return cutpoint.load(path)
-
-
 def test_it_is_the_robot_that_mujoco_reads(tmp_path: Path) -> None:
     path = folder(tmp_path)
-    robot, model = read(path), mujoco.MjModel.from_xml_path(str(path))
+    robot = read(path)
     assert robot.name == "scene" and [*robot.joints] == ["shoulder", "elbow"]
-    data = mujoco.MjData(model)
-    for row in np.random.default_rng(0).normal(size=(20, 3, 2)):
-        data.qpos[:], data.qvel[:], data.qacc[:] = row
-        mujoco.mj_inverse(model, data)
-        np.testing.assert_allclose(robot.inverse_dynamics(*row), data.qfrc_inverse, rtol=1e-10, atol=1e-12)
+    assert_torques_are_mujocos(robot, path)
 
 
 ARM, LIMB = '<mujoco><include file="{}"/></mujoco>', '<mujoco><body name="x"><geom size="0.1" {}/></body></mujoco>'

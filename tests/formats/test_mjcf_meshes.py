@@ -1,17 +1,14 @@
 """Bodies whose inertia comes from meshes in files: the robot that MuJoCo reads; no other file is opened."""
 
 import re
-import warnings
 from pathlib import Path
 
-import mujoco
 import numpy as np
 import pytest
+from beside_mujoco import assert_torques_are_mujocos, read
 
-import cutpoint
-from cutpoint import Robot
 from cutpoint.errors import ModelError
-from cutpoint.formats import NotCarriedOver, mjcf_meshes
+from cutpoint.formats import mjcf_meshes
 
 CORNERS = np.array([[0.0, 0.0, 0.0], [0.3, 0.0, 0.0], [0.1, 0.2, 0.0], [0.05, 0.1, 0.5]])
 FACES = np.array([[0, 2, 1], [0, 1, 3], [1, 2, 3], [2, 0, 3]])
@@ -73,27 +70,16 @@ def written(folder: Path, text: str, files: dict[str, bytes]) -> Path:
     return folder / "arm.xml"
 
 
-def read(path: Path) -> Robot:
-    with warnings.catch_warnings():
-        warnings.simplefilter("ignore", NotCarriedOver)
-        return cutpoint.load(path)
-
-
-def agrees(path: Path, robot: Robot) -> None:
+def assert_it_is_mujocos(path: Path) -> None:
+    robot = read(path)
     for shape in [*path.parent.rglob("[uU]*.*")]:
         (shape.parent / "nowhere.stl").write_bytes(stl())  # MuJoCo opens it
-    model = mujoco.MjModel.from_xml_path(str(path))
-    data = mujoco.MjData(model)
-    for row in np.random.default_rng(0).normal(size=(5, 3, model.nv)):
-        data.qpos[:], data.qvel[:], data.qacc[:] = row
-        mujoco.mj_inverse(model, data)
-        np.testing.assert_allclose(robot.inverse_dynamics(*row), data.qfrc_inverse, rtol=1e-10, atol=1e-12)
+    assert_torques_are_mujocos(robot, path)
 
 
 @pytest.mark.parametrize("case", ROBOTS)
 def test_it_is_the_robot_that_mujoco_reads(case: str, tmp_path: Path) -> None:
-    path = written(tmp_path, *ROBOTS[case])
-    agrees(path, read(path))
+    assert_it_is_mujocos(written(tmp_path, *ROBOTS[case]))
 
 
 def test_a_mesh_of_an_included_file_is_beside_the_first(tmp_path: Path) -> None:
@@ -101,8 +87,7 @@ def test_a_mesh_of_an_included_file_is_beside_the_first(tmp_path: Path) -> None:
     assets = re.search("<asset>.*</asset>", whole)
     assert assets
     files = {"parts/assets.xml": f"<mujoco>{assets[0]}</mujoco>".encode(), "upper.stl": stl()}
-    path = written(tmp_path, whole.replace(assets[0], '<include file="parts/assets.xml"/>'), files)
-    agrees(path, read(path))
+    assert_it_is_mujocos(written(tmp_path, whole.replace(assets[0], '<include file="parts/assets.xml"/>'), files))
 
 
 REFUSED: dict[str, tuple[str, dict[str, bytes], str]] = {
@@ -122,8 +107,8 @@ REFUSED: dict[str, tuple[str, dict[str, bytes], str]] = {
         "'upper.dae' is none of .stl, .obj, .msh; give its bodies an <inertial>",
     ),
     "cut short": (
-        arm(), {"upper.stl": stl()[:-20]},
-        "MuJoCo cannot compile this file: ",
+        arm(compiler='meshdir="shapes"'), {"shapes/upper.stl": stl()[:-20]},
+        "MuJoCo cannot compile this file: Error: stl_decoder: STL file 'shapes/upper.stl' has wrong size",
     ),
     "a folder": (arm(), {"upper.stl/x": b"x"}, "is a directory; give the path of a file"),
 }  # fmt: skip

@@ -97,7 +97,7 @@ def _robot(
     meshes: Mapping[str, MeshFile],
 ) -> MjcfRobot:
     excerpt = excerpt_of(root, place, meshes)
-    model, remarks = compiled(excerpt.text, place, meshes)
+    model, remarks = compiled(excerpt.text, place, meshes.values())
     tree = _Tree(model)
     for body in range(1, model.nbody):
         tree.add_body(body)

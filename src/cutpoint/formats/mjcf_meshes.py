@@ -18,9 +18,10 @@ INERTIAL = "an <inertial>; MuJoCo writes one where its MjSpec.compiler.saveinert
 
 
 class MeshFile(NamedTuple):
-    """A mesh's points as MuJoCo gets them: under a name of ours, which is no path."""
+    """A mesh's points as MuJoCo gets them: under a name of ours, which is no path; file: the user's."""
 
     alias: str
+    file: str
     content: bytes
 
 
@@ -66,7 +67,7 @@ def read_meshes(meshes: Iterable[MeshElement], path: Path) -> dict[str, MeshFile
         except ModelError as problem:
             complaint = f"mesh {name!r}, from which a body has its inertia: {problem}"
             raise ModelError(complaint, place=element.where(str(path)), mesh=name, file=file) from problem
-        contents[name] = MeshFile(f"{len(contents)}{PurePosixPath(file).suffix.lower()}", content)
+        contents[name] = MeshFile(f"{len(contents)}{PurePosixPath(file).suffix.lower()}", file, content)
         left -= len(content)
     return contents
 

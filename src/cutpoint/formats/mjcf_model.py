@@ -5,7 +5,7 @@ Compiling resolves defaults, angles and orientations, and finds inertias from ge
 """
 
 import warnings
-from collections.abc import Iterator, Mapping
+from collections.abc import Collection, Iterator
 from typing import Any
 
 import numpy as np
@@ -29,8 +29,8 @@ def meshes_of_inertias(text: str, place: str) -> set[str]:
     return {geom.meshname for _, geom, counts in _without_shape(mujoco, spec) if counts and geom.meshname}
 
 
-def compiled(text: str, place: str, meshes: Mapping[str, MeshFile]) -> tuple[Any, list[str]]:
-    """The mujoco.MjModel of a document, and what MuJoCo remarks on it; meshes: by name, those that it names by alias.
+def compiled(text: str, place: str, meshes: Collection[MeshFile]) -> tuple[Any, list[str]]:
+    """The mujoco.MjModel of a document, and what MuJoCo remarks on it; meshes: those that it names by their aliases.
 
     Raises ModelError: the package is missing, or it cannot compile the text.
     """
@@ -38,14 +38,14 @@ def compiled(text: str, place: str, meshes: Mapping[str, MeshFile]) -> tuple[Any
     with warnings.catch_warnings(record=True) as said:
         warnings.simplefilter("always")
         spec = _parsed(mujoco, text, place)
-        spec.assets = {mesh.alias: mesh.content for mesh in meshes.values()}
+        spec.assets = {mesh.alias: mesh.content for mesh in meshes}
         _leave_out_shapes(mujoco, spec, place)
         try:
             model = spec.compile()
         except Exception as problem:
-            raise _refused(problem, place) from problem
+            raise _refused(problem, place, meshes) from problem
     _switch_off(mujoco, model)
-    return model, [" ".join(str(each.message).split()) for each in said]
+    return model, [_in_a_line(each.message, meshes) for each in said]
 
 
 def names_of(model: Any, kind: str) -> list[str]:
@@ -131,5 +131,13 @@ def _gives_inertia(mujoco: Any, spec: Any, body: Any, geom: Any) -> bool:
     return inferred and not weightless and first <= geom.group <= last
 
 
-def _refused(problem: Exception, place: str) -> ModelError:
-    return ModelError(f"MuJoCo cannot compile this file: {' '.join(str(problem).split())}", place=place)
+def _refused(problem: Exception, place: str, meshes: Collection[MeshFile] = ()) -> ModelError:
+    return ModelError(f"MuJoCo cannot compile this file: {_in_a_line(problem, meshes)}", place=place)
+
+
+def _in_a_line(said: Any, meshes: Collection[MeshFile]) -> str:
+    """What MuJoCo says, with the user's names of files."""
+    words = " ".join(str(said).split())
+    for mesh in meshes:
+        words = words.replace(f"'{mesh.alias}'", f"'{mesh.file}'")
+    return words
