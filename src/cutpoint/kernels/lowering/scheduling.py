@@ -7,9 +7,10 @@ it was measured to save 10 to 30 % of the time of an arm's dynamics, in lanes an
 """
 
 from bisect import insort
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from functools import cached_property
+from itertools import count
 
 from cutpoint.kernels.graphs.graph import Graph
 from cutpoint.kernels.graphs.nodes import Node
@@ -26,9 +27,13 @@ _MOST_NODES = 2**12
 """Longer code waits for its own instructions, from memory, more than for operands: it stays depth first."""
 
 _OPERATIONS_A_STORE = 3
-"""Where side by side there are fewer, stores are waited for: in depth-first order they come at all times.
+"""Where there are fewer, stores are waited for: see `waits_for_stores`."""
 
-Measured for an arm's regressor in batches of 1 MB: 10 to 20 % less time.
+_FEW_AHEAD = 32
+"""Operations in depth-first order, from the first that has not begun, among which the next is then sought.
+
+They let results go at all times, and hold few numbers.  Measured for an arm's regressor in batches of 1 MB: 10 to 20 %
+less time in lanes, by depth-first order alone; 10 to 20 % less in calls one by one, by these.
 """
 
 
@@ -40,7 +45,10 @@ class Scheduled(Graph):
     def nodes(self) -> tuple[Node, ...]:
         """The nodes that the results need: operands before users."""
         nodes = super().nodes
-        return tuple(nodes[k] for k in _Schedule(nodes).order()) if len(nodes) <= _MOST_NODES else nodes
+        if len(nodes) > _MOST_NODES:
+            return nodes
+        ahead = _FEW_AHEAD if waits_for_stores(nodes, self.results) else len(nodes)
+        return tuple(nodes[k] for k in _Schedule(nodes).order(ahead))
 
 
 def scheduled(graph: Graph) -> Scheduled:
@@ -53,9 +61,9 @@ def depth_first(graph: Graph) -> Graph:
     return Graph(graph.inputs, graph.outputs, graph.results, graph.precision)
 
 
-def as_stored(graph: Graph) -> Graph:
-    """The same graph as lanes are best written: in the order of its results if there are many for the operations."""
-    return depth_first(graph) if len(graph.nodes) < _OPERATIONS_A_STORE * len(graph.results) else graph
+def waits_for_stores(nodes: Sequence[Node], results: Sequence[object]) -> bool:
+    """Whether storing a lowered graph's results takes longer than computing them."""
+    return len(nodes) < _OPERATIONS_A_STORE * len(results)
 
 
 class _Schedule:
@@ -90,25 +98,34 @@ class _Schedule:
             ranks[k] = rank
         return ranks
 
-    def order(self) -> list[int]:
-        ready = sorted((k for k, missing in enumerate(self._missing) if not missing), key=self._rank.__getitem__)
+    def order(self, ahead: int) -> list[int]:
+        """ahead: how many are looked at from the first, in depth-first order, that has not begun."""
         order: list[int] = []
-        slot = held = 0
+        ready: list[int] = []
+        slot = held = first = seen = 0
         there, rank, growth = self._there, self._rank, self._growth
-        while ready:
-            cycle, first = slot // _AT_ONCE, ready[:_LOOKED_AT]
+        while len(order) < len(there):
+            first = next(k for k in count(first) if k not in self._begun)
+            end = min(first + ahead, len(there))
+            self._join(ready, range(seen, end))
+            seen, cycle, looked_at = end, slot // _AT_ONCE, ready[:_LOOKED_AT]
             if held < _REGISTERS:
-                k = min(first, key=lambda k: (there[k] > cycle, rank[k]))
+                k = min(looked_at, key=lambda k: (there[k] > cycle, rank[k]))
             else:
-                k = min(first, key=lambda k: (growth[k], there[k], rank[k]))
+                k = min(looked_at, key=lambda k: (growth[k], there[k], rank[k]))
             slot = max(slot, there[k] * _AT_ONCE)
             ready.remove(k)
             order.append(k)
             held += growth[k]
-            for user in self._begin(k, slot // _AT_ONCE):
-                insort(ready, user, key=rank.__getitem__)
+            self._join(ready, (user for user in self._begin(k, slot // _AT_ONCE) if user < seen))
             slot += 1
         return order
+
+    def _join(self, ready: list[int], others: Iterable[int]) -> None:
+        """Those of them that have all their operands."""
+        for k in others:
+            if not self._missing[k]:
+                insort(ready, k, key=self._rank.__getitem__)
 
     def _begin(self, k: int, cycle: int) -> list[int]:
         """What has now all its operands."""

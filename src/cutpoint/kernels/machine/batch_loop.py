@@ -13,7 +13,7 @@ from cutpoint.kernels.graphs.precision import Precision
 from cutpoint.kernels.machine import element
 from cutpoint.kernels.machine.lane_memory import row_lengths
 from cutpoint.kernels.machine.llvm import Lanes
-from cutpoint.kernels.machine.llvm_code import Code
+from cutpoint.kernels.machine.llvm_code import PREFETCH, Code
 from cutpoint.kernels.machine.ufunc_loop import ufunc_loop
 
 FUNCTION = "batch_loop"
@@ -80,7 +80,7 @@ def batch_loop(graph: Graph, inputs: Sequence[Port], outputs: Sequence[Port], la
         for argument in arguments:
             argument.advance(code, index)
         _one(code, arguments[: len(inputs)], arguments[len(inputs) :], tidy)
-    head = "".join(Lanes(x, graph.precision).declarations for x in (1, lanes)) + _MEMSET
+    head = "".join(Lanes(x, graph.precision).declarations for x in (1, lanes)) + _MEMSET + PREFETCH
     return element.element(graph, inputs, outputs, lanes) + head + ufunc_loop(FUNCTION, code)
 
 

@@ -7,7 +7,6 @@ from collections.abc import Sequence
 
 from cutpoint.kernels.graphs.graph import Graph
 from cutpoint.kernels.graphs.ports import Port
-from cutpoint.kernels.lowering.scheduling import as_stored
 from cutpoint.kernels.machine.llvm import Lanes, straight_line
 from cutpoint.kernels.machine.llvm_code import PREFETCH, Code, in_turn
 from cutpoint.kernels.machine.tuning import for_blocks
@@ -39,7 +38,7 @@ def block_loop(graph: Graph, inputs: Sequence[Port], outputs: Sequence[Port], wi
 
     The ports are the graph's own.  An output may be an input: results wait in scratch memory then.
     """
-    code, lanes, graph = Code(), Lanes(width, graph.precision), as_stored(graph)
+    code, lanes = Code(), Lanes(width, graph.precision)
     scratch = [code.let(f"alloca {lanes.real}, i64 {port.size}") for port in outputs]
     arguments = [_Memory(code, number) for number in range(len(inputs) + len(outputs))]
     sources, targets = arguments[: len(inputs)], arguments[len(inputs) :]

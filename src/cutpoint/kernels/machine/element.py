@@ -10,7 +10,7 @@ from cutpoint.kernels.graphs.ports import Port
 from cutpoint.kernels.lowering.side_by_side import side_by_side
 from cutpoint.kernels.machine.llvm import Lanes, StraightLine, straight_line
 from cutpoint.kernels.machine.llvm_code import Code
-from cutpoint.kernels.machine.tuning import for_divisions, for_one_element
+from cutpoint.kernels.machine.tuning import claims_results, for_divisions, for_one_element
 
 FUNCTION = "element"
 
@@ -25,7 +25,11 @@ def element(graph: Graph, inputs: Sequence[Port], outputs: Sequence[Port], width
     lanes, wide = (Lanes(x, graph.precision) for x in (1, width))
     memory = [f"%argument{k}" for k in range(count)]
     read, write = _slots(inputs, memory), _slots(outputs, memory[len(inputs) :])
-    _constants(code, parts.rest, lanes, dict(zip(memory[len(inputs) :], outputs, strict=True)))
+    places = dict(zip(memory[len(inputs) :], outputs, strict=True))
+    if claims_results(parts.rest):
+        for pointer, port in places.items():
+            code.claim(pointer, port.size * graph.precision.item)
+    _constants(code, parts.rest, lanes, places)
     in_vectors: dict[int, tuple[str, int]] = {}
 
     def load(slot: int) -> str:

@@ -1,7 +1,7 @@
 """Lines of an LLVM function under way: names, memory, counted loops."""
 
 import struct
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass, field
 
@@ -93,8 +93,16 @@ class Code:
 
     def ask(self, pointer: str, size: int) -> None:
         """Asks memory for what lies AHEAD of a pointer, so many bytes: nobody waits for it yet."""
-        for offset in range(AHEAD, AHEAD + size, LINE):
-            self.lines.append(f"call void @llvm.prefetch.p0(ptr {self.at(pointer, offset, 'i8')}, i32 0, i32 3, i32 1)")
+        self._prefetch(pointer, range(AHEAD, AHEAD + size, LINE), to_write=False)
+
+    def claim(self, pointer: str, size: int) -> None:
+        """Asks memory for so many bytes that will be written: their stores need not wait for it then."""
+        self._prefetch(pointer, range(0, size, LINE), to_write=True)
+
+    def _prefetch(self, pointer: str, offsets: Iterable[int], *, to_write: bool) -> None:
+        for offset in offsets:
+            line = f"ptr {self.at(pointer, offset, 'i8')}, i32 {int(to_write)}, i32 3, i32 1"
+            self.lines.append(f"call void @llvm.prefetch.p0({line})")
 
     @contextmanager
     def where(self, condition: str) -> Iterator[None]:

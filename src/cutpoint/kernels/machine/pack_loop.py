@@ -9,7 +9,6 @@ from collections.abc import Sequence
 from cutpoint.kernels.graphs.algebra import Operand
 from cutpoint.kernels.graphs.graph import Graph
 from cutpoint.kernels.graphs.ports import Port
-from cutpoint.kernels.lowering.scheduling import as_stored
 from cutpoint.kernels.machine.llvm import Lanes, straight_line
 from cutpoint.kernels.machine.llvm_code import ON_LINES, PREFETCH, Code, in_turn
 from cutpoint.kernels.machine.transposition import blocks, constants_to_rows, lanes_of_rows, lanes_to_rows
@@ -105,7 +104,7 @@ class _Target(_Rows):
 
 def pack_loop(graph: Graph, inputs: Sequence[Port], outputs: Sequence[Port], width: int) -> str:
     """The module's text: void pack_loop(char **arguments, i64 *steps, i64 packs), steps in bytes; C-contiguous rows."""
-    code, lanes, graph = Code(), Lanes(width, graph.precision), as_stored(graph)
+    code, lanes = Code(), Lanes(width, graph.precision)
     sources = [_Source(code, lanes, port, number) for number, port in enumerate(inputs)]
     targets = [
         _Target(code, lanes, port, number, graph.output(port.name)) for number, port in enumerate(outputs, len(inputs))
