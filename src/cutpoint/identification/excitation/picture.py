@@ -40,6 +40,8 @@ def figure_of(robot: Robot, trajectory: FourierSeries, limits: Sequence[Use]) ->
             axis.set_title(f"{name}: {title}", loc="left", fontsize="medium", parse_math=False)
     for axis in axes[-1]:
         axis.set_xlabel("time [s]")
+    if limited := next((x for x in axes.flat if len(x.lines) > 1), None):
+        figure.legend(limited.lines[:2], ["excitation", "limit"], loc="outside upper right", ncols=2)
     return figure
 
 

@@ -70,13 +70,15 @@ def loop_picture(robot: Robot, drives: DriveEstimates, found: Mapping[str, Bendi
     for axes, (joint, each) in zip(panels, found.items(), strict=True):
         some, known = thinned(each.torque.size), each.torque[np.isfinite(each.torque)]
         # wider and paler than the law on top of it, which may hide it else
-        axes.plot(1e3 * each.deflection[some], each.torque[some], color=MOTOR, linewidth=2.4, alpha=0.4)
+        axes.plot(1e3 * each.deflection[some], each.torque[some], color=MOTOR, linewidth=2.4, alpha=0.4, label="log")
         if known.size:
             torque = np.linspace(known.min(), known.max(), 100)
             law: Any = _law(drives.joints[joint])
-            axes.plot(1e3 * np.asarray(law.deflection(torque)), torque, color=SPRING, linewidth=0.8)
+            axes.plot(1e3 * np.asarray(law.deflection(torque)), torque, color=SPRING, linewidth=0.8, label="spring")
         titled(axes, f"{joint}: torque [{forces[joint]}]")
         axes.set_xlabel(f"deflection [{ways[joint]}]")
+    if panels:
+        figure.legend(*panels[0].get_legend_handles_labels(), loc="outside upper right", ncols=2)
     return figure
 
 

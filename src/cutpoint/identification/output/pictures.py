@@ -54,8 +54,9 @@ def residual_picture(errors: TorqueErrors, robot: Robot) -> Figure:
     some = thinned(errors.time.size)
     for j, joint in enumerate(joints):
         for axes, (label, values) in zip(grid[j], against, strict=True):
-            for part, color in ((~errors.held_out[some], MOTOR), (errors.held_out[some], LINK)):
-                axes.plot(values[some, j][part], residual[some, j][part], ".", color=color, markersize=1.5)
+            held_out = errors.held_out[some]
+            for part, color, told in ((~held_out, MOTOR, "fitted"), (held_out, LINK, "held out")):
+                axes.plot(values[some, j][part], residual[some, j][part], ".", color=color, markersize=1.5, label=told)
             if j == len(joints) - 1:
                 axes.set_xlabel(label)
         titled(grid[j, 0], f"{joint}: residual [{units[joint]}]")
@@ -63,6 +64,8 @@ def residual_picture(errors: TorqueErrors, robot: Robot) -> Figure:
         if reach.size and reach.any():
             top = 1.1 * float(np.percentile(reach, LARGEST_PART))
             grid[j, 0].set_ylim(-top, top)
+    handles, names = grid[0, 0].get_legend_handles_labels()
+    figure.legend(handles, names, loc="outside upper right", ncols=2, markerscale=6)
     return figure
 
 
