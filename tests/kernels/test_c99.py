@@ -190,6 +190,12 @@ def test_names_that_c_cannot_take_are_refused(name: str, argument: str, tmp_path
     assert not [*tmp_path.iterdir()]
 
 
+def test_what_gives_no_numbers_is_not_exported(tmp_path: Path) -> None:
+    with pytest.raises(InputError, match=r"^nothing: it gives no numbers"):
+        compile(lambda x: [], name="nothing", x=2).to_c(tmp_path)
+    assert not [*tmp_path.iterdir()]
+
+
 OF_THE_LIBRARY = [
     "sin", "sinf", "fmal", "main", "memcpy", "y0", "exp", "log", "pow", "hypot", "round", "floor", "copysign", "gamma",
     "div", "abs", "system", "random", "cabs", "isnan", "strcmp", "fopen", "snprintf", "clock", "size_t", "test", "std",

@@ -93,7 +93,7 @@ def test_arrays_of_traced_numbers_are_compared_as_objects() -> None:
         return [where(c, 1.0, 0.0) for c in np.greater(np.array(q), np.ones(2), dtype=object)]
 
     assert compile(above, q=2)([0.0, 2.0]).tolist() == [0.0, 1.0]
-    with pytest.raises(TraceError, match=r"of arrays np\.less"):
+    with pytest.raises(TraceError, match=r"of arrays element by element, or np\.less"):
         graph_of(lambda q: [*(np.array(q) < np.ones(2))], q=2)
 
 
@@ -147,9 +147,55 @@ def test_what_cannot_be_compiled_points_at_the_users_line(case: str) -> None:
     assert remedy in str(caught.value) and caught.value.place in str(caught.value)
 
 
-def test_what_numpy_cannot_compute_is_named() -> None:
-    with pytest.raises(TraceError, match=r"^inv: NumPy cannot compute this with traced numbers \(.*\); write it out"):
-        graph_of(np.linalg.inv, a=(2, 2))
+@pytest.mark.parametrize(
+    "function",
+    [
+        np.linalg.inv,
+        lambda a: np.arcsin(np.array(a)),
+        lambda a: np.hypot(np.array(a), 1.0),
+        lambda a: np.std(np.array(a)),
+        lambda a: np.isnan(np.array(a)),
+        lambda a: (a[0][0] < 1) ^ (a[1][1] < 1),
+        lambda a: np.logical_and(a[0][0] < 1, a[1][1] < 1),
+    ],
+)
+def test_what_numpy_or_python_cannot_compute_is_named(function: Callable[..., Any]) -> None:
+    with pytest.raises(TraceError, match=r"^\w+: this cannot be computed with traced numbers \(.*\); write it out"):
+        graph_of(function, a=(2, 2))
+
+
+def test_errors_of_a_users_own_stay_as_they_are() -> None:
+    with pytest.raises(TypeError, match="can only concatenate list"):
+        graph_of(lambda x: x + 1, x=3)
+
+
+def known(x: Any) -> Any:
+    """Conditions that are known when traced, which Python's ~, & and | make whole numbers of."""
+    yes, no = ~(x < x), ~(x - x < 1)
+    outcomes = [where(c, 1, 0) for c in (yes, no, yes & no, yes | no, ~yes, ~no, no | True, yes & True)]
+    return [*outcomes, where((x < 0) | yes, 1, 0), where((x < 0) & no, 1, 0), where((x < 5) & yes, x, 7)]
+
+
+@pytest.mark.filterwarnings("ignore:Bitwise inversion")
+@pytest.mark.parametrize("backend", ["llvm", "numpy"])
+def test_conditions_that_are_known_hold_or_do_not(backend: str) -> None:
+    assert compile(known, backend=backend, x=())(3.0).tolist() == [1, 0, 0, 1, 0, 1, 1, 1, 1, 0, 3.0]
+
+
+def test_a_whole_number_is_no_condition() -> None:
+    with pytest.raises(TraceError, match="condition of where must be a comparison, not a int"):
+        graph_of(lambda x: where(2, x, 0.0), x=())
+
+
+@pytest.mark.parametrize("one", [lambda x: np.array(x), lambda x: np.squeeze(np.array([x])), lambda x: np.array(2.0)])
+def test_arrays_without_axes_are_numbers(one: Callable[..., Any]) -> None:
+    assert compile(one, x=())(np.array(2.0)).shape == ()
+    assert graph_of(one, x=()).outputs[0].shape == ()
+
+
+def test_numpys_arctan_of_arrays_is_ours() -> None:
+    found = compile(lambda x: [np.arctan(np.array(x)), atan(np.array(x))], x=3)([0.0, 1.0, -2.0])
+    np.testing.assert_allclose(found, np.arctan([[0.0, 1.0, -2.0]] * 2), rtol=1e-15)
 
 
 @pytest.mark.parametrize(

@@ -9,6 +9,7 @@ from cutpoint.scalars.functions import (
     cos,
     exp,
     is_plain_zero,
+    known_truth,
     log,
     maximum,
     minimum,
@@ -32,6 +33,6 @@ from cutpoint.scalars.records import (
 
 __all__ = [
     "Angle", "Jet", "Scalar", "absolute", "atan", "clip", "constants", "cos", "exp", "is_of_cutpoint", "is_plain_zero",
-    "keys_of", "leaves", "log", "map_leaves", "maximum", "minimum", "rate_of", "rebuild", "sin", "sqrt", "structure_of",
-    "tan", "tanh", "value_of", "where", "with_float_leaves",
+    "keys_of", "known_truth", "leaves", "log", "map_leaves", "maximum", "minimum", "rate_of", "rebuild", "sin", "sqrt",
+    "structure_of", "tan", "tanh", "value_of", "where", "with_float_leaves",
 ]  # fmt: skip

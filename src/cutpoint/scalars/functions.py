@@ -69,10 +69,21 @@ def sqrt(x: Scalar) -> Scalar:
     return _apply("sqrt", x)
 
 
+def known_truth(condition: Any) -> bool | None:
+    """Of a condition that is known before all numbers are; None for others.
+
+    Python's ~, & and | make whole numbers of its bools, with the truth in the last bit: ~True is -2.
+    """
+    if isinstance(condition, (bool, np.bool_)):
+        return bool(condition)
+    return bool(condition & 1) if isinstance(condition, int) and -2 <= condition <= 1 else None
+
+
 def where(condition: Any, yes: Scalar, no: Scalar) -> Scalar:
     """`yes` where the condition holds, else `no`.  Both sides are evaluated: guard the argument, not the result."""
-    if isinstance(condition, (bool, np.bool_)):
-        return yes if condition else no
+    known = known_truth(condition)
+    if known is not None:
+        return yes if known else no
     outermost = max((condition, yes, no), key=lambda x: getattr(x, "level", 0))
     if getattr(outermost, "level", 0):  # a jet of traced values is a jet
         return outermost.where(condition, yes, no)

@@ -47,6 +47,8 @@ def flatten(value: Any) -> tuple[Shape, list[Any]]:
     Raises:
         ValueError: the nest is ragged.
     """
+    if isinstance(value, np.ndarray) and not value.ndim:
+        value = value[()]
     parts = _parts(value)
     if parts is None:
         return (), [value]
@@ -71,7 +73,7 @@ def named_parts(value: Any) -> dict[str, Any] | None:
 
 def _parts(value: Any) -> list[Any] | None:
     if isinstance(value, np.ndarray):
-        return list(value) if value.ndim else [value[()]]
+        return [*value]
     if isinstance(value, (list, tuple)):
         return [*value]
     named = named_parts(value)

@@ -38,7 +38,7 @@ class Refusals:
         refuse(
             "a traced number has no truth value yet, so `if`, `and`, `or`, `not`, `min` and `max` cannot be compiled; "
             "write cutpoint.where(x > 0, yes, no), and `&`, `|`, `~` between conditions; "
-            "of arrays np.less(x, y, dtype=object)"
+            "of arrays element by element, or np.less(x, y, dtype=object)"
         )
 
     def __float__(self) -> NoReturn:

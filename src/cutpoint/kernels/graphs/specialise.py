@@ -25,10 +25,10 @@ def traced(function: Callable[..., Any], inputs: list[Port]) -> tuple[Graph, str
         arguments = _bound(function, {p.name: nest(slots, p.shape) for p in inputs})
         try:
             result = function(**arguments)
-        except TypeError as error:
-            if not type(error).__module__.startswith("numpy"):
+        except (TypeError, AttributeError) as error:
+            if isinstance(error, TraceError) or not _is_of_traced_numbers(error):
                 raise
-            told = f"NumPy cannot compute this with traced numbers ({error}); write it out with cutpoint's functions"
+            told = f"this cannot be computed with traced numbers ({error}); write it out with cutpoint's functions"
             raise TraceError(f"{name_of(function)}: {told}") from error
         named = named_parts(result)
         if named is not None:
@@ -43,6 +43,12 @@ def traced(function: Callable[..., Any], inputs: list[Port]) -> tuple[Graph, str
 
 def name_of(function: Callable[..., Any]) -> str:
     return getattr(function, "__name__", type(function).__name__).replace("<lambda>", "lambda")
+
+
+def _is_of_traced_numbers(error: Exception) -> bool:
+    """Whether NumPy or Python refuses an operation because its operands are traced."""
+    told = str(error)
+    return type(error).__module__.startswith("numpy") or any(x in told for x in ("Traced", "Condition", "ufunc"))
 
 
 def _bound(function: Callable[..., Any], arguments: dict[str, Any]) -> dict[str, Any]:

@@ -18,6 +18,7 @@ from cutpoint.kernels.graphs import algebra
 from cutpoint.kernels.graphs.algebra import Operand
 from cutpoint.kernels.graphs.nodes import Node, Trace
 from cutpoint.kernels.graphs.refusals import Refusals, as_float, refuse, refuse_numpy, refuse_operand
+from cutpoint.scalars import known_truth
 
 _OPERATORS = {
     "add": operator.add, "subtract": operator.sub, "multiply": operator.mul, "divide": operator.truediv,
@@ -55,13 +56,15 @@ class Condition(Refusals, Node):
     level = 1
 
     def __and__(self, other: Any) -> "Condition | bool":
-        if isinstance(other, (bool, np.bool_)):
-            return self if other else False
+        known = known_truth(other)
+        if known is not None:
+            return self if known else False
         return self if other is self else self._join("and", other)
 
     def __or__(self, other: Any) -> "Condition | bool":
-        if isinstance(other, (bool, np.bool_)):
-            return True if other else self
+        known = known_truth(other)
+        if known is not None:
+            return True if known else self
         return self if other is self else self._join("or", other)
 
     __rand__, __ror__ = __and__, __or__
@@ -124,6 +127,7 @@ class Traced(Refusals, Node):
     def tan(self) -> Operand: return self._odd("tan")
     def tanh(self) -> Operand: return self._odd("tanh")
     def atan(self) -> Operand: return self._odd("atan")
+    arctan = atan  # what NumPy asks elements of an array for
     def cos(self) -> Operand: return self.trace.node("cos", self.args[0] if self.op == "neg" else self)
     def exp(self) -> Operand: return self.trace.node("exp", self)
     def log(self) -> Operand: return self.trace.node("log", self)
@@ -135,8 +139,9 @@ class Traced(Refusals, Node):
     @staticmethod
     def where(condition: Any, yes: Operand, no: Operand) -> Operand:
         """`yes` where the condition holds, else `no`; both are evaluated."""
-        if isinstance(condition, (bool, np.bool_)):
-            return yes if condition else no
+        known = known_truth(condition)
+        if known is not None:
+            return yes if known else no
         if not isinstance(condition, Condition):
             refuse(f"the condition of where must be a comparison, not a {type(condition).__name__}")
         if condition.op == "not":

@@ -11,7 +11,7 @@ from cutpoint.errors import InputError
 from cutpoint.kernels.arrays.arguments import as_numbers
 from cutpoint.kernels.arrays.backends import array_function, chosen
 from cutpoint.kernels.graphs.graph import Graph
-from cutpoint.kernels.graphs.ports import Port
+from cutpoint.kernels.graphs.ports import Port, with_numbers
 from cutpoint.kernels.targets.c99 import Source, source_of
 from cutpoint.kernels.targets.c99_texts import Notes, texts
 from cutpoint.kernels.targets.package_files import is_ours, write_files
@@ -52,10 +52,12 @@ def write_source(
 
     computed: the same function on arrays, for the check to record.
     force: overwrite files that cutpoint has not written, and the package of another function.
-    Raises InputError for names that C cannot take, and for files in the way.
+    Raises InputError for names that C cannot take, for files in the way, and where there is no number to give back.
     """
     from cutpoint import __version__
 
+    if not with_numbers(source.outputs):
+        raise InputError(f"{name}: it gives no numbers, so that nothing is left to export", name=name)
     if not force:
         _check_alone(Path(folder), name)
     return write_files(folder, texts(source, name, notes, __version__, _recorded(source, computed, notes)), force)
