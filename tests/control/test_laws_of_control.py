@@ -12,11 +12,13 @@ from cutpoint import Coulomb, Drive, InputError, Rotor, simulate
 from cutpoint.control import (
     PD,
     Command,
+    ComputedTorque,
     DisturbanceObserver,
     Feedforward,
     GravityCompensation,
     Measurement,
     Reference,
+    Robust,
     SlotineLi,
     tune,
 )
@@ -170,6 +172,16 @@ def test_slotine_li_starts_as_its_model_whatever_the_rotors_are(coupling):
     v_r, a_r = r.v + 9.0 * (r.q - m.q), r.a + 9.0 * (r.v - m.v)
     expected = ours.mass_matrix(m.q) @ a_r + ours.coriolis_matrix(m.q, m.v) @ v_r + ours.gravity_forces(m.q)
     assert_close(torque(law, m, r), expected + 4.0 * (v_r - m.v), 1e-12)
+
+
+def test_friction_that_grows_with_load_counts_that_of_the_link_among_it():
+    rubbing = Drive(
+        100.0, Rotor(5e-5), link_friction=Coulomb(5.0, 3.0, 0.05), motor_friction=Coulomb(1.0, 0.4, 0.05, per_load=0.3)
+    )
+    ours = elbow().with_drives(dict.fromkeys(elbow().joints, rubbing))
+    move, feedforward = septic(end=[0.5, -0.4], duration=0.3), (Feedforward(ours, x) for x in ("friction", "elastic"))
+    for law in (*feedforward, ComputedTorque(ours, 400.0, 40.0), Robust(ours, 9.0, 4.0, 1.0)):
+        assert (simulate(ours, law, move, hold=False).max("position_error") < 1e-9).all()
 
 
 def test_an_observer_finds_little_where_the_model_is_right_and_friction_grows_with_load():

@@ -248,6 +248,15 @@ def test_the_current_loop_lags_and_the_delay_delays():
     assert_close(log["motor_torque"][:, 0], 1 - np.exp(-2 * np.pi * 100.0 * since), 1e-6)
 
 
+def test_a_motor_whose_current_is_given_was_told_that_current():
+    arm = with_each(bare(), motor=Motor(0.1, bandwidth=100.0, delay=1e-3))
+    still = Constant(np.zeros(6))
+    held = simulate(arm, still, duration=0.01)["motor_torque"]
+    slack = simulate(arm, still, duration=0.01, initial=State(current=np.zeros(6)))["motor_torque"]
+    assert np.abs(held[:2]).max() > 1.0 and (held[1] == held[0]).all()
+    assert not slack.any()
+
+
 def test_a_delay_longer_than_a_period_is_refused():
     arm = with_each(bare(), motor=Motor(0.1, delay=2e-3))
     with pytest.raises(InputError, match=r"a motor's delay 0\.002 s must not exceed the control period, 0\.001 s"):

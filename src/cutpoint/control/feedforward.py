@@ -78,13 +78,15 @@ class Feedforward(ModelLaw):
             v = a = [0] * self.robot.nv
         tau = inverse_dynamics(machine.system, q, v, a)
         height = RUNGS.index(self.rung)
+        with_rotors, with_friction = (height >= RUNGS.index(rung) for rung in ("rotor", "friction"))
         for k, d in enumerate(machine.drives):
+            if with_friction:
+                tau[k] = tau[k] + friction_torque(d.drive.link_friction, v[k])
             load = tau[k]
-            if height >= RUNGS.index("rotor") and d.drive.is_elastic:  # a rigid drive's rotor is armature already
+            if with_rotors and d.drive.is_elastic:  # a rigid drive's rotor is armature already
                 tau[k] = tau[k] + d.drive.reflected_inertia * a[k]
-            if height >= RUNGS.index("friction"):
-                on_link, on_motor = d.drive.link_friction, d.drive.motor_friction
-                tau[k] = tau[k] + friction_torque(on_link, v[k]) + friction_torque(on_motor, v[k], load)
+            if with_friction:
+                tau[k] = tau[k] + friction_torque(d.drive.motor_friction, v[k], load)
         return np.array(tau)
 
 

@@ -50,13 +50,13 @@ class RigidLaw(SidedLaw, ModelLaw):
         tau = required_inverse_dynamics(self.model.system, [*q], [*v], [*v_r], [*a_r])
         return s, np.array(tau) + np.array(self.friction(v_r, tau))
 
-    def friction(self, speeds: Any, loads: Any) -> list[Any]:
-        """What friction on both sides of rigid drives takes, N m."""
-        drives = [d.drive for d in self.model.drives]
-        return [
-            friction_torque(drive.link_friction, v) + friction_torque(drive.motor_friction, v, load)
-            for drive, v, load in zip(drives, speeds, loads, strict=True)
-        ]
+    def friction(self, speeds: Any, torques: Any) -> list[Any]:
+        """What friction on both sides of rigid drives takes, N m; torques: what moves the links and the rotors."""
+        found = []
+        for d, v, torque in zip(self.model.drives, speeds, torques, strict=True):
+            on_link = friction_torque(d.drive.link_friction, v)
+            found.append(on_link + friction_torque(d.drive.motor_friction, v, torque + on_link))
+        return found
 
     def passed_on(self, speeds: Any, torques: Any) -> list[Any]:
         """What friction on both sides of rigid drives leaves of motor torques for the links, N m."""

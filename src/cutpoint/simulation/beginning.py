@@ -26,7 +26,10 @@ def beginning(robot: Robot, initial: State | None, reference: Array, is_held: bo
     told = np.zeros(len(robot.drives))
     if is_held:
         told = robot.gravity_forces(start.q)[[d.v for d in robot.machine.drives]]
-    return _with_inner_states(robot, given, start, told), told
+    start = _with_inner_states(robot, given, start, told)
+    if given.current is not None:  # a motor has been told what flows in it
+        told[[d.drive.has_current_lag for d in robot.machine.drives]] = start.current
+    return start, told
 
 
 def _motion(robot: Robot, given: State, reference: Array) -> State:

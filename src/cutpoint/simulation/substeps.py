@@ -88,7 +88,7 @@ def substeps_for(robot: Robot, accuracy: str, period: float, poses: Array, speed
         parts = "distance, stiffness, bandwidth, Stribeck velocity, order of a wave"
         remedy = "Shorten the control_period" if cause == LONGEST_STEP else f"Soften it ({parts})"
         warnings.warn(
-            f"{cause} would take {wanted} integration steps a control period (its fastest mode is "
+            f"{cause} would take {wanted} integration steps a control period (the drives' fastest mode is "
             f"{mode.rate / 2 / np.pi:.0f} Hz); {MOST_SUBSTEPS} are taken. {remedy}, or give substeps=",
             StiffnessWarning,
             stacklevel=4,

@@ -136,6 +136,8 @@ def _bare(data: Deflections, fit: DeflectionFit) -> str:
 
 
 def _closed(data: Deflections, fit: DeflectionFit) -> str:
+    if not fit.stiffness.size:
+        return "no spring that slips surely predicts better than one without; damping may stand for what it loses"
     opening = 2.0 * float(np.sum(fit.stiffness * fit.reaches / np.median(fit.tangent)))
     if opening >= OPEN * data.resolution:
         return ""

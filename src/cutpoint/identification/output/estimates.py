@@ -80,6 +80,8 @@ def _coarse(drives: DriveEstimates) -> tuple[str, ...]:
     told = ", ".join(f"{joint} {count:.0f}" for joint, count in counts.items())
     few = f"half of a deflection's range is few steps of the encoders ({told})"
     then = "rotors came out some percent too light, and damping further off than its interval says"
+    if any(each.spring.kinematic_error for each in drives.joints.values()):
+        then += "; with a kinematic error rotors by up to a third, links as much too heavy, and springs by some percent"
     return (f"{few}: below {FINE:g}, {then}",)
 
 

@@ -124,7 +124,7 @@ def estimate_of(
             *_standing(robot, log),
             *_notes(log, found, estimate),
             *strained(table),
-            *lateness_notes(found, estimate.values, robot.joints),
+            *lateness_notes(found, estimate.values, robot.joints, any(d.is_elastic for d in robot.drives.values())),
         ),
         friction=choices,
     )
