@@ -36,8 +36,8 @@ def sample_times(trajectory: Trajectory | None, duration: float | None, period: 
         raise InputError(f"simulate: duration {duration} s must be at least one control period, {period} s")
     if not duration / period < MOST_SAMPLES:
         found = f"duration {duration:g} s at control_period {period:g} s takes {duration / period:.3g} samples"
-        remedy = "shorten the duration, lengthen the control_period, or run in parts, each with initial= where the last "
-        remedy += "ended; what hysteresis, presliding, currents and delays hold then begins anew"
+        parts = "run in parts, each with initial= where the last ended, without what hysteresis and delays held then"
+        remedy = f"shorten the duration, lengthen the control_period, or {parts}"
         raise InputError(f"simulate: {found}, at most {MOST_SAMPLES:,} are kept in memory; {remedy}")
     return np.arange(round(duration / period) + 1, dtype=np.float64) * period
 
