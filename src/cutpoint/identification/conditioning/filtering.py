@@ -115,7 +115,8 @@ def noise_cutoff(values: Array, period: float, *, otherwise: float | None = None
         return otherwise
     if not any(found):
         rule = f"no column stands out of its noise over {16 * WINDOWS} samples or more without a gap"
-        raise InputError(f"{rule}, of {len(values)}: record more, map another channel, or state a cut-off in Hz")
+        remedy = "did anything move?  Record more, map another channel, or state a cut-off in Hz"
+        raise InputError(f"{rule}, of {len(values)}: {remedy}")
     return max(found)
 
 

@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from cutpoint.errors import ModelError, listed, those_that_exist
+from cutpoint.errors import InputError, ModelError, listed, those_that_exist
 from cutpoint.identification.logs.common_times import at_common_times
 from cutpoint.identification.logs.mapping import ChannelMap, load_mapping, obvious_mapping, parse_mapping
 from cutpoint.identification.logs.quantity import Columns, check_kinds, columns_of, in_si, picked, stated_ratio
@@ -48,7 +48,12 @@ def recording_of(table: Table, mapping: ChannelMap, robot: Robot | None = None) 
         for name, each in chosen.items():
             check_kinds(name, each, joints, _slides(robot), mapping)
     measured = {name: in_si(name, each, ratio, slides, mapping) for name, each in chosen.items()}
-    time, channels, notes = at_common_times(table, mapping, joints, measured)
+    try:
+        time, channels, notes = at_common_times(table, mapping, joints, measured)
+    except InputError as error:
+        if error.place or not table.file:
+            raise
+        raise InputError(str(error), place=table.file, **error.evidence) from error
     recording = Recording(time, joints, **channels, notes=(*table.notes, *notes))
     if robot:
         refuse_degrees(recording, robot, table.file)
