@@ -20,6 +20,7 @@ from cutpoint.control import (
     Reference,
     Robust,
     SlotineLi,
+    SuperTwisting,
     tune,
 )
 from cutpoint.trajectories import septic
@@ -182,6 +183,11 @@ def test_friction_that_grows_with_load_counts_that_of_the_link_among_it():
     move, feedforward = septic(end=[0.5, -0.4], duration=0.3), (Feedforward(ours, x) for x in ("friction", "elastic"))
     for law in (*feedforward, ComputedTorque(ours, 400.0, 40.0), Robust(ours, 9.0, 4.0, 1.0)):
         assert (simulate(ours, law, move, hold=False).max("position_error") < 1e-9).all()
+    on_track = move.derivatives(np.array([0.1]), 4)[:, 0]
+    m, r = Measurement(0.1, 1e-3, *[*on_track[:2]] * 2), Reference(*on_track, *on_track[:2])
+    exact = torque(Feedforward(ours, "elastic"), m, r)
+    for law in (SuperTwisting(ours, 9.0, 4.0, 1.0, 1.0), SlotineLi(ours, 9.0, 4.0)):
+        assert_close(torque(law, m, r), exact, 1e-12)
 
 
 def test_an_observer_finds_little_where_the_model_is_right_and_friction_grows_with_load():

@@ -21,8 +21,6 @@ from cutpoint.errors import InputError, TraceError
 from cutpoint.kernels import Graph, graph_of
 from cutpoint.scalars import constants, keys_of, leaves, rebuild, with_float_leaves
 
-_UNLIKE = "gives something else each time for the same memory, measurement and reference, tried twice before the run"
-
 SEEN = (*SENSED, *(f"reference_{name}" for name in Reference._fields))
 
 
@@ -96,7 +94,8 @@ class _Step:
         if changes := changed(before, between) + changed(between, held_by(own)):
             _refuse(self._law, f"keeps state in itself ({', '.join(dict.fromkeys(changes))})")
         if shape != self.shape or not all(x is y or repr(x) == repr(y) for x, y in zip(first, second, strict=True)):
-            _refuse(self._law, f"{_UNLIKE}; what it took from outside for these two is gone")
+            told = "gives something else each time for the same memory, measurement and reference"
+            _refuse(self._law, f"{told}, tried twice before the run; what it took from outside for these is gone")
         return first
 
     def _once(self, own: Any, *, time: Any, period: Any, memory: Any, **seen: Any) -> tuple[list[Any], tuple[Any, ...]]:

@@ -44,7 +44,7 @@ def _torques(found: Identification) -> Page:
         " The last column is an interval of 95 % of the identified model's error over theirs, by a bootstrap of blocks"
         " of time: better or worse where it leaves out one.",
         Picture("Figure 1", f"Torques of the motors; {width}. The part held out is on grey ground.", curves),
-        Picture("Figure 2", "What the identified model leaves: fitted part blue, held-out part orange.", left),
+        Picture("Figure 2", "What the identified model leaves of the part that was fitted, and held out.", left),
     )
     return Page("torques", "Torques", blocks)
 

@@ -33,7 +33,8 @@ _FEW_AHEAD = 32
 """Operations in depth-first order, from the first that has not begun, among which the next is then sought.
 
 They let results go at all times, and hold few numbers.  Measured for an arm's regressor in batches of 1 MB: 10 to 20 %
-less time in lanes, by depth-first order alone; 10 to 20 % less in calls one by one, by these.
+less time in lanes, by depth-first order alone; 1 to 16 % less in calls one by one, by these, and 2 to 18 % where the
+results' place is claimed first.
 """
 
 

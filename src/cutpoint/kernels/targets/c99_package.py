@@ -57,7 +57,7 @@ def write_source(
     from cutpoint import __version__
 
     if not with_numbers(source.outputs):
-        raise InputError(f"{name}: it gives no numbers, so that nothing is left to export", name=name)
+        raise InputError(f"{name}: it gives no numbers; return one at least to export it", name=name)
     if not force:
         _check_alone(Path(folder), name)
     return write_files(folder, texts(source, name, notes, __version__, _recorded(source, computed, notes)), force)
