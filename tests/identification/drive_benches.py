@@ -96,10 +96,10 @@ def supposed_arm(true: cutpoint.Robot) -> cutpoint.Robot:
     return true.with_drives(drives)
 
 
-def measured(robot: cutpoint.Robot, duration: float, seed: int = 3) -> Recording:
+def measured(robot: cutpoint.Robot, duration: float, seed: int = 3, motor_step: float = STEP) -> Recording:
     """What its encoders and its controller record, each motor's encoder on the motor's shaft."""
     law = PD([3000.0, 3000.0, 1500.0, 400.0, 300.0, 150.0], [150.0, 150.0, 60.0, 12.0, 10.0, 5.0], side="motor")
-    sensors = cutpoint.Sensors(link_resolution=STEP, motor_resolution=STEP / RATIO)
+    sensors = cutpoint.Sensors(link_resolution=STEP, motor_resolution=motor_step / RATIO)
     log = cutpoint.simulate(robot, law, excitation(duration, seed), sensors=sensors)
     return Recording(
         log.time, log.joints, q=log["measured_q"], theta=log["measured_theta"], torque=log["command_torque"]

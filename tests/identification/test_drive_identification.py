@@ -150,6 +150,19 @@ def test_a_loop_beside_a_spring_that_is_not_told_is_as_wide_as_it_was_found(arm:
         assert widths[1] == pytest.approx(widths[0])
 
 
+def test_a_coarse_encoder_on_the_motor_does_not_make_its_rotor_light():
+    # waves are seen up to frequencies at which the acceleration of 2^13 counts a turn is all noise
+    true = true_arm(hysteresis=False)
+    supposed = supposed_arm(true)
+    others_rigid = {name: replace(supposed.drives[name], compliance=None) for name in NAMES if name != "joint4"}
+    recording = measured(true, DURATION, motor_step=2.0 * np.pi / 2**13)
+    found = identify_drives(supposed.with_drives(others_rigid), recording, torque_delay=PERIOD / 2.0).joints["joint4"]
+    off = found.rotor.inertia - true.drives["joint4"].rotor.inertia
+    assert abs(off) < 0.03 * true.drives["joint4"].rotor.inertia
+    assert abs(off) < 3.0 * found.rotor.deviations["inertia"] / RATIO**2
+    assert found.spring.damping == pytest.approx(true.drives["joint4"].damping, rel=0.1)
+
+
 def test_every_joint_must_be_recorded(arm: Case):
     with pytest.raises(InputError, match=r"must be recorded; missing: \['joint1', 'joint3',"):
         identify_drives(arm.true, arm.recording.joint("joint2"))

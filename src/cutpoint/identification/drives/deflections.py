@@ -18,7 +18,8 @@ class Deflections:
     """A joint's measured channels, each (N,), without gaps: theta - q and theta in rad, torque in N m; period, s.
 
     resolution: rad at the joint's side.  cutoff: Hz, of what the deflection's rate and turning points are read from.
-    corrections: (N, m), derivatives of the torque by what is not known of it.  noise: RMS of the lead's own, rad.
+    corrections: (N, m), derivatives of the torque by what is not known of it; shared_noise: (m,), the covariance of
+    noise in each with that in the torque, which it makes.  noise: RMS of the lead's own, rad.
     band: Hz, of the filter that all of them went through; None if there was none.
     transmission: (N,), 1 - e'(theta) by which a torque that was read from the motor was divided; None for the link's.
     """
@@ -31,6 +32,7 @@ class Deflections:
     resolution: float
     cutoff: float
     corrections: Array
+    shared_noise: Array
     noise: float = np.inf
     band: float | None = None
     transmission: Array | None = None

@@ -6,7 +6,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from cutpoint.identification.conditioning.filtering import low_pass, low_pass_together, noise_cutoff
+from cutpoint.identification.conditioning.filtering import derivative, low_pass, low_pass_together, noise_cutoff
 from cutpoint.identification.drives.joint_torques import corrected, smoothing_of, torque_left, transmitted_share
 from cutpoint.identification.drives.link_friction import LinkFriction, clocks_differ, link_friction, remarks
 from cutpoint.identification.drives.rotor import RotorEstimate, motor_side
@@ -36,6 +36,16 @@ WIDER = 2.0
 
 HIGHEST = 0.4
 """Of the sampling rate."""
+
+SHAKEN = 1e-3
+"""Of a rotor's acceleration, by power: noise that is left in it, if its encoder shows that much of its motion."""
+
+BANDS = 12
+"""Tried for that, down to where the motion sinks into noise."""
+
+SECOND_DERIVATIVE = 0.4
+"""RMS of white noise's, through a filter of order 4 that runs both ways, over density omega^2 sqrt(Hz) at its cut-off:
+the root of the integral of x^4 / (1 + x^8)^2."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -155,9 +165,10 @@ def _from_motor(
     stated: the spring of the file, without play.
     """
     torque, period = _torque(joint, rotor), joint.period
-    lead = joint.theta - joint.q
-    band = min(WIDER * noise_cutoff(lead, period, otherwise=HIGHEST / period), HIGHEST / period)
-    noise = _noise_below(lead - low_pass(lead, period, band), period, band)
+    lead, highest = joint.theta - joint.q, HIGHEST / joint.period
+    widest = min(WIDER * noise_cutoff(lead, period, otherwise=highest), highest)
+    band, shaking = _clear_acceleration(joint.theta, period, widest)
+    noise = _noise_density(lead, period, band) * np.sqrt(band)
     seen = False
     for laws in (SHAPE, SHAPE, tuple(LAWS)):
         share = transmitted_share(spring, joint.theta, ratio)
@@ -169,7 +180,7 @@ def _from_motor(
             theta, q, left, period, ratio,
             resolution=resolution, laws=laws, noise=noise, band=band, transmission=share,
             torque_unknowns=dict(zip(unknowns, columns, strict=True)) if seen else None,
-            stated=None if laws is SHAPE else stated,
+            shared_noise={"inertia": rotor["inertia"] * shaking**2}, stated=None if laws is SHAPE else stated,
         )  # fmt: skip
         if seen:
             rotor = corrected(rotor, spring)
@@ -181,9 +192,26 @@ def _is_seen(spring: SpringEstimate) -> bool:
     return spring.deviations["stiffness"] < UNCERTAIN * spring["stiffness"]
 
 
-def _noise_below(rest: Array, period: float, band: float) -> float:
-    """RMS of white noise below a frequency, Hz, from what is left above it (N,)."""
-    return float(np.nanstd(rest) * np.sqrt(band / (0.5 / period - band)))
+def _clear_acceleration(theta: Array, period: float, widest: float) -> tuple[float, float]:
+    """The widest band, Hz, in which a rotor's acceleration is not noise, and RMS of the noise there, rad/s2.
+
+    Noise grows with frequency faster than what a deflection shows, and where it is taken for motion rotors seem light.
+    """
+    density = (2.0 * np.pi) ** 2 * _noise_density(theta, period, widest)
+    narrowest = min(noise_cutoff(theta, period, otherwise=widest), widest)
+    band, noise = widest, np.inf
+    for band in np.geomspace(widest, narrowest, BANDS).tolist():
+        noise = SECOND_DERIVATIVE * density * band**2.5
+        acceleration = derivative(low_pass(theta, period, band), period, 2)
+        if noise**2 < SHAKEN * float(np.nanmean(acceleration**2)):
+            break
+    return band, noise
+
+
+def _noise_density(values: Array, period: float, band: float) -> float:
+    """Of white noise in values (N,), per root Hz, from what a low-pass leaves above a frequency, Hz."""
+    rest = values - low_pass(values, period, band)
+    return float(np.nanstd(rest) / np.sqrt(0.5 / period - band))
 
 
 def _by_speed(clocks: str) -> dict[str, str]:

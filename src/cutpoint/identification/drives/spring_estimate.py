@@ -10,7 +10,7 @@ from cutpoint.identification.drives.columns import slipping, waves
 from cutpoint.identification.drives.deflections import DeflectionFit, Deflections
 from cutpoint.identification.drives.law_choice import block_errors, not_worse, simplest
 from cutpoint.identification.drives.scatter import SIGNIFICANT, Unknowns, covariance
-from cutpoint.identification.drives.torque_noise import without_attenuation
+from cutpoint.identification.drives.torque_noise import attenuation, without_attenuation
 from cutpoint.model.drive import Compliance, Hysteresis, KinematicError
 
 Array = NDArray[np.float64]
@@ -73,7 +73,8 @@ def estimate_of(
     surely predict worse count as uncertainty.
     """
     fit, names, spread = _chosen(rivals, orders, unknowns, damping)
-    fit = without_attenuation(data, fit)
+    hidden = attenuation(data, fit)
+    fit, spread = without_attenuation(data, fit), spread + np.outer(hidden, hidden)
     counts = 0.5 * float(np.ptp(fit.law.deflection(fit.constants, data.torque))) / (data.resolution or np.nan)
     sentences = {
         "stiffness": _weak(data, fit, spread, counts),

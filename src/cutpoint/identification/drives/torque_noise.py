@@ -26,6 +26,21 @@ def without_attenuation(data: Deflections, fit: DeflectionFit) -> DeflectionFit:
     return fit
 
 
+def attenuation(data: Deflections, fit: DeflectionFit) -> Array:
+    """(p,): how far the unknowns may be off, as noise in the torque's derivatives hides what goes with them.
+
+    At the true values what is left goes with a noisy column by the noise that both share; least squares leave nothing
+    that does.  To first order in the noise's share; Fuller (1987) section 1.1.
+    """
+    first = fit.constants.size + fit.waves.size + 1
+    pull = np.zeros(fit.columns.shape[1])
+    pull[first : first + fit.corrections.size] = data.shared_noise * np.sum(1.0 / fit.tangent**2)
+    size = np.linalg.norm(fit.columns, axis=0)
+    size = np.where(size > 0.0, size, 1.0)
+    scaled = fit.columns / size
+    return np.asarray(np.linalg.pinv(scaled.T @ scaled, hermitian=True) @ (pull / size) / size)
+
+
 def _softened(data: Deflections, fit: DeflectionFit, torque: Array) -> DeflectionFit:
     """All stiffnesses by one factor, with the deflection under other torques (N,) as instrument; what has no bound
     moves with them."""

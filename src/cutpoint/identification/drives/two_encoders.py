@@ -53,6 +53,7 @@ def two_encoders(
     hysteresis: bool = True,
     damping: bool = True,
     torque_unknowns: Mapping[str, Array] | None = None,
+    shared_noise: Mapping[str, float] | None = None,
     noise: float = np.inf,
     band: float | None = None,
     transmission: Array | None = None,
@@ -69,6 +70,8 @@ def two_encoders(
     and each of its stiffnesses must be more than 4 of its standard deviations.
     Elements of hysteresis start without strain at the first sample.
     torque_unknowns: of what is not known of the torque, by name, its derivatives (N,) by it: corrections to be found.
+    shared_noise: covariance of the noise in these derivatives with that in the torque, which it makes: of an inertia
+    the acceleration's noise is in both.  What that may hide of a value counts as uncertainty.
     transmission: of a torque that was read from the motor, 1 - e'(theta), by which it was divided: the kinematic error
     found is that of the encoders and of what the spring bears of the motor's torque.
     noise: RMS of the encoders', rad; what a fit leaves beyond that is the torque's.  By default all is the encoders'.
@@ -78,8 +81,9 @@ def two_encoders(
     Raises:
         InputError: shapes, an unknown law, too few samples, or channels that do not move.
     """
-    unknowns = dict(torque_unknowns or {})
-    data = _deflections(theta, q, joint_torque, period, ratio, resolution, unknowns, noise, band, transmission)
+    unknowns, shared = dict(torque_unknowns or {}), dict(shared_noise or {})
+    shares = np.array([shared.get(name, 0.0) for name in unknowns])
+    data = _deflections(theta, q, joint_torque, period, ratio, resolution, unknowns, shares, noise, band, transmission)
     turns = abs(ratio) * float(np.ptp(data.theta)) / (2.0 * np.pi)
     tried = orders if orders is not None else range(1, HIGHEST_ORDER + 1) if turns >= FEWEST_TURNS else ()
     offered = OFFERED if hysteresis else (0,)
@@ -103,6 +107,7 @@ def _deflections(
     ratio: float,
     resolution: float | None,
     unknowns: Mapping[str, Array],
+    shared_noise: Array,
     noise: float,
     band: float | None,
     transmission: Array | None,
@@ -119,6 +124,7 @@ def _deflections(
         _resolution(angle, link, resolution),
         cutoff=min(WIDER * noise_cutoff(angle - link, period, otherwise=0.4 / period), 0.4 / period),
         corrections=np.column_stack([np.empty((load.size, 0)), *others[: len(unknowns)]]),
+        shared_noise=shared_noise,
         noise=noise,
         band=band,
         transmission=others[-1] if shares else None,

@@ -79,9 +79,7 @@ def _coarse(drives: DriveEstimates) -> tuple[str, ...]:
         return ()
     told = ", ".join(f"{joint} {count:.0f}" for joint, count in counts.items())
     few = f"half of a deflection's range is few steps of the encoders ({told})"
-    then = "rotors came out some percent too light, and damping further off than its interval says"
-    if any(each.spring.kinematic_error for each in drives.joints.values()):
-        then += "; with a kinematic error rotors by up to a third, links as much too heavy, and springs by some percent"
+    then = "rotors came out up to 5 % off and damping up to twice too large, both further off than intervals say"
     return (f"{few}: below {FINE:g}, {then}",)
 
 
