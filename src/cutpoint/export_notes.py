@@ -113,7 +113,7 @@ def labels_of(record: Any, path: str = "") -> Iterator[str]:
     elif isinstance(record, (list, tuple)):
         for k, part in enumerate(record):
             yield from labels_of(part, f"{path}[{k}]")
-    elif is_dataclass(record):
+    elif is_dataclass(record) and not isinstance(record, type):
         for f in fields(record):
             if f.init:
                 yield from labels_of(getattr(record, f.name), f"{path} {f.name}".strip())

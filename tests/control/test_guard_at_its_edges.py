@@ -11,9 +11,9 @@ from law_library import LAWS, elbow, law
 from test_guard import LIMIT, MOVE, PERIOD, WHILE, assert_reacts, guarded
 
 from cutpoint import InputError, Limits, Robot, Sensors, simulate
-from cutpoint.control import PD, Fault, Guard, Measurement, Reference
+from cutpoint.control import PD, DisturbanceObserver, Fault, Guard, Measurement, Reference, SpeedFilter
 from cutpoint.control.law import needs_of
-from cutpoint.scalars import leaves
+from cutpoint.scalars import leaves, where
 
 
 def told_by(m: Measurement, quantity: str, value: float) -> Measurement:
@@ -43,6 +43,40 @@ def test_no_law_lets_a_number_that_is_not_finite_pass_the_guard_or_stay_in_its_m
         assert np.array_equal(told[2], told[1]) or not matters
 
 
+class Silent:
+    """A law of a user's own that does not say what it needs, with a whole number in its memory."""
+
+    def start(self) -> Any:
+        return [0, 0.0]
+
+    def step(self, memory: Any, m: Measurement, r: Reference) -> Any:
+        before = where(memory[0] > 0, memory[1], m.q[0])
+        return [1, m.q[0]], 9.0 * (r.q - m.q) - (m.q - before)
+
+
+@pytest.mark.parametrize("around", [lambda x: x, lambda x: DisturbanceObserver(elbow(), x, 1.0), SpeedFilter])
+def test_a_law_that_does_not_say_what_it_needs_may_need_all(around):
+    guard = guarded(around(PD([9.0] * 2, [1.0] * 2) + Silent()))
+    for quantity in ("q", "theta"):
+        memory, _ = guard.step(guard.start(), *rest())
+        m, r = rest(PERIOD)
+        assert guard.step(memory, told_by(m, quantity, np.nan), r)[1].fault == Fault.MEASUREMENT
+
+
+def test_a_speed_filter_needs_positions_for_the_speeds_that_its_law_reads():
+    assert needs_of(SpeedFilter(PD([9.0] * 2, [1.0] * 2, side="motor"))) == ("theta",)
+    assert needs_of(SpeedFilter(PD([9.0] * 2, [1.0] * 2, side="link"))) == ("q",)
+
+
+@pytest.mark.parametrize("inner", [Silent(), PD([9.0] * 2, [1.0] * 2)])
+def test_guards_around_guards_step_in_python(inner):
+    guard = guarded(guarded(inner))
+    _, command = guard.step(guard.start(), *rest())
+    assert np.isfinite(np.array(command.torque, float)).all() and command.fault == 0
+    log = simulate(elbow(), guard, duration=0.01)
+    assert (log["fault"] == 0).all()
+
+
 def test_a_fault_in_the_first_sample_holds_no_torque_at_all():
     log = simulate(elbow(), Corrupted(guarded(law("PD")), "theta", np.nan, -1.0, 1e-4), MOVE, duration=0.01)
     assert_reacts(log, Fault.MEASUREMENT, "hold", first=0)
@@ -61,8 +95,8 @@ def test_a_reference_of_motors_that_is_not_finite_is_a_fault_of_the_command():
     assert command.fault == Fault.COMMAND
 
 
-def rest() -> tuple[Measurement, Reference]:
-    return Measurement(0.0, PERIOD, *np.zeros((4, 2))), Reference(*np.zeros((7, 2)))
+def rest(time: float = 0.0) -> tuple[Measurement, Reference]:
+    return Measurement(time, PERIOD, *np.zeros((4, 2))), Reference(*np.zeros((7, 2)))
 
 
 def test_a_sensor_that_the_law_does_not_need_is_no_fault_and_changes_nothing():

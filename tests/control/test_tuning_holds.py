@@ -2,6 +2,7 @@
 
 from contextlib import nullcontext
 from dataclasses import replace
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -35,6 +36,8 @@ from robot_library import Array
 PERIOD = 1e-3
 UPRIGHT = np.zeros(2)
 """Where gravity asks no torque, so that every law is at rest on its reference."""
+
+LEANING = np.array([0.8, -0.5])
 
 HOLDS = {
     PD: 40, PID: 20, ComputedTorque: 40, ElasticComputedTorque: 20, FullStateFeedback: 20, VDC: 20, AdaptiveVDC: 8,
@@ -142,6 +145,20 @@ def test_memory_counts_for_a_pole_where_motion_changes_it_and_the_command_follow
     # an integrator's pole is near 1 - period * gain / kp
     assert integrating.size == pytest.approx(1 - PERIOD * 50.0 / 900.0, rel=1e-5)
     assert slowest_pole(elbow(), Growing(0.1, forgetting=1.001), UPRIGHT, PERIOD).size > 1.0005
+
+
+def test_what_integrates_counts_where_joints_bear_a_load():
+    for made in (partial(tune, elbow(), 5.0, PID), partial(DisturbanceObserver, elbow(), tune(elbow(), 5.0), 30.0)):
+        limit = "limit" if made.func is tune else "torque_limit"
+        cut_off, free = (slowest_pole(elbow(), made(**{limit: x}), LEANING, PERIOD) for x in (60.0, 1e9))
+        assert cut_off.size == pytest.approx(free.size, abs=1e-9)
+        assert cut_off.frequency == pytest.approx(free.frequency, abs=1e-6)
+
+
+def test_a_law_that_reports_a_fault_at_a_pose_is_not_judged_there():
+    guarded = Guard(law("PD"), elbow(), upper=[0.1, 0.1])
+    with pytest.raises(InputError, match=r"Guard reports fault 5, .* judge it at a pose within its limits"):
+        slowest_pole(elbow(), guarded, LEANING, PERIOD)
 
 
 @pytest.mark.parametrize("kind", [PD, VDC])

@@ -102,6 +102,23 @@ def test_an_output_may_be_an_inputs_memory(tmp_path: Path) -> None:
     assert_same_bits(given[1], expected)
 
 
+def test_an_output_may_be_the_memory_of_an_input_that_a_later_step_reads(tmp_path: Path) -> None:
+    export_function(TURNING, "forward_dynamics_derivatives", tmp_path)
+    build(tmp_path, "-shared", "-fPIC", "forward_dynamics_derivatives.c", "-o", "f.so")
+    import ctypes
+
+    call = ctypes.CDLL(str(tmp_path / "f.so")).forward_dynamics_derivatives
+    n, rng = TURNING.nv, np.random.default_rng(0)
+    given, outputs = rng.normal(size=(3, n)), np.zeros((3, n * n))
+    call(*(ctypes.c_void_p(x.ctypes.data) for x in (*given, *outputs)))
+    for k in range(2):
+        shared = np.zeros_like(outputs)
+        shared[k, :n] = given[0]
+        places = [shared[k], *given[1:], *shared]
+        call(*(ctypes.c_void_p(x.ctypes.data) for x in places))
+        assert_same_bits(shared, outputs)
+
+
 def test_what_does_not_leave_says_so(tmp_path: Path) -> None:
     with pytest.raises(InputError, match=r"of 140 bodies it runs as loops .* no kernel .*; loops leave as C alone"):
         export_function(CHAIN, "inverse_dynamics", tmp_path, to="cuda")

@@ -28,6 +28,11 @@ class GravityCompensation(SidedLaw):
         check_all_driven("GravityCompensation", self.robot)
 
     @property
+    def size(self) -> int:
+        """Number of drives."""
+        return len(self.robot.drives)
+
+    @property
     def needs(self) -> tuple[str, ...]:
         """What it must be told by sensors."""
         return super().needs[:1]

@@ -123,7 +123,8 @@ class Guard(Wrapper):
         safe = [clip(u, -limit, limit) for u, limit in zip(parts[0], self.torque_limit, strict=True)]
         held = (memory.torque, [0.0] * self.size, memory.theta, memory.theta_dot)
         torque, feedforward, theta, theta_dot = map(partial(_unless, severity), (safe, *parts[1:]), held)
-        kept = rebuild(inner, iter(_unless(severity, leaves(inner), leaves(memory.inner))))
+        inner = with_float_leaves(inner)
+        kept = rebuild(inner, iter(_unless(severity, leaves(inner), leaves(with_float_leaves(memory.inner)))))
         seen = [x for name in SENSED for x in getattr(told, name)]
         after = Watch(measurement.time, seen, fault, severity, share, torque, theta, theta_dot, kept)
         told_torque = np.array([share * u for u in torque])

@@ -103,7 +103,9 @@ def _alike(one: Any, other: Any) -> bool:
         return one.shape == other.shape and one.dtype == other.dtype and one.tobytes() == other.tobytes()
     if isinstance(one, dict):
         return one.keys() == other.keys() and all(_alike(x, other[key]) for key, x in one.items())
-    if isinstance(one, (list, tuple, np.ndarray)):
+    if isinstance(one, np.ndarray):
+        return one.shape == other.shape and all(map(_alike, one.ravel().tolist(), other.ravel().tolist()))
+    if isinstance(one, (list, tuple)):
         return len(one) == len(other) and all(map(_alike, one, other))
     return isinstance(one, (*_PLAIN, set)) and bool(one == other or (one != one and other != other))
 

@@ -11,6 +11,9 @@ from cutpoint.control.law import Wrapper, as_law
 from cutpoint.door import positive
 from cutpoint.kernels import Traced
 
+DIFFERENCED = {"v": "q", "theta_dot": "theta"}
+"""What each speed is found from."""
+
 
 @dataclass(frozen=True, eq=False)
 class SpeedFilter(Wrapper):
@@ -29,6 +32,11 @@ class SpeedFilter(Wrapper):
         object.__setattr__(self, "law", as_law(self.law))
         if not isinstance(self.bandwidth, Traced):
             object.__setattr__(self, "bandwidth", positive("SpeedFilter", "bandwidth", self.bandwidth, "Hz"))
+
+    @property
+    def needs(self) -> tuple[str, ...]:
+        """What the law must be told by sensors: positions for speeds."""
+        return tuple(dict.fromkeys(DIFFERENCED.get(name, name) for name in super().needs))
 
     @property
     def delay(self) -> float:

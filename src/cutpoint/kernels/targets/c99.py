@@ -129,15 +129,30 @@ def source_of(graph: Graph) -> Source:
 
 
 def joined(parts: Sequence[Source], inputs: Sequence[Port], outputs: Sequence[Port]) -> Source:
-    """One function after another: each reads, by name, arguments and what those before it have found."""
+    """One function after another: each reads, by name, arguments and what those before it have found.
+
+    Inputs that are read after an output is written are kept until then: that output may be their memory.
+    """
     precision, known = parts[0].precision, [p.name for p in (*inputs, *outputs)]
     own = {p.name: p for part in parts for p in part.outputs if p.name not in known}.values()
     read = {p.name for part in parts for p in part.inputs}
     lines = [f"  {precision.c} {p.name}[{p.size}];\n" for p in own]
     lines += [f"  (void){p.name}; /* written alone */\n" for p in own if p.name not in read]
-    lines += ["  {\n" + indent(part.body, "  ") + "  }\n" for part in parts]
+    given, results = {p.name: p for p in inputs}, {p.name for p in outputs}
+    kept, written = dict[str, Port](), False
+    blocks = list[str]()
+    for part in parts:
+        again = [given[p.name] for p in part.inputs if written and p.name in given and p.shape]
+        kept |= {p.name: p for p in again}
+        names = "".join(f"    const {precision.c} *const {p.name} = kept_{p.name};\n" for p in again)
+        blocks.append("  {\n" + names + indent(part.body, "  ") + "  }\n")
+        written = written or any(p.name in results for p in part.outputs)
+    for p in kept.values():
+        lines.append(f"  {precision.c} kept_{p.name}[{p.size}];\n")
+        lines.append(f"  for (int k = 0; k < {p.size}; k++) kept_{p.name}[k] = {p.name}[k];\n")
+    lines += blocks
     called = dict.fromkeys(text for part in parts for text in part.helpers)
-    stack = sum(part.stack for part in parts) + sum(precision.item * p.size for p in own)
+    stack = sum(part.stack for part in parts) + sum(precision.item * p.size for p in (*own, *kept.values()))
     return Source(inputs, outputs, precision, [*called], "".join(lines), stack)
 
 
