@@ -8,29 +8,19 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 from scipy.linalg import expm
 
-from cutpoint import kernels
-from cutpoint.control.interface import Measurement, Reference, name_of, start_of, stepped
+from cutpoint.control.interface import name_of
 from cutpoint.control.law import Law, as_law, check_drives
+from cutpoint.control.law_at_rest import LawAtRest, between, differences
 from cutpoint.control.model_law import ModelLaw, check_all_driven
-from cutpoint.control.own_law import check_pure
 from cutpoint.door import check_kind, checked_array, positive
 from cutpoint.errors import InputError
 from cutpoint.robot import Robot
-from cutpoint.scalars import leaves, rebuild, with_float_leaves
+from cutpoint.scalars import rebuild
 
 if TYPE_CHECKING:
     from cutpoint.analysis import LinearModel
 
 Array = NDArray[np.float64]
-
-STEP = 1e-6
-"""rad, rad/s: by which states are moved to see what the law does."""
-
-SETTLING = 128
-"""Periods that a law's memory is given to come to rest."""
-
-ROUNDS = 3
-"""Newton's steps towards rest, each of the times that they are taken."""
 
 
 class SampledPole(NamedTuple):
@@ -46,12 +36,6 @@ class SmallSignal(NamedTuple):
 
     stiffness: Array
     damping: Array
-
-
-class _Step(NamedTuple):
-    torque: Any
-    memory: Any
-    fault: Any
 
 
 def slowest_pole(robot: Robot, law: Any, q: ArrayLike, period: float) -> SampledPole:
@@ -137,10 +121,10 @@ def small_signal(robot: Robot, law: Any, q: ArrayLike, period: float) -> SmallSi
     law is differenced without friction, as in `slowest_pole`; one that jumps at rest has no slope.
     """
     q, law = _checked("small_signal", robot, law, q)
-    rest = _Rest(robot, law, robot.linearize(q).point, period)
+    rest = LawAtRest(robot, law, robot.linearize(q).point, period)
     n = len(robot.drives)
     together = np.vstack([np.eye(2 * n)] * 2)  # of link and motor, positions and then speeds
-    slopes = _differences(lambda x: rest.told((together @ x).reshape(4, n), rest.memory), np.zeros(2 * n))[0]
+    slopes = differences(lambda x: rest.told((together @ x).reshape(4, n), rest.memory), np.zeros(2 * n))[0]
     return SmallSignal(-np.diag(slopes[:, :n]), -np.diag(slopes[:, n:]))
 
 
@@ -170,119 +154,13 @@ def without_friction(law: Any) -> Any:
 
 def _slopes(robot: Robot, law: Any, model: Any, period: float) -> tuple[Array, Array, Array, Array]:
     """How torque and memory after a step follow the plant's state and the memory before it, as far as it matters."""
-    at = _Rest(robot, law, model.point, period)
+    at = LawAtRest(robot, law, model.point, period)
     rest = np.zeros(len(model.states))
-    of_state = _differences(lambda x: at.told((model.C @ x).reshape(4, -1), at.memory), rest)
-    of_memory = _differences(lambda m: at.told(np.zeros((4, len(robot.drives))), m), at.memory)
-    matter = _between(of_state[1], of_memory[1], of_memory[0])
+    of_state = differences(lambda x: at.told((model.C @ x).reshape(4, -1), at.memory), rest)
+    of_memory = differences(lambda m: at.told(np.zeros((4, len(robot.drives))), m), at.memory)
+    matter = between(of_state[1], of_memory[1], of_memory[0])
     slopes = of_state[0], of_memory[0][:, matter], of_state[1][matter], of_memory[1][np.ix_(matter, matter)]
     if not all(np.isfinite(x).all() for x in slopes):
         rule = "commands or remembers what is not a finite number at rest, so it has no slopes there"
         raise InputError(f"slowest_pole: {name_of(law)} {rule}", q=model.point.q)
     return slopes
-
-
-def _between(of_state: Array, of_memory: Array, on_torque: Array) -> NDArray[np.bool_]:
-    """Which numbers of memory motion changes and torque follows, each of both by way of others, too.
-
-    of_state (m, x), of_memory (m, m): what they follow.  on_torque (n, m): what follows them.
-    """
-    moved, felt = (of_state != 0).any(axis=1), (on_torque != 0).any(axis=0)
-    for _ in range(len(of_memory)):
-        moved, felt = moved | (of_memory[:, moved] != 0).any(axis=1), felt | (of_memory[felt] != 0).any(axis=0)
-    return moved & felt
-
-
-class _Rest:
-    """A law that holds the robot at rest, bearing its load: what it is asked for, and its memory, stand still.
-
-    Asked for the pose itself it would lack that load, and what integrates would wind up until it is cut off.
-    """
-
-    def __init__(self, robot: Robot, law: Any, point: Any, period: float) -> None:
-        check_pure(law, len(robot.drives))
-        start = with_float_leaves(start_of(law))
-        self._step, self._time = _step_kernel(robot, law, start), 0.0
-        self._numbers = np.array([*leaves(law), period], float)
-        driven = [d.q for d in robot.machine.drives]
-        self._seen = np.array([point.q[driven], 0 * point.theta, point.theta, 0 * point.theta])
-        self._shift: Array = 0 * point.theta
-        self.memory = np.array(leaves(start), float)
-        self._balance(point.motor_torque, np.zeros(self.memory.size, bool))
-        for k in range(1, SETTLING + 1):
-            self.memory = self.told(0 * self._seen, self.memory)[1]
-            self._time += period
-            if k.bit_count() == 1:
-                self._balance(point.motor_torque, self._matters())
-        fault = self._answer(0 * self._seen, self.memory, self._shift)[2]
-        if fault > 0:
-            rule = f"reports fault {fault:g}, see `control.Fault`, at rest at this pose, and then holds nothing"
-            raise InputError(f"{name_of(law)} {rule}: judge it at a pose within its limits", q=point.q)
-
-    def told(self, moved: Array, memory: Array) -> tuple[Array, Array]:
-        """Torque and memory after, with q, v, theta and theta_dot moved (4, n) from rest."""
-        return self._answer(moved, memory, self._shift)[:2]
-
-    def _answer(self, moved: Array, memory: Array, shift: Array) -> tuple[Array, Array, float]:
-        asked = self._seen[[0, 2]] + shift
-        return self._step(*(self._seen + moved), *asked, self._time, memory, self._numbers)
-
-    def _matters(self) -> NDArray[np.bool_]:
-        """Which numbers of memory are between motion and torque."""
-        at_rest = 0 * self._seen
-        of_state = _differences(lambda x: self.told(x.reshape(at_rest.shape), self.memory), at_rest.ravel())
-        of_memory = _differences(lambda m: self.told(at_rest, m), self.memory)
-        return _between(of_state[1], of_memory[1], of_memory[0])
-
-    def _balance(self, load: Array, free: NDArray[np.bool_]) -> None:
-        """The smallest change of what is asked for, and of the free memory, by which torque is the load, N m, and that
-        memory stays: Newton's steps."""
-        n, at_rest = len(load), 0 * self._seen
-
-        def answer(x: Array) -> tuple[Array, Array]:
-            memory = self.memory.copy()
-            memory[free] = x[n:]
-            torque, after, _ = self._answer(at_rest, memory, x[:n])
-            return torque - load, after[free] - memory[free]
-
-        x: Array = np.concatenate([self._shift, self.memory[free]])
-        for _ in range(ROUNDS):
-            slopes, off = np.vstack(_differences(answer, x)), np.concatenate(answer(x))
-            if not (np.isfinite(slopes).all() and np.isfinite(off).all()):
-                return
-            x = x - np.asarray(np.linalg.lstsq(slopes, off)[0], np.float64)
-        self._shift, self.memory[free] = x[:n], x[n:]
-
-
-def _step_kernel(robot: Robot, law: Any, start: Any) -> Any:
-    """A law's step as a kernel: q, v, theta, theta_dot, where to rest, time, memory, own numbers with the period."""
-    n = len(robot.drives)
-
-    def step(
-        q: Any, v: Any, theta: Any, theta_dot: Any, asked_q: Any, asked_theta: Any, time: Any, memory: Any, numbers: Any
-    ) -> Any:
-        rest = iter(numbers)
-        own, period = rebuild(law, rest), next(rest)
-        seen = Measurement(time, period, *(np.array(x) for x in (q, v, theta, theta_dot)))
-        still = np.zeros(n)
-        reference = Reference(np.array(asked_q), still, still, still, still, np.array(asked_theta), still)
-        after, command = stepped(own, rebuild(start, iter(memory)), seen, reference)
-        return _Step([*np.broadcast_to(command.torque, n)], leaves(with_float_leaves(after)), command.fault)
-
-    sizes = dict.fromkeys(("q", "v", "theta", "theta_dot", "asked_q", "asked_theta"), n)
-    counts = {"memory": len(leaves(start)), "numbers": len(leaves(law)) + 1}
-    return kernels.compile(step, name="law", backend=robot.backend, **sizes, time=(), **counts)
-
-
-def _differences(function: Any, at: Array) -> tuple[Array, Array]:
-    """Central differences of both results with respect to each number of `at`, a column each."""
-    columns: list[tuple[Array, Array]] = []
-    for k in range(len(at)):
-        move = np.zeros(len(at))
-        move[k] = STEP * max(1.0, abs(at[k]))
-        ahead, behind = function(at + move), function(at - move)
-        columns.append(tuple((a - b) / (2 * move[k]) for a, b in zip(ahead, behind, strict=True)))
-    if not columns:
-        torque, memory = function(at)
-        return np.zeros((len(torque), 0)), np.zeros((len(memory), 0))
-    return np.stack([c[0] for c in columns], axis=1), np.stack([c[1] for c in columns], axis=1)
