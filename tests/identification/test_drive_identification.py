@@ -163,6 +163,20 @@ def test_a_coarse_encoder_on_the_motor_does_not_make_its_rotor_light():
     assert found.spring.damping == pytest.approx(true.drives["joint4"].damping, rel=0.1)
 
 
+def test_friction_of_both_sides_is_told_apart_where_the_links_was_not_known():
+    true = true_arm(hysteresis=False)
+    rubbing = {n: replace(d, link_friction=cutpoint.Coulomb(8.0, 2.0, 0.05)) for n, d in true.drives.items()}
+    supposed = supposed_arm(true)
+    drives = {n: replace(d, link_friction=None, compliance=None) for n, d in supposed.drives.items()}
+    drives["joint1"] = replace(supposed.drives["joint1"], link_friction=None)
+    recording = measured(true.with_drives(rubbing), DURATION)
+    found = identify_drives(supposed.with_drives(drives), recording, STEP, torque_delay=PERIOD / 2.0).joints["joint1"]
+    assert found.rotor.inertia == pytest.approx(true.drives["joint1"].rotor.inertia, rel=0.03)
+    motor, link = found.drive.motor_friction, found.drive.link_friction
+    assert [motor.coulomb, motor.viscous] == pytest.approx([1.0, 0.5], rel=0.06)
+    assert [link.coulomb, link.viscous] == pytest.approx([8.0, 2.0], rel=0.1)
+
+
 def test_every_joint_must_be_recorded(arm: Case):
     with pytest.raises(InputError, match=r"must be recorded; missing: \['joint1', 'joint3',"):
         identify_drives(arm.true, arm.recording.joint("joint2"))

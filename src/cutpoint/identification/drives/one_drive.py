@@ -37,6 +37,12 @@ WIDER = 2.0
 HIGHEST = 0.4
 """Of the sampling rate."""
 
+TURNS = 8
+"""Times at most that spring and rotor are found by each other; friction that was wrong at first takes some."""
+
+NEAR = 0.5
+"""Deviations of a rotor: with a turn that moves it by less both have settled."""
+
 SHAKEN = 1e-3
 """Of a rotor's acceleration, by power: noise that is left in it, if its encoder shows that much of its motion."""
 
@@ -107,7 +113,9 @@ def drive_of(joint: Channels, drive: Drive, resolution: float, cutoff: float) ->
     if apart and not stated:
         share = transmitted_share(spring, joint.theta, ratio)
         left, _ = torque_left(rotor, joint.theta, _torque(joint, rotor), period, joint.delay, share)
-        link = link_friction(left - joint.link_torque, joint.sliding, period, cutoff)
+        speed = joint.sliding[:, 1]
+        sliding = np.column_stack([np.tanh(speed / smoothing_of(drive, rotor.smoothing)), speed])
+        link = link_friction(left - joint.link_torque, sliding, period, cutoff)
     return _estimate(drive, spring, rotor, apart, link, shows_play)
 
 
@@ -169,8 +177,9 @@ def _from_motor(
     widest = min(WIDER * noise_cutoff(lead, period, otherwise=highest), highest)
     band, shaking = _clear_acceleration(joint.theta, period, widest)
     noise = _noise_density(lead, period, band) * np.sqrt(band)
-    seen = False
-    for laws in (SHAPE, SHAPE, tuple(LAWS)):
+    seen = settled = False
+    for turn in range(TURNS):
+        laws = tuple(LAWS) if settled or turn == TURNS - 1 else SHAPE
         share = transmitted_share(spring, joint.theta, ratio)
         left, unknowns = torque_left(rotor, joint.theta, torque, period, joint.delay, share)
         channels = joint.theta, joint.q, left, *unknowns.values()
@@ -182,9 +191,16 @@ def _from_motor(
             torque_unknowns=dict(zip(unknowns, columns, strict=True)) if seen else None,
             shared_noise={"inertia": rotor["inertia"] * shaking**2}, stated=None if laws is SHAPE else stated,
         )  # fmt: skip
-        if seen:
-            rotor = corrected(rotor, spring)
+        before, rotor = rotor, corrected(rotor, spring) if seen else rotor
+        if laws is not SHAPE:
+            break
+        settled = turn > 0 and _is_near(rotor, before)
     return spring, rotor, seen
+
+
+def _is_near(rotor: RotorEstimate, before: RotorEstimate) -> bool:
+    """Whether a turn moved it by less than its own deviations."""
+    return bool((np.abs(rotor.values - before.values) <= NEAR * np.sqrt(np.diag(rotor.covariance))).all())
 
 
 def _is_seen(spring: SpringEstimate) -> bool:
