@@ -15,7 +15,7 @@ from cutpoint.mechanics import inverse_dynamics as inverse
 from cutpoint.mechanics.drive_regressor import DriveRegressor
 from cutpoint.mechanics.elastic import Driven, ElasticMotion, Options
 from cutpoint.mechanics.elastic_forward import ElasticAccelerations
-from cutpoint.mechanics.harmonic_drive import DriveState, friction_torque, spring_torque, static_lead
+from cutpoint.mechanics.harmonic_drive import friction_torque, spring_torque, static_lead
 from cutpoint.mechanics.spatial import Pose, Vec3, Wrench
 from cutpoint.mechanics.strains import Strains, drive_by_drive
 from cutpoint.mechanics.system import System
@@ -167,7 +167,7 @@ def drive_regressor(
     m: Machine, q: Scalars, v: Scalars, theta: Scalars, theta_dot: Scalars, theta_ddot: Scalars
 ) -> DriveRegressor:
     """Torques of the drives by their own parameters: see `mechanics.drive_regressor`."""
-    states = [DriveState(q[d.q], v[d.v], x, w) for d, x, w in zip(m.drives, theta, theta_dot, strict=True)]
+    states = elastic_forward.drive_states(m.drives, q, v, theta, theta_dot)
     return drives.drive_regressor(m.drives, states, theta_ddot)
 
 

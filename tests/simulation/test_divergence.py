@@ -120,9 +120,9 @@ def test_an_error_in_a_controller_is_the_users_own():
     ("options", "message"),
     [
         ({}, "without a trajectory, give duration="),
-        ({"duration": 0.0}, "duration 0.0 s must be at least one control period"),
-        ({"duration": np.nan}, "duration nan s must be at least one control period"),
-        ({"duration": 4e-4}, "duration 0.0004 s must be at least one control period"),
+        ({"duration": 0.0}, "duration 0.0 s must be more than half a control period"),
+        ({"duration": np.nan}, "duration nan s must be more than half a control period"),
+        ({"duration": 4e-4}, "duration 0.0004 s must be more than half a control period"),
         ({"duration": np.inf}, "duration inf s at control_period 0.001 s takes inf samples"),
         ({"duration": 1.0, "control_period": 0.0}, "control_period 0.0 s must be positive"),
         ({"duration": 1.0, "accuracy": "perfect"}, "accuracy 'perfect' must be 'standard', 'fine' or 'reference'"),

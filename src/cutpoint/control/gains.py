@@ -4,6 +4,7 @@ from typing import Any
 
 import numpy as np
 
+from cutpoint.control.interface import is_traced
 from cutpoint.errors import InputError
 from cutpoint.model.limits import efforts_in_force
 from cutpoint.robot import Robot
@@ -29,11 +30,6 @@ def gains(law: str, name: str, value: Any, size: int | None = None, positive: bo
     if array.size not in (1, size):
         raise InputError(f"{law}: {name} has {array.size} numbers; it must have one, or one for each of {size} drives")
     return np.broadcast_to(array, size).astype(float)
-
-
-def is_traced(array: Any) -> bool:
-    """Whether an array holds numbers of other kinds than NumPy's, traced ones for instance, and no texts or None."""
-    return array.dtype == object and all(hasattr(type(x), "__neg__") for x in array.flat)
 
 
 def motor_limits(robot: Robot) -> Any:

@@ -4,7 +4,7 @@ from typing import Any
 
 import numpy as np
 
-from cutpoint.control.gains import is_traced
+from cutpoint.control.interface import is_traced
 from cutpoint.errors import InputError
 from cutpoint.model.limits import efforts_in_force, limits_in_force
 from cutpoint.robot import Robot
@@ -15,7 +15,8 @@ LIMITS = ("torque_limit", "speed_limit", "lower", "upper")
 def limits_of(robot: Robot, given: dict[str, Any]) -> dict[str, Any]:
     """Limits (n,) by name, those of the robot where none is given; traced ones pass as they are.
 
-    Raises InputError for a limit that is not positive, NaN, of a wrong size, or below its lower one.
+    Raises InputError for a torque or speed limit that is not positive, an upper limit below the lower one, NaN, or a
+    wrong size.
     """
     stated = _stated(robot)
     found = {name: _each(robot, name, stated[name] if x is None else x) for name, x in given.items()}

@@ -151,11 +151,15 @@ def _refuse_traced(law: Controller, error: Exception) -> NoReturn:
     raise TraceError(told, place=users[-1] if users else None) from error
 
 
+def is_traced(array: Any) -> bool:
+    """Whether an array holds numbers of other kinds than NumPy's, traced ones for instance, and no texts or None."""
+    return array.dtype == object and all(hasattr(type(x), "__neg__") for x in array.flat)
+
+
 def _is_one_each(part: Any, n: int) -> bool:
     """Whether it is one number for all drives, or one each; numbers may be traced."""
     array = np.asarray(part)
-    traced = array.dtype == object and all(hasattr(type(x), "__neg__") for x in array.flat)
-    return (traced or array.dtype.kind in "biuf") and array.shape in ((), (n,))
+    return (is_traced(array) or array.dtype.kind in "biuf") and array.shape in ((), (n,))
 
 
 def described(thing: Any) -> str:

@@ -105,10 +105,11 @@ def tune(
     control_period: float = 1e-3,
     **options: Any,
 ) -> Any:
-    """A law whose joints, each alone, move as second-order systems of this bandwidth (Hz) and damping ratio.
+    """A law whose joints, each alone, move with this bandwidth (Hz), those of PD as second-order systems.
 
-    Gains come from the inertia of links and rotors at q (neutral if not given).  Laws built on v_r = v_d + Lambda
-    (q_d - q) are critically damped, with Lambda = 2 pi bandwidth; damping is for the others.  options go to the law.
+    Gains come from the inertia of links and rotors at q (neutral if not given).  damping: ratio, of PD, PID,
+    ComputedTorque and FullStateFeedback.  Laws built on v_r = v_d + Lambda (q_d - q) are critically damped, with Lambda
+    = 2 pi bandwidth, and ElasticComputedTorque has four equal poles at twice that.  options go to the law.
 
     Raises:
         InputError: the gains do not hold at q: the linear plant with all its springs and motors, sampled every
@@ -126,19 +127,19 @@ def tune(
     pose = robot.neutral() if q is None else checked_array("tune", "q", q, robot.nq)
     if pose.ndim != 1:
         raise InputError(f"tune: q has shape {pose.shape}, it must be one pose, ({robot.nq},)", q=q)
-    made = _made(law, _wanted(robot, pose, 2 * np.pi * bandwidth, damping, period), options)
+    made = _made(law, wanted(robot, pose, 2 * np.pi * bandwidth, damping, period), options)
     if law is not SuperTwisting:
         check_holds(robot, made, pose, period)
     return made
 
 
-def _made(law: Any, wanted: Wanted, options: dict[str, Any]) -> Any:
+def _made(law: Any, w: Wanted, options: dict[str, Any]) -> Any:
     known = [*signature(law).parameters]
     for name in options:
         if name not in known:
             raise unknown_name(f"option of {law.__name__}", name, known)
     try:
-        return RECIPES[law](wanted, **options)
+        return RECIPES[law](w, **options)
     except TypeError as error:
         twice = [name for name in options if f"multiple values for argument {name!r}" in str(error)]
         if not twice:
@@ -180,7 +181,8 @@ def _is_held(robot: Robot, pole: SampledPole, period: float) -> bool:
     return pole.size <= 1 + 1e-9 or np.log(pole.size) / period <= STOPPED * rubs
 
 
-def _wanted(robot: Robot, q: Array, omega: float, damping: float, period: float) -> Wanted:
+def wanted(robot: Robot, q: Array, omega: float, damping: float, period: float) -> Wanted:
+    """What gains are made from: omega, rad/s; damping, a ratio; period, s."""
     driven = robot.machine.drives
     M, weight = robot.mass_matrix(q), robot.gravity_forces(q)
     link = np.array([M[d.v, d.v] for d in driven])

@@ -63,6 +63,7 @@ def drive_effort(drive: Drive, at: DriveState, motor_torque: Scalar, strains: St
 def drive_states(
     drives: Sequence[Driven], q: Scalars, v: Scalars, theta: Scalars, theta_dot: Scalars
 ) -> list[DriveState]:
+    """Of each drive, from the robot's q and v and the motors' theta and theta_dot."""
     return [DriveState(q[d.q], v[d.v], x, w) for d, x, w in zip(drives, theta, theta_dot, strict=True)]
 
 

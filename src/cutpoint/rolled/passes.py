@@ -17,18 +17,15 @@ Scalars = Sequence[Scalar]
 UPWARD = "upward acceleration"
 """In a row of the world, (UPWARD, k) stands for the k-th of its six numbers."""
 
-SINGLE = ("base", "world", "tip")
-"""Rows that no body has, and that of the body whose frame is asked for; passes that run once call them
-"base.motion" and the like."""
-
 
 class Pass(NamedTuple):
     """A step of every body: alone, outward (parents first) or inward (children first); or of every pair of bodies of
     which one carries the other, or only the first the other.
 
-    A step may also run once, for what stands apart: see `SINGLE`.  Of a pair, the stage is told the kinship, and reads
-    first what is "held" of one, which is all that it reads of the other.  What it writes of bodies that are no such
-    pair must be zero.
+    A step may also run once, for what stands apart: rows of "base" and "world", that no body has, and of the "tip",
+    whose frame is asked for; it calls them "base.motion" and the like.  Of a pair, the stage is told the kinship, and
+    reads first what is "held" of one, which is all that it reads of the other.  What it writes of bodies that are no
+    such pair must be zero.
     """
 
     way: Literal["alone", "outward", "inward", "pairs", "carrying", "once"]
@@ -46,7 +43,7 @@ NONE: Mapping[str, int] = MappingProxyType({})
 class Steps(NamedTuple):
     """A function as passes over the bodies.
 
-    kept: sizes of regions that have a row for each body, and others for what is in `SINGLE`.  numbers: names of regions
+    kept: sizes of regions that have a row for each body, and others for what stands apart.  numbers: names of regions
     with one number for each body, inputs and outputs.  views: rows of a body's parent.  world: how the world's rows
     begin; they are zero elsewhere.  apart: sizes of regions without rows, of passes that run once.  constants: of those
     that hold the robot's numbers.  shapes: of outputs that are not a number for each body.  threes: those kept that

@@ -33,7 +33,7 @@ def sample_times(trajectory: Trajectory | None, duration: float | None, period: 
     duration = number("simulate", "duration", duration, "s")
     period = positive("simulate", "control_period", period, "s")
     if not duration > period / 2:
-        raise InputError(f"simulate: duration {duration} s must be at least one control period, {period} s")
+        raise InputError(f"simulate: duration {duration} s must be more than half a control period, {period} s")
     if not duration / period < MOST_SAMPLES:
         found = f"duration {duration:g} s at control_period {period:g} s takes {duration / period:.3g} samples"
         parts = "run in parts, each with initial= where the last ended, without what hysteresis and delays held then"

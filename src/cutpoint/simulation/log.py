@@ -125,7 +125,7 @@ class Log:
         return picture(self, names)
 
     def certificate(self) -> "Certificate":
-        """The power-flow certificate of a run under `control.VDC`: see `analysis.Certificate`.
+        """The power-flow certificate of a run under `control.VDC`: see `analysis.certificate.Certificate`.
 
         Raises InputError for a log that was not simulated here, or under another law.
         """

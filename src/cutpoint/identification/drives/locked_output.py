@@ -88,6 +88,9 @@ def locked_output(
     known = np.isfinite(angle) & np.isfinite(load)
     angle, load = angle[known], load[known]
     limit = REACHED * min(float(load.max()), -float(load.min()))
+    if not limit > 0.0:
+        found = f"torque goes from {load.min():.3g} to {load.max():.3g} N m"
+        raise InputError(f"locked_output: {found}; sweep it up and down to both sides of zero")
     at = np.linspace(-limit, limit, POINTS)
     ways = {direction: _mean_way(angle, load, at, direction) for direction in (1.0, -1.0)}
     rising, falling = (way - 0.5 * (ways[1.0] + ways[-1.0]).mean() for way in ways.values())

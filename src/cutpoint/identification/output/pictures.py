@@ -3,14 +3,11 @@
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
-from numpy.typing import NDArray
 
 from cutpoint.identification.joint_units import at_joints, either
 from cutpoint.identification.output.torque_errors import TorqueErrors
 from cutpoint.reporting.style import FAINT, HAIR, INK, LINK, MOTOR, WIDTH
 from cutpoint.robot import Robot
-
-Array = NDArray[np.float64]
 
 ROW = 1.9
 """Inches of a panel's height."""

@@ -1,6 +1,5 @@
 """How every joint of a robot gives way, as passes over its bodies: what a unit of torque accelerates, and whom."""
 
-from collections.abc import Sequence
 from functools import reduce
 from typing import Any
 
@@ -25,8 +24,6 @@ from cutpoint.rolled.passes import PLAIN, Kept, Pass, Steps
 from cutpoint.rolled.steps import placing
 from cutpoint.rolled.subsystem import Subsystem
 from cutpoint.scalars import Scalar, minimum
-
-Scalars = Sequence[Scalar]
 
 UNLIMITED = 1e300
 """More than any inertia."""

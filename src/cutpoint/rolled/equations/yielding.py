@@ -21,7 +21,6 @@ from cutpoint.rolled.recipes import Recipe
 from cutpoint.rolled.runs import memory_of
 from cutpoint.scalars import Scalar, where
 
-Array = np.ndarray
 Scalars = Sequence[Scalar]
 
 BODIES_AT_ONCE = 8

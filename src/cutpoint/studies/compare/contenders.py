@@ -4,8 +4,6 @@ from collections.abc import Callable, Mapping
 from dataclasses import fields, replace
 from typing import Any, NamedTuple
 
-import numpy as np
-
 from cutpoint.control import (
     PD,
     PID,
@@ -96,20 +94,6 @@ CONTENDERS: tuple[Contender, ...] = (
         _tuned(AdaptiveVDC, update="natural", body_rate=NATURAL_RATE, joint_rate=RATE),
     ),
 )  # fmt: skip
-
-
-def named(keys: Any) -> tuple[Contender, ...]:
-    """Contenders of these keys, in the table's order."""
-    return tuple(c for c in CONTENDERS if c.key in keys)
-
-
-def wanted(robot: Robot, q: Any, bandwidth: float, period: float) -> Wanted:
-    """What gains are made from, critically damped, as `control.tune` has it."""
-    driven = robot.machine.drives
-    M, weight = robot.mass_matrix(q), robot.gravity_forces(q)
-    link = np.array([M[d.v, d.v] for d in driven])
-    rotor = np.array([d.drive.reflected_inertia for d in driven])
-    return Wanted(robot, link, rotor, np.array([weight[d.v] for d in driven]), 2 * np.pi * bandwidth, 1.0, period)
 
 
 def believing(law: Any, model: Robot) -> Any:

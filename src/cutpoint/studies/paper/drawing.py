@@ -58,14 +58,14 @@ def turn(axes: Axes, centre: Point, colour: str, size: Point = (0.7, 1.5)) -> No
     arrow(axes, tuple(points[-6]), tuple(points[-1]), colour, 1.5, zorder=7, mutation_scale=10)
 
 
-def spring(axes: Axes, start: Point, end: Point, colour: str, turns: int = 6, height: float = 0.28) -> None:
+def spring(axes: Axes, start: Point, end: Point, colour: str, turns: int = 6) -> None:
     """A zigzag between two points, with a straight lead at either end."""
     a, b = np.array(start), np.array(end)
     along = (b - a) / np.linalg.norm(b - a)
     across = np.array([-along[1], along[0]])
     at = np.linspace(0.18, 0.82, 2 * turns + 1)
     side = np.r_[0, np.resize([1, -1], 2 * turns - 1), 0]
-    zigzag = a + at[:, None] * (b - a) + height * side[:, None] * across
+    zigzag = a + at[:, None] * (b - a) + 0.28 * side[:, None] * across
     points = np.vstack([a, zigzag, b])
     axes.plot(*points.T, color=colour, lw=1.7, solid_joinstyle="round", zorder=3)
 
@@ -78,12 +78,12 @@ def ground(axes: Axes, centre: Point, width: float = 1.2) -> None:
         axes.plot([x + k, x + k + 0.16], [y - 0.2, y], color=INK, lw=0.8, zorder=3)
 
 
-def span(axes: Axes, left: float, right: float, y: float, words: str, colour: str = INK, gap: float = 0.32) -> None:
+def span(axes: Axes, left: float, right: float, y: float, words: str) -> None:
     """A dimension between two abscissae, words above it."""
-    arrow(axes, (left, y), (right, y), colour, 1.0, arrowstyle="<|-|>", mutation_scale=9)
+    arrow(axes, (left, y), (right, y), INK, 1.0, arrowstyle="<|-|>", mutation_scale=9)
     for x in (left, right):
-        axes.plot([x, x], [y - 0.16, y + 0.16], color=colour, lw=0.8)
-    text(axes, ((left + right) / 2, y + gap), words, color=colour)
+        axes.plot([x, x], [y - 0.16, y + 0.16], color=INK, lw=0.8)
+    text(axes, ((left + right) / 2, y + 0.32), words, color=INK)
 
 
 def leader(axes: Axes, at: Point, words_at: Point, words: str, colour: str = INK, **style: Any) -> None:

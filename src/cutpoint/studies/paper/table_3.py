@@ -56,8 +56,8 @@ def rms(x: Array) -> Array:
 
 
 def _table(vd: Array, ne: Array, lagrangian: Array, differences: dict[str, Array]) -> Table:
-    def line(name: str, x: Array, digits: int = 2) -> tuple[str, ...]:
-        return (*row(name, _N_MM * rms(x), digits), number(_N_MM * np.abs(x).max(), 1))
+    def line(name: str, x: Array) -> tuple[str, ...]:
+        return (*row(name, _N_MM * rms(x), 2), number(_N_MM * np.abs(x).max(), 1))
 
     rows = [
         ("the paper, Table 3", *(f"{x:g}" for x in TABLE_3), f"≤ {TABLE_3_LARGEST:g}"),
