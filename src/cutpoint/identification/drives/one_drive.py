@@ -6,7 +6,8 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from cutpoint.identification.conditioning.filtering import derivative, low_pass, low_pass_together, noise_cutoff
+from cutpoint.identification.conditioning.filtering import low_pass_together, noise_cutoff
+from cutpoint.identification.drives.acceleration_noise import clear_acceleration, noise_density
 from cutpoint.identification.drives.joint_torques import corrected, smoothing_of, torque_left, transmitted_share
 from cutpoint.identification.drives.link_friction import LinkFriction, clocks_differ, link_friction, remarks
 from cutpoint.identification.drives.rotor import RotorEstimate, motor_side
@@ -42,16 +43,6 @@ TURNS = 8
 
 NEAR = 0.5
 """Deviations of a rotor: with a turn that moves it by less both have settled."""
-
-SHAKEN = 1e-3
-"""Of a rotor's acceleration, by power: noise that is left in it, if its encoder shows that much of its motion."""
-
-BANDS = 12
-"""Tried for that, down to where the motion sinks into noise."""
-
-SECOND_DERIVATIVE = 0.4
-"""RMS of white noise's, through a filter of order 4 that runs both ways, over density omega^2 sqrt(Hz) at its cut-off:
-the root of the integral of x^4 / (1 + x^8)^2."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -175,8 +166,8 @@ def _from_motor(
     torque, period = _torque(joint, rotor), joint.period
     lead, highest = joint.theta - joint.q, HIGHEST / joint.period
     widest = min(WIDER * noise_cutoff(lead, period, otherwise=highest), highest)
-    band, shaking = _clear_acceleration(joint.theta, period, widest)
-    noise = _noise_density(lead, period, band) * np.sqrt(band)
+    band, shaking = clear_acceleration(joint.theta, period, widest)
+    noise = noise_density(lead, period, band) * np.sqrt(band)
     seen = settled = False
     for turn in range(TURNS):
         laws = tuple(LAWS) if settled or turn == TURNS - 1 else SHAPE
@@ -206,28 +197,6 @@ def _is_near(rotor: RotorEstimate, before: RotorEstimate) -> bool:
 def _is_seen(spring: SpringEstimate) -> bool:
     """A spring that is wound by too little to be stated can still tell the rotor from the links."""
     return spring.deviations["stiffness"] < UNCERTAIN * spring["stiffness"]
-
-
-def _clear_acceleration(theta: Array, period: float, widest: float) -> tuple[float, float]:
-    """The widest band, Hz, in which a rotor's acceleration is not noise, and RMS of the noise there, rad/s2.
-
-    Noise grows with frequency faster than what a deflection shows, and where it is taken for motion rotors seem light.
-    """
-    density = (2.0 * np.pi) ** 2 * _noise_density(theta, period, widest)
-    narrowest = min(noise_cutoff(theta, period, otherwise=widest), widest)
-    band, noise = widest, np.inf
-    for band in np.geomspace(widest, narrowest, BANDS).tolist():
-        noise = SECOND_DERIVATIVE * density * band**2.5
-        acceleration = derivative(low_pass(theta, period, band), period, 2)
-        if noise**2 < SHAKEN * float(np.nanmean(acceleration**2)):
-            break
-    return band, noise
-
-
-def _noise_density(values: Array, period: float, band: float) -> float:
-    """Of white noise in values (N,), per root Hz, from what a low-pass leaves above a frequency, Hz."""
-    rest = values - low_pass(values, period, band)
-    return float(np.nanstd(rest) / np.sqrt(0.5 / period - band))
 
 
 def _by_speed(clocks: str) -> dict[str, str]:

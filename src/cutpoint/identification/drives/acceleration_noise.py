@@ -1,0 +1,40 @@
+"""Where a rotor's acceleration is motion, and where it is what differences make of its encoder's noise."""
+
+import numpy as np
+from numpy.typing import NDArray
+
+from cutpoint.identification.conditioning.filtering import derivative, low_pass, noise_cutoff
+
+Array = NDArray[np.float64]
+
+SHAKEN = 1e-3
+"""Of a rotor's acceleration, by power: noise that is left in it, if its encoder shows that much of its motion."""
+
+BANDS = 12
+"""Tried for that, down to where the motion sinks into noise."""
+
+SECOND_DERIVATIVE = 0.4
+"""RMS of white noise's, through a filter of order 4 that runs both ways, over density omega^2 sqrt(Hz) at its cut-off:
+the root of the integral of x^4 / (1 + x^8)^2."""
+
+
+def clear_acceleration(theta: Array, period: float, widest: float) -> tuple[float, float]:
+    """The widest band, Hz, in which a rotor's acceleration is not noise, and RMS of the noise there, rad/s2.
+
+    Noise grows with frequency faster than what a deflection shows, and where it is taken for motion rotors seem light.
+    """
+    density = (2.0 * np.pi) ** 2 * noise_density(theta, period, widest)
+    narrowest = min(noise_cutoff(theta, period, otherwise=widest), widest)
+    band, noise = widest, np.inf
+    for band in np.geomspace(widest, narrowest, BANDS).tolist():
+        noise = SECOND_DERIVATIVE * density * band**2.5
+        acceleration = derivative(low_pass(theta, period, band), period, 2)
+        if noise**2 < SHAKEN * float(np.nanmean(acceleration**2)):
+            break
+    return band, noise
+
+
+def noise_density(values: Array, period: float, band: float) -> float:
+    """Of white noise in values (N,), per root Hz, from what a low-pass leaves above a frequency, Hz."""
+    rest = values - low_pass(values, period, band)
+    return float(np.nanstd(rest) / np.sqrt(0.5 / period - band))
