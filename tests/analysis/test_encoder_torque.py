@@ -83,3 +83,15 @@ def test_a_rigid_drive_is_not_read():
 def test_shapes_that_do_not_fit_are_refused():
     with pytest.raises(InputError, match=r"last axis must be the 6 drives"):
         torque_bound(robot("xia2019"), np.zeros(5), np.zeros(5), Sensors())
+
+
+def test_winding_either_way_counts_as_fast_and_springs_that_soften_where_they_are_wound_least():
+    softening = CatalogueSpring(12e3, 6e3, 3e3, 2.0, 7.0)
+    arm = robot("xia2019")
+    drives = {name: replace(d, compliance=softening, damping=5.0) for name, d in arm.drives.items()}
+    arm, at = arm.with_drives(drives), np.full((1, 6), 0.1)
+    there, back = (torque_bound(arm, at, at, Sensors(), winding_speed=x).damping for x in (0.5, -0.5))
+    assert (there == 2.5).all() and np.array_equal(there, back)
+    # wound by 1e-3 rad, beyond both corners, and read wrong by so much that it may not be wound at all
+    coarse = torque_bound(arm, at + 1e-3, at, Sensors(link_resolution=4e-3))
+    assert coarse.resolution == pytest.approx(np.full((1, 6), 12e3 * 2e-3))

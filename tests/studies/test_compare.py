@@ -147,6 +147,8 @@ def test_pandas_drives_may_repeat_what_its_joints_may():
     ("wrong", "message"),
     [
         (lambda: bench_of(ARM, payload=-1.0), r"payload -1.0 kg must be positive"),
+        (lambda: bench_of(ARM, control_period=-1e-3), r"compare: control_period -0.001 s must be positive"),
+        (lambda: bench_of(ARM, bandwidth=0.0), r"compare: bandwidth 0.0 Hz must be positive"),
         (lambda: bench_of(ARM, frame="nose"), r"no frame is named 'nose'"),
         (lambda: bench_of(cutpoint.load(cutpoint.robots.XIA2019_URDF)), r"drive of 'joint1' is rigid"),
         (lambda: run(Path("x"), laws=("magic",), progress=False), r"no law is named 'magic'; there are: 'pd'"),

@@ -217,6 +217,19 @@ def test_every_margin_is_what_is_allowed_by_what_is_asked():
     assert found.drives["spin"].verdict == "holds" and found.drives["spin"].missing == ()
 
 
+@pytest.mark.parametrize("side", [1.0, -1.0])
+def test_a_limit_on_one_side_alone_is_a_margin_too(side: float):
+    def travel(end: float, limit: float) -> float:
+        limits = Limits(lower=limit) if side > 0 else Limits(upper=-limit)
+        return limited(sizing(brake(limits=limits), Polynomial(1.0, side * end)))["joint travel"]
+
+    # the open side goes half a turn beyond the middle, or as far as the joint does
+    assert travel(2.0, -1.0) == pytest.approx(np.pi / (np.pi - 1.0))
+    assert travel(8.0, -1.0) == pytest.approx(9.0 / 8.0)
+    assert travel(2.0, 0.0) == pytest.approx(1.0)
+    assert travel(-2.0, -1.5) < 1.0 and travel(-8.0, 1.0) < 1.0
+
+
 def test_limits_of_drive_and_robot_file_count_together_and_zeros_of_the_file_do_not():
     told = Limits(lower=-1.0, upper=8.0, velocity=3.0, effort=12.0)
     limits = Limits(lower=-2.0, upper=9.0, velocity=4.0, effort=9.0)

@@ -108,3 +108,17 @@ def test_the_default_bandwidth_follows_the_sampling_rate(rate: float, chosen: fl
 def test_what_cannot_be_smoothed_is_refused(arguments: dict, message: str):
     with pytest.raises(InputError, match=message):
         from_samples(**{"t": TIMES, "q": np.zeros((801, 1)), **arguments})
+
+
+@pytest.mark.parametrize("bandwidth", [None, 5.0, 1.0])
+def test_a_pause_in_which_the_motion_would_fly_off_is_refused(bandwidth: float | None):
+    times = np.concatenate([TIMES / 4.0, 11.0 + TIMES / 4.0])
+    positions = np.where(times < 5.0, 0.25 * (1.0 - np.cos(np.pi * times)), 0.5)[:, None]
+    with pytest.raises(InputError, match=r"between 1 and 11 s there are none.*: cut them there, or add some between"):
+        from_samples(times, positions, bandwidth=bandwidth)
+
+
+def test_masked_samples_are_refused():
+    masked = np.ma.masked_greater(np.sin(TIMES)[:, None], 0.9)
+    with pytest.raises(InputError, match=r"positions must have every number, some are masked: fill them in"):
+        from_samples(TIMES, masked)

@@ -59,7 +59,8 @@ def torque_bound(
     Args:
         theta, q: what the encoders show, (..., drives), rad (m) at the joint's side.
         sensors: the encoders' steps and noise; their delay does not count, both sides have it.
-        winding_speed: how fast deflections may change, rad/s, of any shape that fits; it matters to damped springs.
+        winding_speed: how fast deflections may change, either way, rad/s, of any shape that fits; it matters to damped
+            springs.
         record: whether the readings (N, drives) are those of one motion that began without a past: then no element of
             hysteresis is strained further than the deflection has come so far.
 
@@ -95,7 +96,7 @@ def _parts(
     spread = COVERED * np.hypot(passed * sigmas[0], sigmas[1])
     stiffness = _stiffest(drive, wound, angle + spread)
     hysteresis = _hysteresis(drive, wound - wound[0] if record else None, angle + spread)
-    return stiffness * angle, stiffness * spread, hysteresis, (drive.damping or 0.0) * fastest
+    return stiffness * angle, stiffness * spread, hysteresis, (drive.damping or 0.0) * np.abs(fastest)
 
 
 def followed_hysteresis(robot: Robot, theta: ArrayLike, q: ArrayLike) -> Array:
@@ -119,7 +120,10 @@ def followed_hysteresis(robot: Robot, theta: ArrayLike, q: ArrayLike) -> Array:
 def _stiffest(drive: Drive, wound: Array, off: float) -> Array:
     """The largest stiffness that a deflection may meet, within an error of it."""
     assert drive.compliance is not None
-    return np.maximum(drive.compliance.tangent(wound - off), drive.compliance.tangent(wound + off))
+    low, high = wound - off, wound + off
+    # of a spring that softens it is where it is wound least
+    places = low, np.clip(0.0, low, high), high
+    return np.max([drive.compliance.tangent(x) for x in places], axis=0)
 
 
 def _hysteresis(drive: Drive, way: Array | None, off: float) -> Array | float:

@@ -29,7 +29,9 @@ def checked_names(function: str, joints: Any) -> tuple[str, ...]:
 
 
 def numbers(name: str, value: ArrayLike) -> Array:
-    """A copy of the value as an array of float64."""
+    """A copy of the value as an array of float64.  Raises InputError for what is no array of numbers, or masked."""
+    if np.ma.is_masked(value):
+        raise InputError(f"{name} must have every number, some are masked: fill them in, or leave these out", name=name)
     try:
         return np.array(value, dtype=np.float64)
     except (TypeError, ValueError) as error:

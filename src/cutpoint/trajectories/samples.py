@@ -10,7 +10,7 @@ from cutpoint.door import number
 from cutpoint.errors import InputError
 from cutpoint.trajectories.arrays import Array, checked_names, joint_name, timed_positions
 from cutpoint.trajectories.penalty import smoothing_spline
-from cutpoint.trajectories.spline import Spline
+from cutpoint.trajectories.spline import Spline, check_swing
 
 DEFAULT_BANDWIDTH = 10.0
 """Hz: above what an arm's motion holds, below most of what its encoders' noise holds."""
@@ -66,18 +66,31 @@ def from_samples(
 
     Raises:
         InputError: too few samples, times that do not increase, numbers that are not finite, shapes that do not match,
-            or a bandwidth above half of the mean sampling rate or below half a period in the whole duration.
+            a bandwidth above half of the mean sampling rate or below half a period in the whole duration, or a pause in
+            which the motion would leave the range of its samples by more than that range.
     """
     names = None if joints is None else checked_names("from_samples", joints)
     times, samples = timed_positions(t, q, FEWEST_SAMPLES, names)
     chosen = _bandwidth(bandwidth, times)
     moved = samples - samples[0]
-    spline, spacing = smoothing_spline(times, moved, chosen, at_rest)
+    try:
+        spline, spacing = smoothing_spline(times, moved, chosen, at_rest)
+    except np.linalg.LinAlgError as error:
+        raise InputError(f"from_samples: no one motion is near all samples; {_pause(times)}") from error
+    check_swing(spline, times / spacing, samples, _pause(times))
     errors = spline(times / spacing) - moved
     deviation = Deviation(np.abs(errors).max(axis=0), np.sqrt(np.mean(errors**2, axis=0)))
     smoothed = Smoothed(float(times[-1]), samples[0], spline, spacing, chosen, names or (), deviation)
     print(smoothed)
     return smoothed
+
+
+def _pause(times: Array) -> str:
+    """Where samples are farthest apart, and what to do."""
+    steps = np.diff(times)
+    k = int(np.argmax(steps))
+    found = f"between {times[k]:.6g} and {times[k + 1]:.6g} s there are none, elsewhere one in {np.median(steps):.3g} s"
+    return f"{found}: cut them there, or add some between"
 
 
 def _bandwidth(wanted: float | None, times: Array) -> float:

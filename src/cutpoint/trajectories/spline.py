@@ -5,8 +5,12 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.interpolate import BSpline
 
+from cutpoint.errors import InputError
 from cutpoint.trajectories.arrays import Array
 from cutpoint.trajectories.trajectory import Trajectory
+
+LOOKS = 16
+"""Places in each interval where the swing is looked at."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -32,3 +36,20 @@ class Spline(Trajectory):
             found[k] = self.spline(t / unit, nu=k) / unit**k
         found[0] += self.start
         return found
+
+
+def check_swing(spline: BSpline, u: Array, q: Array, remedy: str) -> None:
+    """Raises InputError if the curve q[0] + spline leaves its points q (N, n), at u (N,), by more than their range."""
+    between = u[:-1, None] + np.diff(u)[:, None] * np.linspace(0.0, 1.0, LOOKS, endpoint=False)
+    reached = q[0] + spline(between.ravel())
+    low, high = q.min(axis=0), q.max(axis=0)
+    past = np.maximum((reached - high).max(axis=0), (low - reached).max(axis=0))
+    calm = past <= (high - low) + 1e-9 * np.abs(q).max()
+    if not calm.all():
+        joint = int(np.argmin(calm))
+        raise InputError(
+            f"joint {joint}: the curve would swing {past[joint]:.3g} rad (m) past its points, which lie between "
+            f"{low[joint]:.3g} and {high[joint]:.3g}; {remedy}",
+            joint=joint,
+            past=float(past[joint]),
+        )

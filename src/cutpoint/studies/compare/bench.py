@@ -5,6 +5,7 @@ from typing import Any
 
 import numpy as np
 
+from cutpoint.door import positive
 from cutpoint.errors import InputError, unknown_name
 from cutpoint.formats.catalogue import catalogue_drive
 from cutpoint.robot import Robot
@@ -70,9 +71,11 @@ def bench_of(
 
     Raises:
         InputError: a joint that slides, a coordinate without a drive, a rigid drive, a frame that does not exist, or a
-            payload that is not positive.
+            payload, a bandwidth or a period that is not positive.
     """
     _check(robot)
+    bandwidth = positive("compare", "bandwidth", bandwidth, "Hz")
+    control_period = positive("compare", "control_period", control_period, "s")
     mine = robot.name == PAPERS_ARM
     payload = (2.0 if mine else 3.0) if payload is None else float(payload)
     if not (np.isfinite(payload) and payload > 0):

@@ -4,9 +4,12 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import NDArray
 
 from cutpoint.model import Drive, Limits, Motor, Ratings
 from cutpoint.studies.sizing.demand import Demand, Peak
+
+Array = NDArray[np.float64]
 
 ROUNDING = 1e-9
 """A margin that falls short of 1 by less is one that is met exactly."""
@@ -32,10 +35,12 @@ class Margin:
         return self.value >= 1 - ROUNDING
 
 
-def margins_of(drive: Drive, demand: Demand, limits: Limits, slides: bool) -> tuple[list[Margin], list[str]]:
+def margins_of(
+    drive: Drive, demand: Demand, limits: Limits, travel: tuple[float, float], slides: bool
+) -> tuple[list[Margin], list[str]]:
     """Margins against all that is stated, and the names of the ratings that are not.
 
-    limits: of drive and joint together, at the joint's side.
+    limits: of drive and joint together, at the joint's side.  travel: see `travel_of`.
     """
     ratings = drive.ratings or Ratings()
     torque = "N" if slides else "N m"
@@ -47,20 +52,35 @@ def margins_of(drive: Drive, demand: Demand, limits: Limits, slides: bool) -> tu
         ("maximum speed", "rad/s", ratings.maximum_speed, demand.motor_speed),
     ]
     found = [_margin(name, unit, allowed, asked) for name, unit, allowed, asked in rated if allowed is not None]
-    found += [*_of_limits(limits, demand, abs(drive.ratio), slides), *_of_motor(drive.motor, demand)]
+    found += [*_of_limits(limits, demand, abs(drive.ratio), travel, slides), *_of_motor(drive.motor, demand)]
     missing = [name for name, _, allowed, _ in rated if allowed is None]
     needed = ("life", "rated_torque", "rated_speed")
     return found, missing + [name.replace("_", " ") for name in needed if getattr(ratings, name) is None]
 
 
-def _of_limits(limits: Limits, demand: Demand, ratio: float, slides: bool) -> Iterator[Margin]:
+def travel_of(limits: Limits, reached: Array) -> tuple[float, float]:
+    """The middle of a joint's travel and half of its length, rad (m); infinite where there is no limit.
+
+    Towards a side without limit it goes so far beyond the middle that positions reached (N,) come near the other alone.
+    """
+    lower, upper = limits.lower, limits.upper
+    if np.isfinite(lower) and np.isinf(upper):
+        upper = lower + 2.0 * max(np.pi, float(reached.max()) - lower)
+    elif np.isfinite(upper) and np.isinf(lower):
+        lower = upper - 2.0 * max(np.pi, upper - float(reached.min()))
+    return ((lower + upper) / 2.0, (upper - lower) / 2.0) if np.isfinite(upper - lower) else (0.0, np.inf)
+
+
+def _of_limits(
+    limits: Limits, demand: Demand, ratio: float, travel: tuple[float, float], slides: bool
+) -> Iterator[Margin]:
     if np.isfinite(limits.effort):
         at = demand.motor_torque
         yield Margin("motor torque", "N" if slides else "N m", limits.effort, abs(at.value) * ratio, at)
     if np.isfinite(limits.velocity):
         yield _margin("joint speed", "m/s" if slides else "rad/s", limits.velocity, demand.joint_speed)
-    if np.isfinite(limits.upper - limits.lower):
-        half, middle = (limits.upper - limits.lower) / 2, (limits.upper + limits.lower) / 2
+    middle, half = travel
+    if np.isfinite(half):
         at = demand.position
         yield Margin("joint travel", "m" if slides else "rad", half, abs(at.value - middle), at)
 

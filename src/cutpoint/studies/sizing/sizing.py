@@ -20,7 +20,7 @@ from cutpoint.robot import Robot
 from cutpoint.studies.sizing import duty
 from cutpoint.studies.sizing.demand import Demand, demand_of
 from cutpoint.studies.sizing.load import Load, sampled
-from cutpoint.studies.sizing.margins import Margin, margins_of
+from cutpoint.studies.sizing.margins import Margin, margins_of, travel_of
 from cutpoint.trajectories import Trajectory
 
 if TYPE_CHECKING:
@@ -143,9 +143,9 @@ def _without_play(robot: Robot) -> Robot:
 def _drive_sizing(robot: Robot, joint: str, k: int, load: Load, life: float | None) -> DriveSizing:
     drive, limits = robot.drives[joint], limits_in_force(robot.mechanism, robot.drives)[joint]
     slides = joint in robot.mechanism.sliding
-    middle = (limits.upper + limits.lower) / 2 if np.isfinite(limits.upper - limits.lower) else 0.0
-    demand = demand_of(load, k, middle)
-    margins, missing = margins_of(drive, demand, limits, slides)
+    travel = travel_of(limits, load.position[:, k])
+    demand = demand_of(load, k, travel[0])
+    margins, missing = margins_of(drive, demand, limits, travel, slides)
     reached = _life(drive, demand)
     if life is not None and reached is not None:
         margins.append(Margin("life", "h", reached, life))
