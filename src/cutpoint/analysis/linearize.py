@@ -32,7 +32,8 @@ def linearize(
     own damping only.  friction=True takes its slope at v.  At rest that is the slope of the smoothed sgn, about
     static / smoothing (N m s/rad), steep: it is right only for speeds well below `smoothing`, where the drive creeps.
     A joint that swings faster sees far less damping, one that dry friction holds is locked; a linear model knows
-    neither.
+    neither.  Elements of hysteresis are left out, too: small motions, in which they stick, see the spring stiffer by
+    the sum of theirs.
 
     Args:
         q: (nq,) rad (m).  v: (nv,) rad/s (m/s).  motor_torque: (drives,) N m (N) at the joint's side.
