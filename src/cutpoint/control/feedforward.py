@@ -32,8 +32,6 @@ class Feedforward(ModelLaw):
 
     rung: Rung = "elastic"
 
-    needs = ()
-
     def __post_init__(self) -> None:
         if self.rung not in RUNGS:
             raise InputError(f"Feedforward: rung {self.rung!r} must be one of {', '.join(RUNGS)}", rung=self.rung)

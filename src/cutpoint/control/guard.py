@@ -11,6 +11,7 @@ import numpy as np
 from cutpoint.control.guard_limits import LIMITS, limits_of
 from cutpoint.control.interface import SENSED, Command, Measurement, Reference, completed
 from cutpoint.control.law import Wrapper, as_law, check_drives
+from cutpoint.control.own_law import own_parts
 from cutpoint.door import check_kind, positive
 from cutpoint.errors import unknown_name
 from cutpoint.kernels import Traced
@@ -132,7 +133,9 @@ class Guard(Wrapper):
 
     def _last_finite(self, memory: Watch, m: Measurement) -> tuple[Measurement, Scalar]:
         """The measurement, its odd numbers as they last were finite; and whether the law needs one of these."""
-        n, odd, needed = self.size, _is_odd(m.time), self.needs or SENSED
+        n, odd = self.size, _is_odd(m.time)
+        is_silent = not self.needs or any(not hasattr(part, "needs") for part in own_parts(self.law))
+        needed = SENSED if is_silent else self.needs
         told: dict[str, Any] = {}
         for k, name in enumerate(SENSED):
             numbers, last = getattr(m, name), memory.seen[k * n : (k + 1) * n]

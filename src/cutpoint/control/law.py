@@ -7,7 +7,6 @@ from inspect import signature
 from typing import Any
 
 from cutpoint.control.interface import (
-    SENSED,
     Command,
     Controller,
     Measurement,
@@ -158,8 +157,8 @@ def as_law(controller: Any) -> Any:
 
 
 def needs_of(law: Controller) -> tuple[str, ...]:
-    """Fields of a Measurement that a law reads; one that does not say may read all."""
-    return tuple(dict.fromkeys(name for part in parts_of(law) for name in getattr(part, "needs", SENSED)))
+    """Fields of a Measurement that a law reads, as far as it says; one that says nothing may read all."""
+    return tuple(dict.fromkeys(name for part in parts_of(law) for name in getattr(part, "needs", ())))
 
 
 def parts_of(law: Controller) -> tuple[Any, ...]:
