@@ -34,6 +34,11 @@ class LawAtRest:
     """A law that holds the robot at rest, bearing its load: what it is asked for, and its memory, stand still.
 
     Asked for the pose itself it would lack that load, and what integrates would wind up until it is cut off.
+    point: an `analysis.OperatingPoint`, at rest.  period: s.
+
+    Raises:
+        InputError: the law reports a fault there.
+        TraceError: the law is a user's own, and cannot be compiled.
     """
 
     def __init__(self, robot: Robot, law: Any, point: Any, period: float) -> None:

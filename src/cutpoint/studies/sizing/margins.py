@@ -15,6 +15,10 @@ ROUNDING = 1e-9
 """A margin that falls short of 1 by less is one that is met exactly."""
 
 
+OPEN = np.pi
+"""rad (m): half of a travel that has no limit on one side."""
+
+
 @dataclass(frozen=True)
 class Margin:
     """A limit and what is asked of it, in `unit`; at: the worst instant, None for what is reckoned over the cycle."""
@@ -61,13 +65,13 @@ def margins_of(
 def travel_of(limits: Limits, reached: Array) -> tuple[float, float]:
     """The middle of a joint's travel and half of its length, rad (m); infinite where there is no limit.
 
-    Towards a side without limit it goes so far beyond the middle that positions reached (N,) come near the other alone.
+    Towards a side without limit it goes OPEN beyond the middle, or so far that positions reached (N,) never come there.
     """
     lower, upper = limits.lower, limits.upper
     if np.isfinite(lower) and np.isinf(upper):
-        upper = lower + 2.0 * max(np.pi, float(reached.max()) - lower)
+        upper = lower + 2.0 * max(OPEN, float(reached.max()) - lower)
     elif np.isfinite(upper) and np.isinf(lower):
-        lower = upper - 2.0 * max(np.pi, upper - float(reached.min()))
+        lower = upper - 2.0 * max(OPEN, upper - float(reached.min()))
     return ((lower + upper) / 2.0, (upper - lower) / 2.0) if np.isfinite(upper - lower) else (0.0, np.inf)
 
 
