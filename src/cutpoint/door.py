@@ -2,6 +2,8 @@
 
 from collections.abc import Collection, Iterable, Mapping, Sequence
 from operator import index
+from os import PathLike
+from pathlib import Path
 from reprlib import repr as shortened
 from typing import Any
 
@@ -44,14 +46,7 @@ def checked_array(function: str, name: str, value: ArrayLike, size: int | tuple[
 
     Raises InputError.
     """
-    if isinstance(value, np.ma.MaskedArray) and np.ma.is_masked(value):
-        remedy = "fill them in, or leave these rows out"
-        raise InputError(f"{function}: {name} has masked entries, every number must be there: {remedy}", name=name)
-    try:
-        array = np.asarray(value).astype(np.float64, casting="same_kind", copy=False)
-    except (TypeError, ValueError):
-        shape = f" of shape (..., {size})" if isinstance(size, int) else ""
-        raise refused(function, name, value, f"numbers{shape}") from None
+    array = as_numbers(function, name, value, f"numbers of shape (..., {size})" if isinstance(size, int) else "numbers")
     if isinstance(size, int) and (not array.ndim or array.shape[-1] != size):
         raise InputError(
             f"{function}: {name} has shape {array.shape}, its last axis must be {size}", name=name, shape=array.shape
@@ -62,6 +57,17 @@ def checked_array(function: str, name: str, value: ArrayLike, size: int | tuple[
         rule = "every number must be finite" + (f" and within {LARGEST:g}" if np.isfinite(array[where]) else "")
         raise InputError(f"{function}: {place} is {array[where]}, {rule}", name=name, index=where)
     return array
+
+
+def as_numbers(function: str, name: str, value: ArrayLike, rule: str = "numbers") -> Array:
+    """The value as float64 of any shape; NaN and infinity may be in it.  Raises InputError.  rule: what it must be."""
+    if isinstance(value, np.ma.MaskedArray) and np.ma.is_masked(value):
+        remedy = "fill them in, or leave these rows out"
+        raise InputError(f"{function}: {name} has masked entries, every number must be there: {remedy}", name=name)
+    try:
+        return np.asarray(value).astype(np.float64, casting="same_kind", copy=False)
+    except (TypeError, ValueError, OverflowError):
+        raise refused(function, name, value, rule) from None
 
 
 def refused(function: str, name: str, value: Any, rule: str) -> InputError:
@@ -76,18 +82,28 @@ def check_kind(function: str, name: str, value: Any, kind: type | tuple[type, ..
         raise refused(function, name, value, rule)
 
 
+def path_of(function: str, value: Any, of: str = "a file") -> Path:
+    """The argument as a path.  Raises InputError for what is none.  of: what it is the path of."""
+    check_kind(function, "path", value, (str, PathLike), f"the path of {of}")
+    return Path(value)
+
+
 def number(function: str, name: str, value: Any, unit: str = "") -> float:
     """The argument as a float.  Raises InputError for anything but one real number."""
     if isinstance(value, bool) or not isinstance(value, (*_REAL, np.ndarray)) or np.ndim(value):
         raise refused(function, name, value, f"one number{unit and f', {unit}'}")
-    return float(value)
+    try:
+        return float(value)
+    except OverflowError:
+        raise refused(function, name, value, f"within {LARGEST:g}") from None
 
 
 def positive(function: str, name: str, value: Any, unit: str = "") -> float:
-    """The argument as a float above zero.  Raises InputError for anything else."""
+    """The argument as a float above zero and within LARGEST.  Raises InputError for anything else."""
     found = number(function, name, value, unit)
-    if not (np.isfinite(found) and found > 0):
-        raise InputError(f"{function}: {name} {found}{unit and f' {unit}'} must be positive and finite", name=name)
+    if not 0 < found <= LARGEST:
+        rule = f"at most {LARGEST:g}" if np.isfinite(found) and found > 0 else "positive and finite"
+        raise InputError(f"{function}: {name} {found}{unit and f' {unit}'} must be {rule}", name=name)
     return found
 
 
@@ -103,6 +119,19 @@ def checked_name(kind: str, name: Any, known: Collection[str]) -> str:
     if not isinstance(name, str) or name not in known:
         raise unknown_name(kind, name, known)
     return name
+
+
+def checked_names(
+    function: str, names: Any, name: str = "joints", rule: str = "names, such as robot.joints"
+) -> tuple[str, ...]:
+    """The names as a tuple.  Raises InputError for anything else.  name: of the argument; rule: what it must be."""
+    try:
+        found = tuple(names)
+    except TypeError:
+        found = (names,)
+    if isinstance(names, str) or not all(isinstance(each, str) for each in found):
+        raise refused(function, name, names, rule)
+    return found
 
 
 def checked_shape(function: str, name: str, value: Any) -> tuple[int, ...]:

@@ -20,7 +20,7 @@ from cutpoint.functions.exported import RESULTS
 from cutpoint.kernels.targets import c99_package, cuda_package
 from cutpoint.kernels.targets.c99 import Source
 from cutpoint.kernels.targets.c99_texts import Values
-from cutpoint.robot import Robot
+from cutpoint.robot import Robot, check_robot
 from cutpoint.simulation.control_kernel import law_kernel, law_memory
 from cutpoint.simulation.parameters import law_parameters
 
@@ -46,7 +46,7 @@ def export_function(
     Where drives count, their numbers are the function's last input, and the header holds them as <name>_parameters.
     Raises InputError for an unknown function or target, a missing option, a name C cannot take, and files in the way.
     """
-    check_kind("export_function", "robot", robot, Robot, "a Robot (cutpoint.load reads files)")
+    check_robot("export_function", robot)
     if function not in RESULTS:
         raise unknown_name("function to export", function, RESULTS)
     if to not in _WRITERS:
@@ -82,7 +82,7 @@ def export_controller(
     the law's memory before the first step.  Torque limits are not applied.
     Raises InputError as `export_function` does, TraceError for a law that cannot be traced.
     """
-    check_kind("export_controller", "robot", robot, Robot, "a Robot (cutpoint.load reads files)")
+    check_robot("export_controller", robot)
     check_kind("export_controller", "name", name, str, "the name of a C function")
     period = positive("export_controller", "period", period, "s")
     graph = law_kernel(robot, law, name=name).graph

@@ -9,7 +9,7 @@ from typing import Literal
 
 from numpy.typing import ArrayLike
 
-from cutpoint.door import DRIVES, check_kind, driven_joints
+from cutpoint.door import DRIVES, check_kind, driven_joints, path_of
 from cutpoint.errors import InputError, ModelError
 from cutpoint.formats import drive_of, load_drives, load_urdf
 from cutpoint.model import Drive, Mechanism
@@ -42,10 +42,10 @@ def load(
     "coupled" to their leader.
     Raises ModelError, with file and line, for whatever is wrong in the files.
     """
-    check_kind("load", "path", path, (str, PathLike), "the path of a robot file")
+    path = path_of("load", path, "a robot file")
     check_kind("load", "drives", drives, (str, PathLike, Mapping, NoneType), f"the path of a drive file, or {DRIVES}")
     check_kind("load", "lock", lock, (Mapping, NoneType), "a coordinate for each joint that is held, by name")
-    suffix = Path(path).suffix.lower()
+    suffix = path.suffix.lower()
     if suffix in (".urdf", ".xacro"):
         fall = STANDARD_GRAVITY if gravity is None else gravity
         mechanism = load_urdf(path, gravity=fall, floating_base=floating_base, lock=lock, mimic=mimic)

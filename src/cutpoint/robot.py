@@ -529,3 +529,11 @@ class Robot:
     def __repr__(self) -> str:
         elastic = sum(drive.is_elastic for drive in self.drives.values())
         return f"<Robot {self.name!r}: {len(self.mechanism.bodies)} bodies, {self.nv} speeds, {elastic} elastic drives>"
+
+
+A_ROBOT = "a Robot (cutpoint.load reads files)"
+
+
+def check_robot(function: str, robot: Any) -> None:
+    """Raises InputError for an argument that is no robot.  function: who asks."""
+    door.check_kind(function, "robot", robot, Robot, A_ROBOT)

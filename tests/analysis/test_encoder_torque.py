@@ -80,9 +80,44 @@ def test_a_rigid_drive_is_not_read():
     assert (bound.total[:, [0, 1, 3, 4, 5]] > 0).all()
 
 
-def test_shapes_that_do_not_fit_are_refused():
-    with pytest.raises(InputError, match=r"last axis must be the 6 drives"):
-        torque_bound(robot("xia2019"), np.zeros(5), np.zeros(5), Sensors())
+AT = np.zeros((3, 6))
+
+
+@pytest.mark.parametrize(
+    ("given", "message"),
+    [
+        ({"theta": np.zeros(5)}, r"torque_bound: theta has shape \(5,\), its last axis must be 6"),
+        ({"q": np.zeros((2, 6))}, r"shapes do not fit together: theta \(3, 6\), q \(2, 6\), winding_speed \(6,\)"),
+        ({"q": None}, r"torque_bound: q must be numbers of shape \(\.\.\., 6\), got None"),
+        ({"theta": np.full(6, np.nan)}, r"theta\[0\] is nan, every number must be finite"),
+        (
+            {"theta": AT[0], "q": AT[0], "record": True},
+            r"readings have shape \(6,\), those of a motion are \(N, drives\)",
+        ),
+        ({"winding_speed": np.inf}, r"winding_speed\[0\] is inf"),
+        ({"winding_speed": "fast"}, r"winding_speed must be numbers"),
+        ({"sensors": None}, r"sensors must be Sensors, such as cutpoint.Sensors\(link_resolution=1e-5\), got None"),
+        ({"sensors": Sensors(motor_noise=[1e-5] * 5)}, r"motor_noise .* one number or one for each of 6 drives"),
+    ],
+)
+def test_readings_that_make_no_sense_are_refused(given, message):
+    with pytest.raises(InputError, match=message):
+        torque_bound(robot("xia2019"), **{"theta": AT, "q": AT, "sensors": Sensors(), **given})
+
+
+def test_motions_that_make_no_sense_are_refused():
+    with pytest.raises(InputError, match=r"followed_hysteresis: readings have shape \(6,\), those of a motion are"):
+        followed_hysteresis(robot("xia2019"), AT[0], AT[0])
+    with pytest.raises(InputError, match=r"followed_hysteresis: q has shape \(3, 5\), its last axis must be 6"):
+        followed_hysteresis(robot("xia2019"), AT, AT[:, :5])
+    assert followed_hysteresis(robot("xia2019"), AT[:0], AT[:0]).shape == (0, 6)
+
+
+def test_one_encoder_may_be_known_without_the_other():
+    known = torque_bound(robot("xia2019"), AT, AT, Sensors(link_resolution=1e-4))
+    assert torque_bound(robot("xia2019"), AT[:0], AT[:0], Sensors(), record=True).total.shape == (0, 6)
+    assert (known.resolution > 0).all()
+    assert (known.noise == 0).all()
 
 
 def test_winding_either_way_counts_as_fast_and_springs_that_soften_where_they_are_wound_least():

@@ -162,12 +162,18 @@ def test_an_error_in_each_is_the_users_own():
         ({"initial": [State()] * 2, "sensors": [Sensors()] * 3}, r"there are 2 of initial, 3 of sensors"),
         ({"initial": [State()] * 2, "threads": 0}, r"threads 0 must be a whole number, at least 1"),
         ({"initial": [State()] * 2, "accuracy": "reference"}, r"accuracy 'reference' must be 'standard' or 'fine'"),
-        ({"initial": [State(), State(q=np.zeros(5))]}, r"initial.q has shape"),
+        ({"initial": [State()] * 2, "duration": None}, r"simulate_many: without a trajectory, give duration="),
+        ({"initial": [State(), State(q=np.zeros(5))]}, r"run 1: initial.q has shape"),
+        ({"initial": [State(), 0.0]}, r"run 1: initial must be a State"),
+        ({"sensors": [Sensors(), Sensors(delay=1e-4)]}, r"run 1: sensors: delay 0.0001 s must be a whole number"),
+        ({"controller": [None, PD(KP[:5], KD[:5])]}, r"run 1: "),
+        ({"trajectory": [MOVE, cycloid(END[:5], 0.1)]}, r"run 1: the trajectory has 5 joints, the robot has 6 drives"),
+        ({"initial": [State()] * 2, "channels": "q"}, r"run 0: channels='q' must be a collection of names"),
     ],
 )
 def test_arguments_that_make_no_sense_are_refused(options, message):
     with pytest.raises(InputError, match=message):
-        simulate_many(robot("xia2019"), duration=0.1, **options)
+        simulate_many(robot("xia2019"), **{"duration": 0.1, **options})
 
 
 @pytest.mark.parametrize("backend", ["llvm", "numpy"])

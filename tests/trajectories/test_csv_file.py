@@ -35,6 +35,30 @@ def test_degrees_are_converted_where_the_header_says_so(tmp_path: Path):
     )
 
 
+def test_millimetres_are_converted_too(tmp_path: Path):
+    path = written(tmp_path, "t,a,b,c [mm]", POSITIONS * [1.0, 1.0, 1e3])
+    same = from_samples(TIMES, POSITIONS)(TIMES).q
+    assert np.allclose(from_csv(path, sliding=["c"])(TIMES).q, same, rtol=0, atol=1e-12)
+
+
+@pytest.mark.parametrize(
+    ("header", "message"),
+    [
+        ("t,turns [m],lift [m]", r"'turns' is in 'm': it turns, its positions must be in 'deg' or 'rad' \(.*csv:1\)"),
+        ("t,turns,lift [rad]", r"'lift' is in 'rad': it slides, its positions must be in 'mm' or 'm' \(.*csv:1\)"),
+        (
+            "t,turns,lift",
+            r"'lift': position 350.0 looks like millimetres; .* 'lift \[mm\]' or 'lift \[m\]' \(.*csv:2\)",
+        ),
+    ],
+)
+def test_units_are_held_against_the_joints_where_it_is_told_which_slide(tmp_path: Path, header: str, message: str):
+    path = tmp_path / "motion.csv"
+    path.write_text(header + "\n0,1,350\n1,1,351\n2,1,352\n3,1,353\n")
+    with pytest.raises(InputError, match=message):
+        from_csv(path, sliding={"lift"})
+
+
 def test_columns_are_picked_by_name_in_the_order_asked_for(tmp_path: Path):
     found = from_csv(written(tmp_path, "t,a,b,c"), ["c", "a"], bandwidth=5.0, at_rest=False)
     same = from_samples(TIMES, POSITIONS[:, [2, 0]], bandwidth=5.0, at_rest=False)
@@ -61,7 +85,7 @@ GOOD = "0,1\n1,2\n2,3\n3,4\n"
         ("t\n0\n1\n2\n3\n", r"first line 't' must name the columns"),
         ("t;elbow\n0;1\n", r"first line 't;elbow' parts columns by ';': commas must part them, as in"),
         ("t [ms],elbow\n" + GOOD, r"time is in 'ms': it must be in 's' \(.*motion.csv:1\)"),
-        ("t,elbow [grad]\n" + GOOD, r"no unit of joint 'elbow' is named 'grad'; there are: 'rad', 'deg', 'm'"),
+        ("t,elbow [grad]\n" + GOOD, r"no unit of joint 'elbow' is named 'grad'; there are: 'deg', 'rad', 'mm', 'm'"),
         ("t,elbow,elbow\n" + GOOD, r"column 'elbow' must have a name of its own"),
         ("t,elbow,\n" + GOOD, r"column '' must have a name of its own"),
         ("t" + ",elbow" * 1000 + "\n", r"first line .* must name the columns"),

@@ -5,11 +5,12 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from cutpoint.door import check_kind, checked_array
 from cutpoint.errors import InputError
 from cutpoint.mechanics.harmonic_drive import deflection
 from cutpoint.model.drive import Drive
-from cutpoint.robot import Robot
-from cutpoint.simulation.sensors import Sensors
+from cutpoint.robot import Robot, check_robot
+from cutpoint.simulation.sensors import Sensors, one_each
 
 Array = NDArray[np.float64]
 
@@ -59,29 +60,27 @@ def torque_bound(
     Args:
         theta, q: what the encoders show, (..., drives), rad (m) at the joint's side.
         sensors: the encoders' steps and noise; their delay does not count, both sides have it.
-        winding_speed: how fast deflections may change, either way, rad/s, of any shape that fits; it matters to damped
-            springs.
+        winding_speed: how fast deflections may change, either way, one number or (..., drives), rad/s (m/s); it matters
+            to damped springs.
         record: whether the readings (N, drives) are those of one motion that began without a past: then no element of
             hysteresis is strained further than the deflection has come so far.
 
     Raises:
-        InputError: a floating base, or shapes that do not fit.
+        InputError: a joint with several coordinates, what is not finite, or shapes that do not fit.
     """
+    check_robot("torque_bound", robot)
+    speed = winding_speed if np.ndim(winding_speed) else np.full(len(robot.drives), winding_speed)
+    theta, q, speed = _readings("torque_bound", robot, theta=theta, q=q, winding_speed=speed)
+    if record:
+        _check_motion("torque_bound", theta)
+    check_kind("torque_bound", "sensors", sensors, Sensors, "Sensors, such as cutpoint.Sensors(link_resolution=1e-5)")
     drives = [*robot.drives.values()]
-    theta, q = np.broadcast_arrays(np.asarray(theta, np.float64), np.asarray(q, np.float64))
-    if robot.nq != len(drives) or theta.shape[-1:] != (len(drives),):
-        raise InputError(
-            f"torque_bound: theta and q have shape {theta.shape}, their last axis must be the {len(drives)} drives; "
-            f"the robot has {robot.nq} coordinates"
-        )
-    steps = np.array([_each(x, len(drives)) for x in (sensors.motor_resolution, sensors.link_resolution)])
-    sigmas = np.array([_each(x, len(drives)) for x in (sensors.motor_noise, sensors.link_noise)])
-    fastest = np.broadcast_to(np.asarray(winding_speed, np.float64), theta.shape)
+    steps, sigmas = (_of_both(sensors, what, len(drives)) for what in ("resolution", "noise"))
     parts = [np.zeros(theta.shape) for _ in range(4)]
     for k, drive in enumerate(drives):
         if drive.compliance is not None:
             wound = deflection(drive, theta[..., k], q[..., k])
-            own = _parts(drive, wound, steps[:, k], sigmas[:, k], fastest[..., k], record)
+            own = _parts(drive, wound, steps[:, k], sigmas[:, k], speed[..., k], record)
             for part, each in zip(parts, own, strict=True):
                 part[..., k] = each
     return TorqueBound(*parts)
@@ -95,7 +94,7 @@ def _parts(
     angle = (passed * steps[0] + steps[1]) / 2
     spread = COVERED * np.hypot(passed * sigmas[0], sigmas[1])
     stiffness = _stiffest(drive, wound, angle + spread)
-    hysteresis = _hysteresis(drive, wound - wound[0] if record else None, angle + spread)
+    hysteresis = _hysteresis(drive, wound - wound[:1] if record else None, angle + spread)
     return stiffness * angle, stiffness * spread, hysteresis, (drive.damping or 0.0) * np.abs(fastest)
 
 
@@ -103,8 +102,13 @@ def followed_hysteresis(robot: Robot, theta: ArrayLike, q: ArrayLike) -> Array:
     """What the elements beside the springs add along a recorded motion (N, drives), N m, from rest without a past.
 
     Added to `Robot.drive_torque` it takes hysteresis out of the reading, as far as its model is that of the machine.
+
+    Raises:
+        InputError: a joint with several coordinates, what is not finite, or shapes that do not fit.
     """
-    theta, q = np.asarray(theta, np.float64), np.asarray(q, np.float64)
+    check_robot("followed_hysteresis", robot)
+    theta, q = _readings("followed_hysteresis", robot, theta=theta, q=q)
+    _check_motion("followed_hysteresis", theta)
     found = np.zeros(theta.shape)
     for k, drive in enumerate(robot.drives.values()):
         if drive.hysteresis is None:
@@ -142,5 +146,26 @@ def _hysteresis(drive: Drive, way: Array | None, off: float) -> Array | float:
     return slipped + sticks * (np.abs(way) + 2 * off)
 
 
-def _each(value: ArrayLike | None, count: int) -> Array:
-    return np.broadcast_to(np.asarray(0.0 if value is None else value, np.float64), count)
+def _readings(function: str, robot: Robot, **given: ArrayLike) -> tuple[Array, ...]:
+    """What was read, and what goes with it, broadcast together, (..., drives).  Raises InputError."""
+    n = len(robot.drives)
+    if robot.nq != n:
+        raise InputError(f"{function}: every joint must have one coordinate; {n} drives have {robot.nq}", nq=robot.nq)
+    arrays = {name: checked_array(function, name, value, n) for name, value in given.items()}
+    try:
+        return np.broadcast_arrays(*arrays.values())
+    except ValueError:
+        shapes = ", ".join(f"{name} {array.shape}" for name, array in arrays.items())
+        raise InputError(f"{function}: shapes do not fit together: {shapes}") from None
+
+
+def _check_motion(function: str, readings: Array) -> None:
+    if readings.ndim != 2:
+        rule = "those of a motion are (N, drives)"
+        raise InputError(f"{function}: readings have shape {readings.shape}, {rule}", shape=readings.shape)
+
+
+def _of_both(sensors: Sensors, what: str, size: int) -> Array:
+    """Of the motors' encoders and the links', (2, drives); 0 where there is none of it."""
+    found = [one_each(sensors, f"{side}_{what}", size) for side in ("motor", "link")]
+    return np.array([np.zeros(size) if each is None else each for each in found])

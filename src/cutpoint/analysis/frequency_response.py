@@ -6,7 +6,8 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from cutpoint.analysis.linear_model import LinearModel
-from cutpoint.errors import InputError, unknown_name
+from cutpoint.door import check_kind, checked_name
+from cutpoint.errors import InputError
 
 Array = NDArray[np.float64]
 ComplexArray = NDArray[np.complex128]
@@ -53,8 +54,8 @@ def frequency_response(model: LinearModel, frequencies: ArrayLike, joint: str) -
     Raises:
         InputError: an unknown joint, frequencies that are no positive numbers, or one that hits an undamped resonance.
     """
-    if joint not in model.joints:
-        raise unknown_name("driven joint", joint, model.joints)
+    check_kind("frequency_response", "model", model, LinearModel, "the linear model of a robot, as linearize gives it")
+    joint = checked_name("driven joint", joint, model.joints)
     f = _checked(frequencies)
     b = model.B[:, model.inputs.index(f"motor_torque.{joint}")]
     motor, link = (model.outputs.index(f"{side}.{joint}") for side in ("theta_dot", "v"))
@@ -100,7 +101,7 @@ def _without_pairs(poles: ComplexArray, zeros: ComplexArray) -> tuple[ComplexArr
 def _checked(frequencies: ArrayLike) -> Array:
     try:
         f = np.asarray(frequencies, dtype=np.float64)
-    except (TypeError, ValueError) as error:
+    except (TypeError, ValueError, OverflowError) as error:
         raise InputError(f"frequency_response: frequencies must be numbers (F,), Hz: {error}") from None
     if f.ndim != 1 or not f.size or not (np.isfinite(f) & (f > 0)).all():
         raise InputError("frequency_response: frequencies must be a list (F,) of positive finite numbers, Hz")

@@ -9,7 +9,7 @@ from cutpoint.derivatives.sweeps import Slopes
 from cutpoint.door import checked_array
 from cutpoint.errors import InputError
 from cutpoint.functions.special_robots import check_quaternions, quaternions_of
-from cutpoint.robot import Robot
+from cutpoint.robot import Robot, check_robot
 
 Array = NDArray[np.float64]
 
@@ -66,6 +66,7 @@ def linearize(
 def _operating_point(
     robot: Robot, q: ArrayLike, v: ArrayLike | None, motor_torque: ArrayLike | None, friction: bool
 ) -> tuple[OperatingPoint, Plant]:
+    check_robot("linearize", robot)
     if not robot.nv:
         raise InputError(f"linearize: robot {robot.name!r} has no joint that moves, so there is nothing to linearise")
     q = _configuration(robot, q)

@@ -80,7 +80,7 @@ def cycle_of(
         if start or end or duration is not None or degrees:
             rule = "--to, --from, --duration and --degrees do not go with it; its first line names the units"
             raise InputError(f"trajectory {str(file)!r} is a motion already: {rule}", path=file)
-        return cutpoint.trajectories.from_csv(file, robot.joints)
+        return cutpoint.trajectories.from_csv(file, robot.joints, sliding=robot.mechanism.sliding)
     if not end or duration is None:
         raise InputError("a motion is needed: a CSV file TRAJECTORY, or --to with --duration")
     places = {"start": numbers_of(robot, "from", start, degrees), "end": numbers_of(robot, "to", end, degrees)}

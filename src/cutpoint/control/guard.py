@@ -15,7 +15,7 @@ from cutpoint.control.own_law import own_parts
 from cutpoint.door import check_kind, positive
 from cutpoint.errors import unknown_name
 from cutpoint.kernels import Traced
-from cutpoint.robot import Robot
+from cutpoint.robot import Robot, check_robot
 from cutpoint.scalars import Scalar, absolute, clip, leaves, maximum, rebuild, where, with_float_leaves
 
 Reaction = Literal["hold", "ramp", "stop"]
@@ -85,7 +85,7 @@ class Guard(Wrapper):
         return True
 
     def __post_init__(self) -> None:
-        check_kind("Guard", "robot", self.robot, Robot, "a Robot (cutpoint.load reads files)")
+        check_robot("Guard", self.robot)
         object.__setattr__(self, "law", as_law(self.law))
         check_kind("Guard", "reactions", self.reactions, dict, "a reaction for each of some faults, by name")
         for name, reaction in self.reactions.items():

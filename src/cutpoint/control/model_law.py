@@ -5,10 +5,9 @@ from typing import Any
 
 from cutpoint.control.law import Law
 from cutpoint.definitions import Machine
-from cutpoint.door import check_kind
 from cutpoint.errors import InputError
 from cutpoint.mechanics.harmonic_drive import DriveState
-from cutpoint.robot import Robot
+from cutpoint.robot import Robot, check_robot
 
 
 @dataclass(frozen=True, eq=False)
@@ -48,7 +47,7 @@ def check_all_driven(name: str, robot: Robot) -> None:
 
     name: who asks.
     """
-    check_kind(name, "robot", robot, Robot, "a Robot (cutpoint.load reads files)")
+    check_robot(name, robot)
     driven = {d.v for d in robot.machine.drives}
     for body, own in zip(robot.mechanism.bodies, robot.machine.system.segments, strict=True):
         if own.v.start not in driven:

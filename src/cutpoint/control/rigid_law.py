@@ -8,11 +8,10 @@ import numpy as np
 from cutpoint.control.interface import Measurement, Reference
 from cutpoint.control.model_law import ModelLaw, without_springs
 from cutpoint.control.side import Side, SidedLaw
-from cutpoint.door import check_kind
 from cutpoint.errors import InputError
 from cutpoint.mechanics.harmonic_drive import friction_torque, rigidly_transmitted
 from cutpoint.mechanics.inverse_dynamics import required_inverse_dynamics
-from cutpoint.robot import Robot
+from cutpoint.robot import check_robot
 
 
 @dataclass(frozen=True, eq=False)
@@ -27,7 +26,7 @@ class RigidLaw(SidedLaw, ModelLaw):
 
     def __post_init__(self) -> None:
         self.check_side()
-        check_kind(type(self).__name__, "robot", self.robot, Robot, "a Robot (cutpoint.load reads files)")
+        check_robot(type(self).__name__, self.robot)
         if any(drive.is_elastic for drive in self.robot.drives.values()):
             if self.parameters is not None:
                 name = type(self).__name__

@@ -12,9 +12,9 @@ from cutpoint.control.interface import name_of
 from cutpoint.control.law import Law, as_law, check_drives
 from cutpoint.control.law_at_rest import LawAtRest, between, differences
 from cutpoint.control.model_law import ModelLaw, check_all_driven
-from cutpoint.door import check_kind, checked_array, positive
+from cutpoint.door import checked_array, positive
 from cutpoint.errors import InputError
-from cutpoint.robot import Robot
+from cutpoint.robot import Robot, check_robot
 from cutpoint.scalars import rebuild
 
 if TYPE_CHECKING:
@@ -130,7 +130,7 @@ def small_signal(robot: Robot, law: Any, q: ArrayLike, period: float) -> SmallSi
 
 def _checked(function: str, robot: Robot, law: Any, q: ArrayLike) -> tuple[Array, Any]:
     """The pose, and the law without friction."""
-    check_kind(function, "robot", robot, Robot, "a Robot (cutpoint.load reads files)")
+    check_robot(function, robot)
     law = as_law(law)
     check_drives(law, len(robot.drives))
     return checked_array(function, "q", q, robot.nq), without_friction(law)

@@ -24,7 +24,7 @@ from cutpoint.door import check_kind, checked_array, positive
 from cutpoint.errors import InputError, unknown_name
 from cutpoint.model.drive import Drive
 from cutpoint.model.limits import limits_in_force
-from cutpoint.robot import Robot
+from cutpoint.robot import Robot, check_robot
 
 Array = NDArray[np.float64]
 
@@ -117,7 +117,7 @@ def tune(
             rest is not tested.  Or a joint, such as a floating base, has no motor.
     """
     names = [x.__name__ for x in RECIPES]
-    check_kind("tune", "robot", robot, Robot, "a Robot (cutpoint.load reads files)")
+    check_robot("tune", robot)
     check_kind("tune", "law", law, type, "a law's class, such as cutpoint.control.PD")
     bandwidth = positive("tune", "bandwidth", bandwidth, "Hz")
     damping, period = positive("tune", "damping", damping), positive("tune", "control_period", control_period, "s")

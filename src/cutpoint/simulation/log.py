@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from cutpoint.door import check_kind
+from cutpoint.door import check_kind, number, path_of
 from cutpoint.errors import InputError, unknown_name
 
 if TYPE_CHECKING:
@@ -107,6 +107,7 @@ class Log:
 
     def between(self, start: float, end: float) -> "Log":
         """The samples from `start` to `end` s, both included.  Raises InputError where there are none."""
+        start, end = number("between", "start", start, "s"), number("between", "end", end, "s")
         kept = (self.time >= start) & (self.time <= end)
         if not kept.any():
             span = f"from {self.time[0]:g} s to {self.time[-1]:g} s"
@@ -143,14 +144,14 @@ class Log:
         """Writes an .npz or a .csv, as the path's ending says; `Log.load` gives back every number exactly."""
         from cutpoint.simulation.log_files import save
 
-        save(self, Path(path))
+        save(self, path_of("save", path))
 
     @classmethod
     def load(cls, path: str | Path) -> "Log":
         """A log that `save` wrote.  Raises InputError for a file that is none."""
         from cutpoint.simulation.log_files import load
 
-        return load(Path(path))
+        return load(path_of("Log.load", path, "a log"))
 
 
 def column_name(channel: str, joint: str) -> str:

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from typing import Any, Literal
 
 import numpy as np
-from numpy.typing import ArrayLike
+from numpy.typing import ArrayLike, NDArray
 
 from cutpoint.door import number, whole
 from cutpoint.errors import InputError
@@ -105,12 +105,13 @@ def encoders_of(sensors: Sensors, size: int, period: float) -> Encoders:
         rule = f"of {size} drives at most {most} can be delayed; shorten it, or lengthen control_period"
         raise InputError(f"sensors: {found}, {rule}", delay=sensors.delay)
     seed = whole("sensors", "seed", sensors.seed, least=0)
-    resolution = [_each(sensors, side + "_resolution", size) for side in ("link", "motor")]
-    noise = [_each(sensors, side + "_noise", size) for side in ("link", "motor")]
+    resolution = [one_each(sensors, side + "_resolution", size) for side in ("link", "motor")]
+    noise = [one_each(sensors, side + "_noise", size) for side in ("link", "motor")]
     return Encoders(resolution, noise, round(steps), sensors.speeds == "differenced", seed, size, sensors.sides)
 
 
-def _each(sensors: Sensors, name: str, size: int) -> Any:
+def one_each(sensors: Sensors, name: str, size: int) -> NDArray[np.float64] | None:
+    """A number for each of so many drives, or None.  Raises InputError."""
     value = getattr(sensors, name)
     if value is None:
         return None

@@ -2,7 +2,7 @@
 
 from collections.abc import Callable, Collection
 from types import NoneType
-from typing import Any, Literal, Protocol, runtime_checkable
+from typing import Any, Literal
 
 import numpy as np
 from numpy.typing import NDArray
@@ -12,7 +12,7 @@ from cutpoint.control.sampled_loop import check_delays
 from cutpoint.door import check_kind, whole
 from cutpoint.errors import InputError, SimulationError
 from cutpoint.model.limits import efforts_in_force
-from cutpoint.robot import Robot
+from cutpoint.robot import A_ROBOT, Robot
 from cutpoint.rolled import TOO_LARGE
 from cutpoint.scalars import with_float_leaves
 from cutpoint.simulation.adaptive import adaptive_step
@@ -37,6 +37,7 @@ from cutpoint.simulation.sensors import Sensors, encoders_of
 from cutpoint.simulation.steps_reached import check_steps
 from cutpoint.simulation.substeps import Steps, substeps_for
 from cutpoint.trajectories import Trajectory
+from cutpoint.trajectories.trajectory import A_TRAJECTORY, Moves
 
 Array = NDArray[np.float64]
 Accuracy = Literal["standard", "fine", "reference"]
@@ -44,19 +45,9 @@ Control = Controller | StepFunction | None
 """A law, or a step without memory; None for no torque."""
 
 
-@runtime_checkable
-class _Moves(Protocol):
-    """What a user's own trajectory must have."""
-
-    duration: float
-    size: int
-
-    def derivatives(self, t: Any, order: int) -> Array: ...
-
-
 KINDS: dict[str, tuple[Any, str]] = {
-    "robot": (Robot, "a Robot (cutpoint.load reads files)"),
-    "trajectory": ((Trajectory, NoneType, _Moves), "a trajectory, such as those of cutpoint.trajectories"),
+    "robot": (Robot, A_ROBOT),
+    "trajectory": ((Moves, NoneType), A_TRAJECTORY),
     "initial": ((State, NoneType), "a State, such as cutpoint.State(q=...)"),
     "sensors": ((Sensors, NoneType), "Sensors, such as cutpoint.Sensors(delay=1e-3)"),
     "disturbances": ((Callable, NoneType), "a function of times (N,) that gives torques (N, nv)"),
@@ -134,7 +125,8 @@ def check_kinds(**given: Any) -> None:
         check_kind("simulate", name, value, *KINDS[name])
     channels = given.get("channels")
     if isinstance(channels, str):
-        raise InputError(f"channels={channels!r} must be a collection of names: channels=[{channels!r}]", name=channels)
+        rule = f"must be a collection of names: channels=[{channels!r}]"
+        raise InputError(f"simulate: channels={channels!r} {rule}", name=channels)
     for name in () if channels is None else channels:
         check_kind("simulate", "each of channels", name, str, "a channel's name")
 

@@ -1,12 +1,10 @@
 """Arrays of numbers, and what every kind of trajectory asks of them."""
 
 from collections.abc import Sequence
-from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from cutpoint.door import refused
 from cutpoint.errors import InputError
 
 Array = NDArray[np.float64]
@@ -17,24 +15,13 @@ def joint_name(joints: Sequence[str] | None, index: int) -> str:
     return f"joint {joints[index]!r}" if joints else f"joint {index}"
 
 
-def checked_names(function: str, joints: Any) -> tuple[str, ...]:
-    """The joints as a tuple.  Raises InputError for anything but names."""
-    try:
-        found = tuple(joints)
-    except TypeError:
-        found = (joints,)
-    if isinstance(joints, str) or not all(isinstance(name, str) for name in found):
-        raise refused(function, "joints", joints, "names, such as robot.joints")
-    return found
-
-
 def numbers(name: str, value: ArrayLike) -> Array:
     """A copy of the value as an array of float64.  Raises InputError for what is no array of numbers, or masked."""
     if np.ma.is_masked(value):
         raise InputError(f"{name} must have every number, some are masked: fill them in, or leave these out", name=name)
     try:
         return np.array(value, dtype=np.float64)
-    except (TypeError, ValueError) as error:
+    except (TypeError, ValueError, OverflowError) as error:
         raise InputError(f"{name} must be an array of numbers: {error}", name=name) from error
 
 

@@ -2,21 +2,21 @@
 
 import csv
 import math
-from collections.abc import Iterable, Sequence
-from os import PathLike
+from collections.abc import Collection, Iterable, Mapping, Sequence
 from pathlib import Path
 from typing import NamedTuple
 
 import numpy as np
 
-from cutpoint.door import check_kind
+from cutpoint.door import checked_names, path_of
 from cutpoint.errors import InputError, unknown_name
 from cutpoint.files import check_readable
 from cutpoint.model.validation import DEGREES_BEYOND
-from cutpoint.trajectories.arrays import checked_names
 from cutpoint.trajectories.samples import Smoothed, from_samples
 
-UNITS = {"rad": 1.0, "deg": math.pi / 180.0, "m": 1.0}
+TURNING = {"deg": math.pi / 180.0, "rad": 1.0}
+SLIDING = {"mm": 1e-3, "m": 1.0}
+UNITS = TURNING | SLIDING
 """What a position in each unit is multiplied with to be in rad (m)."""
 
 LARGEST_FILE = 200_000_000
@@ -26,10 +26,11 @@ MOST_COLUMNS = 1000
 
 
 class Column(NamedTuple):
-    """A column of positions as the first line names it."""
+    """A column of positions as the first line names it, and the units that suit its joint."""
 
     name: str
     unit: str | None
+    known: Mapping[str, float] = UNITS
 
 
 def from_csv(
@@ -38,25 +39,28 @@ def from_csv(
     *,
     bandwidth: float | None = None,
     at_rest: bool = True,
+    sliding: Collection[str] | None = None,
 ) -> Smoothed:
     """A smooth motion near the samples of a CSV file; see `from_samples` for the smoothing and the line it prints.
 
-    The first line is `t, shoulder, elbow`, or with units `t [s], shoulder [deg], elbow [rad], lift [m]`.
+    The first line is `t, shoulder, elbow`, or with units `t [s], shoulder [deg], elbow [rad], lift [mm]`; a column
+    without one is in rad (m).
 
     Args:
         path: UTF-8, comma separated.
         joints: the columns wanted, in the order wanted; by default all of them in the file's order.
+        sliding: which joints slide, such as robot.mechanism.sliding; units are held against it where it is given.
 
     Raises:
-        InputError: what `from_samples` refuses, a header that is none, an unknown unit or joint, a line of another
-            length, a word that is no number, or positions above two turns in a column that does not name its unit.
+        InputError: what `from_samples` refuses, a header that is none, an unknown unit or joint, an angle of a joint
+            that slides or a length of one that turns, a line of another length, a word that is no number, or positions
+            above two turns in a column that does not name its unit.
     """
-    check_kind("from_csv", "path", path, (str, PathLike), "the path of a file")
-    path = Path(path)
+    path = path_of("from_csv", path)
     check_readable(path, LARGEST_FILE)
     try:
         with path.open(encoding="utf-8-sig", newline="") as lines:
-            columns, rows = _read(lines, path)
+            columns, rows = _read(lines, path, sliding)
     except (UnicodeDecodeError, csv.Error) as error:
         raise InputError(f"file is not comma separated UTF-8 text: {error}", place=path) from error
     names = [column.name for column in columns]
@@ -72,10 +76,10 @@ def from_csv(
         raise InputError(str(error), place=path, **error.evidence) from error
 
 
-def _read(lines: Iterable[str], path: Path) -> tuple[list[Column], list[list[float]]]:
+def _read(lines: Iterable[str], path: Path, sliding: Collection[str] | None) -> tuple[list[Column], list[list[float]]]:
     """The columns of joints, and rows of time and positions in rad (m)."""
     reader = csv.reader(lines)
-    columns = _header(next(reader, list[str]()), f"{path}:1")
+    columns = _header(next(reader, list[str]()), sliding, f"{path}:1")
     rows: list[list[float]] = []
     for cells in filter(None, reader):
         place = f"{path}:{reader.line_num}"
@@ -86,7 +90,7 @@ def _read(lines: Iterable[str], path: Path) -> tuple[list[Column], list[list[flo
     return columns, rows
 
 
-def _header(cells: list[str], place: str) -> list[Column]:
+def _header(cells: list[str], sliding: Collection[str] | None, place: str) -> list[Column]:
     found = [_column(cell) for cell in cells[:MOST_COLUMNS]]
     if not 2 <= len(cells) <= MOST_COLUMNS or found[0].name.lower() not in ("t", "time"):
         shown, example = ", ".join(cells[:8]), "as in 't, shoulder, elbow'"
@@ -102,7 +106,18 @@ def _header(cells: list[str], place: str) -> list[Column]:
             raise InputError(f"column {column.name!r} must have a name of its own", place=place)
         if column.unit is not None and column.unit not in UNITS:
             raise unknown_name(f"unit of joint {column.name!r}", column.unit, UNITS, place=place)
-    return found[1:]
+    return [_held_against(column, sliding, place) for column in found[1:]]
+
+
+def _held_against(column: Column, sliding: Collection[str] | None, place: str) -> Column:
+    """The column with the units that suit its joint.  Raises InputError if it names another."""
+    if sliding is None:
+        return column
+    way, known = ("slides", SLIDING) if column.name in sliding else ("turns", TURNING)
+    if column.unit is not None and column.unit not in known:
+        rule = f"it {way}, its positions must be in {' or '.join(map(repr, known))}"
+        raise InputError(f"joint {column.name!r} is in {column.unit!r}: {rule}", place=place, joint=column.name)
+    return column._replace(known=known)
 
 
 def _column(cell: str) -> Column:
@@ -121,12 +136,10 @@ def _position(cell: str, column: Column, place: str) -> float:
     name = column.name
     value = _number(cell, f"position of joint {name!r}", place)
     if column.unit is None and abs(value) > DEGREES_BEYOND:
-        raise InputError(
-            f"joint {name!r}: position {value} looks like degrees; "
-            f"name the unit in the first line, {f'{name} [deg]'!r} or {f'{name} [rad]'!r}",
-            place=place,
-            joint=name,
-        )
+        choices = " or ".join(repr(f"{name} [{unit}]") for unit in column.known)
+        kind = "millimetres" if column.known is SLIDING else "degrees"
+        told = f"joint {name!r}: position {value} looks like {kind}; name the unit in the first line, {choices}"
+        raise InputError(told, place=place, joint=name)
     return value * UNITS[column.unit or "rad"]
 
 

@@ -6,9 +6,9 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike
 
-from cutpoint.door import number
+from cutpoint.door import checked_names, number
 from cutpoint.errors import InputError
-from cutpoint.trajectories.arrays import Array, checked_names, joint_name, timed_positions
+from cutpoint.trajectories.arrays import Array, joint_name, timed_positions
 from cutpoint.trajectories.penalty import smoothing_spline
 from cutpoint.trajectories.spline import Spline, check_swing
 

@@ -2,7 +2,7 @@
 
 from abc import ABC, abstractmethod
 from dataclasses import dataclass
-from typing import NamedTuple
+from typing import Any, NamedTuple, Protocol, runtime_checkable
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -20,6 +20,19 @@ class Sample(NamedTuple):
     a: Array
     jerk: Array
     snap: Array
+
+
+@runtime_checkable
+class Moves(Protocol):
+    """What a user's own trajectory must have."""
+
+    duration: float
+    size: int
+
+    def derivatives(self, t: Any, order: int) -> Array: ...
+
+
+A_TRAJECTORY = "a trajectory, such as those of cutpoint.trajectories"
 
 
 @dataclass(frozen=True, eq=False)

@@ -2,13 +2,15 @@
 
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
+from types import NoneType
 
 import numpy as np
 from numpy.typing import NDArray
 
+from cutpoint.door import check_kind, checked_names
 from cutpoint.errors import InputError
 from cutpoint.identification.conditioning.clock_skew import Skew, clock_skew
-from cutpoint.identification.logs.recording import Recording
+from cutpoint.identification.logs.recording import Recording, check_recording
 from cutpoint.identification.logs.resampling import on_grid
 
 Array = NDArray[np.float64]
@@ -30,6 +32,7 @@ def skews(recording: Recording, later: str = "q", earlier: str = "theta") -> dic
 
     Raises InputError: times that are not uniform, a channel that was not recorded, or no joint of which both move.
     """
+    check_recording("skews", recording)
     period = recording.period
     found = {
         joint: _skew(recording[later][:, k], recording[earlier][:, k], recording.channels.get("torque"), k, period)
@@ -50,6 +53,9 @@ def aligned(
     says so.  NaN at the ends, where nothing was sampled.
     Raises InputError as `skews` does, and for a joint, or for channels of which none, was recorded.
     """
+    check_recording("aligned", recording)
+    check_kind("aligned", "delays", delays, (Mapping, NoneType), "a delay, s, for each of some joints, by name")
+    channels = checked_names("aligned", channels, "channels", "names of channels")
     measured = skews(recording) if delays is None else delays
     unknown = set(measured) - set(recording.joints)
     if unknown:

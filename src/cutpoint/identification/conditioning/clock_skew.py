@@ -10,6 +10,7 @@ from scipy.interpolate import CubicSpline
 from scipy.ndimage import binary_dilation
 from scipy.optimize import minimize_scalar
 
+from cutpoint.door import as_numbers, positive
 from cutpoint.errors import InputError
 
 Array = NDArray[np.float64]
@@ -63,6 +64,7 @@ def clock_skew(
     law: other functions of y than y itself, with weights to be fitted; see `torque_laws.py`.
     Raises InputError: channels too short, a y that does not move, or a best delay beyond `largest` s.
     """
+    period, largest = positive("clock_skew", "period", period, "s"), positive("clock_skew", "largest", largest, "s")
     first, second = _arrays(x, y)
     used = _usable(first, second, int(np.ceil(largest / period)))
     if used.sum() < LEAST_SAMPLES:
@@ -96,7 +98,7 @@ def _fit(functions: Array, x: Array) -> tuple[Array, Array]:
 
 def _arrays(x: ArrayLike, y: ArrayLike) -> tuple[Array, Array]:
     """x (N,) and y (N, n)."""
-    first, second = np.asarray(x, dtype=np.float64), np.asarray(y, dtype=np.float64)
+    first, second = as_numbers("clock_skew", "x", x), as_numbers("clock_skew", "y", y)
     if first.ndim != 1 or second.ndim not in (1, 2) or len(second) != first.size:
         raise InputError(f"channels of shapes {first.shape} and {second.shape} must be (N,) and (N,) or (N, joints)")
     return first, second.reshape(first.size, -1)

@@ -3,12 +3,13 @@
 from collections.abc import Iterator, Sequence
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 from scipy.ndimage import binary_erosion
 from scipy.signal import butter, sosfiltfilt, welch
 
+from cutpoint.door import as_numbers, number, positive, whole
 from cutpoint.errors import InputError
-from cutpoint.identification.logs.recording import Recording
+from cutpoint.identification.logs.recording import Recording, check_recording
 
 Array = NDArray[np.float64]
 
@@ -48,14 +49,16 @@ HIGHEST = 0.4
 """Of the sampling rate: the largest default cut-off."""
 
 
-def low_pass(values: Array, period: float, cutoff: float, order: int = ORDER) -> Array:
+def low_pass(values: ArrayLike, period: float, cutoff: float, order: int = ORDER) -> Array:
     """Values (N, ...) without what is faster than a cut-off, in time with the original; NaN at edges.
 
     A Butterworth filter forwards and backwards: a component at the cut-off (Hz) is halved, one at frequency f keeps
     1 / (1 + (f / cutoff)^(2 order)).  A stretch between gaps that is shorter than what its edges lose is NaN.
 
-    Raises InputError: a cut-off that is not between 0 and half of the sampling rate.
+    Raises InputError: a cut-off that is not between 0 and half of the sampling rate, or other arguments without sense.
     """
+    period, cutoff = positive("low_pass", "period", period, "s"), number("low_pass", "cutoff", cutoff, "Hz")
+    values, order = _samples("low_pass", values), whole("low_pass", "order", order)
     if not 0.0 < cutoff < 0.5 / period:
         raise InputError(f"cut-off {cutoff} Hz must lie between 0 and half of the sampling rate, {0.5 / period:g} Hz")
     sections = butter(order, cutoff, fs=1.0 / period, output="sos")
@@ -81,14 +84,15 @@ def low_pass_together(channels: Sequence[Array], period: float, cutoff: float) -
     return [*np.where(inside[:, None], found, np.nan).T]
 
 
-def derivative(values: Array, period: float, order: int = 1) -> Array:
+def derivative(values: ArrayLike, period: float, order: int = 1) -> Array:
     """First or second time derivative of values (N, ...) by central differences; NaN at edges.
 
     A component of a tenth of the sampling rate comes out 0.935 of its size (0.967 for the second derivative), slower
     ones nearer to it, and noise grows with its frequency: low-pass first.
     """
-    if order not in (1, 2):
-        raise InputError(f"order {order} must be 1 or 2")
+    if whole("derivative", "order", order) > 2:
+        raise InputError(f"derivative: order {order} must be 1 or 2", order=order)
+    values, period = _samples("derivative", values), positive("derivative", "period", period, "s")
     found = np.full(values.shape, np.nan)
     if order == 1:
         found[1:-1] = (values[2:] - values[:-2]) / (2.0 * period)
@@ -97,7 +101,7 @@ def derivative(values: Array, period: float, order: int = 1) -> Array:
     return found
 
 
-def noise_cutoff(values: Array, period: float, *, otherwise: float | None = None) -> float:
+def noise_cutoff(values: ArrayLike, period: float, *, otherwise: float | None = None) -> float:
     """Hz, where the motion in values (N, ...) sinks into their noise: the highest of all columns that move.
 
     The floor is the median power density of the upper half of the spectrum, of the longest stretch without gaps; what
@@ -108,6 +112,7 @@ def noise_cutoff(values: Array, period: float, *, otherwise: float | None = None
 
     Raises InputError: no column moves, or none out of its noise.
     """
+    values, period = _samples("noise_cutoff", values), positive("noise_cutoff", "period", period, "s")
     columns = [column[_longest(column)] for column in values.reshape(len(values), -1).T]
     ways = np.array([np.ptp(x) if x.size >= 16 * WINDOWS else 0.0 for x in columns])
     found = [_cutoff(x, period) for x, way in zip(columns, ways, strict=True) if way > STILL * ways.max()]
@@ -126,12 +131,21 @@ def low_passed(recording: Recording, cutoff: float | None = None, order: int = O
     cutoff: Hz; by default where the positions sink into their noise, see `noise_cutoff`.
     Raises InputError: times that are not uniform, or a cut-off that is out of bounds.
     """
+    check_recording("low_passed", recording)
     period = recording.period
     if cutoff is None:
         positions = [values for name, values in recording.channels.items() if name in ("q", "theta")]
         cutoff = noise_cutoff(np.column_stack(positions or [*recording.channels.values()]), period)
     found = recording.with_channels(lambda values: low_pass(values, period, cutoff, order))
     return found.with_notes([f"low-passed at {cutoff:.4g} Hz, zero phase, order {order} in each direction"])
+
+
+def _samples(function: str, values: ArrayLike) -> Array:
+    """The values as an array (N, ...) with something in it.  Raises InputError."""
+    array = as_numbers(function, "values", values)
+    if not array.size or not array.ndim:
+        raise InputError(f"{function}: values have shape {array.shape}, they must be (N, ...)", shape=array.shape)
+    return array
 
 
 def _edge(period: float, cutoff: float) -> int:

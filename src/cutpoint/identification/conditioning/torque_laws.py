@@ -3,9 +3,9 @@
 import numpy as np
 from numpy.typing import NDArray
 
-from cutpoint.errors import unknown_name
+from cutpoint.door import checked_name
 from cutpoint.identification.conditioning.clock_skew import Law
-from cutpoint.robot import Robot
+from cutpoint.robot import Robot, check_robot
 
 Array = NDArray[np.float64]
 
@@ -26,10 +26,8 @@ def arm_torque(robot: Robot, joint: str) -> Law:
 
     Raises InputError for an unknown joint.
     """
-    joints = list(robot.drives)
-    if joint not in joints:
-        raise unknown_name("driven joint", joint, joints)
-    row = joints.index(joint)
+    check_robot("arm_torque", robot)
+    row = robot.joints.index(checked_name("driven joint", joint, robot.joints))
 
     def law(q: Array, v: Array, a: Array) -> Array:
         bodies = robot.regressor(q, v, a)[:, row, :]

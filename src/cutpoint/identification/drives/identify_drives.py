@@ -12,9 +12,9 @@ from cutpoint.identification.drives.joint_torques import link_torque
 from cutpoint.identification.drives.one_drive import NARROWER, Channels, DriveEstimate, drive_of
 from cutpoint.identification.drives.two_encoders import smallest_step
 from cutpoint.identification.joint_units import words_at
-from cutpoint.identification.logs.recording import Array, Recording
+from cutpoint.identification.logs.recording import Array, Recording, check_recording
 from cutpoint.identification.one_thread import by_one_thread
-from cutpoint.robot import Robot
+from cutpoint.robot import Robot, check_robot
 
 
 @dataclass(frozen=True, eq=False)
@@ -78,6 +78,8 @@ def identify_drives(
         InputError: joints or channels that are missing, times that are not uniform, joints without drives, a resolution
             of another shape.
     """
+    check_robot("identify_drives", robot)
+    check_recording("identify_drives", recording)
     names = robot.joints
     if robot.nq != len(names):
         rule = "identification needs a drive for each; fix its base, or lock joints"

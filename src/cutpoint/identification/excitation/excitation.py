@@ -24,7 +24,7 @@ from cutpoint.identification.excitation.problem import Problem
 from cutpoint.identification.excitation.search import Found, search
 from cutpoint.identification.excitation.series import FourierSeries
 from cutpoint.identification.one_thread import by_one_thread
-from cutpoint.robot import Robot
+from cutpoint.robot import Robot, check_robot
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -119,7 +119,7 @@ def excitation(
         InputError: an argument is wrong, a joint's speed is not limited, the file tells of another robot or series, or
             no motion that keeps all limits was found; then it names limit and joint.
     """
-    check_kind("excitation", "robot", robot, Robot, "a Robot (cutpoint.load reads files)")
+    check_robot("excitation", robot)
     check_kind("excitation", "boxes", boxes, (Mapping, NoneType), "(low, high) by the frame's name")
     check_kind("excitation", "resume", resume, (str, PathLike, NoneType), "the path of a file")
     _check_driven(robot)

@@ -6,6 +6,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+from cutpoint.door import check_kind, path_of
 from cutpoint.errors import ModelError, listed
 from cutpoint.formats.drive_section import Section
 from cutpoint.formats.reading import read_bytes
@@ -42,11 +43,13 @@ class ChannelMap:
 
 def load_mapping(path: str | Path) -> ChannelMap:
     """The mapping in a file.  Raises ModelError, with file and line, for whatever is wrong in it."""
-    return parse_mapping(read_bytes(Path(path), MAXIMUM_BYTES), str(path))
+    path = path_of("load_mapping", path, "a mapping file")
+    return parse_mapping(read_bytes(path, MAXIMUM_BYTES), str(path))
 
 
 def parse_mapping(content: str | bytes | Mapping[str, Any], place: str = "<mapping>") -> ChannelMap:
     """The mapping of a text, or of a dict of the same fields.  Raises ModelError."""
+    check_kind("parse_mapping", "content", content, (str, bytes, Mapping), "a text, or a dict of its fields")
     if isinstance(content, Mapping):
         document = Lineless("", _plain(content), {})
     else:

@@ -3,6 +3,7 @@
 from collections.abc import Callable
 from pathlib import Path
 
+from cutpoint.door import path_of
 from cutpoint.errors import InputError
 from cutpoint.files import check_readable
 from cutpoint.identification.logs.own_log import is_own_log, read_own_log
@@ -31,7 +32,7 @@ def read_table(path: str | Path) -> Table:
     Raises InputError: no such file, an ending that is not read, or a file that is not what its ending says.
     CutpointError: a format whose library is missing; pip install 'cutpoint[logs]'.
     """
-    path = Path(path)
+    path = path_of("read_table", path, "a log")
     if path.is_dir():
         return read_bag(path)
     check_readable(path, LARGEST)

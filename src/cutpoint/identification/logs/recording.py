@@ -7,6 +7,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from cutpoint.door import as_numbers, check_kind, checked_name, checked_names, number
 from cutpoint.errors import InputError, unknown_name
 from cutpoint.identification.logs.resampling import close, on_grid, uniform_times
 
@@ -46,13 +47,14 @@ class Recording:
     notes: tuple[str, ...] = ()
 
     def __post_init__(self) -> None:
-        time = _frozen(self.time)
+        time = _frozen("time", self.time)
         if time.ndim != 1 or time.size < 2 or not np.isfinite(time).all() or (np.diff(time) <= 0.0).any():
             raise InputError(f"time of shape {time.shape} must be (N,), at least two, finite and increasing")
-        if not self.joints or len(set(self.joints)) < len(self.joints) or "" in self.joints:
-            raise InputError(f"joints {self.joints} must be names, each its own", joints=self.joints)
+        joints = checked_names("Recording", self.joints)
+        if not joints or len(set(joints)) < len(joints) or "" in joints:
+            raise InputError(f"joints {joints} must be names, each its own", joints=joints)
         object.__setattr__(self, "time", time)
-        object.__setattr__(self, "joints", tuple(self.joints))
+        object.__setattr__(self, "joints", joints)
         if not self.channels:
             raise InputError(f"a recording needs one of {', '.join(QUANTITIES)}")
         for name, values in self.channels.items():
@@ -70,9 +72,7 @@ class Recording:
 
     def __getitem__(self, name: str) -> Array:
         """A channel, (N, n).  One that was not recorded is an InputError that lists those that were."""
-        if name not in self.channels:
-            raise unknown_name("recorded channel", name, self.channels)
-        return self.channels[name]
+        return self.channels[checked_name("recorded channel", name, self.channels)]
 
     @property
     def period(self) -> float:
@@ -88,6 +88,7 @@ class Recording:
 
     def between(self, start: float, end: float) -> "Recording":
         """The samples from `start` to `end` s, both included.  Raises InputError where there are less than two."""
+        start, end = number("between", "start", start, "s"), number("between", "end", end, "s")
         kept = (self.time >= start) & (self.time <= end)
         if kept.sum() < 2:
             span = f"from {self.time[0]:g} s to {self.time[-1]:g} s"
@@ -131,16 +132,21 @@ class Recording:
         return replace(self, notes=(*self.notes, *notes))
 
 
-def _frozen(values: Any) -> Array:
-    copy = np.array(values, dtype=np.float64)
+def _frozen(name: str, values: Any) -> Array:
+    copy = as_numbers("Recording", name, values).copy()
     copy.setflags(write=False)
     return copy
 
 
 def _checked(name: str, values: Any, shape: tuple[int, int]) -> Array:
-    found = _frozen(values)
+    found = _frozen(name, values)
     if found.shape != shape:
         raise InputError(f"channel {name!r} has shape {found.shape}: it must be {shape}, samples and joints")
     if np.isinf(found).any():
         raise InputError(f"channel {name!r} holds infinite numbers: mark what is not known as NaN")
     return found
+
+
+def check_recording(function: str, recording: Any) -> None:
+    """Raises InputError for an argument that is no recording.  function: who asks."""
+    check_kind(function, "recording", recording, Recording, "a Recording (read_recording reads logs)")

@@ -12,10 +12,11 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 from scipy.linalg import qr
 
-from cutpoint.errors import InputError, unknown_name
+from cutpoint.door import checked_name, checked_names
+from cutpoint.errors import InputError
 from cutpoint.identification.one_thread import by_one_thread
 from cutpoint.model.mechanism import Body
-from cutpoint.robot import Robot
+from cutpoint.robot import Robot, check_robot
 
 Array = NDArray[np.float64]
 Indices = NDArray[np.intp]
@@ -85,6 +86,7 @@ def base_parameters(robot: Robot, *, rotors: bool | Collection[str] = False) -> 
 
     Raises InputError for a robot without a joint, or a joint that it does not have.
     """
+    check_robot("base_parameters", robot)
     if not robot.nv:
         raise InputError(f"robot {robot.name!r} has no joint that moves: no torque tells its parameters")
     counted = _counted(robot, rotors)
@@ -104,9 +106,9 @@ def _counted(robot: Robot, rotors: bool | Collection[str]) -> tuple[int, ...]:
     """Numbers of the joints whose rotors count."""
     if isinstance(rotors, bool):
         return tuple(range(len(robot.joints))) if rotors else ()
+    rotors = checked_names("base_parameters", rotors, "rotors", "True, False, or names of joints")
     for joint in rotors:
-        if joint not in robot.joints:
-            raise unknown_name("driven joint", joint, robot.joints)
+        checked_name("driven joint", joint, robot.joints)
     return tuple(j for j, joint in enumerate(robot.joints) if joint in rotors)
 
 

@@ -12,7 +12,7 @@ from cutpoint.errors import InputError, unknown_name
 from cutpoint.identification.conditioning.decimation import decimation
 from cutpoint.identification.conditioning.motion import Motion, motion_of, sliding_speeds, torques_of
 from cutpoint.identification.joint_units import at_joints
-from cutpoint.identification.logs.recording import Recording
+from cutpoint.identification.logs.recording import Recording, check_recording
 from cutpoint.identification.one_thread import by_one_thread
 from cutpoint.identification.rigid.base_parameters import BaseParameters, base_parameters
 from cutpoint.identification.rigid.friction_choice import FrictionChoice, choose_friction
@@ -26,7 +26,7 @@ from cutpoint.identification.rigid.rigid_estimate import Fitted, Log, RigidEstim
 from cutpoint.identification.rigid.rigid_robot import is_stated, laws_with, link_torques, stated_laws
 from cutpoint.identification.rigid.uncertainty import are_told
 from cutpoint.mechanics.friction import Sliding
-from cutpoint.robot import Robot
+from cutpoint.robot import Robot, check_robot
 
 Array = NDArray[np.float64]
 Method = Literal["ordinary", "weighted", "huber", "instrumental"]
@@ -83,6 +83,8 @@ def identify_rigid(
     A commanded torque that is held over a control period acts half a period later: align it before.
     Raises InputError: arguments that do not fit each other or the recording.  CutpointError: a missing solver.
     """
+    check_robot("identify_rigid", robot)
+    check_recording("identify_rigid", recording)
     _check(method, instruments, level, prior_spread)
     check_solver(solver)
     base = base_parameters(robot, rotors=rotors)

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from cutpoint.control.model_law import check_all_driven
-from cutpoint.door import check_configuration
+from cutpoint.door import check_configuration, check_kind, number, positive
 from cutpoint.errors import InputError
 from cutpoint.files import replacing
 from cutpoint.mechanics.backlash import spring_of
@@ -22,6 +22,7 @@ from cutpoint.studies.sizing.demand import Demand, demand_of
 from cutpoint.studies.sizing.load import Load, sampled
 from cutpoint.studies.sizing.margins import Margin, margins_of, travel_of
 from cutpoint.trajectories import Trajectory
+from cutpoint.trajectories.trajectory import A_TRAJECTORY, Moves
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -170,14 +171,15 @@ def _peaks(drive: Drive, load: Load, k: int) -> float | None:
 
 def _check(robot: Robot, trajectory: Trajectory, dwell: float, period: float, life: float | None) -> None:
     check_all_driven("sizing", robot)
+    check_kind("sizing", "trajectory", trajectory, Moves, A_TRAJECTORY)
     if trajectory.size != robot.nv:
         raise InputError(f"sizing: the trajectory has {trajectory.size} joints, the robot has {robot.nv} drives")
+    dwell = number("sizing", "dwell", dwell, "s")
     if not (np.isfinite(dwell) and dwell >= 0):
         raise InputError(f"sizing: dwell {dwell} s must be finite and not negative", dwell=dwell)
-    for name, value in (("period", period), ("life", life)):
-        if value is not None and not (np.isfinite(value) and value > 0):
-            unit = "s" if name == "period" else "h"
-            raise InputError(f"sizing: {name} {value} {unit} must be positive and finite", name=name, value=value)
+    positive("sizing", "period", period, "s")
+    if life is not None:
+        positive("sizing", "life", life, "h")
 
 
 def _plain(found: DriveSizing) -> dict[str, Any]:

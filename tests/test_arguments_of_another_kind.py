@@ -1,0 +1,126 @@
+"""What is no robot, recording, motion, path or number at all is refused by name, wherever it is handed in."""
+
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+import pytest
+
+from cutpoint import InputError, Log, Sensors
+from cutpoint.analysis import followed_hysteresis, frequency_response, linearize, modes, torque_bound
+from cutpoint.control import PD, slowest_pole, tune
+from cutpoint.identification import (
+    Recording,
+    aligned,
+    arm_torque,
+    base_parameters,
+    clock_skew,
+    derivative,
+    identify_drives,
+    identify_rigid,
+    load_mapping,
+    low_pass,
+    low_passed,
+    noise_cutoff,
+    parse_mapping,
+    read_recording,
+    read_table,
+    skews,
+)
+from cutpoint.studies.sizing import sizing
+from cutpoint.trajectories import cycloid
+from robot_library import robot
+
+TIME = np.linspace(0.0, 1.0, 200)
+Q = np.sin(np.outer(TIME, np.arange(1.0, 7.0)))
+MOVE = cycloid(end=np.full(6, 0.3), duration=0.2)
+NO_ROBOT = r"{}: robot must be a Robot \(cutpoint.load reads files\), got None"
+NO_RECORDING = r"{}: recording must be a Recording \(read_recording reads logs\), got None"
+
+
+def recording() -> Recording:
+    return Recording(TIME, robot("xia2019").joints, q=Q, theta=Q)
+
+
+@pytest.mark.parametrize(
+    ("function", "given"),
+    [
+        (linearize, {"q": Q[0]}),
+        (torque_bound, {"theta": Q, "q": Q, "sensors": Sensors()}),
+        (followed_hysteresis, {"theta": Q, "q": Q}),
+        (sizing, {"trajectory": MOVE}),
+        (tune, {"bandwidth": 1.0}),
+        (slowest_pole, {"law": PD([1.0], [1.0]), "q": Q[0], "period": 1e-3}),
+        (base_parameters, {}),
+        (identify_rigid, {"recording": recording()}),
+        (identify_drives, {"recording": recording()}),
+        (arm_torque, {"joint": "joint1"}),
+    ],
+)
+def test_what_is_no_robot(function: Callable[..., Any], given: dict[str, Any]):
+    with pytest.raises(InputError, match=NO_ROBOT.format(function.__name__)):
+        function(None, **given)
+
+
+@pytest.mark.parametrize("function", [aligned, skews, low_passed])
+def test_what_is_no_recording(function: Callable[..., Any]):
+    with pytest.raises(InputError, match=NO_RECORDING.format(function.__name__)):
+        function(None)
+
+
+@pytest.mark.parametrize("function", [identify_rigid, identify_drives])
+def test_what_is_no_recording_of_a_robot(function: Callable[..., Any]):
+    with pytest.raises(InputError, match=NO_RECORDING.format(function.__name__)):
+        function(robot("xia2019"), None)
+
+
+@pytest.mark.parametrize("function", [Log.load, load_mapping, read_table, read_recording])
+def test_what_is_no_path(function: Callable[..., Any]):
+    with pytest.raises(InputError, match=r"path must be the path of .*, got 7"):
+        function(7)
+
+
+LINEAR = {"frequencies": [1.0, 2.0], "joint": "joint1"}
+
+
+@pytest.mark.parametrize(
+    ("call", "message"),
+    [
+        (lambda: modes(None, Q[0]), r"linearize: robot must be a Robot"),
+        (lambda: frequency_response(None, **LINEAR), r"frequency_response: model must be the linear model of a robot"),
+        (lambda: frequency_response(linearize(robot("xia2019"), Q[0]), [1.0], Q), r"no driven joint is named array"),
+        (lambda: sizing(robot("xia2019"), None), r"sizing: trajectory must be a trajectory, such as .*, got None"),
+        (lambda: sizing(robot("xia2019"), MOVE, dwell=None), r"sizing: dwell must be one number, s, got None"),
+        (lambda: sizing(robot("xia2019"), MOVE, period=[1e-3]), r"sizing: period must be one number, s, got \[0.001\]"),
+        (lambda: sizing(robot("xia2019"), MOVE, life="long"), r"sizing: life must be one number, h, got 'long'"),
+        (lambda: cycloid(end=[10**400], duration=1.0), r"end must be an array of numbers: int too large"),
+        (lambda: cycloid(end=[1.0], duration=10**400), r"duration must be within 1e\+15, got 1000"),
+        (lambda: tune(robot("xia2019"), 1e300), r"tune: bandwidth 1e\+300 Hz must be at most 1e\+15"),
+        (
+            lambda: aligned(recording(), 1e-3),
+            r"aligned: delays must be a delay, s, for each of some joints, by name, got",
+        ),
+        (lambda: aligned(recording(), {}, "q"), r"aligned: channels must be names of channels, got 'q'"),
+        (lambda: recording()[["q"]], r"no recorded channel is named \['q'\]; there are: 'q', 'theta'"),
+        (lambda: recording().between("start", 1.0), r"between: start must be one number, s, got 'start'"),
+        (lambda: base_parameters(robot("xia2019"), rotors=None), r"rotors must be True, False, or names of joints"),
+        (lambda: clock_skew("x", Q, 1e-3), r"clock_skew: x must be numbers, got 'x'"),
+        (lambda: clock_skew(Q[:, 0], Q, None), r"clock_skew: period must be one number, s, got None"),
+        (lambda: low_pass(Q, np.nan, 20.0), r"low_pass: period nan s must be positive and finite"),
+        (lambda: low_pass(None, 1e-3, 20.0), r"low_pass: values must be numbers, got None"),
+        (lambda: low_pass([], 1e-3, 20.0), r"low_pass: values have shape \(0,\), they must be \(N, \.\.\.\)"),
+        (lambda: derivative(1.0, 1e-3), r"derivative: values have shape \(\), they must be \(N, \.\.\.\)"),
+        (lambda: derivative(Q, 1e-3, 3), r"derivative: order 3 must be 1 or 2"),
+        (lambda: noise_cutoff(Q, "1 ms"), r"noise_cutoff: period must be one number, s, got '1 ms'"),
+        (lambda: parse_mapping(None), r"parse_mapping: content must be a text, or a dict of its fields, got None"),
+        (
+            lambda: Recording(TIME, "joint1", q=Q),
+            r"Recording: joints must be names, such as robot.joints, got 'joint1'",
+        ),
+        (lambda: Recording("now", ("joint1",), q=Q[:, :1]), r"Recording: time must be numbers, got 'now'"),
+        (lambda: Recording(TIME, ("joint1",), q="still"), r"Recording: q must be numbers, got 'still'"),
+    ],
+)
+def test_what_is_of_another_kind(call: Callable[[], Any], message: str):
+    with pytest.raises(InputError, match=message):
+        call()
