@@ -1,6 +1,7 @@
 """What every command does with names, and with places for its files."""
 
 import errno
+import os
 import re
 import subprocess
 import sys
@@ -163,6 +164,16 @@ def test_output_on_a_full_disk_is_told() -> None:
         done = subprocess.run([sys.executable, *TORQUE], stdout=full, stderr=subprocess.PIPE, text=True, check=False)
     assert done.returncode == 1
     assert done.stderr == "error: the output cannot be written: No space left on device\n"
+
+
+def test_names_that_a_terminal_cannot_show_are_shown_by_their_code(tmp_path: Path) -> None:
+    file = tmp_path / "arm.urdf"
+    file.write_text(ONE_JOINT.format(joint="Gelenk-\N{GREEK SMALL LETTER ALPHA}"), encoding="utf-8")
+    command = [sys.executable, "-m", "cutpoint", "inspect", str(file)]
+    environment = os.environ | {"PYTHONIOENCODING": "latin-1"}
+    done = subprocess.run(command, capture_output=True, text=True, encoding="latin-1", env=environment, check=False)
+    assert (done.returncode, done.stderr) == (0, "")
+    assert "Gelenk-\\u03b1" in done.stdout
 
 
 @pytest.mark.parametrize("closed", ["stdout", "stderr"])

@@ -5,6 +5,7 @@ import gc
 import os
 import sys
 import warnings
+from io import TextIOWrapper
 from typing import Any
 
 from cutpoint.errors import INTERRUPTED, CutpointError
@@ -18,6 +19,9 @@ def main() -> None:
     # pydantic would look through all installed packages for plugins of its own
     os.environ.setdefault("PYDANTIC_DISABLE_PLUGINS", "__all__")
     warnings.showwarning = _warn
+    # a terminal that cannot show a joint's name shows what it stands for
+    if isinstance(sys.stdout, TextIOWrapper):
+        sys.stdout.reconfigure(errors="backslashreplace")
     try:
         # here, so that Ctrl-C is heard while it is imported
         from cutpoint.commands import app

@@ -19,6 +19,10 @@ CANCELS = 0.005
 """Distance of a pole and a zero, relative to their frequency, below which they leave no mark on a response."""
 
 
+UNDAMPED = 1e-9
+"""Distance of a pole from a frequency, relative to that: so near there is no damping but that of rounding."""
+
+
 @dataclass(frozen=True, eq=False)
 class FrequencyResponse:
     """What a sinusoidal torque of one motor does to its own joint, all other motors' torques held.
@@ -59,11 +63,10 @@ def frequency_response(model: LinearModel, frequencies: ArrayLike, joint: str) -
     f = _checked(frequencies)
     b = model.B[:, model.inputs.index(f"motor_torque.{joint}")]
     motor, link = (model.outputs.index(f"{side}.{joint}") for side in ("theta_dot", "v"))
-    try:
-        x = np.array([np.linalg.solve(2j * np.pi * each * np.eye(len(b)) - model.A, b) for each in f])
-    except np.linalg.LinAlgError:
-        raise InputError("frequency_response: a frequency is an undamped resonance; shift it a little") from None
-    swinging = (_sharp(_poles(model.A)), _sharp(motor_locked(model.A, b, model.C[motor])))
+    poles = _poles(model.A)
+    _check_no_pole(f, poles)
+    x = np.array([np.linalg.solve(2j * np.pi * each * np.eye(len(b)) - model.A, b) for each in f])
+    swinging = (_sharp(poles), _sharp(motor_locked(model.A, b, model.C[motor])))
     marks = [np.sort(np.abs(s)) / (2 * np.pi) for s in _without_pairs(*swinging)]
     marks = [each[(each >= f.min()) & (each <= f.max())] for each in marks]
     return FrequencyResponse(joint, f, x @ model.C[motor], x @ model.C[link], *marks)
@@ -96,6 +99,15 @@ def _without_pairs(poles: ComplexArray, zeros: ComplexArray) -> tuple[ComplexArr
         else:
             kept.append(zero)
     return np.array(left, complex), np.array(kept, complex)
+
+
+def _check_no_pole(f: Array, poles: ComplexArray) -> None:
+    """Raises InputError for a frequency at which the response has no bound."""
+    s = 2j * np.pi * f[:, None]
+    hit = (np.abs(s - poles) < UNDAMPED * np.abs(s)).any(axis=1)
+    if hit.any():
+        found = f"{f[hit][0]:g} Hz is an undamped resonance"
+        raise InputError(f"frequency_response: {found}; shift it a little, or state a damping", frequency=f[hit][0])
 
 
 def _checked(frequencies: ArrayLike) -> Array:
