@@ -35,8 +35,8 @@ class Case(NamedTuple):
 
 def case(seed: int) -> Case:
     """The arm of a seed, of two or three joints, identified by default options."""
-    known = _with_springs(known_arm(seed, 2 + seed % 2), seed)
-    found = identify(known.file, _recorded(known.robot, seed), torque_delay=0.5 * PERIOD)
+    known = with_springs(known_arm(seed, 2 + seed % 2), seed)
+    found = identify(known.file, recorded(known.robot, seed), torque_delay=0.5 * PERIOD)
     errors, true = found.errors, motion_of(known.robot, found.recording)
     left = errors.measured - low_pass(stated_torque(known.robot, true), true.period, errors.bandwidth)
     floor = np.sqrt(np.nanmean(left[errors.held_out] ** 2, axis=0))
@@ -65,7 +65,7 @@ def _kind(name: str) -> str:
     return first if first in KINDS else "base parameters"
 
 
-def _with_springs(known: Known, seed: int) -> Known:
+def with_springs(known: Known, seed: int) -> Known:
     """The arm with springs; its file states others, and rotors and friction that are wrong by half."""
     rng, true, file = np.random.default_rng(seed + 5000), {}, {}
     for joint, drive in known.robot.drives.items():
@@ -81,7 +81,7 @@ def _with_springs(known: Known, seed: int) -> Known:
     return Known(known.robot.with_drives(true), known.file.with_drives(file))
 
 
-def _recorded(robot: Robot, seed: int) -> Recording:
+def recorded(robot: Robot, seed: int) -> Recording:
     """12 s at 1 kHz under a PD law of the motors, encoders with noise of their own step, torques with noise.
 
     A command is stamped half a period before it acts in the mean.

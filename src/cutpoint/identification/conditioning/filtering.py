@@ -141,9 +141,9 @@ def low_passed(recording: Recording, cutoff: float | None = None, order: int = O
 
 
 def _samples(function: str, values: ArrayLike) -> Array:
-    """The values as an array (N, ...) with something in it.  Raises InputError."""
+    """The values as an array (N, ...), N at least 1.  Raises InputError."""
     array = as_numbers(function, "values", values)
-    if not array.size or not array.ndim:
+    if not array.ndim or not len(array):
         raise InputError(f"{function}: values have shape {array.shape}, they must be (N, ...)", shape=array.shape)
     return array
 

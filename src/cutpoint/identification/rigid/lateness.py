@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.interpolate import CubicSpline
 
-from cutpoint.identification.rigid.least_squares import least_squares
+from cutpoint.identification.rigid.least_squares import Estimate, least_squares
 from cutpoint.identification.rigid.regression import Regression
 
 Array = NDArray[np.float64]
@@ -28,14 +28,22 @@ torques early or late by less."""
 UNMODELLED_BENT = 1e-3
 """s by which they do where drives bend, a standard deviation in trials; it is told beside what noise leaves open."""
 
+LESS = 0.8
+"""Of what delays leave over: where something else leaves less than that, it is no delay.  In trials it was 0.9 to 1.1
+where torques were late, and half of it or less where friction was on both sides."""
+
 EFFORTS = ["torque", "current"]
 """Channels of which `aligned` moves those that were recorded."""
 
 
-def lateness_notes(found: Regression, values: Array, joints: Sequence[str], bend: bool) -> list[str]:
+def lateness_notes(found: Regression, values: Array, beside: Array, joints: Sequence[str], bend: bool) -> list[str]:
     """A sentence if torques are clearly late or early against the motion, all alike, and one for each joint whose
-    torques are so too, but unlike the others.  values: the parameters (c,).  bend: whether drives do."""
-    delays, covariance = lateness(found, values)
+    torques are so too, but unlike the others.
+
+    values: the parameters (c,).  beside: columns (M, n, k) of what else may be in the torques, earlier or later than
+    what was sought, such as friction on the drives' other sides.  bend: whether drives do.
+    """
+    delays, covariance = lateness(found, values, beside)
     worth, unmodelled = (WORTH_BENT, UNMODELLED_BENT) if bend else (WORTH, 0.0)
     sure = np.maximum(worth, CERTAIN * np.sqrt(np.diag(covariance)))
     told = np.isfinite(sure)
@@ -60,6 +68,8 @@ def lateness_notes(found: Regression, values: Array, joints: Sequence[str], bend
             notes.append(f"{_late(whose, delay, variance + unmodelled**2)}: check the clocks, or {remedy}")
     if bend and notes:
         notes[-1] += "; of several delays, take the one whose model misses least of the part held out"
+        if not beside.shape[2]:
+            notes[-1] += "; dry friction on the side of the drives that has no encoder looks like that, too"
     return notes
 
 
@@ -68,15 +78,26 @@ def _late(torques: str, delay: float, variance: float) -> str:
     return f"{torques} come {by} {when} than the motion that they belong to"
 
 
-def lateness(found: Regression, values: Array) -> tuple[Array, Array]:
+def lateness(found: Regression, values: Array, beside: Array) -> tuple[Array, Array]:
     """s by which each joint's torques are late, (n,), and their covariance (n, n), s2: sought beside all else, to first
-    order."""
+    order; NaN of joints whose torques, or those of most joints, `beside` explains better."""
     times, told = found.times, found.columns @ values
     rate = np.asarray(CubicSpline(times, told).derivative()(times))
     far = np.diff(times) > GAP * float(np.median(np.diff(times)))
     rate[np.append(far, False) | np.append(False, far)] = 0.0
     n = rate.shape[1]
-    columns = np.concatenate([found.columns, -rate[..., None] * np.eye(n)], axis=2)
-    names = (*found.names, *(f"late.{j}" for j in range(n)))
-    again = least_squares(replace(found, names=names, columns=columns), "huber")
-    return again.values[-n:], again.spread.covariance[-n:, -n:]
+    late, left = _with(found, -rate[..., None] * np.eye(n))
+    delays, covariance = late.values[-n:].copy(), late.spread.covariance[-n:, -n:].copy()
+    if beside.shape[2]:
+        share = _with(found, beside)[1] / left
+        explained = (share < LESS) | (np.exp(np.mean(np.log(share))) < LESS)
+        delays[explained] = covariance[explained, explained] = np.nan
+    return delays, covariance
+
+
+def _with(found: Regression, columns: Array) -> tuple[Estimate, Array]:
+    """A fit with further columns (M, n, k), and what it leaves over of each joint's torques, (n,), in the mean."""
+    names = (*found.names, *(f"further.{k}" for k in range(columns.shape[2])))
+    more = replace(found, names=names, columns=np.concatenate([found.columns, columns], axis=2))
+    estimate = least_squares(more, "huber")
+    return estimate, np.abs(more.residuals(estimate.values)).mean(axis=0)

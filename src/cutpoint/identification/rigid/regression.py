@@ -110,6 +110,18 @@ def friction_columns(law: Sliding, speed: Array, load: Array | None = None) -> t
     return names, np.column_stack(columns)
 
 
+def other_side_columns(laws: Mapping[str, Sliding], motion: Motion, means: Decimation) -> Array:
+    """(M, n, k): what the same friction on the other side of the drives would change; none where one side is known.
+
+    Motors reverse before their links do, which passes for torques that are early.
+    """
+    n = motion.v.shape[1]
+    if np.array_equal(motion.v, motion.w, equal_nan=True):
+        return np.zeros((means.size, n, 0))
+    sides = ([friction_columns(law, x[:, j])[1] for j, law in enumerate(laws.values())] for x in (motion.w, motion.v))
+    return np.concatenate([of_joint(means(w - v), j, n) for j, (w, v) in enumerate(zip(*sides, strict=True))], axis=2)
+
+
 def triangle(rows: Array) -> Array:
     """R (k, k) of rows (m, k) = Q R, a chunk at a time."""
     width = rows.shape[1]

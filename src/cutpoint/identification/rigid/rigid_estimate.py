@@ -16,7 +16,7 @@ from cutpoint.identification.rigid.friction_choice import FrictionChoice
 from cutpoint.identification.rigid.lateness import lateness_notes
 from cutpoint.identification.rigid.least_squares import Estimate
 from cutpoint.identification.rigid.physical import Physical
-from cutpoint.identification.rigid.regression import Regression
+from cutpoint.identification.rigid.regression import Regression, other_side_columns
 from cutpoint.identification.rigid.rigid_robot import RigidModel, laws_with, stated_coefficient
 from cutpoint.identification.rigid.uncertainty import (
     Parameter,
@@ -124,10 +124,17 @@ def estimate_of(
             *_standing(robot, log),
             *_notes(log, found, estimate),
             *strained(table),
-            *lateness_notes(found, estimate.values, robot.joints, any(d.is_elastic for d in robot.drives.values())),
+            *_late(fitted),
         ),
         friction=choices,
     )
+
+
+def _late(fitted: Fitted) -> list[str]:
+    laws, robot, log = fitted.laws, fitted.base.robot, fitted.log
+    beside = other_side_columns({joint: laws[joint] for joint in robot.joints}, log.motion, log.means)
+    bend = any(drive.is_elastic for drive in robot.drives.values())
+    return lateness_notes(fitted.regression, fitted.estimate.values, beside, robot.joints, bend)
 
 
 def _table(fitted: Fitted, level: float) -> tuple[Parameter, ...]:

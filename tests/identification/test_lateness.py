@@ -1,0 +1,55 @@
+"""Torques that are late against the motion are named, and friction that looks like that is not."""
+
+import re
+from dataclasses import replace
+from functools import cache
+
+import numpy as np
+import pytest
+from judged_arms import recorded, with_springs
+from simulated_logs import Known, known_arm
+
+from cutpoint import Coulomb
+from cutpoint.identification import Recording, identify_rigid
+
+FRICTION = Coulomb(coulomb=10.0, viscous=1.0, smoothing=0.02)
+
+
+@cache
+def arm(on_motors: bool) -> tuple[Known, Recording]:
+    """An arm of two joints that bend, with dry friction on both sides or on the links' alone."""
+    known = with_springs(known_arm(4, 2), 4)
+    if on_motors:
+        drives = {joint: replace(x, motor_friction=FRICTION) for joint, x in known.robot.drives.items()}
+        known = Known(known.robot.with_drives(drives), known.file)
+    return known, recorded(known.robot, 4)
+
+
+def told(known: Known, recording: Recording) -> list[str]:
+    notes = identify_rigid(known.file, recording).notes
+    return [note for note in notes if "than the motion that they belong to" in note]
+
+
+@pytest.mark.parametrize(("samples", "when"), [(4, "later"), (-4, "earlier")])
+def test_torques_of_another_time_than_the_motion_are_named(samples: int, when: str):
+    known, log = arm(on_motors=False)
+    assert told(known, log) == []
+    (note,) = told(known, replace(log, torque=np.roll(log["torque"], samples, axis=0)))
+    words = re.match(r"torques come ([\d.]+) \+- 1 ms (later|earlier) than the motion", note)
+    assert words is not None
+    assert words[2] == when
+    # a command that is held acts half a period later than it is stamped
+    assert float(words[1]) == pytest.approx(abs(samples - 0.5), abs=0.5)
+    assert "has no encoder" not in note
+
+
+def test_friction_of_motors_that_reverse_before_their_links_is_no_lateness():
+    known, log = arm(on_motors=True)
+    assert told(known, log) == []
+
+
+def test_where_one_side_was_measured_friction_of_the_other_is_named_as_what_else_it_may_be():
+    known, log = arm(on_motors=True)
+    notes = told(known, replace(log, theta=None))
+    assert "earlier than the motion" in notes[0]
+    assert notes[-1].endswith("dry friction on the side of the drives that has no encoder looks like that, too")
