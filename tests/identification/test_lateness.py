@@ -10,7 +10,7 @@ from judged_arms import recorded, with_springs
 from simulated_logs import Known, known_arm
 
 from cutpoint import Coulomb
-from cutpoint.identification import Recording, identify_rigid
+from cutpoint.identification import Recording, identify, identify_rigid
 
 FRICTION = Coulomb(coulomb=10.0, viscous=1.0, smoothing=0.02)
 
@@ -53,3 +53,21 @@ def test_where_one_side_was_measured_friction_of_the_other_is_named_as_what_else
     notes = told(known, replace(log, theta=None))
     assert "earlier than the motion" in notes[0]
     assert notes[-1].endswith("dry friction on the side of the drives that has no encoder looks like that, too")
+
+
+@pytest.mark.parametrize(
+    ("samples", "words"),
+    [
+        (3, r"springs tell that torques act [\d.]+ ms earlier than they are stamped, not 0.5 ms later \(joint0 -.*"),
+        (0, r"all springs seem damped by ([\d.]+) ms of their stiffness, or torques act [\d.]+ ms later than .*"),
+    ],
+)
+def test_springs_tell_when_torques_act(samples: int, words: str):
+    """Their damping is 1 ms of their stiffness, which looks like torques that act as much later."""
+    known, log = arm(on_motors=False)
+    found = identify(known.file, replace(log, torque=np.roll(log["torque"], samples, axis=0)), torque_delay=5e-4)
+    assert found.drives is not None
+    for each in found.drives.joints.values():
+        assert each.delay is not None
+        assert each.delay.value == pytest.approx(1.5e-3 - samples * 1e-3, abs=3e-4)
+    assert len([note for note in found.notes if re.match(words, note)]) == 1

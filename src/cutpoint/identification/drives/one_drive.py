@@ -14,6 +14,7 @@ from cutpoint.identification.drives.rotor import RotorEstimate, motor_side
 from cutpoint.identification.drives.spring_estimate import UNCERTAIN, SpringEstimate
 from cutpoint.identification.drives.spring_laws import LAWS
 from cutpoint.identification.drives.stated_parts import as_wide, not_sought, with_spring
+from cutpoint.identification.drives.torque_delay import Delay
 from cutpoint.identification.drives.two_encoders import two_encoders
 from cutpoint.mechanics.backlash import Backlash, spring_of
 from cutpoint.model.drive import Compliance, Drive, Motor, Rotor
@@ -52,6 +53,7 @@ class DriveEstimate:
     spring, rotor: what was found, with its uncertainty.  unidentifiable: what was not, or not sought, and why.
     apart: whether the spring told the rotor from the link; otherwise they are told apart by what was known of the link.
     remarks: on which side friction is, where it is not as the drive had it, a sentence each.
+    delay: s by which the motor's torque acts later than it is stamped; None where the spring does not tell.
     """
 
     drive: Drive
@@ -60,6 +62,7 @@ class DriveEstimate:
     unidentifiable: Mapping[str, str]
     apart: bool
     remarks: tuple[str, ...] = ()
+    delay: Delay | None = None
 
 
 @dataclass(frozen=True, eq=False)
@@ -107,7 +110,17 @@ def drive_of(joint: Channels, drive: Drive, resolution: float, cutoff: float) ->
         speed = joint.sliding[:, 1]
         sliding = np.column_stack([np.tanh(speed / smoothing_of(drive, rotor.smoothing)), speed])
         link = link_friction(left - joint.link_torque, sliding, period, cutoff)
-    return _estimate(drive, spring, rotor, apart, link, shows_play)
+    delay = None if not apart or "stiffness" in spring.unidentifiable else _delay(joint, ratio, spring, cutoff)
+    return replace(_estimate(drive, spring, rotor, apart, link, shows_play), delay=delay)
+
+
+def _delay(joint: Channels, ratio: float, spring: SpringEstimate, cutoff: float) -> Delay:
+    share, kind = transmitted_share(spring, joint.theta, ratio), "current" if joint.is_current else "torque"
+    load = spring.torque(joint.theta, joint.q, ratio)
+    found = motor_side(
+        joint.theta, load, joint.period, ratio, transmission=share, cutoff=cutoff, delay=None, **{kind: joint.effort}
+    )
+    return Delay(found["delay"], found.deviations["delay"])
 
 
 def _torque(joint: Channels, rotor: RotorEstimate) -> Array:

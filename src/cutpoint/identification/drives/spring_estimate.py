@@ -55,6 +55,11 @@ class SpringEstimate(Unknowns):
     prediction: Mapping[str, float]
     unidentifiable: Mapping[str, str]
 
+    def torque(self, theta: Array, q: Array, ratio: float) -> Array:
+        """N m, (N,), that the spring exerts where encoders show theta and q, rad; what is beside it left out."""
+        waves = 0.0 if self.kinematic_error is None else self.kinematic_error.value(theta, ratio)
+        return np.asarray(self.compliance.torque(theta - q - waves - self.offset))
+
 
 def estimate_of(
     data: Deflections,
@@ -154,8 +159,9 @@ def _uncertainty(data: Deflections, fit: DeflectionFit, spread: Array) -> float:
     """Standard deviation of the spring's deflection under the largest torque, over that deflection."""
     largest = np.array([np.abs(data.torque).max()])
     by = fit.law.columns(fit.constants, largest)[0]
-    own = spread[: by.size, : by.size]
-    return float(np.sqrt(by @ own @ by) / fit.law.deflection(fit.constants, largest)[0])
+    counts = np.flatnonzero(by)  # a constant that this torque does not ask for may be told by none
+    own = spread[np.ix_(counts, counts)]
+    return float(np.sqrt(by[counts] @ own @ by[counts]) / fit.law.deflection(fit.constants, largest)[0])
 
 
 def _names(fit: DeflectionFit, orders: Sequence[int], unknowns: Sequence[str], damping: bool) -> tuple[str, ...]:

@@ -7,6 +7,7 @@ from typing import Any, NamedTuple
 from cutpoint.errors import CutpointError, InputError
 from cutpoint.identification.conditioning.motion import torques_of
 from cutpoint.identification.drives.identify_drives import DriveEstimates, identify_drives, joints_that_bend
+from cutpoint.identification.drives.torque_delay import delay_remarks
 from cutpoint.identification.logs.recording import Array, Recording
 from cutpoint.identification.output.steps import Steps
 from cutpoint.identification.rigid.identify_rigid import FrictionWish, RigidEstimate, identify_rigid
@@ -55,7 +56,7 @@ def estimates(
     except (CutpointError, KeyboardInterrupt) as error:  # what was found of the links is worth having without
         why = error if isinstance(error, CutpointError) else "Ctrl-C was pressed while they were sought"
         return Estimates(rigid, None, remarks=(f"springs were not identified: {why}",))
-    found, remarks = drives.joints.items(), (*_coarse(drives), *drives.remarks)
+    found, remarks = drives.joints.items(), (*_coarse(drives), *_late(drives, torque_delay), *drives.remarks)
     apart = tuple(joint for joint, each in found if each.apart and "rotor inertia" not in each.unidentifiable)
     if not apart:
         return Estimates(rigid, drives, (), remarks)
@@ -81,6 +82,10 @@ def _coarse(drives: DriveEstimates) -> tuple[str, ...]:
     few = f"half of a deflection's range is few steps of the encoders ({told})"
     then = "rotors came out up to 5 % off and damping up to twice too large, both further off than intervals say"
     return (f"{few}: below {FINE:g}, {then}",)
+
+
+def _late(drives: DriveEstimates, supposed: float) -> tuple[str, ...]:
+    return delay_remarks({joint: each.delay for joint, each in drives.joints.items() if each.delay}, supposed)
 
 
 def springs_wanted(before: Robot, recording: Recording, springs: bool | None) -> bool:
