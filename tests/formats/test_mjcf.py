@@ -18,7 +18,7 @@ from scipy.spatial.transform import Rotation
 import cutpoint
 from cutpoint import Coulomb, Drive, Robot, Rotor
 from cutpoint.errors import InputError, ModelError
-from cutpoint.formats import NotCarriedOver, parse_mjcf
+from cutpoint.formats import DegreesWarning, NotCarriedOver, parse_mjcf
 from cutpoint.formats.mjcf_text import MAXIMUM_PIECES
 from cutpoint.loading import DroppedWarning
 from cutpoint.model import Limits
@@ -277,6 +277,11 @@ REFUSED = {
         "\n<robot/>",
         "the root element of an MJCF file is <mujoco>, got <robot> (a URDF file; its ending is .urdf) (arm.xml:2)",
     ),
+    "a part": (
+        "<mujocoinclude/>",
+        "the root element of an MJCF file is <mujoco>, got <mujocoinclude> (a part: give the file that includes it)"
+        " (arm.xml:1)",
+    ),
     "nan": (one_body('\n<geom pos="0 NaN 0" size="1"/>'), "<geom> pos '0 NaN 0' must not hold nan (arm.xml:4)"),
     "a misspelt attribute": (
         one_body('\n\n<geom sise="1"/>'),
@@ -410,6 +415,17 @@ def test_what_mujoco_remarks_is_told_with_the_file() -> None:
         parse_mjcf(text, "arm.xml")
     assert all(str(each.message).startswith("MuJoCo says of arm.xml: ") for each in caught)
     assert all("mjcf_model" not in each.filename for each in caught)
+
+
+def test_ranges_that_look_like_degrees_are_warned_of() -> None:
+    text = one_body('<joint name="wrist" axis="0 1 0" range="-170 170"/>')
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        parse_mjcf(text, "arm.xml")
+    radians = text.replace("<worldbody>", '<compiler angle="radian"/><worldbody>')
+    rule = r"limits of joints 'wrist' look like degrees; the file's compiler takes angles as radians \(arm.xml\)"
+    with pytest.warns(DegreesWarning, match=rule):
+        parse_mjcf(radians, "arm.xml")
 
 
 def test_without_mujoco_the_message_says_how_to_get_it(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -36,13 +36,14 @@ LINKS = {
     "no mass value": (link("arm", ""), "link 'arm': <mass> needs the attribute 'value' (arm.urdf:3)"),
     "triangle inequality": (
         link("arm", 1.0, (1.0, 0.1, 0.1)),
-        "link 'arm': principal moments of inertia 0.1, 0.1, 1 kg m2: the largest must not exceed the sum of the others"
-        " (triangle inequality); check <inertia> and its <origin> (arm.urdf:3)",
+        "link 'arm': principal moments of inertia 0.1, 0.1, 1 kg m2: the largest exceeds the sum of the others by"
+        " 80.00% of itself (triangle inequality); check <inertia> and its <origin>; ixx, iyy and izz larger by 0.8008"
+        " would do (arm.urdf:3)",
     ),
     "negative moment": (
         link("arm", 1.0, (-0.1, 0.1, 0.1)),
         "link 'arm': principal moments of inertia -0.1, 0.1, 0.1 kg m2: none must be negative;"
-        " check <inertia> and its <origin> (arm.urdf:3)",
+        " check <inertia> and its <origin>; ixx, iyy and izz larger by 0.1001 would do (arm.urdf:3)",
     ),
     "inertia without mass": (
         link("arm", 0),
@@ -117,7 +118,10 @@ DOCUMENTS = {
         "link 'base': is defined 2 times; names must be unique (arm.urdf:3)",
     ),
     "no name": (robot("<link/>"), "link '': <link> needs the attribute 'name' (arm.urdf:2)"),
-    "no links": (robot(), "the robot has no links (arm.urdf)"),
+    "no links": (
+        robot(),
+        "the robot has no links; a file that only defines macros wants the one that calls them (arm.urdf)",
+    ),
     "unknown joint": (
         arm(link("arm"), kind="screw"),
         f"joint 'elbow': type 'screw' is not supported; those that are: {KINDS} (arm.urdf:4)",

@@ -15,7 +15,7 @@ from cutpoint.identification.excitation.series import FourierSeries, still_waves
 from cutpoint.identification.rigid.base_parameters import BaseParameters, base_parameters
 from cutpoint.identification.rigid.bodies import bodies_of, with_parameters
 from cutpoint.model.places import Places
-from cutpoint.model.validation import check_body
+from cutpoint.model.validation import check_bodies
 from cutpoint.simulation import Sensors
 from random_trees import random_tree
 
@@ -81,7 +81,7 @@ def exists(robot: Robot) -> bool:
     bodies = robot.mechanism.bodies
     try:
         for body in bodies:
-            check_body(body, [body.name], Places(None))
+            check_bodies([body], [[body.name]], Places(None))
     except ModelError:
         return False
     return all(body.mass > 0.0 for body in bodies)

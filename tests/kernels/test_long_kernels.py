@@ -42,7 +42,7 @@ def test_a_function_of_too_many_numbers_is_refused_and_before_it_is_traced_where
         return [[a * b for a in x] for b in x]
 
     calls: list[Any] = []
-    with pytest.raises(InputError, match=r"squares: 110 numbers in its arguments, at most 100 compile; use backend"):
+    with pytest.raises(InputError, match=r"squares: 110 numbers go in and out, at most 100 compile; use backend"):
         compile_kernel(squares, x=10, backend="llvm")
     with pytest.raises(InputError, match=r"squares: 101 numbers"):
         compile_kernel(squares, x=101, backend="llvm")

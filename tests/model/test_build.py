@@ -1,5 +1,7 @@
 """The door of the model: what `build` makes of links and joints, and what it refuses."""
 
+import re
+
 import numpy as np
 import pytest
 from hypothesis import given
@@ -279,6 +281,22 @@ LINKS = {
         " state the mass, or leave <inertial> out",
     ),
 }
+
+
+def test_all_bodies_that_no_mass_can_make_are_named_with_what_would_mend_them() -> None:
+    def links(more: float) -> list[Link]:
+        tensor = np.diag([0.1, 0.2, 0.31]) + more * np.eye(3)
+        return [ball("base"), *(Link(name, 1.0, inertia=tensor) for name in ("upper", "fore", "hand"))]
+
+    joints = [Joint(f"to_{child}", "revolute", parent, child) for parent, child in zip(("base", "upper", "fore"),
+              ("upper", "fore", "hand"), strict=True)]  # fmt: skip
+    rule = "the largest exceeds the sum of the others by 3.23% of itself (triangle inequality)"
+    with pytest.raises(ModelError, match=re.escape(f"kg m2: {rule}; check")) as caught:
+        build("r", links(0.0), joints)
+    told = re.search(r"ixx, iyy and izz larger by (\S+) would do \(likewise 'fore', 'hand'\)$", str(caught.value))
+    assert told is not None
+    assert caught.value.evidence["links"] == ["upper", "fore", "hand"]
+    build("r", links(float(told[1])), joints)
 
 
 @pytest.mark.parametrize("case", LINKS)

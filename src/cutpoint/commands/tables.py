@@ -21,6 +21,9 @@ if TYPE_CHECKING:
 
 Array = NDArray[np.float64]
 
+ROUNDING = 1e-6
+"""rad (m), by which a joint may be beyond its limits untold: motors lead or follow links by more."""
+
 
 def listed_numbers(option: str, text: str, count: int) -> Array:
     """Numbers separated by commas; none at all are zeros."""
@@ -143,9 +146,9 @@ def beyond_travel(robot: Robot, low: Array, high: Array) -> Iterator[str]:
     """A sentence for each joint that goes, from `low` to `high` (n,), farther than files allow."""
     limits = limits_in_force(robot.mechanism, robot.drives).values()
     for name, slides, own, least, most in zip(robot.joints, _slides(robot), limits, low, high, strict=True):
-        if least < own.lower or most > own.upper:
+        if least < own.lower - ROUNDING or most > own.upper + ROUNDING:
             factor, unit = (1e3, "mm") if slides else (np.degrees(1.0), "deg")
-            there = _position(most if most > own.upper else least, slides)
+            there = _position(most if most > own.upper + ROUNDING else least, slides)
             yield f"{name} goes to {there}, beyond its limits, {_range(own.lower, own.upper, factor, unit)}"
 
 

@@ -37,6 +37,9 @@ STOPPED = 1.0
 """Nepers a second: what grows more slowly is stopped by friction, which the linear plant lacks."""
 
 
+CREEPING = 0.05
+"""Hz: what would swing more slowly does not swing."""
+
 SHORTER = 4
 """Times that a control period is shortened to see whether that would help."""
 
@@ -156,7 +159,8 @@ def check_holds(robot: Robot, law: Any, q: ArrayLike, period: float) -> None:
     if _is_held(robot, worst, period):
         return
     growth = np.log(worst.size) / period
-    what = f"{worst.joint!r} would swing at {worst.frequency:.1f} Hz and grow by {growth:.3g} nepers a second"
+    moves = f"swing at {worst.frequency:.1f} Hz" if worst.frequency > CREEPING else "run away"
+    what = f"{worst.joint!r} would {moves} and grow by {growth:.3g} nepers a second"
     remedies = ["ask for another bandwidth"]
     if _would_be_held(robot, law, q, period / SHORTER):
         remedies[0] += " or a shorter control_period"

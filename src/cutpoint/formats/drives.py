@@ -13,7 +13,6 @@ from cutpoint.formats.drive_entry import to_drive
 from cutpoint.formats.drive_section import Section
 from cutpoint.formats.drive_sheet import DriveSheet, FileSheet
 from cutpoint.formats.drive_words import to_entry
-from cutpoint.formats.friction_sheets import DEFAULT_SMOOTHING
 from cutpoint.formats.reading import read_bytes
 from cutpoint.formats.safe_yaml import MAXIMUM_BYTES, parse_yaml
 from cutpoint.formats.urdf import DegreesWarning
@@ -72,7 +71,7 @@ def drive_of(joint: Joint) -> Drive:
     """The drive of a joint that no drive file mentions: rigid, no gear, and the friction that its robot file states."""
     if joint.damping == 0.0 and joint.friction == 0.0:
         return Drive()
-    return Drive(link_friction=Coulomb(joint.friction, joint.damping, DEFAULT_SMOOTHING))
+    return Drive(link_friction=Coulomb(joint.friction, joint.damping))
 
 
 def dump_drives(drives: Mapping[str, Drive]) -> str:

@@ -5,9 +5,7 @@ from typing import Literal
 from pydantic import Field
 
 from cutpoint.formats.sheet import Sheet, quantity
-
-DEFAULT_SMOOTHING = 0.01
-"""Speed, rad/s (m/s), over which dry friction changes sign where nothing is stated."""
+from cutpoint.mechanics.friction import SMOOTHING
 
 
 class PreslidingSheet(Sheet):
@@ -37,7 +35,7 @@ class FrictionLawSheet(Sheet):
     static: float | None = quantity("N m", "N", "dry friction f_s near standstill, f_c at least", None, ge=0)
     viscous: float = quantity("N m s/rad", "N s/m", "f_v: friction per speed, as felt at the joint", 0.0, ge=0)
     stribeck_velocity: float | None = quantity("rad/s", "m/s", "v_s over which f_s falls to f_c", None, gt=0)
-    smoothing: float = quantity("rad/s", "m/s", "sgn(speed) is tanh(speed / smoothing)", DEFAULT_SMOOTHING, gt=0)
+    smoothing: float = quantity("rad/s", "m/s", "sgn(speed) is tanh(speed / smoothing)", SMOOTHING, gt=0)
     asymmetry: float | None = quantity(
         "1", "1", "dry friction is 1 + that much of itself forwards, 1 - backwards", None, gt=-1, lt=1
     )

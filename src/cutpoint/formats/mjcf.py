@@ -35,6 +35,7 @@ from cutpoint.formats.mjcf_model import (
 from cutpoint.formats.mjcf_text import excerpt_of
 from cutpoint.formats.reading import read_bytes
 from cutpoint.formats.safe_xml import Element, parse_xml
+from cutpoint.formats.urdf import warn_of_degrees
 from cutpoint.model.build import build
 from cutpoint.model.drive import Drive, Rotor
 from cutpoint.model.mechanism import Array, Joint, JointKind, Limits, Link, Mechanism
@@ -107,6 +108,7 @@ def _robot(
     name = root.attributes.get("model") or Path(place).stem
     mechanism = build(name, tree.links, tree.joints, gravity=fall, lock=lock, place=Places(place))
     drives, lost = _drives(mechanism, tree.armature, place), losses(model, excerpt.left_out)
+    warn_of_degrees(tree.joints, "the file's compiler takes angles as radians", place)
     if lost:
         warnings.warn(NotCarriedOver(lost, place), stacklevel=4)
     for words in remarks:

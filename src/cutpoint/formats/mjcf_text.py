@@ -81,7 +81,11 @@ def excerpt_of(root: Element, place: str, meshes: Mapping[str, MeshFile]) -> Exc
     Raises ModelError: no MJCF, elements that bring in other text, too many elements.
     """
     if root.tag != "mujoco":
-        other = {"robot": " (a URDF file; its ending is .urdf)", "sdf": " (an SDF file)"}.get(root.tag, "")
+        other = {
+            "robot": " (a URDF file; its ending is .urdf)",
+            "sdf": " (an SDF file)",
+            "mujocoinclude": " (a part: give the file that includes it)",
+        }.get(root.tag, "")
         raise ModelError(
             f"the root element of an MJCF file is <mujoco>, got <{root.tag}>{other}", place=root.where(place)
         )

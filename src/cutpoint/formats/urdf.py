@@ -164,7 +164,12 @@ def _warn(joints: Sequence[Joint], coupled: bool, place: str) -> None:
     if mimics and not coupled:
         text = f"mimic joints {listed(mimics)} are read as coordinates of their own; mimic='coupled' ties them"
         warnings.warn(f"{text} ({place})", MimicWarning, stacklevel=4)
+    warn_of_degrees(joints, "URDF angles are radians", place)
+
+
+def warn_of_degrees(joints: Sequence[Joint], rule: str, place: str) -> None:
+    """Once for the file, at the line that asked for the robot.  rule: what its angles are in."""
     degrees = [joint.name for joint in joints if joint.kind == "revolute" and look_like_degrees(joint.limits)]
     if degrees:
-        text = f"limits of joints {listed(degrees)} look like degrees; URDF angles are radians"
-        warnings.warn(f"{text} ({place})", DegreesWarning, stacklevel=4)
+        text = f"limits of joints {listed(degrees)} look like degrees; {rule} ({place})"
+        warnings.warn(text, DegreesWarning, stacklevel=5)

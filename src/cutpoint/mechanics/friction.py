@@ -22,6 +22,10 @@ class Grease:
     thinning: Scalar
 
 
+SMOOTHING = 0.01
+"""rad/s (m/s), over which dry friction changes sign where nothing is stated."""
+
+
 class Sliding(ABC):
     """What sliding laws share: dry friction along the direction of motion, and viscous friction.
 
@@ -102,7 +106,7 @@ class Stribeck(Sliding):
     static: Scalar
     viscous: Scalar
     stribeck_velocity: Scalar
-    smoothing: Scalar
+    smoothing: Scalar = SMOOTHING
     asymmetry: Scalar | None = None
     per_load: Scalar | None = None
     grease: Grease | None = None
@@ -123,7 +127,7 @@ class Coulomb(Sliding):
 
     coulomb: Scalar
     viscous: Scalar
-    smoothing: Scalar
+    smoothing: Scalar = SMOOTHING
     asymmetry: Scalar | None = None
     per_load: Scalar | None = None
     grease: Grease | None = None

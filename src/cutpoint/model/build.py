@@ -17,7 +17,7 @@ from cutpoint.model.universal import expanded
 from cutpoint.model.validation import (
     WITH_AXIS,
     check_all_bear_mass,
-    check_body,
+    check_bodies,
     check_gravity,
     check_joint,
     check_link,
@@ -65,8 +65,7 @@ def build(
     carried = [_floating_joint(root, ordered, places), *ordered] if floating_base else ordered
     tree = _assemble(root, links, carried, floating_base)
     bodies = tuple(tree.bodies())
-    for body, pieces in zip(bodies, tree.pieces, strict=True):
-        check_body(body, pieces, places)
+    check_bodies(bodies, tree.pieces, places)
     check_all_bear_mass(bodies, places)
     return Mechanism(name, bodies, tree.frames([link.name for link in links], carried), fall, coupled)
 

@@ -11,7 +11,7 @@ from cutpoint.model.lumping import MassProperties, lumped, placed
 from cutpoint.model.mechanism import WORLD, Body, Frame, Link, Mechanism
 from cutpoint.model.places import Places
 from cutpoint.model.pose import is_rigid
-from cutpoint.model.validation import LARGEST, check_body, check_link
+from cutpoint.model.validation import LARGEST, check_link, fault_of
 
 
 def with_payload(mechanism: Mechanism, mass: float, com: ArrayLike, inertia: ArrayLike, frame: str) -> Mechanism:
@@ -27,7 +27,9 @@ def with_payload(mechanism: Mechanism, mass: float, com: ArrayLike, inertia: Arr
     carrier = mechanism.bodies[place.body]
     whole = lumped(MassProperties(carrier.mass, carrier.com, carrier.inertia), piece)
     body = replace(carrier, mass=whole.mass, com=whole.com, inertia=whole.inertia)
-    check_body(body, [carrier.name, "payload"], nowhere)
+    if fault := fault_of(body):
+        told = f"payload: with it link {carrier.name!r} has {fault.moments}: {fault.rule}; check its inertia (3, 3)"
+        raise ModelError(told, link=carrier.name, inertia=body.inertia)
     return _with_body(mechanism, place.body, body)
 
 

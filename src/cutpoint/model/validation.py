@@ -8,7 +8,7 @@ would give.
 
 import math
 from collections.abc import Mapping, Sequence
-from typing import get_args
+from typing import NamedTuple, get_args
 
 import numpy as np
 
@@ -135,24 +135,44 @@ def check_gravity(gravity: Array, places: Places) -> None:
     check_size("gravity", "vector", gravity, places)
 
 
-def check_body(body: Body, pieces: Sequence[str], places: Places) -> None:
-    """A lumped tensor that mass can have: none without mass, no negative principal moment, none above the sum of the
-    other two."""
+def check_bodies(bodies: Sequence[Body], pieces: Sequence[Sequence[str]], places: Places) -> None:
+    """Lumped tensors that mass can have: none without mass, no negative principal moment, none above the sum of the
+    other two.  pieces: names of the links that each body is made of."""
+    faults = [(body, own, fault) for body, own in zip(bodies, pieces, strict=True) if (fault := fault_of(body))]
+    if not faults:
+        return
+    body, own, fault = faults[0]
+    lump = f" (lumped: {listed(own)})" if list(own) != [body.name] else ""
+    others = f" (likewise {listed([other.name for other, *_ in faults[1:]])})" if len(faults) > 1 else ""
+    told = f"{fault.moments}{lump}: {fault.rule}; {fault.remedy}{others}"
+    links = [each.name for each, *_ in faults]
+    raise places.error(f"link {body.name!r}", told, link=body.name, inertia=body.inertia, links=links)
+
+
+class Fault(NamedTuple):
+    """What is wrong with a body's inertia tensor, in words."""
+
+    moments: str
+    rule: str
+    remedy: str
+
+
+def fault_of(body: Body) -> Fault | None:
     small, middle, large = np.linalg.eigvalsh(body.inertia)
     tolerance = RELATIVE * max(large, -small) + GYRATION**2 * body.mass
-    remedy = "check <inertia> and its <origin>"
+    moments = f"principal moments of inertia {small:.6g}, {middle:.6g}, {large:.6g} kg m2"
     if body.mass == 0.0 and np.any(body.inertia):
-        rule, remedy = "without mass (0 kg) there is no inertia", "state the mass, or leave <inertial> out"
-    elif small < -tolerance:
-        rule = "none must be negative"
-    elif large > small + middle + tolerance:
-        rule = "the largest must not exceed the sum of the others (triangle inequality)"
-    else:
-        return
-    moments = f"principal moments of inertia {small:.4g}, {middle:.4g}, {large:.4g} kg m2"
-    lump = f" (lumped: {listed(pieces)})" if list(pieces) != [body.name] else ""
-    complaint = f"{moments}{lump}: {rule}; {remedy}"
-    raise places.error(f"link {body.name!r}", complaint, link=body.name, inertia=body.inertia)
+        rule = "without mass (0 kg) there is no inertia"
+        return Fault(moments, rule, "state the mass, or leave <inertial> out")
+    beyond = large - small - middle
+    # as much more about every axis leaves the largest equal to the sum of the others, in any frame
+    remedy = f"check <inertia> and its <origin>; ixx, iyy and izz larger by {1.001 * beyond:.4g} would do"
+    if small < -tolerance:
+        return Fault(moments, "none must be negative", remedy)
+    if beyond > tolerance:
+        rule = f"the largest exceeds the sum of the others by {beyond / large:.2%} of itself (triangle inequality)"
+        return Fault(moments, rule, remedy)
+    return None
 
 
 def check_all_bear_mass(bodies: Sequence[Body], places: Places) -> None:

@@ -60,10 +60,10 @@ def check_length(name: str, graphs: Iterable[Graph]) -> None:
 
 
 def check_size(name: str, ports: Iterable[Port]) -> None:
-    """Raises InputError for a function with more numbers in its arguments than machine code takes."""
+    """Raises InputError for a function that takes and gives more numbers than machine code does."""
     numbers = sum(p.size for p in ports)
     if numbers > MOST_NUMBERS:
-        told = f"{name}: {numbers} numbers in its arguments, at most {MOST_NUMBERS} compile"
+        told = f"{name}: {numbers} numbers go in and out, at most {MOST_NUMBERS} compile"
         raise InputError(f"{told}; use backend='numpy', or a smaller model", numbers=numbers)
 
 
