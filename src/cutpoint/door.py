@@ -99,11 +99,10 @@ def number(function: str, name: str, value: Any, unit: str = "") -> float:
 
 
 def positive(function: str, name: str, value: Any, unit: str = "") -> float:
-    """The argument as a float above zero and within LARGEST.  Raises InputError for anything else."""
+    """The argument as a float above zero.  Raises InputError for anything else."""
     found = number(function, name, value, unit)
-    if not 0 < found <= LARGEST:
-        rule = f"at most {LARGEST:g}" if np.isfinite(found) and found > 0 else "positive and finite"
-        raise InputError(f"{function}: {name} {found}{unit and f' {unit}'} must be {rule}", name=name)
+    if not (np.isfinite(found) and found > 0):
+        raise InputError(f"{function}: {name} {found}{unit and f' {unit}'} must be positive and finite", name=name)
     return found
 
 

@@ -58,7 +58,7 @@ def test_a_log_tells_the_steps_that_were_taken():
     for hold, accuracy in ((True, "reference"), (False, "standard")):
         meta = simulate(ours, law, duration=0.002, accuracy=accuracy, hold=hold).meta
         assert {name: meta[name] for name in adapted} == adapted and meta["hold"] is hold
-    with pytest.raises(InputError, match=r"substeps=3 has no effect on accuracy 'reference': leave it out"):
+    with pytest.raises(InputError, match=r"substeps=3 has no effect on accuracy 'reference', .*: leave it out"):
         simulate(ours, law, duration=0.002, accuracy="reference", substeps=3)
 
 

@@ -6,9 +6,10 @@ from typing import Any
 import numpy as np
 import pytest
 
-from cutpoint import InputError, Motor, Sensors, State, simulate, simulate_many
+from cutpoint import InputError, MaxwellSlip, Motor, Sensors, State, simulate, simulate_many
 from cutpoint.control import PD
-from cutpoint.trajectories import cycloid
+from cutpoint.studies.sizing import sizing
+from cutpoint.trajectories import cycloid, from_samples
 from robot_library import frictionless, robot
 
 
@@ -96,3 +97,38 @@ def test_what_a_trajectory_of_ones_own_gives_is_looked_at(made, message):
 
     with pytest.raises(InputError, match=r"simulate: trajectory.derivatives\(times, 4\).*" + message):
         simulate(robot("xia2019"), None, Mine())
+
+
+def test_a_trajectory_of_other_joints_is_refused():
+    """Columns of a file are taken by their place: names in another order would move the wrong joints."""
+    ours = robot("xia2019")
+    moves = [from_samples(np.arange(5.0), np.zeros((5, 6)), joints=names) for names in (ours.joints, ours.joints[::-1])]
+    assert simulate(ours, None, moves[0], 0.01) is not None
+    message = (
+        r"the trajectory is of 'joint6', .*, the robot's joints are 'joint1', .*: read it with joints=robot.joints"
+    )
+    with pytest.raises(InputError, match="simulate: " + message):
+        simulate(ours, None, moves[1], 0.01)
+    with pytest.raises(InputError, match="sizing: " + message):
+        sizing(ours, moves[1])
+
+
+def test_strains_beyond_where_elements_slip_are_refused():
+    ours = robot("xia2019")
+    slipping = {name: replace(x, hysteresis=MaxwellSlip((400.0,), (1e-3,))) for name, x in ours.drives.items()}
+    ours = ours.with_drives(slipping)
+    simulate(ours, None, duration=0.01, initial=State(strains=np.full(6, -1e-3)))
+    with pytest.raises(InputError, match=r"initial strain joint2: hysteresis 1 is 0.1, it slips at 0.001"):
+        simulate(ours, None, duration=0.01, initial=State(strains=[0, 0.1, 0, 0, 0, 0]))
+
+
+def test_a_start_that_wants_arguments_is_refused():
+    class Wanting:
+        def start(self, robot: object) -> tuple[float, ...]:
+            return (0.0,)
+
+        def step(self, memory: Any, measurement: Any, reference: Any) -> Any:
+            return memory, np.zeros(6)
+
+    with pytest.raises(InputError, match=r"controller Wanting: start\(\) must take no arguments: missing a required"):
+        simulate(robot("xia2019"), Wanting(), duration=0.01)

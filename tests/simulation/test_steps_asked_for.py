@@ -1,6 +1,7 @@
 """What asks for short steps beside modes at rest: waves of the motor, springs that stiffen, play."""
 
 import warnings
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -113,3 +114,20 @@ def test_a_spring_that_hardens_is_followed_up_to_the_torque_of_its_motor():
     for parts in limits.values():
         assert substeps_for(turning(compliance=law, **parts), "fine", 1e-3, STATES) == at_peaks
     assert substeps_for(turning(compliance=law), "fine", 1e-3, STATES).number < at_peaks.number
+
+
+def test_springs_that_were_wound_until_they_were_much_stiffer_are_warned_of():
+    """A step of 1 rad without limits, of a light motor behind a flexspline: 26 times as stiff as at rest."""
+    arm = turning(compliance=Flexspline(3000.0, 0.05), damping=2.0)
+    light = arm.with_drives({"joint": replace(arm.drives["joint"], rotor=Rotor(1e-6))})
+
+    def law(memory: Any, measurement: Any, reference: Any) -> Any:
+        return memory, 200.0 * (1.0 - measurement.theta) - 8.0 * measurement.theta_dot
+
+    truth = simulate(light, law, duration=0.2, accuracy="reference")
+    rule = r"wound springs until the spring of 'joint' would take \d+ .* substeps=\d+"
+    with pytest.warns(StiffnessWarning, match=rule) as told:
+        run = simulate(light, law, duration=0.2)
+    assert off(run, truth) > 1e-4
+    asked = int(str(told[0].message).rsplit("=", 1)[1])
+    assert off(simulate(light, law, duration=0.2, substeps=asked), truth) < 2e-4

@@ -5,6 +5,7 @@ numbers in NumPy object arrays, so a law is written with array arithmetic; in a 
 """
 
 from collections.abc import Callable
+from inspect import signature
 from traceback import walk_tb
 from typing import Any, NamedTuple, NoReturn, Protocol
 
@@ -103,8 +104,17 @@ def completed(command: Command, reference: Reference, n: int) -> Command:
 
 
 def start_of(law: Any) -> Any:
-    """A law's memory before its first step; () of one that has no `start`."""
-    return law.start() if hasattr(law, "start") else ()
+    """A law's memory before its first step; () of one that has no `start`.
+
+    Raises InputError for a `start` that wants arguments.
+    """
+    if not hasattr(law, "start"):
+        return ()
+    try:
+        signature(law.start).bind()
+    except TypeError as error:
+        raise InputError(f"controller {name_of(law)}: start() must take no arguments: {error}") from None
+    return law.start()
 
 
 def numbers_after(law: Any, memory: Any, count: int) -> list[Any]:

@@ -7,6 +7,7 @@ from numpy.typing import NDArray
 
 from cutpoint.door import checked_array
 from cutpoint.errors import InputError
+from cutpoint.mechanics.strains import count, gathered
 from cutpoint.robot import Robot
 from cutpoint.simulation.plant import State, sizes
 
@@ -74,7 +75,15 @@ def _with_inner_states(robot: Robot, given: State, start: State, told: Array) ->
     lagging = [d.drive.has_current_lag for d in robot.machine.drives]
     current = told[lagging] if given.current is None else given.current
     strains = np.zeros(expected.strains) if given.strains is None else given.strains
-    return start._replace(
-        current=vector("current", current, expected.current),
-        strains=vector("strains", strains, expected.strains),
-    )
+    strains = vector("strains", strains, expected.strains)
+    for name, strain, most in zip(robot.strain_names, strains, _farthest(robot), strict=True):
+        if abs(strain) > most * (1 + ROUNDING):
+            raise InputError(f"simulate: initial strain {name} is {strain:g}, it slips at {most:g}", name=name)
+    return start._replace(current=vector("current", current, expected.current), strains=strains)
+
+
+def _farthest(robot: Robot) -> list[float]:
+    """How far each strain of hysteresis goes before it slips, in the order of `Robot.strain_names`; inf of bristles."""
+    reaches = [drive.hysteresis.reach if drive.hysteresis else () for drive in robot.drives.values()]
+    bristles = [count(drive) - len(reach) for drive, reach in zip(robot.drives.values(), reaches, strict=True)]
+    return gathered([[*[np.inf] * other, *reach] for other, reach in zip(bristles, reaches, strict=True)])

@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from cutpoint.door import check_configuration, checked_array, number, positive
-from cutpoint.errors import InputError
+from cutpoint.errors import InputError, listed
 from cutpoint.robot import Robot
 from cutpoint.simulation.beginning import vector
 from cutpoint.simulation.loop import ClosedLoop
@@ -51,8 +51,7 @@ def reference_at(robot: Robot, trajectory: Trajectory | None, initial: State | N
             q = vector("q", initial.q, robot.nq)
             hold[0] = q[[d.q for d in robot.machine.drives]]
         return hold
-    if trajectory.size != n:
-        raise InputError(f"simulate: the trajectory has {trajectory.size} joints, the robot has {n} drives")
+    check_fits("simulate", trajectory, robot)
     asked = "trajectory.derivatives(times, 4)"
     reference, expected = checked_array("simulate", asked, trajectory.derivatives(times, 4), n), (5, len(times), n)
     if reference.shape != expected:
@@ -62,6 +61,17 @@ def reference_at(robot: Robot, trajectory: Trajectory | None, initial: State | N
     for extreme in (by_joint.min(axis=1), by_joint.max(axis=1)):
         check_configuration(robot.mechanism, extreme)
     return reference
+
+
+def check_fits(function: str, trajectory: Trajectory, robot: Robot) -> None:
+    """Raises InputError for a trajectory of another number of joints, or of others by name."""
+    n = len(robot.drives)
+    if trajectory.size != n:
+        raise InputError(f"{function}: the trajectory has {trajectory.size} joints, the robot has {n} drives")
+    names = tuple(getattr(trajectory, "joints", ()))
+    if names and names != robot.joints:
+        found = f"the trajectory is of {listed(names)}, the robot's joints are {listed(robot.joints)}"
+        raise InputError(f"{function}: {found}: read it with joints=robot.joints, or in their order", joints=names)
 
 
 def rows_of(loop: ClosedLoop, times: Array, reference: Array, disturbances: Disturbance | None) -> Array:

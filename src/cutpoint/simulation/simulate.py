@@ -80,8 +80,8 @@ def simulate(
     duration: s; the trajectory's own by default; rounded to the nearest whole number of control periods.
     control_period: s; the command is held between samples.
     initial: State(q, v, theta, theta_dot, current, strains); what is left None is where the reference starts, with each
-        motor leading its link by what gravity bends the drive, theta = q + delta(g(q)), currents that hold against
-        gravity, and no strains.
+        motor leading its link by what gravity bends the drive, theta = q + delta(g(q)), and as fast as that; with
+        currents equal to the links' torques under gravity, none without a controller, and no strains.
     sensors: encoders; perfect by default.
     disturbances: a function of the sample times (N,) that gives torques on the links' coordinates, (N, nv), N m, held
         over each period.
@@ -177,7 +177,8 @@ def steps_of(robot: Robot, accuracy: str, substeps: int | None, period: float, s
     check_delays("simulate", robot, period)
     if accuracy == "reference":
         if substeps is not None:
-            raise InputError(f"simulate: substeps={substeps!r} has no effect on accuracy 'reference': leave it out")
+            rule = "has no effect on accuracy 'reference', which hold=False takes, too: leave it out"
+            raise InputError(f"simulate: substeps={substeps!r} {rule}")
         return Steps(1, "the adaptive integrator")
     if substeps is None:
         speeds = np.maximum(np.abs(reference[1]).max(axis=0), np.abs(start.theta_dot))

@@ -1,24 +1,70 @@
-"""After a run of fixed steps: whether speeds that it reached, unknown before, would have asked for shorter ones."""
+"""After a run of fixed steps: whether what it reached, unknown before, would have asked for shorter ones."""
 
 import warnings
 
 import numpy as np
+from numpy.typing import NDArray
 
+from cutpoint.mechanics.backlash import spring_of
+from cutpoint.mechanics.harmonic_drive import deflection
 from cutpoint.robot import Robot
 from cutpoint.simulation.log import Log
-from cutpoint.simulation.substeps import MOST_SUBSTEPS, SETTINGS, StiffnessWarning, fastest_wave
+from cutpoint.simulation.substeps import (
+    MOST_SUBSTEPS,
+    SETTINGS,
+    Limit,
+    StiffnessWarning,
+    fastest_mode,
+    fastest_wave,
+)
+
+Array = NDArray[np.float64]
 
 ALLOWED = 2.0
 """How many times faster than foreseen waves may become: less than a whole wave a step, which no step would see."""
 
+STIFFER = 1.3
+"""The same of modes, whose errors grow with the fourth power."""
+
+HARDENS = 4.0
+"""Times as stiff as at the start: a spring that becomes stiffer than that does so within a step, which must be shorter
+by the root of how much."""
+
 
 def check_steps(robot: Robot, log: Log) -> None:
-    """Warns if motors turned so fast, as far as the log has their speeds, that waves asked for shorter steps."""
-    taken = log.meta["substeps"]
-    if "theta_dot" not in log or taken >= MOST_SUBSTEPS:
+    """Warns if, as far as the log tells, motors turned so fast that waves, or springs were wound so far that modes,
+    asked for shorter steps."""
+    taken, longest = log.meta["substeps"], SETTINGS[log.meta["accuracy"]]
+    if taken >= MOST_SUBSTEPS:
         return
-    wave = fastest_wave(robot, log.max("theta_dot"))
-    asked = int(np.ceil(log.meta["control_period"] * wave.rate / SETTINGS[log.meta["accuracy"]].wave))
-    if asked > ALLOWED * taken:
-        told = f"the run reached speeds at which {wave.cause} would take {asked} integration steps a control period"
-        warnings.warn(f"{told}, {taken} were taken: give substeps={asked}", StiffnessWarning, stacklevel=3)
+    if "theta_dot" in log:
+        wave = fastest_wave(robot, log.max("theta_dot"))
+        _warn("reached speeds at which", wave, longest.wave, ALLOWED, log)
+    if "theta" in log and "q" in log and (wound := _stiffest(robot, log)):
+        mode, stiffer = wound
+        _warn("wound springs until", mode, longest.mode * min(1.0, np.sqrt(HARDENS / stiffer)), STIFFER, log)
+
+
+def _warn(what: str, limit: Limit, longest: float, allowed: float, log: Log) -> None:
+    taken, asked = log.meta["substeps"], int(np.ceil(log.meta["control_period"] * limit.rate / longest))
+    if asked > allowed * taken:
+        told = f"the run {what} {limit.cause} would take {asked} integration steps a control period"
+        warnings.warn(f"{told}, {taken} were taken: give substeps={asked}", StiffnessWarning, stacklevel=4)
+
+
+def _stiffest(robot: Robot, log: Log) -> tuple[Limit, float] | None:
+    """The fastest mode where a spring was stiffest beside how it began, and how much; None if none became stiffer."""
+    drives = robot.machine.drives
+    if robot.nq != len(drives) or not any(d.drive.is_elastic for d in drives):
+        return None
+    sides = zip(drives, log["theta"].T, log["q"].T, strict=True)
+    wound = np.column_stack([deflection(d.drive, theta, q) for d, theta, q in sides])
+    stiffer = np.ones_like(wound)
+    for k, d in enumerate(drives):
+        if (spring := spring_of(d.drive.compliance)) is not None and d.drive.compliance is not None:
+            stiffness = np.asarray(d.drive.compliance.tangent(wound[:, k]))
+            stiffer[:, k] = stiffness / max(stiffness[0], float(spring.tangent(0.0)))  # in a play it is next to none
+    worst = int(stiffer.max(axis=1).argmax())
+    if stiffer[worst].max() <= STIFFER:
+        return None
+    return fastest_mode(robot, log["q"][[worst]], wound[[worst]]), float(stiffer[worst].max())

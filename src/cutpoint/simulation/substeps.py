@@ -96,18 +96,20 @@ def substeps_for(robot: Robot, accuracy: str, period: float, poses: Array, speed
     return Steps(max(1, min(wanted, MOST_SUBSTEPS)), cause)
 
 
-def fastest_mode(robot: Robot, poses: Array) -> Limit:
+def fastest_mode(robot: Robot, poses: Array, deflections: Array | None = None) -> Limit:
     """Highest angular frequency of links and rotors on springs and bristles, nothing slipping yet.
 
     It is said to be that of the part in which most of the mode's energy is strain.
+    deflections: (m, drives), of the springs at the poses; by default what weight makes them.
     """
     names, drives = [*robot.drives], [*robot.drives.values()]
     elastic = np.array([d.is_elastic for d in drives], bool)
     bristles = np.array([[_bristles(d.link_friction), _bristles(d.motor_friction)] for d in drives]).reshape(-1, 2)
     J_inverse, most = _rotor_mobility(robot), efforts_in_force(robot.mechanism, robot.drives)
     best = Limit(0.0, "nothing that swings")
-    for q in poses:
-        M_inverse, lead = _link_mobility(robot, q), robot.static_deflection(q)
+    for m, q in enumerate(poses):
+        M_inverse = _link_mobility(robot, q)
+        lead = robot.static_deflection(q) if deflections is None else deflections[m]
         K = np.array([stiffest(*each) for each in zip(drives, lead, most, strict=True)])
         on_link = K + bristles[:, 0] + np.where(elastic, 0.0, bristles[:, 1])
         # [a; theta''] = -[M^-1 (K + b_l), -M^-1 K; -J^-1 K, J^-1 (K + b_m)] [q; theta]

@@ -17,6 +17,7 @@ from cutpoint.mechanics.backlash import spring_of
 from cutpoint.model import Drive
 from cutpoint.model.limits import limits_in_force
 from cutpoint.robot import Robot
+from cutpoint.simulation.inputs import check_fits
 from cutpoint.studies.sizing import duty
 from cutpoint.studies.sizing.demand import Demand, demand_of
 from cutpoint.studies.sizing.load import Load, sampled
@@ -172,8 +173,7 @@ def _peaks(drive: Drive, load: Load, k: int) -> float | None:
 def _check(robot: Robot, trajectory: Trajectory, dwell: float, period: float, life: float | None) -> None:
     check_all_driven("sizing", robot)
     check_kind("sizing", "trajectory", trajectory, Moves, A_TRAJECTORY)
-    if trajectory.size != robot.nv:
-        raise InputError(f"sizing: the trajectory has {trajectory.size} joints, the robot has {robot.nv} drives")
+    check_fits("sizing", trajectory, robot)
     dwell = number("sizing", "dwell", dwell, "s")
     if not (np.isfinite(dwell) and dwell >= 0):
         raise InputError(f"sizing: dwell {dwell} s must be finite and not negative", dwell=dwell)
