@@ -66,7 +66,7 @@ def certificate(log: Log) -> Certificate:
     """
     if log.run is None:
         raise InputError("certificate: a log that was not simulated here does not know its robot, law and reference")
-    robot, law, reference = log.run
+    robot, law, reference, _ = log.run
     if type(law) is not VDC or leaves(law.start()):
         name = type(law).__name__
         raise InputError(f"certificate: it is of VDC with derivatives='model', alone, not of this {name}", law=name)

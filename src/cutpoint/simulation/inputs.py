@@ -36,7 +36,7 @@ def sample_times(trajectory: Trajectory | None, duration: float | None, period: 
         raise InputError(f"simulate: duration {duration} s must be more than half a control period, {period} s")
     if not duration / period < MOST_SAMPLES:
         found = f"duration {duration:g} s at control_period {period:g} s takes {duration / period:.3g} samples"
-        parts = "run in parts, each with initial= where the last ended, without what hysteresis and delays held then"
+        parts = "run in parts, each with initial=log.end of the last, without commands on their way"
         remedy = f"shorten the duration, lengthen the control_period, or {parts}"
         raise InputError(f"simulate: {found}, at most {MOST_SAMPLES:,} are kept in memory; {remedy}")
     return np.arange(round(duration / period) + 1, dtype=np.float64) * period

@@ -16,6 +16,7 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
     from cutpoint.analysis.certificate import Certificate
+    from cutpoint.simulation.plant import State
 
 Array = NDArray[np.float64]
 Unit = str | tuple[str, ...]
@@ -25,11 +26,13 @@ RESERVED = ("time", "header")
 
 
 class Run(NamedTuple):
-    """What a log is of: robot, controller, and the links' reference with four derivatives, (5, N, n)."""
+    """What a log is of: robot, controller, the links' reference with four derivatives, (5, N, n), and the state at its
+    last sample, as far as all of it was recorded."""
 
     robot: Any
     controller: Any
     reference: Array
+    end: "State | None" = None
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -113,8 +116,21 @@ class Log:
             span = f"from {self.time[0]:g} s to {self.time[-1]:g} s"
             raise InputError(f"no samples from {start} s to {end} s: the log runs {span}", start=start, end=end)
         channels = {name: values[kept] for name, values in self.channels.items()}
-        run = self.run._replace(reference=self.run.reference[:, kept]) if self.run else None
+        run = self.run
+        if run:
+            run = run._replace(reference=run.reference[:, kept], end=run.end if kept[-1] else None)
         return Log(self.time[kept], channels, self.units, self.joints, self.meta, run)
+
+    @property
+    def end(self) -> "State":
+        """The plant's state at the last sample, to go on from: `simulate(..., initial=log.end)`.
+
+        Law and sensors begin anew, and so does the reference; a command that is on its way is not in it.
+        Raises InputError for a log that was not simulated here with all channels, or without its last sample.
+        """
+        if self.run is None or self.run.end is None:
+            raise InputError("end: only a log that was simulated here, with all channels and to its end, has its state")
+        return self.run.end
 
     def plot(self, *names: str) -> "Figure":
         """A picture, angles in degrees: `log.plot("q", "reference_q").savefig("run.png")`.

@@ -8,6 +8,7 @@ from cutpoint.mechanics.strains import count, dealt, taken
 from cutpoint.simulation.channels import BASE_COORDINATES, BASE_SPEEDS, DIFFERENCES, MEMORY, base_of
 from cutpoint.simulation.log import Log, Run
 from cutpoint.simulation.loop import ClosedLoop
+from cutpoint.simulation.plant import State
 
 Array = NDArray[np.float64]
 
@@ -28,8 +29,17 @@ def log_of(loop: ClosedLoop, record: Array, times: Array, reference: Array, meta
     channels, units = {name: _read_only(x) for name, x in channels.items() if _is_wanted(loop, name)}, _units(loop)
     about = {"robot": loop.robot.name, "control_period": loop.period, **meta}
     units = {name: units[name] for name in channels}
-    run = Run(loop.robot, loop.controller, reference[:, : len(record)])
+    run = Run(loop.robot, loop.controller, reference[:, : len(record)], _end_of(loop, record))
     return Log(_read_only(times)[: len(record)], channels, units, tuple(loop.robot.drives), about, run)
+
+
+def _end_of(loop: ClosedLoop, record: Array) -> State | None:
+    """The state in the last row, where all of it was recorded."""
+    if loop.kept is not None:
+        return None
+    ends = np.cumsum([*loop.channels.values()])
+    parts = dict(zip(loop.channels, np.split(record[-1].copy(), ends[:-1]), strict=True))
+    return State(**{name: parts.get(name, np.zeros(0)) for name in State._fields})
 
 
 def _is_wanted(loop: ClosedLoop, name: str) -> bool:
