@@ -53,18 +53,23 @@ def _warn(what: str, limit: Limit, longest: float, allowed: float, log: Log) -> 
 
 
 def _stiffest(robot: Robot, log: Log) -> tuple[Limit, float] | None:
-    """The fastest mode where a spring was stiffest beside how it began, and how much; None if none became stiffer."""
-    drives = robot.machine.drives
+    """The fastest mode where a spring was wound farthest, of the spring that became stiffest beside how it began, and
+    how much; None if none became stiffer."""
+    drives, theta, q = robot.machine.drives, log["theta"], log["q"]
     if robot.nq != len(drives) or not any(d.drive.is_elastic for d in drives):
         return None
-    sides = zip(drives, log["theta"].T, log["q"].T, strict=True)
-    wound = np.column_stack([deflection(d.drive, theta, q) for d, theta, q in sides])
-    stiffer = np.ones_like(wound)
-    for k, d in enumerate(drives):
-        if (spring := spring_of(d.drive.compliance)) is not None and d.drive.compliance is not None:
-            stiffness = np.asarray(d.drive.compliance.tangent(wound[:, k]))
-            stiffer[:, k] = stiffness / max(stiffness[0], float(spring.tangent(0.0)))  # in a play it is next to none
-    worst = int(stiffer.max(axis=1).argmax())
-    if stiffer[worst].max() <= STIFFER:
+
+    def wound(k: int, sample: int) -> float:
+        return float(deflection(drives[k].drive, theta[sample, k], q[sample, k]))
+
+    farthest, stiffer = np.abs(theta - q).argmax(axis=0).tolist(), np.ones(len(drives))
+    for k, drive in enumerate(d.drive for d in drives):
+        law, spring = drive.compliance, spring_of(drive.compliance)
+        if law is not None and spring is not None:
+            begun = max(float(law.tangent(wound(k, 0))), float(spring.tangent(0.0)))  # in a play it is next to none
+            stiffer[k] = float(law.tangent(wound(k, farthest[k]))) / begun
+    worst = int(stiffer.argmax())
+    if stiffer[worst] <= STIFFER:
         return None
-    return fastest_mode(robot, log["q"][[worst]], wound[[worst]]), float(stiffer[worst].max())
+    there = np.array([wound(k, farthest[worst]) for k in range(len(drives))])
+    return fastest_mode(robot, q[[farthest[worst]]], there[None]), float(stiffer[worst])
