@@ -81,8 +81,9 @@ class Remembering(Law):
 
 def test_runs_of_other_structures_are_run_apart():
     ours, laws = robot("xia2019"), [PD(KP, KD), Remembering(10.0), PD(KP / 2, KD)]
-    runs = simulate_many(ours, laws, MOVE, duration=0.02)
-    assert all(same(run, simulate(ours, law, MOVE, duration=0.02)) for run, law in zip(runs, laws, strict=True))
+    shared: dict[str, Any] = {"duration": 0.02, "substeps": 4}
+    runs = simulate_many(ours, laws, MOVE, **shared)
+    assert all(same(run, simulate(ours, law, MOVE, **shared)) for run, law in zip(runs, laws, strict=True))
 
 
 def test_one_that_diverges_stops_alone():

@@ -25,7 +25,7 @@ def run(duration: float = 0.1, **sensors: Any) -> Log:
 @pytest.mark.parametrize("periods", [0, 1, 4])
 def test_a_delay_of_k_periods_shifts_every_measurement_by_k_samples(periods, backend):
     ours, sensors = frictionless(robot("xia2019", backend)), Sensors(delay=periods * PERIOD)
-    log = simulate(ours, SOFT, PATH, 0.02, PERIOD, sensors=sensors)
+    log = simulate(ours, SOFT, PATH, 0.02, PERIOD, sensors=sensors, substeps=4)
     for name in ("q", "v", "theta", "theta_dot"):
         seen, true = log[f"measured_{name}"], log[name]
         assert np.array_equal(seen[periods:], true[: len(true) - periods])

@@ -173,7 +173,7 @@ def test_memory_with_other_keys_is_called_back():
             return {"b": memory["b"], "c": found + 1}, found
 
     with pytest.warns(UntracedControllerWarning, match="Renaming returns memory with other keys than start"):
-        log = run(Renaming())
+        log = run(Renaming(), substeps=4)
     np.testing.assert_array_equal(log["command_torque"][:, 0], np.arange(len(log.time)))
 
 

@@ -46,8 +46,9 @@ def check_steps(robot: Robot, log: Log) -> None:
 
 
 def _warn(what: str, limit: Limit, longest: float, allowed: float, log: Log) -> None:
-    taken, asked = log.meta["substeps"], int(np.ceil(log.meta["control_period"] * limit.rate / longest))
+    taken, asked = log.meta["substeps"], log.meta["control_period"] * limit.rate / longest
     if asked > allowed * taken:
+        asked = int(np.ceil(asked))
         told = f"the run {what} {limit.cause} would take {asked} integration steps a control period"
         warnings.warn(f"{told}, {taken} were taken: give substeps={asked}", StiffnessWarning, stacklevel=4)
 
