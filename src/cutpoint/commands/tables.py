@@ -22,7 +22,7 @@ if TYPE_CHECKING:
 Array = NDArray[np.float64]
 
 ROUNDING = 1e-6
-"""rad (m), by which a joint may be beyond its limits untold: motors lead or follow links by more."""
+"""rad (m), by which a joint that starts or ends at its limits may be beyond them untold."""
 
 
 def listed_numbers(option: str, text: str, count: int) -> Array:

@@ -158,6 +158,7 @@ class Fault(NamedTuple):
 
 
 def fault_of(body: Body) -> Fault | None:
+    """What no mass can have of a body's inertia about its com; None if there is nothing."""
     small, middle, large = np.linalg.eigvalsh(body.inertia)
     tolerance = RELATIVE * max(large, -small) + GYRATION**2 * body.mass
     moments = f"principal moments of inertia {small:.6g}, {middle:.6g}, {large:.6g} kg m2"

@@ -29,14 +29,14 @@ def delay_remarks(delays: Mapping[str, Delay], supposed: float) -> tuple[str, ..
     values, deviations = (np.array(x) for x in zip(*delays.values(), strict=True))
     found, surely = float(np.median(values)), max(WORTH, SIGNIFICANT * float(np.median(deviations)))
     each = ", ".join(f"{joint} {1e3 * x.value:.2f} +- {1e3 * x.deviation:.1g}" for joint, x in delays.items())
-    remedy = f"torque_delay={found:.2g}, --delay {found:.2g}"
+    remedy, taken = f"torque_delay={found:.2g}, --delay {found:.2g}", _when(supposed) if supposed else "in time"
     if found - supposed < -surely:
-        told = f"springs tell that torques act {_when(found)} than they are stamped, not {_when(supposed)} ({each})"
+        told = f"springs tell that torques act {_when(found)} than they are stamped, not {taken} ({each})"
         rule = "until then rotors and dampings come out too small; damping hides some of it: look again"
         return (f"{told}: align them by {remedy}; {rule}",)
     if len(values) > 1 and found - supposed > max(surely, float(np.ptp(values))):
         told = f"all springs seem damped by {1e3 * (found - supposed):.2g} ms of their stiffness"
-        return (f"{told}, or torques act {_when(found)} than they are stamped, not {_when(supposed)}: try {remedy}",)
+        return (f"{told}, or torques act {_when(found)} than they are stamped, not {taken}: try {remedy}",)
     return ()
 
 

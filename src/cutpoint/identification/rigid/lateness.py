@@ -30,7 +30,7 @@ UNMODELLED_BENT = 1e-3
 
 LESS = 0.8
 """Of what delays leave over: where something else leaves less than that, it is no delay.  In trials it was 0.9 to 1.1
-where torques were late, and half of it or less where friction was on both sides."""
+where torques were late, and 0.1 to 0.6 where friction was on both sides, but for one joint of six: hence their mean."""
 
 EFFORTS = ["torque", "current"]
 """Channels of which `aligned` moves those that were recorded."""
