@@ -70,8 +70,8 @@ def test_a_run_that_is_lost_alone_says_so_without_its_state():
     assert [*caught.value.log.channels] == ["joint_torque"]
 
 
-def test_a_channel_that_no_log_has_is_refused_with_those_there_are():
-    with pytest.raises(InputError, match=r"no channel is named 'torque'; there are: .*'joint_torque'"):
+def test_a_channel_that_no_log_has_is_refused_with_those_that_come_near():
+    with pytest.raises(InputError, match=r"no channel is named 'torque'; did you mean .*'joint_torque'"):
         run("remembering", channels=["torque"])
 
 

@@ -31,7 +31,8 @@ def everything() -> Log:
         {name: replace(d, hysteresis=MaxwellSlip((800.0,), (1e-5,)), **parts) for name, d in arm.drives.items()}
     )
     law = Guard(PD([200.0] * 6, [20.0] * 6), arm)
-    return simulate(arm, law, cycloid(np.full(6, 0.4), 0.2), duration=0.02, sensors=Sensors(delay=1e-3))
+    motion, pushed = cycloid(np.full(6, 0.4), 0.2), lambda times: np.full((len(times), 6), 0.3)
+    return simulate(arm, law, motion, duration=0.02, sensors=Sensors(delay=1e-3), disturbances=pushed)
 
 
 def test_the_table_lists_the_channels_that_logs_have_with_their_units():
@@ -46,14 +47,17 @@ def test_the_torques_of_a_log_hang_together_as_the_page_says():
     waves, arm = KinematicError((Harmonic(2, 2e-4, 0.4),)), robot("mixed")
     arm = arm.with_drives({n: replace(d, kinematic_error=waves) if d.compliance else d for n, d in arm.drives.items()})
     n = len(arm.drives)
-    log = simulate(arm, PD([50.0] * n, [5.0] * n), cycloid(np.full(n, 0.2), 0.1), duration=0.05)
+    motion, pushed = cycloid(np.full(n, 0.2), 0.1), lambda times: np.cos(40.0 * times)[:, None] + np.arange(arm.nv)
+    log = simulate(arm, PD([50.0] * n, [5.0] * n), motion, duration=0.05, disturbances=pushed)
+    assert np.array_equal(log["disturbance_torque"], pushed(log.time)[:, [d.v for d in arm.machine.drives]])
     moved = arm.elastic_forward_dynamics(log["q"], log["v"], log["theta"], log["theta_dot"], log["motor_torque"])
     scale = 1.0 + log.max("joint_torque").max()
     on_link = log["joint_torque"] - log["friction_torque"]
     assert np.abs(arm.inverse_dynamics(log["q"], log["v"], moved.a) - on_link).max() < 1e-10 * scale
     for k, drive in enumerate(arm.drives.values()):
-        at, speed, passed = (log[name][:, k] for name in ("theta", "theta_dot", "joint_torque"))
-        rubbing = drive.motor_friction.torque(speed) if drive.motor_friction else 0.0
+        names = ("theta", "theta_dot", "joint_torque", "motor_friction_torque")
+        at, speed, passed, rubbing = (log[name][:, k] for name in names)
+        assert np.abs(rubbing - (drive.motor_friction.torque(speed) if drive.motor_friction else 0.0)).max() < 1e-12
         slope = 4e-4 * drive.ratio * np.cos(2 * drive.ratio * at + 0.4) if drive.compliance else 0.0
         turning = drive.reflected_inertia * moved.theta_ddot[:, k] if drive.compliance else 0.0
         left = log["motor_torque"][:, k] - (1 - slope) * passed - rubbing

@@ -18,7 +18,7 @@ DIFFERENCES = {
 """Channels that are one less another."""
 
 SOURCES: Mapping[str, tuple[str, ...]] = {
-    **DIFFERENCES, "reference_q": (), "reference_v": (),
+    **DIFFERENCES, "reference_q": (), "reference_v": (), "disturbance_torque": (),
     **dict.fromkeys(MEMORY, ("strains",)), **dict.fromkeys(BASE_COORDINATES, ("q",)),
     **dict.fromkeys(BASE_SPEEDS, ("v",)),
 }  # fmt: skip
@@ -33,7 +33,7 @@ def recordable(state: Mapping[str, int], n: int, nv: int) -> dict[str, int]:
     return {
         **state, "measured_q": n, "measured_theta": n, "measured_v": n, "measured_theta_dot": n, "command_torque": n,
         "feedforward_torque": n, "motor_reference": n, "motor_speed_reference": n, "fault": 1, "motor_torque": n,
-        "joint_torque": n, "friction_torque": nv,
+        "joint_torque": n, "friction_torque": nv, "motor_friction_torque": n,
     }  # fmt: skip
 
 

@@ -85,7 +85,7 @@ def rows_of(loop: ClosedLoop, times: Array, reference: Array, disturbances: Dist
         if pushed.shape not in ((layout.nv,), (len(times), layout.nv)):
             expected = (len(times), layout.nv)
             raise InputError(f"simulate: disturbances(times) has shape {pushed.shape}, it must be {expected}")
-        rows[:, 1 + 5 * layout.n :] = pushed
+        layout.disturbances(rows)[:] = pushed
     return rows
 
 

@@ -4,10 +4,12 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from cutpoint.control.interface import Command, Measurement, Reference, completed
 from cutpoint.scalars import Scalar
 
+Array = NDArray[np.float64]
 Scalars = list[Scalar]
 
 
@@ -42,6 +44,10 @@ class Layout:
 
     def disturbance(self, row: Scalars) -> Scalars:
         return row[1 + 5 * self.n :]
+
+    def disturbances(self, rows: Array) -> Array:
+        """Of all rows (N, row), (N, nv): to be read or written."""
+        return rows[:, 1 + 5 * self.n :]
 
 
 def array_of(numbers: Any) -> Any:

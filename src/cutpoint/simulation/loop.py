@@ -38,7 +38,7 @@ INTEGRATION = ("origin", "total", "resistance", "earlier", "tableau", "elapsed",
                "steps")  # fmt: skip
 """Regions that only the fixed steps use."""
 
-FELT = {"motor_torque", "joint_torque", "friction_torque"}
+FELT = {"motor_torque", "joint_torque", "friction_torque", "motor_friction_torque"}
 """Channels that `PlantStages.feel` finds."""
 
 
@@ -104,7 +104,7 @@ class ClosedLoop:
     def regions(self) -> list[Region]:
         n, nv, state, lanes = self.layout.n, self.layout.nv, self.layout.state, self.lanes
         laned = {
-            "state": state, "origin": state, "total": state, "torque": n, "torque_before": n, "felt": 3 * n,
+            "state": state, "origin": state, "total": state, "torque": n, "torque_before": n, "felt": 4 * n,
             "resistance": 6 * n, "earlier": 6 * n, "efforts": 4 * n, "accelerations": nv + n,
             "turns": 2 * n if self.plant.knows_turns else 0,
             "numbers": len(self.robot.drive_parameters) if lanes.are_wide else 0,

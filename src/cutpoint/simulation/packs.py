@@ -128,7 +128,7 @@ class Pack:
             loop, record, done, cause = again
         elif done < len(self.times):
             cause = f"interrupted at t = {self.times[done - 1]:g} s; the log holds all until then"
-        log = log_of(loop, record[:done], self.times, setup.reference, self.settings)
+        log = log_of(loop, record[:done], self.times, setup.reference, setup.rows, self.settings)
         if cause is None:
             return log
         return SimulationError(cause, log=log, time=float(self.times[done - 1]), diverged=failed)

@@ -17,13 +17,16 @@ POSITIONS = ("q", "theta", "measured_q", "measured_theta", "motor_reference", "r
 SPEEDS = ("v", "theta_dot", "measured_v", "measured_theta_dot", "motor_speed_reference", "reference_v")
 
 
-def log_of(loop: ClosedLoop, record: Array, times: Array, reference: Array, meta: dict[str, object]) -> Log:
+def log_of(
+    loop: ClosedLoop, record: Array, times: Array, reference: Array, rows: Array, meta: dict[str, object]
+) -> Log:
     """Everything recorded, and what follows from it; a floating base's coordinates and speeds one channel each.
 
-    Where only some channels are wanted, these.
+    rows: what each control period was given.  Where only some channels are wanted, these.
     """
     channels = _recorded(loop, record)
     channels["reference_q"], channels["reference_v"] = reference[:2, : len(record)]
+    channels |= _disturbance(loop, rows[: len(record)])
     differences = {name: pair for name, pair in DIFFERENCES.items() if _is_wanted(loop, name)}
     channels |= {name: channels[whole] - channels[part] for name, (whole, part) in differences.items()}
     channels, units = {name: _read_only(x) for name, x in channels.items() if _is_wanted(loop, name)}, _units(loop)
@@ -91,13 +94,19 @@ def _remembered(loop: ClosedLoop, strains: Array) -> dict[str, Array]:
     return {name: values for name, values in channels.items() if values.any() or loop.kept is not None}
 
 
+def _disturbance(loop: ClosedLoop, rows: Array) -> dict[str, Array]:
+    """What pushed the links, a column a drive, where anything did or it was asked for."""
+    pushed = loop.layout.disturbances(rows)[:, [d.v for d in loop.robot.machine.drives]]
+    return {"disturbance_torque": pushed} if pushed.any() or loop.kept is not None else {}
+
+
 def _units(loop: ClosedLoop) -> dict[str, str | tuple[str, ...]]:
     """Units of every channel, one a joint where some slide and some turn."""
     sliding = loop.robot.mechanism.sliding
     slides = [name in sliding for name in loop.robot.drives]
     angle, speed, torque = (_one_or_each(slides, *pair) for pair in (("rad", "m"), ("rad/s", "m/s"), ("N m", "N")))
     units: dict[str, str | tuple[str, ...]] = dict.fromkeys(loop.channels, torque)
-    units["feedback_torque"] = units["hysteresis_torque"] = torque
+    units["feedback_torque"] = units["hysteresis_torque"] = units["disturbance_torque"] = torque
     units["fault"] = ""
     units["link_strain"] = units["motor_strain"] = angle
     for names, straight, turning in ((BASE_COORDINATES, "m", ""), (BASE_SPEEDS, "m/s", "rad/s")):

@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 from cutpoint.definitions import Machine
 from cutpoint.mechanics import strains
 from cutpoint.mechanics.elastic_forward import DriveEffort, drive_effort, driven_accelerations
+from cutpoint.mechanics.harmonic_drive import friction_torque
 from cutpoint.mechanics.joints import Revolute
 from cutpoint.mechanics.linearly_implicit import from_memory, resistance, resisted
 from cutpoint.model.drive import Drive
@@ -48,7 +49,7 @@ class PlantStages:
     lanes: Lanes
 
     def feel(self, state: Scalars, torque: Scalars, before: Scalars, parameters: Scalars) -> Scalars:
-        """Torques at the shaft, through the drive, and lost to the link's friction.
+        """Torques at the shaft, through the drive, and lost to the friction of the link and of the motor.
 
         A command that is still on its way to the motor is not there yet.
         """
@@ -56,16 +57,18 @@ class PlantStages:
         for d, own, u, old in zip(*self._drives(parameters, state), torque, before, strict=True):
             shaft, _ = motor_torque(d, own, old if d.has_delay else u)
             effort = drive_effort(d, own.at, shaft, own.strains)
-            felt.append([shaft, effort.transmitted, effort.transmitted - effort.on_link])
+            tau = effort.transmitted
+            rubbing = friction_torque(d.motor_friction, own.at.theta_dot, tau, own.strains.motor)
+            felt.append([shaft, tau, tau - effort.on_link, rubbing if d.is_elastic else shaft - tau])
         return _by_field(felt)
 
     def record(self, state: Scalars, measured: Scalars, command: Scalars, felt: Scalars) -> Scalars:
         """What the log keeps of a sample."""
         machine, felt, n = self.robot.machine, self.lanes.dense(felt), self.layout.n
         friction: Scalars = [0] * machine.system.nv
-        for d, xi in zip(machine.drives, felt[2 * n :], strict=True):
+        for d, xi in zip(machine.drives, felt[2 * n : 3 * n], strict=True):
             friction[d.v] = xi
-        return [*self.lanes.dense(state), *measured, *command, *felt[: 2 * n], *friction]
+        return [*self.lanes.dense(state), *measured, *command, *felt[: 2 * n], *friction, *felt[3 * n :]]
 
     def numbers(self) -> Array:
         """The drives' parameters lane by lane, where all drives are alike."""
