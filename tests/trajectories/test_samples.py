@@ -6,7 +6,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from cutpoint.errors import InputError
-from cutpoint.trajectories import cycloid, from_samples
+from cutpoint.trajectories import Trajectory, cycloid, from_samples
 
 TIMES = np.linspace(0.0, 4.0, 801)
 
@@ -54,7 +54,7 @@ def test_noise_above_the_bandwidth_fades():
 @pytest.mark.parametrize("count", [4, 5, 9, 801])
 def test_it_starts_and_ends_at_rest_up_to_the_snap(count: int):
     times = np.linspace(0.0, 2.0, count)
-    found = from_samples(times, np.sin(3.0 * times)[:, None])
+    found = from_samples(times, np.sin(3.0 * times)[:, None], bandwidth=min(10.0, (count - 1) / 8))
     largest = np.abs(found.derivatives(np.linspace(0.0, 2.0, 500))).max(axis=(1, 2))
     ends = np.abs(found.derivatives([0.0, 2.0])).max(axis=(1, 2))
     assert (ends[1:] <= 1e-10 * largest[1:]).all()
@@ -74,7 +74,7 @@ def test_samples_that_count_from_another_time_give_the_same_motion():
 
 def test_the_deviation_is_told_and_printed(capsys: pytest.CaptureFixture[str]):
     wave = np.stack([np.sin(TIMES), np.sin(40.0 * TIMES)], axis=1)
-    found = from_samples(TIMES, wave, joints=["shoulder", "elbow"])
+    found = from_samples(TIMES, wave, bandwidth=10.0, joints=["shoulder", "elbow"])
     errors = found(TIMES).q - wave
     assert np.allclose(found.deviation.max, np.abs(errors).max(axis=0), rtol=1e-12)
     assert np.allclose(found.deviation.rms, np.sqrt((errors**2).mean(axis=0)), rtol=1e-12)
@@ -83,6 +83,28 @@ def test_the_deviation_is_told_and_printed(capsys: pytest.CaptureFixture[str]):
     assert printed.startswith("smoothed to 10 Hz: deviates from its samples by at most ")
     assert f"{found.deviation.max[1]:.3g} rad (m)" in printed
     assert "joint 'elbow'" in printed
+
+
+def ramps(pause: float) -> tuple[np.ndarray, np.ndarray]:
+    """1 m in 1 s, faster, at one speed and slower at 4.5 m/s^2, between two pauses; and its times, s."""
+    times = np.arange(0.0, 1.0 + 2 * pause + 5e-4, 1e-3)
+    t = np.clip(times - pause, 0.0, 1.0)
+    third = 1.0 / 3.0
+    q = np.select([t < third, t < 2 * third], [2.25 * t**2, 1.5 * t - 0.25], 1.0 - 2.25 * (1.0 - t) ** 2)
+    return times, q[:, None]
+
+
+def test_a_motion_that_sets_out_at_once_hurries_and_says_so():
+    def peak(found: Trajectory) -> float:
+        return float(np.abs(found(np.linspace(0.0, found.duration, 4001)).a).max())
+
+    at_once, free = from_samples(*ramps(0.0)), from_samples(*ramps(0.0), at_rest=False)
+    assert at_once.hurry == pytest.approx(peak(at_once) / peak(free), rel=0.03)  # it looks at knots
+    assert at_once.hurry > 1.3
+    assert "to start and end at rest takes 1.47 times the acceleration at joint 0: begin and end" in str(at_once)
+    rested = from_samples(*ramps(1.0 / at_once.bandwidth))  # the pause that it asks for
+    assert peak(rested) < 1.1 * 4.5
+    assert "at rest takes" not in str(rested) + str(free)
 
 
 @pytest.mark.parametrize(("rate", "chosen"), [(1000.0, 10.0), (20.0, 5.0), (4.0, 1.0)])
@@ -103,6 +125,10 @@ def test_the_default_bandwidth_follows_the_sampling_rate(rate: float, chosen: fl
         ({"t": TIMES[::-1]}, r"time 3.995 s at index 1 must be later than 4.0 s"),
         ({"q": np.full((801, 1), np.nan), "joints": ["a"]}, r"joint 'a': position nan at index 0 must be finite"),
         ({"t": TIMES[:3], "q": np.zeros((3, 1))}, r"3 points are too few: at least 4 are needed"),
+        (
+            {"t": TIMES[:6] * 20, "q": np.deg2rad([0, 20, 60, 80, 40, 0.0])[:, None], "joints": ["a"]},
+            r"smoothed to 2.5 Hz the motion leaves its samples by 0.551 rad \(m\), where joint 'a' moves by 1.4: give",
+        ),
     ],
 )
 def test_what_cannot_be_smoothed_is_refused(arguments: dict, message: str):

@@ -39,6 +39,9 @@ def check(
     mimic: Mimics = "independent",
     lock: Locks = None,
     gravity: Gravity = None,
+    bandwidth: Annotated[
+        float | None, typer.Option(help="To which a file's positions are smoothed, Hz; 10, or as samples allow.")
+    ] = None,
     dwell: Annotated[float, typer.Option(help="Pause after the motion, s, in its last position.")] = 0.0,
     period: Annotated[float, typer.Option(help="Longest time between samples, s.")] = 1e-3,
     life: Annotated[float | None, typer.Option(help="Hours asked of the gears.")] = None,
@@ -57,7 +60,7 @@ def check(
     check_targets(None, plot)
     check_target("json", json, (".json",))
     loaded = robot_of(robot, drives, mimic, lock, gravity)
-    cycle = cycle_of(loaded, trajectory, (start, to), duration, degrees)
+    cycle = cycle_of(loaded, trajectory, bandwidth, (start, to), duration, degrees)
     found = sizing(loaded, cycle, dwell=dwell, period=period, life=life)
     if json:
         found.save(json)
@@ -72,7 +75,12 @@ def check(
 
 
 def cycle_of(
-    robot: cutpoint.Robot, file: Path | None, ends: tuple[str, str], duration: float | None, degrees: bool
+    robot: cutpoint.Robot,
+    file: Path | None,
+    bandwidth: float | None,
+    ends: tuple[str, str],
+    duration: float | None,
+    degrees: bool,
 ) -> "cutpoint.trajectories.Trajectory":
     """The motion of a file, or a cycloid between two ends."""
     start, end = ends
@@ -80,7 +88,10 @@ def cycle_of(
         if start or end or duration is not None or degrees:
             rule = "--to, --from, --duration and --degrees do not go with it; its first line names the units"
             raise InputError(f"trajectory {str(file)!r} is a motion already: {rule}", path=file)
-        return cutpoint.trajectories.from_csv(file, robot.joints, sliding=robot.mechanism.sliding)
+        sliding = robot.mechanism.sliding
+        return cutpoint.trajectories.from_csv(file, robot.joints, bandwidth=bandwidth, sliding=sliding)
+    if bandwidth is not None:
+        raise InputError("--bandwidth smooths the positions of a CSV file TRAJECTORY: leave it out")
     if not end or duration is None:
         raise InputError("a motion is needed: a CSV file TRAJECTORY, or --to with --duration")
     places = {"start": numbers_of(robot, "from", start, degrees), "end": numbers_of(robot, "to", end, degrees)}

@@ -5,6 +5,7 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import ArrayLike
+from scipy.interpolate import BSpline
 
 from cutpoint.door import checked_names, number
 from cutpoint.errors import InputError
@@ -17,6 +18,15 @@ DEFAULT_BANDWIDTH = 10.0
 
 FEWEST_SAMPLES = 4
 
+FAR = 0.05
+"""Of a joint's range: samples so coarse that the motion leaves them by more are no samples of it."""
+
+SMALL = 0.01
+"""Of the largest range of all joints: what moves by less may be noise."""
+
+HURRIED = 1.2
+"""Times the peak acceleration that a motion may take to start and end at rest, without being told of."""
+
 
 @dataclass(frozen=True)
 class Deviation:
@@ -28,19 +38,34 @@ class Deviation:
 
 @dataclass(frozen=True, eq=False)
 class Smoothed(Spline):
-    """A spline near samples.  `bandwidth` in Hz; `joints` holds their names, and is empty where none were given."""
+    """A spline near samples.
+
+    Attributes:
+        bandwidth: Hz.
+        joints: their names; empty where none were given.
+        deviation: from the samples.
+        hurry: (n,) peak accelerations over those of a motion that need not start and end at rest; 1 for joints that
+            hardly move.
+    """
 
     bandwidth: float
     joints: tuple[str, ...]
     deviation: Deviation
+    hurry: Array
 
     def __str__(self) -> str:
         worst = int(np.argmax(self.deviation.max))
         rms = float(self.deviation.rms[worst])
-        return (
+        told = (
             f"smoothed to {self.bandwidth:.3g} Hz: deviates from its samples by at most "
             f"{self.deviation.max[worst]:.3g} rad (m), {rms:.3g} RMS, at {joint_name(self.joints, worst)}"
         )
+        hurried = int(np.argmax(self.hurry))
+        if self.hurry[hurried] <= HURRIED:
+            return told
+        cost = f"takes {self.hurry[hurried]:.3g} times the acceleration at {joint_name(self.joints, hurried)}"
+        remedy = f"begin and end with samples that stand still for {1.0 / self.bandwidth:.3g} s"
+        return f"{told}; to start and end at rest {cost}: {remedy}"
 
 
 def from_samples(
@@ -60,14 +85,16 @@ def from_samples(
         q: at least 4 samples.
         bandwidth: Hz.  A component of this frequency is halved, one of a quarter of it keeps all but 2e-5, and noise
             above it fades.  By default 10 Hz, or a quarter of the mean sampling rate where that is lower.
-        at_rest: whether the motion starts and ends at rest, its first four derivatives zero there.  Otherwise it may
-            start and end with a jump to the standstill that every trajectory holds outside its duration.
+        at_rest: whether the motion starts and ends at rest, its first four derivatives zero there.  Where samples set
+            out at once, it has to hurry after them: the line says so.  Otherwise it may start and end with a jump to
+            the standstill that every trajectory holds outside its duration.
         joints: names, for messages.
 
     Raises:
         InputError: too few samples, times that do not increase, numbers that are not finite, shapes that do not match,
-            a bandwidth above half of the mean sampling rate or below half a period in the whole duration, or a pause in
-            which the motion would leave the range of its samples by more than that range.
+            a bandwidth above half of the mean sampling rate or below half a period in the whole duration, samples that
+            are too coarse for the default one (the motion leaves them by more than 5 % of a joint's range), or a pause
+            in which the motion would leave the range of its samples by more than that range.
     """
     names = None if joints is None else checked_names("from_samples", joints)
     times, samples = timed_positions(t, q, FEWEST_SAMPLES, names)
@@ -80,9 +107,34 @@ def from_samples(
     check_swing(spline, times / spacing, samples, _pause(times))
     errors = spline(times / spacing) - moved
     deviation = Deviation(np.abs(errors).max(axis=0), np.sqrt(np.mean(errors**2, axis=0)))
-    smoothed = Smoothed(float(times[-1]), samples[0], spline, spacing, chosen, names or (), deviation)
+    ranges = np.ptp(samples, axis=0)
+    if bandwidth is None:
+        _check_near(deviation.max, ranges, chosen, names)
+    free = smoothing_spline(times, moved, chosen, at_rest=False)[0] if at_rest else spline
+    hurry = np.where(ranges > SMALL * ranges.max(), _peaks(spline) / np.maximum(_peaks(free), 1e-300), 1.0)
+    smoothed = Smoothed(float(times[-1]), samples[0], spline, spacing, chosen, names or (), deviation, hurry)
     print(smoothed)
     return smoothed
+
+
+def _check_near(deviation: Array, ranges: Array, bandwidth: float, names: Sequence[str] | None) -> None:
+    """Raises InputError where the motion is far from its samples, though no one asked for that."""
+    far = deviation > np.maximum(FAR * ranges, SMALL * ranges.max())
+    if not far.any():
+        return
+    joint = int(np.argmax(np.where(far, deviation / np.maximum(ranges, 1e-300), 0.0)))
+    raise InputError(
+        f"smoothed to {bandwidth:.3g} Hz the motion leaves its samples by {deviation[joint]:.3g} rad (m), where "
+        f"{joint_name(names, joint)} moves by {ranges[joint]:.3g}: give samples closer in time, a bandwidth, or "
+        "at_rest=False for a motion cut out of a longer one; points to be passed are for `waypoints`",
+        joint=joint,
+        deviation=float(deviation[joint]),
+    )
+
+
+def _peaks(spline: BSpline) -> Array:
+    """(n,) of the accelerations at its knots, in its own unit of time."""
+    return np.abs(spline(np.unique(spline.t), nu=2)).max(axis=0)
 
 
 def _pause(times: Array) -> str:
