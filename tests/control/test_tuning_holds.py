@@ -1,5 +1,6 @@
 """Gains that `tune` gives hold the arm, those it refuses do not, and `slowest_pole` knows how fast."""
 
+import re
 from contextlib import nullcontext
 from dataclasses import replace
 from functools import partial
@@ -9,7 +10,7 @@ import numpy as np
 import pytest
 from law_library import elbow, law
 
-from cutpoint import Coulomb, InputError, Log, SimulationError, simulate
+from cutpoint import Coulomb, InputError, Log, Rotor, Sensors, SimulationError, simulate
 from cutpoint.control import (
     PD,
     PID,
@@ -46,10 +47,11 @@ HOLDS = {
 """Hz that are still accepted."""
 
 
-def pushed(made: Any, seconds: float, push: float = 1e-5, robot: Any = None) -> Log:
+def pushed(made: Any, seconds: float, push: float = 1e-5, robot: Any = None, sensors: Sensors | None = None) -> Log:
     """Upright, with links and motors moving a little (rad/s)."""
     v = push * np.array([1.0, -0.7])
-    return simulate(robot or elbow(), made, duration=seconds, initial=State(UPRIGHT, v, UPRIGHT, 0.3 * v))
+    initial = State(UPRIGHT, v, UPRIGHT, 0.3 * v)
+    return simulate(robot or elbow(), made, duration=seconds, initial=initial, sensors=sensors)
 
 
 def size(log: Log) -> Array:
@@ -80,7 +82,9 @@ def test_a_bandwidth_too_high_is_refused_with_the_joint_that_swings_and_how_fast
     ) as raised:
         tune(elbow(), 3.0 * HOLDS[kind], kind)
     pole, told = raised.value.evidence["pole"], str(raised.value)
-    assert told.startswith(kind.__name__) and "; ask for another bandwidth" in told
+    better = re.search(r"; a bandwidth of ([\d.]+) Hz holds", told)
+    assert told.startswith(kind.__name__) and better
+    tune(elbow(), float(better[1]), kind)
     assert pole.size > 1 and raised.value.evidence["joint"] == pole.joint
     assert f"{pole.joint!r} would swing at {pole.frequency:.1f} Hz" in told
     assert f"grow by {np.log(pole.size) / PERIOD:.3g}" in told
@@ -95,6 +99,37 @@ def test_the_slowest_pole_is_how_fast_a_small_motion_dies_in_the_sampled_loop(na
     expected = np.log(slowest_pole(elbow(), law(name), UPRIGHT, PERIOD).size) / PERIOD
     found = rate(pushed(law(name), 3.0 if expected > -10 else 1.0))
     assert abs(found / expected - 1) < 0.05, f"{found:.4g} 1/s in simulation, {expected:.4g} 1/s by the pole"
+
+
+@pytest.mark.parametrize(
+    ("name", "sensors"),
+    [
+        ("PD", Sensors(speeds="differenced")),
+        ("PD", Sensors(delay=2e-3)),
+        ("PD", Sensors(speeds="differenced", delay=1e-3)),
+        ("VDC, filter", Sensors(delay=2e-3)),
+    ],
+)
+def test_sensors_that_are_late_or_differenced_count(name, sensors):
+    at_once, pole = (slowest_pole(elbow(), law(name), UPRIGHT, PERIOD, sensors=x) for x in (None, sensors))
+    expected = np.log(pole.size) / PERIOD
+    found = rate(pushed(law(name), 4.0, sensors=sensors))
+    assert abs(found / expected - 1) < 0.05, f"{found:.4g} 1/s in simulation, {expected:.4g} 1/s by the pole"
+    assert abs(np.log(pole.size / at_once.size)) > 1e-5
+
+
+def test_gains_are_held_against_the_sensors():
+    tune(elbow(), 40.0)
+    with pytest.raises(InputError, match=r"PD does not hold at this pose: .*; a bandwidth of \S+ Hz holds"):
+        tune(elbow(), 40.0, sensors=Sensors(speeds="differenced", delay=1e-3))
+    with pytest.raises(InputError, match=r"sensors delay by 500 periods: 4000 numbers .* at most 1500"):
+        tune(elbow(), 10.0, sensors=Sensors(delay=0.5))
+
+
+def test_a_rotor_without_its_motor_is_asked_for():
+    drives = {name: replace(d, rotor=Rotor(1e-7), damping=1.0) for name, d in elbow().drives.items()}
+    with pytest.raises(InputError, match=r"has a rotor of \S+ kg m2 at the joint, under \S+ of the link: a catalogue"):
+        tune(elbow().with_drives(drives), 5.0)
 
 
 @pytest.mark.parametrize(
@@ -196,7 +231,7 @@ def test_the_bound_of_a_robust_law_knows_friction_on_both_sides():
     assert bounds[0][1] > 1.5
 
 
-@pytest.mark.parametrize(("kind", "remedy"), [(PD, "a shorter control_period"), (Robust, "or take a wider width=")])
+@pytest.mark.parametrize(("kind", "remedy"), [(PD, "a control_period of 0.00025 s holds"), (Robust, "make width= wider")])
 def test_what_does_not_hold_without_springs_is_not_told_to_damp_them(kind, remedy):
     rigid = {name: replace(drive, compliance=None, damping=None) for name, drive in elbow().drives.items()}
     with pytest.raises(InputError, match=f"{remedy}$"):
@@ -225,6 +260,6 @@ def test_a_shorter_period_is_advised_where_it_helps(kind, helps):
     ours = elbow().with_drives(bare)
     with pytest.raises(InputError) as refused:
         tune(ours, 200.0, kind)
-    assert ("or a shorter control_period" in str(refused.value)) == helps
+    assert ("a control_period of 0.00025 s holds" in str(refused.value)) == helps
     with nullcontext() if helps else pytest.raises(InputError):
         tune(ours, 200.0, kind, control_period=PERIOD / 4)

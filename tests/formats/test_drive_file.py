@@ -9,8 +9,18 @@ from hypothesis import given
 from hypothesis import strategies as st
 from urdf_text import ARM
 
-from cutpoint.errors import InputError
-from cutpoint.formats import DegreesWarning, drive_of, dump_drives, load_drives, parse_drives, parse_urdf, save_drives
+from cutpoint.errors import InputError, ModelError
+from cutpoint.formats import (
+    DegreesWarning,
+    UnitsWarning,
+    catalogue_names,
+    drive_of,
+    dump_drives,
+    load_drives,
+    parse_drives,
+    parse_urdf,
+    save_drives,
+)
 from cutpoint.loading import load
 from cutpoint.mechanics.backlash import Backlash
 from cutpoint.mechanics.catalogue import CatalogueSpring
@@ -199,6 +209,7 @@ DRIVES = st.one_of(
 )
 
 
+@pytest.mark.filterwarnings("ignore::cutpoint.formats.UnitsWarning")
 @given(st.dictionaries(st.sampled_from(JOINTS), DRIVES))
 def test_what_is_written_reads_back_the_same(drives: dict[str, Drive]) -> None:
     assert parse_drives(dump_drives(drives), ROBOT) == drives
@@ -258,3 +269,45 @@ def test_a_failed_save_leaves_the_old_file(tmp_path: Path) -> None:
     with pytest.raises(InputError, match="a drive file has no words for <object object"):
         save_drives(path, {"elbow": Drive(link_friction=law)})  # pyright: ignore[reportArgumentType]
     assert path.read_text() == before
+
+
+ROTOR, SPRING = "ratio: 100, rotor: {inertia: 1.0e-4}", "compliance: {linear: {stiffness: 2.0e+4}}"
+
+
+@pytest.mark.parametrize(
+    ("entry", "message"),
+    [
+        ("ratings: {rated_speed: 2000}", "ratings.rated_speed 2000.0 rad/s looks like turns a minute"),
+        (f"{ROTOR}, {SPRING}, backlash: 3", "backlash 3.0 rad looks like arc minutes, of which one is 2.909e-4 rad"),
+        (f"{ROTOR}, {SPRING}, hysteresis: {{loss: 1}}", "hysteresis.loss 1.0 rad looks like arc minutes"),
+        ("ratio: 100, rotor: {inertia: 0.413}", "rotor.inertia 0.413 kg m2 looks like kg cm2"),
+        ("ratio: 100, motor: {torque_constant: 52}", "motor.torque_constant 52.0 N m/A looks like mN m/A"),
+        ("ratio: 100, limits: {velocity: 180}", "limits.velocity 180.0 rad/s turns the motor 1.72e[+]05 times a minute"),
+        (
+            f"{ROTOR}, compliance: {{catalogue: {{k1: 3.1, k2: 5.0, k3: 5.7, t1: 14, t2: 48}}}}",
+            r"compliance.catalogue.k1 3.1 N m/rad is wound by 4.52 rad at t1: it looks like 10\^4 N m/rad",
+        ),
+    ],
+)
+def test_numbers_in_the_units_of_data_sheets_are_warned_of_once(entry: str, message: str) -> None:
+    text = f"version: 1\ndefaults: {{{entry}}}\ndrives: {{shoulder: {{}}, {JOINTS[1]}: {{}}}}"
+    told = rf"drive of 'shoulder', '{JOINTS[1]}': {message}.* \(<string>:2\)"
+    with pytest.warns(UnitsWarning, match=told) as caught:
+        parse_drives(text, ROBOT)
+    assert len(caught) == 1
+
+
+def test_no_drive_of_the_catalogue_is_warned_of() -> None:
+    for name in catalogue_names():
+        shoulder(f"{{catalogue: {name}}}")
+
+
+def test_a_motor_without_a_gear_may_be_large() -> None:
+    shoulder("{rotor: {inertia: 0.4}, motor: {torque_constant: 12}, limits: {velocity: 180}}")
+
+
+def test_a_capital_letter_and_a_list_of_drives_are_told_what_is_meant() -> None:
+    with pytest.raises(ModelError, match=r"unknown key 'K1' in compliance.catalogue, did you mean 'k1'; those"):
+        shoulder("{compliance: {catalogue: {K1: 3.1e4}}}")
+    with pytest.raises(ModelError, match=r"drives .* must be a mapping: one entry for each driven joint, by the"):
+        parse_drives("version: 1\ndrives: [{joint: shoulder}]", ROBOT)

@@ -56,7 +56,7 @@ from cutpoint.mechanics.system import System
 from cutpoint.rolled import bodies
 from cutpoint.rolled import derivatives as looped_derivatives
 from cutpoint.simulation.loop import ClosedLoop
-from cutpoint.simulation.sensors import Encoders
+from cutpoint.control.sensors import Encoders
 
 
 class Mutant(NamedTuple):

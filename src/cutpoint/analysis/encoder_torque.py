@@ -10,7 +10,7 @@ from cutpoint.errors import InputError
 from cutpoint.mechanics.harmonic_drive import deflection
 from cutpoint.model.drive import Drive
 from cutpoint.robot import Robot, check_robot
-from cutpoint.simulation.sensors import Sensors, one_each
+from cutpoint.control.sensors import Sensors, one_each
 
 Array = NDArray[np.float64]
 

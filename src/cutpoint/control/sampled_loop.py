@@ -12,6 +12,7 @@ from cutpoint.control.interface import name_of
 from cutpoint.control.law import Law, as_law, check_drives
 from cutpoint.control.law_at_rest import LawAtRest, between, differences
 from cutpoint.control.model_law import ModelLaw, check_all_driven
+from cutpoint.control.sensors import Encoders, Sensors, encoders_of
 from cutpoint.door import checked_array, positive
 from cutpoint.errors import InputError
 from cutpoint.robot import Robot, check_robot
@@ -21,6 +22,10 @@ if TYPE_CHECKING:
     from cutpoint.analysis import LinearModel
 
 Array = NDArray[np.float64]
+
+
+MOST_REMEMBERED = 1500
+"""Numbers that sensors have on their way: of six drives 62 periods; the poles of more take many seconds to find."""
 
 
 class SampledPole(NamedTuple):
@@ -38,7 +43,9 @@ class SmallSignal(NamedTuple):
     damping: Array
 
 
-def slowest_pole(robot: Robot, law: Any, q: ArrayLike, period: float) -> SampledPole:
+def slowest_pole(
+    robot: Robot, law: Any, q: ArrayLike, period: float, *, sensors: Sensors | None = None
+) -> SampledPole:
     """The pole that decays slowest, or grows, of the robot at rest at q under a law with this period (s).
 
     The robot is linear about q and moves exactly between samples, its motors' current loops and delays included; the
@@ -47,10 +54,12 @@ def slowest_pole(robot: Robot, law: Any, q: ArrayLike, period: float) -> Sampled
     it: clocks and latched faults do not.
 
     The law is asked for what makes it bear the robot's load there.
+    sensors: what it is told, late and with differenced speeds as they say; by default all at once and as it is.  Their
+    noise and steps do not count.
 
     Raises:
-        InputError: a joint has no motor; the period is not positive, or shorter than a motor's delay; the law reports a
-            fault at that pose.
+        InputError: a joint has no motor; the period is not positive, or shorter than a motor's delay; sensors delay for
+            so long that there are too many poles; the law reports a fault at that pose.
         TraceError: the law is a user's own, and cannot be compiled.
     """
     q, law = _checked("slowest_pole", robot, law, q)
@@ -58,15 +67,19 @@ def slowest_pole(robot: Robot, law: Any, q: ArrayLike, period: float) -> Sampled
     check_all_driven("slowest_pole", robot)
     check_delays("slowest_pole", robot, period)
     model = robot.linearize(q)
-    of_state, of_memory, memory_of_state, memory_of_memory = _slopes(robot, law, model, period)
-    plant, count, n = _sampled(robot, model, period), len(model.states), len(robot.drives)
-    unseen = len(plant.ahead) - count  # currents, of which no law hears
-    of_state, memory_of_state = (np.pad(x, ((0, 0), (0, unseen))) for x in (of_state, memory_of_state))
-    late, kept = np.zeros((n, n)), np.zeros((len(memory_of_state), n))
-    poles, shapes = np.linalg.eig(np.block([
-        [plant.ahead + plant.now @ of_state, plant.before, plant.now @ of_memory],
-        [of_state, late, of_memory],
-        [memory_of_state, kept, memory_of_memory],
+    encoded = _encoded(encoders_of(sensors or Sensors(), len(robot.drives), period), period)
+    answer, plant, count = _slopes(robot, law, model, period), _sampled(robot, model, period), len(model.states)
+    # of all states, a row each: the plant's, commands of the sample before, the law's memory and the sensors'
+    sizes = len(plant.ahead), len(robot.drives), len(answer.kept), len(encoded.kept)
+    state, before, memory, line = np.split(np.eye(sum(sizes)), np.cumsum(sizes)[:-1])
+    sample = model.C @ state[:count]  # of currents no law hears
+    seen = encoded.at_once @ sample + encoded.from_memory @ line
+    command = answer.at_once @ seen + answer.from_memory @ memory
+    poles, shapes = np.linalg.eig(np.vstack([
+        plant.ahead @ state + plant.now @ command + plant.before @ before,
+        command,
+        answer.into_memory @ seen + answer.kept @ memory,
+        encoded.into_memory @ sample + encoded.kept @ line,
     ]))  # fmt: skip
     worst = int(np.abs(poles).argmax())
     moves = np.abs(model.C @ shapes[:count, worst])
@@ -82,6 +95,33 @@ def check_delays(function: str, robot: Robot, period: float) -> None:
     if max(delays, default=0.0) > period:
         told = f"a motor's delay {max(delays)} s must not exceed the control period, {period} s"
         raise InputError(f"{function}: {told}; put whole periods into Sensors(delay=)", delay=max(delays))
+
+
+class _Slopes(NamedTuple):
+    """What comes out is at_once @ (what goes in) + from_memory @ memory, and memory after it is into_memory @ (what
+    goes in) + kept @ memory."""
+
+    at_once: Array
+    from_memory: Array
+    into_memory: Array
+    kept: Array
+
+
+def _encoded(encoders: Encoders, period: float) -> _Slopes:
+    """What is measured of q, v, theta and theta_dot (4 n,), in that order, where there is neither noise nor rounding."""
+    quiet, n = replace(encoders, resolution=(None, None), noise=(None, None), sides="both"), encoders.size
+    kept = len(quiet.memory(*[[0.0] * n] * 4))
+    if kept > MOST_REMEMBERED:
+        rule = f"{kept} numbers on their way to the law are too many to judge it by, at most {MOST_REMEMBERED}"
+        raise InputError(f"slowest_pole: sensors delay by {encoders.delay} periods: {rule}", delay=encoders.delay)
+    order = np.arange(4 * n).reshape(4, n)[[0, 2, 1, 3]].ravel()  # encoders have both positions first
+
+    def measured(numbers: Array) -> Array:
+        told, after = quiet.measure([*numbers[order]], [*numbers[4 * n :]], [], period)
+        return np.array([*np.array(told)[order], *after])
+
+    slopes = np.stack([measured(one) for one in np.eye(4 * n + kept)], axis=1)
+    return _Slopes(*(x for rows in np.split(slopes, [4 * n]) for x in np.split(rows, [4 * n], axis=1)))
 
 
 class _Plant(NamedTuple):
@@ -152,14 +192,14 @@ def without_friction(law: Any) -> Any:
     return replace(law, **changed) if changed else law
 
 
-def _slopes(robot: Robot, law: Any, model: Any, period: float) -> tuple[Array, Array, Array, Array]:
-    """How torque and memory after a step follow the plant's state and the memory before it, as far as it matters."""
+def _slopes(robot: Robot, law: Any, model: Any, period: float) -> _Slopes:
+    """How a law's torque and memory follow q, v, theta and theta_dot (4 n,) as it sees them, as far as it matters."""
     at = LawAtRest(robot, law, model.point, period)
-    rest = np.zeros(len(model.states))
-    of_state = differences(lambda x: at.told((model.C @ x).reshape(4, -1), at.memory), rest)
-    of_memory = differences(lambda m: at.told(np.zeros((4, len(robot.drives))), m), at.memory)
-    matter = between(of_state[1], of_memory[1], of_memory[0])
-    slopes = of_state[0], of_memory[0][:, matter], of_state[1][matter], of_memory[1][np.ix_(matter, matter)]
+    rest = np.zeros((4, len(robot.drives)))
+    of_seen = differences(lambda x: at.told(x.reshape(rest.shape), at.memory), rest.ravel())
+    of_memory = differences(lambda m: at.told(rest, m), at.memory)
+    matter = between(of_seen[1], of_memory[1], of_memory[0])
+    slopes = _Slopes(of_seen[0], of_memory[0][:, matter], of_seen[1][matter], of_memory[1][np.ix_(matter, matter)])
     if not all(np.isfinite(x).all() for x in slopes):
         rule = "commands or remembers what is not a finite number at rest, so it has no slopes there"
         raise InputError(f"slowest_pole: {name_of(law)} {rule}", q=model.point.q)

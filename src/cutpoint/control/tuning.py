@@ -1,6 +1,7 @@
 """Gains from what an engineer asks for: bandwidth and damping, at a pose, on the plant as it is sampled."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
+from functools import partial
 from inspect import signature
 from typing import Any, NamedTuple
 
@@ -17,6 +18,7 @@ from cutpoint.control.pd import PD
 from cutpoint.control.pid import PID
 from cutpoint.control.robust import Robust
 from cutpoint.control.sampled_loop import SampledPole, slowest_pole
+from cutpoint.control.sensors import Sensors
 from cutpoint.control.slotine_li import SlotineLi
 from cutpoint.control.super_twisting import SuperTwisting
 from cutpoint.control.vdc import VDC
@@ -42,6 +44,15 @@ CREEPING = 0.05
 
 SHORTER = 4
 """Times that a control period is shortened to see whether that would help."""
+
+OTHERS = (0.7, 0.5, 0.35, 0.25, 0.18, 0.12, 1.4, 2.0)
+"""Of the bandwidth: others that are looked at to see whether they would hold."""
+
+CHANGES = {"width": "wider", "body_rate": "lower", "joint_rate": "lower"}
+"""What may help of what only some laws have."""
+
+LIGHT = 0.05
+"""Of a link's inertia at its joint: few rotors have less, with their motors."""
 
 
 class Wanted(NamedTuple):
@@ -106,6 +117,7 @@ def tune(
     damping: float = 0.7,
     q: ArrayLike | None = None,
     control_period: float = 1e-3,
+    sensors: Sensors | None = None,
     **options: Any,
 ) -> Any:
     """A law whose joints, each alone, move with this bandwidth (Hz), those of PD as second-order systems.
@@ -113,11 +125,12 @@ def tune(
     Gains come from the inertia of links and rotors at q (neutral if not given).  damping: ratio, of PD, PID,
     ComputedTorque and FullStateFeedback.  Laws built on v_r = v_d + Lambda (q_d - q) are critically damped, with Lambda
     = 2 pi bandwidth, and ElasticComputedTorque has four equal poles at twice that.  options go to the law.
+    sensors: their delay and differenced speeds count in whether gains hold, not in the gains; perfect if not given.
 
     Raises:
         InputError: the gains do not hold at q: the linear plant with all its springs and motors, sampled every
-            control_period (s), has a pole that grows; it says which joint swings, and how fast.  A law that jumps at
-            rest is not tested.  Or a joint, such as a floating base, has no motor.
+            control_period (s), has a pole that grows; it says which joint swings, and how fast, and what would help.  A
+            law that jumps at rest is not tested.  Or a joint, such as a floating base, has no motor.
     """
     names = [x.__name__ for x in RECIPES]
     check_robot("tune", robot)
@@ -130,10 +143,15 @@ def tune(
     pose = robot.neutral() if q is None else checked_array("tune", "q", q, robot.nq)
     if pose.ndim != 1:
         raise InputError(f"tune: q has shape {pose.shape}, it must be one pose, ({robot.nq},)", q=q)
-    made = _made(law, wanted(robot, pose, 2 * np.pi * bandwidth, damping, period), options)
+
+    def made(hertz: float) -> Any:
+        return _made(law, wanted(robot, pose, 2 * np.pi * hertz, damping, period), options)
+
+    found = made(bandwidth)
     if law is not SuperTwisting:
-        check_holds(robot, made, pose, period)
-    return made
+        others = ((share * bandwidth, partial(made, share * bandwidth)) for share in OTHERS)
+        check_holds(robot, found, pose, period, sensors, others)
+    return found
 
 
 def _made(law: Any, w: Wanted, options: dict[str, Any]) -> Any:
@@ -150,33 +168,52 @@ def _made(law: Any, w: Wanted, options: dict[str, Any]) -> Any:
         raise InputError(f"tune: {twice[0]} of {law.__name__} is what tune finds; leave it out", **options) from None
 
 
-def check_holds(robot: Robot, law: Any, q: ArrayLike, period: float) -> None:
+def check_holds(
+    robot: Robot,
+    law: Any,
+    q: Array,
+    period: float,
+    sensors: Sensors | None = None,
+    others: Iterable[tuple[float, Callable[[], Any]]] = (),
+) -> None:
     """Raises InputError if the law cannot hold the robot at q when it acts every period (s): see `slowest_pole`.
 
     Where all drives have friction, it may leave what grows more slowly than STOPPED to that.
+    others: bandwidths, Hz, and what makes a law of each, to be looked at for a remedy.
     """
-    worst = slowest_pole(robot, law, q, period)
+    worst = slowest_pole(robot, law, q, period, sensors=sensors)
     if _is_held(robot, worst, period):
         return
+
+    def would_hold(law: Any, period: float) -> bool:
+        try:
+            return _is_held(robot, slowest_pole(robot, law, q, period, sensors=sensors), period)
+        except InputError:  # its motors answer later than that
+            return False
+
     growth = np.log(worst.size) / period
     moves = f"swing at {worst.frequency:.1f} Hz" if worst.frequency > CREEPING else "run away"
     what = f"{worst.joint!r} would {moves} and grow by {growth:.3g} nepers a second"
-    remedies = ["ask for another bandwidth"]
-    if _would_be_held(robot, law, q, period / SHORTER):
-        remedies[0] += " or a shorter control_period"
-    if any(drive.is_elastic for drive in robot.drives.values()):
-        remedies.append("or give the springs damping")
-    if hasattr(law, "width"):
-        remedies.append("or take a wider width=")
-    name, remedy = type(law).__name__, ", ".join(remedies)
-    raise InputError(f"{name} does not hold at this pose: {what}; {remedy}", joint=worst.joint, pole=worst)
+    better = next((f"{hertz:.3g} Hz" for hertz, make in others if would_hold(make(), period)), "")
+    remedies = [f"a bandwidth of {better} holds" if better else "ask for another bandwidth"]
+    if would_hold(law, period / SHORTER):
+        remedies.append(f"a control_period of {period / SHORTER:.3g} s holds")
+    if any(drive.is_elastic and not drive.damping for drive in robot.drives.values()):
+        remedies.append("give the springs damping")
+    remedies += [f"make {name}= {change}" for name, change in CHANGES.items() if hasattr(law, name)]
+    remedies += _light_rotor(robot, q, worst.joint)
+    told = "; ".join([f"{type(law).__name__} does not hold at this pose: {what}", *remedies])
+    raise InputError(told, joint=worst.joint, pole=worst)
 
 
-def _would_be_held(robot: Robot, law: Any, q: ArrayLike, period: float) -> bool:
-    try:
-        return _is_held(robot, slowest_pole(robot, law, q, period), period)
-    except InputError:  # its motors answer later than that
-        return False
+def _light_rotor(robot: Robot, q: Array, joint: str) -> list[str]:
+    """A remedy where the joint's rotor is next to nothing, as a gear's without its motor."""
+    k = robot.joints.index(joint)
+    found = wanted(robot, q, 1.0, 1.0, 1.0)
+    if not 0 < found.rotor[k] < LIGHT * found.link[k]:
+        return []
+    felt = f"{joint!r} has a rotor of {found.rotor[k]:.2g} kg m2 at the joint, under {found.link[k]:.2g} of the link"
+    return [f"{felt}: a catalogue gear's is without its motor, whose inertia belongs into it"]
 
 
 def _is_held(robot: Robot, pole: SampledPole, period: float) -> bool:

@@ -4,6 +4,7 @@ from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
 from cutpoint.formats.drives import drive_of, dump_drives, load_drives, parse_drives, save_drives
+from cutpoint.formats.unlikely_units import UnitsWarning
 from cutpoint.formats.urdf import DegreesWarning, MimicWarning, load_urdf, parse_urdf
 
 if TYPE_CHECKING:
@@ -15,6 +16,7 @@ __all__ = [
     "MimicWarning",
     "MjcfRobot",
     "NotCarriedOver",
+    "UnitsWarning",
     "catalogue_drive",
     "catalogue_gear",
     "catalogue_names",

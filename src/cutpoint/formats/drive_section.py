@@ -53,8 +53,12 @@ class Section:
 
     def error(self, path: YamlPath, complaint: str) -> ModelError:
         """An error at the line of a field."""
-        place = self.document.place(*((*root, *path) for root in self.roots))
-        return ModelError(f"{self.thing}: {complaint}", place=place, thing=self.thing, field=".".join(path))
+        told, field = f"{self.thing}: {complaint}", ".".join(path)
+        return ModelError(told, place=self.place(path), thing=self.thing, field=field)
+
+    def place(self, path: YamlPath) -> str:
+        """The line of a field."""
+        return self.document.place(*((*root, *path) for root in self.roots))
 
     def stated(self, sheet: type[Sheet], path: YamlPath, value: Any) -> str:
         """`compliance.linear.stiffness -3.0 N m/rad`."""
@@ -74,8 +78,9 @@ class Section:
         owner = sheet_at(sheet, path[:-1])
         key, within = "".join(path[-1:]), f" in {'.'.join(path[:-1])}" if len(path) > 1 else ""
         if kind == "extra_forbidden" and owner:
+            meant = next((f", did you mean {x!r}" for x in owner.model_fields if x == key.lower()), "")
             known = listed(owner.model_fields)
-            return self.error(path, f"unknown key {key!r}{within}; those that exist are {known}")
+            return self.error(path, f"unknown key {key!r}{within}{meant}; those that exist are {known}")
         if kind == "missing":
             unit = self.unit(field_of(sheet, path))
             return self.error(path, f"{key!r}{f' ({unit})' if unit else ''} is missing{within}")
@@ -88,6 +93,8 @@ class Section:
             return f"must be {rigid}a mapping with keys out of {listed(nested.model_fields)}"
         if detail["type"] == "literal_error":
             return f"must be {detail['ctx']['expected']}"
+        if detail["type"] == "dict_type" and (field := field_of(sheet, path)):
+            return f"must be a mapping: {field.description}"
         context = detail.get("ctx", {})
         match detail["type"]:
             case "greater_than" | "greater_than_equal" if not context.get("gt", context.get("ge")):

@@ -2,6 +2,7 @@
 
 import warnings
 from collections.abc import Collection, Mapping
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -15,6 +16,7 @@ from cutpoint.formats.drive_sheet import DriveSheet, FileSheet
 from cutpoint.formats.drive_words import to_entry
 from cutpoint.formats.reading import read_bytes
 from cutpoint.formats.safe_yaml import MAXIMUM_BYTES, parse_yaml
+from cutpoint.formats.unlikely_units import UnitsWarning, doubts_of
 from cutpoint.formats.urdf import DegreesWarning
 from cutpoint.mechanics.friction import Coulomb
 from cutpoint.model.drive import Drive
@@ -35,7 +37,7 @@ def load_drives(path: str | Path, mechanism: Mechanism, locked: Collection[str] 
     """The drives that a file gives to joints of a robot, by joint.
 
     locked: joints whose drives are passed over, since they are held fixed.
-    Warns, DegreesWarning, of position limits that look like degrees.
+    Warns, DegreesWarning, of position limits that look like degrees; UnitsWarning, of numbers in a data sheet's units.
     Raises ModelError, with file and line, for whatever is wrong in the file or does not fit the robot.
     """
     path = Path(path)
@@ -52,19 +54,32 @@ def parse_drives(
     if sheet.version != VERSION:
         raise whole.error(("version",), f"version {sheet.version:g} is not known; this cutpoint reads {VERSION}")
     joints = {body.joint.name: body.joint for body in mechanism.bodies}
-    drives = {}
+    drives: dict[str, Drive] = {}
+    doubts: dict[str, list[str]] = {}
     for name, entry in sheet.drives.items():
         if name in locked:
             continue
         section = Section(f"joint {name!r}", document, (("drives", name), ("defaults",)))
         joint = _driven(name, joints, mechanism, section)
-        section = Section(section.thing, document, section.roots, slides=joint.kind == "prismatic")
-        drives[name] = to_drive(section.read(DriveSheet, _laid_over(sheet.defaults, entry, section)), section)
+        section = replace(section, slides=joint.kind == "prismatic")
+        own = section.read(DriveSheet, _laid_over(sheet.defaults, entry, section))
+        drives[name] = to_drive(own, section)
+        for words, path in () if section.slides else doubts_of(own, section, drives[name].ratio):
+            doubts.setdefault(f"{words} ({section.place(path)})", []).append(name)
     turning = [name for name in drives if joints[name].kind != "prismatic"]
-    if degrees := [name for name in turning if look_like_degrees(drives[name].limits)]:
-        text = f"limits of joints {listed(degrees)} look like degrees; a drive file's angles are radians"
-        warnings.warn(f"{text} ({place})", DegreesWarning, stacklevel=5)  # the line that called cutpoint.load
+    degrees = [name for name in turning if look_like_degrees(drives[name].limits)]
+    _warn_of_units(doubts, degrees, place)
     return drives
+
+
+def _warn_of_units(doubts: Mapping[str, Collection[str]], degrees: Collection[str], place: str) -> None:
+    """doubts: joints by what looks wrong in their drives; degrees: joints whose limits look like those."""
+    level = 6  # the line that called cutpoint.load
+    for words, joints in doubts.items():
+        warnings.warn(f"drive of {listed(joints)}: {words}", UnitsWarning, stacklevel=level)
+    if degrees:
+        text = f"limits of joints {listed(degrees)} look like degrees; a drive file's angles are radians"
+        warnings.warn(f"{text} ({place})", DegreesWarning, stacklevel=level)
 
 
 def drive_of(joint: Joint) -> Drive:

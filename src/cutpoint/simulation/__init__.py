@@ -4,7 +4,7 @@ from cutpoint.simulation.log import Log
 from cutpoint.simulation.many import Runs, simulate_many
 from cutpoint.simulation.plant import State
 from cutpoint.simulation.runner import UntracedControllerWarning
-from cutpoint.simulation.sensors import Sensors
+from cutpoint.control.sensors import Sensors
 from cutpoint.simulation.simulate import simulate
 from cutpoint.simulation.substeps import StiffnessWarning
 

@@ -9,7 +9,7 @@ from cutpoint.kernels import Program
 from cutpoint.robot import Robot
 from cutpoint.scalars import structure_of
 from cutpoint.simulation.controllers import Admitted
-from cutpoint.simulation.sensors import Encoders
+from cutpoint.control.sensors import Encoders
 
 KEPT = 16
 

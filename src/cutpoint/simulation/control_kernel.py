@@ -14,7 +14,7 @@ from cutpoint.scalars import leaves, with_float_leaves
 from cutpoint.simulation.controllers import fitting
 from cutpoint.simulation.loop import ClosedLoop
 from cutpoint.simulation.parameters import law_parameters
-from cutpoint.simulation.sensors import Sensors, encoders_of
+from cutpoint.control.sensors import Sensors, encoders_of
 
 Array = NDArray[np.float64]
 

@@ -24,7 +24,7 @@ from cutpoint.simulation.lanes import Lanes
 from cutpoint.simulation.layout import Layout
 from cutpoint.simulation.parameters import Given, law_parameters, parameters_of, with_parameters
 from cutpoint.simulation.plant import State, is_uniform, own_parts, sizes
-from cutpoint.simulation.sensors import Encoders
+from cutpoint.control.sensors import Encoders
 from cutpoint.simulation.stages import PlantStages
 from cutpoint.simulation.step import TABLEAU
 

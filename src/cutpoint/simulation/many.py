@@ -23,7 +23,7 @@ from cutpoint.simulation.log import Log
 from cutpoint.simulation.packs import Pack, Setup, packs_of
 from cutpoint.simulation.plant import State
 from cutpoint.simulation.runner import SHOW_PROGRESS_AFTER, Bar, UntracedControllerWarning
-from cutpoint.simulation.sensors import Sensors
+from cutpoint.control.sensors import Sensors
 from cutpoint.simulation.simulate import Control, check_kinds, prepared, simulate, steps_of
 from cutpoint.simulation.steps_reached import check_steps
 from cutpoint.simulation.substeps import Steps

@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 from cutpoint.definitions import Machine
 from cutpoint.robot import Robot
 from cutpoint.scalars import Scalar, leaves, rebuild
-from cutpoint.simulation.sensors import Encoders
+from cutpoint.control.sensors import Encoders
 
 Array = NDArray[np.float64]
 Scalars = list[Scalar]

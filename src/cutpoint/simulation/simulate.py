@@ -33,7 +33,7 @@ from cutpoint.simulation.loop import ClosedLoop
 from cutpoint.simulation.plant import State
 from cutpoint.simulation.recording import log_of
 from cutpoint.simulation.runner import run, working_memory
-from cutpoint.simulation.sensors import Sensors, encoders_of
+from cutpoint.control.sensors import Sensors, encoders_of
 from cutpoint.simulation.steps_reached import check_steps
 from cutpoint.simulation.substeps import Steps, substeps_for
 from cutpoint.trajectories import Trajectory

@@ -1,0 +1,68 @@
+"""Numbers of a drive file that would be usual in a data sheet's units, and are next to impossible in the file's."""
+
+import math
+from collections.abc import Iterator
+from typing import Any
+
+from cutpoint.formats.drive_section import Section
+from cutpoint.formats.drive_sheet import DriveSheet
+from cutpoint.formats.safe_yaml import YamlPath
+
+
+class UnitsWarning(UserWarning):
+    """A number of a drive file looks like one in another unit."""
+
+
+FASTEST = 1600.0
+"""rad/s, of motors: 15 000 turns a minute."""
+
+WIDEST = 0.05
+"""rad, three degrees, by which gears are loose, lose motion, or wind up to the first corner of their curve."""
+
+HEAVIEST, GEARED = 0.05, 10.0
+"""kg m2, of a rotor before a gear of such a ratio: at the joint it weighs 5 kg m2 at least."""
+
+STRONGEST = 5.0
+"""N m/A, of a motor before such a gear."""
+
+RPM, ARCMIN = "turns a minute, of which one is 0.1047 rad/s", "arc minutes, of which one is 2.909e-4 rad"
+
+LARGEST: dict[YamlPath, tuple[float, str]] = {
+    **{("ratings", f"{speed}_speed"): (FASTEST, RPM) for speed in ("rated", "average", "maximum")},
+    ("backlash",): (WIDEST, ARCMIN),
+    ("hysteresis", "loss"): (WIDEST, ARCMIN),
+    ("hysteresis", "reach"): (WIDEST, ARCMIN),
+}
+"""Of drives of joints that turn: beyond which a number is doubted, and what it looks like."""
+
+BEFORE_A_GEAR: dict[YamlPath, tuple[float, str]] = {
+    ("rotor", "inertia"): (HEAVIEST, "kg cm2, of which one is 1e-4 kg m2, or like the inertia at the joint"),
+    ("motor", "torque_constant"): (STRONGEST, "mN m/A, of which one is 1e-3 N m/A, or like what the joint gets"),
+}
+
+
+def doubts_of(sheet: DriveSheet, section: Section, ratio: float) -> Iterator[tuple[str, YamlPath]]:
+    """What looks like another unit in the drive of a joint that turns, in words, and where its entry states it."""
+    geared = abs(ratio) >= GEARED
+    for path, (most, likeness) in (LARGEST | (BEFORE_A_GEAR if geared else {})).items():
+        value = _at(sheet, path)
+        if value is not None and value > most:
+            yield f"{section.stated(DriveSheet, path, value)} looks like {likeness}", path
+    curve = sheet.compliance.catalogue if sheet.compliance else None
+    if curve and curve.t1 > WIDEST * curve.k1:
+        path = ("compliance", "catalogue", "k1")
+        stated, wound = section.stated(DriveSheet, path, curve.k1), f"{curve.t1 / curve.k1:.3g} rad at t1"
+        yield f"{stated} is wound by {wound}: it looks like 10^4 N m/rad", path
+    speed = sheet.limits.velocity if sheet.limits else None
+    if speed is not None and geared and speed * abs(ratio) > 2.0 * FASTEST:
+        path = ("limits", "velocity")
+        stated, turns = section.stated(DriveSheet, path, speed), speed * abs(ratio) * 30.0 / math.pi
+        likeness = "it looks like degrees a second, or like the motor's own speed"
+        yield f"{stated} turns the motor {turns:.3g} times a minute: {likeness}", path
+
+
+def _at(sheet: Any, path: YamlPath) -> float | None:
+    """The number at a path; None where a part on the way is not stated."""
+    for key in path:
+        sheet = getattr(sheet, key, None)
+    return sheet
