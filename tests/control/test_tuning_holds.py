@@ -231,7 +231,9 @@ def test_the_bound_of_a_robust_law_knows_friction_on_both_sides():
     assert bounds[0][1] > 1.5
 
 
-@pytest.mark.parametrize(("kind", "remedy"), [(PD, "a control_period of 0.00025 s holds"), (Robust, "make width= wider")])
+@pytest.mark.parametrize(
+    ("kind", "remedy"), [(PD, "a control_period of 0.00025 s holds"), (Robust, "make width= wider")]
+)
 def test_what_does_not_hold_without_springs_is_not_told_to_damp_them(kind, remedy):
     rigid = {name: replace(drive, compliance=None, damping=None) for name, drive in elbow().drives.items()}
     with pytest.raises(InputError, match=f"{remedy}$"):

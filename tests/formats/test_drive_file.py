@@ -282,7 +282,7 @@ ROTOR, SPRING = "ratio: 100, rotor: {inertia: 1.0e-4}", "compliance: {linear: {s
         (f"{ROTOR}, {SPRING}, hysteresis: {{loss: 1}}", "hysteresis.loss 1.0 rad looks like arc minutes"),
         ("ratio: 100, rotor: {inertia: 0.413}", "rotor.inertia 0.413 kg m2 looks like kg cm2"),
         ("ratio: 100, motor: {torque_constant: 52}", "motor.torque_constant 52.0 N m/A looks like mN m/A"),
-        ("ratio: 100, limits: {velocity: 180}", "limits.velocity 180.0 rad/s turns the motor 1.72e[+]05 times a minute"),
+        ("ratio: 100, limits: {velocity: 180}", "limits.velocity 180.0 rad/s turns the motor 1.72e[+]05 times"),
         (
             f"{ROTOR}, compliance: {{catalogue: {{k1: 3.1, k2: 5.0, k3: 5.7, t1: 14, t2: 48}}}}",
             r"compliance.catalogue.k1 3.1 N m/rad is wound by 4.52 rad at t1: it looks like 10\^4 N m/rad",

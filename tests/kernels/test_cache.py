@@ -16,6 +16,7 @@ from llvmlite import binding
 
 from cutpoint.kernels import Kernel, compile
 from cutpoint.kernels.machine import cache as caches
+from cutpoint.kernels.machine import jit
 from cutpoint.kernels.machine.batch_loop import WORTH_MAKING_PACKS
 from cutpoint.kernels.machine.cache import VARIABLE, Cache, key_of, not_kept, user_folder
 from cutpoint.kernels.machine.jit import object_code
@@ -350,12 +351,33 @@ def test_code_comes_back_as_it_was(tmp_path: Path, code: bytes) -> None:
     assert Cache(tmp_path / "kernels").read(key_of("x")) == code
 
 
+DOUBLED = "define double @double(double %x) {\n%y = fadd double %x, %x\nret double %y\n}"
+
+
 def test_what_is_compiled_with_another_effort_is_another_entry(folder: Path) -> None:
-    text = "define double @double(double %x) {\n%y = fadd double %x, %x\nret double %y\n}"
-    found = [object_code(text, effort) for effort in (0, 2, 0)]
+    found = [object_code(DOUBLED, effort) for effort in (0, 2, 0)]
     assert found[0] == found[2] and len(entries(folder)) == 2
 
 
 def test_parts_of_a_key_are_told_apart() -> None:
     keys = {key_of(*parts) for parts in (("ab", "c"), ("a", "bc"), ("abc",), ("abc", ""), ("c", "ab"))}
     assert len(keys) == 5
+
+
+def test_code_of_changed_modules_is_not_kept_under_their_new_stamps(
+    folder: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    written: list[str] = []
+
+    def write() -> str:
+        written.append(DOUBLED)
+        return DOUBLED
+
+    unwritten = jit.Unwritten(("a test", "doubled"), write)
+    monkeypatch.setattr(jit, "LOADED_AT", 0)
+    assert object_code(unwritten, 2) == object_code(DOUBLED, 2)
+    monkeypatch.setattr(jit, "LOADED_AT", time.time_ns())
+    object_code(unwritten, 2)
+    assert len(written) == 2  # what was kept before is not found by its stamps
+    object_code(unwritten, 2)
+    assert len(written) == 2

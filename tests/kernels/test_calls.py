@@ -1,6 +1,7 @@
 """Single calls: the built-in function in front of a kernel does what the general call does, only sooner."""
 
 import gc
+import pickle
 import sys
 import threading
 import tracemalloc
@@ -16,7 +17,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from cutpoint.errors import InputError
-from cutpoint.kernels import Kernel, compile
+from cutpoint.kernels import Kernel, compile, jacobian_of
 from cutpoint.kernels.arrays import numpy_api, plain_arguments
 from cutpoint.scalars import exp, sin, where
 
@@ -414,3 +415,21 @@ def test_arguments_and_results_without_numbers_go_the_short_way_too(sizes):
         assert np.array_equal(found.twice, [2.0, 4.0])
         assert found.nothing.shape == (0,)
         assert found.sum == 3.0
+
+
+def test_records_of_outputs_pickle_and_stay_what_they_are():
+    kernel = compile(jacobian_of(lambda q: [q[0] * q[1]]), q=2)
+    found = kernel(np.ones(2))
+    again = pickle.loads(pickle.dumps(found))
+    assert type(again) is type(found) and np.array_equal(again[0], found[0])
+    assert type(pickle.loads(pickle.dumps(kernel))(np.ones(2))) is type(found)
+
+
+@pytest.mark.parametrize("backend", ["llvm", "numpy"])
+def test_masked_numbers_are_refused_and_masks_that_hide_nothing_are_none(backend):
+    kernel = compile(lambda q: [q[0] + q[1]], q=2, name="sum", backend=backend)
+    numbers = [[1.0, 2.0], [3.0, 4.0]]
+    found = kernel(np.ma.masked_array(numbers))
+    assert type(found) is np.ndarray and found.tolist() == [[3.0], [7.0]]
+    with pytest.raises(InputError, match=r"^sum: q has masked numbers: fill them in"):
+        kernel(np.ma.masked_array(numbers, mask=[[0, 1], [0, 0]]))

@@ -144,3 +144,11 @@ def test_what_does_not_fit_is_explained_as_ever(kernel: Kernel) -> None:
 def test_the_number_of_threads_is_a_whole_number_from_1(kernel: Kernel, wrong: Any) -> None:
     with pytest.raises(InputError, match=r"mixture: threads=.* must be a whole number from 1"):
         kernel(np.zeros((100, 3)), 0.0, threads=wrong)
+
+
+def test_no_more_threads_are_started_than_there_are_parts(kernel: Kernel) -> None:
+    q, k = RNG.normal(size=(64, 3)), RNG.normal(size=64)
+    before = threading.active_count()
+    found = kernel(q, k, threads=100_000)
+    assert found.tobytes() == kernel(q, k).tobytes()
+    assert threading.active_count() - before < 64 // 16

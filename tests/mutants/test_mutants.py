@@ -28,6 +28,7 @@ from mutation import holds, mutated
 import test_package_agrees_with_paper as paper
 from cutpoint import Drive, Flexspline, Robot, definitions, robots
 from cutpoint.control import joint_law
+from cutpoint.control.sensors import Encoders
 from cutpoint.derivatives import definitions as derivative_definitions
 from cutpoint.formats import drive_entry
 from cutpoint.kernels.lowering import fusion
@@ -56,7 +57,6 @@ from cutpoint.mechanics.system import System
 from cutpoint.rolled import bodies
 from cutpoint.rolled import derivatives as looped_derivatives
 from cutpoint.simulation.loop import ClosedLoop
-from cutpoint.control.sensors import Encoders
 
 
 class Mutant(NamedTuple):

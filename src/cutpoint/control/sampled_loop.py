@@ -43,9 +43,7 @@ class SmallSignal(NamedTuple):
     damping: Array
 
 
-def slowest_pole(
-    robot: Robot, law: Any, q: ArrayLike, period: float, *, sensors: Sensors | None = None
-) -> SampledPole:
+def slowest_pole(robot: Robot, law: Any, q: ArrayLike, period: float, *, sensors: Sensors | None = None) -> SampledPole:
     """The pole that decays slowest, or grows, of the robot at rest at q under a law with this period (s).
 
     The robot is linear about q and moves exactly between samples, its motors' current loops and delays included; the
@@ -108,7 +106,7 @@ class _Slopes(NamedTuple):
 
 
 def _encoded(encoders: Encoders, period: float) -> _Slopes:
-    """What is measured of q, v, theta and theta_dot (4 n,), in that order, where there is neither noise nor rounding."""
+    """What is measured of q, v, theta and theta_dot (4 n,), in that order, without noise and rounding."""
     quiet, n = replace(encoders, resolution=(None, None), noise=(None, None), sides="both"), encoders.size
     kept = len(quiet.memory(*[[0.0] * n] * 4))
     if kept > MOST_REMEMBERED:

@@ -10,6 +10,7 @@ programs: stages of traced functions in loops, which step through memory.
 targets: a graph leaves as C99, CUDA C, a function of JAX, SymPy's expressions; docs/emitters.md adds another.
 """
 
+import cutpoint.kernels.machine.loading_time  # noqa: F401  first: it dates what follows
 from cutpoint.kernels.graphs.derivatives import jacobian_of
 from cutpoint.kernels.graphs.graph import Graph
 from cutpoint.kernels.graphs.specialise import graph_of

@@ -1,7 +1,6 @@
 """Kernel: a function compiled for arrays, and `compile`, which makes one."""
 
 import time
-from collections import namedtuple
 from collections.abc import Callable, Sequence
 from dataclasses import replace
 from functools import cached_property
@@ -16,6 +15,7 @@ from cutpoint.kernels.arrays.array_call import ArrayCall
 from cutpoint.kernels.arrays.backends import array_function, check_size, chosen
 from cutpoint.kernels.arrays.blocks import Blocks
 from cutpoint.kernels.arrays.function import Whole
+from cutpoint.kernels.arrays.record import record_class
 from cutpoint.kernels.graphs.graph import Graph
 from cutpoint.kernels.graphs.ports import port
 from cutpoint.kernels.graphs.precision import FLOAT32, FLOAT64
@@ -72,7 +72,7 @@ class Kernel:
     def __init__(self, graph: Graph, name: str, backend: str, record: str | None, start: float) -> None:
         self.graph, self.name, self.backend = graph, name, chosen(backend)
         self._function = array_function(graph, name, self.backend)
-        self._record = namedtuple(record, [p.name for p in graph.outputs]) if record else None
+        self._record = record_class(record, tuple(p.name for p in graph.outputs)) if record else None
         self.general = ArrayCall(name, graph, self._function, self._record)
         self.compile_seconds = time.perf_counter() - start
 

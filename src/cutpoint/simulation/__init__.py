@@ -1,10 +1,10 @@
 """Closed loops: plant, sensors, controller and integrator in one compiled step, and the log they leave."""
 
+from cutpoint.control.sensors import Sensors
 from cutpoint.simulation.log import Log
 from cutpoint.simulation.many import Runs, simulate_many
 from cutpoint.simulation.plant import State
 from cutpoint.simulation.runner import UntracedControllerWarning
-from cutpoint.control.sensors import Sensors
 from cutpoint.simulation.simulate import simulate
 from cutpoint.simulation.substeps import StiffnessWarning
 

@@ -5,11 +5,11 @@ from collections.abc import Hashable
 from dataclasses import replace
 from typing import Any
 
+from cutpoint.control.sensors import Encoders
 from cutpoint.kernels import Program
 from cutpoint.robot import Robot
 from cutpoint.scalars import structure_of
 from cutpoint.simulation.controllers import Admitted
-from cutpoint.control.sensors import Encoders
 
 KEPT = 16
 

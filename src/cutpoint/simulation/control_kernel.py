@@ -8,13 +8,13 @@ from numpy.typing import NDArray
 from cutpoint import kernels
 from cutpoint.control.interface import start_of
 from cutpoint.control.own_law import check_pure
+from cutpoint.control.sensors import Sensors, encoders_of
 from cutpoint.kernels import Kernel
 from cutpoint.robot import Robot
 from cutpoint.scalars import leaves, with_float_leaves
 from cutpoint.simulation.controllers import fitting
 from cutpoint.simulation.loop import ClosedLoop
 from cutpoint.simulation.parameters import law_parameters
-from cutpoint.control.sensors import Sensors, encoders_of
 
 Array = NDArray[np.float64]
 

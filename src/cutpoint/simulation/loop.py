@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 
 from cutpoint.control.held_state import as_it_was
 from cutpoint.control.interface import numbers_after, stepped
+from cutpoint.control.sensors import Encoders
 from cutpoint.errors import TraceError
 from cutpoint.kernels import Loop, Program, Region, Stage, compile_program
 from cutpoint.mechanics.motor import within_limits
@@ -24,7 +25,6 @@ from cutpoint.simulation.lanes import Lanes
 from cutpoint.simulation.layout import Layout
 from cutpoint.simulation.parameters import Given, law_parameters, parameters_of, with_parameters
 from cutpoint.simulation.plant import State, is_uniform, own_parts, sizes
-from cutpoint.control.sensors import Encoders
 from cutpoint.simulation.stages import PlantStages
 from cutpoint.simulation.step import TABLEAU
 

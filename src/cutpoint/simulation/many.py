@@ -13,6 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cutpoint.control.interface import name_of
+from cutpoint.control.sensors import Sensors
 from cutpoint.door import refused, whole
 from cutpoint.errors import InputError, SimulationError, TraceError
 from cutpoint.model.limits import efforts_in_force
@@ -23,7 +24,6 @@ from cutpoint.simulation.log import Log
 from cutpoint.simulation.packs import Pack, Setup, packs_of
 from cutpoint.simulation.plant import State
 from cutpoint.simulation.runner import SHOW_PROGRESS_AFTER, Bar, UntracedControllerWarning
-from cutpoint.control.sensors import Sensors
 from cutpoint.simulation.simulate import Control, check_kinds, prepared, simulate, steps_of
 from cutpoint.simulation.steps_reached import check_steps
 from cutpoint.simulation.substeps import Steps

@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 
 from cutpoint.control.interface import Controller, StepFunction, start_of
 from cutpoint.control.sampled_loop import check_delays
+from cutpoint.control.sensors import Sensors, encoders_of
 from cutpoint.door import check_kind, whole
 from cutpoint.errors import InputError, SimulationError
 from cutpoint.model.limits import efforts_in_force
@@ -33,7 +34,6 @@ from cutpoint.simulation.loop import ClosedLoop
 from cutpoint.simulation.plant import State
 from cutpoint.simulation.recording import log_of
 from cutpoint.simulation.runner import run, working_memory
-from cutpoint.control.sensors import Sensors, encoders_of
 from cutpoint.simulation.steps_reached import check_steps
 from cutpoint.simulation.substeps import Steps, substeps_for
 from cutpoint.trajectories import Trajectory

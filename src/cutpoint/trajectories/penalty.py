@@ -37,6 +37,11 @@ def smoothing_spline(t: Array, q: Array, bandwidth: float, at_rest: bool) -> tup
     return BSpline(knots, ends @ free, DEGREE), spacing
 
 
+def peak_accelerations(spline: BSpline) -> Array:
+    """(n,) at its knots, in its own unit of time."""
+    return np.abs(spline(np.unique(spline.t), nu=2)).max(axis=0)
+
+
 def _snap_squared(knots: Array) -> csr_array:
     """The matrix P of c' P c, the integral of the squared fourth derivative; Gauss's rule of 4 points is exact."""
     snap = csr_array(eye_array(knots.size - DEGREE - 1))

@@ -5,12 +5,11 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import ArrayLike
-from scipy.interpolate import BSpline
 
 from cutpoint.door import checked_names, number
 from cutpoint.errors import InputError
 from cutpoint.trajectories.arrays import Array, joint_name, timed_positions
-from cutpoint.trajectories.penalty import smoothing_spline
+from cutpoint.trajectories.penalty import peak_accelerations, smoothing_spline
 from cutpoint.trajectories.spline import Spline, check_swing
 
 DEFAULT_BANDWIDTH = 10.0
@@ -111,7 +110,8 @@ def from_samples(
     if bandwidth is None:
         _check_near(deviation.max, ranges, chosen, names)
     free = smoothing_spline(times, moved, chosen, at_rest=False)[0] if at_rest else spline
-    hurry = np.where(ranges > SMALL * ranges.max(), _peaks(spline) / np.maximum(_peaks(free), 1e-300), 1.0)
+    peaks, least = peak_accelerations(spline), np.maximum(peak_accelerations(free), 1e-300)
+    hurry = np.where(ranges > SMALL * ranges.max(), peaks / least, 1.0)
     smoothed = Smoothed(float(times[-1]), samples[0], spline, spacing, chosen, names or (), deviation, hurry)
     print(smoothed)
     return smoothed
@@ -130,11 +130,6 @@ def _check_near(deviation: Array, ranges: Array, bandwidth: float, names: Sequen
         joint=joint,
         deviation=float(deviation[joint]),
     )
-
-
-def _peaks(spline: BSpline) -> Array:
-    """(n,) of the accelerations at its knots, in its own unit of time."""
-    return np.abs(spline(np.unique(spline.t), nu=2)).max(axis=0)
 
 
 def _pause(times: Array) -> str:

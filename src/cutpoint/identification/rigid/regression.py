@@ -74,11 +74,11 @@ def regression(
         own, columns = friction_columns(laws[joint], speeds[:, j], None if loads is None else loads[:, j])
         names += [f"{name}.{joint}" for name in own]
         friction.append(of_joint(means(columns), j, len(joints)))
-    for j, joint in enumerate(joints):
-        # dry friction that differs by direction is an offset, but for the moments of rest
-        if offsets and laws[joint].asymmetry is None:
-            names.append(f"offset.{joint}")
-            friction.append(of_joint(np.ones((means.size, 1)), j, len(joints)))
+    # beside dry friction that differs by direction, too, which is one but for the moments of rest: without it these
+    # alone would tell a joint's weight, where that is constant
+    for j, joint in enumerate(joints if offsets else ()):
+        names.append(f"offset.{joint}")
+        friction.append(of_joint(np.ones((means.size, 1)), j, len(joints)))
     return Regression(tuple(names), np.concatenate([inertial, *friction], axis=2), means(torque), means.times)
 
 

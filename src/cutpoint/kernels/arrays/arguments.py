@@ -48,6 +48,19 @@ def as_numbers(argument: Any, precision: Precision) -> np.ndarray:
         return array.astype(precision.dtype, copy=False)
 
 
+def unmasked(kernel: str, port: Port, argument: Any) -> Any:
+    """The argument; a masked array as a plain one.
+
+    Raises:
+        InputError: some of its numbers are masked.
+    """
+    if not isinstance(argument, np.ma.MaskedArray):
+        return argument
+    if np.ma.is_masked(argument):
+        raise InputError(f"{kernel}: {port.name} has masked numbers: fill them in, or leave these out", name=port.name)
+    return argument.data
+
+
 def batch_shape(port: Port, array: np.ndarray) -> Shape:
     """The leading axes of an argument.
 
@@ -80,7 +93,7 @@ def explained(kernel: str, graph: Graph, arguments: Sequence[Any], out: Any, err
     for port, argument in zip(graph.inputs, arguments, strict=True):
         try:
             batches[port.name] = batch_shape(port, as_numbers(argument, graph.precision))
-        except (TypeError, ValueError) as problem:
+        except (TypeError, ValueError, OverflowError) as problem:
             return InputError(f"{kernel}: {port.name} {_phrase(argument, problem)}", name=port.name)
     try:
         batch = common_batch(kernel, batches)
@@ -92,6 +105,8 @@ def explained(kernel: str, graph: Graph, arguments: Sequence[Any], out: Any, err
 def _phrase(argument: Any, problem: Exception) -> str:
     if isinstance(problem, TypeError):
         return f"holds {_content(argument)}, it must hold real numbers"
+    if isinstance(problem, OverflowError):
+        return "holds a whole number that is larger than any float"
     text = str(problem)
     return text if text.startswith("has shape") else f"is not an array: {text}"
 

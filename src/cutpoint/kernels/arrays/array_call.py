@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from cutpoint.kernels.arrays.arguments import as_numbers, explained, in_order
+from cutpoint.kernels.arrays.arguments import as_numbers, explained, in_order, unmasked
 from cutpoint.kernels.arrays.function import Function, Whole
 from cutpoint.kernels.arrays.strided import Strided
 from cutpoint.kernels.arrays.threads import Threaded, thread_count
@@ -33,7 +33,7 @@ class ArrayCall:
         if self._direct and out is None and threads is None and not named and self._are_single(arguments):
             try:
                 return self._direct(*arguments)
-            except (TypeError, ValueError) as error:
+            except (TypeError, ValueError, OverflowError) as error:
                 raise explained(self._name, self._graph, arguments, out, error) from None
         if self._make and isinstance(out, tuple):
             out = tuple(out)  # NumPy wants no record, such as an earlier call's results are
@@ -43,12 +43,13 @@ class ArrayCall:
                 return found if self._make is None else self._made(found)
         if named or len(arguments) != len(self._graph.inputs):
             arguments = tuple(in_order(self._name, self._graph.inputs, arguments, named))
+        arguments = tuple(unmasked(self._name, p, x) for p, x in zip(self._graph.inputs, arguments, strict=True))
         count = 1 if threads is None else thread_count(self._name, threads)
         try:
             if self._graph.precision is not FLOAT64:  # what NumPy itself refuses is rounded
                 arguments = tuple(as_numbers(x, self._graph.precision) for x in arguments)
             result = self._run(arguments, out) if count == 1 else self._threaded(count, arguments, out)
-        except (TypeError, ValueError) as error:
+        except (TypeError, ValueError, OverflowError) as error:
             raise explained(self._name, self._graph, arguments, out, error) from None
         return result if self._make is None else self._made(result)
 

@@ -14,10 +14,13 @@ from cutpoint.kernels.graphs.ports import Port, Shape
 from cutpoint.kernels.graphs.precision import FLOAT64, Precision
 
 if TYPE_CHECKING:
-    from concurrent.futures import ThreadPoolExecutor
+    from concurrent.futures import Future, ThreadPoolExecutor
 
 CHUNK = 2**23
 """Operations that a thread does before it looks for more: fewer do not outweigh waking it, which takes up to 0.1 ms."""
+
+MOST_THREADS = 256
+"""More processors than that share no batch."""
 
 _CHUNKS_PER_THREAD = 4
 _ALIGNED = 16  # parts end where packs do
@@ -44,7 +47,7 @@ class Threaded:
             arrays = [as_numbers(x, self._precision) for x in arguments]
             batches = [batch_shape(p, x) for p, x in zip(self._inputs, arrays, strict=True)]
             batch = np.broadcast_shapes(*batches)
-        except (TypeError, ValueError):
+        except (TypeError, ValueError, OverflowError):
             return self._call(*arguments, out=out)  # which explains what is wrong
         targets = self._targets(batch, out)
         ranges = _ranges(max(batch, default=1), threads, self._least)
@@ -85,14 +88,15 @@ class _Cut:
 
 def _shared(run: Callable[[slice], None], ranges: Sequence[slice], threads: int) -> None:
     """Runs every range once, here and on other threads; who is done takes the next."""
-    left = iter(ranges)
+    left, helpers = iter(ranges), list["Future[None]"]()
 
     def work() -> None:
         for part in left:
             run(part)
 
-    helpers = [_pool(threads - 1).submit(work) for _ in range(threads - 1)]
     try:
+        for _ in range(min(threads, len(ranges), MOST_THREADS) - 1):
+            helpers.append(_pool().submit(work))
         work()
     finally:  # nobody writes to the results any more when this returns
         unfinished = [x for x in helpers if not x.cancel()]
@@ -130,10 +134,11 @@ def thread_count(name: str, threads: Any) -> int:
 
 
 @cache
-def _pool(count: int) -> "ThreadPoolExecutor":
+def _pool() -> "ThreadPoolExecutor":
+    """Of as many threads as were ever busy at once."""
     from concurrent.futures import ThreadPoolExecutor  # takes 4 ms, which a start need not spend
 
-    return ThreadPoolExecutor(count, thread_name_prefix="cutpoint")
+    return ThreadPoolExecutor(MOST_THREADS, thread_name_prefix="cutpoint")
 
 
 if hasattr(os, "register_at_fork"):

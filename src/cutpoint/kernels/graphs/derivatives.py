@@ -35,7 +35,8 @@ def jacobian_of(
     It is traced as the function is: hand it to `compile` in the function's place, or call it, by keyword, within a
     function that is traced.  It returns a NamedTuple of d_<output>_d_<input>, each of the output's shape followed by
     the input's; the output of a function that returns an array is named "result".  Where a comparison switches, the
-    side chosen counts, and the other never spoils it.  Applied twice it gives second derivatives.
+    side chosen counts, and the other never spoils it.  Applied twice it gives second derivatives.  That of tanh is made
+    of its value: where it is all but 1, to the rounding of that.
 
     Args:
         of: names of the outputs, all if not given.

@@ -17,6 +17,7 @@ from llvmlite import binding
 
 from cutpoint.kernels.machine.cache import Cache, key_of, user_folder
 from cutpoint.kernels.machine.forks import new_lock
+from cutpoint.kernels.machine.loading_time import LOADED_AT
 from cutpoint.kernels.machine.waiting import interruptible
 
 OPTIMISATION = 2  # of the code generator; 1 and 3 were measured to be neither quicker to compile nor to run
@@ -76,6 +77,8 @@ class Compiled:
 
 def object_code(ir: str | Unwritten, optimisation: int) -> bytes:
     """An object file of a module's text: from disk if it has been made before, by this user for this processor."""
+    if not (isinstance(ir, str) or _are_as_loaded()):
+        ir = ir.write()
     told = ir if isinstance(ir, str) else repr((ir.by, _writers()))
     kept, key = _cache(user_folder()), key_of(told, str(optimisation), *_surroundings())
 
@@ -114,6 +117,12 @@ def _writers() -> tuple[tuple[str, int, int], ...]:
     kernels = Path(__file__).parents[1]
     found = ((x.relative_to(kernels), x.stat()) for x in kernels.rglob("*.py"))
     return tuple(sorted((str(name), file.st_size, file.st_mtime_ns) for name, file in found))
+
+
+def _are_as_loaded() -> bool:
+    """Whether the writers' files are those that this process has loaded, as far as their times tell: another text may
+    come of what it has in memory."""
+    return all(written < LOADED_AT for *_, written in _writers())
 
 
 def _processor() -> tuple[str, str]:

@@ -1,0 +1,18 @@
+"""What holds several outputs: a NamedTuple made for a kernel, that pickles."""
+
+from collections import namedtuple
+from collections.abc import Sequence
+from functools import cache
+from typing import Any
+
+
+@cache
+def record_class(name: str, fields: tuple[str, ...]) -> Any:
+    """The same class for the same names, so that what another process sends back is of it."""
+    made = namedtuple(name, fields)
+    made.__reduce__ = lambda self: (_record, (name, fields, tuple(self)))  # type: ignore[method-assign]
+    return made
+
+
+def _record(name: str, fields: tuple[str, ...], values: Sequence[Any]) -> tuple[Any, ...]:
+    return record_class(name, fields)(*values)
