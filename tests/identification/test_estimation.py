@@ -9,8 +9,9 @@ import pytest
 from scipy.stats import binom
 from simulated_logs import NOISE, exists, known_arm, recorded
 
-from cutpoint import Coulomb, Robot, Rotor
+from cutpoint import Coulomb, Drive, Robot, Rotor
 from cutpoint.errors import CutpointError, InputError
+from cutpoint.formats import parse_urdf
 from cutpoint.identification import Recording
 from cutpoint.identification.rigid.bodies import bodies_of, with_parameters
 from cutpoint.identification.rigid.identify_rigid import Method, identify_rigid
@@ -269,3 +270,23 @@ def test_a_solver_that_is_not_installed_is_named_before_any_work(monkeypatch: py
     monkeypatch.setitem(sys.modules, "clarabel", None)
     with pytest.raises(CutpointError, match=r"pip install 'cutpoint\[identify\]', or take .*--solver log_cholesky"):
         identify_rigid(known.file, few)
+
+
+def test_friction_that_differs_by_direction_does_not_stand_for_an_offset():
+    """On a lift, whose weight is constant, a torque's offset leaves its mass untold, whatever law friction has."""
+    text = (
+        '<robot name="lift"><link name="base"/><link name="plate"><inertial><mass value="1.2"/>'
+        '<inertia ixx="0.01" iyy="0.01" izz="0.01" ixy="0" ixz="0" iyz="0"/></inertial></link>'
+        '<joint name="z" type="prismatic"><parent link="base"/><child link="plate"/><axis xyz="0 0 1"/>'
+        '<limit lower="-1" upper="1" effort="100" velocity="2"/></joint></robot>'
+    )
+    lift = Robot(parse_urdf(text)).with_drives({"z": Drive(ratio=100.0, rotor=Rotor(1e-5))})
+    time = 2e-3 * np.arange(5000)
+    q, v, a = (0.1 * (2.0 * np.pi * 0.5) ** k * np.sin(np.pi * time + k * np.pi / 2)[:, None] for k in range(3))
+    law = Coulomb(4.0, 8.0, 0.01)
+    force = lift.inverse_dynamics(q, v, a) + law.torque(v) + 5.0
+    force += 0.02 * np.random.default_rng(0).normal(size=force.shape)
+    leaning = Coulomb(1.0, 1.0, 0.002, asymmetry=0.1)
+    found = identify_rigid(lift, Recording(time, ("z",), q=q, torque=force), friction={"z": leaning})
+    masses = [p for p in found.parameters if p.name.startswith(("m.", "offset"))]
+    assert masses and not any(p.told for p in masses)

@@ -252,3 +252,38 @@ def test_encoders_on_one_side_of_drives_that_bend_are_said_to_stand_for_both(sid
     assert any(words.startswith(said) for words in identify(arm, log).notes)
     rigid = arm.with_drives({joint: Drive(100.0) for joint in arm.joints})
     assert not any(words.startswith(said) for words in identify(rigid, log).notes)
+
+
+def one_sided(missing: str, joint: int) -> dict[str, Array]:
+    found = wound()
+    found[missing][:, joint] = np.nan
+    return found
+
+
+def test_a_joint_with_one_encoder_leaves_the_others_their_springs(files: Path, tmp_path: Path):
+    log = write_log(tmp_path / "log.csv", one_sided("theta", 1))
+    found = identify(files / "arm.urdf", log, drives=files / "sprung.yaml", friction="stated")
+    assert any("elbow: theta holds no number, q stands for it" in note for note in found.notes)
+    assert found.drives and set(found.drives.joints) == {"shoulder"}
+    stiffness = next(n for n in found.numbers if n.name == "stiffness")
+    assert stiffness.joint == "shoulder" and stiffness.low < 7e3 < stiffness.high
+    neither = one_sided("theta", 1) | {"q": one_sided("q", 1)["q"]}
+    with pytest.raises(InputError, match=r"joint 'elbow': neither q nor theta holds a number: lock it"):
+        identify(files / "arm.urdf", write_log(tmp_path / "none.csv", neither), drives=files / "sprung.yaml")
+
+
+def test_a_rotors_position_is_not_taken_for_degrees(files: Path, tmp_path: Path):
+    turned = wound()
+    turned["theta"] = 100.0 * turned["theta"]
+    with pytest.raises(InputError, match=r"the ratio times as far as q: this is the rotor: .* side: motor}"):
+        identify(files / "arm.urdf", write_log(tmp_path / "log.csv", turned), drives=files / "sprung.yaml")
+
+
+def test_an_offset_that_no_file_holds_is_said(files: Path, tmp_path: Path):
+    pushed = elbow("torque", lambda x: x + 1.5)
+    found = identify(files / "arm.urdf", write_log(tmp_path / "log.csv", pushed), drives=files / "rigid.yaml")
+    found.save(tmp_path / "out")
+    for name in ("report.html", "robot.drives.yaml", "parameters.json"):
+        told = " ".join((tmp_path / "out" / name).read_text().split())
+        assert re.search(r"1\.[45]\d* N m of elbow(&#x27;|'|&#39;)s torque are an offset", told), name
+        assert "of shoulder's torque are an offset" not in told

@@ -259,6 +259,16 @@ def test_what_is_not_stated_is_said_to_be_missing_and_not_assumed():
     assert some.missing == ("average speed", "life") and some.life is None
     assert "life" not in {margin.limit for margin in some.margins}
     assert some.demand.current is None and some.demand.voltage is None and some.demand.heat is None
+    motor = Motor(0.05)
+    assert "continuous current" in spin(brake(ratings=RATINGS, motor=motor), Polynomial(1.0, 2.0)).missing
+
+
+def test_the_motors_continuous_current_is_held_against_its_rms():
+    rated = brake(ratings=replace(RATINGS, continuous_current=2.0), motor=Motor(0.05))
+    found = sizing(rated, Polynomial(1.0, 2.0), dwell=1.0)
+    current = found.drives["spin"].demand.current_rms
+    assert limited(found)["continuous current"] == pytest.approx(2.0 / current)
+    assert found.drives["spin"].missing == ()
 
 
 def test_the_worst_instant_is_where_the_arm_is_then():

@@ -2,7 +2,7 @@
 
 from collections.abc import Iterator
 from dataclasses import is_dataclass
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -161,6 +161,16 @@ def limits_met(robot: Robot, log: "Log") -> Iterator[str]:
         unit = "N" if slides else "N m"
         if part > 0:
             yield f"{name} is asked for more than its {torque:.4g} {unit} in {part:.1%} of the samples"
+    yield from _beyond_ratings(robot, np.abs(log["joint_torque"]).max(axis=0))
+
+
+def _beyond_ratings(robot: Robot, peaks: Any) -> Iterator[str]:
+    """A sentence for each gear that transmits more than it may at all; peaks: (n,) N m."""
+    for (name, drive), peak, slides in zip(robot.drives.items(), peaks, _slides(robot), strict=True):
+        allowed = drive.ratings.momentary_peak_torque if drive.ratings else None
+        if allowed is not None and peak > allowed:
+            told = f"{peak:.4g} {'N' if slides else 'N m'}, its gear's momentary peak is {allowed:.4g}"
+            yield f"{name} transmits up to {told}: nothing limits it; see `cutpoint check`"
 
 
 def modes_table(robot: Robot, found: "Modes") -> Table:

@@ -63,8 +63,9 @@ class Watch(NamedTuple):
 class Guard(Wrapper):
     """A law within limits, and a stated reaction to each fault: once one is found, it is latched.
 
-    "hold" keeps the last safe torque; "ramp" takes it to zero within ramp_time (s); "stop" drops it at once.  A later
-    fault can only make the reaction more severe.  `reactions` replaces some of REACTIONS.  Torques are clipped to
+    "hold" keeps the last safe torque; "ramp" takes it to zero within ramp_time (s); "stop" drops it at once.  None of
+    them brakes, and a ramp goes on to push where the last torque did: take "stop" where that made a joint too fast.  A
+    later fault can only make the reaction more severe.  `reactions` replaces some of REACTIONS.  Torques are clipped to
     torque_limit, which is no fault.  Limits are those of the robot's joints and drives unless given, one for each drive
     or one for all: torque_limit (N m), speed_limit (rad/s), lower and upper (rad).
     A fault is a number in the log, see `Fault`; after it the law's memory stands still.  Where the law is guarded

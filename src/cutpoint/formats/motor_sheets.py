@@ -65,7 +65,7 @@ class MotorSheet(Sheet):
 
 
 class RatingsSheet(Sheet):
-    """What the maker allows the gear, at the joint's side but for speeds; only sizing reads it."""
+    """What makers allow the gear, at the joint's side but for speeds, and the motor; only sizing reads it."""
 
     rated_torque: float | None = quantity("N m", "N", "for the stated life at rated speed", None, gt=0)
     average_torque: float | None = quantity("N m", "N", "largest average over a cycle", None, gt=0)
@@ -75,3 +75,4 @@ class RatingsSheet(Sheet):
     average_speed: float | None = quantity("rad/s", "rad/s", "largest average of the motor's", None, gt=0)
     maximum_speed: float | None = quantity("rad/s", "rad/s", "largest of the motor's", None, gt=0)
     life: float | None = quantity("h", "h", "at rated torque and rated speed", None, gt=0)
+    continuous_current: float | None = quantity("A", "A", "largest RMS over a cycle of the motor's", None, gt=0)

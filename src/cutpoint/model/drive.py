@@ -108,10 +108,10 @@ class Rotor:
 
 @dataclass(frozen=True)
 class Ratings:
-    """What a maker allows a gear, at the joint's side; None where nothing is stated.
+    """What makers allow a gear, at the joint's side, and its motor; None where nothing is stated.
 
     Torques in N m: rated at rated_speed, average, repeated peak (starts and stops), momentary peak (collisions).
-    Speeds of the motor, rad/s.  life: h, at rated torque and rated speed.
+    Speeds of the motor, rad/s.  life: h, at rated torque and rated speed.  continuous_current: A, RMS of the motor's.
     """
 
     rated_torque: float | None = None
@@ -122,6 +122,7 @@ class Ratings:
     average_speed: float | None = None
     maximum_speed: float | None = None
     life: float | None = None
+    continuous_current: float | None = None
 
 
 @dataclass(frozen=True)

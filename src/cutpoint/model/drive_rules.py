@@ -80,7 +80,7 @@ RULES: dict[str, dict[str, Rule]] = {
     | _all(POSITIVE, "torque_constant resistance bandwidth current_limit voltage_limit"),
     "limits": _all(BOUND, "lower upper") | _all(POSITIVE_BOUND, "velocity effort"),
     "ratings": _all(POSITIVE, "rated_torque average_torque repeated_peak_torque momentary_peak_torque life")
-    | _all(POSITIVE, "rated_speed average_speed maximum_speed"),
+    | _all(POSITIVE, "rated_speed average_speed maximum_speed continuous_current"),
 }  # fmt: skip
 
 KINDS: dict[str, type] = {

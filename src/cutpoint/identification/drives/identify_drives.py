@@ -1,5 +1,6 @@
 """All drives of a robot from one recording: what encoders on both sides and the motors' torques tell."""
 
+import re
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 
@@ -102,7 +103,7 @@ def identify_drives(
             estimate = drive_of(channels[k], robot.drives[name], float(steps[k]), cutoff / NARROWER)
             robot = robot.with_drives({name: estimate.drive})
         except CutpointError as error:  # one joint's channels say nothing of the others'
-            failed[name] = str(error)
+            failed[name] = re.sub(r"^(two_encoders|motor_side): ", "", str(error))
         else:
             found[name] = estimate
     return DriveEstimates(robot, found, failed)

@@ -27,6 +27,12 @@ UNCERTAIN = 0.2
 NEAR = 0.1
 """Of the largest torque: where torque never comes so near to zero, a curve's beginning is extrapolated."""
 
+SURELY = 12.0
+"""Deviations of a damping beside a spring that is not told: steps of the encoders pass for it."""
+
+TOGETHER = 0.4
+"""Correlation of waves with the spring's deflection: those of a kinematic error, over some turns, have next to none."""
+
 FEWEST_TURNS = 3.0
 """Of the motor: fewer do not tell waves from the spring."""
 
@@ -84,16 +90,16 @@ def estimate_of(
     sentences = {
         "stiffness": _weak(data, fit, spread, counts),
         "curve near zero torque": _bare(data, fit),
-        "kinematic_error": "" if orders else _no_waves(data, fit, turns),
+        "kinematic_error": _not_apart(data, fit, orders) if orders else _no_waves(data, fit, turns),
         "hysteresis": _closed(data, fit) if hysteresis else "",
-        "damping": _undamped(fit, float(np.sqrt(spread[-1, -1]))) if damping else "",
+        "damping": _undamped(fit, float(np.sqrt(spread[-1, -1])), counts) if damping else "",
     }
     why = {thing: sentence for thing, sentence in sentences.items() if sentence}
     return SpringEstimate(
         law=fit.law.name,
         compliance=fit.law.make(fit.constants),
         damping=fit.damping if damping and "damping" not in why else None,
-        kinematic_error=waves(orders, fit.waves),
+        kinematic_error=None if "kinematic_error" in why else waves(orders, fit.waves),
         hysteresis=None if "hysteresis" in why else slipping(fit.stiffness, fit.reaches),
         offset=fit.offset,
         names=names,
@@ -150,8 +156,9 @@ def _closed(data: Deflections, fit: DeflectionFit) -> str:
     return f"loops open by {opening:.2g} rad, less than {OPEN:g} steps of the encoders, {data.resolution:.2g} rad each"
 
 
-def _undamped(fit: DeflectionFit, deviation: float) -> str:
-    told = fit.damping >= SIGNIFICANT * deviation
+def _undamped(fit: DeflectionFit, deviation: float, counts: float) -> str:
+    surely = SIGNIFICANT if counts >= COUNTS else SURELY
+    told = fit.damping >= surely * deviation
     return "" if told else f"{fit.damping:.3g} +- {deviation:.2g} N m s/rad cannot be told from zero"
 
 
@@ -176,6 +183,17 @@ def _apart(names: Sequence[str], values: Array, others: Sequence[str], theirs: A
     """By how much another fit's values differ, (p,); elements, which are others there, do not count."""
     known = {name: x for name, x in zip(others, theirs.tolist(), strict=True) if not name.startswith(("reach", "elem"))}
     return np.array([known.get(name, x) - x for name, x in zip(names, values.tolist(), strict=True)])
+
+
+def _not_apart(data: Deflections, fit: DeflectionFit, orders: Sequence[int]) -> str:
+    """Waves that go with the spring's deflection, or against it, are a part of that."""
+    waves = data.waves(orders) @ fit.waves
+    share = float(np.corrcoef(waves, fit.law.deflection(fit.constants, data.torque))[0, 1])
+    if abs(share) <= TOGETHER:
+        return ""
+    size = f"waves of {np.std(waves):.2g} rad RMS go {'with' if share > 0 else 'against'} the spring's deflection"
+    remedy = "let the motor turn farther, or excite with more torque"
+    return f"{size}, correlation {share:.2f}: they are not told from it; {remedy}"
 
 
 def _no_waves(data: Deflections, fit: DeflectionFit, turns: float) -> str:

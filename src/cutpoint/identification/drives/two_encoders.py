@@ -135,7 +135,7 @@ def smallest_step(values: Array) -> float:
     """The finest difference between samples: an encoder's resolution, where nothing else was done to them; rad."""
     levels = np.unique(values[np.isfinite(values)])
     steps = np.diff(levels)
-    steps = steps[steps > 1e-12 * max(float(np.abs(levels).max()), 1e-300)]
+    steps = steps[steps > 1e-12 * float(np.abs(levels).max(initial=1e-288))]
     return float(steps.min()) if steps.size else 0.0
 
 

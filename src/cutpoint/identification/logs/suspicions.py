@@ -49,10 +49,24 @@ def refuse_degrees(recording: Recording, robot: Robot, file: str = "") -> None:
                 try:
                     check_configuration(robot.mechanism, furthest.tolist())
                 except InputError as error:
-                    raise InputError(_beyond(name, joint, x), place=file or None, **error.evidence) from error
+                    turns = name == "theta" and _are_rotors(recording, joint, robot.drives[joint].ratio)
+                    told = _beyond(name, joint, x, is_rotor=turns)
+                    raise InputError(told, place=file or None, **error.evidence) from error
 
 
-def _beyond(name: str, joint: str, x: Array) -> str:
+def _are_rotors(recording: Recording, joint: str, ratio: float) -> bool:
+    """Whether a motor's position is that of its rotor, as the link's tells."""
+    if "q" not in recording.channels:
+        return False
+    k = recording.joints.index(joint)
+    q, theta = (recording[name][:, k] - np.nanmean(recording[name][:, k]) for name in ("q", "theta"))
+    return bool(abs(np.nansum(q * theta) - ratio * np.nansum(q * q)) < FITS * abs(ratio) * np.nansum(q * q))
+
+
+def _beyond(name: str, joint: str, x: Array, *, is_rotor: bool) -> str:
+    if is_rotor:
+        span = f"from {np.nanmin(x):.4g} to {np.nanmax(x):.4g} rad, the ratio times as far as q: this is the rotor"
+        return f"{name} of joint {joint!r} runs {span}: in a mapping, '{name}: {{channels: ..., side: motor}}'"
     counted = bool((_known(x) == np.round(_known(x))).all())
     unit, which = ("counts", "counts, counts_per_turn: ...") if counted else ("degrees", "deg")
     span = f"from {np.nanmin(x):.4g} to {np.nanmax(x):.4g} rad, far beyond its limits"

@@ -27,6 +27,9 @@ UNLIKE = 30.0
 
 TINY = float(np.finfo(float).tiny)
 
+UNEVEN = 1.1
+"""Times the share of time that errors at rest have of all, if rest is to blame."""
+
 MOST = 0.5
 """Of the squared error: what is said to make most of it."""
 
@@ -64,7 +67,7 @@ def _of_joint(errors: TorqueErrors, j: int, ratio: Ratio, unit: str) -> list[str
         times = f"{held / fitted:.1f} times that on the part that was fitted"
         reason = "it moves otherwise there, or the machine changed"
         notes.append(f": torque error on the part held out is {times}: {reason}")
-    if squares > MOST > time:
+    if squares > max(MOST, UNEVEN * time):
         when = f"the {time:.0%} of time in which it rests, where friction is whatever holds it and no law tells it"
         notes.append(f": {squares:.0%} of its squared torque error on the part held out comes from {when}")
     if ratio.is_more and held > SMALL * errors.size()[j]:

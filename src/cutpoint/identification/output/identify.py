@@ -11,6 +11,7 @@ from cutpoint.errors import InputError
 from cutpoint.formats.drive_file_writing import worded
 from cutpoint.identification.conditioning.alignment import aligned
 from cutpoint.identification.conditioning.bridging import bridged
+from cutpoint.identification.conditioning.other_sides import with_other_sides
 from cutpoint.identification.conditioning.spikes import without_spikes
 from cutpoint.identification.drives.identify_drives import DriveEstimates, encoder_steps
 from cutpoint.identification.joint_units import at_joints, words_at
@@ -101,6 +102,7 @@ def _read(
     """
     before = robot if isinstance(robot, Robot) else load(robot, drives)
     recording = _suspected(log, before) if isinstance(log, Recording) else read_recording(log, mapping, before)
+    recording = with_other_sides(recording)
     are_both = {"q", "theta"} <= recording.channels.keys() and {*before.joints} <= {*recording.joints}
     resolution = encoder_steps(recording.in_order(before.joints)) if are_both else None
     clean = without_spikes(recording)

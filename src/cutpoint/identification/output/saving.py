@@ -58,12 +58,23 @@ def _model_files(found: Identification) -> tuple[dict[str, bytes], list[str]]:
     for number in found.numbers:
         if number.path:
             remarks[number.joint][number.path] = number.remark
+    offsets = [note for number in found.numbers if (note := _offset(number))]
+    notes += offsets
     heading = [f"Identified by cutpoint {cutpoint.__version__}; remarks are intervals of 95 %, as the log alone tells."]
+    heading += offsets
     try:
         files["robot.drives.yaml"] = remarked_drives(found.robot.drives, remarks, heading).encode()
     except InputError as error:
         notes.append(f"no drive file was written: {error}")
     return files, notes
+
+
+def _offset(number: Number) -> str:
+    """What of a torque no file holds, though the errors of a report count without it; empty for what is no such."""
+    if not (number.name.startswith("offset.") and number.told and not number.low <= 0.0 <= number.high):
+        return ""
+    torque = f"{number.used:.4g} {number.unit} of {number.joint}'s torque are an offset, of a sensor or a current"
+    return f"{torque}: no file holds it, and models made of these files err by it"
 
 
 def _robot_file(found: Identification) -> tuple[dict[str, bytes], list[str]]:

@@ -58,6 +58,11 @@ def margins_of(
     found = [_margin(name, unit, allowed, asked) for name, unit, allowed, asked in rated if allowed is not None]
     found += [*_of_limits(limits, demand, abs(drive.ratio), travel, slides), *_of_motor(drive.motor, demand)]
     missing = [name for name, _, allowed, _ in rated if allowed is None]
+    if demand.current_rms is not None:
+        if ratings.continuous_current is None:
+            missing.append("continuous current")
+        else:
+            found.append(_margin("continuous current", "A", ratings.continuous_current, demand.current_rms))
     needed = ("life", "rated_torque", "rated_speed")
     return found, missing + [name.replace("_", " ") for name in needed if getattr(ratings, name) is None]
 
