@@ -51,6 +51,11 @@ def test_noise_above_the_bandwidth_fades():
     assert found(TIMES).q.std() < 0.3 * noise.std()
 
 
+def test_a_joint_at_rest_under_noise_is_a_motion():
+    found = from_samples(TIMES, 0.3 + np.random.default_rng(1).normal(scale=1e-5, size=(TIMES.size, 1)))
+    assert np.allclose(found(TIMES).q, 0.3, rtol=0.0, atol=3e-5)
+
+
 @pytest.mark.parametrize("count", [4, 5, 9, 801])
 def test_it_starts_and_ends_at_rest_up_to_the_snap(count: int):
     times = np.linspace(0.0, 2.0, count)

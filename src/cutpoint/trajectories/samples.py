@@ -23,6 +23,9 @@ FAR = 0.05
 SMALL = 0.01
 """Of the largest range of all joints: what moves by less may be noise."""
 
+LEAST = 1e-4
+"""rad (m): by so much noise may be smoothed away."""
+
 HURRIED = 1.2
 """Times the peak acceleration that a motion may take to start and end at rest, without being told of."""
 
@@ -119,7 +122,7 @@ def from_samples(
 
 def _check_near(deviation: Array, ranges: Array, bandwidth: float, names: Sequence[str] | None) -> None:
     """Raises InputError where the motion is far from its samples, though no one asked for that."""
-    far = deviation > np.maximum(FAR * ranges, SMALL * ranges.max())
+    far = deviation > np.maximum(FAR * ranges, max(SMALL * ranges.max(), LEAST))
     if not far.any():
         return
     joint = int(np.argmax(np.where(far, deviation / np.maximum(ranges, 1e-300), 0.0)))

@@ -58,9 +58,10 @@ def _are_rotors(recording: Recording, joint: str, ratio: float) -> bool:
     """Whether a motor's position is that of its rotor, as the link's tells."""
     if "q" not in recording.channels:
         return False
-    k = recording.joints.index(joint)
-    q, theta = (recording[name][:, k] - np.nanmean(recording[name][:, k]) for name in ("q", "theta"))
-    return bool(abs(np.nansum(q * theta) - ratio * np.nansum(q * q)) < FITS * abs(ratio) * np.nansum(q * q))
+    both = np.column_stack([recording[name][:, recording.joints.index(joint)] for name in ("q", "theta")])
+    known = both[np.isfinite(both).all(axis=1)]
+    q, theta = (known - known.mean(axis=0)).T if len(known) else known.T
+    return bool(abs(q @ theta - ratio * (q @ q)) < FITS * abs(ratio) * (q @ q))
 
 
 def _beyond(name: str, joint: str, x: Array, *, is_rotor: bool) -> str:
