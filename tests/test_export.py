@@ -343,3 +343,12 @@ def test_the_command_line_exports_what_floats_along_the_axes_that_are_asked_for(
     expected = arm.jacobian(q, "tool", axes)
     (found,) = CFunction(tmp_path, "jacobian", arm.kernel("jacobian").graph, flags=("-O1",))(q)
     assert_same_bits(found, expected)
+
+
+def test_the_numbers_of_a_laws_model_have_names(arm: cutpoint.Robot, tmp_path: Path) -> None:
+    law = Guard(PD([1.0] * 6, [1.0] * 6) + Feedforward(arm), arm)
+    export_controller(arm, law, tmp_path, period=PERIOD, name="law")
+    text = "".join(path.read_text() for path in tmp_path.rglob("*.h"))
+    (found,) = re.findall(r"(\S+), /\* Guard law parts\[1\] joint2 link_friction viscous \*/", text)
+    assert float.fromhex(found) == arm.drives["joint2"].link_friction.viscous
+    assert "a step of Guard for xia2019, no limits but the guard's" in text

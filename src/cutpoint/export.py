@@ -14,7 +14,7 @@ from cutpoint import derivatives
 from cutpoint.derivatives import in_c
 from cutpoint.door import check_kind, positive
 from cutpoint.errors import InputError, unknown_name
-from cutpoint.export_notes import PER_DRIVE, labels_of, notes_of, result_of
+from cutpoint.export_notes import PER_DRIVE, drive_labels, labels_of, notes_of, result_of
 from cutpoint.functions.compiled import compiled_of
 from cutpoint.functions.exported import RESULTS
 from cutpoint.kernels.targets import c99_package, cuda_package
@@ -59,8 +59,7 @@ def export_function(
     told = {key: x for key, x in options.items() if isinstance(x, (str, bool, Mapping))}
     said = [f"{key} {', '.join(x) if isinstance(x, Mapping) else x}" for key, x in told.items()]
     about = ", ".join([f"{function} of {robot.name}", *said])
-    labels = [label for name, drive in robot.drives.items() for label in labels_of(drive, name)]
-    values = {"parameters": Values(robot.drive_parameters, labels)}
+    values = {"parameters": Values(robot.drive_parameters, drive_labels(robot))}
     result = result_of(robot, function, **options)
     if to == "c" and (found := _as_loops(fresh, function)):
         notes = notes_of(robot, found[0], about, values, result)
@@ -91,7 +90,8 @@ def export_controller(
     memory = law_memory(law)
     if memory.size:
         values["memory"] = Values(memory, [f"memory[{k}]" for k in range(memory.size)])
-    notes = notes_of(robot, graph, f"a step of {type(law).__name__} for {robot.name}, limits not applied", values)
+    limits = "no limits but the guard's" if getattr(law, "reports_faults", False) else "limits not applied"
+    notes = notes_of(robot, graph, f"a step of {type(law).__name__} for {robot.name}, {limits}", values)
     return c99_package.write_package(graph, name, folder, notes, force=force)
 
 

@@ -7,6 +7,7 @@ from typing import Any
 import numpy as np
 
 from cutpoint.control import Fault
+from cutpoint.control.model_law import ModelLaw
 from cutpoint.kernels.graphs.graph import Graph
 from cutpoint.kernels.targets.c99 import Source
 from cutpoint.kernels.targets.c99_texts import Notes, Values
@@ -103,6 +104,11 @@ def _order(robot: Robot, name: str, size: int) -> list[str]:
     return entries
 
 
+def drive_labels(robot: Robot) -> list[str]:
+    """What each of a robot's `drive_parameters` is."""
+    return [label for name, drive in robot.drives.items() for label in labels_of(drive, name)]
+
+
 def labels_of(record: Any, path: str = "") -> Iterator[str]:
     """What each of `scalars.leaves` of a record is: the way to it."""
     if isinstance(record, np.ndarray):
@@ -115,7 +121,9 @@ def labels_of(record: Any, path: str = "") -> Iterator[str]:
             yield from labels_of(part, f"{path}[{k}]")
     elif is_dataclass(record) and not isinstance(record, type):
         for f in fields(record):
-            if f.init:
+            if f.init and f.name == "parameters" and isinstance(record, ModelLaw):
+                yield from (f"{path} {label}" for label in drive_labels(record.robot))
+            elif f.init:
                 yield from labels_of(getattr(record, f.name), f"{path} {f.name}".strip())
     elif hasattr(type(record), "__neg__") and not isinstance(record, (bool, np.bool_, int, np.integer)):
         yield path
