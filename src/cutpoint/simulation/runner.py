@@ -180,7 +180,7 @@ def diagnosis(loop: ClosedLoop, memory: dict[str, Array], done: int) -> str:
         found = f"the state is not finite; a sample earlier {_largest(loop, memory['record'][done - 1, : len(state)])}"
     else:
         found = "the state is not finite"
-    remedy = "lower the gains, check the sides they act on, or take more substeps"
+    remedy = "lower the gains, or the rates of a law that learns, check the sides they act on, or take more substeps"
     return f"diverged at t = {done * loop.period:g} s: {found}; {remedy}"
 
 
