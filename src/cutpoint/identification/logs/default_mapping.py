@@ -92,6 +92,8 @@ def _channels(first: Mapping[str, str], group: Group, labels: Sequence[str], tab
         if not ((_are_numbers(labels) and _are_numbers(own)) or "" in (*first, *own)):
             lacking = next(label for label in labels if label not in own)
             rule = f"none of them is named like {first[lacking]!r}; name them alike, or give a mapping"
+            if set(own) <= set(labels):
+                rule += "; a joint that lacks one has a column without numbers"
             raise InputError(f"columns {listed(own.values())}: {rule}{table.besides}", place=table.file)
         labels = _in_order(own, ())
     found = [own[label] for label in labels]
