@@ -12,6 +12,7 @@ from hypothesis import strategies as st
 
 from cutpoint import definitions, scalars
 from cutpoint.control import Feedforward, Measurement, Reference
+from cutpoint.errors import InputError
 from cutpoint.scalars import Jet
 from robot_library import Array, Robot, assert_close, derivative, robot, tree, vectors
 
@@ -119,3 +120,8 @@ def test_laws_run_on_plain_numbers_as_they_are(data):
     m = Measurement(0.0, 1e-3, *motion[:4])
     _, command = Feedforward(ours).step((), m, Reference(*motion, motion[0], motion[1]))
     assert_close(np.asarray(command.torque, float), u.motor_torque, 1e-11, scale=10.0)
+
+
+def test_what_is_no_number_is_refused_by_the_functions_name():
+    with pytest.raises(InputError, match=r"^sin takes a number of any kind or an array of them, not a list$"):
+        scalars.sin([0.0, 1.0])

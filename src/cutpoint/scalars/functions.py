@@ -10,6 +10,8 @@ from typing import Any
 
 import numpy as np
 
+from cutpoint.errors import InputError
+
 Scalar = Any
 """A number of any kind that offers + - * /; no protocol can say more without naming every kind."""
 
@@ -26,7 +28,10 @@ def _apply(name: str, x: Scalar) -> Scalar:
         return getattr(np, "arctan" if name == "atan" else name)(x)
     if type(x).__module__.partition(".")[0] == "sympy":
         return getattr(sys.modules["sympy"], name)(x)
-    return getattr(x, name)()  # a jet or a traced value knows its own
+    own = getattr(x, name, None)  # a jet or a traced value knows its own
+    if own is None:
+        raise InputError(f"{name} takes a number of any kind or an array of them, not a {type(x).__name__}")
+    return own()
 
 
 def sin(x: Scalar) -> Scalar:
@@ -93,7 +98,7 @@ def where(condition: Any, yes: Scalar, no: Scalar) -> Scalar:
 
 
 def absolute(x: Scalar) -> Scalar:
-    """The size of x."""
+    """The size of x; -0.0 stays as it is."""
     return where(x < 0, -x, x)
 
 
