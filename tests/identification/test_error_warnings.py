@@ -38,6 +38,10 @@ def test_a_model_that_carries_over_is_not_spoken_of():
         ({"after": 2.0}, r"elbow: .* held out is 1\d\.\d\d to 2\d\.\d\d times that of plain least squares: check"),
         ({"after": 10.0, "plain": 10.0}, r"elbow: 9\.\d+ of 14\.\d N m of its torque are not explained: check"),
         ({"before": 0.999 * TORQUE / NOISE[0]}, r"torques are 1e\+03 times what the robot's files ask .* check"),
+        (
+            {"after": (0.1 * TIME - 1.4) * np.sign(MOVES) / NOISE[1], "plain": 0.1},
+            r"elbow: friction takes 2\.\d+ N m more at the end of the log than at its beginning, as where it warms up",
+        ),
         ({"before": 0.05}, r"elbow: the identified model explains its torque worse than the files did"),
         (
             {

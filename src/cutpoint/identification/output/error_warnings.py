@@ -25,6 +25,9 @@ MORE = 1.05
 UNLIKE = 30.0
 """Times what the files ask of all joints, or that part of it: no mass is so wrong."""
 
+DRIFTS = 1.0
+"""Times the error of the part that was fitted: friction that changed by more makes most of it."""
+
 TINY = float(np.finfo(float).tiny)
 
 UNEVEN = 1.1
@@ -73,6 +76,11 @@ def _of_joint(errors: TorqueErrors, j: int, ratio: Ratio, unit: str) -> list[str
     if ratio.is_more and held > SMALL * errors.size()[j]:
         times = f"{ratio.low:.2f} to {ratio.high:.2f} times that of plain least squares"
         notes.append(f": torque error on the part held out is {times}: check signs and units, or record longer")
+    drift = float(errors.drift()[j])
+    if abs(drift) > max(DRIFTS * fitted, SMALL * errors.size()[j]):
+        what = f"{abs(drift):.3g} {unit} {'more' if drift > 0.0 else 'less'}"
+        remedy = "as where it warms up: what was found is between; record it warm, or for a shorter time"
+        notes.append(f": friction takes {what} at the end of the log than at its beginning, {remedy}")
     if fitted > MORE * before:
         notes.append(": the identified model explains its torque worse than the files did")
     return notes

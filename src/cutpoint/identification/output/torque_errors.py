@@ -70,6 +70,14 @@ class TorqueErrors:
         rests = np.abs(self.v[held]) < RESTS * self.speed()
         return rests.sum(axis=0) / max(held.sum(), 1), _share(np.where(rests, squares, 0.0), squares)
 
+    def drift(self) -> Array:
+        """(n,) N m: by how much more each joint's dry friction takes in the last third of the log than in the first, as
+        errors of "after" show while it moves."""
+        ways = np.where(np.abs(self.v) < RESTS * self.speed(), 0.0, np.sign(self.v))
+        along, third = (self.measured - self.after) * ways, len(self.time) // 3
+        first, last = (_share(along[rows], np.abs(ways[rows])) for rows in (slice(third), slice(-third, None)))
+        return last - first
+
     def _rms(self, values: Array, held_out: bool) -> Array:
         squares = np.square(values[self.held_out == held_out])
         known = np.isfinite(squares).sum(axis=0)
