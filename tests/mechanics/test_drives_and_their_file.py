@@ -103,6 +103,7 @@ def assert_reads_back(drive: Drive) -> None:
     assert leaves(found) == pytest.approx(leaves(drive), rel=1e-12, abs=0.0)
 
 
+@pytest.mark.filterwarnings("ignore::cutpoint.formats.UnitsWarning")
 @pytest.mark.parametrize("name", DRIVES)
 def test_what_a_robot_takes_is_written_and_read_back_or_has_no_words(name: str) -> None:
     assert takes(DRIVES[name])
