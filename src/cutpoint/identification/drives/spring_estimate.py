@@ -157,9 +157,9 @@ def _closed(data: Deflections, fit: DeflectionFit) -> str:
 
 
 def _undamped(fit: DeflectionFit, deviation: float, counts: float) -> str:
-    surely = SIGNIFICANT if counts >= COUNTS else SURELY
+    surely, beside = (SIGNIFICANT, "") if counts >= COUNTS else (SURELY, ", or from steps of the encoders")
     told = fit.damping >= surely * deviation
-    return "" if told else f"{fit.damping:.3g} +- {deviation:.2g} N m s/rad cannot be told from zero"
+    return "" if told else f"{fit.damping:.3g} +- {deviation:.2g} N m s/rad cannot be told from zero{beside}"
 
 
 def _uncertainty(data: Deflections, fit: DeflectionFit, spread: Array) -> float:

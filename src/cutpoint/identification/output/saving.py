@@ -70,7 +70,7 @@ def _model_files(found: Identification) -> tuple[dict[str, bytes], list[str]]:
 
 
 def _offset(number: Number) -> str:
-    """What of a torque no file holds, though the errors of a report count without it; empty for what is no such."""
+    """What of a torque no file holds, though a report's errors count with it; empty for what is no such."""
     if not (number.name.startswith("offset.") and number.told and not number.low <= 0.0 <= number.high):
         return ""
     torque = f"{number.used:.4g} {number.unit} of {number.joint}'s torque are an offset, of a sensor or a current"
