@@ -4,7 +4,7 @@ from collections.abc import Sequence
 
 from function_sections import elastic, from_memory, functions, in_jax, parameters
 from goals import goals
-from run_sections import chains, closed_loop, large_robots, latency, laws, python_calls, steps
+from run_sections import chains, closed_loop, large_robots, latency, laws, python_calls, starts, steps
 from tables import NONE
 
 _INTRODUCTION = """# Benchmarks
@@ -54,7 +54,7 @@ def document(results: dict, others: Sequence[dict] = ()) -> str:
         chains(results["chains"]), large_robots(results["large robots"]),
         python_calls(results["from Python"]),
         closed_loop(results["closed loop"], results["own arm"]), steps(results["steps"]), laws(results["laws"]),
-        latency(results["latency"]),
+        starts(results.get("starts")), latency(results["latency"]),
     ]  # fmt: skip
     head = _INTRODUCTION.format(**facts, packages=packages, worst=_worst(results), none=NONE)
     return head + "".join(f"\n{text}" for text in tables if text)

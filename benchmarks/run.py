@@ -31,6 +31,7 @@ from llvmlite import binding
 from parameters import parameters_as_inputs
 from python_calls import python_calls
 from simulations import loops
+from starts import starts
 from steps import steps
 from tasks import tasks
 
@@ -65,7 +66,7 @@ def _measured(calls: int) -> dict:
         "parameters": parameters_as_inputs(), "from memory": from_memory(), "in JAX": jax_rows(), "chains": chains(),
         "large robots": large_robots(),
         "from Python": python_calls(), "closed loop": closed_loop(), "own arm": loops(), "steps": steps(),
-        "laws": laws(),
+        "laws": laws(), "starts": starts(),
         "latency": latency(calls=calls),
     }  # fmt: skip
 

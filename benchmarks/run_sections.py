@@ -65,6 +65,13 @@ steps a control period less runs of few, so that the controller and the call can
 
 """
 
+_STARTS = """## Starting
+
+Seconds from nothing to a first result, each in a process of its own, Python's own start included: of the first start,
+which has machine code to make, and of later ones, which find it on disk.
+
+"""
+
 _LATENCY = """## Exported C, call by call
 
 `{function}` of the paper's arm as C99 by {compiler}:
@@ -141,6 +148,18 @@ def laws(found: list[dict]) -> str:
         for x in found
     ]  # fmt: skip
     return _LAWS + table("law | operations | one call, ns | many, ns each", rows)
+
+
+def starts(found: list[dict] | None) -> str:
+    """The first row is what the others are beyond."""
+    if found is None:
+        return ""
+    least = found[0]["least"]
+    rows = [
+        Row((x["start"],), [f"{x['first']:.2f}", f"{x['median']:.2f} ({x['least']:.2f})", f"{x['least'] - least:.2f}"])
+        for x in found
+    ]
+    return _STARTS + table("process | first start | later | least, beyond importing NumPy", rows)
 
 
 def latency(found: dict | None) -> str:

@@ -44,6 +44,20 @@ def test_torques_take_no_slow_imports_and_no_second_compilation(
     assert run(REFUSES_TO_COMPILE)[0] == first
 
 
+SIMULATION = """
+import sys, cutpoint
+robot = cutpoint.robots.xia2019()
+law = cutpoint.control.PD([500.0] * 6, [20.0] * 6, side="motor") + cutpoint.control.Feedforward(robot)
+log = cutpoint.simulate(robot, law, cutpoint.trajectories.cycloid([0.1] * 6, 1.0), duration=0.01)
+print(log["q"][-1].tolist(), sorted({"scipy", "matplotlib", "rich", "pandas"} & sys.modules.keys()))
+"""
+
+
+def test_simulations_take_no_slow_imports() -> None:
+    done = subprocess.run([sys.executable, "-c", SIMULATION], capture_output=True, text=True, timeout=120, check=True)
+    assert done.stdout.endswith("] []\n")
+
+
 WITHOUT_LLVMLITE = """
 import sys
 sys.modules["llvmlite"] = None  # as if it were not installed

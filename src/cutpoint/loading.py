@@ -11,7 +11,7 @@ from numpy.typing import ArrayLike
 
 from cutpoint.door import DRIVES, check_kind, driven_joints, path_of
 from cutpoint.errors import InputError, ModelError
-from cutpoint.formats import drive_of, load_drives, load_urdf
+from cutpoint.formats import drive_of, load_urdf
 from cutpoint.model import Drive, Mechanism
 from cutpoint.model.mechanism import STANDARD_GRAVITY
 from cutpoint.robot import Backend, Robot
@@ -70,6 +70,8 @@ def _drives(
     joints = {body.joint.name: body.joint for body in mechanism.bodies}
     drives = {name: drive_of(joints[name]) for name in driven_joints(mechanism)} | dict(stated)
     if isinstance(given, (str, PathLike)):
+        from cutpoint.formats import load_drives  # slow to import
+
         found = load_drives(given, mechanism, locked)
         _say_what_is_dropped(drives, found, given)
         return drives | found

@@ -8,7 +8,6 @@ from pathlib import Path
 
 import numpy as np
 
-from cutpoint.formats import load_drives
 from cutpoint.model.build import build
 from cutpoint.model.mechanism import Array, Joint, Link, Mechanism
 from cutpoint.robot import Robot
@@ -37,6 +36,8 @@ _ORIENTATIONS = (_STRAIGHT, _QUARTER_ABOUT_X, _STRAIGHT, _ALONG_FOREARM, _QUARTE
 
 def xia2019(as_printed: bool = False) -> Robot:
     """The paper's arm with the drives of its drive file; as_printed as in `xia2019_mechanism`."""
+    from cutpoint.formats import load_drives  # slow to import
+
     mechanism = xia2019_mechanism(as_printed)
     return Robot(mechanism, load_drives(XIA2019_DRIVES, mechanism))
 

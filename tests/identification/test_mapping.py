@@ -40,6 +40,7 @@ def mapped(text: str, log: Table) -> Recording:
         ("{unit: deg, side: motor}", math.pi / 180.0 / -100.0),
         ("{unit: counts, counts_per_turn: 4096, side: motor, sign: -1}", 2.0 * math.pi / 4096 / 100.0),
         ("{gain: 0.25}", 0.25),
+        ("{unit: 1, gain: 0.25}", 0.25),
     ],
 )
 def test_positions_come_out_in_radians_at_the_joint(fields: str, factor: float):
@@ -103,7 +104,7 @@ def test_columns_are_picked_by_label_by_number_or_one_by_one():
 
 @pytest.mark.parametrize(
     ("time", "step"),
-    [("{channel: t, unit: ms}", 1e-6), ("{channel: t}", 1e-3), ("{period: 0.004}", 4e-3)],
+    [("{channel: t, unit: ms}", 1e-6), ("{channel: t}", 1e-3), ("t", 1e-3), ("{period: 0.004}", 4e-3)],
 )
 def test_time_is_a_channel_in_its_unit_or_a_period(time: str, step: float):
     assert mapped(f"time: {time}\nq: x", table(x=Q)).time == pytest.approx(step * np.arange(100), abs=1e-15)

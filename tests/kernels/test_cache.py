@@ -14,12 +14,13 @@ import numpy as np
 import pytest
 from llvmlite import binding
 
-from cutpoint.kernels import Kernel, compile
+from cutpoint.kernels import Kernel, Loop, Program, Region, Stage, compile, compile_program
 from cutpoint.kernels.machine import cache as caches
 from cutpoint.kernels.machine import jit
 from cutpoint.kernels.machine.batch_loop import WORTH_MAKING_PACKS
 from cutpoint.kernels.machine.cache import VARIABLE, Cache, key_of, not_kept, user_folder
 from cutpoint.kernels.machine.jit import object_code
+from cutpoint.kernels.programs import compiled as programs
 from cutpoint.scalars import sin, tanh
 
 HEADER = 80  # bytes before the code
@@ -97,6 +98,41 @@ def test_a_second_process_compiles_nothing_and_gives_the_same_bits(folder: Path)
     assert len(kept) == 4  # single elements, packs, and the shortcuts for single calls and for whole batches
     assert answer(start(REFUSES_TO_COMPILE)) == first
     assert entries(folder) == kept
+
+
+def program(**changed: Any) -> Program:
+    """Of two stages in a loop; changed: what of the first stage, or of the loop, is otherwise."""
+    told: dict[str, Any] = {"lanes": 1, "factor": 2.0, "count": "steps", "streams": (), "backward": False} | changed
+    grow = Stage(lambda x: [told["factor"] * x_k for x_k in x], ("x",), ("x",), told["lanes"])
+    add = Stage(lambda x, y: [x_k + y_k for x_k, y_k in zip(x, y, strict=True)], ("x", "y"), ("y",), told["lanes"])
+    body = Loop(told["count"], [grow, add], told["streams"], backward=told["backward"])
+    return compile_program(body, [Region("x", 4, told["lanes"]), Region("y", 4, told["lanes"])], "llvm")
+
+
+def test_a_program_on_disk_is_found_before_its_text_is_written(folder: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    def run(made: Program) -> bytes:
+        x, y = np.arange(4.0), np.zeros(4)
+        made.run({"steps": 3}, x=x, y=y)
+        return x.tobytes() + y.tobytes()
+
+    first = run(program())
+
+    def refuse(plan: Any) -> str:
+        raise AssertionError("written")
+
+    monkeypatch.setattr(programs, "program_ir", refuse)
+    assert run(program()) == first
+
+
+@pytest.mark.parametrize(
+    "changed",
+    [{"lanes": 2}, {"factor": 3.0}, {"factor": -2.0}, {"count": 3}, {"streams": ("x",)}, {"count": "others"},
+     {"streams": ("x",), "backward": True}],
+)  # fmt: skip
+def test_another_program_is_another_entry(folder: Path, changed: dict[str, Any]) -> None:
+    program()
+    program(**changed)
+    assert len(entries(folder)) == 2
 
 
 def test_code_for_another_processor_is_not_used(folder: Path) -> None:

@@ -40,6 +40,23 @@ app = typer.Typer(
     add_completion=False,
     pretty_exceptions_enable=False,
 )
+
+
+def _say_version(asked: bool) -> None:
+    if asked:
+        typer.echo(f"cutpoint {cutpoint.__version__}")
+        raise typer.Exit
+
+
+@app.callback()
+def _of_all_commands(
+    version: Annotated[
+        bool, typer.Option("--version", metavar="", callback=_say_version, is_eager=True, help="Show the version.")
+    ] = False,
+) -> None:
+    """What may stand before a command's name."""
+
+
 # names of robots and files are printed as they are: brackets and colons in them are no markup
 _wide = sys.stdout is None or not sys.stdout.isatty()
 console = Console(width=120 if _wide else None, markup=False, emoji=False)

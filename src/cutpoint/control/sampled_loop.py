@@ -6,7 +6,6 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
-from scipy.linalg import expm
 
 from cutpoint.control.interface import name_of
 from cutpoint.control.law import Law, as_law, check_drives
@@ -142,6 +141,8 @@ def _sampled(robot: Robot, model: "LinearModel", period: float) -> _Plant:
     A[:count, count:], B[:count, lagging] = model.B[:, lagging], 0.0
     rates = np.array([*lags.values()], float)
     A[count:, count:], B[range(count, len(A)), lagging] = -np.diag(rates), rates
+
+    from scipy.linalg import expm  # slow to import
 
     def moved(time: float) -> tuple[Array, Array]:
         both = np.asarray(expm(np.block([[A, B], [np.zeros((n, len(A) + n))]]) * time), np.float64)

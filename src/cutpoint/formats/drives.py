@@ -18,7 +18,6 @@ from cutpoint.formats.reading import read_bytes
 from cutpoint.formats.safe_yaml import MAXIMUM_BYTES, parse_yaml
 from cutpoint.formats.unlikely_units import UnitsWarning, doubts_of
 from cutpoint.formats.urdf import DegreesWarning
-from cutpoint.mechanics.friction import Coulomb
 from cutpoint.model.drive import Drive
 from cutpoint.model.limits import look_like_degrees
 from cutpoint.model.mechanism import Joint, Mechanism
@@ -80,13 +79,6 @@ def _warn_of_units(doubts: Mapping[str, Collection[str]], degrees: Collection[st
     if degrees:
         text = f"limits of joints {listed(degrees)} look like degrees; a drive file's angles are radians"
         warnings.warn(f"{text} ({place})", DegreesWarning, stacklevel=level)
-
-
-def drive_of(joint: Joint) -> Drive:
-    """The drive of a joint that no drive file mentions: rigid, no gear, and the friction that its robot file states."""
-    if joint.damping == 0.0 and joint.friction == 0.0:
-        return Drive()
-    return Drive(link_friction=Coulomb(joint.friction, joint.damping))
 
 
 def dump_drives(drives: Mapping[str, Drive]) -> str:

@@ -17,7 +17,6 @@ from numpy.typing import ArrayLike
 from scipy.spatial.transform import Rotation
 
 from cutpoint.errors import ModelError
-from cutpoint.formats.drives import drive_of
 from cutpoint.formats.mjcf_includes import with_includes
 from cutpoint.formats.mjcf_losses import NotCarriedOver, losses
 from cutpoint.formats.mjcf_meshes import MeshFile, mesh_files, read_meshes
@@ -33,6 +32,7 @@ from cutpoint.formats.mjcf_model import (
     package,
 )
 from cutpoint.formats.mjcf_text import excerpt_of
+from cutpoint.formats.plain_drive import drive_of
 from cutpoint.formats.reading import read_bytes
 from cutpoint.formats.safe_xml import Element, parse_xml
 from cutpoint.formats.urdf import warn_of_degrees

@@ -83,7 +83,9 @@ def elastic_inverse_dynamics(
     still makes `elastic_forward_dynamics` return a and theta_ddot exactly, but theta_dot is off d theta/dt by the order
     of damping.  strains: of the drives; what they exert enters by value, as friction does.
     """
-    v = [Jet(*x) for x in zip(*rates, strict=True)]
+    # springs alone ask how torques change
+    needed = rates if any(d.drive.is_elastic for d in drives) else rates[:2]
+    v = [Jet(*x) for x in zip(*needed, strict=True)]
     a = [x.rate() for x in v]
     moved = motions(system, coordinate_jets(system, q, v), v, None)
     F = net_wrenches(system, moved, v, a)

@@ -1,4 +1,4 @@
-"""`simulate_many`: studies over seeds, gains, plants and starts, eight runs at once."""
+"""`simulate_many`: studies over seeds, gains, plants and starts, several runs at once."""
 
 import time
 import warnings
@@ -79,7 +79,7 @@ def simulate_many(
     each: Callable[[Log], Any] | None = None,
     threads: int = 1,
 ) -> Runs:
-    """Simulate many closed loops that differ in numbers, eight at once in one compiled program; see `simulate`.
+    """Simulate many closed loops that differ in numbers, four or eight at once in one compiled program; see `simulate`.
 
     robot, controller, trajectory, initial, sensors and disturbances are one for all runs, or a list or tuple of one a
     run.  Runs of other structures, mechanisms or laws are compiled and packed apart; a law that cannot be compiled is

@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 from cutpoint.errors import SimulationError
 from cutpoint.kernels import Program
+from cutpoint.kernels.arrays.backends import numbers_at_once
 from cutpoint.simulation.inputs import noise_of
 from cutpoint.simulation.log import Log
 from cutpoint.simulation.loop import ClosedLoop
@@ -28,9 +29,6 @@ from cutpoint.simulation.runner import (
 from cutpoint.simulation.substeps import Steps
 
 Array = NDArray[np.float64]
-
-WIDTH = 8
-"""Runs of a pack: numbers that a wide register holds."""
 
 BUFFER = 4 * BLOCK
 """Samples whose noise and record a pack holds at a time, so that a cache does."""
@@ -55,12 +53,13 @@ class Setup:
 
 @dataclass(frozen=True, eq=False)
 class Pack:
-    """Up to WIDTH setups of one structure.
+    """Setups of one structure, in as many lanes, or in fewer.
 
     own_rows, own_laws: see `ClosedLoop`.  times (N,), s; settings go into the logs.
     """
 
     setups: Sequence[Setup]
+    lanes: int
     own_rows: bool
     own_laws: bool
     times: Array
@@ -74,7 +73,7 @@ class Pack:
     def run(self, goes_on: Callable[[int], bool]) -> dict[int, Log | SimulationError]:
         """All runs' logs or what stopped them; goes_on hears how many samples were done, and may end it."""
         program, memory, noise = self.program(), self._memory(), self._noise()
-        beside = memory["record"].reshape(BUFFER, -1, WIDTH)
+        beside = memory["record"].reshape(BUFFER, -1, self.lanes)
         records = [np.empty((len(self.times), beside.shape[1])) for _ in self.setups]
         total, done, chunk = len(self.times), 0, FIRST_CHUNK
         while done < total and goes_on(done):
@@ -92,7 +91,7 @@ class Pack:
         return {setup.number: self._outcome(setup, own, done, bool(fault)) for setup, own, fault in found}
 
     def _loop(self, setup: Setup) -> ClosedLoop:
-        return replace(setup.loop, runs=WIDTH, own_rows=self.own_rows, own_laws=self.own_laws)
+        return replace(setup.loop, runs=self.lanes, own_rows=self.own_rows, own_laws=self.own_laws)
 
     def _memory(self) -> dict[str, Array]:
         """Regions with the runs' numbers side by side, but for rows; those with a row a sample have BUFFER of them."""
@@ -117,7 +116,7 @@ class Pack:
     @property
     def _filled(self) -> list[Setup]:
         """The setups, lane by lane."""
-        return [*self.setups, *[self.setups[-1]] * (WIDTH - len(self.setups))]
+        return [*self.setups, *[self.setups[-1]] * (self.lanes - len(self.setups))]
 
     def _outcome(self, setup: Setup, record: Array, done: int, failed: bool) -> Log | SimulationError:
         """The run's log, or an error that holds what there is of it."""
@@ -156,5 +155,6 @@ def packs_of(setups: Sequence[Setup], structure: Callable[[Setup], Any], **commo
     for group in groups.values():
         own_rows = len({id(s.rows) for s in group}) > 1
         own_laws = len({s.loop.law_parameters().tobytes() for s in group}) > 1
-        packs += [Pack(group[k : k + WIDTH], own_rows, own_laws, **common) for k in range(0, len(group), WIDTH)]
+        lanes = numbers_at_once(group[0].loop.robot.backend)
+        packs += [Pack(group[k : k + lanes], lanes, own_rows, own_laws, **common) for k in range(0, len(group), lanes)]
     return packs

@@ -96,6 +96,8 @@ def _remembered(loop: ClosedLoop, strains: Array) -> dict[str, Array]:
 
 def _disturbance(loop: ClosedLoop, rows: Array) -> dict[str, Array]:
     """What pushed the links, a column a drive, where anything did or it was asked for."""
+    if not _is_wanted(loop, "disturbance_torque"):
+        return {}
     pushed = loop.layout.disturbances(rows)[:, [d.v for d in loop.robot.machine.drives]]
     return {"disturbance_torque": pushed} if pushed.any() or loop.kept is not None else {}
 

@@ -3,12 +3,10 @@
 import time
 import warnings
 from collections.abc import Callable
-from typing import NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
-from rich.console import Console
-from rich.progress import Progress, TaskID
 
 from cutpoint.control.interface import name_of, stepped
 from cutpoint.errors import TraceError
@@ -16,6 +14,9 @@ from cutpoint.kernels import Program
 from cutpoint.simulation.loop import INTEGRATION, ClosedLoop
 from cutpoint.simulation.plant import State
 from cutpoint.simulation.step import TABLEAU
+
+if TYPE_CHECKING:
+    from rich.progress import Progress, TaskID
 
 Array = NDArray[np.float64]
 
@@ -223,13 +224,16 @@ class Bar:
     def __init__(self, total: float) -> None:
         self._total = total
         self._progress: Progress | None = None
-        self._task = TaskID(0)
+        self._task: TaskID
 
     def __enter__(self) -> "Bar":
         return self
 
     def show(self, done: float) -> None:
         if self._progress is None:
+            from rich.console import Console  # slow to import
+            from rich.progress import Progress
+
             self._progress = Progress(console=Console(stderr=True), transient=True)
             self._progress.start()
             self._task = self._progress.add_task("simulating", total=self._total)

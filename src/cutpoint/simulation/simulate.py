@@ -16,10 +16,8 @@ from cutpoint.model.limits import efforts_in_force
 from cutpoint.robot import A_ROBOT, Robot
 from cutpoint.rolled import TOO_LARGE
 from cutpoint.scalars import with_float_leaves
-from cutpoint.simulation.adaptive import adaptive_step
 from cutpoint.simulation.beginning import beginning
 from cutpoint.simulation.cache import programs_for
-from cutpoint.simulation.continuous import check_continuous, continuous_step
 from cutpoint.simulation.controllers import Admitted, FreeResponse, admitted, check_sensors
 from cutpoint.simulation.inputs import (
     MOST_STEPS,
@@ -165,9 +163,15 @@ def check_size(robot: Robot) -> None:
 def _integrator(loop: ClosedLoop, trajectory: Trajectory | None, accuracy: str, hold: bool) -> Any:
     """What goes from one sample to the next; None is fixed steps."""
     if not hold:
+        from cutpoint.simulation.continuous import check_continuous, continuous_step  # with SciPy slow to import
+
         check_continuous(loop)
         return continuous_step(loop, trajectory)
-    return adaptive_step(loop) if accuracy == "reference" else None
+    if accuracy != "reference":
+        return None
+    from cutpoint.simulation.adaptive import adaptive_step  # with SciPy slow to import
+
+    return adaptive_step(loop)
 
 
 def steps_of(robot: Robot, accuracy: str, substeps: int | None, period: float, start: State, reference: Array) -> Steps:

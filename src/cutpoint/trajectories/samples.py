@@ -9,7 +9,6 @@ from numpy.typing import ArrayLike
 from cutpoint.door import checked_names, number
 from cutpoint.errors import InputError
 from cutpoint.trajectories.arrays import Array, joint_name, timed_positions
-from cutpoint.trajectories.penalty import peak_accelerations, smoothing_spline
 from cutpoint.trajectories.spline import Spline, check_swing
 
 DEFAULT_BANDWIDTH = 10.0
@@ -98,6 +97,8 @@ def from_samples(
             are too coarse for the default one (the motion leaves them by more than 5 % of a joint's range), or a pause
             in which the motion would leave the range of its samples by more than that range.
     """
+    from cutpoint.trajectories.penalty import peak_accelerations, smoothing_spline  # with SciPy slow to import
+
     names = None if joints is None else checked_names("from_samples", joints)
     times, samples = timed_positions(t, q, FEWEST_SAMPLES, names)
     chosen = _bandwidth(bandwidth, times)

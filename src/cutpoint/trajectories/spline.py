@@ -1,13 +1,16 @@
 """Trajectories that are splines."""
 
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 import numpy as np
-from scipy.interpolate import BSpline
 
 from cutpoint.errors import InputError
 from cutpoint.trajectories.arrays import Array
 from cutpoint.trajectories.trajectory import Trajectory
+
+if TYPE_CHECKING:
+    from scipy.interpolate import BSpline
 
 LOOKS = 16
 """Places in each interval where the swing is looked at."""
@@ -22,7 +25,7 @@ class Spline(Trajectory):
     """
 
     start: Array
-    spline: BSpline
+    spline: "BSpline"
     unit: float
 
     @property
@@ -38,7 +41,7 @@ class Spline(Trajectory):
         return found
 
 
-def check_swing(spline: BSpline, u: Array, q: Array, remedy: str) -> None:
+def check_swing(spline: "BSpline", u: Array, q: Array, remedy: str) -> None:
     """Raises InputError if the curve q[0] + spline leaves its points q (N, n), at u (N,), by more than their range."""
     between = u[:-1, None] + np.diff(u)[:, None] * np.linspace(0.0, 1.0, LOOKS, endpoint=False)
     reached = q[0] + spline(between.ravel())

@@ -2,7 +2,6 @@
 
 import numpy as np
 from numpy.typing import ArrayLike
-from scipy.interpolate import make_interp_spline
 
 from cutpoint.trajectories.arrays import Array, timed_positions
 from cutpoint.trajectories.spline import Spline, check_swing
@@ -22,6 +21,8 @@ def waypoints(times: ArrayLike, points: ArrayLike) -> Spline:
         InputError: fewer than 2 points, times that do not increase, numbers that are not finite, shapes that do not
             match, or times so uneven that a joint would swing past its points by more than their own range.
     """
+    from scipy.interpolate import make_interp_spline  # slow to import
+
     t, q = timed_positions(times, points, least=2)
     unit = float(t[-1] / (t.size - 1))
     u = t / unit

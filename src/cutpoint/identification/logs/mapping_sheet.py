@@ -18,6 +18,15 @@ def _as_channels(value: Any) -> Any:
     return {"channels": value} if isinstance(value, (str, list)) else value
 
 
+def _as_channel(value: Any) -> Any:
+    return {"channel": value} if isinstance(value, str) else value
+
+
+def _as_unit(value: Any) -> Any:
+    """YAML takes the unit 1 for a number."""
+    return "1" if value == 1 and not isinstance(value, bool) else value
+
+
 Numbers = Annotated[list[float], BeforeValidator(_as_list), Field(min_length=1)]
 """One for all joints, or one for each."""
 
@@ -28,7 +37,9 @@ class ChannelSheet(Sheet):
     """One quantity.  Its value is sign * gain * unit * what the log says, brought to the joint's side, plus offset."""
 
     channels: Names = Field(description="names in the log: one matrix, or one channel or column for each joint")
-    unit: str | None = Field(None, description="of all columns; what the log states for each, or SI, if not stated")
+    unit: Annotated[str | None, BeforeValidator(_as_unit)] = Field(
+        None, description="of all columns; what the log states for each, or SI, if not stated"
+    )
     gain: Numbers | None = quantity("SI", "SI", "what one `unit` is worth: N m for each A, or V, or %", None)
     counts_per_turn: Annotated[list[Annotated[float, Field(gt=0)]], BeforeValidator(_as_list)] | None = quantity(
         "counts", "counts", "of an encoder whose unit is counts or counts/s, at the side that it is on", None
@@ -62,7 +73,9 @@ class MappingSheet(Sheet):
     ratio: Numbers | None = quantity(
         "1", "rad/m", "signed motor turns per joint turn; the robot's drives', if not stated", None
     )
-    time: TimeSheet = Field(TimeSheet.model_validate({}), description="when samples were taken")
+    time: Annotated[TimeSheet, BeforeValidator(_as_channel)] = Field(
+        TimeSheet.model_validate({}), description="when samples were taken"
+    )
     q: Quantity = Field(None, description="position of the link")
     theta: Quantity = Field(None, description="position of the motor")
     v: Quantity = Field(None, description="speed of the link")

@@ -67,6 +67,15 @@ def check_size(name: str, ports: Iterable[Port]) -> None:
         raise InputError(f"{told}; use backend='numpy', or a smaller model", numbers=numbers)
 
 
+def numbers_at_once(backend: str) -> int:
+    """How many float64 numbers a program does best to take side by side; more would leave the processor's registers."""
+    if chosen(backend) != "llvm":
+        return 8  # NumPy takes any number, and its calls cost more than they compute
+    from cutpoint.kernels.machine.jit import vector_width
+
+    return max(4, vector_width())
+
+
 @cache
 def llvm_is_installed() -> bool:
     try:

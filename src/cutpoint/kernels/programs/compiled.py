@@ -6,7 +6,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from cutpoint.kernels.machine.jit import Compiled
+from cutpoint.kernels.machine.jit import Compiled, Unwritten
 from cutpoint.kernels.machine.llvm import Lanes
 from cutpoint.kernels.machine.llvm_code import ON_LINES, Code, in_turn
 from cutpoint.kernels.machine.tuning import beside_numbers, for_divisions
@@ -24,7 +24,7 @@ class LlvmProgram:
 
     def __init__(self, plan: Plan) -> None:
         self._names, self._counts = plan.names, plan.counts
-        self._code = Compiled(program_ir(plan), _FUNCTION)
+        self._code = Compiled(Unwritten((_FUNCTION, *plan.told), lambda: program_ir(plan)), _FUNCTION)
         self._call = ctypes.CFUNCTYPE(ctypes.c_int64, ctypes.c_void_p, ctypes.c_void_p)(self._code.address)
 
     @property

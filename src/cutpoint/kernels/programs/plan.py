@@ -45,6 +45,20 @@ class Plan:
         return (*self.regions, *self.indices)
 
     @property
+    def told(self) -> tuple[object, ...]:
+        """All that decides what it does, in an order that two plans share only if they do the same."""
+        numbers = {stage: k for k, stage in enumerate(self.graphs)}
+
+        def told(item: Stage | Loop) -> tuple[object, ...]:
+            if isinstance(item, Stage):
+                about = (tuple(item.reads), tuple(item.writes), item.lanes, item.as_in_threes)
+                return (numbers[item], self.graphs[item].digest(), *about)
+            about = (type(item).__name__, item.count, tuple(item.streams), item.until, item.backward)
+            return (*about, tuple(item.views), *map(told, item.body))
+
+        return (tuple(self.regions.values()), told(self.body))
+
+    @property
     def changing(self) -> frozenset[str]:
         """Names whose numbers are not the same for the whole of a run."""
         return self.written | self.streamed.keys() | self.views.keys()
