@@ -160,6 +160,14 @@ def test_compiled_code_agrees_with_mujoco() -> None:
         assert_close(tau[k], T.T @ data.qfrc_inverse)
 
 
+def test_a_chain_as_deep_as_mujoco_reads_needs_no_deep_stack(tmp_path: Path) -> None:
+    count = 497
+    link = '<body pos="0 0 0.1"><joint axis="0 1 0"/><geom size="0.02" mass="0.1"/>'
+    chain = f"<mujoco><worldbody>{link * count}{'</body>' * count}</worldbody></mujoco>"
+    (path := tmp_path / "chain.xml").write_text(chain)
+    assert cutpoint.load(path).nv == mujoco.MjModel.from_xml_path(str(path)).nv == count
+
+
 def test_limits_friction_and_armature_are_the_joints() -> None:
     arm = read(mjcf_text.ARM)
     shoulder, elbow, lift = (body.joint for body in arm.mechanism.bodies)

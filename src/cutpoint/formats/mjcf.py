@@ -17,7 +17,7 @@ from numpy.typing import ArrayLike
 from scipy.spatial.transform import Rotation
 
 from cutpoint.errors import ModelError
-from cutpoint.formats.mjcf_includes import with_includes
+from cutpoint.formats.mjcf_includes import include_files
 from cutpoint.formats.mjcf_losses import NotCarriedOver, losses
 from cutpoint.formats.mjcf_meshes import MeshFile, mesh_files, read_meshes
 from cutpoint.formats.mjcf_model import (
@@ -67,7 +67,8 @@ def load_mjcf(
     Raises ModelError: the `mujoco` package is missing, or what is wrong in the file.
     """
     path = Path(path)
-    root = with_includes(parse_xml(read_bytes(path, MAXIMUM_BYTES), str(path)), path, MAXIMUM_BYTES)
+    root = parse_xml(read_bytes(path, MAXIMUM_BYTES), str(path))
+    include_files(root, path, MAXIMUM_BYTES)
     return _robot(root, str(path), gravity, lock, _meshes(root, path))
 
 

@@ -1,7 +1,6 @@
 """MJCF's <include>: what another file holds, in place of the element that names it."""
 
 from collections.abc import Iterator
-from dataclasses import replace
 from pathlib import Path
 
 from cutpoint.errors import ModelError
@@ -14,13 +13,13 @@ MAXIMUM_FILES = 100
 _SAVED = "load the model in MuJoCo and save it with mujoco.mj_saveLastXML"
 
 
-def with_includes(root: Element, path: Path, limit: int) -> Element:
-    """The document of a file, with what it includes.  limit: bytes of all included files together.
+def include_files(root: Element, path: Path, limit: int) -> None:
+    """Puts into a file's document what it includes.  limit: bytes of all included files together.
 
     As in MuJoCo, names are relative to the folder of the first file, and a file is included once.
     Raises ModelError: a file is missing, outside that folder, named twice, no XML, or too large; too many files.
     """
-    return _Includes(path, limit).expanded(root)
+    _Includes(path, limit).expand(root)
 
 
 class _Includes:
@@ -30,15 +29,15 @@ class _Includes:
         self._folder, self._place, self._left = path.parent, str(path), limit
         self._read = {path.resolve()}
 
-    def expanded(self, element: Element, depth: int = 1) -> Element:
-        if depth > MAXIMUM_DEPTH:
-            raise self._wrong(
-                element, f"XML holds elements nested more than {MAXIMUM_DEPTH} deep, the most that is read"
-            )
-        if not element.children:
-            return element
-        children = (each for child in element.children for each in self._instead_of(child))
-        return replace(element, children=[self.expanded(child, depth + 1) for child in children])
+    def expand(self, root: Element) -> None:
+        waiting = [(root, 1)]
+        while waiting:
+            element, depth = waiting.pop()
+            if depth > MAXIMUM_DEPTH:
+                complaint = f"XML holds elements nested more than {MAXIMUM_DEPTH} deep, the most that is read"
+                raise self._wrong(element, complaint)
+            element.children[:] = [each for child in element.children for each in self._instead_of(child)]
+            waiting.extend((child, depth + 1) for child in reversed(element.children))
 
     def _instead_of(self, element: Element) -> Iterator[Element]:
         if element.tag != "include":
@@ -65,11 +64,7 @@ class _Includes:
         self._read.add(target)
         content = read_bytes(path, self._left)
         self._left -= len(content)
-        return _in_file(parse_xml(content, str(path)), str(path), include.at or include.line)
+        return parse_xml(content, str(path), file=str(path), at=include.at or include.line)
 
     def _wrong(self, element: Element, complaint: str) -> ModelError:
         return ModelError(complaint, place=element.where(self._place))
-
-
-def _in_file(element: Element, file: str, at: int) -> Element:
-    return replace(element, file=file, at=at, children=[_in_file(child, file, at) for child in element.children])

@@ -58,7 +58,6 @@ OTHER_TEXT = ("attach", "composite", "flexcomp", "replicate")
 class Excerpt:
     """The kept document, each element on its line, and how many elements of which kind were left out."""
 
-    meshes: Mapping[str, MeshFile]
     pieces: list[str] = field(default_factory=list[str])
     left_out: Counter[str] = field(default_factory=Counter[str])
     line: int = 1
@@ -89,10 +88,9 @@ def excerpt_of(root: Element, place: str, meshes: Mapping[str, MeshFile]) -> Exc
         raise ModelError(
             f"the root element of an MJCF file is <mujoco>, got <{root.tag}>{other}", place=root.where(place)
         )
-    _refuse_other_text(root, place)
-    excerpt = Excerpt(meshes)
-    _copy(root, excerpt, place)
-    return excerpt
+    for element in root.walk():
+        _refuse_other_text(element, place)
+    return _copy(root, place, meshes)
 
 
 def _refuse_other_text(element: Element, place: str) -> None:
@@ -103,14 +101,30 @@ def _refuse_other_text(element: Element, place: str) -> None:
         remedy = "load the model in MuJoCo, save it with mujoco.mj_saveLastXML, and give that file"
         complaint = f"<{element.tag}> is not read, for safety: it stands for text that is not in this file"
         raise ModelError(f"{complaint}; {remedy}", place=element.where(place), tag=element.tag)
-    for child in element.children:
-        _refuse_other_text(child, place)
 
 
-def _copy(element: Element, excerpt: Excerpt, place: str) -> None:
-    if len(excerpt.pieces) > MAXIMUM_PIECES:
-        complaint = f"MJCF holds more than {MAXIMUM_PIECES // 2:,} bodies, joints and geoms, the most that is read"
-        raise ModelError(complaint, place=element.where(place))
+def _copy(root: Element, place: str, meshes: Mapping[str, MeshFile]) -> Excerpt:
+    """All that is kept, tag by tag."""
+    excerpt, waiting = Excerpt(), list[Element | str]([root])
+    while waiting:
+        item = waiting.pop()
+        if isinstance(item, str):  # a closing tag
+            excerpt.pieces.append(item)
+            continue
+        if len(excerpt.pieces) > MAXIMUM_PIECES:
+            complaint = f"MJCF holds more than {MAXIMUM_PIECES // 2:,} bodies, joints and geoms, the most that is read"
+            raise ModelError(complaint, place=item.where(place))
+        excerpt.write(item, _kept_attributes(item, meshes, place))
+        kept = [child for child in item.children if _is_kept(child, item, meshes)]
+        for child in item.children:
+            if not _is_kept(child, item, meshes):
+                _count(child, item, excerpt.left_out)
+        waiting += [f"</{item.tag}>", *reversed(kept)]
+    return excerpt
+
+
+def _kept_attributes(element: Element, meshes: Mapping[str, MeshFile], place: str) -> dict[str, str]:
+    """Raises ModelError for a number that is none."""
     dropped = LEFT_OUT.get(element.tag, set())
     if element.tag == "mesh":
         dropped = element.attributes.keys() - OF_A_MESH
@@ -118,15 +132,9 @@ def _copy(element: Element, excerpt: Excerpt, place: str) -> None:
     for name, value in kept.items():
         if NOT_A_NUMBER.search(value):
             raise ModelError(f"<{element.tag}> {name} {value!r} must not hold nan", place=element.where(place))
-    if element.tag == "mesh" and (mesh := excerpt.meshes.get(name_of(element))):
+    if element.tag == "mesh" and (mesh := meshes.get(name_of(element))):
         kept |= {"name": name_of(element), "file": mesh.alias}
-    excerpt.write(element, kept)
-    for child in element.children:
-        if _is_kept(child, element, excerpt.meshes):
-            _copy(child, excerpt, place)
-        else:
-            _count(child, element, excerpt.left_out)
-    excerpt.pieces.append(f"</{element.tag}>")
+    return kept
 
 
 def _is_kept(child: Element, parent: Element, meshes: Mapping[str, MeshFile]) -> bool:

@@ -15,7 +15,9 @@ from defusedxml.ElementTree import DefusedXMLParser
 from cutpoint.errors import ModelError
 
 MAXIMUM_BYTES = 64 * 2**20
-MAXIMUM_DEPTH = 64
+MAXIMUM_DEPTH = 500
+"""Elements within each other: what MuJoCo reads.  No reader here may call itself for each."""
+
 MAXIMUM_ELEMENTS = 200_000
 MAXIMUM_ATTRIBUTE = 10_000
 """Characters of an attribute's value."""
@@ -43,12 +45,20 @@ class Element:
         """Child elements of that tag, in order."""
         return (child for child in self.children if child.tag == tag)
 
+    def walk(self) -> Iterator["Element"]:
+        """It and all that it holds, in the order of the document."""
+        waiting = [self]
+        while waiting:
+            element = waiting.pop()
+            yield element
+            waiting.extend(reversed(element.children))
+
 
 class _Builder:
     """What the parser calls; it keeps the caps."""
 
-    def __init__(self, place: str) -> None:
-        self.place = place
+    def __init__(self, place: str, file: str, at: int) -> None:
+        self.place, self.file, self.at = place, file, at
         self.expat: Any = None  # set once the parser exists: it knows the current line
         self.root: Element | None = None
         self.open: list[Element] = []
@@ -58,7 +68,8 @@ class _Builder:
     def start(self, tag: str, attributes: dict[str, str]) -> None:
         if not self.root:
             self.namespace = tag[: tag.rfind("}") + 1]
-        element = Element(tag.removeprefix(self.namespace), attributes, self.expat.CurrentLineNumber)
+        own = tag.removeprefix(self.namespace)
+        element = Element(own, attributes, self.expat.CurrentLineNumber, file=self.file, at=self.at)
         self.count += 1
         if self.count > MAXIMUM_ELEMENTS:
             raise self._too_much(f"more than {MAXIMUM_ELEMENTS:,} elements", element)
@@ -85,12 +96,12 @@ class _Builder:
         return ModelError(f"XML holds {what}, the most that is read", place=f"{self.place}:{element.line}")
 
 
-def parse_xml(content: bytes | str, place: str) -> Element:
-    """The root element of a document; `place` names the file in messages.
+def parse_xml(content: bytes | str, place: str, *, file: str = "", at: int = 0) -> Element:
+    """The root element of a document; `place` names the file in messages.  file, at: its elements', see there.
 
     Raises ModelError: not well formed, a document type or entities, over a cap.
     """
-    builder = _Builder(place)
+    builder = _Builder(place, file, at)
     parser = DefusedXMLParser(target=builder, forbid_dtd=True, forbid_entities=True, forbid_external=True)
     builder.expat = parser.parser
     try:
