@@ -54,7 +54,7 @@ def document(results: dict, others: Sequence[dict] = ()) -> str:
         chains(results["chains"]), large_robots(results["large robots"]),
         python_calls(results["from Python"]),
         closed_loop(results["closed loop"], results["own arm"]), steps(results["steps"]), laws(results["laws"]),
-        starts(results.get("starts")), latency(results["latency"]),
+        starts([results, *others]), latency(results["latency"]),
     ]  # fmt: skip
     head = _INTRODUCTION.format(**facts, packages=packages, worst=_worst(results), none=NONE)
     return head + "".join(f"\n{text}" for text in tables if text)

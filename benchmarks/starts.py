@@ -78,4 +78,4 @@ def _seconds(source: str, folder: Path, cache: str) -> float:
 
 
 if __name__ == "__main__":
-    print(table_of(starts()))
+    print(table_of([{"machine": {"processor": "this machine"}, "starts": starts()}]))
