@@ -21,8 +21,8 @@ ROBOT = """
 
 CONTROL = """
     AdaptiveVDC Command ComputedTorque Controller DisturbanceObserver ElasticComputedTorque Fault Feedforward
-    FullStateFeedback GravityCompensation Guard Law Measurement PD PID Reference Robust SampledPole SlotineLi
-    SpeedFilter Sum SuperTwisting VDC slowest_pole tune
+    FullStateFeedback GravityCompensation Guard Law Margins Measurement PD PID Reference Robust SampledPole SlotineLi
+    SpeedFilter Sum SuperTwisting VDC margins slowest_pole tune
 """
 
 TRAJECTORIES = """

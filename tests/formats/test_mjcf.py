@@ -161,7 +161,7 @@ def test_compiled_code_agrees_with_mujoco() -> None:
 
 
 def test_a_chain_as_deep_as_mujoco_reads_needs_no_deep_stack(tmp_path: Path) -> None:
-    count = 497
+    count = 496
     link = '<body pos="0 0 0.1"><joint axis="0 1 0"/><geom size="0.02" mass="0.1"/>'
     chain = f"<mujoco><worldbody>{link * count}{'</body>' * count}</worldbody></mujoco>"
     (path := tmp_path / "chain.xml").write_text(chain)

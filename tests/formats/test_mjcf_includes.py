@@ -88,8 +88,8 @@ REFUSED = {
         "MuJoCo cannot compile this file: .*unrecognized attribute: 'sise' Element 'geom', line 5 ({0}/scene.xml)",
     ),
     "depth": (
-        {"forearm": f"<mujoco>{'<body>' * 498}{'</body>' * 498}</mujoco>"},
-        "XML holds elements nested more than 500 deep, the most that is read ({0}/forearm.xml:1)",
+        {"forearm": f"<mujoco>{'<body>' * 497}{'</body>' * 497}</mujoco>"},
+        "XML holds elements nested more than 499 deep, the most that is read ({0}/forearm.xml:1)",
     ),
 }
 

@@ -152,7 +152,7 @@ DOCUMENTS = {
     ),
     "depth": (
         "<a>\n" * (MAXIMUM_DEPTH + 1),
-        "XML holds elements nested more than 500 deep, the most that is read (arm.urdf:501)",
+        "XML holds elements nested more than 499 deep, the most that is read (arm.urdf:500)",
     ),
 }
 

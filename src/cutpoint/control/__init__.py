@@ -10,6 +10,7 @@ from cutpoint.control.gravity import GravityCompensation
 from cutpoint.control.guard import Fault, Guard
 from cutpoint.control.interface import Command, Controller, Measurement, Reference
 from cutpoint.control.law import Law, Sum
+from cutpoint.control.margins import Margins, margins
 from cutpoint.control.pd import PD
 from cutpoint.control.pid import PID
 from cutpoint.control.robust import Robust
@@ -36,6 +37,7 @@ __all__ = [
     "GravityCompensation",
     "Guard",
     "Law",
+    "Margins",
     "Measurement",
     "Reference",
     "Robust",
@@ -44,6 +46,7 @@ __all__ = [
     "SpeedFilter",
     "Sum",
     "SuperTwisting",
+    "margins",
     "slowest_pole",
     "tune",
 ]

@@ -35,6 +35,24 @@ class SampledPole(NamedTuple):
     joint: str
 
 
+class SampledLoop(NamedTuple):
+    """Near rest a state x is after a period alone @ x + into @ u, under the law's command u = command @ x, N m.
+
+    x: the linear robot's states, currents, commands on their way, and what law and sensors remember.
+    robot: the linear robot, whose states are the first.
+    """
+
+    robot: "LinearModel"
+    alone: Array
+    into: Array
+    command: Array
+
+    @property
+    def closed(self) -> Array:
+        """x after a period is closed @ x."""
+        return self.alone + self.into @ self.command
+
+
 class SmallSignal(NamedTuple):
     """What a law answers with near rest, by joint (n,): stiffness, N m/rad, and damping, N m s/rad."""
 
@@ -59,31 +77,40 @@ def slowest_pole(robot: Robot, law: Any, q: ArrayLike, period: float, *, sensors
             so long that there are too many poles; the law reports a fault at that pose.
         TraceError: the law is a user's own, and cannot be compiled.
     """
-    q, law = _checked("slowest_pole", robot, law, q)
-    period = positive("slowest_pole", "period", period, "s")
-    check_all_driven("slowest_pole", robot)
-    check_delays("slowest_pole", robot, period)
-    model = robot.linearize(q)
-    encoded = _encoded(encoders_of(sensors or Sensors(), len(robot.drives), period), period)
-    answer, plant, count = _slopes(robot, law, model, period), _sampled(robot, model, period), len(model.states)
-    # of all states, a row each: the plant's, commands of the sample before, the law's memory and the sensors'
-    sizes = len(plant.ahead), len(robot.drives), len(answer.kept), len(encoded.kept)
-    state, before, memory, line = np.split(np.eye(sum(sizes)), np.cumsum(sizes)[:-1])
-    sample = model.C @ state[:count]  # of currents no law hears
-    seen = encoded.at_once @ sample + encoded.from_memory @ line
-    command = answer.at_once @ seen + answer.from_memory @ memory
-    poles, shapes = np.linalg.eig(np.vstack([
-        plant.ahead @ state + plant.now @ command + plant.before @ before,
-        command,
-        answer.into_memory @ seen + answer.kept @ memory,
-        encoded.into_memory @ sample + encoded.kept @ line,
-    ]))  # fmt: skip
-    worst = int(np.abs(poles).argmax())
-    moves = np.abs(model.C @ shapes[:count, worst])
+    loop = sampled_loop("slowest_pole", robot, law, q, period, sensors)
+    poles, shapes = np.linalg.eig(loop.closed)
+    model, worst = loop.robot, int(np.abs(poles).argmax())
+    moves = np.abs(model.C @ shapes[: len(model.states), worst])
     names = [name.partition(".")[2].partition("[")[0] for name in model.outputs]
     speeds = [k for k, name in enumerate(model.outputs) if name.startswith(("v.", "theta_dot."))]
     joint = names[max(speeds, key=lambda k: moves[k])]
     return SampledPole(float(abs(poles[worst])), float(abs(np.angle(poles[worst])) / (2 * np.pi * period)), joint)
+
+
+def sampled_loop(
+    function: str, robot: Robot, law: Any, q: ArrayLike, period: float, sensors: Sensors | None
+) -> SampledLoop:
+    """See `slowest_pole`; function: whose name errors say."""
+    q, law = _checked(function, robot, law, q)
+    period = positive(function, "period", period, "s")
+    check_all_driven(function, robot)
+    check_delays(function, robot, period)
+    model = robot.linearize(q)
+    encoded = _encoded(function, encoders_of(sensors or Sensors(), len(robot.drives), period), period)
+    answer, plant = _slopes(function, robot, law, model, period), _sampled(robot, model, period)
+    # of all states, a row each: the plant's, commands of the sample before, the law's memory and the sensors'
+    sizes = len(plant.ahead), len(robot.drives), len(answer.kept), len(encoded.kept)
+    state, before, memory, line = np.split(np.eye(sum(sizes)), np.cumsum(sizes)[:-1])
+    sample = model.C @ state[: len(model.states)]  # of currents no law hears
+    seen = encoded.at_once @ sample + encoded.from_memory @ line
+    alone = [
+        plant.ahead @ state + plant.before @ before,
+        0 * before,
+        answer.into_memory @ seen + answer.kept @ memory,
+        encoded.into_memory @ sample + encoded.kept @ line,
+    ]
+    into = [plant.now, np.eye(sizes[1]), np.zeros((sizes[2], sizes[1])), np.zeros((sizes[3], sizes[1]))]
+    return SampledLoop(model, np.vstack(alone), np.vstack(into), answer.at_once @ seen + answer.from_memory @ memory)
 
 
 def check_delays(function: str, robot: Robot, period: float) -> None:
@@ -104,13 +131,13 @@ class _Slopes(NamedTuple):
     kept: Array
 
 
-def _encoded(encoders: Encoders, period: float) -> _Slopes:
+def _encoded(function: str, encoders: Encoders, period: float) -> _Slopes:
     """What is measured of q, v, theta and theta_dot (4 n,), in that order, without noise and rounding."""
     quiet, n = replace(encoders, resolution=(None, None), noise=(None, None), sides="both"), encoders.size
     kept = len(quiet.memory(*[[0.0] * n] * 4))
     if kept > MOST_REMEMBERED:
         rule = f"{kept} numbers on their way to the law are too many to judge it by, at most {MOST_REMEMBERED}"
-        raise InputError(f"slowest_pole: sensors delay by {encoders.delay} periods: {rule}", delay=encoders.delay)
+        raise InputError(f"{function}: sensors delay by {encoders.delay} periods: {rule}", delay=encoders.delay)
     order = np.arange(4 * n).reshape(4, n)[[0, 2, 1, 3]].ravel()  # encoders have both positions first
 
     def measured(numbers: Array) -> Array:
@@ -191,7 +218,7 @@ def without_friction(law: Any) -> Any:
     return replace(law, **changed) if changed else law
 
 
-def _slopes(robot: Robot, law: Any, model: Any, period: float) -> _Slopes:
+def _slopes(function: str, robot: Robot, law: Any, model: Any, period: float) -> _Slopes:
     """How a law's torque and memory follow q, v, theta and theta_dot (4 n,) as it sees them, as far as it matters."""
     at = LawAtRest(robot, law, model.point, period)
     rest = np.zeros((4, len(robot.drives)))
@@ -201,5 +228,5 @@ def _slopes(robot: Robot, law: Any, model: Any, period: float) -> _Slopes:
     slopes = _Slopes(of_seen[0], of_memory[0][:, matter], of_seen[1][matter], of_memory[1][np.ix_(matter, matter)])
     if not all(np.isfinite(x).all() for x in slopes):
         rule = "commands or remembers what is not a finite number at rest, so it has no slopes there"
-        raise InputError(f"slowest_pole: {name_of(law)} {rule}", q=model.point.q)
+        raise InputError(f"{function}: {name_of(law)} {rule}", q=model.point.q)
     return slopes

@@ -115,9 +115,11 @@ def _copy(root: Element, place: str, meshes: Mapping[str, MeshFile]) -> Excerpt:
             complaint = f"MJCF holds more than {MAXIMUM_PIECES // 2:,} bodies, joints and geoms, the most that is read"
             raise ModelError(complaint, place=item.where(place))
         excerpt.write(item, _kept_attributes(item, meshes, place))
-        kept = [child for child in item.children if _is_kept(child, item, meshes)]
+        kept: list[Element] = []
         for child in item.children:
-            if not _is_kept(child, item, meshes):
+            if _is_kept(child, item, meshes):
+                kept.append(child)
+            else:
                 _count(child, item, excerpt.left_out)
         waiting += [f"</{item.tag}>", *reversed(kept)]
     return excerpt

@@ -15,7 +15,7 @@ from defusedxml.ElementTree import DefusedXMLParser
 from cutpoint.errors import ModelError
 
 MAXIMUM_BYTES = 64 * 2**20
-MAXIMUM_DEPTH = 500
+MAXIMUM_DEPTH = 499
 """Elements within each other: what MuJoCo reads.  No reader here may call itself for each."""
 
 MAXIMUM_ELEMENTS = 200_000
@@ -47,7 +47,7 @@ class Element:
 
     def walk(self) -> Iterator["Element"]:
         """It and all that it holds, in the order of the document."""
-        waiting = [self]
+        waiting: list[Element] = [self]
         while waiting:
             element = waiting.pop()
             yield element

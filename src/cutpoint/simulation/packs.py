@@ -53,7 +53,7 @@ class Setup:
 
 @dataclass(frozen=True, eq=False)
 class Pack:
-    """Setups of one structure, in as many lanes, or in fewer.
+    """Setups of one structure, a lane each; lanes that are left over repeat the last.
 
     own_rows, own_laws: see `ClosedLoop`.  times (N,), s; settings go into the logs.
     """

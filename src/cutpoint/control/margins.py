@@ -1,0 +1,105 @@
+"""How far the loops of a law are from ringing: gain, phase and delay margins, joint by joint."""
+
+from collections.abc import Callable
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from cutpoint.control.sampled_loop import sampled_loop
+from cutpoint.control.sensors import Sensors
+from cutpoint.errors import InputError
+from cutpoint.robot import Robot
+
+Array = NDArray[np.float64]
+Complex = NDArray[np.complex128]
+
+LEAST = 1e-6
+"""The lowest frequency that is looked at, rad a sample; the highest is half of sampling's."""
+
+EVERYWHERE = np.geomspace(LEAST, np.pi, 600)
+AROUND_POLES = np.geomspace(1e-8, 0.3, 24)
+"""Frequencies, and distances from those of a loop's poles, where it turns fast, rad a sample."""
+
+LARGEST = 1e9
+"""Of L: where it is larger there is a pole of the open loop, and nothing crosses."""
+
+REAL = 1e-3
+"""Of L, the most that is imaginary at the lowest frequency where L is real at rest."""
+
+
+class Margins(NamedTuple):
+    """Of each joint (n,): its own loop is cut at its motor's command, the others stay closed.
+
+    gain: factor by which the command may grow until the robot rings; inf if by any.  least_gain: down to which it may
+    shrink; 0 if to nothing.  phase: by which it may lag, deg; delay: by which it may come late, s; both inf if by any.
+    sensitivity: max |1 / (1 + L)|, by how much the loop makes what disturbs it larger where it does so most.
+    """
+
+    gain: Array
+    least_gain: Array
+    phase: Array
+    delay: Array
+    sensitivity: Array
+
+
+def margins(robot: Robot, law: Any, q: ArrayLike, period: float, *, sensors: Sensors | None = None) -> Margins:
+    """How much the loops of a law with this period (s) may change before the robot at rest at q rings.
+
+    Astrom and Murray (2021), Feedback Systems, section 10.3, of the sampled loop that `slowest_pole` judges, with the
+    same arguments and errors.  A delay turns L by its share of a period at each frequency: exact for whole periods.
+
+    Raises:
+        InputError: also where the law does not hold the robot as it is.
+    """
+    loop = sampled_loop("margins", robot, law, q, period, sensors)
+    size = float(np.abs(np.linalg.eigvals(loop.closed)).max())
+    if not size < 1:
+        rule = f"what is moved grows to {size:.6g} times in a sample; see slowest_pole, and tune"
+        raise InputError(f"margins: the law does not hold the robot there: {rule}", size=size)
+    cuts = [_Cut(loop.closed, b, -c) for b, c in zip(loop.into.T, loop.command, strict=True)]
+    return Margins(*np.array([_of_joint(cut, period) for cut in cuts]).T)
+
+
+class _Cut:
+    """One loop cut at its command: L(z) = c (z - A)^-1 b, with z = exp(i turn), rings where it is -1.
+
+    turns: frequencies at which it has been looked at, rad a sample; L: what it was there.
+    """
+
+    def __init__(self, closed: Array, b: Array, c: Array) -> None:
+        self._A, self._b, self._c = closed + np.outer(b, c), b, c
+        poles = np.abs(np.angle(np.linalg.eigvals(self._A)))[:, None]
+        every = np.concatenate([EVERYWHERE, *(poles - AROUND_POLES), *(poles + AROUND_POLES)])
+        self.turns = np.unique(every[(every >= LEAST) & (every <= np.pi)])
+        self.L = self.at(self.turns)
+
+    def at(self, turns: Array) -> Complex:
+        shifted = np.exp(1j * turns)[:, None, None] * np.eye(len(self._b)) - self._A
+        states: Any = np.linalg.solve(shifted, self._b[:, None].astype(complex))
+        return states[..., 0] @ self._c
+
+    def crossings(self, height: Callable[[Complex], Any]) -> Array:
+        """Turns where this of L passes zero."""
+        from scipy.optimize import brentq  # slow to import
+
+        heights = height(self.L)
+        (before,) = np.nonzero(heights[:-1] * heights[1:] < 0)
+        pairs = [self.turns[k : k + 2] for k in before]
+        return np.array([brentq(lambda x: height(self.at(np.array([x])))[0], *pair, xtol=1e-14) for pair in pairs])
+
+
+def _of_joint(cut: _Cut, period: float) -> tuple[float, ...]:
+    """As in Margins."""
+    ends = cut.L[[0, -1]]  # at rest and at half of sampling's frequency L is real, unless it is infinite
+    real = np.append(cut.at(cut.crossings(np.imag)), ends[np.abs(ends.imag) < REAL * np.abs(ends)]).real
+    gains = -1 / real[(real < 0) & (real > -LARGEST)]
+    of_one = cut.crossings(lambda L: np.abs(L) - 1)
+    lags = (np.angle(cut.at(of_one)) + np.pi) % (2 * np.pi)
+    return (
+        min(gains[gains > 1], default=np.inf),
+        max(gains[gains < 1], default=0.0),
+        float(np.rad2deg(min(lags, default=np.inf))),
+        min(lags / of_one * period, default=np.inf),
+        float((1 / np.abs(1 + cut.L)).max()),
+    )
