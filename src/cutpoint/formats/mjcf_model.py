@@ -5,7 +5,7 @@ Compiling resolves defaults, angles and orientations, and finds inertias from ge
 """
 
 import warnings
-from collections.abc import Collection, Iterator
+from collections.abc import Collection
 from typing import Any
 
 import numpy as np
@@ -86,15 +86,17 @@ def _without_shape(mujoco: Any, spec: Any) -> list[tuple[Any, Any, bool]]:
     present = {mesh.name for mesh in spec.meshes}
     shapeless = (mujoco.mjtGeom.mjGEOM_HFIELD, mujoco.mjtGeom.mjGEOM_SDF)
 
-    def of(body: Any, moves: bool) -> Iterator[tuple[Any, Any, bool]]:
+    found: list[tuple[Any, Any, bool]] = []
+    waiting: list[tuple[Any, bool]] = [(spec.worldbody, False)]
+    while waiting:
+        body, moves = waiting.pop()
         moves = moves or bool(len(body.joints))
         for geom in body.geoms:
             if (geom.meshname and geom.meshname not in present) or geom.type in shapeless:
-                yield body, geom, moves and _gives_inertia(mujoco, spec, body, geom)
-        for child in body.bodies:  # by `settotalmass` the mass of each scales all others
-            yield from of(child, moves or spec.compiler.settotalmass > 0.0)
-
-    return list(of(spec.worldbody, False))
+                found.append((body, geom, moves and _gives_inertia(mujoco, spec, body, geom)))
+        # by `settotalmass` the mass of each scales all others
+        waiting += [(child, moves or spec.compiler.settotalmass > 0.0) for child in reversed([*body.bodies])]
+    return found
 
 
 def _leave_out_shapes(mujoco: Any, spec: Any, place: str) -> None:

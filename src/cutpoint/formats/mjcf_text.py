@@ -66,12 +66,15 @@ class Excerpt:
     def text(self) -> str:
         return "".join(self.pieces)
 
-    def write(self, element: Element, attributes: dict[str, str]) -> None:
-        """An opening tag, on the line where the file has it; of an included file, where that is named."""
+    def open(self, element: Element, attributes: dict[str, str], *, holds: bool) -> None:
+        """A tag, on the line where the file has it; of an included file, where that is named.
+
+        holds: whether there is anything in the element; else "/>" closes it, for MuJoCo counts a place inside as depth.
+        """
         lines = max((element.at or element.line) - self.line, 0)
         self.line += lines
         stated = "".join(f" {name}={quoteattr(value)}" for name, value in attributes.items())
-        self.pieces.append("\n" * lines + f"<{element.tag}{stated}>")
+        self.pieces.append("\n" * lines + f"<{element.tag}{stated}{'>' if holds else ''}")
 
 
 def excerpt_of(root: Element, place: str, meshes: Mapping[str, MeshFile]) -> Excerpt:
@@ -114,14 +117,14 @@ def _copy(root: Element, place: str, meshes: Mapping[str, MeshFile]) -> Excerpt:
         if len(excerpt.pieces) > MAXIMUM_PIECES:
             complaint = f"MJCF holds more than {MAXIMUM_PIECES // 2:,} bodies, joints and geoms, the most that is read"
             raise ModelError(complaint, place=item.where(place))
-        excerpt.write(item, _kept_attributes(item, meshes, place))
         kept: list[Element] = []
         for child in item.children:
             if _is_kept(child, item, meshes):
                 kept.append(child)
             else:
                 _count(child, item, excerpt.left_out)
-        waiting += [f"</{item.tag}>", *reversed(kept)]
+        excerpt.open(item, _kept_attributes(item, meshes, place), holds=bool(kept))
+        waiting += [f"</{item.tag}>" if kept else "/>", *reversed(kept)]
     return excerpt
 
 
