@@ -17,12 +17,18 @@ Complex = NDArray[np.complex128]
 LEAST = 1e-6
 """The lowest frequency that is looked at, rad a sample; the highest is half of sampling's."""
 
-EVERYWHERE = np.geomspace(LEAST, np.pi, 600)
+EVERYWHERE = np.concatenate([np.geomspace(LEAST, np.pi, 400), np.linspace(LEAST, np.pi, 800)])
 AROUND_POLES = np.geomspace(1e-8, 0.3, 24)
 """Frequencies, and distances from those of a loop's poles, where it turns fast, rad a sample."""
 
-LARGEST = 1e9
+FAST = 0.5
+"""Poles that are smaller make nothing turn fast: what they hold is gone in a few samples."""
+
+LARGEST = 1e6
 """Of L: where it is larger there is a pole of the open loop, and nothing crosses."""
+
+HALVES = 50
+"""Of the distance between two frequencies, to find a crossing."""
 
 REAL = 1e-3
 """Of L, the most that is imaginary at the lowest frequency where L is real at rest."""
@@ -55,8 +61,10 @@ def margins(robot: Robot, law: Any, q: ArrayLike, period: float, *, sensors: Sen
     loop = sampled_loop("margins", robot, law, q, period, sensors)
     size = float(np.abs(np.linalg.eigvals(loop.closed)).max())
     if not size < 1:
-        rule = f"what is moved grows to {size:.6g} times in a sample; see slowest_pole, and tune"
-        raise InputError(f"margins: the law does not hold the robot there: {rule}", size=size)
+        told = f"what is moved grows to {size:.6g} times in a sample; damping of the springs helps, or other gains"
+        raise InputError(
+            f"margins: the law does not hold the robot there, whose friction is left out: {told}", size=size
+        )
     cuts = [_Cut(loop.closed, b, -c) for b, c in zip(loop.into.T, loop.command, strict=True)]
     return Margins(*np.array([_of_joint(cut, period) for cut in cuts]).T)
 
@@ -68,25 +76,34 @@ class _Cut:
     """
 
     def __init__(self, closed: Array, b: Array, c: Array) -> None:
-        self._A, self._b, self._c = closed + np.outer(b, c), b, c
-        poles = np.abs(np.angle(np.linalg.eigvals(self._A)))[:, None]
-        every = np.concatenate([EVERYWHERE, *(poles - AROUND_POLES), *(poles + AROUND_POLES)])
+        from scipy.linalg import schur  # slow to import
+
+        triangular: Any = schur(closed + np.outer(b, c), output="complex")
+        self._A, Q = triangular
+        self._b, self._c = Q.conj().T @ b, c @ Q
+        poles = np.diag(self._A)
+        at_poles = np.abs(np.angle(poles[np.abs(poles) > FAST]))[:, None]
+        every = np.concatenate([EVERYWHERE, *(at_poles - AROUND_POLES), *(at_poles + AROUND_POLES)])
         self.turns = np.unique(every[(every >= LEAST) & (every <= np.pi)])
         self.L = self.at(self.turns)
 
     def at(self, turns: Array) -> Complex:
-        shifted = np.exp(1j * turns)[:, None, None] * np.eye(len(self._b)) - self._A
-        states: Any = np.linalg.solve(shifted, self._b[:, None].astype(complex))
-        return states[..., 0] @ self._c
+        """Of a triangular A: from the last state to the first, for all turns at once."""
+        z, x = np.exp(1j * turns), np.zeros((len(self._b), len(turns)), complex)
+        for k in reversed(range(len(x))):
+            x[k] = (self._b[k] + self._A[k, k + 1 :] @ x[k + 1 :]) / (z - self._A[k, k])
+        return self._c @ x
 
     def crossings(self, height: Callable[[Complex], Any]) -> Array:
-        """Turns where this of L passes zero."""
-        from scipy.optimize import brentq  # slow to import
-
+        """Turns where this of L passes zero, by halves."""
         heights = height(self.L)
         (before,) = np.nonzero(heights[:-1] * heights[1:] < 0)
-        pairs = [self.turns[k : k + 2] for k in before]
-        return np.array([brentq(lambda x: height(self.at(np.array([x])))[0], *pair, xtol=1e-14) for pair in pairs])
+        low, high, sign = self.turns[before], self.turns[before + 1], heights[before]
+        for _ in range(HALVES):
+            middle = (low + high) / 2
+            is_before = height(self.at(middle)) * sign > 0
+            low, high = np.where(is_before, middle, low), np.where(is_before, high, middle)
+        return (low + high) / 2
 
 
 def _of_joint(cut: _Cut, period: float) -> tuple[float, ...]:
