@@ -61,10 +61,9 @@ def margins(robot: Robot, law: Any, q: ArrayLike, period: float, *, sensors: Sen
     loop = sampled_loop("margins", robot, law, q, period, sensors)
     size = float(np.abs(np.linalg.eigvals(loop.closed)).max())
     if not size < 1:
-        told = f"what is moved grows to {size:.6g} times in a sample; damping of the springs helps, or other gains"
-        raise InputError(
-            f"margins: the law does not hold the robot there, whose friction is left out: {told}", size=size
-        )
+        told = "margins: the law does not hold the robot there, whose friction is left out"
+        growth = f"what is moved grows to {size:.6g} times in a sample; damping of the springs helps, or other gains"
+        raise InputError(f"{told}: {growth}", size=size)
     cuts = [_Cut(loop.closed, b, -c) for b, c in zip(loop.into.T, loop.command, strict=True)]
     return Margins(*np.array([_of_joint(cut, period) for cut in cuts]).T)
 
