@@ -17,21 +17,24 @@ Complex = NDArray[np.complex128]
 LEAST = 1e-6
 """The lowest frequency that is looked at, rad a sample; the highest is half of sampling's."""
 
-EVERYWHERE = np.concatenate([np.geomspace(LEAST, np.pi, 400), np.linspace(LEAST, np.pi, 800)])
+EVERYWHERE = np.geomspace(LEAST, np.pi, 800)
 AROUND_POLES = np.geomspace(1e-8, 0.3, 24)
-"""Frequencies, and distances from those of a loop's poles, where it turns fast, rad a sample."""
+"""Frequencies, and distances from those of a loop's poles, open and closed, where it turns fast; rad a sample."""
+
+AT_REST = np.array([1e-8, 1e-7])
+"""Two frequencies so low that L is as at rest, unless it is infinite there."""
 
 FAST = 0.5
 """Poles that are smaller make nothing turn fast: what they hold is gone in a few samples."""
 
-LARGEST = 1e6
-"""Of L: where it is larger there is a pole of the open loop, and nothing crosses."""
+NEAR = 1e-3
+"""Distance from the unit circle of what may be a crossing."""
 
-HALVES = 50
-"""Of the distance between two frequencies, to find a crossing."""
+HALVES = 60
+"""Of the distance between two frequencies, to find a crossing; thirds, to find a peak."""
 
-REAL = 1e-3
-"""Of L, the most that is imaginary at the lowest frequency where L is real at rest."""
+MOST_STATES = 300
+"""Crossings are eigenvalues of twice as many, which take seconds."""
 
 
 class Margins(NamedTuple):
@@ -53,17 +56,20 @@ def margins(robot: Robot, law: Any, q: ArrayLike, period: float, *, sensors: Sen
     """How much the loops of a law with this period (s) may change before the robot at rest at q rings.
 
     Astrom and Murray (2021), Feedback Systems, section 10.3, of the sampled loop that `slowest_pole` judges, with the
-    same arguments and errors.  A delay turns L by its share of a period at each frequency: exact for whole periods.
+    same arguments and errors.  A delay turns L by its share of a period at each frequency, as whole periods do.
 
     Raises:
-        InputError: also where the law does not hold the robot as it is.
+        InputError: also where the law does not hold the robot as it is, or there are too many states.
     """
     loop = sampled_loop("margins", robot, law, q, period, sensors)
+    if (count := len(loop.alone)) > MOST_STATES:
+        rule = f"robot, law and sensors have {count} states, at most {MOST_STATES}; take shorter delays"
+        raise InputError(f"margins: {rule}", states=count)
     size = float(np.abs(np.linalg.eigvals(loop.closed)).max())
-    if not size < 1:
+    if not size <= 1 + 1e-9:  # what a law has yet to learn of a robot at rest stays as it is
         told = "margins: the law does not hold the robot there, whose friction is left out"
-        growth = f"what is moved grows to {size:.6g} times in a sample; damping of the springs helps, or other gains"
-        raise InputError(f"{told}: {growth}", size=size)
+        growth = f"what is moved grows by {size - 1:.2g} of itself in a sample; damping of the springs helps"
+        raise InputError(f"{told}: {growth}, or other gains", size=size)
     cuts = [_Cut(loop.closed, b, -c) for b, c in zip(loop.into.T, loop.command, strict=True)]
     return Margins(*np.array([_of_joint(cut, period) for cut in cuts]).T)
 
@@ -77,45 +83,85 @@ class _Cut:
     def __init__(self, closed: Array, b: Array, c: Array) -> None:
         from scipy.linalg import schur  # slow to import
 
-        triangular: Any = schur(closed + np.outer(b, c), output="complex")
+        A = closed + np.outer(b, c)
+        triangular: Any = schur(A, output="complex")
         self._A, Q = triangular
         self._b, self._c = Q.conj().T @ b, c @ Q
-        poles = np.diag(self._A)
+        poles = np.concatenate([np.diag(self._A), np.linalg.eigvals(closed)])
         at_poles = np.abs(np.angle(poles[np.abs(poles) > FAST]))[:, None]
-        every = np.concatenate([EVERYWHERE, *(at_poles - AROUND_POLES), *(at_poles + AROUND_POLES)])
-        self.turns = np.unique(every[(every >= LEAST) & (every <= np.pi)])
+        between = np.convolve(_crossings(A, b, c), [0.5, 0.5], "valid")
+        every = [EVERYWHERE, between, at_poles.ravel(), *(at_poles - AROUND_POLES), *(at_poles + AROUND_POLES)]
+        turns = np.unique(np.concatenate(every))
+        self.turns = turns[(turns >= LEAST) & (turns <= np.pi)]
         self.L = self.at(self.turns)
 
     def at(self, turns: Array) -> Complex:
         """Of a triangular A: from the last state to the first, for all turns at once."""
         z, x = np.exp(1j * turns), np.zeros((len(self._b), len(turns)), complex)
-        for k in reversed(range(len(x))):
-            x[k] = (self._b[k] + self._A[k, k + 1 :] @ x[k + 1 :]) / (z - self._A[k, k])
-        return self._c @ x
+        with np.errstate(divide="ignore", invalid="ignore"):  # at a pole itself
+            for k in reversed(range(len(x))):
+                x[k] = (self._b[k] + self._A[k, k + 1 :] @ x[k + 1 :]) / (z - self._A[k, k])
+            return self._c @ x
 
     def crossings(self, height: Callable[[Complex], Any]) -> Array:
         """Turns where this of L passes zero, by halves."""
-        heights = height(self.L)
-        (before,) = np.nonzero(heights[:-1] * heights[1:] < 0)
-        low, high, sign = self.turns[before], self.turns[before + 1], heights[before]
-        for _ in range(HALVES):
-            middle = (low + high) / 2
-            is_before = height(self.at(middle)) * sign > 0
-            low, high = np.where(is_before, middle, low), np.where(is_before, high, middle)
+        with np.errstate(invalid="ignore", over="ignore"):
+            heights = height(self.L)
+            (before,) = np.nonzero(heights[:-1] * heights[1:] < 0)
+            low, high, sign = self.turns[before], self.turns[before + 1], heights[before]
+            for _ in range(HALVES):
+                middle = (low + high) / 2
+                is_before = height(self.at(middle)) * sign > 0
+                low, high = np.where(is_before, middle, low), np.where(is_before, high, middle)
         return (low + high) / 2
+
+    def peak(self, height: Callable[[Complex], Any]) -> float:
+        """The most that this of L is at any turn, by thirds about the highest that have been looked at."""
+        with np.errstate(invalid="ignore", divide="ignore"):
+            heights = np.nan_to_num(height(self.L))
+            k = np.clip(np.argsort(heights)[-32:], 1, len(heights) - 2)
+            low, high = self.turns[k - 1], self.turns[k + 1]
+            for _ in range(HALVES):
+                third = (high - low) / 3
+                rises = height(self.at(low + third)) < height(self.at(high - third))
+                low, high = np.where(rises, low + third, low), np.where(rises, high, high - third)
+            return float(max(np.nanmax(height(self.at((low + high) / 2))), heights.max()))
+
+
+def _crossings(A: Array, b: Array, c: Array) -> Array:
+    """About where L is real, and where it is of size 1, in order, with both ends: turns.
+
+    On the unit circle the conjugate of L(z) is L(1/z), so these are zeros of L(z) - L(1/z) and of 1 - L(z) L(1/z).
+    """
+    from scipy.linalg import eigvals  # slow to import
+
+    n, bc = len(b), np.outer(b, c)
+    I, O, column = np.eye(n), np.zeros((n, n)), b[:, None]
+    nothing = 0 * column
+    real = (
+        np.block([[A, O, column], [O, I, nothing], [c[None], -c[None], np.zeros((1, 1))]]),
+        np.block([[I, O, nothing], [O, A, column], [0 * c[None], 0 * c[None], np.zeros((1, 1))]]),
+    )
+    of_one = np.block([[A, bc], [O, I]]), np.block([[I, O], [bc, A]])
+    with np.errstate(all="ignore"):
+        z = np.concatenate([np.asarray(eigvals(*pencil)) for pencil in (real, of_one)])
+        turns = np.abs(np.angle(z[np.abs(np.abs(z) - 1) < NEAR]))
+    return np.sort(np.concatenate([[0.0], turns, [np.pi]]))
 
 
 def _of_joint(cut: _Cut, period: float) -> tuple[float, ...]:
     """As in Margins."""
-    ends = cut.L[[0, -1]]  # at rest and at half of sampling's frequency L is real, unless it is infinite
-    real = np.append(cut.at(cut.crossings(np.imag)), ends[np.abs(ends.imag) < REAL * np.abs(ends)]).real
-    gains = -1 / real[(real < 0) & (real > -LARGEST)]
+    real = cut.at(np.append(cut.crossings(np.imag), np.pi)).real  # at half of sampling's frequency all of L is
+    rest, beside = cut.at(AT_REST)
+    if np.abs(rest - beside) < 0.1 * np.abs(beside):
+        real = np.append(real, rest.real)
+    gains = -1 / real[real < 0]
     of_one = cut.crossings(lambda L: np.abs(L) - 1)
     lags = (np.angle(cut.at(of_one)) + np.pi) % (2 * np.pi)
     return (
         min(gains[gains > 1], default=np.inf),
-        max(gains[gains < 1], default=0.0),
+        max(gains[(gains < 1) & (gains > LEAST)], default=0.0),
         float(np.rad2deg(min(lags, default=np.inf))),
         min(lags / of_one * period, default=np.inf),
-        float((1 / np.abs(1 + cut.L)).max()),
+        cut.peak(lambda L: 1 / np.abs(1 + L)),
     )

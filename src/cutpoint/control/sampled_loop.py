@@ -2,6 +2,7 @@
 
 import math
 from dataclasses import fields, is_dataclass, replace
+from types import NoneType
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
@@ -12,7 +13,7 @@ from cutpoint.control.law import Law, as_law, check_drives
 from cutpoint.control.law_at_rest import LawAtRest, between, differences
 from cutpoint.control.model_law import ModelLaw, check_all_driven
 from cutpoint.control.sensors import Encoders, Sensors, encoders_of
-from cutpoint.door import checked_array, positive
+from cutpoint.door import check_kind, checked_array, positive
 from cutpoint.errors import InputError
 from cutpoint.robot import Robot, check_robot
 from cutpoint.scalars import rebuild
@@ -92,6 +93,7 @@ def sampled_loop(
 ) -> SampledLoop:
     """See `slowest_pole`; function: whose name errors say."""
     q, law = _checked(function, robot, law, q)
+    check_kind(function, "sensors", sensors, (Sensors, NoneType), "Sensors, or None")
     period = positive(function, "period", period, "s")
     check_all_driven(function, robot)
     check_delays(function, robot, period)

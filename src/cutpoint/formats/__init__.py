@@ -46,4 +46,9 @@ than all else here."""
 def __getattr__(name: str) -> Any:
     if name not in _ELSEWHERE:
         raise AttributeError(f"module 'cutpoint.formats' has no attribute {name!r}")
-    return getattr(import_module(f"cutpoint.formats.{_ELSEWHERE[name]}"), name)
+    found = globals()[name] = getattr(import_module(f"cutpoint.formats.{_ELSEWHERE[name]}"), name)
+    return found
+
+
+def __dir__() -> list[str]:
+    return sorted({*globals(), *__all__})
