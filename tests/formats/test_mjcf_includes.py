@@ -87,6 +87,10 @@ REFUSED = {
         {"forearm": LIMB.format('sise="1"')},
         "MuJoCo cannot compile this file: .*unrecognized attribute: 'sise' Element 'geom', line 5 ({0}/scene.xml)",
     ),
+    "an element that holds something": (
+        {"arm": '<mujoco>\n<include file="limb.xml"><body/></include></mujoco>'},
+        "<include> 'limb.xml' stands for its file and must be empty, got <body> in it ({0}/arm.xml:2)",
+    ),
     "depth": (
         {"forearm": f"<mujoco>{'<body>' * 497}{'</body>' * 497}</mujoco>"},
         "XML holds elements nested more than 499 deep, the most that is read ({0}/forearm.xml:1)",

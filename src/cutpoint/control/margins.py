@@ -24,6 +24,9 @@ AROUND_POLES = np.geomspace(1e-8, 0.3, 24)
 AT_REST = np.array([1e-8, 1e-7])
 """Two frequencies so low that L is as at rest, unless it is infinite there."""
 
+NOTHING = 1e-6
+"""A gain that is less: L is infinite there."""
+
 FAST = 0.5
 """Poles that are smaller make nothing turn fast: what they hold is gone in a few samples."""
 
@@ -160,7 +163,7 @@ def _of_joint(cut: _Cut, period: float) -> tuple[float, ...]:
     lags = (np.angle(cut.at(of_one)) + np.pi) % (2 * np.pi)
     return (
         min(gains[gains > 1], default=np.inf),
-        max(gains[(gains < 1) & (gains > LEAST)], default=0.0),
+        max(gains[(gains < 1) & (gains > NOTHING)], default=0.0),
         float(np.rad2deg(min(lags, default=np.inf))),
         min(lags / of_one * period, default=np.inf),
         cut.peak(lambda L: 1 / np.abs(1 + L)),

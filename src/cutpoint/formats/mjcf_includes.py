@@ -51,6 +51,11 @@ class _Includes:
         name = include.attributes.get("file")
         if not name:
             raise self._wrong(include, '<include> names no file; give it file="..."')
+        if include.children:
+            complaint = (
+                f"<include> {name!r} stands for its file and must be empty, got <{include.children[0].tag}> in it"
+            )
+            raise self._wrong(include, complaint)
         try:
             path = file_within(self._folder, name, _SAVED)
         except ModelError as problem:
