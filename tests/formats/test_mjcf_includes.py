@@ -89,7 +89,7 @@ REFUSED = {
     ),
     "an element that holds something": (
         {"arm": '<mujoco>\n<include file="limb.xml"><body/></include></mujoco>'},
-        "<include> 'limb.xml' stands for its file and must be empty, got <body> in it ({0}/arm.xml:2)",
+        "<include> stands for its file and must be empty, got <body> in it ({0}/arm.xml:2)",
     ),
     "depth": (
         {"forearm": f"<mujoco>{'<body>' * 497}{'</body>' * 497}</mujoco>"},

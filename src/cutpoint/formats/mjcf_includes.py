@@ -52,10 +52,8 @@ class _Includes:
         if not name:
             raise self._wrong(include, '<include> names no file; give it file="..."')
         if include.children:
-            complaint = (
-                f"<include> {name!r} stands for its file and must be empty, got <{include.children[0].tag}> in it"
-            )
-            raise self._wrong(include, complaint)
+            inner = include.children[0].tag
+            raise self._wrong(include, f"<include> stands for its file and must be empty, got <{inner}> in it")
         try:
             path = file_within(self._folder, name, _SAVED)
         except ModelError as problem:
