@@ -71,8 +71,9 @@ _STARTS = """## Starting
 
 Seconds from nothing to a first result on {processor}, each in a process of its own, Python's own start included: of the
 first start, which has machine code to make, and of later ones, which find it on disk.  `cutpoint torque`, inverse
-dynamics: of a UR10; simulation: of the paper's arm under PD and feedforward.  Of what `cutpoint torque` takes beyond
-NumPy two thirds are imports of what reads the command line, prints tables and makes code: typer, rich and llvmlite.
+dynamics: of a UR10; simulation: of the paper's arm under PD and feedforward.  Of what `cutpoint torque` took beyond
+NumPy on Zen 3 two thirds were imports of what reads the command line, prints tables and makes code: typer, rich and
+llvmlite.
 
 """
 

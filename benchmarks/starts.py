@@ -55,8 +55,8 @@ def starts() -> list[dict]:
     """Seconds of each: of the first start, which has code to make, and of those that find it, median and least."""
     file = robot_file("ur10_robot.urdf")
     programs = {name: source.format(file=file) for name, source in STARTS.items()}
-    with TemporaryDirectory() as name:
-        folder = Path(name)
+    with TemporaryDirectory() as place:
+        folder = Path(place)
         for source in programs.values():  # so that Python has its own code of all modules
             _seconds(source, folder, "warm")
         first = {name: _seconds(source, folder, f"of {k}") for k, (name, source) in enumerate(programs.items())}

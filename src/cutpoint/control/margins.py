@@ -34,7 +34,10 @@ NEAR = 1e-3
 """Distance from the unit circle of what may be a crossing."""
 
 HALVES = 60
-"""Of the distance between two frequencies, to find a crossing; thirds, to find a peak."""
+"""Of the distance between two frequencies, to find a crossing; thirds, to find where L is nearest to -1."""
+
+NEAREST = 32
+"""Frequencies about which that is sought."""
 
 MOST_STATES = 300
 """Crossings are eigenvalues of twice as many, which take seconds."""
@@ -118,17 +121,17 @@ class _Cut:
                 low, high = np.where(is_before, middle, low), np.where(is_before, high, middle)
         return (low + high) / 2
 
-    def peak(self, height: Callable[[Complex], Any]) -> float:
-        """The most that this of L is at any turn, by thirds about the highest that have been looked at."""
-        with np.errstate(invalid="ignore", divide="ignore"):
-            heights = np.nan_to_num(height(self.L))
-            k = np.clip(np.argsort(heights)[-32:], 1, len(heights) - 2)
+    def nearest(self) -> float:
+        """The least distance of L from -1 at any turn, by thirds about the least that have been looked at."""
+        with np.errstate(invalid="ignore"):
+            distances = np.nan_to_num(np.abs(1 + self.L), nan=np.inf)
+            k = np.clip(np.argsort(distances)[:NEAREST], 1, len(distances) - 2)
             low, high = self.turns[k - 1], self.turns[k + 1]
             for _ in range(HALVES):
                 third = (high - low) / 3
-                rises = height(self.at(low + third)) < height(self.at(high - third))
-                low, high = np.where(rises, low + third, low), np.where(rises, high, high - third)
-            return float(max(np.nanmax(height(self.at((low + high) / 2))), heights.max()))
+                falls = np.abs(1 + self.at(low + third)) > np.abs(1 + self.at(high - third))
+                low, high = np.where(falls, low + third, low), np.where(falls, high, high - third)
+            return float(np.nanmin([*np.abs(1 + self.at((low + high) / 2)), distances.min()]))
 
 
 def _crossings(A: Array, b: Array, c: Array) -> Array:
@@ -166,5 +169,5 @@ def _of_joint(cut: _Cut, period: float) -> tuple[float, ...]:
         max(gains[(gains < 1) & (gains > NOTHING)], default=0.0),
         float(np.rad2deg(min(lags, default=np.inf))),
         min(lags / of_one * period, default=np.inf),
-        cut.peak(lambda L: 1 / np.abs(1 + L)),
+        1 / cut.nearest(),
     )
