@@ -297,6 +297,14 @@ REFUSED = {
         "MuJoCo cannot compile this file: XML Error: Schema violation: unrecognized attribute: 'sise'"
         " Element 'geom', line 5 (arm.xml)",
     ),
+    "a misspelt element": (
+        one_body('\n<Body name="tip"/>'),
+        "<body> holds <Body>, which MJCF does not have; did you mean <body>? (arm.xml:4)",
+    ),
+    "an element of URDF": (
+        one_body("<inertia/>"),
+        "<body> holds <inertia>, which MJCF does not have; did you mean <inertial>? (arm.xml:3)",
+    ),
     "an axis without length": (
         one_body('<joint axis="0 0 0"/>'),
         "MuJoCo cannot compile this file: Error: axis too small in joint .* (arm.xml)",

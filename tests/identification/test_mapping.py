@@ -149,6 +149,8 @@ def test_a_unit_that_is_no_time_is_refused():
         ("joints: [a]\nq: x", r"q has 2 columns: it must have one for each of a \(map.yaml:3\)"),
         ("time: {channel: t, period: 1}\nq: x", r"has both 'channel' and 'period'; state one of them"),
         ("time: {period: -1}\nq: x", r"time.period -1.0 s must be positive"),
+        ("q: x\ntime: 3", r"time 3.0 must be a channel's name or a mapping with keys out of 'channel', 'unit', .*:3\)"),
+        ("q: 3", r"q 3.0 must be a channel's name, a list of names or a mapping with keys out of 'channels', 'unit'"),
         ("q: [x, x]", r"q: 'x' and 'x' are one column of the log; each joint must have its own \(map.yaml:2\)"),
         ("q: ['x[1]', 'x[1]']", r"q: 'x\[1\]' and 'x\[1\]' are one column of the log"),
         ("q: ['x[1]', x]", r"q: 'x\[1\]' and 'x' are one column of the log"),

@@ -68,8 +68,7 @@ class Section:
 
     def unit(self, field: FieldInfo | None) -> str:
         """Unit of a field on this joint; empty for what has none."""
-        extra = field.json_schema_extra if field else None
-        unit = str(extra["linear_unit" if self.slides else "unit"]) if isinstance(extra, dict) else "1"
+        unit = _extra(field, "linear_unit" if self.slides else "unit")
         return "" if unit == "1" else unit
 
     def _translated(self, sheet: type[Sheet], detail: Any) -> ModelError:
@@ -89,8 +88,8 @@ class Section:
     def _rule(self, sheet: type[Sheet], path: YamlPath, detail: Any) -> str:
         nested = sheet_at(sheet, path)
         if detail["type"] == "model_type" and nested:
-            rigid = "'rigid' or " if path[-1:] == ("compliance",) else ""
-            return f"must be {rigid}a mapping with keys out of {listed(nested.model_fields)}"
+            short = _extra(field_of(sheet, path), "short")
+            return f"must be {f'{short} or ' if short else ''}a mapping with keys out of {listed(nested.model_fields)}"
         if detail["type"] == "literal_error":
             return f"must be {detail['ctx']['expected']}"
         if detail["type"] == "dict_type" and (field := field_of(sheet, path)):
@@ -106,6 +105,12 @@ class Section:
             case "too_long":
                 return f"must have at most {context['max_length']} entries"
         return _RULES[detail["type"]]
+
+
+def _extra(field: FieldInfo | None, name: str) -> str:
+    """What a sheet says of a field beside its type and rules; empty for what it does not."""
+    extra = field.json_schema_extra if field else None
+    return str(extra.get(name, "")) if isinstance(extra, dict) else ""
 
 
 def sheet_at(sheet: type[Sheet], path: YamlPath) -> type[Sheet] | None:

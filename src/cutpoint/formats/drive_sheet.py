@@ -9,7 +9,7 @@ from pydantic import BeforeValidator, Field
 
 from cutpoint.formats.friction_sheets import FrictionSheet
 from cutpoint.formats.motor_sheets import MotorSheet, RatingsSheet, RotorSheet
-from cutpoint.formats.sheet import Sheet, quantity
+from cutpoint.formats.sheet import Sheet, quantity, short
 from cutpoint.formats.spring_sheets import ComplianceSheet, HysteresisSheet, KinematicErrorSheet
 
 
@@ -46,8 +46,8 @@ class DriveSheet(Sheet):
     ratio: float | None = quantity("1", "rad/m", "signed motor turns per joint turn; 1 without a gear", None)
     gear: GearSheet | None = Field(None, description="the ratio by the gear's make; instead of `ratio`")
     rotor: RotorSheet | None = Field(None, description="the motor's turning part; an elastic drive needs it")
-    compliance: Annotated[ComplianceSheet | None, BeforeValidator(_rigid_is_none)] = Field(
-        None, description="the spring between motor and link, or `rigid`"
+    compliance: Annotated[ComplianceSheet | None, BeforeValidator(_rigid_is_none)] = short(
+        "'rigid'", "the spring between motor and link, or `rigid`", None
     )
     backlash: float | None = quantity(
         "rad", "m", "play before the spring, flank to flank; needs `compliance`", None, gt=0

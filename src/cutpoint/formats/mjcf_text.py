@@ -10,9 +10,10 @@ import re
 from collections import Counter
 from collections.abc import Mapping
 from dataclasses import dataclass, field
+from difflib import get_close_matches
 from xml.sax.saxutils import quoteattr
 
-from cutpoint.errors import ModelError
+from cutpoint.errors import LONGEST_GUESS, ModelError
 from cutpoint.formats.mjcf_meshes import MeshFile, name_of
 from cutpoint.formats.safe_xml import Element
 
@@ -50,6 +51,9 @@ WITHOUT_EFFECT = {
     *("camera", "light", "texture", "material", "hfield", "skin"),
 }
 """Elements that bodies and joints move the same without."""
+
+NEARLY = 0.75
+"""How alike a name is to that of an element that is kept, of 1, to be taken for a slip; no two of MJCF's are so."""
 
 OTHER_TEXT = ("attach", "composite", "flexcomp", "replicate")
 
@@ -122,6 +126,7 @@ def _copy(root: Element, place: str, meshes: Mapping[str, MeshFile]) -> Excerpt:
             if _is_kept(child, item, meshes):
                 kept.append(child)
             else:
+                _refuse_misspelled(child, item, place)
                 _count(child, item, excerpt.left_out)
         excerpt.open(item, _kept_attributes(item, meshes, place), holds=bool(kept))
         waiting += [f"</{item.tag}>" if kept else "/>", *reversed(kept)]
@@ -146,6 +151,15 @@ def _is_kept(child: Element, parent: Element, meshes: Mapping[str, MeshFile]) ->
     """A mesh only if its points stand in the document, or come along."""
     shape_is_elsewhere = parent.tag == "asset" and "vertex" not in child.attributes and name_of(child) not in meshes
     return child.tag in KEPT.get(parent.tag, ()) and not shape_is_elsewhere
+
+
+def _refuse_misspelled(child: Element, parent: Element, place: str) -> None:
+    """Raises ModelError for the name of an element that is nearly one of those that are kept."""
+    names = KEPT.get(parent.tag, ())
+    meant = get_close_matches(child.tag.casefold()[:LONGEST_GUESS], names, 1, cutoff=NEARLY)
+    if meant and child.tag not in names:
+        complaint = f"<{parent.tag}> holds <{child.tag}>, which MJCF does not have; did you mean <{meant[0]}>?"
+        raise ModelError(complaint, place=child.where(place), tag=child.tag)
 
 
 def _count(child: Element, parent: Element, left_out: Counter[str]) -> None:

@@ -12,6 +12,11 @@ def quantity(rotary: str, linear: str, meaning: str, default: Any = ..., **rules
     return Field(default, description=meaning, json_schema_extra=units, **rules)
 
 
+def short(word: str, meaning: str, default: Any = ..., **rules: Any) -> Any:
+    """A field that holds a mapping, or `word` in its place."""
+    return Field(default, description=meaning, json_schema_extra={"short": word}, **rules)
+
+
 class Sheet(BaseModel):
     """Unknown keys are errors, and nothing is converted.  Validators are built at their first use, for quick starts."""
 

@@ -7,7 +7,7 @@ from typing import Annotated, Any, Literal
 
 from pydantic import BeforeValidator, Field
 
-from cutpoint.formats.sheet import Sheet, quantity
+from cutpoint.formats.sheet import Sheet, quantity, short
 
 
 def _as_list(value: Any) -> Any:
@@ -25,6 +25,10 @@ def _as_channel(value: Any) -> Any:
 def _as_unit(value: Any) -> Any:
     """YAML takes the unit 1 for a number."""
     return "1" if value == 1 and not isinstance(value, bool) else value
+
+
+def _of_channels(meaning: str) -> Any:
+    return short("a channel's name, a list of names", meaning, None)
 
 
 Numbers = Annotated[list[float], BeforeValidator(_as_list), Field(min_length=1)]
@@ -73,12 +77,12 @@ class MappingSheet(Sheet):
     ratio: Numbers | None = quantity(
         "1", "rad/m", "signed motor turns per joint turn; the robot's drives', if not stated", None
     )
-    time: Annotated[TimeSheet, BeforeValidator(_as_channel)] = Field(
-        TimeSheet.model_validate({}), description="when samples were taken"
+    time: Annotated[TimeSheet, BeforeValidator(_as_channel)] = short(
+        "a channel's name", "when samples were taken", TimeSheet.model_validate({})
     )
-    q: Quantity = Field(None, description="position of the link")
-    theta: Quantity = Field(None, description="position of the motor")
-    v: Quantity = Field(None, description="speed of the link")
-    theta_dot: Quantity = Field(None, description="speed of the motor")
-    torque: Quantity = Field(None, description="torque or force of the motor, commanded or measured")
-    current: Quantity = Field(None, description="current of the motor")
+    q: Quantity = _of_channels("position of the link")
+    theta: Quantity = _of_channels("position of the motor")
+    v: Quantity = _of_channels("speed of the link")
+    theta_dot: Quantity = _of_channels("speed of the motor")
+    torque: Quantity = _of_channels("torque or force of the motor, commanded or measured")
+    current: Quantity = _of_channels("current of the motor")
