@@ -69,11 +69,11 @@ steps a control period less runs of few, so that the controller and the call can
 
 _STARTS = """## Starting
 
-Seconds from nothing to a first result on {processor}, each in a process of its own, Python's own start included: of the
-first start, which has machine code to make, and of later ones, which find it on disk.  `cutpoint torque`, inverse
-dynamics: of a UR10; simulation: of the paper's arm under PD and feedforward.  Of what `cutpoint torque` took beyond
-NumPy on Zen 3 two thirds were imports of what reads the command line, prints tables and makes code: typer, rich and
-llvmlite.
+Seconds from nothing to a first result, each in a process of its own, Python's own start included: of the first start,
+which has machine code to make; of later ones, which find it on disk; and what these take beyond importing NumPy, by the
+least of each.  `cutpoint torque`, inverse dynamics: of a UR10; simulation: of the paper's arm under PD and feedforward.
+Of what `cutpoint torque` took beyond NumPy on Zen 3 two thirds were imports of what reads the command line, prints
+tables and makes code: typer, rich and llvmlite.
 
 """
 
@@ -156,18 +156,21 @@ def laws(found: list[dict]) -> str:
 
 
 def starts(runs: Sequence[dict]) -> str:
-    """Of the first run that has them.  The first row is what the others are beyond."""
-    run = next((run for run in runs if "starts" in run), None)
-    if run is None:
-        return ""
-    found = run["starts"]
-    least = found[0]["least"]
+    """Of all runs that have them.  The first row is what the others are beyond."""
     rows = [
-        Row((x["start"],), [f"{x['first']:.2f}", f"{x['median']:.2f} ({x['least']:.2f})", f"{x['least'] - least:.2f}"])
-        for x in found
+        Row(
+            (run["machine"]["processor"], x["start"]),
+            [
+                f"{x['first']:.2f}",
+                f"{x['median']:.2f} ({x['least']:.2f})",
+                f"{x['least'] - run['starts'][0]['least']:.2f}",
+            ],
+        )
+        for run in runs
+        if "starts" in run
+        for x in run["starts"]
     ]
-    head = _STARTS.format(processor=run["machine"]["processor"])
-    return head + table("process | first start | later | least, beyond importing NumPy", rows)
+    return _STARTS + table("processor | process | first start | later | beyond NumPy", rows) if rows else ""
 
 
 def latency(found: dict | None) -> str:
