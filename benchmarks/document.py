@@ -16,9 +16,9 @@ on one core, the contenders in turns on the same random rows; every result agree
 anything is timed.  **Only the ratios within a row are claims**: absolute figures move with the machine, its clock and
 what else it does.  Times are medians, least in brackets, in nanoseconds; ratios are of the least, which other work
 disturbs least.  Each turn begins with a call that is not timed, for others have emptied the caches; runs of commits
-before 1ae8b75 were without, which costs batches most.  What a compiler is missing for shows as {none}.  Processors go by
-what a virtual machine shows of them, and in brackets by what LLVM takes them for: the one called rocketlake has units
-for matrices, which only later ones have.
+before 1ae8b75 were without, which costs batches most.  What a compiler is missing for shows as {none}.  Processors go
+by what a virtual machine shows of them, and in brackets by what LLVM takes them for: the one called rocketlake has
+units for matrices, which only later ones have.
 
 | | |
 |-|-|

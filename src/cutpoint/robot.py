@@ -26,7 +26,6 @@ from cutpoint.model.decomposition import Cut, Subsystem, cuts_of, subsystems_of
 from cutpoint.model.mechanism import frozen
 from cutpoint.model.places import Places
 from cutpoint.model.validation import check_gravity
-from cutpoint.scalars import structure_of
 
 if TYPE_CHECKING:
     from cutpoint.analysis import LinearModel, Modes
@@ -141,7 +140,9 @@ class Robot:
     def with_drives(self, drives: Mapping[str, Drive]) -> "Robot":
         """The same robot, driven otherwise: these joints get these drives, the others keep theirs."""
         door.check_kind("with_drives", "drives", drives, Mapping, door.DRIVES)
-        return Robot(self.mechanism, {**self.drives, **drives}, backend=self.backend)
+        other = Robot(self.mechanism, {**self.drives, **drives}, backend=self.backend)
+        other._compiled.share_kernels_with(self._compiled)
+        return other
 
     def with_payload(self, mass: float, com: ArrayLike, inertia: ArrayLike, frame: str) -> "Robot":
         """With a piece fixed to a frame: there, mass (kg), com (3,) (m), inertia about the com (3, 3) (kg m2).
@@ -475,7 +476,7 @@ class Robot:
     @cached_property
     def trace_key(self) -> Any:
         """Equal for robots that one trace serves: the same mechanism, driven through drives of the same structure."""
-        return (id(self.mechanism), self.backend, structure_of([*self.drives.items()]))
+        return (id(self.mechanism), self.backend, self._compiled.structure)
 
     @property
     def drive_parameters(self) -> Array:

@@ -1,12 +1,14 @@
 """Single calls of a robot's functions: the bits that the same numbers give in a batch, and the same errors."""
 
 from collections.abc import Callable
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
 import pytest
 
-from cutpoint import InputError, Robot
+from cutpoint import Drive, InputError, LinearSpring, Robot, Rotor
+from cutpoint.scalars import map_leaves
 from robot_library import robot, turned
 
 RNG = np.random.default_rng(3)
@@ -113,6 +115,32 @@ def test_every_robot_reads_the_numbers_of_its_own_drives() -> None:
     still = arm.with_drives({joint: type(drive)()})
     assert still.friction_torques(v)[0] == 0 and arm.friction_torques(v).tobytes() == before.tobytes()
     assert before[0] != 0
+
+
+def heavier(robot: Robot) -> Robot:
+    """With 2 % more of every number of its drives."""
+    return robot.with_drives(map_leaves(lambda x: 1.02 * x, dict(robot.drives)))
+
+
+def coupled() -> Robot:
+    """Whose links carry the rotors' mass, and feel those turn that drive rigidly."""
+    arm, rotor = robot("xia2019"), Rotor(1e-5, in_link_inertia=False, mass=0.2, transverse=2e-5)
+    kinds = [Drive(100.0, rotor, LinearSpring(8e3)), Drive(100.0, replace(rotor, coupling="full"))]
+    return arm.with_drives({name: kinds[k % 2] for k, name in enumerate(arm.joints)})
+
+
+@pytest.mark.parametrize("first", [*(robot(name) for name in ROBOTS), coupled()], ids=[*ROBOTS, "coupled"])
+def test_robots_that_differ_in_numbers_share_kernels_and_no_results(first: Robot) -> None:
+    second = heavier(first)
+    alone = Robot(second.mechanism, second.drives)
+    numbers = [x[0] for x in given(first, 1)]
+    for call in CALLS.values():
+        call(first, *numbers)
+        assert_same(call(second, *numbers), call(alone, *numbers))
+    for name in ("mass_matrix", "static_deflection", "elastic_forward_dynamics"):
+        assert first.kernel(name) is second.kernel(name) is not alone.kernel(name)
+    bare = first.with_drives({first.joints[0]: Drive()})
+    assert bare.mass_matrix(numbers[0]) is not None and bare.kernel("mass_matrix") is not first.kernel("mass_matrix")
 
 
 def test_variants_of_a_function_do_not_answer_for_each_other() -> None:

@@ -4,7 +4,7 @@ Geometry and inertias fold into the code; drive constants are inputs of every fu
 them never compiles again.
 """
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Hashable, Mapping, Sequence
 from dataclasses import replace
 from functools import cached_property
 from operator import attrgetter
@@ -36,7 +36,7 @@ from cutpoint.rolled import (
     name_of,
     rolled,
 )
-from cutpoint.scalars import leaves, rebuild
+from cutpoint.scalars import leaves, rebuild, structure_of
 
 if TYPE_CHECKING:
     from cutpoint.rolled.equations.solver import Solver
@@ -85,7 +85,8 @@ class Compiled:
     machine: the robot with its bodies' own frames (z along the joints) and inertias, for functions of frames, single
     bodies and their parameters.  lean: the same robot, reframed, regrouped and in a unit of length of its own, for all
     others.
-    parameters: the drives' numbers, in the order of the drives and of their fields.  functions: made so far.
+    parameters: the drives' numbers, in the order of the drives and of their fields.  structure: what is left of the
+    drives without them.  functions: made so far.
     """
 
     def __init__(self, mechanism: Mechanism, drives: Mapping[str, Drive], backend: str) -> None:
@@ -95,6 +96,7 @@ class Compiled:
         self._rotors_are_felt = any(rotor_is_felt(drive) for drive in drives.values())
         self.functions = Functions(self.function)
         self._kernels: dict[str, Kernel] = {}
+        self._shared: dict[Any, RobotFunction] = {}
         self._loops: dict[str, RolledFunction | None] = {}
 
     def size_of(self, name: str) -> int | tuple[()]:
@@ -108,6 +110,15 @@ class Compiled:
         if name == "strains":
             return sum(map(strains.count, self._drives.values()))
         return self.machine.system.nq if name in ("q", "q_next") else self.machine.system.nv
+
+    @cached_property
+    def structure(self) -> Hashable:
+        return structure_of([*self._drives.items()])
+
+    def share_kernels_with(self, other: "Compiled") -> None:
+        """Kernels of a robot of the same mechanism serve this one too, if their drives differ in numbers alone."""
+        if self.structure == other.structure:
+            self._shared = other._shared
 
     @cached_property
     def quaternions(self) -> dict[str, slice]:
@@ -187,7 +198,9 @@ class Compiled:
             self._loops[name] = loops
             return looping
         check_compiles(name, self.machine.system, self._backend)
-        made = self._compile(name, definition, inputs, reads_drives, record)
+        if key not in self._shared:
+            self._shared[key] = self._compile(name, definition, inputs, reads_drives, record)
+        made = self._shared[key].bound_to(self.parameters)
         self._kernels[name] = made.kernel
         return made.quick()
 

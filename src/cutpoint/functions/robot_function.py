@@ -43,6 +43,10 @@ class RobotFunction:
         found = self._whole(given, None)
         return (found,) if self.record and type(found) is np.ndarray else found
 
+    def bound_to(self, parameters: np.ndarray) -> "RobotFunction":
+        """The same for a robot whose drives have these numbers."""
+        return RobotFunction(self.name, self.kernel, self.sizes, [parameters], self.record) if self.added else self
+
     def quick(self) -> Callable[..., Any]:
         """The same, quickest for single calls."""
         return self.kernel.shortcut(self, bound=self.added, largest=LARGEST, record=self.record)

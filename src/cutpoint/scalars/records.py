@@ -18,6 +18,8 @@ _STRUCTURE = (*_NEVER_NUMBERS, int, np.integer)
 
 def leaves(record: Any) -> list[Any]:
     """The numbers of a record, depth first, in the order of its fields."""
+    if type(record) is float:  # most are
+        return [record]
     if isinstance(record, np.ndarray):
         return record.reshape(-1).tolist()
     parts = _parts(record)
@@ -79,6 +81,8 @@ def structure_of(record: Any, known: Mapping[int, Hashable] | None = None) -> Ha
     An object that is no record counts by its `trace_key`, if it has one, or by its identity.
     known: what parts count by instead, by their identity.
     """
+    if type(record) is float:  # most are
+        return float
     if known and id(record) in known:
         return known[id(record)]
     if isinstance(record, np.ndarray):
