@@ -96,7 +96,7 @@ class Compiled:
         self._rotors_are_felt = any(rotor_is_felt(drive) for drive in drives.values())
         self.functions = Functions(self.function)
         self._kernels: dict[str, Kernel] = {}
-        self._shared: dict[Any, RobotFunction] = {}
+        self._shared: dict[Any, tuple[RobotFunction, Callable[..., Any]]] = {}
         self._loops: dict[str, RolledFunction | None] = {}
 
     def size_of(self, name: str) -> int | tuple[()]:
@@ -199,10 +199,11 @@ class Compiled:
             return looping
         check_compiles(name, self.machine.system, self._backend)
         if key not in self._shared:
-            self._shared[key] = self._compile(name, definition, inputs, reads_drives, record)
-        made = self._shared[key].bound_to(self.parameters)
+            made = self._compile(name, definition, inputs, reads_drives, record)
+            self._shared[key] = made, made.quick()
+        made, quick = self._shared[key]
         self._kernels[name] = made.kernel
-        return made.quick()
+        return quick if made.knows(self.parameters) else made.bound_to(self.parameters).quick()
 
     def _joint_by_joint(
         self, key: Any, definition: Callable[..., Any], inputs: Sequence[str], reads_drives: bool

@@ -43,9 +43,13 @@ class RobotFunction:
         found = self._whole(given, None)
         return (found,) if self.record and type(found) is np.ndarray else found
 
+    def knows(self, parameters: np.ndarray) -> bool:
+        """Whether these are the numbers of the drives that it adds, or it adds none."""
+        return not self.added or self.added[0] is parameters
+
     def bound_to(self, parameters: np.ndarray) -> "RobotFunction":
         """The same for a robot whose drives have these numbers."""
-        return RobotFunction(self.name, self.kernel, self.sizes, [parameters], self.record) if self.added else self
+        return RobotFunction(self.name, self.kernel, self.sizes, [parameters], self.record)
 
     def quick(self) -> Callable[..., Any]:
         """The same, quickest for single calls."""
