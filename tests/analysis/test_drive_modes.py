@@ -139,7 +139,7 @@ def test_a_damped_spring_has_the_textbooks_damping_ratio(J, K, zeta):
 def test_an_overdamped_drive_is_not_listed_but_told():
     found = sprung(WHEEL, 1.0, 100.0, damping=1e3).modes([0.0])
     assert found.frequencies.shape == (0,)
-    assert found.remark == "1 of 1 drive modes do not oscillate: overdamped"
+    assert found.remark == "1 of 1 drive modes are overdamped, or are slower than 1e-06 of the fastest pole"
     assert str(found) == found.remark
 
 

@@ -129,4 +129,15 @@ def test_winding_either_way_counts_as_fast_and_springs_that_soften_where_they_ar
     assert (there == 2.5).all() and np.array_equal(there, back)
     # wound by 1e-3 rad, beyond both corners, and read wrong by so much that it may not be wound at all
     coarse = torque_bound(arm, at + 1e-3, at, Sensors(link_resolution=4e-3))
-    assert coarse.resolution == pytest.approx(np.full((1, 6), 12e3 * 2e-3))
+    assert coarse.resolution == pytest.approx(np.full((1, 6), 2 * softening.torque(1e-3)))
+
+
+@pytest.mark.parametrize("stiffness", [(5e3, 30e3, 6e3), (10e3, 14e3, 11e3), (12e3, 6e3, 3e3), (3e3, 6e3, 12e3)])
+def test_no_spring_is_read_farther_off_than_its_bound(stiffness):
+    spring, step = CatalogueSpring(*stiffness, 2.0, 5.0), 5e-4
+    arm = robot("xia2019")
+    arm = arm.with_drives({name: replace(d, compliance=spring) for name, d in arm.drives.items()})
+    read = np.linspace(-2e-3, 2e-3, 101)[:, None] + np.zeros(6)
+    bound = torque_bound(arm, read, 0 * read, Sensors(link_resolution=step)).total
+    off = [np.abs(spring.torque(read + x) - spring.torque(read)) for x in np.linspace(-step / 2, step / 2, 41)]
+    assert np.max(off, axis=0) == pytest.approx(bound, rel=1e-12)

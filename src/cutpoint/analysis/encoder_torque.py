@@ -93,9 +93,9 @@ def _parts(
     passed = 1.0 + (drive.kinematic_error.steepest(drive.ratio) if drive.kinematic_error else 0.0)
     angle = (passed * steps[0] + steps[1]) / 2
     spread = COVERED * np.hypot(passed * sigmas[0], sigmas[1])
-    stiffness = _stiffest(drive, wound, angle + spread)
+    steepness = _steepness(drive, wound, angle + spread)
     hysteresis = _hysteresis(drive, wound - wound[:1] if record else None, angle + spread)
-    return stiffness * angle, stiffness * spread, hysteresis, (drive.damping or 0.0) * np.abs(fastest)
+    return steepness * angle, steepness * spread, hysteresis, (drive.damping or 0.0) * np.abs(fastest)
 
 
 def followed_hysteresis(robot: Robot, theta: ArrayLike, q: ArrayLike) -> Array:
@@ -121,13 +121,14 @@ def followed_hysteresis(robot: Robot, theta: ArrayLike, q: ArrayLike) -> Array:
     return found
 
 
-def _stiffest(drive: Drive, wound: Array, off: float) -> Array:
-    """The largest stiffness that a deflection may meet, within an error of it."""
+def _steepness(drive: Drive, wound: Array, off: float) -> Array:
+    """What a spring's torque can be off for each rad of a deflection that is off by so much; it rises all along, so no
+    deflection between is farther off."""
     assert drive.compliance is not None
-    low, high = wound - off, wound + off
-    # of a spring that softens it is where it is wound least
-    places = low, np.clip(0.0, low, high), high
-    return np.max([drive.compliance.tangent(x) for x in places], axis=0)
+    if not off:
+        return np.zeros(wound.shape)
+    low, read, high = (drive.compliance.torque(x) for x in (wound - off, wound, wound + off))
+    return np.maximum(high - read, read - low) / off
 
 
 def _hysteresis(drive: Drive, way: Array | None, off: float) -> Array | float:

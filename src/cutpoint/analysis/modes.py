@@ -69,7 +69,8 @@ class Modes:
         if not self.elastic:
             return "no drive bends, so there are no drive modes: state a compliance in the drive file"
         missing = self.elastic - len(self.frequencies)
-        return f"{missing} of {self.elastic} drive modes do not oscillate: overdamped" if missing > 0 else ""
+        slow = f", or are slower than {STANDSTILL:g} of the fastest pole"
+        return f"{missing} of {self.elastic} drive modes are overdamped{slow}" if missing > 0 else ""
 
     def __str__(self) -> str:
         lines = []

@@ -46,9 +46,10 @@ class AdaptiveVDC(VDC):
     """VDC whose bodies and joints learn while they move: inertial parameters, friction, rotor inertia, compliance.
 
     The gains are those of `VDC`; required torques are differentiated by its command filter.
-    update: "projection" keeps every number within `uncertainty` (a share of its nominal size, of mass, radius of
-    gyration and so on) of the model's, Zhu (2010); "natural" keeps bodies physical and has no bounds on them, Lee, Kwon
-    and Park (2018); joints' numbers are projected in both.
+    update: "projection" keeps every number within `uncertainty` of the model's, Zhu (2010): a share of it for masses and
+    joints, of mass * radius for first moments, and of mass * radius**2 for all six of an inertia, the radius being that
+    of gyration about the joint's frame.  A slender body's small inertia may so be learnt below zero.  "natural" keeps
+    bodies physical and has no bounds on them, Lee, Kwon and Park (2018); joints' numbers are projected in both.
     body_rate and joint_rate: how fast shares of nominal sizes change, 1/J.  `tune` checks the loop with these numbers
     held: rates so high that a control period changes them much let estimate and motion shake each other up.
     Compliance is learnt as 1/K, of linear springs; other springs stay as the model has them.
@@ -69,7 +70,7 @@ class AdaptiveVDC(VDC):
         for name in ("body_rate", "joint_rate", "uncertainty"):
             self._set(**{name: gains("AdaptiveVDC", name, getattr(self, name), 1)})
         if self.uncertainty.dtype != object and self.uncertainty[0] >= 1:
-            rule = "must be below 1, so that inertias, stiffness and friction stay positive"
+            rule = "must be below 1, so that masses, stiffness and friction stay positive"
             raise InputError(f"AdaptiveVDC: uncertainty {self.uncertainty[0]} {rule}")
 
     @property

@@ -40,8 +40,9 @@ REACTIONS: dict[str, Reaction] = {
     "measurement": "hold", "stale": "hold", "deadline": "ramp", "speed": "ramp", "position": "ramp", "command": "ramp",
 }  # fmt: skip
 """measurement: one that the law needs is not finite; the law is then told the last that was.  stale: its time stamp
-stands still.  deadline: it comes half a period late or later.  speed, position: a joint beyond its limits, by the
-link's encoder or, where that says nothing, by the motor's.  command: what the law commands is not finite."""
+stands still.  deadline: it comes half a period late or later.  speed: a joint's limit is passed by either encoder.
+position: it is by the link's or, where that says nothing, by the motor's.  command: what the law commands is not
+finite."""
 
 
 class Watch(NamedTuple):
