@@ -169,6 +169,31 @@ def test_a_wrong_joint_is_named_with_its_line(case: str) -> None:
     assert refused(arm(link("arm"), inside)) == f"{message} (arm.urdf:4)"
 
 
+@pytest.mark.parametrize(
+    ("inside", "meant"),
+    [
+        ('<axsi xyz="0 1 0"/>', "<joint> holds <axsi>, which URDF does not have; did you mean <axis>?"),
+        ('<orign xyz="1 0 0"/>', "<joint> holds <orign>, which URDF does not have; did you mean <origin>?"),
+        ('<limits effort="5"/>', "<joint> holds <limits>, which URDF does not have; did you mean <limit>?"),
+        ('<Dynamics damping="5"/>', "<joint> holds <Dynamics>, which URDF does not have; did you mean <dynamics>?"),
+        ('<axis xzy="0 1 0"/>', "<axis> has the attribute 'xzy', which URDF does not have; did you mean 'xyz'?"),
+        ('<origin ryp="0 1 0"/>', "<origin> has the attribute 'ryp', which URDF does not have; did you mean 'rpy'?"),
+        ('<limit efort="5"/>', "<limit> has the attribute 'efort', which URDF does not have; did you mean 'effort'?"),
+        ('<dynamics dampning="5"/>', "<dynamics> has the attribute 'dampning', which URDF .* you mean 'damping'?"),
+    ],
+)
+def test_slips_that_would_leave_another_robot_are_refused(inside: str, meant: str) -> None:
+    pattern = re.escape(f"{meant} (arm.urdf:4)").replace(r"\.\*", ".*")
+    assert re.fullmatch(pattern, refused(arm(link("arm"), inside)))
+
+
+def test_other_names_are_passed_over() -> None:
+    others = '<dynamics damping="2" frictionloss="1"/><safety_controller k_velocity="1"/><calibration rising="0"/>'
+    body = link("arm").replace("<inertial>", "<visual><orign/></visual><inertial>")
+    read = parse_urdf(arm(body, others))
+    assert read.bodies[0].joint.damping == 2.0 and read.bodies[0].joint.friction == 0.0
+
+
 @pytest.mark.parametrize("case", DOCUMENTS)
 def test_a_wrong_document_is_refused_with_its_line(case: str) -> None:
     text, message = DOCUMENTS[case]

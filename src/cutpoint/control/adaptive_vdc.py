@@ -46,9 +46,9 @@ class AdaptiveVDC(VDC):
     """VDC whose bodies and joints learn while they move: inertial parameters, friction, rotor inertia, compliance.
 
     The gains are those of `VDC`; required torques are differentiated by its command filter.
-    update: "projection" keeps every number within `uncertainty` of the model's, Zhu (2010): a share of it for masses and
-    joints, of mass * radius for first moments, and of mass * radius**2 for all six of an inertia, the radius being that
-    of gyration about the joint's frame.  A slender body's small inertia may so be learnt below zero.  "natural" keeps
+    update: "projection" keeps every number within `uncertainty` of the model's, Zhu (2010): a share of it for masses
+    and joints, of mass * radius for first moments, of mass * radius**2 for all six of an inertia, with the radius of
+    gyration about the joint's frame.  A slender body's small inertia may so be learnt below zero.  "natural" keeps
     bodies physical and has no bounds on them, Lee, Kwon and Park (2018); joints' numbers are projected in both.
     body_rate and joint_rate: how fast shares of nominal sizes change, 1/J.  `tune` checks the loop with these numbers
     held: rates so high that a control period changes them much let estimate and motion shake each other up.

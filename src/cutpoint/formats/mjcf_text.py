@@ -10,12 +10,12 @@ import re
 from collections import Counter
 from collections.abc import Mapping
 from dataclasses import dataclass, field
-from difflib import get_close_matches
 from xml.sax.saxutils import quoteattr
 
-from cutpoint.errors import LONGEST_GUESS, ModelError
+from cutpoint.errors import ModelError
 from cutpoint.formats.mjcf_meshes import MeshFile, name_of
 from cutpoint.formats.safe_xml import Element
+from cutpoint.formats.slips import meant
 
 MAXIMUM_PIECES = 40_000
 """Opening and closing tags that are kept: the work of compiling them grows faster than their number."""
@@ -51,9 +51,6 @@ WITHOUT_EFFECT = {
     *("camera", "light", "texture", "material", "hfield", "skin"),
 }
 """Elements that bodies and joints move the same without."""
-
-NEARLY = 0.75
-"""How alike a name is to that of an element that is kept, of 1, to be taken for a slip; no two of MJCF's are so."""
 
 OTHER_TEXT = ("attach", "composite", "flexcomp", "replicate")
 
@@ -155,10 +152,8 @@ def _is_kept(child: Element, parent: Element, meshes: Mapping[str, MeshFile]) ->
 
 def _refuse_misspelled(child: Element, parent: Element, place: str) -> None:
     """Raises ModelError for the name of an element that is nearly one of those that are kept."""
-    names = KEPT.get(parent.tag, ())
-    meant = get_close_matches(child.tag.casefold()[:LONGEST_GUESS], names, 1, cutoff=NEARLY)
-    if meant and child.tag not in names:
-        complaint = f"<{parent.tag}> holds <{child.tag}>, which MJCF does not have; did you mean <{meant[0]}>?"
+    if right := meant(child.tag, KEPT.get(parent.tag, ())):
+        complaint = f"<{parent.tag}> holds <{child.tag}>, which MJCF does not have; did you mean <{right}>?"
         raise ModelError(complaint, place=child.where(place), tag=child.tag)
 
 

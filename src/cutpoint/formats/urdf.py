@@ -15,6 +15,7 @@ from numpy.typing import ArrayLike
 from cutpoint.errors import InputError, ModelError, listed
 from cutpoint.formats.reading import read_bytes
 from cutpoint.formats.safe_xml import MAXIMUM_BYTES, Element, parse_xml
+from cutpoint.formats.slips import meant
 from cutpoint.formats.urdf_elements import Reader
 from cutpoint.formats.xacro_expansion import expand
 from cutpoint.model.build import build
@@ -23,6 +24,23 @@ from cutpoint.model.mechanism import STANDARD_GRAVITY, Joint, JointKind, Limits,
 from cutpoint.model.places import Places
 
 KINDS: tuple[JointKind, ...] = ("fixed", "revolute", "continuous", "prismatic", "planar", "floating")
+PARTS = {
+    "robot": ("link", "joint"),
+    "link": ("inertial",),
+    "inertial": ("origin", "mass", "inertia"),
+    "joint": ("parent", "child", "origin", "axis", "limit", "dynamics", "mimic"),
+}
+"""Elements that are read, by what holds them."""
+
+ATTRIBUTES = {
+    "origin": ("xyz", "rpy"),
+    "axis": ("xyz",),
+    "limit": ("lower", "upper", "velocity", "effort"),
+    "dynamics": ("damping", "friction"),
+    "mimic": ("joint", "multiplier", "offset"),
+}
+"""Of which some may be missing."""
+
 X_AXIS = (1.0, 0.0, 0.0)
 """Axis of a joint that states none."""
 
@@ -72,6 +90,7 @@ def parse_urdf(
         raise InputError(f"mimic {mimic!r} must be 'independent' or 'coupled'", mimic=mimic)
     robot = parse_xml(content, place)
     _check_is_urdf(robot, place)
+    _check_names(robot, place)
     joints = [_joint(element, place) for element in robot.all("joint")]
     mechanism = build(
         robot.attributes.get("name") or Path(place).stem,
@@ -96,6 +115,21 @@ def _check_is_urdf(robot: Element, place: str) -> None:
     for child in robot.children:
         if "xacro" in child.tag:
             raise ModelError("this file has xacro elements; give it the ending .xacro", place=f"{place}:{child.line}")
+
+
+def _check_names(element: Element, place: str) -> None:
+    """Raises ModelError for a slip of a name that is read: passed over, it would leave another robot behind."""
+    parts = PARTS.get(element.tag, ())
+    for child in element.children:
+        if right := meant(child.tag, parts):
+            complaint = f"<{element.tag}> holds <{child.tag}>, which URDF does not have; did you mean <{right}>?"
+            raise ModelError(complaint, place=f"{place}:{child.line}", tag=child.tag)
+        if child.tag in parts:
+            _check_names(child, place)
+    for name in element.attributes:
+        if right := meant(name, ATTRIBUTES.get(element.tag, ())):
+            complaint = f"<{element.tag}> has the attribute {name!r}, which URDF does not have; did you mean {right!r}?"
+            raise ModelError(complaint, place=f"{place}:{element.line}", attribute=name)
 
 
 def _label(element: Element) -> str:

@@ -1,0 +1,18 @@
+"""Names that are nearly those of a format: slips, which one who passes over what he does not know would not see."""
+
+from collections.abc import Collection
+from difflib import get_close_matches
+
+from cutpoint.errors import LONGEST_GUESS
+
+ALIKE = 0.84
+"""How like two names are, of 1, for one to be a slip: `dampning` and `bdy` are, `frictionloss` and `geometry` not."""
+
+
+def meant(name: str, known: Collection[str]) -> str | None:
+    """The name that was meant, of those that are known, in small letters; None for one of them, or like none."""
+    if name in known:
+        return None
+    own = name.casefold()[:LONGEST_GUESS]
+    turned = (right for right in known if sorted(right) == sorted(own))
+    return next(turned, None) or next(iter(get_close_matches(own, known, 1, cutoff=ALIKE)), None)
