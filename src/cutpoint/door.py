@@ -22,6 +22,9 @@ FLOAT64 = np.dtype(np.float64)
 LARGEST = 1e15
 """Of an argument, in SI: an angle beyond it is known to an eighth of a turn at best, and no machine has the rest."""
 
+FAR = 10.0
+"""Times the widest limit of a joint that slides: beyond it, and a metre, a position is in mm."""
+
 DRIVES = "a Drive for each of some joints, by name"
 """What arguments that give drives must be."""
 
@@ -172,18 +175,18 @@ def _has_followers(mechanism: Mechanism) -> bool:
 
 
 def check_configuration(mechanism: Mechanism, q: Sequence[float]) -> None:
-    """A configuration far beyond limits, as if in degrees, is an error; a little beyond is the user's affair.
+    """A configuration far beyond limits, as if in degrees or mm, is an error; a little beyond is the user's affair.
 
     q: joint positions in the order of the driven joints, rad (m).
     """
     for (name, i), x in zip(driven_joints(mechanism).items(), q, strict=True):
         joint = mechanism.bodies[i].joint
-        beyond = x > joint.limits.upper or x < joint.limits.lower
-        if joint.kind == "revolute" and beyond and abs(x) > 2 * np.pi:
-            raise InputError(
-                f"joint {name!r}: position {x:g} rad exceeds its limits "
-                f"[{joint.limits.lower:g}, {joint.limits.upper:g}]; this looks like degrees: "
-                "give radians (numpy.radians, or --degrees on the command line)",
-                joint=name,
-                position=x,
-            )
+        low, high = joint.limits.lower, joint.limits.upper
+        likeness, unit = "", "rad"
+        if joint.kind == "revolute" and abs(x) > 2 * np.pi:
+            likeness = "degrees: give radians (numpy.radians, or --degrees on the command line)"
+        if joint.kind == "prismatic" and abs(x) > max(1.0, FAR * max(abs(low), abs(high))):
+            likeness, unit = "mm: give metres" if low < high else "", "m"
+        if likeness and not low <= x <= high:
+            found = f"position {x:g} {unit} exceeds its limits [{low:g}, {high:g}]"
+            raise InputError(f"joint {name!r}: {found}; this looks like {likeness}", joint=name, position=x)

@@ -97,7 +97,7 @@ AT = np.zeros((3, 6))
         ({"winding_speed": np.inf}, r"winding_speed\[0\] is inf"),
         ({"winding_speed": "fast"}, r"winding_speed must be numbers"),
         ({"sensors": None}, r"sensors must be Sensors, such as cutpoint.Sensors\(link_resolution=1e-5\), got None"),
-        ({"sensors": Sensors(motor_noise=[1e-5] * 5)}, r"motor_noise .* one number or one for each of 6 drives"),
+        ({"sensors": Sensors(motor_noise=[1e-5] * 5)}, r"motor_noise .* one number, or one for each of 6 drives"),
     ],
 )
 def test_readings_that_make_no_sense_are_refused(given, message):

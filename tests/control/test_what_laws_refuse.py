@@ -216,7 +216,7 @@ REFUSED = {
     ),
     "a pole where commands come too late": (
         lambda: slowest_pole(late(5e-3), law("PD"), [0.0] * 2, 1e-3),
-        r"slowest_pole: a motor's delay 0.005 s must not exceed the control period, 0.001 s; put whole periods into",
+        r"slowest_pole: joint 'shoulder': its motor's delay 0.005 s must not exceed .* 0.001 s; is it in ms\?  Whole",
     ),
     "a pole of a law that commands no number": (
         lambda: slowest_pole(elbow(), lambda memory, m, r: (memory, m.q + np.nan), [0.0] * 2, 1e-3),

@@ -231,6 +231,10 @@ FILES = {
         "drive file: unknown key 'drivers'; those that exist are 'version', 'defaults', 'drives' (arm.yaml:2)",
     ),
     "no value": ("version: 1\ndrives:\n  elbow: {ratio: }", "drives.elbow.ratio has no value (arm.yaml:3)"),
+    "a number with a comma": (
+        "version: 1\ndrives:\n  elbow: {damping: 4,000}",
+        "drives.elbow.000 has no value; in {} a comma ends a value: 4000, not 4,000 (arm.yaml:3)",
+    ),
     "a key twice": ("version: 1\ndrives: {}\ndrives: {}", "key 'drives' is given twice (arm.yaml:3)"),
     "nothing": ("# only a comment", "YAML holds no values (arm.yaml)"),
     "second document": ("version: 1\ndrives: {}\n---\na: 1", "a second document (---) is not read (arm.yaml:3)"),

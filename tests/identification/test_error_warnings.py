@@ -37,6 +37,10 @@ def test_a_model_that_carries_over_is_not_spoken_of():
         ({"after": np.where(HELD, 0.3, 0.1), "plain": 0.3}, r"elbow: .* is 3\.\d times that on the part .* fitted"),
         ({"after": 2.0}, r"elbow: .* held out is 1\d\.\d\d to 2\d\.\d\d times that of plain least squares: check"),
         ({"after": 10.0, "plain": 10.0}, r"elbow: 9\.\d+ of 14\.\d N m of its torque are not explained: check"),
+        (
+            {"after": 10.0, "plain": 10.0, "before": 2.0 * TORQUE / NOISE[0] + 0.5},
+            r"elbow: 9\.\d+ of 14\.\d N m .* not explained: it goes against what the files ask: is the sign of",
+        ),
         ({"before": 0.999 * TORQUE / NOISE[0]}, r"torques are 1e\+03 times what the robot's files ask .* check"),
         (
             {"after": (0.1 * TIME - 1.4) * np.sign(MOVES) / NOISE[1], "plain": 0.1},

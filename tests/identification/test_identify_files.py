@@ -12,6 +12,7 @@ from cutpoint.errors import InputError
 from cutpoint.formats import parse_drives, parse_urdf
 from cutpoint.formats.drive_file_writing import remarked_drives, worded
 from cutpoint.formats.urdf_writing import MOVED, updated_urdf
+from cutpoint.identification.output.numbers import Number
 from cutpoint.identification.rigid.bodies import with_parameters
 from cutpoint.model import Mechanism
 from robot_library import COULOMB, mixed_drives, tree, urdf
@@ -123,6 +124,20 @@ def test_drives_come_back_with_their_remarks():
     assert parse_drives(text, robot.mechanism) == drives
     assert text.count("# 1 to 2") == sum(drive.rotor is not None for drive in drives.values())
     assert "coulomb: 0.4  # two lines # :" in text and "lost" not in text
+
+
+@pytest.mark.parametrize(
+    ("low", "used", "high", "words"),
+    [
+        (1.0, 1.5, 2.0, "1 to 2"),
+        (44.999_61, 44.999_64, 45.000_02, "44.9996 to 45"),
+        (200.001_4, 200.001_41, 200.001_42, "200.0014 to 200.00142"),
+        (3.0, 5.0, 4.0, "3 to 4 by the log alone; with bodies and friction that can exist, this fits best"),
+        (2.0, 2.0, 2.0, "2 to 2"),
+    ],
+)
+def test_an_interval_shows_that_its_number_is_within(low: float, used: float, high: float, words: str):
+    assert Number("elbow", "coulomb.elbow", "N m", used, low, high, used, np.nan).remark == words
 
 
 @pytest.mark.parametrize("name", ["a: b", "- x", "#1", "'quoted'", "ü", "1.0", "true"])

@@ -135,6 +135,9 @@ def test_a_unit_that_is_no_time_is_refused():
         ("q: {unit: deg}", r"'channels' is missing in q \(map.yaml:2\)"),
         ("q: {channels: []}", r"q.channels \[\] must have at least 1 entries \(map.yaml:2\)"),
         ("q: {channels: x, unit: grad}", r"q.unit 'grad' is not known; there are 'rad', 'mrad', 'deg'"),
+        ("q: {channels: x, unit: [deg, rad, deg]}", r"q.unit has 3 units: it must have 1 or 2 \(map.yaml:2\)"),
+        ("q: {channels: x, unit: [deg, grad]}", r"q.unit 'grad' is not known; there are 'rad', 'mrad', 'deg'"),
+        ("q: {channels: x, unit: []}", r"q.unit \[\] must have at least 1 entries"),
         ("q: {channels: x, unit: counts}", r"q.unit 'counts' needs 'counts_per_turn'"),
         ("v: {channels: x, unit: counts}", r"v.unit 'counts' is not known"),
         ("torque: {channels: x, unit: A}", r"torque.unit 'A' needs 'gain': what one A is worth in SI"),
@@ -180,9 +183,11 @@ def test_lengths_and_forces_of_joints_that_turn_are_refused(fields: str, message
 def test_angles_of_joints_that_slide_are_refused_but_not_those_of_their_motors():
     text = urdf_text().replace('name="elbow" type="revolute"', 'name="elbow" type="prismatic"')
     arm = Robot(parse_urdf(text), {name: Drive(100.0) for name in ("shoulder", "elbow")})
-    rule = r"q.unit 'deg' is of joints that turn, and 'elbow' slides: it must be one of 'm', 'mm'; without unit:, the"
+    rule = r"q.unit 'deg' is of joints that turn, and 'elbow' slides: it must be one of 'm', 'mm'; unit may be a list"
     with pytest.raises(ModelError, match=rule):
         recording_of(table(x=Q), parse_mapping("version: 1\nq: {channels: x, unit: deg}", "map.yaml"), arm)
+    each = parse_mapping("version: 1\nq: {channels: x, unit: [deg, mm]}", "map.yaml")
+    assert_close(recording_of(table(x=Q), each, arm)["q"], Q * [np.pi / 180.0, 1e-3], 1e-15)
     motors = parse_mapping("version: 1\nratio: 100\nq: {channels: x, unit: deg, side: motor}", "map.yaml")
     assert_close(recording_of(table(x=Q), motors, arm)["q"], np.deg2rad(Q) / 100.0, 1e-15)
 

@@ -6,11 +6,14 @@ from typing import Any
 import numpy as np
 import pytest
 from machine_logs import JOINTS, positions, times
+from two_joints import urdf_text
 
 import cutpoint
+from cutpoint import Robot
 from cutpoint.errors import InputError
+from cutpoint.formats import parse_urdf
 from cutpoint.identification import Channel, Recording, Table, parse_mapping, recording_of
-from cutpoint.identification.logs.suspicions import suspicions
+from cutpoint.identification.logs.suspicions import refuse_degrees, suspicions
 from robot_library import load
 
 T = times(3000)
@@ -63,7 +66,7 @@ def test_nothing_is_said_of_a_good_log():
         ({"theta": SPANS + 0.5}, "theta of 'elbow' is always near 0.5 rad ahead of q: have both one zero?"),
         (
             {"q": 50.0 * SPANS, "v": 50.0 * GOOD["v"]},
-            "q of shoulder, elbow spans more than 4 turns: degrees",
+            "q of shoulder, elbow spans more than 4 turns: degrees for radians, or mm for m?",
         ),
     ],
 )
@@ -112,3 +115,12 @@ def test_motion_across_a_gap_is_no_disagreement():
     kept = np.r_[0:800, 1500:3000]
     notes = suspicions(Recording(T[kept], JOINTS, **{name: x[kept] for name, x in GOOD.items()}))
     assert not [note for note in notes if "times the rate" in note]
+
+
+def test_millimetres_of_a_joint_that_slides_are_refused_with_the_units_of_all():
+    arm = Robot(parse_urdf(urdf_text().replace('name="elbow" type="revolute"', 'name="elbow" type="prismatic"')))
+    q = np.column_stack([GOOD["q"][:, 0], 500.0 + 300.0 * np.sin(T)])
+    with pytest.raises(
+        InputError, match=r"q of joint 'elbow' runs from .* to 800 m, .* like mm: .* unit: \[rad, mm\]}"
+    ):
+        refuse_degrees(Recording(T, ("shoulder", "elbow"), q=q), arm)

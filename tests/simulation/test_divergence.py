@@ -6,8 +6,9 @@ from typing import Any
 import numpy as np
 import pytest
 
-from cutpoint import InputError, Sensors, SimulationError, State, simulate, simulate_many, where
+from cutpoint import InputError, Robot, Sensors, SimulationError, State, simulate, simulate_many, where
 from cutpoint.control import PD, Feedforward
+from cutpoint.formats import parse_urdf
 from cutpoint.simulation import UntracedControllerWarning
 from cutpoint.trajectories import cycloid
 from robot_library import frictionless, robot
@@ -150,6 +151,16 @@ def test_a_reference_in_degrees_is_recognised():
     message = r"'shoulder_lift_joint': position 60 rad exceeds its limits .* looks like degrees"
     with pytest.raises(InputError, match=message):
         simulate(robot("ur10"), None, cycloid([0.0, 60.0, 0.0, 0.0, 0.0, 0.0], 1.0))
+
+
+def test_millimetres_of_a_joint_that_slides_are_recognised():
+    inertial = '<inertial><mass value="1"/><inertia ixx="1" ixy="0" ixz="0" iyy="1" iyz="0" izz="1"/></inertial>'
+    ends, limit = '<parent link="base"/><child link="arm"/>', '<limit lower="0" upper="0.3"/>'
+    lift = f'<joint name="lift" type="prismatic">{ends}{limit}</joint>'
+    rail = Robot(parse_urdf(f'<robot name="r"><link name="base"/><link name="arm">{inertial}</link>{lift}</robot>'))
+    with pytest.raises(InputError, match=r"'lift': position 200 m exceeds its limits \[0, 0.3\]; this looks like mm"):
+        simulate(rail, None, cycloid([200.0], 1.0))
+    assert simulate(rail, None, cycloid([0.4], 1.0)).max("reference_q")[0] == pytest.approx(0.4)
 
 
 def test_feedforward_for_a_floating_base_is_refused():

@@ -259,7 +259,7 @@ def test_a_motor_whose_current_is_given_was_told_that_current():
 
 def test_a_delay_longer_than_a_period_is_refused():
     arm = with_each(bare(), motor=Motor(0.1, delay=2e-3))
-    with pytest.raises(InputError, match=r"a motor's delay 0\.002 s must not exceed the control period, 0\.001 s"):
+    with pytest.raises(InputError, match=r"its motor's delay 0\.002 s must not exceed the control period, 0\.001 s"):
         simulate(arm, duration=0.1)
 
 

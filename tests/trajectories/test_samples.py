@@ -149,6 +149,17 @@ def test_a_pause_in_which_the_motion_would_fly_off_is_refused(bandwidth: float |
         from_samples(times, positions, bandwidth=bandwidth)
 
 
+def test_a_gap_among_samples_is_told_where_it_leaves_room_for_waves():
+    t = np.arange(600) * 5e-3
+    motion = np.sin(t)[:, None]
+    for start, end, told in ((1.0, 2.0, True), (1.0, 1.05, False)):
+        kept = (t <= start) | (t >= end)
+        found = from_samples(t[kept], motion[kept], at_rest=False)
+        assert (found.gap == pytest.approx((start, end))) if told else (found.gap is None)
+        assert ("from 1 to 2 s there are no samples: what it does there is a guess" in str(found)) == told
+    assert from_samples(t[::100], motion[::100], at_rest=False).gap is None
+
+
 def test_masked_samples_are_refused():
     masked = np.ma.masked_greater(np.sin(TIMES)[:, None], 0.9)
     with pytest.raises(InputError, match=r"positions must have every number, some are masked: fill them in"):

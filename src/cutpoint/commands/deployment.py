@@ -9,12 +9,16 @@ from cutpoint.commands.shared import Drives, FloatingBase, Gravity, Locks, Mimic
 from cutpoint.functions.exported import RESULTS
 from cutpoint.mechanics.kinematics import ExpressedIn
 
+HELP = f"""Write a robot's function as code for machines without Python: C99, with a check of its bits, or CUDA C.
 
-@app.command(epilog="Example: cutpoint export xia2019 --function elastic_inverse_dynamics --to c deployed")
+Functions: {", ".join(RESULTS)}."""
+
+
+@app.command(help=HELP, epilog="Example: cutpoint export xia2019 --function elastic_inverse_dynamics --to c deployed")
 def export(
     robot: RobotFile,
     folder: Annotated[Path, typer.Argument(metavar="DIR", help="Folder for the files; made if it is not there.")],
-    function: Annotated[str, typer.Option(help=f"A method of Robot, or its derivatives: {', '.join(RESULTS)}.")],
+    function: Annotated[str, typer.Option(help="Which of those above: a method of Robot, or its derivatives.")],
     to: Annotated[
         Literal["c", "cuda"],
         typer.Option(help="What to write: c, a package of C99 with a header for C++17, or cuda, CUDA C."),
@@ -31,7 +35,6 @@ def export(
         bool, typer.Option("--force", metavar="", help="Overwrite files that cutpoint has not written.")
     ] = False,
 ) -> None:
-    """Write a robot's function as code for machines without Python: C99, with a check of its bits, or CUDA C."""
     from cutpoint.export import export_function
 
     given = {"frame": frame, "expressed_in": expressed_in}

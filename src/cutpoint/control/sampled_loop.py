@@ -117,10 +117,11 @@ def sampled_loop(
 
 def check_delays(function: str, robot: Robot, period: float) -> None:
     """Raises InputError if a command does not reach its motor within the control period, s."""
-    delays = [d.motor.delay for d in robot.drives.values() if d.motor is not None and d.motor.delay is not None]
-    if max(delays, default=0.0) > period:
-        told = f"a motor's delay {max(delays)} s must not exceed the control period, {period} s"
-        raise InputError(f"{function}: {told}; put whole periods into Sensors(delay=)", delay=max(delays))
+    for name, drive in robot.drives.items():
+        if drive.motor is not None and drive.motor.delay is not None and drive.motor.delay > period:
+            told = f"its motor's delay {drive.motor.delay} s must not exceed the control period, {period} s"
+            remedy = "is it in ms?  Whole periods go into Sensors(delay=)"
+            raise InputError(f"{function}: joint {name!r}: {told}; {remedy}", joint=name, delay=drive.motor.delay)
 
 
 class _Slopes(NamedTuple):

@@ -120,8 +120,10 @@ def one_each(sensors: Sensors, name: str, size: int) -> NDArray[np.float64] | No
         array = np.asarray(value, float)
     except (TypeError, ValueError):
         array = np.array(np.nan)
-    if array.shape not in ((), (size,)) or not np.isfinite(array).all() or (array <= 0).any():
-        raise InputError(f"sensors: {name} {value} must be positive, one number or one for each of {size} drives")
+    if array.shape not in ((), (size,)):
+        raise InputError(f"sensors: {name} {value} must be one number, or one for each of {size} drives")
+    if not np.isfinite(array).all() or (array <= 0).any():
+        raise InputError(f"sensors: {name} {value} must be positive; leave it out, or None, for a perfect encoder")
     return np.broadcast_to(array, size).copy()
 
 

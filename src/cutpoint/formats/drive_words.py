@@ -64,7 +64,7 @@ def _hysteresis_entry(law: Any, spring: Compliance | None) -> dict[str, Any] | N
         return None
     if isinstance(law, MaxwellSlip) and spring is not None and len(law.reach) <= MOST_ELEMENTS and is_smooth(law):
         loss, reach, elements = loss_of(law, spring), law.reach[-1], len(law.reach)
-        return {"loss": float(loss), "reach": float(reach), "elements": float(elements)}
+        return {"loss": float(loss), "reach": float(reach), "elements": elements}
     raise InputError(f"a drive file has no words for {law!r}", law=law)
 
 
@@ -85,7 +85,7 @@ def _error_entry(error: Any) -> dict[str, Any] | None:
 def _waves_entry(waves: Sequence[Harmonic]) -> dict[str, Any] | None:
     if not waves:
         return None
-    first, *further = [[float(wave.order), float(wave.amplitude), float(wave.phase)] for wave in waves]
+    first, *further = [[int(wave.order), float(wave.amplitude), float(wave.phase)] for wave in waves]
     entry: dict[str, Any] = dict(zip(("order", "amplitude", "phase"), first, strict=True))
     return entry | ({"harmonics": further} if further else {})
 

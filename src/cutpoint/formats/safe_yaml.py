@@ -128,7 +128,8 @@ class _Composer:
         if event.style is not None:
             return text
         if text in _NO_VALUE:
-            self.refuse(event, f"{'.'.join(path) or 'the file'} has no value")
+            comma = "; in {} a comma ends a value: 4000, not 4,000" if "".join(path[-1:]).isdigit() else ""
+            self.refuse(event, f"{'.'.join(path) or 'the file'} has no value{comma}")
         number = parse_number(text)
         return number if number is not None else _WORDS.get(text, text)
 

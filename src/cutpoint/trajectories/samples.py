@@ -25,6 +25,9 @@ SMALL = 0.01
 LEAST = 1e-4
 """rad (m): by so much noise may be smoothed away."""
 
+HOLE = 5.0
+"""Times as long as between most samples: what is not sampled for longer is a gap."""
+
 HURRIED = 1.2
 """Times the peak acceleration that a motion may take to start and end at rest, without being told of."""
 
@@ -47,14 +50,23 @@ class Smoothed(Spline):
         deviation: from the samples.
         hurry: (n,) peak accelerations over those of a motion that need not start and end at rest; 1 for joints that
             hardly move.
+        gap: s, the longest time without samples, where that leaves the motion room for waves; None where it does not.
     """
 
     bandwidth: float
     joints: tuple[str, ...]
     deviation: Deviation
     hurry: Array
+    gap: tuple[float, float] | None = None
 
     def __str__(self) -> str:
+        told = self._told()
+        if self.gap is None:
+            return told
+        start, end = self.gap
+        return f"{told}; from {start:.6g} to {end:.6g} s there are no samples: what it does there is a guess"
+
+    def _told(self) -> str:
         worst = int(np.argmax(self.deviation.max))
         rms = float(self.deviation.rms[worst])
         told = (
@@ -116,7 +128,8 @@ def from_samples(
     free = smoothing_spline(times, moved, chosen, at_rest=False)[0] if at_rest else spline
     peaks, least = peak_accelerations(spline), np.maximum(peak_accelerations(free), 1e-300)
     hurry = np.where(ranges > SMALL * ranges.max(), peaks / least, 1.0)
-    smoothed = Smoothed(float(times[-1]), samples[0], spline, spacing, chosen, names or (), deviation, hurry)
+    parts = (spline, spacing, chosen, names or (), deviation, hurry, _gap(times, chosen))
+    smoothed = Smoothed(float(times[-1]), samples[0], *parts)
     print(smoothed)
     return smoothed
 
@@ -134,6 +147,15 @@ def _check_near(deviation: Array, ranges: Array, bandwidth: float, names: Sequen
         joint=joint,
         deviation=float(deviation[joint]),
     )
+
+
+def _gap(times: Array, bandwidth: float) -> tuple[float, float] | None:
+    """The longest stretch without samples, s, if it is one beside others and longer than a wave of the bandwidth."""
+    steps = np.diff(times)
+    k = int(np.argmax(steps))
+    if steps[k] <= max(HOLE * float(np.median(steps)), 1.0 / bandwidth):
+        return None
+    return float(times[k]), float(times[k + 1])
 
 
 def _pause(times: Array) -> str:

@@ -95,8 +95,8 @@ def _check_quantity(name: str, sheet: ChannelSheet, section: Section) -> None:
         raise section.error((name, "sign"), f"{name}.sign {sheet.sign} must be 1 or -1; what scales goes into gain")
     if sheet.gain and 0.0 in sheet.gain:
         raise section.error((name, "gain"), f"{name}.gain must not be zero")
-    if sheet.unit is not None:
-        check_unit(name, sheet, sheet.unit, section)
+    for unit in sheet.unit or ():
+        check_unit(name, sheet, unit, section)
 
 
 def check_unit(name: str, sheet: ChannelSheet, unit: str, section: Section) -> None:

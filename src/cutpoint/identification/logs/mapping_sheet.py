@@ -22,9 +22,10 @@ def _as_channel(value: Any) -> Any:
     return {"channel": value} if isinstance(value, str) else value
 
 
-def _as_unit(value: Any) -> Any:
+def _as_units(value: Any) -> Any:
     """YAML takes the unit 1 for a number."""
-    return "1" if value == 1 and not isinstance(value, bool) else value
+    one = [value] if isinstance(value, (str, float)) else value
+    return ["1" if type(unit) is float and unit == 1 else unit for unit in one] if isinstance(one, list) else one
 
 
 def _of_channels(meaning: str) -> Any:
@@ -41,8 +42,8 @@ class ChannelSheet(Sheet):
     """One quantity.  Its value is sign * gain * unit * what the log says, brought to the joint's side, plus offset."""
 
     channels: Names = Field(description="names in the log: one matrix, or one channel or column for each joint")
-    unit: Annotated[str | None, BeforeValidator(_as_unit)] = Field(
-        None, description="of all columns; what the log states for each, or SI, if not stated"
+    unit: Annotated[Names | None, BeforeValidator(_as_units)] = Field(
+        None, description="one for all joints, or one for each; what the log states for each, or SI, if not stated"
     )
     gain: Numbers | None = quantity("SI", "SI", "what one `unit` is worth: N m for each A, or V, or %", None)
     counts_per_turn: Annotated[list[Annotated[float, Field(gt=0)]], BeforeValidator(_as_list)] | None = quantity(

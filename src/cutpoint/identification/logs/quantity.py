@@ -78,16 +78,17 @@ def check_kinds(
     sheet = mapping.quantities[name]
     if sheet.gain:
         return
+    are_mixed = 0 < sum(joint in sliding for joint in joints) < len(joints)
+    remedy = "; unit may be a list, of one for each joint" if are_mixed else ""
     for joint, unit in zip(joints, _units(name, columns, mapping), strict=True):
         if unit in TURNING and joint in sliding and sheet.side == "link":
             fitting = listed(each for each in UNITS[name] if each in SLIDING)
-            remedy = "without unit:, the columns' titles can say each joint's own"
             rule = f"{name}.unit {unit!r} is of joints that turn, and {joint!r} slides: it must be one of {fitting}"
-            raise mapping.section.error((name, "unit"), f"{rule}; {remedy}")
+            raise mapping.section.error((name, "unit"), rule + remedy)
         if unit in SLIDING and joint not in sliding:
             fitting = listed(each for each in UNITS[name] if each not in SLIDING)
             rule = f"{name}.unit {unit!r} is of joints that slide, and {joint!r} turns: it must be one of {fitting}"
-            raise mapping.section.error((name, "unit"), rule)
+            raise mapping.section.error((name, "unit"), rule + remedy)
 
 
 def in_si(name: str, columns: Columns, ratio: Array | None, slides: NDArray[np.bool_], mapping: ChannelMap) -> Measured:
@@ -136,7 +137,11 @@ def _channel(name: str, wanted: str, mapping: ChannelMap, table: Table) -> Chann
 def _units(name: str, columns: Columns, mapping: ChannelMap) -> list[str]:
     """Of each column: the mapping's, the log's, or SI.  Raises ModelError where the log states those of some alone."""
     sheet, si = mapping.quantities[name], next(iter(UNITS[name]))
-    units = [sheet.unit or stated or si for stated in columns.units]
+    given = sheet.unit or columns.units
+    if len(given) not in (1, len(columns.units)):
+        rule = f"{name}.unit has {len(given)} units: it must have 1 or {len(columns.units)}"
+        raise mapping.section.error((name, "unit"), rule)
+    units = [unit or si for unit in (given * len(columns.units) if len(given) == 1 else given)]
     for unit in dict.fromkeys(units):
         check_unit(name, sheet, unit, mapping.section)
     stated = next((unit for unit in units if UNITS[name].get(unit) != 1.0), None)

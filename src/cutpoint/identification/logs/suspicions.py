@@ -1,7 +1,7 @@
 """What looks wrong in a recording: channels that say nothing, are cut off, or are in other units than stated."""
 
 import math
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 
 import numpy as np
 from numpy.typing import NDArray
@@ -39,7 +39,8 @@ EXPLANATIONS = {
 
 
 def refuse_degrees(recording: Recording, robot: Robot, file: str = "") -> None:
-    """Raises InputError for positions far beyond a joint's limits, as those of degrees or counts as radians are."""
+    """Raises InputError for positions far beyond a joint's limits, as those of degrees or counts as radians are, and of
+    mm as metres."""
     drives = list(robot.drives)
     for name in ("q", "theta"):
         for joint, x in _columns(recording, name):
@@ -50,7 +51,8 @@ def refuse_degrees(recording: Recording, robot: Robot, file: str = "") -> None:
                     check_configuration(robot.mechanism, furthest.tolist())
                 except InputError as error:
                     turns = name == "theta" and _are_rotors(recording, joint, robot.drives[joint].ratio)
-                    told = _beyond(name, joint, x, is_rotor=turns)
+                    slide = [each in robot.mechanism.sliding for each in recording.joints]
+                    told = _beyond(name, recording.joints.index(joint), recording, slide, is_rotor=turns)
                     raise InputError(told, place=file or None, **error.evidence) from error
 
 
@@ -64,13 +66,19 @@ def _are_rotors(recording: Recording, joint: str, ratio: float) -> bool:
     return bool(abs(q @ theta - ratio * (q @ q)) < FITS * abs(ratio) * (q @ q))
 
 
-def _beyond(name: str, joint: str, x: Array, *, is_rotor: bool) -> str:
+def _beyond(name: str, j: int, recording: Recording, slide: Sequence[bool], *, is_rotor: bool) -> str:
+    """slide: of each joint of the recording, whether it does."""
+    joint, x = recording.joints[j], recording[name][:, j]
     if is_rotor:
         span = f"from {np.nanmin(x):.4g} to {np.nanmax(x):.4g} rad, the ratio times as far as q: this is the rotor"
         return f"{name} of joint {joint!r} runs {span}: in a mapping, '{name}: {{channels: ..., side: motor}}'"
     counted = bool((_known(x) == np.round(_known(x))).all())
-    unit, which = ("counts", "counts, counts_per_turn: ...") if counted else ("degrees", "deg")
-    span = f"from {np.nanmin(x):.4g} to {np.nanmax(x):.4g} rad, far beyond its limits"
+    si, own, unit = ("m", "mm", "mm") if slide[j] else ("rad", "deg", "degrees")
+    others = [own if slides == slide[j] else "rad" if slide[j] else "m" for slides in slide]
+    which = own if len({*slide}) == 1 else f"[{', '.join(others)}]"
+    if counted and not slide[j]:
+        unit, which = "counts", "counts, counts_per_turn: ..."
+    span = f"from {np.nanmin(x):.4g} to {np.nanmax(x):.4g} {si}, far beyond its limits"
     remedy = f"in a mapping, '{name}: {{channels: ..., unit: {which}}}'"
     return f"{name} of joint {joint!r} runs {span}; this looks like {unit}: {remedy}"
 
@@ -85,7 +93,7 @@ def suspicions(recording: Recording) -> list[str]:
     for name in ("torque", "current"):
         notes += _noted(recording, name, "stays at its extreme: was it cut off?", _is_cut_off)
     for name in ("q", "theta"):
-        rule = f"spans more than {TURNS:g} turns: degrees for radians?"
+        rule = f"spans more than {TURNS:g} turns: degrees for radians, or mm for m?"
         notes += _noted(recording, name, rule, lambda x: float(np.ptp(_known(x))) > TURNS * 2.0 * math.pi)
     return [*notes, *_disagreements(recording)]
 

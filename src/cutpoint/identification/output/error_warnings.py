@@ -16,6 +16,9 @@ STILL = 0.1
 POOR = 0.5
 """Of the torque itself: a model that leaves more was fitted to something else."""
 
+TURNED = -0.8
+"""Of a torque's likeness to what the files ask: below that a sign is turned; noise and wrong masses do not do it."""
+
 SMALL = 0.02
 """Of the torque itself: no more needs no words, whoever errs less."""
 
@@ -63,7 +66,9 @@ def _of_joint(errors: TorqueErrors, j: int, ratio: Ratio, unit: str) -> list[str
     notes: list[str] = []
     if fitted > POOR * errors.size()[j]:
         what = f"{fitted:.3g} of {errors.size()[j]:.3g} {unit} of its torque are not explained"
-        notes.append(f": {what}: check its columns, signs and units")
+        turned = "is the sign of the torque, or of the position, turned?"
+        asked = f"it goes against what the files ask: {turned}" if errors.likeness()[j] < TURNED else ""
+        notes.append(f": {what}: {asked or 'check its columns, signs and units'}")
     if errors.speed(True)[j] < STILL * errors.speed()[j]:
         notes.append(" hardly moves on the part held out: its error there judges nothing")
     if held > WORSE * fitted:

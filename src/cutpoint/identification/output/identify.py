@@ -37,7 +37,7 @@ SPRING_PARTS = ("compliance", "damping", "kinematic_error", "hysteresis", "motor
 
 MOST_HELD = 0.9
 
-LONGEST_DELAY = 1.0
+LONGEST_DELAY = 0.1
 """s: what is longer was meant in milliseconds."""
 
 

@@ -48,10 +48,21 @@ class Number:
         """The interval in the file's terms, or why there is none."""
         if not self.told:
             return f"not told by the log: {self.why}"
-        ends = sorted((self.scale * self.low, self.scale * self.high))
-        words = f"{ends[0]:.4g} to {ends[1]:.4g}"
+        low, high = sorted((self.scale * self.low, self.scale * self.high))
+        words = _interval(low, high, self.scale * self.used)
         within = self.low <= self.used <= self.high or np.isnan(self.used)
         return words if within else f"{words} by the log alone; with bodies and friction that can exist, this fits best"
+
+
+def _interval(low: float, high: float, value: float) -> str:
+    """Its ends, in as many digits as show on which side of them the value is."""
+
+    def shows(ends: list[str]) -> bool:
+        first, last = map(float, ends)
+        return first < last and (first <= value, last <= value) == (low <= value, high <= value)
+
+    written = [[f"{end:.{digits}g}" for end in (low, high)] for digits in range(4, 16)]
+    return " to ".join(next(filter(shows, written), written[-1]))
 
 
 def rigid_numbers(robot: Robot, rigid: RigidEstimate) -> tuple[Number, ...]:

@@ -60,6 +60,16 @@ class TorqueErrors:
         """(n,) N m: RMS of the measured torques about their mean, on the part that was fitted."""
         return self._rms(self.measured - np.nanmean(self.measured[~self.held_out], axis=0), False)
 
+    def likeness(self) -> Array:
+        """(n,) how measured torques go with what the robot's files ask, on the part that was fitted: 1 alike, -1 the
+        other way, 0 where either stands still."""
+        both = [np.where(self.held_out[:, None], np.nan, x) for x in (self.measured, self.before)]
+        known = np.isfinite(both[0]) & np.isfinite(both[1])
+        counts = np.maximum(known.sum(axis=0), 1)
+        x, y = (np.where(known, each - np.where(known, each, 0.0).sum(axis=0) / counts, 0.0) for each in both)
+        sizes = np.sqrt((x * x).sum(axis=0) * (y * y).sum(axis=0))
+        return (x * y).sum(axis=0) / np.where(sizes > 0.0, sizes, 1.0)
+
     def speed(self, held_out: bool = False) -> Array:
         """(n,) rad/s: RMS."""
         return self._rms(self.v, held_out)

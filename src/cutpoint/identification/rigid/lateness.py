@@ -62,7 +62,7 @@ def lateness_notes(found: Regression, values: Array, beside: Array, joints: Sequ
         if abs(delay) > max(worth, CERTAIN * np.sqrt(variance)):
             on_time = [joints[j] for j in np.flatnonzero(apart & ~late).tolist()]
             whose = f"torques of all joints but {', '.join(on_time)}" if on_time else "torques"
-            remedy = f"align them with torque_delay={-delay:.2g}, --delay {-delay:.2g}"
+            remedy = f"add {-delay:.2g} to torque_delay, --delay (0 where it is not given)"
             if on_time:
                 remedy = f"move these alone by aligned(recording, {{JOINT: {delay:.2g}, ...}}, {EFFORTS})"
             notes.append(f"{_late(whose, delay, variance + unmodelled**2)}: check the clocks, or {remedy}")

@@ -50,7 +50,8 @@ def solve(fit: Fit) -> Array:
             max_nfev=STEPS,
         )
     if not found.success:
-        raise CutpointError(f"the search for physical bodies did not end: {found.message}; try solver='lmi'")
+        remedy = "check the torques' and positions' units and signs, or try solver='lmi', --solver lmi"
+        raise CutpointError(f"the search for physical bodies did not end in {STEPS} steps: {remedy}")
     return _unknowns(fit, found.x)
 
 
