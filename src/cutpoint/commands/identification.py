@@ -32,7 +32,7 @@ def excite(
     lock: Locks = None,
     gravity: Gravity = None,
     duration: Annotated[float, typer.Option(help="Of the motion, s: a whole number of its periods.")] = 10.0,
-    harmonics: Annotated[int, typer.Option(help="Waves in each joint, multiples of the base frequency.")] = 5,
+    harmonics: Annotated[int, typer.Option(help="Waves in each joint, multiples of the base frequency; least 3.")] = 5,
     base_frequency: Annotated[
         float | None, typer.Option(help="Hz; one period in the whole duration if not given.")
     ] = None,

@@ -99,6 +99,9 @@ def robot_of(
     floating_base: bool = False,
 ) -> cutpoint.Robot:
     """The robot of a file, or one that comes with the package."""
+    if not path.suffix and str(path) != "xia2019" and not path.exists():
+        told = f"there is no file {str(path)!r}, and the one arm that comes with cutpoint is xia2019"
+        raise InputError(told, path=path)
     if str(path) == "xia2019":
         path, drives = cutpoint.robots.XIA2019_URDF, drives or cutpoint.robots.XIA2019_DRIVES
     places = _places_of(lock or [])

@@ -64,7 +64,7 @@ def _loss(axes: Axes, loop: Loop) -> None:
 
 def accuracy(wave: Axes, spectrum: Axes, specimen: Specimen) -> None:
     wave.set(title="(b) kinematic error", xlabel="turn of the wave generator [deg]", ylabel="error [arcmin]")
-    spectrum.set(xlabel="waves a turn", ylabel="amplitude")
+    spectrum.set(xlabel="waves a turn", ylabel="amplitude [arcmin]")
     if specimen.gear.accuracy is None:
         spectrum.set_axis_off()
         return missing(wave, "transmission accuracy")

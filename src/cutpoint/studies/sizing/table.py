@@ -26,8 +26,8 @@ _WHOLE = (0, 6, 7, 9)
 
 def table_of(found: Sizing) -> Table:
     """Asked of allowed, at the gear's output and the motor's speed."""
-    pause = f" and {found.dwell:g} s of pause" if found.dwell else ""
-    title = f"{found.robot}: what {found.duration:g} s of motion{pause} ask, of what is allowed"
+    pause = f" and a pause of {found.dwell:g} s" if found.dwell else ""
+    title = f"{found.robot}: what drives do in a motion of {found.duration:g} s{pause}, and may do"
     table = Table(title=title, title_justify="left", title_style="bold", box=SIMPLE_HEAD, pad_edge=False)
     for k, name in enumerate(_COLUMNS):
         column = name.replace("N m", "N m, N") if any(drive.slides for drive in found.drives.values()) else name
