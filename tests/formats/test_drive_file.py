@@ -282,6 +282,10 @@ ROTOR, SPRING = "ratio: 100, rotor: {inertia: 1.0e-4}", "compliance: {linear: {s
         (f"{ROTOR}, {SPRING}, hysteresis: {{loss: 1}}", "hysteresis.loss 1.0 rad looks like arc minutes"),
         ("ratio: 100, rotor: {inertia: 0.413}", "rotor.inertia 0.413 kg m2 looks like kg cm2"),
         ("ratio: 100, motor: {torque_constant: 52}", "motor.torque_constant 52.0 N m/A looks like mN m/A"),
+        (
+            "ratio: 100, motor: {torque_constant: 0.1, delay: 0.5}",
+            "motor.delay 0.5 s looks like ms, of which one is 1e-3",
+        ),
         ("ratio: 100, limits: {velocity: 180}", "limits.velocity 180.0 rad/s turns the motor 1.72e[+]05 times"),
         (
             f"{ROTOR}, compliance: {{catalogue: {{k1: 3.1, k2: 5.0, k3: 5.7, t1: 14, t2: 48}}}}",

@@ -21,7 +21,7 @@ from cutpoint.commands import app
 from cutpoint.identification import Excitation, base_parameters, excitation
 from cutpoint.identification.excitation.bounds import bounds_of
 from cutpoint.identification.excitation.problem import FINER, SAMPLES, Problem
-from cutpoint.identification.excitation.table import save
+from cutpoint.identification.excitation.table import save, table_of
 from cutpoint.model import Drive, Motor
 from robot_library import assert_close, derivative, robot
 
@@ -164,9 +164,16 @@ def test_a_resumed_search_goes_on_from_the_file_and_is_never_worse(tmp_path: Pat
     file = tmp_path / "best.json"
     options: dict[str, Any] = {"seconds": LONG, "starts": 1, "resume": file}
     first = excitation(two_joints(), 5.0, 3, **options)
-    cost = json.loads(file.read_text())["cost"]
+    stored = json.loads(file.read_text())
+    cost = stored["cost"]
     again = excitation(two_joints(), 5.0, 3, **options, seed=5)
-    assert again.before is None
+    assert again.resumed and not first.resumed
+    assert again.before is not None
+    assert again.before.log_determinant == pytest.approx(first.after.log_determinant, rel=1e-9)
+    assert f"the file's motion: log det {first.after.log_determinant:.1f}" in str(table_of(again).caption)
+    slower = excitation(two_joints(), 5.0, 3, **options, speed=0.5)
+    assert slower.before is not None and slower.after.log_determinant < slower.before.log_determinant
+    file.write_text(json.dumps(stored))
     assert again.after.log_determinant >= first.after.log_determinant - 1e-6 * abs(first.after.log_determinant)
     assert json.loads(file.read_text())["cost"] <= cost + 1e-6 * abs(cost)
 

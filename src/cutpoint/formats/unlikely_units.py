@@ -25,6 +25,9 @@ HEAVIEST, GEARED = 0.05, 10.0
 STRONGEST = 5.0
 """N m/A, of a motor before such a gear."""
 
+LATEST = 0.05
+"""s, after which a command reaches a motor's current loop."""
+
 RPM, ARCMIN = "turns a minute, of which one is 0.1047 rad/s", "arc minutes, of which one is 2.909e-4 rad"
 
 LARGEST: dict[YamlPath, tuple[float, str]] = {
@@ -32,6 +35,7 @@ LARGEST: dict[YamlPath, tuple[float, str]] = {
     ("backlash",): (WIDEST, ARCMIN),
     ("hysteresis", "loss"): (WIDEST, ARCMIN),
     ("hysteresis", "reach"): (WIDEST, ARCMIN),
+    ("motor", "delay"): (LATEST, "ms, of which one is 1e-3 s"),
 }
 """Of drives of joints that turn: beyond which a number is doubted, and what it looks like."""
 

@@ -49,8 +49,8 @@ class Quality:
 class Excitation:
     """The best motion found: `trajectory` repeats itself `periods` times.
 
-    before: of the first random motion, made as large as the limits allow; None where they allow none there, or where
-    the search went on from a file.  after: of this one.  starts: how many were made to their end.
+    before: of the first random motion, made as large as the limits allow, None where they allow none there; if resumed,
+    of the file's motion, whatever limits that kept.  after: of this one.  starts: how many were made to their end.
     """
 
     robot: Robot = field(repr=False)
@@ -60,6 +60,7 @@ class Excitation:
     after: Quality
     limits: tuple[Use, ...] = field(repr=False)
     starts: int
+    resumed: bool = False
 
     @property
     def periods(self) -> int:
@@ -138,12 +139,15 @@ def excitation(
             write_start(file, robot, Start(problem.series(z, duration), criterion, cost))
 
     known = None if begin is None else problem.coordinates(begin)
-    return _result(robot, problem, duration, search(problem, known, seconds, starts, seed, keep))
+    found = search(problem, known, seconds, starts, seed, keep)
+    return _result(robot, problem, duration, found, known)
 
 
-def _result(robot: Robot, problem: Problem, duration: float, found: Found) -> Excitation:
+def _result(robot: Robot, problem: Problem, duration: float, found: Found, known: Array | None) -> Excitation:
+    """known: the file's motion."""
     assert found.z is not None
-    before = None if found.first is None else _quality(problem, found.first)
+    first = found.first if known is None else known
+    before = None if first is None else _quality(problem, first)
     return Excitation(
         robot,
         problem.series(found.z, duration),
@@ -152,6 +156,7 @@ def _result(robot: Robot, problem: Problem, duration: float, found: Found) -> Ex
         _quality(problem, found.z),
         _uses(problem, found.z),
         found.starts,
+        known is not None,
     )
 
 

@@ -29,7 +29,8 @@ def table_of(found: Excitation) -> Table:
             f"{factor * use.low:.4g} to {factor * use.high:.4g} {unit}",
             _share(use),
         )
-    began = "" if found.before is None else f"a random motion: {_words(found.before)}; "
+    first = "the file's motion" if found.resumed else "a random motion"
+    began = "" if found.before is None else f"{first}: {_words(found.before)}; "
     table.caption = f"{began}this one: {_words(found.after)}"
     return table
 
