@@ -29,7 +29,7 @@ from robot_library import frictionless, robot
         ({"duration": 1.0, "control_period": None}, "control_period must be one number, s, got None"),
         ({"duration": 1.0, "substeps": "4"}, "substeps '4' must be a whole number, at least 1"),
         ({"duration": 1.0, "sensors": Sensors(delay="a")}, "sensors: delay must be one number, s, got 'a'"),
-        ({"duration": 1.0, "sensors": Sensors(link_noise="a")}, "sensors: link_noise a must be positive, one number"),
+        ({"duration": 1.0, "sensors": Sensors(link_noise="a")}, "sensors: link_noise a must be positive; leave it out"),
         ({"duration": 1.0, "sensors": Sensors(seed=1.5)}, "sensors: seed 1.5 must be a whole number, at least 0"),
         ({"duration": 1.0, "sensors": Sensors(seed=-1)}, "sensors: seed -1 must be a whole number, at least 0"),
     ],
