@@ -40,7 +40,8 @@ class Robot:
     Every function takes batches: leading axes broadcast as in NumPy.  Angles in rad, torques in N m, at the joint's
     (link) side; prismatic joints in m and N.  q has nq entries, v and a have nv, theta and motor torques one a drive.
     Quaternions (x, y, z, w) may have any length but zero: all but `coordinate_rates` normalise them.
-    A wrong shape, or a number that is not finite or beyond 1e15, raises InputError that names it.
+    A wrong shape, an unknown name or option, or a number that is not finite or beyond 1e15, raises InputError that
+    names it.
     """
 
     mechanism: Mechanism
@@ -420,7 +421,8 @@ class Robot:
         """(..., drives, c) each, N m a unit: torques on the links and of the motors are link @ c and motor @ c.
 
         c are `drive_coefficients`.  A rigid drive's motor row lacks the torque on its link, its link row is empty.
-        Friction is as in steady sliding and without load.  Xia (2019) eqs. (2), (54)-(56).
+        Friction is as in steady sliding and without load; hysteresis, and what a rotor with full coupling feels of its
+        carrier, is not in it.  Xia (2019) eqs. (2), (54)-(56).
         """
         return self._functions["drive_regressor"](q, v, theta, theta_dot, theta_ddot)
 

@@ -7,6 +7,7 @@ import numpy_laws
 import pytest
 from numpy_plant import Plant
 
+from cutpoint import Drive, Rotor
 from cutpoint.control import (
     PD,
     PID,
@@ -14,6 +15,7 @@ from cutpoint.control import (
     ComputedTorque,
     DisturbanceObserver,
     ElasticComputedTorque,
+    Feedforward,
     FullStateFeedback,
     Measurement,
     Reference,
@@ -21,7 +23,9 @@ from cutpoint.control import (
     SlotineLi,
     SpeedFilter,
     SuperTwisting,
+    tune,
 )
+from cutpoint.control.model_law import without_springs
 from robot_library import Array, assert_close, robot
 
 PERIOD = 1e-3
@@ -117,6 +121,19 @@ def test_elastic_computed_torque_gives_the_links_the_snap_it_wants(name):
 def test_full_state_feedback_is_its_equation(name):
     law = FullStateFeedback(robot(name), spread(6, 900.0, 100.0), 9.0, spread(6, 0.2, 1.0), 5e-4)
     agree(law, numpy_laws.full_state_feedback, Plant(robot(name)), 1e-10, stiff=True)
+
+
+def test_full_state_feedback_is_pd_where_drives_do_not_bend():
+    arm = robot("xia2019").with_drives({name: Drive(101.0, Rotor(2e-5)) for name in ("joint2", "joint5")})
+    rigid, kp, kd = [1, 4], spread(6, 900.0, 100.0), spread(6, 9.0, 2.0)
+    full, plain = FullStateFeedback(arm, kp, kd, 0.4), PD(kp, kd) + Feedforward(arm)
+    memories = full.start(), plain.start()
+    for m, r in samples(6):
+        (first, ours), (second, theirs) = full.step(memories[0], m, r), plain.step(memories[1], m, r)
+        memories = first, second
+        assert_close(ours.torque[rigid], theirs.torque[rigid], 1e-12, scale=1.0)
+    tuned = tune(without_springs(robot("xia2019")), 5.0, FullStateFeedback)
+    assert_close(tuned.kp, tune(without_springs(robot("xia2019")), 5.0, PD).kp, 1e-12)
 
 
 def test_a_speed_filter_tells_its_law_how_filtered_positions_change_in_a_period():

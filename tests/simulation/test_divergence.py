@@ -163,6 +163,30 @@ def test_millimetres_of_a_joint_that_slides_are_recognised():
     assert simulate(rail, None, cycloid([0.4], 1.0)).max("reference_q")[0] == pytest.approx(0.4)
 
 
+@pytest.mark.filterwarnings("ignore::cutpoint.simulation.UntracedControllerWarning")
+def test_ctrl_c_before_the_first_sample_leaves_no_log():
+    def stopped(memory: Any, m: Any, r: Any) -> Any:
+        if isinstance(m.time, float):
+            raise KeyboardInterrupt
+        return memory, m.q if m.time < 1e3 else None
+
+    with pytest.raises(SimulationError, match="interrupted before it began") as caught:
+        simulate(robot("xia2019"), stopped, duration=0.01)
+    assert caught.value.log is None and not caught.value.evidence["diverged"]
+
+
+def test_what_diverges_is_named_by_its_joint_and_in_its_unit():
+    inertial = '<inertial><mass value="1"/><inertia ixx="1" ixy="0" ixz="0" iyy="1" iyz="0" izz="1"/></inertial>'
+    links = "".join(f'<link name="{name}">{inertial}</link>' for name in ("cart", "arm"))
+    joints = "".join(
+        f'<joint name="{name}" type="{kind}"><parent link="{parent}"/><child link="{child}"/></joint>'
+        for name, kind, parent, child in (("sheet", "planar", "base", "cart"), ("rail", "prismatic", "cart", "arm"))
+    )
+    loose = Robot(parse_urdf(f'<robot name="r"><link name="base"/>{links}{joints}</robot>'))
+    with pytest.raises(SimulationError, match=r"diverged .* speed of joint 'sheet' is 1e\+0[78]"):
+        simulate(loose, None, duration=0.1, initial=State(v=[1e7, 0.0, 0.0, 0.0]))
+
+
 def test_feedforward_for_a_floating_base_is_refused():
     with pytest.raises(InputError, match="a floating base has no motor"):
         Feedforward(robot("floating"))

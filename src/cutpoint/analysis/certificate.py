@@ -1,4 +1,4 @@
-"""The power-flow certificate of virtual decomposition control.  Zhu (2010) sections 2.9 and 2.10, chapters 3 and 9.
+"""The power-flow certificate of virtual decomposition control.  Zhu (2010) sections 2.9 and 2.10, chapter 3.
 
 Every subsystem i has a storage nu_i >= 0 of the errors of its speeds, V_r - V, and of its spring's deflection.  In
 continuous time, with exact state, a true model and linear springs, nu_i' = flow in - dissipation, where flows are

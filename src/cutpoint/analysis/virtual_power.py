@@ -1,4 +1,4 @@
-"""Virtual power under virtual decomposition control, subsystem by subsystem.  Zhu (2010) chapters 3 and 9."""
+"""Virtual power under virtual decomposition control, subsystem by subsystem.  Zhu (2010) chapter 3."""
 
 from dataclasses import replace
 from typing import Any, NamedTuple

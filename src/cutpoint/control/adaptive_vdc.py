@@ -11,7 +11,7 @@ from cutpoint.control.gains import gains
 from cutpoint.control.interface import Command, Measurement, Reference
 from cutpoint.control.joint_law import JointGains, RequiredTorque, joint_command
 from cutpoint.control.joint_parameters import JointPower, adapted, nominal, with_numbers
-from cutpoint.control.model_law import drive_states
+from cutpoint.control.model_law import states_by_drive
 from cutpoint.control.vdc import VDC, required_velocity
 from cutpoint.definitions import Machine
 from cutpoint.errors import InputError
@@ -96,7 +96,7 @@ class AdaptiveVDC(VDC):
         filters, filtered = command_filter.step(memory.filters, tau_r, omega, measurement.period)
         m, told, joints = measurement, [], []
         # each joint: what its motor must do for that, and what it learns
-        for k, (drive, at) in enumerate(zip(believed, drive_states(m.q, m.v, m.theta, m.theta_dot), strict=True)):
+        for k, (drive, at) in enumerate(zip(believed, states_by_drive(m.q, m.v, m.theta, m.theta_dot), strict=True)):
             gain = JointGains(self.speed_gain[k], self.motor_gain[k], self.spring_gain[k])
             torque = RequiredTorque(Jet(tau_r[k], *filtered[k].derivatives[1:]), rotors[k])
             told.append(joint_command(drive, at, reference.q[k], v_r[k], torque, gain))

@@ -6,7 +6,7 @@ from typing import Any, Literal
 import numpy as np
 
 from cutpoint.control.interface import Command, Measurement, Reference
-from cutpoint.control.model_law import ModelLaw, drive_states
+from cutpoint.control.model_law import ModelLaw, states_by_drive
 from cutpoint.definitions import Machine
 from cutpoint.errors import InputError
 from cutpoint.mechanics import strains
@@ -65,7 +65,7 @@ class Feedforward(ModelLaw):
         command = Command(torque, torque, np.array(u.theta), np.array(u.theta_dot))
         if not memory:
             return memory, command
-        ends = drive_states(q, reference.v, u.theta, u.theta_dot)
+        ends = states_by_drive(q, reference.v, u.theta, u.theta_dot)
         moved = [
             strains.flat(strains.moved(drive, before, _a_period_ago(end, measurement.period), end))
             for drive, before, end in zip(drives, held, ends, strict=True)

@@ -8,7 +8,7 @@ import numpy as np
 from cutpoint.control.feedforward import Feedforward
 from cutpoint.control.gains import gains
 from cutpoint.control.interface import SENSED, Command, Measurement, Reference
-from cutpoint.control.model_law import ModelLaw, drive_states
+from cutpoint.control.model_law import ModelLaw, states_by_drive
 from cutpoint.errors import InputError
 from cutpoint.mechanics.harmonic_drive import DriveState, deflection, spring_torque
 from cutpoint.model.drive import Drive
@@ -22,7 +22,8 @@ class FullStateFeedback(ModelLaw):
     Albu-Schaeffer, Ott and Hirzinger (2007) eqs. (8)-(11): torque feedback gives the rotor the inertia
     `shaping` * J as seen by the PD, so that kp (N m/rad) and kd (N m s/rad) act on a joint with less between them and
     the link.  The spring's torque and its rate come from the encoders on both sides.
-    shaping: share of the rotor's inertia that is left, above 0 and at most 1; 1 is the plain PD.
+    shaping: share of the rotor's inertia that is left, above 0 and at most 1; 1 is the plain PD, which drives that do
+    not bend always have.
     lead: s, by which the torque's rate anticipates it; about a control period keeps springs without damping from being
     driven by the hold.
     For a resting reference the closed loop is passive at the links' port, whatever the environment is.
@@ -50,14 +51,21 @@ class FullStateFeedback(ModelLaw):
         memory, wanted = self._feedforward.step(memory, measurement, reference)
         m, r = measurement, reference
         feedback = self.kp * (wanted.theta - m.theta) + self.kd * (wanted.theta_dot - m.theta_dot)
-        now = drive_states(m.q, m.v, m.theta, m.theta_dot)
-        then = drive_states(r.q, r.v, wanted.theta, wanted.theta_dot)
+        now = states_by_drive(m.q, m.v, m.theta, m.theta_dot)
+        then = states_by_drive(r.q, r.v, wanted.theta, wanted.theta_dot)
         drives = zip([d.drive for d in self.model.drives], now, then, self.lead, strict=True)
         # what the spring bears beyond what it shall
         excess = [_led(drive, at, lead) - _led(drive, wish, lead) for drive, at, wish, lead in drives]
-        # of the feedback, a rotor of 1 / shaping times the inertia needs that many times as much
-        torque = wanted.torque + feedback / self.shaping + (1 - 1 / self.shaping) * np.array(excess)
+        # of the feedback, a rotor of 1 / share times the inertia needs that many times as much
+        share = self._share
+        torque = wanted.torque + feedback / share + (1 - 1 / share) * np.array(excess)
         return memory, Command(torque, wanted.feedforward, wanted.theta, wanted.theta_dot)
+
+    @property
+    def _share(self) -> Any:
+        """Of each rotor's inertia that is left, (n,): a rigid drive's is the link's own."""
+        pairs = zip(self.model.drives, self.shaping, strict=True)
+        return np.array([share if d.drive.is_elastic else 1.0 for d, share in pairs])
 
     @property
     def _feedforward(self) -> Feedforward:

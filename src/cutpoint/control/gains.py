@@ -17,6 +17,7 @@ def gains(law: str, name: str, value: Any, size: int | None = None, positive: bo
     """The gains as an array (n,), finite and not negative; gains of a law that is being traced pass as they are.
 
     size: n, where it is known; one number then stands for all.  positive: whether zero is refused, too.
+    Raises InputError for others.
     """
     array = np.atleast_1d(np.asarray(value))
     if is_traced(array):

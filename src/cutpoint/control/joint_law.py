@@ -1,6 +1,7 @@
 """The joint subsystem of virtual decomposition control: what its motor must do for its link.
 
-Xia (2019) eqs. (13), (22), (27)-(28), in the corrected reading; Zhu (2010) chapter 9.  All at the joint's side.
+Xia (2019) eqs. (13), (22), (27)-(28), in the corrected reading; Zhu and De Schutter (1999), Adaptive control of mixed
+rigid/flexible joint robot manipulators based on virtual decomposition.  All at the joint's side.
 """
 
 from typing import Any, NamedTuple

@@ -64,7 +64,7 @@ def check_no_full_coupling(law: str, robot: Robot, remedy: str) -> None:
             raise InputError(f"{law}: {why}; take {remedy}", joint=name)
 
 
-def drive_states(q: Any, v: Any, theta: Any, theta_dot: Any) -> list[DriveState]:
+def states_by_drive(q: Any, v: Any, theta: Any, theta_dot: Any) -> list[DriveState]:
     """The state of each drive, from (n,) each of its link and its motor."""
     return [DriveState(*x) for x in zip(q, v, theta, theta_dot, strict=True)]
 

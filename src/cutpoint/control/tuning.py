@@ -88,7 +88,7 @@ def _vdc(w: Wanted, law: Any, **options: Any) -> Any:
 
 
 def _full_state(w: Wanted, **options: Any) -> FullStateFeedback:
-    shaping = np.broadcast_to(options.get("shaping", 0.5), w.link.shape)
+    shaping = np.where(w.rotor > 0.0, options.get("shaping", 0.5), 1.0)
     given = {"lead": w.period, **options}
     return FullStateFeedback(w.robot, w.stiffness, 2 * w.damping * w.omega * (w.link + shaping * w.rotor), **given)
 

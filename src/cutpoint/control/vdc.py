@@ -1,4 +1,4 @@
-"""Virtual decomposition control.  Xia (2019) eqs. (12)-(28), in the corrected reading; Zhu (2010) chapters 3 and 9.
+"""Virtual decomposition control.  Xia (2019) eqs. (12)-(28), in the corrected reading; Zhu (2010) chapter 3.
 
 Each law below is written for quantities at the joint's side: tau_r is ell tau_t of (26), k_vq and k_vkappa act on
 speeds of the joint.
@@ -14,7 +14,7 @@ from cutpoint.control import command_filter
 from cutpoint.control.gains import gain_matrices, gains
 from cutpoint.control.interface import SENSED, Command, Measurement, Reference
 from cutpoint.control.joint_law import JointGains, RequiredTorque, joint_command
-from cutpoint.control.model_law import ModelLaw, check_no_full_coupling, drive_states
+from cutpoint.control.model_law import ModelLaw, check_no_full_coupling, states_by_drive
 from cutpoint.definitions import Machine
 from cutpoint.errors import InputError
 from cutpoint.mechanics.harmonic_drive import friction_torque
@@ -101,7 +101,7 @@ class VDC(ModelLaw):
     def step(self, memory: Any, measurement: Measurement, reference: Reference) -> tuple[Any, Command]:
         memory, v_r, tau_r = self.required(memory, measurement, reference)
         m, drives = measurement, self.machine.drives
-        states = drive_states(m.q, m.v, m.theta, m.theta_dot)
+        states = states_by_drive(m.q, m.v, m.theta, m.theta_dot)
         joint_gains = map(JointGains, self.speed_gain, self.motor_gain, self.spring_gain)
         subsystems = zip(drives, states, reference.q, v_r, tau_r, joint_gains, strict=True)
         told = [joint_command(d.drive, *subsystem) for d, *subsystem in subsystems]

@@ -3,8 +3,9 @@
 from dataclasses import dataclass
 
 from cutpoint.mechanics.inversion import increasing_root
+from cutpoint.mechanics.smooth_corner import SmoothCorner
 from cutpoint.model.drive import Compliance
-from cutpoint.scalars import Scalar, absolute, clip, maximum, where
+from cutpoint.scalars import Scalar, absolute, where
 
 SLACK = 0.03
 """What of a deflection within the play reaches the spring; of its stiffness there is left the square of that."""
@@ -48,22 +49,21 @@ class Backlash:
 
     def _wound(self, deflection: Scalar) -> tuple[Scalar, Scalar]:
         """w and w': from slope SLACK to slope 1 as a cubic through the edge, odd."""
-        size, u = absolute(deflection), self._progress(deflection)
-        width = self.gap * EDGE
-        ramp = width * (u * u * u) * (1 - u / 2) + maximum(size - self.gap / 2 - width / 2, 0)
-        wound = SLACK * size + (1 - SLACK) * ramp
-        return where(deflection < 0, -wound, wound), SLACK + (1 - SLACK) * (u * u * (3 - 2 * u))
+        size, edge = absolute(deflection), self._edge
+        wound = SLACK * size + (1 - SLACK) * edge.ramp(size)
+        return where(deflection < 0, -wound, wound), SLACK + (1 - SLACK) * edge.slope(size)
 
     def _bend(self, deflection: Scalar) -> Scalar:
         """w''."""
-        u = self._progress(deflection)
-        bend = (1 - SLACK) * 6 * u * (1 - u) / (self.gap * EDGE)
+        u = self._edge.progress(absolute(deflection))
+        bend = (1 - SLACK) * 6 * u * (1 - u) / self._edge.width
         return where(deflection < 0, -bend, bend)
 
-    def _progress(self, deflection: Scalar) -> Scalar:
-        """0 within the play, 1 beyond its edge."""
+    @property
+    def _edge(self) -> SmoothCorner:
+        """Where the play ends."""
         width = self.gap * EDGE
-        return clip((absolute(deflection) - self.gap / 2 + width / 2) / width, 0, 1)
+        return SmoothCorner(self.gap / 2 - width / 2, width)
 
 
 def spring_of(law: Compliance | None) -> Compliance | None:

@@ -4,6 +4,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 
 from cutpoint.mechanics.inversion import increasing_root
+from cutpoint.mechanics.smooth_corner import SmoothCorner
 from cutpoint.scalars import Scalar, absolute, clip, maximum, where
 
 BLEND = 0.25
@@ -27,8 +28,8 @@ class CatalogueSpring:
     def torque(self, deflection: Scalar) -> Scalar:
         size = absolute(deflection)
         torque = self.k1 * size
-        for gain, start, width in self._corners():
-            torque = torque + gain * _ramp(size, start, width)
+        for gain, corner in self._corners():
+            torque = torque + gain * corner.ramp(size)
         return where(deflection < 0, -torque, torque)
 
     def deflection(self, torque: Scalar) -> Scalar:
@@ -41,17 +42,17 @@ class CatalogueSpring:
     def tangent(self, deflection: Scalar) -> Scalar:
         """d torque / d deflection, N m/rad."""
         size, stiffness = absolute(deflection), self.k1
-        for gain, start, width in self._corners():
-            u = _progress(size, start, width)
-            stiffness = stiffness + gain * (u * u * (3 - 2 * u))
+        for gain, corner in self._corners():
+            stiffness = stiffness + gain * corner.slope(size)
         return stiffness
 
     def energy(self, deflection: Scalar) -> Scalar:
         """Stored energy, J."""
         size = absolute(deflection)
         energy = self.k1 * size * size / 2
-        for gain, start, width in self._corners():
-            u, beyond = _progress(size, start, width), maximum(size - start - width, 0)
+        for gain, corner in self._corners():
+            width = corner.width
+            u, beyond = corner.progress(size), maximum(size - corner.start - width, 0)
             within = width * width * (u * u * u * u) * (5 - 2 * u) / 20
             energy = energy + gain * (within + beyond * (width + beyond) / 2)
         return energy
@@ -59,22 +60,12 @@ class CatalogueSpring:
     @property
     def fit_error(self) -> Scalar:
         """Largest departure from the catalogue's straight segments, N m: at the corners."""
-        gaps = [absolute(gain) * width * 3 / 32 for gain, _, width in self._corners()]
+        gaps = [absolute(gain) * corner.width * 3 / 32 for gain, corner in self._corners()]
         return maximum(gaps[0], gaps[1])
 
-    def _corners(self) -> Iterator[tuple[Scalar, Scalar, Scalar]]:
-        """For each corner the change of stiffness, where rounding starts and how wide it is, rad."""
+    def _corners(self) -> Iterator[tuple[Scalar, SmoothCorner]]:
+        """For each corner the change of stiffness, and how it is rounded over deflections, rad."""
         first, second = self.t1 / self.k1, (self.t2 - self.t1) / self.k2
         half = BLEND * where(first < second, first, second)
-        yield self.k2 - self.k1, first - half, 2 * half
-        yield self.k3 - self.k2, first + second - half, 2 * half
-
-
-def _progress(x: Scalar, start: Scalar, width: Scalar) -> Scalar:
-    return clip((x - start) * (1 / width), 0, 1)
-
-
-def _ramp(x: Scalar, start: Scalar, width: Scalar) -> Scalar:
-    """The integral of 3 u^2 - 2 u^3 over x, u being the progress through the corner, which goes on with slope 1."""
-    u = _progress(x, start, width)
-    return width * (u * u * u) * (1 - u / 2) + maximum(x - start - width, 0)
+        yield self.k2 - self.k1, SmoothCorner(first - half, 2 * half)
+        yield self.k3 - self.k2, SmoothCorner(first + second - half, 2 * half)

@@ -1,7 +1,7 @@
 """Spring laws between motor and link, both at the joint's side: torque of a deflection and its inverse.
 
 Deflection in rad (m), torque in N m (N).  Every law is odd and strictly increasing, and its inverse is exact.  Where a
-number of the drive divides, its inverse is a factor, which is found once.
+number of the drive divides in either, its inverse is a factor, which is found once.
 """
 
 from dataclasses import dataclass

@@ -18,8 +18,9 @@ from cutpoint.scalars import Scalar
 class DriveRegressor(NamedTuple):
     """Torques on the links, link @ c, and motor torques, motor @ c, one row a drive: N m for each unit of c.
 
-    A bending drive's rows hold all it does.  A rigid one's motor row lacks the torque on its link, which no deflection
-    tells, and its link row is empty.
+    A bending drive's rows hold all it does but hysteresis, friction's share of the load, and what a rotor with full
+    coupling feels of its carrier.  A rigid one's motor row lacks the torque on its link, which no deflection tells, and
+    its link row is empty.
     """
 
     link: Any

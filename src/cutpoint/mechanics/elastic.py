@@ -30,7 +30,7 @@ Scalars = Sequence[Scalar]
 
 @dataclass(frozen=True)
 class Driven:
-    """A drive and the segment it drives, with its coordinate and speed."""
+    """A drive, and which segment, coordinate and speed it drives: their indices."""
 
     drive: Drive
     segment: int

@@ -77,7 +77,7 @@ def elastic_forward_dynamics(
     motor_torque: Scalars,
     strains: Sequence[Strains] | None = None,
 ) -> ElasticAccelerations:
-    """Accelerations of links and motors under motor torques, in time proportional to the number of bodies.
+    """Accelerations of links and motors under motor torques: of long trees in time proportional to their bodies.
 
     Spong (1987); Xia (2019) eqs. (4)-(11), (21)-(22).  A rigid drive's motor moves with its link: its theta and
     theta_dot are not read.  strains: of the drives; where they are not known, friction is as in steady sliding and

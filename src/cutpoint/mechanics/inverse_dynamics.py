@@ -8,7 +8,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 
 from cutpoint.mechanics.rigid_body import acceleration_gradient, net_wrench
-from cutpoint.mechanics.spatial import AT_ORIGIN, NO_ROTATION, STILL, Mat3, Motion, Pose, Vec3, Wrench
+from cutpoint.mechanics.spatial import AT_ORIGIN, NO_GRADIENT, STILL, Mat3, Motion, Pose, Vec3, Wrench
 from cutpoint.mechanics.system import Segment, System
 from cutpoint.model.mechanism import WORLD
 from cutpoint.scalars import Scalar
@@ -66,7 +66,7 @@ def motions(system: System, q: Scalars, v: Scalars, a: Scalars | None) -> list[B
 
 def at_rest(system: System) -> BodyMotion:
     """The world: at rest, and accelerating upward so that every body bears its weight."""
-    return BodyMotion(AT_ORIGIN, STILL, system.base_acceleration, NO_ROTATION)
+    return BodyMotion(AT_ORIGIN, STILL, system.base_acceleration, NO_GRADIENT)
 
 
 def bear(system: System, X: Sequence[Pose], F: Sequence[Wrench], contact: Mapping[str, Wrench]) -> list[Wrench]:

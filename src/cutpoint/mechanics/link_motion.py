@@ -16,7 +16,7 @@ Scalars = Sequence[Scalar]
 def link_motion(system: System, q: Scalars, v: Scalars, tau: Sequence[Jet]) -> tuple[list[Scalar], list[Scalar]]:
     """Acceleration and jerk of the links under torques tau with their rates: M a + bias = tau, and its derivative.
 
-    Two solutions with one mass matrix.  De Luca and Book (2016) section 11.1.3.
+    Two solutions with one mass matrix.  De Luca and Book (2016) section 11.1.4.
     """
     M = mass_matrix(system, q)
     bias = inverse_dynamics(system, q, v, [0] * system.nv)

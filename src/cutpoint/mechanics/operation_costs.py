@@ -1,7 +1,8 @@
 """About how many operations the numbers of a model take in inverse dynamics: what a choice of frames is judged by.
 
-Entries that are 0 cost nothing, and 1 and -1 little.  A rotation is multiplied with three vectors outward and two
-inward; a position enters one product outward and one inward; an entry of an inertia, about one for each axis.
+Entries that are 0 cost nothing, and those of a rotation that are 1 or -1 half.  A rotation is multiplied with three
+vectors outward and two inward: two operations each for an entry, or 20 where it turns two numbers.  A position enters
+one product outward and one inward; an entry of an inertia, about one for each axis.
 """
 
 from math import atan2, hypot, pi
@@ -30,7 +31,7 @@ def rotation_cost(T: Array, turning: bool) -> float:
         elif not turning:
             total += sum(5 if abs(x) == 1.0 else 10 for x in (a, b) if x)
         total += (5 if abs(c) == 1.0 else 10) if c else 0
-    return total + 0.1 * sum(x < 0.0 for row in R for x in row)
+    return total + 0.1 * sum(x < 0.0 for row in R for x in row)  # of two that cost the same, the one with fewer signs
 
 
 def position_cost(T: Array) -> float:

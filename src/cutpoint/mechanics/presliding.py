@@ -60,7 +60,8 @@ class Presliding(ABC):
 
     @abstractmethod
     def winding(self, strain: Scalar, speed: Scalar, load: Scalar = 0) -> Scalar:
-        """d strain / d displacement at a strain: 1 where all motion winds bristles up, 0 where all of it slides."""
+        """d strain / d displacement at a strain: 1 where all motion winds bristles up, 0 where all of it slides, and up
+        to 2 where LuGre's unwind, which damp twice as much then."""
 
     def _breakaway(self, speed: Scalar, load: Scalar, forwards: Scalar) -> Scalar:
         """Strain at which it slides, rad."""

@@ -75,7 +75,7 @@ class Mat3:
         return self @ S @ self.T
 
 
-NO_ROTATION = Mat3(ZERO, ZERO, ZERO)
+NO_GRADIENT = Mat3(ZERO, ZERO, ZERO)
 IDENTITY = Mat3(Vec3(1, 0, 0), Vec3(0, 1, 0), Vec3(0, 0, 1))
 
 

@@ -56,7 +56,8 @@ def coriolis_matrix(columns: Columns) -> Steps:
 
     Of coordinates' own rates that is nothing, so that torques C v change with v by 2 C: by C, then, at half the speed.
     A base's speeds are those of a moving frame, their bracket is V x W: with it they change a motion as joints' do.
-    Coriolis Factorizations and their Connections to Riemannian Geometry (2023), arXiv 2312.14425.
+    Wensing, Englsberger and Slotine (2023), Coriolis factorizations and their connections to Riemannian geometry, arXiv
+    2312.14425.
     """
     base = base_in(columns)
     found = _changes_within(columns, PLAIN, brackets=True)

@@ -25,7 +25,7 @@ MOST_STEPS = 100_000
 
 
 def sample_times(trajectory: Trajectory | None, duration: float | None, period: float) -> Array:
-    """Times of control samples, s: from 0 to the duration, as rounded."""
+    """Times of control samples, s: from 0 to the duration, as rounded.  Raises InputError: none, or too many."""
     if duration is None:
         if trajectory is None:
             raise InputError("simulate: without a trajectory, give duration= in seconds")
@@ -43,7 +43,7 @@ def sample_times(trajectory: Trajectory | None, duration: float | None, period: 
 
 
 def reference_at(robot: Robot, trajectory: Trajectory | None, initial: State | None, times: Array) -> Array:
-    """The links' reference with four derivatives, (5, N, drives)."""
+    """The links' reference with four derivatives, (5, N, drives).  Raises InputError for one that does not fit."""
     n = len(robot.drives)
     if trajectory is None:
         hold = np.zeros((5, len(times), n))
@@ -75,7 +75,7 @@ def check_fits(function: str, trajectory: Trajectory, robot: Robot) -> None:
 
 
 def rows_of(loop: ClosedLoop, times: Array, reference: Array, disturbances: Disturbance | None) -> Array:
-    """What each control period is given: see `Layout.row`."""
+    """What each control period is given: see `Layout.row`.  Raises InputError for disturbances that do not fit."""
     layout = loop.layout
     rows: Array = np.zeros((len(times), layout.row))
     rows[:, 0] = times

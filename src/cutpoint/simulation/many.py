@@ -112,7 +112,7 @@ def simulate_many(
         own = {name: values[number] for name, values in runs.items()} | {"channels": channels}
         found[number] = _alone(own, float(times[-1]), control_period, steps.number, settings, keep)
     for number in range(len(setups)):
-        found.setdefault(number, SimulationError("interrupted before it ended"))
+        found.setdefault(number, SimulationError("interrupted before it ended", diverged=False))
     errors = {k: x for k, x in sorted(found.items()) if isinstance(x, SimulationError)}
     return Runs(tuple(None if k in errors else found[k] for k in range(len(setups))), errors)
 

@@ -122,7 +122,7 @@ class Pack:
         """The run's log, or an error that holds what there is of it."""
         loop, cause = setup.loop, None
         if not done:
-            return SimulationError("interrupted before it began")
+            return SimulationError("interrupted before it began", diverged=False)
         if failed and (again := self._again(setup))[-1]:  # nothing, where it is lost after its last sample
             loop, record, done, cause = again
         elif done < len(self.times):

@@ -102,9 +102,8 @@ def run(loop: ClosedLoop, memory: dict[str, Array], substeps: int, integrate: In
         except NoNumberError as found:
             return Outcome(done + 1, _odd_command(loop, found.command, found.time), diverged=True)
         except KeyboardInterrupt:
-            return Outcome(
-                max(done, 1), f"interrupted at t = {(done - 1) * loop.period:g} s; the log holds all until then"
-            )
+            when = f"at t = {(done - 1) * loop.period:g} s; the log holds all until then" if done else "before it began"
+            return Outcome(done, f"interrupted {when}")
     return Outcome(done)
 
 
@@ -203,11 +202,14 @@ def _slots(loop: ClosedLoop) -> list[tuple[str, str]]:
     """What each number of the state is, and its unit."""
     robot = loop.robot
     lags = [name for name, drive in robot.drives.items() if drive.has_current_lag]
-    inner = [(f"motor torque of {name!r}", "N m") for name in lags]
     sliding = robot.mechanism.sliding
+    inner = [(f"motor torque of {name!r}", "N" if name in sliding else "N m") for name in lags]
     for name, what in (whole.rsplit(": ", 1) for whole in robot.strain_names):
         inner.append((f"strain of {what} of {name!r}", "m" if name in sliding else "rad"))
-    q, v = [("coordinate of the base", "")] * robot.nq, [("speed of the base", "")] * robot.nv
+    q, v = [("", "")] * robot.nq, [("", "")] * robot.nv
+    for body, segment in zip(robot.mechanism.bodies, robot.machine.system.segments, strict=True):
+        for whole, own, what in ((q, segment.q, "coordinate"), (v, segment.v, "speed")):
+            whole[own] = [(f"{what} of joint {body.joint.name!r}", "")] * (own.stop - own.start)
     theta: list[tuple[str, str]] = []
     theta_dot: list[tuple[str, str]] = []
     for name, driven in zip(robot.drives, robot.machine.drives, strict=True):

@@ -109,6 +109,8 @@ def simulate(
     settings: dict[str, object] = {"accuracy": accuracy, "substeps": steps.number, "steps_set_by": steps.cause}
     if integrate is not None:
         settings |= {"substeps": None, "hold": bool(hold)}
+    if not outcome.ticks:
+        raise SimulationError(outcome.cause or "", diverged=outcome.diverged)
     log = log_of(loop, memory["record"][: outcome.ticks], times, reference, rows, settings)
     if outcome.cause:
         raise SimulationError(outcome.cause, log=log, time=float(times[outcome.ticks - 1]), diverged=outcome.diverged)

@@ -34,7 +34,7 @@ from cutpoint.simulation.plant import (
     settled,
     split,
 )
-from cutpoint.simulation.step import GAMMA, handed_on, stage
+from cutpoint.simulation.step import GAMMA, added_speeds, stage
 
 Array = NDArray[np.float64]
 Scalars = list[Scalar]
@@ -153,7 +153,7 @@ class PlantStages:
             k = [*all_rates(machine, s, accelerations[:nv], accelerations[nv:], electric), *[0] * len(s.strains)]
             driven = [*(accelerations[d.v] for d in machine.drives), *accelerations[nv:]]
         h = steps[0]
-        return *stage(state, k, origin, total, tableau, h), handed_on(driven, earlier, tableau, h)
+        return *stage(state, k, origin, total, tableau, h), added_speeds(driven, earlier, tableau, h)
 
     def settle(self, total: Scalars, origin: Scalars, parameters: Scalars) -> tuple[Scalars, Scalars, Scalars]:
         """The step's result, with the strains that it has left, is the next step's start."""

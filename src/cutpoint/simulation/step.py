@@ -44,7 +44,7 @@ def stage(
     return y, total
 
 
-def handed_on(accelerations: list[Scalar], earlier: list[Scalar], row: list[Scalar], h: Scalar) -> list[Scalar]:
+def added_speeds(accelerations: list[Scalar], earlier: list[Scalar], row: list[Scalar], h: Scalar) -> list[Scalar]:
     """Speeds that this stage and those before add in the next stages' implicit parts, stage by stage."""
     waiting = [*earlier[len(accelerations) :], *[0] * len(accelerations)]
     return [x + share * h * k for x, (share, k) in zip(waiting, product(row[2:5], accelerations), strict=True)]

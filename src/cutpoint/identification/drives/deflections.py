@@ -78,7 +78,8 @@ def _bent(values: Array) -> Array:
 class DeflectionFit:
     """A law's constants, weights of waves, offset (rad), corrections, elements' stiffnesses, damping; what is left.
 
-    columns: the model's derivatives (N, p) by all of these, in that order.  residual: (N,), rad.  tangent: (N,).
+    columns: the model's derivatives (N, p) by all of these, in that order.  residual: (N,), rad.
+    tangent: (N,), N m/rad, of the law.
     beside: (N,), rad, what all that acts beside the spring takes from its deflection.
     moving: whether the elements' reaches were sought too; then columns have their derivatives before the elements'.
     """

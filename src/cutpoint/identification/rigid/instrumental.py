@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cutpoint.errors import InputError
-from cutpoint.identification.rigid.least_squares import ROUNDS, SETTLED, Estimate, check_size, solved
+from cutpoint.identification.rigid.least_squares import ROUNDS, SETTLED, UNSEEN, Estimate, check_size, solved
 from cutpoint.identification.rigid.regression import Regression, triangle
 from cutpoint.identification.rigid.sandwich import Spread, spread
 
@@ -82,6 +82,6 @@ def _second_stage(regression: Regression, instruments: Array, noise: Array) -> t
     y = (regression.torque / noise).reshape(-1)
     length = np.linalg.norm(Z, axis=0)
     U, s, _ = np.linalg.svd(Z / np.where(length, length, 1.0), full_matrices=False)
-    U = U[:, s > 1e-9 * s[0]]
+    U = U[:, s > UNSEEN * s[0]]
     both = triangle(U.T @ np.column_stack([W, y]))
     return (U @ (U.T @ W)).reshape(shape), both[:-1, :-1], both[:-1, -1]

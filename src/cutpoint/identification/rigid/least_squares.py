@@ -1,7 +1,7 @@
 """Parameters of a regression by least squares: ordinary, weighted by each joint's noise, or robust to outliers."""
 
 from dataclasses import replace
-from typing import Literal, NamedTuple
+from typing import Literal, NamedTuple, get_args
 
 import numpy as np
 from numpy.typing import NDArray
@@ -15,7 +15,7 @@ from cutpoint.identification.rigid.sandwich import Spread, spread
 
 Array = NDArray[np.float64]
 Method = Literal["ordinary", "weighted", "huber"]
-METHODS = ("ordinary", "weighted", "huber")
+METHODS = get_args(Method)
 
 UNSEEN = 1e-9
 """Of the largest singular value of columns of unit length: directions below that are not excited at all."""

@@ -5,7 +5,7 @@ that depends on no frame and no unit.  Traversaro et al. (2016), IROS; Lee, Wens
 Robot. 36(2), for the entropic distance; Rucker and Wensing (2022), IEEE Robot. Autom. Lett. 7(2), for log-Cholesky.
 """
 
-from typing import Literal, NamedTuple
+from typing import Literal, NamedTuple, get_args
 
 import numpy as np
 from numpy.typing import NDArray
@@ -17,7 +17,7 @@ from cutpoint.identification.rigid.physical_fit import Fit
 Array = NDArray[np.float64]
 
 Solver = Literal["lmi", "lmi_trace", "log_cholesky"]
-SOLVERS = ("lmi", "lmi_trace", "log_cholesky")
+SOLVERS = get_args(Solver)
 
 
 class Physical(NamedTuple):

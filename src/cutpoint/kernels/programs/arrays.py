@@ -8,7 +8,7 @@ import numpy as np
 
 from cutpoint.errors import InputError, unknown_name
 from cutpoint.kernels.programs.plan import Plan
-from cutpoint.kernels.programs.stepping import View
+from cutpoint.kernels.programs.stepping import View, number_of
 
 
 def check_run(plan: Plan, counts: Mapping[str, int], arrays: Mapping[str, np.ndarray]) -> None:
@@ -57,7 +57,7 @@ def _check_size(name: str, array: np.ndarray, plan: Plan, counts: Mapping[str, i
             raise InputError(f"region {name!r} has {size} slots, its array holds {array.size} numbers", name=name)
         return
     ways = plan.streamed[name]
-    rows = max((-(-prod(_number(c, counts) for c in way.often) // way.steps) for way in ways), default=0)
+    rows = max((-(-prod(number_of(c, counts) for c in way.often) // way.steps) for way in ways), default=0)
     if array.ndim != 2 or array.shape[1] != size or len(array) < rows:
         raise InputError(
             f"region {name!r} streams: its array has shape {array.shape}, it must have at least {rows} rows of {size}",
@@ -79,11 +79,7 @@ def _check_rows(view: View, index: Any, rows: int, count: int) -> None:
 
 
 def _most(several: Sequence[int | str], counts: Mapping[str, int]) -> int:
-    return max(_number(c, counts) for c in several)
-
-
-def _number(count: int | str, counts: Mapping[str, int]) -> int:
-    return counts[count] if isinstance(count, str) else count
+    return max(number_of(c, counts) for c in several)
 
 
 def _check_apart(plan: Plan, arrays: Mapping[str, np.ndarray]) -> None:

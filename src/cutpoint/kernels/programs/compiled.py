@@ -12,7 +12,7 @@ from cutpoint.kernels.machine.llvm_code import ON_LINES, Code, in_turn
 from cutpoint.kernels.machine.tuning import beside_numbers, for_divisions
 from cutpoint.kernels.programs.plan import Plan
 from cutpoint.kernels.programs.stage import AT_ONCE, Place
-from cutpoint.kernels.programs.stepping import LaneLoop, Loop, Stage
+from cutpoint.kernels.programs.stepping import LaneLoop, Loop, Stage, number_of
 from cutpoint.kernels.programs.superword_line import WIDE
 from cutpoint.kernels.programs.triples import stage_code
 
@@ -69,7 +69,7 @@ def program_ir(plan: Plan) -> str:
     stages = {stage: stage_code(code, plan, stage, starts) for stage in plan.graphs}
 
     def loop(this: Loop, regions: dict[str, str]) -> str:
-        count = _number(this.count, counts)
+        count = number_of(this.count, counts)
         with code.loop(count, regions.get(this.until or "")) as running:
             inside = regions | _rows(code, plan, this, running.iteration, counts, starts, regions)
             for item in this.body:
@@ -122,15 +122,11 @@ def _rows(
         """The number of the first row."""
         first = row
         for inner in this.within(name):
-            first = code.let(f"mul i64 {first}, {_number(inner, counts)}")
+            first = code.let(f"mul i64 {first}, {number_of(inner, counts)}")
         return first
 
     if this.backward:
-        row = code.let(f"sub i64 {code.let(f'sub i64 {_number(this.count, counts)}, 1')}, {row}")
+        row = code.let(f"sub i64 {code.let(f'sub i64 {number_of(this.count, counts)}, 1')}, {row}")
     rows = {name: at(outer[name], name, of_all_within(name)) for name in this.streams}
     named = {index: code.load(starts[index], row, "i64") for index in dict.fromkeys(view.index for view in this.views)}
     return rows | {view.name: at(starts[view.of], view.of, named[view.index]) for view in this.views}
-
-
-def _number(count: int | str, counts: Mapping[str, str]) -> int | str:
-    return counts[count] if isinstance(count, str) else count

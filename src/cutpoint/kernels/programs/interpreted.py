@@ -8,7 +8,7 @@ import numpy as np
 
 from cutpoint.kernels.arrays.numpy_backend import evaluate
 from cutpoint.kernels.programs.plan import Plan
-from cutpoint.kernels.programs.stepping import LaneLoop, Loop, Stage
+from cutpoint.kernels.programs.stepping import LaneLoop, Loop, Stage, number_of
 
 
 class NumpyProgram:
@@ -33,7 +33,7 @@ class NumpyProgram:
         arrays: Mapping[str, np.ndarray],
         rows: Mapping[str, np.ndarray],
     ) -> int:
-        count = counts[loop.count] if isinstance(loop.count, str) else loop.count
+        count = number_of(loop.count, counts)
         for index in range(count):
             row = count - 1 - index if loop.backward else index
             streams = {name: self._row(loop, name, arrays, row) for name in loop.streams}
@@ -58,7 +58,7 @@ class NumpyProgram:
         self, loop: Loop, name: str, arrays: Mapping[str, np.ndarray], row: int, counts: Mapping[str, int]
     ) -> np.ndarray:
         """The rows that loops inside go through."""
-        size = prod(counts[c] if isinstance(c, str) else c for c in loop.within(name))
+        size = prod(number_of(c, counts) for c in loop.within(name))
         return arrays[name][row * size : (row + 1) * size]
 
     def _stage(self, stage: Stage, rows: Mapping[str, np.ndarray]) -> None:

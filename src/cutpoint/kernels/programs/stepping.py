@@ -1,8 +1,10 @@
 """What a stepping program is made of: regions of memory, stages that map regions to regions, loops around them."""
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, TypeVar
+
+N = TypeVar("N")
 
 
 @dataclass(frozen=True)
@@ -92,6 +94,11 @@ class Loop:
                 own = (item.count,) if name in item.streams else ()
                 found |= {(*own, *counts) for counts in item.all_within(name) or {()}} - {()}
         return found
+
+
+def number_of(count: int | str, counts: Mapping[str, N]) -> int | N:
+    """How many a loop's count is, where a run states those that have a name."""
+    return counts[count] if isinstance(count, str) else count
 
 
 class LaneLoop(Loop):
