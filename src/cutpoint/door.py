@@ -167,6 +167,10 @@ def validated_drives(mechanism: Mechanism, drives: Mapping[str, Drive]) -> dict[
         if drive.is_elastic and drive.is_coupled and mechanism.coupled and _has_followers(mechanism):
             rule = "full rotor coupling behind a bending drive does not go with coupled mimic joints"
             raise ModelError(f"joint {name!r}: {rule}; read them as independent, or take 'reduced'", joint=name)
+        own, file = drive.limits, mechanism.bodies[joints[name]].joint.limits
+        if max(own.lower, file.lower) > min(own.upper, file.upper):
+            apart = f"[{own.lower:g}, {own.upper:g}], and the robot's, [{file.lower:g}, {file.upper:g}], have no place"
+            raise ModelError(f"joint {name!r}: its drive's position limits, {apart} in common", joint=name)
     return {name: drives.get(name, Drive()) for name in joints}
 
 

@@ -23,6 +23,7 @@ from cutpoint.mechanics.rigid_body import parameters_of
 from cutpoint.mechanics.spatial import ZERO, Pose
 from cutpoint.model import Drive, Mechanism, changes
 from cutpoint.model.decomposition import Cut, Subsystem, cuts_of, subsystems_of
+from cutpoint.model.limits import limits_in_force
 from cutpoint.model.mechanism import frozen
 from cutpoint.model.places import Places
 from cutpoint.model.validation import check_gravity
@@ -134,7 +135,8 @@ class Robot:
             rng = np.random.default_rng(seed)
         except (TypeError, ValueError):
             raise door.refused("random", "seed", seed, "a whole number from 0, or a NumPy Generator") from None
-        return configurations.at_random(self.mechanism, self.machine.system, rng, shape)
+        limits = limits_in_force(self.mechanism, self.drives)
+        return configurations.at_random(self.mechanism, self.machine.system, rng, shape, limits)
 
     # others like it
 

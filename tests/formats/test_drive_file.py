@@ -166,7 +166,7 @@ COULOMB = st.builds(
     NOT_NEGATIVE,
     POSITIVE,
     asymmetry=st.one_of(st.none(), st.floats(-0.9, 0.9)),
-    grease=st.one_of(st.none(), st.builds(Grease, st.floats(-40.0, 120.0), NOT_NEGATIVE)),
+    grease=st.one_of(st.none(), st.builds(Grease, st.floats(-40.0, 120.0), st.floats(0.0, 0.3))),
 )
 GEAR_FRICTION = st.builds(Coulomb, POSITIVE, POSITIVE, POSITIVE, per_load=st.one_of(st.none(), st.floats(0.0, 0.9)))
 BRISTLES = st.one_of(
@@ -199,7 +199,13 @@ ROTORS = st.one_of(
         lambda inertia, mass, slimness, position, coupling: Rotor(
             inertia, False, mass, inertia * slimness, position, coupling
         ),
-        *(POSITIVE, NOT_NEGATIVE, st.one_of(st.just(0.0), st.floats(0.5, 9.0)), st.floats(-9.0, 9.0), COUPLINGS),
+        *(
+            st.floats(1e-12, 1e11),
+            NOT_NEGATIVE,
+            st.one_of(st.just(0.0), st.floats(0.5, 9.0)),
+            st.floats(-9.0, 9.0),
+            COUPLINGS,
+        ),
     ),
 )
 SPRINGS = st.one_of(st.builds(LinearSpring, POSITIVE), st.builds(Flexspline, POSITIVE, POSITIVE))
@@ -207,6 +213,30 @@ DRIVES = st.one_of(
     st.builds(Drive, rotor=st.one_of(st.none(), ROTORS), **COMMON),
     st.builds(Drive, rotor=ROTORS, compliance=SPRINGS, damping=st.one_of(st.none(), NOT_NEGATIVE), **COMMON),
 )
+
+
+@pytest.mark.parametrize(
+    ("drive", "message"),
+    [
+        (Drive(ratio=math.nan), "joint 'elbow': its drive holds nan as ratio, every number must be finite"),
+        (Drive(80.0, Rotor(1e-4), LinearSpring(-5.0)), "joint 'elbow': stiffness -5.0 must be positive, in compliance"),
+        ({"ratio": 3}, "dump_drives: elbow must be a Drive, got {'ratio': 3}"),
+    ],
+)
+def test_what_no_file_could_be_read_with_is_not_written(drive: object, message: str) -> None:
+    with pytest.raises((ModelError, InputError)) as caught:
+        dump_drives({"elbow": drive})  # pyright: ignore[reportArgumentType]
+    assert str(caught.value) == message
+
+
+def test_a_rigid_drive_drops_what_goes_with_a_spring_from_defaults() -> None:
+    spring = "rotor: {inertia: 1e-4}, compliance: {linear: {stiffness: 2e4}}, damping: 3, backlash: 1e-3"
+    more = "hysteresis: {loss: 1e-4}, kinematic_error: {amplitude: 1e-4}"
+    entries = f"{{shoulder: {{compliance: rigid}}, {JOINTS[1]}: {{}}}}"
+    rigid, bent = parse_drives(f"version: 1\ndefaults: {{{spring}, {more}}}\ndrives: {entries}", ROBOT).values()
+    assert rigid == Drive(rotor=Rotor(1e-4)) and bent.damping == 3.0 and bent.hysteresis is not None
+    with pytest.raises(ModelError, match=r"damping 2.0 N m s/rad needs an elastic drive"):
+        parse_drives("version: 1\ndrives: {shoulder: {compliance: rigid, damping: 2}}", ROBOT)
 
 
 @pytest.mark.filterwarnings("ignore::cutpoint.formats.UnitsWarning")
@@ -285,6 +315,10 @@ ROTOR, SPRING = "ratio: 100, rotor: {inertia: 1.0e-4}", "compliance: {linear: {s
         (
             "ratio: 100, motor: {torque_constant: 0.1, delay: 0.5}",
             "motor.delay 0.5 s looks like ms, of which one is 1e-3",
+        ),
+        (
+            f"{ROTOR}, compliance: {{linear: {{stiffness: 1.6}}}}",
+            r"compliance.linear.stiffness 1.6 N m/rad looks like 10\^4",
         ),
         ("ratio: 100, limits: {velocity: 180}", "limits.velocity 180.0 rad/s turns the motor 1.72e[+]05 times"),
         (

@@ -231,6 +231,29 @@ FILES = {
         "drive file: unknown key 'drivers'; those that exist are 'version', 'defaults', 'drives' (arm.yaml:2)",
     ),
     "no value": ("version: 1\ndrives:\n  elbow: {ratio: }", "drives.elbow.ratio has no value (arm.yaml:3)"),
+    "a number with a comma on a line of its own": (
+        "version: 1\ndrives:\n  elbow:\n    ratio: 1,000",
+        "joint 'elbow': ratio '1,000' must be a number, written without commas (arm.yaml:4)",
+    ),
+    "a wave that is none": (
+        "version: 1\ndrives:\n  elbow: {kinematic_error: {amplitude: 1e-4, harmonics: [[1, 2]]}}",
+        "joint 'elbow': kinematic_error.harmonics.0 [1.0, 2.0] is none of these: further waves, each"
+        " [order, amplitude, phase] (arm.yaml:3)",
+    ),
+    "a tab": (
+        "version: 1\ndrives:\n\telbow: {ratio: 2}",
+        "YAML cannot be read: found character '\\t' that cannot start any token; lines are indented by spaces"
+        " (arm.yaml:3)",
+    ),
+    "grease in kelvin": (
+        "version: 1\ndrives:\n  elbow: {friction: {link: {viscous: 2, grease: {temperature: 313, thinning: 0.03}}}}",
+        "joint 'elbow': temperature 313.0 must be above -273.15 and at most 200 deg C, not in kelvin, in"
+        " link_friction.grease (arm.yaml:3)",
+    ),
+    "a ratio of no machine": (
+        "version: 1\ndrives:\n  elbow: {ratio: 1e200}",
+        "joint 'elbow': ratio 1e+200 must be between 1e-12 and 1e12 in size, as in any machine (arm.yaml:3)",
+    ),
     "a number with a comma": (
         "version: 1\ndrives:\n  elbow: {damping: 4,000}",
         "drives.elbow.000 has no value; in {} a comma ends a value: 4000, not 4,000 (arm.yaml:3)",
@@ -269,7 +292,7 @@ FILES = {
     "a character that there is not": ('version: 1\na: "\\U00110000"', f"{TOO_LARGE} (arm.yaml:2)"),
     "one far beyond": ('version: 1\na: "\\UFFFFFFFF"', f"{TOO_LARGE} (arm.yaml:2)"),
     "a version far beyond": (f"%YAML 1.{'1' * 5000}\n---\na: 1", f"{TOO_LARGE} (arm.yaml:1)"),
-    "bytes that are no UTF-8": (b"version: 1\n\xff", "YAML must be UTF-8 text (arm.yaml:2)"),
+    "bytes that are no UTF-8": (b"version: 1\n\xff", "YAML must be UTF-8 text; save the file as that (arm.yaml:2)"),
 }
 
 

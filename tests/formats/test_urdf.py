@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from urdf_text import ARM, joint, link, robot
 
-from cutpoint import Robot
+from cutpoint import Drive, Robot
 from cutpoint.errors import InputError, ModelError
 from cutpoint.formats import DegreesWarning, MimicWarning, load_urdf, parse_urdf
 from cutpoint.model import WORLD, Limits, Mechanism
@@ -200,3 +200,13 @@ def test_random_positions_take_limits_that_no_joint_has_for_none(end: float, mos
     limits = f'<limit lower="{-end}" upper="{end}" effort="1" velocity="1"/>'
     q = Robot(parse_urdf(one_joint(limits))).random(0, 1000)
     assert 0.9 * most < np.abs(q).max() <= most
+
+
+def test_random_positions_keep_to_the_drives_limits_too_which_must_leave_some() -> None:
+    arm = Robot(parse_urdf(one_joint('<limit lower="-2" upper="2.5" effort="1" velocity="1"/>')))
+    q = arm.with_drives({"elbow": Drive(limits=Limits(-0.1, 3.0))}).random(0, 1000)
+    assert -0.1 <= q.min() < 0.0 and 2.4 < q.max() <= 2.5
+    with pytest.raises(
+        ModelError, match=r"its drive's position limits, \[4, 5\], and the robot's, \[-2, 2.5\], have no"
+    ):
+        arm.with_drives({"elbow": Drive(limits=Limits(4.0, 5.0))})

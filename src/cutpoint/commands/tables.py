@@ -46,13 +46,14 @@ def robot_table(robot: Robot) -> Table:
     title = f"{robot.name}: {len(robot.subsystems)} subsystems, {len(robot.cuts)} cutting points"
     table = _table(title, "joint", "kind", "carries", "carried by", "mass / kg", "position limits", "effort limit")
     in_force = limits_in_force(robot.mechanism, robot.drives)
-    for body in robot.mechanism.bodies:
+    masses = robot.inertial_parameters.reshape(-1, 10)[:, 0]
+    for body, mass in zip(robot.mechanism.bodies, masses, strict=True):
         carrier = robot.mechanism.bodies[body.parent].name if body.parent >= 0 else "world"
         slides, limits = body.joint.kind == "prismatic", body.joint.limits
         position = _range(limits.lower, limits.upper, 1.0 if slides else 180 / np.pi, "m" if slides else "deg")
         most = in_force.get(body.joint.name, limits).effort
         effort = "-" if np.isinf(most) else f"{most:g} {'N' if slides else 'N m'}"
-        table.add_row(body.joint.name, body.joint.kind, body.name, carrier, f"{body.mass:.4g}", position, effort)
+        table.add_row(body.joint.name, body.joint.kind, body.name, carrier, f"{mass:.4g}", position, effort)
     return table
 
 

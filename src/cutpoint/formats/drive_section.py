@@ -94,6 +94,11 @@ class Section:
             return f"must be {detail['ctx']['expected']}"
         if detail["type"] == "dict_type" and (field := field_of(sheet, path)):
             return f"must be a mapping: {field.description}"
+        if detail["type"] in ("list_type", "too_short", "too_long") and path[-1:] and path[-1].isdigit():
+            field = field_of(sheet, path)
+            return f"is none of these: {field.description if field else ''}"
+        if detail["type"] == "float_type" and isinstance(detail["input"], str) and "," in detail["input"]:
+            return "must be a number, written without commas"
         context = detail.get("ctx", {})
         match detail["type"]:
             case "greater_than" | "greater_than_equal" if not context.get("gt", context.get("ge")):

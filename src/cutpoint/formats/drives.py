@@ -8,6 +8,7 @@ from typing import Any
 
 import yaml
 
+from cutpoint.door import check_kind
 from cutpoint.errors import listed, those_that_exist
 from cutpoint.files import replacing
 from cutpoint.formats.drive_entry import to_drive
@@ -19,6 +20,7 @@ from cutpoint.formats.safe_yaml import MAXIMUM_BYTES, parse_yaml
 from cutpoint.formats.unlikely_units import UnitsWarning, doubts_of
 from cutpoint.formats.urdf import DegreesWarning
 from cutpoint.model.drive import Drive
+from cutpoint.model.drive_validation import check_drive
 from cutpoint.model.limits import look_like_degrees
 from cutpoint.model.mechanism import Joint, Mechanism
 from cutpoint.model.validation import DRIVEN_KINDS
@@ -28,8 +30,8 @@ VERSION = 1
 ALTERNATIVES = (frozenset({"ratio", "gear"}), frozenset({"linear", "flexspline", "catalogue"}))
 """Fields of which a drive has one: stating it drops the other from the defaults."""
 
-OF_A_SPRING = ("hysteresis", "kinematic_error")
-"""What a catalogue says of a drive's spring, and does not say of a drive that is stated to be rigid."""
+OF_A_SPRING = ("damping", "backlash", "hysteresis", "kinematic_error")
+"""What goes with a spring: of a drive that is stated to be rigid, defaults and catalogue do not say it."""
 
 
 def load_drives(path: str | Path, mechanism: Mechanism, locked: Collection[str] = ()) -> dict[str, Drive]:
@@ -85,8 +87,13 @@ def dump_drives(drives: Mapping[str, Drive]) -> str:
     """The text of a drive file that loads back to the same drives.
 
     Hysteresis, which a file states by the loop that it opens on its spring, comes back to rounding.
+    Raises ModelError for what no robot takes as a drive, InputError for what a file has no words for.
     """
+    for name, drive in drives.items():
+        check_kind("dump_drives", name, drive, Drive, "a Drive")
     entries = {name: to_entry(drive) for name, drive in drives.items()}
+    for name, drive in drives.items():
+        check_drive(name, drive)
     return yaml.safe_dump({"version": VERSION, "drives": entries}, sort_keys=False, allow_unicode=True)
 
 
@@ -113,6 +120,8 @@ def merged(base: Mapping[str, Any], over: Mapping[str, Any]) -> dict[str, Any]:
 
 def _laid_over(defaults: Mapping[str, Any], entry: Mapping[str, Any], section: Section) -> dict[str, Any]:
     """An entry on its defaults, and between or below them the catalogue's drive that either names."""
+    if entry.get("compliance") == "rigid":
+        defaults = {key: value for key, value in defaults.items() if key not in OF_A_SPRING}
     layers = [defaults, entry]
     for k in (1, 0):
         if isinstance(name := layers[k].get("catalogue"), str):

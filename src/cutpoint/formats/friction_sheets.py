@@ -14,7 +14,12 @@ class PreslidingSheet(Sheet):
     law: Literal["elasto_plastic", "lugre"] = Field(
         "elasto_plastic", description="elasto_plastic: holds for ever below breakaway; lugre: creeps under vibration"
     )
-    distance: float = quantity("rad", "m", "displacement over which friction builds up from rest to breakaway", gt=0)
+    distance: float = quantity(
+        "rad",
+        "m",
+        "displacement over which friction would build up from rest to breakaway, did nothing slide before",
+        gt=0,
+    )
     damping: float = quantity("N m s/rad", "N s/m", "of the bristles while they wind up", 0.0, ge=0)
     elastic: float = quantity(
         "1", "1", "share of the breakaway torque that elasto_plastic holds for ever", 0.7, ge=0, lt=1
@@ -40,7 +45,7 @@ class FrictionLawSheet(Sheet):
         "1", "1", "dry friction is 1 + that much of itself forwards, 1 - backwards", None, gt=-1, lt=1
     )
     presliding: PreslidingSheet | None = Field(
-        None, description="what it does before it slides; sgn is not smoothed then"
+        None, description="what it does before it slides; where that is followed sgn is not smoothed"
     )
     grease: GreaseSheet | None = Field(None, description="how `viscous` follows temperature")
 

@@ -53,7 +53,7 @@ def parse_yaml(content: bytes, file: str) -> YamlDocument:
         text = content.decode("utf-8-sig")
     except UnicodeDecodeError as problem:
         line = content.count(b"\n", 0, problem.start) + 1
-        raise ModelError("YAML must be UTF-8 text", place=f"{file}:{line}") from problem
+        raise ModelError("YAML must be UTF-8 text; save the file as that", place=f"{file}:{line}") from problem
     try:
         loader = yaml.SafeLoader(text)
     except yaml.reader.ReaderError as problem:
@@ -67,7 +67,9 @@ def parse_yaml(content: bytes, file: str) -> YamlDocument:
     except yaml.MarkedYAMLError as problem:
         mark = problem.problem_mark or problem.context_mark
         place = f"{file}:{mark.line + 1}" if mark else file
-        raise ModelError(f"YAML cannot be read: {problem.problem or problem.context}", place=place) from problem
+        told = f"{problem.problem or problem.context}"
+        spaces = "; lines are indented by spaces" if r"'\t'" in told else ""
+        raise ModelError(f"YAML cannot be read: {told}{spaces}", place=place) from problem
     except (ValueError, OverflowError) as problem:
         complaint = "YAML cannot be read: the number of a character (\\U), or of the version, is too large"
         raise ModelError(complaint, place=f"{file}:{loader.line + 1}") from problem

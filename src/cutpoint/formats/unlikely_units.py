@@ -22,6 +22,9 @@ WIDEST = 0.05
 HEAVIEST, GEARED = 0.05, 10.0
 """kg m2, of a rotor before a gear of such a ratio: at the joint it weighs 5 kg m2 at least."""
 
+SOFTEST = 5.0
+"""N m/rad, of a spring behind such a gear: the smallest harmonic drives have a hundred, soft actuators ten."""
+
 STRONGEST = 5.0
 """N m/A, of a motor before such a gear."""
 
@@ -52,6 +55,10 @@ def doubts_of(sheet: DriveSheet, section: Section, ratio: float) -> Iterator[tup
         value = _at(sheet, path)
         if value is not None and value > most:
             yield f"{section.stated(DriveSheet, path, value)} looks like {likeness}", path
+    spring = sheet.compliance and (sheet.compliance.linear or sheet.compliance.flexspline)
+    if spring and geared and spring.stiffness < SOFTEST:
+        path = ("compliance", "linear" if sheet.compliance and sheet.compliance.linear else "flexspline", "stiffness")
+        yield f"{section.stated(DriveSheet, path, spring.stiffness)} looks like 10^4 N m/rad", path
     curve = sheet.compliance.catalogue if sheet.compliance else None
     if curve and curve.t1 > WIDEST * curve.k1:
         path = ("compliance", "catalogue", "k1")

@@ -1,10 +1,14 @@
 """Configurations of a robot: the one in which nothing is moved, and any at random."""
 
+from collections.abc import Mapping
+from types import MappingProxyType
+
 import numpy as np
 from numpy.typing import NDArray
 
 from cutpoint.mechanics.system import System
 from cutpoint.model import Joint, Mechanism
+from cutpoint.model.mechanism import Limits
 
 Array = NDArray[np.float64]
 
@@ -21,21 +25,30 @@ def neutral(system: System) -> Array:
     return q
 
 
-def at_random(mechanism: Mechanism, system: System, rng: "np.random.Generator", shape: tuple[int, ...]) -> Array:
-    """(*shape, nq): see `Robot.random`."""
+def at_random(
+    mechanism: Mechanism,
+    system: System,
+    rng: "np.random.Generator",
+    shape: tuple[int, ...],
+    limits: Mapping[str, Limits] = MappingProxyType({}),
+) -> Array:
+    """(*shape, nq): see `Robot.random`.  limits: of joints by name, where they are others than the robot file's."""
     q = np.empty((*shape, system.nq))
     for segment, body in zip(system.segments, mechanism.bodies, strict=True):
         if not segment.follower:
-            q[..., segment.q] = _random_coordinates(body.joint, segment.joint.coordinates, rng, shape)
+            own = limits.get(body.joint.name, body.joint.limits)
+            q[..., segment.q] = _random_coordinates(body.joint, own, segment.joint.coordinates, rng, shape)
     return q
 
 
-def _random_coordinates(joint: Joint, count: int, rng: "np.random.Generator", shape: tuple[int, ...]) -> Array:
+def _random_coordinates(
+    joint: Joint, limits: Limits, count: int, rng: "np.random.Generator", shape: tuple[int, ...]
+) -> Array:
     """Coordinates (*shape, count) of a joint: see `Robot.random`."""
     free = np.pi if joint.kind in ("revolute", "continuous", "helical") else 1.0
     if count == 1:
-        lower = joint.limits.lower if abs(joint.limits.lower) < ENDLESS else -free
-        upper = joint.limits.upper if abs(joint.limits.upper) < ENDLESS else free
+        lower = limits.lower if abs(limits.lower) < ENDLESS else -free
+        upper = limits.upper if abs(limits.upper) < ENDLESS else free
         return rng.uniform(min(lower, upper), max(lower, upper), (*shape, 1))
     if joint.kind == "planar":
         return rng.uniform(-1.0, 1.0, (*shape, 3)) * [1.0, 1.0, np.pi]

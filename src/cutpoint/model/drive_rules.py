@@ -52,6 +52,10 @@ NOT_NEGATIVE = Rule("must not be negative", lambda x: x >= 0)
 WHOLE = Rule("must be a whole number above 0", lambda x: x >= 1 and x == int(x))
 SHARE = Rule("must be at least 0 and below 1", lambda x: 0 <= x < 1)
 LEANING = Rule("must be between -1 and 1", lambda x: -1 < x < 1)
+RATIO = Rule("must be between 1e-12 and 1e12 in size, as in any machine", lambda x: 1e-12 <= abs(x) <= 1e12)
+INERTIA = Rule("must not be negative, and at most 1e12 kg m2, as in any machine", lambda x: 0 <= x <= 1e12)
+CELSIUS = Rule("must be above -273.15 and at most 200 deg C, not in kelvin", lambda x: -273.15 < x <= 200)
+THINNING = Rule("must not be negative, and at most 0.3 1/K", lambda x: 0 <= x <= 0.3)
 BOUND, POSITIVE_BOUND = (replace(rule, infinite=True) for rule in (NUMBER, POSITIVE))
 TRUTH = Rule("must be True or False", lambda x: isinstance(x, (bool, np.bool_)), number=False)
 COUPLING = Rule("must be 'reduced' or 'full'", lambda x: x in ("reduced", "full"), number=False)
@@ -63,14 +67,14 @@ def _all(rule: Rule, names: str) -> dict[str, Rule]:
 
 _FRICTION = (
     _all(POSITIVE, "stribeck_velocity smoothing distance")
-    | _all(NOT_NEGATIVE, "coulomb static viscous damping per_load thinning")
-    | {"temperature": NUMBER, "asymmetry": LEANING, "elastic": SHARE}
+    | _all(NOT_NEGATIVE, "coulomb static viscous damping per_load")
+    | {"temperature": CELSIUS, "thinning": THINNING, "asymmetry": LEANING, "elastic": SHARE}
 )
 
 RULES: dict[str, dict[str, Rule]] = {
-    "drive": {"ratio": NUMBER, "damping": NOT_NEGATIVE},
-    "rotor": {"position": NUMBER, "in_link_inertia": TRUTH, "coupling": COUPLING}
-    | _all(NOT_NEGATIVE, "inertia mass transverse"),
+    "drive": {"ratio": RATIO, "damping": NOT_NEGATIVE},
+    "rotor": {"position": NUMBER, "in_link_inertia": TRUTH, "coupling": COUPLING, "mass": NOT_NEGATIVE}
+    | _all(INERTIA, "inertia transverse"),
     "compliance": _all(POSITIVE, "stiffness hardening ratio blend k1 k2 k3 t1 t2 gap"),
     "link_friction": _FRICTION,
     "motor_friction": _FRICTION,

@@ -87,12 +87,10 @@ def substeps_for(robot: Robot, accuracy: str, period: float, poses: Array, speed
     if wanted > MOST_SUBSTEPS:
         parts = "distance, stiffness, bandwidth, Stribeck velocity, order of a wave"
         remedy = "Shorten the control_period" if cause == LONGEST_STEP else f"Soften it ({parts})"
-        warnings.warn(
-            f"{cause} would take {wanted} integration steps a control period (the drives' fastest mode is "
-            f"{mode.rate / 2 / np.pi:.0f} Hz); {MOST_SUBSTEPS} are taken. {remedy}, or give substeps=",
-            StiffnessWarning,
-            stacklevel=4,
-        )
+        told = f"{cause} would take {wanted:.6g} integration steps a control period"
+        fastest = f"(the drives' fastest mode is {mode.rate / 2 / np.pi:.4g} Hz)"
+        words = f"{told} {fastest}; {MOST_SUBSTEPS} are taken. {remedy}, or give substeps="
+        warnings.warn(words, StiffnessWarning, stacklevel=4)
     return Steps(max(1, min(wanted, MOST_SUBSTEPS)), cause)
 
 
