@@ -42,7 +42,13 @@ Scalars = list[Scalar]
 
 @dataclass(frozen=True, eq=False)
 class PlantStages:
-    """The stages of one robot; its drives' numbers come first among the parameters."""
+    """The stages of one robot; its drives' numbers come first among the parameters.
+
+    Of an integration step: origin is the state it starts from, total its result so far; torque what motors are told
+    since the sample, before what they were told until then; resistance what resists the drives all along, efforts what
+    they do at this stage; earlier the speeds that stages before add, of which the implicit part knows; elapsed the time
+    from the sample to the step's middle, s, and steps its length; tableau this stage's row.
+    """
 
     robot: Robot
     layout: Layout
@@ -99,7 +105,7 @@ class PlantStages:
         origin: Scalars,
         torque: Scalars,
         before: Scalars,
-        resists: Scalars,
+        resistance: Scalars,
         earlier: Scalars,
         elapsed: Scalars,
         parameters: Scalars,
@@ -108,7 +114,7 @@ class PlantStages:
         """What the drives do, with what resists them."""
         drives, own = self._drives(parameters, state)
         _, past = self._drives(parameters, origin)
-        held, added = _by_drive(resists, len(drives)), _by_drive(earlier[: 2 * len(drives)], len(drives))
+        held, added = _by_drive(resistance, len(drives)), _by_drive(earlier[: 2 * len(drives)], len(drives))
         found: list[Scalars] = []
         for d, now, start, u, old, h, speeds in zip(drives, own, past, torque, before, held, added, strict=True):
             effort, electric = drive_rates(d, now, start, arrived(d, u, old, elapsed[0], steps[0]))
@@ -117,18 +123,18 @@ class PlantStages:
         return _by_field(found)
 
     def accelerate(
-        self, state: Scalars, turns: Scalars, resists: Scalars, found: Scalars, row: Scalars, parameters: Scalars
+        self, state: Scalars, turns: Scalars, resistance: Scalars, efforts: Scalars, row: Scalars, parameters: Scalars
     ) -> Scalars:
         """Accelerations of links, then of motors, under what the drives do."""
         machine, n = self._machine(parameters), self.layout.n
         s = split(machine, self.lanes.dense(state))
-        efforts: list[DriveEffort] = []
-        numbers = (_by_drive(self.lanes.dense(region), n) for region in (resists, found))
+        found: list[DriveEffort] = []
+        numbers = (_by_drive(self.lanes.dense(region), n) for region in (resistance, efforts))
         for d, held, (on_link, left, alpha, _) in zip(machine.drives, *numbers, strict=True):
             h = from_memory(d.drive, held)
-            efforts.append(DriveEffort(on_link, left, alpha, None, h.inertia, h.follows))
+            found.append(DriveEffort(on_link, left, alpha, None, h.inertia, h.follows))
         q, pushed = self._angles(s.q, self.lanes.dense(turns)), self.layout.disturbance(row)
-        a, theta_ddot = driven_accelerations(*machine, q, s.v, s.theta_dot, efforts, pushed)
+        a, theta_ddot = driven_accelerations(*machine, q, s.v, s.theta_dot, found, pushed)
         return self.lanes.padded([*a, *theta_ddot])
 
     def advance(
@@ -138,17 +144,17 @@ class PlantStages:
         total: Scalars,
         earlier: Scalars,
         tableau: Scalars,
-        found: Scalars,
+        efforts: Scalars,
         accelerations: Scalars,
         steps: Scalars,
     ) -> tuple[Scalars, Scalars, Scalars]:
-        """One stage of an integration step."""
+        """One stage's end: the next stage's state, the result so far, and the speeds that it adds in later ones."""
         if self.lanes.are_wide:
             (a, alpha), drive = accelerations, self.robot.machine.drives[0].drive
-            k, driven = own_rates(drive, state, a, alpha, found[3]), [a, alpha]
+            k, driven = own_rates(drive, state, a, alpha, efforts[3]), [a, alpha]
         else:
             machine, n, nv = self.robot.machine, self.layout.n, self.layout.nv
-            electric = [x for d, x in zip(machine.drives, found[3 * n :], strict=True) if currents(d.drive)]
+            electric = [x for d, x in zip(machine.drives, efforts[3 * n :], strict=True) if currents(d.drive)]
             s = split(machine, state)
             k = [*all_rates(machine, s, accelerations[:nv], accelerations[nv:], electric), *[0] * len(s.strains)]
             driven = [*(accelerations[d.v] for d in machine.drives), *accelerations[nv:]]

@@ -6,7 +6,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from cutpoint.identification.conditioning.filtering import low_pass_together, noise_cutoff
+from cutpoint.identification.conditioning.filtering import HIGHEST, low_pass_together, noise_cutoff
 from cutpoint.identification.drives.acceleration_noise import clear_acceleration, noise_density
 from cutpoint.identification.drives.joint_torques import corrected, smoothing_of, torque_left, transmitted_share
 from cutpoint.identification.drives.link_friction import LinkFriction, clocks_differ, link_friction, remarks
@@ -35,9 +35,6 @@ within it is no longer what the filtered speed says."""
 
 WIDER = 2.0
 """Times the frequency at which the deflection sinks into its noise: up to there springs are told."""
-
-HIGHEST = 0.4
-"""Of the sampling rate."""
 
 TURNS = 8
 """Times at most that spring and rotor are found by each other; friction that was wrong at first takes some."""

@@ -29,6 +29,10 @@ SMOOTHEST = 0.3
 
 LEAST_SAMPLES = 200
 
+WIDER, BELOW_HALF = 3.0, 0.45
+"""Times the band, and of the sampling rate at most: positions are differentiated as far as that, and filtered once more
+with all other terms."""
+
 
 @dataclass(frozen=True, eq=False)
 class RotorEstimate(Unknowns):
@@ -110,7 +114,7 @@ def motor_side(
         raise InputError("motor_side: give either torque or current")
     angle, load, drive = _checked(theta, joint_torque, torque if current is None else current)
     band = noise_cutoff(load, period) if cutoff is None else cutoff
-    speed = derivative(low_pass(angle, period, min(3.0 * band, 0.45 / period)), period)
+    speed = derivative(low_pass(angle, period, min(WIDER * band, BELOW_HALF / period)), period)
     drive = drive if delay is None else late(drive, period, delay)
     fixed = _terms(angle, drive, period, with_delay=delay is None, with_gain=current is not None)
     target = np.asarray(transmission, dtype=np.float64) * load - (drive if current is None else 0.0)

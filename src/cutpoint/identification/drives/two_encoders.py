@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from cutpoint.errors import InputError, unknown_name
-from cutpoint.identification.conditioning.filtering import noise_cutoff
+from cutpoint.identification.conditioning.filtering import HIGHEST, noise_cutoff
 from cutpoint.identification.drives.columns import amplitude_errors
 from cutpoint.identification.drives.deflection_fit import ELEMENTS, fit_deflections
 from cutpoint.identification.drives.deflections import DeflectionFit, Deflections
@@ -122,7 +122,7 @@ def _deflections(
         period,
         ratio,
         _resolution(angle, link, resolution),
-        cutoff=min(WIDER * noise_cutoff(angle - link, period, otherwise=0.4 / period), 0.4 / period),
+        cutoff=min(WIDER * noise_cutoff(angle - link, period, otherwise=HIGHEST / period), HIGHEST / period),
         corrections=np.column_stack([np.empty((load.size, 0)), *others[: len(unknowns)]]),
         shared_noise=shared_noise,
         noise=noise,
