@@ -126,7 +126,7 @@ def test_limits_are_the_tighter_ones_of_joint_and_drive():
     _, command = guard.step(guard.start(), rest()[0]._replace(q=np.array([0.0, -0.6])), rest()[1])
     assert command.fault == Fault.POSITION
     with pytest.raises(InputError, match=r"Guard: lower 1.5 of 'shoulder' must not exceed upper, 1.0"):
-        Guard(law("PD"), elbow_with(told, [Limits(lower=1.5), *own[1:]]))
+        Guard(law("PD"), limited, lower=[1.5, -0.5])
 
 
 def elbow_with(told: list[Limits], own: list[Limits]) -> Robot:
