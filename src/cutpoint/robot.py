@@ -141,7 +141,10 @@ class Robot:
     # others like it
 
     def with_drives(self, drives: Mapping[str, Drive]) -> "Robot":
-        """The same robot, driven otherwise: these joints get these drives, the others keep theirs."""
+        """The same robot, driven otherwise: these joints get these drives, the others keep theirs.
+
+        Where drives differ in numbers alone, both have their compiled functions in common.
+        """
         door.check_kind("with_drives", "drives", drives, Mapping, door.DRIVES)
         other = Robot(self.mechanism, {**self.drives, **drives}, backend=self.backend)
         other._compiled.share_kernels_with(self._compiled)
