@@ -59,7 +59,7 @@ def reference_at(robot: Robot, trajectory: Trajectory | None, initial: State | N
         raise InputError(f"simulate: {asked} has shape {reference.shape}, {rule}", shape=reference.shape)
     by_joint = np.ascontiguousarray(reference[0].T)  # NumPy looks through contiguous numbers ten times as fast
     for extreme in (by_joint.min(axis=1), by_joint.max(axis=1)):
-        check_configuration(robot.mechanism, extreme)
+        check_configuration(robot.mechanism, extreme.tolist())
     return reference
 
 

@@ -132,7 +132,7 @@ def sizing(
     _check(robot, trajectory, dwell, period, life)
     load = sampled(_without_play(robot), trajectory, period, dwell)
     for extreme in (load.position.min(axis=0), load.position.max(axis=0)):
-        check_configuration(robot.mechanism, extreme)
+        check_configuration(robot.mechanism, extreme.tolist())
     found = {joint: _drive_sizing(robot, joint, k, load, life) for k, joint in enumerate(robot.joints)}
     return Sizing(robot.name, trajectory.duration, dwell, found, load)
 
