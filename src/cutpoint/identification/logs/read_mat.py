@@ -1,5 +1,6 @@
 """Logs as MATLAB files, to version 7; of version 7.3, which is HDF5, see `read_hdf5`."""
 
+import warnings
 import zlib
 from collections.abc import Iterator
 from pathlib import Path
@@ -37,7 +38,9 @@ def read_mat(path: Path) -> Table:
     try:
         if 0 not in start[:4]:  # as SciPy tells version 5 from 4, which neither packs nor nests
             _check_elements(path, "little" if start[126:] == b"IM" else "big")
-        found = loadmat(path, struct_as_record=False, squeeze_me=True, chars_as_strings=False)
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore", DeprecationWarning)  # how sparse matrices come changes: none is read
+            found = loadmat(path, struct_as_record=False, squeeze_me=True, chars_as_strings=False)
     except (*UNREADABLE, MatReadError, MemoryError, NotImplementedError) as error:
         raise InputError(f"file is not a MATLAB file that can be read: {error}", place=path) from error
     channels = {name: channel(values) for name, values in _leaves("", found, DEEPEST)}
