@@ -170,7 +170,8 @@ def validated_drives(mechanism: Mechanism, drives: Mapping[str, Drive]) -> dict[
         own, file = drive.limits, mechanism.bodies[joints[name]].joint.limits
         if max(own.lower, file.lower) > min(own.upper, file.upper):
             apart = f"[{own.lower:g}, {own.upper:g}], and the robot's, [{file.lower:g}, {file.upper:g}], have no place"
-            raise ModelError(f"joint {name!r}: its drive's position limits, {apart} in common", joint=name)
+            told = f"its drive's position limits, {apart} in common: change either"
+            raise ModelError(f"joint {name!r}: {told}", joint=name)
     return {name: drives.get(name, Drive()) for name in joints}
 
 

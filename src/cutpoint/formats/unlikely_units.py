@@ -23,7 +23,7 @@ HEAVIEST, GEARED = 0.05, 10.0
 """kg m2, of a rotor before a gear of such a ratio: at the joint it weighs 5 kg m2 at least."""
 
 SOFTEST = 5.0
-"""N m/rad, of a spring behind such a gear: the smallest harmonic drives have a hundred, soft actuators ten."""
+"""N m/rad, of a spring behind such a gear: a kilogram at half a metre would wind it by a radian."""
 
 STRONGEST = 5.0
 """N m/A, of a motor before such a gear."""

@@ -7,7 +7,7 @@ from cutpoint.scalars import Scalar, clip, maximum
 
 @dataclass(frozen=True)
 class SmoothCorner:
-    """start: where the slope begins to rise.  width: over which it does."""
+    """start: the deflection where the slope begins to rise, rad (m).  width: over which it does, rad (m)."""
 
     start: Scalar
     width: Scalar
