@@ -173,6 +173,7 @@ def test_a_wrong_joint_is_named_with_its_line(case: str) -> None:
     ("inside", "meant"),
     [
         ('<axsi xyz="0 1 0"/>', "<joint> holds <axsi>, which URDF does not have; did you mean <axis>?"),
+        ('<axes xyz="0 1 0"/>', "<joint> holds <axes>, which URDF does not have; did you mean <axis>?"),
         ('<orign xyz="1 0 0"/>', "<joint> holds <orign>, which URDF does not have; did you mean <origin>?"),
         ('<limits effort="5"/>', "<joint> holds <limits>, which URDF does not have; did you mean <limit>?"),
         ('<Dynamics damping="5"/>', "<joint> holds <Dynamics>, which URDF does not have; did you mean <dynamics>?"),

@@ -14,5 +14,10 @@ def meant(name: str, known: Collection[str]) -> str | None:
     if name in known:
         return None
     own = name.casefold()[:LONGEST_GUESS]
-    turned = (right for right in known if sorted(right) == sorted(own))
-    return next(turned, None) or next(iter(get_close_matches(own, known, 1, cutoff=ALIKE)), None)
+    near = (right for right in known if sorted(right) == sorted(own) or _is_a_letter_off(own, right))
+    return next(near, None) or next(iter(get_close_matches(own, known, 1, cutoff=ALIKE)), None)
+
+
+def _is_a_letter_off(name: str, right: str) -> bool:
+    """Whether one letter stands for another, as in `axes`."""
+    return len(name) == len(right) and sum(x != y for x, y in zip(name, right, strict=True)) == 1
