@@ -103,6 +103,19 @@ def test_products_join_what_their_sum_is_added_to() -> None:
     assert operations(lambda a, b, c, x, y: a * x - a * y) == {"sub": 1, "mul": 1}
 
 
+def test_a_difference_and_its_negative_are_one_operation() -> None:
+    def both(x: Any) -> list[Any]:
+        return [(x[0] * x[1] - x[2]) * x[3], (x[2] - x[0] * x[1]) * x[4], x[5] - (x[2] - x[1] * x[0])]
+
+    assert lower(graph_of(both, x=6)).operations == {"fms": 1, "mul": 2, "neg": 1, "add": 1}
+    kernel, x = compile(both, x=6), np.arange(1.0, 7.0)
+    assert kernel(x).tolist() == [-4.0, 5.0, 5.0]
+
+
+def test_halves_of_doubles_vanish() -> None:
+    assert graph_of(lambda x, y: (x * y + y * x) * 0.5, x=(), y=()).operations == {"mul": 1}
+
+
 def test_numbers_that_are_no_products_keep_their_places() -> None:
     big = 1.5 * 2.0**52
     whole = compile(lambda x, k: (x * k + big) - big, x=(), k=(), backend="llvm")

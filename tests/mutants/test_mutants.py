@@ -76,7 +76,20 @@ MIXED = {"name": "mixed", "backend": "numpy"}
 
 MUTANTS = {
     "lost (z q') x (U^T V)": Mutant(
-        inverse_dynamics.move, " + carried.angular.cross(zv.angular)", "", oracle.test_inverse_dynamics, ARM
+        inverse_dynamics.move, " + carried.angular.cross(zv.angular)", "", oracle.test_inverse_dynamics, TREE
+    ),
+    "axis of the parent accelerating otherwise": Mutant(
+        inverse_dynamics.turn, "axis.dot(parent.A.angular) + za", "za", oracle.test_inverse_dynamics, ARM
+    ),
+    "angular acceleration of a turning body by the other column": Mutant(
+        inverse_dynamics.turn,
+        "omega.y * omega.z - U.rows[1].z",
+        "U.rows[1].z - omega.y * omega.z",
+        oracle.test_regressor,
+        {"name": "xia2019"},
+    ),
+    "gradient with the same number on both sides": Mutant(
+        rigid_body.gradient_beside, "x * twice_z - U_z.x", "U_z.x", oracle.test_inverse_dynamics, ARM
     ),
     "lost (z q') x (U^T V) of a slide": Mutant(
         inverse_dynamics.move, " + carried.angular.cross(zv.linear)", "", oracle.test_inverse_dynamics, TREE

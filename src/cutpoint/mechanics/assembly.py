@@ -151,7 +151,8 @@ def _inertia_of(body: Body, turn: Array) -> Inertia:
 def _inertia_from(P: Array) -> Inertia:
     """From the pseudo-inertia."""
     S, h, m = P[:3, :3], P[:3, 3], P[3, 3]
-    return Inertia(number(m), vec3(h), mat3(np.trace(S) * np.eye(3) - S))
+    x, y, z = np.diag(S)  # summed so that a second moment of 0 is found again as 0, not as what rounding leaves
+    return Inertia(number(m), vec3(h), mat3(np.diag([y + z, z + x, x + y]) - S + np.diag([x, y, z])))
 
 
 def number(x: float) -> Scalar:

@@ -7,11 +7,11 @@ recursion calls them outward and inward, and nothing else.
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 
-from cutpoint.mechanics.rigid_body import acceleration_gradient, net_wrench
+from cutpoint.mechanics.rigid_body import acceleration_gradient, gradient_beside, net_wrench
 from cutpoint.mechanics.spatial import AT_ORIGIN, NO_GRADIENT, STILL, Mat3, Motion, Pose, Vec3, Wrench
 from cutpoint.mechanics.system import Segment, System
 from cutpoint.model.mechanism import WORLD
-from cutpoint.scalars import Scalar
+from cutpoint.scalars import Scalar, is_plain_zero
 
 Scalars = Sequence[Scalar]
 Gain = Sequence[Sequence[Scalar]]
@@ -45,9 +45,32 @@ def move(X: Pose, omega: Vec3, zv: Motion, parent: BodyMotion, zv_r: Motion, za_
     else:
         own = za_r.linear
         angular = R_T @ parent.A.angular + za_r.angular + carried.angular.cross(zv.angular)
-    linear = R_T @ (parent.A.linear + parent.U @ X.position)
-    linear = linear + own + carried.angular.cross(zv.linear) + omega.cross(zv_r.linear)
+    linear = _origin(X, parent) + own + carried.angular.cross(zv.linear) + omega.cross(zv_r.linear)
     return BodyMotion(X, V, Motion(linear, angular), acceleration_gradient(angular, omega, V.angular))
+
+
+def turn(X: Pose, axis: Vec3, zv: Motion, parent: BodyMotion, za: Motion | None) -> BodyMotion:
+    """The same of a body that turns about its z axis alone, by fewer operations where its parent too has that axis.
+
+    The points of the axis belong to both bodies, so U z is the parent's U times `axis`, the same in its frame.
+    """
+    carried, along = X.outward(parent.V), parent.U @ axis
+    V = carried + zv
+    omega = V.angular
+    if za is None:
+        own, angular = zv.linear.rate(), omega.rate()
+        U = acceleration_gradient(angular, omega, omega, axis.dot(along))
+    else:
+        own, alpha_z = za.linear, axis.dot(parent.A.angular) + za.angular.z
+        U = gradient_beside(X.rotation.T @ along, alpha_z, omega)
+        angular = Vec3(omega.y * omega.z - U.rows[1].z, U.rows[0].z - omega.x * omega.z, alpha_z)
+    linear = _origin(X, parent) + own + (carried.angular + omega).cross(zv.linear)
+    return BodyMotion(X, V, Motion(linear, angular), U)
+
+
+def _origin(X: Pose, parent: BodyMotion) -> Vec3:
+    """How the parent's point at the body's origin accelerates, along the body's axes."""
+    return X.rotation.T @ (parent.A.linear + parent.U @ X.position)
 
 
 def motions(system: System, q: Scalars, v: Scalars, a: Scalars | None) -> list[BodyMotion]:
@@ -59,8 +82,12 @@ def motions(system: System, q: Scalars, v: Scalars, a: Scalars | None) -> list[B
     for body in system.segments:
         X, zv, za = body.pose(q), body.motion(v), None if a is None else body.motion(a)
         parent = at_rest(system) if body.parent == WORLD else moved[body.parent]
-        omega = X.outward(parent.V).angular + zv.angular
-        moved.append(move(X, omega, zv, parent, zv, za))
+        axis = body.placement.rotation.T.rows[2]
+        if body.joint.turns_about_z and sum(map(is_plain_zero, axis)) == 2:
+            moved.append(turn(X, axis, zv, parent, za))
+        else:
+            omega = X.outward(parent.V).angular + zv.angular
+            moved.append(move(X, omega, zv, parent, zv, za))
     return moved
 
 

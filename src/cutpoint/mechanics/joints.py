@@ -41,6 +41,11 @@ class JointKind:
         return self.fixed_axes
 
     @property
+    def turns_about_z(self) -> bool:
+        """Whether it turns, and about z alone."""
+        return [axis[3:] for axis in self.axes if any(axis[3:])] == [TURN_Z[3:]]
+
+    @property
     def neutral(self) -> list[float]:
         """Coordinates of the unmoved frame."""
         return [0.0] * self.coordinates

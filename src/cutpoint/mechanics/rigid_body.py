@@ -6,17 +6,31 @@ and U = (alpha x) + (omega x)(omega x) the gradient of acceleration.  Every sum 
 
 from collections.abc import Sequence
 
-from cutpoint.mechanics.spatial import ZERO, Inertia, Mat3, Motion, Vec3, Wrench
+from cutpoint.mechanics.spatial import IDENTITY, ZERO, Inertia, Mat3, Motion, Vec3, Wrench
 from cutpoint.scalars import Scalar
 
 
-def acceleration_gradient(alpha: Vec3, omega: Vec3, w: Vec3) -> Mat3:
-    """U = (alpha x) + (omega x)(w x), w being the body's angular velocity omega, or its required one."""
+def acceleration_gradient(alpha: Vec3, omega: Vec3, w: Vec3, zz: Scalar | None = None) -> Mat3:
+    """U = (alpha x) + (omega x)(w x), w being the body's angular velocity omega, or its required one.
+
+    zz: its last element, if it is known.
+    """
     (x, y, z), (p, q, r), (a, b, c) = omega, w, alpha
     return Mat3(
         Vec3(-(y * q + z * r), p * y - c, p * z + b),
         Vec3(q * x + c, -(x * p + z * r), q * z - a),
-        Vec3(r * x - b, r * y + a, -(x * p + y * q)),
+        Vec3(r * x - b, r * y + a, -(x * p + y * q) if zz is None else zz),
+    )
+
+
+def gradient_beside(U_z: Vec3, alpha_z: Scalar, omega: Vec3) -> Mat3:
+    """U from its last column and the angular acceleration about z: U + U^T is 2 (omega x)(omega x) in any case."""
+    x, y, z = omega
+    xy, twice_z = x * y, z + z
+    return Mat3(
+        Vec3(-(y * y + z * z), xy - alpha_z, U_z.x),
+        Vec3(xy + alpha_z, -(x * x + z * z), U_z.y),
+        Vec3(x * twice_z - U_z.x, y * twice_z - U_z.y, U_z.z),
     )
 
 
@@ -53,10 +67,20 @@ def body_regressor(A: Motion, omega: Vec3, w: Vec3) -> list[Wrench]:
 
     omega is the body's angular velocity, w that of the motion which A belongs to: the same, or the required one.
     p = (m, h_x, h_y, h_z, I_xx, I_xy, I_xz, I_yy, I_yz, I_zz): mass, first moment and rotational inertia about the
-    frame's origin.
+    frame's origin.  The moments are Euler's; where w differs they have the symmetric part of omega w^T and, beside
+    alpha, the rest of it.
     """
-    U = acceleration_gradient(A.angular, omega, w)
-    return [net_wrench(unit, A, U) for unit in UNIT_INERTIAS]
+    U, a, alpha = acceleration_gradient(A.angular, omega, w), A.linear, A.angular + omega.cross(w) * 0.5
+    (x, y, z), (p, q, r) = omega, w
+    xx, yy, zz = x * p, y * q, z * r
+    xy, yz, zx = (x * q + y * p) * 0.5, (y * r + z * q) * 0.5, (z * p + x * r) * 0.5
+    units, columns = IDENTITY.rows, U.T.rows
+    moments = (
+        Vec3(alpha.x, zx, -xy), Vec3(alpha.y - zx, alpha.x + yz, xx - yy), Vec3(alpha.z + xy, zz - xx, alpha.x - yz),
+        Vec3(-yz, alpha.y, xy), Vec3(yy - zz, alpha.z - xy, alpha.y + zx), Vec3(yz, -zx, alpha.z),
+    )  # fmt: skip
+    of_first_moment = [Wrench(U_k, e.cross(a)) for U_k, e in zip(columns, units, strict=True)]
+    return [Wrench(a, ZERO), *of_first_moment, *(Wrench(ZERO, moment) for moment in moments)]
 
 
 def inertia_of(p: Sequence[Scalar]) -> Inertia:
@@ -69,6 +93,3 @@ def parameters_of(M: Inertia) -> list[Scalar]:
     """The ten parameters of an inertia, in the order of `body_regressor`."""
     (xx, xy, xz), (_, yy, yz), (_, _, zz) = M.rotational
     return [M.mass, *M.first_moment, xx, xy, xz, yy, yz, zz]
-
-
-UNIT_INERTIAS = [inertia_of([int(j == k) for j in range(10)]) for k in range(10)]

@@ -68,6 +68,8 @@ def _scaled(x: Node, factor: float) -> Operand:
         return neg(_scaled(x, -factor))
     if factor == 1:
         return x
+    if x.op == "add" and x.args[0] is x.args[1] and _is_normal(2 * factor):
+        return _scaled(x.args[0], 2 * factor)
     if x.op == "mul" and isinstance(x.args[1], float) and _is_normal(x.args[1] * factor):
         return _scaled(x.args[0], x.args[1] * factor)
     return x.trace.node("mul", x, factor)

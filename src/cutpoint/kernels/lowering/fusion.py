@@ -1,7 +1,8 @@
 """Contraction, decided once in the graph: sums take products in as fused multiply-adds, everywhere alike.
 
-Products that nothing else needs join the sum that their own sum is a term of: t + (a x + b y) takes two operations, not
-three.  Those that share a factor share a product: a x + a y is a (x + y).  What is waited for longest comes in last.
+Signs are moved outward first.  Products that nothing else needs join the sum that their own sum is a term of:
+t + (a x + b y) takes two operations, not three.  Those that share a factor share a product: a x + a y is a (x + y).
+What is waited for longest comes in last.
 Numbers that are no products keep their places, so that (x + y) - y is what it was; in loops, one that the iteration
 before hands on late comes after the products.
 """
@@ -16,6 +17,7 @@ from cutpoint.kernels.graphs.algebra import Operand
 from cutpoint.kernels.graphs.graph import Graph, rewrite
 from cutpoint.kernels.graphs.nodes import Node, Trace
 from cutpoint.kernels.lowering.latencies import cycles
+from cutpoint.kernels.lowering.signs import with_signs_outside
 
 _ABOUT_AT_ONCE = 12
 """Cycles.  Terms whose operands come closer to each other than that stay in the order in which they were written."""
@@ -64,10 +66,11 @@ def fuse(graph: Graph, arrivals: Mapping[int, int] = _AT_ONCE, *, again: bool = 
 
     arrivals: cycles after which an input slot's number comes, where that is later than others: see `recurrence`.
     again: for code that waits for results more than for room: a product that several sums need, and nothing else, is
-        made again in each, so that like sums stay alike; no sum comes before a product that could take one; long sums
-        go in three parts.
+        made again in each, and signs stay, so that like sums stay alike; no sum comes before a product that could take
+        one; long sums go in three parts.
     """
-    return rewrite(graph, _Fusion(graph, arrivals, again).rule)
+    signed = graph if again else with_signs_outside(graph)
+    return rewrite(signed, _Fusion(signed, arrivals, again).rule)
 
 
 class _Fusion:

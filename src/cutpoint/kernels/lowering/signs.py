@@ -1,0 +1,77 @@
+"""Signs moved outward, so that x - y and y - x are one operation: sums take them in, and products hand them on.
+
+Where x and y are equal, one of the two is -0.0.
+"""
+
+from collections import Counter
+from collections.abc import Callable
+from typing import Any
+
+from cutpoint.kernels.graphs import algebra
+from cutpoint.kernels.graphs.algebra import Operand
+from cutpoint.kernels.graphs.graph import Graph, rewrite
+from cutpoint.kernels.graphs.nodes import Node, Trace
+
+
+def with_signs_outside(graph: Graph) -> Graph:
+    """The graph with a difference and its negative as one operation."""
+    return _with_signs_inside(rewrite(graph, _Signs().rule))
+
+
+def _with_signs_inside(graph: Graph) -> Graph:
+    """The graph with y - x in place of -(x - y) where nothing else needs x - y, and the same of a constant factor."""
+    uses = Counter(y.serial for x in graph.nodes for y in x.args if isinstance(y, Node))
+    uses.update(x.serial for x in graph.results if isinstance(x, Node))
+
+    def rule(x: Node, operands: list[Operand], new: Callable[[Any], Operand], trace: Trace) -> Operand:
+        if x.op == "neg" and uses[x.args[0].serial] == 1:
+            inner = x.args[0]
+            if inner.op == "sub":
+                return trace.node("sub", *map(new, reversed(inner.args)))
+            if inner.op == "mul" and isinstance(inner.args[1], float):
+                return trace.node("mul", new(inner.args[0]), -inner.args[1])
+        return trace.node(x.op, *operands)
+
+    return rewrite(graph, rule)
+
+
+class _Signs:
+    """Of one graph.  differences: those made so far, by the serials of their operands."""
+
+    def __init__(self) -> None:
+        self._differences: dict[tuple[Any, ...], Operand] = {}
+
+    def rule(self, x: Node, operands: list[Operand], new: Callable[[Any], Operand], trace: Trace) -> Operand:
+        if x.op not in ("add", "sub", "mul", "neg"):
+            return trace.node(x.op, *operands)
+        first, a = _parted(operands[0])
+        if x.op == "neg":
+            return _signed(-first, a)
+        second, b = _parted(operands[1])
+        if x.op == "mul":
+            return _signed(first * second, algebra.mul(a, b))
+        return self._sum(first, second if x.op == "add" else -second, a, b, trace)
+
+    def _sum(self, first: int, second: int, x: Operand, y: Operand, trace: Trace) -> Operand:
+        """Of two numbers with these signs."""
+        if first == second:
+            return _signed(first, algebra.add(x, y))
+        key, opposite = (_key(x), _key(y)), (_key(y), _key(x))
+        if opposite in self._differences:
+            return _signed(-first, self._differences[opposite])
+        self._differences[key] = trace.node("sub", x, y)
+        return _signed(first, self._differences[key])
+
+
+def _parted(x: Operand) -> tuple[int, Operand]:
+    """A number's sign and what is left of it."""
+    return (-1, x.args[0]) if isinstance(x, Node) and x.op == "neg" else (1, x)
+
+
+def _signed(sign: int, x: Operand) -> Operand:
+    own, x = _parted(x)
+    return x if own * sign > 0 else x.trace.node("neg", x)
+
+
+def _key(x: Operand) -> Any:
+    return x.serial if isinstance(x, Node) else repr(x)
