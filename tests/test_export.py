@@ -16,7 +16,7 @@ import cutpoint
 from c_builds import STRICT, CFunction, assert_same_bits, build, cpp_compilers, run
 from cutpoint import Coulomb, Drive, InputError, LuGre, Rotor, TraceError
 from cutpoint.commands import app
-from cutpoint.control import PD, Fault, Feedforward, Guard
+from cutpoint.control import PD, PID, Fault, Feedforward, Guard
 from cutpoint.export import export_controller, export_function
 from cutpoint.functions.exported import RESULTS
 from cutpoint.simulation.control_kernel import law_kernel, law_memory
@@ -117,6 +117,35 @@ def test_an_exported_law_checks_itself_and_holds_its_memory(arm: cutpoint.Robot,
     assert run(tmp_path)[0] == 0
     header = (tmp_path / "law.h").read_text()
     assert "static const double law_memory[7]" in header and f"{PERIOD.hex()}, /* control period, s */" in header
+
+
+def test_the_check_of_a_law_sees_its_memory(arm: cutpoint.Robot, tmp_path: Path) -> None:
+    """Memory that begins as zeros goes on from case to case."""
+    law = PID([9.0] * 6, [8.0] * 6, [7.0] * 6, [0.5] * 6)
+    export_controller(arm, law, tmp_path, period=PERIOD, name="law")
+    source = (tmp_path / "law.c").read_text()
+    for text, expected in ((source, 0), (source.replace("= memory[0];", "= memory[1];"), 1)):
+        (tmp_path / "law.c").write_text(text)
+        build(tmp_path, "law.c", "law_check.c", "-o", "check", flags=(*STRICT, "-O0"))
+        assert run(tmp_path)[0] == expected
+
+
+FREE = """
+<mujoco><worldbody><body name="base"><freejoint/><inertial pos="0 0 0" mass="1" diaginertia="1 1 1"/><body name="arm">
+<joint name="driven" type="hinge"/>
+<inertial pos="0 0 0" mass="1" diaginertia="1 1 1"/></body></body></worldbody></mujoco>
+"""
+
+
+def test_the_header_of_a_law_says_what_is_read_and_what_torque_holds(tmp_path: Path) -> None:
+    """Joints without a drive are not among the law's numbers."""
+    (tmp_path / "free.xml").write_text(FREE)
+    tree = cutpoint.load(tmp_path / "free.xml")
+    export_controller(tree, PD([1.0], [1.0]), tmp_path, period=PERIOD, name="law")
+    header = (tmp_path / "law.h").read_text()
+    assert "in   q: 1, not read; rad (m): driven" in header and "in   theta: 1, rad (m): driven" in header
+    assert "feedforward_torque: 1, N m (N), in torque already" in header
+    assert f"to be called every {PERIOD:g} s" in header
 
 
 def test_the_header_of_a_law_says_what_faults_and_memory_are(arm: cutpoint.Robot, tmp_path: Path) -> None:
@@ -295,7 +324,9 @@ def test_full_coupling_takes_all_the_derivatives_that_it_needs(tmp_path: Path) -
 def test_a_hostile_joint_name_stays_in_its_comment(arm: cutpoint.Robot, tmp_path: Path) -> None:
     from cutpoint.kernels.targets.c99_texts import comment
 
-    assert comment("a */ int x; /* \\\n #include ??/ // b") == "a ?/ int x; /? ?? ?include ??/ ?/ b"
+    told = comment("a */ x; \\\n ??/ // b")
+    assert told == "a U+002A/ x; U+005CU+000A U+003FU+003F/ U+002F/ b"
+    assert comment("\u5de6") != comment("\u53f3")
 
 
 def test_what_cannot_be_exported_is_explained(arm: cutpoint.Robot, tmp_path: Path) -> None:

@@ -47,6 +47,9 @@ def export_function(
     Raises InputError for an unknown function or target, a missing option, a name C cannot take, and files in the way.
     """
     check_robot("export_function", robot)
+    name = function if name is None else name
+    for key, text in (("function", function), ("to", to), ("name", name)):
+        check_kind("export_function", key, text, str, "a name")
     if function not in RESULTS:
         raise unknown_name("function to export", function, RESULTS)
     if to not in _WRITERS:
@@ -63,13 +66,13 @@ def export_function(
     result = result_of(robot, function, **options)
     if to == "c" and (found := _as_loops(fresh, function)):
         notes = notes_of(robot, found[0], about, values, result)
-        return c99_package.write_source(*found, name or function, folder, notes, force=force)
+        return c99_package.write_source(*found, name, folder, notes, force=force)
     graph = fresh.kernel(function).graph
     if RESULTS[function]:
         (port,) = graph.outputs
         graph = replace(graph, outputs=(replace(port, name=RESULTS[function]),))
     notes = notes_of(robot, graph, about, values, result)
-    return _WRITERS[to](graph, name or function, folder, notes, force=force)
+    return _WRITERS[to](graph, name, folder, notes, force=force)
 
 
 def export_controller(
@@ -91,8 +94,16 @@ def export_controller(
     if memory.size:
         values["memory"] = Values(memory, [f"memory[{k}]" for k in range(memory.size)])
     limits = "no limits but the guard's" if getattr(law, "reports_faults", False) else "limits not applied"
-    notes = notes_of(robot, graph, f"a step of {type(law).__name__} for {robot.name}, {limits}", values)
+    about = f"a step of {type(law).__name__} for {robot.name}, {limits}, to be called every {period:g} s"
+    notes = notes_of(robot, graph, about, values, per_drive={*PER_DRIVE, "q", "v"})
+    carried = {"memory": "next_memory"} if memory.size else {}
+    notes = replace(notes, carried=carried, series={"time": partial(_passing, period)})
     return c99_package.write_package(graph, name, folder, notes, force=force)
+
+
+def _passing(period: float, steps: np.ndarray) -> np.ndarray:
+    """Time in the check's steps, which at last stands still for one."""
+    return period * np.minimum(steps, steps[-1] - 1)
 
 
 def _as_loops(robot: Robot, function: str) -> tuple[Source, Callable[..., Any]] | None:

@@ -1,6 +1,6 @@
 """What an exported function's header says of its arguments: units, the order of joints, the drives' numbers."""
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Collection, Iterator, Mapping, Sequence
 from dataclasses import fields, is_dataclass
 from typing import Any
 
@@ -21,12 +21,13 @@ _UNITS = {
     "snap": "rad/s4 (m/s4)", "theta_ddot": "rad/s2 (m/s2)", "M": "kg m2", "C": "N m s",
     "pose": "rotation and position (m) in the world", "energy": "J",
     "h": "linear (kg m/s), then angular momentum (kg m2/s) about the world's origin, along its axes",
-    "q_dot": "rad/s (m/s)", "dt": "s", "time": "s",
+    "q_dot": "rad/s (m/s)", "dt": "s", "time": "s, of the measurement, from any origin",
     "memory": "of the law: at first the table whose name ends in _memory, then next_memory of the step before",
     "next_memory": "the memory of the next step",
     "fault": "what a Guard found first: " + ", ".join(f"{fault.value} {fault.name.lower()}" for fault in Fault),
+    "feedforward_torque": "N m (N), in torque already",
     **dict.fromkeys(_POSITIONS, "rad (m)"), **dict.fromkeys(_SPEEDS, "rad/s (m/s)"),
-    **dict.fromkeys(("torque", "tau", "motor_torque", "joint_torque", "feedforward_torque"), "N m (N)"),
+    **dict.fromkeys(("torque", "tau", "motor_torque", "joint_torque"), "N m (N)"),
 }  # fmt: skip
 PER_DRIVE = {*_POSITIONS, *_SPEEDS, "theta_ddot", "motor_torque", *ControlStep._fields[:4]}
 """Arguments with an entry a drive."""
@@ -40,7 +41,10 @@ _AXES = {
 
 def result_of(robot: Robot, function: str, frame: str = "", expressed_in: str = "local", **_: Any) -> str:
     """What a function's result holds, where its name alone does not tell: its rows and columns."""
-    speeds, bodies = ", ".join(_order(robot, "v", robot.nv)), ", ".join(body.name for body in robot.mechanism.bodies)
+    speeds, bodies = (
+        ", ".join(_order(robot, "v", robot.nv, ())),
+        ", ".join(body.name for body in robot.mechanism.bodies),
+    )
     velocity = "linear (m/s), then angular velocity (rad/s)"
     told = {
         "jacobian": f"rows: {velocity} of frame {frame}, {_AXES[expressed_in]}; columns: speeds of {speeds}",
@@ -54,17 +58,28 @@ def result_of(robot: Robot, function: str, frame: str = "", expressed_in: str = 
 
 
 def notes_of(
-    robot: Robot, function: Graph | Source, about: str, values: Mapping[str, Values], result: str = ""
+    robot: Robot,
+    function: Graph | Source,
+    about: str,
+    values: Mapping[str, Values],
+    result: str = "",
+    per_drive: Collection[str] = PER_DRIVE,
 ) -> Notes:
-    """What is said of a function's arguments; of the values, those that it takes.  result: of its only output."""
+    """What is said of a function's arguments; of the values, those that it takes.
+
+    result: of its only output.  per_drive: arguments with an entry a drive.
+    """
     kept = {key: value for key, value in values.items() if key in [p.name for p in function.inputs]}
-    told = {p.name: _told(robot, p.name, p.shape) for p in (*function.inputs, *function.outputs)}
+    told = {p.name: _told(robot, p.name, p.shape, per_drive) for p in (*function.inputs, *function.outputs)}
     if result:
         told[function.outputs[0].name] = result
-    return Notes(f"{about}.  SI units and radians, at the joints' side.", told, kept)
+    if isinstance(function, Graph):
+        told |= {name: f"not read; {told[name]}" for name in _unread(function)}
+    sides = "at the joints' side: a rotor's angle over its gear's ratio, a motor's torque times the ratio"
+    return Notes(f"{about}.  SI units and radians, {sides if robot.drives else 'at the joints'}.", told, kept)
 
 
-def _told(robot: Robot, name: str, shape: Sequence[int]) -> str:
+def _told(robot: Robot, name: str, shape: Sequence[int], per_drive: Collection[str]) -> str:
     """Unit and order of an argument."""
     if name == "parameters":
         return "numbers of the drives, and what else is listed below"
@@ -76,24 +91,32 @@ def _told(robot: Robot, name: str, shape: Sequence[int]) -> str:
         return _slopes_told(robot, name)
     unit = _UNITS.get(name.removeprefix("reference_"), "SI units")
     ordered = len(shape) == 1 and name not in ("h", "memory", "next_memory")
-    order = _order(robot, name, shape[0]) if ordered else []
+    order = _order(robot, name, shape[0], per_drive) if ordered else []
+    if name in ("q", "q_next") and any("(3)" in entry for entry in order):
+        unit += "; of bodies that turn freely a quaternion x y z w of length 1, after the position if they move freely"
     return f"{unit}: {', '.join(order)}" if (len(order),) == tuple(shape) else unit
+
+
+def _unread(graph: Graph) -> set[str]:
+    """Inputs that no result depends on."""
+    names = [port.name for port in graph.inputs for _ in range(port.size)]
+    return {*names} - {names[x.args[0]] for x in graph.nodes if x.op == "input"}
 
 
 def _slopes_told(robot: Robot, name: str) -> str:
     """Rows and columns of derivatives: d_q of a function's only result, d_a_d_q of one of several."""
     result, _, by = name.removeprefix("d_").rpartition("_d_")
-    speeds = ", ".join(_order(robot, "v", robot.nv))
+    speeds = ", ".join(_order(robot, "v", robot.nv, ()))
     rows, columns = (", ".join(robot.drives) if x in PER_DRIVE else speeds for x in (result, by))
     tangents = "along the directions of the speeds, " if by == "q" else ""
     sides = f"rows and columns: {rows}" if rows == columns else f"rows: {rows}; columns: {columns}"
     return f"{tangents}SI units; {sides}"
 
 
-def _order(robot: Robot, name: str, size: int) -> list[str]:
+def _order(robot: Robot, name: str, size: int, per_drive: Collection[str]) -> list[str]:
     """What the entries of a vector belong to: drives, coordinates, or speeds."""
     # a torque has an entry a drive or, of links with a floating base, a speed
-    if size == len(robot.drives) and (name in PER_DRIVE or name.startswith("reference_")):
+    if size == len(robot.drives) and (name in per_drive or name.startswith("reference_")):
         return list(robot.drives)
     side, count = ("q", robot.nq) if name in ("q", "q_next", "q_dot") else ("v", robot.nv)
     entries = [""] * count

@@ -125,3 +125,9 @@ def test_laws_run_on_plain_numbers_as_they_are(data):
 def test_what_is_no_number_is_refused_by_the_functions_name():
     with pytest.raises(InputError, match=r"^sin takes a number of any kind or an array of them, not a list$"):
         scalars.sin([0.0, 1.0])
+
+
+def test_floats_give_what_compiled_numbers_give_where_python_refuses():
+    for x in (-1.0, np.float64(-1.0)):
+        assert np.isnan(scalars.sqrt(x)) and np.isnan(scalars.log(x))
+    assert scalars.log(0.0) == -np.inf and scalars.exp(800.0) == np.inf

@@ -198,3 +198,16 @@ def test_laws_alike_in_their_numbers_or_not_are_those_alone():
         runs = simulate_many(ours, whole, MOVE, sensors=sensors, **shared)
         for k in (0, 3, 8):
             assert same(runs[k], simulate(ours, whole[k], MOVE, sensors=sensors[k], **shared))
+
+
+def test_an_interruption_ends_the_runs_that_are_called_back_too():
+    class Interrupting:
+        def step(self, memory: Any, m: Any, r: Any) -> Any:
+            if m.time > 2.5e-3:
+                raise KeyboardInterrupt
+            return memory, KP * (r.theta - m.theta)
+
+    with pytest.warns(UntracedControllerWarning):
+        runs = simulate_many(robot("xia2019"), [Interrupting() for _ in range(3)], MOVE, duration=0.01)
+    assert len(runs.errors[0].log.time) == 3
+    assert [str(runs.errors[k]) for k in (1, 2)] == ["interrupted before it ended"] * 2

@@ -4,6 +4,7 @@ import itertools
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property, partial
+from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
@@ -203,7 +204,34 @@ class Switching:
         return {"n": n, "begun": True, "mode": "fast"}, np.full(6, 1.0) * (n + 1)
 
 
-STATEFUL = [Counting, CountingRecord, Appending, Latching, InPlace, in_closure, in_global, Switching]
+class OfTheClass:
+    """Every law of the class counts on."""
+
+    n = 0.0
+
+    def step(self, memory: Any, m: Any, r: Any) -> Any:
+        OfTheClass.n += 1.0
+        return memory, np.full(6, 1.0) * OfTheClass.n
+
+
+def in_the_class() -> Any:
+    OfTheClass.n = 0.0
+    return OfTheClass()
+
+
+class InANamespace:
+    def __init__(self) -> None:
+        self.own = SimpleNamespace(n=0.0)
+
+    def step(self, memory: Any, m: Any, r: Any) -> Any:
+        self.own.n += (m.time + m.period) / (m.time + m.period)
+        return memory, np.full(6, 1.0) * self.own.n
+
+
+STATEFUL = [
+    Counting, CountingRecord, Appending, Latching, InPlace, in_closure, in_global, Switching, in_the_class,
+    InANamespace,
+]  # fmt: skip
 
 
 @pytest.mark.parametrize("made", STATEFUL)
@@ -224,6 +252,51 @@ def test_what_cannot_be_put_back_is_never_frozen():
     log, told = called_back(in_an_iterator())
     assert np.array_equal(np.diff(log["command_torque"][:, 0]), np.ones(SAMPLES - 1))
     assert "gives something else each time" in told
+
+
+def starting_late() -> Any:
+    """Nothing until its third step, counted where it cannot be looked at."""
+    begun = itertools.chain([0.0] * 2, itertools.repeat(1.0))
+    return lambda memory, m, r: (memory, next(begun) * (r.theta - m.theta))
+
+
+def catching(memory: Any, m: Any, r: Any) -> Any:
+    error = r.theta - m.theta
+    try:
+        if error[0] > 1e-5:
+            error = error / 5
+    except Exception:
+        pass
+    return memory, 300.0 * error
+
+
+def asking_for_kinds(memory: Any, m: Any, r: Any) -> Any:
+    return memory, (300.0 if isinstance(m.theta[0], float) else 1.0) * (r.theta - m.theta)
+
+
+@pytest.mark.parametrize("law", [starting_late, catching, asking_for_kinds])
+def test_a_law_that_does_otherwise_with_plain_numbers_is_called_back(law):
+    log, told = called_back(law() if law is starting_late else law)
+    assert "with plain numbers, and" in told
+    error = 1.0 * (log["motor_reference"] - log["measured_theta"])
+    factor = {catching: np.where(error[:, :1] > 1e-5, 60.0, 300.0), asking_for_kinds: 300.0}.get(law, 1.0)
+    assert np.allclose(log["command_torque"], factor * error, rtol=1e-12, atol=1e-15)
+
+
+def test_steps_before_the_run_print_nothing_and_leave_no_traced_numbers(capsys):
+    class Keeping:
+        last: Any = None
+
+        def step(self, memory: Any, m: Any, r: Any) -> Any:
+            if not isinstance(m.theta[0], float):
+                type(self).last = m.theta
+            elif m.time < 0:
+                print("a step in numbers")
+            return memory, 300.0 * (r.theta - m.theta)
+
+    _, told = called_back(Keeping())
+    assert "keeps state in itself" in told and Keeping.last is None
+    assert not capsys.readouterr().out
 
 
 def test_a_random_law_draws_anew_at_each_sample():

@@ -1,6 +1,6 @@
 """What a law holds that can change, noted down, compared and put back: attributes, closures, globals, what is in them.
 
-Modules and classes are left out, and so is what is of Python's own library, of NumPy, or of this package and no law.
+Modules are left out, and so is what is of Python's own library, of NumPy, or of this package and no law.
 """
 
 import random
@@ -9,7 +9,7 @@ from collections import deque
 from collections.abc import Callable, Generator, Iterator
 from contextlib import contextmanager
 from functools import cached_property, partial
-from types import CellType, CodeType, FunctionType, MethodType, ModuleType
+from types import CellType, CodeType, FunctionType, MethodType, ModuleType, SimpleNamespace
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -41,6 +41,7 @@ def held_by(law: Any) -> dict[int, Held]:
     found: dict[int, Held] = {}
     law = law.function if isinstance(law, FunctionLaw) else law
     waiting: list[tuple[str, Any]] = [("", law), ("", getattr(type(law), "step", None))]
+    waiting += [("", base) for base in type(law).__mro__]
     while waiting:
         name, thing = waiting.pop()
         kind = None if id(thing) in found else _kind_of(thing)
@@ -88,11 +89,12 @@ def _kind_of(thing: Any) -> _Kind | None:
     for base in () if is_function else type(thing).__mro__[:-1]:
         if base in _KINDS:
             return _KINDS[base]
-    package = str((thing if is_function else type(thing)).__module__).partition(".")[0]
+    is_class = isinstance(thing, type)
+    package = str((thing if is_function or is_class else type(thing)).__module__).partition(".")[0]
     is_left_out = package in ("cutpoint", "numpy", *sys.stdlib_module_names) and not isinstance(thing, Law)
-    if is_left_out or isinstance(thing, (type, ModuleType)):
+    if is_left_out or isinstance(thing, ModuleType):
         return None
-    return _FUNCTION if is_function else _OBJECT
+    return _FUNCTION if is_function else _CLASS if is_class else _OBJECT
 
 
 def _alike(one: Any, other: Any) -> bool:
@@ -123,6 +125,18 @@ def _set_attributes(thing: Any, attributes: dict[str, Any]) -> None:
         object.__delattr__(thing, name)
     for name, value in attributes.items():
         object.__setattr__(thing, name, value)
+
+
+def _class_attributes(kind: type) -> dict[str, Any]:
+    """All but methods, properties and what is Python's own."""
+    return {k: x for k, x in vars(kind).items() if not k.startswith("__") and not hasattr(type(x), "__get__")}
+
+
+def _set_class_attributes(kind: type, attributes: dict[str, Any]) -> None:
+    for name in _class_attributes(kind).keys() - attributes.keys():
+        delattr(kind, name)
+    for name, value in attributes.items():
+        setattr(kind, name, value)
 
 
 def _variables(function: FunctionType) -> dict[str, Any]:
@@ -163,6 +177,7 @@ def _refill(thing: Any, content: Any) -> None:
 
 _FUNCTION = _Kind(_variables, _set_globals)
 _OBJECT = _Kind(_attributes, _set_attributes)
+_CLASS = _Kind(_class_attributes, _set_class_attributes)
 _ARRAY = _Kind(np.copy, np.copyto)
 _GENERATOR = _Kind(lambda g: g.bit_generator.state, lambda g, state: setattr(g.bit_generator, "state", state))
 _RANDOM = _Kind(random.Random.getstate, random.Random.setstate)
@@ -172,7 +187,7 @@ _KINDS: dict[type, _Kind] = {
     dict: _Kind(dict, _refill), set: _Kind(set, _refill), deque: _Kind(list, _refill),
     tuple: _Kind(list), partial: _Kind(lambda p: [p.func, p.args, p.keywords]),
     MethodType: _Kind(lambda m: [m.__self__, m.__func__]),
-    CellType: _Kind(_cell, _set_cell),
+    CellType: _Kind(_cell, _set_cell), SimpleNamespace: _OBJECT,
 }  # fmt: skip
 _CLOSED = (_ARRAY, _GENERATOR, _RANDOM)
 """Kinds that hold no further things."""

@@ -92,6 +92,9 @@ def stepped(law: Controller, memory: Any, measurement: Measurement, reference: R
         if not (_is_one_each(part, n) or (part is None and name.startswith("theta"))):
             rule = f"step must return (memory, command) whose {name} is {n} numbers, one a drive, or one for all"
             raise InputError(f"controller {name_of(law)}: {rule}; it is {described(part)}")
+    if np.shape(command.fault):
+        rule = "step must return a command whose fault is one number, 0 for none"
+        raise InputError(f"controller {name_of(law)}: {rule}; it is {described(command.fault)}")
     return result[0], command
 
 
@@ -106,7 +109,7 @@ def completed(command: Command, reference: Reference, n: int) -> Command:
 def start_of(law: Any) -> Any:
     """A law's memory before its first step; () of one that has no `start`.
 
-    Raises InputError for a `start` that wants arguments.
+    Raises InputError for a `start` that wants arguments, or gives what is no number.
     """
     if not hasattr(law, "start"):
         return ()
@@ -114,7 +117,12 @@ def start_of(law: Any) -> Any:
         signature(law.start).bind()
     except TypeError as error:
         raise InputError(f"controller {name_of(law)}: start() must take no arguments: {error}") from None
-    return law.start()
+    memory = law.start()
+    try:
+        np.array(leaves(with_float_leaves(memory)), float)
+    except (TypeError, ValueError) as error:
+        raise InputError(f"controller {name_of(law)}: start() must give real numbers: {error}") from None
+    return memory
 
 
 def numbers_after(law: Any, memory: Any, count: int) -> list[Any]:

@@ -7,6 +7,7 @@ from inspect import signature
 from typing import Any
 
 from cutpoint.control.interface import (
+    SENSED,
     Command,
     Controller,
     Measurement,
@@ -42,7 +43,9 @@ class Law:
     def __add__(self, other: Controller) -> "Sum":
         return Sum((*parts_of(self), *parts_of(as_law(other))))
 
-    def __radd__(self, other: Controller) -> "Sum":
+    def __radd__(self, other: Any) -> Any:
+        if isinstance(other, int) and other == 0:  # where sum() begins
+            return self
         return Sum((*parts_of(as_law(other)), *parts_of(self)))
 
 
@@ -153,6 +156,7 @@ def as_law(controller: Any) -> Any:
         raise InputError(f"controller {described(controller)} has no step(memory, measurement, reference)")
     if is_own(controller):
         _check_parameters(name_of(controller), step)
+        _check_needs(name_of(controller), getattr(controller, "needs", ()))
     return FunctionLaw(controller) if step is controller else controller
 
 
@@ -200,6 +204,12 @@ def _check_parameters(name: str, step: Callable[..., Any]) -> None:
     except TypeError:
         told = f"step must take (memory, measurement, reference); it takes {parameters}"
         raise InputError(f"controller {name}: {told}") from None
+
+
+def _check_needs(name: str, needs: Any) -> None:
+    if not isinstance(needs, (tuple, list)) or any(x not in SENSED for x in needs):
+        rule = f"needs must be a tuple of names out of {', '.join(SENSED)}"
+        raise InputError(f"controller {name}: {rule}; it is {needs!r}", needs=needs)
 
 
 def makes_reference(law: Any) -> bool:

@@ -1,6 +1,8 @@
 """Laws that users write: whether one is a pure step that can be compiled, and what its compiled step depends on."""
 
 from collections.abc import Hashable
+from contextlib import redirect_stdout
+from io import StringIO
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -19,7 +21,11 @@ from cutpoint.control.interface import (
 from cutpoint.control.law import Sum, Wrapper, makes_reference, needs_of
 from cutpoint.errors import InputError, TraceError
 from cutpoint.kernels import Graph, graph_of
+from cutpoint.kernels.graphs.replay import replay
 from cutpoint.scalars import constants, keys_of, leaves, rebuild, with_float_leaves
+
+STEPS_TRIED = 16
+"""In numbers, of a law that is to be compiled."""
 
 SEEN = (*SENSED, *(f"reference_{name}" for name in Reference._fields))
 
@@ -57,12 +63,14 @@ def traced(law: Any, drives: int) -> Found:
     """A user's law looked at anew: its numbers may have changed since it was looked at last.
 
     Its step is done twice with the same traced numbers.  What it returns must be the same, and what it holds must stay
-    as it is; if not, that is put back.
+    as it is; if not, that is put back.  Steps in numbers must then give what was traced.
     """
     step = _Step(law, drives)
     try:
         with as_it_was(law):
             graph = graph_of(step, **step.inputs)
+        with as_it_was(law), redirect_stdout(StringIO()):
+            step.check(graph)
     except TraceError as error:
         error.__cause__ = error.__context__ = None
         return Found(("called", name_of(law)), refusal=error.with_traceback(None))
@@ -97,6 +105,46 @@ class _Step:
             told = "gives something else each time for the same memory, measurement and reference"
             _refuse(self._law, f"{told}, tried twice before the run; what it took from outside for these is gone")
         return first
+
+    def check(self, graph: Graph) -> None:
+        """Raises TraceError for a law whose steps in numbers, one after another, are not what was traced.
+
+        Such laws ask what kind of number they are given, or catch a refusal: what they do otherwise is not compiled.
+        """
+        given, expected = self._in_numbers()
+        if not given:
+            return
+        with np.errstate(all="ignore"):
+            found = replay(graph, [*np.array(given).T], constant=np.float64)
+        for k, (one, other) in enumerate(zip(np.array(expected).T, found, strict=True)):
+            scale = np.abs(one, where=np.isfinite(one), out=np.zeros(len(one))).max()
+            same = np.isclose(one, other, rtol=1e-6, atol=1e-6 * scale + 1e-12, equal_nan=True)
+            if not same.all():
+                at = int((~same).argmax())
+                was, now = one[at], float(np.broadcast_to(other, one.shape)[at])
+                what = "its memory" if k < self._memory else "its command"
+                told = f"gives {was:.6g} in {what} with plain numbers, and {now:.6g} compiled"
+                _refuse(self._law, f"{told}: isinstance, try, np.nan_to_num or state kept elsewhere do that")
+
+    def _in_numbers(self) -> tuple[list[list[float]], list[list[float]]]:
+        """What steps in a row are given and what they return, as far as they go without an error of their own."""
+        rng, period = np.random.default_rng(0), 1e-3
+        memory, numbers = [float(x) for x in leaves(self._start)], [float(x) for x in leaves(self._law)]
+        given, expected = list[list[float]](), list[list[float]]()
+        for k in range(STEPS_TRIED):
+            # about one motion in all it is told, from no error at all to large ones
+            motion, error = rng.uniform(-1, 1, self._drives), 10.0 ** rng.uniform(-6, 0.5) if k else 0.0
+            seen = {name: motion + error * rng.uniform(-1, 1, self._drives) for name in SEEN}
+            time = np.float64(k * period)
+            try:
+                found, _ = self._once(self._law, time=time, period=np.float64(period), memory=memory, **seen)
+                results = [float(x) for x in found]
+            except Exception:  # a user's own; a run has its own numbers, and tells of what goes wrong with them
+                break
+            given.append([time, period, *memory, *numbers, *(x for name in SEEN for x in seen[name])])
+            expected.append(results)
+            memory = results[: self._memory]
+        return given, expected
 
     def _once(self, own: Any, *, time: Any, period: Any, memory: Any, **seen: Any) -> tuple[list[Any], tuple[Any, ...]]:
         """What it returns, flat, and its shape."""

@@ -23,7 +23,11 @@ def is_plain_zero(x: Scalar) -> bool:
 
 def _apply(name: str, x: Scalar) -> Scalar:
     if isinstance(x, (int, float)):
-        return getattr(math, name)(x)
+        try:
+            return getattr(math, name)(x)
+        except (ValueError, OverflowError):  # Python refuses what IEEE 754 has as infinite or no number
+            with np.errstate(all="ignore"):
+                return float(getattr(np, name)(x))
     if isinstance(x, (np.ndarray, np.generic)):
         return getattr(np, "arctan" if name == "atan" else name)(x)
     if type(x).__module__.partition(".")[0] == "sympy":

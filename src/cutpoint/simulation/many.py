@@ -111,6 +111,8 @@ def simulate_many(
     for number in [setup.number for pack in alone for setup in pack.setups]:
         own = {name: values[number] for name, values in runs.items()} | {"channels": channels}
         found[number] = _alone(own, float(times[-1]), control_period, steps.number, settings, keep)
+        if isinstance(found[number], SimulationError) and not found[number].evidence["diverged"]:  # Ctrl-C
+            break
     for number in range(len(setups)):
         found.setdefault(number, SimulationError("interrupted before it ended", diverged=False))
     errors = {k: x for k, x in sorted(found.items()) if isinstance(x, SimulationError)}

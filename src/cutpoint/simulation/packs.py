@@ -18,7 +18,7 @@ from cutpoint.simulation.noise import BLOCK, Noise
 from cutpoint.simulation.plant import State
 from cutpoint.simulation.recording import log_of
 from cutpoint.simulation.runner import (
-    FIRST_CHUNK,
+    first_chunk,
     first_numbers,
     next_chunk,
     run,
@@ -75,7 +75,7 @@ class Pack:
         program, memory, noise = self.program(), self._memory(), self._noise()
         beside = memory["record"].reshape(BUFFER, -1, self.lanes)
         records = [np.empty((len(self.times), beside.shape[1])) for _ in self.setups]
-        total, done, chunk = len(self.times), 0, FIRST_CHUNK
+        total, done, chunk = len(self.times), 0, first_chunk(self.steps.number)
         while done < total and goes_on(done):
             first = done % BUFFER
             if first == 0:

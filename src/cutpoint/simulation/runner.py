@@ -23,7 +23,9 @@ Array = NDArray[np.float64]
 Integrate = Callable[[dict[str, Array], Array], None]
 """Of a loop's memory and a period's row."""
 
-FIRST_CHUNK, CHUNK_SECONDS = 64, 0.1
+FIRST_STEPS, CHUNK_SECONDS = 500, 0.1
+"""Integration steps of the first chunk; seconds of those after it."""
+
 SHOW_PROGRESS_AFTER = 1.0
 
 
@@ -83,7 +85,7 @@ def run(loop: ClosedLoop, memory: dict[str, Array], substeps: int, integrate: In
     integrate: takes the state from one sample to the next; None takes fixed steps.
     """
     advance = _advance(loop, memory, substeps, integrate)
-    total, done, chunk = len(memory["row"]), 0, FIRST_CHUNK
+    total, done, chunk = len(memory["row"]), 0, first_chunk(substeps)
     started = time.perf_counter()
     with Bar(total * loop.period) as bar:
         try:
@@ -105,6 +107,11 @@ def run(loop: ClosedLoop, memory: dict[str, Array], substeps: int, integrate: In
             when = f"at t = {(done - 1) * loop.period:g} s; the log holds all until then" if done else "before it began"
             return Outcome(done, f"interrupted {when}")
     return Outcome(done)
+
+
+def first_chunk(substeps: int) -> int:
+    """Samples until it is known how long one takes."""
+    return max(1, FIRST_STEPS // max(substeps, 1))
 
 
 def next_chunk(ticks: int, seconds: float) -> int:

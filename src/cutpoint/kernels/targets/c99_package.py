@@ -11,13 +11,13 @@ from cutpoint.errors import InputError
 from cutpoint.kernels.arrays.arguments import as_numbers
 from cutpoint.kernels.arrays.backends import array_function, chosen
 from cutpoint.kernels.graphs.graph import Graph
-from cutpoint.kernels.graphs.ports import Port, with_numbers
+from cutpoint.kernels.graphs.ports import with_numbers
 from cutpoint.kernels.targets.c99 import Source, source_of
 from cutpoint.kernels.targets.c99_texts import Notes, texts
 from cutpoint.kernels.targets.package_files import is_ours, write_files
 
-_SCALES = (0.0, *[1.0] * 12, 1e-300, 1e-8, 1e3)
-"""Of the check's random inputs, a case each."""
+_SCALES = (0.0, 1e-300, 1e-8, *[1e-3] * 4, *[1.0] * 8, 1e3)
+"""Of the check's random inputs, a case each: what remembers sees small motions before large ones."""
 
 _FEW = (0.0, 1.0)
 """The same for functions of so many numbers that the check would be larger than what it checks."""
@@ -73,24 +73,45 @@ def _check_alone(folder: Path, name: str) -> None:
 
 
 def _recorded(source: Source, computed: Callable[..., Any], notes: Notes) -> tuple[np.ndarray, np.ndarray]:
-    """Inputs and outputs, (cases, slots) each: random numbers, and the values that an argument usually has, varied."""
+    """Inputs and outputs, (cases, slots) each; cases follow each other as steps of what remembers do."""
+    given = _inputs(source, notes)
+    cases = len(given[0]) if given else len(_SCALES)
+    steps = [slice(k, k + 1) for k in range(cases)] if notes.carried else [slice(None)]
+    outputs = [np.empty((cases, *p.shape), source.precision.dtype) for p in source.outputs]
+    names_in, names_out = ([p.name for p in ports] for ports in (source.inputs, source.outputs))
+    for k, step in enumerate(steps):
+        for name, before in notes.carried.items() if k else ():
+            given[names_in.index(name)][k] = outputs[names_out.index(before)][k - 1]
+        found = computed(*(x[step] for x in given))
+        for column, result in zip(outputs, found if isinstance(found, tuple) else (found,), strict=True):
+            column[step] = result
+    return _side_by_side(given, cases), _side_by_side(outputs, cases)
+
+
+def _inputs(source: Source, notes: Notes) -> list[np.ndarray]:
+    """Random numbers, and the values that an argument usually has, varied."""
     rng = np.random.default_rng(0)
     is_small = sum(p.size for p in (*source.inputs, *source.outputs)) <= _MANY
     scales = np.array(_SCALES if is_small else _FEW)
-    given = []
+    given: list[np.ndarray] = []
     for p in source.inputs:
         random = rng.standard_normal((len(scales), *p.shape))
         spread = scales.reshape(-1, *[1] * len(p.shape))
-        usual = notes.values.get(p.name)
-        # the first case has scale 0: there the values are exact
-        numbers = random * spread if usual is None else usual.numbers * (1 + np.minimum(spread, 1) * random / 20)
+        if p.name in notes.series:
+            numbers = notes.series[p.name](np.arange(len(scales)))
+        elif p.name in notes.values:
+            # the first case has scale 0: there the values are exact
+            numbers = _varied(notes.values[p.name].numbers, random, np.minimum(spread, 1))
+        else:
+            numbers = random * spread
         given.append(as_numbers(numbers, source.precision))
-    found = computed(*given)
-    columns = found if isinstance(found, tuple) else (found,)
-    return _flat(given, source.inputs, len(scales)), _flat(columns, source.outputs, len(scales))
+    return given
 
 
-def _flat(arrays: Sequence[np.ndarray], ports: Sequence[Port], cases: int) -> np.ndarray:
-    """Arrays (cases, ...) side by side; one that depends on no input has no axis of cases."""
-    wide = [np.broadcast_to(a, (cases, *p.shape)) for a, p in zip(arrays, ports, strict=True)]
-    return np.concatenate([np.empty((cases, 0)), *(a.reshape(cases, -1) for a in wide)], axis=1)
+def _varied(usual: np.ndarray, random: np.ndarray, spread: np.ndarray) -> np.ndarray:
+    """About as large as usual, and small where that is 0."""
+    return np.where(usual == 0, spread * np.abs(random) / 100, usual * (1 + spread * random / 20))
+
+
+def _side_by_side(arrays: Sequence[np.ndarray], cases: int) -> np.ndarray:
+    return np.concatenate([np.empty((cases, 0)), *(a.reshape(cases, -1) for a in arrays)], axis=1)

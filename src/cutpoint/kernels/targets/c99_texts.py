@@ -1,7 +1,7 @@
 """What the files of an exported function say: templates, filled in."""
 
 import re
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from importlib.resources import files
 from string import Template
@@ -33,11 +33,14 @@ class Notes:
 
     about: what it is of, in a sentence.  arguments: unit and order of an argument, by its name.  values: of arguments
     that have some; the header then holds them as <function>_<argument>.
+    carried: the output of the step before that an argument takes.  series: an argument of the number of the step alone.
     """
 
     about: str = ""
     arguments: Mapping[str, str] = field(default_factory=dict)
     values: Mapping[str, Values] = field(default_factory=dict)
+    carried: Mapping[str, str] = field(default_factory=dict)
+    series: Mapping[str, Callable[[np.ndarray], np.ndarray]] = field(default_factory=dict)
 
 
 class _Template(Template):
@@ -76,8 +79,8 @@ def texts(
 
 
 def comment(text: str) -> str:
-    """A text that cannot end or upset a comment in C."""
-    return re.sub(r"[^A-Za-z0-9_ .,:;()\[\]=<>+'/-]|/(?=/)", "?", text)
+    """A text that cannot end or upset a comment in C: other characters go by their numbers in Unicode."""
+    return re.sub(r"[^A-Za-z0-9_ .,:;()\[\]=<>+'/-]|/(?=/)", lambda found: f"U+{ord(found[0]):04X}", text)
 
 
 def arguments(inputs: Sequence[Port], outputs: Sequence[Port], notes: Notes) -> str:
@@ -108,7 +111,7 @@ def _tables(name: str, inputs: Sequence[Port], notes: Notes) -> str:
         if p.name in notes.values:
             table = f"{name}_{p.name}"
             lines.append(f"  if (memcmp(cutpoint_inputs[0] + {start}, {table}, sizeof {table}) != 0) {{\n")
-            lines.append(f'    puts("{table}: not the table that was recorded");\n    differences++;\n  }}\n')
+            lines.append(f'    puts("{table}: not the table that was recorded");\n    tables++;\n  }}\n')
         start += p.size
     return "".join(lines)
 

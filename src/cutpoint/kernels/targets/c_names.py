@@ -55,7 +55,7 @@ _LIBRARY = re.compile(
     "|exec(l|v)?p?e?|accept|access|alarm|bind|connect|environ|ioctl|kill|link|listen|main|nice|pause|pipe|poll|raise"
     "|realpath|recv|select|send|shutdown|signal|socket|stat|sync|system|truncate|unlink|wait"
     # types, namespaces, and CMake's own targets
-    "|.*_t|va_list|u_?(int|long|short|char)|std|cutpoint"
+    "|.*_t|va_list|u_?(int|long|short|char)|std|Eigen|cutpoint"
     "|m|all|clean|edit_cache|help|install|package|rebuild_cache|test"
 )
 """Names that the library has already, of which a compiler or a linker would take ours for one."""

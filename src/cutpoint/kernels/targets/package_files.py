@@ -23,6 +23,8 @@ def write_files(folder: str | Path, texts: Mapping[str, str], force: bool) -> tu
     except OSError as error:
         raise InputError(f"folder {str(folder)!r} cannot be made: {error.strerror}", path=folder) from None
     for path in contents:
+        if path.is_dir():
+            raise InputError(f"{str(path)!r} is a folder, where a file is to be written; choose another one", path=path)
         if path.exists() and not (force or is_ours(path)):
             told = "was not written by cutpoint; choose another folder, or say force=True (--force on the command line)"
             raise InputError(f"{str(path)!r} {told}", path=path)

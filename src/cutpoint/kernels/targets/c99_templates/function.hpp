@@ -61,6 +61,14 @@ template <class T>
 struct stride_of<T, if_known<decltype(T::InnerStrideAtCompileTime)>>
     : std::integral_constant<std::ptrdiff_t, std::ptrdiff_t(T::InnerStrideAtCompileTime)> {};
 
+// whether a matrix's rows always follow each other without a gap; a block's of a larger matrix do not
+template <class T, class = void>
+struct has_gaps : std::false_type {};
+template <class T>
+struct has_gaps<T, if_known<decltype(T::OuterStrideAtCompileTime)>>
+    : std::bool_constant<(int(T::OuterStrideAtCompileTime) > 0 && int(T::ColsAtCompileTime) > 0 &&
+                          int(T::OuterStrideAtCompileTime) != int(T::ColsAtCompileTime))> {};
+
 template <std::size_t Size, bool IsMatrix, class T>
 auto address(T &&x) {
   using Container = std::remove_cv_t<std::remove_reference_t<T>>;
@@ -71,6 +79,8 @@ auto address(T &&x) {
                 "@{name}: a container of another size than the argument's");
   static_assert(stride_of<Container>::value == -1 || stride_of<Container>::value == 1,
                 "@{name} takes numbers that lie one after another: copy the column or row first");
+  static_assert(!IsMatrix || !has_gaps<Container>::value,
+                "@{name} takes rows that lie one after another: copy the block first");
   assert(static_cast<std::size_t>(std::size(x)) == Size);
   if constexpr (has_strides<Container>::value) {
     assert(x.innerStride() == 1);
