@@ -16,7 +16,9 @@ from cutpoint.kernels.graphs.graph import Graph
 from cutpoint.kernels.graphs.nodes import Node
 from cutpoint.kernels.lowering.latencies import cycles
 
-_REGISTERS = 32
+_REGISTERS = 33
+"""One more than a processor has: an operand may come from memory."""
+
 _AT_ONCE = 3
 """Operations that begin in a cycle."""
 
