@@ -52,6 +52,8 @@ WHERE = """
   that plain arrays take does not.
 * Closed loop: steps are {steps} times as quick as CasADi's, and fewer; checks, arrays of references and the log are the
   rest.
+* The paper's arm: the fewest steps count with which all of 384 scores are right to 1e-4 rad.  With one a period the
+  worst is off by 0.91e-4 or 1.01e-4, as rounding has it where joints stick and slip.
 * Of the memory's: where inverse dynamics in lanes takes longer than copying, arithmetic is what is waited for.
 * Of the multiply-adds: additions and products that have no partner count for one of the two that a core can do.
 """

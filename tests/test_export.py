@@ -281,7 +281,12 @@ CPP = """
 #include <array>
 #include <vector>
 #include "mass_matrix.hpp"
-struct Matrix { enum { IsRowMajor = %s }; double x[36]; double *data() { return x; } int size() const { return 36; } };
+struct Matrix {
+  enum { IsRowMajor = %d, ColsAtCompileTime = 6, OuterStrideAtCompileTime = %d };
+  double x[36];
+  double *data() { return x; }
+  int size() const { return 36; }
+};
 int main() {
   std::vector<double> q(6, 0.5);
   std::array<double, 36> by_rows;
@@ -294,16 +299,15 @@ int main() {
 
 
 @each_cpp
-def test_cpp_takes_any_container_and_refuses_matrices_by_columns(
+def test_cpp_takes_any_container_and_refuses_matrices_by_columns_and_blocks(
     arm: cutpoint.Robot, tmp_path: Path, compiler: str
 ) -> None:
     export_function(arm, "mass_matrix", tmp_path)
     build(tmp_path, "-c", "mass_matrix.c", "-o", "mass_matrix.o")
-    for by_rows in (1, 0):
-        (tmp_path / "use.cpp").write_text(CPP % by_rows)
+    for by_rows, apart, told in ((1, 6, ""), (0, 6, "takes row-major matrices"), (1, 12, "copy the block first")):
+        (tmp_path / "use.cpp").write_text(CPP % (by_rows, apart))
         done = compiled_cpp(tmp_path, compiler, "-std=c++17 use.cpp mass_matrix.o -lm -o use")
-        assert (done.returncode == 0) == bool(by_rows)
-    assert "takes row-major matrices" in done.stderr
+        assert (done.returncode == 0) == (not told) and told in done.stderr
     assert run(tmp_path, "use")[0] == 0
 
 

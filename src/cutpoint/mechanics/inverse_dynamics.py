@@ -50,13 +50,15 @@ def move(X: Pose, omega: Vec3, zv: Motion, parent: BodyMotion, zv_r: Motion, za_
 
 
 def turn(X: Pose, axis: Vec3, zv: Motion, parent: BodyMotion, za: Motion | None) -> BodyMotion:
-    """The same of a body that turns about its z axis alone, by fewer operations where its parent too has that axis.
+    """The motion of a body that turns about its z axis, `axis` in its parent.  Xia (2019) eqs. (5), (31).
 
-    The points of the axis belong to both bodies, so U z is the parent's U times `axis`, the same in its frame.
+    It is what `move` gives, by fewer operations where the axis is one of the parent's frame.  Points of the axis belong
+    to both bodies and accelerate alike: U z is the parent's U times `axis`.
     """
     carried, along = X.outward(parent.V), parent.U @ axis
     V = carried + zv
     omega = V.angular
+    # U from its last column; alpha from U, but for what the joint adds
     if za is None:
         own, angular = zv.linear.rate(), omega.rate()
         U = acceleration_gradient(angular, omega, omega, axis.dot(along))

@@ -33,7 +33,8 @@ class Notes:
 
     about: what it is of, in a sentence.  arguments: unit and order of an argument, by its name.  values: of arguments
     that have some; the header then holds them as <function>_<argument>.
-    carried: the output of the step before that an argument takes.  series: an argument of the number of the step alone.
+    carried: by an argument, the output of the step before that it takes.  series: by an argument, its numbers in steps
+    of these numbers.
     """
 
     about: str = ""
