@@ -41,10 +41,8 @@ _AXES = {
 
 def result_of(robot: Robot, function: str, frame: str = "", expressed_in: str = "local", **_: Any) -> str:
     """What a function's result holds, where its name alone does not tell: its rows and columns."""
-    speeds, bodies = (
-        ", ".join(_order(robot, "v", robot.nv, ())),
-        ", ".join(body.name for body in robot.mechanism.bodies),
-    )
+    speeds = ", ".join(_order(robot, "v", robot.nv, ()))
+    bodies = ", ".join(body.name for body in robot.mechanism.bodies)
     velocity = "linear (m/s), then angular velocity (rad/s)"
     told = {
         "jacobian": f"rows: {velocity} of frame {frame}, {_AXES[expressed_in]}; columns: speeds of {speeds}",

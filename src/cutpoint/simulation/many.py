@@ -108,11 +108,10 @@ def simulate_many(
     alone = _untraceable(packs)
     keep = _kept(each, checked=substeps is None)
     found = _run_all([pack for pack in packs if pack not in alone], times, threads, keep)
-    for number in [setup.number for pack in alone for setup in pack.setups]:
-        own = {name: values[number] for name, values in runs.items()} | {"channels": channels}
-        found[number] = _alone(own, float(times[-1]), control_period, steps.number, settings, keep)
-        if isinstance(found[number], SimulationError) and not found[number].evidence["diverged"]:  # Ctrl-C
-            break
+    numbers = [setup.number for pack in alone for setup in pack.setups]
+    common = {"duration": float(times[-1]), "control_period": control_period, "channels": channels}
+    own = {k: {name: values[k] for name, values in runs.items()} | common for k in numbers}
+    found |= _one_by_one(own, steps.number, settings, keep)
     for number in range(len(setups)):
         found.setdefault(number, SimulationError("interrupted before it ended", diverged=False))
     errors = {k: x for k, x in sorted(found.items()) if isinstance(x, SimulationError)}
@@ -206,17 +205,23 @@ def _untraceable(packs: list[Pack]) -> list[Pack]:
     return found
 
 
-def _alone(
-    own: dict[str, Any], duration: float, period: float, substeps: int, settings: dict[str, object], keep: Any
-) -> Any:
-    """A run by itself: what is kept of it, or what stopped it."""
-    try:
-        with warnings.catch_warnings():
-            warnings.simplefilter("ignore", UntracedControllerWarning)
-            log = simulate(duration=duration, control_period=period, substeps=substeps, **own)
-    except SimulationError as error:
-        return error
-    return keep(replace(log, meta={**log.meta, **settings}))
+def _one_by_one(
+    runs: dict[int, dict[str, Any]], substeps: int, settings: dict[str, object], keep: Any
+) -> dict[int, Any]:
+    """Runs by themselves until one is interrupted: what is kept of each, or what stopped it."""
+    found: dict[int, Any] = {}
+    for number, own in runs.items():
+        try:
+            with warnings.catch_warnings():
+                warnings.simplefilter("ignore", UntracedControllerWarning)
+                log = simulate(substeps=substeps, **own)
+        except SimulationError as error:
+            found[number] = error
+            if not error.evidence["diverged"]:  # Ctrl-C
+                break
+        else:
+            found[number] = keep(replace(log, meta={**log.meta, **settings}))
+    return found
 
 
 def _kept(each: Callable[[Log], Any] | None, checked: bool) -> Callable[[Log], Any]:

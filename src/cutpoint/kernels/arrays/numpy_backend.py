@@ -1,7 +1,6 @@
 """A graph evaluated by NumPy, node by node: where LLVM is missing, and as a second opinion on it."""
 
 import operator
-from collections import Counter
 from collections.abc import Callable, Sequence
 from typing import Any
 
@@ -25,8 +24,7 @@ _FUNCTIONS: dict[str, Callable[..., Any]] = {
 def evaluate(graph: Graph, inputs: Sequence[Any]) -> list[Any]:
     """The graph's results for a number or an array in each input slot."""
     values: dict[int, Any] = {}
-    uses = Counter(y.serial for x in graph.nodes for y in x.args if isinstance(y, Node))
-    uses.update(x.serial for x in graph.results if isinstance(x, Node))
+    uses = graph.uses.copy()
 
     def value(x: Any) -> Any:
         if not isinstance(x, Node):

@@ -5,6 +5,7 @@ from collections import Counter
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass, replace
 from functools import cached_property
+from itertools import chain
 from typing import Any
 
 from cutpoint.errors import unknown_name
@@ -41,6 +42,12 @@ class Graph:
     def operations(self) -> dict[str, int]:
         """How many operations of each kind the graph holds, the most frequent first."""
         return dict(Counter(x.op for x in self.nodes if x.op != "input").most_common())
+
+    @cached_property
+    def uses(self) -> Counter[int]:
+        """How often each node is needed, by its serial: as an operand and as a result."""
+        needed = chain(self.results, *(x.args for x in self.nodes))
+        return Counter(x.serial for x in needed if isinstance(x, Node))
 
     def output(self, name: str) -> tuple[Operand, ...]:
         """The results of one output.

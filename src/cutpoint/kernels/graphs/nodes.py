@@ -59,6 +59,11 @@ class Node:
         return f"<{self.op} #{self.serial}>"
 
 
+def key_of(x: Any) -> Any:
+    """Of an operand, equal for equal ones: no serial is a text, and repr tells -0.0 from 0.0."""
+    return x.serial if isinstance(x, Node) else repr(x)
+
+
 class Trace:
     """The table of one trace: equal operations on equal operands are one node."""
 
@@ -75,8 +80,7 @@ class Trace:
             TraceError: an operand belongs to another trace, or this trace has ended.
             InputError: there are too many nodes.
         """
-        # serials are ints and constants texts, so neither is ever taken for the other; repr tells -0.0 from 0.0
-        key = (op, *[x.serial if isinstance(x, Node) else repr(x) for x in args])
+        key = (op, *map(key_of, args))
         found = self._table.get(key)
         return self._add(key, op, args) if found is None else found
 

@@ -15,7 +15,7 @@ from typing import Any, NamedTuple
 
 from cutpoint.kernels.graphs.algebra import Operand
 from cutpoint.kernels.graphs.graph import Graph, rewrite
-from cutpoint.kernels.graphs.nodes import Node, Trace
+from cutpoint.kernels.graphs.nodes import Node, Trace, key_of
 from cutpoint.kernels.lowering.latencies import cycles
 from cutpoint.kernels.lowering.signs import with_signs_outside
 
@@ -56,7 +56,7 @@ class Term(NamedTuple):
         """The other factor of a product with this one."""
         if self.is_product:
             for x, y in (self.factors, self.factors[::-1]):
-                if _key(x) == factor:
+                if key_of(x) == factor:
                     return y
         return None
 
@@ -82,8 +82,7 @@ class _Fusion:
 
     def __init__(self, graph: Graph, arrivals: Mapping[int, int], again: bool) -> None:
         self._arrivals, self._again = arrivals, again
-        self._uses = Counter(y.serial for x in graph.nodes for y in x.args if isinstance(y, Node))
-        self._uses.update(x.serial for x in graph.results if isinstance(x, Node))
+        self._uses = graph.uses
         self._shared = _only_in_sums(graph) if again else set[int]()
         self._products: dict[int, list[Term]] = {}
         self._there: dict[int, int] = {}
@@ -151,12 +150,12 @@ class _Fusion:
 
     def _factored(self, terms: Sequence[Term], trace: Trace) -> Sequence[Term]:
         """Products that share a factor as one product with a sum; the factor that most of them share goes first."""
-        counts = Counter(key for t in terms if t.is_product for key in dict.fromkeys(map(_key, t.factors)))
+        counts = Counter(key for t in terms if t.is_product for key in dict.fromkeys(map(key_of, t.factors)))
         common, count = next(iter(counts.most_common(1)), (None, 0))
         if count < 2:
             return terms
         sharing = [t for t in terms if t.beside(common) is not None]
-        factor = next(x for x in sharing[0].factors if _key(x) == common)
+        factor = next(x for x in sharing[0].factors if key_of(x) == common)
         sign = max(t.sign for t in sharing)
         others = self._sum([Term(sign * t.sign, (t.beside(common),)) for t in sharing], trace)
         rest = [t for t in terms if t.beside(common) is None]
@@ -186,7 +185,3 @@ def _only_in_sums(graph: Graph) -> set[int]:
     others = {y.serial for x in graph.nodes if x.op not in ("add", "sub") for y in x.args if isinstance(y, Node)}
     others |= {x.serial for x in graph.results if isinstance(x, Node)}
     return {x.serial for x in graph.nodes} - others
-
-
-def _key(x: Operand) -> Hashable:
-    return x.serial if isinstance(x, Node) else repr(x)

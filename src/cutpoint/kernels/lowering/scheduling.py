@@ -17,7 +17,10 @@ from cutpoint.kernels.graphs.nodes import Node
 from cutpoint.kernels.lowering.latencies import cycles
 
 _REGISTERS = 33
-"""One more than a processor has: an operand may come from memory."""
+"""One more than a processor has: an operand may come from memory.
+
+Measured on Zen 4 with 28 to 33: alike, but for forward dynamics of a UR10 in lanes, which took 12 % longer with 32.
+"""
 
 _AT_ONCE = 3
 """Operations that begin in a cycle."""

@@ -3,14 +3,13 @@
 Where x and y are equal, one of the two is -0.0.
 """
 
-from collections import Counter
 from collections.abc import Callable
 from typing import Any
 
 from cutpoint.kernels.graphs import algebra
 from cutpoint.kernels.graphs.algebra import Operand
 from cutpoint.kernels.graphs.graph import Graph, rewrite
-from cutpoint.kernels.graphs.nodes import Node, Trace
+from cutpoint.kernels.graphs.nodes import Node, Trace, key_of
 
 
 def with_signs_outside(graph: Graph) -> Graph:
@@ -20,11 +19,9 @@ def with_signs_outside(graph: Graph) -> Graph:
 
 def _with_signs_inside(graph: Graph) -> Graph:
     """The graph with y - x in place of -(x - y) where nothing else needs x - y, and the same of a constant factor."""
-    uses = Counter(y.serial for x in graph.nodes for y in x.args if isinstance(y, Node))
-    uses.update(x.serial for x in graph.results if isinstance(x, Node))
 
     def rule(x: Node, operands: list[Operand], new: Callable[[Any], Operand], trace: Trace) -> Operand:
-        if x.op == "neg" and uses[x.args[0].serial] == 1:
+        if x.op == "neg" and graph.uses[x.args[0].serial] == 1:
             inner = x.args[0]
             if inner.op == "sub":
                 return trace.node("sub", *map(new, reversed(inner.args)))
@@ -56,7 +53,7 @@ class _Signs:
         """Of two numbers with these signs."""
         if first == second:
             return _signed(first, algebra.add(x, y))
-        key, opposite = (_key(x), _key(y)), (_key(y), _key(x))
+        key, opposite = (key_of(x), key_of(y)), (key_of(y), key_of(x))
         if opposite in self._differences:
             return _signed(-first, self._differences[opposite])
         self._differences[key] = trace.node("sub", x, y)
@@ -71,7 +68,3 @@ def _parted(x: Operand) -> tuple[int, Operand]:
 def _signed(sign: int, x: Operand) -> Operand:
     own, x = _parted(x)
     return x if own * sign > 0 else x.trace.node("neg", x)
-
-
-def _key(x: Operand) -> Any:
-    return x.serial if isinstance(x, Node) else repr(x)

@@ -33,8 +33,8 @@ class Notes:
 
     about: what it is of, in a sentence.  arguments: unit and order of an argument, by its name.  values: of arguments
     that have some; the header then holds them as <function>_<argument>.
-    carried: by an argument, the output of the step before that it takes.  series: by an argument, its numbers in steps
-    of these numbers.
+    carried: by an argument, the output of the step before that it takes.  series: by an argument, its numbers by those
+    of the steps.
     """
 
     about: str = ""
