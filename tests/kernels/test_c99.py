@@ -196,6 +196,14 @@ def test_what_gives_no_numbers_is_not_exported(tmp_path: Path) -> None:
     assert not [*tmp_path.iterdir()]
 
 
+@pytest.mark.parametrize("force", [False, True])
+def test_a_folder_is_a_path(force: bool) -> None:
+    kernel = compile(lambda q: q * 2, name="law", q=())
+    for export in (kernel.to_c, kernel.to_cuda):
+        with pytest.raises(InputError, match=r"^folder must be a path, got 3"):
+            export(3, force=force)  # type: ignore[arg-type]
+
+
 OF_THE_LIBRARY = [
     "sin", "sinf", "fmal", "main", "memcpy", "y0", "exp", "log", "pow", "hypot", "round", "floor", "copysign", "gamma",
     "div", "abs", "system", "random", "cabs", "isnan", "strcmp", "fopen", "snprintf", "clock", "size_t", "test", "std",

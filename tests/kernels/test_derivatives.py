@@ -334,6 +334,8 @@ def test_unknown_names_list_those_that_there_are() -> None:
         graph_of(jacobian_of(pair, of=["force"]), q=2, k=())
     with pytest.raises(InputError, match=r"no input is named 'v'; there are: 'q', 'k'"):
         graph_of(jacobian_of(pair, with_respect_to=["v"]), q=2, k=())
+    with pytest.raises(InputError, match=r"^jacobian_of: orders must be functions of .* got 'reverse'"):
+        jacobian_of(pair, orders="reverse")  # type: ignore[arg-type]
     with pytest.raises(InputError, match=r"jacobian_of_pair: its parameters are not the inputs \['q'\]"):
         graph_of(jacobian_of(pair), q=2)
 

@@ -41,13 +41,18 @@ def jacobian_of(
     Args:
         of: names of the outputs, all if not given.
         with_respect_to: names of the inputs, all if not given.
-        orders: ways through the chain rule to try, see `elimination`; the fewest operations win.
+        orders: ways through the chain rule to try, functions of `kernels.graphs.elimination` such as `forward`; the
+            fewest operations win.
 
     Raises:
-        InputError: there is no such output or input, or two derivatives would have one name; raised when it is traced,
-            as are the function's own errors.
+        InputError: orders are no functions.  When it is traced, as are the function's own errors: there is no such
+            output or input, or two derivatives would have one name.
         TraceError: it is called outside a trace.
     """
+
+    if orders is not None and not (isinstance(orders, Sequence) and all(map(callable, orders))):
+        rule = "orders must be functions of kernels.graphs.elimination, such as [forward, reverse]"
+        raise InputError(f"jacobian_of: {rule}, got {orders!r}")
 
     @wraps(function)
     def derivatives(**inputs: Any) -> Any:

@@ -71,7 +71,8 @@ def check_names(function: str, inputs: Sequence[Port], outputs: Sequence[Port]) 
             rule = f"must start with a letter, hold {kinds}, and be no word or macro of C"
             raise InputError(f"{function}: {name!r} cannot be a name in C; it {rule}: rename it", name=name)
     if _LIBRARY.fullmatch(function):
-        raise InputError(f"{function}: C's own library, or its build, has this name already: rename it", name=function)
+        owner = "C's own library, its build or Eigen"
+        raise InputError(f"{function}: {owner} has this name already: rename it", name=function)
     twice = [name for name in names[1:] if names.count(name) > 1]
     if twice:
         raise InputError(
