@@ -2,6 +2,7 @@
 
 import errno
 import os
+import stat
 from pathlib import Path
 
 import pytest
@@ -22,6 +23,27 @@ def test_a_file_is_replaced_at_once_or_not_at_all(tmp_path: Path):
         assert path.read_bytes() == b"before"
     assert path.read_bytes() == b"after"
     assert os.listdir(tmp_path) == ["result"]
+
+
+def test_a_file_keeps_its_permissions_and_a_link_its_file(tmp_path: Path):
+    path, link = tmp_path / "result", tmp_path / "link"
+    path.write_bytes(b"before")
+    path.chmod(0o640)
+    link.symlink_to(path)
+    with replacing(link) as file:
+        file.write(b"after")
+    assert path.read_bytes() == b"after" and link.is_symlink()
+    assert stat.S_IMODE(path.stat().st_mode) == 0o640
+
+
+def test_a_new_file_follows_the_users_mask(tmp_path: Path):
+    mask = os.umask(0o027)
+    try:
+        with replacing(tmp_path / "result") as file:
+            file.write(b"new")
+    finally:
+        os.umask(mask)
+    assert stat.S_IMODE((tmp_path / "result").stat().st_mode) == 0o640
 
 
 def test_what_a_full_disk_refuses_is_named(tmp_path: Path):

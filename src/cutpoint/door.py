@@ -93,7 +93,8 @@ def path_of(function: str, value: Any, of: str = "a file") -> Path:
 
 def number(function: str, name: str, value: Any, unit: str = "") -> float:
     """The argument as a float.  Raises InputError for anything but one real number."""
-    if isinstance(value, bool) or not isinstance(value, (*_REAL, np.ndarray)) or np.ndim(value):
+    is_one = isinstance(value, _REAL) and not isinstance(value, bool)
+    if not (is_one or (isinstance(value, np.ndarray) and not value.ndim and value.dtype.kind in "iuf")):
         raise refused(function, name, value, f"one number{unit and f', {unit}'}")
     try:
         return float(value)

@@ -9,8 +9,7 @@ INTERRUPTED = 130
 """The exit status of a command that Ctrl-C ends, as shells have it."""
 
 LONG_LIST = 24
-"""Up to this many names an error lists them all; of more, those that begin as a wrong one does, or resemble it, or a
-list that is cut."""
+"""Up to this many names an error lists them all; of more, those that are like the wrong one, or the first few."""
 
 MOST_GUESSED = 3
 

@@ -1,10 +1,11 @@
 """Files that users bring and files that we leave: bounded reading, all-or-nothing writing."""
 
-import os
+import stat
 import tempfile
 from collections.abc import Generator
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from pathlib import Path
+from secrets import token_hex
 from typing import Any, BinaryIO
 
 from cutpoint.errors import InputError
@@ -68,18 +69,19 @@ def replacing(path: Path) -> Generator[BinaryIO, None, None]:
 
     Raises InputError where no file can be made.
     """
+    target = path.resolve()  # of a link, the file that it names
+    temporary = target.with_name(f".{target.name}.{token_hex(4)}")
     with _told(path, "file"):
-        descriptor, temporary = tempfile.mkstemp(prefix=f".{path.name}.", dir=path.parent)
+        file = temporary.open("xb")
     try:
-        with open(descriptor, "wb") as file:
+        with file:
             yield file
-        # mkstemp lets only its owner read; a new file follows the user's mask
-        mask = os.umask(0)
-        os.umask(mask)
-        os.chmod(temporary, 0o666 & ~mask)
-        os.replace(temporary, path)
+        if target.exists():
+            temporary.chmod(stat.S_IMODE(target.stat().st_mode))
+        temporary.replace(target)
     except BaseException as error:
-        os.unlink(temporary)
+        with suppress(OSError):
+            temporary.unlink()
         if isinstance(error, OSError) and error.filename is None:
             # writing, as on a full disk, does not know what is written
             error.filename = str(path)

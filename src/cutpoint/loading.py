@@ -1,6 +1,5 @@
 """`load`: a robot from the files a user brings."""
 
-import warnings
 from collections.abc import Collection, Mapping
 from os import PathLike
 from pathlib import Path
@@ -9,6 +8,7 @@ from typing import Literal
 
 from numpy.typing import ArrayLike
 
+from cutpoint.callers import warn
 from cutpoint.door import DRIVES, check_kind, driven_joints, path_of
 from cutpoint.errors import InputError, ModelError
 from cutpoint.formats import drive_of, load_urdf
@@ -18,7 +18,7 @@ from cutpoint.robot import Backend, Robot
 
 
 class DroppedWarning(UserWarning):
-    """A drive file's entry leaves out what the robot file states of its joint, which counts no more."""
+    """A drive file's entry leaves out what the robot file states of its joint, which is therefore ignored."""
 
 
 def load(
@@ -87,4 +87,4 @@ def _say_what_is_dropped(stated: Mapping[str, Drive], found: Mapping[str, Drive]
     told = [f"{what} of {', '.join(map(repr, names))}" for what, names in dropped.items() if names]
     if told:
         rule = f"an entry replaces them: state 'rotor' and 'friction' there to have any ({place})"
-        warnings.warn(f"the robot file's {' and '.join(told)} do not count, {rule}", DroppedWarning, stacklevel=4)
+        warn(f"the robot file's {' and '.join(told)} do not count, {rule}", DroppedWarning)

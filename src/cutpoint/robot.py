@@ -42,7 +42,7 @@ class Robot:
     (link) side; prismatic joints in m and N.  q has nq entries, v and a have nv, theta and motor torques one a drive.
     Quaternions (x, y, z, w) may have any length but zero: all but `coordinate_rates` normalise them.
     A wrong shape, an unknown name or option, or a number that is not finite or beyond 1e15, raises InputError that
-    names it.
+    names it.  Forward dynamics raise ModelError where a joint moves no inertia.
     """
 
     mechanism: Mechanism
@@ -59,7 +59,10 @@ class Robot:
         *,
         backend: Backend = "auto",
     ) -> None:
-        """drives: by joint name; a joint without one is driven rigidly.  backend: how kernels are compiled."""
+        """drives: by joint name; a joint without one is driven rigidly.  backend: how kernels are compiled.
+
+        Raises InputError for what is no mechanism or backend, ModelError for drives that break a rule.
+        """
         door.checked_name("backend", backend, get_args(Backend))
         door.check_kind("Robot", "mechanism", mechanism, Mechanism, "a Mechanism (cutpoint.load reads files)")
         own = frozen(door.validated_drives(mechanism, {} if drives is None else drives))
@@ -245,10 +248,7 @@ class Robot:
         expressed_in: "local", the frame's own axes; "local_world_aligned", the same velocity along the world's axes;
         "world", the velocity, along the world's axes, of the point of the frame's body that passes the world's origin.
         """
-        try:
-            made = self._functions.get(("jacobian", frame, expressed_in))
-        except TypeError:  # a list in place of a name
-            made = None
+        made = self._known(("jacobian", frame, expressed_in))
         if made is None:
             door.checked_name("way to express a Jacobian", expressed_in, get_args(ExpressedIn))
             definition = partial(definitions.jacobian, frame=self._frame(frame), expressed_in=expressed_in)
@@ -257,10 +257,7 @@ class Robot:
 
     def frame_pose(self, q: ArrayLike, frame: str) -> Array:
         """(..., 4, 4): where a frame is in the world."""
-        try:
-            made = self._functions.get(("frame_pose", frame))
-        except TypeError:  # a list in place of a name
-            made = None
+        made = self._known(("frame_pose", frame))
         if made is None:
             definition = partial(definitions.frame_pose, frame=self._frame(frame))
             made = self._function(("frame_pose", frame), definition, "q")
@@ -497,6 +494,13 @@ class Robot:
         """
         door.check_kind("kernel", "name", name, str, "a function's name")
         return self._compiled.made(name)
+
+    def _known(self, key: tuple[str, ...]) -> Callable[..., Any] | None:
+        """A function that has been made; None also for a key that can be none, such as a list in place of a name."""
+        try:
+            return self._functions.get(key)
+        except TypeError:
+            return None
 
     def _frame(self, frame: str) -> str:
         known = self.mechanism.frames

@@ -89,7 +89,7 @@ def test_the_certificate_prints_every_subsystem_and_what_it_does_not_say():
 
 def test_there_is_no_certificate_where_it_would_say_nothing(tmp_path):
     log = run("elastic", PD([2e3] * 6, [60.0] * 6))
-    with pytest.raises(InputError, match=r"certificate: it is of VDC .* not of this PD"):
+    with pytest.raises(InputError, match=r"certificate: only a VDC .* has one; this run is of PD"):
         log.certificate()
     run("elastic", law("elastic")).save(tmp_path / "run.npz")
     with pytest.raises(InputError, match=r"certificate: a log that was not simulated here does not know its robot"):

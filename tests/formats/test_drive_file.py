@@ -46,8 +46,9 @@ def test_limits_that_look_like_degrees_are_warned_of(tmp_path: Path) -> None:
     (tmp_path / "arm.urdf").write_text(ARM)
     (tmp_path / "arm.yaml").write_text("version: 1\ndrives: {shoulder: {limits: {position: [-180, 180]}}}")
     with pytest.warns(DegreesWarning, match=r"limits of joints 'shoulder' look like degrees; a drive file's") as caught:
-        load(tmp_path / "arm.urdf", drives=tmp_path / "arm.yaml")
-    assert [each.filename for each in caught] == [__file__]
+        arm = load(tmp_path / "arm.urdf", drives=tmp_path / "arm.yaml")
+        load_drives(tmp_path / "arm.yaml", arm.mechanism)
+    assert [each.filename for each in caught] == [__file__] * 2
     for radians in ("[-3.14, 3.14]", "[-20.5, 400.0]", "[-31.4, 31.4]"):
         shoulder(f"{{limits: {{position: {radians}}}}}")
 

@@ -202,6 +202,14 @@ def test_random_positions_take_limits_that_no_joint_has_for_none(end: float, mos
     assert 0.9 * most < np.abs(q).max() <= most
 
 
+@pytest.mark.parametrize("limits", [Limits(lower=4.0), Limits(upper=-4.0), Limits(lower=1.0), Limits(upper=0.5)])
+def test_random_positions_keep_to_one_limit_alone(limits: Limits) -> None:
+    arm = Robot(parse_urdf(one_joint('<limit effort="1" velocity="1"/>').replace("revolute", "continuous")))
+    q = arm.with_drives({"elbow": Drive(limits=limits)}).random(0, 1000)
+    assert limits.lower <= q.min() and q.max() <= limits.upper
+    assert 0.9 * np.pi < np.ptp(q) <= 2 * np.pi
+
+
 def test_random_positions_keep_to_the_drives_limits_too_which_must_leave_some() -> None:
     arm = Robot(parse_urdf(one_joint('<limit lower="-2" upper="2.5" effort="1" velocity="1"/>')))
     q = arm.with_drives({"elbow": Drive(limits=Limits(-0.1, 3.0))}).random(0, 1000)

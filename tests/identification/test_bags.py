@@ -177,7 +177,7 @@ def test_a_bag_whose_messages_are_computed_or_too_many_is_refused(tmp_path: Path
         base.execute("CREATE TABLE topics AS SELECT * FROM once")
         base.executemany("INSERT INTO topics SELECT * FROM once WHERE ?", [(True,)] * 99)
     base.close()
-    monkeypatch.setattr(bag_storage, "LARGEST", 10 * path.stat().st_size)
+    monkeypatch.setattr(bag_storage, "LARGEST_FILE", 10 * path.stat().st_size)
     with pytest.raises(InputError, match=r"its messages are more than [\d,]+ bytes"):
         read_table(path)
     with sqlite3.connect(path) as base:

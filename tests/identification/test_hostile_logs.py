@@ -170,7 +170,7 @@ def repeated(value: object, count: int) -> pyarrow.DictionaryArray:
 
 def test_a_parquet_file_of_one_number_many_times_is_refused(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
     pyarrow.parquet.write_table(pyarrow.table({"q": repeated(1.5, 100_000)}), tmp_path / "log.parquet")
-    monkeypatch.setattr(tables, "LARGEST", 700_000)
+    monkeypatch.setattr(tables, "LARGEST_FILE", 700_000)
     with pytest.raises(InputError, match=r"table of 800,000 bytes is too large: at most 700,000 are read"):
         read_table(tmp_path / "log.parquet")
 
@@ -196,7 +196,7 @@ def test_a_file_that_unpacks_to_too_much_is_refused(tmp_path: Path, monkeypatch:
     with (tmp_path / "log73.mat").open("r+b") as file:
         file.write(b"MATLAB 7.3 MAT-file")
     for module in (tables, read_mat):
-        monkeypatch.setattr(module, "LARGEST", 10**5)
+        monkeypatch.setattr(module, "LARGEST_FILE", 10**5)
     for name in ("log.npz", "log.mat", "log73.mat"):
         with pytest.raises(InputError, match=r"too large|more than 100,000 bytes"):
             read_table(tmp_path / name)

@@ -10,8 +10,8 @@ KERNELS = Path(cutpoint.kernels.__file__).parent
 ROOMS = ("graphs", "lowering", "machine", "arrays", "programs", "targets")
 """Each is built on those before it."""
 
-EVERYWHERE = ("cutpoint.__version__", "cutpoint.errors.", "cutpoint.files.", "cutpoint.scalars")
-"""What kernels take of the rest of the package: its version, errors, files and scalars."""
+EVERYWHERE = ("cutpoint.__version__", "cutpoint.callers.", "cutpoint.errors.", "cutpoint.files.", "cutpoint.scalars")
+"""What kernels take of the rest of the package: its version, the user's line, errors, files and scalars."""
 
 
 def test_kernels_know_nothing_of_robots() -> None:

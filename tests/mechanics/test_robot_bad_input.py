@@ -126,6 +126,10 @@ def test_arguments_are_refused(backend, call, message):
         ),
         (Drive(rotor=Rotor(1e-5, False, 0.4, 4e-6)), "transverse 4e-06 must be at least half of inertia 1e-05"),
         (elastic(compliance=CatalogueSpring(500.0, 600.0, 700.0, 9.0, 4.0)), "t2 4.0 must be above t1 9.0, in compl"),
+        (
+            elastic(compliance=CatalogueSpring(500.0, 9.0, 700.0, 4.0, 9.0)),
+            "stiffness changes 77.8-fold at a corner, more than 30-fold cannot be inverted; check the units of k1",
+        ),
         (elastic(compliance=CatalogueSpring(500.0, 0.0, 700.0, 4.0, 9.0)), "k2 0.0 must be positive, in compliance"),
         (elastic(compliance=Backlash(cast("Any", 1e4), 1e-3)), "spring must have torque.*, got 10000.0, in compliance"),
         (elastic(compliance=Backlash(LinearSpring(-3.0), 1e-3)), "stiffness -3.0 must be .*, in compliance.spring"),
@@ -164,7 +168,14 @@ def test_arguments_are_refused(backend, call, message):
         (Drive(link_friction=LuGre(DRY, 0.0, 1.0)), "distance 0.0 must be positive, in link_friction"),
         (Drive(motor_friction=ElastoPlastic(DRY, 0.0, 1.0, 0.7)), "distance 0.0 must be positive, in motor_friction"),
         (Drive(link_friction=LuGre(cast("Any", LuGre(DRY, 1e-4, 1.0)), 1e-4, 1.0)), "sliding must have plateau, torq"),
-        (Drive(link_friction=LuGre(replace(DRY, coulomb=0.0), 1e-4, 1.0)), "presliding needs dry friction, got none"),
+        (
+            Drive(link_friction=LuGre(replace(DRY, coulomb=0.0), 1e-4, 1.0)),
+            "coulomb 0.0 must be above 0 with presliding.*, in link_friction",
+        ),
+        (
+            Drive(motor_friction=ElastoPlastic(Stribeck(0.0, 1.0, 0.0, 0.1, 0.1), 1e-4, 1.0, 0.7)),
+            "coulomb 0.0 must be above 0 with presliding.*, in motor_friction",
+        ),
         (Drive(link_friction=replace(DRY, grease=cast("Any", 40.0))), "grease must have temperature, thinning, got 40"),
         (
             Drive(link_friction=replace(DRY, grease=Grease(40.0, -1.0))),

@@ -15,8 +15,9 @@ from hypothesis import strategies as st
 from hypothesis.extra import numpy as hnp
 
 from cutpoint.errors import CutpointError, InputError
-from cutpoint.simulation import log_files
+from cutpoint.simulation import log_files, simulate
 from cutpoint.simulation.log import Log
+from robot_library import robot
 
 JOINTS = ("shoulder", "el,bow [x]", "$li_ft^$")
 UNITS = {"q": ("rad", "rad", "m"), "q_d": ("rad", "rad", "m"), "torque": "N m", "power": "W", "speed": "rad/s"}
@@ -87,6 +88,19 @@ def test_nobody_changes_what_was_recorded():
         log["q"][0, 0] = 1.0
 
 
+def test_a_trajectory_of_ones_own_keeps_its_array():
+    class Held:
+        size, duration, table = 6, 0.01, np.zeros((5, 11, 6))
+
+        def derivatives(self, t: Any, highest: int = 4) -> Any:
+            return self.table
+
+    move: Any = Held()
+    log = simulate(robot("xia2019"), None, move)
+    move.table[0] = 1.0
+    assert not log["reference_q"].any()
+
+
 def test_it_says_what_it_holds():
     assert repr(example()).startswith("Log(50 samples from 0 s to 2 s: q [('rad', 'rad', 'm')]")
 
@@ -130,7 +144,7 @@ def test_a_csv_names_joints_and_units_in_its_second_line(tmp_path: Path):
 def test_a_save_that_fails_leaves_what_was_there(tmp_path: Path, ending: str, monkeypatch: pytest.MonkeyPatch):
     path = tmp_path / f"run.{ending}"
     example().save(path)
-    monkeypatch.setattr(log_files, "LARGEST", 10)
+    monkeypatch.setattr(log_files, "LARGEST_FILE", 10)
     with pytest.raises(InputError, match=r"log of [\d,]+ bytes is more than a file may hold, 10: save parts of it"):
         example(99).save(path)
     monkeypatch.undo()
@@ -354,7 +368,7 @@ def test_an_npz_of_another_format_version_is_refused(tmp_path: Path):
 def test_an_npz_that_unpacks_to_too_much_is_refused(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
     path = tmp_path / "run.npz"
     np.savez_compressed(path, **(GOOD | {"q": np.zeros((100_000, 1))}))  # pyright: ignore[reportArgumentType]
-    monkeypatch.setattr(log_files, "LARGEST", 100_000)
+    monkeypatch.setattr(log_files, "LARGEST_FILE", 100_000)
     with pytest.raises(InputError, match=r"its arrays are larger than 100,000 bytes"):
         Log.load(path)
 
@@ -364,7 +378,7 @@ def test_a_csv_whose_short_cells_are_too_many_numbers_is_refused(tmp_path: Path,
     titles = ",".join(["time [s]", *(f"q.{joint} [rad]" for joint in joints)])
     rows = "".join(f"{k}{',0' * 20}\n" for k in range(100))
     path.write_text(f"# {header(joints=joints)}\n{titles}\n{rows}")
-    monkeypatch.setattr(log_files, "LARGEST", path.stat().st_size)
+    monkeypatch.setattr(log_files, "LARGEST_FILE", path.stat().st_size)
     with pytest.raises(InputError, match=r"its channels are larger than [\d,]+ bytes"):
         Log.load(path)
 
@@ -447,7 +461,7 @@ def test_a_log_too_large_for_a_file_is_refused(
 ):
     """Before it is written; one whose text alone is too long, soon."""
     long = Log(np.arange(9000.0) / 3, {"power": np.arange(9000.0) / 7}, {"power": "W"}, ())
-    monkeypatch.setattr(log_files, "LARGEST", largest)
+    monkeypatch.setattr(log_files, "LARGEST_FILE", largest)
     with pytest.raises(InputError, match=r"is more than a file may hold, .*: save parts of it, log.between"):
         long.save(tmp_path / f"run.{ending}")
     assert not [*tmp_path.iterdir()]

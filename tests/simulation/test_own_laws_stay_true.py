@@ -13,6 +13,7 @@ import pytest
 import cutpoint
 from cutpoint import Log, simulate, simulate_many
 from cutpoint.control import PD, Feedforward
+from cutpoint.control.own_law import STEPS_TRIED
 from cutpoint.definitions import gravity_forces
 from cutpoint.simulation import UntracedControllerWarning
 from cutpoint.simulation import loop as loops
@@ -283,20 +284,28 @@ def test_a_law_that_does_otherwise_with_plain_numbers_is_called_back(law):
     assert np.allclose(log["command_torque"], factor * error, rtol=1e-12, atol=1e-15)
 
 
-def test_steps_before_the_run_print_nothing_and_leave_no_traced_numbers(capsys):
+def test_steps_before_the_run_leave_no_traced_numbers():
     class Keeping:
         last: Any = None
 
         def step(self, memory: Any, m: Any, r: Any) -> Any:
             if not isinstance(m.theta[0], float):
                 type(self).last = m.theta
-            elif m.time < 0:
-                print("a step in numbers")
             return memory, 300.0 * (r.theta - m.theta)
 
     _, told = called_back(Keeping())
     assert "keeps state in itself" in told and Keeping.last is None
-    assert not capsys.readouterr().out
+
+
+def test_what_a_law_prints_while_it_is_tried_is_seen(capsys):
+    """Output is the whole process's: to take it away would take other threads'."""
+
+    def telling(memory: Any, m: Any, r: Any) -> Any:
+        print("a step")
+        return memory, 300.0 * (r.theta - m.theta)
+
+    run(telling)
+    assert capsys.readouterr().out.count("a step\n") >= STEPS_TRIED
 
 
 def test_a_random_law_draws_anew_at_each_sample():

@@ -69,12 +69,14 @@ def certificate(log: Log) -> Certificate:
     robot, law, reference, _ = log.run
     if type(law) is not VDC or leaves(law.start()):
         name = type(law).__name__
-        raise InputError(f"certificate: it is of VDC with derivatives='model', alone, not of this {name}", law=name)
+        raise InputError(
+            f"certificate: only a VDC with derivatives='model', by itself, has one; this run is of {name}", law=name
+        )
     for name, drive in robot.drives.items():
         if drive.hysteresis or drive.motor:
-            rule = "it is of drives without hysteresis, and without a motor between command and shaft"
+            found = f"the drive of {name!r} has {'hysteresis' if drive.hysteresis else 'a motor model'}"
             remedy = "simulate the robot without: dataclasses.replace(drive, hysteresis=None, motor=None)"
-            raise InputError(f"certificate: {rule}, unlike that of {name!r}; {remedy}", joint=name)
+            raise InputError(f"certificate: {found}, which it does not cover; {remedy}", joint=name)
     seen = [log[f"measured_{name}"] for name in ("q", "v", "theta", "theta_dot")]
     actual = [log[name] for name in ("q", "v", "theta", "theta_dot", "motor_torque")]
     numbers = [np.array(x, float) for x in (robot.drive_parameters, leaves(law))]

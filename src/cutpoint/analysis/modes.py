@@ -87,6 +87,7 @@ def modes(robot: Robot, q: ArrayLike, *, friction: bool = False) -> Modes:
 
     Raises:
         InputError: q of a wrong shape, or not finite.
+        ModelError: a joint can move while nothing with inertia does.
     """
     model = linearize(robot, q, friction=friction)
     poles, vectors = _eigen(model)

@@ -161,7 +161,7 @@ def _check_log_fits(
     output: Path | None, robot: cutpoint.Robot, controller: Any, trajectory: Any, period: float
 ) -> None:
     """Raises InputError for a run whose log would be larger than a file may be, before it is run."""
-    from cutpoint.simulation.log_files import LARGEST
+    from cutpoint.simulation.log_files import LARGEST_FILE
 
     samples = trajectory.duration / period
     if output is None or not MANY_SAMPLES < samples < np.inf:
@@ -169,7 +169,7 @@ def _check_log_fits(
     few = cutpoint.simulate(robot, controller, trajectory, duration=period, control_period=period)
     numbers = samples * sum(x.size for x in few.channels.values()) / len(few.time)
     size = numbers * (8 if output.suffix.lower() == ".npz" else CHARACTERS)
-    if size > LARGEST:
+    if size > LARGEST_FILE:
         remedy = "shorten --duration or lengthen --period, or simulate in Python with channels= of those that you need"
-        told = f"a log of {samples:,.0f} samples may take {size:.2g} bytes, a file may hold {LARGEST:.2g}"
+        told = f"a log of {samples:,.0f} samples may take {size:.2g} bytes, a file may hold {LARGEST_FILE:.2g}"
         raise InputError(f"--output {str(output)!r}: {told}; {remedy}", path=output)

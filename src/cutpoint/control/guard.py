@@ -20,7 +20,7 @@ from cutpoint.scalars import Scalar, absolute, clip, leaves, maximum, rebuild, w
 
 Reaction = Literal["hold", "ramp", "stop"]
 SEVERITY = {"hold": 1, "ramp": 2, "stop": 3}
-LARGEST = 1e12
+BEYOND_MEASURE = 1e12
 """A number beyond this counts as not finite."""
 
 
@@ -88,7 +88,7 @@ class Guard(Wrapper):
 
     def __post_init__(self) -> None:
         check_robot("Guard", self.robot)
-        object.__setattr__(self, "law", as_law(self.law))
+        self._set(law=as_law(self.law))
         check_kind("Guard", "reactions", self.reactions, dict, "a reaction for each of some faults, by name")
         for name, reaction in self.reactions.items():
             if name not in REACTIONS:
@@ -96,9 +96,8 @@ class Guard(Wrapper):
             if reaction not in SEVERITY:
                 raise unknown_name("reaction", reaction, SEVERITY)
         if not isinstance(self.ramp_time, Traced):
-            object.__setattr__(self, "ramp_time", positive("Guard", "ramp_time", self.ramp_time, "s"))
-        for name, limit in limits_of(self.robot, {name: getattr(self, name) for name in LIMITS}).items():
-            object.__setattr__(self, name, limit)
+            self._set(ramp_time=positive("Guard", "ramp_time", self.ramp_time, "s"))
+        self._set(**limits_of(self.robot, {name: getattr(self, name) for name in LIMITS}))
         check_drives(self.law, self.size)
 
     @property
@@ -155,7 +154,7 @@ class Guard(Wrapper):
         happened = {
             Fault.MEASUREMENT: odd,
             Fault.STALE: where(late < m.period / 2, 1.0, 0.0),
-            Fault.DEADLINE: where(late < 3 * m.period / 2, 0.0, where(late < LARGEST, 1.0, 0.0)),
+            Fault.DEADLINE: where(late < 3 * m.period / 2, 0.0, where(late < BEYOND_MEASURE, 1.0, 0.0)),
             Fault.SPEED: _any(where(absolute(v) > limit, 1.0, 0.0) for v, limit in zip(speeds, limits, strict=True)),
             Fault.POSITION: _any(
                 where(q < low, 1.0, where(q > high, 1.0, 0.0))
@@ -178,7 +177,7 @@ def _unless(severity: Scalar, new: Sequence[Scalar], old: Sequence[Scalar]) -> l
 
 def _is_odd(x: Scalar) -> Scalar:
     """1 where a number is not finite."""
-    return where(absolute(x) < LARGEST, 0.0, 1.0)
+    return where(absolute(x) < BEYOND_MEASURE, 0.0, 1.0)
 
 
 def _any(conditions: Iterable[Scalar]) -> Scalar:

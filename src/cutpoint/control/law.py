@@ -40,6 +40,11 @@ class Law:
         """One control period: the memory after it, and the command."""
         raise TypeError(f"{type(self).__name__} must define step(memory, measurement, reference)")
 
+    def _set(self, **values: Any) -> None:
+        """Fields as they are kept, once they are checked."""
+        for name, value in values.items():
+            object.__setattr__(self, name, value)
+
     def __add__(self, other: Controller) -> "Sum":
         return Sum((*parts_of(self), *parts_of(as_law(other))))
 

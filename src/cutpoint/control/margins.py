@@ -46,8 +46,8 @@ MOST_STATES = 300
 class Margins(NamedTuple):
     """Of each joint (n,): its own loop is cut at its motor's command, the others stay closed.
 
-    gain: factor by which the command may grow until the robot rings; inf if by any.  least_gain: down to which it may
-    shrink; 0 if to nothing.  phase: by which it may lag, deg; delay: by which it may come late, s; both inf if by any.
+    gain: largest factor on the command that stays stable; inf if any does.  least_gain: the smallest; 0 if the loop may
+    be opened.  phase: how far the command may lag, deg; delay: how late it may come, s; both inf if without bound.
     sensitivity: max |1 / (1 + L)|, by how much the loop makes what disturbs it larger where it does so most.
     """
 

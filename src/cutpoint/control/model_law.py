@@ -24,7 +24,7 @@ class ModelLaw(Law):
     def __post_init__(self) -> None:
         check_all_driven(type(self).__name__, self.robot)
         if self.parameters is None:
-            object.__setattr__(self, "parameters", self.robot.drive_parameters)
+            self._set(parameters=self.robot.drive_parameters)
 
     @property
     def size(self) -> int:
@@ -35,11 +35,6 @@ class ModelLaw(Law):
     def model(self) -> Machine:
         """The machine with this law's numbers, for quantities of joints."""
         return self.robot.machine_with(self.parameters, lean=True)
-
-    def _set(self, **values: Any) -> None:
-        """Fields as they are kept, once they are checked."""
-        for name, value in values.items():
-            object.__setattr__(self, name, value)
 
 
 def check_all_driven(name: str, robot: Robot) -> None:

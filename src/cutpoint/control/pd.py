@@ -23,8 +23,7 @@ class PD(SidedLaw):
     side: Side = "motor"
 
     def __post_init__(self) -> None:
-        object.__setattr__(self, "kp", gains("PD", "kp", self.kp))
-        object.__setattr__(self, "kd", gains("PD", "kd", self.kd))
+        self._set(kp=gains("PD", "kp", self.kp), kd=gains("PD", "kd", self.kd))
         if self.kp.shape != self.kd.shape:
             raise InputError(f"PD: kp has shape {self.kp.shape}, kd {self.kd.shape}; give one of each for every drive")
         self.check_side()

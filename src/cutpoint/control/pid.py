@@ -26,9 +26,9 @@ class PID(SidedLaw):
 
     def __post_init__(self) -> None:
         self.check_side()
-        object.__setattr__(self, "kp", gains("PID", "kp", self.kp))
+        self._set(kp=gains("PID", "kp", self.kp))
         for name in ("ki", "kd", "limit"):
-            object.__setattr__(self, name, gains("PID", name, getattr(self, name), self.size, name == "limit"))
+            self._set(**{name: gains("PID", name, getattr(self, name), self.size, name == "limit")})
 
     @property
     def size(self) -> int:

@@ -29,9 +29,9 @@ class SpeedFilter(Wrapper):
     bandwidth: Any = 400.0
 
     def __post_init__(self) -> None:
-        object.__setattr__(self, "law", as_law(self.law))
+        self._set(law=as_law(self.law))
         if not isinstance(self.bandwidth, Traced):
-            object.__setattr__(self, "bandwidth", positive("SpeedFilter", "bandwidth", self.bandwidth, "Hz"))
+            self._set(bandwidth=positive("SpeedFilter", "bandwidth", self.bandwidth, "Hz"))
 
     @property
     def needs(self) -> tuple[str, ...]:

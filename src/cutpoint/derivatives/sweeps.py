@@ -14,6 +14,7 @@ from cutpoint import definitions
 from cutpoint.definitions import Machine
 from cutpoint.door import checked_array
 from cutpoint.errors import InputError
+from cutpoint.functions.compiled import compiled_of
 from cutpoint.functions.special_robots import check_quaternions
 from cutpoint.kernels.arrays.arguments import common_batch
 from cutpoint.mechanics import elastic_forward
@@ -121,7 +122,7 @@ def _over_batch(
     given: Mapping[str, ArrayLike],
 ) -> list[Array]:
     """The matrices of these shapes for each configuration, (..., m, n)."""
-    compiled = robot._compiled  # pyright: ignore[reportPrivateUsage]
+    compiled = compiled_of(robot)
     arrays = [checked_array(name, key, x, compiled.size_of(key)) for key, x in given.items()]
     check_quaternions(name, "q", arrays[0], compiled.quaternions)
     batch = common_batch(name, {key: x.shape[:-1] for key, x in zip(given, arrays, strict=True)})

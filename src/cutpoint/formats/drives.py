@@ -1,6 +1,5 @@
 """Drive files (YAML, version 1): what drives each joint of a robot.  `docs/drive-file.md` describes every field."""
 
-import warnings
 from collections.abc import Collection, Mapping
 from dataclasses import replace
 from pathlib import Path
@@ -8,6 +7,7 @@ from typing import Any
 
 import yaml
 
+from cutpoint.callers import warn
 from cutpoint.door import check_kind
 from cutpoint.errors import listed, those_that_exist
 from cutpoint.files import replacing
@@ -75,12 +75,11 @@ def parse_drives(
 
 def _warn_of_units(doubts: Mapping[str, Collection[str]], degrees: Collection[str], place: str) -> None:
     """doubts: joints by what looks wrong in their drives; degrees: joints whose limits look like those."""
-    level = 6  # the line that called cutpoint.load
     for words, joints in doubts.items():
-        warnings.warn(f"drive of {listed(joints)}: {words}", UnitsWarning, stacklevel=level)
+        warn(f"drive of {listed(joints)}: {words}", UnitsWarning)
     if degrees:
         text = f"limits of joints {listed(degrees)} look like degrees; a drive file's angles are radians"
-        warnings.warn(f"{text} ({place})", DegreesWarning, stacklevel=level)
+        warn(f"{text} ({place})", DegreesWarning)
 
 
 def dump_drives(drives: Mapping[str, Drive]) -> str:

@@ -15,15 +15,16 @@ def to_friction(sheet: FrictionLawSheet, side: str, section: Section) -> Frictio
     """The law on one side, "link" or "motor".
 
     Raises ModelError: static without Stribeck velocity or the other way round, static below Coulomb friction,
-    presliding without dry friction.
+    presliding without Coulomb friction.
     """
     sliding = _sliding(sheet, ("friction", side), section)
     if sheet.presliding is None:
         return sliding
-    breakaway = sheet.coulomb if sheet.static is None else sheet.static
-    if breakaway == 0.0:
+    if sheet.coulomb == 0.0:
         path = ("friction", side, "presliding")
-        raise section.error(path, f"{'.'.join(path)} needs dry friction beside it: 'coulomb', or 'static'")
+        raise section.error(
+            path, f"{'.'.join(path)} needs dry friction that stays while it slides: a 'coulomb' above 0"
+        )
     own = sheet.presliding
     if own.law == "lugre":
         return LuGre(sliding, own.distance, own.damping)

@@ -6,7 +6,6 @@ Coordinates are MuJoCo's but for quaternions, which are (x, y, z, w) here, and a
 along the moving body's axes here.  What else acts in MuJoCo is listed in a warning.
 """
 
-import warnings
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from pathlib import Path
@@ -16,6 +15,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 from scipy.spatial.transform import Rotation
 
+from cutpoint.callers import warn
 from cutpoint.errors import ModelError
 from cutpoint.formats.mjcf_includes import include_files
 from cutpoint.formats.mjcf_losses import NotCarriedOver, losses
@@ -111,9 +111,9 @@ def _robot(
     drives, lost = _drives(mechanism, tree.armature, place), losses(model, excerpt.left_out)
     warn_of_degrees(tree.joints, "the file's compiler takes angles as radians", place)
     if lost:
-        warnings.warn(NotCarriedOver(lost, place), stacklevel=4)
+        warn(NotCarriedOver(lost, place))
     for words in remarks:
-        warnings.warn(f"MuJoCo says of {place}: {words}", stacklevel=4)
+        warn(f"MuJoCo says of {place}: {words}")
     return MjcfRobot(mechanism, drives)
 
 

@@ -4,7 +4,6 @@ Read: links' inertials; joints' origins, axes, limits, dynamics and mimics.  Eve
 transmissions, extensions) is passed over; meshes are never opened.
 """
 
-import warnings
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Literal
@@ -12,6 +11,7 @@ from typing import Literal
 import numpy as np
 from numpy.typing import ArrayLike
 
+from cutpoint.callers import warn
 from cutpoint.errors import InputError, ModelError, listed
 from cutpoint.formats.reading import read_bytes
 from cutpoint.formats.safe_xml import MAXIMUM_BYTES, Element, parse_xml
@@ -197,7 +197,7 @@ def _warn(joints: Sequence[Joint], coupled: bool, place: str) -> None:
     mimics = [joint.name for joint in joints if joint.mimic]
     if mimics and not coupled:
         text = f"mimic joints {listed(mimics)} are read as coordinates of their own; mimic='coupled' ties them"
-        warnings.warn(f"{text} ({place})", MimicWarning, stacklevel=4)
+        warn(f"{text} ({place})", MimicWarning)
     warn_of_degrees(joints, "URDF angles are radians", place)
 
 
@@ -206,4 +206,4 @@ def warn_of_degrees(joints: Sequence[Joint], rule: str, place: str) -> None:
     degrees = [joint.name for joint in joints if joint.kind == "revolute" and look_like_degrees(joint.limits)]
     if degrees:
         text = f"limits of joints {listed(degrees)} look like degrees; {rule} ({place})"
-        warnings.warn(text, DegreesWarning, stacklevel=5)
+        warn(text, DegreesWarning)

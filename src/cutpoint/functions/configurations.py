@@ -47,9 +47,10 @@ def _random_coordinates(
     """Coordinates (*shape, count) of a joint: see `Robot.random`."""
     free = np.pi if joint.kind in ("revolute", "continuous", "helical") else 1.0
     if count == 1:
-        lower = limits.lower if abs(limits.lower) < ENDLESS else -free
-        upper = limits.upper if abs(limits.upper) < ENDLESS else free
-        return rng.uniform(min(lower, upper), max(lower, upper), (*shape, 1))
+        is_below, is_above = (abs(x) < ENDLESS for x in (limits.lower, limits.upper))
+        lower = limits.lower if is_below else min(-free, limits.upper - 2 * free) if is_above else -free
+        upper = limits.upper if is_above else max(free, lower + 2 * free)
+        return rng.uniform(lower, upper, (*shape, 1))
     if joint.kind == "planar":
         return rng.uniform(-1.0, 1.0, (*shape, 3)) * [1.0, 1.0, np.pi]
     turn = rng.standard_normal((*shape, 4))

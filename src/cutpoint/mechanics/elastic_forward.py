@@ -116,7 +116,7 @@ def driven_accelerations(
         d.segment: e.alpha + e.follows * a[d.v] if d.drive.is_elastic else a[d.v]
         for d, e in zip(drives, efforts, strict=True)
     }
-    for spin in system.spins:  # what its carrier turns by, a rotor need not turn itself
+    for spin in system.spins:  # relative to its carrier: off goes what that turns the rotor by
         if spin.elastic:
             turned = spin.axis.dot(A[spin.carrier].angular) * spin.inertia / spin.geared
             alpha[spin.joint] = alpha[spin.joint] - turned

@@ -88,7 +88,7 @@ def exponential(omega: Vec3) -> Exponential:
     along = where(tiny, 1 / 2 - square / 48, half_sine / n)
     a = where(tiny, 1 / 2 - square / 24, 2 * half_sine * half_sine / n2)
     b = where(tiny, 1 / 6 - square / 120, (n - s) / (n2 * n))
-    # 1 / n^2 - (1 + cos n) / (2 n sin n), free of the pole at n = 0
+    # 1 / n^2 - (1 + cos n) / (2 n sin n), by half angles: free of its 0 / 0 at n = pi
     c = where(tiny, 1 / 12 + square / 720, (1 - half * half_cosine / half_sine) / n2)
     w = where(tiny, 1 - square / 8, half_cosine)
     return Exponential([*(omega * along), w], omega, a, b, c)

@@ -11,7 +11,7 @@ from cutpoint.model.lumping import MassProperties, lumped, placed
 from cutpoint.model.mechanism import WORLD, Body, Frame, Link, Mechanism
 from cutpoint.model.places import Places
 from cutpoint.model.pose import is_rigid
-from cutpoint.model.validation import LARGEST, check_link, fault_of
+from cutpoint.model.validation import LARGEST_NUMBER, check_link, fault_of
 
 
 def with_payload(mechanism: Mechanism, mass: float, com: ArrayLike, inertia: ArrayLike, frame: str) -> Mechanism:
@@ -36,7 +36,9 @@ def with_payload(mechanism: Mechanism, mass: float, com: ArrayLike, inertia: Arr
 def with_base(mechanism: Mechanism, placement: ArrayLike) -> Mechanism:
     """The robot mounted elsewhere: placement (4, 4) of its base in the world."""
     matrix = _array(placement)
-    are_numbers = matrix.shape == (4, 4) and matrix.dtype.kind in "fiu" and bool((np.abs(matrix) <= LARGEST).all())
+    are_numbers = (
+        matrix.shape == (4, 4) and matrix.dtype.kind in "fiu" and bool((np.abs(matrix) <= LARGEST_NUMBER).all())
+    )
     if not are_numbers or not is_rigid(matrix):
         raise ModelError("base: placement must be (4, 4), a proper rotation and a translation", placement=matrix)
     moved = [replace(b, placement=matrix @ b.placement) if b.parent == WORLD else b for b in mechanism.bodies]

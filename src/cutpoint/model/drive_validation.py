@@ -7,6 +7,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from cutpoint.errors import ModelError
+from cutpoint.mechanics.catalogue import STEEPEST_CORNER, CatalogueSpring
 from cutpoint.model.drive import Drive, Harmonic
 from cutpoint.model.drive_rules import KINDS, RISING, RULES, WAVES, WITHIN, Rule, is_number
 from cutpoint.scalars import leaves
@@ -105,7 +106,11 @@ def _of_springs(drive: Drive) -> Iterator[Complaint]:
             yield Complaint(what, f"{what} {rule}")
     if drive.damping and not drive.is_elastic:
         yield Complaint("damping", rule, drive.damping)
-    wave = getattr(getattr(drive.compliance, "spring", drive.compliance), "wave_generator", None)
+    spring = getattr(drive.compliance, "spring", drive.compliance)
+    if isinstance(spring, CatalogueSpring) and (steepest := spring.steepest_corner) > STEEPEST_CORNER:
+        rule = f"more than {STEEPEST_CORNER:g}-fold cannot be inverted; check the units of k1, k2, k3"
+        yield Complaint("compliance", f"stiffness changes {steepest:.3g}-fold at a corner, {rule}")
+    wave = getattr(spring, "wave_generator", None)
     if (ratio := getattr(wave, "ratio", None)) is not None and ratio != abs(drive.ratio):
         words = f"the wave generator's ratio {ratio} must be the drive's, {abs(drive.ratio)}"
         yield Complaint("compliance.wave_generator.ratio", words)
@@ -121,7 +126,7 @@ def _of_springs(drive: Drive) -> Iterator[Complaint]:
 
 
 def _of_motors(drive: Drive) -> Iterator[Complaint]:
-    """A rotor that a body can be, a motor that its limits can be told of."""
+    """A rotor that a body can be; of a motor, a voltage limit with its resistance, and ripple below 1."""
     rotor, motor = drive.rotor, drive.motor
     if rotor and not rotor.in_link_inertia and 0 < 2 * rotor.transverse < rotor.inertia:
         rule = f"must be at least half of inertia {rotor.inertia}, as of any body that is round about its axis"
@@ -151,5 +156,6 @@ def _of_friction(side: str, law: Any, elastic: bool) -> Iterator[Complaint]:
     if share >= 1:
         rule = f"makes friction's share of the load {share:g}: it must stay below 1, or no load could be moved"
         yield Complaint(f"{side}.per_load", rule, per_load)
-    if sliding is not law and sliding.plateau(0) <= 0:
-        yield Complaint(side, f"presliding needs dry friction, got none at rest, in {side}")
+    if sliding is not law and coulomb is not None and coulomb <= 0:
+        rule = "must be above 0 with presliding: where nothing dry resists sliding, bristles hold nothing"
+        yield Complaint(f"{side}.coulomb", rule, coulomb)

@@ -22,7 +22,7 @@ RELATIVE = 1e-6
 GYRATION = 1e-6
 """Radius of gyration, m, below which a tensor is taken for rounding."""
 
-LARGEST = 1e12
+LARGEST_NUMBER = 1e12
 """Masses, inertias, places and gravity (SI) beyond it belong to no machine, and their products overflow."""
 
 AXIS_MINIMUM = 1e-6
@@ -199,8 +199,9 @@ def _check_numbers(thing: str, what: str, value: float | Array, shape: tuple[int
 
 
 def check_size(thing: str, what: str, value: float | Array, places: Places) -> None:
-    """Raises ModelError for numbers beyond LARGEST."""
+    """Raises ModelError for numbers beyond LARGEST_NUMBER."""
     largest = float(np.max(np.abs(value)))
-    if largest > LARGEST:
-        rule = f"{what} must not exceed {LARGEST:g} in SI units, as in no machine, got {largest:g}; check its unit"
+    if largest > LARGEST_NUMBER:
+        most = f"must not exceed {LARGEST_NUMBER:g} in SI units, as in no machine"
+        rule = f"{what} {most}, got {largest:g}; check its unit"
         raise places.error(thing, rule, what=what, value=value)

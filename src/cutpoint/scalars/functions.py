@@ -107,15 +107,15 @@ def absolute(x: Scalar) -> Scalar:
 
 
 def minimum(x: Scalar, y: Scalar) -> Scalar:
-    """The lesser of the two; not a number where x is not."""
+    """The lesser of the two; NaN where x is NaN, x where y is."""
     return where(y < x, y, x)
 
 
 def maximum(x: Scalar, y: Scalar) -> Scalar:
-    """The greater of the two; not a number where x is not."""
+    """The greater of the two; NaN where x is NaN, x where y is."""
     return where(x < y, y, x)
 
 
 def clip(x: Scalar, low: Scalar, high: Scalar) -> Scalar:
-    """x, or the bound that it exceeds; not a number where x is not."""
+    """x, or the bound that it exceeds; NaN where x is NaN."""
     return minimum(maximum(x, low), high)

@@ -8,6 +8,7 @@ from numpy.typing import ArrayLike, NDArray
 from cutpoint.door import check_configuration, checked_array, number, positive
 from cutpoint.errors import InputError, listed
 from cutpoint.robot import Robot
+from cutpoint.scalars import is_of_cutpoint
 from cutpoint.simulation.beginning import vector
 from cutpoint.simulation.loop import ClosedLoop
 from cutpoint.simulation.noise import Noise
@@ -60,7 +61,8 @@ def reference_at(robot: Robot, trajectory: Trajectory | None, initial: State | N
     by_joint = np.ascontiguousarray(reference[0].T)  # NumPy looks through contiguous numbers ten times as fast
     for extreme in (by_joint.min(axis=1), by_joint.max(axis=1)):
         check_configuration(robot.mechanism, extreme.tolist())
-    return reference
+    # a user's trajectory may go on with its array, and a log keeps it
+    return reference if is_of_cutpoint(trajectory) else reference.copy()
 
 
 def check_fits(function: str, trajectory: Trajectory, robot: Robot) -> None:

@@ -24,7 +24,7 @@ from cutpoint.simulation.log import Array, Log, column_name
 
 VERSION = 1
 
-LARGEST = 1_000_000_000
+LARGEST_FILE = 1_000_000_000
 """Bytes of a file, and of the arrays in it: half an hour of sixty columns at 1 kHz."""
 
 LONGEST_HEADER = 1_000_000
@@ -66,15 +66,15 @@ def save(log: Log, path: Path) -> None:
 
 
 def _check_size(size: int) -> None:
-    if size > LARGEST:
+    if size > LARGEST_FILE:
         remedy = "save parts of it, log.between(start, end), or simulate with channels= of those that you need"
-        raise InputError(f"log of {size:,} bytes is more than a file may hold, {LARGEST:,}: {remedy}", size=size)
+        raise InputError(f"log of {size:,} bytes is more than a file may hold, {LARGEST_FILE:,}: {remedy}", size=size)
 
 
 def load(path: Path) -> Log:
     """Reads what `save` wrote."""
     read = _by_ending(path, {".npz": _read_npz, ".csv": _read_csv})
-    check_readable(path, LARGEST)
+    check_readable(path, LARGEST_FILE)
     try:
         return read(path)
     except UNREADABLE as error:
@@ -115,8 +115,8 @@ def _write_npz(log: Log, file: IO[bytes]) -> None:
 
 def _read_npz(path: Path) -> Log:
     with zipfile.ZipFile(path) as archive:
-        if sum(member.file_size for member in archive.infolist()) > LARGEST:
-            raise ValueError(f"its arrays are larger than {LARGEST:,} bytes")
+        if sum(member.file_size for member in archive.infolist()) > LARGEST_FILE:
+            raise ValueError(f"its arrays are larger than {LARGEST_FILE:,} bytes")
         header = _parsed(_member(archive, "header").item())
         channels = {name: _member(archive, name) for name in header["units"]}
         return Log(_member(archive, "time"), channels, **header)
@@ -131,7 +131,7 @@ def _member(archive: zipfile.ZipFile, name: str) -> NDArray[Any]:
         if np.lib.format.read_magic(file) != (1, 0):
             raise ValueError(f"{name} has another version of the format than 1.0")
         shape, _, dtype = np.lib.format.read_array_header_1_0(file)
-    kind, most = ("U", 4 * LONGEST_HEADER) if name == "header" else ("f", LARGEST)
+    kind, most = ("U", 4 * LONGEST_HEADER) if name == "header" else ("f", LARGEST_FILE)
     if dtype.kind != kind:
         raise ValueError(f"{name} is of type {dtype}, not {'text' if kind == 'U' else 'float64'}")
     if not dtype.itemsize * int(np.prod(shape, dtype=object)) <= min(member.file_size, most):
@@ -169,8 +169,9 @@ def _read_csv(path: Path) -> Log:
         numbers = array("d")
         for row in reader:
             numbers.extend(_numbers(row, len(titles), 1 + reader.line_num))
-            if numbers.itemsize * len(numbers) > 2 * LARGEST:  # of the channels, and at most as much again of the time
-                raise ValueError(f"its channels are larger than {LARGEST:,} bytes")
+            # of the channels, and at most as much again of the time
+            if numbers.itemsize * len(numbers) > 2 * LARGEST_FILE:
+                raise ValueError(f"its channels are larger than {LARGEST_FILE:,} bytes")
     table = np.frombuffer(numbers).reshape(-1, max(1, len(titles)))
     log = Log(table[:, 0], _channels(titles, table, header), **header)
     if titles != _titles(log):

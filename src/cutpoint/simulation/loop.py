@@ -149,7 +149,7 @@ class ClosedLoop:
     ) -> tuple[Scalars, Scalars]:
         """What motors are told, within what drive, current and voltage allow, N m; and what they were told before.
 
-        No limit mends a command that is not a number.
+        A command that is NaN passes all limits as NaN.
         """
         given = self._given(parameters)
         own = own_parts(given.machine, self.lanes.dense(state))

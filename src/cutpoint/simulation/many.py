@@ -12,6 +12,7 @@ from typing import Any, Literal
 import numpy as np
 from numpy.typing import NDArray
 
+from cutpoint.callers import warn
 from cutpoint.control.interface import name_of
 from cutpoint.control.sensors import Sensors
 from cutpoint.door import refused, whole
@@ -200,7 +201,7 @@ def _untraceable(packs: list[Pack]) -> list[Pack]:
         except TraceError as error:
             name = name_of(pack.setups[0].loop.controller)
             told = f"controller {name} runs as a Python callback, run by run: {error}"
-            warnings.warn(told, UntracedControllerWarning, stacklevel=3)
+            warn(told, UntracedControllerWarning)
             found.append(pack)
     return found
 

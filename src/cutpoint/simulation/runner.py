@@ -1,13 +1,13 @@
 """Running a closed loop: in compiled chunks of samples, one by one around a Python callback, or adaptively."""
 
 import time
-import warnings
 from collections.abc import Callable
 from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
+from cutpoint.callers import warn
 from cutpoint.control.interface import name_of, stepped
 from cutpoint.errors import TraceError
 from cutpoint.kernels import Program
@@ -130,7 +130,7 @@ def _advance(
         before, call = loop.program("command"), None
     except TraceError as error:
         name = name_of(loop.controller)
-        warnings.warn(f"controller {name} runs as a Python callback: {error}", UntracedControllerWarning, stacklevel=4)
+        warn(f"controller {name} runs as a Python callback: {error}", UntracedControllerWarning)
         before, call = loop.program("sense"), _callback(loop)
     after = loop.program("output" if integrate else "after")
 

@@ -1,10 +1,9 @@
 """After a run of fixed steps: whether what it reached, unknown before, would have asked for shorter ones."""
 
-import warnings
-
 import numpy as np
 from numpy.typing import NDArray
 
+from cutpoint.callers import warn
 from cutpoint.mechanics.backlash import spring_of
 from cutpoint.mechanics.harmonic_drive import deflection
 from cutpoint.robot import Robot
@@ -50,7 +49,7 @@ def _warn(what: str, limit: Limit, longest: float, allowed: float, log: Log) -> 
     if asked > allowed * taken:
         asked = int(np.ceil(asked))
         told = f"the run {what} {limit.cause} would take {asked} integration steps a control period"
-        warnings.warn(f"{told}, {taken} were taken: give substeps={asked}", StiffnessWarning, stacklevel=4)
+        warn(f"{told}, {taken} were taken: give substeps={asked}", StiffnessWarning)
 
 
 def _stiffest(robot: Robot, log: Log) -> tuple[Limit, float] | None:

@@ -1,12 +1,12 @@
 """How many integration steps a control period takes, and what asks for as many."""
 
 import math
-import warnings
 from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
+from cutpoint.callers import warn
 from cutpoint.functions.idle_joints import check_moves_inertia
 from cutpoint.mechanics.harmonic_drive import friction_resistance
 from cutpoint.mechanics.kinematic_error import KinematicError
@@ -90,7 +90,7 @@ def substeps_for(robot: Robot, accuracy: str, period: float, poses: Array, speed
         told = f"{cause} would take {wanted:.6g} integration steps a control period"
         fastest = f"(the drives' fastest mode is {mode.rate / 2 / np.pi:.4g} Hz)"
         words = f"{told} {fastest}; {MOST_SUBSTEPS} are taken. {remedy}, or give substeps="
-        warnings.warn(words, StiffnessWarning, stacklevel=4)
+        warn(words, StiffnessWarning)
     return Steps(max(1, min(wanted, MOST_SUBSTEPS)), cause)
 
 

@@ -5,6 +5,7 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from cutpoint.door import as_numbers
 from cutpoint.errors import InputError
 
 Array = NDArray[np.float64]
@@ -17,12 +18,7 @@ def joint_name(joints: Sequence[str] | None, index: int) -> str:
 
 def numbers(name: str, value: ArrayLike) -> Array:
     """A copy of the value as an array of float64.  Raises InputError for what is no array of numbers, or masked."""
-    if np.ma.is_masked(value):
-        raise InputError(f"{name} must have every number, some are masked: fill them in, or leave these out", name=name)
-    try:
-        return np.array(value, dtype=np.float64)
-    except (TypeError, ValueError, OverflowError) as error:
-        raise InputError(f"{name} must be an array of numbers: {error}", name=name) from error
+    return np.array(as_numbers("trajectory", name, value, "an array of numbers"))
 
 
 def positions(name: str, value: ArrayLike) -> Array:

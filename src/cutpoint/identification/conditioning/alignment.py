@@ -23,8 +23,8 @@ STANDS_OUT = 2.0
 """Uncertainties: a measured delay that is less than that is not corrected."""
 
 
-def skews(recording: Recording, later: str = "q", earlier: str = "theta") -> dict[str, Skew]:
-    """By how much one channel is later than another, of each joint that shows it.
+def skews(recording: Recording) -> dict[str, Skew]:
+    """By how much a link's encoder is later than its motor's, of each joint that shows it.
 
     A drive's deflection under friction looks like a delay.  Where torque was recorded, a second fit lets it bend the
     drive; friction on the motor's side, which bends nothing, misleads that one.  The delay is their mean, and half of
@@ -35,12 +35,12 @@ def skews(recording: Recording, later: str = "q", earlier: str = "theta") -> dic
     check_recording("skews", recording)
     period = recording.period
     found = {
-        joint: _skew(recording[later][:, k], recording[earlier][:, k], recording.channels.get("torque"), k, period)
+        joint: _skew(recording["q"][:, k], recording["theta"][:, k], recording.channels.get("torque"), k, period)
         for k, joint in enumerate(recording.joints)
-        if _moves(recording[later][:, k]) and _moves(recording[earlier][:, k])
+        if _moves(recording["q"][:, k]) and _moves(recording["theta"][:, k])
     }
     if not found:
-        raise InputError(f"no joint moves in both {later!r} and {earlier!r}: nothing shows a delay")
+        raise InputError("no joint moves in both 'q' and 'theta': nothing shows a delay")
     return found
 
 

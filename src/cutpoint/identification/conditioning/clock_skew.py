@@ -21,7 +21,7 @@ Law = Callable[[Array, Array, Array], Array]
 SLOWER = 10.0
 """What is that many times slower than the motion is a slow function: drift, wind-up, warming."""
 
-LARGEST = 0.05
+LARGEST_SKEW = 0.05
 """s: delays up to that are searched."""
 
 GRID = 21
@@ -56,7 +56,7 @@ def clock_skew(
     y: ArrayLike,
     period: float,
     law: Law = same_motion,
-    largest: float = LARGEST,
+    largest: float = LARGEST_SKEW,
 ) -> Skew:
     """The delay tau that makes x(t) = g y(t - tau) + a slow function fit best, between samples too.
 

@@ -26,11 +26,6 @@ class TwoMasses(NamedTuple):
         """Hz, undamped: where the rotor stands still."""
         return float(np.sqrt(self.stiffness / self.link)) / (2.0 * np.pi)
 
-    @property
-    def resonance(self) -> float:
-        """Hz, undamped."""
-        return float(np.sqrt(self.stiffness * (1.0 / self.link + 1.0 / self.rotor))) / (2.0 * np.pi)
-
     def position_response(self, frequencies: Array, period: float) -> ComplexArray:
         """theta over torque, (F,), rad/(N m), between samples a period (s) apart, the torque held between them.
 

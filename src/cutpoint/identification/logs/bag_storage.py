@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import Any, BinaryIO, NamedTuple
 from urllib.request import pathname2url
 
-from cutpoint.identification.logs.table import LARGEST, optional
+from cutpoint.identification.logs.table import LARGEST_FILE, optional
 
 SCHEMA, CHANNEL, MESSAGE, CHUNK, DATA_END = 3, 4, 5, 6, 15
 """Kinds of MCAP records.  The numbers and the layouts below are from mcap.dev/spec, version 0."""
@@ -54,7 +54,7 @@ def _from_sqlite(path: Path) -> Iterator[Message]:
         query = "SELECT COUNT(*) FROM pragma_table_xinfo('topics') AS t, pragma_table_xinfo('messages') AS m"
         if base.execute(f"{query} WHERE t.hidden OR m.hidden").fetchone() != (0,):
             raise ValueError("its tables 'topics' and 'messages' have columns that are computed")
-        left = LARGEST
+        left = LARGEST_FILE
         query = "SELECT name, type, timestamp, data FROM messages JOIN topics ON topics.id = topic_id"
         for topic, kind, received, data in base.execute(query):
             if not (isinstance(received, int) and isinstance(data, bytes)):
@@ -62,7 +62,7 @@ def _from_sqlite(path: Path) -> Iterator[Message]:
             message = Message(str(topic), str(kind), received, data)
             left -= len(message.topic) + len(message.type) + len(data) + MESSAGE_ITSELF
             if left < 0:
-                raise ValueError(f"its messages are more than {LARGEST:,} bytes")
+                raise ValueError(f"its messages are more than {LARGEST_FILE:,} bytes")
             yield message
 
 
@@ -72,7 +72,7 @@ class _Mcap:
     def __init__(self) -> None:
         self.types: dict[int, str] = {}
         self.channels: dict[int, tuple[str, str]] = {}
-        self.left = LARGEST
+        self.left = LARGEST_FILE
 
     def messages(self, file: BinaryIO, within_chunk: bool = False) -> Iterator[Message]:
         while kind := file.read(1):
@@ -114,7 +114,7 @@ class _Mcap:
     def take(self, size: int) -> None:
         self.left -= size
         if self.left < 0:
-            raise ValueError(f"its messages, unpacked, are more than {LARGEST:,} bytes")
+            raise ValueError(f"its messages, unpacked, are more than {LARGEST_FILE:,} bytes")
 
 
 def _unpacker(packing: str) -> Any:
@@ -129,7 +129,7 @@ def _unpacker(packing: str) -> Any:
 
 
 def _exactly(file: BinaryIO, size: int) -> bytes:
-    if size > LARGEST:
+    if size > LARGEST_FILE:
         raise ValueError(f"a record claims {size:,} bytes")
     found = file.read(size)
     if len(found) < size:

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from cutpoint.errors import InputError
 from cutpoint.files import check_readable
 from cutpoint.identification.logs.bag_storage import Message, stored_messages
-from cutpoint.identification.logs.table import LARGEST, Channel, Table, optional
+from cutpoint.identification.logs.table import LARGEST_FILE, Channel, Table, optional
 from cutpoint.simulation.log_files import UNREADABLE
 
 JOINT_STATE = "sensor_msgs/msg/JointState"
@@ -53,7 +53,7 @@ def _files(path: Path) -> list[Path]:
         raise InputError("folder holds no .db3 and no .mcap; unpack the files if they end in .zstd", place=path)
     if len(found) > MOST_FILES:
         raise InputError(f"folder holds {len(found):,} files of a bag: at most {MOST_FILES:,} are read", place=path)
-    left = LARGEST
+    left = LARGEST_FILE
     for file in found:
         check_readable(file, left)
         left -= file.stat().st_size

@@ -13,7 +13,7 @@ from scipy.io.matlab import MatReadError, mat_struct
 from cutpoint.errors import InputError
 from cutpoint.identification.logs.mat_nesting import ARRAY, check_nesting
 from cutpoint.identification.logs.read_hdf5 import read_hdf5
-from cutpoint.identification.logs.table import LARGEST, Table, channel
+from cutpoint.identification.logs.table import LARGEST_FILE, Table, channel
 from cutpoint.simulation.log_files import UNREADABLE
 
 HEADER = 128
@@ -29,7 +29,7 @@ DEEPEST = 8
 def read_mat(path: Path) -> Table:
     """The matrices of numbers in a .mat, by name; the fields of structures as `rec.position`.
 
-    Raises InputError: no MATLAB file, one that unpacks to more than `LARGEST` bytes, or whose cells nest too deep.
+    Raises InputError: no MATLAB file, one that unpacks to more than `LARGEST_FILE` bytes, or whose cells nest too deep.
     """
     with path.open("rb") as file:
         start = file.read(HEADER)
@@ -58,18 +58,18 @@ def _leaves(prefix: str, found: dict[str, Any], depth: int) -> Iterator[tuple[st
 
 
 def _check_elements(path: Path, order: Any) -> None:
-    """Raises ValueError for what SciPy would take without asking: more than `LARGEST` bytes, or too deep a nesting."""
-    left = LARGEST
+    """Raises ValueError for what SciPy would take unasked: more than `LARGEST_FILE` bytes, or too deep a nesting."""
+    left = LARGEST_FILE
     with path.open("rb") as file:
         file.seek(HEADER)
         while len(tag := file.read(8)) == 8:
             kind, size = int.from_bytes(tag[:4], order), int.from_bytes(tag[4:], order)
-            content = file.read(min(size, LARGEST))
+            content = file.read(min(size, LARGEST_FILE))
             if kind == COMPRESSED:
                 unpacked = zlib.decompressobj().decompress(content, left + 1)
                 left -= len(unpacked)
                 if left < 0:
-                    raise ValueError(f"it unpacks to more than {LARGEST:,} bytes")
+                    raise ValueError(f"it unpacks to more than {LARGEST_FILE:,} bytes")
                 check_nesting(memoryview(unpacked), order)
             elif kind == ARRAY:
                 check_nesting(memoryview(tag + content), order)

@@ -12,7 +12,7 @@ from cutpoint.identification.logs.read_csv import read_csv
 from cutpoint.identification.logs.read_mat import read_mat
 from cutpoint.identification.logs.read_npz import read_npz
 from cutpoint.identification.logs.read_parquet import read_parquet
-from cutpoint.identification.logs.table import LARGEST, Table
+from cutpoint.identification.logs.table import LARGEST_FILE, Table
 
 READERS: dict[str, Callable[[Path], Table]] = {
     ".csv": read_csv,
@@ -35,7 +35,7 @@ def read_table(path: str | Path) -> Table:
     path = path_of("read_table", path, "a log")
     if path.is_dir():
         return read_bag(path)
-    check_readable(path, LARGEST)
+    check_readable(path, LARGEST_FILE)
     ending = path.suffix.lower()
     if ending not in READERS:
         raise InputError(f"ending {path.suffix!r} of {path.name!r} must be one of {', '.join(READERS)}", path=path)

@@ -14,7 +14,7 @@ from cutpoint.identification.logs.units import name_and_unit
 
 Array = NDArray[np.float64]
 
-LARGEST = 1_000_000_000
+LARGEST_FILE = 1_000_000_000
 """Bytes of a log file, and of the arrays it unpacks to: as for our own logs."""
 
 SHOWN = 4
@@ -105,8 +105,10 @@ def channel(values: Any, **words: Any) -> Channel | None:
 
 def check_size(size: int, what: str, place: str) -> None:
     """Raises InputError for more bytes than are read."""
-    if size > LARGEST:
-        raise InputError(f"{what} of {size:,} bytes is too large: at most {LARGEST:,} are read", place=place, size=size)
+    if size > LARGEST_FILE:
+        raise InputError(
+            f"{what} of {size:,} bytes is too large: at most {LARGEST_FILE:,} are read", place=place, size=size
+        )
 
 
 def optional(module: str, kind: str) -> Any:

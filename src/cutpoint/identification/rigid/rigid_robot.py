@@ -146,4 +146,5 @@ def _share_of_motor(drive: Drive, coefficient: str) -> float:
 
 def _as_stated(stated: Any, law: Sliding | None) -> Any:
     """The law as what slides in bristles that were stated."""
-    return replace(stated, sliding=law) if law and hasattr(stated, "sliding") and law.plateau(0) > 0 else law
+    keeps = law is not None and hasattr(stated, "sliding") and getattr(law, "coulomb", 0.0) > 0
+    return replace(stated, sliding=law) if keeps else law

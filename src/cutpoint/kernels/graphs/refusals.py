@@ -2,26 +2,15 @@
 
 import sys
 from numbers import Real
-from types import FrameType
 from typing import Any, NoReturn
 
+from cutpoint.callers import user_place
 from cutpoint.errors import TraceError
 
-_NOT_THE_USER = {"cutpoint", "numpy"}
 _OURS = {
     "sin", "cos", "tan", "atan", "exp", "log", "tanh", "sqrt", "absolute", "maximum", "minimum", "clip", "where"
 }  # fmt: skip
 _RENAMED = {"arctan": "atan", "fabs": "absolute", "fmax": "maximum", "fmin": "minimum"}
-
-
-def user_place() -> str | None:
-    """File and line of the innermost frame that belongs to neither this package nor NumPy."""
-    frame: FrameType | None = sys._getframe(1)
-    while frame is not None:
-        if str(frame.f_globals.get("__name__", "")).partition(".")[0] not in _NOT_THE_USER:
-            return f"{frame.f_code.co_filename}:{frame.f_lineno}"
-        frame = frame.f_back
-    return None
 
 
 def refuse(message: str) -> NoReturn:

@@ -20,7 +20,7 @@ from pathlib import Path
 VARIABLE = "CUTPOINT_CACHE"
 """The environment variable that names another folder; empty, no cache is kept."""
 
-LARGEST = 512 * 2**20
+LARGEST_FOLDER = 512 * 2**20
 """What the folder may hold, in bytes; where it holds more, what was used least recently goes."""
 
 _SUFFIX = ".code"
@@ -41,7 +41,7 @@ def key_of(*parts: str) -> bytes:
 class Cache:
     """Code by key, in a folder of the user's own; see `user_folder`."""
 
-    def __init__(self, folder: Path | None, largest: int = LARGEST) -> None:
+    def __init__(self, folder: Path | None, largest: int = LARGEST_FOLDER) -> None:
         """folder: None keeps nothing.  largest: what it may hold, in bytes."""
         self._folder, self._largest, self._writes = folder, largest, 0
 

@@ -11,7 +11,7 @@ from typing import Any
 
 from cutpoint.kernels.graphs.algebra import Operand
 from cutpoint.kernels.graphs.graph import Graph
-from cutpoint.kernels.graphs.nodes import Node
+from cutpoint.kernels.graphs.nodes import Node, key_of
 
 _ALIKE = frozenset({"add", "sub", "mul", "div", "neg", "fma", "fms", "fnma"})
 _EXCHANGEABLE = frozenset({"add", "mul", "fma", "fms", "fnma"})
@@ -88,13 +88,13 @@ class Superwords:
         return [*map(self.unit, unit.args)] if isinstance(unit, Node) and unit.op != "input" else []
 
     def _together(self, numbers: Triple) -> Word:
-        key = tuple(map(_key, numbers))
+        key = tuple(map(key_of, numbers))
         if key not in self._found:
             self._found[key] = self._word(numbers)
         return self._found[key]
 
     def _word(self, numbers: Triple) -> Word:
-        if len({_key(x) for x in numbers}) == 1:
+        if len({key_of(x) for x in numbers}) == 1:
             return Word("spread", numbers)
         if word := self._signed(numbers):
             return word
@@ -161,7 +161,7 @@ class Superwords:
         return [*zip(first, *others, strict=True)]
 
     def _likeness(self, x: Operand, y: Operand, foresight: int = _FORESIGHT) -> float:
-        if _key(x) == _key(y):
+        if key_of(x) == key_of(y):
             return 6
         if not isinstance(x, Node) or not isinstance(y, Node):
             return 3 * (type(x) is type(y))
@@ -191,10 +191,6 @@ def _sign(x: Operand) -> int:
     if isinstance(x, Node):
         return -1 if x.op == "neg" else 1
     return int(repr(x) != "0.0")
-
-
-def _key(x: Operand) -> int | str:
-    return x.serial if isinstance(x, Node) else repr(x)
 
 
 def _needs(graph: Graph) -> dict[int, int]:

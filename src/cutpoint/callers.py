@@ -1,0 +1,34 @@
+"""The user's line, at which errors and warnings point."""
+
+import sys
+import warnings
+from collections.abc import Iterator
+from types import FrameType
+
+_NOT_THE_USER = {"cutpoint", "numpy", "concurrent", "threading"}
+
+
+def user_place() -> str | None:
+    """File and line of the innermost frame that is the user's; None in a thread that this package started."""
+    for frame in _frames():
+        if not _is_ours(frame):
+            return f"{frame.f_code.co_filename}:{frame.f_lineno}"
+    return None
+
+
+def warn(message: Warning | str, category: type[Warning] = UserWarning) -> None:
+    """Warns at the user's line; at none where `user_place` finds none."""
+    frames = [*map(_is_ours, _frames())]
+    warnings.warn(message, category, stacklevel=1 + (frames.index(False) if False in frames else len(frames)))
+
+
+def _frames() -> Iterator[FrameType]:
+    """The caller's and those around it, the innermost first."""
+    frame: FrameType | None = sys._getframe(1)
+    while frame is not None:
+        yield frame
+        frame = frame.f_back
+
+
+def _is_ours(frame: FrameType) -> bool:
+    return str(frame.f_globals.get("__name__", "")).partition(".")[0] in _NOT_THE_USER
