@@ -14,7 +14,7 @@ from matplotlib.figure import Figure
 from typer.testing import CliRunner
 
 import cutpoint
-from cutpoint import InputError, Log, robots
+from cutpoint import InputError, Log, ModelError, robots
 from cutpoint.commands import app, shared
 from cutpoint.simulation import runner
 
@@ -268,6 +268,19 @@ def test_joints_are_locked_and_gravity_turned_as_the_options_say(
     locked = [f"--lock=joint{k}=0.1" for k in range(2, 7)]
     told = printed("torque", "xia2019", "--q", "0.1", *locked)
     assert "joint1" in told and "joint2" not in told
+
+
+def test_inertias_are_mended_on_demand(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(tmp_path)
+    sound = ONE_JOINT.format(joint="swing")
+    Path("arm.urdf").write_text(re.sub('ixx="[^"]*"', 'ixx="9"', sound), encoding="utf-8")
+    with pytest.raises(ModelError, match=r"would do; mend_inertia=True does that \(--mend-inertia\)"):
+        printed("inspect", "arm.urdf")
+    with pytest.warns(UserWarning, match="inertias that no mass can have are larger here"):
+        assert "swing" in printed("inspect", "arm.urdf", "--mend-inertia")
+    Path("arm.xml").write_text("<mujoco><worldbody/></mujoco>", encoding="utf-8")
+    with pytest.raises(InputError, match=r'mend_inertia is for URDF files; state <compiler balanceinertia="true"/>'):
+        printed("inspect", "arm.xml", "--mend-inertia")
 
 
 def test_a_joint_is_locked_at_one_place() -> None:

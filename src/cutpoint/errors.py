@@ -11,6 +11,9 @@ INTERRUPTED = 130
 LONG_LIST = 24
 """Up to this many names an error lists them all; of more, those that are like the wrong one, or the first few."""
 
+LONGEST_MESSAGE = 20_000
+"""Characters of a message, which may quote what a file holds; of a longer one the middle is left out."""
+
 MOST_GUESSED = 3
 
 LONGEST_GUESS = 100
@@ -26,6 +29,8 @@ class CutpointError(Exception):
     """
 
     def __init__(self, message: str, *, place: str | Path | None = None, **evidence: Any) -> None:
+        if len(message) > LONGEST_MESSAGE:
+            message = f"{message[: LONGEST_MESSAGE // 2]} ... {message[-LONGEST_MESSAGE // 2 :]}"
         super().__init__(f"{message} ({place})" if place else message)
         self.place = str(place) if place else None
         self.evidence = evidence

@@ -4,7 +4,7 @@ from collections.abc import Collection, Mapping
 from os import PathLike
 from pathlib import Path
 from types import NoneType
-from typing import Literal
+from typing import Any, Literal
 
 from numpy.typing import ArrayLike
 
@@ -29,6 +29,7 @@ def load(
     floating_base: bool = False,
     lock: Mapping[str, float] | None = None,
     mimic: Literal["independent", "coupled"] = "independent",
+    mend_inertia: bool = False,
     backend: Backend = "auto",
 ) -> Robot:
     """A robot from a URDF (.urdf, .xacro) or MJCF (.mjcf, .xml) file, its drives from a drive file: docs/drive-file.md.
@@ -39,7 +40,7 @@ def load(
     lock: coordinates at which joints are held fixed, by name; their drives are passed over.
     backend: how kernels are compiled.
     Of a URDF only: floating_base carries the root link on a free joint; mimic joints are "independent" coordinates, or
-    "coupled" to their leader.
+    "coupled" to their leader; mend_inertia adds to inertias that no mass can have what they lack, and warns of it.
     Raises ModelError, with file and line, for whatever is wrong in the files.
     """
     path = path_of("load", path, "a robot file")
@@ -48,12 +49,22 @@ def load(
     suffix = path.suffix.lower()
     if suffix in (".urdf", ".xacro"):
         fall = STANDARD_GRAVITY if gravity is None else gravity
-        mechanism = load_urdf(path, gravity=fall, floating_base=floating_base, lock=lock, mimic=mimic)
+        options: dict[str, Any] = {
+            "floating_base": floating_base,
+            "lock": lock,
+            "mimic": mimic,
+            "mend_inertia": mend_inertia,
+        }
+        mechanism = load_urdf(path, gravity=fall, **options)
         return Robot(mechanism, _drives(mechanism, {}, drives, lock or {}), backend=backend)
     if suffix not in (".mjcf", ".xml"):
         raise ModelError(f"robot file {str(path)!r} must be a .urdf, .xacro, .mjcf or .xml")
     if floating_base or mimic != "independent":
         raise InputError("load: floating_base and mimic are for URDF files; an MJCF file says itself what floats")
+    if mend_inertia:
+        raise InputError(
+            'load: mend_inertia is for URDF files; state <compiler balanceinertia="true"/> in an MJCF file'
+        )
     from cutpoint.formats import load_mjcf  # slow to import
 
     mechanism, stated = load_mjcf(path, gravity=gravity, lock=lock)
@@ -83,8 +94,9 @@ def _say_what_is_dropped(stated: Mapping[str, Drive], found: Mapping[str, Drive]
     armature = [name for name, drive in found.items() if stated[name].rotor and not drive.rotor]
     rubbing = [name for name, drive in found.items() if not (drive.link_friction or drive.motor_friction)]
     friction = [name for name in rubbing if stated[name].link_friction]
-    dropped = {"armature": armature, "damping and friction": friction}
-    told = [f"{what} of {', '.join(map(repr, names))}" for what, names in dropped.items() if names]
+    dropped = {"armature": (armature, "rotor"), "damping and friction": (friction, "friction")}
+    told = [f"{what} of {', '.join(map(repr, names))}" for what, (names, _) in dropped.items() if names]
     if told:
-        rule = f"an entry replaces them: state 'rotor' and 'friction' there to have any ({place})"
+        fields = " and ".join(repr(field) for names, field in dropped.values() if names)
+        rule = f"an entry replaces them: state {fields} there to have any ({place})"
         warn(f"the robot file's {' and '.join(told)} do not count, {rule}", DroppedWarning)

@@ -39,7 +39,7 @@ ENTRIES = {
     ),
     "missing hardening": (
         f"{{{ELASTIC}: {{flexspline: {{stiffness: 3}}}}}}",
-        "'hardening' (1/(N m)) is missing in compliance.flexspline",
+        "'hardening' (1/(N m)) is missing in compliance.flexspline: c_f: stiffness grows by 1 + (c_f torque)^2",
     ),
     "two springs": (
         f"{{{ELASTIC}: {{linear: {{stiffness: 3}}, flexspline: {{stiffness: 3, hardening: 1}}}}}}",
@@ -220,12 +220,15 @@ FILES = {
         "version: 1\ndrives:\n  elbow: 3",
         "drive file: drives.elbow 3.0 must be a mapping of fields (arm.yaml:3)",
     ),
-    "no version": ("drives: {}", "drive file: 'version' is missing (arm.yaml:1)"),
+    "no version": ("drives: {}", "drive file: 'version' is missing: 1, that of this format (arm.yaml:1)"),
     "other version": (
         "version: 2\ndrives: {}",
         "drive file: version 2 is not known; this cutpoint reads 1 (arm.yaml:1)",
     ),
-    "no drives": ("version: 1", "drive file: 'drives' is missing (arm.yaml:1)"),
+    "no drives": (
+        "version: 1",
+        "drive file: 'drives' is missing: one entry for each driven joint, by the joint's name (arm.yaml:1)",
+    ),
     "unknown section": (
         "version: 1\ndrivers: {}\ndrives: {}",
         "drive file: unknown key 'drivers'; those that exist are 'version', 'defaults', 'drives' (arm.yaml:2)",

@@ -241,7 +241,7 @@ LOST = {
         (
             "damping of joints 'ball'",
             "frictionloss of joints 'ball'",
-            "armature of joints 'ball'",
+            "armature, in the mass matrix, of joints 'ball'",
             "range of joints 'ball'",
         ),
     ),
@@ -290,6 +290,14 @@ REFUSED = {
         "<mujocoinclude/>",
         "the root element of an MJCF file is <mujoco>, got <mujocoinclude> (a part: give the file that includes it)"
         " (arm.xml:1)",
+    ),
+    "a part whose root is none": (
+        '<mujoco>\n<body name="hand"/></mujoco>',
+        "<body> outside <worldbody>: this file is a part, give the file that includes it (arm.xml:2)",
+    ),
+    "a part without bodies": (
+        "<mujoco><sensor/></mujoco>",
+        "there is no <worldbody>: this file is a part, give the file that includes it (arm.xml:1)",
     ),
     "nan": (one_body('\n<geom pos="0 NaN 0" size="1"/>'), "<geom> pos '0 NaN 0' must not hold nan (arm.xml:4)"),
     "a misspelt attribute": (

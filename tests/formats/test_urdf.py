@@ -6,6 +6,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from scipy.spatial.transform import Rotation
 from urdf_text import ARM, joint, link, robot
 
 from cutpoint import Drive, Robot
@@ -96,10 +97,19 @@ def test_a_coupled_mimic_keeps_its_relation() -> None:
 
 
 def test_a_mimic_of_nothing_is_free_or_an_error() -> None:
-    with pytest.warns(MimicWarning):
+    with pytest.warns(MimicWarning, match=r"ties them, but the file has no leader of 'right'"):
         assert parse_urdf(gripper(leader="lost")).bodies[1].joint.mimic is None
     with pytest.raises(ModelError, match=r"joint 'right': mimics joint 'lost', which does not exist"):
         parse_urdf(gripper(leader="lost"), mimic="coupled")
+
+
+@pytest.mark.parametrize("scale", [1.0, -3.0, 1e-200, 1e200])
+def test_an_origin_may_be_stated_by_a_quaternion(scale: float) -> None:
+    turn = Rotation.from_euler("xyz", [0.3, -0.7, 1.9])
+    stated = " ".join(repr(float(x)) for x in scale * turn.as_quat())
+    by_quaternion = parse_urdf(one_joint(f'<origin xyz="1 2 3" quat_xyzw="{stated}"/>')).bodies[0].placement
+    by_angles = parse_urdf(one_joint('<origin xyz="1 2 3" rpy="0.3 -0.7 1.9"/>')).bodies[0].placement
+    np.testing.assert_allclose(by_quaternion, by_angles, atol=1e-15)
 
 
 def test_only_two_ways_to_read_a_mimic_exist() -> None:

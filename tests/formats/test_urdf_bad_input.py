@@ -38,12 +38,13 @@ LINKS = {
         link("arm", 1.0, (1.0, 0.1, 0.1)),
         "link 'arm': principal moments of inertia 0.1, 0.1, 1 kg m2: the largest exceeds the sum of the others by"
         " 80.00% of itself (triangle inequality); check <inertia> and its <origin>; ixx, iyy and izz larger by 0.8008"
-        " would do (arm.urdf:3)",
+        " would do; mend_inertia=True does that (--mend-inertia) (arm.urdf:3)",
     ),
     "negative moment": (
         link("arm", 1.0, (-0.1, 0.1, 0.1)),
         "link 'arm': principal moments of inertia -0.1, 0.1, 0.1 kg m2: none must be negative;"
-        " check <inertia> and its <origin>; ixx, iyy and izz larger by 0.1001 would do (arm.urdf:3)",
+        " check <inertia> and its <origin>; ixx, iyy and izz larger by 0.1001 would do;"
+        " mend_inertia=True does that (--mend-inertia) (arm.urdf:3)",
     ),
     "inertia without mass": (
         link("arm", 0),
@@ -86,6 +87,18 @@ JOINTS = {
         '<origin rpy="0 90 0"/>',
         "joint 'elbow': <origin> rpy '0 90 0' looks like degrees; URDF angles are radians",
     ),
+    "quaternion and angles": (
+        '<origin rpy="0 0 0" quat_xyzw="0 0 0 1"/>',
+        "joint 'elbow': <origin> states both rpy and quat_xyzw; leave one out",
+    ),
+    "quaternion without direction": (
+        '<origin quat_xyzw="0 0 0 0"/>',
+        "joint 'elbow': <origin> quat_xyzw '0 0 0 0' must be four finite numbers, not all zero",
+    ),
+    "short quaternion": (
+        '<origin quat_xyzw="0 0 1"/>',
+        "joint 'elbow': <origin> quat_xyzw '0 0 1' must be four finite numbers, not all zero",
+    ),
     "mimic of itself": ('<mimic joint="elbow"/>', "joint 'elbow': mimics in a circle, through joint 'elbow'"),
 }
 
@@ -112,6 +125,16 @@ DOCUMENTS = {
     "unknown link": (
         robot(link("base"), joint("j", "bse", "base")),
         "joint 'j': parent link 'bse' does not exist; there are: 'base' (arm.urdf:3)",
+    ),
+    "no world": (
+        robot(link("base"), joint("j", "world", "base")),
+        "joint 'j': parent link 'world' does not exist; there are: 'base'; add a link of that name, without mass"
+        " (arm.urdf:3)",
+    ),
+    "another dialect": (
+        robot(link("base"), link("a"), '<drake:joint xmlns:drake="http://drake.mit.edu" name="j" type="ball"/>'),
+        "<joint> of the dialect 'http://drake.mit.edu' is not read, and the tree lacks it: state it as URDF's own"
+        " (arm.urdf:4)",
     ),
     "a link twice": (
         robot(link("base"), link("base")),
@@ -207,7 +230,12 @@ def test_the_number_of_elements_is_capped() -> None:
 
 def test_the_length_of_an_attribute_is_capped() -> None:
     text = robot(link("a" * (MAXIMUM_ATTRIBUTE + 1)))
-    assert refused(text) == "XML holds an attribute of more than 10,000 characters, the most that is read (arm.urdf:2)"
+    told = (
+        "XML holds 'name' of <link>, an attribute of 1,000,001 characters, more than 1,000,000, the most that is read"
+    )
+    assert refused(text) == f"{told} (arm.urdf:2)"
+    quoted = refused(robot(link("a" * MAXIMUM_ATTRIBUTE, "heavy")))
+    assert len(quoted) < 25_000 and quoted.endswith("' must be a finite number (arm.urdf:2)")
 
 
 def test_a_long_chain_needs_no_deep_stack() -> None:

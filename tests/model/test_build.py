@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 import cutpoint
 from cutpoint.errors import ModelError
 from cutpoint.model import WORLD, Joint, Limits, Link, Mechanism, Mimic
-from cutpoint.model.build import build
+from cutpoint.model.build import MendedWarning, build
 from cutpoint.model.pose import is_rigid, pose, roll_pitch_yaw, rotation_about
 
 ANGLES = st.floats(-4.0, 4.0)
@@ -242,6 +242,8 @@ def test_a_follower_that_slides_far_with_its_locked_leader_is_refused() -> None:
 def test_gravity_is_of_a_size_that_worlds_have() -> None:
     with pytest.raises(ModelError, match=r"gravity: vector must not exceed 1e\+12 in SI units"):
         build("r", [ball("base")], [], gravity=(0.0, 0.0, 1e20))
+    with pytest.raises(ModelError, match=r"gravity: must be a vector \(3,\) .*, such as .*, got one number, 9\.81"):
+        build("r", [ball("base")], [], gravity=9.81)
 
 
 def test_a_lock_in_degrees_is_pointed_out() -> None:
@@ -293,10 +295,20 @@ def test_all_bodies_that_no_mass_can_make_are_named_with_what_would_mend_them() 
     rule = "the largest exceeds the sum of the others by 3.23% of itself (triangle inequality)"
     with pytest.raises(ModelError, match=re.escape(f"kg m2: {rule}; check")) as caught:
         build("r", links(0.0), joints)
-    told = re.search(r"ixx, iyy and izz larger by (\S+) would do \(likewise 'fore', 'hand'\)$", str(caught.value))
+    told = re.search(
+        r"ixx, iyy and izz larger by (\S+) would do, of 'fore' by \1, of 'hand' by \1; mend_inertia=True does that",
+        str(caught.value),
+    )
     assert told is not None
     assert caught.value.evidence["links"] == ["upper", "fore", "hand"]
     build("r", links(float(told[1])), joints)
+    with pytest.warns(MendedWarning, match=rf"are larger here, .* 'upper' by {told[1]}, 'fore' by .*, 'hand' by"):
+        mended = build("r", links(0.0), joints, mend_inertia=True)
+    for body in mended.bodies:
+        np.testing.assert_allclose(body.inertia, links(float(told[1]))[1].inertia, rtol=1e-3)
+    with pytest.raises(ModelError, match=r"without mass \(0 kg\) there is no inertia; state the mass"):
+        build("r", [ball("base"), LINKS["inertia without mass"][0]], [Joint("j", "revolute", "base", "arm")],
+              mend_inertia=True)  # fmt: skip
 
 
 @pytest.mark.parametrize("case", LINKS)

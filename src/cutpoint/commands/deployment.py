@@ -5,7 +5,18 @@ from typing import Annotated, Literal
 
 import typer
 
-from cutpoint.commands.shared import Drives, FloatingBase, Gravity, Locks, Mimics, RobotFile, app, robot_of, say_path
+from cutpoint.commands.shared import (
+    Drives,
+    FloatingBase,
+    Gravity,
+    Locks,
+    MendInertia,
+    Mimics,
+    RobotFile,
+    app,
+    robot_of,
+    say_path,
+)
 from cutpoint.functions.exported import RESULTS
 from cutpoint.mechanics.kinematics import ExpressedIn
 
@@ -27,6 +38,7 @@ def export(
     mimic: Mimics = "independent",
     lock: Locks = None,
     gravity: Gravity = None,
+    mend_inertia: MendInertia = False,
     floating_base: FloatingBase = False,
     frame: Annotated[str | None, typer.Option(help="For jacobian and frame_pose: of which frame.")] = None,
     expressed_in: Annotated[ExpressedIn | None, typer.Option(help="For jacobian: along which axes.")] = None,
@@ -39,6 +51,6 @@ def export(
 
     given = {"frame": frame, "expressed_in": expressed_in}
     options = {key: value for key, value in given.items() if value is not None}
-    loaded = robot_of(robot, drives, mimic, lock, gravity, floating_base=floating_base)
+    loaded = robot_of(robot, drives, mimic, lock, gravity, mend_inertia, floating_base=floating_base)
     for path in export_function(loaded, function, folder, to=to, name=name, force=force, **options):
         say_path(to, path)

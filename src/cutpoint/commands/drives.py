@@ -12,6 +12,7 @@ from cutpoint.commands.shared import (
     Drives,
     Gravity,
     Locks,
+    MendInertia,
     Mimics,
     RobotFile,
     app,
@@ -39,6 +40,7 @@ def check(
     mimic: Mimics = "independent",
     lock: Locks = None,
     gravity: Gravity = None,
+    mend_inertia: MendInertia = False,
     bandwidth: Annotated[
         float | None, typer.Option(help="To which a file's positions are smoothed, Hz; 10, or as samples allow.")
     ] = None,
@@ -59,7 +61,7 @@ def check(
 
     check_targets(None, plot)
     check_target("json", json, (".json",))
-    loaded = robot_of(robot, drives, mimic, lock, gravity)
+    loaded = robot_of(robot, drives, mimic, lock, gravity, mend_inertia)
     cycle = cycle_of(loaded, trajectory, bandwidth, (start, to), duration, degrees)
     found = sizing(loaded, cycle, dwell=dwell, period=period, life=life)
     if json:

@@ -10,6 +10,7 @@ from cutpoint.commands.shared import (
     Drives,
     Gravity,
     Locks,
+    MendInertia,
     Mimics,
     RobotFile,
     app,
@@ -31,6 +32,7 @@ def excite(
     mimic: Mimics = "independent",
     lock: Locks = None,
     gravity: Gravity = None,
+    mend_inertia: MendInertia = False,
     duration: Annotated[float, typer.Option(help="Of the motion, s: a whole number of its periods.")] = 10.0,
     harmonics: Annotated[int, typer.Option(help="Waves in each joint, multiples of the base frequency; least 3.")] = 5,
     base_frequency: Annotated[
@@ -66,7 +68,7 @@ def excite(
     from cutpoint.identification import excitation
     from cutpoint.identification.excitation.table import FILES, save, table_of
 
-    loaded = robot_of(robot, drives, mimic, lock, gravity)
+    loaded = robot_of(robot, drives, mimic, lock, gravity, mend_inertia)
     boxes = _boxes(loaded, box, frame)
     check_target_folder(output, "--output")
     found = excitation(
@@ -104,6 +106,7 @@ def identify(
     mimic: Mimics = "independent",
     lock: Locks = None,
     gravity: Gravity = None,
+    mend_inertia: MendInertia = False,
     output: Annotated[
         Path,
         typer.Option(metavar="DIR", help="Folder for robot.urdf, robot.drives.yaml, parameters.json, report.html."),
@@ -148,7 +151,7 @@ def identify(
     from cutpoint.identification.output.terminal import sentences, table_of
 
     check_folder(output, force)
-    loaded = robot_of(robot, drives, mimic, lock, gravity)
+    loaded = robot_of(robot, drives, mimic, lock, gravity, mend_inertia)
     file = cutpoint.robots.XIA2019_URDF if str(robot) == "xia2019" else robot
     found = identified(
         loaded, log, mapping, hold_out=hold_out, springs=springs, method=method, solver=solver, cutoff=cutoff,

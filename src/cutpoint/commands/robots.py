@@ -13,6 +13,7 @@ from cutpoint.commands.shared import (
     FloatingBase,
     Gravity,
     Locks,
+    MendInertia,
     Mimics,
     RobotFile,
     Rung,
@@ -51,10 +52,11 @@ def inspect(
     mimic: Mimics = "independent",
     lock: Locks = None,
     gravity: Gravity = None,
+    mend_inertia: MendInertia = False,
     floating_base: FloatingBase = False,
 ) -> None:
     """Show what a robot is: joints, bodies, limits, drives, and where virtual decomposition cuts it."""
-    loaded = robot_of(robot, drives, mimic, lock, gravity, floating_base=floating_base)
+    loaded = robot_of(robot, drives, mimic, lock, gravity, mend_inertia, floating_base=floating_base)
     console.print(robot_table(loaded))
     console.print(drive_table(loaded))
 
@@ -70,9 +72,10 @@ def torque(
     mimic: Mimics = "independent",
     lock: Locks = None,
     gravity: Gravity = None,
+    mend_inertia: MendInertia = False,
 ) -> None:
     """Torques that hold or move a robot; with elastic drives, where their motors must stand."""
-    loaded = robot_of(robot, drives, mimic, lock, gravity)
+    loaded = robot_of(robot, drives, mimic, lock, gravity, mend_inertia)
     position, speed, acceleration = (numbers_of(loaded, *given, degrees) for given in (("q", q), ("v", v), ("a", a)))
     check_configuration(loaded.mechanism, position.tolist())
     still = np.zeros(len(loaded.joints))
@@ -94,6 +97,7 @@ def simulate(
     mimic: Mimics = "independent",
     lock: Locks = None,
     gravity: Gravity = None,
+    mend_inertia: MendInertia = False,
     bandwidth: Annotated[float, typer.Option(help="Bandwidth of the PD on the motors, Hz.")] = 5.0,
     feedforward: Annotated[Rung, typer.Option(help="How much of the model is fed forward.")] = "elastic",
     period: Annotated[float, typer.Option("--period", "--control-period", help="Control period, s.")] = 1e-3,
@@ -106,7 +110,7 @@ def simulate(
     from cutpoint.control import Feedforward, tune
 
     check_targets(output, plot)
-    loaded = robot_of(robot, drives, mimic, lock, gravity)
+    loaded = robot_of(robot, drives, mimic, lock, gravity, mend_inertia)
     ends = {"end": numbers_of(loaded, "to", to, degrees), "start": numbers_of(loaded, "from", start, degrees)}
     trajectory = cutpoint.trajectories.cycloid(duration=duration, **ends)
     controller: Any = tune(loaded, bandwidth, control_period=period)
@@ -138,6 +142,7 @@ def modes(
     mimic: Mimics = "independent",
     lock: Locks = None,
     gravity: Gravity = None,
+    mend_inertia: MendInertia = False,
     friction: Annotated[
         bool,
         typer.Option("--friction", metavar="", help="With friction's slope at rest; it damps, or locks, what swings."),
@@ -148,7 +153,7 @@ def modes(
 ) -> None:
     """Frequencies at which the drives ring, at rest, and how a motor's torque moves motor and link over frequency."""
     check_targets(None, plot)
-    loaded = robot_of(robot, drives, mimic, lock, gravity)
+    loaded = robot_of(robot, drives, mimic, lock, gravity, mend_inertia)
     position = numbers_of(loaded, "q", q, degrees)
     check_configuration(loaded.mechanism, position.tolist())
     found = loaded.modes(position, friction=friction)

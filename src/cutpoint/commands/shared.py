@@ -82,6 +82,10 @@ Degrees = Annotated[bool, typer.Option("--degrees", metavar="", help="Angles, an
 FloatingBase = Annotated[
     bool, typer.Option("--floating-base", metavar="", help="Carry the root link of a URDF on a free joint.")
 ]
+MendInertia = Annotated[
+    bool,
+    typer.Option("--mend-inertia", metavar="", help="Add to inertias of a URDF that no mass can have what they lack."),
+]
 Rung = Literal["none", "gravity", "rigid", "rotor", "friction", "elastic"]
 
 
@@ -95,6 +99,7 @@ def robot_of(
     mimic: Literal["independent", "coupled"] = "independent",
     lock: list[str] | None = None,
     gravity: tuple[float, float, float] | None = None,
+    mend_inertia: bool = False,
     *,
     floating_base: bool = False,
 ) -> cutpoint.Robot:
@@ -104,8 +109,13 @@ def robot_of(
         raise InputError(told, path=path)
     if str(path) == "xia2019":
         path, drives = cutpoint.robots.XIA2019_URDF, drives or cutpoint.robots.XIA2019_DRIVES
-    places = _places_of(lock or [])
-    return cutpoint.load(path, drives, mimic=mimic, lock=places, gravity=gravity, floating_base=floating_base)
+    options: dict[str, Any] = {
+        "mimic": mimic,
+        "lock": _places_of(lock or []),
+        "gravity": gravity,
+        "mend_inertia": mend_inertia,
+    }
+    return cutpoint.load(path, drives, floating_base=floating_base, **options)
 
 
 def _places_of(locks: list[str]) -> dict[str, float]:

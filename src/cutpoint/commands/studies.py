@@ -11,6 +11,7 @@ from cutpoint.commands.shared import (
     Drives,
     Gravity,
     Locks,
+    MendInertia,
     Mimics,
     app,
     robot_of,
@@ -65,6 +66,7 @@ def compare(
     mimic: Mimics = "independent",
     lock: Locks = None,
     gravity: Gravity = None,
+    mend_inertia: MendInertia = False,
     output: Annotated[
         Path, typer.Option(metavar="DIR", help="Folder for the report, its figures and results.json.")
     ] = Path("compare"),
@@ -80,11 +82,17 @@ def compare(
     """Compare all control laws on one arm at equal stiffness, each departure from the model on its own."""
     from cutpoint.studies.compare import bench_of, panda, run
 
-    given = {"--drives": drives, "--lock": lock, "--gravity": gravity, "--mimic": mimic != "independent"}
+    given = {
+        "--drives": drives,
+        "--lock": lock,
+        "--gravity": gravity,
+        "--mimic": mimic != "independent",
+        "--mend-inertia": mend_inertia,
+    }
     if str(robot) == "panda" and any(given.values()):
         named = ", ".join(option for option, value in given.items() if value)
         raise InputError(f"panda comes as it is; leave {named} out, or give the path of your robot file with it")
-    loaded = panda() if str(robot) == "panda" else robot_of(robot, drives, mimic, lock, gravity)
+    loaded = panda() if str(robot) == "panda" else robot_of(robot, drives, mimic, lock, gravity, mend_inertia)
     bench = bench_of(loaded, bandwidth=bandwidth, control_period=period, payload=payload, frame=frame)
     found = run(output, bench, seeds=seeds, quick=quick)
     if not found["settings"]["complete"]:

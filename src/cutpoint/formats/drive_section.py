@@ -81,8 +81,9 @@ class Section:
             known = listed(owner.model_fields)
             return self.error(path, f"unknown key {key!r}{within}{meant}; those that exist are {known}")
         if kind == "missing":
-            unit = self.unit(field_of(sheet, path))
-            return self.error(path, f"{key!r}{f' ({unit})' if unit else ''} is missing{within}")
+            field = field_of(sheet, path)
+            unit, told = self.unit(field), f": {field.description}" if field and field.description else ""
+            return self.error(path, f"{key!r}{f' ({unit})' if unit else ''} is missing{within}{told}")
         return self.error(path, f"{self.stated(sheet, path, detail['input'])} {self._rule(sheet, path, detail)}")
 
     def _rule(self, sheet: type[Sheet], path: YamlPath, detail: Any) -> str:

@@ -66,6 +66,6 @@ class DriveSheet(Sheet):
 class FileSheet(Sheet):
     """The file as a whole."""
 
-    version: float = Field(description="of this format: 1")
+    version: float = Field(description="1, that of this format")
     defaults: dict[str, Any] = Field({}, description="fields that every drive below starts from")
     drives: dict[str, dict[str, Any]] = Field(description="one entry for each driven joint, by the joint's name")

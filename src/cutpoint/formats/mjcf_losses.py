@@ -42,7 +42,7 @@ def _of_joints(model: Any) -> list[str]:
         "damping that is not linear": _joints_of(model, _any(model, "dof_dampingpoly")),
         "damping": _joints_of(model, by_dof & (model.dof_damping != 0.0)),
         "frictionloss": _joints_of(model, by_dof & (model.dof_frictionloss != 0.0)),
-        "armature": _joints_of(model, by_dof & (model.dof_armature != 0.0)),
+        "armature, in the mass matrix,": _joints_of(model, by_dof & (model.dof_armature != 0.0)),
         "range": undriven & (model.jnt_limited != 0),
         "actuatorfrcrange that is not alike to both sides (the lesser counts, 0 as none)": _uneven_efforts(model),
     }

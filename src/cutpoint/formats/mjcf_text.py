@@ -94,6 +94,13 @@ def excerpt_of(root: Element, place: str, meshes: Mapping[str, MeshFile]) -> Exc
         )
     for element in root.walk():
         _refuse_other_text(element, place)
+    for child in root.children:
+        if child.tag in ("body", "joint", "freejoint", "geom"):
+            complaint = f"<{child.tag}> outside <worldbody>: this file is a part, give the file that includes it"
+            raise ModelError(complaint, place=child.where(place), tag=child.tag)
+    if not any(root.all("worldbody")):
+        complaint = "there is no <worldbody>: this file is a part, give the file that includes it"
+        raise ModelError(complaint, place=root.where(place))
     return _copy(root, place, meshes)
 
 

@@ -19,7 +19,7 @@ MAXIMUM_DEPTH = 499
 """Elements within each other: what MuJoCo reads.  No reader here may call itself for each."""
 
 MAXIMUM_ELEMENTS = 200_000
-MAXIMUM_ATTRIBUTE = 10_000
+MAXIMUM_ATTRIBUTE = 1_000_000
 """Characters of an attribute's value."""
 
 
@@ -75,8 +75,10 @@ class _Builder:
             raise self._too_much(f"more than {MAXIMUM_ELEMENTS:,} elements", element)
         if len(self.open) >= MAXIMUM_DEPTH:
             raise self._too_much(f"elements nested more than {MAXIMUM_DEPTH} deep", element)
-        if max(map(len, attributes.values()), default=0) > MAXIMUM_ATTRIBUTE:
-            raise self._too_much(f"an attribute of more than {MAXIMUM_ATTRIBUTE:,} characters", element)
+        for name, value in attributes.items():
+            if len(value) > MAXIMUM_ATTRIBUTE:
+                found = f"{name!r} of <{own}>, an attribute of {len(value):,} characters, more than"
+                raise self._too_much(f"{found} {MAXIMUM_ATTRIBUTE:,}", element)
         if self.open:
             self.open[-1].children.append(element)
         else:

@@ -4,9 +4,9 @@ Read: links' inertials; joints' origins, axes, limits, dynamics and mimics.  Eve
 transmissions, extensions) is passed over; meshes are never opened.
 """
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from pathlib import Path
-from typing import Literal
+from typing import Any, Literal
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -33,7 +33,7 @@ PARTS = {
 """Elements that are read, by what holds them."""
 
 ATTRIBUTES = {
-    "origin": ("xyz", "rpy"),
+    "origin": ("xyz", "rpy", "quat_xyzw"),
     "axis": ("xyz",),
     "limit": ("lower", "upper", "velocity", "effort"),
     "dynamics": ("damping", "friction"),
@@ -60,10 +60,11 @@ def load_urdf(
     floating_base: bool = False,
     lock: Mapping[str, float] | None = None,
     mimic: Literal["independent", "coupled"] = "independent",
+    mend_inertia: bool = False,
 ) -> Mechanism:
     """The robot of a URDF file, or of a .xacro file if the `xacro` package is installed.
 
-    gravity, floating_base, lock: as `model.build` has them.
+    gravity, floating_base, lock, mend_inertia: as `model.build` has them.
     mimic: whether mimic joints are coordinates of their own (then a `MimicWarning` names them) or follow their leader.
     Raises ModelError, with file and line, for whatever is wrong in the file.
     """
@@ -73,7 +74,13 @@ def load_urdf(
     if path.suffix.lower() == ".xacro":
         parse_xml(content, place)
         content, place = expand(path), f"{path}, expanded"
-    return parse_urdf(content, place, gravity=gravity, floating_base=floating_base, lock=lock, mimic=mimic)
+    options: dict[str, Any] = {
+        "gravity": gravity,
+        "floating_base": floating_base,
+        "lock": lock,
+        "mend_inertia": mend_inertia,
+    }
+    return parse_urdf(content, place, mimic=mimic, **options)
 
 
 def parse_urdf(
@@ -84,6 +91,7 @@ def parse_urdf(
     floating_base: bool = False,
     lock: Mapping[str, float] | None = None,
     mimic: Literal["independent", "coupled"] = "independent",
+    mend_inertia: bool = False,
 ) -> Mechanism:
     """The robot of a URDF document in memory; `place` names it in messages.  Options and errors as in `load_urdf`."""
     if mimic not in ("independent", "coupled"):
@@ -100,10 +108,12 @@ def parse_urdf(
         floating_base=floating_base,
         lock=lock,
         coupled=mimic == "coupled",
+        mend_inertia=mend_inertia,
         place=Places(place, {_label(element): element.line for element in robot.children}),
     )
     moving = {body.joint.name for body in mechanism.bodies}
-    _warn([joint for joint in joints if joint.name in moving], mechanism.coupled, place)
+    names = {joint.name for joint in joints}
+    _warn([joint for joint in joints if joint.name in moving], names, mechanism.coupled, place)
     return mechanism
 
 
@@ -115,6 +125,10 @@ def _check_is_urdf(robot: Element, place: str) -> None:
     for child in robot.children:
         if "xacro" in child.tag:
             raise ModelError("this file has xacro elements; give it the ending .xacro", place=f"{place}:{child.line}")
+        dialect, _, tag = child.tag.removeprefix("{").rpartition("}")
+        if dialect and tag in ("link", "joint"):
+            told = f"<{tag}> of the dialect {dialect!r} is not read, and the tree lacks it: state it as URDF's own"
+            raise ModelError(told, place=f"{place}:{child.line}", tag=child.tag)
 
 
 def _check_names(element: Element, place: str) -> None:
@@ -192,12 +206,15 @@ def _limits(reader: Reader, kind: JointKind) -> Limits:
     return Limits(limit.bound("lower", 0.0), limit.bound("upper", 0.0), velocity, effort)
 
 
-def _warn(joints: Sequence[Joint], coupled: bool, place: str) -> None:
-    """Warn of what is probably not meant, once for the file, at the line that asked for the robot."""
+def _warn(joints: Sequence[Joint], names: Collection[str], coupled: bool, place: str) -> None:
+    """Warn of what is probably not meant, once for the file.  joints: those that move; names: of all in the file."""
     mimics = [joint.name for joint in joints if joint.mimic]
     if mimics and not coupled:
-        text = f"mimic joints {listed(mimics)} are read as coordinates of their own; mimic='coupled' ties them"
-        warn(f"{text} ({place})", MimicWarning)
+        option = "mimic='coupled' (--mimic coupled) ties them"
+        text = f"mimic joints {listed(mimics)} are read as coordinates of their own; {option}"
+        lost = [joint.name for joint in joints if joint.mimic and joint.mimic.joint not in names]
+        more = f", but the file has no leader of {listed(lost)}" if lost else ""
+        warn(f"{text}{more} ({place})", MimicWarning)
     warn_of_degrees(joints, "URDF angles are radians", place)
 
 

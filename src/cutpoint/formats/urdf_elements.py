@@ -8,6 +8,7 @@ import numpy as np
 from cutpoint.errors import ModelError
 from cutpoint.formats.reading import parse_number
 from cutpoint.formats.safe_xml import Element
+from cutpoint.mechanics.rotations import rotation_of
 from cutpoint.model.mechanism import Array
 from cutpoint.model.pose import pose, roll_pitch_yaw
 from cutpoint.model.validation import DEGREES_BEYOND
@@ -74,11 +75,25 @@ class Reader:
         found = self.child("origin")
         if found is None:
             return np.eye(4)
+        translation = found.vector("xyz", (0.0, 0.0, 0.0))
+        if "quat_xyzw" in found.element.attributes:
+            return pose(found.turned(), translation)
         angles = found.vector("rpy", (0.0, 0.0, 0.0))
         if np.max(np.abs(angles)) > DEGREES_BEYOND:
             text = found.text("rpy")
             raise found.error(f"<origin> rpy {text!r} looks like degrees; URDF angles are radians")
-        return pose(roll_pitch_yaw(angles), found.vector("xyz", (0.0, 0.0, 0.0)))
+        return pose(roll_pitch_yaw(angles), translation)
+
+    def turned(self) -> Array:
+        """(3, 3) rotation of the quaternion x, y, z, w that files of version 1.2 may state in place of rpy."""
+        if "rpy" in self.element.attributes:
+            raise self.error(f"<{self.element.tag}> states both rpy and quat_xyzw; leave one out")
+        text = self.text("quat_xyzw")
+        quaternion = [x for part in text.split() if (x := parse_number(part)) is not None]
+        if len(quaternion) != 4 or len(text.split()) != 4 or not any(quaternion):
+            raise self._not_numbers("quat_xyzw", text, "four finite numbers, not all zero")
+        largest = max(map(abs, quaternion))  # any length may be stated, whose square may be no number
+        return np.array([[*row] for row in rotation_of([x / largest for x in quaternion])], dtype=np.float64)
 
     def _not_numbers(self, attribute: str, text: str, rule: str) -> ModelError:
         return self.error(f"<{self.element.tag}> {attribute} {text!r} must be {rule}")

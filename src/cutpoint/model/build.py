@@ -7,6 +7,7 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import ArrayLike
 
+from cutpoint.callers import warn
 from cutpoint.model.holding import hold
 from cutpoint.model.lumping import NOTHING, MassProperties, lumped, placed
 from cutpoint.model.mechanism import STANDARD_GRAVITY, WORLD, Array, Body, Frame, Joint, Link, Mechanism
@@ -21,11 +22,18 @@ from cutpoint.model.validation import (
     check_gravity,
     check_joint,
     check_link,
+    fault_of,
+    lacking,
+    mended,
 )
 
 FLOATING_JOINT = "root_joint"
 """Name of the joint that `floating_base` adds, and `WORLD_LINK` of what carries it."""
 WORLD_LINK = "world"
+
+
+class MendedWarning(UserWarning):
+    """A file has inertias that no mass can have, and they were made larger."""
 
 
 def build(
@@ -37,6 +45,7 @@ def build(
     floating_base: bool = False,
     lock: Mapping[str, float] | None = None,
     coupled: bool = False,
+    mend_inertia: bool = False,
     place: Places | str | Path | None = None,
 ) -> Mechanism:
     """The robot as a tree of moving bodies.
@@ -45,6 +54,7 @@ def build(
     floating_base: whether a floating joint, "root_joint", carries the root link; otherwise it is fixed to the world.
     lock: coordinates (rad or m) at which joints are held fixed, by name.
     coupled: whether mimic joints follow their leader, or are coordinates of their own.
+    mend_inertia: add to inertias that no mass can have what they lack, and warn of it.
     place: the file it all comes from, for messages; a `Places` also knows the lines.
 
     Fixed links are lumped into the body that carries them (into the world they lose their mass); every link, and every
@@ -65,9 +75,21 @@ def build(
     carried = [_floating_joint(root, ordered, places), *ordered] if floating_base else ordered
     tree = _assemble(root, links, carried, floating_base)
     bodies = tuple(tree.bodies())
+    if mend_inertia:
+        bodies = _mended(bodies, places)
     check_bodies(bodies, tree.pieces, places)
     check_all_bear_mass(bodies, places)
     return Mechanism(name, bodies, tree.frames([link.name for link in links], carried), fall, coupled)
+
+
+def _mended(bodies: Sequence[Body], places: Places) -> tuple[Body, ...]:
+    """The bodies, with what inertias lack that no mass can have, which is told."""
+    added = {body.name: lacking(body) for body in bodies if body.mass > 0.0 and fault_of(body)}
+    if added:
+        told = ", ".join(f"{name!r} by {more:.4g}" for name, more in added.items())
+        file = f" ({places.file})" if places.file else ""
+        warn(f"inertias that no mass can have are larger here, kg m2 about every axis: {told}{file}", MendedWarning)
+    return tuple(mended(body) if body.name in added else body for body in bodies)
 
 
 @dataclass

@@ -40,7 +40,8 @@ def _carriers(links: Sequence[str], joints: Sequence[Joint], places: Places) -> 
     for joint in joints:
         for role, link in (("parent", joint.parent), ("child", joint.child)):
             if link not in known:
-                complaint = f"{role} link {link!r} does not exist; {those_that_exist(link, links)}"
+                remedy = "; add a link of that name, without mass" if link == "world" else ""
+                complaint = f"{role} link {link!r} does not exist; {those_that_exist(link, links)}{remedy}"
                 raise places.error(f"joint {joint.name!r}", complaint, joint=joint.name, link=link)
         if joint.child in carrier:
             both = f"{carrier[joint.child].name!r} and {joint.name!r}"

@@ -8,6 +8,7 @@ would give.
 
 import math
 from collections.abc import Mapping, Sequence
+from dataclasses import replace
 from typing import NamedTuple, get_args
 
 import numpy as np
@@ -131,6 +132,9 @@ def check_limits(thing: str, limits: Limits, unit: Mapping[str, str], places: Pl
 
 
 def check_gravity(gravity: Array, places: Places) -> None:
+    if not gravity.ndim and gravity.dtype.kind in "fiu":
+        rule = "must be a vector (3,) in the world's frame, such as (0, 0, -9.81)"
+        raise places.error("gravity", f"{rule}, got one number, {gravity}", gravity=gravity)
     _check_numbers("gravity", "vector", gravity, (3,), places)
     check_size("gravity", "vector", gravity, places)
 
@@ -143,10 +147,25 @@ def check_bodies(bodies: Sequence[Body], pieces: Sequence[Sequence[str]], places
         return
     body, own, fault = faults[0]
     lump = f" (lumped: {listed(own)})" if list(own) != [body.name] else ""
-    others = f" (likewise {listed([other.name for other, *_ in faults[1:]])})" if len(faults) > 1 else ""
-    told = f"{fault.moments}{lump}: {fault.rule}; {fault.remedy}{others}"
+    others = "".join(f", of {each.name!r} by {lacking(each):.4g}" for each, *_ in faults[1:] if each.mass > 0.0)
+    option = "; mend_inertia=True does that (--mend-inertia)" if body.mass > 0.0 else ""
+    told = f"{fault.moments}{lump}: {fault.rule}; {fault.remedy}{others}{option}"
     links = [each.name for each, *_ in faults]
     raise places.error(f"link {body.name!r}", told, link=body.name, inertia=body.inertia, links=links)
+
+
+def lacking(body: Body) -> float:
+    """What a body's inertia lacks about every axis to be one that mass can have, kg m2.
+
+    With that the largest principal moment is the sum of the others, in any frame, and a thousandth less.
+    """
+    small, middle, large = np.linalg.eigvalsh(body.inertia)
+    return 1.001 * float(large - small - middle)
+
+
+def mended(body: Body) -> Body:
+    """The same body, with what its inertia lacks."""
+    return replace(body, inertia=body.inertia + lacking(body) * np.eye(3))
 
 
 class Fault(NamedTuple):
@@ -166,8 +185,7 @@ def fault_of(body: Body) -> Fault | None:
         rule = "without mass (0 kg) there is no inertia"
         return Fault(moments, rule, "state the mass, or leave <inertial> out")
     beyond = large - small - middle
-    # as much more about every axis leaves the largest equal to the sum of the others, in any frame
-    remedy = f"check <inertia> and its <origin>; ixx, iyy and izz larger by {1.001 * beyond:.4g} would do"
+    remedy = f"check <inertia> and its <origin>; ixx, iyy and izz larger by {lacking(body):.4g} would do"
     if small < -tolerance:
         return Fault(moments, "none must be negative", remedy)
     if beyond > tolerance:

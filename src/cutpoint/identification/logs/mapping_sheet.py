@@ -73,7 +73,7 @@ Quantity = Annotated[ChannelSheet | None, BeforeValidator(_as_channels)]
 class MappingSheet(Sheet):
     """The file as a whole."""
 
-    version: float = Field(description="of this format: 1")
+    version: float = Field(description="1, that of this format")
     joints: Names | None = Field(None, description="names, in the order of columns; picks columns that the log labels")
     ratio: Numbers | None = quantity(
         "1", "rad/m", "signed motor turns per joint turn; the robot's drives', if not stated", None
