@@ -275,12 +275,12 @@ def test_inertias_are_mended_on_demand(tmp_path: Path, monkeypatch: pytest.Monke
     sound = ONE_JOINT.format(joint="swing")
     Path("arm.urdf").write_text(re.sub('ixx="[^"]*"', 'ixx="9"', sound), encoding="utf-8")
     with pytest.raises(ModelError, match=r"would do; mend_inertia=True does that \(--mend-inertia\)"):
-        printed("inspect", "arm.urdf")
+        CliRunner().invoke(app, ["inspect", "arm.urdf"], catch_exceptions=False)
     with pytest.warns(UserWarning, match="inertias that no mass can have are larger here"):
         assert "swing" in printed("inspect", "arm.urdf", "--mend-inertia")
     Path("arm.xml").write_text("<mujoco><worldbody/></mujoco>", encoding="utf-8")
     with pytest.raises(InputError, match=r'mend_inertia is for URDF files; state <compiler balanceinertia="true"/>'):
-        printed("inspect", "arm.xml", "--mend-inertia")
+        CliRunner().invoke(app, ["inspect", "arm.xml", "--mend-inertia"], catch_exceptions=False)
 
 
 def test_a_joint_is_locked_at_one_place() -> None:
