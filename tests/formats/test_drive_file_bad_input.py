@@ -132,6 +132,11 @@ ENTRIES = {
         "{friction: {link: {coulomb: 2, static: 1, stribeck_velocity: 0.1}}}",
         "friction.link.static 1.0 N m must not be below coulomb 2.0",
     ),
+    "static below the catalogue's Coulomb": (
+        "{catalogue: CSG-14-100, friction: {motor: {static: 1, stribeck_velocity: 0.1}}}",
+        "friction.motor.static 1.0 N m must not be below coulomb 2.1; a catalogue's friction counts where the entry"
+        " states none: state both",
+    ),
     "static alone": (
         "{friction: {link: {static: 1}}}",
         "friction.link must state 'static' and 'stribeck_velocity' together",

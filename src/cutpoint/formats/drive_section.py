@@ -60,6 +60,10 @@ class Section:
         """The line of a field."""
         return self.document.place(*((*root, *path) for root in self.roots))
 
+    def is_stated(self, path: YamlPath) -> bool:
+        """Whether the file itself has a field."""
+        return any((*root, *path) in self.document.lines for root in self.roots)
+
     def stated(self, sheet: type[Sheet], path: YamlPath, value: Any) -> str:
         """`compliance.linear.stiffness -3.0 N m/rad`."""
         unit = self.unit(field_of(sheet, path))

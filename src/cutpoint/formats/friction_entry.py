@@ -65,5 +65,7 @@ def _sliding(sheet: FrictionLawSheet, path: tuple[str, ...], section: Section) -
         raise section.error(path, f"{'.'.join(path)} must state 'static' and 'stribeck_velocity' together")
     if sheet.static < sheet.coulomb:
         stated = section.stated(DriveSheet, (*path, "static"), sheet.static)
-        raise section.error((*path, "static"), f"{stated} must not be below coulomb {sheet.coulomb!r}")
+        remedy = "; a catalogue's friction counts where the entry states none: state both"
+        told = f"{stated} must not be below coulomb {sheet.coulomb!r}"
+        raise section.error((*path, "static"), told + (remedy if section.is_stated(("catalogue",)) else ""))
     return Stribeck(sheet.coulomb, sheet.static, sheet.viscous, sheet.stribeck_velocity, sheet.smoothing, **more)
