@@ -1,6 +1,5 @@
 """`simulate_many`: studies over seeds, gains, plants and starts, several runs at once."""
 
-import time
 import warnings
 from collections.abc import Callable, Collection, Iterator, Sequence
 from concurrent.futures import FIRST_COMPLETED, Future, ThreadPoolExecutor, wait
@@ -18,13 +17,14 @@ from cutpoint.control.sensors import Sensors
 from cutpoint.door import refused, whole
 from cutpoint.errors import InputError, SimulationError, TraceError
 from cutpoint.model.limits import efforts_in_force
+from cutpoint.reporting.bar import Bar
 from cutpoint.robot import Robot
 from cutpoint.simulation.controllers import admitted
 from cutpoint.simulation.inputs import Disturbance, reference_at, rows_of, sample_times
 from cutpoint.simulation.log import Log
 from cutpoint.simulation.packs import Pack, Setup, packs_of
 from cutpoint.simulation.plant import State
-from cutpoint.simulation.runner import SHOW_PROGRESS_AFTER, Bar, UntracedControllerWarning
+from cutpoint.simulation.runner import UntracedControllerWarning
 from cutpoint.simulation.simulate import Control, check_kinds, prepared, simulate, steps_of
 from cutpoint.simulation.steps_reached import check_steps
 from cutpoint.simulation.substeps import Steps
@@ -239,7 +239,7 @@ def _kept(each: Callable[[Log], Any] | None, checked: bool) -> Callable[[Log], A
 def _run_all(packs: list[Pack], times: Array, threads: int, keep: Callable[[Log], Any]) -> dict[int, Any]:
     """All packs on some threads, each without Python's lock; this one shows how far they are and hears Ctrl-C."""
     stop, done, found = Event(), [0] * len(packs), dict[int, Any]()
-    total, started = float(len(packs) * times[-1]), time.perf_counter()
+    total = float(len(packs) * times[-1])
 
     def task(k: int) -> dict[int, Any]:
         def goes_on(samples: int) -> bool:
@@ -250,15 +250,14 @@ def _run_all(packs: list[Pack], times: Array, threads: int, keep: Callable[[Log]
         done[k] = len(times)
         return {n: x if isinstance(x, SimulationError) else keep(x) for n, x in found.items()}
 
-    with Bar(total) as bar, ThreadPoolExecutor(threads) as pool:
+    with Bar("simulating", total) as bar, ThreadPoolExecutor(threads) as pool:
         waiting: set[Future[dict[int, Any]]] = {pool.submit(task, k) for k in range(len(packs))}
         while waiting:
             try:
                 finished, waiting = wait(waiting, 0.1, FIRST_COMPLETED)
                 for future in finished:
                     found |= future.result()
-                if time.perf_counter() - started > SHOW_PROGRESS_AFTER:
-                    bar.show(sum(done) / len(times) * float(times[-1]))
+                bar.show(sum(done) / len(times) * float(times[-1]))
             except KeyboardInterrupt:
                 stop.set()
             except BaseException:

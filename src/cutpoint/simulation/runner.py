@@ -2,7 +2,7 @@
 
 import time
 from collections.abc import Callable
-from typing import TYPE_CHECKING, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -11,12 +11,10 @@ from cutpoint.callers import warn
 from cutpoint.control.interface import name_of, stepped
 from cutpoint.errors import TraceError
 from cutpoint.kernels import Program
+from cutpoint.reporting.bar import Bar
 from cutpoint.simulation.loop import INTEGRATION, ClosedLoop
 from cutpoint.simulation.plant import State
 from cutpoint.simulation.step import TABLEAU
-
-if TYPE_CHECKING:
-    from rich.progress import Progress, TaskID
 
 Array = NDArray[np.float64]
 
@@ -25,8 +23,6 @@ Integrate = Callable[[dict[str, Array], Array], None]
 
 FIRST_STEPS, CHUNK_SECONDS = 500, 0.1
 """Integration steps of the first chunk; seconds of those after it."""
-
-SHOW_PROGRESS_AFTER = 1.0
 
 
 class UntracedControllerWarning(UserWarning):
@@ -86,8 +82,7 @@ def run(loop: ClosedLoop, memory: dict[str, Array], substeps: int, integrate: In
     """
     advance = _advance(loop, memory, substeps, integrate)
     total, done, chunk = len(memory["row"]), 0, first_chunk(substeps)
-    started = time.perf_counter()
-    with Bar(total * loop.period) as bar:
+    with Bar("simulating", total * loop.period) as bar:
         try:
             while done < total:
                 before = time.perf_counter()
@@ -97,10 +92,8 @@ def run(loop: ClosedLoop, memory: dict[str, Array], substeps: int, integrate: In
                 # what follows the last sample is not asked for
                 if is_no_number(loop, memory) or (memory["fault"][0] and done < total):
                     return Outcome(done, diagnosis(loop, memory, done), diverged=True)
-                now = time.perf_counter()
-                chunk = next_chunk(ticks, now - before)
-                if now - started > SHOW_PROGRESS_AFTER:
-                    bar.show(done * loop.period)
+                chunk = next_chunk(ticks, time.perf_counter() - before)
+                bar.show(done * loop.period)
         except NoNumberError as found:
             return Outcome(done + 1, _odd_command(loop, found.command, found.time), diverged=True)
         except KeyboardInterrupt:
@@ -225,29 +218,3 @@ def _slots(loop: ClosedLoop) -> list[tuple[str, str]]:
         theta.append((f"motor position of {name!r}", unit))
         theta_dot.append((f"motor speed of {name!r}", f"{unit}/s"))
     return [*q, *v, *theta, *theta_dot, *inner]
-
-
-class Bar:
-    """A progress bar in simulated seconds that appears only once it is asked to show."""
-
-    def __init__(self, total: float) -> None:
-        self._total = total
-        self._progress: Progress | None = None
-        self._task: TaskID
-
-    def __enter__(self) -> "Bar":
-        return self
-
-    def show(self, done: float) -> None:
-        if self._progress is None:
-            from rich.console import Console  # slow to import
-            from rich.progress import Progress
-
-            self._progress = Progress(console=Console(stderr=True), transient=True)
-            self._progress.start()
-            self._task = self._progress.add_task("simulating", total=self._total)
-        self._progress.update(self._task, completed=done)
-
-    def __exit__(self, *_: object) -> None:
-        if self._progress is not None:
-            self._progress.stop()

@@ -7,12 +7,11 @@ from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
-from rich.console import Console
-from rich.progress import Progress, TaskID
 from scipy.optimize import minimize
 
 from cutpoint.errors import InputError
 from cutpoint.identification.excitation.problem import Problem, Worst
+from cutpoint.reporting.bar import Bar
 
 Array = NDArray[np.float64]
 
@@ -35,9 +34,6 @@ BLIND = 1e6
 
 SMALL = 0.01
 """Of the waves: where limits allow less, the centre is wrong."""
-
-SHOWN_AFTER = 1.0
-"""Until then a search passes without a bar, s."""
 
 
 @dataclass
@@ -72,8 +68,9 @@ def search(
 
     Raises InputError if no motion that keeps all limits was found: it names the limit and the joint.
     """
-    found, rng, clock = Found(), np.random.default_rng(seed), _Clock(seconds)
-    with clock:
+    found, rng = Found(), np.random.default_rng(seed)
+    with Bar("exciting", seconds) as bar:
+        clock = _Clock(seconds, bar)
         try:
             while starts is None or found.starts < starts:
                 z = _within(problem, _random(problem, rng) if begin is None else begin, clock)
@@ -176,12 +173,10 @@ def _scaled(z: Array, factor: float) -> Array:
 
 
 class _Clock:
-    """Raises TimeIsUpError once the seconds have passed, and shows on stderr how many have."""
+    """Raises TimeIsUpError once the seconds have passed, and shows how many have."""
 
-    def __init__(self, seconds: float) -> None:
-        self._seconds, self._begin, self._shown = seconds, time.perf_counter(), SHOWN_AFTER
-        self._progress: Progress | None = None
-        self._task = TaskID(0)
+    def __init__(self, seconds: float, bar: Bar) -> None:
+        self._seconds, self._bar, self._begin = seconds, bar, time.perf_counter()
 
     @property
     def passed(self) -> float:
@@ -189,21 +184,6 @@ class _Clock:
         return time.perf_counter() - self._begin
 
     def check(self) -> None:
-        passed = self.passed
-        if passed > self._seconds:
+        if self.passed > self._seconds:
             raise TimeIsUpError
-        if passed < self._shown:
-            return
-        if self._progress is None:
-            self._progress = Progress(console=Console(stderr=True), transient=True)
-            self._progress.start()
-            self._task = self._progress.add_task("exciting", total=self._seconds)
-        self._progress.update(self._task, completed=passed)
-        self._shown = passed + 0.1
-
-    def __enter__(self) -> "_Clock":
-        return self
-
-    def __exit__(self, *_: object) -> None:
-        if self._progress is not None:
-            self._progress.stop()
+        self._bar.show(self.passed)
