@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from cutpoint import InputError, Robot, Sensors, SimulationError, State, simulate, simulate_many, where
-from cutpoint.control import PD, Feedforward
+from cutpoint.control import PD, Command, Feedforward
 from cutpoint.formats import parse_urdf
 from cutpoint.simulation import UntracedControllerWarning
 from cutpoint.trajectories import cycloid
@@ -49,7 +49,9 @@ def called_undefined(memory: Any, m: Any, r: Any) -> Any:
     return undefined(memory, m, r) if m.time < 1e3 else None
 
 
-NO_NUMBER = r"controller (called_)?undefined commands nan for 'joint3' at t = 0.005 s, which is not a finite number"
+NO_NUMBER = (
+    r"controller (called_)?undefined commands torque nan for 'joint3' at t = 0.005 s, which is not a finite number"
+)
 
 
 @pytest.mark.parametrize("effort", [np.inf, 50.0])
@@ -74,15 +76,37 @@ def test_a_command_that_is_not_a_number_is_told_among_many_and_between_samples()
     for number in range(2):
         with pytest.raises(SimulationError, match=NO_NUMBER):
             runs[number]
-    with pytest.raises(SimulationError, match=r"commands nan for 'joint3' at t = 0.004\d* s"):
+    with pytest.raises(SimulationError, match=r"commands torque nan for 'joint3' at t = 0.004\d* s"):
         simulate(ours, undefined, duration=0.02, hold=False)
+
+
+@pytest.mark.parametrize("part", ["feedforward", "theta", "theta_dot"])
+@pytest.mark.parametrize("options", [{}, {"accuracy": "reference"}, {"duration": 0.005}, {"channels": ["q"]}])
+def test_a_part_of_a_command_that_moves_nothing_must_be_a_number_too(part, options):
+    def odd(memory: Any, m: Any, r: Any) -> Any:
+        nothing = np.zeros(6)
+        own = np.array([0.0, where(m.time < 4.5e-3, 0.0, np.nan), *[0.0] * 4])
+        return memory, Command(nothing, **{part: own})
+
+    ours, message = (
+        frictionless(robot("xia2019")),
+        rf"odd commands {part} nan for 'joint2' at t = 0.005 s, which is not",
+    )
+    with pytest.raises(SimulationError, match=message) as caught:
+        simulate(ours, odd, **{"duration": 0.02, **options})
+    assert caught.value.log.time[-1] == pytest.approx(0.005)
+    if "accuracy" not in options and options.get("duration") is None:
+        with pytest.raises(SimulationError, match=message):
+            simulate_many([ours] * 2, odd, **{"duration": 0.02, **options})[1]
 
 
 def test_a_law_called_back_without_its_sensors_is_told_of_them():
     def of_links(memory: Any, m: Any, r: Any) -> Any:
         return memory, -m.q if m.time < 1e3 else None
 
-    message = r"commands nan for 'joint1' at t = 0 s, .*; sensors are on the motor side only, and it is told NaN of"
+    message = (
+        r"commands torque nan for 'joint1' at t = 0 s, .*; sensors are on the motor side only, and it is told NaN of"
+    )
     with pytest.warns(UntracedControllerWarning), pytest.raises(SimulationError, match=message):
         simulate(robot("xia2019"), of_links, duration=0.01, sensors=Sensors(sides="motor"))
 

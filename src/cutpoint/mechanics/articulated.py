@@ -104,9 +104,7 @@ class Articulated:
         R, p_x = pose.rotation, pose.position.skew()
         M, H, J = map(R.congruence, (self.linear, self.coupling, self.angular))
         H_p = H + p_x @ M
-        J_p = J + p_x @ H.T - H_p @ p_x
-        rows = [[*a, *b] for a, b in zip(M, H_p.T, strict=True)] + [[*a, *b] for a, b in zip(H_p, J_p, strict=True)]
-        return Articulated([[rows[min(i, j)][max(i, j)] for j in range(6)] for i in range(6)])
+        return Articulated.of_blocks(M, H_p, J + p_x @ H.T - H_p @ p_x).symmetrised()
 
     def carried_along(self, p: Vec3) -> "Articulated":
         """The same resistance, felt at a frame along the same axes from which this one is at p: U M U^T.
@@ -117,6 +115,10 @@ class Articulated:
         H_p = H + p_x @ self.linear
         minus_H_p_p_x = Mat3(*(p.cross(row) for row in H_p))
         return Articulated.of_blocks(self.linear, H_p, self.angular + p_x @ H.T + minus_H_p_p_x)
+
+    def symmetrised(self) -> "Articulated":
+        """With the numbers above the diagonal below it, too, which are equal but for rounding."""
+        return Articulated([[self.rows[min(i, j)][max(i, j)] for j in range(6)] for i in range(6)])
 
     @property
     def T(self) -> "Articulated":

@@ -19,7 +19,7 @@ from cutpoint.errors import TraceError
 from cutpoint.kernels import Loop, Program, Region, Stage, compile_program
 from cutpoint.mechanics.motor import within_limits
 from cutpoint.robot import Robot
-from cutpoint.scalars import Scalar, clip, leaves, rebuild, where
+from cutpoint.scalars import Scalar, absolute, clip, leaves, rebuild, where
 from cutpoint.simulation.channels import absent_from, recordable, recorded_for
 from cutpoint.simulation.lanes import Lanes
 from cutpoint.simulation.layout import Layout
@@ -163,9 +163,11 @@ class ClosedLoop:
         found = {name: [next(numbers) for _ in range(size)] for name, size in self._recordable.items()}
         return [x for name in self.channels for x in found[name]]
 
-    def watch(self, state: Scalars, fault: Scalars) -> Scalars:
-        """Not zero once the state has diverged or is not finite."""
+    def watch(self, state: Scalars, command: Scalars, fault: Scalars) -> Scalars:
+        """Not zero once the state has diverged, or that or a part of the command is not finite."""
         found = fault[0]
+        for x in command[self.layout.n : -1]:  # torque that is not finite takes the state with it
+            found = where(absolute(x) < np.inf, found, 1)
         for x in self.lanes.dense(state):
             found = where(x * x < BEYOND * BEYOND, found, 1)
         return [found]
@@ -218,7 +220,7 @@ class ClosedLoop:
     @property
     def _after(self) -> list[Stage | Loop]:
         integrate = Loop("substeps", self._step, streams=("elapsed",))
-        return [*self._told, integrate, Stage(self.watch, ("state", "fault"), ("fault",), self.runs)]
+        return [*self._told, integrate, Stage(self.watch, ("state", "command", "fault"), ("fault",), self.runs)]
 
     @property
     def _step(self) -> list[Stage | Loop]:

@@ -30,7 +30,7 @@ class UntracedControllerWarning(UserWarning):
 
 
 class NoNumberError(Exception):
-    """Raised for a command that is not a number.  time: s.  command: one a drive, N m."""
+    """Raised for a command that is not a number.  time: s.  command: as it is recorded, or its torques."""
 
     def __init__(self, time: float, command: Array) -> None:
         self.time, self.command = time, command
@@ -161,8 +161,8 @@ def run_samples(program: Program, memory: dict[str, Array], first: int, ticks: i
 
 
 def is_no_number(loop: ClosedLoop, memory: dict[str, Array]) -> bool:
-    """Whether the last command is not a number for some drive."""
-    return bool(np.isnan(memory["command"][: loop.layout.n]).any())
+    """Whether the last command, or its motor reference, is not a number for some drive."""
+    return bool(np.isnan(memory["command"][:-1]).any())
 
 
 def diagnosis(loop: ClosedLoop, memory: dict[str, Array], done: int) -> str:
@@ -170,7 +170,7 @@ def diagnosis(loop: ClosedLoop, memory: dict[str, Array], done: int) -> str:
 
     Where the command was not finite, that is told instead.
     """
-    command = memory["command"][: loop.layout.n]
+    command = memory["command"][:-1]
     if not np.isfinite(command).all():
         return _odd_command(loop, command, (done - 1) * loop.period)
     state = np.array(loop.lanes.dense(memory["state"]))
@@ -186,8 +186,10 @@ def diagnosis(loop: ClosedLoop, memory: dict[str, Array], done: int) -> str:
 
 def _odd_command(loop: ClosedLoop, command: Array, time: float) -> str:
     worst = int((~np.isfinite(command)).argmax())
-    joint, sides = [*loop.robot.drives][worst], loop.encoders.sides
-    told = f"controller {name_of(loop.controller)} commands {command[worst]} for {joint!r} at t = {time:g} s"
+    part, drive = divmod(worst, loop.layout.n)
+    joint, sides = [*loop.robot.drives][drive], loop.encoders.sides
+    what = f"{('torque', 'feedforward', 'theta', 'theta_dot')[part]} {command[worst]}"
+    told = f"controller {name_of(loop.controller)} commands {what} for {joint!r} at t = {time:g} s"
     why = f"; sensors are on the {sides} side only, and it is told NaN of the other" if sides != "both" else ""
     return f"{told}, which is not a finite number{why}"
 
