@@ -13,10 +13,13 @@ from cutpoint.errors import InputError
 
 def check_readable(path: Path, largest: int) -> None:
     """Raises InputError unless the path is a regular file of at most `largest` bytes."""
-    if not path.is_file():
-        what = "is not a regular file" if path.exists() else "does not exist"
-        raise InputError(f"{str(path)!r} {what}; give the path of a file", path=path)
-    size = path.stat().st_size
+    try:
+        if not path.is_file():
+            what = "is not a regular file" if path.exists() else "does not exist"
+            raise InputError(f"{str(path)!r} {what}; give the path of a file", path=path)
+        size = path.stat().st_size
+    except OSError as error:
+        raise InputError(f"{str(path)!r} cannot be read ({error.strerror}); give another path", path=path) from error
     if size > largest:
         raise InputError(f"file of {size:,} bytes is too large: at most {largest:,} are read", place=path, size=size)
 

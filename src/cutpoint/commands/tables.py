@@ -30,6 +30,8 @@ def listed_numbers(option: str, text: str, count: int) -> Array:
     if not text.strip():
         return np.zeros(count)
     try:
+        if "_" in text:
+            raise ValueError
         numbers = np.array([float(x) for x in text.split(",")])
     except ValueError:
         raise InputError(f"--{option} {text!r} must be numbers separated by commas, such as 0,0.5,-1.2") from None
@@ -72,7 +74,9 @@ def drive_table(robot: Robot) -> Table:
     for (name, drive), slides in zip(robot.drives.items(), _slides(robot), strict=True):
         rotor = f"{drive.reflected_inertia:.4g} {'kg' if slides else 'kg m2'}" if drive.rotor else "-"
         laws = (_law(drive.compliance) or "rigid", _law(drive.link_friction) or "-", _law(drive.motor_friction) or "-")
-        table.add_row(name, f"{drive.ratio:g}", rotor, *laws, "\n".join(_also(drive) + _limits(drive, slides)) or "-")
+        table.add_row(
+            name, f"{drive.ratio:g}", rotor, *laws, "\n".join(_also(drive, slides) + _limits(drive, slides)) or "-"
+        )
     return table
 
 
@@ -85,20 +89,20 @@ def _limits(drive: Drive, slides: bool) -> list[str]:
     return parts if positions == "-" else [*parts, f"from {positions}"]
 
 
-def _also(drive: Drive) -> list[str]:
+def _also(drive: Drive, slides: bool) -> list[str]:
     """What else a drive has."""
-    parts: list[str] = []
+    parts, (torque, length) = list[str](), ("N", "m") if slides else ("N m", "rad")
     if drive.damping:
-        parts.append(f"damping {drive.damping:.4g}")
+        parts.append(f"damping {drive.damping:.4g} {torque} s/{length}")
     if isinstance(drive.hysteresis, MaxwellSlip):
-        parts.append(f"hysteresis {drive.hysteresis.friction:.4g} N m")
+        parts.append(f"hysteresis {drive.hysteresis.friction:.4g} {torque}")
     if isinstance(drive.kinematic_error, KinematicError):
-        waves = [f"{h.amplitude:.3g} rad x {h.order}" for h in drive.kinematic_error.harmonics]
+        waves = [f"{h.amplitude:.3g} {length} x {h.order}" for h in drive.kinematic_error.harmonics]
         parts.append(f"kinematic error {', '.join(waves)}")
     if drive.motor:
         parts.append(f"motor {drive.motor.torque_constant:.4g} N m/A")
     if drive.ratings and drive.ratings.rated_torque:
-        parts.append(f"rated {drive.ratings.rated_torque:.4g} N m")
+        parts.append(f"rated {drive.ratings.rated_torque:.4g} {torque}")
     return parts
 
 

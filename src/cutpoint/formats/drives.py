@@ -8,7 +8,7 @@ from typing import Any
 import yaml
 
 from cutpoint.callers import warn
-from cutpoint.door import check_kind
+from cutpoint.door import DRIVES, check_kind
 from cutpoint.errors import listed, those_that_exist
 from cutpoint.files import replacing
 from cutpoint.formats.drive_entry import to_drive
@@ -49,6 +49,7 @@ def parse_drives(
     content: str | bytes, mechanism: Mechanism, place: str = "<string>", locked: Collection[str] = ()
 ) -> dict[str, Drive]:
     """The drives of a drive file in memory; `place` names it in messages.  Errors as in `load_drives`."""
+    check_kind("parse_drives", "content", content, (str, bytes), "the text of a drive file (load_drives reads files)")
     document = parse_yaml(content.encode() if isinstance(content, str) else content, place)
     whole = Section("drive file", document, ((),))
     sheet = whole.read(FileSheet, document.value)
@@ -88,6 +89,7 @@ def dump_drives(drives: Mapping[str, Drive]) -> str:
     Hysteresis, which a file states by the loop that it opens on its spring, comes back to rounding.
     Raises ModelError for what no robot takes as a drive, InputError for what a file has no words for.
     """
+    check_kind("dump_drives", "drives", drives, Mapping, DRIVES)
     for name, drive in drives.items():
         check_kind("dump_drives", name, drive, Drive, "a Drive")
     entries = {name: to_entry(drive) for name, drive in drives.items()}

@@ -16,6 +16,7 @@ from numpy.typing import ArrayLike
 from scipy.spatial.transform import Rotation
 
 from cutpoint.callers import warn
+from cutpoint.door import check_kind
 from cutpoint.errors import ModelError
 from cutpoint.formats.mjcf_includes import include_files
 from cutpoint.formats.mjcf_losses import NotCarriedOver, losses
@@ -81,6 +82,7 @@ def parse_mjcf(
 ) -> MjcfRobot:
     """The robot of an MJCF document in memory; `place` names it in messages.  Options and errors as in `load_mjcf`;
     it opens no other file."""
+    check_kind("parse_mjcf", "content", content, (str, bytes), "the text of an MJCF file (load_mjcf reads files)")
     return _robot(parse_xml(content, place), place, gravity, lock, {})
 
 

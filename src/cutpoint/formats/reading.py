@@ -14,12 +14,12 @@ def read_bytes(path: Path, limit: int) -> bytes:
 
     Raises ModelError: missing, not a file, unreadable, empty, too large.
     """
-    if not path.exists():
-        raise ModelError(f"file {str(path)!r} does not exist", path=path)
-    if not path.is_file():
-        kind = "a directory" if path.is_dir() else "not a regular file"
-        raise ModelError(f"{str(path)!r} is {kind}; give the path of a file", path=path)
     try:
+        if not path.exists():
+            raise ModelError(f"file {str(path)!r} does not exist", path=path)
+        if not path.is_file():
+            kind = "a directory" if path.is_dir() else "not a regular file"
+            raise ModelError(f"{str(path)!r} is {kind}; give the path of a file", path=path)
         with path.open("rb") as file:
             content = file.read(limit + 1)
     except OSError as problem:

@@ -19,6 +19,9 @@ MAXIMUM_DEPTH = 499
 """Elements within each other: what MuJoCo reads.  No reader here may call itself for each."""
 
 MAXIMUM_ELEMENTS = 200_000
+MAXIMUM_ATTRIBUTES = 1000
+"""Of an element."""
+
 MAXIMUM_ATTRIBUTE = 1_000_000
 """Characters of an attribute's value."""
 
@@ -75,6 +78,8 @@ class _Builder:
             raise self._too_much(f"more than {MAXIMUM_ELEMENTS:,} elements", element)
         if len(self.open) >= MAXIMUM_DEPTH:
             raise self._too_much(f"elements nested more than {MAXIMUM_DEPTH} deep", element)
+        if len(attributes) > MAXIMUM_ATTRIBUTES:
+            raise self._too_much(f"more than {MAXIMUM_ATTRIBUTES:,} attributes in one element", element)
         for name, value in attributes.items():
             if len(value) > MAXIMUM_ATTRIBUTE:
                 found = f"{name!r} of <{own}>, an attribute of {len(value):,} characters, more than"

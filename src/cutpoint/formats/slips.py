@@ -1,4 +1,4 @@
-"""Names that are nearly those of a format: slips, which one who passes over what he does not know would not see."""
+"""Names that are nearly those of a format: slips, which readers that ignore unknown names would not notice."""
 
 from collections.abc import Collection
 from difflib import get_close_matches

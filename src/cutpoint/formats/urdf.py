@@ -12,6 +12,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from cutpoint.callers import warn
+from cutpoint.door import check_kind
 from cutpoint.errors import InputError, ModelError, listed
 from cutpoint.formats.reading import read_bytes
 from cutpoint.formats.safe_xml import MAXIMUM_BYTES, Element, parse_xml
@@ -96,6 +97,7 @@ def parse_urdf(
     """The robot of a URDF document in memory; `place` names it in messages.  Options and errors as in `load_urdf`."""
     if mimic not in ("independent", "coupled"):
         raise InputError(f"mimic {mimic!r} must be 'independent' or 'coupled'", mimic=mimic)
+    check_kind("parse_urdf", "content", content, (str, bytes), "the text of a URDF (load_urdf reads files)")
     robot = parse_xml(content, place)
     _check_is_urdf(robot, place)
     _check_names(robot, place)

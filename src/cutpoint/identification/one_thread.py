@@ -15,7 +15,7 @@ R = TypeVar("R")
 
 
 def by_one_thread(function: Callable[P, R]) -> Callable[P, R]:
-    """The function, while which linear algebra of this whole process goes by one thread."""
+    """The function; while it runs, the whole process's BLAS takes one thread."""
 
     @wraps(function)
     def limited(*args: P.args, **kwargs: P.kwargs) -> R:

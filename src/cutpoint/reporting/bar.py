@@ -7,11 +7,11 @@ if TYPE_CHECKING:
     from rich.progress import Progress, TaskID
 
 SHOWN_AFTER, EVERY = 1.0, 0.1
-"""s: until then work passes without a bar; between two looks at it."""
+"""s: before a bar appears, and between its updates."""
 
 
 class Bar:
-    """Told how much is done, as often as one likes; what: is done, such as "simulating"; total: when all of it is."""
+    """what: the work, such as "simulating".  total: `done` at its end."""
 
     def __init__(self, what: str, total: float) -> None:
         self._what, self._total, self._next = what, total, time.perf_counter() + SHOWN_AFTER
@@ -19,6 +19,7 @@ class Bar:
         self._task: TaskID
 
     def show(self, done: float) -> None:
+        """How far the work is; may be told as often as one likes."""
         now = time.perf_counter()
         if now < self._next:
             return

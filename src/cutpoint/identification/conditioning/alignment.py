@@ -7,7 +7,7 @@ from types import NoneType
 import numpy as np
 from numpy.typing import NDArray
 
-from cutpoint.door import check_kind, checked_names
+from cutpoint.door import check_kind, checked_names, number
 from cutpoint.errors import InputError
 from cutpoint.identification.conditioning.clock_skew import Skew, clock_skew
 from cutpoint.identification.logs.recording import Recording, check_recording
@@ -47,11 +47,13 @@ def skews(recording: Recording) -> dict[str, Skew]:
 def aligned(
     recording: Recording, delays: Mapping[str, Skew | float] | None = None, channels: Sequence[str] = LINK_SIDE
 ) -> Recording:
-    """Channels moved to earlier times by their joints' delays, s; by default the link's to the motor's, as measured.
+    """Channels moved to earlier times by their joints' delays, s, positive for late ones; by default the link's to the
+    motor's, as measured.
 
     Joints without a delay stay as they are; so do those whose delay does not stand out of its uncertainty, and a note
     says so.  NaN at the ends, where nothing was sampled.
-    Raises InputError as `skews` does, and for a joint, or for channels of which none, was recorded.
+    Raises InputError as `skews` does, for a delay that is not finite or of a joint that was not recorded, and if none
+    of the channels was recorded.
     """
     check_recording("aligned", recording)
     check_kind("aligned", "delays", delays, (Mapping, NoneType), "a delay, s, for each of some joints, by name")
@@ -84,7 +86,10 @@ def _delay(given: Skew | float) -> float:
     """s to correct."""
     if isinstance(given, Skew):
         return given.delay if abs(given.delay) > STANDS_OUT * given.uncertainty else 0.0
-    return float(given)
+    delay = number("aligned", "delay", given, "s")
+    if not np.isfinite(delay):
+        raise InputError(f"aligned: delay {delay} s must be finite", delay=delay)
+    return delay
 
 
 def _moves(x: Array) -> bool:

@@ -66,6 +66,7 @@ def clock_skew(
     """
     period, largest = positive("clock_skew", "period", period, "s"), positive("clock_skew", "largest", largest, "s")
     first, second = _arrays(x, y)
+    largest = min(largest, period * len(first))
     used = _usable(first, second, int(np.ceil(largest / period)))
     if used.sum() < LEAST_SAMPLES:
         raise InputError(f"{used.sum()} common samples are too few to see a delay: at least {LEAST_SAMPLES} are needed")

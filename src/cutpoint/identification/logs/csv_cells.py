@@ -26,6 +26,8 @@ def number(cell: str, delimiter: str) -> float | None:
     """The number in a cell, NaN for one that says it has none, None for a word."""
     if cell.lower() in UNKNOWN:
         return math.nan
+    if "_" in cell:  # Python's own, which no logger writes
+        return None
     try:
         return float(cell if delimiter == "," else cell.replace(",", "."))
     except ValueError:

@@ -38,13 +38,13 @@ def read_header(text: TextIO, file: str) -> Header:
 
     Raises InputError: a first line without names, a name twice, a text that is not UTF-8.
     """
-    line, first, comment = 1, text.readline(LONGEST_LINE), ""
-    told = re.fullmatch(r'"?sep=(.)"?\s*', first)
+    line, first, comment = 1, _line(text, file, 1), ""
+    told = re.fullmatch(r'"?sep=([^\r\n])"?\s*', first)
     if told:
-        line, first = 2, text.readline(LONGEST_LINE)
+        line, first = 2, _line(text, file, 2)
     while first.startswith(COMMENTS) or first.isspace():
         comment = first if first.strip() else comment
-        line, first = line + 1, text.readline(LONGEST_LINE)
+        line, first = line + 1, _line(text, file, line + 1)
     if "\0" in first:
         raise InputError(f"file is not UTF-8 text: line {line} holds zero bytes; save it as UTF-8", place=file)
     delimiter = told[1] if told else _delimiter(first)
@@ -52,6 +52,14 @@ def read_header(text: TextIO, file: str) -> Header:
     if _are_numbers(titles) and len(above) == len(titles) and not _are_numbers(above):
         return Header(*_named(above, f"{file}:{line - 1}"), delimiter, line - 1, chain([first], text))
     return Header(*_named(titles, f"{file}:{line}"), delimiter, line, text)
+
+
+def _line(text: TextIO, file: str, number: int) -> str:
+    """The next line.  Raises InputError for one that is longer than any that names columns."""
+    found = text.readline(LONGEST_LINE)
+    if len(found) == LONGEST_LINE and not found.endswith("\n"):
+        raise InputError(f"line {number} is longer than {LONGEST_LINE:,} characters: shorten it", place=file)
+    return found
 
 
 def units_below(cells: list[str], delimiter: str, place: str) -> list[str] | None:

@@ -2,7 +2,6 @@
 
 import math
 from collections.abc import Collection, Mapping, Sequence
-from itertools import combinations
 from typing import NamedTuple
 
 import numpy as np
@@ -45,10 +44,16 @@ def columns_of(name: str, mapping: ChannelMap, table: Table) -> Columns:
         if len(channel.values) != len(first.values) or channel.stamps is not first.stamps:
             complaint = f"{name}: channel {wanted!r} was sampled at other times than those beside it"
             raise mapping.section.error((name, "channels"), complaint)
-    for (one, a), (other, b) in combinations(zip(mapping.quantities[name].channels, channels, strict=True), 2):
-        if np.shares_memory(a.values, b.values):
-            rule = f"{name}: {one!r} and {other!r} are one column of the log; each joint must have its own"
-            raise mapping.section.error((name, "channels"), rule)
+    known: dict[int, str] = {}
+    for wanted, channel in zip(mapping.quantities[name].channels, channels, strict=True):
+        for column in np.atleast_2d(channel.values.T):
+            start = column.__array_interface__["data"][0]
+            if start in known:
+                rule = (
+                    f"{name}: {known[start]!r} and {wanted!r} are one column of the log; each joint must have its own"
+                )
+                raise mapping.section.error((name, "channels"), rule)
+            known[start] = wanted
     labels = tuple(label for channel in channels for label in channel.labels)
     units = tuple(channel.unit for channel in channels for _ in range(channel.width))
     values = np.column_stack([channel.values for channel in channels])

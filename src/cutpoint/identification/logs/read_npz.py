@@ -22,7 +22,10 @@ def read_npz(path: Path) -> Table:
     Raises InputError: no archive of arrays, or one that unpacks to more than is read.
     """
     with opened_archive(path) as archive:
-        check_size(sum(member.file_size for member in archive.infolist()), "archive", str(path))
+        members = archive.infolist()
+        check_size(sum(member.file_size for member in members), "archive", str(path))
+        if len({member.filename for member in members}) < len(members):
+            raise ValueError("it holds two arrays of one name")
         names = [name for name in archive.namelist() if name.endswith(".npy")]
         found = {name.removesuffix(".npy"): _array(archive, name) for name in names}
     channels = {name: channel(values) for name, values in found.items() if not isinstance(values, str)}

@@ -52,7 +52,7 @@ def _flat(table: Any) -> Any:
 
 
 def _channel(column: Any) -> Channel | None:
-    """A column as a channel; None for one of texts, or of lists that differ in length."""
+    """A column as a channel; None for one of texts, or of lists that are empty or differ in length."""
     types, compute = (optional(f"pyarrow.{part}", "a Parquet file") for part in ("types", "compute"))
     if types.is_timestamp(column.type) or types.is_duration(column.type):
         return channel(_seconds(column), unit="s")
@@ -62,9 +62,10 @@ def _channel(column: Any) -> Channel | None:
         return None
     if not lists:
         return channel(column.to_numpy())
-    flat = column.combine_chunks().flatten().to_numpy(zero_copy_only=False)
     lengths = compute.unique(compute.list_value_length(column)).to_pylist()
-    return channel(flat.reshape(-1, *lengths)) if len(lengths) == 1 and not column.null_count else None
+    if len(lengths) != 1 or not lengths[0] or column.null_count:
+        return None
+    return channel(column.combine_chunks().flatten().to_numpy(zero_copy_only=False).reshape(-1, *lengths))
 
 
 def _seconds(column: Any) -> NDArray[np.float64]:

@@ -33,7 +33,7 @@ def read_table(path: str | Path) -> Table:
     CutpointError: a format whose library is missing; pip install 'cutpoint[logs]'.
     """
     path = path_of("read_table", path, "a log")
-    if path.is_dir():
+    if _is_folder(path):
         return read_bag(path)
     check_readable(path, LARGEST_FILE)
     ending = path.suffix.lower()
@@ -42,3 +42,11 @@ def read_table(path: str | Path) -> Table:
     if ending in (".csv", ".npz") and is_own_log(path):
         return read_own_log(path)
     return READERS[ending](path)
+
+
+def _is_folder(path: Path) -> bool:
+    """False also for a path that the system refuses, which `check_readable` tells."""
+    try:
+        return path.is_dir()
+    except OSError:
+        return False

@@ -97,6 +97,7 @@ class Recording:
 
     def resampled(self, period: float) -> "Recording":
         """On a uniform time, from the first sample on; NaN in gaps.  See `resampling.on_grid`."""
+        period = number("resampled", "period", period, "s")
         grid, steps = uniform_times(self.time, period), np.diff(self.time)
         note = f"resampled to a period of {period:g} s"
         if f"{np.median(steps):.3g}" != f"{period:.3g}":
@@ -129,7 +130,7 @@ class Recording:
 
     def with_notes(self, notes: Sequence[str]) -> "Recording":
         """A recording with further notes."""
-        return replace(self, notes=(*self.notes, *notes))
+        return replace(self, notes=(*self.notes, *checked_names("with_notes", notes, "notes", "texts")))
 
 
 def _frozen(name: str, values: Any) -> Array:

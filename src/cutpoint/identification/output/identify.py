@@ -7,6 +7,7 @@ from typing import Any
 
 import numpy as np
 
+from cutpoint.door import number
 from cutpoint.errors import InputError
 from cutpoint.formats.drive_file_writing import worded
 from cutpoint.identification.conditioning.alignment import aligned
@@ -73,7 +74,8 @@ def identify(
     Raises:
         ModelError, InputError: what is wrong in a file, or does not fit another, or an argument.
     """
-    if not 0.0 <= hold_out <= MOST_HELD:
+    torque_delay = number("identify", "torque_delay", torque_delay, "s")
+    if not 0.0 <= number("identify", "hold_out", hold_out) <= MOST_HELD:
         raise InputError(f"hold_out {hold_out} must be a share of the log, 0 to {MOST_HELD}", hold_out=hold_out)
     filters = {"cutoff": cutoff, "bandwidth": bandwidth}
     how: dict[str, Any] = {"method": method, "solver": solver, "torque_constants": torque_constants} | filters

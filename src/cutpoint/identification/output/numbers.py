@@ -26,7 +26,7 @@ class Number:
     """value, low, high: with its interval, SI at the joint's side.  used: in the model.  prior: as the files had it.
 
     NaN where there is no such number.
-    path: of a drive file's entry that states it, () if none does, and scale: what the file's number is of this one.
+    path: of a drive file's entry that states it, () if none does, and scale: the file's number over this one.
     told: whether the log tells it; why not, if not.
     """
 

@@ -8,6 +8,7 @@ from typing import Literal, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from cutpoint.door import checked_name, number
 from cutpoint.errors import InputError, unknown_name
 from cutpoint.identification.conditioning.decimation import decimation
 from cutpoint.identification.conditioning.motion import Motion, motion_of, sliding_speeds, torques_of
@@ -87,6 +88,10 @@ def identify_rigid(
     check_recording("identify_rigid", recording)
     _check(method, instruments, level, prior_spread)
     check_solver(solver)
+    for joint, error in (rotor_errors or {}).items():
+        checked_name("driven joint", joint, robot.joints)
+        if not number("identify_rigid", f"rotor_errors[{joint!r}]", error, "kg m2") >= 0.0:
+            raise InputError(f"identify_rigid: rotor_errors[{joint!r}] {error} kg m2 must not be negative", joint=joint)
     base = base_parameters(robot, rotors=rotors)
     log = _log(robot, recording, base.rotors, cutoff, bandwidth, torque_constants)
     loads = link_torques(robot, log.motion, robot.inertial_parameters)
@@ -143,9 +148,9 @@ def _check(method: str, instruments: Recording | None, level: float, spread: flo
         raise unknown_name("method of identification", method, (*METHODS, "instrumental"))
     if instruments is not None and method != "instrumental":
         raise InputError(f"instruments go with method='instrumental', not with {method!r}", method=method)
-    if not 0.0 < level < 1.0:
+    if not 0.0 < number("identify_rigid", "level", level) < 1.0:
         raise InputError(f"level {level} must lie between 0 and 1, as 0.95", level=level)
-    if not (np.isfinite(spread) and spread > 0.0):
+    if not 0.0 < number("identify_rigid", "prior_spread", spread) < np.inf:
         raise InputError(f"prior_spread {spread} must be positive, as a share: 0.5 is half of a body's mass")
 
 

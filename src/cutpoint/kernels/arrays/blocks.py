@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 
 from cutpoint.errors import InputError
-from cutpoint.kernels.arrays.arguments import as_numbers, explained, in_order
+from cutpoint.kernels.arrays.arguments import as_numbers, explained, in_order, unmasked
 from cutpoint.kernels.arrays.block_function import block_function, wide
 from cutpoint.kernels.arrays.function import Function
 from cutpoint.kernels.arrays.threads import Threaded, thread_count
@@ -49,7 +49,9 @@ class Blocks:
             found = self._whole(arguments, out)
             if found is not None:
                 return found if self._make is None else self._made(found)
-        given = [self._spread(x) for x in in_order(self._name, self._wide.inputs, arguments, named)]
+        ordered = in_order(self._name, self._wide.inputs, arguments, named)
+        plain = [unmasked(self._name, p, x) for p, x in zip(self._wide.inputs, ordered, strict=True)]
+        given = [self._spread(x) for x in plain]
         count = 1 if threads is None else thread_count(self._name, threads)
         try:
             if self._wide.precision is not FLOAT64:
@@ -67,9 +69,9 @@ class Blocks:
         """Blocks, (blocks, *shape, width), of an array of rows, (count, *shape); the last row fills the last block up.
 
         Raises:
-            InputError: there are no rows.
+            InputError: there are no rows, or what is no number, or masked, is among them.
         """
-        array = as_numbers(rows, self._wide.precision)
+        array = self._numbers("rows", rows)
         if not array.ndim or not len(array):
             raise InputError(f"{self._name}: an array of shape {array.shape} has no rows to make blocks of")
         blocks = _aligned((-(-len(array) // self.width), *array.shape[1:], self.width), self._wide.precision)
@@ -87,18 +89,27 @@ class Blocks:
         Of a tuple of blocks, as calls return it for several outputs, a tuple of rows.
 
         Raises:
-            InputError: they are no blocks of this width, or hold fewer rows; the count is no whole number from 0.
+            InputError: they are no blocks of this width, or hold fewer rows, or what is no number, or masked; the count
+                is no whole number from 0.
         """
         if not isinstance(count, (int, np.integer)) or count < 0:
             raise InputError(f"{self._name}: count={count!r} of rows must be a whole number from 0", count=count)
         if isinstance(blocks, tuple):
             several = [self.rows(x, count) for x in blocks]
             return blocks._make(several) if hasattr(blocks, "_make") else tuple(several)  # type: ignore[attr-defined]
-        array = as_numbers(blocks, self._wide.precision)
+        array = self._numbers("blocks", blocks)
         if array.ndim < 2 or array.shape[-1] != self.width or count > len(array) * self.width:
             rule = f"it must be (blocks, ..., {self.width}) with at least {count} rows"
             raise InputError(f"{self._name}: an array of blocks has shape {array.shape}, {rule}")
         return np.moveaxis(array, -1, 1).reshape(len(array) * self.width, *array.shape[1:-1])[:count]
+
+    def _numbers(self, what: str, given: Any) -> np.ndarray:
+        if np.ma.is_masked(given):
+            raise InputError(f"{self._name}: {what} have masked numbers: fill them in, or leave these out")
+        try:
+            return as_numbers(given, self._wide.precision)
+        except (TypeError, ValueError, OverflowError) as error:
+            raise InputError(f"{self._name}: {what} must be an array of real numbers: {error}") from None
 
     def _spread(self, x: Any) -> Any:
         """Numbers that are one for all of a block, with as many as the block holds."""

@@ -8,6 +8,7 @@ import ctypes
 import threading
 from collections.abc import Sequence
 
+from cutpoint.callers import warn
 from cutpoint.kernels.graphs.graph import Graph
 from cutpoint.kernels.graphs.ports import Port
 from cutpoint.kernels.graphs.precision import FLOAT64, Precision
@@ -56,6 +57,9 @@ class Packs:
         except KeyboardInterrupt:
             # nothing can be raised through machine code: once more, when that has returned
             threading.Timer(_SOON, _thread.interrupt_main).start()
+        except Exception as error:
+            self.width = None
+            warn(f"{self._name}: batches go element by element, as their code cannot be made: {error}")
 
 
 def width_of_packs(graph: Graph, inputs: Sequence[Port], outputs: Sequence[Port]) -> int | None:

@@ -112,7 +112,7 @@ def _surroundings() -> tuple[str, ...]:
 def _writers() -> tuple[tuple[str, int, int], ...]:
     """The files that write modules, as they are: a changed one may write another text.
 
-    None where they are bundled into one file, which changes with the version.
+    Empty where the package is bundled into one file: then the version stands for it.
     """
     kernels = Path(__file__).parents[1]
     found = ((x.relative_to(kernels), x.stat()) for x in kernels.rglob("*.py"))
