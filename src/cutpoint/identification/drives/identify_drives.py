@@ -34,6 +34,10 @@ class DriveEstimates:
         """What is otherwise than the robot had it, and what was not found at all, a sentence each."""
         kept = "its spring was not identified and stays as it was"
         failed = (f"{joint}: {kept}: {why}" for joint, why in self.failed.items())
+        if late := [joint for joint, estimate in self.joints.items() if estimate.clocks]:
+            told = f"the clocks of the encoders differ at {', '.join(late)}, and so perhaps at the others"
+            remedy = "align them (cutpoint.identification.aligned) and identify again"
+            return (f"{told}: no drive's numbers are sure until then; {remedy}", *failed)
         own = (
             f"{joint}: {words_at(self.robot, joint, words)}"
             for joint, estimate in self.joints.items()

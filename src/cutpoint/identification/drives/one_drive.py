@@ -49,6 +49,7 @@ class DriveEstimate:
 
     spring, rotor: what was found, with its uncertainty.  unidentifiable: what was not, or not sought, and why.
     apart: whether the spring told the rotor from the link; otherwise they are told apart by what was known of the link.
+    clocks: what shows that the encoders' clocks differ, if anything does.
     remarks: on which side friction is, where it is not as the drive had it, a sentence each.
     delay: s by which the motor's torque acts later than it is stamped; None where the spring does not tell.
     """
@@ -58,6 +59,7 @@ class DriveEstimate:
     rotor: RotorEstimate
     unidentifiable: Mapping[str, str]
     apart: bool
+    clocks: str = ""
     remarks: tuple[str, ...] = ()
     delay: Delay | None = None
 
@@ -209,10 +211,11 @@ def _is_seen(spring: SpringEstimate) -> bool:
     return spring.deviations["stiffness"] < UNCERTAIN * spring["stiffness"]
 
 
-def _by_speed(clocks: str) -> dict[str, str]:
+def _of_a_deflection(clocks: str) -> dict[str, str]:
     """What is not told where the encoders' clocks differ, each with the sentence why."""
     shorter = "the clocks of the encoders differ, as motor friction shows"
-    return {"motor friction": clocks, "rotor inertia": shorter, "damping": shorter}
+    others = ("rotor inertia", "damping", "stiffness", "kinematic_error", "hysteresis")
+    return {"motor friction": clocks, **dict.fromkeys(others, shorter)}
 
 
 def _estimate(
@@ -225,7 +228,7 @@ def _estimate(
 ) -> DriveEstimate:
     """The drive with what was told; a drive that stays rigid has no parts that act on a deflection."""
     clocks = clocks_differ(spring, rotor, link)
-    why = {**spring.unidentifiable, **rotor.unidentifiable, **(_by_speed(clocks) if clocks else {})}
+    why = {**spring.unidentifiable, **rotor.unidentifiable, **(_of_a_deflection(clocks) if clocks else {})}
     words = remarks(drive, spring, rotor, link) if link and not clocks else ()
     changes: dict[str, object] = {}
     if rotor.friction is not None and not clocks:
@@ -244,4 +247,4 @@ def _estimate(
         parts = {name: getattr(spring, name) for name in ("kinematic_error", "damping")}
         parts["hysteresis"] = as_wide(spring.hysteresis, spring.compliance, drive.compliance)
         changes.update({name: part for name, part in parts.items() if part is not None and name not in why})
-    return DriveEstimate(replace(drive, **changes), spring, rotor, why, apart, words)  # type: ignore[arg-type]
+    return DriveEstimate(replace(drive, **changes), spring, rotor, why, apart, clocks, words)  # type: ignore[arg-type]

@@ -3,7 +3,7 @@
 Losses in a spring make what the motor bears run ahead of what is read: that looks like a torque that acts later.
 """
 
-from collections.abc import Mapping
+from collections.abc import Collection, Mapping
 from typing import NamedTuple
 
 import numpy as np
@@ -22,8 +22,11 @@ class Delay(NamedTuple):
     deviation: float
 
 
-def delay_remarks(delays: Mapping[str, Delay], supposed: float) -> tuple[str, ...]:
-    """A sentence if torques act otherwise than was supposed, s; of joints of which springs tell, by name."""
+def delay_remarks(delays: Mapping[str, Delay], supposed: float, damped: Collection[str]) -> tuple[str, ...]:
+    """A sentence if torques act otherwise than was supposed, s; of joints of which springs tell, by name.
+
+    damped: joints whose damping is told: where another's is not, it is no sign of lateness either.
+    """
     if not delays:
         return ()
     values, deviations = (np.array(x) for x in zip(*delays.values(), strict=True))
@@ -34,7 +37,7 @@ def delay_remarks(delays: Mapping[str, Delay], supposed: float) -> tuple[str, ..
         told = f"springs tell that torques act {_when(found)} than they are stamped, not {taken} ({each})"
         rule = "until then rotors and dampings come out too small; damping hides some of it: look again"
         return (f"{told}: align them by {remedy}; {rule}",)
-    if len(values) > 1 and found - supposed > max(surely, float(np.ptp(values))):
+    if len(values) > 1 and set(delays) <= set(damped) and found - supposed > max(surely, float(np.ptp(values))):
         told = f"all springs seem damped by {1e3 * (found - supposed):.2g} ms of their stiffness"
         return (f"{told}, or torques act {_when(found)} than they are stamped, not {taken}: try {remedy}",)
     return ()

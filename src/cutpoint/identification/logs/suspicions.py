@@ -50,9 +50,12 @@ def refuse_degrees(recording: Recording, robot: Robot, file: str = "") -> None:
                 try:
                     check_configuration(robot.mechanism, furthest.tolist())
                 except InputError as error:
-                    turns = name == "theta" and _are_rotors(recording, joint, robot.drives[joint].ratio)
+                    ratio = robot.drives[joint].ratio
+                    turns = name == "theta" and _are_rotors(recording, joint, ratio)
                     slide = [each in robot.mechanism.sliding for each in recording.joints]
                     told = _beyond(name, recording.joints.index(joint), recording, slide, is_rotor=turns)
+                    if name == "theta" and "q" not in recording.channels and abs(ratio) != 1.0:
+                        told += f"; or it is the rotor's, before the gear of ratio {ratio:g}: side: motor"
                     raise InputError(told, place=file or None, **error.evidence) from error
 
 

@@ -1,7 +1,7 @@
 """Numbers of drives that two encoders tell: spring, hysteresis, kinematic error, rotor."""
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -32,6 +32,8 @@ UNITS: Mapping[str, str] = {
 }
 
 NOT_APART = "its spring, which would tell it from the link, is not seen; what torques tell of it is with the links"
+
+BY_COULOMB = "by Coulomb's law, whatever was chosen with the links, so that its interval knows of scatter alone"
 
 SUMS = {"t2": ("t1", "t2 - t1")}
 """Constants of spring laws that are sums of unknowns."""
@@ -100,7 +102,8 @@ def _of_rotor(rows: _Rows, rotor: RotorEstimate, stated: float, used: bool) -> l
         own.append(rows.row("rotor inertia", inertia, path, stated, "rotor inertia", scale))
     for name in ("coulomb", "viscous"):
         each = _found(rotor, name)
-        own += [rows.row(f"{name}, by the motor alone", each, (), NOTHING, "motor friction")] if each else []
+        why = rows.why.get("motor friction", BY_COULOMB)
+        own += [replace(rows.row(f"{name}, by the motor alone", each, ()), told=False, why=why)] if each else []
     return own
 
 
@@ -124,6 +127,7 @@ def _waves(rows: _Rows, spring: SpringEstimate, stated: Mapping[int, float]) -> 
             (float(wave.amplitude), deviation),
             path,
             stated.get(wave.order, NOTHING),
+            "kinematic_error",
         )
         for wave, deviation, path in zip(
             error.harmonics, deviations, [("kinematic_error", "amplitude"), *further], strict=True
@@ -141,7 +145,11 @@ def _loops(rows: _Rows, spring: SpringEstimate, stated: float) -> list[Number]:
     softness = float(spring.compliance.deflection(law.friction)) / float(law.friction)
     slope = 2.0 * softness * np.array(law.reach)
     deviation = float(np.sqrt(slope @ spring.covariance[np.ix_(used, used)] @ slope))
-    return [rows.row("hysteresis loss", (float(slope @ law.stiffness), deviation), ("hysteresis", "loss"), stated)]
+    return [
+        rows.row(
+            "hysteresis loss", (float(slope @ law.stiffness), deviation), ("hysteresis", "loss"), stated, "hysteresis"
+        )
+    ]
 
 
 def _stated(part: Any, name: str) -> float:

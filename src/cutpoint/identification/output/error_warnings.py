@@ -1,6 +1,6 @@
 """What errors of torques warn of, in sentences."""
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 
 import numpy as np
 
@@ -43,7 +43,7 @@ MOST = 0.5
 def warnings_of(errors: TorqueErrors, units: Mapping[str, str]) -> list[str]:
     """On joints whose held-out torques judge nothing, or are explained much worse than those fitted, or than by plain
     least squares.  units: of their torques, by joint."""
-    notes = _of_all(errors)
+    notes = [*_of_all(errors), *_of_rest(errors, [*units])]
     for j, ((joint, unit), ratio) in enumerate(zip(units.items(), errors.to_plain(), strict=True)):
         notes += [f"{joint}{note}" for note in _of_joint(errors, j, ratio, unit)]
     return notes
@@ -60,12 +60,22 @@ def _of_all(errors: TorqueErrors) -> list[str]:
     return [f"torques are {times:.3g} times what the robot's files ask for this motion: {check}"]
 
 
+def _of_rest(errors: TorqueErrors, joints: Sequence[str]) -> list[str]:
+    """Joints most of whose error is of when they rest, in one sentence."""
+    times, squares = errors.resting()
+    found = [j for j in range(len(joints)) if squares[j] > max(MOST, UNEVEN * times[j])]
+    if not found:
+        return []
+    which = ", ".join(f"{joints[j]} {squares[j]:.0%} in {times[j]:.0%} of the time" for j in found)
+    what = "most of the squared torque error on the part held out comes from when they rest"
+    return [f"{what}, where friction is whatever holds them and no law tells it: {which}"]
+
+
 def _of_joint(errors: TorqueErrors, j: int, ratio: Ratio, unit: str) -> list[str]:
     fitted, held, before = errors.rms("after")[j], errors.rms("after", True)[j], errors.rms("before")[j]
-    time, squares = (float(share[j]) for share in errors.resting())
     notes: list[str] = []
     if fitted > POOR * errors.size()[j]:
-        what = f"{fitted:.3g} of {errors.size()[j]:.3g} {unit} of its torque are not explained"
+        what = f"the model misses its torque by {fitted:.3g} {unit} RMS, where that is {errors.size()[j]:.3g}"
         turned = "is the sign of the torque, or of the position, turned?"
         asked = f"it goes against what the files ask: {turned}" if errors.likeness()[j] < TURNED else ""
         notes.append(f": {what}: {asked or 'check its columns, signs and units'}")
@@ -75,9 +85,6 @@ def _of_joint(errors: TorqueErrors, j: int, ratio: Ratio, unit: str) -> list[str
         times = f"{held / fitted:.1f} times that on the part that was fitted"
         reason = "it moves otherwise there, or the machine changed"
         notes.append(f": torque error on the part held out is {times}: {reason}")
-    if squares > max(MOST, UNEVEN * time):
-        when = f"the {time:.0%} of time in which it rests, where friction is whatever holds it and no law tells it"
-        notes.append(f": {squares:.0%} of its squared torque error on the part held out comes from {when}")
     if ratio.is_more and held > SMALL * errors.size()[j]:
         times = f"{ratio.low:.2f} to {ratio.high:.2f} times that of plain least squares"
         notes.append(f": torque error on the part held out is {times}: check signs and units, or record longer")

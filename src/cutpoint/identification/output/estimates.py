@@ -85,7 +85,9 @@ def _coarse(drives: DriveEstimates) -> tuple[str, ...]:
 
 
 def _late(drives: DriveEstimates, supposed: float) -> tuple[str, ...]:
-    return delay_remarks({joint: each.delay for joint, each in drives.joints.items() if each.delay}, supposed)
+    delays = {joint: each.delay for joint, each in drives.joints.items() if each.delay}
+    damped = [joint for joint, each in drives.joints.items() if "damping" not in each.unidentifiable]
+    return delay_remarks(delays, supposed, damped)
 
 
 def springs_wanted(before: Robot, recording: Recording, springs: bool | None) -> bool:

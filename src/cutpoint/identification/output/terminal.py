@@ -32,7 +32,8 @@ def table_of(found: Identification) -> Table:
 
 def sentences(found: Identification) -> list[str]:
     """What is not told, and what was done or looks wrong, a line each; the report has all of it."""
-    untold = [f"not told: {words}" for words in found.untold]
+    # hysteresis, which few logs tell, last
+    untold = [f"not told: {words}" for words in sorted(found.untold, key=lambda words: "hysteresis" in words)]
     if len(untold) > SHOWN:
         untold[SHOWN - 1 :] = [f"not told: {len(untold) - SHOWN + 1} more numbers, see the report"]
     choices = {str(choice) for choice in found.rigid.friction}
