@@ -9,6 +9,7 @@ import pytest
 from cutpoint import InputError, Log, Sensors
 from cutpoint.analysis import followed_hysteresis, frequency_response, linearize, modes, torque_bound
 from cutpoint.control import PD, slowest_pole, tune
+from cutpoint.formats import dump_drives, parse_drives, parse_mjcf, parse_urdf
 from cutpoint.identification import (
     Recording,
     aligned,
@@ -16,6 +17,7 @@ from cutpoint.identification import (
     base_parameters,
     clock_skew,
     derivative,
+    identify,
     identify_drives,
     identify_rigid,
     load_mapping,
@@ -103,6 +105,29 @@ LINEAR = {"frequencies": [1.0, 2.0], "joint": "joint1"}
         (lambda: recording()[["q"]], r"no recorded channel is named \['q'\]; there are: 'q', 'theta'"),
         (lambda: recording().between("start", 1.0), r"between: start must be one number, s, got 'start'"),
         (lambda: base_parameters(robot("xia2019"), rotors=None), r"rotors must be True, False, or names of joints"),
+        (lambda: recording().resampled("1 ms"), r"resampled: period must be one number, s, got '1 ms'"),
+        (lambda: recording().with_notes("late"), r"with_notes: notes must be texts, got 'late'"),
+        (lambda: aligned(recording(), {"joint1": "late"}), r"aligned: delay must be one number, s, got 'late'"),
+        (lambda: aligned(recording(), {"joint1": np.nan}), r"aligned: delay nan s must be finite"),
+        (
+            lambda: identify_rigid(robot("xia2019"), recording(), rotor_errors={"joint": 1.0}),
+            r"no driven joint is named 'joint'; there are: 'joint1'",
+        ),
+        (
+            lambda: identify_rigid(robot("xia2019"), recording(), rotor_errors={"joint1": -1.0}),
+            r"identify_rigid: rotor_errors\['joint1'\] -1.0 kg m2 must not be negative",
+        ),
+        (lambda: identify_rigid(robot("xia2019"), recording(), level="most"), r"level must be one number, got 'most'"),
+        (lambda: identify(robot("xia2019"), recording(), hold_out="0.3"), r"hold_out must be one number, got '0.3'"),
+        (lambda: identify(robot("xia2019"), recording(), torque_delay="1"), r"torque_delay must be one number, s, got"),
+        (lambda: parse_urdf(3), r"parse_urdf: content must be the text of a URDF .*, got 3"),
+        (lambda: parse_mjcf(3), r"parse_mjcf: content must be the text of an MJCF file .*, got 3"),
+        (
+            lambda: parse_drives(3, robot("xia2019").mechanism),
+            r"parse_drives: content must be the text of a drive file",
+        ),
+        (lambda: dump_drives([1]), r"dump_drives: drives must be a Drive for each of some joints, by name, got \[1\]"),
+        (lambda: cycloid([1.0], np.array("abc")), r"duration must be one number, s, got an array \(\) of <U3"),
         (lambda: clock_skew("x", Q, 1e-3), r"clock_skew: x must be numbers, got 'x'"),
         (lambda: clock_skew(Q[:, 0], Q, None), r"clock_skew: period must be one number, s, got None"),
         (lambda: low_pass(Q, np.nan, 20.0), r"low_pass: period nan s must be positive and finite"),

@@ -270,6 +270,16 @@ def test_joints_are_locked_and_gravity_turned_as_the_options_say(
     assert "joint1" in told and "joint2" not in told
 
 
+def test_drives_of_joints_that_slide_are_shown_in_newtons(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(tmp_path)
+    sliding = ONE_JOINT.format(joint="swing").replace("revolute", "prismatic")
+    Path("arm.urdf").write_text(sliding, encoding="utf-8")
+    parts = "damping: 5.0, hysteresis: {loss: 1.0e-5}, ratings: {rated_torque: 100.0}"
+    Path("arm.yaml").write_text(ELASTIC.replace("}}}}", f"}}}}, {parts}}}}}"), encoding="utf-8")
+    told = printed("inspect", "arm.urdf", "--drives", "arm.yaml")
+    assert "damping 5 N s/m" in told and "rated 100 N " in told and "N m" not in told.split("drives, at")[1]
+
+
 def test_inertias_are_mended_on_demand(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.chdir(tmp_path)
     sound = ONE_JOINT.format(joint="swing")

@@ -2,6 +2,7 @@
 
 import io
 import pickle
+import warnings
 import zipfile
 import zlib
 from pathlib import Path
@@ -76,6 +77,36 @@ def test_an_array_that_promises_more_than_it_holds_is_refused(tmp_path: Path):
         archive.writestr("q.npy", header.getvalue())
     with pytest.raises(InputError, match=r"q.npy of type float64 and shape \(1000000000000,\) is larger than its"):
         read_table(tmp_path / "log.npz")
+
+
+def test_two_arrays_of_one_name_are_refused(tmp_path: Path):
+    """Each entry would be read as the last one, however large that is."""
+    with zipfile.ZipFile(tmp_path / "log.npz", "w") as archive:
+        for _ in range(2):
+            packed = io.BytesIO()
+            np.lib.format.write_array(packed, times(50))
+            with warnings.catch_warnings(action="ignore"):
+                archive.writestr("q.npy", packed.getvalue())
+    with pytest.raises(InputError, match=r"that can be read: it holds two arrays of one name"):
+        read_table(tmp_path / "log.npz")
+
+
+def test_a_path_that_the_system_refuses_is_told(tmp_path: Path):
+    for path in (tmp_path / f"{'a' * 300}.csv", tmp_path / f"{'a' * 300}.npz"):
+        with pytest.raises(InputError, match=r"cannot be read \(File name too long\); give another path"):
+            read_table(path)
+
+
+def test_columns_of_empty_lists_are_no_channels(tmp_path: Path):
+    lists = pyarrow.array([[], [], []], pyarrow.list_(pyarrow.float64()))
+    pyarrow.parquet.write_table(pyarrow.table({"t": [0.0, 1.0, 2.0], "q": lists}), tmp_path / "log.parquet")
+    assert list(read_table(tmp_path / "log.parquet").channels) == ["t"]
+
+
+def test_an_underscore_makes_a_cell_a_word(tmp_path: Path):
+    (tmp_path / "log.csv").write_text("t,q\n0,1_0\n1,2\n2,3\n")
+    table = read_table(tmp_path / "log.csv")
+    assert np.isnan(table.channels["q"].values[0]) and "such as '1_0', and count as missing" in table.notes[0]
 
 
 def damaged_npz(path: Path, damage: str) -> None:
@@ -235,6 +266,7 @@ def test_a_log_reads_no_other_file(tmp_path: Path):
             "1,2,3\n4,5,6\n",
             r"first line '1, 2, 3' must name the columns, as in 't, q1, q2, tau1, tau2' \(.*log.csv:1\)",
         ),
+        ("sep=\r\nt,q\r\n0,1\r\n", r"the line below the names holds 't,q': .* \(.*log.csv:2\)"),
         ("t,q\n\x1bc,m\n0,1\n", r"the line below the names holds '\\x1bc, m': .* '\\x1bc' is neither"),
         ("# a remark\n\nt,q\n0,1\n1\n2,3\n", r"1 cells must be 2, as in the line of names \(.*log.csv:5\)"),
         ("t,q\n0,1\n1,2,3\n", r"3 cells must be 2, as in the line of names \(.*log.csv:3\)"),
@@ -242,6 +274,10 @@ def test_a_log_reads_no_other_file(tmp_path: Path):
         (
             "t,q\ns,furlong\n0,1\n1,2\n",
             r"below the names holds 's, furlong': .* 'furlong' is neither; .*\(.*log.csv:2\)",
+        ),
+        (
+            ",".join(f"column{k:05}" for k in range(9000)) + "\n",
+            r"line 1 is longer than 100,000 characters: shorten it",
         ),
         ("t,q\n" + "1" * 200_000 + ",2\n", r"file is not UTF-8 text in columns: field larger"),
     ],

@@ -167,3 +167,19 @@ def test_several_outputs_become_rows_at_once(kernel: Kernel) -> None:
     assert type(found) is type(kernel(*rows))
     assert all(x.tobytes() == y.tobytes() for x, y in zip(found, kernel(*rows), strict=True))
     assert blocks.rows((blocks.of(rows[0]),), 11)[0].tobytes() == rows[0].tobytes()
+
+
+def test_masked_numbers_are_refused_as_the_kernel_refuses_them() -> None:
+    blocks = compile(lambda q: [2 * x for x in q], name="twice", q=3).blocks
+    rows = np.ma.array(np.ones((2, 3)), mask=[[True, False, False], [False] * 3])
+    with pytest.raises(InputError, match="twice: rows have masked numbers: fill them in"):
+        blocks.of(rows)
+    given = np.ma.array(np.ones((1, 3, blocks.width)), mask=False)
+    assert (blocks(given) == 2.0).all()
+    given[0, 0, 0] = np.ma.masked
+    with pytest.raises(InputError, match="twice: q has masked numbers: fill them in"):
+        blocks(given)
+    with pytest.raises(InputError, match="twice: blocks have masked numbers: fill them in"):
+        blocks.rows(given, 1)
+    with pytest.raises(InputError, match="twice: rows must be an array of real numbers: <U1 is not a real number"):
+        blocks.of([["a", "b", "c"]])

@@ -11,6 +11,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from cutpoint.kernels import Kernel, compile
+from cutpoint.kernels.arrays import packs
 from cutpoint.kernels.arrays.strided import WORTH_MAKING
 from cutpoint.kernels.machine import strided_loop
 from cutpoint.kernels.machine.batch_loop import WORTH_MAKING_PACKS
@@ -208,3 +209,15 @@ def test_every_width_of_packs_gives_the_bits_of_single_calls(width: int, monkeyp
     arguments = batch(LONG)
     assert kernel(*arguments).tobytes() == one_by_one(kernel, arguments).tobytes()
     assert kernel(*map(np.asfortranarray, arguments)).tobytes() == kernel(*arguments).tobytes()
+
+
+def test_packs_that_cannot_be_made_are_told_of_once_and_done_without(monkeypatch: pytest.MonkeyPatch) -> None:
+    def fails(*_: object) -> None:
+        raise RuntimeError("no memory for code")
+
+    monkeypatch.setattr(packs, "pack_loop", fails)
+    kernel = compile(lambda q: q * q + 1.2345678, name="unpacked", q=())
+    q = np.linspace(-1.0, 1.0, LONG)
+    with pytest.warns(UserWarning, match=r"unpacked: batches go element by element, .*: no memory for code") as caught:
+        first = kernel(q)
+    assert len(caught) == 1 and np.array_equal(first, kernel(q)) and np.array_equal(first[:1], [kernel(q[0])])

@@ -1,6 +1,7 @@
 """`identify`: from a log to a robot that one can trust, with what the log cannot tell, and files of both."""
 
-from collections.abc import Mapping
+from collections.abc import Generator, Mapping
+from contextlib import contextmanager
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -79,7 +80,7 @@ def identify(
         raise InputError(f"hold_out {hold_out} must be a share of the log, 0 to {MOST_HELD}", hold_out=hold_out)
     filters = {"cutoff": cutoff, "bandwidth": bandwidth}
     how: dict[str, Any] = {"method": method, "solver": solver, "torque_constants": torque_constants} | filters
-    with Steps(3, progress) as say:
+    with _told_of(log), Steps(3, progress) as say:
         say("reading the log")
         before, stamped, resolution = _read(robot, log, mapping, drives)
         recording = _acting(stamped, torque_delay)
@@ -90,6 +91,17 @@ def identify(
         errors = torque_errors(before, found.rigid, recording, held_from, torque_constants, **filters)
     file = Path(source) if source else None if isinstance(robot, Robot) else Path(robot)
     return _identification(before, file, recording, found, errors)
+
+
+@contextmanager
+def _told_of(log: Recording | str | Path) -> Generator[None, None, None]:
+    """Errors that name no file name the log's."""
+    try:
+        yield
+    except InputError as error:
+        if error.place or isinstance(log, Recording):
+            raise
+        raise InputError(str(error), place=log, **error.evidence) from error
 
 
 def _read(
