@@ -279,6 +279,19 @@ def test_the_command_prints_errors_and_saves(files: Path, tmp_path: Path):
     assert status == 1 and "already holds" in text
 
 
+def test_encoders_on_two_clocks_are_named_first_and_brought_to_one(files: Path, tmp_path: Path):
+    late = wound()
+    late["q"] = np.column_stack([np.interp(TIME - 3e-3, TIME, x) for x in late["q"].T])
+    log, clocks = write_log(tmp_path / "log.csv", late), "note: the clocks of the encoders differ at "
+    drives = ("--drives", str(files / "sprung.yaml"))
+    _, apart = run(files, log, tmp_path / "apart", *drives)
+    _, aligned = run(files, log, tmp_path / "aligned", *drives, "--align")
+    assert clocks in apart and "--align" in apart and clocks not in aligned
+    entries = [yaml.safe_load((tmp_path / name / "robot.drives.yaml").read_text()) for name in ("apart", "aligned")]
+    stiffness = [e["drives"]["elbow"]["compliance"]["linear"]["stiffness"] for e in entries]
+    assert stiffness == [9e3, pytest.approx(7e3, rel=0.02)]
+
+
 def test_nothing_held_out_judges_nothing(files: Path, tmp_path: Path):
     log = write_log(tmp_path / "log.csv", channels())
     found = identify(files / "arm.urdf", log, drives=files / "rigid.yaml", hold_out=0.0, friction="stated")

@@ -138,6 +138,9 @@ def identify(
         float,
         typer.Option("--delay", "--torque-delay", help="s by which torques act late: half a period for commands."),
     ] = 0.0,
+    align: Annotated[
+        bool, typer.Option("--align", metavar="", help="Bring the links' encoders to the motors' clock first.")
+    ] = False,
     force: Annotated[bool, typer.Option("--force", metavar="", help="Overwrite the files of an earlier run.")] = False,
 ) -> None:
     """Identify masses, inertias, friction and drives from a log, with intervals, and what the log cannot tell.
@@ -155,7 +158,7 @@ def identify(
     file = cutpoint.robots.XIA2019_URDF if str(robot) == "xia2019" else robot
     found = identified(
         loaded, log, mapping, hold_out=hold_out, springs=springs, method=method, solver=solver, cutoff=cutoff,
-        bandwidth=bandwidth, torque_delay=delay, source=file, progress=True,
+        bandwidth=bandwidth, torque_delay=delay, align=align, source=file, progress=True,
     )  # fmt: skip
     saved = found.save(output, force=force)
     console.print(table_of(found))

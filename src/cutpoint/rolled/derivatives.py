@@ -19,7 +19,7 @@ from cutpoint.rolled.bodies import Columns
 from cutpoint.rolled.kinematics import world_poses
 from cutpoint.rolled.kinship import Kinship
 from cutpoint.rolled.motions import MOVED, VIEWS, against_gravity, body_motions, world_rows
-from cutpoint.rolled.packing import flat, motion_of, pose_of, wrench_of
+from cutpoint.rolled.packing import added, flat, motion_of, pose_of, wrench_of
 from cutpoint.rolled.passes import PLAIN, WITH_RATES, Order, Pass, Steps
 from cutpoint.rolled.steps import RATES
 from cutpoint.rolled.subsystem import mat3
@@ -119,9 +119,6 @@ def _changes_within(columns: Columns, order: Order, *, brackets: bool = False) -
         M = columns.subsystem(row).body.inertia.seen_from_parent(pose_of(read(turned)))
         return packed(_costs(M, motion_of(read(velocity)), motion_of(read(acceleration))))
 
-    def inward(carried: Any, borne: Any) -> Any:
-        return [x + y for x, y in zip(borne, carried, strict=True)]
-
     def changed(row: Any, column: Any, velocity: Any, acceleration: Any, carried: Any) -> Any:
         own, S = columns.subsystem(row), motion_of(read(column))
         by_q, by_v = _changes(S, motion_of(read(velocity)), motion_of(read(acceleration)))
@@ -135,7 +132,7 @@ def _changes_within(columns: Columns, order: Order, *, brackets: bool = False) -
         *placed,
         *body_motions(columns, order, rates),
         Pass("alone", Stage(alone, ("body", "turned", *MOVED), ("carried",))),
-        Pass("inward", Stage(inward, ("carried", "borne"), ("borne",))),
+        Pass("inward", Stage(added, ("carried", "borne"), ("borne",))),
         Pass("alone", Stage(changed, ("body", "column", *MOVED, "carried"), seen)),
     ]
     sizes, constants = sizes_apart(base, rates)

@@ -13,7 +13,7 @@ from cutpoint.rolled.base import base_in, sizes_apart
 from cutpoint.rolled.bodies import Columns
 from cutpoint.rolled.kinematics import ABOVE, world_poses
 from cutpoint.rolled.kinship import Kinship
-from cutpoint.rolled.packing import flat, motion_of, pose_of, wrench_of
+from cutpoint.rolled.packing import added, flat, motion_of, pose_of, wrench_of
 from cutpoint.rolled.passes import Pass, Steps
 from cutpoint.scalars import where
 
@@ -32,9 +32,6 @@ def mass_matrix(columns: Columns) -> Steps:
         body, X = columns.subsystem(row).body, pose_of(turned)
         return [*body.joint.motion([1]).seen_from_parent(X)], parameters_of(body.inertia.seen_from_parent(X))
 
-    def inward(carried: Any, borne: Any) -> Any:
-        return [x + y for x, y in zip(borne, carried, strict=True)]
-
     def momentum(row: Any, turned: Any, column: Any, carried: Any) -> Any:
         own, motion = columns.subsystem(row), motion_of(column)
         F, felt = inertia_of(carried) * motion, own.armature
@@ -46,7 +43,7 @@ def mass_matrix(columns: Columns) -> Steps:
     passes = [
         *placed,
         Pass("alone", Stage(alone, ("body", "turned"), ("column", "carried"))),
-        Pass("inward", Stage(inward, ("carried", "borne"), ("borne",))),
+        Pass("inward", Stage(added, ("carried", "borne"), ("borne",))),
         Pass("alone", Stage(momentum, ("body", "turned", "column", "carried"), ("momentum", "span"))),
         *(base.couples() if base else []),
         Pass("pairs", Stage(_entry, ("held", "column", "momentum", "span"), ("matrix",))),

@@ -10,6 +10,11 @@ from cutpoint.scalars import Scalar
 Scalars = Sequence[Scalar]
 
 
+def added(one: Scalars, other: Scalars) -> list[Scalar]:
+    """Number by number: what bodies carry, about one place, is a plain sum."""
+    return [x + y for x, y in zip(one, other, strict=True)]
+
+
 def flat(A: Mat3) -> list[Scalar]:
     return [x for row in A for x in row]
 

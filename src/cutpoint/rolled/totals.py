@@ -9,7 +9,7 @@ from cutpoint.mechanics.spatial import IDENTITY, STILL, ZERO, Motion, Pose, Vec3
 from cutpoint.rolled.base import Base, base_in, sizes_apart
 from cutpoint.rolled.bodies import BASE, Columns
 from cutpoint.rolled.kinematics import ABOVE
-from cutpoint.rolled.packing import flat, motion_of, pose_of
+from cutpoint.rolled.packing import added, flat, motion_of, pose_of
 from cutpoint.rolled.passes import PLAIN, Pass, Scalars, Steps
 from cutpoint.rolled.steps import placing
 from cutpoint.rolled.subsystem import Subsystem
@@ -61,9 +61,6 @@ def _total(
         V, X_w = X.outward(carrier) + own.body.joint.motion(v), above @ X
         return [*flat(X_w.rotation), *X_w.position], [*V], share(own, X_w, V, v, above, carrier)
 
-    def inward(own: Any, borne: Any) -> Any:
-        return [x + y for x, y in zip(borne, own, strict=True)]
-
     def whole(total: Any, gravity: Any, *of_base: Any) -> Any:
         return [*result([sum(x) for x in zip(total, *of_base, strict=True)], gravity)]
 
@@ -72,7 +69,7 @@ def _total(
         Pass("once", Stage(lambda: [0] * size, (), ("world.share",))),
         *([_of_base(base, share)] if base else []),
         Pass("outward", Stage(outward, ("body", "pose", "v", "above", "carrier"), ("turned", "velocity", "share"))),
-        Pass("inward", Stage(inward, ("share", "borne"), ("borne",))),
+        Pass("inward", Stage(added, ("share", "borne"), ("borne",))),
         Pass("once", Stage(whole, ("world.share", "gravity", *(["base.share"] if base else [])), ("total",))),
     ]
     views = (ABOVE, View("carrier", "velocity", "parent"), View("borne", "share", "parent"))

@@ -36,7 +36,7 @@ class DriveEstimates:
         failed = (f"{joint}: {kept}: {why}" for joint, why in self.failed.items())
         if late := [joint for joint, estimate in self.joints.items() if estimate.clocks]:
             told = f"the clocks of the encoders differ at {', '.join(late)}, and so perhaps at the others"
-            remedy = "align them (cutpoint.identification.aligned) and identify again"
+            remedy = "identify again with align=True, --align"
             return (f"{told}: no drive's numbers are sure until then; {remedy}", *failed)
         own = (
             f"{joint}: {words_at(self.robot, joint, words)}"

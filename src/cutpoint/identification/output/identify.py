@@ -58,6 +58,7 @@ def identify(
     cutoff: float | None = None,
     bandwidth: float | None = None,
     torque_delay: float = 0.0,
+    align: bool = False,
     torque_constants: Mapping[str, float] | None = None,
     source: str | Path | None = None,
     progress: bool = False,
@@ -69,6 +70,7 @@ def identify(
     springs: whether they are sought; by default where both `q` and `theta` were recorded and a drive bends.
     friction, method, solver, cutoff, bandwidth, torque_constants: as `identify_rigid` has them.
     torque_delay: s by which torques act later than they are stamped: half a control period for commands that are held.
+    align: whether the links' encoders are brought to the motors' clock first, see `aligned`.
     source: the file of a robot that is given as one, with joints locked for example: `save` writes it anew.
     progress: whether to show a bar with what is done, on stderr.  Ctrl-C while springs are sought leaves those out.
 
@@ -83,6 +85,7 @@ def identify(
     with _told_of(log), Steps(3, progress) as say:
         say("reading the log")
         before, stamped, resolution = _read(robot, log, mapping, drives)
+        stamped = aligned(stamped) if align else stamped
         recording = _acting(stamped, torque_delay)
         fitted, held_from = _fitted(recording, hold_out)
         drives_see = _fitted(stamped, hold_out)[0] if springs_wanted(before, fitted, springs) else None

@@ -13,9 +13,8 @@ from cutpoint.kernels.arrays.function import Function
 from cutpoint.kernels.arrays.threads import Threaded, thread_count
 from cutpoint.kernels.graphs.graph import Graph
 from cutpoint.kernels.graphs.precision import FLOAT64, Precision
+from cutpoint.kernels.machine.llvm_code import LINE
 from cutpoint.kernels.machine.waiting import shown
-
-_CACHE_LINE = 64
 
 
 class Blocks:
@@ -129,6 +128,6 @@ class Blocks:
 def _aligned(shape: tuple[int, ...], precision: Precision) -> np.ndarray:
     """An array that begins where a line of the cache does: vectors across two lines take longer."""
     size = int(np.prod(shape)) * precision.item
-    memory = np.empty(size + _CACHE_LINE, np.uint8)
-    start = -memory.ctypes.data % _CACHE_LINE
+    memory = np.empty(size + LINE, np.uint8)
+    start = -memory.ctypes.data % LINE
     return memory[start : start + size].view(precision.dtype).reshape(shape)

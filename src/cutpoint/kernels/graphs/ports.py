@@ -59,6 +59,11 @@ def flatten(value: Any) -> tuple[Shape, list[Any]]:
     return (len(parts), *(shapes[0] if shapes else ())), [x for _, row in rows for x in row]
 
 
+def slots_of(ports: Sequence[Port], memory: Sequence[str]) -> list[tuple[str, int]]:
+    """Of every number, the memory that its port is in, and its place there."""
+    return [(pointer, k) for port, pointer in zip(ports, memory, strict=True) for k in range(port.size)]
+
+
 def with_numbers(ports: Sequence[Port]) -> list[Port]:
     """Those of a size above 0."""
     return [port for port in ports if port.size]

@@ -6,7 +6,7 @@ A block is (*shape, width) in C order, so every number of a port is one vector i
 from collections.abc import Sequence
 
 from cutpoint.kernels.graphs.graph import Graph
-from cutpoint.kernels.graphs.ports import Port
+from cutpoint.kernels.graphs.ports import Port, slots_of
 from cutpoint.kernels.machine.llvm import Lanes, straight_line
 from cutpoint.kernels.machine.llvm_code import PREFETCH, Code, in_turn
 from cutpoint.kernels.machine.tuning import for_blocks
@@ -55,7 +55,7 @@ def block_loop(graph: Graph, inputs: Sequence[Port], outputs: Sequence[Port], wi
             for argument, port in zip(sources, inputs, strict=True):
                 code.ask(argument.here, port.size * lanes.item * lanes.width)
         with code.aside() as block:
-            _block(code, graph, lanes, _slots(inputs, [a.here for a in sources]), _slots(outputs, places))
+            _block(code, graph, lanes, slots_of(inputs, [a.here for a in sources]), slots_of(outputs, places))
         code.lines += in_turn(block, asked)
         move, end = code.name("move"), code.name("moved")
         code.branch(direct, end, move)
@@ -109,8 +109,3 @@ def _move(code: Code, lanes: Lanes, size: int, source: str, target: str, streams
             code.lines.append(f"store {lanes.real} {value}, ptr {place}, {suffix}")
         code.lines.append(f"br label {end}")
     code.open(end)
-
-
-def _slots(ports: Sequence[Port], memory: list[str]) -> list[tuple[str, int]]:
-    """Pointer and index of every vector."""
-    return [(pointer, k) for port, pointer in zip(ports, memory, strict=True) for k in range(port.size)]

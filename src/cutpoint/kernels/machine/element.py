@@ -6,7 +6,7 @@ from itertools import groupby
 
 from cutpoint.kernels.graphs.algebra import Operand
 from cutpoint.kernels.graphs.graph import Graph
-from cutpoint.kernels.graphs.ports import Port
+from cutpoint.kernels.graphs.ports import Port, slots_of
 from cutpoint.kernels.lowering.side_by_side import side_by_side
 from cutpoint.kernels.machine.llvm import Lanes, StraightLine, straight_line
 from cutpoint.kernels.machine.llvm_code import Code
@@ -24,7 +24,7 @@ def element(graph: Graph, inputs: Sequence[Port], outputs: Sequence[Port], width
     code, count, parts = Code(), len(inputs) + len(outputs), side_by_side(graph, width)
     lanes, wide = (Lanes(x, graph.precision) for x in (1, width))
     memory = [f"%argument{k}" for k in range(count)]
-    read, write = _slots(inputs, memory), _slots(outputs, memory[len(inputs) :])
+    read, write = slots_of(inputs, memory[: len(inputs)]), slots_of(outputs, memory[len(inputs) :])
     places = dict(zip(memory[len(inputs) :], outputs, strict=True))
     if claims_results(parts.rest):
         for pointer, port in places.items():
@@ -69,8 +69,3 @@ def _constants(code: Code, graph: Graph, lanes: Lanes, outputs: Mapping[str, Por
 def _is_zero(x: Operand) -> bool:
     """Whether a result is zero, all bits of it."""
     return isinstance(x, float) and x == 0 and math.copysign(1, x) > 0
-
-
-def _slots(ports: Sequence[Port], memory: list[str]) -> list[tuple[str, int]]:
-    """Pointer and index of every slot."""
-    return [(pointer, k) for port, pointer in zip(ports, memory, strict=False) for k in range(port.size)]
