@@ -1,5 +1,6 @@
 """Delays between channels of one motion."""
 
+import re
 from collections.abc import Callable
 
 import numpy as np
@@ -135,6 +136,18 @@ def test_a_delay_of_a_drive_that_bends_lies_within_its_uncertainty(friction_on_m
     for skew in skews(bent(friction_on_motor, delay=3e-3)).values():
         assert abs(skew.delay - 3e-3) < 2.0 * skew.uncertainty
         assert skew.uncertainty < 0.5e-3
+
+
+def test_delays_that_agree_are_one_clocks():
+    found = aligned(bent(15.0, delay=3e-3))
+    each = re.findall(r"(?:shoulder|elbow) by ([\d.]+) \+- [\d.]+ ms", found.notes[-1])
+    assert len(each) == 2 and each[0] == each[1] and float(each[0]) == pytest.approx(3.0, abs=0.3)
+
+
+def test_delays_that_differ_stay_each_joints_own():
+    q = np.column_stack([positions(T - late)[:, k] for k, late in enumerate((2e-3, 5e-3))])
+    found = aligned(Recording(T, JOINTS, q=q, theta=positions(T)))
+    assert [float(x) for x in re.findall(r"by ([\d.]+)", found.notes[-1])] == [2.0, 5.0]
 
 
 def test_a_delay_that_is_known_is_taken_as_it_is():

@@ -50,15 +50,16 @@ def aligned(
     """Channels moved to earlier times by their joints' delays, s, positive for late ones; by default the link's to the
     motor's, as measured.
 
-    Joints without a delay stay as they are; so do those whose delay does not stand out of its uncertainty, and a note
-    says so.  NaN at the ends, where nothing was sampled.
+    Measured delays that agree are taken for one clock's, and their mean counts for all.  Joints without a delay stay as
+    they are; so do those whose delay does not stand out of its uncertainty, and a note says so.  NaN at the ends, where
+    nothing was sampled.
     Raises InputError as `skews` does, for a delay that is not finite or of a joint that was not recorded, and if none
     of the channels was recorded.
     """
     check_recording("aligned", recording)
     check_kind("aligned", "delays", delays, (Mapping, NoneType), "a delay, s, for each of some joints, by name")
     channels = checked_names("aligned", channels, "channels", "names of channels")
-    measured = skews(recording) if delays is None else delays
+    measured = _of_one_clock(skews(recording)) if delays is None else delays
     unknown = set(measured) - set(recording.joints)
     if unknown:
         raise InputError(f"no joint {sorted(unknown)[0]!r} was recorded; there are: {', '.join(recording.joints)}")
@@ -80,6 +81,16 @@ def _skew(x: Array, y: Array, torques: Array | None, column: int, period: float)
     bent = clock_skew(np.where(known, x, np.nan), y, period, lambda y, *_: np.column_stack([y, load]))
     uncertainty = float(np.hypot(plain.uncertainty, 0.5 * (plain.delay - bent.delay)))
     return Skew(0.5 * (plain.delay + bent.delay), uncertainty, plain.residual)
+
+
+def _of_one_clock(measured: dict[str, Skew]) -> dict[str, Skew]:
+    """Their mean for all, weighted by certainty, where some delay stands out and all agree with it."""
+    delays, deviations = (np.array([getattr(x, name) for x in measured.values()]) for name in ("delay", "uncertainty"))
+    weights = 1.0 / np.maximum(deviations, np.finfo(float).tiny) ** 2
+    mean, deviation = float(np.average(delays, weights=weights)), float(1.0 / np.sqrt(weights.sum()))
+    if not any(map(_delay, measured.values())) or (np.abs(delays - mean) > STANDS_OUT * deviations).any():
+        return measured
+    return {joint: Skew(mean, deviation, each.residual) for joint, each in measured.items()}
 
 
 def _delay(given: Skew | float) -> float:

@@ -143,7 +143,7 @@ def _identification(
         errors=errors,
         recording=recording,
         untold=(*rigid.untold, *_untold(found)),
-        notes=(*rigid.notes, *map(str, rigid.friction), *found.remarks, *words),
+        notes=(*found.remarks, *rigid.notes, *map(str, rigid.friction), *words),
     )
 
 
