@@ -77,10 +77,10 @@ def replacing(path: Path) -> Generator[BinaryIO, None, None]:
     with _told(path, "file"):
         file = temporary.open("xb")
     try:
-        with file:
-            yield file
         if target.exists():
             temporary.chmod(stat.S_IMODE(target.stat().st_mode))
+        with file:
+            yield file
         temporary.replace(target)
     except BaseException as error:
         with suppress(OSError):
