@@ -9,7 +9,7 @@ INTERRUPTED = 130
 """The exit status of a command that Ctrl-C ends, as shells have it."""
 
 LONG_LIST = 24
-"""Up to this many names an error lists them all; of more, those that are like the wrong one, or the first few."""
+"""Up to this many names an error lists them all; of more, those that are like the wrong one, or a cut list."""
 
 LONGEST_MESSAGE = 20_000
 """Characters of a message, which may quote what a file holds; of a longer one the middle is left out."""

@@ -77,9 +77,9 @@ def replacing(path: Path) -> Generator[BinaryIO, None, None]:
     with _told(path, "file"):
         file = temporary.open("xb")
     try:
-        if target.exists():
-            temporary.chmod(stat.S_IMODE(target.stat().st_mode))
         with file:
+            if target.exists():
+                temporary.chmod(stat.S_IMODE(target.stat().st_mode))
             yield file
         temporary.replace(target)
     except BaseException as error:
