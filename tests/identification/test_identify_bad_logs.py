@@ -86,6 +86,11 @@ def test_what_is_surely_wrong_is_refused(files: Path, tmp_path: Path, columns: A
     assert not (tmp_path / "out").exists()
 
 
+def test_a_log_that_is_not_there_is_named_once(files: Path, tmp_path: Path):
+    status, text = run(files, tmp_path / "none.csv", tmp_path / "out")
+    assert status == 1 and text.count("none.csv") == 1 and "does not exist; give the path of a file" in text
+
+
 def test_shuffled_samples_are_put_in_order_and_said(files: Path, tmp_path: Path):
     order = np.random.default_rng(2).permutation(TIME.size)
     shuffled = {name: x[order] for name, x in ({"t": TIME} | channels()).items()}

@@ -82,23 +82,24 @@ def identify(
         raise InputError(f"hold_out {hold_out} must be a share of the log, 0 to {MOST_HELD}", hold_out=hold_out)
     filters = {"cutoff": cutoff, "bandwidth": bandwidth}
     how: dict[str, Any] = {"method": method, "solver": solver, "torque_constants": torque_constants} | filters
-    with _told_of(log), Steps(3, progress) as say:
+    with Steps(3, progress) as say:
         say("reading the log")
         before, stamped, resolution = _read(robot, log, mapping, drives)
-        stamped = aligned(stamped) if align else stamped
-        recording = _acting(stamped, torque_delay)
-        fitted, held_from = _fitted(recording, hold_out)
-        drives_see = _fitted(stamped, hold_out)[0] if springs_wanted(before, fitted, springs) else None
-        found = estimates(before, fitted, friction, drives_see, resolution, torque_delay, how, say)
-        say("torques on the part that was held out")
-        errors = torque_errors(before, found.rigid, recording, held_from, torque_constants, **filters)
+        with _told_of(log):
+            stamped = aligned(stamped) if align else stamped
+            recording = _acting(stamped, torque_delay)
+            fitted, held_from = _fitted(recording, hold_out)
+            drives_see = _fitted(stamped, hold_out)[0] if springs_wanted(before, fitted, springs) else None
+            found = estimates(before, fitted, friction, drives_see, resolution, torque_delay, how, say)
+            say("torques on the part that was held out")
+            errors = torque_errors(before, found.rigid, recording, held_from, torque_constants, **filters)
     file = Path(source) if source else None if isinstance(robot, Robot) else Path(robot)
     return _identification(before, file, recording, found, errors)
 
 
 @contextmanager
 def _told_of(log: Recording | str | Path) -> Generator[None, None, None]:
-    """Errors that name no file name the log's."""
+    """Errors of what was read name the log's file."""
     try:
         yield
     except InputError as error:
