@@ -154,7 +154,7 @@ def swung(
     turned = make_interp_spline(time, theta, 5)
     torque = float(drive.reflected_inertia) * turned(time, 2) + share * on_link
     if drive.motor_friction:
-        torque = torque + drive.motor_friction.torque(turned(time, 1))
+        torque = torque + drive.motor_friction.torque(turned(time, 1), on_link)
     stamps, rng = PERIOD * np.arange(round(duration / PERIOD)), np.random.default_rng(1)
 
     def sampled(name: str, values: np.ndarray, step: float) -> np.ndarray:

@@ -50,7 +50,7 @@ def known_arm(seed: int, size: int = 3) -> Known:
         for k in range(size)
     }
     robot = Robot(random_tree(seed, size), drives)
-    bodies = bodies_of(robot.mechanism)
+    bodies = bodies_of(robot)
     half = np.eye(4) + 0.2 * rng.normal(size=(bodies.count, 4, 4))
     wrong = with_parameters(robot.mechanism, bodies.parameters(half @ half.transpose(0, 2, 1)))
     return Known(robot, Robot(wrong, drives))

@@ -2,6 +2,7 @@
 
 import re
 from collections.abc import Callable
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -129,6 +130,14 @@ def test_deflection_is_not_corrected_as_if_it_were_a_delay(friction_on_motor: fl
     found = aligned(machine)
     assert np.array_equal(found["q"], machine["q"])
     assert found.notes[-1].startswith("q not moved, as no delay stands out: shoulder (")
+
+
+def test_currents_tell_how_drives_bend_as_torques_do():
+    machine = bent(0.0, delay=0.0)
+    currents = replace(machine, torque=None, current=0.1 * np.array(machine["torque"]))
+    for own, other in zip(skews(machine).values(), skews(currents).values(), strict=True):
+        assert own.delay == pytest.approx(other.delay, rel=1e-6)
+        assert own.uncertainty == pytest.approx(other.uncertainty, rel=1e-6)
 
 
 @pytest.mark.parametrize("friction_on_motor", [0.0, 15.0])

@@ -1,5 +1,6 @@
 """Single drives: laws of springs, torque constants, frequency responses, loops with a locked output."""
 
+import re
 from functools import cache
 
 import numpy as np
@@ -299,6 +300,13 @@ def test_samples_of_a_loop_that_are_not_known_are_left_out(lacking: str):
     assert found.lost_motion == pytest.approx(whole.lost_motion, rel=0.01)
 
 
+def test_motion_that_would_be_lost_beyond_the_sweeps_is_not_told():
+    angle = np.round(wound(cutpoint.LinearSpring(16e3), SLIPPING, TORQUE) / 6e-7) * 6e-7
+    found = locked_output(angle, TORQUE, 8e-3, RATIO, rated_torque=2000.0, resolution=6e-7)
+    assert found.lost_motion is None
+    assert re.match(r"it is read at 60 N m, and the sweeps end at 36 N m", found.unidentifiable["lost_motion"])
+
+
 def test_a_play_shows_between_the_loops_and_beside_the_spring():
     found = loops(6e-4)
     assert found.backlash == pytest.approx(6e-4, rel=0.1)
@@ -316,6 +324,8 @@ def test_a_play_shows_between_the_loops_and_beside_the_spring():
         (lambda: two_encoders(T, 0 * T, T, PERIOD, RATIO, laws=["steel"]), r"no spring law is named 'steel'"),
         (lambda: motor_side(T, T, PERIOD, RATIO), r"give either torque or current"),
         (lambda: motor_response(T, T, PERIOD, 1e-3), r"a window of 1 samples must have 32 at least"),
+        (lambda: motor_response(T, T, 0.0), r"period 0.0 s must be positive"),
+        (lambda: locked_output(T, T, PERIOD, RATIO, rated_torque=-5.0), r"rated_torque -5.0 N m must be positive"),
         (lambda: fit_response(response(8000.0), 0.0), r"link inertia 0.0 kg m2 must be positive"),
         (lambda: fit_response(response(8000.0), 0.5, low=600.0), r"0 coherent frequencies"),
         (lambda: locked_output(1e-4 * T, T + 1.0, PERIOD, RATIO), r"torque goes from 1 to .* both sides of zero"),

@@ -68,6 +68,18 @@ def test_springs_and_friction_are_found_whatever_side_was_stated(side: str, stat
     assert bool(found.remarks) == (side != stated)
 
 
+def test_springs_are_told_beside_friction_that_falls_with_speed_and_grows_with_load():
+    """Taken for Coulomb's, what it does more would pass for inertia and for what is lost in the spring."""
+    law = cutpoint.Stribeck(4.0, 6.0, 3.0, 0.1, 0.02, per_load=0.1)
+    robot = pendulum()
+    recording = swung(robot, replace(TRUE, motor_friction=law), DURATION)
+    known = robot.with_drives({"axle": replace(robot.drives["axle"], motor_friction=law)})
+    joint = identify_drives(known, recording).joints["axle"]
+    assert joint.spring["stiffness"] == pytest.approx(STIFFNESS, rel=2e-3)
+    assert joint.rotor["inertia"] == pytest.approx(INERTIA, rel=5e-3)
+    assert within(joint.rotor["coulomb"], joint.rotor.deviations["coulomb"], 4.0, 0.01)
+
+
 def test_friction_on_both_sides_is_shared_out():
     half = cutpoint.Coulomb(2.0, 1.5, 0.1)
     joint = identified(replace(TRUE, motor_friction=half, link_friction=half)).joints["axle"]

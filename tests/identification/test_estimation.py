@@ -3,18 +3,22 @@
 import re
 import sys
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 import pytest
+from scipy.signal import lfilter
 from scipy.stats import binom
-from simulated_logs import NOISE, exists, known_arm, recorded
+from simulated_logs import NOISE, Known, exists, known_arm, recorded
 
-from cutpoint import Coulomb, Drive, Robot, Rotor
+from cutpoint import Coulomb, Drive, Grease, Robot, Rotor
 from cutpoint.errors import CutpointError, InputError
 from cutpoint.formats import parse_urdf
 from cutpoint.identification import Recording
 from cutpoint.identification.rigid.bodies import bodies_of, with_parameters
 from cutpoint.identification.rigid.identify_rigid import Method, identify_rigid
+from cutpoint.identification.rigid.least_squares import least_squares
+from cutpoint.identification.rigid.regression import Regression
 from cutpoint.identification.rigid.rigid_robot import RigidModel, stated_laws
 
 CUTOFF = 40.0
@@ -54,12 +58,13 @@ def test_identified_bodies_exist_and_predict_new_motions(solver: str, seed: int)
 
 def truly(robot: Robot, file: Robot, recording: Recording) -> np.ndarray:
     """What the true parameters predict of a recording."""
-    from cutpoint.identification.conditioning.motion import motion_of
+    from cutpoint.identification.conditioning.motion import motion_of, slide_with_motors
 
     motion = motion_of(robot, recording, CUTOFF)
     rotors = np.array([float(drive.reflected_inertia) for drive in robot.drives.values()])
     laws = stated_laws(robot, motion)
-    return RigidModel(robot.inertial_parameters, rotors, np.zeros(len(laws)), laws).torque(file, motion)
+    still, on_motor = np.zeros(len(laws)), slide_with_motors(file)
+    return RigidModel(robot.inertial_parameters, rotors, still, laws, {}, on_motor).torque(file, motion)
 
 
 @pytest.mark.parametrize("seed", [2, 5, 8])
@@ -198,7 +203,7 @@ def test_too_few_torques_are_said_to_be_so_for_gaps():
 
 def test_a_file_of_placeholders_is_said_to_hold_the_bodies_back():
     arm = known_arm(1, 2)
-    bodies = bodies_of(arm.file.mechanism)
+    bodies = bodies_of(arm.file)
     tiny = np.tile(1e-5 * np.eye(4), (bodies.count, 1, 1))
     file = Robot(with_parameters(arm.file.mechanism, bodies.parameters(tiny)), dict(arm.file.drives))
     notes = [
@@ -237,9 +242,135 @@ def test_currents_are_torques_by_the_constants_that_are_given():
     assert [p.value for p in found.parameters] == pytest.approx([p.value for p in whole.parameters], rel=1e-9, abs=1e-9)
 
 
+LINK, MOTOR = Coulomb(2.0, 0.0, 0.05), Coulomb(1.0, 0.5, 0.05, per_load=0.15)
+WHOLE = Coulomb(3.0, 0.5, 0.05, per_load=0.15)
+
+
+def test_a_joint_that_errs_slowly_is_as_uncertain_beside_quick_ones_as_alone():
+    rng, M, n = np.random.default_rng(3), 2000, 6
+    time = 0.05 * np.arange(M)
+    slow = lfilter([np.sqrt(1.0 - 0.975**2)], [1.0, -0.975], rng.normal(size=2 * M))[M:]
+    columns, torque = np.zeros((M, n, 2 * n)), rng.normal(size=(M, n))
+    for j in range(n):
+        columns[:, j, 2 * j], columns[:, j, 2 * j + 1] = 1.0, np.sin(0.1257 * (1 + j) * time)
+    torque[:, 0] = slow
+    names = tuple(f"{k}" for k in range(2 * n))
+    both = least_squares(Regression(names, columns, torque, time), "weighted")
+    alone = least_squares(Regression(names[:2], columns[:, :1, :2], torque[:, :1], time), "weighted")
+    assert both.spread.deviations()[:2] == pytest.approx(alone.spread.deviations(), rel=0.05)
+
+
+@pytest.mark.parametrize("seed", [0, 4])
+@pytest.mark.parametrize("stated", [True, False])
+def test_friction_of_links_is_load_of_their_drives(seed: int, stated: bool):
+    """Taken for the motor's, it turns what grows with load into half of it, and moments leave their intervals."""
+    arm = known_arm(seed)
+
+    def with_friction(robot: Robot, **laws: Coulomb | None) -> Robot:
+        sides: dict[str, Any] = {"rotor": Rotor(1e-7), **laws}
+        return robot.with_drives({joint: replace(drive, **sides) for joint, drive in robot.drives.items()})
+
+    true = with_friction(arm.robot, link_friction=LINK, motor_friction=MOTOR)
+    sides = (
+        {"link_friction": LINK, "motor_friction": MOTOR} if stated else {"link_friction": None, "motor_friction": WHOLE}
+    )
+    file = with_friction(arm.file, **sides)
+    known = None if stated else dict.fromkeys(file.joints, LINK)
+    found = identify_rigid(
+        file, recorded(true, seed), friction="stated", solver="lmi_trace", cutoff=CUTOFF, link_friction=known
+    )
+    _, truth = Known(true, file).base()
+    for p, value in zip(found.parameters, truth, strict=False):
+        assert not p.told or abs(p.value - value) < 2.0 * (p.high - p.value)
+    for joint in file.joints:
+        assert found[f"per_load.{joint}"].value == pytest.approx(0.15, abs=0.015)
+
+
+def test_a_rotor_that_weighs_nothing_is_not_the_files():
+    arm = known_arm(0)
+    true = arm.robot.with_drives({j: replace(drive, rotor=Rotor(0.0)) for j, drive in arm.robot.drives.items()})
+    found = identify_rigid(arm.file, recorded(true, 0), friction="stated", cutoff=CUTOFF)
+    reflected = [float(drive.reflected_inertia) for drive in found.robot.drives.values()]
+    assert reflected == pytest.approx(found.model.rotors.tolist(), abs=1e-12)
+
+
+def test_rotors_that_their_links_do_not_hold_are_in_the_bodies_that_are_found():
+    """What this log does not tell stays near the file, with the rotors: the carriers' masses among it."""
+    arm = known_arm(0)
+    heavy = Rotor(2e-5, in_link_inertia=False, mass=2.0, transverse=1e-5)
+    robot = arm.robot.with_drives({j: replace(drive, rotor=heavy) for j, drive in arm.robot.drives.items()})
+    found = identify_rigid(robot, recorded(robot, 0), friction="stated", cutoff=CUTOFF)
+    masses = [body.mass for body in found.robot.mechanism.bodies]
+    assert masses == pytest.approx(robot.inertial_parameters.reshape(-1, 10)[:, 0].tolist(), rel=0.1)
+
+
+def test_what_the_model_has_otherwise_than_drives_state_is_said():
+    arm = known_arm(0, 2)
+    first = replace(arm.file.drives["joint0"], rotor=Rotor(2e-5, coupling="full"))
+    laws = {"joint0": Coulomb(1.0, 0.5, 0.05), "joint1": Coulomb(1.0, 0.5, 0.05, per_load=0.1)}
+    second = replace(arm.file.drives["joint1"], rotor=Rotor(0.0))
+    file, recording = arm.file.with_drives({"joint0": first, "joint1": second}), recorded(arm.robot, 0)
+    found = identify_rigid(file, recording, friction=laws, rotors=False, cutoff=CUTOFF)
+    assert any(words.startswith("joint0 have rotors with full coupling") for words in found.notes)
+    assert any(words.startswith("joint1 have friction that grows with load") for words in found.notes)
+    assert found.robot.drives["joint1"].motor_friction is not None
+    # the fit went by the links' speeds, and so does what it predicts
+    motors = replace(recording, theta=1.1 * np.array(recording["q"]))
+    own, other = (found.prediction(each, CUTOFF)[:, 1] for each in (recording, motors))
+    assert np.array_equal(own, other, equal_nan=True)
+
+
+def test_times_are_those_of_the_recording():
+    arm = known_arm(0, 2)
+    recording = recorded(arm.robot, 0)
+    whole, part = (
+        identify_rigid(arm.file, each, friction="stated", cutoff=CUTOFF)
+        for each in (recording, recording.between(5.0, 10.0))
+    )
+    assert 5.0 < part.times[0] < 5.5 and part.times[-1] == pytest.approx(whole.times[-1], abs=0.2)
+
+
+def test_viscous_friction_stays_that_of_the_files_temperature():
+    arm = known_arm(0, 2)
+    grease = Grease(45.0, 0.03)
+    warm = {j: replace(d, link_friction=Coulomb(1.0, 2.0, 0.15, grease=grease)) for j, d in arm.robot.drives.items()}
+    file = arm.file.with_drives(
+        {j: replace(d, link_friction=Coulomb(1.0, 2.0, 0.03, grease=grease)) for j, d in arm.file.drives.items()}
+    )
+    found = identify_rigid(file, recorded(arm.robot.with_drives(warm), 0), cutoff=CUTOFF)
+    for joint in file.joints:
+        assert found[f"viscous.{joint}"].value == pytest.approx(2.0, rel=0.1)
+
+
+class OwnFriction:
+    def torque(self, speed: Any, load: Any = 0) -> Any:
+        return 2.0 * speed
+
+    def resistance(self, speed: Any, load: Any = 0) -> Any:
+        return 2.0
+
+    def share_of_load(self, speed: Any) -> Any:
+        return 0.0
+
+
 @pytest.mark.parametrize(
     ("options", "message"),
     [
+        (
+            {"instruments": "reference.csv", "method": "instrumental"},
+            r"identify_rigid: recording must be a Recording .*, got 'reference.csv'",
+        ),
+        (
+            {"rotor_errors": [0.1]},
+            r"rotor_errors must be a standard deviation, kg m2, for each of some joints, by name, got \[0.1\]",
+        ),
+        ({"rotor_errors": {"joint0": np.inf}, "rotors": False}, r"rotor_errors\['joint0'\] inf kg m2 must be finite"),
+        ({"rotor_errors": {"joint0": 0.1}}, r"rotor_errors\['joint0'\] is of a rotor that is sought"),
+        (
+            {"friction": {"joint0": "coulomb"}},
+            r"friction\['joint0'\] must be Coulomb's or Stribeck's law, got 'coulomb'",
+        ),
+        ({"link_friction": {"elbow": LINK}}, r"no driven joint is named 'elbow'"),
         ({"method": "least"}, r"no method of identification is named 'least'; there are: 'ordinary', 'weighted'"),
         ({"solver": "sdp"}, r"no solver is named 'sdp'"),
         ({"prior_spread": 0.0}, r"prior_spread 0.0 must be positive"),
@@ -254,6 +385,14 @@ def test_what_cannot_be_identified_is_refused(options: dict[str, object], messag
     arm = known_arm(0)
     with pytest.raises(InputError, match=message):
         identify_rigid(arm.file, recorded(arm.robot, 0), **({"friction": "stated", "cutoff": CUTOFF} | options))  # type: ignore[arg-type]
+
+
+def test_friction_of_a_law_of_ones_own_is_refused():
+    arm = known_arm(0, 2)
+    own: Any = OwnFriction()
+    file = arm.file.with_drives({"joint1": replace(arm.file.drives["joint1"], link_friction=own)})
+    with pytest.raises(InputError, match=r"friction of 'joint1' is a OwnFriction, its numbers cannot be sought: state"):
+        identify_rigid(file, recorded(arm.robot, 0))
 
 
 def test_a_joint_that_was_not_recorded_is_named():

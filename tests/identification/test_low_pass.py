@@ -92,6 +92,11 @@ def test_a_channel_that_flickers_while_another_moves_does_not_raise_the_cut_off(
     assert noise_cutoff(both, PERIOD) == noise_cutoff(both[:, :1], PERIOD)
 
 
+def test_a_joint_that_moves_does_though_another_turns_a_thousand_times_as_far():
+    elbow = 0.1 * positions(T)[:, :1]
+    assert noise_cutoff(np.column_stack([300.0 * T, elbow]), PERIOD) == noise_cutoff(elbow, PERIOD)
+
+
 def test_all_channels_pass_one_filter_so_that_laws_between_them_hold():
     made = recording(4000)
     found = low_passed(made, 3.0)

@@ -188,6 +188,9 @@ def test_angles_of_joints_that_slide_are_refused_but_not_those_of_their_motors()
         recording_of(table(x=Q), parse_mapping("version: 1\nq: {channels: x, unit: deg}", "map.yaml"), arm)
     each = parse_mapping("version: 1\nq: {channels: x, unit: [deg, mm]}", "map.yaml")
     assert_close(recording_of(table(x=Q), each, arm)["q"], Q * [np.pi / 180.0, 1e-3], 1e-15)
+    with pytest.raises(ModelError, match=r"torque.unit 'kN m' is of joints that turn, .* it must be one of 'N', 'kN'"):
+        forces = "version: 1\nq: {channels: x, unit: [deg, mm]}\ntorque: {channels: x, unit: kN m}"
+        recording_of(table(x=Q), parse_mapping(forces, "map.yaml"), arm)
     motors = parse_mapping("version: 1\nratio: 100\nq: {channels: x, unit: deg, side: motor}", "map.yaml")
     assert_close(recording_of(table(x=Q), motors, arm)["q"], np.deg2rad(Q) / 100.0, 1e-15)
 
@@ -298,6 +301,19 @@ def test_columns_that_are_named_otherwise_than_the_positions_are_refused():
     log = table(**{"q.a": Q[:, 0], "q.b": Q[:, 1], "tau1": TAU[:, 0], "tau2": TAU[:, 1]})
     with pytest.raises(InputError, match=r"columns 'tau1', 'tau2': none of them is named like 'q.a'; name them alike"):
         obvious_mapping(log)
+
+
+def test_labels_that_name_some_joints_must_name_all():
+    log = table(q=Channel(Q, labels=("a", "b")), tau=Channel(TAU, labels=("b", "c")))
+    with pytest.raises(CutpointError, match=r"torque has 2 columns, labelled 'b', 'c': .* one for each of a, b"):
+        mapped("joints: [a, b]\nq: q\ntorque: tau", log)
+
+
+def test_a_numbered_column_is_no_time():
+    log = Table("log.csv", {"T1": Channel(25.0 + T), "q1": Channel(Q[:, 0]), "t": Channel(T)})
+    from cutpoint.identification.logs.mapping import obvious_mapping
+
+    assert np.array_equal(recording_of(log, obvious_mapping(log)).time, T)
 
 
 def obvious(*names: str, joints: tuple[str, ...] = ()) -> Recording:

@@ -26,16 +26,17 @@ STANDS_OUT = 2.0
 def skews(recording: Recording) -> dict[str, Skew]:
     """By how much a link's encoder is later than its motor's, of each joint that shows it.
 
-    A drive's deflection under friction looks like a delay.  Where torque was recorded, a second fit lets it bend the
-    drive; friction on the motor's side, which bends nothing, misleads that one.  The delay is their mean, and half of
-    their difference is part of the uncertainty.
+    A drive's deflection under friction looks like a delay.  Where torque or current was recorded, a second fit lets it
+    bend the drive; friction on the motor's side, which bends nothing, misleads that one.  The delay is their mean, and
+    half of their difference is part of the uncertainty.
 
     Raises InputError: times that are not uniform, a channel that was not recorded, or no joint of which both move.
     """
     check_recording("skews", recording)
-    period = recording.period
+    period, channels = recording.period, recording.channels
+    torques = channels.get("torque", channels.get("current"))
     found = {
-        joint: _skew(recording["q"][:, k], recording["theta"][:, k], recording.channels.get("torque"), k, period)
+        joint: _skew(recording["q"][:, k], recording["theta"][:, k], torques, k, period)
         for k, joint in enumerate(recording.joints)
         if _moves(recording["q"][:, k]) and _moves(recording["theta"][:, k])
     }

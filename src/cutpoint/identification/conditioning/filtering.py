@@ -29,6 +29,9 @@ APART = 4.0
 STILL = 1e-3
 """Of the way that the liveliest channel goes: one that goes less stands still, and has noise alone."""
 
+LITTLE = 0.01
+"""rad or m: what goes as far as that moves, however far another goes."""
+
 CLEAR = 1e3
 """Times the noise floor's power: motion that is not to be lost."""
 
@@ -115,7 +118,7 @@ def noise_cutoff(values: ArrayLike, period: float, *, otherwise: float | None = 
     values, period = _samples("noise_cutoff", values), positive("noise_cutoff", "period", period, "s")
     columns = [column[_longest(column)] for column in values.reshape(len(values), -1).T]
     ways = np.array([np.ptp(x) if x.size >= 16 * WINDOWS else 0.0 for x in columns])
-    found = [_cutoff(x, period) for x, way in zip(columns, ways, strict=True) if way > STILL * ways.max()]
+    found = [_cutoff(x, period) for x, way in zip(columns, ways, strict=True) if way > min(STILL * ways.max(), LITTLE)]
     if not any(found) and otherwise is not None:
         return otherwise
     if not any(found):

@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cutpoint.errors import InputError, those_that_exist, unknown_name
-from cutpoint.identification.conditioning.filtering import STILL, derivative, low_pass, noise_cutoff
+from cutpoint.identification.conditioning.filtering import LITTLE, STILL, derivative, low_pass, noise_cutoff
 from cutpoint.identification.logs.recording import Recording
 from cutpoint.robot import Robot
 
@@ -71,14 +71,19 @@ def _without_noise_at_rest(positions: Array) -> Array:
     known = np.isfinite(positions)
     low = np.min(positions, axis=0, where=known, initial=np.inf)
     high = np.max(positions, axis=0, where=known, initial=-np.inf)
-    stands = high - low <= STILL * np.max(high - low)
+    stands = high - low <= min(STILL * np.max(high - low), LITTLE)
     return np.where(known & stands, (low + high) / 2.0, positions)
 
 
+def slide_with_motors(robot: Robot) -> NDArray[np.bool_]:
+    """(n,): whether each joint's friction goes by the motor's speed, as it is stated for that alone."""
+    drives = robot.drives.values()
+    return np.array([drive.motor_friction is not None and drive.link_friction is None for drive in drives], np.bool_)
+
+
 def sliding_speeds(robot: Robot, motion: Motion) -> Array:
-    """(N, n): what each joint's friction goes by, the motor's speed where friction is stated for that alone."""
-    on_motor = [drive.motor_friction is not None and drive.link_friction is None for drive in robot.drives.values()]
-    return np.where(on_motor, motion.w, motion.v)
+    """(N, n): what each joint's friction goes by."""
+    return np.where(slide_with_motors(robot), motion.w, motion.v)
 
 
 def torques_of(robot: Robot, recording: Recording, constants: Mapping[str, float] | None = None) -> Array:

@@ -8,6 +8,7 @@ from numpy.typing import ArrayLike, NDArray
 from scipy.optimize import least_squares
 from scipy.signal import csd, welch
 
+from cutpoint.door import positive
 from cutpoint.errors import InputError
 from cutpoint.identification.drives.two_masses import TwoMasses
 
@@ -71,12 +72,13 @@ def motor_response(torque: ArrayLike, theta: ArrayLike, period: float, window: f
     window: s; by default an eighth of the recording.  Differences of samples, of both alike, keep drift out.
 
     Raises:
-        InputError: shapes that differ, numbers that are not finite, or a window that is too short or too long.
+        InputError: shapes that differ, numbers that are not finite, a period or a window out of bounds.
     """
+    period = positive("motor_response", "period", period, "s")
     u, y = (np.asarray(x, dtype=np.float64) for x in (torque, theta))
     if u.ndim != 1 or u.shape != y.shape or not (np.isfinite(u).all() and np.isfinite(y).all()):
         raise InputError(f"motor_response: torque and theta of shapes {u.shape}, {y.shape} must be (N,) and finite")
-    length = u.size // WINDOWS if window is None else round(window / period)
+    length = u.size // WINDOWS if window is None else round(positive("motor_response", "window", window, "s") / period)
     if not 32 <= length <= u.size // 2:
         raise InputError(f"motor_response: a window of {length} samples must have 32 at least, half of all at most")
     shared = {"fs": 1.0 / period, "nperseg": length}

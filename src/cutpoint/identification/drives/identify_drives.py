@@ -8,13 +8,15 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from cutpoint.errors import CutpointError, InputError
-from cutpoint.identification.conditioning.filtering import noise_cutoff
-from cutpoint.identification.drives.joint_torques import link_torque
+from cutpoint.identification.conditioning.filtering import derivative, low_pass, noise_cutoff
+from cutpoint.identification.drives.joint_torques import beyond_coulomb, link_torque
 from cutpoint.identification.drives.one_drive import NARROWER, Channels, DriveEstimate, drive_of
+from cutpoint.identification.drives.rotor import late
 from cutpoint.identification.drives.two_encoders import smallest_step
 from cutpoint.identification.joint_units import words_at
 from cutpoint.identification.logs.recording import Array, Recording, check_recording
 from cutpoint.identification.one_thread import by_one_thread
+from cutpoint.identification.rigid.rigid_robot import check_friction
 from cutpoint.robot import Robot, check_robot
 
 
@@ -84,6 +86,7 @@ def identify_drives(
             of another shape.
     """
     check_robot("identify_drives", robot)
+    check_friction("identify_drives", robot)
     check_recording("identify_drives", recording)
     names = robot.joints
     if robot.nq != len(names):
@@ -126,7 +129,13 @@ def _channels(robot: Robot, recording: Recording, cutoff: float, delay: float) -
     """Of each joint.  cutoff: Hz, for the links' motion.  delay: s by which torque or current acts later."""
     given = "torque" if "torque" in recording.channels else "current"
     q, theta, effort, period = recording["q"], recording["theta"], recording[given], recording.period
-    measured = (theta, q, effort, *link_torque(robot, q, period, cutoff))
+    torque, friction, sliding = link_torque(robot, q, period, cutoff)
+    if given == "torque":  # of a current it is not known yet how much torque it is
+        speed, load = derivative(low_pass(theta, period, cutoff), period), torque + friction
+        laws = (drive.motor_friction for drive in robot.drives.values())
+        beyond = [beyond_coulomb(law, *own) for law, *own in zip(laws, speed.T, load.T, strict=True)]
+        effort = effort - np.column_stack([late(x, period, -delay) for x in beyond])
+    measured = (theta, q, effort, torque, friction, sliding)
     columns = ((x[:, k] for x in measured) for k in range(len(recording.joints)))
     return [Channels(*own, period=period, delay=delay, is_current=given == "current") for own in columns]
 

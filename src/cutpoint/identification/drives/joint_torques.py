@@ -10,7 +10,8 @@ from numpy.typing import ArrayLike, NDArray
 from cutpoint.identification.conditioning.filtering import derivative, low_pass, noise_cutoff
 from cutpoint.identification.drives.rotor import SMOOTHEST, RotorEstimate, late
 from cutpoint.identification.drives.spring_estimate import SpringEstimate
-from cutpoint.model.drive import Drive
+from cutpoint.mechanics.friction import Coulomb
+from cutpoint.model.drive import Drive, Friction
 from cutpoint.robot import Robot
 
 Array = NDArray[np.float64]
@@ -38,6 +39,18 @@ def link_torque(robot: Robot, q: Array, period: float, cutoff: float | None = No
         smoothing_of(drive, width) for drive, width in zip(robot.drives.values(), widest.tolist(), strict=True)
     ]
     return found, friction, np.stack([np.tanh(v / smoothings), v], axis=2)
+
+
+def beyond_coulomb(law: Friction | None, speed: Array, load: Array) -> Array:
+    """(N,) N m: what a motor's friction takes beside Coulomb's, by the law that is known of it.
+
+    speed: (N,), rad/s.  load: (N,), N m, what the drive bears.
+    """
+    known: Any = getattr(law, "sliding", law)
+    if known is None:
+        return np.zeros_like(speed)
+    plain = Coulomb(known.coulomb, known.viscous, known.smoothing, grease=known.grease)
+    return np.asarray(known.torque(speed, load) - plain.torque(speed))
 
 
 def smoothing_of(drive: Drive, otherwise: float) -> float:

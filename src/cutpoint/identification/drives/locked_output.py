@@ -7,6 +7,7 @@ from itertools import pairwise
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from cutpoint.door import positive
 from cutpoint.errors import InputError
 from cutpoint.identification.drives.scatter import SIGNIFICANT
 from cutpoint.identification.drives.spring_estimate import SpringEstimate
@@ -34,7 +35,8 @@ class LockedOutput:
 
     torque: (P,), N m.  rising, falling: (P,), the motor's angle on the way up and down, less their mean.
     hysteresis_loss: how far the two ways lie apart at no torque, the play included.
-    lost_motion: how far the middle between them moves from -share to +share of the rated torque; None without one.
+    lost_motion: how far the middle between them moves from -share to +share of the rated torque; None without one, or
+        where no sweep goes that far.
     backlash: the play, extrapolated to no torque from where it is closed; 0 where it cannot be told from zero.
     spring: the law and the elements of hysteresis, as of two encoders; without meaning where there is play.
     unidentifiable: what cannot be told, each with the sentence why.
@@ -79,9 +81,11 @@ def locked_output(
     resolution: of the encoder, rad at the joint's side; by default its smallest step.  laws: as in `two_encoders`.
 
     Raises:
-        InputError: shapes, no complete sweep in both directions.
+        InputError: shapes, no complete sweep in both directions, a rated torque or share that is not positive.
     """
     angle, load = np.asarray(theta, dtype=np.float64), np.asarray(torque, dtype=np.float64)
+    share = positive("locked_output", "share", share)
+    read = None if rated_torque is None else share * positive("locked_output", "rated_torque", rated_torque, "N m")
     spring = two_encoders(
         angle, np.zeros_like(angle), load, period, ratio, resolution=resolution, orders=(), laws=laws, damping=False
     )
@@ -101,8 +105,10 @@ def locked_output(
         why["backlash"] = f"{play:.2g} +- {error:.2g} rad cannot be told from zero"
         play = 0.0
     lost = None
-    if rated_torque is not None:
-        ends = np.interp([-share * rated_torque, share * rated_torque], at, middle)
+    if read is not None and read > limit:
+        why["lost_motion"] = f"it is read at {read:.3g} N m, and the sweeps end at {limit:.3g} N m; load further"
+    elif read is not None:
+        ends = np.interp([-read, read], at, middle)
         lost = float(ends[1] - ends[0])
     loss = float(np.interp(0.0, at, falling - rising))
     return LockedOutput(at, rising, falling, loss, lost, play, spring, why)

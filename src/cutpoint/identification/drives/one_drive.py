@@ -66,7 +66,8 @@ class DriveEstimate:
 
 @dataclass(frozen=True, eq=False)
 class Channels:
-    """One joint's, each (N,): theta, q in rad; effort, the motor's torque in N m or current in A.
+    """One joint's, each (N,): theta, q in rad; effort, the motor's torque in N m, without what its friction is known to
+    take beside Coulomb's, or current in A.
 
     link_torque: what the link asks for, and link_friction what its friction is said to take, N m.
     sliding: (N, 2), the link's direction of motion, and its speed in rad/s.  period, delay: s.

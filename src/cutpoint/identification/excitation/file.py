@@ -19,6 +19,9 @@ Array = NDArray[np.float64]
 
 VERSION = 1
 
+LEAST_STEPS = 10
+"""Of a trajectory in a file: fewer rows show no motion."""
+
 LARGEST_FILE = 10_000_000
 """Bytes: far more than the coefficients of a hundred joints."""
 
@@ -91,6 +94,9 @@ def _check(path: Path, fits: dict[str, tuple[Any, Any]], coefficients: list[Arra
 def write_csv(path: Path, robot: Robot, trajectory: Trajectory, rate: float) -> None:
     """Positions, rad (m), at a rate, Hz, with the units in the first line, as `trajectories.from_csv` reads them."""
     count = round(trajectory.duration * positive("save_csv", "rate", rate, "Hz"))
+    if count < LEAST_STEPS:
+        rule = f"makes {count} steps of {trajectory.duration:g} s: it must make {LEAST_STEPS} or more"
+        raise InputError(f"save_csv: rate {rate} Hz {rule}", rate=rate)
     times = np.linspace(0.0, trajectory.duration, count + 1)
     columns = [f"{name} [{unit}]" for name, unit in zip(robot.joints, units_of(robot), strict=True)]
     rows = [",".join(["t [s]", *columns])]

@@ -71,8 +71,8 @@ def limits_of(robot: Robot, bounds: Bounds, boxes: Mapping[str, Box]) -> list[Li
     """
     found = [_of_joints(robot, 0, bounds.low, bounds.high)]
     found += [_of_joints(robot, k, -most, most) for k, most in ((1, bounds.speed), (2, bounds.acceleration))]
-    found = [limit for limit in [*found, _torque(robot, bounds.torque)] if limit.names]
-    return [*found, *(_box(robot, frame, box) for frame, box in boxes.items())]
+    found += [_torque(robot, bounds.torque), *(_box(robot, frame, box) for frame, box in boxes.items())]
+    return [limit for limit in found if limit.names]
 
 
 def _of_joints(robot: Robot, order: int, low: Array, high: Array) -> Limit:

@@ -6,7 +6,7 @@ from collections.abc import Iterable, Sequence
 from cutpoint.identification.logs.units import LONGEST_NAME
 
 TIME = ("time", "t", "timestamp", "timestamps", "stamp", "stamps", "timesec", "times")
-"""Names of times; here and below only letters count, and of a path only the end."""
+"""Names of times; only letters and digits count, below letters alone, and of a path only the end."""
 
 NAMES = {
     "q": (
@@ -37,8 +37,8 @@ WISHED = re.compile(r"(desired|des|target|command|commanded|cmd|reference|ref|se
 
 def time_channel(names: Iterable[str]) -> str | None:
     """The first channel that is named like a time."""
-    by_letters = {letters(name): name for name in reversed(list(names))}
-    return next((by_letters[name] for name in TIME if name in by_letters), None)
+    found = {re.sub(r"[^a-z0-9]", "", _end(name).lower()): name for name in reversed(list(names))}
+    return next((found[name] for name in TIME if name in found), None)
 
 
 def is_wished(name: str) -> bool:
@@ -73,4 +73,8 @@ def _parted(name: str, joint: str) -> tuple[str, str, str]:
 
 def letters(name: str) -> str:
     """Of the end of a path, in small letters."""
-    return re.sub(r"[^a-z]", "", re.split(r"[./]", name)[-1].lower())
+    return re.sub(r"[^a-z]", "", _end(name).lower())
+
+
+def _end(path: str) -> str:
+    return re.split(r"[./]", path)[-1]

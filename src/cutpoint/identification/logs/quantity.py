@@ -61,12 +61,12 @@ def columns_of(name: str, mapping: ChannelMap, table: Table) -> Columns:
 
 
 def picked(name: str, columns: Columns, joints: Sequence[str], mapping: ChannelMap) -> Columns:
-    """The columns of these joints: by their labels, or all where there are as many.  Raises ModelError."""
+    """The columns of these joints: by their labels, or all where these name none.  Raises ModelError."""
     if set(joints) <= set(columns.labels):
         chosen = [columns.labels.index(joint) for joint in joints]
         units = tuple(columns.units[k] for k in chosen)
         return Columns(columns.values[:, chosen], tuple(joints), units, columns.stamps)
-    if columns.values.shape[1] != len(joints):
+    if columns.values.shape[1] != len(joints) or set(joints) & set(columns.labels):
         shown = f", labelled {listed(columns.labels)}" if columns.labels else ""
         complaint = (
             f"{name} has {columns.values.shape[1]} columns{shown}: it must have one for each of {', '.join(joints)}"

@@ -113,7 +113,7 @@ def _disagreements(recording: Recording) -> Iterator[str]:
         yield from _remark(f"theta of {joint!r}", "q", _factor(theta, x, time))
         lead = _known(theta - x)
         if abs(float(np.median(lead))) > max(APART, float(np.ptp(lead))):
-            yield f"theta of {joint!r} is always near {np.median(lead):.3g} rad ahead of q: have both one zero?"
+            yield f"theta of {joint!r} is always near {np.median(lead):.3g} rad (m) ahead of q: have both one zero?"
 
 
 def _ways(time: Array, first: Array, second: Array) -> tuple[Array, Array]:

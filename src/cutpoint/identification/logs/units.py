@@ -18,8 +18,10 @@ LENGTHS = ("m", "mm")
 SLIDING = (*LENGTHS, "m/s", "mm/s", "N", "kN")
 """Units of positions, speeds and forces that only joints that slide have."""
 
-TURNING = frozenset(unit for units in (ANGLES, SPEEDS) for unit in units) - {"rad", "rad/s", *SLIDING}
-"""Units of positions and speeds that only joints that turn have; what nobody stated is taken for SI, rad or m."""
+TURNING = frozenset(unit for units in (ANGLES, SPEEDS, TORQUES) for unit in units) - {
+    "rad", "rad/s", "N m", "Nm", *SLIDING
+}  # fmt: skip
+"""Units that only joints that turn have; what nobody stated is taken for SI, rad or m, N m or N."""
 
 COUNTS = {"q": "counts", "theta": "counts", "v": "counts/s", "theta_dot": "counts/s"}
 """Of an encoder, by quantity: `counts_per_turn` says how many."""

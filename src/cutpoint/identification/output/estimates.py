@@ -111,8 +111,11 @@ def _with_rotors(
     rotors = {joint: sprung.joints[joint].rotor for joint in apart}
     drives = {joint: _turning(before.drives[joint], rotor.inertia) for joint, rotor in rotors.items()}
     errors = {joint: rotor.deviations["inertia"] for joint, rotor in rotors.items()}
+    sides = {joint: sprung.joints[joint].drive.link_friction for joint in apart}
+    rubs = {joint: law for joint, law in sides.items() if law is not None}
     sought = [joint for joint in before.joints if joint not in apart]
-    return identify_rigid(before.with_drives(drives), fitted, rotors=sought, rotor_errors=errors, **how)
+    known: dict[str, Any] = {"rotors": sought, "rotor_errors": errors, "link_friction": rubs}
+    return identify_rigid(before.with_drives(drives), fitted, **known, **how)
 
 
 def _turning(drive: Drive, inertia: float) -> Drive:

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from cutpoint.identification.rigid.identify_rigid import RigidEstimate
-from cutpoint.identification.rigid.uncertainty import Parameter
+from cutpoint.identification.rigid.uncertainty import FRICTION, Parameter
 from cutpoint.robot import Robot
 
 Path = tuple[str, ...]
@@ -19,6 +19,10 @@ UNITS = {
     "per_load": ("1", "1"),
 }
 """By how a parameter's name begins, on a joint that turns and on one that slides; others are torques."""
+
+
+OF_JOINTS = ("I_m", *FRICTION, "offset")
+"""Kinds of parameters that are of a joint; others are of links, which may be named like one."""
 
 
 @dataclass(frozen=True)
@@ -72,7 +76,7 @@ def rigid_numbers(robot: Robot, rigid: RigidEstimate) -> tuple[Number, ...]:
 
 def _of_parameter(robot: Robot, p: Parameter) -> Number:
     kind, _, owner = p.name.partition(".")
-    joint = owner if owner in robot.drives else ""
+    joint = owner if kind in OF_JOINTS and owner in robot.drives else ""
     slides = joint in robot.mechanism.sliding
     unit = UNITS.get(kind, UNITS.get(kind.split("_")[0], ("N m", "N")))[slides]
     path, scale = _place(robot, kind, joint)

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cutpoint.identification.conditioning.decimation import decimation
-from cutpoint.identification.conditioning.motion import Motion, sliding_speeds
+from cutpoint.identification.conditioning.motion import Motion, slide_with_motors, sliding_speeds
 from cutpoint.identification.rigid.base_parameters import BaseParameters, base_parameters
 from cutpoint.identification.rigid.least_squares import least_squares
 from cutpoint.identification.rigid.regression import regression
@@ -37,7 +37,7 @@ def plain_model(robot: Robot, motion: Motion, torque: Array, fitted: NDArray[np.
     inertial, rotors = _single(base, values)
     others = dict(zip(found.names[base.independent.size :], values[base.independent.size :].tolist(), strict=True))
     offsets = np.array([others[f"offset.{joint}"] for joint in robot.joints])
-    return RigidModel(inertial, rotors, offsets, laws_with(laws, others))
+    return RigidModel(inertial, rotors, offsets, laws_with(laws, others), {}, slide_with_motors(robot))
 
 
 def _single(base: BaseParameters, values: Array) -> tuple[Array, Array]:

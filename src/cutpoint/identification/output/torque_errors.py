@@ -2,7 +2,6 @@
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -14,6 +13,7 @@ from cutpoint.identification.output.block_bootstrap import Ratio, error_ratio
 from cutpoint.identification.output.plain_model import plain_model
 from cutpoint.identification.rigid.identify_rigid import RigidEstimate, explained
 from cutpoint.identification.rigid.rigid_robot import link_torques
+from cutpoint.mechanics.harmonic_drive import friction_torque
 from cutpoint.robot import Robot
 
 Array = NDArray[np.float64]
@@ -132,11 +132,9 @@ def _thinned(values: Array, width: int) -> Array:
 
 def stated_torque(robot: Robot, motion: Motion) -> Array:
     """(N, n): what the motors need by what the robot's files say, its drives' springs taken to be stiff."""
-    load = link_torques(robot, motion, robot.inertial_parameters)
-    found = load.copy()
+    found = link_torques(robot, motion, robot.inertial_parameters)
     for j, drive in enumerate(robot.drives.values()):
+        load = found[:, j] + friction_torque(drive.link_friction, motion.v[:, j])
+        found[:, j] = load + friction_torque(drive.motor_friction, motion.w[:, j], load)
         found[:, j] += float(drive.reflected_inertia) * motion.w_dot[:, j]
-        for law, speed in ((drive.link_friction, motion.v[:, j]), (drive.motor_friction, motion.w[:, j])):
-            friction: Any = law
-            found[:, j] += friction.torque(speed, load[:, j]) if friction else 0.0
     return found

@@ -9,8 +9,9 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from cutpoint.mechanics.pseudo_inertia import pseudo_inertia, pseudo_inertia_of_body
+from cutpoint.mechanics.pseudo_inertia import pseudo_inertia
 from cutpoint.model.mechanism import Body, Mechanism
+from cutpoint.robot import Robot
 
 Array = NDArray[np.float64]
 
@@ -21,7 +22,11 @@ MASS = 1e-3
 """Of the mean body: the least mass that a body is taken to have, where the file states less."""
 
 RADIUS = 0.03
-"""The least radius of gyration in any direction, of the robot's longest distance between joints: as of a thin rod."""
+"""The least radius of gyration in any direction, of the body's largest: as of a thin rod."""
+
+POINT = 0.01
+"""Of the robot's longest distance between joints: a body that is smaller is taken for one of no size, and then to be as
+large as that distance."""
 
 THINNEST = 1e-7
 """Least eigenvalue of X that is kept: a body flatter than that is rounding's."""
@@ -45,12 +50,13 @@ class Bodies:
         return np.einsum("bpk,bk->bp", self.maps, positive.reshape(-1, 16)).ravel()
 
 
-def bodies_of(mechanism: Mechanism) -> Bodies:
-    """The bodies as their file has them; points, rods and what has no mass are given a little volume."""
-    prior = np.array([pseudo_inertia_of_body(body) for body in mechanism.bodies])
+def bodies_of(robot: Robot) -> Bodies:
+    """The bodies as their files have them, with the rotors that they carry; points, rods and what has no mass are given
+    a little volume."""
+    prior = np.tensordot(robot.inertial_parameters.reshape(-1, 10), BASIS, 1)
     mass = max(MASS * float(prior[:, 3, 3].mean()), np.finfo(float).tiny)
-    radius = RADIUS * max(float(np.linalg.norm(body.placement[:3, 3])) for body in mechanism.bodies) or RADIUS
-    grown = [_with_volume(L, mass, radius) for L in prior]
+    longest = max(float(np.linalg.norm(body.placement[:3, 3])) for body in robot.mechanism.bodies)
+    grown = [_with_volume(L, mass, longest) for L in prior]
     roots = np.linalg.cholesky(np.array(grown, dtype=np.float64)).astype(np.float64)
     # L = C X C^T, and p of L by the inverse of the basis
     to_parameters = np.linalg.pinv(BASIS.reshape(10, 16).T)
@@ -71,11 +77,13 @@ def _with(body: Body, p: Array) -> Body:
     return replace(body, mass=float(L[3, 3]), com=com, inertia=np.trace(S) * np.eye(3) - S)
 
 
-def _with_volume(L: Array, mass: float, radius: float) -> Array:
-    """Heavy and thick enough, about the same centre."""
+def _with_volume(L: Array, mass: float, longest: float) -> Array:
+    """Heavy and thick enough, about the same centre.  longest: m, of the robot's distances between joints."""
     m = max(float(L[3, 3]), mass)
     com = L[:3, 3] / m
     values, vectors = np.linalg.eigh(L[:3, :3] - m * np.outer(com, com))
+    own = float(np.sqrt(max(values[-1], 0.0) / m))
+    radius = RADIUS * (own if own > POINT * longest else longest or 1.0)
     S = (vectors * np.maximum(values, m * radius**2)) @ vectors.T
     grown = np.empty((4, 4))
     grown[:3, :3] = S + m * np.outer(com, com)

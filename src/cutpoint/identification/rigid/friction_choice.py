@@ -187,9 +187,11 @@ def _family(law: Sliding) -> str:
 
 def _tried(trial: _Trial, size: float, expected: Sliding | None) -> dict[str, list[Tried]]:
     """Laws by family, with their products; size: RMS speed."""
+    grease = None if expected is None else expected.grease
+    sharp = [(size * x, size * y) for x in SMOOTHINGS for y in STRIBECKS if y > x]
     plain: dict[str, list[Sliding]] = {
-        "coulomb": [Coulomb(1.0, 0.0, size * x) for x in SMOOTHINGS],
-        "stribeck": [Stribeck(1.0, 1.0, 0.0, size * y, size * x) for x in SMOOTHINGS for y in STRIBECKS if y > x],
+        "coulomb": [Coulomb(1.0, 0.0, size * x, grease=grease) for x in SMOOTHINGS],
+        "stribeck": [Stribeck(1.0, 1.0, 0.0, y, x, grease=grease) for x, y in sharp],
     }
     if expected is not None:
         plain[type(expected).__name__.lower()].append(_with(expected, per_load=None, asymmetry=None))

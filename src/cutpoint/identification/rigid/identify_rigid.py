@@ -3,12 +3,13 @@
 from collections.abc import Collection, Mapping, Sequence
 from dataclasses import replace
 from functools import partial
+from types import NoneType
 from typing import Literal, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
-from cutpoint.door import checked_name, number
+from cutpoint.door import check_kind, checked_name, number
 from cutpoint.errors import InputError, unknown_name
 from cutpoint.identification.conditioning.decimation import decimation
 from cutpoint.identification.conditioning.motion import Motion, motion_of, sliding_speeds, torques_of
@@ -24,9 +25,17 @@ from cutpoint.identification.rigid.physical import Solver, check_solver, physica
 from cutpoint.identification.rigid.physical_fit import fit_of
 from cutpoint.identification.rigid.regression import Regression, regression
 from cutpoint.identification.rigid.rigid_estimate import Fitted, Log, RigidEstimate, estimate_of, sizes_of_others
-from cutpoint.identification.rigid.rigid_robot import is_stated, laws_with, link_torques, stated_laws
+from cutpoint.identification.rigid.rigid_robot import (
+    check_friction,
+    friction_of_links,
+    is_stated,
+    laws_with,
+    stated_laws,
+    transmitted,
+)
 from cutpoint.identification.rigid.uncertainty import are_told
 from cutpoint.mechanics.friction import Sliding
+from cutpoint.model.drive import Friction
 from cutpoint.robot import Robot, check_robot
 
 Array = NDArray[np.float64]
@@ -63,6 +72,7 @@ def identify_rigid(
     bandwidth: float | None = None,
     torque_constants: Mapping[str, float] | None = None,
     rotor_errors: Mapping[str, float] | None = None,
+    link_friction: Mapping[str, Friction] | None = None,
 ) -> RigidEstimate:
     """Inertias of all bodies, rotors, friction and offsets that explain a recording's torques.
 
@@ -79,6 +89,8 @@ def identify_rigid(
         explained, by default the same, at most 10 Hz.
     torque_constants: N m at the joint for each ampere, by joint, for recordings of currents.
     rotor_errors: standard deviations, kg m2 at the joint, of the inertias of rotors that are not sought, by joint.
+    link_friction: by joint, what of its friction is the link's: the drive bears it, and rubs the more where its own
+        grows with load; by default the share that the drive states.
     Intervals know that shapes of friction were sought, and that rotors are known to their errors.
 
     A commanded torque that is held over a control period acts half a period later: align it before.
@@ -88,24 +100,27 @@ def identify_rigid(
     check_recording("identify_rigid", recording)
     _check(method, instruments, level, prior_spread)
     check_solver(solver)
-    for joint, error in (rotor_errors or {}).items():
+    check_friction("identify_rigid", robot)
+    for joint in link_friction or {}:
         checked_name("driven joint", joint, robot.joints)
-        if not number("identify_rigid", f"rotor_errors[{joint!r}]", error, "kg m2") >= 0.0:
-            raise InputError(f"identify_rigid: rotor_errors[{joint!r}] {error} kg m2 must not be negative", joint=joint)
     base = base_parameters(robot, rotors=rotors)
+    _check_errors(rotor_errors, robot, [robot.joints[j] for j in base.rotors])
     log = _log(robot, recording, base.rotors, cutoff, bandwidth, torque_constants)
-    loads = link_torques(robot, log.motion, robot.inertial_parameters)
+    known = link_friction or {}
+    of_links = friction_of_links(robot, stated_laws(robot, log.motion), known)
+    loads = transmitted(robot, log.motion, robot.inertial_parameters, of_links)
     choices = _choices(base, log, loads, offsets) if friction == "choose" else ()
     if isinstance(friction, tuple):
         choices = _shaped(friction, base, log, loads, offsets)
     laws = _laws(robot, log.motion, friction, choices)
     asked = None if instruments is None else _asked(robot, recording, instruments, log.motion.cutoff)
     shaped = [choice.joint for choice in choices]
-    how = _How(method, asked, offsets, shaped, rotor_errors or {}, prior_spread, solver)
+    how = _How(method, asked, offsets, shaped, rotor_errors or {}, known, prior_spread, solver)
     fitted = _fitted(base, laws, log, loads, how)
     is_loaded = any(law.per_load is not None for law in laws.values())
     for _ in range(LOADED_ROUNDS - 1 if is_loaded else 0):
-        fitted = _fitted(base, laws, log, link_torques(robot, log.motion, fitted.bodies.inertial), how)
+        model = fitted.model
+        fitted = _fitted(base, laws, log, transmitted(robot, log.motion, model.inertial, model.of_links), how)
     result = estimate_of(fitted, level, choices, recording.notes)
     return _with_remark_on_lags(result) if method == "instrumental" and instruments is None else result
 
@@ -121,6 +136,7 @@ class _How(NamedTuple):
     offsets: bool
     shaped: Sequence[str]
     rotor_errors: Mapping[str, float]
+    link_friction: Mapping[str, Friction]
     prior_spread: float
     solver: Solver
 
@@ -135,7 +151,7 @@ def _fitted(base: BaseParameters, laws: Mapping[str, Sliding], log: Log, loads: 
     sizes = sizes_of_others(base, log, found.names[base.independent.size :])
     told = are_told(estimate, base.independent.size, sizes)
     bodies = physical(fit_of(base, found.names, estimate.R, estimate.z, sizes, told, how.prior_spread), how.solver)
-    return Fitted(base, laws, log, found, estimate, bodies)
+    return Fitted(base, laws, how.link_friction, log, found, estimate, bodies)
 
 
 def explained(motion: Motion, bandwidth: float | None) -> float:
@@ -146,12 +162,28 @@ def explained(motion: Motion, bandwidth: float | None) -> float:
 def _check(method: str, instruments: Recording | None, level: float, spread: float) -> None:
     if method not in (*METHODS, "instrumental"):
         raise unknown_name("method of identification", method, (*METHODS, "instrumental"))
+    if instruments is not None:
+        check_recording("identify_rigid", instruments)
     if instruments is not None and method != "instrumental":
         raise InputError(f"instruments go with method='instrumental', not with {method!r}", method=method)
     if not 0.0 < number("identify_rigid", "level", level) < 1.0:
         raise InputError(f"level {level} must lie between 0 and 1, as 0.95", level=level)
     if not 0.0 < number("identify_rigid", "prior_spread", spread) < np.inf:
         raise InputError(f"prior_spread {spread} must be positive, as a share: 0.5 is half of a body's mass")
+
+
+def _check_errors(errors: Mapping[str, float] | None, robot: Robot, sought: Sequence[str]) -> None:
+    """Of rotors.  sought: joints of those that are."""
+    rule = "a standard deviation, kg m2, for each of some joints, by name"
+    check_kind("identify_rigid", "rotor_errors", errors, (Mapping, NoneType), rule)
+    for joint, error in (errors or {}).items():
+        checked_name("driven joint", joint, robot.joints)
+        if not 0.0 <= number("identify_rigid", f"rotor_errors[{joint!r}]", error, "kg m2") < np.inf:
+            rule = "must be finite, and not negative"
+            raise InputError(f"identify_rigid: rotor_errors[{joint!r}] {error} kg m2 {rule}", joint=joint)
+        if joint in sought:
+            rule = f"is of a rotor that is sought; name in rotors= the others alone, of {', '.join(sought)}"
+            raise InputError(f"identify_rigid: rotor_errors[{joint!r}] {rule}", joint=joint)
 
 
 def _log(
@@ -168,7 +200,7 @@ def _log(
     torque = torque - stated * motion.w_dot
     width = explained(motion, bandwidth)
     known = motion.known() & np.isfinite(torque).all(axis=1)
-    return Log(motion, torque, decimation(known, motion.period, width), stated, width)
+    return Log(motion, torque, decimation(known, motion.period, width), stated, width, float(recording.time[0]))
 
 
 def _estimate(found: Regression, method: Method, instruments: Array | None, *beside: Array) -> Estimate:
@@ -229,9 +261,8 @@ def _laws(robot: Robot, motion: Motion, wish: FrictionWish, choices: tuple[Frict
     laws = stated_laws(robot, motion) | {choice.joint: choice.law for choice in choices}
     if isinstance(wish, Mapping):
         for joint, law in wish.items():
-            if joint not in laws:
-                raise unknown_name("driven joint", joint, laws)
-            laws[joint] = law
+            check_kind("identify_rigid", f"friction[{joint!r}]", law, Sliding, "Coulomb's or Stribeck's law")
+            laws[checked_name("driven joint", joint, robot.joints)] = law
     elif not isinstance(wish, tuple) and wish not in ("choose", "stated"):
         raise InputError(f"friction {wish!r} must be 'choose', 'stated', or laws by joint", friction=wish)
     return laws

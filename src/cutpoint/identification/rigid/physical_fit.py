@@ -79,7 +79,7 @@ def fit_of(
     """
     blunt = min(1.0, SHARPEST / max(float(np.linalg.norm(z)), 1.0))
     R, z = blunt * R, blunt * z
-    b, bodies = base.independent.size, bodies_of(base.robot.mechanism)
+    b, bodies = base.independent.size, bodies_of(base.robot)
     scale, has_rotor = _rotors(base)
     inertial = R[:, :b] @ _base_of(base, bodies, scale)
     # friction and offsets, as shares of their sizes

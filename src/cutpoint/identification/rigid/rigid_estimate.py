@@ -9,7 +9,13 @@ from numpy.typing import NDArray
 
 from cutpoint.errors import unknown_name
 from cutpoint.identification.conditioning.decimation import Decimation
-from cutpoint.identification.conditioning.motion import Motion, motion_of, sliding_speeds, still_joints
+from cutpoint.identification.conditioning.motion import (
+    Motion,
+    motion_of,
+    slide_with_motors,
+    sliding_speeds,
+    still_joints,
+)
 from cutpoint.identification.logs.recording import Recording
 from cutpoint.identification.rigid.base_parameters import BaseParameters
 from cutpoint.identification.rigid.friction_choice import FrictionChoice
@@ -17,7 +23,7 @@ from cutpoint.identification.rigid.lateness import lateness_notes
 from cutpoint.identification.rigid.least_squares import Estimate
 from cutpoint.identification.rigid.physical import Physical
 from cutpoint.identification.rigid.regression import Regression, other_side_columns
-from cutpoint.identification.rigid.rigid_robot import RigidModel, laws_with, stated_coefficient
+from cutpoint.identification.rigid.rigid_robot import RigidModel, friction_of_links, laws_with, stated_coefficient
 from cutpoint.identification.rigid.uncertainty import (
     Parameter,
     base_sizes,
@@ -27,6 +33,7 @@ from cutpoint.identification.rigid.uncertainty import (
     untold,
 )
 from cutpoint.mechanics.friction import Sliding
+from cutpoint.model.drive import Friction
 from cutpoint.robot import Robot
 
 Array = NDArray[np.float64]
@@ -80,6 +87,7 @@ class Log(NamedTuple):
     """A recording as it is used: all samples, and what makes means of them.
 
     stated: reflected inertias (n,), kg m2, of rotors that are not sought, 0 of others.  width: Hz, of the means.
+    start: s, of the first sample.
     """
 
     motion: Motion
@@ -87,41 +95,51 @@ class Log(NamedTuple):
     means: Decimation
     stated: Array
     width: float
+    start: float
 
 
 class Fitted(NamedTuple):
-    """What was fitted to what."""
+    """What was fitted to what.  link_friction: by joint, what was known of it."""
 
     base: BaseParameters
     laws: Mapping[str, Sliding]
+    link_friction: Mapping[str, Friction]
     log: Log
     regression: Regression
     estimate: Estimate
     bodies: Physical
+
+    @property
+    def model(self) -> RigidModel:
+        """Of the bodies that can exist."""
+        robot, b = self.base.robot, self.base.independent.size
+        others = dict(zip(self.regression.names[b:], self.bodies.others.tolist(), strict=True))
+        offsets = np.array([others.get(f"offset.{joint}", 0.0) for joint in robot.joints])
+        rotors = self.log.stated.copy()
+        rotors[[*self.base.rotors]] = self.bodies.rotors
+        laws = laws_with(self.laws, others)
+        of_links = friction_of_links(robot, laws, self.link_friction)
+        return RigidModel(self.bodies.inertial, rotors, offsets, laws, of_links, slide_with_motors(robot))
 
 
 def estimate_of(
     fitted: Fitted, level: float, choices: tuple[FrictionChoice, ...], notes: tuple[str, ...]
 ) -> RigidEstimate:
     """All that is told of a fit, with intervals at a level."""
-    base, laws, log, found, estimate, bodies = fitted
+    base, log, found, estimate, model = fitted.base, fitted.log, fitted.regression, fitted.estimate, fitted.model
     robot, table = base.robot, _table(fitted, level)
-    others = dict(zip(found.names[base.independent.size :], bodies.others.tolist(), strict=True))
-    offsets = np.array([others.get(f"offset.{joint}", 0.0) for joint in robot.joints])
-    rotors = log.stated.copy()
-    rotors[[*base.rotors]] = bodies.rotors
-    model = RigidModel(bodies.inertial, rotors, offsets, laws_with(laws, others))
     return RigidEstimate(
         robot=model.robot(robot),
         model=model,
         parameters=table,
         residuals=estimate.residuals,
-        times=found.times[len(found.times) - len(estimate.residuals) :],
+        times=log.start + found.times[len(found.times) - len(estimate.residuals) :],
         noise=estimate.noise,
         untold=untold(table, base),
         notes=(
             *notes,
             *_standing(robot, log),
+            *_simplified(model, robot),
             *_notes(log, found, estimate),
             *strained(table),
             *_late(fitted),
@@ -138,7 +156,7 @@ def _late(fitted: Fitted) -> list[str]:
 
 
 def _table(fitted: Fitted, level: float) -> tuple[Parameter, ...]:
-    base, _, log, found, estimate, bodies = fitted
+    base, _, _, log, found, estimate, bodies = fitted
     b = base.independent.size
     sizes = np.concatenate([base_sizes(base), sizes_of_others(base, log, found.names[b:])])
     stated = np.array([stated_coefficient(base.robot, name) for name in found.names[b:]])
@@ -156,6 +174,21 @@ def sizes_of_others(base: BaseParameters, log: Log, names: Sequence[str]) -> Arr
 def _standing(robot: Robot, log: Log) -> list[str]:
     still = ", ".join(still_joints(robot, log.motion))
     return [f"{still} stood still: what moves with these alone, and their friction, is not told"] if still else []
+
+
+def _simplified(model: RigidModel, robot: Robot) -> list[str]:
+    """Sentences on what a drive states and the model has not."""
+    coupled = [joint for joint, drive in robot.drives.items() if drive.is_coupled and drive.reflected_inertia]
+    moved = [
+        joint
+        for joint, drive in robot.drives.items()
+        if drive.link_friction and not drive.motor_friction and model.laws[joint].per_load is not None
+    ]
+    spins = "their carriers' turning about their axes asks nothing of them here, and bodies take on what it does"
+    loads = "only a motor's friction does: it is stated for the motor now"
+    return [f"{', '.join(joints)} {words}" for joints, words in (
+        (coupled, f"have rotors with full coupling: {spins}"), (moved, f"have friction that grows with load: {loads}")
+    ) if joints]  # fmt: skip
 
 
 def _notes(log: Log, found: Regression, estimate: Estimate) -> list[str]:

@@ -7,11 +7,12 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from cutpoint.errors import InputError
 from cutpoint.identification.conditioning.motion import Motion, sliding_speeds
 from cutpoint.identification.rigid.bodies import with_parameters
 from cutpoint.identification.rigid.regression import CHUNK
 from cutpoint.mechanics.friction import Coulomb, Sliding
-from cutpoint.model.drive import Drive, Rotor
+from cutpoint.model.drive import Drive, Friction, Rotor
 from cutpoint.robot import Robot
 
 Array = NDArray[np.float64]
@@ -27,19 +28,23 @@ LEAST = 1e-6
 class RigidModel:
     """torque = Y(q, v, a) inertial + rotors w_dot + friction(v) + offsets, for all joints of a robot.
 
-    inertial (10 bodies,); rotors (n,) kg m2 at the joint; offsets (n,) N m; laws by joint.
+    inertial (10 bodies,); rotors (n,) kg m2 at the joint; offsets (n,) N m; laws by joint, of both sides together.
+    of_links: by joint, what of its law is the link's, which the drive transmits.
+    on_motor (n,): whose friction goes by the motor's speed, others' by the link's.
     """
 
     inertial: Array
     rotors: Array
     offsets: Array
     laws: Mapping[str, Sliding]
+    of_links: Mapping[str, Friction]
+    on_motor: NDArray[np.bool_]
 
     def torque(self, robot: Robot, motion: Motion) -> Array:
         """(N, n), NaN where the motion is not known."""
-        loads = link_torques(robot, motion, self.inertial)
-        found = loads + self.rotors * motion.w_dot + self.offsets
-        speeds = sliding_speeds(robot, motion)
+        found = link_torques(robot, motion, self.inertial) + self.rotors * motion.w_dot + self.offsets
+        loads = transmitted(robot, motion, self.inertial, self.of_links)
+        speeds = np.where(self.on_motor, motion.w, motion.v)
         for j, joint in enumerate(robot.joints):
             found[:, j] += self.laws[joint].torque(speeds[:, j], loads[:, j])
         return found
@@ -54,6 +59,15 @@ class RigidModel:
         return Robot(with_parameters(robot.mechanism, self.inertial), drives, backend=robot.backend)
 
 
+def check_friction(function: str, robot: Robot) -> None:
+    """Raises InputError for friction whose numbers cannot be sought."""
+    for joint, drive in robot.drives.items():
+        for law in (drive.link_friction, drive.motor_friction):
+            if law is not None and not isinstance(getattr(law, "sliding", law), Sliding):
+                rule = "its numbers cannot be sought: state Coulomb's or Stribeck's law, or bristles that slide by one"
+                raise InputError(f"{function}: friction of {joint!r} is a {type(law).__name__}, {rule}", joint=joint)
+
+
 def link_torques(robot: Robot, motion: Motion, inertial: Array) -> Array:
     """(N, n): what the links ask of their joints, for inertial parameters (10 bodies,); NaN where nothing is known."""
     found = np.full(motion.q.shape, np.nan)
@@ -64,15 +78,39 @@ def link_torques(robot: Robot, motion: Motion, inertial: Array) -> Array:
     return found
 
 
+def transmitted(robot: Robot, motion: Motion, inertial: Array, of_links: Mapping[str, Friction]) -> Array:
+    """(N, n): what drives bear, by which their friction grows: what the links ask for, and the links' own friction."""
+    found = link_torques(robot, motion, inertial)
+    for joint, law in of_links.items():
+        j = robot.joints.index(joint)
+        found[:, j] += law.torque(motion.v[:, j])
+    return found
+
+
+def friction_of_links(
+    robot: Robot, laws: Mapping[str, Sliding], known: Mapping[str, Friction] | None = None
+) -> dict[str, Friction]:
+    """By joint, what is known of the link's friction, or the share of its law by which a drive states both sides."""
+    drives = ((joint, robot.drives[joint], law) for joint, law in laws.items())
+    stated = {joint: _shared(drive, law)["link_friction"] for joint, drive, law in drives if _states_both(drive)}
+    return stated | dict(known or {})
+
+
 def stated_laws(robot: Robot, motion: Motion) -> dict[str, Sliding]:
-    """The sliding law of each joint's drive, or Coulomb's where it states none."""
+    """The sliding law of each joint's drive, of two the one that knows more; Coulomb's where it states none."""
     sizes = np.sqrt(np.nanmean(sliding_speeds(robot, motion) ** 2, axis=0))
     found: dict[str, Sliding] = {}
     for j, (joint, drive) in enumerate(robot.drives.items()):
-        stated: Any = drive.link_friction or drive.motor_friction
+        sides: list[Any] = [drive.link_friction, drive.motor_friction]
+        stated: list[Sliding] = [getattr(law, "sliding", law) for law in sides if law is not None]
         fallback = Coulomb(1.0, 0.0, max(AT_REST * float(sizes[j]), 1e-9))
-        found[joint] = getattr(stated, "sliding", stated) or fallback
+        found[joint] = max(stated, key=_effects, default=fallback)
     return found
+
+
+def _effects(law: Sliding) -> int:
+    """How much a law knows of."""
+    return len(law.coefficients) + (law.per_load is not None) + (law.asymmetry is not None)
 
 
 def is_stated(robot: Robot, joint: str) -> bool:
@@ -115,13 +153,18 @@ def _driven(drive: Drive, law: Sliding, reflected: float, least: float) -> Drive
     """The drive with an identified rotor, whose mass is in the links', and its friction on the sides that state it: in
     the shares that they state, all of what grows with load on the motor's; on the link's if none does."""
     inertia = max(reflected, least if drive.is_elastic else 0.0) / drive.ratio**2
-    rotor = replace(drive.rotor or Rotor(0.0), inertia=inertia, in_link_inertia=True) if inertia else drive.rotor
-    if drive.link_friction is not None and drive.motor_friction is not None:
+    rotor = drive.rotor or (Rotor(0.0) if inertia else None)
+    rotor = rotor and replace(rotor, inertia=inertia, in_link_inertia=True)
+    if _states_both(drive):
         laws = _shared(drive, law)
     else:
         on_motor = law.per_load is not None or drive.motor_friction is not None
         laws = {"motor_friction": law if on_motor else None, "link_friction": None if on_motor else law}
     return replace(drive, rotor=rotor, **{side: _as_stated(getattr(drive, side), x) for side, x in laws.items()})
+
+
+def _states_both(drive: Drive) -> bool:
+    return drive.link_friction is not None and drive.motor_friction is not None
 
 
 def _shared(drive: Drive, law: Any) -> dict[str, Any]:

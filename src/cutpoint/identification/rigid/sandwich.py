@@ -24,8 +24,8 @@ LEAST = 0.1
 class Spread(NamedTuple):
     """covariance (c, c), infinite where nothing was seen.  degrees: of freedom, of Student's t.
 
-    lag: rows over which residuals were taken to be related.  correlation: how many rows weigh as much as one would if
-    they were not.
+    lag: rows over which residuals were taken to be related, of the joint of which it is longest.  correlation: how many
+    rows weigh as much as one would if they were not.
     """
 
     covariance: Array
@@ -54,13 +54,14 @@ def spread(design: Array, residuals: Array, P: Array, seen: NDArray[np.bool_]) -
     covariance is as uncertain as that of 3/2 M / lag samples.
     """
     M, n, c = design.shape
-    lag, correlation = _memory(residuals)
+    lags, correlations = zip(*map(_memory, residuals.T), strict=True)
+    lag, correlation = max(lags), float(np.mean(correlations))
     # P goes in before sums are squared: of what is hardly seen, rounding would else leave negative variances
     pull = design @ P
     left = residuals / np.maximum(1.0 - np.einsum("mjc,mjc->mj", pull, design), LEAST)
     found = as_found(np.einsum("mjc,mj->mc", pull, left), lag + 1)
     # noise of one joint is taken to know nothing of another's
-    steady = sum(alike(pull[:, j], left[:, j], lag + 1) for j in range(n))
+    steady = sum(alike(pull[:, j], left[:, j], lags[j] + 1) for j in range(n))
     covariance = at_least(found, np.asarray(steady))
     covariance[~seen] = covariance[:, ~seen] = 0.0
     covariance[~seen, ~seen] = np.inf
@@ -68,14 +69,13 @@ def spread(design: Array, residuals: Array, P: Array, seen: NDArray[np.bool_]) -
     return Spread(covariance, min(free, max(1.0, 1.5 * M / (lag + 1.0))), lag, correlation)
 
 
-def _memory(residuals: Array) -> tuple[int, float]:
-    """The lag after which residuals know nothing of each other, and their correlation time, both in rows."""
-    M = len(residuals)
-    size = np.sqrt(np.mean(residuals**2, axis=0))
-    residuals = residuals / np.where(size > 0.0, size, 1.0)
-    padded = np.fft.rfft(residuals, 2 * M, axis=0)
-    each = np.fft.irfft((padded * padded.conj()).real, axis=0)[: max(2, int(LONGEST * M))]
-    rho = each.sum(axis=1) / max(each[0].sum(), np.finfo(float).tiny)
+def _memory(residual: Array) -> tuple[int, float]:
+    """The lag after which a joint's residuals (M,) know nothing of each other, and their correlation time, both in
+    rows."""
+    M = residual.size
+    padded = np.fft.rfft(residual, 2 * M)
+    rho = np.fft.irfft((padded * padded.conj()).real)[: max(2, int(LONGEST * M))]
+    rho = rho / max(rho[0], np.finfo(float).tiny)
     times = 2.0 * np.cumsum(rho) - 1.0
     lags = np.flatnonzero(np.arange(rho.size) >= TIMES * np.maximum(times, 0.2))
     lag = int(lags[0]) if lags.size else rho.size - 1
