@@ -62,6 +62,16 @@ def test_files_that_are_right_explain_torques_as_they_are(log: Any):
     assert (found.errors.rms("before") < 0.02).all() and (found.errors.rms("after") < 0.02).all()
 
 
+@pytest.mark.parametrize("log", [channels, wound])
+def test_rotors_are_not_sought_in_what_gears_hand_out(log: Any):
+    drive = (
+        Drive(100.0, Rotor(4e-5), LinearSpring(7e3), motor_friction=LAW) if log is wound else Drive(link_friction=LAW)
+    )
+    robot = Robot(TRUTH.mechanism, dict.fromkeys(TRUTH.joints, drive))
+    found = identify(robot, Recording(TIME, TRUTH.joints, **log()), friction="stated", rotors=False)
+    assert not any("I_m" in parameter.name for parameter in found.rigid.parameters)
+
+
 @pytest.mark.parametrize("flicker", [0.0, 1e-5])
 def test_a_joint_that_stands_still_keeps_the_friction_that_its_file_states(flicker: float):
     drive = Drive(100.0, Rotor(0.0), link_friction=Coulomb(2.0, 1.0, 0.05))

@@ -67,7 +67,9 @@ def test_springs_tell_when_torques_act(samples: int, words: str):
     known, log = arm(on_motors=False)
     found = identify(known.file, replace(log, torque=np.roll(log["torque"], samples, axis=0)), torque_delay=5e-4)
     assert found.drives is not None
-    for each in found.drives.joints.values():
-        assert each.delay is not None
-        assert each.delay.value == pytest.approx(1.5e-3 - samples * 1e-3, abs=3e-4)
+    delays = [each.delay for each in found.drives.joints.values() if each.delay]
+    assert len(delays) == 2
+    for delay in delays:
+        assert abs(delay.value - (1.5e-3 - samples * 1e-3)) < 2.0 * delay.deviation
+    assert min(delay.deviation for delay in delays) < 1.5e-4
     assert len([note for note in found.notes if re.match(words, note)]) == 1

@@ -63,7 +63,7 @@ def test_nothing_is_said_of_a_good_log():
             {"theta": 100.0 * SPANS, "theta_dot": 100.0 * GOOD["v"]},
             "theta of 'elbow' is 100 times q: another unit",
         ),
-        ({"theta": SPANS + 0.5}, "theta of 'elbow' is always near 0.5 rad ahead of q: have both one zero?"),
+        ({"theta": SPANS + 0.5}, "theta of 'elbow' is always near 0.5 rad (m) ahead of q: have both one zero?"),
         (
             {"q": 50.0 * SPANS, "v": 50.0 * GOOD["v"]},
             "q of shoulder, elbow spans more than 4 turns: degrees for radians, or mm for m?",

@@ -128,6 +128,10 @@ def identify(
             "--springs/--no-springs", help="The drives' springs; if both encoders are in the log, by default."
         ),
     ] = None,
+    rotors: Annotated[
+        bool,
+        typer.Option("--rotors/--no-rotors", help="The rotors' inertias; none where torques are the gears' output."),
+    ] = True,
     cutoff: Annotated[
         float | None, typer.Option(help="Hz, of the positions; where they sink into their noise, by default.")
     ] = None,
@@ -157,8 +161,8 @@ def identify(
     loaded = robot_of(robot, drives, mimic, lock, gravity, mend_inertia)
     file = cutpoint.robots.XIA2019_URDF if str(robot) == "xia2019" else robot
     found = identified(
-        loaded, log, mapping, hold_out=hold_out, springs=springs, method=method, solver=solver, cutoff=cutoff,
-        bandwidth=bandwidth, torque_delay=delay, align=align, source=file, progress=True,
+        loaded, log, mapping, hold_out=hold_out, springs=springs, rotors=rotors, method=method, solver=solver,
+        cutoff=cutoff, bandwidth=bandwidth, torque_delay=delay, align=align, source=file, progress=True,
     )  # fmt: skip
     saved = found.save(output, force=force)
     console.print(table_of(found))

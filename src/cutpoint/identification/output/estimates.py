@@ -114,8 +114,8 @@ def _with_rotors(
     sides = {joint: sprung.joints[joint].drive.link_friction for joint in apart}
     rubs = {joint: law for joint, law in sides.items() if law is not None}
     sought = [joint for joint in before.joints if joint not in apart]
-    known: dict[str, Any] = {"rotors": sought, "rotor_errors": errors, "link_friction": rubs}
-    return identify_rigid(before.with_drives(drives), fitted, **known, **how)
+    how |= {"rotors": sought if how["rotors"] else False, "rotor_errors": errors, "link_friction": rubs}
+    return identify_rigid(before.with_drives(drives), fitted, **how)
 
 
 def _turning(drive: Drive, inertia: float) -> Drive:

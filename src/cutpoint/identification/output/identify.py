@@ -52,6 +52,7 @@ def identify(
     *,
     hold_out: float = 0.3,
     springs: bool | None = None,
+    rotors: bool = True,
     friction: FrictionWish = "choose",
     method: Method = "huber",
     solver: Solver = "lmi",
@@ -68,6 +69,7 @@ def identify(
     robot: as its files have it, or its file with `drives`.  log, mapping: a recording, or what `read_recording` takes.
     hold_out: share of the log, at its end, that is not fitted: the model's errors there tell whether it carries over.
     springs: whether they are sought; by default where both `q` and `theta` were recorded and a drive bends.
+    rotors: whether the rotors' inertias are sought: not in torques that were measured behind the gears.
     friction, method, solver, cutoff, bandwidth, torque_constants: as `identify_rigid` has them.
     torque_delay: s by which torques act later than they are stamped: half a control period for commands that are held.
     align: whether the links' encoders are brought to the motors' clock first, see `aligned`.
@@ -81,7 +83,8 @@ def identify(
     if not 0.0 <= number("identify", "hold_out", hold_out) <= MOST_HELD:
         raise InputError(f"hold_out {hold_out} must be a share of the log, 0 to {MOST_HELD}", hold_out=hold_out)
     filters = {"cutoff": cutoff, "bandwidth": bandwidth}
-    how: dict[str, Any] = {"method": method, "solver": solver, "torque_constants": torque_constants} | filters
+    how: dict[str, Any] = {"rotors": rotors, "method": method, "solver": solver} | filters
+    how["torque_constants"] = torque_constants
     with Steps(3, progress) as say:
         say("reading the log")
         before, stamped, resolution = _read(robot, log, mapping, drives)

@@ -51,7 +51,7 @@ def _torques(found: Identification) -> Page:
 
 ERROR_COLUMNS = (
     "joint",
-    "torque itself",
+    "torque itself, about its mean",
     "model as in the files",
     "identified, fitted part",
     "identified, held out",

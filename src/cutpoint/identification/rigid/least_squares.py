@@ -34,7 +34,8 @@ SETTLED = 1e-6
 class Estimate(NamedTuple):
     """What a regression tells of its parameters.
 
-    values (c,).  spread: covariance and degrees of freedom.  noise (n,): standard deviation of each joint's residuals.
+    values (c,).  spread: covariance and degrees of freedom.  noise (n,): standard deviation of each joint's residuals,
+    by their median where large ones count by their size.
     R (c, c), z (c,): ||R x - z||^2 is the weighted sum of squares beyond its minimum, in which one is a variance.
     residuals (M, n).
     """
