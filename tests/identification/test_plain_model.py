@@ -9,7 +9,8 @@ from cutpoint import Coulomb, Robot
 from cutpoint.errors import InputError
 from cutpoint.identification import Recording
 from cutpoint.identification.conditioning.motion import Motion, motion_of
-from cutpoint.identification.output.plain_model import AT_REST, plain_model
+from cutpoint.identification.output.plain_model import plain_model
+from cutpoint.identification.rigid.rigid_robot import AT_REST
 
 Array = np.ndarray
 

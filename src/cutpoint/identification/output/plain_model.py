@@ -12,14 +12,10 @@ from cutpoint.identification.conditioning.motion import Motion, slide_with_motor
 from cutpoint.identification.rigid.base_parameters import BaseParameters, base_parameters
 from cutpoint.identification.rigid.least_squares import least_squares
 from cutpoint.identification.rigid.regression import regression
-from cutpoint.identification.rigid.rigid_robot import RigidModel, laws_with
-from cutpoint.mechanics.friction import Coulomb
+from cutpoint.identification.rigid.rigid_robot import RigidModel, coulomb_laws, laws_with
 from cutpoint.robot import Robot
 
 Array = NDArray[np.float64]
-
-AT_REST = 0.02
-"""Of the RMS speed, over which Coulomb friction changes its sign."""
 
 
 def plain_model(robot: Robot, motion: Motion, torque: Array, fitted: NDArray[np.bool_], width: float) -> RigidModel:
@@ -28,9 +24,7 @@ def plain_model(robot: Robot, motion: Motion, torque: Array, fitted: NDArray[np.
     Raises InputError: too few samples.
     """
     base = base_parameters(robot, rotors=True)
-    sizes = np.sqrt(np.nanmean(sliding_speeds(robot, motion)[fitted] ** 2, axis=0))
-    smoothings = np.maximum(AT_REST * sizes, 1e-9).tolist()
-    laws = {joint: Coulomb(1.0, 0.0, smoothing) for joint, smoothing in zip(robot.joints, smoothings, strict=True)}
+    laws = coulomb_laws(robot, sliding_speeds(robot, motion)[fitted])
     known = motion.known() & np.isfinite(torque).all(axis=1)
     found = regression(base, laws, motion, torque, decimation(known & fitted, motion.period, width))
     values = least_squares(found, "ordinary").values

@@ -102,6 +102,14 @@ def base_parameters(robot: Robot, *, rotors: bool | Collection[str] = False) -> 
     return BaseParameters(_names(robot, counted), kept, matrix, robot, counted)
 
 
+def rotor_sizes(base: BaseParameters) -> tuple[Array, NDArray[np.bool_]]:
+    """Of the rotors that are sought, kg m2 at the joint, and whether they are the file's; others are as the arm is."""
+    robot, counted = base.robot, [*base.rotors]
+    reflected = np.array([float(drive.reflected_inertia) for drive in robot.drives.values()])[counted]
+    arm = np.diag(robot.mass_matrix(robot.neutral()))[counted]
+    return np.where(reflected > 0.0, reflected, np.maximum(arm, np.finfo(float).tiny)), reflected > 0.0
+
+
 def _counted(robot: Robot, rotors: bool | Collection[str]) -> tuple[int, ...]:
     """Numbers of the joints whose rotors count."""
     if isinstance(rotors, bool):

@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 from scipy.linalg import cholesky, solve_triangular
 from scipy.optimize import minimize, nnls
 
+from cutpoint.identification.rigid.law_shape import is_sharp, moved, shape_of
 from cutpoint.identification.rigid.regression import friction_columns
 from cutpoint.mechanics.friction import Coulomb, Sliding, Stribeck
 
@@ -207,30 +208,21 @@ def _tried(trial: _Trial, size: float, expected: Sliding | None) -> dict[str, li
 
 def _refined(trial: _Trial, tried: list[Tried]) -> list[Tried]:
     """With what is tried on the way to the best shape near these, by variable projection.  Golub and Pereyra (1973)."""
-    law: Any = trial.best(tried)
-    names = [name for name in ("smoothing", "stribeck_velocity") if hasattr(law, name)]
-    start = np.log([getattr(law, name) for name in names])
-    start = start if law.asymmetry is None else np.append(start, np.arctanh(law.asymmetry))
-    found = [*tried]
+    law = trial.best(tried)
+    names, found = shape_of(law), [*tried]
 
     def misfit(x: Array) -> float:
-        side = {} if law.asymmetry is None else {"asymmetry": float(np.tanh(x[-1]))}
-        new = _with(law, **dict(zip(names, np.exp(x).tolist(), strict=False)), **side)
+        new = moved(law, dict(zip(names, x.tolist(), strict=True)))
         if not is_sharp(new):
             return float(np.finfo(float).max)
         found.extend(trial.all([new]))
         return trial.misfit(found[-1])
 
-    steps = np.vstack([start, start + NEAR * np.eye(start.size)])
+    start = np.zeros(len(names))
+    steps = np.vstack([start, NEAR * np.eye(start.size)])
     options = {"maxfev": TRIALS, "xatol": 1e-2, "fatol": 0.0, "initial_simplex": steps}
     minimize(misfit, start, method="Nelder-Mead", options=options)
     return found
-
-
-def is_sharp(law: Any) -> bool:
-    """Whether friction has changed its sign by Stribeck's speed: else a peak of any height between is as good as none,
-    for means over the moments in which a joint turns back."""
-    return law.smoothing < getattr(law, "stribeck_velocity", np.inf)
 
 
 def _with(law: Any, **changed: Any) -> Sliding:

@@ -6,14 +6,13 @@ squares these alone would decide over the shape: Huber's weights bound them, and
 
 from collections.abc import Collection, Mapping
 from dataclasses import replace
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from cutpoint.identification.conditioning.motion import sliding_speeds
 from cutpoint.identification.rigid.base_parameters import BaseParameters
-from cutpoint.identification.rigid.friction_choice import is_sharp
+from cutpoint.identification.rigid.law_shape import is_sharp, moved, shape_of
 from cutpoint.identification.rigid.least_squares import huber_weights, solved, split, weighted_rows
 from cutpoint.identification.rigid.regression import Regression, inertial_columns, of_joint, regression, triangle
 from cutpoint.identification.rigid.rigid_estimate import Log
@@ -49,7 +48,7 @@ def best_shapes(
         )
         steps = _steps(base, found, joints, log, loads, linear)
         for (joint, name), step in steps.items():
-            found[joint] = _moved(found[joint], name, step)
+            found[joint] = moved(found[joint], {name: step})
         if max(map(abs, steps.values())) < SETTLED:
             break
     lost = {joint for (joint, _), step in steps.items() if abs(step) > NEARLY or not is_sharp(found[joint])}
@@ -73,24 +72,12 @@ def shape_slopes(
     base: BaseParameters, laws: Laws, joints: Collection[str], log: Log, loads: Array
 ) -> tuple[list[Shape], Array]:
     """Shapes of some joints' laws, k in all, and derivatives (M, n, k) of the torques by them."""
-    shapes = [(joint, name) for joint in joints for name in _names(laws[joint])]
+    shapes = [(joint, name) for joint in joints for name in shape_of(laws[joint])]
     order, speeds = base.robot.joints, sliding_speeds(base.robot, log.motion)
     found: list[Array] = [np.empty((log.means.size, len(order), 0))]
     for joint, name in shapes:
         j = order.index(joint)
-        ends = [_moved(laws[joint], name, x).torque(speeds[:, j], loads[:, j]) for x in (CHANGE, -CHANGE)]
+        ends = [moved(laws[joint], {name: x}).torque(speeds[:, j], loads[:, j]) for x in (CHANGE, -CHANGE)]
         slope = log.means((ends[0] - ends[1]) / (2.0 * CHANGE))
         found.append(of_joint(slope[:, None], j, len(order)))
     return shapes, np.concatenate(found, axis=2)
-
-
-def _names(law: Sliding) -> list[str]:
-    names = [name for name in ("smoothing", "stribeck_velocity") if hasattr(law, name)]
-    return names if law.asymmetry is None else [*names, "asymmetry"]
-
-
-def _moved(law: Any, name: str, step: float) -> Any:
-    """A speed by a step in its logarithm, an asymmetry by one in its inverse hyperbolic tangent."""
-    value = float(getattr(law, name))
-    new = np.tanh(np.arctanh(value) + step) if name == "asymmetry" else value * np.exp(step)
-    return replace(law, **{name: float(new)})

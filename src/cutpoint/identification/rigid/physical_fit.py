@@ -6,7 +6,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from cutpoint.identification.rigid.base_parameters import BaseParameters
+from cutpoint.identification.rigid.base_parameters import BaseParameters, rotor_sizes
 from cutpoint.identification.rigid.bodies import Bodies, bodies_of
 from cutpoint.identification.rigid.rigid_robot import stated_coefficient
 
@@ -80,7 +80,7 @@ def fit_of(
     blunt = min(1.0, SHARPEST / max(float(np.linalg.norm(z)), 1.0))
     R, z = blunt * R, blunt * z
     b, bodies = base.independent.size, bodies_of(base.robot)
-    scale, has_rotor = _rotors(base)
+    scale, has_rotor = rotor_sizes(base)
     inertial = R[:, :b] @ _base_of(base, bodies, scale)
     # friction and offsets, as shares of their sizes
     stated, sums = np.array([stated_coefficient(base.robot, name) for name in names[b:]]), _sums(names[b:])
@@ -92,14 +92,6 @@ def fit_of(
     positive = np.array([not name.startswith("offset.") for name in names[b:]], dtype=bool)
     data = np.concatenate([inertial, R[:, b:] @ sums * sizes], axis=1)
     return Fit(base, data, z, bodies, scale, has_rotor, sums, sizes, prior, loose, positive, spread)
-
-
-def _rotors(base: BaseParameters) -> tuple[Array, NDArray[np.bool_]]:
-    """The size of those that are sought, kg m2 at the joint, and whether it is the file's; else it is the arm's."""
-    robot, counted = base.robot, [*base.rotors]
-    reflected = np.array([float(drive.reflected_inertia) for drive in robot.drives.values()])[counted]
-    arm = np.diag(robot.mass_matrix(robot.neutral()))[counted]
-    return np.where(reflected > 0.0, reflected, np.maximum(arm, np.finfo(float).tiny)), reflected > 0.0
 
 
 def _base_of(base: BaseParameters, bodies: Bodies, scale: Array) -> Array:

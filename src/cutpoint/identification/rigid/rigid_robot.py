@@ -98,14 +98,18 @@ def friction_of_links(
 
 def stated_laws(robot: Robot, motion: Motion) -> dict[str, Sliding]:
     """The sliding law of each joint's drive, of two the one that knows more; Coulomb's where it states none."""
-    sizes = np.sqrt(np.nanmean(sliding_speeds(robot, motion) ** 2, axis=0))
-    found: dict[str, Sliding] = {}
-    for j, (joint, drive) in enumerate(robot.drives.items()):
+    found = coulomb_laws(robot, sliding_speeds(robot, motion))
+    for joint, drive in robot.drives.items():
         sides: list[Any] = [drive.link_friction, drive.motor_friction]
         stated: list[Sliding] = [getattr(law, "sliding", law) for law in sides if law is not None]
-        fallback = Coulomb(1.0, 0.0, max(AT_REST * float(sizes[j]), 1e-9))
-        found[joint] = max(stated, key=_effects, default=fallback)
+        found[joint] = max(stated, key=_effects, default=found[joint])
     return found
+
+
+def coulomb_laws(robot: Robot, speeds: Array) -> dict[str, Sliding]:
+    """By joint, where nothing is stated: for speeds (N, n), rad/s."""
+    smoothings = np.maximum(AT_REST * np.sqrt(np.nanmean(speeds**2, axis=0)), 1e-9).tolist()
+    return {joint: Coulomb(1.0, 0.0, smoothing) for joint, smoothing in zip(robot.joints, smoothings, strict=True)}
 
 
 def _effects(law: Sliding) -> int:

@@ -6,7 +6,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from cutpoint.identification.rigid.base_parameters import BaseParameters
+from cutpoint.identification.rigid.base_parameters import BaseParameters, rotor_sizes
 from cutpoint.identification.rigid.least_squares import Estimate
 from cutpoint.mechanics.pseudo_inertia import nominal_sizes
 
@@ -128,10 +128,7 @@ def base_sizes(base: BaseParameters) -> Array:
     whole is in the file, the larger."""
     robot = base.robot
     natural = [x for p in robot.inertial_parameters.reshape(-1, 10) for x in nominal_sizes(p.tolist())]
-    if base.rotors:
-        reflected = np.array([float(drive.reflected_inertia) for drive in robot.drives.values()])
-        rotors = np.where(reflected > 0.0, reflected, np.diag(robot.mass_matrix(robot.neutral())))
-        natural += rotors[[*base.rotors]].tolist()
+    natural += rotor_sizes(base)[0].tolist()
     return np.maximum(np.abs(np.array(natural)[base.independent]), np.abs(base.nominal))
 
 
