@@ -12,6 +12,7 @@ from cutpoint.errors import InputError
 from cutpoint.identification import low_pass
 from cutpoint.identification.drives import (
     SpringEstimate,
+    TorqueReading,
     TwoMasses,
     fit_response,
     locked_output,
@@ -144,7 +145,15 @@ def test_noise_of_the_torque_does_not_stiffen_a_spring_whose_encoders_are_known(
         noisy = torque + size * np.random.default_rng(seed).normal(size=torque.size)
         for stiffness, noise in ((found, STEP / np.sqrt(12.0)), (naive, np.inf)):
             estimate = two_encoders(
-                theta, q, noisy, PERIOD, RATIO, laws=["linear"], hysteresis=False, damping=False, noise=noise
+                theta,
+                q,
+                noisy,
+                PERIOD,
+                RATIO,
+                laws=["linear"],
+                hysteresis=False,
+                damping=False,
+                reading=TorqueReading(noise=noise),
             )
             stiffness.append((estimate["stiffness"], estimate.deviations["stiffness"]))
     values, deviations = np.array(found).T
@@ -189,7 +198,9 @@ def test_waves_that_a_filter_weakens_come_out_at_their_size(band: float):
     lead = torque / 8e3 + 1e-4 * np.sin(2.0 * RATIO * theta + 0.3)
     channels = [theta, theta - lead + 1e-6 * np.random.default_rng(0).normal(size=time.size), torque]
     smooth = [low_pass(x, PERIOD, band) for x in channels]
-    found = two_encoders(*smooth, PERIOD, RATIO, resolution=1e-6, orders=[2], hysteresis=False, band=band)
+    found = two_encoders(
+        *smooth, PERIOD, RATIO, resolution=1e-6, orders=[2], hysteresis=False, reading=TorqueReading(band=band)
+    )
     assert found.kinematic_error
     assert found.kinematic_error.harmonics[0].amplitude == pytest.approx(1e-4, rel=0.02)
 

@@ -8,7 +8,7 @@ from measured import KUKA, kuka_mapping
 from scipy.io import loadmat
 
 from cutpoint.identification import Recording, aligned, derivative, low_passed, read_recording
-from cutpoint.identification.drives import SpringEstimate, two_encoders
+from cutpoint.identification.drives import SpringEstimate, TorqueReading, two_encoders
 
 PUBLISHED = (4.5778e6, 7.5189e6, 4.0999e6)
 """N m/rad, the authors' `para.c_rad_ode` of axes 1 to 3."""
@@ -54,7 +54,7 @@ def spring(run: str, axis: int) -> SpringEstimate:
         orders=(),
         laws=["linear"],
         hysteresis=False,
-        torque_unknowns={name: found[name] for name in ("viscous", "coulomb")},
+        reading=TorqueReading({name: found[name] for name in ("viscous", "coulomb")}),
     )
 
 

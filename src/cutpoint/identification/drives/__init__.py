@@ -1,5 +1,6 @@
 """Drives from measurements: springs, kinematic errors, hysteresis, rotors, motor friction, torque constants."""
 
+from cutpoint.identification.drives.deflections import TorqueReading
 from cutpoint.identification.drives.frequency_response import MotorResponse, ResponseFit, fit_response, motor_response
 from cutpoint.identification.drives.identify_drives import DriveEstimates, identify_drives
 from cutpoint.identification.drives.locked_output import LockedOutput, locked_output
@@ -17,6 +18,7 @@ __all__ = [
     "ResponseFit",
     "RotorEstimate",
     "SpringEstimate",
+    "TorqueReading",
     "TwoMasses",
     "fit_response",
     "identify_drives",

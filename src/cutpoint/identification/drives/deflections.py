@@ -1,6 +1,6 @@
 """A joint's deflection as it was measured, and one law's fit to it with all else that a deflection is made of."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 
 import numpy as np
@@ -14,14 +14,31 @@ Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True, eq=False)
+class TorqueReading:
+    """How a torque was read that is not known to the last: from the motor, say, or through a filter.
+
+    unknowns: of what is not known of it, by name, its derivatives (N,) by it: corrections to be found.
+    shared_noise: covariance of the noise in these derivatives with that in the torque, which it makes: of an inertia
+    the acceleration's noise is in both.  What that may hide of a value counts as uncertainty.
+    transmission: (N,), of a motor's torque, 1 - e'(theta), by which it was divided: the kinematic error found is that
+    of the encoders and of what the spring bears of the motor's torque.  None for the link's.
+    noise: RMS of the encoders', rad; what a fit leaves beyond that is the torque's.  By default all is the encoders'.
+    band: Hz, the cut-off of a filter through which angles and torque went; None if there was none.
+    """
+
+    unknowns: Mapping[str, Array] = field(default_factory=dict)
+    shared_noise: Mapping[str, float] = field(default_factory=dict)
+    transmission: Array | None = None
+    noise: float = np.inf
+    band: float | None = None
+
+
+@dataclass(frozen=True, eq=False)
 class Deflections:
     """A joint's measured channels, each (N,), without gaps: theta - q and theta in rad, torque in N m; period, s.
 
     resolution: rad at the joint's side.  cutoff: Hz, of what the deflection's rate and turning points are read from.
-    corrections: (N, m), derivatives of the torque by what is not known of it; shared_noise: (m,), the covariance of
-    noise in each with that in the torque, which it makes.  noise: RMS of the lead's own, rad.
-    band: Hz, of the filter that all of them went through; None if there was none.
-    transmission: (N,), 1 - e'(theta) by which a torque that was read from the motor was divided; None for the link's.
+    reading: of the torque, its channels as these.
     """
 
     lead: Array
@@ -31,11 +48,17 @@ class Deflections:
     ratio: float
     resolution: float
     cutoff: float
-    corrections: Array
-    shared_noise: Array
-    noise: float = np.inf
-    band: float | None = None
-    transmission: Array | None = None
+    reading: TorqueReading
+
+    @property
+    def corrections(self) -> Array:
+        """(N, m), derivatives of the torque by what is not known of it."""
+        return np.column_stack([np.empty((self.torque.size, 0)), *self.reading.unknowns.values()])
+
+    @property
+    def shared_noise(self) -> Array:
+        """(m,), the covariance of noise in each of these with that in the torque."""
+        return np.array([self.reading.shared_noise.get(name, 0.0) for name in self.reading.unknowns])
 
     def waves(self, orders: Sequence[int]) -> Array:
         """Sine and cosine (N, 2 k) of the motor's angle, k waves a turn, through the same filter as all else."""
@@ -46,15 +69,17 @@ class Deflections:
 
         Of a motor's torque the spring bears 1 / (1 - e'(theta)) times as much: waves wind it too.
         """
-        if self.transmission is None:
+        share = self.reading.transmission
+        if share is None:
             return np.zeros((self.theta.size, 2 * len(orders))), np.zeros_like(self.torque)
-        by_slope = self.torque / self.transmission
+        by_slope = self.torque / share
         found = by_slope[:, None] * self.ratio * wave_slopes(self.ratio * self.theta, orders)
-        return self._passed(found), self._passed(by_slope * (1.0 - self.transmission))
+        return self._passed(found), self._passed(by_slope * (1.0 - share))
 
     def _passed(self, values: Array) -> Array:
         """Through the filter that the channels went through, the ends as they are."""
-        return values if self.band is None else self.smooth(values, self.band)
+        band = self.reading.band
+        return values if band is None else self.smooth(values, band)
 
     def smooth(self, values: Array, cutoff: float | None = None) -> Array:
         """Low-passed, by default at `cutoff`, the ends as they are."""

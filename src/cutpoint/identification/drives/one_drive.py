@@ -8,6 +8,7 @@ from numpy.typing import NDArray
 
 from cutpoint.identification.conditioning.filtering import HIGHEST, low_pass_together, noise_cutoff
 from cutpoint.identification.drives.acceleration_noise import clear_acceleration, noise_density
+from cutpoint.identification.drives.deflections import TorqueReading
 from cutpoint.identification.drives.joint_torques import corrected, smoothing_of, torque_left, transmitted_share
 from cutpoint.identification.drives.link_friction import LinkFriction, clocks_differ, link_friction, remarks
 from cutpoint.identification.drives.rotor import RotorEstimate, motor_side
@@ -155,8 +156,9 @@ def _from_links(joint: Channels, ratio: float, resolution: float) -> tuple[Sprin
     known = two_encoders(theta, q, load, period, ratio, resolution=resolution, laws=SHAPE)
     # of a law that bends, all of a friction is too much to be told along its tangent
     freed = two_encoders(
-        theta, q, joint.link_torque, period, ratio, resolution=resolution, laws=["linear"], torque_unknowns=unknowns
-    )
+        theta, q, joint.link_torque, period, ratio,
+        resolution=resolution, laws=["linear"], reading=TorqueReading(unknowns),
+    )  # fmt: skip
     better = freed.prediction[freed.law] < BETTER * known.prediction[known.law]
     # a spring that is not seen explains any friction
     if not (better and _is_seen(freed)):
@@ -189,11 +191,11 @@ def _from_motor(
         channels = joint.theta, joint.q, left, *unknowns.values()
         theta, q, left, *columns = low_pass_together(channels, period, band)
         seen = _is_seen(spring)
+        found = dict(zip(unknowns, columns, strict=True)) if seen else {}
+        reading = TorqueReading(found, {"inertia": rotor["inertia"] * shaking**2}, share, noise, band)
         spring = two_encoders(
             theta, q, left, period, ratio,
-            resolution=resolution, laws=laws, noise=noise, band=band, transmission=share,
-            torque_unknowns=dict(zip(unknowns, columns, strict=True)) if seen else None,
-            shared_noise={"inertia": rotor["inertia"] * shaking**2}, stated=None if laws is SHAPE else stated,
+            resolution=resolution, laws=laws, reading=reading, stated=None if laws is SHAPE else stated,
         )  # fmt: skip
         before, rotor = rotor, corrected(rotor, spring) if seen else rotor
         if laws is not SHAPE:

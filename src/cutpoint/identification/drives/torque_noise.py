@@ -20,7 +20,7 @@ def without_attenuation(data: Deflections, fit: DeflectionFit) -> DeflectionFit:
     What is left beyond the deflection's own noise is the torque's: the best estimate of each torque then is off the
     measured one by that share of what is left there.  Deming (1943); Fuller (1987) section 1.3.
     """
-    share = 1.0 - data.noise**2 / max(float(np.mean(fit.residual**2)), np.finfo(float).tiny)
+    share = 1.0 - data.reading.noise**2 / max(float(np.mean(fit.residual**2)), np.finfo(float).tiny)
     for _ in range(ROUNDS if share > 0.0 else 0):
         fit = _softened(data, fit, data.torque + share * fit.tangent * fit.residual)
     return fit

@@ -1,6 +1,6 @@
 """A drive's spring, kinematic error and hysteresis from encoders on both of its sides and the torque that it exerts."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -10,7 +10,7 @@ from cutpoint.errors import InputError, unknown_name
 from cutpoint.identification.conditioning.filtering import HIGHEST, noise_cutoff
 from cutpoint.identification.drives.columns import amplitude_errors
 from cutpoint.identification.drives.deflection_fit import ELEMENTS, fit_deflections
-from cutpoint.identification.drives.deflections import DeflectionFit, Deflections
+from cutpoint.identification.drives.deflections import DeflectionFit, Deflections, TorqueReading
 from cutpoint.identification.drives.law_choice import block_errors, simplest
 from cutpoint.identification.drives.scatter import SIGNIFICANT, covariance
 from cutpoint.identification.drives.spring_estimate import FEWEST_TURNS, SpringEstimate, estimate_of
@@ -36,6 +36,9 @@ AS_STIFF = 0.03
 
 AS_STATED = "the curve that the files state predicts the deflection as well as any other, and is as stiff: it is kept"
 
+KNOWN = TorqueReading()
+"""Of a torque that is known."""
+
 OFFERED = (0, ELEMENTS // 2, ELEMENTS)
 """Elements of hysteresis: none or all, chosen as the law is; what fewer change counts as uncertainty."""
 
@@ -52,38 +55,27 @@ def two_encoders(
     laws: Sequence[str] = tuple(LAWS),
     hysteresis: bool = True,
     damping: bool = True,
-    torque_unknowns: Mapping[str, Array] | None = None,
-    shared_noise: Mapping[str, float] | None = None,
-    noise: float = np.inf,
-    band: float | None = None,
-    transmission: Array | None = None,
+    reading: TorqueReading = KNOWN,
     stated: Compliance | None = None,
 ) -> SpringEstimate:
     """A joint's spring and all that makes its encoders differ, from channels (N,) on one uniform time; NaN: not known.
 
     theta, q: of the encoders on motor (over ratio) and link, rad; joint_torque: what the drive exerts on the link, N m.
-    Give all three as sampled, or all through one low-pass filter, whose cut-off is band, Hz.
+    Give all three as sampled, or all through one low-pass filter, whose cut-off the reading states.
     period: s.  ratio: motor turns per joint turn.  resolution: of both encoders together, rad at the joint's side; by
     default the smallest steps that the samples show.  orders: of the kinematic error, waves a turn of the motor; by
     default those up to 8 that stand out.  laws: spring laws to choose from by cross-validation; one with more constants
     must predict what it was not fitted to better by 1.5 standard errors of the difference, and by 2 % of the squares,
     and each of its stiffnesses must be more than 4 of its standard deviations.
     Elements of hysteresis start without strain at the first sample.
-    torque_unknowns: of what is not known of the torque, by name, its derivatives (N,) by it: corrections to be found.
-    shared_noise: covariance of the noise in these derivatives with that in the torque, which it makes: of an inertia
-    the acceleration's noise is in both.  What that may hide of a value counts as uncertainty.
-    transmission: of a torque that was read from the motor, 1 - e'(theta), by which it was divided: the kinematic error
-    found is that of the encoders and of what the spring bears of the motor's torque.
-    noise: RMS of the encoders', rad; what a fit leaves beyond that is the torque's.  By default all is the encoders'.
+    reading: how the torque was read, and what is not known of it.
     stated: the spring of a file.  If it is of another law than the best, predicts as well and is as stiff, it counts:
     then "stiffness" is not told.
 
     Raises:
         InputError: shapes, an unknown law, too few samples, or channels that do not move.
     """
-    unknowns, shared = dict(torque_unknowns or {}), dict(shared_noise or {})
-    shares = np.array([shared.get(name, 0.0) for name in unknowns])
-    data = _deflections(theta, q, joint_torque, period, ratio, resolution, unknowns, shares, noise, band, transmission)
+    data = _deflections(theta, q, joint_torque, period, ratio, resolution, reading)
     turns = abs(ratio) * float(np.ptp(data.theta)) / (2.0 * np.pi)
     tried = orders if orders is not None else range(1, HIGHEST_ORDER + 1) if turns >= FEWEST_TURNS else ()
     offered = OFFERED if hysteresis else (0,)
@@ -91,7 +83,7 @@ def two_encoders(
     kept = orders if orders is not None else _standing_out(best, tried, data.resolution)
     rivals = fit_deflections(data, best.law, kept, offered, damping)
     found = estimate_of(
-        data, rivals, tuple(kept), tuple(unknowns), turns, prediction, hysteresis=hysteresis, damping=damping
+        data, rivals, tuple(kept), tuple(reading.unknowns), turns, prediction, hysteresis=hysteresis, damping=damping
     )
     is_another = stated is not None and type(stated) is not type(found.compliance)
     if is_another and _is_as_good(data, as_stated(stated), rivals[offered[-1]], kept, offered[-1], damping):
@@ -106,15 +98,12 @@ def _deflections(
     period: float,
     ratio: float,
     resolution: float | None,
-    unknowns: Mapping[str, Array],
-    shared_noise: Array,
-    noise: float,
-    band: float | None,
-    transmission: Array | None,
+    reading: TorqueReading,
 ) -> Deflections:
     """The channels of `two_encoders` at the samples at which all are known."""
-    shares = [] if transmission is None else [transmission]
-    angle, link, load, *others = _known(theta, q, joint_torque, *unknowns.values(), *shares)
+    unknowns, share = reading.unknowns, reading.transmission
+    angle, link, load, *own = _known(theta, q, joint_torque, *unknowns.values(), *([] if share is None else [share]))
+    known = dict(zip(unknowns, own, strict=False))
     return Deflections(
         angle - link,
         angle,
@@ -123,11 +112,7 @@ def _deflections(
         ratio,
         _resolution(angle, link, resolution),
         cutoff=min(WIDER * noise_cutoff(angle - link, period, otherwise=HIGHEST / period), HIGHEST / period),
-        corrections=np.column_stack([np.empty((load.size, 0)), *others[: len(unknowns)]]),
-        shared_noise=shared_noise,
-        noise=noise,
-        band=band,
-        transmission=others[-1] if shares else None,
+        reading=replace(reading, unknowns=known, transmission=None if share is None else own[-1]),
     )
 
 
