@@ -1,6 +1,7 @@
 """The comparison of control laws: equal stiffness, worst of the runs, refusals told, and a report that reloads."""
 
 import json
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -133,6 +134,35 @@ def test_a_move_comes_back_and_its_derivatives_are_those_of_its_positions():
         np.testing.assert_allclose((ahead - behind)[:-1] / (2 * step), move.derivatives(t)[1:], atol=1e-6 * scale)
 
 
+def limited(arm: cutpoint.Robot, *limits: tuple[float, float], effort: float = np.inf) -> cutpoint.Robot:
+    """Joints within these limits that their drives state, in order."""
+    bounds = (cutpoint.Limits(lower, upper, effort=effort) for lower, upper in limits)
+    return arm.with_drives({k: replace(d, limits=x) for (k, d), x in zip(arm.drives.items(), bounds, strict=True)})
+
+
+def papers_arm_without_its_last_joint() -> cutpoint.Robot:
+    return cutpoint.load(cutpoint.robots.XIA2019_URDF, cutpoint.robots.XIA2019_DRIVES, lock={"joint6": 0.0})
+
+
+def test_a_move_stays_within_the_limits_of_drives_and_joints_of_which_one_may_be_open():
+    limits = [(-0.1, 0.3), (4.0, np.inf), (-np.inf, -4.0), (-10.0, np.inf), (-np.inf, np.inf)]
+    bench = bench_of(limited(papers_arm_without_its_last_joint(), *limits))
+    middle, half = bench.home, np.abs(bench.goal - bench.home)
+    np.testing.assert_allclose(middle, [0.1, 4 + np.pi, -4 - np.pi, 0, 0], atol=1e-15)
+    np.testing.assert_allclose(half, [0.1, 1, 1, 1, 1])
+    places = bench.move(1.0)(np.linspace(0, 2, 41)).q
+    for q, (lower, upper) in zip(places.T, limits, strict=True):
+        assert (q >= lower).all() and (q <= upper).all()
+
+
+def test_gears_that_may_not_repeat_what_their_joints_need_are_told(tmp_path):
+    strong = limited(papers_arm_without_its_last_joint(), *[(-1, 1)] * 5, effort=2000.0)
+    for arm, told in ((ARM, ""), (strong, ", and may not repeat what is needed at joint1, joint2, joint3,")):
+        run(tmp_path, bench_of(arm), laws=(), scenarios=("fast",), progress=False)
+        text = (tmp_path / "index.html").read_text(encoding="utf-8")
+        assert f"Gears of the whole drives are of the catalogue{told or ';'}" in text
+
+
 def test_pandas_drives_may_repeat_what_its_joints_may():
     arm = panda()
     bench = bench_of(arm)
@@ -146,7 +176,8 @@ def test_pandas_drives_may_repeat_what_its_joints_may():
 @pytest.mark.parametrize(
     ("wrong", "message"),
     [
-        (lambda: bench_of(ARM, payload=-1.0), r"payload -1.0 kg must be positive"),
+        (lambda: bench_of(ARM, payload=-1.0), r"compare: payload -1.0 kg must be positive"),
+        (lambda: bench_of(ARM, payload="x"), r"compare: payload must be one number, kg, got 'x'"),
         (lambda: bench_of(ARM, control_period=-1e-3), r"compare: control_period -0.001 s must be positive"),
         (lambda: bench_of(ARM, bandwidth=0.0), r"compare: bandwidth 0.0 Hz must be positive"),
         (lambda: bench_of(ARM, frame="nose"), r"no frame is named 'nose'"),

@@ -8,14 +8,15 @@ import numpy as np
 from cutpoint.door import positive
 from cutpoint.errors import InputError, unknown_name
 from cutpoint.formats.catalogue import catalogue_drive
+from cutpoint.model.limits import limits_in_force
 from cutpoint.robot import Robot
+from cutpoint.robots import xia2019
 from cutpoint.studies.chain import Array
 from cutpoint.studies.compare.there_and_back import ThereAndBack
 from cutpoint.studies.paper.effects_drives import GEARS
 from cutpoint.studies.paper.printed import GOAL
+from cutpoint.studies.sizing.margins import travel_of
 from cutpoint.trajectories import Trajectory, cycloid
-
-PAPERS_ARM = "xia2019"
 
 USUAL, SLOW, FAST = 3.0, 10.0, 1.0
 """Time of a move from home to goal, s, and as much back."""
@@ -46,7 +47,7 @@ class Bench:
 
     def move(self, duration: float) -> Trajectory:
         """From home to goal and back, `duration` s each way."""
-        return ThereAndBack(2 * duration, cycloid(self.goal, duration, self.home))
+        return ThereAndBack(cycloid(self.goal, duration, self.home))
 
     def loaded(self, share: float) -> Robot:
         """The arm with this share of the rated payload in its hand."""
@@ -64,8 +65,8 @@ def bench_of(
 ) -> Bench:
     """A bench for any arm of turning joints with elastic drives.
 
-    The paper's arm makes the paper's move; others go from the middle of their joints' ranges (0 where there is none) by
-    STROKE rad, at most SHARE of the range, every second joint backwards.
+    The paper's arm, with all its joints, makes the paper's move; others go from the middle of their joints' travel, see
+    `travel_of`, by STROKE rad, at most SHARE of the travel, every second joint backwards.
     payload: rated, kg; 2 for the paper's arm and 3 for others.  frame: what it hangs on; by default the last whose name
     has "tool" or "tcp" in it, or the last of all.
 
@@ -76,10 +77,9 @@ def bench_of(
     _check(robot)
     bandwidth = positive("compare", "bandwidth", bandwidth, "Hz")
     control_period = positive("compare", "control_period", control_period, "s")
-    mine = robot.name == PAPERS_ARM
-    payload = (2.0 if mine else 3.0) if payload is None else float(payload)
-    if not (np.isfinite(payload) and payload > 0):
-        raise InputError(f"compare: payload {payload} kg must be positive", payload=payload)
+    papers = xia2019()
+    mine = (robot.name, robot.joints) == (papers.name, papers.joints)
+    payload = positive("compare", "payload", (2.0 if mine else 3.0) if payload is None else payload, "kg")
     if frame is not None and frame not in robot.frames:
         raise unknown_name("frame", frame, robot.frames)
     home, goal = (np.zeros(6), np.array(GOAL)) if mine else _ends(robot)
@@ -105,27 +105,34 @@ def _hand(robot: Robot) -> str:
 
 
 def _ends(robot: Robot) -> tuple[Array, Array]:
-    limits = {body.joint.name: body.joint.limits for body in robot.mechanism.bodies}
-    lower, upper = np.array([[limits[name].lower, limits[name].upper] for name in robot.joints]).T
-    bounded = np.isfinite(lower) & np.isfinite(upper)
-    lower, upper = np.where(bounded, (lower, upper), [[-np.pi], [np.pi]])
-    home, stroke = (lower + upper) / 2, np.minimum(STROKE, SHARE * (upper - lower))
-    return home, home + stroke * (-1.0) ** np.arange(len(home))
+    limits = limits_in_force(robot.mechanism, robot.drives).values()
+    # nothing is known of where it works: a joint without one of its limits goes about 0, if the other leaves it that
+    home, half = np.array([travel_of(each, np.zeros(1)) for each in limits]).T
+    return home, home + np.minimum(STROKE, SHARE * 2 * half) * (-1.0) ** np.arange(len(home))
 
 
 def gears_for(robot: Robot, home: Array, goal: Array) -> tuple[str, ...]:
-    """For each drive the smallest gear that may repeat its joint's effort limit, or the torque of a fast move."""
-    sizes = {name: catalogue_drive(name).ratings for name in CSG}
-    peaks = {name: x.repeated_peak_torque or 0.0 for name, x in sizes.items() if x is not None}
-    needed = _needed(robot, home, goal)
-    fitting = [[name for name, peak in peaks.items() if peak >= torque] for torque in needed]
+    """For each drive the smallest gear that may repeat its joint's effort limit, or the torque of a fast move; the
+    largest where none may."""
+    fitting = [[name for name in CSG if _peak(name) >= torque] for torque in _needed(robot, home, goal)]
     return tuple(names[0] if names else CSG[-1] for names in fitting)
+
+
+def overtaxed(bench: Bench) -> tuple[str, ...]:
+    """Joints that may need more than their gears may repeat."""
+    needed = zip(bench.robot.joints, bench.gears, _needed(bench.robot, bench.home, bench.goal), strict=True)
+    return tuple(joint for joint, gear, torque in needed if _peak(gear) < torque)
+
+
+def _peak(gear: str) -> float:
+    """N m, that it may repeat."""
+    ratings = catalogue_drive(gear).ratings
+    return ratings.repeated_peak_torque or 0.0 if ratings else 0.0
 
 
 def _needed(robot: Robot, home: Array, goal: Array) -> Any:
     """N m, each joint."""
     move = cycloid(goal, FAST, home)(np.linspace(0, FAST, 101))
     torque = np.abs(robot.inverse_dynamics(move.q, move.v, move.a)).max(axis=0)
-    limits = {body.joint.name: body.joint.limits for body in robot.mechanism.bodies}
-    effort = np.array([limits[name].effort or np.inf for name in robot.joints])
+    effort = np.array([limits.effort for limits in limits_in_force(robot.mechanism, robot.drives).values()])
     return np.where(np.isfinite(effort), effort, torque)

@@ -109,5 +109,5 @@ def _share(bench: Bench, contender: Contender, bandwidth: float, pd: Array) -> f
 
 
 def _mean(shares: Array) -> float:
-    """Geometric; zero if one is not positive."""
+    """Geometric; next to none if one is not positive, for logarithms to be finite."""
     return float(np.exp(np.mean(np.log(shares)))) if (shares > 0).all() else 1e-12

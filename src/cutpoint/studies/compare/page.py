@@ -6,9 +6,8 @@ import numpy as np
 
 from cutpoint.model.limits import efforts_in_force
 from cutpoint.reporting.page import Page, Picture, listed
-from cutpoint.robot import Robot
 from cutpoint.studies.compare import figures
-from cutpoint.studies.compare.bench import FAST, USUAL, Bench
+from cutpoint.studies.compare.bench import FAST, USUAL, Bench, overtaxed
 from cutpoint.studies.compare.contenders import NATURAL_RATE, RATE, WHOLE_RATE
 from cutpoint.studies.compare.findings import findings
 from cutpoint.studies.compare.results import Results
@@ -51,7 +50,7 @@ def _errors(bench: Bench, results: Results, seeds: int) -> Page:
         if results.outcomes
         else ()
     )
-    blocks = (stood, _sizes(bench.robot), *findings(results), *pictures, *error_tables(results))
+    blocks = (stood, _sizes(bench), *findings(results), *pictures, *error_tables(results))
     return Page("errors", "Errors by law and scenario", blocks, {"comparison": numbers(results)})
 
 
@@ -80,16 +79,18 @@ def _scenarios(results: Results, seeds: int) -> str:
     )
 
 
-def _sizes(robot: Robot) -> str:
-    limits = efforts_in_force(robot.mechanism, robot.drives)
+def _sizes(bench: Bench) -> str:
+    limits = efforts_in_force(bench.robot.mechanism, bench.robot.drives)
     bounds = (
         f"Torques are limited to {listed(limits, 0)} N m" if np.isfinite(limits).all() else "Not all limits are stated"
     )
     bounds = bounds if np.isfinite(limits).any() else "The robot states no limits of torques"
+    few = overtaxed(bench)
+    small = f", and may not repeat what is needed at {', '.join(few)}" if few else ""
     return (
         f"Encoders have {TURN / LINK_STEP:.0f} steps a turn at the link and {TURN / MOTOR_STEP:.0f} at the motor, and "
-        f"noise of {NOISE:g} rad, at the joint's side. Gears of the whole drives are of the catalogue; kinematic "
-        f"error, ripple and cogging stand at phases of chance. The fast move takes {FAST:g} s. {bounds}."
+        f"noise of {NOISE:g} rad, at the joint's side. Gears of the whole drives are of the catalogue{small}; "
+        f"kinematic error, ripple and cogging stand at phases of chance. The fast move takes {FAST:g} s. {bounds}."
     )
 
 

@@ -1,6 +1,6 @@
 """A move and its reverse."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 
@@ -10,9 +10,13 @@ from cutpoint.trajectories import Trajectory
 
 @dataclass(frozen=True, eq=False)
 class ThereAndBack(Trajectory):
-    """`way`, and the same way back in the same time; duration is twice the way's, s."""
+    """`way`, and the same way back in the same time."""
 
+    duration: float = field(init=False)
     way: Trajectory
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "duration", 2 * self.way.duration)
 
     @property
     def size(self) -> int:
