@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from cutpoint import InputError, LinearSpring, Log, Robot, Sensors, State, simulate
+from cutpoint import Coulomb, InputError, LinearSpring, Log, Robot, Sensors, State, simulate
 from cutpoint.control import PD, VDC, tune
 from cutpoint.trajectories import cycloid
 from robot_library import Array, frictionless, robot
@@ -46,6 +46,24 @@ def test_in_continuous_time_every_subsystem_keeps_its_inequality(kind, body_gain
     assert (found.storage >= 0).all()
     assert (found.dissipation >= 0).all()
     assert (np.diff(found.storage.sum(axis=1)) < 0).all()
+
+
+def slack(**changes: Any) -> float:
+    """The largest of an arm whose drives are so, as a share of its power."""
+    bent = arm("elastic")
+    bent = bent.with_drives({name: replace(drive, **changes) for name, drive in bent.drives.items()})
+    q = np.full(6, 2e-3)
+    start = State(q=q, theta=q + bent.static_deflection(q), v=np.zeros(6), theta_dot=np.zeros(6))
+    law = tune(bent, 4.0, VDC)
+    found = simulate(bent, law, MOVE, 0.03, initial=start, control_period=1e-4, hold=False).certificate()
+    return np.abs(found.slack).max() / (np.abs(found.inflow).max() + np.abs(found.dissipation).max())
+
+
+def test_damping_friction_of_links_and_friction_that_grows_with_load_show_and_friction_of_motors_does_not():
+    rubs = Coulomb(0.3, 5.0, smoothing=0.1)
+    assert slack(motor_friction=rubs) < 1e-6
+    for changes in ({"damping": 4.0}, {"link_friction": rubs}, {"motor_friction": replace(rubs, per_load=0.2)}):
+        assert slack(**changes) > 1e-3
 
 
 def test_finer_samples_bring_the_slack_of_continuous_control_to_zero():
@@ -90,6 +108,9 @@ def test_the_certificate_prints_every_subsystem_and_what_it_does_not_say():
 def test_there_is_no_certificate_where_it_would_say_nothing(tmp_path):
     log = run("elastic", PD([2e3] * 6, [60.0] * 6))
     with pytest.raises(InputError, match=r"certificate: only a VDC .* has one; this run is of PD"):
+        log.certificate()
+    log = run("elastic", tune(arm("elastic"), 4.0, VDC, derivatives="filter"))
+    with pytest.raises(InputError, match=r"this run is of VDC with derivatives='filter'"):
         log.certificate()
     run("elastic", law("elastic")).save(tmp_path / "run.npz")
     with pytest.raises(InputError, match=r"certificate: a log that was not simulated here does not know its robot"):

@@ -80,6 +80,14 @@ def test_a_rigid_drive_is_not_read():
     assert (bound.total[:, [0, 1, 3, 4, 5]] > 0).all()
 
 
+@pytest.mark.parametrize("shape", [(6,), (3, 6), (2, 3, 6), (0, 6)])
+def test_the_largest_part_is_told_for_readings_of_any_shape_and_is_none_where_nothing_is_off(shape):
+    arm, at = robot("xia2019").with_drives({"joint3": cutpoint.Drive()}), np.zeros(shape)
+    off = torque_bound(arm, at, at, Sensors(link_resolution=1e-5, link_noise=1e-5)).largest_part
+    assert off == (["noise", "noise", "none", *["noise"] * 3] if at.size else ["none"] * 6)
+    assert torque_bound(arm, at, at, Sensors()).largest_part == ["none"] * 6
+
+
 AT = np.zeros((3, 6))
 
 
@@ -97,6 +105,7 @@ AT = np.zeros((3, 6))
         ({"winding_speed": np.inf}, r"winding_speed\[0\] is inf"),
         ({"winding_speed": "fast"}, r"winding_speed must be numbers"),
         ({"sensors": None}, r"sensors must be Sensors, such as cutpoint.Sensors\(link_resolution=1e-5\), got None"),
+        ({"sensors": Sensors(sides="motor")}, r"torque_bound: sensors.sides is 'motor'; a torque is read from .* both"),
         ({"sensors": Sensors(motor_noise=[1e-5] * 5)}, r"motor_noise .* one number, or one for each of 6 drives"),
     ],
 )

@@ -1,9 +1,11 @@
 """The power-flow certificate of virtual decomposition control.  Zhu (2010) sections 2.9 and 2.10, chapter 3.
 
 Every subsystem i has a storage nu_i >= 0 of the errors of its speeds, V_r - V, and of its spring's deflection.  In
-continuous time, with exact state, a true model and linear springs, nu_i' = flow in - dissipation, where flows are
-those of virtual power, (V_r - V)^T (F_r - F), across its cuts; what one subsystem gives another one gets, so all of
-them together can only lose.  A log is finite and sampled: what it shows is how far each subsystem is from that.
+continuous time, with exact state and a true model, nu_i' = flow in - dissipation, where flows are those of virtual
+power, (V_r - V)^T (F_r - F), across its cuts; what one subsystem gives another one gets, so all of them together can
+only lose.  Of joints that bend that holds for linear springs without damping, links without friction and motors whose
+friction does not grow with load: the law leaves out how fast those change.  A log is finite and sampled, too: what it
+shows is how far each subsystem is from that.
 """
 
 from dataclasses import dataclass
@@ -69,8 +71,9 @@ def certificate(log: Log) -> Certificate:
     robot, law, reference, _ = log.run
     if type(law) is not VDC or leaves(law.start()):
         name = type(law).__name__
+        found = f"{name} with derivatives={law.derivatives!r}" if type(law) is VDC else name
         raise InputError(
-            f"certificate: only a VDC with derivatives='model', by itself, has one; this run is of {name}", law=name
+            f"certificate: only a VDC with derivatives='model', by itself, has one; this run is of {found}", law=name
         )
     for name, drive in robot.drives.items():
         if drive.hysteresis or drive.motor:

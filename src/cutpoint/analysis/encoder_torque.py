@@ -38,9 +38,10 @@ class TorqueBound:
 
     @property
     def largest_part(self) -> list[str]:
-        """For each drive the part that limits its reading most, on average."""
-        parts = {name: np.atleast_2d(part).mean(axis=0) for name, part in vars(self).items()}
-        return [max(parts, key=lambda name: parts[name][k]) for k in range(self.total.shape[-1])]
+        """For each drive the part that limits its reading most, on average; "none" where nothing does."""
+        parts = {"none": np.zeros(self.total.shape), **vars(self)}
+        sums = {name: part.reshape(-1, *part.shape[-1:]).sum(axis=0) for name, part in parts.items()}
+        return [max(sums, key=lambda name: sums[name][k]) for k in range(self.total.shape[-1])]
 
 
 def torque_bound(
@@ -66,7 +67,8 @@ def torque_bound(
             hysteresis is strained further than the deflection has come so far.
 
     Raises:
-        InputError: a joint with several coordinates, what is not finite, or shapes that do not fit.
+        InputError: a joint with several coordinates, what is not finite, shapes that do not fit, or sensors on one side
+            alone.
     """
     check_robot("torque_bound", robot)
     speed = winding_speed if np.ndim(winding_speed) else np.full(len(robot.drives), winding_speed)
@@ -74,6 +76,9 @@ def torque_bound(
     if record:
         _check_motion("torque_bound", theta)
     check_kind("torque_bound", "sensors", sensors, Sensors, "Sensors, such as cutpoint.Sensors(link_resolution=1e-5)")
+    if sensors.sides != "both":
+        rule = "a torque is read from encoders on both sides of a drive"
+        raise InputError(f"torque_bound: sensors.sides is {sensors.sides!r}; {rule}", sides=sensors.sides)
     drives = [*robot.drives.values()]
     steps, sigmas = (_of_both(sensors, what, len(drives)) for what in ("resolution", "noise"))
     parts = [np.zeros(theta.shape) for _ in range(4)]

@@ -11,7 +11,7 @@ from cutpoint.mechanics.elastic_forward import elastic_forward_dynamics
 from cutpoint.mechanics.harmonic_drive import DriveState, deflection, friction_torque
 from cutpoint.mechanics.inverse_dynamics import bear, joint_efforts, motions, net_wrenches, pull, required_motions
 from cutpoint.mechanics.rigid_body import kinetic_energy
-from cutpoint.mechanics.spatial import Wrench
+from cutpoint.mechanics.spatial import NO_WRENCH, Wrench
 from cutpoint.model.drive import Drive
 from cutpoint.scalars import Scalar
 
@@ -87,5 +87,4 @@ def _friction_excess(law: Any, wanted: Scalar, speed: Scalar) -> Scalar:
 
 def _pull(segment: Any, K: Any, required: Any, actual: Any) -> Wrench:
     """K (V_r - V) of a body; nothing where it has no K."""
-    gain = [[0] * 6] * 6 if K is None else K
-    return pull(segment, gain, required.V, actual.V)
+    return NO_WRENCH if K is None else pull(segment, K, required.V, actual.V)
