@@ -25,6 +25,7 @@ from cutpoint.trajectories import Trajectory, cycloid
 from robot_library import assert_close, robot
 
 VISCOUS, RATIO = 3.0, -80.0
+PAPERS = robot("xia2019")
 RATINGS = Ratings(
     rated_torque=7.8, average_torque=11.0, repeated_peak_torque=28.0, momentary_peak_torque=54.0,
     rated_speed=209.4, average_speed=366.5, maximum_speed=890.1, life=7000.0,
@@ -131,6 +132,39 @@ def test_peaks_are_permitted_as_often_as_their_turns_allow():
     assert duty.permitted_peaks(span, torque, speed, 200.0) is None
     assert duty.permitted_peaks(span, torque, 0 * speed, 100.0) == np.inf
     assert_close(duty.permitted_peaks(span, torque, speed, 0.0), 1e4 / (2 * 1680 / 60 * 3.2))
+
+
+def test_a_stay_above_the_repeated_peak_that_goes_on_over_the_end_of_the_cycle_is_one():
+    span, speed, torque = np.ones(10), np.full(10, 10.0), np.where((np.arange(10) > 3) & (np.arange(10) < 8), 9.0, 1.0)
+    within = duty.permitted_peaks(span, torque, speed, 5.0)
+    for shift in range(10):
+        assert_close(duty.permitted_peaks(span, np.roll(torque, shift), speed, 5.0), within)
+
+
+class GoesOn:
+    """A motion of the user's own, which does not say what comes after its end: here it goes on."""
+
+    duration, size = 1.0, 1
+
+    def derivatives(self, t: Any, order: int) -> Any:
+        return Polynomial(9.0, speed=4.0).derivatives(t, order)
+
+
+def test_a_pause_stands_still_whatever_a_trajectory_says_of_the_time_after_its_end():
+    found = sizing(brake(), GoesOn(), dwell=1.0)
+    asked = found.drives["spin"].demand
+    assert_close([asked.mean_motor_speed, asked.output_torque_rms], [160.0, 12.0 * np.sqrt(0.5)])
+    assert_close(found.load.position[-2:, 0], [4.0, 4.0])
+
+
+@pytest.mark.parametrize("coupling", ["reduced", "full"])
+def test_a_rigid_drive_is_one_of_endless_stiffness(coupling: Any):
+    def demanded(spring: cutpoint.LinearSpring | None) -> list[float]:
+        drives = {name: Drive(100.0, cutpoint.Rotor(1.14e-5, coupling=coupling), spring) for name in PAPERS.joints}
+        found = sizing(PAPERS.with_drives(drives), PAPER_MOTION).drives.values()
+        return [x for drive in found for x in (drive.demand.output_torque_rms, drive.demand.motor_torque_rms)]
+
+    assert_close(demanded(None), demanded(cutpoint.LinearSpring(1e12)), 1e-7)
 
 
 @pytest.mark.parametrize("name", ["mixed", "flexspline", "friction", "rigid", "panda_coupled", "ur10"])

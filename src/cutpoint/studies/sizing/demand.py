@@ -26,8 +26,8 @@ class Demand:
 
     At the joint's side, N m and rad/s (N, m/s): output_torque and its rms, what the gear exerts on its link; its
     average_torque, T_av; joint_speed.  position: where the joint is farthest from the middle of its travel, rad (m).
-    At the motor's shaft: motor_torque and its rms, N m; motor_speed and its mean, rad/s; power, W.  current and its
-    rms, A; voltage, V; heat: mean loss in the winding, W.
+    Of the motor: motor_torque and its rms, what the current makes, N m at the shaft; motor_speed and its mean, rad/s;
+    power, torque by speed, W; current and its rms, A; voltage, V; heat: mean loss in the winding, W.
     """
 
     output_torque: Peak

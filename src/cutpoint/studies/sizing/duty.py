@@ -57,13 +57,15 @@ def life(rated: tuple[float, float, float], torque: float, speed: float) -> floa
 def permitted_peaks(duration: Array, torque: Array, speed: Array, allowed: float) -> float | None:
     """How often the longest stay above `allowed`, the repeated peak torque, may occur; None if there is none.
 
+    The cycle is repeated: a stay may go on over its end.
     N = 10^4 / (2 turns of the wave generator in it), as harmonic-drive-selector (harmonic_designer.py) transcribes the
     makers' selection procedure; speed in rad/s.
     """
     above = np.abs(torque) > allowed
     if not above.any():
         return None
-    turns = duration * np.abs(speed) / (2 * np.pi)
+    # from where it is not above, if it ever is
+    turns, above = (np.roll(x, -int(np.argmin(above))) for x in (duration * np.abs(speed) / (2 * np.pi), above))
     starts = np.flatnonzero(above & ~np.r_[False, above[:-1]])
     longest = max(_until_below(turns[k:], above[k:]) for k in starts)
     return MOST_PEAKS / (2 * longest) if longest > 0 else np.inf

@@ -6,6 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cutpoint.errors import InputError
+from cutpoint.mechanics.inverse_dynamics import motions, rotor_efforts
 from cutpoint.mechanics.kinematic_error import KinematicError
 from cutpoint.mechanics.motor import torque_for
 from cutpoint.model import Drive
@@ -31,8 +32,8 @@ class Load(NamedTuple):
     """Samples of a motion with its pause: time (N,), s; the others (N, drives), nan where a drive does not tell.
 
     position and joint_speed: of the joints, rad and rad/s (m, m/s).  output_torque: what the gear exerts on its link,
-    link friction overcome, N m (N).  motor_torque, motor_speed: of the shaft, N m and rad/s.  current (A) and voltage
-    (V) of the motor; power: what it does at its shaft, W.
+    link friction overcome, N m (N).  motor_torque: what the current makes, ripple and cogging overcome, N m at the
+    shaft.  motor_speed: of the shaft, rad/s.  current (A) and voltage (V) of the motor; power: torque by speed, W.
     """
 
     time: Array
@@ -56,33 +57,50 @@ def sampled(robot: Robot, trajectory: Trajectory, period: float, dwell: float) -
     if count > MOST:
         rule = f"at most {MOST:,} samples are taken: give a longer period"
         raise InputError(f"sizing: {end:g} s in steps of {period:g} s are too many; {rule}", period=period)
-    load = load_of(robot, trajectory, np.linspace(0.0, end, count + 1))
+    load = _moving(robot, trajectory, np.linspace(0.0, end, count + 1))
     waves = int(np.ceil(A_WAVE * end * _highest_frequency(robot, load)))
     if waves > count:
         count = min(waves, MOST)
-        load = load_of(robot, trajectory, np.linspace(0.0, end, count + 1))
+        load = _moving(robot, trajectory, np.linspace(0.0, end, count + 1))
     crests = np.unique(np.concatenate([_crests(column) for x in load[1:] for column in x.T]))
     near = load.time[crests][:, None] + np.linspace(-end / count, end / count, AROUND + 1)
     times = np.unique(np.r_[load.time, np.clip(near, 0.0, end).ravel()])
-    # a trajectory holds its last position after its end
-    pause = [np.nextafter(end, np.inf), end + dwell] if dwell > 0 else []
-    return load_of(robot, trajectory, np.r_[times, pause])
+    moving = _moving(robot, trajectory, times)
+    if not dwell:
+        return moving
+    still = np.zeros((5, 2, moving.position.shape[1]))
+    still[0] = moving.position[-1]
+    pause = load_of(robot, np.array([np.nextafter(end, np.inf), end + dwell]), still)
+    return Load(*map(np.concatenate, zip(moving, pause, strict=True)))
 
 
-def load_of(robot: Robot, trajectory: Trajectory, times: Array) -> Load:
-    """The load at times (N,); friction as in steady sliding, full rotor coupling as `quasi_rigid` says."""
-    q, v, a, jerk, snap = trajectory.derivatives(times, 4)
+def _moving(robot: Robot, trajectory: Trajectory, times: Array) -> Load:
+    return load_of(robot, times, trajectory.derivatives(times, 4))
+
+
+def load_of(robot: Robot, times: Array, motion: Array) -> Load:
+    """The load at times (N,); friction as in steady sliding, full rotor coupling as `quasi_rigid` says.
+
+    motion: (5, N, drives), positions and four derivatives.
+    """
+    q, v, a, jerk, snap = motion
     u = robot.elastic_inverse_dynamics(q, v, a, jerk, snap, quasi_rigid=True)
     drives = [*robot.drives.values()]
-    # a rigid drive's joint torque moves its own rotor, too, and that part does not pass through the gear
-    armature = np.array([0.0 if drive.is_elastic else drive.reflected_inertia for drive in drives])
     ratio, constant, resistance = np.array([_motor(drive) for drive in drives]).T
     electric = [torque_for(d, u.motor_torque[:, k], u.theta[:, k]) for k, d in enumerate(drives)]
     torque, speed = np.stack(electric, axis=1) / ratio, u.theta_dot * ratio
     current = torque / constant
-    output = u.joint_torque + robot.friction_torques(v) - armature * a
+    output = u.joint_torque + robot.friction_torques(v) - _of_rotors(robot, q, v, a)
     voltage = resistance * current + constant * speed
     return Load(times, q, v, output, torque, speed, current, voltage, torque * speed)
+
+
+def _of_rotors(robot: Robot, q: Array, v: Array, a: Array) -> Array:
+    """What of rigid drives' joint torques moves their own rotors, and does not pass through the gear, (N, drives)."""
+    if all(drive.is_elastic for drive in robot.drives.values()):
+        return np.zeros(a.shape)
+    system, (q, v, a) = robot.machine.system, ([*x.T] for x in (q, v, a))
+    return np.stack(np.broadcast_arrays(*rotor_efforts(system, motions(system, q, v, a), a)), axis=1)
 
 
 def _motor(drive: Drive) -> tuple[float, float, float]:
