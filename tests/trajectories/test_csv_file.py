@@ -6,10 +6,10 @@ import numpy as np
 import pytest
 
 from cutpoint.errors import InputError
-from cutpoint.trajectories import csv_file, from_csv, from_samples
+from cutpoint.trajectories import csv_file, cycloid, from_csv, from_samples
 
 TIMES = np.linspace(0.0, 2.0, 101)
-POSITIONS = np.stack([np.sin(TIMES), np.cos(TIMES), TIMES**2], axis=1)
+POSITIONS = cycloid([1.0, -0.5, 0.3], 2.0, [0.0, 1.0, 0.1])(TIMES).q
 
 
 def written(folder: Path, header: str, data: np.ndarray = POSITIONS, encoding: str = "utf-8") -> Path:
@@ -80,7 +80,12 @@ GOOD = "0,1\n1,2\n2,3\n3,4\n"
         ("", r"first line '' must name the columns, as in 't, shoulder, elbow' \(.*motion.csv:1\)"),
         (GOOD, r"first line '0, 1' must name the columns"),
         ("elbow,t\n" + GOOD, r"first line 'elbow, t' must name the columns"),
-        ("x,elb\x1b[31mow\x9b\n", r"first line 'x, elb\\x1b\[31mow\\x9b' must name the columns"),
+        ("x,elb\x1bow\x9b\n", r"first line 'x, elb\\x1bow\\x9b' must name the columns"),
+        ("t,elb\x1b[31mow\n", r"column 'elb\\x1b\[31mow' must be a name, or one and its unit, as in 'elbow \[deg\]'"),
+        ("t [s,elbow\n" + GOOD, r"column 't \[s' must be a name, or one and its unit, .* \(.*motion.csv:1\)"),
+        ("t,elbow [deg\n" + GOOD, r"column 'elbow \[deg' must be a name"),
+        ("t,elbow deg]\n" + GOOD, r"column 'elbow deg\]' must be a name"),
+        ("t,elbow [deg] x\n" + GOOD, r"column 'elbow \[deg\] x' must be a name"),
         ("t,\x1bc\n0,1\n1,90\n", r"looks like degrees; name the unit in the first line, '\\x1bc \[deg\]' or"),
         ("t\n0\n1\n2\n3\n", r"first line 't' must name the columns"),
         ("t;elbow\n0;1\n", r"first line 't;elbow' parts columns by ';': commas must part them, as in"),

@@ -20,7 +20,7 @@ KINDS: dict[str, Trajectory] = {
     "quintic": quintic(END, DURATION, start=START),
     "septic": septic(END, DURATION, start=START),
     "waypoints": waypoints([0.0, 0.8, 1.4, DURATION], [START, [0.9, 0.1, -0.7], [1.1, 0.2, -0.7], END]),
-    "samples": from_samples(SAMPLED, START + np.sin(SAMPLED)[:, None] * np.subtract(END, START)),
+    "samples": from_samples(SAMPLED, quintic(END, DURATION, start=START)(SAMPLED).q),
     "samples in motion": from_samples(
         SAMPLED, START + np.sin(3.0 * SAMPLED)[:, None] * np.subtract(END, START), at_rest=False
     ),
@@ -116,3 +116,17 @@ def test_a_motion_whose_derivatives_no_float_holds_is_refused(make: Any, duratio
 def test_a_motion_may_be_as_slow_as_floats_go(make: Any):
     found = make([1.0], 1e300).derivatives(5e299, 4)
     assert abs(found[0] - 0.5) < 1e-12 and np.abs(found[2:]).max() == 0.0
+
+
+@pytest.mark.parametrize("far", [1e200, -1e308, np.inf, np.nan])
+def test_positions_that_no_machine_has_are_refused_and_time_is_not_blamed(far: float):
+    t, q = np.linspace(0.0, 1.0, 9), np.zeros((9, 2))
+    q[4, 1] = far
+    for make, told in (
+        (lambda: cycloid([0.0, far], 1.0), "end of joint 1 is"),
+        (lambda: septic([0.0, 0.0], 1.0, [0.0, far]), "start of joint 1 is"),
+        (lambda: waypoints(t, q), "joint 1: position"),
+        (lambda: from_samples(t, q), "joint 1: position"),
+    ):
+        with pytest.raises(InputError, match=rf"{told} .* must be finite and within 1e\+15"):
+            make()

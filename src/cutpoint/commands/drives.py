@@ -91,7 +91,9 @@ def cycle_of(
             rule = "--to, --from, --duration and --degrees do not go with it; its first line names the units"
             raise InputError(f"trajectory {str(file)!r} is a motion already: {rule}", path=file)
         sliding = robot.mechanism.sliding
-        return cutpoint.trajectories.from_csv(file, robot.joints, bandwidth=bandwidth, sliding=sliding)
+        smoothed = cutpoint.trajectories.from_csv(file, robot.joints, bandwidth=bandwidth, sliding=sliding)
+        console.print(str(smoothed), soft_wrap=True, highlight=False)
+        return smoothed
     if bandwidth is not None:
         raise InputError("--bandwidth smooths the positions of a CSV file TRAJECTORY: leave it out")
     if not end or duration is None:

@@ -5,7 +5,7 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from cutpoint.door import as_numbers
+from cutpoint.door import LARGEST, as_numbers
 from cutpoint.errors import InputError
 
 Array = NDArray[np.float64]
@@ -16,19 +16,26 @@ def joint_name(joints: Sequence[str] | None, index: int) -> str:
     return f"joint {joints[index]!r}" if joints else f"joint {index}"
 
 
+def durations(time: Array) -> Array:
+    """What of the time (N,) each sample stands for, by the trapezoidal rule: half of both intervals beside it."""
+    steps = np.diff(time)
+    return (np.r_[steps, 0.0] + np.r_[0.0, steps]) / 2
+
+
 def numbers(name: str, value: ArrayLike) -> Array:
     """A copy of the value as an array of float64.  Raises InputError for what is no array of numbers, or masked."""
     return np.array(as_numbers("trajectory", name, value, "an array of numbers"))
 
 
 def positions(name: str, value: ArrayLike) -> Array:
-    """One position per joint, (n,), finite; a copy nobody can write to."""
+    """One position per joint, (n,), finite and within LARGEST; a copy nobody can write to."""
     found = numbers(name, value)
     if found.ndim != 1 or found.size == 0:
         raise InputError(f"{name} has shape {found.shape}: it must be a list of one position per joint", name=name)
-    if not np.isfinite(found).all():
-        index = int(np.argmin(np.isfinite(found)))
-        raise InputError(f"{name} of joint {index} is {found[index]}: it must be finite", name=name, joint=index)
+    if (wrong := ~(np.abs(found) <= LARGEST)).any():
+        index = int(np.argmax(wrong))
+        rule = f"it must be finite and within {LARGEST:g}"
+        raise InputError(f"{name} of joint {index} is {found[index]}: {rule}", name=name, joint=index)
     found.setflags(write=False)
     return found
 
@@ -36,7 +43,10 @@ def positions(name: str, value: ArrayLike) -> Array:
 def timed_positions(
     times: ArrayLike, points: ArrayLike, least: int, joints: Sequence[str] | None = None
 ) -> tuple[Array, Array]:
-    """Strictly increasing times (N,), counted from the first, and finite positions (N, n), N at least `least`."""
+    """Strictly increasing times (N,), counted from the first, and positions (N, n), none beyond LARGEST.
+
+    least: N at least.
+    """
     t = numbers("times", times)
     q = numbers("positions", points)
     _check_shapes(t, q, least, joints)
@@ -61,7 +71,7 @@ def _check_finite(t: Array, q: Array, joints: Sequence[str] | None) -> None:
     if not np.isfinite(t).all():
         index = int(np.argmin(np.isfinite(t)))
         raise InputError(f"time at index {index} is {t[index]}: it must be finite", index=index)
-    if not np.isfinite(q).all():
-        row, column = (int(i) for i in np.argwhere(~np.isfinite(q))[0])
-        name = joint_name(joints, column)
-        raise InputError(f"{name}: position {q[row, column]} at index {row} must be finite", joint=name, index=row)
+    if (wrong := ~(np.abs(q) <= LARGEST)).any():
+        row, column = (int(i) for i in np.argwhere(wrong)[0])
+        name, rule = joint_name(joints, column), f"must be finite and within {LARGEST:g}"
+        raise InputError(f"{name}: position {q[row, column]} at index {row} {rule}", joint=name, index=row)

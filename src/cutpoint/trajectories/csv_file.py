@@ -2,6 +2,7 @@
 
 import csv
 import math
+import re
 from collections.abc import Collection, Iterable, Mapping, Sequence
 from pathlib import Path
 from typing import NamedTuple
@@ -18,6 +19,9 @@ TURNING = {"deg": math.pi / 180.0, "rad": 1.0}
 SLIDING = {"mm": 1e-3, "m": 1.0}
 UNITS = TURNING | SLIDING
 """What a position in each unit is multiplied with to be in rad (m)."""
+
+HEAD = re.compile(r"\s*([^][]*?)\s*(?:\[\s*([^][]*?)\s*\]\s*)?")
+"""A name and, if it is there, a unit in brackets."""
 
 LARGEST_FILE = 200_000_000
 """Bytes: more than an hour of seven joints at 1 kHz."""
@@ -41,7 +45,7 @@ def from_csv(
     at_rest: bool = True,
     sliding: Collection[str] | None = None,
 ) -> Smoothed:
-    """A smooth motion near the samples of a CSV file; see `from_samples` for the smoothing and the line it prints.
+    """A smooth motion near the samples of a CSV file; see `from_samples` for the smoothing and what it warns of.
 
     The first line is `t, shoulder, elbow`, or with units `t [s], shoulder [deg], elbow [rad], lift [mm]`; a column
     without one is in rad (m).
@@ -91,7 +95,7 @@ def _read(lines: Iterable[str], path: Path, sliding: Collection[str] | None) -> 
 
 
 def _header(cells: list[str], sliding: Collection[str] | None, place: str) -> list[Column]:
-    found = [_column(cell) for cell in cells[:MOST_COLUMNS]]
+    found = [_column(cell, place) for cell in cells[:MOST_COLUMNS]]
     if not 2 <= len(cells) <= MOST_COLUMNS or found[0].name.lower() not in ("t", "time"):
         shown, example = ", ".join(cells[:8]), "as in 't, shoulder, elbow'"
         if len(cells) == 1 and (other := next((x for x in ";\t|" if x in cells[0]), None)):
@@ -120,9 +124,13 @@ def _held_against(column: Column, sliding: Collection[str] | None, place: str) -
     return column._replace(known=known)
 
 
-def _column(cell: str) -> Column:
-    name, bracket, unit = cell.strip().removesuffix("]").partition("[")
-    return Column(name.strip(), unit.strip() if bracket else None)
+def _column(cell: str, place: str) -> Column:
+    read = HEAD.fullmatch(cell)
+    if read is None:
+        raise InputError(
+            f"column {cell.strip()!r} must be a name, or one and its unit, as in 'elbow [deg]'", place=place
+        )
+    return Column(read[1], read[2])
 
 
 def _row(cells: list[str], columns: list[Column], place: str) -> list[float]:

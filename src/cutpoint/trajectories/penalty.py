@@ -10,7 +10,7 @@ from scipy.interpolate import BSpline
 from scipy.linalg import solveh_banded
 from scipy.sparse import csr_array, diags_array, eye_array
 
-from cutpoint.trajectories.arrays import Array
+from cutpoint.trajectories.arrays import Array, durations
 
 DEGREE = 7
 """Twice four, less one: the degree of the exact minimiser, with six continuous derivatives."""
@@ -29,7 +29,7 @@ def smoothing_spline(t: Array, q: Array, bandwidth: float, at_rest: bool) -> tup
     spacing = float(t[-1] / intervals)
     knots = np.pad(np.arange(intervals + 1.0), DEGREE, mode="edge")
     basis = csr_array(BSpline.design_matrix(np.minimum(t / spacing, intervals), knots, DEGREE))
-    weights = diags_array(np.gradient(t) / spacing)
+    weights = diags_array(durations(t) / spacing)
     stiffness = (2.0 * np.pi * bandwidth * spacing) ** -8
     normal = basis.T @ weights @ basis + stiffness * _snap_squared(knots)
     ends = _ends(knots.size - DEGREE - 1, tied=5 if at_rest else 1)

@@ -6,6 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike
 
+from cutpoint.callers import warn
 from cutpoint.door import checked_names, number
 from cutpoint.errors import InputError
 from cutpoint.trajectories.arrays import Array, joint_name, timed_positions
@@ -60,25 +61,12 @@ class Smoothed(Spline):
     gap: tuple[float, float] | None = None
 
     def __str__(self) -> str:
-        told = self._told()
-        if self.gap is None:
-            return told
-        start, end = self.gap
-        return f"{told}; from {start:.6g} to {end:.6g} s there are no samples: what it does there is a guess"
-
-    def _told(self) -> str:
         worst = int(np.argmax(self.deviation.max))
         rms = float(self.deviation.rms[worst])
-        told = (
+        return (
             f"smoothed to {self.bandwidth:.3g} Hz: deviates from its samples by at most "
             f"{self.deviation.max[worst]:.3g} rad (m), {rms:.3g} RMS, at {joint_name(self.joints, worst)}"
         )
-        hurried = int(np.argmax(self.hurry))
-        if self.hurry[hurried] <= HURRIED:
-            return told
-        cost = f"takes {self.hurry[hurried]:.3g} times the acceleration at {joint_name(self.joints, hurried)}"
-        remedy = f"begin and end with samples that stand still for {1.0 / self.bandwidth:.3g} s"
-        return f"{told}; to start and end at rest {cost}: {remedy}"
 
 
 def from_samples(
@@ -91,7 +79,8 @@ def from_samples(
 ) -> Smoothed:
     """A motion with six continuous derivatives near the positions q (N, n), rad (m), at the times t (N,), s.
 
-    Prints one line with its deviation from the samples, which `.deviation` holds per joint.
+    Its text says how far it is from the samples, `.deviation` that of each joint.  A warning tells of a start and an
+    end that it has to hurry after, and of a gap among the samples in which it is a guess.
 
     Args:
         t: strictly increasing, evenly spaced or not; the motion's time counts from the first.
@@ -99,8 +88,8 @@ def from_samples(
         bandwidth: Hz.  A component of this frequency is halved, one of a quarter of it keeps all but 2e-5, and noise
             above it fades.  By default 10 Hz, or a quarter of the mean sampling rate where that is lower.
         at_rest: whether the motion starts and ends at rest, its first four derivatives zero there.  Where samples set
-            out at once, it has to hurry after them: the line says so.  Otherwise it may start and end with a jump to
-            the standstill that every trajectory holds outside its duration.
+            out at once, it has to hurry after them.  Otherwise it may start and end with a jump to the standstill that
+            every trajectory holds outside its duration.
         joints: names, for messages.
 
     Raises:
@@ -119,7 +108,7 @@ def from_samples(
         spline, spacing = smoothing_spline(times, moved, chosen, at_rest)
     except np.linalg.LinAlgError as error:
         raise InputError(f"from_samples: no one motion is near all samples; {_pause(times)}") from error
-    check_swing(spline, times / spacing, samples, _pause(times))
+    check_swing(spline, times / spacing, samples, _pause(times), names)
     errors = spline(times / spacing) - moved
     deviation = Deviation(np.abs(errors).max(axis=0), np.sqrt(np.mean(errors**2, axis=0)))
     ranges = np.ptp(samples, axis=0)
@@ -130,8 +119,20 @@ def from_samples(
     hurry = np.where(ranges > SMALL * ranges.max(), peaks / least, 1.0)
     parts = (spline, spacing, chosen, names or (), deviation, hurry, _gap(times, chosen))
     smoothed = Smoothed(float(times[-1]), samples[0], *parts)
-    print(smoothed)
+    _warn_of(smoothed)
     return smoothed
+
+
+def _warn_of(found: Smoothed) -> None:
+    """What the samples make the motion do, or do not tell of it."""
+    hurried = int(np.argmax(found.hurry))
+    if found.hurry[hurried] > HURRIED:
+        cost = f"takes {found.hurry[hurried]:.3g} times the acceleration at {joint_name(found.joints, hurried)}"
+        remedy = f"begin and end with samples that stand still for {1.0 / found.bandwidth:.3g} s"
+        warn(f"to start and end at rest the smoothed motion {cost}: {remedy}")
+    if found.gap is not None:
+        start, end = found.gap
+        warn(f"from {start:.6g} to {end:.6g} s there are no samples: what the smoothed motion does there is a guess")
 
 
 def _check_near(deviation: Array, ranges: Array, bandwidth: float, names: Sequence[str] | None) -> None:

@@ -1,12 +1,13 @@
 """Trajectories that are splines."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
 
 from cutpoint.errors import InputError
-from cutpoint.trajectories.arrays import Array
+from cutpoint.trajectories.arrays import Array, joint_name
 from cutpoint.trajectories.trajectory import Trajectory
 
 if TYPE_CHECKING:
@@ -41,7 +42,7 @@ class Spline(Trajectory):
         return found
 
 
-def check_swing(spline: "BSpline", u: Array, q: Array, remedy: str) -> None:
+def check_swing(spline: "BSpline", u: Array, q: Array, remedy: str, joints: Sequence[str] | None = None) -> None:
     """Raises InputError if the curve q[0] + spline leaves its points q (N, n), at u (N,), by more than their range."""
     between = u[:-1, None] + np.diff(u)[:, None] * np.linspace(0.0, 1.0, LOOKS, endpoint=False)
     reached = q[0] + spline(between.ravel())
@@ -51,8 +52,8 @@ def check_swing(spline: "BSpline", u: Array, q: Array, remedy: str) -> None:
     if not calm.all():
         joint = int(np.argmin(calm))
         raise InputError(
-            f"joint {joint}: the curve would swing {past[joint]:.3g} rad (m) past its points, which lie between "
-            f"{low[joint]:.3g} and {high[joint]:.3g}; {remedy}",
+            f"{joint_name(joints, joint)}: the curve would swing {past[joint]:.3g} rad (m) past its points, which lie "
+            f"between {low[joint]:.3g} and {high[joint]:.3g}; {remedy}",
             joint=joint,
             past=float(past[joint]),
         )

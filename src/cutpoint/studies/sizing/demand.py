@@ -7,6 +7,7 @@ from numpy.typing import NDArray
 
 from cutpoint.studies.sizing import duty
 from cutpoint.studies.sizing.load import Load
+from cutpoint.trajectories.arrays import durations
 
 Array = NDArray[np.float64]
 
@@ -48,7 +49,7 @@ class Demand:
 
 def demand_of(load: Load, k: int, middle: float) -> Demand:
     """Of the k-th drive, whose range of positions has its middle there, rad (m)."""
-    span = duty.durations(load.time)
+    span = durations(load.time)
     torque, motor, speed = load.output_torque[:, k], load.motor_torque[:, k], load.motor_speed[:, k]
     current, voltage = load.current[:, k], load.voltage[:, k]
     has_motor, has_winding = bool(np.isfinite(current).all()), bool(np.isfinite(voltage).all())

@@ -14,12 +14,6 @@ MOST_PEAKS = 1e4
 """Load changes that a flexspline survives at its momentary peak torque; each turn of the wave generator makes two."""
 
 
-def durations(time: Array) -> Array:
-    """What of the time (N,) each sample stands for, by the trapezoidal rule: half of both intervals beside it."""
-    steps = np.diff(time)
-    return (np.r_[steps, 0.0] + np.r_[0.0, steps]) / 2
-
-
 def mean(duration: Array, x: Array) -> float:
     """Of |x|, pauses included; of a speed, the n_av of the life."""
     return float(duration @ np.abs(x) / duration.sum())
@@ -64,8 +58,8 @@ def permitted_peaks(duration: Array, torque: Array, speed: Array, allowed: float
     above = np.abs(torque) > allowed
     if not above.any():
         return None
-    # from where it is not above, if it ever is
-    turns, above = (np.roll(x, -int(np.argmin(above))) for x in (duration * np.abs(speed) / (2 * np.pi), above))
+    first = int(np.argmin(above))  # that is not, if there is one
+    turns, above = np.roll(duration * np.abs(speed) / (2 * np.pi), -first), np.roll(above, -first)
     starts = np.flatnonzero(above & ~np.r_[False, above[:-1]])
     longest = max(_until_below(turns[k:], above[k:]) for k in starts)
     return MOST_PEAKS / (2 * longest) if longest > 0 else np.inf

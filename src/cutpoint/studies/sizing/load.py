@@ -99,8 +99,9 @@ def _of_rotors(robot: Robot, q: Array, v: Array, a: Array) -> Array:
     """What of rigid drives' joint torques moves their own rotors, and does not pass through the gear, (N, drives)."""
     if all(drive.is_elastic for drive in robot.drives.values()):
         return np.zeros(a.shape)
-    system, (q, v, a) = robot.machine.system, ([*x.T] for x in (q, v, a))
-    return np.stack(np.broadcast_arrays(*rotor_efforts(system, motions(system, q, v, a), a)), axis=1)
+    system, columns = robot.machine.system, [[*x.T] for x in (q, v, a)]
+    efforts = rotor_efforts(system, motions(system, *columns), columns[2])
+    return np.stack(np.broadcast_arrays(*efforts), axis=1)
 
 
 def _motor(drive: Drive) -> tuple[float, float, float]:

@@ -23,6 +23,7 @@ from cutpoint.studies.sizing.demand import Demand, demand_of
 from cutpoint.studies.sizing.load import Load, sampled
 from cutpoint.studies.sizing.margins import Margin, margins_of, travel_of
 from cutpoint.trajectories import Trajectory
+from cutpoint.trajectories.arrays import durations
 from cutpoint.trajectories.trajectory import A_TRAJECTORY, Moves
 
 if TYPE_CHECKING:
@@ -167,7 +168,7 @@ def _peaks(drive: Drive, load: Load, k: int) -> float | None:
     allowed = drive.ratings.repeated_peak_torque if drive.ratings else None
     if allowed is None:
         return None
-    return duty.permitted_peaks(duty.durations(load.time), load.output_torque[:, k], load.motor_speed[:, k], allowed)
+    return duty.permitted_peaks(durations(load.time), load.output_torque[:, k], load.motor_speed[:, k], allowed)
 
 
 def _check(robot: Robot, trajectory: Trajectory, dwell: float, period: float, life: float | None) -> None:
