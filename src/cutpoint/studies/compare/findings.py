@@ -16,7 +16,8 @@ FIXED = ("vdc", "vdc_filter")
 
 
 def findings(results: Results) -> tuple[str, ...]:
-    """Of the laws that ran at equal stiffness; those that nothing can be said of say nothing."""
+    """Those that rank laws are of what ran at equal stiffness, divergences and times of all that ran; where nothing can
+    be said there is none."""
     found = (
         leaders(results), ours(results, OURS, "virtual decomposition control"),
         ours(results, FIXED, "virtual decomposition control that does not learn"), against_feedforward(results),
@@ -38,10 +39,12 @@ def leaders(results: Results) -> str:
     return f"The least worst RMS error, in 10^{{−3}} degrees, is that of {told}.{lost}" if told else lost.strip()
 
 
-def ours(results: Results, keys: Iterable[str], what: str) -> str:
+def ours(results: Results, keys: Sequence[str], what: str) -> str:
     """Where the best of some laws leads and where it loses against the best of all others, and by how much."""
-    own = [key for key in keys if key in results.matches]
-    others = [key for key in results.matches if key not in OURS]
+    equal = [key for key, match in results.matches.items() if match.equal]
+    own, others = [key for key in equal if key in keys], [key for key in equal if key not in OURS]
+    if not (own and others):
+        return ""
     won, lost = dict[str, float](), dict[str, float]()
     for scenario in results.outcomes:
         ratio = _least(results, scenario, own) / _least(results, scenario, others)
@@ -75,7 +78,7 @@ def against_feedforward(results: Results) -> str:
     ratios = {}
     for scenario in results.outcomes:
         best = results.best(scenario, FIXED)
-        reference = results.worst(scenario, "feedforward")
+        reference = _least(results, scenario, ["feedforward"])
         if best and np.isfinite(reference):
             ratios[scenario] = results.worst(scenario, best) / reference
     told = _listed([f"{COLUMNS[scenario]} {number(ratio, 2)}" for scenario, ratio in ratios.items()])
@@ -106,11 +109,13 @@ def sensors(results: Results) -> str:
     if not {"nominal", "sensors"} <= results.outcomes.keys():
         return ""
     growth: Mapping[str, float] = {
-        key: results.worst("sensors", key) / results.worst("nominal", key) for key in results.outcomes["sensors"]
+        key: results.worst("sensors", key) / results.worst("nominal", key)
+        for key in results.outcomes["sensors"]
+        if results.matches[key].equal
     }
     finite = {key: x for key, x in growth.items() if np.isfinite(x)}
     if not finite:
-        return "No law gets through all runs with steps, noise and differenced speeds."
+        return "No law at equal stiffness gets through all runs with steps, noise and differenced speeds."
     most, least = max(finite, key=lambda key: finite[key]), min(finite, key=lambda key: finite[key])
     return (
         f"Steps, noise and differenced speeds multiply the error of {NAMES[most]} by {number(finite[most], 2)}, the "
