@@ -16,6 +16,8 @@ from typer.testing import CliRunner
 import cutpoint
 from cutpoint import InputError, Log, ModelError, robots
 from cutpoint.commands import app, shared
+from cutpoint.reporting.folder import write
+from cutpoint.reporting.html import Heading
 from cutpoint.simulation import runner
 
 ONE_JOINT = """<robot name="[/]arm:eyes:"><link name="base"/><link name="a[red]"><inertial><origin xyz="0.1 0 0"/>
@@ -59,6 +61,19 @@ def test_names_are_printed_as_they_are_whatever_brackets_and_colons_they_hold(
     assert Log.load("l[b]og.npz").joints == (joint,)
 
 
+def test_the_path_of_a_file_stands_in_one_line_however_long_it_is(tmp_path: Path) -> None:
+    folder = tmp_path / ("a_rather_long_name_of_a_folder" * 5)
+    folder.mkdir()
+    for word, command in (
+        ("log", ("simulate", "xia2019", "--to", "0,0,0,0,0,0", "--duration", "0.01", "--output", "x.npz")),
+        ("picture", ("modes", "xia2019", "--plot", "x.png")),
+        ("numbers", ("check", "xia2019", "--to", "0,0,0,0,0,0.1", "--duration", "1", "--json", "x.json")),
+        ("picture", ("drive", "CSG-20-100", "--plot", "x.png")),
+    ):
+        path = str(folder / command[-1])
+        assert f"{word}: {path}\n" in printed(*command[:-1], path)
+
+
 def test_what_rounding_leaves_of_a_torque_is_printed_as_none() -> None:
     """Where joint5 stands upright gravity asks 1.8e-16 N m of it."""
     table = [line.split("│") for line in printed("torque", "xia2019", "--q", "0,0,0,0,90,0", "--degrees").splitlines()]
@@ -94,7 +109,7 @@ def test_ctrl_c_saves_what_was_simulated_and_says_so(tmp_path: Path, monkeypatch
     monkeypatch.setattr(runner, "run_samples", run_samples)
     result = CliRunner().invoke(app, [*arguments, "run.npz"])
     assert result.exit_code == 130
-    assert re.search(r"log saved to run.npz\s+interrupted at t = [0-9.]+ s; the log holds", result.output)
+    assert re.search(r"log: run.npz\s+interrupted at t = [0-9.]+ s; the log holds", result.output)
     assert len(Log.load("run.npz").time) == heard[1] > 0
     monkeypatch.setattr(cutpoint, "simulate", Mock(side_effect=KeyboardInterrupt))
     result = CliRunner().invoke(app, [*arguments, "none.npz"])
@@ -249,6 +264,12 @@ def test_a_report_goes_to_no_folder_that_holds_anothers(study: str, tmp_path: Pa
     with pytest.raises(InputError, match=r"holds index.html that this study did not write; name another folder"):
         CliRunner().invoke(app, [study, "--output", str(tmp_path)], catch_exceptions=False)
     assert (tmp_path / "index.html").read_text() == "mine"
+
+
+def test_a_study_does_not_write_over_the_report_of_another(tmp_path: Path) -> None:
+    write(tmp_path, Heading("the paper", "again", ()), [], {}, "results.json", "paper")
+    with pytest.raises(InputError, match=r"holds index.html and results.json that this study did not write"):
+        CliRunner().invoke(app, ["compare", "--output", str(tmp_path)], catch_exceptions=False)
 
 
 @pytest.mark.parametrize("option", [("--drives", str(robots.XIA2019_DRIVES)), ("--lock", "panda_joint7=0")])

@@ -14,11 +14,15 @@ from cutpoint.commands import app
 from cutpoint.control import PD, ComputedTorque
 from cutpoint.control.sampled_loop import small_signal
 from cutpoint.errors import CutpointError, InputError
+from cutpoint.model.hand import hand_of
 from cutpoint.studies.compare import bench_of, panda, run
 from cutpoint.studies.compare.contenders import CONTENDERS
+from cutpoint.studies.compare.findings import findings
 from cutpoint.studies.compare.matching import Match
 from cutpoint.studies.compare.results import Results
+from cutpoint.studies.compare.runs import Outcome, Score
 from cutpoint.studies.compare.tables import refusals
+from robot_library import robot
 
 ARM = cutpoint.robots.xia2019()
 PERIOD = 1e-3
@@ -161,6 +165,38 @@ def test_gears_that_may_not_repeat_what_their_joints_need_are_told(tmp_path):
         run(tmp_path, bench_of(arm), laws=(), scenarios=("fast",), progress=False)
         text = (tmp_path / "index.html").read_text(encoding="utf-8")
         assert f"Gears of the whole drives are of the catalogue{told or ';'}" in text
+
+
+def found(**worst: tuple[float, float]) -> Results:
+    """RMS errors as modelled and with sensors, of laws at equal stiffness, but for one whose name ends in _other."""
+    laws = {contender.key: contender for contender in CONTENDERS}
+    results = Results()
+    for k, scenario in enumerate(("nominal", "sensors")):
+        results.outcomes[scenario] = {
+            key.removesuffix("_other"): Outcome((Score(x[k], 20.0, 1.0),)) for key, x in worst.items()
+        }
+    for name in worst:
+        key, still = name.removesuffix("_other"), np.ones(6)
+        results.matches[key] = Match(laws[key], 4.0, None, still, still, 1.0, "no" if key != name else "")
+    return results
+
+
+def test_laws_of_ours_that_did_not_run_are_not_said_to_lose():
+    assert not any("virtual decomposition" in told for told in findings(found(pd=(10.0, 20.0), pid=(20.0, 30.0))))
+    assert not any("virtual decomposition" in told for told in findings(found(vdc=(10.0, 20.0))))
+    assert any("leads all other laws" in told for told in findings(found(pd=(10.0, 20.0), vdc=(1.0, 30.0))))
+
+
+def test_laws_at_another_stiffness_are_not_ranked_in_what_is_said():
+    told = " ".join(findings(found(pd=(10.0, 20.0), pid=(10.0, 30.0), robust_other=(10.0, 90.0))))
+    assert "multiply the error of PID by 3.00, the most" in told
+    told = findings(found(pd=(9.0, 9.0), feedforward_other=(3.0, 3.0), vdc=(1.0, 3.0), vdc_filter=(2.0, 3.0)))
+    assert not any("of the error of PD + feedforward" in sentence for sentence in told)
+
+
+@pytest.mark.parametrize(("name", "frame"), [("panda", "panda_hand_tcp"), ("xia2019", "tool"), ("ur10", "tool0")])
+def test_a_payload_hangs_where_the_tool_is_whatever_fingers_are_beyond_it(name, frame):
+    assert hand_of(robot(name).mechanism) == frame
 
 
 def test_pandas_drives_may_repeat_what_its_joints_may():

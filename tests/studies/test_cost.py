@@ -131,12 +131,30 @@ def test_the_report_holds_every_contender_and_its_numbers(output):
     assert (output / "figures" / "figure_c1.png").read_bytes().startswith(b"\x89PNG")
     vd, ne = (results["contenders"][key]["operations"]["6"] for key in ("vd", "ne"))
     assert f"takes {vd / ne:.2f} of Newton-Euler" in text
+    assert "more than 5 s to compile, or when the study has taken 90 s; six joints are always timed" in text
 
 
 def test_what_would_take_too_long_to_compile_is_counted_and_not_timed(monkeypatch):
     monkeypatch.setattr("cutpoint.studies.cost.measure.COMPILE_LIMIT", 0.0)
     cost = measured([6, 8], lambda _: None)[VD.key]
     assert [*cost.operations] == [6, 8] and [*cost.batched] == [6]
+
+
+def test_it_goes_to_the_joints_that_are_asked_for_and_no_farther(tmp_path, monkeypatch):
+    asked = []
+
+    def begin(sizes, _):
+        asked.append(sizes)
+        raise InterruptedError("it began")
+
+    monkeypatch.setattr("cutpoint.studies.cost.study.measured", begin)
+    for largest in (6, 7, 64):
+        with pytest.raises(InterruptedError, match="it began"):
+            run(tmp_path, largest=largest, progress=False)
+    assert [sizes[-3:] for sizes in asked] == [[3, 4, 6], [4, 6, 7], [32, 48, 64]]
+    for largest, told in ((65, "must be at most 64: contenders go no farther"), (5, "whole number, at least 6")):
+        with pytest.raises(InputError, match=f"cost: largest {largest} .*{told}"):
+            run(tmp_path, largest=largest, progress=False)
 
 
 def test_an_output_that_is_a_file_is_refused_before_anything_is_measured(tmp_path):
@@ -155,7 +173,7 @@ def test_a_report_of_its_own_may_be_written_over_and_anothers_not(output, tmp_pa
     for name in ("index.html", "cost.json"):
         other = tmp_path / name.replace(".", "_")
         other.mkdir()
-        (other / name).write_text('{"versions": []}')
+        (other / name).write_text('{"study": "paper", "versions": {"cutpoint": "0.1.0"}}')
         with pytest.raises(InputError, match=f"holds {name} that this study did not write; name another folder"):
             run(other, progress=False)
 
@@ -167,5 +185,5 @@ def test_a_report_tells_versions_of_what_is_installed(tmp_path, monkeypatch):
         return "1.0"
 
     monkeypatch.setattr("cutpoint.reporting.folder.version", version)
-    found = write(tmp_path, Heading("a study", "cutpoint cost", ()), [], {}, "cost.json")
+    found = write(tmp_path, Heading("a study", "cutpoint cost", ()), [], {}, "cost.json", "cost")
     assert [*found["versions"]] == ["cutpoint", "Python", "numpy", "scipy", "matplotlib"]

@@ -22,6 +22,7 @@ from cutpoint.commands.shared import (
     keep_picture,
     numbers_of,
     robot_of,
+    say_path,
 )
 from cutpoint.errors import InputError
 
@@ -66,7 +67,7 @@ def check(
     found = sizing(loaded, cycle, dwell=dwell, period=period, life=life)
     if json:
         found.save(json)
-        console.print(f"numbers saved to {json}")
+        say_path("numbers", json)
     if plot:
         keep_picture(found.plot(), plot)
     console.print(table_of(found))
@@ -124,4 +125,4 @@ def drive(
         print_drive(name, console)
     if plot:
         save_picture(name, plot)
-        (Console(stderr=True, markup=False, emoji=False) if as_yaml else console).print(f"picture saved to {plot}")
+        say_path("picture", plot, Console(stderr=True, markup=False, emoji=False) if as_yaml else console)

@@ -21,6 +21,7 @@ from cutpoint.commands.shared import (
 )
 from cutpoint.errors import InputError
 from cutpoint.files import check_target_folder
+from cutpoint.model.hand import hand_of
 
 Corners = tuple[float, float, float, float, float, float]
 
@@ -48,12 +49,10 @@ def excite(
     torque: Annotated[float | None, typer.Option(help="Largest torque of every motor at its joint, N m (N).")] = None,
     box: Annotated[
         Corners | None,
-        typer.Option(
-            metavar="X0 Y0 Z0 X1 Y1 Z1", help="Low and high corner, m, in the world; the flange stays between."
-        ),
+        typer.Option(metavar="X0 Y0 Z0 X1 Y1 Z1", help="Low and high corner, m, in the world; the tool stays between."),
     ] = None,
     frame: Annotated[
-        str | None, typer.Option(help="What stays in the box; by default the last frame that the last joint carries.")
+        str | None, typer.Option(help="What stays in the box; the tool's if not given, as in compare.")
     ] = None,
     seconds: Annotated[float, typer.Option(help="To search; Ctrl-C ends it earlier, with the best until then.")] = 30.0,
     output: Annotated[
@@ -82,14 +81,12 @@ def excite(
 
 
 def _boxes(robot: cutpoint.Robot, box: Corners | None, frame: str | None) -> dict[str, Any]:
-    """Of the frame that was named, or that is last on the last body."""
+    """Of the frame that was named, or the tool's."""
     if box is None:
         if frame is not None:
             raise InputError(f"--frame {frame!r} says what stays in a box: give that too, --box X0 Y0 Z0 X1 Y1 Z1")
         return {}
-    frames, last = robot.mechanism.frames, len(robot.mechanism.bodies) - 1
-    name = frame or [each for each, place in frames.items() if place.body == last][-1]
-    return {name: (box[:3], box[3:])}
+    return {frame or hand_of(robot.mechanism): (box[:3], box[3:])}
 
 
 @app.command(epilog="Example: cutpoint identify arm.urdf log.csv --drives arm.drives.yaml --mapping map.yaml")

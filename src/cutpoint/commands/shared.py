@@ -12,7 +12,6 @@ from rich.console import Console
 from typer.core import TyperGroup
 
 import cutpoint
-from cutpoint.commands.tables import listed_numbers
 from cutpoint.errors import INTERRUPTED, InputError
 from cutpoint.files import check_target_file, save_figure
 
@@ -141,11 +140,29 @@ def numbers_of(robot: cutpoint.Robot, option: str, text: str, degrees: bool) -> 
             found = f"joint {body.joint.name!r} is {body.joint.kind}"
             rule = "one number a joint is all that can be stated here; take the robot in Python"
             raise InputError(f"--{option}: {found}, and {rule}", joint=body.joint.name)
-    numbers = listed_numbers(option, text, len(robot.joints))
+    numbers = _listed(option, text, len(robot.joints))
     if not degrees:
         return numbers
     sliding = robot.mechanism.sliding
     return np.where([name in sliding for name in robot.joints], numbers, np.radians(numbers))
+
+
+def _listed(option: str, text: str, count: int) -> Any:
+    """Numbers separated by commas; none at all are zeros."""
+    if not text.strip():
+        return np.zeros(count)
+    try:
+        if "_" in text:
+            raise ValueError
+        numbers = np.array([float(x) for x in text.split(",")])
+    except ValueError:
+        raise InputError(f"--{option} {text!r} must be numbers separated by commas, such as 0,0.5,-1.2") from None
+    if len(numbers) != count:
+        raise InputError(f"--{option} has {len(numbers)} numbers, the robot has {count} joints: give one for each")
+    if not np.isfinite(numbers).all():
+        k = int((~np.isfinite(numbers)).argmax())
+        raise InputError(f"--{option}: number {k + 1} of {count} is {numbers[k]}; all must be finite")
+    return numbers
 
 
 def check_targets(output: Path | None, plot: Path | None) -> None:
@@ -168,9 +185,9 @@ def say_notes(notes: Iterable[str]) -> None:
         console.print(f"note: {words}", highlight=False)
 
 
-def say_path(word: str, path: Path) -> None:
+def say_path(word: str, path: Path, to: Console = console) -> None:
     """In one line, however long it is: people and programs copy it."""
-    console.print(f"{word}: {path}", soft_wrap=True, highlight=False)
+    to.print(f"{word}: {path}", soft_wrap=True, highlight=False)
 
 
 def keep(log: "Log", output: Path | None, plot: Path | None) -> None:
@@ -181,11 +198,11 @@ def keep(log: "Log", output: Path | None, plot: Path | None) -> None:
         shown = {name: values for name, values in log.channels.items() if name in OF_A_RUN}
         save_figure(replace(log, channels=shown).plot(), plot)
     if output:
-        console.print(f"log saved to {output}")
+        say_path("log", output)
     if plot:
-        console.print(f"picture saved to {plot}")
+        say_path("picture", plot)
 
 
 def keep_picture(figure: "Figure", plot: Path) -> None:
     save_figure(figure, plot)
-    console.print(f"picture saved to {plot}")
+    say_path("picture", plot)

@@ -47,7 +47,7 @@ def cost(
     output: Annotated[
         Path, typer.Option(metavar="DIR", help="Folder for the report, its figure and cost.json.")
     ] = Path("cost"),
-    largest: Annotated[int, typer.Option(help="Number of joints to go to, 6 at least.", min=6)] = 64,
+    largest: Annotated[int, typer.Option(help="Number of joints to go to.", min=6, max=64)] = 64,
 ) -> None:
     """What inverse dynamics costs against the number of joints, by virtual decomposition and by its rivals."""
     from cutpoint.studies.cost import run

@@ -8,7 +8,6 @@ import numpy as np
 from numpy.typing import NDArray
 from rich.table import Table
 
-from cutpoint.errors import InputError
 from cutpoint.mechanics.hysteresis import MaxwellSlip
 from cutpoint.mechanics.kinematic_error import KinematicError
 from cutpoint.model.drive import Drive
@@ -23,24 +22,6 @@ Array = NDArray[np.float64]
 
 ROUNDING = 1e-6
 """rad (m), by which a joint that starts or ends at its limits may be beyond them untold."""
-
-
-def listed_numbers(option: str, text: str, count: int) -> Array:
-    """Numbers separated by commas; none at all are zeros."""
-    if not text.strip():
-        return np.zeros(count)
-    try:
-        if "_" in text:
-            raise ValueError
-        numbers = np.array([float(x) for x in text.split(",")])
-    except ValueError:
-        raise InputError(f"--{option} {text!r} must be numbers separated by commas, such as 0,0.5,-1.2") from None
-    if len(numbers) != count:
-        raise InputError(f"--{option} has {len(numbers)} numbers, the robot has {count} joints: give one for each")
-    if not np.isfinite(numbers).all():
-        k = int((~np.isfinite(numbers)).argmax())
-        raise InputError(f"--{option}: number {k + 1} of {count} is {numbers[k]}; all must be finite")
-    return numbers
 
 
 def robot_table(robot: Robot) -> Table:

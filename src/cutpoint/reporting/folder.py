@@ -16,8 +16,8 @@ from cutpoint.reporting.page import Page, plain
 from cutpoint.reporting.style import png
 
 
-def checked_folder(output: Path, name: str) -> Path:
-    """The path of a folder that a report, with `name` as its JSON file, can be written to.
+def checked_folder(output: Path, name: str, study: str) -> Path:
+    """The path of a folder that the report of a study, with `name` as its JSON file, can be written to.
 
     Raises:
         InputError: output is there and is not a folder, cannot be written, or holds files of these names by others.
@@ -25,28 +25,31 @@ def checked_folder(output: Path, name: str) -> Path:
     output = Path(output)
     check_target_folder(output)
     there = [each for each in ("index.html", name) if (output / each).exists()]
-    if there and not _is_ours(output / name):
+    if there and not _is_of(study, output / name):
         names = " and ".join(there)
         remedy = "name another folder, or move them away"
         raise InputError(f"output {str(output)!r} holds {names} that this study did not write; {remedy}", output=output)
     return output
 
 
-def _is_ours(path: Path) -> bool:
-    """Whether a JSON file is one that `write` left."""
+def _is_of(study: str, path: Path) -> bool:
+    """Whether a JSON file is one that `write` left of this study."""
     try:
-        return "cutpoint" in json.loads(path.read_bytes())["versions"]
+        found = json.loads(path.read_bytes())
+        return found["study"] == study and "cutpoint" in found["versions"]
     except (OSError, ValueError, LookupError, TypeError, RecursionError):
         return False
 
 
-def write(output: Path, heading: Heading, pages: Sequence[Page], settings: Mapping[str, Any], name: str) -> Any:
+def write(
+    output: Path, heading: Heading, pages: Sequence[Page], settings: Mapping[str, Any], name: str, study: str
+) -> Any:
     """Writes output/index.html, output/figures/*.png and output/`name`, each whole or not at all.
 
-    Returns what the JSON file holds: versions, settings, and results by table and figure.
+    Returns what the JSON file holds: the study's name, versions, settings, and results by table and figure.
     """
     images = {picture.key: png(picture.figure) for page in pages for picture in page.pictures()}
-    results = {"versions": versions(), "settings": settings, **_results(pages)}
+    results = {"study": study, "versions": versions(), "settings": settings, **_results(pages)}
     text = json.dumps(results, indent=1, ensure_ascii=False, allow_nan=False, default=lambda x: x.tolist())
     folder = output / "figures"
     folder.mkdir(parents=True, exist_ok=True)

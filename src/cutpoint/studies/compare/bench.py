@@ -8,6 +8,7 @@ import numpy as np
 from cutpoint.door import positive
 from cutpoint.errors import InputError, unknown_name
 from cutpoint.formats.catalogue import catalogue_drive
+from cutpoint.model.hand import hand_of
 from cutpoint.model.limits import limits_in_force
 from cutpoint.robot import Robot
 from cutpoint.robots import xia2019
@@ -67,8 +68,7 @@ def bench_of(
 
     The paper's arm, with all its joints, makes the paper's move; others go from the middle of their joints' travel, see
     `travel_of`, by STROKE rad, at most SHARE of the travel, every second joint backwards.
-    payload: rated, kg; 2 for the paper's arm and 3 for others.  frame: what it hangs on; by default the last whose name
-    has "tool" or "tcp" in it, or the last of all.
+    payload: rated, kg; 2 for the paper's arm and 3 for others.  frame: what it hangs on; see `hand_of` if not given.
 
     Raises:
         InputError: a joint that slides, a coordinate without a drive, a rigid drive, a frame that does not exist, or a
@@ -84,7 +84,7 @@ def bench_of(
         raise unknown_name("frame", frame, robot.frames)
     home, goal = (np.zeros(6), np.array(GOAL)) if mine else _ends(robot)
     gears = GEARS if mine else gears_for(robot, home, goal)
-    return Bench(robot, home, goal, frame or _hand(robot), payload, gears, bandwidth, control_period)
+    return Bench(robot, home, goal, frame or hand_of(robot.mechanism), payload, gears, bandwidth, control_period)
 
 
 def _check(robot: Robot) -> None:
@@ -97,11 +97,6 @@ def _check(robot: Robot) -> None:
         if not drive.is_elastic:
             remedy = "laws are compared on joints that bend: give it a rotor and a compliance in the drive file"
             raise InputError(f"compare: the drive of {name!r} is rigid; {remedy}", joint=name)
-
-
-def _hand(robot: Robot) -> str:
-    named = [frame for frame in robot.frames if "tool" in frame or "tcp" in frame]
-    return [*robot.frames, *named][-1]
 
 
 def _ends(robot: Robot) -> tuple[Array, Array]:

@@ -48,7 +48,7 @@ def run(
         InputError: output is no folder, cannot be written, or holds a report by others; a law or scenario is not
             known.
     """
-    output, bench = checked_folder(output, "results.json"), bench or bench_of(xia2019())
+    output, bench = checked_folder(output, "results.json", "compare"), bench or bench_of(xia2019())
     chosen = _chosen("law", CONTENDERS, None if laws is None else {CONTENDERS[0].key, *laws})
     plans = _chosen("scenario", SCENARIOS, scenarios)
     if quick:
@@ -64,7 +64,7 @@ def run(
         done = sum(len(laws) for laws in results.outcomes.values()), len(chosen) * len(plans)
         heading = Heading(f"Control laws compared on {bench.robot.name}", "cutpoint compare", summary(results, done))
         pages = pages_of(bench, results, seeds) if results.matches else []
-        found = write(output, heading, pages, _settings(bench, results, seeds), "results.json")
+        found = write(output, heading, pages, _settings(bench, results, seeds), "results.json", "compare")
     if progress and pages:
         show(pages[:2])
         say(pages[1])

@@ -8,7 +8,7 @@ from cutpoint.reporting.page import Page, Picture, Table, number
 from cutpoint.studies.cost.contenders import CONTENDERS
 from cutpoint.studies.cost.figure import figure_of
 from cutpoint.studies.cost.growth import exponent, polynomial
-from cutpoint.studies.cost.measure import AGREEMENT, BATCH, COMPILE_LIMIT, Cost
+from cutpoint.studies.cost.measure import AGREEMENT, BATCH, COMPILE_LIMIT, STUDY_LIMIT, Cost
 from cutpoint.studies.cost.verdict import verdict
 
 _METHOD = (
@@ -21,7 +21,8 @@ _METHOD = (
     f"Times are medians of turns taken one after another, one thread, {BATCH} random motions in one call of a batch; a "
     "single call from Python adds what NumPy takes to call anything. They move from machine to machine: only ratios "
     "are claims. Ratios of times in the findings are of the least of each. A contender leaves when its code would take "
-    f"more than {COMPILE_LIMIT:g} s to compile.",
+    f"more than {COMPILE_LIMIT:g} s to compile, or when the study has taken {STUDY_LIMIT:g} s; six joints are always "
+    "timed.",
 )
 
 
@@ -60,7 +61,8 @@ def _leading(cost: Cost) -> str:
 
 
 def _times(costs: Mapping[str, Cost]) -> Table:
-    sizes = [n for n in costs["vd"].batched if n in (1, 2, 4, 6, 8, 16, 32, 64)]
+    timed = costs["vd"].batched
+    sizes = [n for n in timed if n in (1, 2, 4, 6, 8, 16, 32, max(timed))]
     rows = []
     for contender in CONTENDERS:
         cost = costs[contender.key]

@@ -7,6 +7,8 @@ from typing import Any
 from rich.console import Console
 from rich.progress import Progress
 
+from cutpoint.door import whole
+from cutpoint.errors import InputError
 from cutpoint.reporting.folder import checked_folder, write
 from cutpoint.reporting.html import Heading
 from cutpoint.reporting.style import styled
@@ -28,23 +30,28 @@ _HEADING = Heading(
 )
 
 
-def run(output: Path, *, largest: int = max(SIZES), progress: bool = True) -> dict[str, Any]:
+def run(output: Path, *, largest: int = SIZES[-1], progress: bool = True) -> dict[str, Any]:
     """What one inverse dynamics costs: writes output/index.html, output/figures/figure_c1.png and output/cost.json.
 
-    largest: number of joints to go to, 6 at least.  progress: show a bar while it runs, and tables and findings at its
+    largest: number of joints to go to, 6 to 64.  progress: show a bar while it runs, and tables and findings at its
     end.  Returns what cost.json holds.
 
     Raises:
-        InputError: output is no folder, cannot be written, or holds a report by others.
+        InputError: a number of joints that is not such a one; output is no folder, cannot be written, or holds a report
+            by others.
     """
-    output = checked_folder(output, "cost.json")
-    sizes = [n for n in SIZES if n <= max(largest, ARM)]
+    output = checked_folder(output, "cost.json", "cost")
+    largest = whole("cost", "largest", largest, least=ARM)
+    if largest > SIZES[-1]:
+        rule = f"must be at most {SIZES[-1]}: contenders go no farther"
+        raise InputError(f"cost: largest {largest} {rule}", largest=largest)
+    sizes = [*(n for n in SIZES if n < largest), largest]
     with styled(), Progress(console=Console(stderr=True), disable=not progress, transient=True) as bar:
         task = bar.add_task("chains", total=sum(sizes))
         costs = measured(sizes, lambda n: bar.advance(task, n))
         pages = [page_of(costs), verdict_page(costs)]
         settings = {"batch": BATCH, "processor": processor(), "units": "operations, ns, s"}
-        results = write(output, _HEADING, pages, settings, "cost.json")
+        results = write(output, _HEADING, pages, settings, "cost.json", "cost")
     if progress:
         show(pages)
         say(pages[-1])

@@ -53,11 +53,11 @@ def run(output: Path, *, progress: bool = True) -> dict[str, Any]:
     Raises:
         InputError: output is no folder, cannot be written, or holds a report by others.
     """
-    output = checked_folder(output, "results.json")
+    output = checked_folder(output, "results.json", "paper")
     with styled(), Progress(console=Console(stderr=True), disable=not progress, transient=True) as bar:
         pages = _made(bar)
         drawing = bar.add_task("writing the report", total=None)
-        results = write(output, _HEADING, pages, _SETTINGS, "results.json")
+        results = write(output, _HEADING, pages, _SETTINGS, "results.json", "paper")
         bar.remove_task(drawing)
     if progress:
         show(pages)
