@@ -92,6 +92,14 @@ def test_an_effect_switched_off_again_gives_the_earlier_number(bench, table):
         np.testing.assert_array_equal(runs.error(EFFECTS[:k], EFFECTS[:k]), _before(table, k))
 
 
+def test_a_loop_whose_log_was_wanted_is_not_run_again_for_its_errors(bench, monkeypatch):
+    runs, counted, run = Runs(bench), [], Bench.run
+    monkeypatch.setattr(Bench, "run", lambda *given: counted.append(given) or run(*given))
+    log = runs.log((ERROR,), ())
+    np.testing.assert_array_equal(runs.error((ERROR,), ()), np.rad2deg(log.rms("position_error")))
+    assert len(counted) == 1
+
+
 def _before(table, k):
     return table["added"][EFFECTS[k - 1]]["known"] if k else table["without effects"]
 

@@ -25,8 +25,9 @@ MOSTLY = 0.95
 
 def page(bench: Bench) -> Page:
     runs = Runs(bench)
-    found = shares(runs)
+    # whose errors shares need, too
     known = {name: runs.log((sizes.ERROR,), effects) for name, effects in zip(NAMES, ((), (sizes.ERROR,)), strict=True)}
+    found = shares(runs)
     pictures = (
         Picture("Figure A5", _CAPTION, effects_figures.figure(bench.robot.drives["joint2"], known)),
         Picture(

@@ -58,18 +58,20 @@ class Runs:
 
     def __init__(self, bench: Bench) -> None:
         self._bench = bench
-        self._errors: dict[tuple[frozenset[str], frozenset[str]], Array] = {}
+        self._errors: dict[tuple[frozenset[str], frozenset[str], float], Array] = {}
 
     def log(self, on: Effects, known: Effects, rubs: float = 1.0) -> Log:
         """rubs: times as much as the drives do, the feedforward believes that they rub."""
         plant, model = with_effects(self._bench.robot, on), with_effects(self._bench.robot, known, rubs)
-        return self._bench.run(plant, pd() + Feedforward(model, "elastic"))
+        log = self._bench.run(plant, pd() + Feedforward(model, "elastic"))
+        self._errors[frozenset(on), frozenset(known), rubs] = np.rad2deg(log.rms("position_error"))
+        return log
 
-    def error(self, on: Effects, known: Effects) -> Array:
+    def error(self, on: Effects, known: Effects, rubs: float = 1.0) -> Array:
         """RMS tracking errors of the links, (6,) in degrees."""
-        key = frozenset(on), frozenset(known)
+        key = frozenset(on), frozenset(known), rubs
         if key not in self._errors:
-            self._errors[key] = _degrees(self.log(on, known))
+            self.log(on, known, rubs)
         return self._errors[key]
 
     def share(self, before: Effects, effect: str) -> Share:
@@ -81,14 +83,10 @@ class Runs:
 def shares(runs: Runs) -> Shares:
     added = {effect: runs.share(EFFECTS[:k], effect) for k, effect in enumerate(EFFECTS)}
     alone = {effect: runs.share(needed(effect), effect) for effect in EFFECTS}
-    mistaken = _degrees(runs.log((FRICTION,), (FRICTION,), MISTAKEN))
+    mistaken = runs.error((FRICTION,), (FRICTION,), MISTAKEN)
     return Shares(added, alone, runs.error(EFFECTS, ()), mistaken)
 
 
 def needed(effect: str) -> Effects:
     """What must be there before an effect can."""
     return (NEEDS[effect],) if effect in NEEDS else ()
-
-
-def _degrees(log: Log) -> Array:
-    return np.rad2deg(log.rms("position_error"))
