@@ -36,11 +36,15 @@ class CatalogueSpring:
         return where(deflection < 0, -torque, torque)
 
     def deflection(self, torque: Scalar) -> Scalar:
-        """The inverse law: from the catalogue's corners, in five Newton steps; to 1e-13 where corners are 15-fold."""
-        guess = torque / self.k1
+        """The inverse law: from the catalogue's segments, in five Newton steps; to 1e-13 where corners are 15-fold."""
+        return increasing_root(self.torque, self.tangent, torque, self.straight_deflection(torque), steps=5)
+
+    def straight_deflection(self, torque: Scalar) -> Scalar:
+        """By the catalogue's straight segments, rad (m)."""
+        deflection = torque / self.k1
         for t, stiffness, before in ((self.t1, self.k2, self.k1), (self.t2, self.k3, self.k2)):
-            guess = guess + (torque - clip(torque, -t, t)) * (1 / stiffness - 1 / before)
-        return increasing_root(self.torque, self.tangent, torque, guess, steps=5)
+            deflection = deflection + (torque - clip(torque, -t, t)) * (1 / stiffness - 1 / before)
+        return deflection
 
     @property
     def steepest_corner(self) -> float:

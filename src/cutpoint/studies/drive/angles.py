@@ -1,7 +1,5 @@
 """Panels on what a drive's output does: torsion over torque, and kinematic error over a turn."""
 
-from typing import Any
-
 import numpy as np
 from matplotlib.axes import Axes
 
@@ -34,23 +32,16 @@ def _segments(axes: Axes, spring: CatalogueSpring, peak: float) -> None:
     """What the catalogue draws, with its corners and slopes."""
     corners = np.array([t for t in (float(spring.t1), float(spring.t2)) if t < peak])
     line = np.concatenate([[-peak], -corners[::-1], [0.0], corners, [peak]])
-    axes.plot(_straight(spring, line), line, color=INK, lw=1.0, ls=(0, (5, 3)), label="catalogue's segments")
+    torsion = spring.straight_deflection(line) / ARC_MINUTE
+    axes.plot(torsion, line, color=INK, lw=1.0, ls=(0, (5, 3)), label="catalogue's segments")
     for k, corner in enumerate(corners, start=1):
-        at = float(_straight(spring, corner)), corner
+        at = float(spring.straight_deflection(corner)) / ARC_MINUTE, corner
         axes.plot(*at, "o", color=INK, ms=4)
         axes.annotate(f"$T_{k}$", at, (7, -9), textcoords="offset points")
     values = ", ".join(f"{float(k) / 1e3:.3g}" for k in (spring.k1, spring.k2, spring.k3))
     text = f"$K_1$, $K_2$, $K_3$ = {values} kN m/rad"
     axes.text(0.99, 0.03, text, transform=axes.transAxes, ha="right", fontsize=11)
     axes.set_ylim(-1.12 * peak, 1.12 * peak)
-
-
-def _straight(spring: CatalogueSpring, torque: Any) -> Any:
-    """Torsion by the catalogue's segments, arcmin."""
-    size = np.abs(torque)
-    first, second = np.minimum(size, spring.t1), np.clip(size - spring.t1, 0, spring.t2 - spring.t1)
-    angle = first / spring.k1 + second / spring.k2 + np.maximum(size - spring.t2, 0) / spring.k3
-    return np.sign(torque) * angle / ARC_MINUTE
 
 
 def _loss(axes: Axes, loop: Loop) -> None:

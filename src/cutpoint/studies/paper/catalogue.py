@@ -7,6 +7,7 @@ from matplotlib.figure import Figure
 from scipy.optimize import least_squares
 
 from cutpoint.formats.catalogue_entry import ARC_MINUTE
+from cutpoint.mechanics.catalogue import CatalogueSpring
 from cutpoint.mechanics.compliance import Flexspline
 from cutpoint.reporting.page import Page, Picture, Table, number
 from cutpoint.reporting.style import INK, LINK, MOTOR, SPRING, WIDTH
@@ -30,8 +31,8 @@ class Size(NamedTuple):
 
     def deflection(self, torque: Array) -> Array:
         """Of the catalogue's broken line, rad."""
-        first, second = np.minimum(torque, self.T1), np.clip(torque - self.T1, 0, self.T2 - self.T1)
-        return first / self.K1 + second / self.K2 + np.maximum(torque - self.T2, 0) / self.K3
+        line = CatalogueSpring(self.K1, self.K2, self.K3, self.T1, self.T2)
+        return np.asarray(line.straight_deflection(torque))
 
 
 SIZES = (
