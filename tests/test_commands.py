@@ -71,7 +71,7 @@ def test_the_path_of_a_file_stands_in_one_line_however_long_it_is(tmp_path: Path
         ("picture", ("drive", "CSG-20-100", "--plot", "x.png")),
     ):
         path = str(folder / command[-1])
-        assert f"{word}: {path}\n" in printed(*command[:-1], path)
+        assert f"{word} saved: {path}\n" in printed(*command[:-1], path)
 
 
 def test_what_rounding_leaves_of_a_torque_is_printed_as_none() -> None:
@@ -109,7 +109,7 @@ def test_ctrl_c_saves_what_was_simulated_and_says_so(tmp_path: Path, monkeypatch
     monkeypatch.setattr(runner, "run_samples", run_samples)
     result = CliRunner().invoke(app, [*arguments, "run.npz"])
     assert result.exit_code == 130
-    assert re.search(r"log: run.npz\s+interrupted at t = [0-9.]+ s; the log holds", result.output)
+    assert re.search(r"log saved: run.npz\s+interrupted at t = [0-9.]+ s; the log holds", result.output)
     assert len(Log.load("run.npz").time) == heard[1] > 0
     monkeypatch.setattr(cutpoint, "simulate", Mock(side_effect=KeyboardInterrupt))
     result = CliRunner().invoke(app, [*arguments, "none.npz"])

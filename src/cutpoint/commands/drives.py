@@ -67,7 +67,7 @@ def check(
     found = sizing(loaded, cycle, dwell=dwell, period=period, life=life)
     if json:
         found.save(json)
-        say_path("numbers", json)
+        say_path("numbers saved", json)
     if plot:
         keep_picture(found.plot(), plot)
     console.print(table_of(found))
@@ -125,4 +125,4 @@ def drive(
         print_drive(name, console)
     if plot:
         save_picture(name, plot)
-        say_path("picture", plot, Console(stderr=True, markup=False, emoji=False) if as_yaml else console)
+        say_path("picture saved", plot, Console(stderr=True, markup=False, emoji=False) if as_yaml else console)

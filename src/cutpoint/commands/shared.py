@@ -198,11 +198,11 @@ def keep(log: "Log", output: Path | None, plot: Path | None) -> None:
         shown = {name: values for name, values in log.channels.items() if name in OF_A_RUN}
         save_figure(replace(log, channels=shown).plot(), plot)
     if output:
-        say_path("log", output)
+        say_path("log saved", output)
     if plot:
-        say_path("picture", plot)
+        say_path("picture saved", plot)
 
 
 def keep_picture(figure: "Figure", plot: Path) -> None:
     save_figure(figure, plot)
-    say_path("picture", plot)
+    say_path("picture saved", plot)
