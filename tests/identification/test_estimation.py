@@ -166,7 +166,7 @@ def test_torques_of_one_joint_that_come_late_are_said_with_its_name():
     (said,) = [note for note in notes if "than the motion that they belong to" in note]
     found = re.match(rf"torques of {recording.joints[1]} come (\S+) \+- \S+ ms later .* unlike those of other", said)
     assert found and float(found[1]) == pytest.approx(10.0, abs=1.5)
-    assert said.endswith("}, ['torque', 'current']) moves these alone")
+    assert said.endswith("}, ('torque', 'current')) moves these alone")
 
 
 def test_a_joint_whose_torques_come_in_time_is_not_said_to_be_late():

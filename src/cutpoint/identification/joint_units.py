@@ -3,7 +3,6 @@
 import re
 from collections.abc import Iterable
 
-from cutpoint.identification.excitation.bounds import units_of
 from cutpoint.robot import Robot
 
 SLIDING = {
@@ -25,8 +24,8 @@ _TURNING = re.compile(rf"(?<![\w/])({'|'.join(map(re.escape, sorted(SLIDING, key
 
 def at_joints(robot: Robot, unit: str) -> dict[str, str]:
     """Of each driven joint, what a unit of one that turns is there."""
-    kinds = zip(robot.joints, units_of(robot), strict=True)
-    return {joint: SLIDING[unit] if kind == "m" else unit for joint, kind in kinds}
+    sliding = robot.mechanism.sliding
+    return {joint: SLIDING[unit] if joint in sliding else unit for joint in robot.joints}
 
 
 def words_at(robot: Robot, joint: str, words: str) -> str:

@@ -33,11 +33,6 @@ def joints_of(robot: Robot) -> list[Joint]:
     return [own[name] for name in robot.joints]
 
 
-def units_of(robot: Robot) -> tuple[str, ...]:
-    """rad or m of each driven joint."""
-    return tuple("m" if joint.kind == "prismatic" else "rad" for joint in joints_of(robot))
-
-
 def bounds_of(
     robot: Robot,
     position: tuple[ArrayLike, ArrayLike] | None,

@@ -10,8 +10,8 @@ from numpy.typing import NDArray
 from cutpoint.door import positive
 from cutpoint.errors import InputError
 from cutpoint.files import check_readable, replacing
-from cutpoint.identification.excitation.bounds import units_of
 from cutpoint.identification.excitation.series import FourierSeries
+from cutpoint.identification.joint_units import at_joints
 from cutpoint.robot import Robot
 from cutpoint.trajectories import Trajectory
 
@@ -98,7 +98,7 @@ def write_csv(path: Path, robot: Robot, trajectory: Trajectory, rate: float) -> 
         rule = f"makes {count} steps of {trajectory.duration:g} s: it must make {LEAST_STEPS} or more"
         raise InputError(f"save_csv: rate {rate} Hz {rule}", rate=rate)
     times = np.linspace(0.0, trajectory.duration, count + 1)
-    columns = [f"{name} [{unit}]" for name, unit in zip(robot.joints, units_of(robot), strict=True)]
+    columns = [f"{name} [{unit}]" for name, unit in at_joints(robot, "rad").items()]
     rows = [",".join(["t [s]", *columns])]
     for t, q in zip(times, trajectory.derivatives(times, 0)[0], strict=True):
         rows.append(",".join([f"{t:.9g}", *(f"{x:.12g}" for x in q)]))

@@ -10,8 +10,9 @@ from numpy.typing import ArrayLike, NDArray
 
 from cutpoint import definitions
 from cutpoint.errors import InputError, unknown_name
-from cutpoint.identification.excitation.bounds import Bounds, units_of
+from cutpoint.identification.excitation.bounds import Bounds
 from cutpoint.identification.excitation.kernels import pullback
+from cutpoint.identification.joint_units import at_joints
 from cutpoint.mechanics.elastic import Options
 from cutpoint.mechanics.kinematics import frame_pose
 from cutpoint.robot import Robot
@@ -79,7 +80,8 @@ def _of_joints(robot: Robot, order: int, low: Array, high: Array) -> Limit:
     """Of a derivative of the positions, in the joints where it is bounded."""
     which = np.flatnonzero(np.isfinite(high))
     suffix = ("", "/s", "/s2")[order]
-    names, units = tuple(robot.joints[k] for k in which), tuple(f"{units_of(robot)[k]}{suffix}" for k in which)
+    names = tuple(robot.joints[k] for k in which)
+    units = tuple(f"{at_joints(robot, 'rad')[joint]}{suffix}" for joint in names)
 
     def gradient(motion: Array, weights: Array) -> Array:
         found = np.zeros_like(motion)
@@ -92,8 +94,8 @@ def _of_joints(robot: Robot, order: int, low: Array, high: Array) -> Limit:
 def _torque(robot: Robot, most: Array) -> Limit:
     """Of the motors at the joints' side, friction overcome: rigid where a drive is, elastic where it bends."""
     which = np.flatnonzero(np.isfinite(most))
-    units = tuple("N" if units_of(robot)[k] == "m" else "N m" for k in which)
     names = tuple(robot.joints[k] for k in which)
+    units = tuple(at_joints(robot, "N m")[joint] for joint in names)
     gradient = pullback(robot, partial(_motor_torque, which=which), (which.size,), 4) if which.size else _none
 
     def values(motion: Array) -> Array:

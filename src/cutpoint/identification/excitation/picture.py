@@ -7,9 +7,9 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
-from cutpoint.identification.excitation.bounds import units_of
 from cutpoint.identification.excitation.limits import Use
 from cutpoint.identification.excitation.series import FourierSeries
+from cutpoint.identification.joint_units import at_joints
 from cutpoint.robot import Robot
 
 Array = NDArray[np.float64]
@@ -29,7 +29,7 @@ def figure_of(robot: Robot, trajectory: FourierSeries, limits: Sequence[Use]) ->
     rows = len(robot.joints)
     figure = Figure(figsize=(0.6 + 3 * AXIS_WIDTH, 0.6 + AXIS_HEIGHT * rows), layout="constrained")
     axes = figure.subplots(rows, 3, sharex=True, squeeze=False)
-    for k, (name, unit) in enumerate(zip(robot.joints, units_of(robot), strict=True)):
+    for k, (name, unit) in enumerate(at_joints(robot, "rad").items()):
         shown, factor = ("deg", 180.0 / np.pi) if unit == "rad" else ("m", 1.0)
         force = "N m" if unit == "rad" else "N"
         _draw(axes[k, 0], time, factor * motion[0][:, k], factor, stated.get(("position", name)))

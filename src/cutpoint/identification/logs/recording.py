@@ -16,6 +16,9 @@ Array = NDArray[np.float64]
 QUANTITIES = ("q", "theta", "v", "theta_dot", "torque", "current")
 """The channels that a recording may have."""
 
+EFFORTS = ("torque", "current")
+"""Those of what the motors do."""
+
 UNEVEN = 1e-3
 """Share of the period by which steps of a uniform time may differ: what text files round away."""
 

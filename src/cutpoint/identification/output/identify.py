@@ -18,7 +18,7 @@ from cutpoint.identification.conditioning.spikes import without_spikes
 from cutpoint.identification.drives.identify_drives import DriveEstimates, encoder_steps
 from cutpoint.identification.joint_units import at_joints, words_at
 from cutpoint.identification.logs.read_recording import read_recording
-from cutpoint.identification.logs.recording import UNEVEN, Array, Recording
+from cutpoint.identification.logs.recording import EFFORTS, UNEVEN, Array, Recording
 from cutpoint.identification.logs.suspicions import refuse_degrees, suspicions
 from cutpoint.identification.one_thread import by_one_thread
 from cutpoint.identification.output.drive_numbers import drive_numbers
@@ -29,7 +29,6 @@ from cutpoint.identification.output.numbers import Number, rigid_numbers
 from cutpoint.identification.output.steps import Steps
 from cutpoint.identification.output.torque_errors import TorqueErrors, torque_errors
 from cutpoint.identification.rigid.identify_rigid import FrictionWish, Method
-from cutpoint.identification.rigid.lateness import EFFORTS
 from cutpoint.identification.rigid.physical import Solver
 from cutpoint.loading import load
 from cutpoint.robot import Robot

@@ -7,6 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.interpolate import CubicSpline
 
+from cutpoint.identification.logs.recording import EFFORTS
 from cutpoint.identification.rigid.least_squares import Estimate, least_squares
 from cutpoint.identification.rigid.regression import Regression
 
@@ -31,9 +32,6 @@ UNMODELLED_BENT = 1e-3
 LESS = 0.8
 """Of what delays leave over: where something else leaves less than that, it is no delay.  In trials it was 0.9 to 1.1
 where torques were late, and 0.1 to 0.6 where friction was on both sides, but for one joint of six: hence their mean."""
-
-EFFORTS = ["torque", "current"]
-"""Channels of which `aligned` moves those that were recorded."""
 
 
 def lateness_notes(found: Regression, values: Array, beside: Array, joints: Sequence[str], bend: bool) -> list[str]:
