@@ -90,7 +90,7 @@ def _first(data: Deflections, law: SpringLaw, free: Array) -> DeflectionFit:
     target = data.lead - spring
     weights = np.linalg.lstsq(free, target)[0].astype(np.float64)
     columns = np.column_stack([law.columns(constants, data.torque), free])
-    tangent = np.asarray(law.make(constants).tangent(spring))
+    tangent = np.asarray(law.spring(constants).tangent(spring))
     left = target - free @ weights
     none, zero = np.empty(0), np.zeros_like(left)
     return DeflectionFit(
@@ -125,7 +125,7 @@ def _round(data: Deflections, before: DeflectionFit, free: _Free, damped: bool) 
         stiffness=found["elements"],
         damping=float(found["damping"].sum()),
         reaches=reaches,
-        tangent=np.asarray(before.law.make(constants).tangent(wound)),
+        tangent=np.asarray(before.law.spring(constants).tangent(wound)),
         beside=np.sum([blocks[name] @ found[name] for name in BESIDE], axis=0),
         columns=columns,
         residual=target - columns @ weights,

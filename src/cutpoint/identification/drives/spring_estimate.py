@@ -97,7 +97,7 @@ def estimate_of(
     why = {thing: sentence for thing, sentence in sentences.items() if sentence}
     return SpringEstimate(
         law=fit.law.name,
-        compliance=fit.law.make(fit.constants),
+        compliance=fit.law.spring(fit.constants),
         damping=fit.damping if damping and "damping" not in why else None,
         kinematic_error=None if "kinematic_error" in why else waves(orders, fit.waves),
         hysteresis=None if "hysteresis" in why else slipping(fit.stiffness, fit.reaches),

@@ -4,8 +4,9 @@ Whatever else the deflection is made of is linear in its unknowns and is project
 law's own constants.  Golub and Pereyra (1973), SIAM J. Numer. Anal. 10(2).
 """
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from functools import cache
 from itertools import combinations
 from typing import Any
 
@@ -13,8 +14,10 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.optimize import least_squares
 
+from cutpoint import kernels
 from cutpoint.mechanics.catalogue import CatalogueSpring
 from cutpoint.mechanics.compliance import Flexspline, LinearSpring
+from cutpoint.scalars import Scalar
 
 Array = NDArray[np.float64]
 Projection = Callable[[Array], Array]
@@ -42,22 +45,33 @@ class SpringLaw:
 
     name: str
     constants: tuple[str, ...]
-    make: Callable[[Array], Any]
+    make: Callable[[Sequence[Scalar]], Any]
     starts: Callable[[Array, Array, float, Projection], list[Array]]
     stiffnesses: int = 1
 
     def deflection(self, constants: Array, torque: Array) -> Array:
-        return np.asarray(self.make(constants).deflection(torque), dtype=np.float64)
+        """(N,), rad, under torque (N,)."""
+        return np.asarray(_compiled(self)[0](constants, torque))
 
     def columns(self, constants: Array, torque: Array) -> Array:
         """Derivatives (N, p) of the deflection by the constants."""
-        found = []
-        for k, value in enumerate(constants):
-            step = np.zeros_like(constants)
-            step[k] = 1e-5 * value
-            change = self.deflection(constants + step, torque) - self.deflection(constants - step, torque)
-            found.append(change / (2.0 * step[k]))
-        return np.column_stack(found)
+        return np.asarray(_compiled(self)[1](constants, torque).d_result_d_constants)
+
+    def spring(self, constants: Array) -> Any:
+        """The law of these constants."""
+        return self.make(constants.tolist())
+
+
+@cache
+def _compiled(law: SpringLaw) -> tuple[kernels.Kernel, kernels.Kernel]:
+    """Its deflection and derivatives."""
+
+    def deflection(constants: Sequence[Scalar], torque: Scalar) -> Any:
+        return law.make(constants).deflection(torque)
+
+    slopes = kernels.jacobian_of(deflection, with_respect_to=["constants"])
+    both = (kernels.compile(function, constants=len(law.constants), torque=()) for function in (deflection, slopes))
+    return next(both), next(both)
 
 
 def fitted(law: SpringLaw, torque: Array, rest: Array, project: Projection, near: Array | None = None) -> Array:
@@ -69,13 +83,19 @@ def fitted(law: SpringLaw, torque: Array, rest: Array, project: Projection, near
     for start in law.starts(torque, rest, _slope(project(torque), target), project) if near is None else [near]:
 
         def error(logarithms: Array) -> Array:
-            with np.errstate(all="ignore"):
-                left = (target - project(law.deflection(np.exp(logarithms), torque))) / scale
+            left = (target - project(law.deflection(np.exp(logarithms), torque))) / scale
             # constants for which the law cannot be inverted explain nothing
             return left if np.isfinite(left).all() else np.ones_like(left)
 
+        def slopes(logarithms: Array) -> Array:
+            constants = np.exp(logarithms)
+            found = -project(law.columns(constants, torque) * constants) / scale
+            return found if np.isfinite(found).all() else np.zeros_like(found)
+
         origin = np.log(start)
-        found = least_squares(error, origin, bounds=(origin - FARTHEST, origin + FARTHEST), x_scale=0.3, max_nfev=30)
+        bounds = origin - FARTHEST, origin + FARTHEST
+        jac: Any = slopes  # SciPy's stubs know of names alone
+        found = least_squares(error, origin, jac, bounds=bounds, x_scale=0.3, max_nfev=30)
         if best is None or found.cost < best.cost:
             best = found
     return np.exp(best.x)
@@ -113,14 +133,12 @@ def _catalogue_starts(torque: Array, rest: Array, compliance: float, project: Pr
     return starts or [np.array([1.0 / compliance] * 3 + [0.3 * largest, 0.4 * largest])]
 
 
-LINEAR = SpringLaw("linear", ("stiffness",), lambda c: LinearSpring(float(c[0])), _linear_starts)
-FLEXSPLINE = SpringLaw(
-    "flexspline", ("stiffness", "hardening"), lambda c: Flexspline(float(c[0]), float(c[1])), _flexspline_starts
-)
+LINEAR = SpringLaw("linear", ("stiffness",), lambda c: LinearSpring(*c), _linear_starts)
+FLEXSPLINE = SpringLaw("flexspline", ("stiffness", "hardening"), lambda c: Flexspline(*c), _flexspline_starts)
 CATALOGUE = SpringLaw(
     "catalogue",
     ("k1", "k2", "k3", "t1", "t2 - t1"),
-    lambda c: CatalogueSpring(*(float(x) for x in (*c[:4], c[3] + c[4]))),
+    lambda c: CatalogueSpring(c[0], c[1], c[2], c[3], c[3] + c[4]),
     _catalogue_starts,
     stiffnesses=3,
 )
@@ -133,15 +151,15 @@ class _Stiffer:
     """A curve, stiffer by a factor."""
 
     curve: Any
-    factor: float
+    factor: Scalar
 
-    def deflection(self, torque: Array) -> Any:
+    def deflection(self, torque: Scalar) -> Any:
         return self.curve.deflection(torque / self.factor)
 
-    def tangent(self, deflection: Array) -> Any:
+    def tangent(self, deflection: Scalar) -> Any:
         return self.factor * self.curve.tangent(deflection)
 
 
 def as_stated(curve: Any) -> SpringLaw:
     """The curve that a file states, of which one factor alone is sought."""
-    return SpringLaw("as stated", ("factor",), lambda c: _Stiffer(curve, float(c[0])), lambda *_: [np.ones(1)])
+    return SpringLaw("as stated", ("factor",), lambda c: _Stiffer(curve, *c), lambda *_: [np.ones(1)])
