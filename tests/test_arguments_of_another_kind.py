@@ -115,7 +115,7 @@ LINEAR = {"frequencies": [1.0, 2.0], "joint": "joint1"}
         ),
         (
             lambda: identify_rigid(robot("xia2019"), recording(), rotor_errors={"joint1": -1.0}),
-            r"identify_rigid: rotor_errors\['joint1'\] -1.0 kg m2 must not be negative",
+            r"identify_rigid: rotor_errors\['joint1'\] -1.0 kg m2 must be finite",
         ),
         (lambda: identify_rigid(robot("xia2019"), recording(), level="most"), r"level must be one number, got 'most'"),
         (lambda: identify(robot("xia2019"), recording(), hold_out="0.3"), r"hold_out must be one number, got '0.3'"),
