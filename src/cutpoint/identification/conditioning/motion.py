@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 from cutpoint.errors import InputError, those_that_exist, unknown_name
 from cutpoint.identification.conditioning.filtering import LITTLE, STILL, derivative, low_pass, noise_cutoff
 from cutpoint.identification.logs.recording import Recording
+from cutpoint.mechanics.friction import Sliding
 from cutpoint.robot import Robot
 
 Array = NDArray[np.float64]
@@ -73,6 +74,15 @@ def _without_noise_at_rest(positions: Array) -> Array:
     high = np.max(positions, axis=0, where=known, initial=-np.inf)
     stands = high - low <= min(STILL * np.max(high - low), LITTLE)
     return np.where(known & stands, (low + high) / 2.0, positions)
+
+
+def check_friction(function: str, robot: Robot) -> None:
+    """Raises InputError for friction whose numbers cannot be sought."""
+    for joint, drive in robot.drives.items():
+        for law in (drive.link_friction, drive.motor_friction):
+            if law is not None and not isinstance(getattr(law, "sliding", law), Sliding):
+                rule = "its numbers cannot be sought: state Coulomb's or Stribeck's law, or bristles that slide by one"
+                raise InputError(f"{function}: friction of {joint!r} is a {type(law).__name__}, {rule}", joint=joint)
 
 
 def slide_with_motors(robot: Robot) -> NDArray[np.bool_]:

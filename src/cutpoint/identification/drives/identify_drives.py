@@ -9,6 +9,7 @@ from numpy.typing import ArrayLike
 
 from cutpoint.errors import CutpointError, InputError
 from cutpoint.identification.conditioning.filtering import derivative, low_pass, noise_cutoff
+from cutpoint.identification.conditioning.motion import check_friction
 from cutpoint.identification.drives.joint_torques import beyond_coulomb, link_torque
 from cutpoint.identification.drives.one_drive import NARROWER, Channels, DriveEstimate, drive_of
 from cutpoint.identification.drives.rotor import late
@@ -16,7 +17,6 @@ from cutpoint.identification.drives.two_encoders import smallest_step
 from cutpoint.identification.joint_units import words_at
 from cutpoint.identification.logs.recording import Array, Recording, check_recording
 from cutpoint.identification.one_thread import by_one_thread
-from cutpoint.identification.rigid.rigid_robot import check_friction
 from cutpoint.robot import Robot, check_robot
 
 

@@ -186,4 +186,4 @@ def _best_smoothing(speed: Array, passed: Array, free: int, period: float, band:
 def late(values: Array, period: float, delay: float) -> Array:
     """A channel (N,) that acts later than it is stamped, as it acts: linear between samples."""
     time, known = period * np.arange(values.size), np.isfinite(values)
-    return np.interp(time - delay, time[known], values[known])
+    return np.interp(time - delay, time[known], values[known]) if known.any() else values

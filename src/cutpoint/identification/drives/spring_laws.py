@@ -6,7 +6,7 @@ law's own constants.  Golub and Pereyra (1973), SIAM J. Numer. Anal. 10(2).
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from functools import cache
+from functools import lru_cache
 from itertools import combinations
 from typing import Any
 
@@ -62,7 +62,7 @@ class SpringLaw:
         return self.make(constants.tolist())
 
 
-@cache
+@lru_cache(maxsize=8)
 def _compiled(law: SpringLaw) -> tuple[kernels.Kernel, kernels.Kernel]:
     """Its deflection and derivatives."""
 

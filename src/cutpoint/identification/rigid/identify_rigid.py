@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from cutpoint.door import check_kind, checked_name, number
 from cutpoint.errors import InputError, unknown_name
 from cutpoint.identification.conditioning.decimation import decimation
-from cutpoint.identification.conditioning.motion import Motion, motion_of, sliding_speeds, torques_of
+from cutpoint.identification.conditioning.motion import Motion, check_friction, motion_of, sliding_speeds, torques_of
 from cutpoint.identification.joint_units import at_joints
 from cutpoint.identification.logs.recording import Recording, check_recording
 from cutpoint.identification.one_thread import by_one_thread
@@ -26,7 +26,6 @@ from cutpoint.identification.rigid.physical_fit import fit_of
 from cutpoint.identification.rigid.regression import Regression, regression
 from cutpoint.identification.rigid.rigid_estimate import Fitted, Log, RigidEstimate, estimate_of, sizes_of_others
 from cutpoint.identification.rigid.rigid_robot import (
-    check_friction,
     friction_of_links,
     is_stated,
     laws_with,

@@ -7,7 +7,6 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from cutpoint.errors import InputError
 from cutpoint.identification.conditioning.motion import Motion, sliding_speeds
 from cutpoint.identification.rigid.bodies import with_parameters
 from cutpoint.identification.rigid.regression import CHUNK
@@ -57,15 +56,6 @@ class RigidModel:
             for j, (joint, drive) in enumerate(robot.drives.items())
         }
         return Robot(with_parameters(robot.mechanism, self.inertial), drives, backend=robot.backend)
-
-
-def check_friction(function: str, robot: Robot) -> None:
-    """Raises InputError for friction whose numbers cannot be sought."""
-    for joint, drive in robot.drives.items():
-        for law in (drive.link_friction, drive.motor_friction):
-            if law is not None and not isinstance(getattr(law, "sliding", law), Sliding):
-                rule = "its numbers cannot be sought: state Coulomb's or Stribeck's law, or bristles that slide by one"
-                raise InputError(f"{function}: friction of {joint!r} is a {type(law).__name__}, {rule}", joint=joint)
 
 
 def link_torques(robot: Robot, motion: Motion, inertial: Array) -> Array:
