@@ -18,8 +18,8 @@ from cutpoint import Backlash, ElastoPlastic, Grease, LinearSpring
 from cutpoint.formats.catalogue import catalogue_drive
 from cutpoint.model import Drive, Motor
 from cutpoint.simulation.plant import sizes
+from cutpoint.studies import drive_effects as effects
 from cutpoint.studies.cost.timing import in_turns
-from cutpoint.studies.paper import effects_drives as effects
 from cutpoint.trajectories import cycloid
 
 PERIODS, FEW, MANY = 20, 100, 300

@@ -16,9 +16,7 @@ from cutpoint import LinearSpring
 from cutpoint.control import Feedforward
 from cutpoint.mechanics.presliding import ElastoPlastic
 from cutpoint.reporting.style import png, styled
-from cutpoint.studies.paper import effects, effects_figures
-from cutpoint.studies.paper.bench import Bench, pd
-from cutpoint.studies.paper.effects_drives import (
+from cutpoint.studies.drive_effects import (
     COLD,
     EFFECTS,
     ERROR,
@@ -32,6 +30,8 @@ from cutpoint.studies.paper.effects_drives import (
     drive_with,
     with_effects,
 )
+from cutpoint.studies.paper import effects, effects_figures
+from cutpoint.studies.paper.bench import Bench, pd
 from cutpoint.studies.paper.effects_runs import Runs, Share, Shares, arm
 from cutpoint.studies.paper.effects_waves import by_order
 from cutpoint.studies.paper.printed import GOAL

@@ -14,7 +14,7 @@ from cutpoint.robot import Robot
 from cutpoint.robots import xia2019
 from cutpoint.studies.chain import Array
 from cutpoint.studies.compare.there_and_back import ThereAndBack
-from cutpoint.studies.paper.effects_drives import GEARS
+from cutpoint.studies.drive_effects import GEARS
 from cutpoint.studies.paper.printed import GOAL
 from cutpoint.studies.sizing.margins import travel_of
 from cutpoint.trajectories import Trajectory, cycloid

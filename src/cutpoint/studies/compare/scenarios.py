@@ -12,8 +12,7 @@ from cutpoint.robot import Robot
 from cutpoint.simulation import Sensors
 from cutpoint.studies.chain import Array
 from cutpoint.studies.compare.bench import FAST, SLOW, USUAL, Bench
-from cutpoint.studies.paper.bench import DAMPING
-from cutpoint.studies.paper.effects_drives import (
+from cutpoint.studies.drive_effects import (
     ERROR,
     FRICTION,
     HYSTERESIS,
@@ -23,6 +22,7 @@ from cutpoint.studies.paper.effects_drives import (
     STIFFNESS,
     drive_with,
 )
+from cutpoint.studies.paper.bench import DAMPING
 from cutpoint.trajectories import Trajectory
 
 TURN = 2 * np.pi

@@ -9,8 +9,8 @@ from cutpoint.formats.catalogue_entry import ARC_MINUTE
 from cutpoint.mechanics.friction import STATED_AT, Coulomb
 from cutpoint.reporting.page import Page, Picture, listed, number
 from cutpoint.robot import Robot
+from cutpoint.studies import drive_effects as sizes
 from cutpoint.studies.paper import effects_bars, effects_figures
-from cutpoint.studies.paper import effects_drives as sizes
 from cutpoint.studies.paper.bench import KP, PERIOD, Bench
 from cutpoint.studies.paper.effects_runs import MISTAKEN, Runs, Share, Shares, arm, shares
 from cutpoint.studies.paper.effects_tables import NAMES, results, tables

@@ -18,7 +18,7 @@ from cutpoint.reporting.style import FAINT, FORCE, INK, LINK, MOTOR, MOTOR_FILL,
 from cutpoint.simulation import Log
 from cutpoint.studies.chain import Array
 from cutpoint.studies.drive.loop import Wound, branch, cycle, wound_to
-from cutpoint.studies.paper.effects_drives import (
+from cutpoint.studies.drive_effects import (
     ASYMMETRY,
     COLD,
     EFFECTS,

@@ -7,8 +7,8 @@ import numpy as np
 from cutpoint.control import Feedforward
 from cutpoint.simulation import Log
 from cutpoint.studies.chain import Array
+from cutpoint.studies.drive_effects import EFFECTS, FRICTION, NEEDS, with_effects
 from cutpoint.studies.paper.bench import Bench, pd
-from cutpoint.studies.paper.effects_drives import EFFECTS, FRICTION, NEEDS, with_effects
 
 Effects = tuple[str, ...]
 

@@ -3,7 +3,7 @@
 from collections.abc import Mapping
 
 from cutpoint.reporting.page import Table, number, row
-from cutpoint.studies.paper import effects_drives as sizes
+from cutpoint.studies import drive_effects as sizes
 from cutpoint.studies.paper.effects_runs import MISTAKEN, Share, Shares, arm
 from cutpoint.studies.paper.printed import JOINTS
 

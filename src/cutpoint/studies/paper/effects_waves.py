@@ -11,7 +11,7 @@ from cutpoint.model.drive import Drive
 from cutpoint.reporting.style import FORCE, INK, LINK, MOTOR, MOTOR_FILL, SPRING
 from cutpoint.simulation import Log
 from cutpoint.studies.chain import Array
-from cutpoint.studies.paper.effects_drives import COGGING_ORDER
+from cutpoint.studies.drive_effects import COGGING_ORDER
 
 ORDERS = 10.0
 """Waves a turn to which the spectrum of tracking goes."""

@@ -9,8 +9,8 @@ from cutpoint.control import Feedforward
 from cutpoint.reporting.page import Table, row
 from cutpoint.simulation import Sensors, simulate
 from cutpoint.studies.chain import Array
+from cutpoint.studies.drive_effects import EFFECTS, with_effects
 from cutpoint.studies.paper.bench import PERIOD, Bench, pd
-from cutpoint.studies.paper.effects_drives import EFFECTS, with_effects
 from cutpoint.studies.paper.printed import JOINTS
 
 COUNTS = 2**20, 2**17
