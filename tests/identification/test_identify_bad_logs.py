@@ -292,3 +292,10 @@ def test_an_offset_that_no_file_holds_is_said(files: Path, tmp_path: Path):
         told = " ".join((tmp_path / "out" / name).read_text().split())
         assert re.search(r"1\.[45]\d* N m of elbow(&#x27;|'|&#39;)s torque are an offset", told), name
         assert "of shoulder's torque are an offset" not in told
+
+
+@pytest.mark.parametrize(("options", "named"), [({"method": "least"}, "method"), ({"solver": "sdp"}, "solver")])
+def test_an_argument_that_is_wrong_is_told_before_any_log_is_read(options: Any, named: str):
+    with pytest.raises(InputError, match=f"no {named} .*is named") as caught:
+        identify("arm.urdf", "missing.csv", **options)
+    assert "missing.csv" not in str(caught.value)

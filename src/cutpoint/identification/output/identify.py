@@ -28,8 +28,8 @@ from cutpoint.identification.output.identification import Identification
 from cutpoint.identification.output.numbers import Number, rigid_numbers
 from cutpoint.identification.output.steps import Steps
 from cutpoint.identification.output.torque_errors import TorqueErrors, torque_errors
-from cutpoint.identification.rigid.identify_rigid import FrictionWish, Method
-from cutpoint.identification.rigid.physical import Solver
+from cutpoint.identification.rigid.identify_rigid import FrictionWish, Method, check_method
+from cutpoint.identification.rigid.physical import Solver, check_solver
 from cutpoint.loading import load
 from cutpoint.robot import Robot
 
@@ -81,6 +81,8 @@ def identify(
     torque_delay = number("identify", "torque_delay", torque_delay, "s")
     if not 0.0 <= number("identify", "hold_out", hold_out) <= MOST_HELD:
         raise InputError(f"hold_out {hold_out} must be a share of the log, 0 to {MOST_HELD}", hold_out=hold_out)
+    check_method(method)
+    check_solver(solver)
     filters = {"cutoff": cutoff, "bandwidth": bandwidth}
     how: dict[str, Any] = {"rotors": rotors, "method": method, "solver": solver} | filters
     how["torque_constants"] = torque_constants

@@ -158,9 +158,14 @@ def explained(motion: Motion, bandwidth: float | None) -> float:
     return min(motion.cutoff, BANDWIDTH) if bandwidth is None else bandwidth
 
 
-def _check(method: str, instruments: Recording | None, level: float, spread: float) -> None:
+def check_method(method: str) -> None:
+    """Raises InputError for a method of `identify_rigid` that there is not."""
     if method not in (*METHODS, "instrumental"):
         raise unknown_name("method of identification", method, (*METHODS, "instrumental"))
+
+
+def _check(method: str, instruments: Recording | None, level: float, spread: float) -> None:
+    check_method(method)
     if instruments is not None:
         check_recording("identify_rigid", instruments)
     if instruments is not None and method != "instrumental":
