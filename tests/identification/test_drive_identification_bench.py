@@ -227,15 +227,16 @@ def test_unknown_samples_do_not_count():
     assert found.values[0] == pytest.approx(12e3, rel=1e-3)
 
 
-def test_a_current_tells_the_torque_constant_beside_inertia_and_friction():
+@pytest.mark.parametrize("sign", [1.0, -1.0])
+def test_a_current_tells_the_torque_constant_beside_inertia_and_friction(sign: float):
     rng = np.random.default_rng(4)
     rate, phase = TURN * np.array([0.4, 1.1, 2.3]), rng.uniform(0.0, TURN, 3)
     angle = T[:, None] * rate + phase
     theta, speed, acceleration = ((0.3 * rate**k * np.sin(angle + k * np.pi / 2)).sum(axis=1) for k in range(3))
     load = 12.0 * np.sin(theta) + 3.0 * np.sin(TURN * 0.7 * T)
     torque = 0.15 * acceleration + load + 2.0 * np.tanh(speed / 0.05) + 0.8 * speed
-    found = motor_side(theta, load, PERIOD, RATIO, current=torque / (RATIO * 0.07), cutoff=30.0)
-    assert found.torque_constant == pytest.approx(0.07, rel=2e-3)
+    found = motor_side(theta, load, PERIOD, RATIO, current=sign * torque / (RATIO * 0.07), cutoff=30.0)
+    assert found.torque_constant == pytest.approx(sign * 0.07, rel=2e-3)
     assert found.inertia == pytest.approx(0.15 / RATIO**2, rel=5e-3)
     assert found.friction is not None
     assert found.friction.coulomb == pytest.approx(2.0, rel=0.02)

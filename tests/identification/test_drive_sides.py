@@ -117,3 +117,23 @@ def test_lateness_that_friction_hides_is_named_beside_it():
     assert late is not None
     assert float(late[1]) == pytest.approx(0.5, rel=0.2)
     assert "motor friction" not in found.joints["axle"].unidentifiable
+
+
+def test_noise_of_currents_makes_no_torque_constant_smaller():
+    """Nor what is scaled by it."""
+    recording = swung(pendulum(), with_friction(TRUE, "motor"), DURATION, torque_noise=5.0)
+    currents = replace(recording, torque=None, current=0.2 * np.array(recording["torque"]))
+    stated = pendulum().with_drives({"axle": with_friction(pendulum().drives["axle"], "motor")})
+    joint = identify_drives(stated, currents).joints["axle"]
+    assert joint.rotor["gain"] == pytest.approx(5.0, abs=2.5 * joint.rotor.deviations["gain"])
+    assert joint.rotor.deviations["gain"] < 0.1
+    assert within(joint.spring["stiffness"], joint.spring.deviations["stiffness"], STIFFNESS, 0.0)
+
+
+def test_a_current_that_only_accelerates_does_not_tell_how_much_torque_it_is():
+    """Inertia of the rotor and that of the link ask for currents alike."""
+    wheel = cutpoint.Robot(replace(pendulum().mechanism, gravity=np.zeros(3)), pendulum().drives)
+    recording = swung(wheel, with_friction(TRUE, "motor"), DURATION, torque_noise=20.0)
+    currents = replace(recording, torque=None, current=0.2 * np.array(recording["torque"]))
+    failed = identify_drives(wheel, currents).failed
+    assert re.match(r"gain .* N m/A at the joint is not told to 10% of it: .*, or give torques", failed["axle"])

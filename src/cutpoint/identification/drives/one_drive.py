@@ -6,6 +6,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
+from cutpoint.errors import InputError
 from cutpoint.identification.conditioning.filtering import HIGHEST, low_pass_together, noise_cutoff
 from cutpoint.identification.drives.acceleration_noise import clear_acceleration, noise_density
 from cutpoint.identification.drives.deflections import TorqueReading
@@ -89,6 +90,7 @@ def drive_of(joint: Channels, drive: Drive, resolution: float, cutoff: float) ->
     """From the links' torque to the spring, to the rotor, to the motor's torque, to the spring again.
 
     resolution: of both encoders together, rad at the joint's side.  cutoff: Hz, for the rotor.
+    Raises InputError: currents that do not tell how much torque they are, or channels that tell no drive.
     """
     ratio, period, kind = drive.ratio, joint.period, "current" if joint.is_current else "torque"
     joint, shows_play = _beyond_play(joint, drive, resolution)
@@ -103,6 +105,8 @@ def drive_of(joint: Channels, drive: Drive, resolution: float, cutoff: float) ->
         delay=joint.delay,
         **{kind: joint.effort},
     )
+    if why := rotor.unidentifiable.get("torque constant"):
+        raise InputError(f"motor_side: {why}, or give torques")
     spring, rotor, apart = _from_motor(joint, ratio, spring, rotor, resolution, spring_of(drive.compliance))
     link = None
     if apart and not stated:

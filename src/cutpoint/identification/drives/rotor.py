@@ -116,18 +116,27 @@ def motor_side(
     band = noise_cutoff(load, period) if cutoff is None else cutoff
     speed = derivative(low_pass(angle, period, min(WIDER * band, BELOW_HALF / period)), period)
     drive = drive if delay is None else late(drive, period, delay)
-    fixed = _terms(angle, drive, period, with_delay=delay is None, with_gain=current is not None)
-    target = np.asarray(transmission, dtype=np.float64) * load - (drive if current is None else 0.0)
+    fixed = _terms(angle, drive, period, with_delay=delay is None)
+    borne, target = np.asarray(transmission, dtype=np.float64) * load, -drive
+    if current is None:
+        target = target + borne
+    else:  # the noise is the current's: all else is found over the gain, and that as one over it
+        fixed["gain"] = -borne
     passed = np.column_stack(low_pass_together([*fixed.values(), -speed, target], period, band))
     if np.isfinite(passed).all(axis=1).sum() < LEAST_SAMPLES:
         raise InputError(f"motor_side: less than {LEAST_SAMPLES} samples are left by a filter of {band:.3g} Hz")
 
+    sign = 1.0 if current is None else _sign(passed, [*fixed].index("gain"))
+    passed[:, -1] *= sign  # a current that counts the other way
     smoothing = _best_smoothing(speed, passed, len(fixed), period, band)
     columns, weights, residual = _fit(smoothing, speed, passed, len(fixed), period, band)
     spread, scatter = covariance(columns, residual), float(np.sqrt(np.mean(residual**2)))
     names = (*fixed, "viscous", "coulomb")
-    if delay is None and current is not None:
-        weights, spread = _with_own_delay(names, weights, spread)
+    if current is not None:
+        weights, spread = _by_gain(names, weights, spread)
+        scatter *= float(weights[names.index("gain")])
+        turned = np.where(np.array(names) == "gain", sign, 1.0)
+        weights, spread = turned * weights, np.outer(turned, turned) * spread
     return RotorEstimate(names, weights, spread, smoothing, scatter, ratio)
 
 
@@ -142,20 +151,35 @@ def _checked(theta: ArrayLike, joint_torque: ArrayLike, effort: ArrayLike | None
     return angle, load, drive
 
 
-def _terms(angle: Array, drive: Array, period: float, *, with_delay: bool, with_gain: bool) -> dict[str, Array]:
+def _terms(angle: Array, drive: Array, period: float, *, with_delay: bool) -> dict[str, Array]:
     """Columns (N,) of the unknowns that may be of either sign, by name."""
     terms = {"inertia": -derivative(angle, period, 2), "offset": np.ones_like(angle)}
     if with_delay:
         terms["delay"] = -np.gradient(drive, period)
-    if with_gain:
-        terms["gain"] = drive
     return terms
 
 
-def _with_own_delay(names: tuple[str, ...], weights: Array, spread: Array) -> tuple[Array, Array]:
-    """Weights and covariance with the delay in s: its column came with the torque constant."""
-    scale = np.where(np.array(names) == "delay", 1.0 / weights[names.index("gain")], 1.0)
-    return weights * scale, spread * np.outer(scale, scale)
+def _sign(passed: Array, column: int) -> float:
+    """Of the gain, by plain least squares: friction takes energy by the right one alone."""
+    known = passed[np.isfinite(passed).all(axis=1)]
+    return -1.0 if np.linalg.lstsq(known[:, :-1], known[:, -1])[0][column] < 0.0 else 1.0
+
+
+def _by_gain(names: tuple[str, ...], weights: Array, spread: Array) -> tuple[Array, Array]:
+    """Values and covariance of unknowns that were found over the gain, the delay as it is, and that as one over it."""
+    k = names.index("gain")
+    # what is less than its own deviation is not told, however little less
+    least = float(np.sqrt(spread[k, k])) if np.isfinite(spread[k, k]) else 0.0
+    gain = 1.0 / max(float(weights[k]), least, np.finfo(float).eps)
+    scaled = np.array([name not in ("gain", "delay") for name in names])
+    values = np.where(scaled, gain * weights, weights)
+    slopes = np.diag(np.where(scaled, gain, 1.0))
+    slopes[:, k] -= np.where(scaled, gain * values, 0.0)
+    values[k], slopes[k, k] = gain, -(gain**2)
+    unseen = np.isinf(np.diag(spread)) | (np.isinf(spread[k, k]) & scaled)
+    found = slopes @ np.where(np.isfinite(spread), spread, 0.0) @ slopes.T
+    found[unseen, unseen] = np.inf
+    return values, found
 
 
 def _fit(
