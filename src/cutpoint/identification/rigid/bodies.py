@@ -22,11 +22,11 @@ MASS = 1e-3
 """Of the mean body: the least mass that a body is taken to have, where the file states less."""
 
 RADIUS = 0.03
-"""The least radius of gyration in any direction, of the body's largest: as of a thin rod."""
+"""The least radius of gyration in any direction, of the robot's longest distance between joints, as of a thin rod; of a
+body that is smaller its largest one."""
 
 POINT = 0.01
-"""Of the robot's longest distance between joints: a body that is smaller is taken for one of no size, and then to be as
-large as that distance."""
+"""Of that radius: a body that is smaller is a point."""
 
 THINNEST = 1e-7
 """Least eigenvalue of X that is kept: a body flatter than that is rounding's."""
@@ -82,8 +82,8 @@ def _with_volume(L: Array, mass: float, longest: float) -> Array:
     m = max(float(L[3, 3]), mass)
     com = L[:3, 3] / m
     values, vectors = np.linalg.eigh(L[:3, :3] - m * np.outer(com, com))
-    own = float(np.sqrt(max(values[-1], 0.0) / m))
-    radius = RADIUS * (own if own > POINT * longest else longest or 1.0)
+    own, radius = float(np.sqrt(max(values[-1], 0.0) / m)), RADIUS * (longest or 1.0)
+    radius = min(own, radius) if own > POINT * radius else radius
     S = (vectors * np.maximum(values, m * radius**2)) @ vectors.T
     grown = np.empty((4, 4))
     grown[:3, :3] = S + m * np.outer(com, com)
