@@ -10,16 +10,20 @@ import pytest
 from scipy.signal import lfilter
 from scipy.stats import binom
 from simulated_logs import NOISE, Known, exists, known_arm, recorded
+from two_joints import two_joints
 
 from cutpoint import Coulomb, Drive, Grease, Robot, Rotor
 from cutpoint.errors import CutpointError, InputError
 from cutpoint.formats import parse_urdf
 from cutpoint.identification import Recording
+from cutpoint.identification.conditioning.motion import motion_of, slide_with_motors, still_joints
 from cutpoint.identification.rigid.bodies import bodies_of, with_parameters
 from cutpoint.identification.rigid.identify_rigid import Method, identify_rigid
 from cutpoint.identification.rigid.least_squares import least_squares
 from cutpoint.identification.rigid.regression import Regression
 from cutpoint.identification.rigid.rigid_robot import RigidModel, stated_laws
+from cutpoint.model import Joint, Link
+from cutpoint.model.build import build
 
 CUTOFF = 40.0
 ARMS = 20
@@ -58,8 +62,6 @@ def test_identified_bodies_exist_and_predict_new_motions(solver: str, seed: int)
 
 def truly(robot: Robot, file: Robot, recording: Recording) -> np.ndarray:
     """What the true parameters predict of a recording."""
-    from cutpoint.identification.conditioning.motion import motion_of, slide_with_motors
-
     motion = motion_of(robot, recording, CUTOFF)
     rotors = np.array([float(drive.reflected_inertia) for drive in robot.drives.values()])
     laws = stated_laws(robot, motion)
@@ -287,21 +289,17 @@ def test_friction_of_links_is_load_of_their_drives(seed: int, stated: bool):
 
 
 def test_a_rotor_that_weighs_nothing_is_not_the_files():
-    arm = known_arm(0)
-    true = arm.robot.with_drives({j: replace(drive, rotor=Rotor(0.0)) for j, drive in arm.robot.drives.items()})
-    found = identify_rigid(arm.file, recorded(true, 0), friction="stated", cutoff=CUTOFF)
-    reflected = [float(drive.reflected_inertia) for drive in found.robot.drives.values()]
-    assert reflected == pytest.approx(found.model.rotors.tolist(), abs=1e-12)
+    file = known_arm(0).file
+    laws = {joint: Coulomb(1.0, 0.5, 0.05) for joint in file.joints}
+    model = RigidModel(file.inertial_parameters, np.zeros(3), np.zeros(3), laws, {}, slide_with_motors(file))
+    assert [float(drive.reflected_inertia) for drive in model.robot(file).drives.values()] == [0.0] * 3
 
 
-def test_rotors_that_their_links_do_not_hold_are_in_the_bodies_that_are_found():
-    """What this log does not tell stays near the file, with the rotors: the carriers' masses among it."""
-    arm = known_arm(0)
-    heavy = Rotor(2e-5, in_link_inertia=False, mass=2.0, transverse=1e-5)
-    robot = arm.robot.with_drives({j: replace(drive, rotor=heavy) for j, drive in arm.robot.drives.items()})
-    found = identify_rigid(robot, recorded(robot, 0), friction="stated", cutoff=CUTOFF)
-    masses = [body.mass for body in found.robot.mechanism.bodies]
-    assert masses == pytest.approx(robot.inertial_parameters.reshape(-1, 10)[:, 0].tolist(), rel=0.1)
+def test_bodies_are_sought_near_the_files_with_the_rotors_that_their_links_do_not_hold():
+    rotor = Rotor(2e-5, in_link_inertia=False, mass=2.0, transverse=1e-5)
+    robot = two_joints().with_drives(dict.fromkeys(("shoulder", "elbow"), Drive(100.0, rotor)))
+    near = bodies_of(robot).parameters(np.repeat(np.eye(4)[None], 2, axis=0))
+    assert near[::10] == pytest.approx([6.0, 2.5])  # the base carries the shoulder's
 
 
 def test_what_the_model_has_otherwise_than_drives_state_is_said():
@@ -318,6 +316,24 @@ def test_what_the_model_has_otherwise_than_drives_state_is_said():
     motors = replace(recording, theta=1.1 * np.array(recording["q"]))
     own, other = (found.prediction(each, CUTOFF)[:, 1] for each in (recording, motors))
     assert np.array_equal(own, other, equal_nan=True)
+
+
+def wheel(mass: float, inertia: float) -> Robot:
+    link = Link("axle", mass, com=np.zeros(3), inertia=inertia * np.diag([0.5, 0.5, 1.0]))
+    axle = Joint("axle", "continuous", "base", "axle", axis=np.array([0.0, 0.0, 1.0]))
+    return Robot(build("bench", [Link("base"), link], [axle]), {"axle": Drive(ratio=100.0, rotor=Rotor(1e-7))})
+
+
+def test_bodies_that_are_small_beside_the_robot_are_as_their_file_states():
+    parameters = bodies_of(wheel(0.1, 2e-5)).parameters(np.eye(4)[None])
+    assert parameters[[0, 9]] == pytest.approx([0.1, 2e-5])
+
+
+def test_a_joint_that_moves_little_beside_one_that_turns_often_does_not_stand_still():
+    time, arm = 1e-3 * np.arange(8000), known_arm(0, 2).file
+    q = np.column_stack([90.0 * time, 0.25 * np.sin(2.0 * np.pi * time)])
+    recording = Recording(time, arm.joints, q=q, torque=np.ones_like(q))
+    assert still_joints(arm, motion_of(arm, recording, CUTOFF)) == []
 
 
 def test_times_are_those_of_the_recording():
@@ -358,7 +374,7 @@ class OwnFriction:
     [
         (
             {"instruments": "reference.csv", "method": "instrumental"},
-            r"identify_rigid: recording must be a Recording .*, got 'reference.csv'",
+            r"identify_rigid: instruments must be a Recording .*, got 'reference.csv'",
         ),
         (
             {"rotor_errors": [0.1]},
@@ -371,6 +387,8 @@ class OwnFriction:
             r"friction\['joint0'\] must be Coulomb's or Stribeck's law, got 'coulomb'",
         ),
         ({"link_friction": {"elbow": LINK}}, r"no driven joint is named 'elbow'"),
+        ({"link_friction": {"joint0": 3.0}}, r"link_friction\['joint0'\] must be a law of friction, got 3.0"),
+        ({"link_friction": [LINK]}, r"link_friction must be a law for each of some joints, by name"),
         ({"method": "least"}, r"no method of identification is named 'least'; there are: 'ordinary', 'weighted'"),
         ({"solver": "sdp"}, r"no solver is named 'sdp'"),
         ({"prior_spread": 0.0}, r"prior_spread 0.0 must be positive"),
@@ -391,7 +409,7 @@ def test_friction_of_a_law_of_ones_own_is_refused():
     arm = known_arm(0, 2)
     own: Any = OwnFriction()
     file = arm.file.with_drives({"joint1": replace(arm.file.drives["joint1"], link_friction=own)})
-    with pytest.raises(InputError, match=r"friction of 'joint1' is a OwnFriction, its numbers cannot be sought: state"):
+    with pytest.raises(InputError, match=r"friction of 'joint1' is OwnFriction, whose numbers cannot be sought: state"):
         identify_rigid(file, recorded(arm.robot, 0))
 
 

@@ -20,6 +20,7 @@ from cutpoint import Robot
 from cutpoint.commands import app
 from cutpoint.identification import Excitation, base_parameters, excitation
 from cutpoint.identification.excitation.bounds import bounds_of
+from cutpoint.identification.excitation.limits import limits_of
 from cutpoint.identification.excitation.problem import FINER, SAMPLES, Problem
 from cutpoint.identification.excitation.table import save, table_of
 from cutpoint.model import Drive, Motor
@@ -265,6 +266,22 @@ def test_a_file_that_tells_of_something_else_is_refused_by_its_name(tmp_path: Pa
 def test_what_cannot_be_done_is_refused_in_words(options: dict[str, Any], message: str) -> None:
     with pytest.raises(cutpoint.InputError, match=message):
         excitation(two_joints(), **{"harmonics": 3, "seconds": LONG, "starts": 1, **options})
+
+
+def test_a_box_without_walls_is_no_limit() -> None:
+    arm, open_box = two_joints(), {"lower": ([-np.inf] * 3, [np.inf] * 3)}
+    bounds = bounds_of(arm, None, None, None, None)
+    assert [each.kind for each in limits_of(arm, bounds, open_box)] == [
+        each.kind for each in limits_of(arm, bounds, {})
+    ]
+
+
+def test_a_rate_at_which_a_file_would_show_no_motion_is_refused(tmp_path: Path) -> None:
+    with pytest.raises(
+        cutpoint.InputError, match=r"save_csv: rate 0.1 Hz makes 0 steps of 5 s: it must make 10 or more"
+    ):
+        planar().save_csv(tmp_path / "motion.csv", rate=0.1)
+    assert not [*tmp_path.iterdir()]
 
 
 def test_a_joint_without_a_limit_of_speed_is_refused() -> None:

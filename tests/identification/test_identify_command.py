@@ -62,6 +62,15 @@ def test_files_that_are_right_explain_torques_as_they_are(log: Any):
     assert (found.errors.rms("before") < 0.02).all() and (found.errors.rms("after") < 0.02).all()
 
 
+def test_a_links_parameter_is_not_its_namesake_joints(tmp_path: Path):
+    text = urdf_text().replace('"lower"', '"elbow"')
+    robot = Robot(parse_urdf(text), {joint: Drive(link_friction=LAW) for joint in TRUTH.joints})
+    found = identify(robot, Recording(TIME, TRUTH.joints, **channels()), friction="stated")
+    of_link = [number for number in found.numbers if number.name.endswith(".elbow") and number.name[0] in "hI"]
+    assert any(number.name.startswith("h_") for number in of_link)
+    assert not any(number.joint or number.path for number in of_link if not number.name.startswith("I_m"))
+
+
 @pytest.mark.parametrize("log", [channels, wound])
 def test_rotors_are_not_sought_in_what_gears_hand_out(log: Any):
     drive = (

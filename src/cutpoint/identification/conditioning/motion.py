@@ -81,8 +81,8 @@ def check_friction(function: str, robot: Robot) -> None:
     for joint, drive in robot.drives.items():
         for law in (drive.link_friction, drive.motor_friction):
             if law is not None and not isinstance(getattr(law, "sliding", law), Sliding):
-                rule = "its numbers cannot be sought: state Coulomb's or Stribeck's law, or bristles that slide by one"
-                raise InputError(f"{function}: friction of {joint!r} is a {type(law).__name__}, {rule}", joint=joint)
+                rule = "whose numbers cannot be sought: state Coulomb's or Stribeck's law, or bristles on one"
+                raise InputError(f"{function}: friction of {joint!r} is {type(law).__name__}, {rule}", joint=joint)
 
 
 def slide_with_motors(robot: Robot) -> NDArray[np.bool_]:

@@ -133,10 +133,8 @@ def motor_side(
     spread, scatter = covariance(columns, residual), float(np.sqrt(np.mean(residual**2)))
     names = (*fixed, "viscous", "coulomb")
     if current is not None:
-        weights, spread = _by_gain(names, weights, spread)
-        scatter *= float(weights[names.index("gain")])
-        turned = np.where(np.array(names) == "gain", sign, 1.0)
-        weights, spread = turned * weights, np.outer(turned, turned) * spread
+        weights, spread = _by_gain(names, weights, spread, sign)
+        scatter *= abs(float(weights[names.index("gain")]))
     return RotorEstimate(names, weights, spread, smoothing, scatter, ratio)
 
 
@@ -165,8 +163,9 @@ def _sign(passed: Array, column: int) -> float:
     return -1.0 if np.linalg.lstsq(known[:, :-1], known[:, -1])[0][column] < 0.0 else 1.0
 
 
-def _by_gain(names: tuple[str, ...], weights: Array, spread: Array) -> tuple[Array, Array]:
-    """Values and covariance of unknowns that were found over the gain, the delay as it is, and that as one over it."""
+def _by_gain(names: tuple[str, ...], weights: Array, spread: Array, sign: float) -> tuple[Array, Array]:
+    """Values and covariance of unknowns that were found over the gain's size, the delay as it is, and that as one over
+    it; to first order."""
     k = names.index("gain")
     # what is less than its own deviation is not told, however little less
     least = float(np.sqrt(spread[k, k])) if np.isfinite(spread[k, k]) else 0.0
@@ -175,7 +174,7 @@ def _by_gain(names: tuple[str, ...], weights: Array, spread: Array) -> tuple[Arr
     values = np.where(scaled, gain * weights, weights)
     slopes = np.diag(np.where(scaled, gain, 1.0))
     slopes[:, k] -= np.where(scaled, gain * values, 0.0)
-    values[k], slopes[k, k] = gain, -(gain**2)
+    values[k], slopes[k, k] = sign * gain, -sign * gain**2
     unseen = np.isinf(np.diag(spread)) | (np.isinf(spread[k, k]) & scaled)
     found = slopes @ np.where(np.isfinite(spread), spread, 0.0) @ slopes.T
     found[unseen, unseen] = np.inf

@@ -84,8 +84,8 @@ def identify(
     check_method(method)
     check_solver(solver)
     filters = {"cutoff": cutoff, "bandwidth": bandwidth}
-    how: dict[str, Any] = {"rotors": rotors, "method": method, "solver": solver} | filters
-    how["torque_constants"] = torque_constants
+    of_rigid = {"rotors": rotors, "method": method, "solver": solver, "torque_constants": torque_constants}
+    how: dict[str, Any] = of_rigid | filters
     with Steps(3, progress) as say:
         say("reading the log")
         before, stamped, resolution = _read(robot, log, mapping, drives)

@@ -29,11 +29,13 @@ from cutpoint.identification.rigid.rigid_robot import (
     friction_of_links,
     is_stated,
     laws_with,
+    link_torques,
     stated_laws,
     transmitted,
 )
 from cutpoint.identification.rigid.uncertainty import are_told
 from cutpoint.mechanics.friction import Sliding
+from cutpoint.mechanics.presliding import Presliding
 from cutpoint.model.drive import Friction
 from cutpoint.robot import Robot, check_robot
 
@@ -100,14 +102,12 @@ def identify_rigid(
     _check(method, instruments, level, prior_spread)
     check_solver(solver)
     check_friction("identify_rigid", robot)
-    for joint in link_friction or {}:
-        checked_name("driven joint", joint, robot.joints)
+    known = _checked_friction(link_friction, robot)
     base = base_parameters(robot, rotors=rotors)
     _check_errors(rotor_errors, robot, [robot.joints[j] for j in base.rotors])
     log = _log(robot, recording, base.rotors, cutoff, bandwidth, torque_constants)
-    known = link_friction or {}
     of_links = friction_of_links(robot, stated_laws(robot, log.motion), known)
-    loads = transmitted(robot, log.motion, robot.inertial_parameters, of_links)
+    loads = transmitted(robot, log.motion, link_torques(robot, log.motion, robot.inertial_parameters), of_links)
     choices = _choices(base, log, loads, offsets) if friction == "choose" else ()
     if isinstance(friction, tuple):
         choices = _shaped(friction, base, log, loads, offsets)
@@ -119,7 +119,8 @@ def identify_rigid(
     is_loaded = any(law.per_load is not None for law in laws.values())
     for _ in range(LOADED_ROUNDS - 1 if is_loaded else 0):
         model = fitted.model
-        fitted = _fitted(base, laws, log, transmitted(robot, log.motion, model.inertial, model.of_links), how)
+        links = link_torques(robot, log.motion, model.inertial)
+        fitted = _fitted(base, laws, log, transmitted(robot, log.motion, links, model.of_links), how)
     result = estimate_of(fitted, level, choices, recording.notes)
     return _with_remark_on_lags(result) if method == "instrumental" and instruments is None else result
 
@@ -166,14 +167,24 @@ def check_method(method: str) -> None:
 
 def _check(method: str, instruments: Recording | None, level: float, spread: float) -> None:
     check_method(method)
-    if instruments is not None:
-        check_recording("identify_rigid", instruments)
+    rule = "a Recording of the motion that was asked for, at the same times"
+    check_kind("identify_rigid", "instruments", instruments, (Recording, NoneType), rule)
     if instruments is not None and method != "instrumental":
         raise InputError(f"instruments go with method='instrumental', not with {method!r}", method=method)
     if not 0.0 < number("identify_rigid", "level", level) < 1.0:
         raise InputError(f"level {level} must lie between 0 and 1, as 0.95", level=level)
     if not 0.0 < number("identify_rigid", "prior_spread", spread) < np.inf:
         raise InputError(f"prior_spread {spread} must be positive, as a share: 0.5 is half of a body's mass")
+
+
+def _checked_friction(of_links: Mapping[str, Friction] | None, robot: Robot) -> Mapping[str, Friction]:
+    """What is known of it, by joint."""
+    rule = "a law for each of some joints, by name, such as {'elbow': Coulomb(2.0, 0.5)}"
+    check_kind("identify_rigid", "link_friction", of_links, (Mapping, NoneType), rule)
+    for joint, law in (of_links or {}).items():
+        checked_name("driven joint", joint, robot.joints)
+        check_kind("identify_rigid", f"link_friction[{joint!r}]", law, (Sliding, Presliding), "a law of friction")
+    return of_links or {}
 
 
 def _check_errors(errors: Mapping[str, float] | None, robot: Robot, sought: Sequence[str]) -> None:

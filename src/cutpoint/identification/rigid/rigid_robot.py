@@ -41,8 +41,9 @@ class RigidModel:
 
     def torque(self, robot: Robot, motion: Motion) -> Array:
         """(N, n), NaN where the motion is not known."""
-        found = link_torques(robot, motion, self.inertial) + self.rotors * motion.w_dot + self.offsets
-        loads = transmitted(robot, motion, self.inertial, self.of_links)
+        links = link_torques(robot, motion, self.inertial)
+        found = links + self.rotors * motion.w_dot + self.offsets
+        loads = transmitted(robot, motion, links, self.of_links)
         speeds = np.where(self.on_motor, motion.w, motion.v)
         for j, joint in enumerate(robot.joints):
             found[:, j] += self.laws[joint].torque(speeds[:, j], loads[:, j])
@@ -68,9 +69,12 @@ def link_torques(robot: Robot, motion: Motion, inertial: Array) -> Array:
     return found
 
 
-def transmitted(robot: Robot, motion: Motion, inertial: Array, of_links: Mapping[str, Friction]) -> Array:
-    """(N, n): what drives bear, by which their friction grows: what the links ask for, and the links' own friction."""
-    found = link_torques(robot, motion, inertial)
+def transmitted(robot: Robot, motion: Motion, links: Array, of_links: Mapping[str, Friction]) -> Array:
+    """(N, n) N m: what drives bear, by which their friction grows: what the links ask for, (N, n), and their friction.
+
+    of_links: by joint.
+    """
+    found = links.copy()
     for joint, law in of_links.items():
         j = robot.joints.index(joint)
         found[:, j] += law.torque(motion.v[:, j])
