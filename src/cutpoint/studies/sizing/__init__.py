@@ -1,7 +1,8 @@
 """Whether drives are large enough for a motion: what it asks of each, what is allowed, and how long gears last."""
 
 from cutpoint.studies.sizing.demand import Demand, Peak
+from cutpoint.studies.sizing.drive_sizing import DriveSizing
 from cutpoint.studies.sizing.margins import Margin
-from cutpoint.studies.sizing.sizing import DriveSizing, Sizing, sizing
+from cutpoint.studies.sizing.sizing import Sizing, sizing
 
 __all__ = ["Demand", "DriveSizing", "Margin", "Peak", "Sizing", "sizing"]

@@ -1,5 +1,6 @@
 """The torque-speed plane of every drive: where the motion goes, and how far gear and motor let it go."""
 
+from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
@@ -12,8 +13,8 @@ from numpy.typing import NDArray
 
 from cutpoint.mechanics.motor import within_limits
 from cutpoint.reporting.style import BASE_FILL, FAINT, FORCE, INK, LINK, MOTOR, styled
-from cutpoint.studies.sizing.sizing import DriveSizing, Sizing
-from cutpoint.studies.sizing.table import TO_RPM
+from cutpoint.studies.sizing.drive_sizing import TO_RPM, DriveSizing
+from cutpoint.studies.sizing.load import Load
 
 Array = NDArray[np.float64]
 
@@ -52,18 +53,18 @@ SAMPLES: dict[str, dict[str, Any]] = {
 """How each thing is drawn, in the order of the legend."""
 
 
-def figure_of(found: Sizing) -> Figure:
+def figure_of(drives: Sequence[DriveSizing], load: Load) -> Figure:
     """A panel a drive; torques at the joint's side, positive where the drive pushes along its motion."""
     with styled():
-        across, mixed = min(ACROSS, len(found.drives)), len({drive.slides for drive in found.drives.values()}) > 1
-        down = -(-len(found.drives) // across)
+        across, mixed = min(ACROSS, len(drives)), len({drive.slides for drive in drives}) > 1
+        down = -(-len(drives) // across)
         figure = Figure(figsize=(0.4 + PANEL[0] * across, 1.0 + PANEL[1] * down), layout="constrained")
-        for k, drive in enumerate(found.drives.values()):
+        for k, drive in enumerate(drives):
             axes = figure.add_subplot(down, across, k + 1)
-            _panel(axes, found, drive, k)
+            _panel(axes, load, drive, k)
             if k % across == 0 or mixed:
                 axes.set_ylabel("force at the joint [N]" if drive.slides else "torque at the joint [N m]")
-            if k >= len(found.drives) - across:
+            if k >= len(drives) - across:
                 axes.set_xlabel("motor speed [rpm]")
         _explain(figure, across)
         # what is laid out lazily takes the style of the moment
@@ -71,12 +72,12 @@ def figure_of(found: Sizing) -> Figure:
         return figure
 
 
-def _panel(axes: Axes, found: Sizing, drive: DriveSizing, k: int) -> None:
-    ratio, speed = drive.drive.ratio, found.load.motor_speed[:, k] * TO_RPM
+def _panel(axes: Axes, load: Load, drive: DriveSizing, k: int) -> None:
+    ratio, speed = drive.drive.ratio, load.motor_speed[:, k] * TO_RPM
     direction = np.sign(speed * ratio)
     forwards = np.where(direction == 0, 1.0, direction)
-    gear = found.load.output_torque[:, k] * forwards
-    motor = found.load.motor_torque[:, k] * ratio * forwards
+    gear = load.output_torque[:, k] * forwards
+    motor = load.motor_torque[:, k] * ratio * forwards
     _window(axes, drive, np.r_[gear, motor], float(np.abs(speed).max()))
     _zones(axes, drive)
     _motor_limit(axes, drive)
@@ -89,7 +90,7 @@ def _panel(axes: Axes, found: Sizing, drive: DriveSizing, k: int) -> None:
     for failed in drive.failures:
         at = average
         if failed.at is not None:
-            i = int(np.searchsorted(found.load.time, failed.at.time))
+            i = int(np.searchsorted(load.time, failed.at.time))
             at = abs(speed[i]), (motor if failed.limit.startswith("motor") else gear)[i]
         axes.plot(*at, **SAMPLES[BEYOND], label=BEYOND, zorder=6)
     _title(axes, drive)

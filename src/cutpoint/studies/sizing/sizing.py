@@ -14,57 +14,16 @@ from cutpoint.door import check_configuration, check_kind, number, positive
 from cutpoint.errors import InputError
 from cutpoint.files import replacing
 from cutpoint.mechanics.backlash import spring_of
-from cutpoint.model import Drive
-from cutpoint.model.limits import limits_in_force
 from cutpoint.robot import Robot
 from cutpoint.simulation.inputs import check_fits
-from cutpoint.studies.sizing import duty
-from cutpoint.studies.sizing.demand import Demand, demand_of
+from cutpoint.studies.sizing.drive_sizing import DriveSizing, drive_sizing
 from cutpoint.studies.sizing.load import Load, sampled
-from cutpoint.studies.sizing.margins import Margin, margins_of, travel_of
+from cutpoint.studies.sizing.margins import Margin
 from cutpoint.trajectories import Trajectory
-from cutpoint.trajectories.arrays import durations
 from cutpoint.trajectories.trajectory import A_TRAJECTORY, Moves
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
-
-
-@dataclass(frozen=True)
-class DriveSizing:
-    """One drive against its limits.
-
-    slides: on a prismatic joint, where torques are forces, N.  margins: to every limit that is stated.  missing: names
-    of the ratings that are not.  life: h, None where the ratings that it needs are missing, infinite for a drive that
-    does not turn.  permitted_peaks: how often the longest stay above the repeated peak torque may occur; None if there
-    is no such stay, or that rating is missing.
-    """
-
-    joint: str
-    drive: Drive
-    slides: bool
-    demand: Demand
-    margins: tuple[Margin, ...]
-    missing: tuple[str, ...]
-    life: float | None
-    permitted_peaks: float | None
-
-    @property
-    def failures(self) -> tuple[Margin, ...]:
-        """Margins below 1."""
-        return tuple(margin for margin in self.margins if not margin.holds)
-
-    @property
-    def tightest(self) -> Margin | None:
-        """The smallest margin; None where nothing is stated to hold the drive against."""
-        return min(self.margins, key=lambda margin: margin.value, default=None)
-
-    @property
-    def verdict(self) -> str:
-        """holds, fails, or unrated: nothing is stated to hold it against."""
-        if not self.margins:
-            return "unrated"
-        return "fails" if self.failures else "holds"
 
 
 @dataclass(frozen=True, eq=False)
@@ -92,7 +51,7 @@ class Sizing:
         """Torque over motor speed with all limits, a panel a drive: `found.plot().savefig("check.png")`."""
         from cutpoint.studies.sizing.figure import figure_of
 
-        return figure_of(self)
+        return figure_of([*self.drives.values()], self.load)
 
     def save(self, path: str | Path) -> None:
         """Write `results` to a JSON file, whole or not at all."""
@@ -134,41 +93,13 @@ def sizing(
     load = sampled(_without_play(robot), trajectory, period, dwell)
     for extreme in (load.position.min(axis=0), load.position.max(axis=0)):
         check_configuration(robot.mechanism, extreme.tolist())
-    found = {joint: _drive_sizing(robot, joint, k, load, life) for k, joint in enumerate(robot.joints)}
+    found = {joint: drive_sizing(robot, joint, k, load, life) for k, joint in enumerate(robot.joints)}
     return Sizing(robot.name, trajectory.duration, dwell, found, load)
 
 
 def _without_play(robot: Robot) -> Robot:
     tight = {joint: replace(x, compliance=spring_of(x.compliance)) for joint, x in robot.drives.items()}
     return robot if tight == {**robot.drives} else robot.with_drives(tight)
-
-
-def _drive_sizing(robot: Robot, joint: str, k: int, load: Load, life: float | None) -> DriveSizing:
-    drive, limits = robot.drives[joint], limits_in_force(robot.mechanism, robot.drives)[joint]
-    slides = joint in robot.mechanism.sliding
-    travel = travel_of(limits, load.position[:, k])
-    demand = demand_of(load, k, travel[0])
-    margins, missing = margins_of(drive, demand, limits, travel, slides)
-    reached = _life(drive, demand)
-    if life is not None and reached is not None:
-        margins.append(Margin("life", "h", reached, life))
-    return DriveSizing(joint, drive, slides, demand, (*margins,), (*missing,), reached, _peaks(drive, load, k))
-
-
-def _life(drive: Drive, demand: Demand) -> float | None:
-    rated = drive.ratings
-    if rated is None or rated.life is None or rated.rated_torque is None or rated.rated_speed is None:
-        return None
-    return duty.life(
-        (rated.life, rated.rated_torque, rated.rated_speed), demand.average_torque, demand.mean_motor_speed
-    )
-
-
-def _peaks(drive: Drive, load: Load, k: int) -> float | None:
-    allowed = drive.ratings.repeated_peak_torque if drive.ratings else None
-    if allowed is None:
-        return None
-    return duty.permitted_peaks(durations(load.time), load.output_torque[:, k], load.motor_speed[:, k], allowed)
 
 
 def _check(robot: Robot, trajectory: Trajectory, dwell: float, period: float, life: float | None) -> None:

@@ -8,11 +8,9 @@ from rich.table import Table
 
 from cutpoint.mechanics.backlash import Backlash
 from cutpoint.studies.sizing.demand import Peak
+from cutpoint.studies.sizing.drive_sizing import TO_RPM, DriveSizing
 from cutpoint.studies.sizing.margins import Margin
-from cutpoint.studies.sizing.sizing import DriveSizing, Sizing
-
-TO_RPM = 30 / np.pi
-"""Turns a minute for each rad/s."""
+from cutpoint.studies.sizing.sizing import Sizing
 
 _COLUMNS = (
     "\n\ndrive", "peak\ntorque\nN m", "average\ntorque\nN m", "peak\nspeed\nrpm", "mean\nspeed\nrpm",

@@ -1,0 +1,83 @@
+"""One drive against its limits."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from cutpoint.model import Drive
+from cutpoint.model.limits import limits_in_force
+from cutpoint.robot import Robot
+from cutpoint.studies.sizing import duty
+from cutpoint.studies.sizing.demand import Demand, demand_of
+from cutpoint.studies.sizing.load import Load
+from cutpoint.studies.sizing.margins import Margin, margins_of, travel_of
+from cutpoint.trajectories.arrays import durations
+
+TO_RPM = 30 / np.pi
+"""Turns a minute for each rad/s: as motors' speeds are shown."""
+
+
+@dataclass(frozen=True)
+class DriveSizing:
+    """One drive against its limits.
+
+    slides: on a prismatic joint, where torques are forces, N.  margins: to every limit that is stated.  missing: names
+    of the ratings that are not.  life: h, None where the ratings that it needs are missing, infinite for a drive that
+    does not turn.  permitted_peaks: how often the longest stay above the repeated peak torque may occur; None if there
+    is no such stay, or that rating is missing.
+    """
+
+    joint: str
+    drive: Drive
+    slides: bool
+    demand: Demand
+    margins: tuple[Margin, ...]
+    missing: tuple[str, ...]
+    life: float | None
+    permitted_peaks: float | None
+
+    @property
+    def failures(self) -> tuple[Margin, ...]:
+        """Margins below 1."""
+        return tuple(margin for margin in self.margins if not margin.holds)
+
+    @property
+    def tightest(self) -> Margin | None:
+        """The smallest margin; None where nothing is stated to hold the drive against."""
+        return min(self.margins, key=lambda margin: margin.value, default=None)
+
+    @property
+    def verdict(self) -> str:
+        """holds, fails, or unrated: nothing is stated to hold it against."""
+        if not self.margins:
+            return "unrated"
+        return "fails" if self.failures else "holds"
+
+
+def drive_sizing(robot: Robot, joint: str, k: int, load: Load, life: float | None) -> DriveSizing:
+    """The k-th drive, of a joint.  life: h, as `sizing` is asked for."""
+    drive, limits = robot.drives[joint], limits_in_force(robot.mechanism, robot.drives)[joint]
+    slides = joint in robot.mechanism.sliding
+    travel = travel_of(limits, load.position[:, k])
+    demand = demand_of(load, k, travel[0])
+    margins, missing = margins_of(drive, demand, limits, travel, slides)
+    reached = _life(drive, demand)
+    if life is not None and reached is not None:
+        margins.append(Margin("life", "h", reached, life))
+    return DriveSizing(joint, drive, slides, demand, (*margins,), (*missing,), reached, _peaks(drive, load, k))
+
+
+def _life(drive: Drive, demand: Demand) -> float | None:
+    rated = drive.ratings
+    if rated is None or rated.life is None or rated.rated_torque is None or rated.rated_speed is None:
+        return None
+    return duty.life(
+        (rated.life, rated.rated_torque, rated.rated_speed), demand.average_torque, demand.mean_motor_speed
+    )
+
+
+def _peaks(drive: Drive, load: Load, k: int) -> float | None:
+    allowed = drive.ratings.repeated_peak_torque if drive.ratings else None
+    if allowed is None:
+        return None
+    return duty.permitted_peaks(durations(load.time), load.output_torque[:, k], load.motor_speed[:, k], allowed)
