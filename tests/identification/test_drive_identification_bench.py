@@ -136,6 +136,18 @@ def test_damping_is_found_however_fast_the_spring_swings(frequency: float):
     assert found["stiffness"] == pytest.approx(stiffness, rel=1e-4)
 
 
+def test_damping_is_not_told_where_what_hides_the_spring_would_pass_for_it():
+    """Noise of the encoders turns 30 N m s/rad into some 11 with a deviation of 2, beside a spring of +- 60 %."""
+    stiffness, damping, frequency = 1e3, 30.0, 30.0
+    torque, shift = 10.0 * np.sin(TURN * frequency * T), damping * TURN * frequency / stiffness
+    lead = 10.0 / (stiffness * np.hypot(1.0, shift)) * np.sin(TURN * frequency * T - np.arctan(shift))
+    lead += 1e-3 * np.random.default_rng(0).normal(size=T.size)
+    found = two_encoders(lead, 0.0 * T, torque, PERIOD, RATIO, laws=["linear"], orders=[], hysteresis=False)
+    assert abs(found["damping"] - damping) > 4.0 * found.deviations["damping"] < found["damping"]
+    assert found.damping is None
+    assert found.unidentifiable["damping"].endswith("cannot be told from zero beside a spring that is not told")
+
+
 def test_noise_of_the_torque_does_not_stiffen_a_spring_whose_encoders_are_known():
     """Fitted as if torque of this noise were known, the spring would come out 1 + (noise / torque)^2 times as stiff."""
     found, naive = [], []

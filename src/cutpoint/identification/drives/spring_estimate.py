@@ -28,7 +28,7 @@ NEAR = 0.1
 """Of the largest torque: where torque never comes so near to zero, a curve's beginning is extrapolated."""
 
 SURELY = 12.0
-"""Deviations of a damping beside a spring that is not told: steps of the encoders pass for it."""
+"""Deviations of a damping beside a spring that is not told: what hides that spring passes for damping."""
 
 TOGETHER = 0.4
 """Correlation of waves with the spring's deflection: those of a kinematic error, over some turns, have next to none."""
@@ -87,12 +87,13 @@ def estimate_of(
     hidden = attenuation(data, fit)
     fit, spread = without_attenuation(data, fit), spread + np.outer(hidden, hidden)
     counts = 0.5 * float(np.ptp(fit.law.deflection(fit.constants, data.torque))) / (data.resolution or np.nan)
+    weak = _weak(data, fit, spread, counts)
     sentences = {
-        "stiffness": _weak(data, fit, spread, counts),
+        "stiffness": weak,
         "curve near zero torque": _bare(data, fit),
         "kinematic_error": _not_apart(data, fit, orders) if orders else _no_waves(data, fit, turns),
         "hysteresis": _closed(data, fit) if hysteresis else "",
-        "damping": _undamped(fit, float(np.sqrt(spread[-1, -1])), counts) if damping else "",
+        "damping": _undamped(fit, float(np.sqrt(spread[-1, -1])), not weak) if damping else "",
     }
     why = {thing: sentence for thing, sentence in sentences.items() if sentence}
     return SpringEstimate(
@@ -156,8 +157,8 @@ def _closed(data: Deflections, fit: DeflectionFit) -> str:
     return f"loops open by {opening:.2g} rad, less than {OPEN:g} steps of the encoders, {data.resolution:.2g} rad each"
 
 
-def _undamped(fit: DeflectionFit, deviation: float, counts: float) -> str:
-    surely, beside = (SIGNIFICANT, "") if counts >= COUNTS else (SURELY, ", or from steps of the encoders")
+def _undamped(fit: DeflectionFit, deviation: float, is_spring_told: bool) -> str:
+    surely, beside = (SIGNIFICANT, "") if is_spring_told else (SURELY, " beside a spring that is not told")
     told = fit.damping >= surely * deviation
     return "" if told else f"{fit.damping:.3g} +- {deviation:.2g} N m s/rad cannot be told from zero{beside}"
 
