@@ -25,6 +25,9 @@ LARGEST = 1e15
 FAR = 10.0
 """Times the widest limit of a joint that slides: beyond it, and a metre, a position is in mm."""
 
+NEAR = 1.25
+"""Times the limit that a turning joint exceeds: beyond it, and a turn, a position is in degrees."""
+
 DRIVES = "a Drive for each of some joints, by name"
 """What arguments that give drives must be."""
 
@@ -188,8 +191,8 @@ def check_configuration(mechanism: Mechanism, q: Sequence[float]) -> None:
     for (name, i), x in zip(driven_joints(mechanism).items(), q, strict=True):
         joint = mechanism.bodies[i].joint
         low, high = joint.limits.lower, joint.limits.upper
-        likeness, unit = "", "rad"
-        if joint.kind == "revolute" and abs(x) > 2 * np.pi:
+        exceeded, likeness, unit = abs(high if x > high else low), "", "rad"
+        if joint.kind == "revolute" and abs(x) > max(2 * np.pi, NEAR * exceeded):
             likeness = "degrees: give radians (numpy.radians, or --degrees on the command line)"
         if joint.kind == "prismatic" and abs(x) > max(1.0, FAR * max(abs(low), abs(high))):
             likeness, unit = "mm: give metres" if low < high else "", "m"

@@ -312,6 +312,7 @@ ROTOR, SPRING = "ratio: 100, rotor: {inertia: 1.0e-4}", "compliance: {linear: {s
         (f"{ROTOR}, {SPRING}, backlash: 3", "backlash 3.0 rad looks like arc minutes, of which one is 2.909e-4 rad"),
         (f"{ROTOR}, {SPRING}, hysteresis: {{loss: 1}}", "hysteresis.loss 1.0 rad looks like arc minutes"),
         ("ratio: 100, rotor: {inertia: 0.413}", "rotor.inertia 0.413 kg m2 looks like kg cm2"),
+        ("ratio: 0.01", "ratio 0.01 looks like turns of the joint for one of the motor"),
         ("ratio: 100, motor: {torque_constant: 52}", "motor.torque_constant 52.0 N m/A looks like mN m/A"),
         (
             "ratio: 100, motor: {torque_constant: 0.1, delay: 0.5}",

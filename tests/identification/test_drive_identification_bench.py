@@ -193,6 +193,15 @@ def test_what_a_fit_of_many_unknowns_leaves_of_white_noise_tells_its_size():
     assert np.trace(spread) == pytest.approx(np.trace(np.linalg.inv(columns.T @ columns)), rel=0.1)
 
 
+def test_encoders_that_are_exchanged_are_told_by_a_lead_that_goes_against_the_torque():
+    theta, q, torque = channels(SPRINGS["linear"])
+    found = two_encoders(q, theta, torque, PERIOD, RATIO, laws=["linear"])
+    asked = (
+        r"the motor's lead goes against the torque, correlation -1.00: are q and theta exchanged, or is a sign turned"
+    )
+    assert re.match(asked, found.unidentifiable["stiffness"])
+
+
 @pytest.mark.parametrize("faint", [0.0, 1e-200, 1e-150])
 def test_a_column_with_hardly_anything_in_it_tells_nothing_and_leaves_the_others_as_they_are(faint):
     rng = np.random.default_rng(0)

@@ -28,6 +28,7 @@ def test_a_model_that_carries_over_is_not_spoken_of():
     assert said() == []
     assert said(plain=0.05) == []
     assert said(before=0.0999) == []
+    assert said(after=STUCK / 20.0, plain=STUCK / 20.0, speed=np.where(RESTS, 0.0, 1.0)) == []  # 0.7 % of the torque
 
 
 @pytest.mark.parametrize(

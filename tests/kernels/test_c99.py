@@ -207,7 +207,7 @@ def test_a_folder_is_a_path(force: bool) -> None:
 OF_THE_LIBRARY = [
     "sin", "sinf", "fmal", "main", "memcpy", "y0", "exp", "log", "pow", "hypot", "round", "floor", "copysign", "gamma",
     "div", "abs", "system", "random", "cabs", "isnan", "strcmp", "fopen", "snprintf", "clock", "size_t", "test", "std",
-    "m", "requires", "co_await", "linux", "st_atime", "si_pid",
+    "m", "debug", "general", "requires", "co_await", "linux", "st_atime", "si_pid",
 ]  # fmt: skip
 
 

@@ -7,6 +7,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+import cutpoint
 from cutpoint import Backlash, Drive, Flexspline, InputError, Limits, LinearSpring, ModelError, Robot, Rotor
 from cutpoint.mechanics.catalogue import CatalogueSpring
 from cutpoint.mechanics.kinematic_error import Harmonic, KinematicError
@@ -90,6 +91,20 @@ def test_the_wave_generator_is_the_printed_law_beyond_its_blend(torque):
     printed = np.sign(tau_w) * bent / wave.ratio
     close = 1e-15 if abs(tau_w) >= wave.blend else 2e-7
     assert wave.deflection(torque) == pytest.approx(printed, abs=close)
+
+
+@pytest.mark.parametrize("hardening", [1e-4, 1e-8, 1e-15, 1e-100])
+def test_a_wave_generator_that_hardly_hardens_is_a_linear_spring_to_the_last_digits(hardening):
+    flexspline = Flexspline(1e4, 0.03)
+    spring = HarmonicSpring(flexspline, WaveGenerator(60.0, hardening, 100.0, 0.01))
+    energy, behind = cutpoint.compile(spring.energy, deflection=()), 100.0**2 * 60.0
+    for torque in (1e-3, 0.3, -2.0, 30.0):
+        bent = flexspline.deflection(torque)
+        close = {"rel": 1e-13 + hardening * abs(torque) / 100.0}
+        assert spring.deflection(torque) == pytest.approx(bent + torque / behind, **close)
+        stored = flexspline.energy(bent) + torque * torque / (2 * behind)
+        assert spring.energy(bent + torque / behind) == pytest.approx(stored, **close)
+        assert energy(bent + torque / behind) == pytest.approx(stored, **close)
 
 
 def erring(ratio: float = 100.0, amplitude: float = 2e-4) -> Drive:

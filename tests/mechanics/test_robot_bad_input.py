@@ -133,7 +133,11 @@ def test_arguments_are_refused(backend, call, message):
         (elastic(compliance=CatalogueSpring(500.0, 0.0, 700.0, 4.0, 9.0)), "k2 0.0 must be positive, in compliance"),
         (elastic(compliance=Backlash(cast("Any", 1e4), 1e-3)), "spring must have torque.*, got 10000.0, in compliance"),
         (elastic(compliance=Backlash(LinearSpring(-3.0), 1e-3)), "stiffness -3.0 must be .*, in compliance.spring"),
-        (waved(hardening=0.0), "hardening 0.0 must be positive, in compliance.wave_generator"),
+        (waved(hardening=1e-101), "hardening 1e-101 must be positive, and at least 1e-100 1/.N m., in compliance.wave"),
+        (
+            waved(hardening=0.0),
+            "hardening 0.0 must be positive, .*, in compliance.wave_generator",
+        ),
         (waved(blend=-0.1), "blend -0.1 must be positive, in compliance.wave_generator"),
         (waved(ratio=-100.0), "ratio -100.0 must be positive, in compliance.wave_generator"),
         (erring(Harmonic(cast("Any", 1.5), 1e-5)), r"order 1.5 must be a whole .*, in kinematic_error.harmonics\[0\]"),

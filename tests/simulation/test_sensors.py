@@ -105,6 +105,10 @@ def test_differenced_speeds_are_what_positions_as_measured_tell(periods):
         ({"delay": -1e-3}, "delay -0.001 s must be a whole number"),
         ({"delay": np.nan}, "delay nan s must be a whole number"),
         ({"link_resolution": 0.0}, "link_resolution 0.0 must be positive"),
+        (
+            {"motor_resolution": 17},
+            r"motor_resolution 17 is more than a turn, .*; of 17 bits a step is 2 pi",
+        ),
         ({"motor_noise": [1e-4] * 5}, "one number, or one for each of 6 drives"),
         ({"speeds": "guessed"}, "speeds 'guessed' must be 'true' or 'differenced'"),
     ],

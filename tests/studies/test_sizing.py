@@ -345,6 +345,11 @@ def test_motions_that_are_not_of_the_robot_are_refused():
         sizing(robot("ur10"), cycloid(end=np.full(6, 90.0), duration=1.0))
 
 
+def test_a_little_beyond_a_whole_turn_is_no_angle_in_degrees():
+    found = sizing(robot("ur10"), cycloid(end=[np.radians(365.0), 0, 0, 0, 0, 0], duration=5.0))
+    assert [margin.limit for margin in found.drives["shoulder_pan_joint"].failures][-1] == "joint travel"
+
+
 # the command
 
 MOTION = ["--to", "90,60,60,90,60,90", "--degrees", "--duration", "1"]

@@ -89,6 +89,7 @@ GOOD = "0,1\n1,2\n2,3\n3,4\n"
         ("t,\x1bc\n0,1\n1,90\n", r"looks like degrees; name the unit in the first line, '\\x1bc \[deg\]' or"),
         ("t\n0\n1\n2\n3\n", r"first line 't' must name the columns"),
         ("t;elbow\n0;1\n", r"first line 't;elbow' parts columns by ';': commas must part them, as in"),
+        ("t [s];elbow [deg]\n0;1\n", r"first line 't \[s\];elbow \[deg\]' parts columns by ';': commas must part them"),
         ("t [ms],elbow\n" + GOOD, r"time is in 'ms': it must be in 's' \(.*motion.csv:1\)"),
         ("t,elbow [grad]\n" + GOOD, r"no unit of joint 'elbow' is named 'grad'; there are: 'deg', 'rad', 'mm', 'm'"),
         ("t,elbow,elbow\n" + GOOD, r"column 'elbow' must have a name of its own"),

@@ -124,6 +124,10 @@ def one_each(sensors: Sensors, name: str, size: int) -> NDArray[np.float64] | No
         raise InputError(f"sensors: {name} {value} must be one number, or one for each of {size} drives")
     if not np.isfinite(array).all() or (array <= 0).any():
         raise InputError(f"sensors: {name} {value} must be positive; leave it out, or None, for a perfect encoder")
+    if (array > math.tau).any():
+        rule = "is more than a turn, in rad at the joint's side (m)"
+        remedy = "of 17 bits a step is 2 pi / 2**17, of a motor's encoder that over its ratio"
+        raise InputError(f"sensors: {name} {value} {rule}; {remedy}")
     return np.broadcast_to(array, size).copy()
 
 

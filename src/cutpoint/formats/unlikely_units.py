@@ -28,6 +28,9 @@ SOFTEST = 5.0
 STRONGEST = 5.0
 """N m/A, of a motor before such a gear."""
 
+LEAST_RATIO = 0.2
+"""Turns of a motor for one of the joint."""
+
 LATEST = 0.05
 """s, after which a command reaches a motor's current loop."""
 
@@ -55,6 +58,9 @@ def doubts_of(sheet: DriveSheet, section: Section, ratio: float) -> Iterator[tup
         value = _at(sheet, path)
         if value is not None and value > most:
             yield f"{section.stated(DriveSheet, path, value)} looks like {likeness}", path
+    if sheet.ratio is not None and abs(ratio) < LEAST_RATIO:
+        stated = section.stated(DriveSheet, ("ratio",), sheet.ratio)
+        yield f"{stated} looks like turns of the joint for one of the motor: it is the other way", ("ratio",)
     spring = sheet.compliance and (sheet.compliance.linear or sheet.compliance.flexspline)
     if spring and geared and spring.stiffness < SOFTEST:
         path = ("compliance", "linear" if sheet.compliance and sheet.compliance.linear else "flexspline", "stiffness")

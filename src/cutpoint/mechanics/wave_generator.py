@@ -1,10 +1,14 @@
 """The wave generator's compliance, and that of flexspline and wave generator in series.  Xia (2019) eqs. (2)-(3)."""
 
+import math
 from dataclasses import dataclass
 
 from cutpoint.mechanics.compliance import Flexspline
 from cutpoint.mechanics.inversion import increasing_root
-from cutpoint.scalars import Scalar, absolute, clip, exp, maximum, where
+from cutpoint.scalars import Scalar, absolute, clip, exp, maximum, minimum, tanh, where
+
+TERMS = 20
+"""Of a series up to 1; the first that is left out is 20 / 21!, a hundredth of the last bit."""
 
 
 @dataclass(frozen=True)
@@ -25,7 +29,7 @@ class WaveGenerator:
         """Deflection at the joint's side, rad, under a joint torque, N m."""
         x, u = self._scaled(torque)
         a, b, c = self._quintic()
-        inside, outside = u * (a + u * u * (b + u * u * c)), 1 - exp(-maximum(absolute(x), self._edge))
+        inside, outside = u * (a + u * u * (b + u * u * c)), _value(maximum(absolute(x), self._edge))
         whole = where(absolute(x) < self._edge, inside, where(x < 0, -outside, outside))
         return whole / (self.hardening * self.ratio * self.stiffness)
 
@@ -39,12 +43,12 @@ class WaveGenerator:
 
     def energy(self, torque: Scalar) -> Scalar:
         """Energy stored under a joint torque, J: the integral of torque over deflection."""
-        x, u = self._scaled(torque)
+        _, u = self._scaled(torque)
         a, b, c = self._quintic()
-        edge, size = self._edge, maximum(absolute(x), self._edge)
-        within = edge * (u * u) * (a / 2 + u * u * (3 * b / 4 + u * u * (5 * c / 6)))
-        beyond = (1 + edge) * exp(-edge) - (1 + size) * exp(-size)
-        return (within + beyond) / (self.hardening * self.hardening * self.stiffness)
+        size = maximum(absolute(torque / self.ratio), self.blend)
+        within = self.blend * (u * u) * (a / 2 + u * u * (3 * b / 4 + u * u * (5 * c / 6))) / self.hardening
+        beyond = size * size * _stored(self.hardening * size) - self.blend * self.blend * _stored(self._edge)
+        return (within + beyond) / self.stiffness
 
     @property
     def _edge(self) -> Scalar:
@@ -59,11 +63,24 @@ class WaveGenerator:
     def _quintic(self) -> tuple[Scalar, Scalar, Scalar]:
         """Coefficients of u, u^3, u^5 that meet 1 - exp(-x) at the edge with two derivatives."""
         edge = self._edge
-        slope = edge * exp(-edge)
-        value = 1 - exp(-edge)
+        slope, value = edge * exp(-edge), _value(edge)
         c = -(edge * slope + 3 * (slope - value)) / 8
         b = (slope - value) / 2 - 2 * c
         return value - b - c, b, c
+
+
+def _value(x: Scalar) -> Scalar:
+    """1 - exp(-x), with all digits of a small x."""
+    t = tanh(x / 2)
+    return 2 * t / (1 + t)
+
+
+def _stored(x: Scalar) -> Scalar:
+    """The integral of t exp(-t) from 0 to x, over x^2: by its series where 1 - (1 + x) exp(-x) would cancel."""
+    near, far, series = minimum(x, 1), maximum(x, 1), 0
+    for k in range(TERMS, 1, -1):
+        series = (k - 1) / math.factorial(k) - near * series
+    return where(x < 1, series, (1 - (1 + far) * exp(-far)) / (far * far))
 
 
 @dataclass(frozen=True)

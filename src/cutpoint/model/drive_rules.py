@@ -48,6 +48,7 @@ def is_number(value: Any) -> bool:
 
 NUMBER = Rule("", lambda x: True)
 POSITIVE = Rule("must be positive", lambda x: x > 0)
+HARDENING = Rule("must be positive, and at least 1e-100 1/(N m)", lambda x: x >= 1e-100)
 NOT_NEGATIVE = Rule("must not be negative", lambda x: x >= 0)
 WHOLE = Rule("must be a whole number above 0", lambda x: x >= 1 and x == int(x))
 SHARE = Rule("must be at least 0 and below 1", lambda x: 0 <= x < 1)
@@ -75,7 +76,7 @@ RULES: dict[str, dict[str, Rule]] = {
     "drive": {"ratio": RATIO, "damping": NOT_NEGATIVE},
     "rotor": {"position": NUMBER, "in_link_inertia": TRUTH, "coupling": COUPLING, "mass": NOT_NEGATIVE}
     | _all(INERTIA, "inertia transverse"),
-    "compliance": _all(POSITIVE, "stiffness hardening ratio blend k1 k2 k3 t1 t2 gap"),
+    "compliance": _all(POSITIVE, "stiffness ratio blend k1 k2 k3 t1 t2 gap") | {"hardening": HARDENING},
     "link_friction": _FRICTION,
     "motor_friction": _FRICTION,
     "hysteresis": _all(replace(POSITIVE, each=True), "stiffness reach"),

@@ -3,7 +3,9 @@
 from collections.abc import Sequence
 
 import numpy as np
+from matplotlib import colormaps
 from matplotlib.axes import Axes
+from matplotlib.colors import to_hex
 from matplotlib.figure import Figure
 from matplotlib.legend import Legend
 from matplotlib.lines import Line2D
@@ -20,8 +22,11 @@ ACROSS = 3
 LEAST_HEIGHT = 1e-9
 """Of an axis, in its unit: what is smaller is rounding, which would fill it."""
 
-COLOURS, STYLES = 10, ("-", "--", "-.", ":")
-"""How many colours lines go through, and the styles that they have from one time to the next."""
+FEW, MANY = [f"C{k}" for k in range(10)], [*map(to_hex, colormaps["tab20"](range(20)))]
+"""Colours of lines, the second where the first do not go round."""
+
+STYLES = ("-", "--", "-.", ":")
+"""Of lines, from one time to the next that they go through all colours."""
 
 MOST_COLUMNS, COLUMN_GAP = 6, 0.2
 """Of the legend; inches between two of them."""
@@ -38,7 +43,7 @@ def picture(log: Log, names: Sequence[str]) -> Figure:
     across = min(ACROSS, len(axes), len(log.joints) if names and log.joints else ACROSS)
     down = -(-len(axes) // across)
     figure = Figure(figsize=(0.6 + AXIS_WIDTH * across, 0.3 + AXIS_HEIGHT * down), layout="constrained")
-    looks = {label: (f"C{k % COLOURS}", STYLES[k // COLOURS % 4]) for k, label in enumerate(names or log.joints)}
+    looks = _looks(names or log.joints)
     drawn: dict[str, Line2D] = {}
     for index, ((unit, title), lines) in enumerate(axes.items()):
         axis = figure.add_subplot(down, across, index + 1)
@@ -48,6 +53,12 @@ def picture(log: Log, names: Sequence[str]) -> Figure:
             axis.set_xlabel("time [s]")
     _explain(figure, {label: drawn[label] for label in looks if label in drawn})
     return figure
+
+
+def _looks(labels: Sequence[str]) -> dict[str, tuple[str, str]]:
+    """Colour and style of each line."""
+    colours = FEW if len(labels) <= len(FEW) else MANY
+    return {label: (colours[k % len(colours)], STYLES[k // len(colours) % 4]) for k, label in enumerate(labels)}
 
 
 def _axes(log: Log, names: Sequence[str]) -> dict[tuple[str, str], list[Line]]:

@@ -28,6 +28,9 @@ LARGEST_FILE = 200_000_000
 
 MOST_COLUMNS = 1000
 
+EXAMPLE = "as in 't, shoulder, elbow'"
+"""Of a first line."""
+
 
 class Column(NamedTuple):
     """A column of positions as the first line names it, and the units that suit its joint."""
@@ -95,13 +98,13 @@ def _read(lines: Iterable[str], path: Path, sliding: Collection[str] | None) -> 
 
 
 def _header(cells: list[str], sliding: Collection[str] | None, place: str) -> list[Column]:
+    if len(cells) == 1 and (other := next((x for x in ";\t|" if x in cells[0]), None)):
+        told = f"first line {cells[0][:200]!r} parts columns by {other!r}: commas must part them, {EXAMPLE}"
+        raise InputError(told, place=place)
     found = [_column(cell, place) for cell in cells[:MOST_COLUMNS]]
     if not 2 <= len(cells) <= MOST_COLUMNS or found[0].name.lower() not in ("t", "time"):
-        shown, example = ", ".join(cells[:8]), "as in 't, shoulder, elbow'"
-        if len(cells) == 1 and (other := next((x for x in ";\t|" if x in cells[0]), None)):
-            told = f"first line {shown[:200]!r} parts columns by {other!r}: commas must part them, {example}"
-            raise InputError(told, place=place)
-        raise InputError(f"first line {shown[:200]!r} must name the columns, {example}", place=place)
+        shown = ", ".join(cells[:8])
+        raise InputError(f"first line {shown[:200]!r} must name the columns, {EXAMPLE}", place=place)
     if found[0].unit not in (None, "s"):
         raise InputError(f"time is in {found[0].unit!r}: it must be in 's'", place=place)
     names = [column.name for column in found]

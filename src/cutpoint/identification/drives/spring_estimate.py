@@ -30,6 +30,9 @@ NEAR = 0.1
 SURELY = 12.0
 """Deviations of a damping beside a spring that is not told: what hides that spring passes for damping."""
 
+AGAINST = -0.5
+"""Correlation of the motor's lead with the torque: no noise of a spring that is wound the right way does that."""
+
 TOGETHER = 0.4
 """Correlation of waves with the spring's deflection: those of a kinematic error, over some turns, have next to none."""
 
@@ -129,8 +132,12 @@ def _chosen(
 
 def _weak(data: Deflections, fit: DeflectionFit, spread: Array, counts: float) -> str:
     if counts < COUNTS:
+        if (likeness := _likeness(data.lead, data.torque)) < AGAINST:
+            against = f"the motor's lead goes against the torque, correlation {likeness:.2f}"
+            return f"{against}: are q and theta exchanged, or is a sign turned?"
+        steps = f"{counts:.3g} steps" if counts >= 1.0 else "less than a step"
         return (
-            f"torque winds the spring by {counts:.3g} steps of the encoders, half its range: {COUNTS:g} are needed; "
+            f"torque winds the spring by {steps} of the encoders, half its range: {COUNTS:g} are needed; "
             "excite with more torque, or measure more finely"
         )
     if (share := _uncertainty(data, fit, spread)) > UNCERTAIN:
@@ -139,6 +146,12 @@ def _weak(data: Deflections, fit: DeflectionFit, spread: Array, counts: float) -
             "differ by outweighs it, or hides it"
         )
     return ""
+
+
+def _likeness(x: Array, y: Array) -> float:
+    """Their correlation, 0 where either stands still."""
+    x, y = x - x.mean(), y - y.mean()
+    return float(x @ y / max(float(np.linalg.norm(x) * np.linalg.norm(y)), np.finfo(float).tiny))
 
 
 def _bare(data: Deflections, fit: DeflectionFit) -> str:
@@ -189,7 +202,7 @@ def _apart(names: Sequence[str], values: Array, others: Sequence[str], theirs: A
 def _not_apart(data: Deflections, fit: DeflectionFit, orders: Sequence[int]) -> str:
     """Waves that go with the spring's deflection, or against it, are a part of that."""
     waves = data.waves(orders) @ fit.waves
-    share = float(np.corrcoef(waves, fit.law.deflection(fit.constants, data.torque))[0, 1])
+    share = _likeness(waves, fit.law.deflection(fit.constants, data.torque))
     if abs(share) <= TOGETHER:
         return ""
     size = f"waves of {np.std(waves):.2g} rad RMS go {'with' if share > 0 else 'against'} the spring's deflection"

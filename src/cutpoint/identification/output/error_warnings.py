@@ -62,8 +62,9 @@ def _of_all(errors: TorqueErrors) -> list[str]:
 
 def _of_rest(errors: TorqueErrors, joints: Sequence[str]) -> list[str]:
     """Joints most of whose error is of when they rest, in one sentence."""
-    times, squares = errors.resting()
-    found = [j for j in range(len(joints)) if squares[j] > max(MOST, UNEVEN * times[j])]
+    (times, squares), small = errors.resting(), SMALL * errors.size()
+    large = errors.rms("after", held_out=True) > small
+    found = [j for j in range(len(joints)) if large[j] and squares[j] > max(MOST, UNEVEN * times[j])]
     if not found:
         return []
     which = ", ".join(f"{joints[j]} {squares[j]:.0%} in {times[j]:.0%} of the time" for j in found)
@@ -73,6 +74,7 @@ def _of_rest(errors: TorqueErrors, joints: Sequence[str]) -> list[str]:
 
 def _of_joint(errors: TorqueErrors, j: int, ratio: Ratio, unit: str) -> list[str]:
     fitted, held, before = errors.rms("after")[j], errors.rms("after", True)[j], errors.rms("before")[j]
+    is_large = held > SMALL * errors.size()[j]
     notes: list[str] = []
     if fitted > POOR * errors.size()[j]:
         what = f"the model misses its torque by {fitted:.3g} {unit} RMS, where that is {errors.size()[j]:.3g}"
@@ -81,11 +83,11 @@ def _of_joint(errors: TorqueErrors, j: int, ratio: Ratio, unit: str) -> list[str
         notes.append(f": {what}: {asked or 'check its columns, signs and units'}")
     if errors.speed(True)[j] < STILL * errors.speed()[j]:
         notes.append(" hardly moves on the part held out: its error there judges nothing")
-    if held > WORSE * fitted:
+    if held > WORSE * fitted and is_large:
         times = f"{held / fitted:.1f} times that on the part that was fitted"
         reason = "it moves otherwise there, or the machine changed"
         notes.append(f": torque error on the part held out is {times}: {reason}")
-    if ratio.is_more and held > SMALL * errors.size()[j]:
+    if ratio.is_more and is_large:
         times = f"{ratio.low:.2f} to {ratio.high:.2f} times that of plain least squares"
         notes.append(f": torque error on the part held out is {times}: check signs and units, or record longer")
     drift = float(errors.drift()[j])

@@ -75,7 +75,7 @@ def _with_torques(robot: Robot, recording: Recording, constants: Mapping[str, fl
 
 def _coarse(drives: DriveEstimates) -> tuple[str, ...]:
     """A sentence if encoders are coarse beside what springs give way."""
-    counts = {joint: each.spring.counts for joint, each in drives.joints.items() if each.spring.counts < FINE}
+    counts = {joint: each.spring.counts for joint, each in drives.joints.items() if 1.0 <= each.spring.counts < FINE}
     if not counts:
         return ()
     told = ", ".join(f"{joint} {count:.0f}" for joint, count in counts.items())

@@ -54,9 +54,9 @@ _LIBRARY = re.compile(
     "|(at_?|on_)?(quick_)?_?exit|abort|(get|set|put|unset|clear)env|getdate|daylight|(set|long)jmp|dup[23]?|v?fork"
     "|exec(l|v)?p?e?|accept|access|alarm|bind|connect|environ|ioctl|kill|link|listen|main|nice|pause|pipe|poll|raise"
     "|realpath|recv|select|send|shutdown|signal|socket|stat|sync|system|truncate|unlink|wait"
-    # types, namespaces, and CMake's own targets
+    # types, namespaces, and what CMake takes for a target or a kind of build
     "|.*_t|va_list|u_?(int|long|short|char)|std|Eigen|cutpoint"
-    "|m|all|clean|edit_cache|help|install|package|rebuild_cache|test"
+    "|m|all|clean|edit_cache|help|install|package|rebuild_cache|test|debug|optimized|general"
 )
 """Names that the library has already, of which a compiler or a linker would take ours for one."""
 
