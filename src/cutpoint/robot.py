@@ -393,8 +393,8 @@ class Robot:
     ) -> Array:
         """(...,) J, in springs, in the spin of elastic drives' rotors, and in what is strained, if that is given.
 
-        v: of the links.  Leaving it out raises InputError if an elastic drive's rotor has full coupling: its energy
-        depends on v.
+        v: of the links.  Leaving it out raises InputError if an elastic drive's rotor has full coupling and rides on a
+        link that turns: its energy depends on v.
         """
         if v is None:
             self._check_told("elastic_energy", "v", "links")

@@ -20,8 +20,8 @@ class DisturbanceObserver(RigidLaw, Wrapper):
     d = z + Y v and z' = -Y (the model's acceleration under torque and d), so that d' = Y M^-1 (disturbance - d), Y
     being the gain, N m s/rad; Mohammadi et al. (2013) with p(v) = Y v.  As d is taken off the law's torque u, what
     accelerates the model is u itself: d is Y times how far the speed is ahead of the model's.
-    gain / inertia is the bandwidth, rad/s, at which a joint's disturbance is followed: from 2 / control period on the
-    sampled observer diverges.
+    gain / inertia is the bandwidth, rad/s, at which a joint's disturbance is followed.  Sampled, the observer diverges
+    once the largest eigenvalue of Y M^-1 is 2 / control period: of a joint alone its bandwidth, of several joints less.
     torque_limit (n,): N m at the joint, what the motors can do; by default what robot and drives state.  The model gets
     what is left of u - d within it, and so d does not wind up while the motors give all they have.
     """

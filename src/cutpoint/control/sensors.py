@@ -27,7 +27,7 @@ class Sensors:
     link_resolution, motor_resolution: smallest step, rad at the joint's side (a motor encoder's step over ratio).
     link_noise, motor_noise: standard deviation, rad at the joint's side, from a generator with this seed.
     Each is one number for all drives or one for each; None is a perfect encoder.
-    delay: s, a whole number of control periods; of six drives at most 1000, see MOST_DELAYED.
+    delay: s, a whole number of control periods, at most 6000 over the number of drives.
     speeds: "true", or "differenced" from positions as measured, over one control period.  Before the first sample the
         robot is taken to have rested, and encoders to have been quiet: what is late is that at first.
     sides: where there are encoders; a controller is told NaN of the other side.

@@ -45,7 +45,8 @@ class VDC(ModelLaw):
     filter of filter_bandwidth (Hz).  No encoder is differenced for them.  The filter must stay well below the drives'
     own modes: its lag there feeds them, which only a spring_gain well above position_gain damps; see `tune`.
     Friction is compensated at required speeds, by value: a friction that grows with speed then only adds damping.
-    Rotors with full coupling act on what carries them as if their drives did not bend.
+    Rotors with full coupling act on what carries them as if their drives did not bend; where these do, derivatives must
+    be "filter".
     """
 
     position_gain: Any

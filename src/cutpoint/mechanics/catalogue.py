@@ -7,11 +7,8 @@ from cutpoint.mechanics.inversion import increasing_root
 from cutpoint.mechanics.smooth_corner import SmoothCorner
 from cutpoint.scalars import Scalar, absolute, clip, maximum, where
 
-STEEPEST_CORNER = 30.0
-"""Between neighbouring segments stiffness changes by no more of a factor: five Newton steps then are within 1e-9."""
-
 BLEND = 0.25
-"""Half the width over which a corner is rounded, in units of the shorter of the two segments that meet in it."""
+"""Half the width over which both corners are rounded, in units of the shorter of the two segments before the second."""
 
 
 @dataclass(frozen=True)

@@ -78,7 +78,7 @@ def simulate(
     duration: s; the trajectory's own by default; rounded to the nearest whole number of control periods.
     control_period: s; the command is held between samples.
     initial: State(q, v, theta, theta_dot, current, strains); what is left None is where the reference starts, with each
-        motor leading its link by what gravity bends the drive, theta = q + delta(g(q)), and as fast as that; with
+        motor leading its link by what gravity bends the drive, theta = q + delta(g(q)), and as fast as its link; with
         currents equal to the links' torques under gravity, none without a controller, and no strains.
     sensors: encoders; perfect by default.
     disturbances: a function of the sample times (N,) that gives torques on the links' coordinates, (N, nv), N m, held
