@@ -128,6 +128,27 @@ def test_the_closed_form_solves_the_cited_differential_equation(law, forwards):
         assert law.strain(start, speed * time, speed, 4.0) == pytest.approx(found.y[0, -1], rel=1e-6)
 
 
+@pytest.mark.parametrize("forwards", [1.0, -1.0])
+@pytest.mark.parametrize("law", BRISTLES[1:4:2], ids=lambda law: type(law).__name__)
+def test_bristles_that_slide_under_a_growing_load_wind_up_as_fast_as_it_lets_them(law, forwards):
+    """Their damping goes with that: by the load half way alone it came out half as large again, however they slid."""
+    speed, loads = forwards * 0.03, (4.0, 6.0)
+    limit = law.sliding.dry(speed, 5.0, forwards) / law.stiffness
+    way = 6.0 * limit
+    time = way / abs(speed)
+
+    def rate(t: float, s: np.ndarray) -> np.ndarray:
+        return speed * law.winding(s, speed, loads[0] + (loads[1] - loads[0]) * t / time)
+
+    start = 0.95 * forwards * limit
+    true = solve_ivp(rate, (0.0, time), [start], rtol=1e-10, atol=1e-14, max_step=time / 200).y[0, -1]
+    found = law.strain(start, forwards * way, speed, loads[1], halfway=(speed, 5.0))
+    assert found == pytest.approx(true, rel=2e-3)
+    assert law.winding(found, speed, loads[1]) == pytest.approx(law.winding(true, speed, loads[1]), rel=0.1)
+    late = law.strain(start, forwards * way, speed, 5.0)
+    assert law.winding(late, speed, loads[1]) > 1.5 * law.winding(true, speed, loads[1])
+
+
 @each_law
 def test_steady_sliding_is_the_sliding_law(law):
     for speed in (-1.0, -0.05, 0.05, 1.0):

@@ -11,7 +11,14 @@ from dataclasses import dataclass
 from typing import Any
 
 from cutpoint.mechanics.friction import Coulomb, Sliding, Stribeck
-from cutpoint.scalars import Scalar, absolute, exp, maximum, where
+from cutpoint.mechanics.saturation import saturation
+from cutpoint.scalars import Scalar, absolute, clip, maximum, minimum, where
+
+Halfway = tuple[Scalar, Scalar]
+"""Speed, rad/s, and load, N m, half way along a displacement."""
+
+SMALLEST = 1e-30
+"""rad, or rad over rad: no way is shorter, for it is divided by."""
 
 
 class Presliding(ABC):
@@ -55,13 +62,24 @@ class Presliding(ABC):
         return self.damping * maximum(self.winding(strain, speed, load), 0) + self.sliding.viscosity
 
     @abstractmethod
-    def strain(self, before: Scalar, displacement: Scalar, speed: Scalar, load: Scalar = 0) -> Scalar:
-        """Strain after a displacement in one direction, rad."""
+    def strain(
+        self, before: Scalar, displacement: Scalar, speed: Scalar, load: Scalar = 0, halfway: Halfway | None = None
+    ) -> Scalar:
+        """Strain after a displacement in one direction, rad.
+
+        speed, load: at its end.  halfway: as at its end by default; the strain at which it slides goes on evenly
+        through both.
+        """
 
     @abstractmethod
     def winding(self, strain: Scalar, speed: Scalar, load: Scalar = 0) -> Scalar:
         """d strain / d displacement at a strain: 1 where all motion winds bristles up, 0 where all of it slides, and up
         to 2 where LuGre's unwind, which damp twice as much then."""
+
+    def _ends(self, speed: Scalar, load: Scalar, halfway: Halfway | None, forwards: Scalar) -> tuple[Scalar, Scalar]:
+        """Strains at which it slides where a displacement begins and where it ends, rad."""
+        end = self._breakaway(speed, load, forwards)
+        return end if halfway is None else 2 * self._breakaway(*halfway, forwards) - end, end
 
     def _breakaway(self, speed: Scalar, load: Scalar, forwards: Scalar) -> Scalar:
         """Strain at which it slides, rad."""
@@ -79,11 +97,12 @@ class LuGre(Presliding):
     distance: Scalar
     damping: Scalar
 
-    def strain(self, before: Scalar, displacement: Scalar, speed: Scalar, load: Scalar = 0) -> Scalar:
+    def strain(
+        self, before: Scalar, displacement: Scalar, speed: Scalar, load: Scalar = 0, halfway: Halfway | None = None
+    ) -> Scalar:
         forwards = where(displacement < 0, -1, 1)
-        limit = self._breakaway(speed, load, forwards)
-        towards = forwards * limit
-        return towards + (before - towards) * exp(-absolute(displacement) * (1 / limit))
+        start, end = self._ends(speed, load, halfway, forwards)
+        return forwards * _followed(forwards * before, start, end, absolute(displacement), (start + end) / 2)
 
     def winding(self, strain: Scalar, speed: Scalar, load: Scalar = 0) -> Scalar:
         forwards = where(speed < 0, -1, 1)
@@ -105,21 +124,33 @@ class ElastoPlastic(Presliding):
     damping: Scalar
     elastic: Scalar
 
-    def strain(self, before: Scalar, displacement: Scalar, speed: Scalar, load: Scalar = 0) -> Scalar:
+    def strain(
+        self, before: Scalar, displacement: Scalar, speed: Scalar, load: Scalar = 0, halfway: Halfway | None = None
+    ) -> Scalar:
         forwards = where(displacement < 0, -1, 1)
-        limit = self._breakaway(speed, load, forwards)
-        start, travel = forwards * before, absolute(displacement)  # seen along the motion
-        knee = self.elastic * limit
-        onset = maximum(start, knee)
-        sliding = maximum(start + travel - onset, 0)
-        plastic = limit + (onset - limit) * exp(-sliding * (1 / (limit - knee)))
-        return forwards * where(start + travel < knee, start + travel, plastic)
+        start, end = self._ends(speed, load, halfway, forwards)
+        before, travel = forwards * before, absolute(displacement)  # seen along the motion
+        # it slides from where its strain meets the elastic share of a limit that moves
+        short, share = self.elastic * start - before, self.elastic * (end - start)
+        onset = clip(travel * short / maximum(travel - share, SMALLEST), 0, travel)
+        limit = start + (end - start) * onset / maximum(travel, SMALLEST)
+        scale = (1 - self.elastic) * (limit + end) / 2
+        plastic = _followed(before + onset, limit, end, travel - onset, scale)
+        elastic = before + travel
+        return forwards * where(elastic < self.elastic * end, elastic, minimum(plastic, elastic))
 
     def winding(self, strain: Scalar, speed: Scalar, load: Scalar = 0) -> Scalar:
         forwards = where(speed < 0, -1, 1)
         limit = self._breakaway(speed, load, forwards)
         knee = self.elastic * limit
         return 1 - maximum(forwards * strain - knee, 0) * (1 / (limit - knee))
+
+
+def _followed(before: Scalar, start: Scalar, end: Scalar, way: Scalar, scale: Scalar) -> Scalar:
+    """s after a way along which ds/dx = (limit - s) / scale, the limit going evenly from start to end."""
+    x = maximum(way / scale, SMALLEST)
+    gone = saturation(x)
+    return end + (before - start) * (1 - gone) - (end - start) * (gone / x)
 
 
 def sliding_of(law: Any) -> Sliding | None:

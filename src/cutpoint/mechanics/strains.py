@@ -53,8 +53,8 @@ def flat(strains: Strains) -> list[Scalar]:
 def moved(drive: Drive, before: Strains, start: DriveState, end: DriveState) -> Strains:
     """Strains after a motion that does not turn back on its way.
 
-    Exact for elements of hysteresis; of bristles, if friction's level on the way is that of the mean speed and load: to
-    second order in the length of the way.
+    Exact for elements of hysteresis; of bristles, if the strain at which they slide goes evenly along the way: to
+    second order in its length.
     """
     spring = before.spring
     if drive.hysteresis and spring is not None:
@@ -62,13 +62,14 @@ def moved(drive: Drive, before: Strains, start: DriveState, end: DriveState) -> 
         spring = drive.hysteresis.strains(spring, wound)
     link, motor = before.link, before.motor
     if isinstance(drive.link_friction, Presliding):
-        link = drive.link_friction.strain(link, end.q - start.q, (start.v + end.v) / 2)
+        link = drive.link_friction.strain(link, end.q - start.q, end.v, halfway=((start.v + end.v) / 2, 0))
     if isinstance(drive.motor_friction, Presliding):
-        load = 0
+        load = half = 0
         if drive.is_elastic:
-            load = (transmitted_torque(drive, start, before.spring) + transmitted_torque(drive, end, spring)) / 2
-        speed = (start.theta_dot + end.theta_dot) / 2
-        motor = drive.motor_friction.strain(motor, end.theta - start.theta, speed, load)
+            load = transmitted_torque(drive, end, spring)
+            half = (transmitted_torque(drive, start, before.spring) + load) / 2
+        halfway = (start.theta_dot + end.theta_dot) / 2, half
+        motor = drive.motor_friction.strain(motor, end.theta - start.theta, end.theta_dot, load, halfway)
     return Strains(link, motor, spring)
 
 

@@ -5,7 +5,8 @@ from dataclasses import dataclass
 
 from cutpoint.mechanics.compliance import Flexspline
 from cutpoint.mechanics.inversion import increasing_root
-from cutpoint.scalars import Scalar, absolute, clip, exp, maximum, minimum, tanh, where
+from cutpoint.mechanics.saturation import saturation
+from cutpoint.scalars import Scalar, absolute, clip, exp, maximum, minimum, where
 
 TERMS = 20
 """Of a series up to 1; the first that is left out is 20 / 21!, a hundredth of the last bit."""
@@ -29,7 +30,7 @@ class WaveGenerator:
         """Deflection at the joint's side, rad, under a joint torque, N m."""
         x, u = self._scaled(torque)
         a, b, c = self._quintic()
-        inside, outside = u * (a + u * u * (b + u * u * c)), _value(maximum(absolute(x), self._edge))
+        inside, outside = u * (a + u * u * (b + u * u * c)), saturation(maximum(absolute(x), self._edge))
         whole = where(absolute(x) < self._edge, inside, where(x < 0, -outside, outside))
         return whole / (self.hardening * self.ratio * self.stiffness)
 
@@ -63,16 +64,10 @@ class WaveGenerator:
     def _quintic(self) -> tuple[Scalar, Scalar, Scalar]:
         """Coefficients of u, u^3, u^5 that meet 1 - exp(-x) at the edge with two derivatives."""
         edge = self._edge
-        slope, value = edge * exp(-edge), _value(edge)
+        slope, value = edge * exp(-edge), saturation(edge)
         c = -(edge * slope + 3 * (slope - value)) / 8
         b = (slope - value) / 2 - 2 * c
         return value - b - c, b, c
-
-
-def _value(x: Scalar) -> Scalar:
-    """1 - exp(-x), with all digits of a small x."""
-    t = tanh(x / 2)
-    return 2 * t / (1 + t)
 
 
 def _stored(x: Scalar) -> Scalar:
