@@ -91,7 +91,7 @@ LINEAR = {"frequencies": [1.0, 2.0], "joint": "joint1"}
         (lambda: modes(None, Q[0]), r"linearize: robot must be a Robot"),
         (lambda: frequency_response(None, **LINEAR), r"frequency_response: model must be the linear model of a robot"),
         (lambda: frequency_response(linearize(robot("xia2019"), Q[0]), [1.0], Q), r"no driven joint is named array"),
-        (lambda: sizing(robot("xia2019"), None), r"sizing: trajectory must be a trajectory, such as .*, got None"),
+        (lambda: sizing(robot("xia2019"), None), r"sizing: trajectory must be a trajectory: one of .*, got None"),
         (lambda: sizing(robot("xia2019"), MOVE, dwell=None), r"sizing: dwell must be one number, s, got None"),
         (lambda: sizing(robot("xia2019"), MOVE, period=[1e-3]), r"sizing: period must be one number, s, got \[0.001\]"),
         (lambda: sizing(robot("xia2019"), MOVE, life="long"), r"sizing: life must be one number, h, got 'long'"),

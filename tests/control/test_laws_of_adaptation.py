@@ -113,6 +113,13 @@ def two_joints() -> Robot:
     return bare.with_drives(dict(zip(bare.joints, kinds, strict=True)))
 
 
+@pytest.mark.parametrize("update", ["projection", "natural"])
+def test_what_it_believes_is_told_in_the_frames_of_the_files(update):
+    arm = robot("ur10")  # whose axes are not all z
+    law = AdaptiveVDC(arm, 5.0, 10.0, 1.0, 40.0, update=update)
+    assert_close(law.inertial_parameters(law.start()), arm.inertial_parameters)
+
+
 @pytest.mark.parametrize(("update", "rate"), [("projection", 1e12), ("natural", 1.0)])
 def test_the_law_keeps_what_it_believes_within_bounds_and_physical_in_a_thousand_runs(update, rate):
     ours, rng = two_joints(), np.random.default_rng(5)

@@ -18,7 +18,7 @@ from robot_library import frictionless, robot
     ("options", "message"),
     [
         ({"robot": "arm.urdf"}, r"robot must be a Robot \(cutpoint.load reads files\), got 'arm.urdf'"),
-        ({"trajectory": np.zeros(6)}, r"trajectory must be a trajectory, .* got an array \(6,\) of float64"),
+        ({"trajectory": np.zeros(6)}, r"trajectory must be a trajectory: one of .* got an array \(6,\) of float64"),
         ({"initial": np.zeros(6)}, r"initial must be a State, .* got an array \(6,\)"),
         ({"duration": 1.0, "disturbances": np.zeros(6)}, r"disturbances must be a function of times .* got an array"),
         ({"duration": 1.0, "sensors": {}}, r"sensors must be Sensors, .* got {}"),

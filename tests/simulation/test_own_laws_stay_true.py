@@ -1,9 +1,11 @@
 """Laws that users write: each run has the numbers of today, and state that is not in memory is never frozen."""
 
 import itertools
+from array import array
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property, partial
+from io import StringIO
 from types import SimpleNamespace
 from typing import Any
 
@@ -249,16 +251,34 @@ def test_the_warning_names_the_state_and_where_it_belongs(made, name):
     assert f"{made.__name__} keeps state in itself ({name}); state is compiled if it is numbers of the memory" in told
 
 
-def test_what_cannot_be_put_back_is_never_frozen():
-    log, told = called_back(in_an_iterator())
-    assert np.array_equal(np.diff(log["command_torque"][:, 0]), np.ones(SAMPLES - 1))
-    assert "gives something else each time" in told
+def in_a_generator() -> Any:
+    numbers = (k for k in range(1, 100))
+    return lambda memory, m, r: (memory, np.full(6, float(next(numbers))))
 
 
-def starting_late() -> Any:
-    """Nothing until its third step, counted where it cannot be looked at."""
-    begun = itertools.chain([0.0] * 2, itertools.repeat(1.0))
-    return lambda memory, m, r: (memory, next(begun) * (r.theta - m.theta))
+def in_a_file() -> Any:
+    lines = StringIO("".join(f"{k}\n" for k in range(1, 100)))
+    return lambda memory, m, r: (memory, np.full(6, float(next(lines))))
+
+
+@pytest.mark.parametrize("made", [in_an_iterator, in_a_generator, in_a_file])
+def test_what_moves_on_by_itself_is_neither_frozen_nor_moved_before_the_run(made):
+    log, told = called_back(made())
+    assert np.array_equal(log["command_torque"][:, 0], np.arange(1.0, SAMPLES + 1.0))
+    assert "holds what moves on by itself (" in told
+
+
+@pytest.mark.parametrize("made", [lambda: bytearray(1), lambda: array("d", [0.0])])
+def test_numbers_that_python_packs_are_seen_to_change(made):
+    packed = made()
+
+    def step(memory: Any, m: Any, r: Any) -> Any:
+        packed[0] += 1
+        return memory, np.full(6, float(packed[0]))
+
+    log, told = called_back(step)
+    assert np.array_equal(log["command_torque"][:, 0], np.arange(1.0, SAMPLES + 1.0))
+    assert "keeps state in itself (packed)" in told
 
 
 def catching(memory: Any, m: Any, r: Any) -> Any:
@@ -275,13 +295,36 @@ def asking_for_kinds(memory: Any, m: Any, r: Any) -> Any:
     return memory, (300.0 if isinstance(m.theta[0], float) else 1.0) * (r.theta - m.theta)
 
 
-@pytest.mark.parametrize("law", [starting_late, catching, asking_for_kinds])
-def test_a_law_that_does_otherwise_with_plain_numbers_is_called_back(law):
-    log, told = called_back(law() if law is starting_late else law)
+def test_a_law_that_does_otherwise_with_plain_numbers_is_called_back():
+    log, told = called_back(asking_for_kinds)
     assert "with plain numbers, and" in told
     error = 1.0 * (log["motor_reference"] - log["measured_theta"])
-    factor = {catching: np.where(error[:, :1] > 1e-5, 60.0, 300.0), asking_for_kinds: 300.0}.get(law, 1.0)
+    assert np.allclose(log["command_torque"], 300.0 * error, rtol=1e-12, atol=1e-15)
+
+
+def test_a_law_that_catches_what_cannot_be_compiled_is_called_back():
+    log, told = called_back(catching)
+    assert "catches what says that it cannot be compiled" in told and "cutpoint.where" in told
+    error = 1.0 * (log["motor_reference"] - log["measured_theta"])
+    factor = np.where(error[:, :1] > 1e-5, 60.0, 300.0)
     assert np.allclose(log["command_torque"], factor * error, rtol=1e-12, atol=1e-15)
+
+
+def test_however_late_it_does_otherwise_than_it_was_traced():
+    """Steps that are tried before the run are of its first milliseconds."""
+    end = 2e-3 * STEPS_TRIED
+
+    def off_in_the_end(memory: Any, m: Any, r: Any) -> Any:
+        try:
+            if m.time > end:
+                return memory, np.zeros(6)
+        except Exception:
+            pass
+        return memory, np.full(6, 3.0)
+
+    with pytest.warns(UntracedControllerWarning, match="catches what says"):
+        log = simulate(frictionless(robot("xia2019")), off_in_the_end, MOVE, duration=1.5 * end)
+    assert np.array_equal(log["command_torque"][:, 0], np.where(log.time > end, 0.0, 3.0))
 
 
 def test_steps_before_the_run_leave_no_traced_numbers():

@@ -33,7 +33,7 @@ def linearize(
     static / smoothing (N m s/rad), steep: it is right only for speeds well below `smoothing`, where the drive creeps.
     A joint that swings faster sees far less damping, one that dry friction holds is locked; a linear model knows
     neither.  Elements of hysteresis are left out, too: small motions, in which they stick, see the spring stiffer by
-    the sum of theirs.
+    the sum of theirs.  So are the motor's ripple and cogging: torques at its shaft are the model's input.
 
     Args:
         q: (nq,) rad (m).  v: (nv,) rad/s (m/s).  motor_torque: (drives,) N m (N) at the joint's side.

@@ -5,6 +5,7 @@ from dataclasses import dataclass, replace
 from typing import Any, Literal, NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
 from cutpoint.control import adaptation, command_filter
 from cutpoint.control.gains import gains
@@ -28,6 +29,7 @@ from cutpoint.mechanics.inverse_dynamics import (
 )
 from cutpoint.mechanics.pseudo_inertia import nominal_sizes
 from cutpoint.mechanics.rigid_body import body_regressor, inertia_of, parameters_of
+from cutpoint.mechanics.spatial import ZERO, Pose
 from cutpoint.mechanics.system import Segment
 from cutpoint.model.drive import Drive
 from cutpoint.scalars import Jet, Scalar
@@ -110,7 +112,7 @@ class AdaptiveVDC(VDC):
     def _bodies(self, estimates: Any, m: Measurement, v_r: list[Jet]) -> tuple[list[Scalar], list[Scalar], list[Any]]:
         """Torques on the links, what rotors add by their coupling, and what each body has learnt."""
         system = quasi_rigid(replace(self.machine.system, armature=(0,) * self.size))
-        believed = [inertia_of(self.inertial(x)) for x in estimates]
+        believed = [inertia_of(self._inertial(x)) for x in estimates]
         segments = tuple(replace(own, inertia=M) for own, M in zip(system.segments, believed, strict=True))
         system = replace(system, segments=segments)
         speeds, accelerations = zip(*(x.derivatives for x in v_r), strict=True)
@@ -125,8 +127,16 @@ class AdaptiveVDC(VDC):
         F_r = bear(system, [x.X for x in actual], F_r, {})
         return joint_efforts(system, F_r), rotor_efforts(system, required, accelerations, actual), learnt
 
-    def inertial(self, estimate: Any) -> list[Scalar]:
-        """A body's ten parameters, in its joint's frame, from what the law remembers of it."""
+    def inertial_parameters(self, memory: Estimates) -> NDArray[np.float64]:
+        """(10 n,): what the law believes of all bodies, as `Robot.inertial_parameters` has them."""
+        found: list[float] = []
+        for segment, estimate in zip(self.machine.system.segments, memory.bodies, strict=True):
+            own = inertia_of(self._inertial(estimate))
+            found += parameters_of(own.seen_from_parent(Pose(segment.turn, ZERO)))
+        return np.array(found, float)
+
+    def _inertial(self, estimate: Any) -> list[Scalar]:
+        """A body's ten parameters, in the machine's own frame, from what the law remembers of it."""
         return adaptation.inertial_of_factor(estimate) if self.update == "natural" else [*estimate]
 
     def _learnt(self, body: Segment, estimate: Any, s: list[Scalar], period: Scalar) -> Any:

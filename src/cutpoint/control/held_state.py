@@ -5,10 +5,12 @@ Modules are left out, and so is what is of Python's own library, of NumPy, or of
 
 import random
 import sys
+from array import array
 from collections import deque
 from collections.abc import Callable, Generator, Iterator
 from contextlib import contextmanager
 from functools import cached_property, partial
+from queue import Queue
 from types import CellType, CodeType, FunctionType, MethodType, ModuleType, SimpleNamespace
 from typing import Any, NamedTuple
 
@@ -91,6 +93,8 @@ def _kind_of(thing: Any) -> _Kind | None:
             return _KINDS[base]
     is_class = isinstance(thing, type)
     package = str((thing if is_function or is_class else type(thing)).__module__).partition(".")[0]
+    if package in sys.stdlib_module_names and hasattr(type(thing), "__next__"):
+        return MOVING
     is_left_out = package in ("cutpoint", "numpy", *sys.stdlib_module_names) and not isinstance(thing, Law)
     if is_left_out or isinstance(thing, ModuleType):
         return None
@@ -181,13 +185,18 @@ _CLASS = _Kind(_class_attributes, _set_class_attributes)
 _ARRAY = _Kind(np.copy, np.copyto)
 _GENERATOR = _Kind(lambda g: g.bit_generator.state, lambda g, state: setattr(g.bit_generator, "state", state))
 _RANDOM = _Kind(random.Random.getstate, random.Random.setstate)
+_BYTES = _Kind(bytes, lambda thing, content: thing.__setitem__(slice(None), content))
+_NUMBERS = _Kind(array.tolist, lambda thing, content: thing.__setitem__(slice(None), array(thing.typecode, content)))
+MOVING = _Kind(lambda _: [])
+"""Iterators, generators and files: what they hold cannot be read without moving them on."""
+
 _KINDS: dict[type, _Kind] = {
     np.ndarray: _ARRAY, np.random.Generator: _GENERATOR, random.Random: _RANDOM,
     list: _Kind(list, lambda thing, content: thing.__setitem__(slice(None), content)),
     dict: _Kind(dict, _refill), set: _Kind(set, _refill), deque: _Kind(list, _refill),
     tuple: _Kind(list), partial: _Kind(lambda p: [p.func, p.args, p.keywords]),
     MethodType: _Kind(lambda m: [m.__self__, m.__func__]),
-    CellType: _Kind(_cell, _set_cell), SimpleNamespace: _OBJECT,
+    CellType: _Kind(_cell, _set_cell), SimpleNamespace: _OBJECT, Queue: _OBJECT, bytearray: _BYTES, array: _NUMBERS,
 }  # fmt: skip
-_CLOSED = (_ARRAY, _GENERATOR, _RANDOM)
+_CLOSED = (_ARRAY, _GENERATOR, _RANDOM, _BYTES, _NUMBERS, MOVING)
 """Kinds that hold no further things."""

@@ -5,7 +5,7 @@ from typing import Any, NamedTuple, NoReturn
 
 import numpy as np
 
-from cutpoint.control.held_state import as_it_was, changed, held_by
+from cutpoint.control.held_state import MOVING, as_it_was, changed, held_by
 from cutpoint.control.interface import (
     SENSED,
     Measurement,
@@ -20,6 +20,7 @@ from cutpoint.control.law import Sum, Wrapper, makes_reference, needs_of
 from cutpoint.errors import InputError, TraceError
 from cutpoint.kernels import Graph, graph_of
 from cutpoint.kernels.arrays.numpy_backend import evaluate
+from cutpoint.kernels.graphs.refusals import refusals
 from cutpoint.scalars import constants, keys_of, leaves, rebuild, with_float_leaves
 
 STEPS_TRIED = 16
@@ -91,11 +92,17 @@ class _Step:
 
     def __call__(self, *, numbers: Any, **given: Any) -> list[Any]:
         """Raises TraceError for a law that is not a function of what its step is given."""
-        own = rebuild(self._law, iter(numbers))
+        own, refused = rebuild(self._law, iter(numbers)), refusals()
         before = held_by(own)
+        if moving := [held.name for held in before.values() if held.kind is MOVING]:
+            what = "an iterator, a generator or a file, whose state cannot be seen"
+            _refuse(self._law, f"holds what moves on by itself ({', '.join(moving)}): {what}")
         first, shape = self._once(own, **given)
         between = held_by(own)
         second, self.shape = self._once(own, **given)
+        if refusals() > refused:
+            told = "catches what says that it cannot be compiled, such as an `if` within a `try`"
+            raise TraceError(f"{name_of(self._law)} {told}; write cutpoint.where(condition, yes, no)")
         if changes := changed(before, between) + changed(between, held_by(own)):
             _refuse(self._law, f"keeps state in itself ({', '.join(dict.fromkeys(changes))})")
         if shape != self.shape or not all(x is y or repr(x) == repr(y) for x, y in zip(first, second, strict=True)):

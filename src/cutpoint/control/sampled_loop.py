@@ -65,9 +65,10 @@ def slowest_pole(robot: Robot, law: Any, q: ArrayLike, period: float, *, sensors
     """The pole that decays slowest, or grows, of the robot at rest at q under a law with this period (s).
 
     The robot is linear about q and moves exactly between samples, its motors' current loops and delays included; the
-    law is differenced about rest.  Neither has friction, whose slope at rest is that of its smoothing.  Laws that jump
-    at rest have no slope, and this says nothing of them.  Memory counts where motion changes it and the command follows
-    it: clocks and latched faults do not.
+    law is differenced about rest.  Neither has friction, whose slope at rest is that of its smoothing, nor the motor's
+    ripple and cogging, whose slope is another within each wave.  Laws that jump at rest have no slope, and this says
+    nothing of them.  Memory counts where motion changes it and the command follows it; clocks and latched faults do
+    not.
 
     The law is asked for what makes it bear the robot's load there.
     sensors: what it is told, late and with differenced speeds as they say; by default all at once and as it is.  Their

@@ -12,7 +12,9 @@ from typing import Any
 
 import numpy as np
 
-_NEVER_NUMBERS = (bool, np.bool_)
+_NEVER_NUMBERS = (bool, np.bool_, str, bytes)
+"""NumPy's texts are of these, and have a minus sign like its numbers."""
+
 _STRUCTURE = (*_NEVER_NUMBERS, int, np.integer)
 
 

@@ -32,7 +32,7 @@ class Moves(Protocol):
     def derivatives(self, t: Any, order: int) -> Array: ...
 
 
-A_TRAJECTORY = "a trajectory, such as those of cutpoint.trajectories"
+A_TRAJECTORY = "a trajectory: one of cutpoint.trajectories, or what has duration, size and derivatives(t, order)"
 
 
 @dataclass(frozen=True, eq=False)

@@ -1,6 +1,7 @@
 """What a traced number cannot do, said at the user's line with what to write instead."""
 
 import sys
+import threading
 from numbers import Real
 from typing import Any, NoReturn
 
@@ -13,8 +14,23 @@ _OURS = {
 _RENAMED = {"arctan": "atan", "fabs": "absolute", "fmax": "maximum", "fmin": "minimum"}
 
 
+class _Told(threading.local):
+    """How many refusals this thread has met, those that somebody caught too."""
+
+    count = 0
+
+
+_told = _Told()
+
+
+def refusals() -> int:
+    """How many refusals this thread has met until now: one more after a call that raised none was caught within it."""
+    return _told.count
+
+
 def refuse(message: str) -> NoReturn:
     """Raises TraceError that points at the user's line."""
+    _told.count += 1
     raise TraceError(message, place=user_place())
 
 
