@@ -1,12 +1,13 @@
 """Every law in every scenario: what each run scored, and the worst of a scenario's."""
 
+import warnings
 from collections.abc import Callable, Iterable
 from typing import Any, NamedTuple
 
 import numpy as np
 
 from cutpoint.errors import SimulationError
-from cutpoint.simulation import simulate
+from cutpoint.simulation import StiffnessWarning, simulate
 from cutpoint.studies.compare.bench import Bench
 from cutpoint.studies.compare.contenders import believing
 from cutpoint.studies.compare.scenarios import Case
@@ -53,7 +54,9 @@ def score(bench: Bench, law: Any, case: Case) -> Score:
     """Raises KeyboardInterrupt where the run was interrupted."""
     told = believing(law, case.model)
     try:
-        log = simulate(case.plant, told, case.move, control_period=bench.control_period, sensors=case.sensors)
+        with warnings.catch_warnings():  # what winds springs as far as that has lost anyway
+            warnings.simplefilter("ignore", StiffnessWarning)
+            log = simulate(case.plant, told, case.move, control_period=bench.control_period, sensors=case.sensors)
     except SimulationError as stopped:
         if not stopped.evidence["diverged"]:
             raise KeyboardInterrupt from stopped
