@@ -91,10 +91,10 @@ def test_the_code_includes_and_calls_nothing(tmp_path: Path) -> None:
     }  # fmt: skip
 
 
-@pytest.mark.parametrize(("name", "argument"), [*NAMES, ("law", "count"), ("law", "threadIdx")])
+@pytest.mark.parametrize(("name", "argument"), [*NAMES, ("law", "count"), ("law", "threadIdx"), ("law", "cutpoint")])
 def test_names_that_cuda_cannot_take_are_refused(name: str, argument: str, tmp_path: Path) -> None:
     kernel = compile(lambda **given: given[argument] * 2, name=name, **{argument: ()})
-    with pytest.raises(InputError, match=r"cannot be a name in C|names two things"):
+    with pytest.raises(InputError, match=r"cannot be a name in C|is a name that CUDA or the kernel itself has already"):
         kernel.to_cuda(tmp_path)
     assert not [*tmp_path.iterdir()]
 
@@ -106,9 +106,15 @@ def test_a_function_is_not_called_as_one_of_cuda_is(name: str, tmp_path: Path) -
     assert not [*tmp_path.iterdir()]
 
 
+def test_a_function_without_numbers_is_no_kernel_of_cuda(tmp_path: Path) -> None:
+    with pytest.raises(InputError, match=r"nothing: it gives no numbers; return one"):
+        compile(lambda x: [], name="nothing", x=2).to_cuda(tmp_path)
+    assert not [*tmp_path.iterdir()]
+
+
 def test_an_input_named_as_anothers_step_is_refused(tmp_path: Path) -> None:
     kernel = compile(lambda q, q_step: q * q_step, name="law", q=(), q_step=())
-    with pytest.raises(InputError, match="'q_step' names two things"):
+    with pytest.raises(InputError, match="'q_step' is a name that CUDA or the kernel itself has already"):
         kernel.to_cuda(tmp_path)
 
 

@@ -41,7 +41,7 @@ CALLS: list[tuple[Callable[[Kernel], Any], str]] = [
     (lambda k: k(ZEROS, 0, T, out=ZEROS[:, 1:]), "result has shape (4, 5), it must be an array of shape (4, 6)"),
     (lambda k: k(ZEROS, 0, T, out=(ZEROS, ZEROS)), "out holds 2 arrays, it must hold 1: result"),
     (lambda k: k(ZEROS, 0, T, out=[0]), "out for result is a list"),
-    (lambda k: k(ZEROS, 0, T, out=np.zeros((4, 6), int)), "cast"),
+    (lambda k: k(ZEROS, 0, T, out=np.zeros((4, 6), int)), "out for result is of int64, it must be of floats"),
 ]  # fmt: skip
 
 
@@ -118,3 +118,18 @@ def test_a_missing_llvm_is_named(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(backends, "llvm_is_installed", lambda: False)
     with pytest.raises(InputError, match="pip install llvmlite"):
         compile(lambda x: x, x=(), backend="llvm")
+
+
+def test_numbers_that_a_kernel_would_shorten_are_named() -> None:
+    half = compile(lambda x: x / 2, name="half", x=(), backend="llvm")
+    with pytest.raises(InputError, match=r"half: x holds float\d+, more than float64 keeps; hand it np.asarray"):
+        half(np.longdouble(1))
+
+
+@pytest.mark.parametrize("names", ["theta", 3, [["theta"]]])
+def test_names_of_derivatives_are_a_list(names: Any) -> None:
+    for what in ("of", "with_respect_to"):
+        with pytest.raises(InputError, match=f"jacobian_of: {what} must be a list of names, got"):
+            jacobian_of(lambda theta: theta, **{what: names})
+    with pytest.raises(InputError, match="function must be a function, got None"):
+        jacobian_of(None)  # type: ignore[arg-type]

@@ -95,6 +95,9 @@ def explained(kernel: str, graph: Graph, arguments: Sequence[Any], out: Any, err
             batches[port.name] = batch_shape(port, as_numbers(argument, graph.precision))
         except (TypeError, ValueError, OverflowError) as problem:
             return InputError(f"{kernel}: {port.name} {_phrase(argument, problem)}", name=port.name)
+        if not np.can_cast(kind := np.asarray(argument).dtype, graph.precision.dtype):
+            told = f"holds {kind}, more than {graph.precision.dtype} keeps; hand it np.asarray(..., float)"
+            return InputError(f"{kernel}: {port.name} {told}", name=port.name)
     try:
         batch = common_batch(kernel, batches)
     except InputError as problem:
@@ -135,4 +138,6 @@ def _out_problem(outputs: Sequence[Port], batch: Shape, out: Any) -> str | None:
         if not isinstance(target, np.ndarray) or target.shape != expected:
             found = f"has shape {target.shape}" if isinstance(target, np.ndarray) else f"is a {type(target).__name__}"
             return f"out for {port.name} {found}, it must be an array of shape {expected}"
+        if not np.can_cast(np.float32, target.dtype, "same_kind"):
+            return f"out for {port.name} is of {target.dtype}, it must be of floats"
     return None

@@ -56,7 +56,8 @@ def check_length(name: str, graphs: Iterable[Graph]) -> None:
     operations = sum(AS_MANY if x.op in ELEMENTARY else 1 for graph in graphs for x in graph.nodes)
     if operations > MOST_COMPILED:
         told = f"{name}: {operations} operations a call, at most {MOST_COMPILED} compile, sines count for {AS_MANY}"
-        raise InputError(f"{told}; use backend='numpy', or a smaller model", operations=operations)
+        remedy = "use backend='numpy' to call it from Python, or a smaller model"
+        raise InputError(f"{told}; {remedy}", operations=operations)
 
 
 def check_size(name: str, ports: Iterable[Port]) -> None:
@@ -64,7 +65,7 @@ def check_size(name: str, ports: Iterable[Port]) -> None:
     numbers = sum(p.size for p in ports)
     if numbers > MOST_NUMBERS:
         told = f"{name}: {numbers} numbers go in and out, at most {MOST_NUMBERS} compile"
-        raise InputError(f"{told}; use backend='numpy', or a smaller model", numbers=numbers)
+        raise InputError(f"{told}; use backend='numpy' to call it from Python, or a smaller model", numbers=numbers)
 
 
 def numbers_at_once(backend: str) -> int:

@@ -2,7 +2,7 @@
 
 import itertools
 from collections import namedtuple
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from functools import wraps
 from typing import Any
 
@@ -45,11 +45,16 @@ def jacobian_of(
             fewest operations win.
 
     Raises:
-        InputError: orders are no functions.  When it is traced, as are the function's own errors: there is no such
-            output or input, or two derivatives would have one name.
+        InputError: names are no names, orders no functions.  When it is traced, as are the function's own errors: there
+            is no such output or input, or two derivatives would have one name.
         TraceError: it is called outside a trace.
     """
 
+    if not callable(function):
+        raise InputError(f"jacobian_of: function must be a function, got {function!r}")
+    for what, names in (("of", of), ("with_respect_to", with_respect_to)):
+        if isinstance(names, str) or not all(isinstance(name, str) for name in _listed(names)):
+            raise InputError(f"jacobian_of: {what} must be a list of names, got {names!r}")
     if orders is not None and not (isinstance(orders, Sequence) and all(map(callable, orders))):
         rule = "orders must be functions of kernels.graphs.elimination, such as [forward, reverse]"
         raise InputError(f"jacobian_of: {rule}, got {orders!r}")
@@ -68,6 +73,11 @@ def jacobian_of(
 
     derivatives.__name__ = f"jacobian_of_{name_of(function)}"
     return derivatives
+
+
+def _listed(names: Any) -> Iterable[Any]:
+    """What a list of names holds; what is no list is what it holds itself."""
+    return () if names is None else names if isinstance(names, Iterable) else (names,)
 
 
 def _trace_of(function: Callable[..., Any], arrays: Mapping[str, Flat]) -> Trace:

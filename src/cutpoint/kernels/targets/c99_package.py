@@ -11,10 +11,9 @@ from cutpoint.errors import InputError
 from cutpoint.kernels.arrays.arguments import as_numbers
 from cutpoint.kernels.arrays.backends import array_function, chosen
 from cutpoint.kernels.graphs.graph import Graph
-from cutpoint.kernels.graphs.ports import with_numbers
 from cutpoint.kernels.targets.c99 import Source, source_of
 from cutpoint.kernels.targets.c99_texts import Notes, texts
-from cutpoint.kernels.targets.package_files import folder_of, is_ours, write_files
+from cutpoint.kernels.targets.package_files import check_gives_numbers, folder_of, is_ours, write_files
 
 _SCALES = (0.0, 1e-300, 1e-8, *[1e-3] * 4, *[1.0] * 8, 1e3)
 """Of the check's random inputs, a case each: what remembers sees small motions before large ones."""
@@ -56,8 +55,7 @@ def write_source(
     """
     from cutpoint import __version__
 
-    if not with_numbers(source.outputs):
-        raise InputError(f"{name}: it gives no numbers; return one at least to export it", name=name)
+    check_gives_numbers(name, source.outputs)
     if not force:
         _check_alone(folder_of(folder), name)
     return write_files(folder, texts(source, name, notes, __version__, _recorded(source, computed, notes)), force)

@@ -63,7 +63,7 @@ static __device__ $real cutpoint_significand($real a) {
 }
 """The primitives that look at bits; PRIMITIVES says what they mean."""
 
-_OWN = [Port(name, ()) for name in ("count", "blockIdx", "blockDim", "threadIdx", "gridDim", "warpSize")]
+_OWN = ("count", "blockIdx", "blockDim", "threadIdx", "gridDim", "warpSize", "cutpoint")
 """What CUDA and the code have names for."""
 
 _FUNCTIONS = re.compile(
@@ -76,7 +76,12 @@ _FUNCTIONS = re.compile(
 def check_names(name: str, graph: Graph) -> None:
     """Raises InputError for a name that CUDA C cannot take, or that two arguments share."""
     inputs, outputs = full(graph)
-    c_names.check_names(name, [*_OWN, *inputs, *map(_step, inputs)], outputs)
+    c_names.check_names(name, inputs, outputs)
+    own = {*_OWN, *(_step(p).name for p in inputs)}
+    for port in (*inputs, *outputs):
+        if port.name in own:
+            told = f"{port.name!r} is a name that CUDA or the kernel itself has already"
+            raise InputError(f"{name}: {told}: rename it", name=port.name)
     if _FUNCTIONS.fullmatch(name):
         raise InputError(f"{name}: CUDA has this name already: rename it", name=name)
 

@@ -7,7 +7,7 @@ from string import Template
 from cutpoint.kernels.graphs.graph import Graph
 from cutpoint.kernels.targets import cuda
 from cutpoint.kernels.targets.c99_texts import Notes, arguments, comment, values
-from cutpoint.kernels.targets.package_files import write_files
+from cutpoint.kernels.targets.package_files import check_gives_numbers, write_files
 
 _NO_NOTES = Notes()
 
@@ -18,8 +18,9 @@ def write_package(
     """Writes the CUDA kernel of a graph and its header; returns the files' paths.
 
     force: overwrite files that cutpoint has not written.
-    Raises InputError for names that CUDA C cannot take, and for files in the way.
+    Raises InputError for names that CUDA C cannot take, for files in the way, and for a function without a number.
     """
+    check_gives_numbers(name, graph.outputs)
     return write_files(folder, _texts(graph, name, notes), force)
 
 
