@@ -10,13 +10,16 @@ import pytest
 import cutpoint
 from cutpoint import (
     Backlash,
+    Coulomb,
     Drive,
+    ElastoPlastic,
     Flexspline,
     Harmonic,
     KinematicError,
     Limits,
     LinearSpring,
     Log,
+    LuGre,
     Motor,
     Robot,
     Rotor,
@@ -131,3 +134,20 @@ def test_springs_that_were_wound_until_they_were_much_stiffer_are_warned_of():
     assert off(run, truth) > 1e-4 and told[0].filename == __file__
     asked = int(str(told[0].message).rsplit("=", 1)[1])
     assert off(simulate(light, law, duration=0.2, substeps=asked), truth) < 2e-4
+
+
+RUBS = Coulomb(10.0, 0.4)
+
+
+@pytest.mark.parametrize("law", [LuGre(RUBS, 3e-4, 600.0), ElastoPlastic(RUBS, 3e-4, 1200.0, 0.7)])
+def test_bristles_that_resist_much_turn_back_where_they_should(law: LuGre | ElastoPlastic):
+    """In longer steps the link went on sliding for ever where it should come to rest."""
+    ours = turning(compliance=LinearSpring(3e3), damping=1.0, link_friction=law)
+    feedback, move = tune(ours, 8.0), cutpoint.trajectories.cycloid(end=[0.5], duration=0.3)
+    found, truth = (
+        simulate(ours, feedback, move, duration=0.5),
+        simulate(ours, feedback, move, duration=0.5, substeps=200),
+    )
+    assert found.meta["steps_set_by"] == "the damping of the bristles of 'joint'"
+    assert off(found, truth) < 1e-5
+    assert off(simulate(ours, feedback, move, duration=0.5, substeps=4), truth) > 1e-3

@@ -2,13 +2,14 @@
 
 A bristle's strain follows the joint's displacement, not time: from the strain before a displacement the strain after
 comes in closed form, however fast the motion, so these laws put no bound on integration steps but for the frequency of
-a mass on the bristles' stiffness.  The differential equations that they solve are cited at each class.
+a mass on the bristles' stiffness, and for its decay by their damping once they turn back.  The differential equations
+that they solve are cited at each class.
 Strains in rad (m), torques in N m (N), all at the joint's side.
 """
 
 from abc import ABC, abstractmethod
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, ClassVar
 
 from cutpoint.mechanics.friction import Coulomb, Sliding, Stribeck
 from cutpoint.mechanics.saturation import saturation
@@ -31,6 +32,9 @@ class Presliding(ABC):
     sliding: Stribeck | Coulomb
     distance: Scalar
     damping: Scalar
+
+    most_winding: ClassVar[int] = 1
+    """What `winding` comes to at most."""
 
     @property
     def stiffness(self) -> Scalar:
@@ -96,6 +100,8 @@ class LuGre(Presliding):
     sliding: Stribeck | Coulomb
     distance: Scalar
     damping: Scalar
+
+    most_winding = 2
 
     def strain(
         self, before: Scalar, displacement: Scalar, speed: Scalar, load: Scalar = 0, halfway: Halfway | None = None

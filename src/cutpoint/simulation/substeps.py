@@ -1,6 +1,7 @@
 """How many integration steps a control period takes, and what asks for as many."""
 
 import math
+from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
@@ -11,7 +12,7 @@ from cutpoint.functions.idle_joints import check_moves_inertia
 from cutpoint.mechanics.harmonic_drive import friction_resistance
 from cutpoint.mechanics.kinematic_error import KinematicError
 from cutpoint.mechanics.presliding import Presliding
-from cutpoint.model.drive import Friction
+from cutpoint.model.drive import Drive, Friction
 from cutpoint.model.limits import efforts_in_force
 from cutpoint.robot import Robot
 from cutpoint.simulation.spring_slopes import stiffest
@@ -22,21 +23,22 @@ Array = NDArray[np.float64]
 class Longest(NamedTuple):
     """Largest step of an accuracy: times each rate, and in s.
 
-    mode: of the fastest drive mode, rad.  decay: of the fastest decay that is not taken implicitly.  growth: of the
-    fastest growth where friction falls with speed.  wave: of the fastest wave of ripple, cogging or kinematic error,
-    rad; a step of 2 pi would not see it at all.
+    mode: of the fastest drive mode, rad.  decay: of the fastest decay that is not taken implicitly.  reversal: of that
+    by bristles that turn back; of 6 they never do.  growth: of the fastest growth where friction falls with speed.
+    wave: of the fastest wave of ripple, cogging or kinematic error, rad; a step of 2 pi would not see it at all.
     """
 
     mode: float
     decay: float
+    reversal: float
     growth: float
     wave: float
     seconds: float
 
 
 SETTINGS = {
-    "standard": Longest(mode=1.0, decay=2.0, growth=2.0, wave=2.0, seconds=2.5e-4),
-    "fine": Longest(mode=0.2, decay=0.25, growth=0.5, wave=1.0, seconds=6.25e-5),
+    "standard": Longest(mode=1.0, decay=2.0, reversal=2.0, growth=2.0, wave=2.0, seconds=2.5e-4),
+    "fine": Longest(mode=0.2, decay=0.25, reversal=1.0, growth=0.5, wave=1.0, seconds=6.25e-5),
 }
 """By accuracy."""
 
@@ -78,6 +80,7 @@ def substeps_for(robot: Robot, accuracy: str, period: float, poses: Array, speed
     bounds = [
         (longest.mode, mode),
         (longest.decay, fastest_decay(robot)),
+        (longest.reversal, fastest_reversal(robot, poses)),
         (longest.growth, fastest_growth(robot, poses)),
         (longest.wave, fastest_wave(robot, np.zeros(len(robot.drives)) if speeds is None else speeds)),
     ]
@@ -144,6 +147,20 @@ def fastest_decay(robot: Robot) -> Limit:
     return max(found)
 
 
+def fastest_reversal(robot: Robot, poses: Array) -> Limit:
+    """Fastest decay by bristles that slip, once their motion turns back within a step: it knows them as they were."""
+    names, drives = [*robot.drives], [*robot.drives.values()]
+    on_link, on_motor = (np.array([_unwinding(law) for law in laws]) for laws in _laws(drives))
+    elastic = np.array([d.is_elastic for d in drives], bool)
+    on_link, on_motor = on_link + np.where(elastic, 0.0, on_motor), np.where(elastic, on_motor, 0.0)
+    rates = on_motor * _rotor_mobility(robot)
+    for q in poses if on_link.any() else ():
+        rates = np.maximum(rates, on_link * np.diag(_link_mobility(robot, q)))
+    of_each = zip(names, rates.tolist(), strict=True)
+    found = [Limit(rate, f"the damping of the bristles of {name!r}") for name, rate in of_each]
+    return max([Limit(0.0, "nothing that turns back"), *found])
+
+
 def fastest_growth(robot: Robot, poses: Array) -> Limit:
     """Fastest growth of a slip where friction falls with speed, as Stribeck's does."""
     names, drives = [*robot.drives], [*robot.drives.values()]
@@ -205,6 +222,16 @@ def _rotor_mobility(robot: Robot) -> Array:
 
 def _bristles(law: Friction | None) -> float:
     return float(law.stiffness) if isinstance(law, Presliding) else 0.0
+
+
+def _laws(drives: Sequence[Drive]) -> tuple[list[Friction | None], list[Friction | None]]:
+    """Of links, and of motors."""
+    return [d.link_friction for d in drives], [d.motor_friction for d in drives]
+
+
+def _unwinding(law: Friction | None) -> float:
+    """What resists bristles that are turned back, N m s/rad."""
+    return float(law.damping * law.most_winding) if isinstance(law, Presliding) else 0.0
 
 
 def _fall(law: Friction | None) -> float:
