@@ -1,7 +1,6 @@
 """How many integration steps a control period takes, and what asks for as many."""
 
 import math
-from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
@@ -12,7 +11,7 @@ from cutpoint.functions.idle_joints import check_moves_inertia
 from cutpoint.mechanics.harmonic_drive import friction_resistance
 from cutpoint.mechanics.kinematic_error import KinematicError
 from cutpoint.mechanics.presliding import Presliding
-from cutpoint.model.drive import Drive, Friction
+from cutpoint.model.drive import Friction
 from cutpoint.model.limits import efforts_in_force
 from cutpoint.robot import Robot
 from cutpoint.simulation.spring_slopes import stiffest
@@ -150,7 +149,8 @@ def fastest_decay(robot: Robot) -> Limit:
 def fastest_reversal(robot: Robot, poses: Array) -> Limit:
     """Fastest decay by bristles that slip, once their motion turns back within a step: it knows them as they were."""
     names, drives = [*robot.drives], [*robot.drives.values()]
-    on_link, on_motor = (np.array([_unwinding(law) for law in laws]) for laws in _laws(drives))
+    on_link = np.array([_unwinding(d.link_friction) for d in drives])
+    on_motor = np.array([_unwinding(d.motor_friction) for d in drives])
     elastic = np.array([d.is_elastic for d in drives], bool)
     on_link, on_motor = on_link + np.where(elastic, 0.0, on_motor), np.where(elastic, on_motor, 0.0)
     rates = on_motor * _rotor_mobility(robot)
@@ -222,11 +222,6 @@ def _rotor_mobility(robot: Robot) -> Array:
 
 def _bristles(law: Friction | None) -> float:
     return float(law.stiffness) if isinstance(law, Presliding) else 0.0
-
-
-def _laws(drives: Sequence[Drive]) -> tuple[list[Friction | None], list[Friction | None]]:
-    """Of links, and of motors."""
-    return [d.link_friction for d in drives], [d.motor_friction for d in drives]
 
 
 def _unwinding(law: Friction | None) -> float:
