@@ -40,7 +40,7 @@ class Robot:
 
     Every function takes batches: leading axes broadcast as in NumPy.  Angles in rad, torques in N m, at the joint's
     (link) side; prismatic joints in m and N.  q has nq entries, v and a have nv, theta and motor torques one a drive.
-    Quaternions (x, y, z, w) may have any length but zero: all but `coordinate_rates` normalise them.
+    Quaternions (x, y, z, w) may have any length from 1e-50 on: all but `coordinate_rates` normalise them.
     A wrong shape, an unknown name or option, or a number that is not finite or beyond 1e15, raises InputError that
     names it.  Forward dynamics raise ModelError where a joint moves no inertia.
     """

@@ -135,15 +135,15 @@ class ElastoPlastic(Presliding):
     ) -> Scalar:
         forwards = where(displacement < 0, -1, 1)
         start, end = self._ends(speed, load, halfway, forwards)
-        before, travel = forwards * before, absolute(displacement)  # seen along the motion
-        # it slides from where its strain meets the elastic share of a limit that moves
-        short, share = self.elastic * start - before, self.elastic * (end - start)
-        onset = clip(travel * short / maximum(travel - share, SMALLEST), 0, travel)
+        before, travel, share = forwards * before, absolute(displacement), self.elastic  # seen along the motion
+        # it slides from where its strain meets that share of a limit that moves
+        short, moved = share * start - before, share * (end - start)
+        onset = clip(travel * short / maximum(travel - moved, SMALLEST), 0, travel)
         limit = start + (end - start) * onset / maximum(travel, SMALLEST)
-        scale = (1 - self.elastic) * (limit + end) / 2
+        scale = (1 - share) * (limit + end) / 2
         plastic = _followed(before + onset, limit, end, travel - onset, scale)
         elastic = before + travel
-        return forwards * where(elastic < self.elastic * end, elastic, minimum(plastic, elastic))
+        return forwards * where(elastic < share * end, elastic, minimum(plastic, elastic))
 
     def winding(self, strain: Scalar, speed: Scalar, load: Scalar = 0) -> Scalar:
         forwards = where(speed < 0, -1, 1)
