@@ -1,6 +1,7 @@
 """What a law holds that can change, noted down, compared and put back: attributes, closures, globals, what is in them.
 
-Modules are left out, and so is what is of Python's own library, of NumPy, or of this package and no law.
+Modules are left out, and so is what is of NumPy, of this package and no law, or of Python's own library, but for what
+moves on by itself.
 """
 
 import random

@@ -60,7 +60,8 @@ def doubts_of(sheet: DriveSheet, section: Section, ratio: float) -> Iterator[tup
             yield f"{section.stated(DriveSheet, path, value)} looks like {likeness}", path
     if sheet.ratio is not None and abs(ratio) < LEAST_RATIO:
         stated = section.stated(DriveSheet, ("ratio",), sheet.ratio)
-        yield f"{stated} looks like turns of the joint for one of the motor: it is the other way", ("ratio",)
+        remedy = "state the motor's for one of the joint"
+        yield f"{stated} looks like turns of the joint for one of the motor: {remedy}", ("ratio",)
     spring = sheet.compliance and (sheet.compliance.linear or sheet.compliance.flexspline)
     if spring and geared and spring.stiffness < SOFTEST:
         path = ("compliance", "linear" if sheet.compliance and sheet.compliance.linear else "flexspline", "stiffness")

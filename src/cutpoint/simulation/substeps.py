@@ -147,7 +147,7 @@ def fastest_decay(robot: Robot) -> Limit:
 
 
 def fastest_reversal(robot: Robot, poses: Array) -> Limit:
-    """Fastest decay by bristles that slip, once their motion turns back within a step: it knows them as they were."""
+    """Fastest decay by bristles that slip and are turned back within a step, whose implicit part knows none of it."""
     names, drives = [*robot.drives], [*robot.drives.values()]
     on_link = np.array([_unwinding(d.link_friction) for d in drives])
     on_motor = np.array([_unwinding(d.motor_friction) for d in drives])

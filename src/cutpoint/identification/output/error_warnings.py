@@ -62,9 +62,9 @@ def _of_all(errors: TorqueErrors) -> list[str]:
 
 def _of_rest(errors: TorqueErrors, joints: Sequence[str]) -> list[str]:
     """Joints most of whose error is of when they rest, in one sentence."""
-    (times, squares), small = errors.resting(), SMALL * errors.size()
-    large = errors.rms("after", held_out=True) > small
-    found = [j for j in range(len(joints)) if large[j] and squares[j] > max(MOST, UNEVEN * times[j])]
+    times, squares = errors.resting()
+    is_large = errors.rms("after", held_out=True) > SMALL * errors.size()
+    found = [j for j in range(len(joints)) if is_large[j] and squares[j] > max(MOST, UNEVEN * times[j])]
     if not found:
         return []
     which = ", ".join(f"{joints[j]} {squares[j]:.0%} in {times[j]:.0%} of the time" for j in found)

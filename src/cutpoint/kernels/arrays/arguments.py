@@ -8,7 +8,7 @@ import numpy as np
 from cutpoint.errors import InputError, unknown_name
 from cutpoint.kernels.graphs.graph import Graph
 from cutpoint.kernels.graphs.ports import Port, Shape
-from cutpoint.kernels.graphs.precision import Precision
+from cutpoint.kernels.graphs.precision import FLOAT64, Precision
 
 
 def in_order(kernel: str, ports: Sequence[Port], arguments: Sequence[Any], named: Mapping[str, Any]) -> list[Any]:
@@ -95,8 +95,9 @@ def explained(kernel: str, graph: Graph, arguments: Sequence[Any], out: Any, err
             batches[port.name] = batch_shape(port, as_numbers(argument, graph.precision))
         except (TypeError, ValueError, OverflowError) as problem:
             return InputError(f"{kernel}: {port.name} {_phrase(argument, problem)}", name=port.name)
-        if not np.can_cast(kind := np.asarray(argument).dtype, graph.precision.dtype):
-            told = f"holds {kind}, more than {graph.precision.dtype} keeps; hand it np.asarray(..., float)"
+        kind = np.asarray(argument).dtype
+        if graph.precision is FLOAT64 and not np.can_cast(kind, np.float64):  # in single precision it is rounded
+            told = f"holds {kind}, more than float64 keeps; hand it np.asarray(..., float)"
             return InputError(f"{kernel}: {port.name} {told}", name=port.name)
     try:
         batch = common_batch(kernel, batches)

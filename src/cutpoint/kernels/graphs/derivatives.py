@@ -2,7 +2,7 @@
 
 import itertools
 from collections import namedtuple
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from functools import wraps
 from typing import Any
 
@@ -52,9 +52,8 @@ def jacobian_of(
 
     if not callable(function):
         raise InputError(f"jacobian_of: function must be a function, got {function!r}")
-    for what, names in (("of", of), ("with_respect_to", with_respect_to)):
-        if isinstance(names, str) or not all(isinstance(name, str) for name in _listed(names)):
-            raise InputError(f"jacobian_of: {what} must be a list of names, got {names!r}")
+    _check_names("of", of)
+    _check_names("with_respect_to", with_respect_to)
     if orders is not None and not (isinstance(orders, Sequence) and all(map(callable, orders))):
         rule = "orders must be functions of kernels.graphs.elimination, such as [forward, reverse]"
         raise InputError(f"jacobian_of: {rule}, got {orders!r}")
@@ -75,9 +74,11 @@ def jacobian_of(
     return derivatives
 
 
-def _listed(names: Any) -> Iterable[Any]:
-    """What a list of names holds; what is no list is what it holds itself."""
-    return () if names is None else names if isinstance(names, Iterable) else (names,)
+def _check_names(what: str, names: Any) -> None:
+    """Raises InputError for what is no list of names."""
+    is_list = isinstance(names, Sequence) and not isinstance(names, str)
+    if names is not None and not (is_list and all(isinstance(name, str) for name in names)):
+        raise InputError(f"jacobian_of: {what} must be a list of names, got {names!r}")
 
 
 def _trace_of(function: Callable[..., Any], arrays: Mapping[str, Flat]) -> Trace:
