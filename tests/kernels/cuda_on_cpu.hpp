@@ -1,17 +1,41 @@
-// CUDA's words for a C++ compiler: intrinsics that round once, and one thread at a time.  Its includes come first.
+// CUDA's words for a C++ compiler: intrinsics that round once, and the threads of one warp at a time.  Its includes come first.
 #include <cmath>
+#include <condition_variable>
 #include <cstring>
+#include <mutex>
 
 #define __global__
 #define __device__
+#define __forceinline__ inline
+#define __launch_bounds__(threads)
+#define __shared__ static
 
 struct Place { unsigned x; };
-static Place blockIdx, blockDim, threadIdx;
+static thread_local Place blockIdx, blockDim, threadIdx;
 
 extern "C" void cutpoint_stand(unsigned block, unsigned threads, unsigned thread) {
   blockIdx.x = block;
   blockDim.x = threads;
   threadIdx.x = thread;
+}
+
+static std::mutex door;
+static std::condition_variable bell;
+static unsigned warp, waiting, turn;
+
+// how many threads wait for each other from here on
+extern "C" void cutpoint_gather(unsigned threads) { warp = threads; }
+
+static inline void __syncwarp() {
+  std::unique_lock<std::mutex> held(door);
+  const unsigned now = turn;
+  if (++waiting < warp) {
+    bell.wait(held, [now] { return turn != now; });
+    return;
+  }
+  waiting = 0;
+  ++turn;
+  bell.notify_all();
 }
 
 static inline double __dadd_rn(double a, double b) { return a + b; }

@@ -54,6 +54,12 @@ def test_ptx_rounds_where_the_graph_does_and_nowhere_else(function: str, archite
     assert ".local" not in ptx and ".f32" not in ptx
 
 
+def test_nothing_is_flushed_to_zero(tmp_path: Path) -> None:
+    text = written(compile(every_operation, x=3, k=()).float32, tmp_path)
+    assert ".ftz" not in compiled(text, "sm_90")[0] and ".ftz" in compiled(text, "sm_90", "--ftz=true")[0]
+    assert "without -ftz=true and --use_fast_math" in (tmp_path / "every_operation.cuh").read_text()
+
+
 def test_plain_arithmetic_would_be_contracted() -> None:
     source = 'extern "C" __global__ void f(double *x) {{ x[0] = {}; }}'
     assert "fma.rn.f64" in compiled(source.format("x[1] * x[2] + x[3]"), "sm_90")[0]
@@ -81,13 +87,38 @@ def test_no_thread_beyond_the_count_writes(tmp_path: Path) -> None:
     assert out.tolist() == [0.0, 2.0, 4.0, 6.0, 8.0, np.pi, np.pi, np.pi]
 
 
+def table(x: Any, k: Any) -> Any:
+    """Long rows: results that are there at once, early, late, twice, and never computed."""
+    powers = [x]
+    for _ in range(40):
+        powers.append(cutpoint.sin(powers[-1] * k))
+    return Table([powers[::-1], powers], [1.5, *powers[3:7]], powers[20], [[], []], [powers[-1]] * 33)
+
+
+Table = namedtuple("Table", "matrix few number none same")
+
+
+@pytest.mark.parametrize("count", [1, 31, 32, 33, 128, 300])
+@pytest.mark.parametrize("precision", ["float64", "float32"])
+def test_long_rows_leave_whole_and_nothing_beside_them(count: int, precision: str, tmp_path: Path) -> None:
+    kernel = compile(table, x=(), k=(), backend="llvm")
+    kernel = kernel if precision == "float64" else kernel.float32
+    text = written(kernel, tmp_path)
+    assert "__shared__" in text and "matrix[" not in text
+    compiled(text, "sm_90")
+    x, k = np.random.default_rng(count).normal(size=count).astype(precision), np.ones(1, precision)
+    expected = [y for y in kernel(x, k[0]) if y.size]
+    for ours, theirs in zip(rows_of(CpuKernel(tmp_path, kernel.name), kernel.graph, x, k), expected, strict=True):
+        assert_same_bits(ours, theirs)
+
+
 def test_the_code_includes_and_calls_nothing(tmp_path: Path) -> None:
     text = written(compile(every_operation, x=3, k=()), tmp_path)
     assert "#include" not in text
     called = set(re.findall(r"\b(\w+)\(", text.partition("*/")[2])) - {"if", "every_operation"}
     assert {name for name in called if not name.startswith("cutpoint_")} == {
         "__dadd_rn", "__dsub_rn", "__dmul_rn", "__ddiv_rn", "__dsqrt_rn", "__fma_rn", "__double_as_longlong",
-        "__longlong_as_double",
+        "__longlong_as_double", "__launch_bounds__", "__syncwarp",
     }  # fmt: skip
 
 
@@ -147,7 +178,7 @@ def test_every_function_of_a_robot_exports_to_cuda(function: str, tmp_path: Path
     paths = export_function(cutpoint.robots.xia2019(), function, tmp_path, to="cuda", name="f", **options)
     code, header = (path.read_text() for path in paths)
     compiled(code, "sm_90")
-    head = code[code.index('extern "C"') : code.index(" {\n  const long long cutpoint_thread")]
+    head = code[code.index('extern "C"') :].partition(" {\n")[0]
     assert f"{head};" in header and f"{function} of xia2019" in header
 
 
@@ -172,19 +203,33 @@ class StandIn:
     """CuPy as far as we use it, on this processor: NumPy's arrays, and kernels that a C++ compiler builds."""
 
     def __init__(self, folder: Path) -> None:
-        self.folder, self.launches = folder, []
+        self.folder, self.launches, self.compiled, self.__version__ = folder, [], [], "0"
         self.asarray, self.empty, self.reshape = np.asarray, np.empty, np.reshape
         self.broadcast_to, self.ascontiguousarray = np.broadcast_to, np.ascontiguousarray
+        self.cuda = SimpleNamespace(
+            Module=lambda: StandInModule(self), Device=lambda: SimpleNamespace(compute_capability="90"),
+            nvrtc=SimpleNamespace(getVersion=lambda: (12, 9)), runtime=SimpleNamespace(getDevice=lambda: 0),
+            compiler=SimpleNamespace(compile_using_nvrtc=self.compile_using_nvrtc),
+        )  # fmt: skip
 
-    def RawModule(self, *, code: str, options: tuple[str, ...]) -> Any:
-        return SimpleNamespace(get_function=lambda name: self.built(code, name))
+    def compile_using_nvrtc(self, code: str, options: tuple[str, ...]) -> tuple[bytes, None]:
+        self.compiled.append(options)
+        return code.encode(), None
 
-    def built(self, code: str, name: str) -> Any:
-        (self.folder / f"{name}.cu").write_text(code)
-        kernel = CpuKernel(self.folder, name)
+
+class StandInModule:
+    def __init__(self, cupy: StandIn) -> None:
+        self.cupy = cupy
+
+    def load(self, compiled: bytes) -> None:
+        self.code = compiled.decode()
+
+    def get_function(self, name: str) -> Any:
+        (self.cupy.folder / f"{name}.cu").write_text(self.code)
+        kernel = CpuKernel(self.cupy.folder, name)
 
         def launch(blocks: Any, threads: Any, arguments: Any) -> None:
-            self.launches.append((blocks, threads, arguments))
+            self.cupy.launches.append((blocks, threads, arguments))
             kernel(blocks, threads, arguments)
 
         return launch
@@ -226,6 +271,17 @@ def test_what_all_threads_share_is_not_copied(stand_in: StandIn) -> None:
     ((blocks, threads, arguments),) = stand_in.launches
     assert blocks == (3,) and threads == (128,) and arguments[0] == 300
     assert [int(step) for step in arguments[2:7:2]] == [2, 1, 0] and arguments[5].size == 6
+
+
+def test_a_second_process_finds_what_was_compiled(
+    stand_in: StandIn, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setenv("CUTPOINT_CACHE", str(tmp_path / "kept"))
+    kernel = compile(both, q=2, v=(), M=(2, 3))
+    for function in kernel.on_gpu(), kernel.on_gpu():
+        function(np.zeros(2), 0.0, np.zeros((2, 3)))
+        function(np.zeros((4, 2)), 0.0, np.zeros((2, 3)))
+    assert stand_in.compiled == [("--std=c++17",)] and len(stand_in.launches) == 4
 
 
 def test_strided_arrays_are_tidied(stand_in: StandIn) -> None:

@@ -185,7 +185,8 @@ class Kernel:
     def on_gpu(self) -> Callable[..., Any]:
         """The kernel as a function of CuPy arrays, called as the kernel is: what it reads and returns stays on the GPU.
 
-        Needs the extra `cuda`; `to_cuda` says how it computes.
+        Needs the extra `cuda`; `to_cuda` says how it computes.  PyTorch's arrays on the GPU are taken as they are.  The
+        first call compiles, and keeps that on disk for the next start.
 
         Raises:
             InputError: CuPy is not installed, or CUDA C cannot take a name.

@@ -80,6 +80,9 @@ def common_batch(function: str, batches: Mapping[str, Shape]) -> Shape:
     Raises:
         InputError: they do not broadcast.
     """
+    first, *others = batches.values() or [()]
+    if all(x == first for x in others):  # looked at for its time: some microseconds less
+        return first
     try:
         return np.broadcast_shapes(*batches.values())
     except ValueError:

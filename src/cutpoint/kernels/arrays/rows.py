@@ -19,7 +19,7 @@ def as_reals(arrays: Any, name: str, ports: Sequence[Port], given: Sequence[Any]
     for port, x in zip(ports, made, strict=True):
         if x.dtype.kind == "c":
             raise InputError(f"{name}: {port.name} holds {x.dtype}, it must hold real numbers", name=port.name)
-    return [arrays.asarray(x, dtype=dtype) for x in made]
+    return [x if x.dtype == dtype else arrays.asarray(x, dtype=dtype) for x in made]
 
 
 def batch_of(name: str, ports: Sequence[Port], given: Sequence[Any]) -> Shape:
@@ -41,6 +41,8 @@ def as_rows(arrays: Any, port: Port, x: Any, batch: Shape) -> Any:
 
     arrays: the module that the argument is an array of, such as jax.numpy.
     """
+    if len(batch) == 1 and x.shape == (*batch, *port.shape):
+        return x
     if all(n == 1 for n in x.shape[: x.ndim - len(port.shape)]):
         return arrays.reshape(x, (1, *port.shape))
     whole = arrays.broadcast_to(x, (*batch, *port.shape))

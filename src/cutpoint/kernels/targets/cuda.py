@@ -15,8 +15,10 @@ from cutpoint.kernels.graphs.graph import Graph
 from cutpoint.kernels.graphs.nodes import CONDITIONS, Node
 from cutpoint.kernels.graphs.ports import Port, with_numbers
 from cutpoint.kernels.graphs.precision import FLOAT32, FLOAT64, Precision
+from cutpoint.kernels.lowering.few_held import Order, fewest_held
 from cutpoint.kernels.lowering.lower import lower
 from cutpoint.kernels.targets import c99, c_names
+from cutpoint.kernels.targets.cuda_results import LEAVE, THREADS, Step, by_windows, leaving, shared_numbers
 
 _FORMS = {
     "add": "__{d}add_rn({}, {})", "sub": "__{d}sub_rn({}, {})", "mul": "__{d}mul_rn({}, {})",
@@ -98,7 +100,7 @@ def declaration(name: str, graph: Graph) -> str:
     read = [f"const {real} *__restrict__ {p.name}, long long {_step(p).name}" for p in inputs]
     arguments = ["long long count", *read, *(f"{real} *__restrict__ {p.name}" for p in outputs)]
     lines = ",\n    ".join(arguments)
-    return f'extern "C" __global__ void {name}(\n    {lines})'
+    return f'extern "C" __global__ void __launch_bounds__({THREADS}) {name}(\n    {lines})'
 
 
 def code(name: str, graph: Graph) -> str:
@@ -107,44 +109,65 @@ def code(name: str, graph: Graph) -> str:
     Raises InputError for names that CUDA C cannot take.
     """
     check_names(name, graph)
-    lowered = lower(graph)
-    used = "\n".join(text for op, text in _HELPERS.items() if op in lowered.operations)
+    lowered, (_, outputs) = lower(graph), full(graph)
+    windows = by_windows(outputs, graph.precision)
+    used = "\n".join([text for op, text in _HELPERS.items() if op in lowered.operations] + [LEAVE] * windows)
     helpers = Template(used).substitute(c99.words(graph.precision) | _WORDS[graph.precision])
-    return f"{helpers}\n{declaration(name, graph)} {{\n{_body(lowered)}}}\n".lstrip()
+    return f"{helpers}\n{declaration(name, graph)} {{\n{_body(lowered, windows)}}}\n".lstrip()
 
 
-def _body(graph: Graph) -> str:
-    """The statements.  A result leaves as soon as it is there, so that few registers are held."""
+def _body(graph: Graph, windows: bool) -> str:
+    """The statements, in an order that needs few registers."""
     names: dict[int, str] = {}
     (inputs, outputs), precision = full(graph), graph.precision
-    read, write = _slots(inputs), _slots(outputs)
+    slots = _slots(inputs)
 
     def name(x: Any) -> str:
         return names[x.serial] if isinstance(x, Node) else _number(x, precision) if isinstance(x, float) else str(x)
 
-    lines = [*_place(inputs, outputs)]
-    leaving: dict[int, list[str]] = {}
-    for slot, x in zip(write, graph.results, strict=True):
-        if isinstance(x, Node):
-            leaving.setdefault(x.serial, []).append(slot)
-        else:
-            lines.append(f"{slot} = {name(x)};")
-    for count, x in enumerate(graph.nodes):
-        names[x.serial] = f"_{count}"
-        value = read[x.args[0]] if x.op == "input" else _expression(x.op, [name(y) for y in x.args], precision)
-        lines.append(f"const {'bool' if x.op in CONDITIONS else precision.c} _{count} = {value};")
-        lines += [f"{slot} = _{count};" for slot in leaving.get(x.serial, ())]
+    def steps(order: Order) -> list[Step]:
+        return leaving(outputs, graph.results, order, windows)
+
+    def reads(order: Order) -> list[tuple[int, Node]]:
+        return [(step.after - 1, step.value) for step in steps(order) if isinstance(step.value, Node)]
+
+    order = fewest_held(graph, reads)
+    lines = _place(inputs, outputs, shared_numbers(outputs) if windows else 0, precision)
+    left = steps(order)[::-1]
+    for count, x in enumerate([None, *order]):
+        if x is not None:
+            names[x.serial] = f"_{count}"
+            value = slots[x.args[0]] if x.op == "input" else _expression(x.op, [name(y) for y in x.args], precision)
+            lines.append(f"const {'bool' if x.op in CONDITIONS else precision.c} _{count} = {value};")
+        while left and left[-1].after == count:
+            step = left.pop()
+            lines.append(step.text.format(name(step.value)))
     return "".join(f"  {line}\n" for line in lines)
 
 
-def _place(inputs: Sequence[Port], outputs: Sequence[Port]) -> list[str]:
-    """Which configuration this thread has, and where its numbers lie."""
+def _place(inputs: Sequence[Port], outputs: Sequence[Port], shared: int, precision: Precision) -> list[str]:
+    """Which configuration this thread has, and where its numbers lie; with shared memory, where the warp's rows lie.
+
+    Threads of the last warp that have no configuration compute its first once more: all must be there for windows.
+    """
+    lines = ["const long long cutpoint_thread = (long long)blockIdx.x * blockDim.x + threadIdx.x;"]
+    if not shared:
+        return [
+            *lines, "if (cutpoint_thread >= count) return;",
+            *(f"{p.name} += cutpoint_thread * {_step(p).name};" for p in inputs),
+            *(f"{p.name} += cutpoint_thread * {p.size};" for p in outputs),
+        ]  # fmt: skip
     return [
-        "const long long cutpoint_thread = (long long)blockIdx.x * blockDim.x + threadIdx.x;",
-        "if (cutpoint_thread >= count) return;",
-        *(f"{p.name} += cutpoint_thread * {_step(p).name};" for p in inputs),
-        *(f"{p.name} += cutpoint_thread * {p.size};" for p in outputs),
-    ]
+        f"__shared__ {precision.c} cutpoint_block[{shared}];", *lines,
+        "const unsigned cutpoint_lane = threadIdx.x % 32;",
+        "const long long cutpoint_first = cutpoint_thread - cutpoint_lane;",
+        "if (cutpoint_first >= count) return;",
+        "const unsigned cutpoint_rows = count - cutpoint_first < 32 ? (unsigned)(count - cutpoint_first) : 32;",
+        "const long long cutpoint_row = cutpoint_thread < count ? cutpoint_thread : cutpoint_first;",
+        f"{precision.c} *const cutpoint_stage = cutpoint_block + threadIdx.x / 32 * {shared // (THREADS // 32)};",
+        *(f"{p.name} += cutpoint_row * {_step(p).name};" for p in inputs),
+        *(f"{p.name} += cutpoint_first * {p.size};" for p in outputs),
+    ]  # fmt: skip
 
 
 def _expression(op: str, operands: list[str], precision: Precision) -> str:

@@ -5,11 +5,17 @@ from pathlib import Path
 from string import Template
 
 from cutpoint.kernels.graphs.graph import Graph
+from cutpoint.kernels.graphs.precision import FLOAT32
 from cutpoint.kernels.targets import cuda
 from cutpoint.kernels.targets.c99_texts import Notes, arguments, comment, values
+from cutpoint.kernels.targets.cuda_results import THREADS
 from cutpoint.kernels.targets.package_files import check_gives_numbers, write_files
 
 _NO_NOTES = Notes()
+
+_FLUSHING = """\
+   Build without -ftz=true and --use_fast_math: they make numbers below 1.2e-38 zero.  CuPy's RawModule does so always.
+"""
 
 
 def write_package(
@@ -32,6 +38,7 @@ def _texts(graph: Graph, name: str, notes: Notes) -> dict[str, str]:
     fields = {
         "version": __version__, "about": comment(notes.about), "name": name, "guard": name.upper(),
         "declaration": cuda.declaration(name, graph), "code": code, "precision": graph.precision.dtype.name,
+        "threads": THREADS, "last": THREADS - 1, "flushing": _FLUSHING if graph.precision is FLOAT32 else "",
         "arguments": arguments(inputs, outputs, notes), "values": _host_values(values(name, notes, graph.precision)),
     }  # fmt: skip
     templates = files("cutpoint.kernels.targets") / "cuda_templates"

@@ -1,4 +1,4 @@
-"""A graph on the GPU: its CUDA C, compiled and launched through CuPy."""
+"""A graph on the GPU: its CUDA C, compiled by NVRTC and launched through CuPy."""
 
 import math
 from collections.abc import Callable
@@ -10,18 +10,23 @@ from cutpoint.errors import InputError
 from cutpoint.kernels.arrays.arguments import in_order
 from cutpoint.kernels.arrays.rows import as_reals, as_rows, batch_of
 from cutpoint.kernels.graphs.graph import Graph
+from cutpoint.kernels.machine.cache import Cache, key_of, user_folder
+from cutpoint.kernels.machine.waiting import shown
 from cutpoint.kernels.targets import cuda
-
-BLOCK = 128
-"""Threads that start together."""
+from cutpoint.kernels.targets.cuda_results import THREADS
 
 
 def gpu_function(graph: Graph, name: str, record: type[tuple[Any, ...]] | None) -> Callable[..., Any]:
     """The graph as a function of CuPy's arrays that is called as a kernel is: see `Kernel.on_gpu`."""
     cupy = _cupy()
-    (_, outputs), dtype = cuda.full(graph), graph.precision.dtype
-    # CuPy compiles at the first launch, for the GPU that there is
-    launch = cupy.RawModule(code=cuda.code(name, graph), options=("--std=c++17",)).get_function(name)
+    (_, outputs), dtype, code = cuda.full(graph), graph.precision.dtype, cuda.code(name, graph)
+    loaded: dict[int, Any] = {}  # by device: a kernel is there where it was loaded
+
+    def launch(*arguments: Any) -> None:
+        device = cupy.cuda.runtime.getDevice()
+        if device not in loaded:
+            loaded[device] = _loaded(cupy, code, name)
+        loaded[device](*arguments)
 
     def call(*arguments: Any, **named: Any) -> Any:
         ordered = in_order(name, graph.inputs, arguments, named)
@@ -32,13 +37,28 @@ def gpu_function(graph: Graph, name: str, record: type[tuple[Any, ...]] | None) 
         made = {p.name: cupy.empty((length, *p.shape), dtype=dtype) for p in graph.outputs}
         if length and outputs:
             read = [part for p, x in rows for part in (cupy.ascontiguousarray(x), np.int64(_step(x, p.size)))]
-            blocks = -(-length // BLOCK)
-            launch((blocks,), (BLOCK,), (np.int64(length), *read, *(made[p.name] for p in outputs)))
-        results = [cupy.reshape(made[p.name], (*batch, *p.shape)) for p in graph.outputs]
+            blocks = -(-length // THREADS)
+            launch((blocks,), (THREADS,), (np.int64(length), *read, *(made[p.name] for p in outputs)))
+        results = [made[p.name].reshape((*batch, *p.shape)) for p in graph.outputs]
         return record._make(results) if record else results[0]  # type: ignore[attr-defined]
 
     call.__name__ = call.__qualname__ = name
     return call
+
+
+def _loaded(cupy: Any, code: str, name: str) -> Any:
+    """The kernel, on the GPU that is in use."""
+    version, capability = cupy.cuda.nvrtc.getVersion(), cupy.cuda.Device().compute_capability
+    kept, key = Cache(user_folder()), key_of("CUDA", code, capability, str(version), cupy.__version__)
+    compiled = kept.read(key)
+    if compiled is None:
+        with shown(f"{name} for the GPU"):
+            # CuPy's RawModule would flush float32 numbers to zero that are too small for full precision
+            compiled, _ = cupy.cuda.compiler.compile_using_nvrtc(code, ("--std=c++17",))
+        kept.write(key, compiled)
+    module = cupy.cuda.Module()
+    module.load(compiled)
+    return module.get_function(name)
 
 
 def _step(rows: Any, size: int) -> int:

@@ -7,8 +7,8 @@ ${arguments}
    count: how many configurations.  Every array holds rows of ${precision} in device memory, a configuration a row, the next
    one behind it.  A step says how many numbers lie between the rows of an input, 0 where all configurations share one.
    Outputs have their rows side by side, and must not overlap inputs.
-
-   ${name}<<<(count + 127) / 128, 128>>>(count, ...);
+${flushing}
+   ${name}<<<(count + ${last}) / ${threads}, ${threads}>>>(count, ...);      blocks of ${threads} threads, and no others
 */
 #ifndef CUTPOINT_${guard}_CUH
 #define CUTPOINT_${guard}_CUH

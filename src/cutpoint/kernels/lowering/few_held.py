@@ -1,0 +1,131 @@
+"""Orders of a graph's operations in which few numbers are held at once.
+
+A graphics processor hides its waits behind other threads, and has the fewer of them the more registers each takes.  No
+order is the best for all graphs, and which one is takes too long to find: these are the candidates, of which
+`fewest_held` says the best.  Sethi and Ullman (1970), "The generation of optimal code for arithmetic expressions".
+"""
+
+from collections.abc import Callable, Iterable, Sequence
+
+from cutpoint.kernels.graphs.graph import Graph
+from cutpoint.kernels.graphs.nodes import Node
+
+_MOST_NODES = 2**12
+"""In longer graphs the choice among all that could come next takes seconds: those are ordered by need alone."""
+
+Order = list[Node]
+Uses = Callable[[Order], Iterable[tuple[int, Node]]]
+"""The places in an order after which something outside the graph, such as memory, reads a node."""
+
+
+def fewest_held(graph: Graph, reads: Uses) -> Order:
+    """The graph's operations, operands before users, in that order of the candidates that holds the fewest numbers."""
+    return min(_candidates(graph), key=lambda order: most_held(order, reads(order)))
+
+
+def most_held(order: Order, reads: Iterable[tuple[int, Node]]) -> int:
+    """How many numbers are held at once at the most: from their operation to the last that reads them."""
+    last = {y.serial: k for k, x in enumerate(order) for y in _operands(x)}
+    for k, x in reads:
+        last[x.serial] = max(k, last.get(x.serial, k))
+    growth = [0] * (len(order) + 1)
+    for k, x in enumerate(order):
+        growth[k] += 1
+        growth[last.get(x.serial, k) + 1] -= 1
+    held = most = 0
+    for k in growth:
+        held += k
+        most = max(most, held)
+    return most
+
+
+def _candidates(graph: Graph) -> list[Order]:
+    nodes, results = graph.nodes, [x for x in graph.results if isinstance(x, Node)]
+    need = _needs(nodes)
+    found = [_by_need(results, need), _by_need(sorted(results, key=lambda x: need[x.serial]), need)]
+    if len(nodes) <= _MOST_NODES:
+        found += [_forwards(found[0]), _backwards(nodes)]
+    return found
+
+
+def _needs(nodes: Sequence[Node]) -> dict[int, int]:
+    """Registers for each node, were it computed alone: the most demanding operand first, its result held meanwhile."""
+    need: dict[int, int] = {}
+    for x in nodes:
+        operands = sorted((need[y.serial] for y in _operands(x)), reverse=True)
+        need[x.serial] = max((n + held for held, n in enumerate(operands)), default=1)
+    return need
+
+
+def _by_need(results: Iterable[Node], need: dict[int, int]) -> Order:
+    """Depth first, result by result, the most demanding operand first."""
+    order: dict[int, Node] = {}
+    waiting = [(x, False) for x in reversed([*results])]
+    while waiting:
+        x, has_operands = waiting.pop()
+        if has_operands:
+            order.setdefault(x.serial, x)
+        elif x.serial not in order:
+            operands = sorted(_operands(x), key=lambda y: need[y.serial])
+            waiting += [(x, True), *((y, False) for y in operands if y.serial not in order)]
+    return [*order.values()]
+
+
+def _forwards(nodes: Sequence[Node]) -> Order:
+    """Of what has its operands, always what lets the most numbers go; of several, what has them since the shortest."""
+    users: dict[int, list[Node]] = {x.serial: [] for x in nodes}
+    for x in nodes:
+        for y in _operands(x):
+            users[y.serial].append(x)
+    unread = {key: len(x) for key, x in users.items()}
+    missing = {x.serial: len(_operands(x)) for x in nodes}
+
+    def growth(x: Node) -> int:
+        return (unread[x.serial] > 0) - sum(unread[y.serial] == 1 for y in _operands(x))
+
+    def begin(x: Node) -> list[Node]:
+        for y in _operands(x):
+            unread[y.serial] -= 1
+        for user in users[x.serial]:
+            missing[user.serial] -= 1
+        return [user for user in users[x.serial] if not missing[user.serial]]
+
+    return _greedily([x for x in nodes if not missing[x.serial]], growth, begin)
+
+
+def _backwards(nodes: Sequence[Node]) -> Order:
+    """The same from the last operation to the first: always what needs the fewest numbers that are not held already."""
+    unread = dict.fromkeys((x.serial for x in nodes), 0)
+    for x in nodes:
+        for y in _operands(x):
+            unread[y.serial] += 1
+    held: set[int] = set()
+
+    def growth(x: Node) -> int:
+        return sum(y.serial not in held for y in _operands(x)) - (x.serial in held)
+
+    def begin(x: Node) -> list[Node]:
+        held.discard(x.serial)
+        held.update(y.serial for y in _operands(x))
+        for y in _operands(x):
+            unread[y.serial] -= 1
+        return [y for y in _operands(x) if not unread[y.serial]]
+
+    return _greedily([x for x in reversed(nodes) if not unread[x.serial]], growth, begin)[::-1]
+
+
+def _greedily(ready: Sequence[Node], growth: Callable[[Node], int], begin: Callable[[Node], list[Node]]) -> Order:
+    """Always what grows least of what is ready, the latest first.  begin: returns what is ready then."""
+    order: Order = []
+    waiting = [*reversed(ready)]
+    while waiting:
+        k = min(range(len(waiting)), key=lambda k: (growth(waiting[k]), -k))
+        x = waiting.pop(k)
+        order.append(x)
+        waiting += begin(x)
+    return order
+
+
+def _operands(x: Node) -> list[Node]:
+    """Without repetition."""
+    return [*{y.serial: y for y in x.args if isinstance(y, Node)}.values()]
