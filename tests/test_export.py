@@ -16,7 +16,7 @@ import cutpoint
 from c_builds import STRICT, CFunction, assert_same_bits, build, cpp_compilers, run
 from cutpoint import Coulomb, Drive, InputError, LuGre, Rotor, TraceError
 from cutpoint.commands import app
-from cutpoint.control import PD, PID, Fault, Feedforward, Guard
+from cutpoint.control import PD, PID, AdaptiveVDC, Fault, Feedforward, Guard
 from cutpoint.export import export_controller, export_function
 from cutpoint.functions.exported import RESULTS
 from cutpoint.simulation.control_kernel import law_kernel, law_memory
@@ -60,6 +60,31 @@ def test_every_function_exports_and_checks_itself(arm: cutpoint.Robot, name: str
     build(tmp_path, "f.c", "f_check.c", "-o", "check", flags=(*STRICT, "-O0"))
     code, said = run(tmp_path)
     assert code == 0 and re.fullmatch(r"f: 0 of [1-9]\d* numbers differ\n", said)
+
+
+SINGLE = (*STRICT, "-Wdouble-promotion")
+"""A microcontroller whose unit has floats alone would compute doubles by software."""
+
+
+@pytest.mark.parametrize("name", RESULTS)
+def test_every_function_exports_in_single_precision(arm: cutpoint.Robot, name: str, tmp_path: Path) -> None:
+    options = {"frame": "link6"} if name in ("jacobian", "frame_pose") else {}
+    export_function(arm, name, tmp_path, name="f", precision="float32", **options)
+    assert "double" not in (tmp_path / "f.h").read_text()
+    assert ", in single precision" in (tmp_path / "f.c").read_text().splitlines()[0]
+    build(tmp_path, "f.c", "f_check.c", "-o", "check", flags=(*SINGLE, "-O0"))
+    code, told = run(tmp_path)
+    assert code == 0 and re.search(r"f: 0 of \d+ numbers differ", told), told
+
+
+def test_a_law_exports_in_single_precision(arm: cutpoint.Robot, tmp_path: Path) -> None:
+    law = AdaptiveVDC(arm, 20.0, 50.0, 1.0, 1e-3)
+    export_controller(arm, law, tmp_path, period=PERIOD, precision="float32")
+    build(tmp_path, "control_step.c", "control_step_check.c", "-o", "check", flags=(*SINGLE, "-O1"))
+    assert run(tmp_path)[0] == 0
+    header = (tmp_path / "control_step.h").read_text()
+    assert f"static const float control_step_memory[{law_memory(law).size}]" in header and "double" not in header
+    assert f"{float(np.float32(PERIOD)).hex()}f, /* control period, s */" in header
 
 
 def test_the_header_holds_the_drives_numbers_and_says_what_arguments_are(arm: cutpoint.Robot, tmp_path: Path) -> None:
@@ -342,6 +367,10 @@ def test_what_cannot_be_exported_is_explained(arm: cutpoint.Robot, tmp_path: Pat
         export_function(arm, "mass_matrix", tmp_path, frame="link6")
     with pytest.raises(InputError, match="no frame is named 'hand'"):
         export_function(arm, "jacobian", tmp_path, frame="hand")
+    with pytest.raises(InputError, match="no precision is named 'single'; there are: 'float64', 'float32'"):
+        export_function(arm, "mass_matrix", tmp_path, precision="single")
+    with pytest.raises(InputError, match="no precision is named 'float16'; there are"):
+        export_controller(arm, PD([1.0] * 6, [1.0] * 6), tmp_path, period=PERIOD, precision="float16")
     with pytest.raises(InputError, match="PD is for 2 drives, the robot has 6"):
         export_controller(arm, PD([1.0] * 2, [1.0] * 2), tmp_path, period=PERIOD)
     with pytest.raises(InputError, match=r"period 0\.0 s must be positive"):
@@ -364,6 +393,8 @@ def test_the_command_line_exports(tmp_path: Path) -> None:
         [*command, "gravity_forces", "--to", "c", tmp_path], capture_output=True, text=True, check=True
     )
     assert f"c: {tmp_path / 'gravity_forces.c'}" in done.stdout
+    subprocess.run([*command, "gravity_forces", "--precision", "float32", tmp_path], capture_output=True, check=True)
+    assert "gravity_forces(const float q[6]" in (tmp_path / "gravity_forces.h").read_text()
     done = subprocess.run([*command, "gravity", tmp_path], capture_output=True, text=True, check=False)
     assert done.returncode == 1 and "no function to export is named 'gravity'" in done.stderr
 

@@ -17,6 +17,7 @@ from cutpoint.errors import InputError, unknown_name
 from cutpoint.export_notes import PER_DRIVE, drive_labels, labels_of, notes_of, result_of
 from cutpoint.functions.compiled import compiled_of
 from cutpoint.functions.exported import RESULTS
+from cutpoint.kernels.graphs.precision import PRECISIONS
 from cutpoint.kernels.targets import c99_package, cuda_package
 from cutpoint.kernels.targets.c99 import Source
 from cutpoint.kernels.targets.c99_texts import Values
@@ -34,6 +35,7 @@ def export_function(
     folder: str | Path,
     *,
     to: str = "c",
+    precision: str = "float64",
     name: str | None = None,
     force: bool = False,
     **options: Any,
@@ -41,19 +43,21 @@ def export_function(
     """Writes one of a robot's functions as a package of C99, or as CUDA C; returns the files' paths.
 
     function: a method's name, or a function's of `cutpoint.derivatives` with "_derivatives" behind it: one of RESULTS.
-    to: "c" or "cuda".  name: of the C function, the same if not given.
+    to: "c" or "cuda".  precision: "float64" or "float32".  name: of the C function, the same if not given.
     options: the method's own, such as frame= for a Jacobian.  force: overwrite files that cutpoint has not written.
     Where drives count, their numbers are the function's last input, and the header holds them as <name>_parameters.
-    Raises InputError for an unknown function or target, a missing option, a name C cannot take, and files in the way.
+    Raises InputError for an unknown function or target, a missing option, a name C cannot take, files in the way, and
+    for single precision of what runs as loops.
     """
     check_robot("export_function", robot)
     name = function if name is None else name
-    for key, text in (("function", function), ("to", to), ("name", name)):
+    for key, text in (("function", function), ("to", to), ("precision", precision), ("name", name)):
         check_kind("export_function", key, text, str, "a name")
     if function not in RESULTS:
         raise unknown_name("function to export", function, RESULTS)
     if to not in _WRITERS:
         raise unknown_name("target of export", to, _WRITERS)
+    single = _is_single(precision)
     # a robot of its own has made no other variant of the kernel
     fresh = Robot(robot.mechanism, robot.drives, backend=robot.backend)
     called = _called(fresh, function)
@@ -61,13 +65,16 @@ def export_function(
     # arrays are told of where the arguments are
     told = {key: x for key, x in options.items() if isinstance(x, (str, bool, Mapping))}
     said = [f"{key} {', '.join(x) if isinstance(x, Mapping) else x}" for key, x in told.items()]
-    about = ", ".join([f"{function} of {robot.name}", *said])
+    about = ", ".join([f"{function} of {robot.name}", *said, *["in single precision"] * single])
     values = {"parameters": Values(robot.drive_parameters, drive_labels(robot))}
     result = result_of(robot, function, **options)
     if to == "c" and (found := _as_loops(fresh, function)):
+        if single:
+            told = f"of {robot.nv} degrees of freedom it leaves as loops, and these in double precision alone"
+            raise InputError(f"{function}: {told}; say precision='float64'", name=function)
         notes = notes_of(robot, found[0], about, values, result)
         return c99_package.write_source(*found, name, folder, notes, force=force)
-    graph = fresh.kernel(function).graph
+    graph = replace(fresh.kernel(function).graph, precision=PRECISIONS[precision])
     if RESULTS[function]:
         (port,) = graph.outputs
         graph = replace(graph, outputs=(replace(port, name=RESULTS[function]),))
@@ -76,29 +83,47 @@ def export_function(
 
 
 def export_controller(
-    robot: Robot, law: Any, folder: str | Path, *, period: float, name: str = "control_step", force: bool = False
+    robot: Robot,
+    law: Any,
+    folder: str | Path,
+    *,
+    period: float,
+    precision: str = "float64",
+    name: str = "control_step",
+    force: bool = False,
 ) -> tuple[Path, ...]:
     """Writes one step of a control law as a package of C99, the same step that simulation compiles into its loop.
 
     period: of control, s.  The header holds as <name>_parameters the law's numbers and the period, and as <name>_memory
     the law's memory before the first step.  Torque limits are not applied.
+    precision: "float64", or "float32", where a position at pi rad comes in steps of 2.4e-7 rad, and time after an hour
+    in steps of 0.24 ms.
     Raises InputError as `export_function` does, TraceError for a law that cannot be traced.
     """
     check_robot("export_controller", robot)
     check_kind("export_controller", "name", name, str, "the name of a C function")
-    period = positive("export_controller", "period", period, "s")
-    graph = law_kernel(robot, law, name=name).graph
+    check_kind("export_controller", "precision", precision, str, "a name")
+    period, single = positive("export_controller", "period", period, "s"), _is_single(precision)
+    graph = replace(law_kernel(robot, law, name=name).graph, precision=PRECISIONS[precision])
     labels = [*labels_of(law, type(law).__name__), "control period, s"]
     values = {"parameters": Values(law_parameters(law, period), labels)}
     memory = law_memory(law)
     if memory.size:
         values["memory"] = Values(memory, [f"memory[{k}]" for k in range(memory.size)])
     limits = "no limits but the guard's" if getattr(law, "reports_faults", False) else "limits not applied"
-    about = f"a step of {type(law).__name__} for {robot.name}, {limits}, to be called every {period:g} s"
+    told = "in single precision, " * single
+    about = f"a step of {type(law).__name__} for {robot.name}, {limits}, {told}to be called every {period:g} s"
     notes = notes_of(robot, graph, about, values, per_drive={*PER_DRIVE, "q", "v"})
     carried = {"memory": "next_memory"} if memory.size else {}
     notes = replace(notes, carried=carried, series={"time": partial(_passing, period)})
     return c99_package.write_package(graph, name, folder, notes, force=force)
+
+
+def _is_single(precision: str) -> bool:
+    """Raises InputError for a precision that there is not."""
+    if precision not in PRECISIONS:
+        raise unknown_name("precision", precision, PRECISIONS)
+    return precision == "float32"
 
 
 def _passing(period: float, steps: np.ndarray) -> np.ndarray:

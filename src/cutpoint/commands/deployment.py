@@ -34,6 +34,9 @@ def export(
         Literal["c", "cuda"],
         typer.Option(help="What to write: c, a package of C99 with a header for C++17, or cuda, CUDA C."),
     ] = "c",
+    precision: Annotated[
+        Literal["float64", "float32"], typer.Option(help="Of every number: float32 for controllers that have no other.")
+    ] = "float64",
     drives: Drives = None,
     mimic: Mimics = "independent",
     lock: Locks = None,
@@ -52,5 +55,7 @@ def export(
     given = {"frame": frame, "expressed_in": expressed_in}
     options = {key: value for key, value in given.items() if value is not None}
     loaded = robot_of(robot, drives, mimic, lock, gravity, mend_inertia, floating_base=floating_base)
-    for path in export_function(loaded, function, folder, to=to, name=name, force=force, **options):
+    for path in export_function(
+        loaded, function, folder, to=to, precision=precision, name=name, force=force, **options
+    ):
         say_path(to, path)

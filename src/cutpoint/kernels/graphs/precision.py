@@ -55,3 +55,4 @@ class Precision(NamedTuple):
 
 FLOAT64 = Precision(np.dtype(np.float64), float, 52, "double", "double", "")
 FLOAT32 = Precision(np.dtype(np.float32), np.float32, 23, "float", "float", "f")
+PRECISIONS = {"float64": FLOAT64, "float32": FLOAT32}

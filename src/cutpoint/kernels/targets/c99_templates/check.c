@@ -42,7 +42,7 @@ int main(void) {
     for (int k = 0; k < CUTPOINT_OUTPUTS; k++) {
       const @{real} expected = cutpoint_expected[i][k];
       if (!cutpoint_agree(found[k], expected)) {
-        printf("case %d: %s is %a, recorded was %a\n", i, cutpoint_names[k], found[k], expected);
+        printf("case %d: %s is %a, recorded was %a\n", i, cutpoint_names[k], (double)found[k], (double)expected);
         differences++;
       }
     }
