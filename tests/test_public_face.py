@@ -1,5 +1,8 @@
 """The public face: a change to it must be meant, so it shows here."""
 
+import re
+from pathlib import Path
+
 import cutpoint
 
 PACKAGE = """
@@ -41,6 +44,11 @@ def test_a_robot_offers_these_names():
 def test_laws_and_trajectories_are_these():
     assert sorted(cutpoint.control.__all__) == CONTROL.split()
     assert sorted(cutpoint.trajectories.__all__) == TRAJECTORIES.split()
+
+
+def test_the_guide_knows_all_that_a_robot_offers():
+    guide = (Path(__file__).parents[1] / "docs/guide.md").read_text("utf-8")
+    assert not [name for name in ROBOT.split() if not re.search(rf"\b{name}\b", guide)]
 
 
 def test_everything_public_says_what_it_is():
