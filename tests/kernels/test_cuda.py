@@ -54,6 +54,30 @@ def test_ptx_rounds_where_the_graph_does_and_nowhere_else(function: str, archite
     assert ".local" not in ptx and ".f32" not in ptx
 
 
+CHOICES = {
+    "low": lambda x: cutpoint.where(x < 0.0, x, 0.0), "least": lambda x: cutpoint.minimum(0.0, x),
+    "negated": lambda x: cutpoint.where(~(x < 0), 0.0, x), "high": lambda x: cutpoint.where(x > -0.0, x, -0.0),
+    "limited": lambda x: cutpoint.clip(x, -1.0, 0.0),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("name", CHOICES)
+def test_a_choice_is_no_minimum_which_would_tell_zeros_apart(name: str, tmp_path: Path) -> None:
+    for kernel in (double := compile(CHOICES[name], x=(), name=name, backend="llvm")), double.float32:
+        folder = tmp_path / kernel.graph.precision.c
+        text = written(kernel, folder)
+        for architecture in ARCHITECTURES:
+            assert not re.search(r"\b(min|max)\.f", compiled(text, architecture)[0])
+        x = np.array([0.0, -0.0, 1.0, -1.0, np.nan], kernel.graph.precision.dtype)
+        assert_same_bits(rows_of(CpuKernel(folder, name), kernel.graph, x)[0], kernel(x))
+
+
+def test_functions_share_a_source_file(tmp_path: Path) -> None:
+    made = [compile(every_operation, x=3, k=(), name=name) for name in ("first", "second")]
+    texts = [written(kernel, tmp_path) for kernel in (*made, compile(every_operation, x=3, k=(), name="third").float32)]
+    assert ".entry third(" in compiled("\n".join(texts), "sm_90")[0]
+
+
 def test_nothing_is_flushed_to_zero(tmp_path: Path) -> None:
     text = written(compile(every_operation, x=3, k=()).float32, tmp_path)
     assert ".ftz" not in compiled(text, "sm_90")[0] and ".ftz" in compiled(text, "sm_90", "--ftz=true")[0]
@@ -118,7 +142,7 @@ def test_the_code_includes_and_calls_nothing(tmp_path: Path) -> None:
     called = set(re.findall(r"\b(\w+)\(", text.partition("*/")[2])) - {"if", "every_operation"}
     assert {name for name in called if not name.startswith("cutpoint_")} == {
         "__dadd_rn", "__dsub_rn", "__dmul_rn", "__ddiv_rn", "__dsqrt_rn", "__fma_rn", "__double_as_longlong",
-        "__longlong_as_double", "__launch_bounds__", "__syncwarp",
+        "__longlong_as_double", "__launch_bounds__", "__syncwarp", "asm",
     }  # fmt: skip
 
 
@@ -130,7 +154,7 @@ def test_names_that_cuda_cannot_take_are_refused(name: str, argument: str, tmp_p
     assert not [*tmp_path.iterdir()]
 
 
-@pytest.mark.parametrize("name", ["sin", "norm", "rsqrtf", "umin", "max", "normcdfinv", "clock64", "dim3"])
+@pytest.mark.parametrize("name", ["sin", "norm", "rsqrtf", "umin", "max", "normcdfinv", "dim3", "float3", "warpSize"])
 def test_a_function_is_not_called_as_one_of_cuda_is(name: str, tmp_path: Path) -> None:
     with pytest.raises(InputError, match=r"has this name already: rename it"):
         compile(lambda x: x * 2, name=name, x=()).to_cuda(tmp_path)
@@ -178,7 +202,7 @@ def test_every_function_of_a_robot_exports_to_cuda(function: str, tmp_path: Path
     paths = export_function(cutpoint.robots.xia2019(), function, tmp_path, to="cuda", name="f", **options)
     code, header = (path.read_text() for path in paths)
     compiled(code, "sm_90")
-    head = code[code.index('extern "C"') :].partition(" {\n")[0]
+    head = code[code.index('extern "C"') :].partition(" {\n")[0].replace("__launch_bounds__(128) ", "")
     assert f"{head};" in header and f"{function} of xia2019" in header
 
 
@@ -305,6 +329,48 @@ def test_shapes_that_do_not_fit_are_refused(stand_in: StandIn) -> None:
         function(np.zeros((4, 2)), np.zeros(3), np.zeros((2, 3)))
     with pytest.raises(InputError, match="law: M missing; it takes q, v, M"):
         function(np.zeros(2), 0.0)
+
+
+MASKED = np.ma.array([1.0, 2.0], mask=[True, False])
+WRONG = [
+    (MASKED, "q has masked numbers"), (["1", "2"], "q holds <U1, it must hold real numbers"),
+    (np.zeros(2, "M8[s]"), "q holds datetime64"), ([[1], [2, 3]], "q is not an array"),
+    ([10**400, 1], "q holds Python objects"),
+]  # fmt: skip
+
+
+@pytest.mark.parametrize(("q", "told"), WRONG)
+def test_what_holds_no_numbers_is_refused(stand_in: StandIn, q: Any, told: str) -> None:
+    with pytest.raises(InputError, match=f"both: {told}"):
+        compile(both, q=2, v=(), M=(2, 3)).on_gpu()(q, 0.0, np.zeros((2, 3)))
+
+
+class Elsewhere(np.ndarray):
+    """An array of another GPU."""
+
+    __cuda_array_interface__ = {}  # noqa: RUF012
+    device = SimpleNamespace(id=1)
+
+
+def test_an_array_on_another_gpu_is_refused(stand_in: StandIn) -> None:
+    with pytest.raises(InputError, match=r"both: q is on GPU 1, GPU 0 is in use: move it, or call within"):
+        compile(both, q=2, v=(), M=(2, 3)).on_gpu()(np.zeros(2).view(Elsewhere), 0.0, np.zeros((2, 3)))
+
+
+def test_what_does_not_load_is_not_kept_and_compiled_anew(
+    stand_in: StandIn, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setenv("CUTPOINT_CACHE", str(tmp_path / "kept"))
+    kernel, given = compile(both, q=2, v=(), M=(2, 3)), (np.zeros(2), 0.0, np.zeros((2, 3)))
+    with monkeypatch.context() as broken:
+        broken.setattr(StandInModule, "load", lambda self, compiled: 1 / 0)
+        with pytest.raises(ZeroDivisionError):
+            kernel.on_gpu()(*given)
+    kernel.on_gpu()(*given)
+    loads = iter([lambda self, compiled: 1 / 0, StandInModule.load])
+    monkeypatch.setattr(StandInModule, "load", lambda self, compiled: next(loads)(self, compiled))
+    kernel.on_gpu()(*given)
+    assert len(stand_in.compiled) == 3
 
 
 def test_without_cupy_the_extra_is_named(monkeypatch: pytest.MonkeyPatch) -> None:

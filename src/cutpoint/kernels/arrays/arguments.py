@@ -97,7 +97,7 @@ def explained(kernel: str, graph: Graph, arguments: Sequence[Any], out: Any, err
         try:
             batches[port.name] = batch_shape(port, as_numbers(argument, graph.precision))
         except (TypeError, ValueError, OverflowError) as problem:
-            return InputError(f"{kernel}: {port.name} {_phrase(argument, problem)}", name=port.name)
+            return InputError(f"{kernel}: {port.name} {phrase(argument, problem)}", name=port.name)
         kind = np.asarray(argument).dtype
         if graph.precision is FLOAT64 and not np.can_cast(kind, np.float64):  # in single precision it is rounded
             told = f"holds {kind}, more than float64 keeps; hand it np.asarray(..., float)"
@@ -109,7 +109,8 @@ def explained(kernel: str, graph: Graph, arguments: Sequence[Any], out: Any, err
     return InputError(f"{kernel}: {_out_problem(graph.outputs, batch, out) or error}")
 
 
-def _phrase(argument: Any, problem: Exception) -> str:
+def phrase(argument: Any, problem: Exception) -> str:
+    """What is wrong with an argument that `as_numbers` does not take."""
     if isinstance(problem, TypeError):
         return f"holds {_content(argument)}, it must hold real numbers"
     if isinstance(problem, OverflowError):

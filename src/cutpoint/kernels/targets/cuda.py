@@ -18,13 +18,13 @@ from cutpoint.kernels.graphs.precision import FLOAT32, FLOAT64, Precision
 from cutpoint.kernels.lowering.few_held import Order, fewest_held
 from cutpoint.kernels.lowering.lower import lower
 from cutpoint.kernels.targets import c99, c_names
-from cutpoint.kernels.targets.cuda_results import LEAVE, THREADS, Step, by_windows, leaving, shared_numbers
+from cutpoint.kernels.targets.cuda_results import LEAVE, THREADS, Step, leaving, windows_of
 
 _FORMS = {
     "add": "__{d}add_rn({}, {})", "sub": "__{d}sub_rn({}, {})", "mul": "__{d}mul_rn({}, {})",
     "div": "__{d}div_rn({}, {})", "neg": "-{}", "sqrt": "__{d}sqrt_rn({})",
     "fma": "__fma{f}_rn({}, {}, {})", "fms": "__fma{f}_rn({}, {}, -{})", "fnma": "__fma{f}_rn(-{}, {}, {})",
-    "lt": "{} < {}", "le": "{} <= {}", "and": "{} & {}", "or": "{} | {}", "not": "!{}", "select": "{} ? {} : {}",
+    "lt": "{} < {}", "le": "{} <= {}", "and": "{} & {}", "or": "{} | {}", "not": "!{}",
 }  # fmt: skip
 """Operations that CUDA has; all others are calls of the functions below."""
 
@@ -35,6 +35,12 @@ _WORDS = {
 """What CUDA calls a number's bits, how to come by them and back, and the letter in the names of its roundings."""
 
 _HELPERS = {
+    "select": """\
+static __device__ $real cutpoint_select(int a, $real c, $real d) {
+  asm("" : "+r"(a)); /* or compilers take c < d ? c : d for a minimum, which tells zeros apart by their signs */
+  return a ? c : d;
+}
+""",
     "flip": """\
 static __device__ $real cutpoint_flip($real a, int bit, $real c) {
   const unsigned $whole sign = (unsigned $whole)$as_bits(a) >> bit & 1;
@@ -63,28 +69,31 @@ static __device__ $real cutpoint_significand($real a) {
 }
 """,
 }
-"""The primitives that look at bits; PRIMITIVES says what they mean."""
+"""What takes more than a word; PRIMITIVES says what it means."""
 
-_OWN = ("count", "blockIdx", "blockDim", "threadIdx", "gridDim", "warpSize", "cutpoint")
-"""What CUDA and the code have names for."""
+_REGISTERS = 840
+"""Bytes of a thread's registers that are left for numbers, about."""
+
+_OWN = ("blockIdx", "blockDim", "threadIdx", "gridDim", "warpSize", "CUDARTAPI", "cutpoint")
+"""What CUDA has names for."""
 
 _FUNCTIONS = re.compile(
     "(rcbrt|rhypot|r?norm([34]d)?|normcdf(inv)?|erfc?inv|erfcx|sincospi|cyl_bessel_i[01]|fdivide)f?|(u|ll|ull)?(min|max)"
-    "|clock64|dim3"
+    "|clock64|dim3|(u?(char|short|int|long|longlong)|float|double)[1-4]"
 )
 """What CUDA has besides C's library."""
 
 
 def check_names(name: str, graph: Graph) -> None:
-    """Raises InputError for a name that CUDA C cannot take, or that two arguments share."""
+    """Raises InputError for a name that CUDA C cannot take or that two arguments share."""
     inputs, outputs = full(graph)
     c_names.check_names(name, inputs, outputs)
-    own = {*_OWN, *(_step(p).name for p in inputs)}
+    own = {*_OWN, "count", *(_step(p).name for p in inputs)}
     for port in (*inputs, *outputs):
         if port.name in own:
             told = f"{port.name!r} is a name that CUDA or the kernel itself has already"
             raise InputError(f"{name}: {told}: rename it", name=port.name)
-    if _FUNCTIONS.fullmatch(name):
+    if name in _OWN or _FUNCTIONS.fullmatch(name):
         raise InputError(f"{name}: CUDA has this name already: rename it", name=name)
 
 
@@ -94,13 +103,13 @@ def full(graph: Graph) -> tuple[list[Port], list[Port]]:
     return inputs, outputs
 
 
-def declaration(name: str, graph: Graph) -> str:
+def declaration(name: str, graph: Graph, attributes: str = "") -> str:
     """The kernel's head."""
     (inputs, outputs), real = full(graph), graph.precision.c
     read = [f"const {real} *__restrict__ {p.name}, long long {_step(p).name}" for p in inputs]
     arguments = ["long long count", *read, *(f"{real} *__restrict__ {p.name}" for p in outputs)]
     lines = ",\n    ".join(arguments)
-    return f'extern "C" __global__ void __launch_bounds__({THREADS}) {name}(\n    {lines})'
+    return f'extern "C" __global__ void {attributes}{name}(\n    {lines})'
 
 
 def code(name: str, graph: Graph) -> str:
@@ -110,13 +119,20 @@ def code(name: str, graph: Graph) -> str:
     """
     check_names(name, graph)
     lowered, (_, outputs) = lower(graph), full(graph)
-    windows = by_windows(outputs, graph.precision)
-    used = "\n".join([text for op, text in _HELPERS.items() if op in lowered.operations] + [LEAVE] * windows)
-    helpers = Template(used).substitute(c99.words(graph.precision) | _WORDS[graph.precision])
-    return f"{helpers}\n{declaration(name, graph)} {{\n{_body(lowered, windows)}}}\n".lstrip()
+    texts = {op: text for op, text in _HELPERS.items() if op in lowered.operations}
+    texts |= {"leave": LEAVE} if windows_of(outputs, graph.precision) else {}
+    words = c99.words(graph.precision) | _WORDS[graph.precision]
+    helpers = "\n".join(_once(f"{op}_{graph.precision.bits}", text) for op, text in texts.items())
+    head = declaration(name, graph, f"__launch_bounds__({THREADS}) ")
+    return f"{Template(helpers).substitute(words)}\n{head} {{\n{_body(lowered)}}}\n".lstrip()
 
 
-def _body(graph: Graph, windows: bool) -> str:
+def _once(what: str, text: str) -> str:
+    """A helper that several kernels of one source file share."""
+    return f"#ifndef CUTPOINT_{what}\n#define CUTPOINT_{what}\n{text}#endif\n"
+
+
+def _body(graph: Graph) -> str:
     """The statements, in an order that needs few registers."""
     names: dict[int, str] = {}
     (inputs, outputs), precision = full(graph), graph.precision
@@ -126,13 +142,13 @@ def _body(graph: Graph, windows: bool) -> str:
         return names[x.serial] if isinstance(x, Node) else _number(x, precision) if isinstance(x, float) else str(x)
 
     def steps(order: Order) -> list[Step]:
-        return leaving(outputs, graph.results, order, windows)
+        return leaving(outputs, graph.results, order, precision)
 
     def reads(order: Order) -> list[tuple[int, Node]]:
         return [(step.after - 1, step.value) for step in steps(order) if isinstance(step.value, Node)]
 
-    order = fewest_held(graph, reads)
-    lines = _place(inputs, outputs, shared_numbers(outputs) if windows else 0, precision)
+    order = fewest_held(graph, reads, _REGISTERS // precision.item)
+    lines = _place(inputs, outputs, precision)
     left = steps(order)[::-1]
     for count, x in enumerate([None, *order]):
         if x is not None:
@@ -145,28 +161,31 @@ def _body(graph: Graph, windows: bool) -> str:
     return "".join(f"  {line}\n" for line in lines)
 
 
-def _place(inputs: Sequence[Port], outputs: Sequence[Port], shared: int, precision: Precision) -> list[str]:
-    """Which configuration this thread has, and where its numbers lie; with shared memory, where the warp's rows lie.
+def _place(inputs: Sequence[Port], outputs: Sequence[Port], precision: Precision) -> list[str]:
+    """Which configuration this thread has, and where its numbers lie; with windows, where the warp's rows lie.
 
-    Threads of the last warp that have no configuration compute its first once more: all must be there for windows.
+    Threads of the last warp that have no configuration then compute its first once more, to the same bits: all must be
+    there for windows.
     """
     lines = ["const long long cutpoint_thread = (long long)blockIdx.x * blockDim.x + threadIdx.x;"]
-    if not shared:
-        return [
-            *lines, "if (cutpoint_thread >= count) return;",
-            *(f"{p.name} += cutpoint_thread * {_step(p).name};" for p in inputs),
-            *(f"{p.name} += cutpoint_thread * {p.size};" for p in outputs),
+    windows = windows_of(outputs, precision)
+    together = {window.port.name for window in windows}
+    if windows:
+        shared = max(window.distance for window in windows)
+        lines = [
+            f"__shared__ {precision.c} cutpoint_block[{THREADS * shared}];", *lines,
+            "const unsigned cutpoint_lane = threadIdx.x % 32;",
+            "const long long cutpoint_first = cutpoint_thread - cutpoint_lane;",
+            "if (cutpoint_first >= count) return;",
+            "const unsigned cutpoint_rows = count - cutpoint_first < 32 ? (unsigned)(count - cutpoint_first) : 32;",
+            "const long long cutpoint_row = cutpoint_thread < count ? cutpoint_thread : cutpoint_first;",
+            f"{precision.c} *const cutpoint_stage = cutpoint_block + threadIdx.x / 32 * {32 * shared};",
         ]  # fmt: skip
+    else:
+        lines += ["if (cutpoint_thread >= count) return;", "const long long cutpoint_row = cutpoint_thread;"]
     return [
-        f"__shared__ {precision.c} cutpoint_block[{shared}];", *lines,
-        "const unsigned cutpoint_lane = threadIdx.x % 32;",
-        "const long long cutpoint_first = cutpoint_thread - cutpoint_lane;",
-        "if (cutpoint_first >= count) return;",
-        "const unsigned cutpoint_rows = count - cutpoint_first < 32 ? (unsigned)(count - cutpoint_first) : 32;",
-        "const long long cutpoint_row = cutpoint_thread < count ? cutpoint_thread : cutpoint_first;",
-        f"{precision.c} *const cutpoint_stage = cutpoint_block + threadIdx.x / 32 * {shared // (THREADS // 32)};",
-        *(f"{p.name} += cutpoint_row * {_step(p).name};" for p in inputs),
-        *(f"{p.name} += cutpoint_first * {p.size};" for p in outputs),
+        *lines, *(f"{p.name} += cutpoint_row * {_step(p).name};" for p in inputs),
+        *(f"{p.name} += {'cutpoint_first' if p.name in together else 'cutpoint_row'} * {p.size};" for p in outputs),
     ]  # fmt: skip
 
 

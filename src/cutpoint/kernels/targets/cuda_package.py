@@ -36,7 +36,7 @@ def _texts(graph: Graph, name: str, notes: Notes) -> dict[str, str]:
     code = cuda.code(name, graph)
     inputs, outputs = cuda.full(graph)
     fields = {
-        "version": __version__, "about": comment(notes.about), "name": name, "guard": name.upper(),
+        "version": __version__, "about": comment(notes.about), "name": name,
         "declaration": cuda.declaration(name, graph), "code": code, "precision": graph.precision.dtype.name,
         "threads": THREADS, "last": THREADS - 1, "flushing": _FLUSHING if graph.precision is FLOAT32 else "",
         "arguments": arguments(inputs, outputs, notes), "values": _host_values(values(name, notes, graph.precision)),

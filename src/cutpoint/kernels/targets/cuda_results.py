@@ -6,7 +6,7 @@ rows into shared memory, and write that together, neighbours next to neighbours.
 """
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from typing import NamedTuple
 
 from cutpoint.kernels.graphs.algebra import Operand
 from cutpoint.kernels.graphs.nodes import Node
@@ -16,9 +16,11 @@ from cutpoint.kernels.graphs.precision import Precision
 THREADS = 128
 """Of a block."""
 
-_WARP = 32
 _DIRECT = 64
 """Bytes of a configuration's results that its thread may as well write itself."""
+
+_SHORT = 3
+"""Numbers of an output that lie near enough to their neighbours' in any case."""
 
 _WINDOW = 32
 """Numbers of a row that leave together."""
@@ -32,11 +34,27 @@ static __device__ __forceinline__ void cutpoint_leave(
   __syncwarp();
 }
 """
-"""A window of so many rows, from shared memory; an odd distance there keeps its banks apart."""
+"""A window of so many rows, from shared memory."""
 
 
-@dataclass(frozen=True)
-class Step:
+class Window(NamedTuple):
+    """A part of an output's rows.  start: its first number in the row.  slot: the same among all results."""
+
+    port: Port
+    start: int
+    slot: int
+
+    @property
+    def width(self) -> int:
+        return min(_WINDOW, self.port.size - self.start)
+
+    @property
+    def distance(self) -> int:
+        """Between rows in shared memory: odd, so that its banks are hit alike."""
+        return self.width | 1
+
+
+class Step(NamedTuple):
     """A statement after so many operations; its value, if it has one, goes where the braces are."""
 
     after: int
@@ -44,17 +62,17 @@ class Step:
     value: Operand | None = None
 
 
-def by_windows(outputs: Sequence[Port], precision: Precision) -> bool:
-    """Whether results leave by windows."""
-    return precision.item * sum(p.size for p in outputs) > _DIRECT
+def windows_of(outputs: Sequence[Port], precision: Precision) -> list[Window]:
+    """The windows by which results leave; what is in none is written by its thread."""
+    if precision.item * sum(p.size for p in outputs) <= _DIRECT:
+        return []
+    slots = zip(outputs, _slots(outputs), strict=True)
+    return [Window(p, k, slot + k) for p, slot in slots if p.size > _SHORT for k in range(0, p.size, _WINDOW)]
 
 
-def shared_numbers(outputs: Sequence[Port]) -> int:
-    """What a block needs of shared memory for its widest window."""
-    return THREADS * _apart(min(_WINDOW, max(p.size for p in outputs)))
-
-
-def leaving(outputs: Sequence[Port], results: Sequence[Operand], order: Sequence[Node], windows: bool) -> list[Step]:
+def leaving(
+    outputs: Sequence[Port], results: Sequence[Operand], order: Sequence[Node], precision: Precision
+) -> list[Step]:
     """The statements by which results leave, in turn.
 
     Directly, a result leaves as soon as it is there.  One window is filled at a time, as soon as results are there; the
@@ -62,32 +80,23 @@ def leaving(outputs: Sequence[Port], results: Sequence[Operand], order: Sequence
     """
     place = {x.serial: k for k, x in enumerate(order, 1)}
     places = [place[x.serial] if isinstance(x, Node) else 0 for x in results]
-    slots = [(p, k) for p in outputs for k in range(p.size)]
-    if not windows:
-        steps = [Step(at, f"{p.name}[{k}] = {{}};", x) for (p, k), x, at in zip(slots, results, places, strict=True)]
-        return sorted(steps, key=lambda step: step.after)
-    steps, opened = [], 0
-    for start, stop in sorted(_windows(outputs), key=lambda window: max(places[slice(*window)])):
-        (port, first), width = slots[start], stop - start
-        inside = sorted(range(start, stop), key=places.__getitem__)
-        row = f"cutpoint_stage[{_apart(width)} * cutpoint_lane + {{}}] = {{{{}}}};"
-        steps += [Step(max(opened, places[k]), row.format(k - start), results[k]) for k in inside]
+    windows, steps, opened = windows_of(outputs, precision), list[Step](), 0
+    together = {window.port.name for window in windows}
+    for p, slot in zip(outputs, _slots(outputs), strict=True):
+        if p.name not in together:
+            steps += [Step(places[slot + k], f"{p.name}[{k}] = {{}};", results[slot + k]) for k in range(p.size)]
+    for window in sorted(windows, key=lambda x: max(places[x.slot : x.slot + x.width])):
+        port, start, slot = window
+        for k in sorted(range(window.width), key=lambda k: places[slot + k]):
+            text = f"cutpoint_stage[{window.distance} * cutpoint_lane + {k}] = {{}};"
+            steps.append(Step(max(opened, places[slot + k]), text, results[slot + k]))
         opened = steps[-1].after
-        there = f"{port.name} + {first}" if first else port.name
-        steps.append(Step(opened, f"cutpoint_leave(cutpoint_stage, {there}, {port.size}, {width}, cutpoint_rows);"))
-    return steps
+        rows = f"{port.name} + {start}" if start else port.name
+        text = f"cutpoint_leave(cutpoint_stage, {rows}, {port.size}, {window.width}, cutpoint_rows);"
+        steps.append(Step(opened, text))
+    return sorted(steps, key=lambda step: step.after)
 
 
-def _windows(outputs: Sequence[Port]) -> list[tuple[int, int]]:
-    """First and last slot of each, the last not included."""
-    found, start = [], 0
-    for port in outputs:
-        stop = start + port.size
-        found += [(first, min(first + _WINDOW, stop)) for first in range(start, stop, _WINDOW)]
-        start = stop
-    return found
-
-
-def _apart(width: int) -> int:
-    """Between the rows of a window in shared memory: an odd number, so that its banks are hit alike."""
-    return width | 1
+def _slots(outputs: Sequence[Port]) -> list[int]:
+    """Of each output the first among all results."""
+    return [sum(p.size for p in outputs[:k]) for k in range(len(outputs))]

@@ -10,8 +10,8 @@ ${arguments}
 ${flushing}
    ${name}<<<(count + ${last}) / ${threads}, ${threads}>>>(count, ...);      blocks of ${threads} threads, and no others
 */
-#ifndef CUTPOINT_${guard}_CUH
-#define CUTPOINT_${guard}_CUH
+#ifndef CUTPOINT_${name}_CUH
+#define CUTPOINT_${name}_CUH
 
 ${declaration};
 ${values}
