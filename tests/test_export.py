@@ -87,6 +87,45 @@ def test_a_law_exports_in_single_precision(arm: cutpoint.Robot, tmp_path: Path) 
     assert f"{float(np.float32(PERIOD)).hex()}f, /* control period, s */" in header
 
 
+def test_a_guard_needs_a_clock_that_single_precision_has_not(arm: cutpoint.Robot, tmp_path: Path) -> None:
+    guarded = Guard(PD([1.0] * 6, [1.0] * 6), arm, torque_limit=200.0)
+    with pytest.raises(InputError, match=r"a Guard counts its deadlines by time, .* or export the law that it guards"):
+        export_controller(arm, guarded, tmp_path, period=PERIOD, precision="float32")
+    assert not [*tmp_path.iterdir()]
+
+
+@pytest.mark.parametrize(
+    ("gain", "told"), [(1e39, r"kp\[0\] is 1e\+39, and inf in"), (1e-46, r"kp\[0\] is 1e-46, and 0 in")]
+)
+def test_numbers_that_single_precision_loses_are_refused(
+    arm: cutpoint.Robot, gain: float, told: str, tmp_path: Path
+) -> None:
+    law = PD([gain] * 6, [1.0] * 6)
+    with pytest.raises(InputError, match=told):
+        export_controller(arm, law, tmp_path, period=PERIOD, precision="float32")
+    export_controller(arm, law, tmp_path, period=PERIOD)
+
+
+def test_a_laws_memory_has_labels(arm: cutpoint.Robot, tmp_path: Path) -> None:
+    law = Guard(Integrating(), arm, torque_limit=200.0)
+    export_controller(arm, law, tmp_path, period=PERIOD)
+    header = (tmp_path / "control_step.h").read_text()
+    labels = re.findall(r"/\* (memory [^*]+) \*/", header)
+    assert len(labels) == len(set(labels)) == law_memory(law).size
+    assert {"memory time", "memory fault", "memory torque[5]", "memory inner integral[5]", "memory inner samples"} <= {
+        *labels
+    }
+
+
+@pytest.mark.parametrize(
+    "flag", ["-ffast-math", "-ffinite-math-only", "-fassociative-math -fno-signed-zeros -fno-trapping-math"]
+)
+def test_mathematics_without_nan_is_refused(arm: cutpoint.Robot, flag: str, tmp_path: Path) -> None:
+    export_function(arm, "gravity_forces", tmp_path)
+    with pytest.raises(AssertionError, match="-ffast-math and parts of it change its results"):
+        build(tmp_path, "gravity_forces.c", "-c", "-o", "f.o", flags=("-std=c99", "-O2", *flag.split()))
+
+
 def test_the_header_holds_the_drives_numbers_and_says_what_arguments_are(arm: cutpoint.Robot, tmp_path: Path) -> None:
     export_function(arm, "elastic_inverse_dynamics", tmp_path, name="feed")
     header = (tmp_path / "feed.h").read_text()

@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from cutpoint import derivatives
+from cutpoint.control.interface import start_of
 from cutpoint.derivatives import in_c
 from cutpoint.door import check_kind, positive
 from cutpoint.errors import InputError, unknown_name
@@ -22,6 +23,7 @@ from cutpoint.kernels.targets import c99_package, cuda_package
 from cutpoint.kernels.targets.c99 import Source
 from cutpoint.kernels.targets.c99_texts import Values
 from cutpoint.robot import Robot, check_robot
+from cutpoint.scalars import with_float_leaves
 from cutpoint.simulation.control_kernel import law_kernel, law_memory
 from cutpoint.simulation.parameters import law_parameters
 
@@ -67,11 +69,12 @@ def export_function(
     said = [f"{key} {', '.join(x) if isinstance(x, Mapping) else x}" for key, x in told.items()]
     about = ", ".join([f"{function} of {robot.name}", *said, *["in single precision"] * single])
     values = {"parameters": Values(robot.drive_parameters, drive_labels(robot))}
+    _check_bears(name, values, precision)
     result = result_of(robot, function, **options)
     if to == "c" and (found := _as_loops(fresh, function)):
         if single:
             told = f"of {robot.nv} degrees of freedom it leaves as loops, and these in double precision alone"
-            raise InputError(f"{function}: {told}; say precision='float64'", name=function)
+            raise InputError(f"{function}: {told} (precision='float64', --precision float64)", name=function)
         notes = notes_of(robot, found[0], about, values, result)
         return c99_package.write_source(*found, name, folder, notes, force=force)
     graph = replace(fresh.kernel(function).graph, precision=PRECISIONS[precision])
@@ -97,20 +100,25 @@ def export_controller(
     period: of control, s.  The header holds as <name>_parameters the law's numbers and the period, and as <name>_memory
     the law's memory before the first step.  Torque limits are not applied.
     precision: "float64", or "float32", where a position at pi rad comes in steps of 2.4e-7 rad, and time after an hour
-    in steps of 0.24 ms.
+    in steps of 0.24 ms: a Guard's deadlines need the former.
     Raises InputError as `export_function` does, TraceError for a law that cannot be traced.
     """
     check_robot("export_controller", robot)
     check_kind("export_controller", "name", name, str, "the name of a C function")
     check_kind("export_controller", "precision", precision, str, "a name")
     period, single = positive("export_controller", "period", period, "s"), _is_single(precision)
+    has_guard = getattr(law, "reports_faults", False)
+    if single and has_guard:
+        told = "a Guard counts its deadlines by time, whose steps in single precision outgrow a period within hours"
+        raise InputError(f"export_controller: {told}; say precision='float64', or export the law that it guards")
     graph = replace(law_kernel(robot, law, name=name).graph, precision=PRECISIONS[precision])
     labels = [*labels_of(law, type(law).__name__), "control period, s"]
     values = {"parameters": Values(law_parameters(law, period), labels)}
     memory = law_memory(law)
     if memory.size:
-        values["memory"] = Values(memory, [f"memory[{k}]" for k in range(memory.size)])
-    limits = "no limits but the guard's" if getattr(law, "reports_faults", False) else "limits not applied"
+        values["memory"] = Values(memory, [*labels_of(with_float_leaves(start_of(law)), "memory")])
+    _check_bears(name, values, precision)
+    limits = "no limits but the guard's" if has_guard else "limits not applied"
     told = "in single precision, " * single
     about = f"a step of {type(law).__name__} for {robot.name}, {limits}, {told}to be called every {period:g} s"
     notes = notes_of(robot, graph, about, values, per_drive={*PER_DRIVE, "q", "v"})
@@ -124,6 +132,16 @@ def _is_single(precision: str) -> bool:
     if precision not in PRECISIONS:
         raise unknown_name("precision", precision, PRECISIONS)
     return precision == "float32"
+
+
+def _check_bears(function: str, values: Mapping[str, Values], precision: str) -> None:
+    """Raises InputError for a number that this precision holds as 0 or as infinite."""
+    rounded = PRECISIONS[precision].rounded
+    for table in values.values():
+        for x, label in zip(map(float, table.numbers), table.labels, strict=True):
+            if np.isfinite(x) and (bool(rounded(x)) != bool(x) or np.isinf(rounded(x))):
+                told = f"{label} is {x:g}, and {rounded(x):g} in {precision}"
+                raise InputError(f"{function}: {told}; export it in float64, or choose other units", name=label)
 
 
 def _passing(period: float, steps: np.ndarray) -> np.ndarray:

@@ -138,8 +138,9 @@ def labels_of(record: Any, path: str = "") -> Iterator[str]:
         for key in sorted(record, key=repr):
             yield from labels_of(record[key], f"{path} {key}".strip())
     elif isinstance(record, (list, tuple)):
-        for k, part in enumerate(record):
-            yield from labels_of(part, f"{path}[{k}]")
+        names = getattr(record, "_fields", None) or [f"[{k}]" for k in range(len(record))]
+        for name, part in zip(names, record, strict=True):
+            yield from labels_of(part, f"{path}{name}" if name.startswith("[") else f"{path} {name}".strip())
     elif is_dataclass(record) and not isinstance(record, type):
         for f in fields(record):
             if f.init and f.name == "parameters" and isinstance(record, ModelLaw):

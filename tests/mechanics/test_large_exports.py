@@ -130,7 +130,7 @@ def test_what_does_not_leave_says_so(tmp_path: Path) -> None:
         export_function(HELICAL, "static_deflection", tmp_path)
     with pytest.raises(InputError, match=r"mass_matrix: in C it would take [\d,]+ bytes of the stack, 4"):
         export_function(Robot(chain(750)), "mass_matrix", tmp_path)
-    told = "inverse_dynamics: of 140 degrees of freedom it leaves as loops, and these in double precision alone; say"
+    told = "inverse_dynamics: of 140 degrees of freedom it leaves as loops, and these in double precision alone"
     with pytest.raises(InputError, match=told):
         export_function(CHAIN, "inverse_dynamics", tmp_path, precision="float32")
     assert not [*tmp_path.iterdir()]

@@ -15,7 +15,7 @@ from cutpoint.kernels.targets.c99 import Source, source_of
 from cutpoint.kernels.targets.c99_texts import Notes, texts
 from cutpoint.kernels.targets.package_files import check_gives_numbers, folder_of, is_ours, write_files
 
-_SCALES = (0.0, 1e-300, 1e-8, *[1e-3] * 4, *[1.0] * 8, 1e3)
+_SCALES = (0.0, 1e-300, 1e-40, 1e-8, *[1e-3] * 4, *[1.0] * 8, 1e3)
 """Of the check's random inputs, a case each: what remembers sees small motions before large ones."""
 
 _FEW = (0.0, 1.0)

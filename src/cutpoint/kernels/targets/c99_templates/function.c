@@ -6,11 +6,12 @@
 #include <stdint.h>
 #include <string.h>
 
-#if defined(__FAST_MATH__) || defined(__ASSOCIATIVE_MATH__) || defined(__RECIPROCAL_MATH__)
+#if defined(__FAST_MATH__) || defined(__ASSOCIATIVE_MATH__) || defined(__RECIPROCAL_MATH__) \
+  || (defined(__FINITE_MATH_ONLY__) && __FINITE_MATH_ONLY__)
 #error "@{name}.c: -ffast-math and parts of it change its results; compile without them"
 #endif
 #if FLT_EVAL_METHOD < 0 || FLT_EVAL_METHOD == 2
-#error "@{name}.c: doubles must be evaluated as doubles; on 32-bit x86 compile with -msse2 -mfpmath=sse"
+#error "@{name}.c: a @{real} must be evaluated as a @{real}; on 32-bit x86 compile with -msse2 -mfpmath=sse"
 #endif
 
 /* every fused multiply-add is written; none may be made by the compiler */

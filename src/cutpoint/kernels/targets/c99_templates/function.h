@@ -8,8 +8,8 @@
    own memory.  No allocation, no locks, no globals, @{steps}: safe in any thread.
    Tables of numbers, where there are any, are for C99 and C++17: earlier C++ cannot read their hexadecimal digits.
 */
-#ifndef CUTPOINT_@{guard}_H
-#define CUTPOINT_@{guard}_H
+#ifndef CUTPOINT_@{name}_H
+#define CUTPOINT_@{name}_H
 
 #ifdef __cplusplus
 extern "C" {

@@ -3,8 +3,8 @@
 // cutpoint::@{name} for arrays of C, as the tables of @{name}.h, and all that has data() and size() of @{real}:
 // std::array, std::vector, std::span, Eigen's vectors and matrices, maps of them.  Eigen is not needed.  What each
 // argument holds is said in @{name}.h.  A size that only the running program knows is asserted: not where NDEBUG is.
-#ifndef CUTPOINT_@{guard}_HPP
-#define CUTPOINT_@{guard}_HPP
+#ifndef CUTPOINT_@{name}_HPP
+#define CUTPOINT_@{name}_HPP
 
 #if __cplusplus < 201703L && (!defined(_MSVC_LANG) || _MSVC_LANG < 201703L)
 #error "@{name}.hpp needs C++17; @{name}.h does with less"
