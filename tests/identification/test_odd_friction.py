@@ -8,12 +8,13 @@ import pytest
 from arm_logs import LAW, TIME, TRUTH, Array, channels, motions
 
 import cutpoint
-from cutpoint import Coulomb, Drive, Robot, Stribeck
+from cutpoint import Coulomb, Drive, Robot, Rotor, Stribeck
 from cutpoint.formats.drives import parse_drives
-from cutpoint.identification import Recording, low_pass
+from cutpoint.identification import Recording, base_parameters, low_pass
 from cutpoint.identification.conditioning.motion import motion_of
 from cutpoint.identification.output import Identification, identify
 from cutpoint.identification.output.torque_errors import stated_torque
+from cutpoint.identification.rigid.friction_choice import FrictionChoice
 from cutpoint.identification.rigid.least_squares import Method, least_squares
 from cutpoint.identification.rigid.regression import Regression
 from robot_library import urdf
@@ -152,3 +153,30 @@ def test_what_columns_hardly_tell_apart_has_a_variance(method: Method, apart: fl
     found = least_squares(Regression(names, columns, torque, 0.05 * np.arange(300)), method)
     deviations = found.spread.deviations()
     assert (deviations > 0.0).all() and np.isfinite(deviations).all()
+
+
+def test_an_asymmetry_is_not_played_off_against_an_offset():
+    """Both are the same but for the moments of rest, and only the asymmetry reaches the drive file."""
+    law = Coulomb(1.0, 1.0, 0.02, asymmetry=-0.05)
+    chosen = tuple(FrictionChoice(joint, "coulomb, asymmetric", law, {}) for joint in TRUTH.joints)
+    found = identified(even(motions()[1]), friction=chosen)
+    assert [round(x.asymmetry, 6) for x in found.rigid.model.laws.values()] == [-0.05] * len(TRUTH.joints)
+
+
+def test_sums_of_what_slides_are_masses():
+    slider = "<joint name='{0}' type='prismatic'><parent link='{1}'/><child link='{2}'/><axis xyz='{3}'/></joint>"
+    body = "<link name='{0}'><inertial><mass value='{1}'/><inertia ixx='1' iyy='1' izz='1' ixy='0' ixz='0' iyz='0'/>"
+    links = "".join(f"{body.format(*each)}</inertial></link>" for each in (("bridge", 30), ("cart", 10)))
+    joints = slider.format("x", "base", "bridge", "1 0 0") + slider.format("y", "bridge", "cart", "0 1 0")
+    text = f"<robot name='gantry'><link name='base'/>{links}{joints}</robot>"
+    gantry = cutpoint.formats.parse_urdf(text.encode(), "gantry.urdf")
+    robot = Robot(gantry, dict.fromkeys(("x", "y"), Drive(10.0, Rotor(1e-3))))
+    names = base_parameters(robot, rotors=True).names
+    time = 2e-3 * np.arange(4000)
+    q = np.column_stack([np.sin(1.7 * time) + 0.3 * np.cos(5.1 * time), 0.5 * np.sin(2.9 * time)])
+    a = np.column_stack([-2.89 * np.sin(1.7 * time) - 7.803 * np.cos(5.1 * time), -4.205 * np.sin(2.9 * time)])
+    torque = robot.inverse_dynamics(q, np.gradient(q, time, axis=0), a)
+    found = identify(robot, Recording(time, robot.joints, q=q, torque=torque))
+    sums = {number.name: number.unit for number in found.numbers if "m." in number.name}
+    assert any(name.startswith("I_m.") and " + " in name for name in names)
+    assert sums and set(sums.values()) == {"kg"}, sums

@@ -151,3 +151,22 @@ def test_bristles_that_resist_much_turn_back_where_they_should(law: LuGre | Elas
     assert found.meta["steps_set_by"] == "the damping of the bristles of 'joint'"
     assert off(found, truth) < 1e-5
     assert off(simulate(ours, feedback, move, duration=0.5, substeps=4), truth) > 1e-3
+
+
+@pytest.mark.parametrize("damping", [1000.0, 3000.0])
+def test_damping_of_a_rotor_with_full_coupling_asks_for_steps_by_the_link_too(damping: float) -> None:
+    """The link is much lighter than the rotor: by the rotor alone, steps were far too long."""
+    heavy = turning(compliance=LinearSpring(2000.0), damping=damping)
+    rotor = Rotor(1e-4, coupling="full")  # 1 kg m2 at the joint
+    arm = heavy.with_drives({name: replace(d, rotor=rotor) for name, d in heavy.drives.items()})
+    found = shaken(arm, 20.0, 30.0)
+    assert found.meta["steps_set_by"] == "the motor friction or damping of 'joint'"
+    truth = shaken(arm, 20.0, 30.0, accuracy="reference")
+    assert np.abs(found["q"] - truth["q"]).max() < 1e-4
+
+
+def test_a_delay_of_nothing_is_none_in_the_log() -> None:
+    arms = [turning(compliance=SPRING, motor=Motor(0.1, delay=delay)) for delay in (0.0, None)]
+    first, second = (shaken(arm, 5.0, 30.0) for arm in arms)
+    for channel in ("command_torque", "motor_torque", "joint_torque", "q"):
+        np.testing.assert_allclose(first[channel], second[channel], rtol=0, atol=1e-12)

@@ -129,6 +129,10 @@ def identify(
         bool,
         typer.Option("--rotors/--no-rotors", help="The rotors' inertias; none where torques are the gears' output."),
     ] = True,
+    friction: Annotated[
+        Literal["choose", "stated"],
+        typer.Option(help="Each joint's law of friction: that which predicts best, or the drive file's."),
+    ] = "choose",
     cutoff: Annotated[
         float | None, typer.Option(help="Hz, of the positions; where they sink into their noise, by default.")
     ] = None,
@@ -158,8 +162,8 @@ def identify(
     loaded = robot_of(robot, drives, mimic, lock, gravity, mend_inertia)
     file = cutpoint.robots.XIA2019_URDF if str(robot) == "xia2019" else robot
     found = identified(
-        loaded, log, mapping, hold_out=hold_out, springs=springs, rotors=rotors, method=method, solver=solver,
-        cutoff=cutoff, bandwidth=bandwidth, torque_delay=delay, align=align, source=file, progress=True,
+        loaded, log, mapping, hold_out=hold_out, springs=springs, rotors=rotors, friction=friction, method=method,
+        solver=solver, cutoff=cutoff, bandwidth=bandwidth, torque_delay=delay, align=align, source=file, progress=True,
     )  # fmt: skip
     saved = found.save(output, force=force)
     console.print(table_of(found))

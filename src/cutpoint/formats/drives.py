@@ -9,7 +9,7 @@ import yaml
 
 from cutpoint.callers import warn
 from cutpoint.door import DRIVES, check_kind
-from cutpoint.errors import listed, those_that_exist
+from cutpoint.errors import InputError, listed, those_that_exist
 from cutpoint.files import replacing
 from cutpoint.formats.drive_entry import to_drive
 from cutpoint.formats.drive_section import Section
@@ -92,10 +92,17 @@ def dump_drives(drives: Mapping[str, Drive]) -> str:
     check_kind("dump_drives", "drives", drives, Mapping, DRIVES)
     for name, drive in drives.items():
         check_kind("dump_drives", name, drive, Drive, "a Drive")
-    entries = {name: to_entry(drive) for name, drive in drives.items()}
+    entries = {name: _entry_of(name, drive) for name, drive in drives.items()}
     for name, drive in drives.items():
         check_drive(name, drive)
     return yaml.safe_dump({"version": VERSION, "drives": entries}, sort_keys=False, allow_unicode=True)
+
+
+def _entry_of(name: str, drive: Drive) -> dict[str, Any]:
+    try:
+        return to_entry(drive)
+    except InputError as error:
+        raise InputError(f"drive of {name!r}: {error}", **error.evidence | {"joint": name}) from None
 
 
 def save_drives(path: str | Path, drives: Mapping[str, Drive]) -> None:

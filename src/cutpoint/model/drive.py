@@ -164,11 +164,6 @@ class Drive:
         return self.motor is not None and self.motor.bandwidth is not None
 
     @property
-    def has_delay(self) -> bool:
-        """Whether commands reach its motor later by a stated time."""
-        return self.motor is not None and self.motor.delay is not None
-
-    @property
     def is_coupled(self) -> bool:
         """Whether its rotor is a body that its carrier turns along: coupling "full"."""
         return self.rotor is not None and self.rotor.coupling == "full"

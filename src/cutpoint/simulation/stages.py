@@ -17,7 +17,7 @@ from cutpoint.mechanics.joints import Revolute
 from cutpoint.mechanics.linearly_implicit import from_memory, resistance, resisted
 from cutpoint.model.drive import Drive
 from cutpoint.robot import Robot
-from cutpoint.scalars import Angle, Scalar, cos, rebuild, sin
+from cutpoint.scalars import Angle, Scalar, cos, rebuild, sin, where
 from cutpoint.simulation.lanes import Lanes
 from cutpoint.simulation.layout import Layout
 from cutpoint.simulation.plant import (
@@ -61,7 +61,8 @@ class PlantStages:
         """
         felt: list[Scalars] = []
         for d, own, u, old in zip(*self._drives(parameters, state), torque, before, strict=True):
-            shaft, _ = motor_torque(d, own, old if d.has_delay else u)
+            delay = d.motor.delay if d.motor else None
+            shaft, _ = motor_torque(d, own, u if delay is None else where(delay > 0, old, u))
             effort = drive_effort(d, own.at, shaft, own.strains)
             tau = effort.transmitted
             rubbing = friction_torque(d.motor_friction, own.at.theta_dot, tau, own.strains.motor)

@@ -78,7 +78,7 @@ def substeps_for(robot: Robot, accuracy: str, period: float, poses: Array, speed
     longest, mode = SETTINGS[accuracy], fastest_mode(robot, poses)
     bounds = [
         (longest.mode, mode),
-        (longest.decay, fastest_decay(robot)),
+        (longest.decay, fastest_decay(robot, poses)),
         (longest.reversal, fastest_reversal(robot, poses)),
         (longest.growth, fastest_growth(robot, poses)),
         (longest.wave, fastest_wave(robot, np.zeros(len(robot.drives)) if speeds is None else speeds)),
@@ -132,14 +132,17 @@ def fastest_mode(robot: Robot, poses: Array, deflections: Array | None = None) -
     return best
 
 
-def fastest_decay(robot: Robot) -> Limit:
+def fastest_decay(robot: Robot, poses: Array) -> Limit:
     """Fastest decay that a step does not take implicitly: current loops, and what resists rotors with full coupling."""
     names, drives = [*robot.drives], [*robot.drives.values()]
-    J_inverse = _rotor_mobility(robot)
+    J_inverse, link = _rotor_mobility(robot), np.zeros(len(drives))
     found = [Limit(0.0, "nothing that decays")]
-    for name, drive, mobility in zip(names, drives, J_inverse, strict=True):
-        if drive.is_coupled:
-            rate = (friction_resistance(drive.motor_friction, 0.0, strain=0.0) + (drive.damping or 0.0)) * mobility
+    for q in poses if any(d.is_coupled and d.damping for d in drives) else ():
+        link = np.maximum(link, np.diag(_link_mobility(robot, q)))
+    for name, drive, at_motor, at_link in zip(names, drives, J_inverse, link, strict=True):
+        if drive.is_coupled and drive.is_elastic:
+            rate = friction_resistance(drive.motor_friction, 0.0, strain=0.0) * at_motor
+            rate += (drive.damping or 0.0) * (at_motor + at_link)
             found.append(Limit(float(rate), f"the motor friction or damping of {name!r}"))
         if drive.motor is not None and drive.motor.bandwidth is not None:
             found.append(Limit(math.tau * drive.motor.bandwidth, f"the current loop of {name!r}"))

@@ -1,5 +1,6 @@
 """Numbers that were identified, each with its interval and where a drive file states it."""
 
+import re
 from dataclasses import dataclass
 
 import numpy as np
@@ -77,7 +78,10 @@ def rigid_numbers(robot: Robot, rigid: RigidEstimate) -> tuple[Number, ...]:
 def _of_parameter(robot: Robot, p: Parameter) -> Number:
     kind, _, owner = p.name.partition(".")
     joint = owner if kind in OF_JOINTS and owner in robot.drives else ""
+    # of a sum, which is of no joint, links' terms tell the unit: rotors' are kg on joints that slide
+    terms = [term.partition(".")[0].split()[-1] for term in re.split(" [+-] ", p.name)]
     slides = joint in robot.mechanism.sliding
+    kind = kind if joint else next((term for term in terms if term != "I_m"), kind)
     unit = UNITS.get(kind, UNITS.get(kind.split("_")[0], ("N m", "N")))[slides]
     path, scale = _place(robot, kind, joint)
     return Number(joint, p.name, unit, p.value, p.low, p.high, p.physical, p.prior, p.told, p.why, path, scale)

@@ -39,14 +39,18 @@ CHANGE = 1e-4
 def best_shapes(
     base: BaseParameters, laws: Laws, joints: Collection[str], log: Log, loads: Array, offsets: bool
 ) -> dict[str, Sliding]:
-    """The laws, those of some joints with the shapes that explain the torques best.  loads: (N, n), N m."""
+    """The laws, those of some joints with the shapes that explain the torques best.  loads: (N, n), N m.
+
+    offsets: whether torques may be off by a constant each; such a one and an asymmetry are the same but for the moments
+    of rest, so that each could undo what the other does: asymmetries then stay as they are.
+    """
     inertial = inertial_columns(base, log.motion, log.means)
     found, steps = dict(laws), dict[Shape, float]()
     for _ in range(STEPS if joints else 0):
         linear = regression(
             base, found, log.motion, log.torque, log.means, offsets=offsets, loads=loads, inertial=inertial
         )
-        steps = _steps(base, found, joints, log, loads, linear)
+        steps = _steps(base, found, joints, log, loads, linear, offsets)
         for (joint, name), step in steps.items():
             found[joint] = moved(found[joint], {name: step})
         if max(map(abs, steps.values())) < SETTLED:
@@ -56,13 +60,21 @@ def best_shapes(
 
 
 def _steps(
-    base: BaseParameters, laws: Laws, joints: Collection[str], log: Log, loads: Array, linear: Regression
+    base: BaseParameters,
+    laws: Laws,
+    joints: Collection[str],
+    log: Log,
+    loads: Array,
+    linear: Regression,
+    offsets: bool,
 ) -> dict[Shape, float]:
     """Of each shape, from here to where the torques are explained best as far as one sees from here."""
     weights, _ = huber_weights(linear)
     values = solved(*split(triangle(weighted_rows(linear, weights))))[0]
     told = laws_with(laws, dict(zip(linear.names, values.tolist(), strict=True)))
     shapes, slopes = shape_slopes(base, told, joints, log, loads)
+    sought = [k for k, (_, name) in enumerate(shapes) if not (offsets and name == "asymmetry")]
+    shapes, slopes = [shapes[k] for k in sought], slopes[..., sought]
     both = replace(linear, columns=np.concatenate([linear.columns, slopes], axis=2))
     steps = solved(*split(triangle(weighted_rows(both, weights))))[0][-len(shapes) :]
     return dict(zip(shapes, np.clip(steps, -LONGEST, LONGEST).tolist(), strict=True))
