@@ -170,3 +170,22 @@ def test_a_delay_of_nothing_is_none_in_the_log() -> None:
     first, second = (shaken(arm, 5.0, 30.0) for arm in arms)
     for channel in ("command_torque", "motor_torque", "joint_torque", "q"):
         np.testing.assert_allclose(first[channel], second[channel], rtol=0, atol=1e-12)
+
+
+@pytest.mark.parametrize("smoothing", [0.01, 0.001])
+def test_friction_under_load_holds_a_light_link_behind_a_rigid_drive(smoothing: float) -> None:
+    """It is implicit, load and all: explicit, it chattered and crept 40 times as far as it does."""
+    friction = Coulomb(0.5, 0.0, smoothing, per_load=0.2)
+    arm = turning().with_drives({"joint": Drive(100.0, Rotor(1e-6), motor_friction=friction)})
+
+    def pulled(**options: Any) -> Log:
+        def law(memory: Any, measurement: Any, reference: Any) -> Any:
+            return memory, 31.5 + 0.0 * measurement.theta
+
+        start = State(*np.zeros((4, 1)))
+        against = lambda times: np.full((len(times), 1), -30.0)  # noqa: E731
+        return simulate(arm, law, duration=0.1, initial=start, disturbances=against, **options)
+
+    truth = pulled(accuracy="reference")["q"]
+    assert truth[-1, 0] > 0.0
+    assert np.abs(pulled()["q"] - truth).max() < 1e-7

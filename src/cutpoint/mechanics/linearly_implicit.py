@@ -35,11 +35,11 @@ def is_resisted(drive: Drive) -> bool:
     return not all(x is None for x in (drive.link_friction, drive.motor_friction, drive.damping))
 
 
-def resistance(drive: Drive, at: DriveState, strains: Strains, span: Scalar) -> Resistance:
-    """What resists a drive over a step from here.  span: gamma h, s."""
+def resistance(drive: Drive, at: DriveState, strains: Strains, span: Scalar, load: Scalar = 0) -> Resistance:
+    """What resists a drive over a step from here.  span: gamma h, s.  load: what a rigid one transmits, N m."""
     link, damping = friction_resistance(drive.link_friction, at.v, 0, strains.link), drive.damping
     if not drive.is_elastic:
-        link = link + friction_resistance(drive.motor_friction, at.v, 0, strains.motor)
+        link = link + friction_resistance(drive.motor_friction, at.v, load, strains.motor)
         return Resistance(link, inertia=span * link)
     if drive.is_coupled:  # what resists a rotor that its carrier turns along stays explicit
         link = link if damping is None else link + damping

@@ -236,7 +236,7 @@ class ClosedLoop:
             Stage(plant.advance, advance, ("state", "total", "earlier"), width),
         ]
         return [
-            Stage(plant.resist, ("state", numbers, "steps"), ("resistance",), width),
+            Stage(plant.resist, ("state", "torque", numbers, "steps"), ("resistance",), width),
             Loop(len(TABLEAU), stages, streams=("tableau",)),
             Stage(plant.settle, ("total", "origin", numbers), ("state", "origin", "total"), width),
         ]

@@ -8,9 +8,10 @@ from typing import Any, NamedTuple
 from cutpoint.definitions import Machine
 from cutpoint.mechanics import strains as memory
 from cutpoint.mechanics.elastic_forward import DriveEffort, drive_effort
-from cutpoint.mechanics.harmonic_drive import DriveState
+from cutpoint.mechanics.harmonic_drive import DriveState, rigidly_transmitted
 from cutpoint.mechanics.kinematics import coordinate_rates
 from cutpoint.mechanics.motor import lag_rate, shaft_torque
+from cutpoint.mechanics.presliding import sliding_of
 from cutpoint.mechanics.strains import Strains
 from cutpoint.model.drive import Drive
 from cutpoint.scalars import Scalar, clip, structure_of
@@ -98,6 +99,14 @@ def motor_torque(drive: Drive, own: Own, command: Scalar) -> tuple[Scalar, Scala
     assert drive.motor is not None
     rate = lag_rate(drive.motor, command, own.current[0])
     return shaft_torque(drive, own.current[0], own.at.theta), [rate]
+
+
+def rigid_load(drive: Drive, own: Own, command: Scalar) -> Scalar:
+    """What a rigid drive transmits under a command, N m, where its friction grows with it; else 0."""
+    law = sliding_of(drive.motor_friction)
+    if drive.is_elastic or law is None or law.per_load is None:
+        return 0
+    return rigidly_transmitted(drive, motor_torque(drive, own, command)[0], own.at.v, own.strains.motor)
 
 
 def arrived(drive: Drive, command: Scalar, before: Scalar, middle: Scalar, length: Scalar) -> Scalar:

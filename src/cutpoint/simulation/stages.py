@@ -31,6 +31,7 @@ from cutpoint.simulation.plant import (
     own_of,
     own_parts,
     own_rates,
+    rigid_load,
     settled,
     split,
 )
@@ -84,10 +85,11 @@ class PlantStages:
         by_field = self.robot.drive_parameters.reshape(self.layout.n, -1).T.ravel()
         return np.array(self.lanes.padded(by_field, repeat=True))
 
-    def resist(self, state: Scalars, parameters: Scalars, steps: Scalars) -> Scalars:
+    def resist(self, state: Scalars, torque: Scalars, parameters: Scalars, steps: Scalars) -> Scalars:
         """What resists the drives over a step that starts here."""
-        drives = zip(*self._drives(parameters, state), strict=True)
-        return _by_field([[*resistance(d, own.at, own.strains, GAMMA * steps[0])] for d, own in drives])
+        drives = zip(*self._drives(parameters, state), torque, strict=True)
+        span = GAMMA * steps[0]
+        return _by_field([[*resistance(d, x.at, x.strains, span, rigid_load(d, x, u))] for d, x, u in drives])
 
     @cached_property
     def knows_turns(self) -> bool:
