@@ -189,3 +189,15 @@ def test_friction_under_load_holds_a_light_link_behind_a_rigid_drive(smoothing: 
     truth = pulled(accuracy="reference")["q"]
     assert truth[-1, 0] > 0.0
     assert np.abs(pulled()["q"] - truth).max() < 1e-7
+
+
+def test_such_springs_are_warned_of_on_a_floating_base_too() -> None:
+    still = turning().mechanism
+    (turned,) = still.bodies
+    base = Body("base", Joint("free", "floating", "", "base"), -1, np.eye(4), 1e6, np.zeros(3), 1e6 * np.eye(3))
+    link = replace(turned, parent=0, joint=replace(turned.joint, parent="base"))
+    drive = Drive(100.0, Rotor(1.14e-5), Flexspline(2000.0, 0.05))
+    arm = Robot(replace(still, bodies=(base, link)), {"joint": drive}).with_gravity([0.0, 0.0, 0.0])
+    begun = State(arm.neutral(), np.array([*np.zeros(6), -8.0]), np.zeros(1), np.array([8.0]))
+    with pytest.warns(StiffnessWarning, match=r"wound springs until the spring of 'joint' would take \d+"):
+        simulate(arm, None, duration=0.1, initial=begun)

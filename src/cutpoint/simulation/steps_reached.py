@@ -56,7 +56,7 @@ def _stiffest(robot: Robot, log: Log) -> tuple[Limit, float] | None:
     """The fastest mode where a spring was wound farthest, of the spring that became stiffest beside how it began, and
     how much; None if none became stiffer."""
     drives, theta, q = robot.machine.drives, log["theta"], log["q"]
-    if robot.nq != len(drives) or not any(d.drive.is_elastic for d in drives):
+    if q.shape != theta.shape or not any(d.drive.is_elastic for d in drives):
         return None
 
     def wound(k: int, sample: int) -> float:
@@ -72,4 +72,6 @@ def _stiffest(robot: Robot, log: Log) -> tuple[Limit, float] | None:
     if stiffer[worst] <= STIFFER:
         return None
     there = np.array([wound(k, farthest[worst]) for k in range(len(drives))])
-    return fastest_mode(robot, q[[farthest[worst]]], there[None]), float(stiffer[worst])
+    pose = robot.neutral()  # of what has no drive, such as a floating base, modes hardly depend on the place
+    pose[[d.q for d in drives]] = q[farthest[worst]]
+    return fastest_mode(robot, pose[None], there[None]), float(stiffer[worst])
