@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 from cutpoint.kernels import graph_of
 from cutpoint.kernels.graphs.nodes import Node
 from cutpoint.kernels.lowering import few_held
-from cutpoint.kernels.lowering.few_held import fewest_held, held
+from cutpoint.kernels.lowering.few_held import fewest_held, numbers_held
 from cutpoint.kernels.lowering.lower import lower
 
 
@@ -38,7 +38,7 @@ def test_every_order_is_one_and_holds_what_it_says(recipe: list[Step]) -> None:
         assert len(places) == len(order) == len(graph.nodes)
         assert all(places[y.serial] < places[x.serial] for x in order for y in x.args if isinstance(y, Node))
         reads = [(len(order) - 1, x) for x in results[:1]]
-        assert held(order, reads) == held_by_hand(order, reads)
+        assert numbers_held(order, reads) == held_by_hand(order, reads)
 
 
 def halves(x: list[Any]) -> Any:
@@ -52,19 +52,19 @@ def halves(x: list[Any]) -> Any:
 def test_a_tree_needs_as_many_registers_as_it_is_deep(depth: int) -> None:
     graph = graph_of(lambda x: halves(list(x)), x=2**depth)
     order = fewest_held(graph, at_the_end, 0)
-    assert max(held(order, [])) == depth + 2  # the operands of an operation are there until its result is
+    assert max(numbers_held(order, [])) == depth + 2  # the operands of an operation are there until its result is
     by_level = sorted(graph.nodes, key=lambda x: x.op != "input")
-    assert max(held(by_level, [])) > 2**depth
+    assert max(numbers_held(by_level, [])) > 2**depth
 
 
 def test_broad_graphs_are_ordered_in_time_that_grows_with_them() -> None:
     """A choice among all that could come next would take minutes."""
     graph = graph_of(lambda x: [x[0] * (1.0 + i) + x[1] for i in range(15_000)], x=2)
     order = fewest_held(graph, at_the_end, 0)
-    assert 30_000 < len(order) <= few_held._MOST_NODES and max(held(order, [])) < 10
+    assert 30_000 < len(order) <= few_held._MOST_NODES and max(numbers_held(order, [])) < 10
 
 
 def test_longer_graphs_are_ordered_too() -> None:
     graph = graph_of(lambda x: [sum((x[i] * x[i + 1] for i in range(12_000)), 0.0)], x=12_001)
     assert len(graph.nodes) > few_held._MOST_NODES
-    assert max(held(fewest_held(graph, at_the_end, 0), [])) < 10
+    assert max(numbers_held(fewest_held(graph, at_the_end, 0), [])) < 10

@@ -26,13 +26,13 @@ def fewest_held(graph: Graph, reads: Uses, registers: int) -> Order:
     """The graph's operations, operands before users, in that order of the candidates that holds the fewest numbers."""
 
     def asks(order: Order) -> tuple[int, int]:
-        found = held(order, reads(order))
+        found = numbers_held(order, reads(order))
         return sum(max(0, n - registers) for n in found), sum(found)
 
     return min(_candidates(graph), key=asks)
 
 
-def held(order: Order, reads: Iterable[tuple[int, Node]]) -> list[int]:
+def numbers_held(order: Order, reads: Iterable[tuple[int, Node]]) -> list[int]:
     """How many numbers are held at each operation: each from its own to the last that reads it."""
     last = {y.serial: k for k, x in enumerate(order) for y in _operands(x)}
     for k, x in reads:

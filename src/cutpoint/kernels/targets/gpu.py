@@ -61,7 +61,7 @@ def _there(name: str, port: Port, argument: Any, precision: Precision, device: i
 
     Raises InputError for what holds no numbers, and for what is on another GPU.
     """
-    if not hasattr(argument, "__cuda_array_interface__"):
+    if not hasattr(type(argument), "__cuda_array_interface__"):  # of an array itself it would be made anew
         try:
             return as_numbers(unmasked(name, port, argument), precision)
         except (TypeError, ValueError, OverflowError) as problem:
