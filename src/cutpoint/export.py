@@ -53,13 +53,8 @@ def export_function(
     """
     check_robot("export_function", robot)
     name = function if name is None else name
-    for key, text in (("function", function), ("to", to), ("precision", precision), ("name", name)):
-        check_kind("export_function", key, text, str, "a name")
-    if function not in RESULTS:
-        raise unknown_name("function to export", function, RESULTS)
-    if to not in _WRITERS:
-        raise unknown_name("target of export", to, _WRITERS)
-    single = _is_single(precision)
+    _check_words(function=function, to=to, precision=precision, name=name)
+    single = precision == "float32"
     # a robot of its own has made no other variant of the kernel
     fresh = Robot(robot.mechanism, robot.drives, backend=robot.backend)
     called = _called(fresh, function)
@@ -106,7 +101,8 @@ def export_controller(
     check_robot("export_controller", robot)
     check_kind("export_controller", "name", name, str, "the name of a C function")
     check_kind("export_controller", "precision", precision, str, "a name")
-    period, single = positive("export_controller", "period", period, "s"), _is_single(precision)
+    _check_precision(precision)
+    period, single = positive("export_controller", "period", period, "s"), precision == "float32"
     has_guard = getattr(law, "reports_faults", False)
     if single and has_guard:
         told = "a Guard counts its deadlines by time, whose steps in single precision outgrow a period within hours"
@@ -127,11 +123,20 @@ def export_controller(
     return c99_package.write_package(graph, name, folder, notes, force=force)
 
 
-def _is_single(precision: str) -> bool:
-    """Raises InputError for a precision that there is not."""
+def _check_words(**given: str) -> None:
+    """Raises InputError for a function, a target or a precision that there is not, and for what is no name."""
+    for key, text in given.items():
+        check_kind("export_function", key, text, str, "a name")
+    if given["function"] not in RESULTS:
+        raise unknown_name("function to export", given["function"], RESULTS)
+    if given["to"] not in _WRITERS:
+        raise unknown_name("target of export", given["to"], _WRITERS)
+    _check_precision(given["precision"])
+
+
+def _check_precision(precision: str) -> None:
     if precision not in PRECISIONS:
         raise unknown_name("precision", precision, PRECISIONS)
-    return precision == "float32"
 
 
 def _check_bears(function: str, values: Mapping[str, Values], precision: str) -> None:

@@ -93,10 +93,11 @@ def test_channels_of_their_own_times_stay_together_across_a_long_gap():
     assert np.allclose(found["v"][both], motion[both], rtol=0.0, atol=7e3 * 2e-3**4)
 
 
-def test_a_period_that_is_another_units_is_noted():
-    for factor, unit in ((1e3, "ms"), (1e6, "us"), (1e9, "ns")):
-        (note,) = read(factor * T, Q).notes
-        assert f"is slow for a log; are the times in {unit}?" in note and f"unit: {unit}" in note
+@pytest.mark.parametrize(("factor", "unit"), [(1e3, "ms"), (1e6, "us"), (1e9, "ns")])
+def test_a_period_that_is_another_units_is_refused(factor: float, unit: str):
+    told = rf"slower than any log of a moving machine; are the times in {unit}\?  Then state .*unit: {unit}}}"
+    with pytest.raises(InputError, match=told):
+        read(factor * T, Q)
 
 
 @pytest.mark.parametrize(

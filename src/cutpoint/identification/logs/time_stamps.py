@@ -129,7 +129,7 @@ def _leave_out(count: int, among: int, what: str, notes: list[str]) -> None:
 
 
 def _remark(times: Array, name: str, notes: list[str]) -> None:
-    """Notes on gaps, and on a period that is another unit's."""
+    """Notes on gaps.  Raises InputError for a period that is another unit's."""
     steps, longest = np.diff(times), longest_step(times)
     period = float(np.median(steps))
     gaps = np.flatnonzero(steps > longest)
@@ -142,4 +142,5 @@ def _remark(times: Array, name: str, notes: list[str]) -> None:
     if period > SLOW:
         unit = next((unit for unit, factor in TIMES.items() if factor * period <= SLOW), "ns")
         remedy = f"state 'time: {{channel: ..., unit: {unit}}}' in a mapping"
-        notes.append(f"{name}: a period of {period:g} s is slow for a log; are the times in {unit}?  Then {remedy}")
+        told = f"a period of {period:g} s is slower than any log of a moving machine; are the times in {unit}?"
+        raise InputError(f"{name}: {told}  Then {remedy}", period=period)
