@@ -284,11 +284,9 @@ def test_what_a_file_has_no_words_for_is_not_dropped(drive: Drive) -> None:
         dump_drives({JOINTS[0]: drive})
 
 
-def test_a_rotor_without_inertia_is_none_and_said_to_be_where_a_spring_needs_one() -> None:
-    text = dump_drives({JOINTS[0]: Drive(80.0, Rotor(0.0)), JOINTS[1]: Drive(80.0, Rotor(1e-5))})
-    assert [drive.rotor for drive in parse_drives(text, ROBOT).values()] == [None, Rotor(1e-5)]
-    with pytest.raises(InputError, match=rf"drive of '{JOINTS[0]}': a drive file has no words for Rotor\(inertia=0.0"):
-        dump_drives({JOINTS[0]: Drive(80.0, Rotor(0.0), LinearSpring(1e4))})
+def test_what_a_file_has_no_words_for_is_said_with_its_joint() -> None:
+    with pytest.raises(InputError, match=rf"drive of '{JOINTS[1]}': a drive file has no words for Rotor\(inertia=0.0"):
+        dump_drives({JOINTS[0]: Drive(80.0, Rotor(1e-5)), JOINTS[1]: Drive(80.0, Rotor(0.0))})
 
 
 def test_a_saved_file_loads_and_leaves_no_draft(tmp_path: Path) -> None:

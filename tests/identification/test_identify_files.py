@@ -182,6 +182,13 @@ def test_what_a_file_can_say_is_not_changed():
     assert worded(drive) == (drive, ())
 
 
+def test_a_rotor_that_is_found_to_be_nothing_does_not_cost_the_file():
+    rigid = Drive(100.0, Rotor(0.0))
+    assert worded(rigid) == (Drive(100.0), ("a rotor without inertia is written as none",))
+    elastic = replace(rigid, compliance=LinearSpring(7e3))
+    assert worded(elastic) == (elastic, ())  # a spring needs one: there is no word for it
+
+
 def test_every_worded_drive_can_be_written():
     robot = tree(seed=1, size=1)
     (joint,) = robot.joints

@@ -36,6 +36,10 @@ def remarked_drives(
 
 def worded(drive: Drive) -> tuple[Drive, tuple[str, ...]]:
     """The nearest drive that a drive file has words for, and what was changed for them."""
+    rotor = drive.rotor
+    if rotor is not None and rotor.inertia == 0 and rotor.in_link_inertia and not drive.is_elastic:
+        drive, notes = worded(replace(drive, rotor=None))
+        return drive, ("a rotor without inertia is written as none", *notes)
     if not isinstance(drive.hysteresis, MaxwellSlip) or is_smooth(drive.hysteresis):
         return drive, ()
     alike = f"{ELEMENTS} whose wide loops have the same width and area"

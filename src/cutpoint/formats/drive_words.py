@@ -28,7 +28,7 @@ def to_entry(drive: Drive) -> dict[str, Any]:
         raise InputError("a drive file has one ratio; the wave generator's is another", ratio=drive.ratio)
     friction = {"link": friction_entry(drive.link_friction), "motor": friction_entry(drive.motor_friction)}
     fields = {
-        "rotor": _rotor_entry(drive.rotor, drive.is_elastic) if drive.rotor else None,
+        "rotor": drive.rotor and _rotor_entry(drive.rotor),
         "compliance": _spring_entry(spring) or "rigid",
         "backlash": float(drive.compliance.gap) if isinstance(drive.compliance, Backlash) else None,
         "damping": _number(drive.damping),
@@ -95,11 +95,9 @@ def _motor_entry(motor: Motor) -> dict[str, Any]:
     return _stated(numbers | {"ripple": _waves_entry(motor.ripple), "cogging": _waves_entry(motor.cogging)}) or {}
 
 
-def _rotor_entry(rotor: Rotor, is_elastic: bool) -> dict[str, Any] | None:
+def _rotor_entry(rotor: Rotor) -> dict[str, Any]:
     """Its own mass only where the link does not hold it: elsewhere it means nothing, and reading would refuse it."""
     if rotor.inertia == 0:
-        if rotor.in_link_inertia and not is_elastic:
-            return None  # as good as none
         raise InputError(f"a drive file has no words for {rotor!r}; a rotor without inertia is none", rotor=rotor)
     own = () if rotor.in_link_inertia else ("mass", "transverse", "position")
     entry = {"inertia": float(rotor.inertia), "in_link_inertia": bool(rotor.in_link_inertia)}
