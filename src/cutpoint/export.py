@@ -49,7 +49,7 @@ def export_function(
     options: the method's own, such as frame= for a Jacobian.  force: overwrite files that cutpoint has not written.
     Where drives count, their numbers are the function's last input, and the header holds them as <name>_parameters.
     Raises InputError for an unknown function or target, a missing option, a name C cannot take, files in the way, and
-    for single precision of what runs as loops.
+    for single precision of what runs as loops or of numbers that it would hold as 0 or infinite.
     """
     check_robot("export_function", robot)
     name = function if name is None else name
