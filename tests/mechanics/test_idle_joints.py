@@ -1,12 +1,14 @@
 """Joints that can move while nothing with inertia does: what divides by inertia names them, all else goes on."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
 import cutpoint
-from cutpoint import Drive, ModelError, Robot, Rotor
+from cutpoint import Drive, LinearSpring, ModelError, Robot, Rotor, simulate
 from cutpoint.control import tune
-from cutpoint.model import Joint, Link, Mechanism
+from cutpoint.model import Body, Joint, Link, Mechanism
 from cutpoint.model.build import build
 from cutpoint.model.pose import pose, roll_pitch_yaw
 from robot_library import BACKENDS
@@ -69,6 +71,21 @@ def test_what_divides_by_inertia_names_the_joint_that_moves_none(name, call):
 def test_tuning_names_the_joint_that_moves_no_inertia():
     with pytest.raises(ModelError, match=r"joint 'spin' can move while nothing with inertia moves"):
         tune(Robot(point_on_its_axis(), backend="numpy"), 2.0)
+
+
+def test_a_rotor_is_not_more_than_the_link_that_is_said_to_hold_it():
+    """Its carrier's inertia holds it unless the drive says otherwise: of the rest less than nothing would be left."""
+    bodies = [
+        Body(f"b{k}", Joint(f"j{k}", "revolute", "", f"b{k}"), k - 1, np.eye(4), 0.1, np.zeros(3), 0.02 * np.eye(3))
+        for k in range(2)
+    ]
+    held = Drive(2.0, Rotor(0.5, coupling="full"), LinearSpring(1e4))
+    beside = replace(held, rotor=Rotor(0.5, in_link_inertia=False, transverse=0.5, coupling="full"))
+    arms = [Robot(Mechanism("two", tuple(bodies), {}), {"j1": drive}) for drive in (held, beside)]
+    for call in (lambda arm: simulate(arm, duration=0.01), lambda arm: arm.modes(np.zeros(2))):
+        with pytest.raises(ModelError, match=r"joint 'j0' can move .* unless in_link_inertia is false"):
+            call(arms[0])
+        call(arms[1])
 
 
 @pytest.mark.parametrize("backend", BACKENDS)

@@ -169,13 +169,22 @@ def test_a_stiffly_damped_spring_moves_as_a_rigid_drive_does():
     assert np.abs(tied["v"] - tied["theta_dot"]).max() < 1e-2
 
 
-@pytest.mark.parametrize("substeps", [1, 4])
-def test_a_rotor_that_its_carrier_turns_along_may_rub_too(substeps):
-    """Full coupling: its friction stays explicit, the link's does not."""
-    ours = each(arm(), rotor=Rotor(1.14e-5, coupling="full"), motor_friction=Coulomb(1.0, 1.0, 0.05))
+RESISTS: dict[str, dict[str, Any]] = {
+    "friction": {"motor_friction": Coulomb(1.0, 1.0, 0.05)},
+    "friction under load": {"motor_friction": Coulomb(2.0, 0.5, 0.01, per_load=0.2)},
+    "damping": {"damping": 300.0},
+    "stiff damping": {"damping": 3e4},
+}
+
+
+@pytest.mark.parametrize("parts", RESISTS.values(), ids=RESISTS)
+def test_a_rotor_that_its_carrier_turns_along_is_resisted_as_well_as_any(parts):
+    """Full coupling, of gears of 10: what resists the rotor, and ties it to its link, is taken implicitly."""
+    bare = each(arm(), compliance=LinearSpring(1e4), link_friction=None, damping=None)
+    ours = each(bare, ratio=10.0, rotor=Rotor(1e-2, coupling="full"), **parts)
     start = State(q=np.array([1.3, -1.0, 0.9, -0.4, 1.5, 0.2]))
-    logs = [simulate(ours, duration=0.05, initial=start, substeps=n) for n in (substeps, 20 * substeps)]
-    assert np.abs(logs[0]["q"][-1] - logs[1]["q"][-1]).max() < 1e-4
+    coarse, fine = (simulate(ours, duration=0.2, initial=start, substeps=n) for n in (4, 100))
+    assert np.abs(coarse["q"] - fine["q"]).max() < 1e-7
 
 
 @cache

@@ -30,7 +30,7 @@ from cutpoint import (
 from cutpoint.control import Command, Law, tune
 from cutpoint.model import Body, Joint, Mechanism
 from cutpoint.simulation import StiffnessWarning
-from cutpoint.simulation.substeps import substeps_for
+from cutpoint.simulation.substeps import fastest_mode, substeps_for
 
 SPRING = LinearSpring(16e3)
 COGGING = Motor(0.1, cogging=(Harmonic(84, 0.02),))
@@ -41,6 +41,17 @@ def turning(**parts: Any) -> Robot:
     """One body about the vertical, 0.042 kg m2, behind a motor of 0.1 kg m2 at the joint."""
     body = Body("link", Joint("joint", "revolute", "", "link"), -1, np.eye(4), 1.0, np.zeros(3), 0.042 * np.eye(3))
     return Robot(Mechanism("one", (body,), {}), {"joint": Drive(100.0, Rotor(1e-5), **parts)})
+
+
+def carried_rotors(inertia: float, ratio: float) -> Robot:
+    """Two light bodies on parallel axes, each behind a spring; the first carries the second's rotor, kg m2."""
+    bodies = [
+        Body(f"b{k}", Joint(f"j{k}", "revolute", "", f"b{k}"), k - 1, np.eye(4), 0.1, np.zeros(3), 0.02 * np.eye(3))
+        for k in range(2)
+    ]
+    rotor = Rotor(inertia, in_link_inertia=False, transverse=inertia, coupling="full")
+    drive = Drive(ratio, rotor, LinearSpring(1e4))
+    return Robot(Mechanism("two", tuple(bodies), {}), {"j0": drive, "j1": drive})
 
 
 class Shaken(Law):
@@ -153,18 +164,6 @@ def test_bristles_that_resist_much_turn_back_where_they_should(law: LuGre | Elas
     assert off(simulate(ours, feedback, move, duration=0.5, substeps=4), truth) > 1e-3
 
 
-@pytest.mark.parametrize("damping", [1000.0, 3000.0])
-def test_damping_of_a_rotor_with_full_coupling_asks_for_steps_by_the_link_too(damping: float) -> None:
-    """The link is much lighter than the rotor: by the rotor alone, steps were far too long."""
-    heavy = turning(compliance=LinearSpring(2000.0), damping=damping)
-    rotor = Rotor(1e-4, coupling="full")  # 1 kg m2 at the joint
-    arm = heavy.with_drives({name: replace(d, rotor=rotor) for name, d in heavy.drives.items()})
-    found = shaken(arm, 20.0, 30.0)
-    assert found.meta["steps_set_by"] == "the motor friction or damping of 'joint'"
-    truth = shaken(arm, 20.0, 30.0, accuracy="reference")
-    assert np.abs(found["q"] - truth["q"]).max() < 1e-4
-
-
 def test_a_delay_of_nothing_is_none_in_the_log() -> None:
     arms = [turning(compliance=SPRING, motor=Motor(0.1, delay=delay)) for delay in (0.0, None)]
     first, second = (shaken(arm, 5.0, 30.0) for arm in arms)
@@ -189,6 +188,14 @@ def test_friction_under_load_holds_a_light_link_behind_a_rigid_drive(smoothing: 
     truth = pulled(accuracy="reference")["q"]
     assert truth[-1, 0] > 0.0
     assert np.abs(pulled()["q"] - truth).max() < 1e-7
+
+
+def test_modes_of_rotors_that_are_most_of_what_carries_them_are_followed() -> None:
+    """As fast as the fastest pole of the linear model, which knows nothing of how steps are chosen."""
+    arm = carried_rotors(inertia=0.5, ratio=2.0)
+    poles = arm.linearize(np.zeros(2)).A
+    assert fastest_mode(arm, np.zeros((1, 2))).rate == pytest.approx(np.abs(np.linalg.eigvals(poles)).max(), rel=1e-9)
+    assert len(arm.modes(np.zeros(2)).frequencies) == 2
 
 
 def test_such_springs_are_warned_of_on_a_floating_base_too() -> None:

@@ -7,6 +7,7 @@ import numpy as np
 import scipy.linalg
 from numpy.typing import ArrayLike, NDArray
 
+from cutpoint import definitions
 from cutpoint.analysis.linear_model import LinearModel
 from cutpoint.analysis.linearize import linearize
 from cutpoint.mechanics.harmonic_drive import deflection, transmission
@@ -140,11 +141,12 @@ def _strain(robot: Robot, model: LinearModel, link: ComplexArray, motor: Complex
 
 
 def _kinetic(robot: Robot, model: LinearModel, poles: ComplexArray, link: ComplexArray, motor: ComplexArray) -> Array:
-    """Twice the energy of links and elastic drives' rotors, (N,), the rotors' by their own spin."""
+    """Twice the energy of links and elastic drives' rotors, (N,): by [M, S; S^T, J], see `mechanics.mass_matrix`."""
     J = np.array([d.drive.reflected_inertia if d.drive.is_elastic else 0.0 for d in robot.machine.drives])
-    M = robot.mass_matrix(model.point.q)
-    links = np.einsum("mi,ij,mj->m", link.conj(), M, link).real
-    return np.abs(poles) ** 2 * (links + np.abs(motor) ** 2 @ J)
+    q, moving = model.point.q, np.hstack([link, motor])
+    S = np.array(definitions.rotor_coupling(robot.machine, q.tolist())).reshape(robot.nv, len(J))
+    inertia = np.block([[robot.mass_matrix(q), S], [S.T, np.diag(J)]])
+    return np.abs(poles) ** 2 * np.einsum("mi,ij,mj->m", moving.conj(), inertia, moving).real
 
 
 def _largest(shapes: ComplexArray) -> ComplexArray:

@@ -23,7 +23,7 @@ CONFIGURATIONS = 3
 
 
 def check_moves_inertia(mechanism: Mechanism, machine: Machine) -> None:
-    """Raises ModelError, with the joints, if they can move while nothing with inertia does."""
+    """Raises ModelError, with the joints, if they can move while nothing with inertia does, or less than nothing."""
     if not machine.system.nv or len(mechanism.bodies) > MOST:
         return
     rng = np.random.default_rng(0)
@@ -34,6 +34,8 @@ def check_moves_inertia(mechanism: Mechanism, machine: Machine) -> None:
             return
     which = f"joint {idle[0]!r} can move" if len(idle) == 1 else f"joints {listed(idle)} can move against each other"
     remedy = "give a link that moves inertia (<inertial>), a drive a rotor (armature), or lock a joint"
+    if machine.system.has_sprung_rotors:
+        remedy += "; rotors with full coupling are in their links' inertia unless in_link_inertia is false"
     complaint = f"{which} while nothing with inertia moves, so that no force decides how fast; {remedy}"
     raise ModelError(complaint, joints=idle)
 
@@ -46,6 +48,9 @@ def _idle_joints(mechanism: Mechanism, machine: Machine, rng: "np.random.Generat
         if not segment.follower:
             names[segment.v] = body.joint.name
     M, most = (np.array(definitions.mass(Machine(x, []), q.tolist()), float) for x in (system, _spread(system)))
+    if system.has_sprung_rotors:  # they need not follow
+        S = np.array(definitions.rotor_coupling(machine, q.tolist()), float)
+        M -= S / [d.drive.reflected_inertia or np.inf for d in machine.drives] @ S.T
     scale = np.sqrt(np.diag(most))
     scale[scale == 0.0] = 1.0
     values, vectors = np.linalg.eigh(M / np.outer(scale, scale))

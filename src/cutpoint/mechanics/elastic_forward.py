@@ -8,7 +8,12 @@ from dataclasses import replace
 from typing import Any, NamedTuple
 
 from cutpoint.mechanics.elastic import Driven
-from cutpoint.mechanics.forward_dynamics import articulated_accelerations, is_shallow, through_mass_matrix
+from cutpoint.mechanics.forward_dynamics import (
+    FreeRotor,
+    articulated_accelerations,
+    is_shallow,
+    through_mass_matrix,
+)
 from cutpoint.mechanics.harmonic_drive import (
     DriveState,
     friction_torque,
@@ -35,18 +40,23 @@ class DriveEffort(NamedTuple):
     """What one drive does: to its link, and to its own rotor.
 
     on_link: N m that its link gets, friction deducted; transmitted: N m through the drive, before the link's friction.
-    left: N m left of the motor's torque to turn an elastic drive's rotor; alpha: the acceleration, rad/s2, that this
-    gives a rotor whose carrier does not turn.
+    left: N m left of the motor's torque to turn an elastic drive's rotor; mobility: what each of them adds to its
+    acceleration, 1/(kg m2).
     inertia: kg m2 that resist the link's acceleration beside its own.  follows: how much of it an elastic drive's rotor
-    takes on beside alpha.
+    takes on.
     """
 
     on_link: Any
     left: Any
-    alpha: Any
     transmitted: Any
+    mobility: Any = 0
     inertia: Any = 0
     follows: Any = 0
+
+    @property
+    def alpha(self) -> Any:
+        """The acceleration of a rotor whose carrier and link do not accelerate, rad/s2."""
+        return self.left * self.mobility
 
 
 def drive_effort(drive: Drive, at: DriveState, motor_torque: Scalar, strains: Strains) -> DriveEffort:
@@ -54,10 +64,10 @@ def drive_effort(drive: Drive, at: DriveState, motor_torque: Scalar, strains: St
     xi = friction_torque(drive.link_friction, at.v, strain=strains.link)
     if not drive.is_elastic:
         tau = rigidly_transmitted(drive, motor_torque, at.v, strains.motor)
-        return DriveEffort(tau - xi, 0, 0, tau)
+        return DriveEffort(tau - xi, 0, tau)
     tau_f = transmitted_torque(drive, at, strains.spring)
     left = motor_torque - load_on_motor(drive, tau_f, at.theta, at.theta_dot, strains.motor)
-    return DriveEffort(tau_f - xi, left, left * (1 / drive.reflected_inertia), tau_f)
+    return DriveEffort(tau_f - xi, left, tau_f, 1 / drive.reflected_inertia)
 
 
 def drive_states(
@@ -106,18 +116,18 @@ def driven_accelerations(
     system = replace(system, armature=tuple(inertia))
     # undriven joints: the recursion keeps symmetries to the last bit, as linear models need
     solves = system.has_followers or (system.nv == len(drives) and is_shallow(system))
+    motors = zip(drives, efforts, theta_dot, strict=True)
+    rotors = {d.segment: FreeRotor(w, e.alpha, e.mobility, e.follows) for d, e, w in motors if d.drive.is_elastic}
     if system.has_sprung_rotors or not solves:
-        motors = zip(drives, efforts, theta_dot, strict=True)
-        rotors = {d.segment: (w, e.alpha) for d, e, w in motors if d.drive.is_elastic}
         a, A = articulated_accelerations(system, q, v, tau, {}, rotors)
     else:
         a, A = through_mass_matrix(system, q, v, tau), []
-    alpha = {
-        d.segment: e.alpha + e.follows * a[d.v] if d.drive.is_elastic else a[d.v]
-        for d, e in zip(drives, efforts, strict=True)
-    }
+    alpha = {d.segment: a[d.v] for d in drives}
+    for d in drives:
+        if d.segment in rotors:
+            alpha[d.segment] = rotors[d.segment].alpha + rotors[d.segment].follows * a[d.v]
     for spin in system.spins:  # relative to its carrier: off goes what that turns the rotor by
         if spin.elastic:
-            turned = spin.axis.dot(A[spin.carrier].angular) * spin.inertia / spin.geared
+            turned = spin.torque(A[spin.carrier].angular) * rotors[spin.joint].mobility
             alpha[spin.joint] = alpha[spin.joint] - turned
     return ElasticAccelerations(a, [alpha[d.segment] for d in drives])

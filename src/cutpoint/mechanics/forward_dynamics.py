@@ -33,6 +33,19 @@ takes less.  UR10 and the paper's arm would spare 4 % of theirs by the recursion
 """
 
 
+class FreeRotor(NamedTuple):
+    """A rotor behind a spring as its carrier feels it, at the joint's side.
+
+    speed: its own, rad/s.  alpha: the acceleration that it would have if neither carrier nor joint accelerated, rad/s2.
+    mobility: what each N m on it adds to that, 1/(kg m2).  follows: how much of the joint's acceleration it takes on.
+    """
+
+    speed: Scalar
+    alpha: Scalar
+    mobility: Scalar
+    follows: Scalar
+
+
 def coasting(body: Segment, omega_p: Vec3, A_p: Motion, v: Scalars) -> tuple[Vec3, Motion]:
     """How a body along its parent's axes, which turn with omega_p and accelerate with A_p, turns, and accelerates while
     its joint keeps its speed.
@@ -72,15 +85,14 @@ def articulated_accelerations(
     v: Scalars,
     tau: Scalars,
     contact: Mapping[str, Wrench],
-    rotors: Mapping[int, tuple[Scalar, Scalar]],
+    rotors: Mapping[int, FreeRotor],
 ) -> tuple[list[Scalar], list[Motion]]:
     """Accelerations of the coordinates and of the bodies, by the articulated-body recursion.
 
     While all joints keep their speeds the robot coasts, and inverse dynamics knows what that takes.  What is left of
     the torques finds a robot that neither moves nor weighs anything: Featherstone (2008) section 7.3 with v = 0.
 
-    rotors: for each segment with an elastic drive and full coupling, its rotor's speed and the acceleration that it
-    would have if its carrier did not turn, at the joint's side: rad/s, rad/s2.
+    rotors: of each segment with an elastic drive and full coupling.
     """
     still = [0] * system.nv
     # outward: how the bodies coast, and what that takes of bodies and joints
@@ -89,14 +101,16 @@ def articulated_accelerations(
     for i, F_e in handed_on(system, contact):
         P[i] = P[i] + F_e
     M = [Articulated.of(body.inertia) for body in system.segments]
+    left = [t - taken for t, taken in zip(tau, rotor_efforts(system, coast, still), strict=True)]
     for spin in system.spins:
         if spin.elastic:
-            i = spin.carrier
-            M[i], P[i] = let_spin(spin, M[i], P[i], coast[i].V.angular, coast[i].A, *rotors[spin.joint])
-    left = [t - taken for t, taken in zip(tau, rotor_efforts(system, coast, still), strict=True)]
+            i, k, rotor = spin.carrier, system.segments[spin.joint].v.start, rotors[spin.joint]
+            freed = replace(spin, inertia=spin.geared * spin.geared * rotor.mobility)
+            M[i], P[i] = let_spin(freed, M[i], P[i], coast[i].V.angular, coast[i].A, rotor.speed, rotor.alpha)
+            left[k] = left[k] - rotor.follows * spin.torque(coast[i].A.angular)
     # inward: what a body and all it carries still resist once its joint gives way
     gave: list[list[Yield]] = []
-    felt = felt_rotors(system)
+    felt = felt_rotors(system, rotors)
     for i, body in reversed([*enumerate(system.segments)]):
         M_i, P_i, steps = M[i].give_way(body.joint.axes, P[i], left[body.v], felt[i])
         gave.append(steps)
@@ -113,9 +127,10 @@ def articulated_accelerations(
     return found, [own.A + A for own, A in zip(coast, added, strict=True)]
 
 
-def felt_rotors(system: System) -> list[list[FeltRotor]]:
-    """Rigidly geared rotors as each segment's axes feel them."""
-    couplings = {spin.joint: spin.geared for spin in system.spins if not spin.elastic}
+def felt_rotors(system: System, rotors: Mapping[int, FreeRotor]) -> list[list[FeltRotor]]:
+    """Rotors as each segment's axes feel them: those geared rigidly, and others as far as they follow their joint."""
+    shares = {spin.joint: rotors[spin.joint].follows if spin.elastic else 1 for spin in system.spins}
+    couplings = {spin.joint: spin.geared * shares[spin.joint] for spin in system.spins}
     return [
         [NO_ROTOR if is_plain_zero(I_m) else FeltRotor(I_m, couplings.get(i, 0)) for I_m in system.armature[body.v]]
         for i, body in enumerate(system.segments)
@@ -127,8 +142,7 @@ def let_spin(
 ) -> tuple[Articulated, Wrench]:
     """How the carrier of an elastic drive's rotor resists, which does not follow it about its axis.
 
-    Xia (2019) eqs. (4), (7), (11).  M, P: as if it did.  omega, A: the carrier's.  speed, alpha: the rotor's own, the
-    latter with a carrier that does not turn, at the joint's side: rad/s, rad/s2.
+    Xia (2019) eqs. (4), (7), (11).  M, P: as if it did.  omega, A: the carrier's.  speed, alpha: as of a `FreeRotor`.
     """
     apart = Articulated.about(spin.axis, -spin.inertia)
     return M + apart, P + apart * A + spin.reaction(omega, speed, alpha)

@@ -41,9 +41,6 @@ def resistance(drive: Drive, at: DriveState, strains: Strains, span: Scalar, loa
     if not drive.is_elastic:
         link = link + friction_resistance(drive.motor_friction, at.v, load, strains.motor)
         return Resistance(link, inertia=span * link)
-    if drive.is_coupled:  # what resists a rotor that its carrier turns along stays explicit
-        link = link if damping is None else link + damping
-        return Resistance(link, mobility=1 / drive.reflected_inertia, inertia=span * link)
     load = transmitted_torque(drive, at, strains.spring)
     motor = friction_resistance(drive.motor_friction, at.theta_dot, load, strains.motor)
     if damping is None:
@@ -56,9 +53,9 @@ def resistance(drive: Drive, at: DriveState, strains: Strains, span: Scalar, loa
 
 def from_memory(drive: Drive, numbers: tuple[Scalar, ...]) -> Resistance:
     """A resistance out of its numbers; what this drive cannot have is left out of the equations."""
-    if not is_resisted(drive):
-        return Resistance()
     found = Resistance(*numbers)
+    if not is_resisted(drive):
+        return Resistance(mobility=found.mobility)
     if drive.damping is not None:
         return found
     is_link_free = drive.is_elastic and drive.link_friction is None
@@ -70,16 +67,15 @@ def resisted(drive: Drive, effort: DriveEffort, resists: Resistance, earlier: tu
 
     earlier: what earlier stages add to the speeds of link and motor, rad/s.
     """
-    effort = effort._replace(inertia=resists.inertia, follows=resists.follows)
     if not is_resisted(drive):
         return effort
+    effort = effort._replace(mobility=resists.mobility, inertia=resists.inertia, follows=resists.follows)
     on_link, left = effort.on_link - resists.link * earlier[0], effort.left
     if not drive.is_elastic:
         return effort._replace(on_link=on_link)
-    if not drive.is_coupled:
-        left = left - resists.motor * earlier[1]
-        if drive.damping is not None:
-            wound = drive.damping * (resists.transmission * earlier[1] - earlier[0])
-            left = left - resists.transmission * wound
-            on_link = on_link + wound + resists.follows * left
-    return effort._replace(on_link=on_link, left=left, alpha=left * resists.mobility)
+    left = left - resists.motor * earlier[1]
+    if drive.damping is not None:
+        wound = drive.damping * (resists.transmission * earlier[1] - earlier[0])
+        left = left - resists.transmission * wound
+        on_link = on_link + wound + resists.follows * left
+    return effort._replace(on_link=on_link, left=left)

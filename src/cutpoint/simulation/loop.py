@@ -105,7 +105,7 @@ class ClosedLoop:
         n, nv, state, lanes = self.layout.n, self.layout.nv, self.layout.state, self.lanes
         laned = {
             "state": state, "origin": state, "total": state, "torque": n, "torque_before": n, "felt": 4 * n,
-            "resistance": 6 * n, "earlier": 6 * n, "efforts": 4 * n, "accelerations": nv + n,
+            "resistance": 6 * n, "earlier": 6 * n, "efforts": 3 * n, "accelerations": nv + n,
             "turns": 2 * n if self.plant.knows_turns else 0,
             "numbers": len(self.robot.drive_parameters) if lanes.are_wide else 0,
         }  # fmt: skip

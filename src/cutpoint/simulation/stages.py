@@ -122,7 +122,7 @@ class PlantStages:
         for d, now, start, u, old, h, speeds in zip(drives, own, past, torque, before, held, added, strict=True):
             effort, electric = drive_rates(d, now, start, arrived(d, u, old, elapsed[0], steps[0]))
             effort = resisted(d, effort, from_memory(d, h), speeds)
-            found.append([effort.on_link, effort.left, effort.alpha, *(electric or [0])])
+            found.append([effort.on_link, effort.left, *(electric or [0])])
         return _by_field(found)
 
     def accelerate(
@@ -133,9 +133,9 @@ class PlantStages:
         s = split(machine, self.lanes.dense(state))
         found: list[DriveEffort] = []
         numbers = (_by_drive(self.lanes.dense(region), n) for region in (resistance, efforts))
-        for d, held, (on_link, left, alpha, _) in zip(machine.drives, *numbers, strict=True):
+        for d, held, (on_link, left, _) in zip(machine.drives, *numbers, strict=True):
             h = from_memory(d.drive, held)
-            found.append(DriveEffort(on_link, left, alpha, None, h.inertia, h.follows))
+            found.append(DriveEffort(on_link, left, None, h.mobility, h.inertia, h.follows))
         q, pushed = self._angles(s.q, self.lanes.dense(turns)), self.layout.disturbance(row)
         a, theta_ddot = driven_accelerations(*machine, q, s.v, s.theta_dot, found, pushed)
         return self.lanes.padded([*a, *theta_ddot])
@@ -154,10 +154,10 @@ class PlantStages:
         """One stage's end: the next stage's state, the result so far, and the speeds that it adds in later ones."""
         if self.lanes.are_wide:
             (a, alpha), drive = accelerations, self.robot.machine.drives[0].drive
-            k, driven = own_rates(drive, state, a, alpha, efforts[3]), [a, alpha]
+            k, driven = own_rates(drive, state, a, alpha, efforts[2]), [a, alpha]
         else:
             machine, n, nv = self.robot.machine, self.layout.n, self.layout.nv
-            electric = [x for d, x in zip(machine.drives, efforts[3 * n :], strict=True) if currents(d.drive)]
+            electric = [x for d, x in zip(machine.drives, efforts[2 * n :], strict=True) if currents(d.drive)]
             s = split(machine, state)
             k = [*all_rates(machine, s, accelerations[:nv], accelerations[nv:], electric), *[0] * len(s.strains)]
             driven = [*(accelerations[d.v] for d in machine.drives), *accelerations[nv:]]

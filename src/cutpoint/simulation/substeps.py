@@ -6,9 +6,9 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from cutpoint import definitions
 from cutpoint.callers import warn
 from cutpoint.functions.idle_joints import check_moves_inertia
-from cutpoint.mechanics.harmonic_drive import friction_resistance
 from cutpoint.mechanics.kinematic_error import KinematicError
 from cutpoint.mechanics.presliding import Presliding
 from cutpoint.model.drive import Friction
@@ -78,7 +78,7 @@ def substeps_for(robot: Robot, accuracy: str, period: float, poses: Array, speed
     longest, mode = SETTINGS[accuracy], fastest_mode(robot, poses)
     bounds = [
         (longest.mode, mode),
-        (longest.decay, fastest_decay(robot, poses)),
+        (longest.decay, fastest_decay(robot)),
         (longest.reversal, fastest_reversal(robot, poses)),
         (longest.growth, fastest_growth(robot, poses)),
         (longest.wave, fastest_wave(robot, np.zeros(len(robot.drives)) if speeds is None else speeds)),
@@ -105,20 +105,15 @@ def fastest_mode(robot: Robot, poses: Array, deflections: Array | None = None) -
     names, drives = [*robot.drives], [*robot.drives.values()]
     elastic = np.array([d.is_elastic for d in drives], bool)
     bristles = np.array([[_bristles(d.link_friction), _bristles(d.motor_friction)] for d in drives]).reshape(-1, 2)
-    J_inverse, most = _rotor_mobility(robot), efforts_in_force(robot.mechanism, robot.drives)
+    most = efforts_in_force(robot.mechanism, robot.drives)
     best = Limit(0.0, "nothing that swings")
     for m, q in enumerate(poses):
-        M_inverse = _link_mobility(robot, q)
         lead = robot.static_deflection(q) if deflections is None else deflections[m]
         K = np.array([stiffest(*each) for each in zip(drives, lead, most, strict=True)])
         on_link = K + bristles[:, 0] + np.where(elastic, 0.0, bristles[:, 1])
-        # [a; theta''] = -[M^-1 (K + b_l), -M^-1 K; -J^-1 K, J^-1 (K + b_m)] [q; theta]
-        square, shape = _largest_eigenvalue(
-            np.block([
-                [M_inverse * on_link, -M_inverse * K],
-                [-np.diag(J_inverse * K), np.diag(J_inverse * (K + bristles[:, 1]))],
-            ])
-        )  # fmt: skip
+        # [a; theta''] = -mobility [K + b_l, -K; -K, K + b_m] [q; theta]
+        stiffness = np.block([[np.diag(on_link), -np.diag(K)], [-np.diag(K), np.diag(K + bristles[:, 1])]])
+        square, shape = _largest_eigenvalue(_mobility(robot, q) @ stiffness)
         if (rate := float(np.sqrt(square))) > best.rate:
             at_link, at_motor = np.split(shape, 2)
             at_motor = np.where(elastic, at_motor, at_link)
@@ -132,21 +127,11 @@ def fastest_mode(robot: Robot, poses: Array, deflections: Array | None = None) -
     return best
 
 
-def fastest_decay(robot: Robot, poses: Array) -> Limit:
-    """Fastest decay that a step does not take implicitly: current loops, and what resists rotors with full coupling."""
-    names, drives = [*robot.drives], [*robot.drives.values()]
-    J_inverse, link = _rotor_mobility(robot), np.zeros(len(drives))
-    found = [Limit(0.0, "nothing that decays")]
-    for q in poses if any(d.is_coupled and d.damping for d in drives) else ():
-        link = np.maximum(link, np.diag(_link_mobility(robot, q)))
-    for name, drive, at_motor, at_link in zip(names, drives, J_inverse, link, strict=True):
-        if drive.is_coupled and drive.is_elastic:
-            rate = friction_resistance(drive.motor_friction, 0.0, strain=0.0) * at_motor
-            rate += (drive.damping or 0.0) * (at_motor + at_link)
-            found.append(Limit(float(rate), f"the motor friction or damping of {name!r}"))
-        if drive.motor is not None and drive.motor.bandwidth is not None:
-            found.append(Limit(math.tau * drive.motor.bandwidth, f"the current loop of {name!r}"))
-    return max(found)
+def fastest_decay(robot: Robot) -> Limit:
+    """Fastest decay that a step does not take implicitly: that of the current loops."""
+    motors = {name: d.motor for name, d in robot.drives.items() if d.motor and d.motor.bandwidth is not None}
+    loops = [Limit(math.tau * motor.bandwidth, f"the current loop of {name!r}") for name, motor in motors.items()]
+    return max([Limit(0.0, "nothing that decays"), *loops])
 
 
 def fastest_reversal(robot: Robot, poses: Array) -> Limit:
@@ -156,9 +141,10 @@ def fastest_reversal(robot: Robot, poses: Array) -> Limit:
     on_motor = np.array([_unwinding(d.motor_friction) for d in drives])
     elastic = np.array([d.is_elastic for d in drives], bool)
     on_link, on_motor = on_link + np.where(elastic, 0.0, on_motor), np.where(elastic, on_motor, 0.0)
-    rates = on_motor * _rotor_mobility(robot)
-    for q in poses if on_link.any() else ():
-        rates = np.maximum(rates, on_link * np.diag(_link_mobility(robot, q)))
+    rates = np.zeros(len(names))
+    for q in poses if on_link.any() or on_motor.any() else ():
+        at_link, at_motor = np.split(np.diag(_mobility(robot, q)), 2)
+        rates = np.max([rates, on_link * at_link, on_motor * at_motor], axis=0)
     of_each = zip(names, rates.tolist(), strict=True)
     found = [Limit(rate, f"the damping of the bristles of {name!r}") for name, rate in of_each]
     return max([Limit(0.0, "nothing that turns back"), *found])
@@ -170,12 +156,12 @@ def fastest_growth(robot: Robot, poses: Array) -> Limit:
     motor = np.array([_fall(d.motor_friction) for d in drives])
     rigid = np.array([not d.is_elastic for d in drives], bool)
     link = np.array([_fall(d.link_friction) for d in drives]) + rigid * motor
+    falls = np.concatenate([link, motor])
+    where = [f"slipping of {name!r}" for name in names] + [f"slipping of the motor of {name!r}" for name in names]
     best = Limit(0.0, "nothing that slips")
-    for name, rate in zip(names, motor * _rotor_mobility(robot), strict=True):
-        best = max(best, Limit(float(rate), f"slipping of the motor of {name!r}"))
-    for q in poses if link.any() else ():
-        rate, shape = _largest_eigenvalue(_link_mobility(robot, q) * link)
-        best = max(best, Limit(rate, f"slipping of {names[int((link * shape**2).argmax())]!r}"))
+    for q in poses if falls.any() else ():
+        rate, shape = _largest_eigenvalue(_mobility(robot, q) * falls)
+        best = max(best, Limit(rate, where[int((falls * shape**2).argmax())]))
     return best
 
 
@@ -211,16 +197,23 @@ def _largest_eigenvalue(A: Array) -> tuple[float, Array]:
     return size, x
 
 
-def _link_mobility(robot: Robot, q: Array) -> Array:
-    """M^-1 of the driven joints.  Raises ModelError: a joint moves no inertia."""
-    driven, M = np.array([d.v for d in robot.machine.drives], int), robot.mass_matrix(q)
-    if M.size and np.linalg.cond(M) > SINGULAR:
+def _mobility(robot: Robot, q: Array) -> Array:
+    """What a torque on each drive's link or rotor adds to the accelerations of all, (2 drives, 2 drives), 1/(kg m2).
+
+    It adds none to a rigid drive's rotor.  [M, S; S^T, J]^-1: see `mechanics.mass_matrix`.
+
+    Raises ModelError: a joint moves no inertia.
+    """
+    driven, M = [d.v for d in robot.machine.drives], robot.mass_matrix(q)
+    J_inverse = np.array([1 / d.reflected_inertia if d.is_elastic else 0.0 for d in robot.drives.values()])
+    S = np.array(definitions.rotor_coupling(robot.machine, [*q]), np.float64).reshape(robot.nv, len(driven))
+    free = M - S * J_inverse @ S.T  # what links resist while no rotor follows
+    if M.size and (sizes := np.linalg.eigvalsh(free))[0] * SINGULAR < sizes[-1]:
         check_moves_inertia(robot.mechanism, robot.machine)
-    return np.asarray(np.linalg.inv(M), np.float64)[np.ix_(driven, driven)]
-
-
-def _rotor_mobility(robot: Robot) -> Array:
-    return np.array([1 / d.reflected_inertia if d.is_elastic else 0.0 for d in robot.drives.values()], np.float64)
+    link = np.linalg.inv(free)
+    cross = -link @ S * J_inverse
+    rotor = np.diag(J_inverse) - (S * J_inverse).T @ cross
+    return np.block([[link[np.ix_(driven, driven)], cross[driven]], [cross[driven].T, rotor]])
 
 
 def _bristles(law: Friction | None) -> float:
