@@ -112,8 +112,9 @@ class AdaptiveVDC(VDC):
     def _bodies(self, estimates: Any, m: Measurement, v_r: list[Jet]) -> tuple[list[Scalar], list[Scalar], list[Any]]:
         """Torques on the links, what rotors add by their coupling, and what each body has learnt."""
         system = quasi_rigid(replace(self.machine.system, armature=(0,) * self.size))
+        nominal = system.segments
         believed = [inertia_of(self._inertial(x)) for x in estimates]
-        segments = tuple(replace(own, inertia=M) for own, M in zip(system.segments, believed, strict=True))
+        segments = tuple(replace(own, inertia=M) for own, M in zip(nominal, believed, strict=True))
         system = replace(system, segments=segments)
         speeds, accelerations = zip(*(x.derivatives for x in v_r), strict=True)
         actual, required = required_motions(system, [*m.q], [*m.v], speeds, accelerations)
@@ -122,8 +123,7 @@ class AdaptiveVDC(VDC):
         for k, (segment, own, wanted) in enumerate(zip(segments, actual, required, strict=True)):
             if self.body_gain is not None:
                 F_r[k] = F_r[k] + pull(segment, self.body_gain[k], wanted.V, own.V)
-            nominal_body = self.robot.machine.system.segments[k]
-            learnt.append(self._learnt(nominal_body, estimates[k], body_powers(own, wanted), m.period))
+            learnt.append(self._learnt(nominal[k], estimates[k], body_powers(own, wanted), m.period))
         F_r = bear(system, [x.X for x in actual], F_r, {})
         return joint_efforts(system, F_r), rotor_efforts(system, required, accelerations, actual), learnt
 

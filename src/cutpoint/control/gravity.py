@@ -6,31 +6,24 @@ from typing import Any
 import numpy as np
 
 from cutpoint.control.interface import Command, Measurement, Reference
-from cutpoint.control.model_law import check_all_driven
+from cutpoint.control.model_law import ModelLaw
 from cutpoint.control.side import Side, SidedLaw
 from cutpoint.definitions import gravity_forces
-from cutpoint.robot import Robot
 
 
-@dataclass(frozen=True)
-class GravityCompensation(SidedLaw):
+@dataclass(frozen=True, eq=False)
+class GravityCompensation(SidedLaw, ModelLaw):
     """Torque that holds the links where they are measured to be.  Takegaki and Arimoto (1981); Tomei (1991).
 
     side: the encoder whose position is taken for the links'; the motor's is off by the deflection, but cannot excite
     the spring.
     """
 
-    robot: Robot
     side: Side = "link"
 
     def __post_init__(self) -> None:
         self.check_side()
-        check_all_driven("GravityCompensation", self.robot)
-
-    @property
-    def size(self) -> int:
-        """Number of drives."""
-        return len(self.robot.drives)
+        super().__post_init__()
 
     @property
     def needs(self) -> tuple[str, ...]:
@@ -39,4 +32,4 @@ class GravityCompensation(SidedLaw):
 
     def step(self, memory: Any, measurement: Measurement, reference: Reference) -> tuple[Any, Command]:
         q, *_ = self.seen(measurement, reference)
-        return memory, Command(np.array(gravity_forces(self.robot.machine, [*q])))
+        return memory, Command(np.array(gravity_forces(self.model, [*q])))

@@ -44,6 +44,6 @@ class SlotineLi(RigidLaw):
         tau = [sum((y * p for y, p in zip(row, memory, strict=True)), x) for row, x in zip(Y, rotors, strict=True)]
         torque = np.array(tau) + np.array(self.friction(v_r, tau)) + self.speed_gain * s
         power = [sum((y * x for y, x in zip(column, s, strict=True)), 0) for column in zip(*Y, strict=True)]
-        sizes = [x for body in self.robot.machine.system.segments for x in nominal_sizes(parameters_of(body.inertia))]
+        sizes = [x for body in system.segments for x in nominal_sizes(parameters_of(body.inertia))]
         learnt = zip(memory, power, sizes, strict=True)
         return [p + measurement.period * self.rate[0] * size * size * x for p, x, size in learnt], Command(torque)

@@ -11,7 +11,7 @@ import numpy as np
 from cutpoint.mechanics.rigid_body import inertia_of, parameters_of
 from cutpoint.mechanics.spatial import Inertia, Mat3, Vec3
 from cutpoint.model.mechanism import Array, Body
-from cutpoint.scalars import Scalar, sqrt
+from cutpoint.scalars import Scalar, sqrt, where
 
 Matrix = list[list[Scalar]]
 
@@ -43,8 +43,8 @@ def parameters_of_pseudo_inertia(L: Matrix) -> list[Scalar]:
     return parameters_of(Inertia(m, Vec3(hx, hy, hz), rotational))
 
 
-def nominal_sizes(p: Sequence[Scalar]) -> list[float]:
+def nominal_sizes(p: Sequence[Scalar]) -> list[Scalar]:
     """How large ten inertial parameters are: mass, that times radius of gyration, that times its square."""
     m, *_, xx, _, _, yy, _, zz = p
-    radius = sqrt((xx + yy + zz) / (2 * m)) if m else 0.0
+    radius = sqrt((xx + yy + zz) / (2 * where(m > 0, m, 1)))
     return [m] + [m * radius] * 3 + [m * radius * radius] * 6
