@@ -164,6 +164,42 @@ def test_bristles_that_resist_much_turn_back_where_they_should(law: LuGre | Elas
     assert off(simulate(ours, feedback, move, duration=0.5, substeps=4), truth) > 1e-3
 
 
+@pytest.mark.parametrize("coulomb", [0.05, 0.1, 0.2])
+@pytest.mark.parametrize(("accuracy", "error"), [("standard", 1e-4), ("fine", 1e-6)])
+def test_a_light_motor_that_friction_stops_stays_while_the_springs_damping_pulls(coulomb, accuracy, error):
+    """It stops within microseconds; in steps of a quarter of a millisecond it slid on, as fast as before."""
+    friction = Coulomb(coulomb, 0.1, 0.01)
+    drive = Drive(1.0, Rotor(1e-5), LinearSpring(100.0), damping=1.0, motor_friction=friction)
+    arm = turning().with_drives({"joint": drive})
+    start = State(np.zeros(1), np.array([0.1]), np.zeros(1), np.array([0.1]))
+    found, truth = (simulate(arm, duration=0.05, initial=start, accuracy=each) for each in (accuracy, "reference"))
+    assert off(found, truth) < error
+    assert found.meta["steps_set_by"] == "friction beside the damping of 'joint'"
+
+
+def floating() -> Robot:
+    inertia = np.diag([0.01, 0.02, 0.025])
+    body = Body("stone", Joint("free", "floating", "", "stone"), -1, np.eye(4), 1.0, np.zeros(3), inertia)
+    return Robot(Mechanism("stone", (body,), {})).with_gravity([0.0, 0.0, 0.0])
+
+
+def turned(log: Log) -> Any:
+    return np.array([log[f"base_q{axis}"] for axis in "xyzw"])
+
+
+def test_a_body_that_turns_fast_is_warned_of_and_its_quaternion_stays_one():
+    start = State(floating().neutral(), np.array([0.0, 0, 0, 50, 1000, 50]))
+    with pytest.warns(
+        StiffnessWarning, match=r"at which the turning of 'stone' would take (\d+) .* substeps=\d+"
+    ) as told:
+        run = simulate(floating(), duration=0.2, initial=start)
+    asked = int(str(told[0].message).rsplit("=", 1)[1])
+    better = simulate(floating(), duration=0.2, initial=start, substeps=asked)
+    truth = turned(simulate(floating(), duration=0.2, initial=start, accuracy="reference"))
+    assert np.abs(turned(better) - truth).max() < 1e-4 < np.abs(turned(run) - truth).max()
+    assert np.linalg.norm(turned(run), axis=0) == pytest.approx(1.0, abs=1e-12)
+
+
 def test_a_delay_of_nothing_is_none_in_the_log() -> None:
     arms = [turning(compliance=SPRING, motor=Motor(0.1, delay=delay)) for delay in (0.0, None)]
     first, second = (shaken(arm, 5.0, 30.0) for arm in arms)

@@ -62,6 +62,10 @@ class JointKind:
         """Coordinates after moving from q for a unit of time with constant speeds `step`, in the moving frame."""
         return [x + dx for x, dx in zip(q, step, strict=True)]
 
+    def of_unit_length(self, q: Scalars) -> list[Scalar]:
+        """The same place, by a quaternion of unit length where there is one: integrators shorten it."""
+        return [*q]
+
     def difference(self, q: Scalars, other: Scalars) -> list[Scalar]:
         """The step that leads from q to the other coordinates: the inverse of `integrated`."""
         return [y - x for x, y in zip(q, other, strict=True)]
@@ -156,6 +160,9 @@ class Spherical(JointKind):
     def integrated(self, q: Scalars, step: Scalars) -> list[Scalar]:
         return with_unit_length(product(q, exponential(Vec3(*step)).quaternion))
 
+    def of_unit_length(self, q: Scalars) -> list[Scalar]:
+        return with_unit_length(q)
+
     def difference(self, q: Scalars, other: Scalars) -> list[Scalar]:
         return [*logarithm(product(turned_back(q), other))]
 
@@ -181,6 +188,9 @@ class Floating(JointKind):
         turn = exponential(Vec3(*step[3:]))
         moved = rotation_of(q[3:]) @ turn.shift(Vec3(*step[:3]))
         return [*(Vec3(*q[:3]) + moved), *with_unit_length(product(q[3:], turn.quaternion))]
+
+    def of_unit_length(self, q: Scalars) -> list[Scalar]:
+        return [*q[:3], *with_unit_length(q[3:])]
 
     def difference(self, q: Scalars, other: Scalars) -> list[Scalar]:
         omega = logarithm(product(turned_back(q[3:]), other[3:]))

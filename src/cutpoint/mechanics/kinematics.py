@@ -98,6 +98,15 @@ def coordinate_rates(system: System, q: Scalars, v: Scalars) -> list[Scalar]:
     return rates
 
 
+def of_unit_length(system: System, q: Scalars) -> list[Scalar]:
+    """The same configuration, its quaternions of unit length."""
+    same = [*q]
+    for segment in system.segments:
+        if not segment.follower:
+            same[segment.q] = segment.joint.of_unit_length([*q[segment.q]])
+    return same
+
+
 def integrate(system: System, q: Scalars, step: Scalars) -> list[Scalar]:
     """Coordinates after moving for a unit of time with constant speeds `step`, each joint in its moving frame."""
     moved: list[Scalar] = [0] * system.nq

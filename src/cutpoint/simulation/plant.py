@@ -9,7 +9,7 @@ from cutpoint.definitions import Machine
 from cutpoint.mechanics import strains as memory
 from cutpoint.mechanics.elastic_forward import DriveEffort, drive_effort
 from cutpoint.mechanics.harmonic_drive import DriveState, rigidly_transmitted
-from cutpoint.mechanics.kinematics import coordinate_rates
+from cutpoint.mechanics.kinematics import coordinate_rates, of_unit_length
 from cutpoint.mechanics.motor import lag_rate, shaft_torque
 from cutpoint.mechanics.presliding import sliding_of
 from cutpoint.mechanics.strains import Strains
@@ -135,8 +135,12 @@ def all_rates(machine: Machine, s: State, a: Scalars, alpha: Scalars, electric: 
 
 
 def settled(machine: Machine, x: Scalars, origin: Scalars) -> Scalars:
-    """The state at the end of a way that does not turn back, with the strains that the way has left."""
+    """The state at the end of a way that does not turn back, with the strains that the way has left.
+
+    Quaternions come out of unit length.
+    """
     parts = zip(machine.drives, own_parts(machine, x), own_parts(machine, origin), strict=True)
     strains = [memory.flat(memory.moved(d.drive, past.strains, past.at, own.at)) for d, own, past in parts]
-    count = sum(map(len, strains))
-    return [*x[: len(x) - count], *memory.gathered(strains)]
+    count, nq = sum(map(len, strains)), machine.system.nq
+    q = of_unit_length(machine.system, x[:nq])
+    return [*q, *x[nq : len(x) - count], *memory.gathered(strains)]

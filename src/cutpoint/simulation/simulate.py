@@ -84,8 +84,8 @@ def simulate(
     disturbances: a function of the sample times (N,) that gives torques on the links' coordinates, (N, nv), N m, held
         over each period.
     accuracy: "standard", Runge-Kutta steps fit for 1e-4 rad in well-posed cases; "fine", for 1e-6; "reference",
-        adaptive DOP853 at rtol 1e-12, slow.  substeps: integration steps a control period, instead of fit ones; a
-        StiffnessWarning says where a run reached speeds that ask for more.
+        adaptive DOP853 at rtol 1e-12, slow.  substeps: integration steps a control period, instead of fit ones, of
+        which a StiffnessWarning says where a run asks for more.
     hold: False lets the controller act at every instant, as proofs in continuous time have it, for laws, sensors and
         drives without memory; it is integrated as "reference" is, and logged each control period.
     channels: names of those that the log is to have, which saves time and memory; all by default.

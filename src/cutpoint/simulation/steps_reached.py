@@ -6,7 +6,9 @@ from numpy.typing import NDArray
 from cutpoint.callers import warn
 from cutpoint.mechanics.backlash import spring_of
 from cutpoint.mechanics.harmonic_drive import deflection
+from cutpoint.mechanics.joints import Floating, Spherical
 from cutpoint.robot import Robot
+from cutpoint.simulation.channels import BASE_SPEEDS, base_of
 from cutpoint.simulation.log import Log
 from cutpoint.simulation.substeps import (
     MOST_SUBSTEPS,
@@ -31,14 +33,16 @@ by the root of how much."""
 
 
 def check_steps(robot: Robot, log: Log) -> None:
-    """Warns if, as far as the log tells, motors turned so fast that waves, or springs were wound so far that modes,
-    asked for shorter steps."""
+    """Warns if, as far as the log tells, motors turned so fast that waves, bodies so fast that they themselves, or
+    springs were wound so far that modes, asked for shorter steps."""
     taken, longest = log.meta["substeps"], SETTINGS[log.meta["accuracy"]]
     if taken >= MOST_SUBSTEPS:
         return
     if "theta_dot" in log:
         wave = fastest_wave(robot, log.max("theta_dot"))
         _warn("reached speeds at which", wave, longest.wave, ALLOWED, log)
+    if (turn := _fastest_turn(robot, log)).rate:
+        _warn("reached speeds at which", turn, longest.turn, 1.0, log)
     if "theta" in log and "q" in log and (wound := _stiffest(robot, log)):
         mode, stiffer = wound
         _warn("wound springs until", mode, longest.mode * min(1.0, np.sqrt(HARDENS / stiffer)), STIFFER, log)
@@ -50,6 +54,20 @@ def _warn(what: str, limit: Limit, longest: float, allowed: float, log: Log) -> 
         asked = int(np.ceil(asked))
         told = f"the run {what} {limit.cause} would take {asked} integration steps a control period"
         warn(f"{told}, {taken} were taken: give substeps={asked}", StiffnessWarning)
+
+
+def _fastest_turn(robot: Robot, log: Log) -> Limit:
+    """Fastest turning by a quaternion, rad/s: of a floating base all along, of other joints as the run ended."""
+    best, base = Limit(0.0, "nothing that turns"), base_of(robot)
+    if base and all(name in log for name in BASE_SPEEDS):
+        omega = np.array([log[name] for name in BASE_SPEEDS[3:]])
+        best = Limit(float(np.linalg.norm(omega, axis=0).max()), f"the turning of {base.name!r}")
+    end = log.run.end if log.run else None
+    for segment in robot.machine.system.segments if end else ():
+        if end and isinstance(segment.joint, Spherical | Floating):
+            omega = np.asarray(end.v)[segment.v][-3:]
+            best = max(best, Limit(float(np.linalg.norm(omega)), f"the turning of {segment.name!r}"))
+    return best
 
 
 def _stiffest(robot: Robot, log: Log) -> tuple[Limit, float] | None:

@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 from cutpoint import definitions
 from cutpoint.callers import warn
 from cutpoint.functions.idle_joints import check_moves_inertia
+from cutpoint.mechanics.harmonic_drive import friction_resistance
 from cutpoint.mechanics.kinematic_error import KinematicError
 from cutpoint.mechanics.presliding import Presliding
 from cutpoint.model.drive import Friction
@@ -25,6 +26,7 @@ class Longest(NamedTuple):
     mode: of the fastest drive mode, rad.  decay: of the fastest decay that is not taken implicitly.  reversal: of that
     by bristles that turn back; of 6 they never do.  growth: of the fastest growth where friction falls with speed.
     wave: of the fastest wave of ripple, cogging or kinematic error, rad; a step of 2 pi would not see it at all.
+    stop: of the fastest stop by friction, see `fastest_stop`.  turn: of the fastest free turning, rad.
     """
 
     mode: float
@@ -32,18 +34,23 @@ class Longest(NamedTuple):
     reversal: float
     growth: float
     wave: float
+    stop: float
+    turn: float
     seconds: float
 
 
 SETTINGS = {
-    "standard": Longest(mode=1.0, decay=2.0, reversal=2.0, growth=2.0, wave=2.0, seconds=2.5e-4),
-    "fine": Longest(mode=0.2, decay=0.25, reversal=1.0, growth=0.5, wave=1.0, seconds=6.25e-5),
+    "standard": Longest(mode=1.0, decay=2.0, reversal=2.0, growth=2.0, wave=2.0, stop=1.0, turn=0.15, seconds=2.5e-4),
+    "fine": Longest(mode=0.2, decay=0.25, reversal=1.0, growth=0.5, wave=1.0, stop=0.5, turn=0.05, seconds=6.25e-5),
 }
 """By accuracy."""
 
 LONGEST_STEP = "the longest step of this accuracy"
 
 MOST_SUBSTEPS = 400
+
+STOPPED, PULLED = 30.0, 0.25
+"""Steps times rates of friction at rest, and of a spring's damping, up to either of which what must stop does stop."""
 
 SINGULAR = 1e12
 """Condition of a mass matrix, of any units, from which on it is asked whether inertia is missing."""
@@ -81,6 +88,7 @@ def substeps_for(robot: Robot, accuracy: str, period: float, poses: Array, speed
         (longest.decay, fastest_decay(robot)),
         (longest.reversal, fastest_reversal(robot, poses)),
         (longest.growth, fastest_growth(robot, poses)),
+        (longest.stop, fastest_stop(robot, poses)),
         (longest.wave, fastest_wave(robot, np.zeros(len(robot.drives)) if speeds is None else speeds)),
     ]
     steps = [(share / max(limit.rate, 1e-9), limit.cause) for share, limit in bounds]
@@ -165,6 +173,24 @@ def fastest_growth(robot: Robot, poses: Array) -> Limit:
     return best
 
 
+def fastest_stop(robot: Robot, poses: Array) -> Limit:
+    """Fastest stop by friction while a spring's damping pulls as fast: in longer steps it would slide on for ever.
+
+    Either alone is followed in steps of any length, friction by what it resists at the start of a step.  Of a joint
+    that `tests/simulation/test_steps_asked_for.py` has, and in units of STOPPED and PULLED.
+    """
+    best = Limit(0.0, "nothing that stops")
+    names, drives = [*robot.drives], [*robot.drives.values()]
+    rubs = np.array([[_grip(d.link_friction) for d in drives], [_grip(d.motor_friction) for d in drives]])
+    damping = np.array([d.damping or 0.0 if d.is_elastic else 0.0 for d in drives])
+    for q in poses if (rubs * damping).any() else ():
+        mobility = np.diag(_mobility(robot, q)).reshape(2, -1)
+        rates = mobility * np.minimum(rubs / STOPPED, damping / PULLED)
+        worst = int(rates.max(axis=0).argmax())
+        best = max(best, Limit(float(rates.max()), f"friction beside the damping of {names[worst]!r}"))
+    return best
+
+
 def fastest_wave(robot: Robot, speeds: Array) -> Limit:
     """Fastest wave of torque or kinematic error, rad/s, of drives that turn with speeds (n,), rad/s at the joint."""
     best = Limit(0.0, "nothing that waves")
@@ -218,6 +244,11 @@ def _mobility(robot: Robot, q: Array) -> Array:
 
 def _bristles(law: Friction | None) -> float:
     return float(law.stiffness) if isinstance(law, Presliding) else 0.0
+
+
+def _grip(law: Friction | None) -> float:
+    """How friction grows with speed at rest, N m s/rad; bristles hold instead."""
+    return float(friction_resistance(law, 0.0, strain=0.0))
 
 
 def _unwinding(law: Friction | None) -> float:
