@@ -8,7 +8,7 @@ import scipy.linalg
 
 from cutpoint import Drive, LinearSpring, Robot, Rotor, simulate
 from cutpoint.errors import InputError
-from cutpoint.simulation.substeps import FEW, fastest_mode
+from cutpoint.simulation.substeps import FEW, fastest_mode, posture
 from large_robots import chain
 
 
@@ -20,7 +20,7 @@ def test_the_fastest_mode_of_a_long_chain_is_found_within_four_percent() -> None
     q, K = robot.random(1), np.diag([*stiffness.values()])
     inertia = scipy.linalg.block_diag(robot.mass_matrix(q), np.eye(size))  # J = ratio^2 1e-4 = 1 kg m2
     squares = scipy.linalg.eigh(np.block([[K, -K], [-K, K]]), inertia, eigvals_only=True)
-    found = fastest_mode(robot, q[None])
+    found = fastest_mode(robot, [posture(robot, q)])
     assert found.rate**2 == pytest.approx(squares.max(), rel=0.04)
     assert found.cause.startswith("the spring of 'joint")
 

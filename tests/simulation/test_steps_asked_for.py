@@ -30,7 +30,7 @@ from cutpoint import (
 from cutpoint.control import Command, Law, tune
 from cutpoint.model import Body, Joint, Mechanism
 from cutpoint.simulation import StiffnessWarning
-from cutpoint.simulation.substeps import fastest_mode, substeps_for
+from cutpoint.simulation.substeps import fastest_mode, posture, substeps_for
 
 SPRING = LinearSpring(16e3)
 COGGING = Motor(0.1, cogging=(Harmonic(84, 0.02),))
@@ -230,7 +230,9 @@ def test_modes_of_rotors_that_are_most_of_what_carries_them_are_followed() -> No
     """As fast as the fastest pole of the linear model, which knows nothing of how steps are chosen."""
     arm = carried_rotors(inertia=0.5, ratio=2.0)
     poles = arm.linearize(np.zeros(2)).A
-    assert fastest_mode(arm, np.zeros((1, 2))).rate == pytest.approx(np.abs(np.linalg.eigvals(poles)).max(), rel=1e-9)
+    assert fastest_mode(arm, [posture(arm, np.zeros(2))]).rate == pytest.approx(
+        np.abs(np.linalg.eigvals(poles)).max(), rel=1e-9
+    )
     assert len(arm.modes(np.zeros(2)).frequencies) == 2
 
 

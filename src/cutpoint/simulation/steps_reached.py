@@ -17,6 +17,7 @@ from cutpoint.simulation.substeps import (
     StiffnessWarning,
     fastest_mode,
     fastest_wave,
+    posture,
 )
 
 Array = NDArray[np.float64]
@@ -92,4 +93,4 @@ def _stiffest(robot: Robot, log: Log) -> tuple[Limit, float] | None:
     there = np.array([wound(k, farthest[worst]) for k in range(len(drives))])
     pose = robot.neutral()  # of what has no drive, such as a floating base, modes hardly depend on the place
     pose[[d.q for d in drives]] = q[farthest[worst]]
-    return fastest_mode(robot, pose[None], there[None]), float(stiffer[worst])
+    return fastest_mode(robot, [posture(robot, pose)], there[None]), float(stiffer[worst])

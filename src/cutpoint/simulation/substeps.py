@@ -1,6 +1,7 @@
 """How many integration steps a control period takes, and what asks for as many."""
 
 import math
+from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
@@ -55,6 +56,9 @@ STOPPED, PULLED = 30.0, 0.25
 SINGULAR = 1e12
 """Condition of a mass matrix, of any units, from which on it is asked whether inertia is missing."""
 
+SLIPPING = np.geomspace(1e-7, 1e3, 1000)
+"""Speeds at which it is asked how friction falls, rad/s."""
+
 FEW = 256
 """Rows of a matrix up to which all its eigenvalues are found; of a larger one the largest alone."""
 
@@ -70,6 +74,16 @@ class Limit(NamedTuple):
     cause: str
 
 
+class Posture(NamedTuple):
+    """A configuration q (nq,), and what a torque on each drive's link or rotor adds to the accelerations of all there.
+
+    mobility: (2 drives, 2 drives), 1/(kg m2); a rigid drive's rotor has none.
+    """
+
+    q: Array
+    mobility: Array
+
+
 class Steps(NamedTuple):
     """Integration steps a control period, and what asks for as many."""
 
@@ -82,13 +96,14 @@ def substeps_for(robot: Robot, accuracy: str, period: float, poses: Array, speed
 
     poses: (m, nq), where stiffness is judged.  speeds: (n,) rad/s, how fast drives will turn at most; none by default.
     """
-    longest, mode = SETTINGS[accuracy], fastest_mode(robot, poses)
+    postures = [posture(robot, q) for q in poses]
+    longest, mode = SETTINGS[accuracy], fastest_mode(robot, postures)
     bounds = [
         (longest.mode, mode),
         (longest.decay, fastest_decay(robot)),
-        (longest.reversal, fastest_reversal(robot, poses)),
-        (longest.growth, fastest_growth(robot, poses)),
-        (longest.stop, fastest_stop(robot, poses)),
+        (longest.reversal, fastest_reversal(robot, postures)),
+        (longest.growth, fastest_growth(robot, postures)),
+        (longest.stop, fastest_stop(robot, postures)),
         (longest.wave, fastest_wave(robot, np.zeros(len(robot.drives)) if speeds is None else speeds)),
     ]
     steps = [(share / max(limit.rate, 1e-9), limit.cause) for share, limit in bounds]
@@ -104,24 +119,44 @@ def substeps_for(robot: Robot, accuracy: str, period: float, poses: Array, speed
     return Steps(max(1, min(wanted, MOST_SUBSTEPS)), cause)
 
 
-def fastest_mode(robot: Robot, poses: Array, deflections: Array | None = None) -> Limit:
+def posture(robot: Robot, q: Array) -> Posture:
+    """By [M, S; S^T, J]^-1, see `mechanics.mass_matrix`.  Raises ModelError: a joint moves no inertia."""
+    driven, J_inverse = [d.v for d in robot.machine.drives], _rotor_mobility(robot)
+    S = np.array(definitions.rotor_coupling(robot.machine, [*q]), np.float64).reshape(robot.nv, len(driven))
+    free = robot.mass_matrix(q) - S * J_inverse @ S.T  # what links resist while no rotor follows
+    if free.size and (sizes := np.linalg.eigvalsh(free))[0] * SINGULAR < sizes[-1]:
+        check_moves_inertia(robot.mechanism, robot.machine)
+    link = np.linalg.inv(free)
+    cross = -link @ S * J_inverse
+    rotor = np.diag(J_inverse) - (S * J_inverse).T @ cross
+    return Posture(q, np.block([[link[np.ix_(driven, driven)], cross[driven]], [cross[driven].T, rotor]]))
+
+
+def _rotor_mobility(robot: Robot) -> Array:
+    return np.array([1 / d.reflected_inertia if d.is_elastic else 0.0 for d in robot.drives.values()], np.float64)
+
+
+def fastest_mode(robot: Robot, postures: Sequence[Posture], deflections: Array | None = None) -> Limit:
     """Highest angular frequency of links and rotors on springs and bristles, nothing slipping yet.
 
     It is said to be that of the part in which most of the mode's energy is strain.
-    deflections: (m, drives), of the springs at the poses; by default what weight makes them.
+    deflections: (m, drives), of the springs at the postures; by default what weight makes them.
     """
     names, drives = [*robot.drives], [*robot.drives.values()]
     elastic = np.array([d.is_elastic for d in drives], bool)
     bristles = np.array([[_bristles(d.link_friction), _bristles(d.motor_friction)] for d in drives]).reshape(-1, 2)
     most = efforts_in_force(robot.mechanism, robot.drives)
     best = Limit(0.0, "nothing that swings")
-    for m, q in enumerate(poses):
+    for m, (q, mobility) in enumerate(postures):
         lead = robot.static_deflection(q) if deflections is None else deflections[m]
         K = np.array([stiffest(*each) for each in zip(drives, lead, most, strict=True)])
         on_link = K + bristles[:, 0] + np.where(elastic, 0.0, bristles[:, 1])
         # [a; theta''] = -mobility [K + b_l, -K; -K, K + b_m] [q; theta]
-        stiffness = np.block([[np.diag(on_link), -np.diag(K)], [-np.diag(K), np.diag(K + bristles[:, 1])]])
-        square, shape = _largest_eigenvalue(_mobility(robot, q) @ stiffness)
+        by_link, by_motor = np.hsplit(mobility, 2)
+        on_motor = K + bristles[:, 1]
+        square, shape = _largest_eigenvalue(
+            np.hstack([by_link * on_link - by_motor * K, by_motor * on_motor - by_link * K])
+        )
         if (rate := float(np.sqrt(square))) > best.rate:
             at_link, at_motor = np.split(shape, 2)
             at_motor = np.where(elastic, at_motor, at_link)
@@ -142,7 +177,7 @@ def fastest_decay(robot: Robot) -> Limit:
     return max([Limit(0.0, "nothing that decays"), *loops])
 
 
-def fastest_reversal(robot: Robot, poses: Array) -> Limit:
+def fastest_reversal(robot: Robot, postures: Sequence[Posture]) -> Limit:
     """Fastest decay by bristles that slip and are turned back within a step, whose implicit part knows none of it."""
     names, drives = [*robot.drives], [*robot.drives.values()]
     on_link = np.array([_unwinding(d.link_friction) for d in drives])
@@ -150,15 +185,15 @@ def fastest_reversal(robot: Robot, poses: Array) -> Limit:
     elastic = np.array([d.is_elastic for d in drives], bool)
     on_link, on_motor = on_link + np.where(elastic, 0.0, on_motor), np.where(elastic, on_motor, 0.0)
     rates = np.zeros(len(names))
-    for q in poses if on_link.any() or on_motor.any() else ():
-        at_link, at_motor = np.split(np.diag(_mobility(robot, q)), 2)
+    for _, mobility in postures if on_link.any() or on_motor.any() else ():
+        at_link, at_motor = np.split(np.diag(mobility), 2)
         rates = np.max([rates, on_link * at_link, on_motor * at_motor], axis=0)
     of_each = zip(names, rates.tolist(), strict=True)
     found = [Limit(rate, f"the damping of the bristles of {name!r}") for name, rate in of_each]
     return max([Limit(0.0, "nothing that turns back"), *found])
 
 
-def fastest_growth(robot: Robot, poses: Array) -> Limit:
+def fastest_growth(robot: Robot, postures: Sequence[Posture]) -> Limit:
     """Fastest growth of a slip where friction falls with speed, as Stribeck's does."""
     names, drives = [*robot.drives], [*robot.drives.values()]
     motor = np.array([_fall(d.motor_friction) for d in drives])
@@ -167,13 +202,13 @@ def fastest_growth(robot: Robot, poses: Array) -> Limit:
     falls = np.concatenate([link, motor])
     where = [f"slipping of {name!r}" for name in names] + [f"slipping of the motor of {name!r}" for name in names]
     best = Limit(0.0, "nothing that slips")
-    for q in poses if falls.any() else ():
-        rate, shape = _largest_eigenvalue(_mobility(robot, q) * falls)
+    for _, mobility in postures if falls.any() else ():
+        rate, shape = _largest_eigenvalue(mobility * falls)
         best = max(best, Limit(rate, where[int((falls * shape**2).argmax())]))
     return best
 
 
-def fastest_stop(robot: Robot, poses: Array) -> Limit:
+def fastest_stop(robot: Robot, postures: Sequence[Posture]) -> Limit:
     """Fastest stop by friction while a spring's damping pulls as fast: in longer steps it would slide on for ever.
 
     Either alone is followed in steps of any length, friction by what it resists at the start of a step.  Of a joint
@@ -183,9 +218,8 @@ def fastest_stop(robot: Robot, poses: Array) -> Limit:
     names, drives = [*robot.drives], [*robot.drives.values()]
     rubs = np.array([[_grip(d.link_friction) for d in drives], [_grip(d.motor_friction) for d in drives]])
     damping = np.array([d.damping or 0.0 if d.is_elastic else 0.0 for d in drives])
-    for q in poses if (rubs * damping).any() else ():
-        mobility = np.diag(_mobility(robot, q)).reshape(2, -1)
-        rates = mobility * np.minimum(rubs / STOPPED, damping / PULLED)
+    for _, mobility in postures if (rubs * damping).any() else ():
+        rates = np.diag(mobility).reshape(2, -1) * np.minimum(rubs / STOPPED, damping / PULLED)
         worst = int(rates.max(axis=0).argmax())
         best = max(best, Limit(float(rates.max()), f"friction beside the damping of {names[worst]!r}"))
     return best
@@ -223,25 +257,6 @@ def _largest_eigenvalue(A: Array) -> tuple[float, Array]:
     return size, x
 
 
-def _mobility(robot: Robot, q: Array) -> Array:
-    """What a torque on each drive's link or rotor adds to the accelerations of all, (2 drives, 2 drives), 1/(kg m2).
-
-    It adds none to a rigid drive's rotor.  [M, S; S^T, J]^-1: see `mechanics.mass_matrix`.
-
-    Raises ModelError: a joint moves no inertia.
-    """
-    driven, M = [d.v for d in robot.machine.drives], robot.mass_matrix(q)
-    J_inverse = np.array([1 / d.reflected_inertia if d.is_elastic else 0.0 for d in robot.drives.values()])
-    S = np.array(definitions.rotor_coupling(robot.machine, [*q]), np.float64).reshape(robot.nv, len(driven))
-    free = M - S * J_inverse @ S.T  # what links resist while no rotor follows
-    if M.size and (sizes := np.linalg.eigvalsh(free))[0] * SINGULAR < sizes[-1]:
-        check_moves_inertia(robot.mechanism, robot.machine)
-    link = np.linalg.inv(free)
-    cross = -link @ S * J_inverse
-    rotor = np.diag(J_inverse) - (S * J_inverse).T @ cross
-    return np.block([[link[np.ix_(driven, driven)], cross[driven]], [cross[driven].T, rotor]])
-
-
 def _bristles(law: Friction | None) -> float:
     return float(law.stiffness) if isinstance(law, Presliding) else 0.0
 
@@ -260,5 +275,4 @@ def _fall(law: Friction | None) -> float:
     """How steeply friction falls with speed where it does most, N m s/rad."""
     if law is None:
         return 0.0
-    speeds = np.geomspace(1e-7, 1e3, 1000)
-    return max(0.0, -float((np.diff(law.torque(speeds)) / np.diff(speeds)).min()))
+    return max(0.0, -float((np.diff(law.torque(SLIPPING)) / np.diff(SLIPPING)).min()))
