@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from cutpoint.errors import InputError, ModelError, unknown_name
+from cutpoint.errors import InputError, ModelError, listed, unknown_name
 from cutpoint.model import Drive, Mechanism
 from cutpoint.model.drive_validation import check_drive
 from cutpoint.model.validation import DRIVEN_KINDS
@@ -70,10 +70,19 @@ def as_numbers(function: str, name: str, value: ArrayLike, rule: str = "numbers"
     if isinstance(value, np.ma.MaskedArray) and np.ma.is_masked(value):
         remedy = "fill them in, or leave these rows out"
         raise InputError(f"{function}: {name} has masked entries, every number must be there: {remedy}", name=name)
+    if labels := _labels_of(value):
+        remedy = "put them in the order that is asked for, as in robot.joints, and hand over .to_numpy()"
+        raise InputError(f"{function}: {name} has labels ({listed(labels)}), which are not read: {remedy}", name=name)
     try:
         return np.asarray(value).astype(np.float64, casting="same_kind", copy=False)
     except (TypeError, ValueError, OverflowError):
         raise refused(function, name, value, rule) from None
+
+
+def _labels_of(value: Any) -> list[str]:
+    """Names that a table's columns, or a series' numbers, have."""
+    labels = getattr(value, "columns", getattr(value, "index", ())) if hasattr(value, "to_numpy") else ()
+    return [label for label in labels if isinstance(label, str)]
 
 
 def refused(function: str, name: str, value: Any, rule: str) -> InputError:

@@ -414,7 +414,7 @@ class Robot:
         return self._functions["static_deflection"](q)
 
     def friction_torques(self, v: ArrayLike) -> Array:
-        """(..., nv) N m: what link-side friction takes.  Xia (2019) eq. (54)."""
+        """(..., nv) N m: what friction on the links' side takes, the motors' not included.  Xia (2019) eq. (54)."""
         return self._functions["friction_torques"](v)
 
     def drive_regressor(

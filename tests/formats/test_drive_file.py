@@ -1,7 +1,10 @@
 """What a drive file means: ratios, springs, friction, limits, defaults; and that writing one undoes reading it."""
 
 import math
+import warnings
+from dataclasses import dataclass
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -340,6 +343,37 @@ def test_numbers_in_the_units_of_data_sheets_are_warned_of_once(entry: str, mess
     with pytest.warns(UnitsWarning, match=told) as caught:
         parse_drives(text, ROBOT)
     assert len(caught) == 1
+
+
+SCREW = "ratio: 1256.6, rotor: {inertia: 1.0e-5}"
+
+
+@pytest.mark.parametrize(
+    ("entry", "message"),
+    [
+        ("ratio: 0.005", "ratio 0.005 rad/m looks like a screw's lead: state 2 pi / lead, the lead in m"),
+        ("ratio: 1256637.0", "ratio 1256637.0 rad/m looks like turns of a lead in mm: state 2 pi"),
+        (f"{SCREW}, compliance: {{linear: {{stiffness: 150}}}}", "stiffness 150.0 N/m looks like N/mm or N/µm"),
+    ],
+)
+def test_so_are_those_of_a_joint_that_slides(entry: str, message: str) -> None:
+    with pytest.warns(UnitsWarning, match=rf"drive of 'lift': .*{message}.* \(<string>:1\)"):
+        parse_drives(f"{{version: 1, drives: {{lift: {{{entry}}}}}}}", ROBOT)
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        parse_drives(f"{{version: 1, drives: {{lift: {{{SCREW}}}}}}}", ROBOT)
+        parse_drives("{version: 1, drives: {lift: {ratio: 1}}}", ROBOT)
+
+
+@dataclass(frozen=True)
+class Quadratic(Coulomb):
+    quadratic: float = 0.0
+
+
+@pytest.mark.parametrize("law", [Quadratic(1.0, 0.1), LuGre(Quadratic(1.0, 0.1), 1e-3, 1.0)])
+def test_a_drive_file_has_no_words_for_laws_of_ones_own(law: Any) -> None:
+    with pytest.raises(InputError, match=r"drive of 'elbow': a drive file has no words for Quadratic\(.*of your own"):
+        dump_drives({"elbow": Drive(80.0, Rotor(1e-5), LinearSpring(1e4), motor_friction=law)})
 
 
 def test_no_drive_of_the_catalogue_is_warned_of() -> None:

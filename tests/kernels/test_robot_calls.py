@@ -153,6 +153,28 @@ def test_variants_of_a_function_do_not_answer_for_each_other() -> None:
         assert len(found) == 6
 
 
+class Labelled:
+    """As a series of pandas is: numbers that have names."""
+
+    def __init__(self, names: list[Any]) -> None:
+        self.index = names
+
+    def to_numpy(self) -> Any:
+        return np.ones(6)
+
+    def __array__(self, dtype: Any = None, copy: Any = None) -> Any:
+        return self.to_numpy()
+
+
+def test_numbers_with_names_are_refused_since_nothing_reads_these() -> None:
+    arm = robot("xia2019")
+    with pytest.raises(
+        InputError, match=r"gravity_forces: q has labels \('joint6', .*\), which are not read: put"
+    ):
+        arm.gravity_forces(Labelled([*reversed(arm.joints)]))
+    assert np.array_equal(arm.gravity_forces(Labelled([*range(6)])), arm.gravity_forces(np.ones(6)))
+
+
 def test_numbers_that_are_masked_are_refused() -> None:
     arm = robot("xia2019")
     q = np.ma.array(np.ones((2, 6)), mask=False)

@@ -109,7 +109,10 @@ def test_arguments_are_refused(backend, call, message):
         (Drive(ratio=cast("Any", "100")), "joint 'joint2': ratio must be a number, got '100'"),
         (Drive(rotor=Rotor(cast("Any", None))), "joint 'joint2': inertia must be a number, got None"),
         (Drive(rotor=cast("Any", 1e-5)), "joint 'joint2': rotor must be a Rotor, got 1e-05"),
-        (Drive(compliance=cast("Any", 1e4)), "joint 'joint2': compliance must be a Compliance, got 10000.0"),
+        (
+            Drive(compliance=cast("Any", 1e4)),
+            "joint 'joint2': compliance must be a Compliance, such as LinearSpring or Flexspline, got 10000.0",
+        ),
         (Drive(link_friction=Coulomb("1", 0.0, 0.1)), "joint 'joint2': coulomb must be a number, got '1'"),
         (cast("Any", 100.0), "joint 'joint2': its drive must be a Drive, got 100.0"),
         (elastic(damping=-5.0), "damping -5.0 must not be negative"),

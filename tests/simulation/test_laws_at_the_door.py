@@ -88,6 +88,13 @@ def test_a_motor_reference_in_a_sum_is_announced_and_may_lack_its_speed():
     np.testing.assert_array_equal(announced[0]["motor_speed_reference"], announced[0]["reference_v"])
 
 
+def test_a_step_that_asks_for_what_is_not_measured_is_told_what_is():
+    with warnings.catch_warnings(), pytest.raises(AttributeError) as caught:
+        warnings.simplefilter("ignore", UntracedControllerWarning)
+        run(lambda memory, m, r: (memory, m.position))
+    assert caught.value.__notes__ == ["a Measurement has time, period, q, v, theta, theta_dot"]
+
+
 def test_a_step_that_finds_no_memory_is_told_that_there_is_no_start():
     def counting(memory: Any, m: Any, r: Any) -> Any:
         return memory["n"] + 1, 0.0

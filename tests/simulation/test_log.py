@@ -190,10 +190,10 @@ def test_a_table_without_pandas_says_how_to_get_it(monkeypatch: pytest.MonkeyPat
 def test_a_plot_has_an_axis_for_each_channel_and_degrees_for_angles():
     figure = example().plot()
     titles = [axis.get_title(loc="left") for axis in figure.axes]
-    assert titles == ["q [deg]", "q [m]", "q_d [deg]", "q_d [m]", "torque [N m]", "speed [deg/s]", "power [W]"]
+    assert titles == ["q [deg]", "q [mm]", "q_d [deg]", "q_d [mm]", "torque [N m]", "speed [deg/s]", "power [W]"]
     shown = figure.axes[0].lines[1].get_ydata()
     assert np.allclose(np.asarray(shown), np.rad2deg(example()["q"][:, 1]), rtol=1e-12)
-    assert np.array_equal(np.asarray(figure.axes[1].lines[0].get_ydata()), example()["q"][:, 2])
+    assert np.array_equal(np.asarray(figure.axes[1].lines[0].get_ydata()), 1e3 * example()["q"][:, 2])
 
 
 def test_rounding_fills_no_axis():
@@ -205,10 +205,24 @@ def test_rounding_fills_no_axis():
 def test_a_plot_of_named_channels_has_an_axis_for_each_joint_and_unit():
     figure = example().plot("q", "torque", "q_d", "power")
     titles = [axis.get_title(loc="left") for axis in figure.axes]
-    assert titles[:3] == ["shoulder [deg]", "el,bow [x] [deg]", "$li_ft^$ [m]"]
+    assert titles[:3] == ["shoulder [deg]", "el,bow [x] [deg]", "$li_ft^$ [mm]"]
     assert titles[3:] == ["shoulder [N m]", "el,bow [x] [N m]", "$li_ft^$ [N m]", "power [W]"]
     assert [len(axis.lines) for axis in figure.axes] == [2, 2, 2, 1, 1, 1, 1]
     assert [text.get_text() for text in figure.legends[0].get_texts()] == ["q", "torque", "q_d", "power"]
+
+
+def test_channels_of_one_kind_stand_in_rows_of_their_own():
+    joints = ("a", "b", "c", "d")
+    q, torque = np.zeros((2, 4)), np.ones((2, 4))
+    log = Log(np.arange(2.0), {"q": q, "torque": torque}, {"q": ("rad", "rad", "m", "rad"), "torque": "N m"}, joints)
+    cells = [
+        (spec.rowspan.start, spec.colspan.start)
+        for axis in log.plot("q", "torque").axes
+        if (spec := axis.get_subplotspec())
+    ]
+    assert cells == [(row, column) for row in range(4) for column in range(2)]
+    far = Log(np.arange(2.0), {"q": 2.0 + q}, {"q": "m"}, joints)
+    assert [axis.get_title(loc="left") for axis in far.plot().axes] == ["q [m]"]
 
 
 def test_the_legend_lies_within_the_picture_whatever_the_joints_are_called():
@@ -253,9 +267,9 @@ def test_what_no_sensor_told_has_no_axis():
     channels["q"][:, 1] = np.nan
     log = example(channels=channels)
     titles = [axis.get_title(loc="left") for axis in log.plot().axes]
-    assert titles == ["q [deg]", "q [m]", "speed [deg/s]"]
+    assert titles == ["q [deg]", "q [mm]", "speed [deg/s]"]
     named = [axis.get_title(loc="left") for axis in log.plot("q", "torque").axes]
-    assert named == ["shoulder [deg]", "$li_ft^$ [m]"]
+    assert named == ["shoulder [deg]", "$li_ft^$ [mm]"]
     with pytest.raises(InputError, match="no channels to plot, or nothing but NaN in them"):
         log.plot("torque")
 

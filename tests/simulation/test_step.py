@@ -11,7 +11,7 @@ from cutpoint import Coulomb, Drive, ElastoPlastic, LinearSpring, Log, Rotor, St
 from cutpoint.control import PD, Command, Feedforward, Law
 from cutpoint.model import Motor
 from cutpoint.simulation.step import GAMMA, TABLEAU
-from cutpoint.simulation.substeps import fastest_growth, substeps_for
+from cutpoint.simulation.substeps import fastest_growth, posture, substeps_for
 from cutpoint.trajectories import cycloid
 from robot_library import Array, Robot, robot
 
@@ -237,7 +237,7 @@ def test_growth_is_that_of_the_steepest_fall():
     ours = ours.with_drives({name: replace(ours.drives[name], link_friction=None) for name in others})
     mobility = np.linalg.inv(ours.mass_matrix(np.zeros(6)))[5, 5]
     steepest = np.sqrt(2 / np.e) * 1.0 / 0.1
-    assert fastest_growth(ours, np.zeros((1, 6))).rate == pytest.approx(mobility * steepest, rel=1e-2)
+    assert fastest_growth(ours, [posture(ours, np.zeros(6))]).rate == pytest.approx(mobility * steepest, rel=1e-2)
 
 
 def test_current_loops_still_set_the_steps():

@@ -414,6 +414,18 @@ def test_the_picture_is_saved(tmp_path: Path, rated: bool):
     assert image.shape[0] > 400 and image.shape[1] > 800 and image[..., :3].std() > 0.05
 
 
+def test_an_average_stands_on_the_side_of_the_torques_of_motion():
+    """At its end a motion may creep back, with a torque that holds."""
+    arm = rated_arm()
+    axes = sizing(arm, PAPER_MOTION).plot().axes
+    assert len({(axis.get_subplotspec().rowspan.start, axis.get_subplotspec().colspan.start) for axis in axes}) == 6
+    for axis in axes:
+        gear = np.asarray(next(line for line in axis.lines if line.get_label() == "what the gear exerts").get_ydata())
+        (average,) = next(line for line in axis.lines if line.get_label() == "gear, average").get_ydata()
+        assert average > 0.0 or np.nanmin(gear) < 0.0
+        assert average * (np.nanmax(gear) + np.nanmin(gear)) >= 0.0
+
+
 def test_the_picture_explains_what_is_in_it_and_nothing_else():
     explained = [{text.get_text() for text in sizing(arm, PAPER_MOTION).plot().legends[0].get_texts()}
                  for arm in (robot("xia2019"), rated_arm())]  # fmt: skip

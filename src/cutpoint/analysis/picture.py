@@ -15,7 +15,7 @@ Array = NDArray[np.float64]
 ComplexArray = NDArray[np.complex128]
 
 ACROSS = 3
-"""Joints side by side."""
+"""Joints side by side at most."""
 
 PANEL = (4.4, 3.9)
 """Inches of a joint's magnitude and phase together."""
@@ -40,8 +40,8 @@ def picture(modes: Modes) -> Figure:
     if not modes.frequencies.size:
         raise InputError(f"no picture of modes: {modes.remark}")
     joints = modes.model.joints
-    across = min(ACROSS, len(joints))
-    down = -(-len(joints) // across)
+    down = -(-len(joints) // ACROSS)
+    across = -(-len(joints) // down)
     figure = Figure(figsize=(0.6 + PANEL[0] * across, 0.3 + 0.8 / across + PANEL[1] * down), layout="constrained")
     cells = figure.add_gridspec(down, across)
     for k, (joint, unit) in enumerate(zip(joints, modes.model.units, strict=True)):

@@ -90,7 +90,7 @@ def _also(drive: Drive, slides: bool) -> list[str]:
 def torque_table(robot: Robot, q: Array, v: Array, a: Array, u: ElasticTorques) -> Table:
     """Torques of a motion, and how far each motor leads."""
     title = "torques at the joint's side (N m; N on prismatic joints)"
-    names = ["joint", "position", "gravity", "joint torque", "with friction and rotor", "motor leads by"]
+    names = ["joint", "position", "gravity", "joint torque", "motor torque", "motor leads by"]
     table = _table(title, *names)
     torques = _without_rounding(np.array([robot.gravity_forces(q), u.joint_torque, u.motor_torque]))
     leads = _without_rounding(u.theta - q)
@@ -101,7 +101,8 @@ def torque_table(robot: Robot, q: Array, v: Array, a: Array, u: ElasticTorques) 
             f"{lead * 1e3:.4g} mm" if slides else f"{np.degrees(lead) * 60:.4g} arcmin",
         )  # fmt: skip
     table.caption = (
-        f"speeds {np.array2string(v, precision=4)}, accelerations {np.array2string(a, precision=4)}, SI units"
+        f"speeds {np.array2string(v, precision=4)}, accelerations {np.array2string(a, precision=4)}, SI units; "
+        "the motor's torque is with friction, rotor and kinematic error"
     )
     return table
 

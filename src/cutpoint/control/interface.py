@@ -154,7 +154,9 @@ def _returned(law: Controller, memory: Any, measurement: Measurement, reference:
     except (TypeError, ValueError, AttributeError, LookupError) as error:
         if is_own(law) and np.asarray(measurement.q).dtype == object:
             _refuse_traced(law, error)
-        if isinstance(memory, tuple) and not memory:
+        if isinstance(error, AttributeError) and isinstance(error.obj, Measurement | Reference):
+            error.add_note(f"a {type(error.obj).__name__} has {', '.join(error.obj._fields)}")
+        elif isinstance(memory, tuple) and not memory:
             error.add_note(f"step of {name_of(law)} was given the memory (), having no start() that gives another")
         raise
 

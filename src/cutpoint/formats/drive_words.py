@@ -23,6 +23,10 @@ def to_entry(drive: Drive) -> dict[str, Any]:
 
     Raises InputError for what a drive file has no words for.
     """
+    within = (getattr(law, "sliding", None) for law in (drive.link_friction, drive.motor_friction))
+    for part in (drive, *vars(drive).values(), *within):
+        if type(part).__module__.partition(".")[0] not in ("cutpoint", "builtins", "numpy"):
+            raise InputError(f"a drive file has no words for {part!r}, a law of your own", part=part)
     spring = spring_of(drive.compliance)
     if isinstance(spring, HarmonicSpring) and spring.wave_generator.ratio != abs(drive.ratio):
         raise InputError("a drive file has one ratio; the wave generator's is another", ratio=drive.ratio)

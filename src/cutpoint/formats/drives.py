@@ -17,7 +17,7 @@ from cutpoint.formats.drive_sheet import DriveSheet, FileSheet
 from cutpoint.formats.drive_words import to_entry
 from cutpoint.formats.reading import read_bytes
 from cutpoint.formats.safe_yaml import MAXIMUM_BYTES, parse_yaml
-from cutpoint.formats.unlikely_units import UnitsWarning, doubts_of
+from cutpoint.formats.unlikely_units import UnitsWarning, doubts_of, doubts_of_sliding
 from cutpoint.formats.urdf import DegreesWarning
 from cutpoint.model.drive import Drive
 from cutpoint.model.drive_validation import check_drive
@@ -66,7 +66,8 @@ def parse_drives(
         section = replace(section, slides=joint.kind == "prismatic")
         own = section.read(DriveSheet, _laid_over(sheet.defaults, entry, section))
         drives[name] = to_drive(own, section)
-        for words, path in () if section.slides else doubts_of(own, section, drives[name].ratio):
+        doubted = doubts_of_sliding if section.slides else doubts_of
+        for words, path in doubted(own, section, drives[name].ratio):
             doubts.setdefault(f"{words} ({section.place(path)})", []).append(name)
     turning = [name for name in drives if joints[name].kind != "prismatic"]
     degrees = [name for name in turning if look_like_degrees(drives[name].limits)]
@@ -106,7 +107,8 @@ def _entry_of(name: str, drive: Drive) -> dict[str, Any]:
 
 
 def save_drives(path: str | Path, drives: Mapping[str, Drive]) -> None:
-    """Write a drive file, whole or not at all."""
+    """Write a drive file, whole or not at all.  Raises as `dump_drives` does."""
+    check_kind("save_drives", "drives", drives, Mapping, DRIVES)
     text = dump_drives(drives)
     with replacing(Path(path)) as file:
         file.write(text.encode())

@@ -31,6 +31,12 @@ STRONGEST = 5.0
 LEAST_RATIO = 0.2
 """Turns of a motor for one of the joint."""
 
+MOST_RATIO = 1e5
+"""rad/m, of the motor of a joint that slides: a screw's lead of 0.06 mm."""
+
+SOFTEST_SLIDE = 1e3
+"""N/m, of a spring behind a gear that slides: a kilogram would wind it by a centimetre."""
+
 LATEST = 0.05
 """s, after which a command reaches a motor's current loop."""
 
@@ -77,6 +83,18 @@ def doubts_of(sheet: DriveSheet, section: Section, ratio: float) -> Iterator[tup
         stated, turns = section.stated(DriveSheet, path, speed), speed * abs(ratio) * 30.0 / math.pi
         likeness = "it looks like degrees a second, or like the motor's own speed"
         yield f"{stated} turns the motor {turns:.3g} times a minute: {likeness}", path
+
+
+def doubts_of_sliding(sheet: DriveSheet, section: Section, ratio: float) -> Iterator[tuple[str, YamlPath]]:
+    """The same of a joint that slides."""
+    if sheet.ratio is not None and not LEAST_RATIO <= abs(ratio) <= MOST_RATIO:
+        likeness = "a screw's lead" if abs(ratio) < LEAST_RATIO else "turns of a lead in mm"
+        stated = section.stated(DriveSheet, ("ratio",), sheet.ratio)
+        yield f"{stated} looks like {likeness}: state 2 pi / lead, the lead in m", ("ratio",)
+    spring = sheet.compliance and (sheet.compliance.linear or sheet.compliance.flexspline)
+    if spring and spring.stiffness < SOFTEST_SLIDE:
+        path = ("compliance", "linear" if sheet.compliance and sheet.compliance.linear else "flexspline", "stiffness")
+        yield f"{section.stated(DriveSheet, path, spring.stiffness)} looks like N/mm or N/µm", path
 
 
 def _at(sheet: Any, path: YamlPath) -> float | None:

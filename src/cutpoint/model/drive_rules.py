@@ -94,6 +94,12 @@ KINDS: dict[str, type] = {
 }  # fmt: skip
 """Of a drive's parts."""
 
+OFFERED = {
+    Compliance: ", such as LinearSpring or Flexspline",
+    Friction: ", such as Coulomb or Stribeck",
+}
+"""Kinds that are no class to make one of."""
+
 WITHIN = {
     "spring": ("torque", "deflection", "tangent", "energy"), "flexspline": ("torque", "deflection", "tangent"),
     "wave_generator": ("deflection", "compliance"), "sliding": ("plateau", "torque"),

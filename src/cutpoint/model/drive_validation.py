@@ -8,7 +8,7 @@ import numpy as np
 
 from cutpoint.errors import ModelError
 from cutpoint.model.drive import Drive, Harmonic
-from cutpoint.model.drive_rules import KINDS, RISING, RULES, WAVES, WITHIN, Rule, is_number
+from cutpoint.model.drive_rules import KINDS, OFFERED, RISING, RULES, WAVES, WITHIN, Rule, is_number
 from cutpoint.scalars import leaves
 
 STEEPEST = 0.7
@@ -60,7 +60,7 @@ def _of_kinds(drive: Drive) -> Iterator[Complaint]:
     for what, kind in KINDS.items():
         part = getattr(drive, what)
         if not isinstance(part, kind) and (part is not None or what == "limits"):
-            yield Complaint(what, f"{what} must be a {kind.__name__}, got {part!r}")
+            yield Complaint(what, f"{what} must be a {kind.__name__}{OFFERED.get(kind, '')}, got {part!r}")
     if is_number(drive.ratio) and drive.ratio == 0:
         yield Complaint("ratio", "must not be zero: motor turns per joint turn, signed", 0)
     inertia: Any = getattr(drive.rotor, "inertia", None)

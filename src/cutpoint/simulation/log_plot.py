@@ -40,19 +40,34 @@ def picture(log: Log, names: Sequence[str]) -> Figure:
     axes = _axes(log, names)
     if not axes:
         raise InputError("the log has no channels to plot, or nothing but NaN in them")
-    across = min(ACROSS, len(axes), len(log.joints) if names and log.joints else ACROSS)
-    down = -(-len(axes) // across)
+    across, cells = _cells(axes, apart=bool(names))
+    down = cells[-1] // across + 1
     figure = Figure(figsize=(0.6 + AXIS_WIDTH * across, 0.3 + AXIS_HEIGHT * down), layout="constrained")
     looks = _looks(names or log.joints)
     drawn: dict[str, Line2D] = {}
-    for index, ((unit, title), lines) in enumerate(axes.items()):
-        axis = figure.add_subplot(down, across, index + 1)
+    for cell, ((unit, title), lines) in zip(cells, axes.items(), strict=True):
+        axis = figure.add_subplot(down, across, cell + 1)
         drawn = _draw(axis, log.time, lines, looks, later="--" if names else None) | drawn
         axis.set_title(f"{title} [{unit}]" if unit else title, loc="left", fontsize="medium", parse_math=False)
-        if index >= len(axes) - across:
+        if cell + across not in cells:
             axis.set_xlabel("time [s]")
     _explain(figure, {label: drawn[label] for label in looks if label in drawn})
     return figure
+
+
+def _cells(axes: dict[tuple[str, str], list[Line]], apart: bool) -> tuple[int, list[int]]:
+    """How many axes stand side by side, and the cell of each, row by row.
+
+    apart: axes of other channels than those before them begin a row.
+    """
+    shown = [tuple(label for label, _ in lines) if apart else () for lines in axes.values()]
+    most = max(map(shown.count, shown))
+    across = -(-most // -(-most // ACROSS))
+    cells: list[int] = []
+    for k, channels in enumerate(shown):
+        begun = k and channels != shown[k - 1]
+        cells.append(-(-(cells[-1] + 1) // across) * across if begun else len(cells) and cells[-1] + 1)
+    return across, cells
 
 
 def _looks(labels: Sequence[str]) -> dict[str, tuple[str, str]]:
@@ -64,13 +79,24 @@ def _looks(labels: Sequence[str]) -> dict[str, tuple[str, str]]:
 def _axes(log: Log, names: Sequence[str]) -> dict[tuple[str, str], list[Line]]:
     """The lines of each axis, by its unit and title, in the order of their first line; none where all is NaN."""
     axes: dict[tuple[str, str], list[Line]] = {}
+    are_short = _are_short(log, names or [*log.channels])
     for name in names or log.channels:
         values = log[name].reshape(log.time.size, -1)
         for column, (joint, unit) in enumerate(log.columns(name)):
-            shown, factor = _for_people(unit)
+            shown, factor = ("mm", 1e3) if unit == "m" and are_short else _for_people(unit)
             title, label = (joint or name, name) if names else (name, joint)
             axes.setdefault((shown, title), []).append((label, factor * values[:, column]))
     return {key: lines for key, lines in axes.items() if not all(np.isnan(line).all() for _, line in lines)}
+
+
+def _are_short(log: Log, names: Sequence[str]) -> bool:
+    """Whether all ways that are shown are of less than a metre."""
+    for name in names:
+        values = log[name].reshape(log.time.size, -1)
+        ways = values[:, [unit == "m" for _, unit in log.columns(name)]]
+        if (np.abs(ways) >= 1.0).any():
+            return False
+    return True
 
 
 def _for_people(unit: str) -> tuple[str, float]:

@@ -53,7 +53,8 @@ def covariance(jacobian: Array, residual: Array) -> Array:
     found, steady = as_found(scaled * residual[:, None], length), alike(scaled, residual, length)
     spread = at_least(inverse @ found @ inverse, inverse @ steady @ inverse)
     spread = spread / np.outer(size, size) / _left(residual, int(np.count_nonzero(shown)))
-    return _without(spread, _undetermined(scaled.T @ scaled))
+    lost = np.diag(spread) < 0.0  # rounding is all that is left of it
+    return _without(spread, lost | _undetermined(scaled.T @ scaled))
 
 
 def _left(residual: Array, fitted: int) -> float:

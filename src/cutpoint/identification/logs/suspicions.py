@@ -56,6 +56,8 @@ def refuse_degrees(recording: Recording, robot: Robot, file: str = "") -> None:
                     told = _beyond(name, recording.joints.index(joint), recording, slide, is_rotor=turns)
                     if name == "theta" and "q" not in recording.channels and abs(ratio) != 1.0:
                         told += f"; or it is the rotor's, before the gear of ratio {ratio:g}: side: motor"
+                    if name == "theta" and ratio == 1.0:
+                        told += "; or it is a rotor's, whose gear's ratio is missing: give its drive file"
                     raise InputError(told, place=file or None, **error.evidence) from error
 
 

@@ -19,7 +19,7 @@ from cutpoint.studies.sizing.load import Load
 Array = NDArray[np.float64]
 
 ACROSS = 3
-"""Drives side by side."""
+"""Drives side by side at most."""
 
 PANEL = (3.6, 3.1)
 """Inches of one."""
@@ -32,6 +32,9 @@ MOMENTARY_SHOWN = 2.2
 
 ENDLESS = 1e12
 """N m: more than any motor has, for its limit to be seen."""
+
+STANDSTILL = 1e-3
+"""Of the fastest speed, up to which a motor's has no direction."""
 
 HEADROOM = 0.13
 """Above the highest thing, for words: a share of the plane's height below it."""
@@ -56,8 +59,8 @@ SAMPLES: dict[str, dict[str, Any]] = {
 def figure_of(drives: Sequence[DriveSizing], load: Load) -> Figure:
     """A panel a drive; torques at the joint's side, positive where the drive pushes along its motion."""
     with styled():
-        across, mixed = min(ACROSS, len(drives)), len({drive.slides for drive in drives}) > 1
-        down = -(-len(drives) // across)
+        down, mixed = -(-len(drives) // ACROSS), len({drive.slides for drive in drives}) > 1
+        across = -(-len(drives) // down)
         figure = Figure(figsize=(0.4 + PANEL[0] * across, 1.0 + PANEL[1] * down), layout="constrained")
         for k, drive in enumerate(drives):
             axes = figure.add_subplot(down, across, k + 1)
@@ -74,17 +77,18 @@ def figure_of(drives: Sequence[DriveSizing], load: Load) -> Figure:
 
 def _panel(axes: Axes, load: Load, drive: DriveSizing, k: int) -> None:
     ratio, speed = drive.drive.ratio, load.motor_speed[:, k] * TO_RPM
-    direction = np.sign(speed * ratio)
-    forwards = np.where(direction == 0, 1.0, direction)
-    gear = load.output_torque[:, k] * forwards
-    motor = load.motor_torque[:, k] * ratio * forwards
+    moves = np.abs(speed) > STANDSTILL * np.abs(speed).max(initial=0.0)
+    gear, motor = load.output_torque[:, k], load.motor_torque[:, k] * ratio
+    # at rest, what pushes along a motion is what holds
+    forwards = np.where(moves, np.sign(speed * ratio), np.where(gear < 0, -1.0, 1.0))
+    gear, motor = gear * forwards, motor * forwards
     _window(axes, drive, np.r_[gear, motor], float(np.abs(speed).max()))
     _zones(axes, drive)
     _motor_limit(axes, drive)
     for torque, sample in ((motor, MOTOR_CURVE), (gear, GEAR_CURVE)):
-        axes.plot(np.abs(speed), np.where(direction == 0, np.nan, torque), **SAMPLES[sample], label=sample)
+        axes.plot(np.abs(speed), np.where(moves, torque, np.nan), **SAMPLES[sample], label=sample)
     # an average has no sign: it stands on the side of the larger torques
-    side = 1 if gear.max() >= -gear.min() else -1
+    side = 1 if gear[moves].max(initial=0.0) >= -gear[moves].min(initial=0.0) else -1
     average = drive.demand.mean_motor_speed * TO_RPM, side * drive.demand.average_torque
     axes.plot(*average, **SAMPLES[AVERAGE], label=AVERAGE, zorder=5)
     for failed in drive.failures:
