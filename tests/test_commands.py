@@ -9,6 +9,7 @@ from pathlib import Path
 from typing import Any
 from unittest.mock import Mock
 
+import numpy as np
 import pytest
 from matplotlib.figure import Figure
 from typer.testing import CliRunner
@@ -79,6 +80,38 @@ def test_what_rounding_leaves_of_a_torque_is_printed_as_none() -> None:
     table = [line.split("│") for line in printed("torque", "xia2019", "--q", "0,0,0,0,90,0", "--degrees").splitlines()]
     (joint5,) = [cells for cells in table if len(cells) > 1 and cells[1].strip() == "joint5"]
     assert [cell.strip() for cell in joint5[3:7]] == ["0", "0", "0", "0 arcmin"]
+
+
+def test_torques_along_a_motion_are_those_of_its_places(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(tmp_path)
+    arm, times = robots.xia2019(), np.linspace(0.0, 1.0, 501)
+    q = cutpoint.trajectories.cycloid(np.full(6, 0.5), 1.0)(times).q
+    head = ",".join(["t", *(f"{name} [rad]" for name in arm.joints)])
+    np.savetxt("move.csv", np.c_[times, q], delimiter=",", header=head, comments="")
+    told = printed(
+        "torque", "xia2019", "move.csv", "--period", "0.01", "--output", "torques.csv", "--plot", "torques.png"
+    )
+    log, drives = Log.load("torques.csv"), cutpoint.load(robots.XIA2019_URDF, robots.XIA2019_DRIVES)
+    smooth = cutpoint.trajectories.from_csv("move.csv", arm.joints)
+    expected = drives.elastic_inverse_dynamics(*smooth.derivatives(log.time, 4))
+    np.testing.assert_allclose(log["motor_torque"], expected.motor_torque, rtol=1e-12, atol=1e-12)
+    np.testing.assert_allclose(log["theta"], expected.theta, rtol=1e-12, atol=1e-12)
+    assert len(log.time) == 101 and Path("torques.png").stat().st_size > 10_000
+    assert f"{np.abs(expected.motor_torque).max(axis=0)[1]:.4g} N m" in told
+
+
+@pytest.mark.parametrize(
+    ("arguments", "message"),
+    [
+        ([], "a CSV file TRAJECTORY is needed, or --q, one place"),
+        (["move.csv", "--q", "0,0,0,0,0,0"], "trajectory 'move.csv' is a motion already: --q, --v and --a do not go"),
+        (["--q", "0,0,0,0,0,0", "--output", "torques.csv"], "--output, --plot and --bandwidth are for a CSV file"),
+        (["--q", "0,0,0,0,0,0", "--bandwidth", "5"], "--output, --plot and --bandwidth are for a CSV file"),
+    ],
+)
+def test_torques_are_of_one_place_or_of_a_motion(arguments: list[str], message: str) -> None:
+    with pytest.raises(InputError, match=message):
+        CliRunner().invoke(app, ["torque", "xia2019", *arguments], catch_exceptions=False)
 
 
 def test_limits_that_a_motion_meets_are_said(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:

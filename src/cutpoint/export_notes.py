@@ -97,8 +97,7 @@ def _told(robot: Robot, name: str, shape: Sequence[int], per_drive: Collection[s
 
 def _unread(graph: Graph) -> set[str]:
     """Inputs that no result depends on."""
-    names = [port.name for port in graph.inputs for _ in range(port.size)]
-    return {*names} - {names[x.args[0]] for x in graph.nodes if x.op == "input"}
+    return {port.name for port in graph.inputs} - graph.inputs_read
 
 
 def _slopes_told(robot: Robot, name: str) -> str:

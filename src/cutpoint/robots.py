@@ -9,7 +9,8 @@ from pathlib import Path
 import numpy as np
 
 from cutpoint.model.build import build
-from cutpoint.model.mechanism import Array, Joint, Link, Mechanism
+from cutpoint.model.mechanism import Joint, Link, Mechanism
+from cutpoint.model.pose import pose
 from cutpoint.robot import Robot
 
 _DATA = Path(__file__).parent / "robots_data"
@@ -51,7 +52,7 @@ def xia2019_mechanism(as_printed: bool = False) -> Mechanism:
     heights = (*_CENTROIDS[:5], _CENTROID_6_AS_PRINTED) if as_printed else _CENTROIDS
     links = [_link(i, height) for i, height in enumerate(heights, start=1)]
     joints = [_joint(i) for i in range(1, 7)]
-    tool = Joint("tool_joint", "fixed", "link6", "tool", placement=_placement(_STRAIGHT, _TOOL))
+    tool = Joint("tool_joint", "fixed", "link6", "tool", placement=pose(_STRAIGHT, np.array(_TOOL)))
     return build("xia2019", [Link("base"), *links, Link("tool")], [*joints, tool])
 
 
@@ -63,11 +64,5 @@ def _link(i: int, height: float) -> Link:
 def _joint(i: int) -> Joint:
     """Without limits: the paper states none."""
     parent = f"link{i - 1}" if i > 1 else "base"
-    placement = _placement(_ORIENTATIONS[i - 1], _ORIGINS[i - 1])
+    placement = pose(_ORIENTATIONS[i - 1], np.array(_ORIGINS[i - 1]))
     return Joint(f"joint{i}", "continuous", parent, f"link{i}", placement=placement)
-
-
-def _placement(rotation: Array, origin: tuple[float, ...]) -> Array:
-    placement = np.eye(4)
-    placement[:3, :3], placement[:3, 3] = rotation, origin
-    return placement

@@ -90,6 +90,18 @@ def test_a_files_curve_is_kept_where_no_other_law_predicts_better(stated: Compli
     assert (found.unidentifiable.get("stiffness") == AS_STATED) == is_kept
 
 
+@pytest.mark.parametrize(("share", "is_kept"), [(1.0, True), (1.1, False), (0.9, False)])
+def test_a_catalogues_curve_is_kept_beside_one_of_its_kind(share: float, is_kept: bool):
+    """Torque ends within the second segment: other numbers than those that were fitted predict as well."""
+    truth, t = cutpoint.CatalogueSpring(10e3, 16e3, 30e3, 7.0, 25.0), np.arange(0.0, 20.0, 1e-3)
+    torque = 20.0 * np.sin(0.8 * np.pi * t) * np.cos(0.1 * np.pi * t)
+    theta = truth.deflection(torque) + 2e-5 * np.random.default_rng(1).normal(size=t.size)
+    stated = cutpoint.CatalogueSpring(*(share * x for x in vars(truth).values()))
+    nothing = {"orders": [], "hysteresis": False, "damping": False, "laws": ["catalogue"]}
+    found = two_encoders(theta, 0.0 * t, torque, 1e-3, RATIO, resolution=1e-5, stated=stated, **nothing)
+    assert (found.unidentifiable.get("stiffness") == AS_STATED) == is_kept
+
+
 def test_a_files_wave_generator_is_kept_beside_its_spring():
     spring = HarmonicSpring(cutpoint.Flexspline(16e3, 0.04), cutpoint.WaveGenerator(24e3, 0.1, RATIO, 1.0))
     nothing = {"orders": [], "hysteresis": False, "damping": False}

@@ -168,9 +168,7 @@ class Labelled:
 
 def test_numbers_with_names_are_refused_since_nothing_reads_these() -> None:
     arm = robot("xia2019")
-    with pytest.raises(
-        InputError, match=r"gravity_forces: q has labels \('joint6', .*\), which are not read: put"
-    ):
+    with pytest.raises(InputError, match=r"gravity_forces: q has labels \('joint6', .*\), which are not read: put"):
         arm.gravity_forces(Labelled([*reversed(arm.joints)]))
     assert np.array_equal(arm.gravity_forces(Labelled([*range(6)])), arm.gravity_forces(np.ones(6)))
 

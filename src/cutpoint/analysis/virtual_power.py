@@ -47,7 +47,7 @@ def virtual_power_flows(machine: Machine, state: list[Scalars], law: VDC, m: Mea
     excess = [wanted - have for wanted, have in zip(F_r, F, strict=True)]
     accounts: list[Account] = []
     for (segment, K, wanted, _), true, have, dF in zip(bodies, system.segments, moved, excess, strict=True):
-        lag = wanted.V + have.V * -1
+        lag = wanted.V - have.V
         lost = lag.power(_pull(segment, K, wanted, have))
         accounts.append((kinetic_energy(true.inertia, lag), lost, lag.power(dF)))
     # what joints give to the bodies between them

@@ -6,7 +6,6 @@ from typing import Annotated
 import typer
 from rich.console import Console
 
-import cutpoint
 from cutpoint.commands.shared import (
     Degrees,
     Drives,
@@ -20,7 +19,7 @@ from cutpoint.commands.shared import (
     check_targets,
     console,
     keep_picture,
-    numbers_of,
+    motion_of,
     robot_of,
     say_path,
 )
@@ -63,7 +62,7 @@ def check(
     check_targets(None, plot)
     check_target("json", json, (".json",))
     loaded = robot_of(robot, drives, mimic, lock, gravity, mend_inertia)
-    cycle = cycle_of(loaded, trajectory, bandwidth, (start, to), duration, degrees)
+    cycle = motion_of(loaded, trajectory, bandwidth, (start, to), duration, degrees)
     found = sizing(loaded, cycle, dwell=dwell, period=period, life=life)
     if json:
         found.save(json)
@@ -75,32 +74,6 @@ def check(
         console.print(sentence, highlight=False)
     if not found.holds:
         raise typer.Exit(3)
-
-
-def cycle_of(
-    robot: cutpoint.Robot,
-    file: Path | None,
-    bandwidth: float | None,
-    ends: tuple[str, str],
-    duration: float | None,
-    degrees: bool,
-) -> "cutpoint.trajectories.Trajectory":
-    """The motion of a file, or a cycloid between two ends."""
-    start, end = ends
-    if file is not None:
-        if start or end or duration is not None or degrees:
-            rule = "--to, --from, --duration and --degrees do not go with it; its first line names the units"
-            raise InputError(f"trajectory {str(file)!r} is a motion already: {rule}", path=file)
-        sliding = robot.mechanism.sliding
-        smoothed = cutpoint.trajectories.from_csv(file, robot.joints, bandwidth=bandwidth, sliding=sliding)
-        console.print(str(smoothed), soft_wrap=True, highlight=False)
-        return smoothed
-    if bandwidth is not None:
-        raise InputError("--bandwidth smooths the positions of a CSV file TRAJECTORY: leave it out")
-    if not end or duration is None:
-        raise InputError("a motion is needed: a CSV file TRAJECTORY, or --to with --duration")
-    places = {"start": numbers_of(robot, "from", start, degrees), "end": numbers_of(robot, "to", end, degrees)}
-    return cutpoint.trajectories.cycloid(duration=duration, **places)
 
 
 @app.command(epilog="Example: cutpoint drive CSG-20-100 --plot drive.png")

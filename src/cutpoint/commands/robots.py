@@ -27,13 +27,11 @@ from cutpoint.commands.shared import (
     say_notes,
 )
 from cutpoint.commands.tables import (
-    beyond_travel,
     drive_table,
     error_table,
     limits_met,
     modes_table,
     robot_table,
-    torque_table,
 )
 from cutpoint.door import check_configuration
 from cutpoint.errors import INTERRUPTED, InputError, SimulationError
@@ -59,29 +57,6 @@ def inspect(
     loaded = robot_of(robot, drives, mimic, lock, gravity, mend_inertia, floating_base=floating_base)
     console.print(robot_table(loaded))
     console.print(drive_table(loaded))
-
-
-@app.command(epilog="Example: cutpoint torque xia2019 --q 0,30,60,0,45,0 --degrees")
-def torque(
-    robot: RobotFile,
-    q: Annotated[str, typer.Option(help="Positions, rad (m), separated by commas, in the order of inspect.")],
-    v: Annotated[str, typer.Option(help="Speeds, rad/s; zero if not given.")] = "",
-    a: Annotated[str, typer.Option(help="Accelerations, rad/s2; zero if not given.")] = "",
-    drives: Drives = None,
-    degrees: Degrees = False,
-    mimic: Mimics = "independent",
-    lock: Locks = None,
-    gravity: Gravity = None,
-    mend_inertia: MendInertia = False,
-) -> None:
-    """Torques that hold or move a robot; with elastic drives, where their motors must stand."""
-    loaded = robot_of(robot, drives, mimic, lock, gravity, mend_inertia)
-    position, speed, acceleration = (numbers_of(loaded, *given, degrees) for given in (("q", q), ("v", v), ("a", a)))
-    check_configuration(loaded.mechanism, position.tolist())
-    still = np.zeros(len(loaded.joints))
-    torques = loaded.elastic_inverse_dynamics(position, speed, acceleration, still, still, quasi_rigid=True)
-    console.print(torque_table(loaded, position, speed, acceleration, torques))
-    say_notes(beyond_travel(loaded, position, position))
 
 
 @app.command(

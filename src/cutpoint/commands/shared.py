@@ -147,6 +147,32 @@ def numbers_of(robot: cutpoint.Robot, option: str, text: str, degrees: bool) -> 
     return np.where([name in sliding for name in robot.joints], numbers, np.radians(numbers))
 
 
+def motion_of(
+    robot: cutpoint.Robot,
+    file: Path | None,
+    bandwidth: float | None,
+    ends: tuple[str, str],
+    duration: float | None,
+    degrees: bool,
+) -> "cutpoint.trajectories.Trajectory":
+    """The motion of a file, or a cycloid between two ends."""
+    start, end = ends
+    if file is not None:
+        if start or end or duration is not None or degrees:
+            rule = "--to, --from, --duration and --degrees do not go with it; its first line names the units"
+            raise InputError(f"trajectory {str(file)!r} is a motion already: {rule}", path=file)
+        sliding = robot.mechanism.sliding
+        smoothed = cutpoint.trajectories.from_csv(file, robot.joints, bandwidth=bandwidth, sliding=sliding)
+        console.print(str(smoothed), soft_wrap=True, highlight=False)
+        return smoothed
+    if bandwidth is not None:
+        raise InputError("--bandwidth smooths the positions of a CSV file TRAJECTORY: leave it out")
+    if not end or duration is None:
+        raise InputError("a motion is needed: a CSV file TRAJECTORY, or --to with --duration")
+    places = {"start": numbers_of(robot, "from", start, degrees), "end": numbers_of(robot, "to", end, degrees)}
+    return cutpoint.trajectories.cycloid(duration=duration, **places)
+
+
 def _listed(option: str, text: str, count: int) -> Any:
     """Numbers separated by commas; none at all are zeros."""
     if not text.strip():

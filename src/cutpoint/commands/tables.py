@@ -107,6 +107,18 @@ def torque_table(robot: Robot, q: Array, v: Array, a: Array, u: ElasticTorques) 
     return table
 
 
+def motion_table(robot: Robot, log: "Log") -> Table:
+    """RMS and peaks along a motion."""
+    table = _table("torques along the motion, at the joint's side", "joint", "RMS joint torque", "peak joint torque",
+                   "RMS motor torque", "peak motor torque", "peak speed")  # fmt: skip
+    torques = [take(name) for name in ("joint_torque", "motor_torque") for take in (log.rms, log.max)]
+    for name, slides, speed, *found in zip(robot.joints, _slides(robot), log.max("v"), *torques, strict=True):
+        unit, rate = ("N", "m/s") if slides else ("N m", "rad/s")
+        table.add_row(name, *(f"{x:.4g} {unit}" for x in found), f"{speed:.4g} {rate}")
+    table.caption = "the motor's torque is with friction, rotor and kinematic error"
+    return table
+
+
 def _without_rounding(numbers: Array) -> Array:
     """N m (N) or rad (m): zero where no more is left than rounding leaves beside the largest, or below 1e-14."""
     return np.where(np.abs(numbers) > max(1e-13 * np.abs(numbers).max(initial=0.0), 1e-14), numbers, 0.0)

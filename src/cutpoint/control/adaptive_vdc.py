@@ -159,5 +159,5 @@ class AdaptiveVDC(VDC):
 
 def body_powers(own: BodyMotion, wanted: BodyMotion) -> list[Scalar]:
     """The power that a unit of each of a body's ten parameters misses, W: W^T (V_r - V).  Zhu (2010) eq. (3.49)."""
-    lag = wanted.V + own.V * -1
+    lag = wanted.V - own.V
     return [lag.power(Y) for Y in body_regressor(wanted.A, own.V.angular, wanted.V.angular)]

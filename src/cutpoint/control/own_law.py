@@ -175,6 +175,4 @@ def _refuse(law: Any, told: str) -> NoReturn:
 
 def _reads(graph: Graph) -> tuple[str, ...]:
     """Measurements among the inputs that the results need."""
-    names = [port.name for port in graph.inputs for _ in range(port.size)]
-    needed = {names[x.args[0]] for x in graph.nodes if x.op == "input"}
-    return tuple(name for name in SENSED if name in needed)
+    return tuple(name for name in SENSED if name in graph.inputs_read)

@@ -181,7 +181,7 @@ def elastic_loops(robot: Robot) -> bool:
 
 def _rigid_at(robot: Robot, name: str, q: ArrayLike, v: ArrayLike, a: Array) -> InverseDynamicsDerivatives:
     """Those of inverse dynamics at the accelerations that a function of this name has found."""
-    compiled_of(robot).has_no_kernel(f"{name}_derivatives")
+    compiled_of(robot).remember_as_loops(f"{name}_derivatives")
     try:
         return inverse_dynamics(robot, q, v, a)
     except InputError as error:

@@ -134,8 +134,8 @@ class Compiled:
         """Whether a function runs as loops over bodies."""
         return loops_take(key, self.machine, self._backend)
 
-    def has_no_kernel(self, name: str) -> None:
-        """Keeps in mind what users are told who ask for it."""
+    def remember_as_loops(self, name: str) -> None:
+        """That it has no kernel, for the error that asking for one raises."""
         self._loops[name] = None
 
     @cached_property

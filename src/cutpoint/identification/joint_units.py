@@ -3,21 +3,8 @@
 import re
 from collections.abc import Iterable
 
+from cutpoint.model.units import SLIDING
 from cutpoint.robot import Robot
-
-SLIDING = {
-    "N m": "N",
-    "N m/rad": "N/m",
-    "N m s/rad": "N s/m",
-    "1/(N m)": "1/N",
-    "N m/A": "N/A",
-    "kg m2": "kg",
-    "rad": "m",
-    "rad/s": "m/s",
-    "mrad": "mm",
-    "µrad": "µm",
-}
-"""What stands, of a joint that slides, for a unit of one that turns."""
 
 _TURNING = re.compile(rf"(?<![\w/])({'|'.join(map(re.escape, sorted(SLIDING, key=len, reverse=True)))})(?![\w/])")
 

@@ -188,7 +188,7 @@ def motor_torque(
     if drive.compliance is not None:
         torque = torque + drive.reflected_inertia * theta.derivative(2)
     if spin:
-        torque = torque + value_of(spin.torque(moved[spin.carrier].A.angular))
+        torque = torque + value_of(spin.along(moved[spin.carrier].A.angular))
     return torque
 
 

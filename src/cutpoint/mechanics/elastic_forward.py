@@ -128,6 +128,6 @@ def driven_accelerations(
             alpha[d.segment] = rotors[d.segment].alpha + rotors[d.segment].follows * a[d.v]
     for spin in system.spins:  # relative to its carrier: off goes what that turns the rotor by
         if spin.elastic:
-            turned = spin.torque(A[spin.carrier].angular) * rotors[spin.joint].mobility
+            turned = spin.along(A[spin.carrier].angular) * rotors[spin.joint].mobility
             alpha[spin.joint] = alpha[spin.joint] - turned
     return ElasticAccelerations(a, [alpha[d.segment] for d in drives])

@@ -21,7 +21,7 @@ def kinetic_energy(system: System, q: Scalars, v: Scalars) -> Scalar:
         total = total + I_m * v_i * v_i / 2
     for spin in system.spins:
         if not spin.elastic:
-            total = total + spin.torque(V[spin.carrier].angular) * system.segments[spin.joint].speeds(v)[0]
+            total = total + spin.along(V[spin.carrier].angular) * system.segments[spin.joint].speeds(v)[0]
     return total
 
 
@@ -40,7 +40,7 @@ def carried_energy(system: System, q: Scalars, v: Scalars, rotors: Mapping[int, 
     rotors: their speeds over ratio, by the segment that they drive.
     """
     V = body_velocities(system, q, v)
-    turned = (spin.torque(V[spin.carrier].angular) * rotors[spin.joint] for spin in system.spins if spin.elastic)
+    turned = (spin.along(V[spin.carrier].angular) * rotors[spin.joint] for spin in system.spins if spin.elastic)
     return sum(turned, 0)
 
 

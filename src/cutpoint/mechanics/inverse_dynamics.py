@@ -162,7 +162,7 @@ def rotor_efforts(
             alpha = carrier.A.angular
             if actual is not None:
                 alpha = alpha + actual[spin.carrier].V.angular.cross(carrier.V.angular)
-            tau[k] = tau[k] + spin.torque(alpha)
+            tau[k] = tau[k] + spin.along(alpha)
     return tau
 
 
@@ -227,7 +227,7 @@ def _sums(x: Scalars, y: Scalars) -> list[Scalar]:
 
 def pull(body: Segment, K: Gain, V_r: Motion, V: Motion) -> Wrench:
     """K (V_r - V), K in the body's own axes.  Xia (2019) eqs. (15)-(17)."""
-    lag = [*body.in_own_axes(V_r + V * -1)]
+    lag = [*body.in_own_axes(V_r - V)]
     pulled = [sum((k * x for k, x in zip(row, lag, strict=True)), 0) for row in K]
     R_T = body.turn.T
     return Wrench(R_T @ Vec3(*pulled[:3]), R_T @ Vec3(*pulled[3:]))

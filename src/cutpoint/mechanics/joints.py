@@ -30,7 +30,7 @@ X, Y, Z, TURN_X, TURN_Y, TURN_Z = (tuple(int(j == k) for j in range(6)) for k in
 
 @dataclass(frozen=True)
 class JointKind:
-    """What every kind offers, as a joint whose coordinates are its speeds' integrals has it."""
+    """What every kind offers; the defaults are for coordinates that are integrals of the speeds."""
 
     coordinates: ClassVar[int] = 1
     fixed_axes: ClassVar[tuple[Axis, ...]] = ()

@@ -34,7 +34,7 @@ def rotor_coupling(system: System, q: Scalars) -> dict[int, list[Scalar]]:
     """
     columns = velocity_columns(system, joint_poses(system, q))
     return {
-        spin.joint: [spin.torque(columns[spin.carrier].get(j, STILL).angular) for j in range(system.nv)]
+        spin.joint: [spin.along(columns[spin.carrier].get(j, STILL).angular) for j in range(system.nv)]
         for spin in system.spins
         if spin.elastic
     }
@@ -44,10 +44,12 @@ def _add_spins(system: System, X: list[Pose], M: list[list[Scalar]]) -> None:
     """What a rigidly geared rotor's acceleration asks of each joint that turns its carrier, and the other way round."""
     columns = velocity_columns(system, X)
     for spin in system.spins:
+        if spin.elastic:
+            continue
         k = system.segments[spin.joint].v.start
-        for j, V in ({} if spin.elastic else columns[spin.carrier]).items():
-            M[k][j] = M[k][j] + spin.torque(V.angular)
-            M[j][k] = M[j][k] + spin.torque(V.angular)
+        for j, V in columns[spin.carrier].items():
+            M[k][j] = M[k][j] + spin.along(V.angular)
+            M[j][k] = M[j][k] + spin.along(V.angular)
 
 
 def _add_row(system: System, X: list[Pose], composite: Inertia, i: int, M: list[list[Scalar]]) -> None:

@@ -36,9 +36,12 @@ class Spin:
         momentum = self.axis * (self.geared * speed)
         return Wrench(ZERO, self.axis * (self.geared * acceleration) + omega.cross(momentum))
 
-    def torque(self, alpha: Vec3) -> Scalar:
-        """What the carrier's angular acceleration asks of the motor, N m at the joint's side.  Xia (2019) eq. (4)."""
-        return self.geared * self.axis.dot(alpha)
+    def along(self, omega: Vec3) -> Scalar:
+        """J ratio times what the carrier turns along the axis: angular momentum of the rotor, at the joint's side.
+
+        Of an angular acceleration, what it asks of the motor, N m.  Xia (2019) eq. (4).
+        """
+        return self.geared * self.axis.dot(omega)
 
 
 def axis_of(placement: Pose) -> Vec3:

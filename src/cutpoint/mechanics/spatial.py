@@ -87,6 +87,7 @@ class Motion:
     angular: Vec3
 
     def __add__(self, W: "Motion") -> "Motion": return Motion(self.linear + W.linear, self.angular + W.angular)
+    def __sub__(self, W: "Motion") -> "Motion": return Motion(self.linear - W.linear, self.angular - W.angular)
     def __mul__(self, s: Scalar) -> "Motion": return Motion(self.linear * s, self.angular * s)
     def __iter__(self) -> Iterator[Any]: return iter((*self.linear, *self.angular))
 

@@ -29,7 +29,7 @@ def pushed(columns: Columns, order: Order) -> Pass:
     def pushes(row: Any, carrier: Any, motor_torque: Any) -> Any:
         own, A = columns.subsystem(row), motion_of(order.scalars(carrier)[3:])
         assert own.behind is not None
-        (first, *_) = order.packed([own.behind.torque(A.angular)])
+        (first, *_) = order.packed([own.behind.along(A.angular)])
         return [motor_torque[0] + first]
 
     return Pass("outward", Stage(pushes, ("body", "carrier", "motor_torque"), ("motor_torque",)))

@@ -66,7 +66,7 @@ def forward_dynamics(columns: Columns) -> Steps:
     def yields(row: Any, turned: Any, v: Any, tau: Any, resistance: Any, carrier: Any, carried: Any, borne: Any) -> Any:
         own, (M, P), (M_p, P_p), left = along(row, turned), resistance_of(resistance), resistance_of(borne), tau[0]
         if own.spin:
-            left = left - own.spin.torque(motion_of(carried).angular)
+            left = left - own.spin.along(motion_of(carried).angular)
             P_p = P_p + own.spin.reaction(Vec3(*carrier), v[0], 0)
         M_p, P_p, step = give_way(own, M, P, left, M_p, P_p)
         return [step.own], step.share, packed_resistance(M_p, P_p)

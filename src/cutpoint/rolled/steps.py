@@ -44,7 +44,7 @@ def inverse_dynamics(columns: Columns, order: Order = PLAIN) -> Steps:
         tau, handed = own.body.joint.effort(F)[0] + own.armature * acceleration, X.inward(F)
         if own.spin:
             parent = _moving(order.scalars(carrier))
-            tau = tau + own.spin.torque(parent.A.angular)
+            tau = tau + own.spin.along(parent.A.angular)
             handed = handed + own.spin.reaction(parent.V.angular, speed, acceleration)
         return order.packed([tau]), order.packed(wrench_of(order.scalars(borne)) + handed)
 

@@ -25,7 +25,7 @@ def kinetic_energy(columns: Columns) -> Steps:
     def share(own: Subsystem, X: Pose, V: Motion, v: Scalars, above: Pose, carrier: Motion) -> list[Scalar]:
         turning = own.armature * v[0] * v[0] / 2
         if own.spin:
-            turning = turning + own.spin.torque(carrier.angular) * v[0]
+            turning = turning + own.spin.along(carrier.angular) * v[0]
         return [rigid_body.kinetic_energy(own.body.inertia, V) + turning]
 
     return _total(columns, share, 1, lambda total, gravity: total, ())

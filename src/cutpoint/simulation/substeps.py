@@ -22,7 +22,7 @@ Array = NDArray[np.float64]
 
 
 class Longest(NamedTuple):
-    """Largest step of an accuracy: times each rate, and in s.
+    """Bounds on the step of an accuracy: on the step times each kind of rate, and on the step itself, s.
 
     mode: of the fastest drive mode, rad.  decay: of the fastest decay that is not taken implicitly.  reversal: of that
     by bristles that turn back; of 6 they never do.  growth: of the fastest growth where friction falls with speed.

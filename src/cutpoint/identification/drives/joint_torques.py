@@ -11,6 +11,7 @@ from cutpoint.identification.conditioning.filtering import derivative, low_pass,
 from cutpoint.identification.drives.rotor import SMOOTHEST, RotorEstimate, late
 from cutpoint.identification.drives.spring_estimate import SpringEstimate
 from cutpoint.mechanics.friction import Coulomb
+from cutpoint.mechanics.presliding import sliding_of
 from cutpoint.model.drive import Drive, Friction
 from cutpoint.robot import Robot
 
@@ -46,7 +47,7 @@ def beyond_coulomb(law: Friction | None, speed: Array, load: Array) -> Array:
 
     speed: (N,), rad/s.  load: (N,), N m, what the drive bears.
     """
-    known: Any = getattr(law, "sliding", law)
+    known: Any = sliding_of(law)
     if known is None:
         return np.zeros_like(speed)
     plain = Coulomb(known.coulomb, known.viscous, known.smoothing, grease=known.grease)
@@ -55,8 +56,8 @@ def beyond_coulomb(law: Friction | None, speed: Array, load: Array) -> Array:
 
 def smoothing_of(drive: Drive, otherwise: float) -> float:
     """rad/s over which friction changes sign, as its drive states it on either side."""
-    stated: Any = drive.link_friction or drive.motor_friction
-    return float(getattr(stated, "sliding", stated).smoothing) if stated else max(otherwise, np.finfo(float).tiny)
+    stated = sliding_of(drive.link_friction or drive.motor_friction)
+    return float(stated.smoothing) if stated else max(otherwise, np.finfo(float).tiny)
 
 
 def torque_left(

@@ -15,6 +15,7 @@ from cutpoint.identification.drives.law_choice import block_errors, simplest
 from cutpoint.identification.drives.scatter import SIGNIFICANT, covariance
 from cutpoint.identification.drives.spring_estimate import FEWEST_TURNS, SpringEstimate, estimate_of
 from cutpoint.identification.drives.spring_laws import LAWS, SpringLaw, as_stated
+from cutpoint.mechanics.catalogue import CatalogueSpring
 from cutpoint.model.drive import Compliance
 
 Array = NDArray[np.float64]
@@ -69,8 +70,8 @@ def two_encoders(
     and each of its stiffnesses must be more than 4 of its standard deviations.
     Elements of hysteresis start without strain at the first sample.
     reading: how the torque was read, and what is not known of it.
-    stated: the spring of a file.  If it is of another law than the best, predicts as well and is as stiff, it counts:
-    then "stiffness" is not told.
+    stated: the spring of a file.  If it is of another law than the best, or a catalogue's, predicts as well and is as
+    stiff, it counts: then "stiffness" is not told.
 
     Raises:
         InputError: shapes, an unknown law, too few samples, or channels that do not move.
@@ -85,8 +86,8 @@ def two_encoders(
     found = estimate_of(
         data, rivals, tuple(kept), tuple(reading.unknowns), turns, prediction, hysteresis=hysteresis, damping=damping
     )
-    is_another = stated is not None and type(stated) is not type(found.compliance)
-    if is_another and _is_as_good(data, as_stated(stated), rivals[offered[-1]], kept, offered[-1], damping):
+    apart = as_stated(stated) if stated and _is_apart(stated, found.compliance) else None
+    if apart and _is_as_good(data, apart, rivals[offered[-1]], kept, offered[-1], damping):
         found = replace(found, unidentifiable={"stiffness": AS_STATED, **found.unidentifiable})
     return found
 
@@ -159,6 +160,12 @@ def _best_law(
     errors = {name: block_errors(fit) for name, fit in fits.items()}
     told = {name: each for name, each in errors.items() if _tells_stiffness(fits[name])}
     return fits[simplest(told or errors)], {name: float(np.sqrt(np.mean(each))) for name, each in errors.items()}
+
+
+def _is_apart(stated: Compliance, found: Compliance) -> bool:
+    """Whether a file's curve holds more than one that was found has: another law, or where segments meet, which only
+    torque far beyond tells surely."""
+    return type(stated) is not type(found) or isinstance(stated, CatalogueSpring)
 
 
 def _is_as_good(

@@ -93,8 +93,8 @@ def _panels(count: int, height: float) -> tuple[Figure, list[Axes]]:
 
 
 def _law(found: DriveEstimate) -> Any:
-    """The model's where it was told, with what its drive states beside it."""
-    return found.spring.compliance if "stiffness" in found.unidentifiable else found.drive.compliance
+    """The model's; of a drive that stays rigid there, what was found."""
+    return found.drive.compliance or found.spring.compliance
 
 
 def wave_picture(robot: Robot, found: Mapping[str, Bending]) -> Figure:

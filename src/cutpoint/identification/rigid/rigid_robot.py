@@ -11,6 +11,7 @@ from cutpoint.identification.conditioning.motion import Motion, sliding_speeds
 from cutpoint.identification.rigid.bodies import with_parameters
 from cutpoint.identification.rigid.regression import CHUNK
 from cutpoint.mechanics.friction import Coulomb, Sliding
+from cutpoint.mechanics.presliding import sliding_of
 from cutpoint.model.drive import Drive, Friction, Rotor
 from cutpoint.robot import Robot
 
@@ -94,8 +95,8 @@ def stated_laws(robot: Robot, motion: Motion) -> dict[str, Sliding]:
     """The sliding law of each joint's drive, of two the one that knows more; Coulomb's where it states none."""
     found = coulomb_laws(robot, sliding_speeds(robot, motion))
     for joint, drive in robot.drives.items():
-        sides: list[Any] = [drive.link_friction, drive.motor_friction]
-        stated: list[Sliding] = [getattr(law, "sliding", law) for law in sides if law is not None]
+        sides = sliding_of(drive.link_friction), sliding_of(drive.motor_friction)
+        stated = [law for law in sides if law is not None]
         found[joint] = max(stated, key=_effects, default=found[joint])
     return found
 
@@ -130,7 +131,7 @@ def _sides(drive: Drive, coefficient: str) -> dict[str, float]:
     found: dict[str, float] = {}
     for side in ("link_friction", "motor_friction"):
         law: Any = getattr(drive, side)
-        law = getattr(law, "sliding", law)
+        law = sliding_of(law)
         value = getattr(law, coefficient, getattr(law, "coulomb", None) if coefficient == "static" else None)
         if value is not None:
             found[side] = float(value)

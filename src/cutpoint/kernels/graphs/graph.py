@@ -39,6 +39,12 @@ class Graph:
         return tuple(reach(self.results))
 
     @cached_property
+    def inputs_read(self) -> frozenset[str]:
+        """Names of the inputs that some result depends on."""
+        names = [port.name for port in self.inputs for _ in range(port.size)]
+        return frozenset(names[x.args[0]] for x in self.nodes if x.op == "input")
+
+    @cached_property
     def operations(self) -> dict[str, int]:
         """How many operations of each kind the graph holds, the most frequent first."""
         return dict(Counter(x.op for x in self.nodes if x.op != "input").most_common())

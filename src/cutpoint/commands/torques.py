@@ -1,0 +1,100 @@
+"""Torques of a robot: at one place, or along a motion."""
+
+from pathlib import Path
+from typing import Annotated
+
+import numpy as np
+import typer
+
+import cutpoint
+from cutpoint.commands.shared import (
+    Degrees,
+    Drives,
+    Gravity,
+    Locks,
+    MendInertia,
+    Mimics,
+    RobotFile,
+    app,
+    check_targets,
+    console,
+    keep,
+    motion_of,
+    numbers_of,
+    robot_of,
+    say_notes,
+)
+from cutpoint.commands.tables import beyond_travel, motion_table, torque_table
+from cutpoint.door import check_configuration, positive
+from cutpoint.errors import InputError
+from cutpoint.model.units import SLIDING
+
+CHANNELS = {
+    "q": "rad", "v": "rad/s", "a": "rad/s2", "joint_torque": "N m", "motor_torque": "N m", "theta": "rad",
+    "theta_dot": "rad/s",
+}  # fmt: skip
+"""Of a motion's log, in units of joints that turn."""
+
+
+@app.command(epilog="Example: cutpoint torque xia2019 --q 0,30,60,0,45,0 --degrees")
+def torque(
+    robot: RobotFile,
+    trajectory: Annotated[
+        Path | None, typer.Argument(metavar="TRAJECTORY", help="CSV file of a motion: time, and positions by joint.")
+    ] = None,
+    q: Annotated[
+        str, typer.Option(help="Without a file: positions, rad (m), separated by commas, in the order of inspect.")
+    ] = "",
+    v: Annotated[str, typer.Option(help="Speeds there, rad/s; zero if not given.")] = "",
+    a: Annotated[str, typer.Option(help="Accelerations there, rad/s2; zero if not given.")] = "",
+    drives: Drives = None,
+    degrees: Degrees = False,
+    mimic: Mimics = "independent",
+    lock: Locks = None,
+    gravity: Gravity = None,
+    mend_inertia: MendInertia = False,
+    bandwidth: Annotated[
+        float | None, typer.Option(help="To which a file's positions are smoothed, Hz; 10, or as samples allow.")
+    ] = None,
+    period: Annotated[float, typer.Option(help="Between samples along a file's motion, s.")] = 1e-3,
+    output: Annotated[
+        Path | None, typer.Option(metavar="FILE", help="Save a motion's torques, with motors' motion: .npz or .csv.")
+    ] = None,
+    plot: Annotated[
+        Path | None, typer.Option(metavar="FILE", help="Save a picture of them: .png, .pdf or .svg.")
+    ] = None,
+) -> None:
+    """Torques that hold or move a robot; with elastic drives, where their motors must stand."""
+    check_targets(output, plot)
+    loaded = robot_of(robot, drives, mimic, lock, gravity, mend_inertia)
+    if trajectory is not None:
+        if q or v or a:
+            raise InputError(f"trajectory {str(trajectory)!r} is a motion already: --q, --v and --a do not go with it")
+        log = torques_along(loaded, motion_of(loaded, trajectory, bandwidth, ("", ""), None, degrees), period)
+        keep(log, output, plot)
+        console.print(motion_table(loaded, log))
+        return say_notes(beyond_travel(loaded, log["q"].min(axis=0), log["q"].max(axis=0)))
+    if not q:
+        raise InputError("torque: a CSV file TRAJECTORY is needed, or --q, one place")
+    if output or plot or bandwidth is not None:
+        raise InputError("torque: --output, --plot and --bandwidth are for a CSV file TRAJECTORY: leave them out")
+    position, speed, acceleration = (numbers_of(loaded, *given, degrees) for given in (("q", q), ("v", v), ("a", a)))
+    check_configuration(loaded.mechanism, position.tolist())
+    still = np.zeros(len(loaded.joints))
+    torques = loaded.elastic_inverse_dynamics(position, speed, acceleration, still, still, quasi_rigid=True)
+    console.print(torque_table(loaded, position, speed, acceleration, torques))
+    say_notes(beyond_travel(loaded, position, position))
+
+
+def torques_along(
+    robot: cutpoint.Robot, trajectory: "cutpoint.trajectories.Trajectory", period: float
+) -> "cutpoint.Log":
+    """What the motors must do along a motion, every `period` s; full rotor coupling as `quasi_rigid` says."""
+    positive("torque", "--period", period)
+    times = np.linspace(0.0, trajectory.duration, max(2, int(np.ceil(trajectory.duration / period - 1e-9)) + 1))
+    motion = trajectory.derivatives(times, 4)
+    u = robot.elastic_inverse_dynamics(*motion, quasi_rigid=True)
+    found = (*motion[:3], u.joint_torque, u.motor_torque, u.theta, u.theta_dot)
+    slides = [joint in robot.mechanism.sliding for joint in robot.joints]
+    units = {name: tuple(SLIDING[unit] if each else unit for each in slides) for name, unit in CHANNELS.items()}
+    return cutpoint.Log(times, dict(zip(CHANNELS, found, strict=True)), units, robot.joints)

@@ -1,0 +1,16 @@
+"""Units at the side of a joint that slides."""
+
+SLIDING = {
+    "N m": "N",
+    "N m/rad": "N/m",
+    "N m s/rad": "N s/m",
+    "1/(N m)": "1/N",
+    "N m/A": "N/A",
+    "kg m2": "kg",
+    "rad": "m",
+    "rad/s": "m/s",
+    "rad/s2": "m/s2",
+    "mrad": "mm",
+    "µrad": "µm",
+}
+"""What stands, of a joint that slides, for a unit of one that turns."""
