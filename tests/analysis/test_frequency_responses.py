@@ -116,3 +116,12 @@ def test_a_frequency_that_is_an_undamped_resonance_is_refused():
         with pytest.raises(InputError, match=r"Hz is an undamped resonance; shift it a little, or state a damping"):
             frequency_response(model, [1.0, f], joint)
         assert np.isfinite(frequency_response(model, [1.0, 1.001 * f], joint).motor_velocity).all()
+
+
+@pytest.mark.parametrize("damping", [0.005, 0.05])
+def test_a_resonance_of_a_light_link_is_marked_though_its_zero_is_near(damping):
+    """Rotor over link is 256, so that they lie 0.2 % apart: the motor hardly shows it, the link does."""
+    found = frequency_response(sprung(wheel(1e-3), 0.256, 1e4, damping).linearize([0.0]), [100.0, 1000.0], "axle")
+    locked = np.sqrt(1e4 / 1e-3) / (2 * np.pi)
+    assert found.antiresonances == pytest.approx([locked], rel=1e-5)
+    assert found.resonances == pytest.approx([locked * np.sqrt(1 + 1e-3 / 0.256)], rel=1e-5)

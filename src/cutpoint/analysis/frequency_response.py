@@ -16,7 +16,13 @@ HAS_A_PEAK = 1 / np.sqrt(2)
 """A second-order resonance damped more than this has no peak over frequency."""
 
 CANCELS = 0.005
-"""Distance of a pole and a zero, relative to their frequency, below which they leave no mark on a response."""
+"""Distance of a pole and a zero, relative to their frequency, below which they leave no mark on a motor's velocity."""
+
+SHOWN = 0.1
+"""Of the largest residue, what a pole has in the link's velocity if it leaves a mark there."""
+
+BESIDE = 1e-6
+"""Distance from a pole, relative to its frequency, at which its residue is read."""
 
 
 UNDAMPED = 1e-9
@@ -33,7 +39,8 @@ class FrequencyResponse:
         motor_velocity, link_velocity: (F,) complex, (rad/s)/(N m) at the joint's side; (m/s)/N on a prismatic joint.
         resonances: Hz, ascending, of the robot's poles in this band that are damped little enough for a peak.
         antiresonances: Hz, the same of the zeros of motor_velocity: what still swings when this motor is locked.
-            A pole and a zero within CANCELS of each other are a mode that this motor hardly moves: neither is listed.
+            A pole and a zero within CANCELS of each other are a mode that this motor hardly moves: neither is listed,
+            unless the link's velocity shows it.
     """
 
     joint: str
@@ -66,8 +73,10 @@ def frequency_response(model: LinearModel, frequencies: ArrayLike, joint: str) -
     poles = _poles(model.A)
     _check_no_pole(f, poles)
     x = np.array([np.linalg.solve(2j * np.pi * each * np.eye(len(b)) - model.A, b) for each in f])
-    swinging = (_sharp(poles), _sharp(motor_locked(model.A, b, model.C[motor])))
-    marks = [np.sort(np.abs(s)) / (2 * np.pi) for s in _without_pairs(*swinging)]
+    swinging = _sharp(poles)
+    shown = _shown(model.A, b, model.C[link], swinging)
+    left = _without_pairs(swinging, _sharp(motor_locked(model.A, b, model.C[motor])), shown)
+    marks = [np.sort(np.abs(s)) / (2 * np.pi) for s in left]
     marks = [each[(each >= f.min()) & (each <= f.max())] for each in marks]
     return FrequencyResponse(joint, f, x @ model.C[motor], x @ model.C[link], *marks)
 
@@ -89,16 +98,26 @@ def _sharp(s: ComplexArray) -> ComplexArray:
     return s[(s.imag > 0) & (np.abs(s.real) < HAS_A_PEAK * np.abs(s))]
 
 
-def _without_pairs(poles: ComplexArray, zeros: ComplexArray) -> tuple[ComplexArray, ComplexArray]:
-    """What is left when each zero cancels the nearest pole, if there is one close to it."""
-    left, kept = [*poles], []
+def _shown(A: Array, b: Array, c: Array, poles: ComplexArray) -> NDArray[np.bool_]:
+    """Whether each pole leaves a mark on c (s - A)^-1 b."""
+    steps = BESIDE * np.abs(poles)
+    unit = np.eye(len(b))
+    residues = [abs(h * (c @ np.linalg.solve((s + h) * unit - A, b))) for s, h in zip(poles, steps, strict=True)]
+    return np.array(residues) > SHOWN * max(residues, default=0.0)
+
+
+def _without_pairs(
+    poles: ComplexArray, zeros: ComplexArray, shown: NDArray[np.bool_]
+) -> tuple[ComplexArray, ComplexArray]:
+    """What is left when each zero cancels the nearest pole that is not shown, if there is one close to it."""
+    left, kept = [*poles[~shown]], []
     for zero in zeros:
         near = min(left, key=lambda pole: abs(pole - zero), default=np.inf)
         if abs(near - zero) < CANCELS * abs(zero):
             left.remove(near)
         else:
             kept.append(zero)
-    return np.array(left, complex), np.array(kept, complex)
+    return np.array([*left, *poles[shown]], complex), np.array(kept, complex)
 
 
 def _check_no_pole(f: Array, poles: ComplexArray) -> None:
