@@ -55,6 +55,7 @@ def test_names_are_printed_as_they_are_whatever_brackets_and_colons_they_hold(
     Path("arm.urdf").write_text(ONE_JOINT.format(joint=joint), encoding="utf-8")
     described = printed("inspect", "arm.urdf")
     assert described.count(f"│ {joint} ") == 2 and "[/]arm:eyes:" in described and "a[red]" in described
+    assert f"\nframes: {joint!r}, " in described
     assert f"│ {joint} " in printed("torque", "arm.urdf", "--q", "0.1")
     options = ("--to", "0.01", "--duration", "0.02", "--feedforward", "rigid", "--output", "l[b]og.npz")
     told = printed("simulate", "arm.urdf", *options)

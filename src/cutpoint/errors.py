@@ -63,15 +63,22 @@ def unknown_name(kind: str, name: str, known: Collection[str], **kwargs: Any) ->
 
 
 def those_that_exist(name: str, known: Iterable[str]) -> str:
-    """The end of a message about an unknown name: which names there are, or which of many come near."""
+    """The end of a message about an unknown name: which names there are, and which come near; of many these alone."""
     known = list(known)
-    many = {one.casefold(): one for one in known} if len(known) > LONG_LIST else {}
-    asked = str(name).casefold()[:LONGEST_GUESS]
-    near = [one for one in many if asked and one.startswith(asked)][:MOST_GUESSED]
-    near = near or difflib.get_close_matches(asked, many, MOST_GUESSED)
-    if near:
-        return f"did you mean {' or '.join(repr(many[one]) for one in near)}?"
-    return f"there are: {listed(known)}" if known else "there are none"
+    if not known:
+        return "there are none"
+    near, are_many = close_to(name, known), len(known) > LONG_LIST
+    meant = f"did you mean {' or '.join(map(repr, near))}?" if near else ""
+    return meant if meant and are_many else "; ".join(filter(None, [f"there are: {listed(known)}", meant]))
+
+
+def close_to(name: Any, known: Iterable[str]) -> list[str]:
+    """Names that a wrong one begins, or is much like, whatever its capitals; none to what is no name."""
+    if not isinstance(name, str):
+        return []
+    folded, asked = {one.casefold(): one for one in known}, name.casefold()[:LONGEST_GUESS]
+    begun = [one for one in folded if asked and one.startswith(asked)][:MOST_GUESSED]
+    return [folded[one] for one in begun or difflib.get_close_matches(asked, folded, MOST_GUESSED)]
 
 
 def listed(names: Iterable[str], separator: str = ", ") -> str:

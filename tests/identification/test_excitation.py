@@ -211,6 +211,15 @@ def test_when_time_is_up_the_best_so_far_is_returned() -> None:
     assert {use.kind for use in short.limits} == {"position", "speed", "torque"}
 
 
+def test_a_share_of_the_travel_keeps_clear_of_stops() -> None:
+    whole, some = (excitation(two_joints(), 5.0, 4, seconds=0.1, starts=1, travel=share) for share in (1.0, 0.8))
+    for own, less in zip(whole.limits, some.limits, strict=True):
+        if own.kind == "position":
+            middle, half = (own.low + own.high) / 2.0, 0.8 * (own.high - own.low) / 2.0
+            assert (less.low, less.high) == pytest.approx((middle - half, middle + half))
+            assert less.low - 1e-6 <= less.least and less.largest <= less.high + 1e-6
+
+
 @pytest.mark.parametrize(
     ("text", "why"),
     [
@@ -241,6 +250,8 @@ def test_a_file_that_tells_of_something_else_is_refused_by_its_name(tmp_path: Pa
         ({"boxes": {"lower": ([0, 0, 0], [1, -1, 1])}}, r"is empty"),
         ({"boxes": {"lower": (0.0, [1, 2])}}, r"three numbers"),
         ({"position": (1.0, 1.0)}, r"joint 'shoulder': position limits 1 and 1"),
+        ({"travel": 1.1}, r"excitation: travel 1.1 must be at most 1, all of what limits leave"),
+        ({"travel": 0.0}, r"excitation: travel 0.0 must be positive"),
         ({"speed": [1.0, -1.0]}, r"joint 'elbow': speed limit -1"),
         ({"torque": np.nan}, r"torque limit is NaN"),
         ({"acceleration": [1.0, 2.0, 3.0]}, r"acceleration limit must be a number, or 2"),

@@ -42,6 +42,9 @@ def excite(
     criterion: Annotated[
         Literal["determinant", "condition"], typer.Option(help="Largest det(W^T W) or smallest condition number of W.")
     ] = "determinant",
+    travel: Annotated[
+        float, typer.Option(help="Share of what position limits leave that is used: 0.9 keeps clear of stops.")
+    ] = 1.0,
     speed: Annotated[
         float | None, typer.Option(help="Largest speed of every joint, rad/s (m/s): below what robot and drives state.")
     ] = None,
@@ -71,8 +74,8 @@ def excite(
     boxes = _boxes(loaded, box, frame)
     check_target_folder(output, "--output")
     found = excitation(
-        loaded, duration, harmonics, base_frequency, criterion=criterion, speed=speed, acceleration=acceleration,
-        torque=torque, boxes=boxes, seconds=seconds, resume=output / FILES[1],
+        loaded, duration, harmonics, base_frequency, criterion=criterion, travel=travel, speed=speed,
+        acceleration=acceleration, torque=torque, boxes=boxes, seconds=seconds, resume=output / FILES[1],
     )  # fmt: skip
     saved = save(found, output)
     console.print(table_of(found))

@@ -7,7 +7,7 @@ from typing import Any, TypeVar, get_args
 from pydantic import ValidationError
 from pydantic.fields import FieldInfo
 
-from cutpoint.errors import ModelError, listed
+from cutpoint.errors import ModelError, close_to, listed
 from cutpoint.formats.safe_yaml import YamlDocument, YamlPath
 from cutpoint.formats.sheet import Sheet
 
@@ -81,7 +81,7 @@ class Section:
         owner = sheet_at(sheet, path[:-1])
         key, within = "".join(path[-1:]), f" in {'.'.join(path[:-1])}" if len(path) > 1 else ""
         if kind == "extra_forbidden" and owner:
-            meant = next((f", did you mean {x!r}" for x in owner.model_fields if x == key.lower()), "")
+            meant = next((f", did you mean {x!r}" for x in close_to(key, owner.model_fields)), "")
             known = listed(owner.model_fields)
             return self.error(path, f"unknown key {key!r}{within}{meant}; those that exist are {known}")
         if kind == "missing":

@@ -104,7 +104,9 @@ def _header(cells: list[str], sliding: Collection[str] | None, place: str) -> li
     found = [_column(cell, place) for cell in cells[:MOST_COLUMNS]]
     if not 2 <= len(cells) <= MOST_COLUMNS or found[0].name.lower() not in ("t", "time"):
         shown = ", ".join(cells[:8])
-        raise InputError(f"first line {shown[:200]!r} must name the columns, {EXAMPLE}", place=place)
+        raise InputError(
+            f"first line {shown[:200]!r} must name the columns, {EXAMPLE}: time first, then joints", place=place
+        )
     if found[0].unit not in (None, "s"):
         raise InputError(f"time is in {found[0].unit!r}: it must be in 's'", place=place)
     names = [column.name for column in found]

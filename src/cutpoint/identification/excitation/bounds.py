@@ -5,7 +5,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from cutpoint.door import refused
+from cutpoint.door import positive, refused
 from cutpoint.errors import InputError
 from cutpoint.model.limits import efforts_in_force, limits_in_force
 from cutpoint.model.mechanism import Joint
@@ -39,12 +39,16 @@ def bounds_of(
     speed: ArrayLike | None,
     acceleration: ArrayLike | None,
     torque: ArrayLike | None,
+    travel: float = 1.0,
 ) -> Bounds:
-    """position: low and high; the others to both sides; each a number, or one a joint.
+    """position: low and high; the others to both sides; each a number, or one a joint.  travel: share of the way from
+    low to high, about its middle.
 
     Raises InputError: a number that is none, a range of positions that is empty, or a joint whose speed is not limited.
     """
     low, high = _positions(robot, position)
+    spared = (1.0 - _share(travel)) * (high - low) / 2.0
+    low, high = low + spared, high - spared
     speeds = [limits.velocity for limits in limits_in_force(robot.mechanism, robot.drives).values()]
     bounds = Bounds(
         low,
@@ -58,6 +62,12 @@ def bounds_of(
             remedy = "state one: speed=, or --speed on the command line"
             raise InputError(f"joint {name!r}: neither robot nor drive limits its speed; {remedy}", joint=name)
     return bounds
+
+
+def _share(travel: float) -> float:
+    if positive("excitation", "travel", travel) > 1.0:
+        raise InputError(f"excitation: travel {travel:g} must be at most 1, all of what limits leave", travel=travel)
+    return travel
 
 
 def _positions(robot: Robot, position: tuple[ArrayLike, ArrayLike] | None) -> tuple[Array, Array]:

@@ -87,6 +87,7 @@ def excitation(
     *,
     criterion: Criterion = "determinant",
     position: tuple[ArrayLike, ArrayLike] | None = None,
+    travel: float = 1.0,
     speed: ArrayLike | None = None,
     acceleration: ArrayLike | None = None,
     torque: ArrayLike | None = None,
@@ -111,6 +112,7 @@ def excitation(
         criterion: "determinant", the largest, or "condition", the smallest.
         position: low and high, each a number or one a joint, rad (m).  As all limits, on top of those that robot and
             drives state; a joint without any is kept within half a turn (1 m) of zero.
+        travel: share of what position limits leave that is used, about its middle: of 1 the motion may touch stops.
         speed: rad/s (m/s), a number or one a joint; as acceleration, rad/s2, and torque, N m, of motors at the joint.
         boxes: where frames must stay, in the world: {"tool": (low, high)}, each (3,), m, infinite where free.
         seconds: the search's time.  starts: at most so many random starts.  seed: of the random starts.
@@ -129,7 +131,7 @@ def excitation(
     checked_name("criterion", criterion, CRITERIA)
     seconds, seed = positive("excitation", "seconds", seconds, "s"), whole("excitation", "seed", seed, 0)
     starts = starts if starts is None else whole("excitation", "starts", starts)
-    bounds = bounds_of(robot, position, speed, acceleration, torque)
+    bounds = bounds_of(robot, position, speed, acceleration, torque, travel)
     problem = Problem(robot, bounds, boxes or {}, criterion, frequency, harmonics)
     file = None if resume is None else Path(resume)
     begin = None if file is None else read_start(file, robot, frequency, harmonics)

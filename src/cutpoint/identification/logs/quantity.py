@@ -116,9 +116,8 @@ def in_si(name: str, columns: Columns, ratio: Array | None, slides: NDArray[np.b
     factor = sign * gain * _unit_factors(name, units, per_turn)
     if sheet.side == "motor" and name != "current":
         if ratio is None:
-            raise mapping.section.error(
-                (name, "side"), f"{name}.side 'motor' needs 'ratio': motor turns per joint turn"
-            )
+            rule = "needs 'ratio': motor turns per joint turn, or a robot whose drives state it"
+            raise mapping.section.error((name, "side"), f"{name}.side 'motor' {rule}")
         factor = factor * ratio if name == "torque" else factor / ratio
     anew = np.where(slides & (sheet.side == "link"), np.nan, np.abs(factor) * spans(name, units, per_turn))
     return Measured(columns.values * factor + offset, columns.stamps, anew)
