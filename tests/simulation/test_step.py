@@ -10,8 +10,9 @@ import pytest
 from cutpoint import Coulomb, Drive, ElastoPlastic, LinearSpring, Log, Rotor, State, Stribeck, simulate
 from cutpoint.control import PD, Command, Feedforward, Law
 from cutpoint.model import Motor
+from cutpoint.simulation.fastest import fastest_growth, posture
 from cutpoint.simulation.step import GAMMA, TABLEAU
-from cutpoint.simulation.substeps import fastest_growth, posture, substeps_for
+from cutpoint.simulation.substeps import substeps_for
 from cutpoint.trajectories import cycloid
 from robot_library import Array, Robot, robot
 

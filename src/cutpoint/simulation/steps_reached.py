@@ -9,16 +9,9 @@ from cutpoint.mechanics.harmonic_drive import deflection
 from cutpoint.mechanics.joints import Floating, Spherical
 from cutpoint.robot import Robot
 from cutpoint.simulation.channels import BASE_SPEEDS, base_of
+from cutpoint.simulation.fastest import Limit, fastest_mode, fastest_wave, posture
 from cutpoint.simulation.log import Log
-from cutpoint.simulation.substeps import (
-    MOST_SUBSTEPS,
-    SETTINGS,
-    Limit,
-    StiffnessWarning,
-    fastest_mode,
-    fastest_wave,
-    posture,
-)
+from cutpoint.simulation.substeps import MOST_SUBSTEPS, SETTINGS, StiffnessWarning
 
 Array = NDArray[np.float64]
 

@@ -1,22 +1,21 @@
 """How many integration steps a control period takes, and what asks for as many."""
 
-import math
-from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
-from cutpoint import definitions
 from cutpoint.callers import warn
-from cutpoint.functions.idle_joints import check_moves_inertia
-from cutpoint.mechanics.harmonic_drive import friction_resistance
-from cutpoint.mechanics.kinematic_error import KinematicError
-from cutpoint.mechanics.presliding import Presliding
-from cutpoint.model.drive import Friction
-from cutpoint.model.limits import efforts_in_force
 from cutpoint.robot import Robot
-from cutpoint.simulation.spring_slopes import stiffest
+from cutpoint.simulation.fastest import (
+    fastest_decay,
+    fastest_growth,
+    fastest_mode,
+    fastest_reversal,
+    fastest_stop,
+    fastest_wave,
+    posture,
+)
 
 Array = NDArray[np.float64]
 
@@ -27,7 +26,7 @@ class Longest(NamedTuple):
     mode: of the fastest drive mode, rad.  decay: of the fastest decay that is not taken implicitly.  reversal: of that
     by bristles that turn back; of 6 they never do.  growth: of the fastest growth where friction falls with speed.
     wave: of the fastest wave of ripple, cogging or kinematic error, rad; a step of 2 pi would not see it at all.
-    stop: of the fastest stop by friction, see `fastest_stop`.  turn: of the fastest free turning, rad.
+    stop: of the fastest stop by friction, see `fastest.fastest_stop`.  turn: of the fastest free turning, rad.
     """
 
     mode: float
@@ -50,39 +49,9 @@ LONGEST_STEP = "the longest step of this accuracy"
 
 MOST_SUBSTEPS = 400
 
-STOPPED, PULLED, TIED = 30.0, 0.25, 3.0
-"""Steps times rates of friction at rest, and of a spring's damping, up to either of which what must stop does stop; and
-how much of damping is taken off friction there, since it ties what slides to its other side."""
-
-SINGULAR = 1e12
-"""Condition of a mass matrix, of any units, from which on it is asked whether inertia is missing."""
-
-SLIPPING = np.geomspace(1e-7, 1e3, 1000)
-"""Speeds at which it is asked how friction falls, rad/s."""
-
-FEW = 256
-"""Rows of a matrix up to which all its eigenvalues are found; of a larger one the largest alone."""
-
 
 class StiffnessWarning(UserWarning):
     """The fixed-step integrator cannot follow the plant's fastest part."""
-
-
-class Limit(NamedTuple):
-    """A rate (rad/s of a mode, 1/s of a decay) that steps must follow, and what in the robot has it."""
-
-    rate: float
-    cause: str
-
-
-class Posture(NamedTuple):
-    """A configuration q (nq,), and what a torque on each drive's link or rotor adds to the accelerations of all there.
-
-    mobility: (2 drives, 2 drives), 1/(kg m2); a rigid drive's rotor has none.
-    """
-
-    q: Array
-    mobility: Array
 
 
 class Steps(NamedTuple):
@@ -118,163 +87,3 @@ def substeps_for(robot: Robot, accuracy: str, period: float, poses: Array, speed
         words = f"{told} {fastest}; {MOST_SUBSTEPS} are taken. {remedy}, or give substeps="
         warn(words, StiffnessWarning)
     return Steps(max(1, min(wanted, MOST_SUBSTEPS)), cause)
-
-
-def posture(robot: Robot, q: Array) -> Posture:
-    """By [M, S; S^T, J]^-1, see `mechanics.mass_matrix`.  Raises ModelError: a joint moves no inertia."""
-    driven, J_inverse = [d.v for d in robot.machine.drives], _rotor_mobility(robot)
-    S = np.array(definitions.rotor_coupling(robot.machine, [*q]), np.float64).reshape(robot.nv, len(driven))
-    free = robot.mass_matrix(q) - S * J_inverse @ S.T  # what links resist while no rotor follows
-    if free.size and (sizes := np.linalg.eigvalsh(free))[0] * SINGULAR < sizes[-1]:
-        check_moves_inertia(robot.mechanism, robot.machine)
-    link = np.linalg.inv(free)
-    cross = -link @ S * J_inverse
-    rotor = np.diag(J_inverse) - (S * J_inverse).T @ cross
-    return Posture(q, np.block([[link[np.ix_(driven, driven)], cross[driven]], [cross[driven].T, rotor]]))
-
-
-def _rotor_mobility(robot: Robot) -> Array:
-    return np.array([1 / d.reflected_inertia if d.is_elastic else 0.0 for d in robot.drives.values()], np.float64)
-
-
-def fastest_mode(robot: Robot, postures: Sequence[Posture], deflections: Array | None = None) -> Limit:
-    """Highest angular frequency of links and rotors on springs and bristles, nothing slipping yet.
-
-    It is said to be that of the part in which most of the mode's energy is strain.
-    deflections: (m, drives), of the springs at the postures; by default what weight makes them.
-    """
-    names, drives = [*robot.drives], [*robot.drives.values()]
-    elastic = np.array([d.is_elastic for d in drives], bool)
-    bristles = np.array([[_bristles(d.link_friction), _bristles(d.motor_friction)] for d in drives]).reshape(-1, 2)
-    most = efforts_in_force(robot.mechanism, robot.drives)
-    best = Limit(0.0, "nothing that swings")
-    for m, (q, mobility) in enumerate(postures):
-        lead = robot.static_deflection(q) if deflections is None else deflections[m]
-        K = np.array([stiffest(*each) for each in zip(drives, lead, most, strict=True)])
-        on_link = K + bristles[:, 0] + np.where(elastic, 0.0, bristles[:, 1])
-        # [a; theta''] = -mobility [K + b_l, -K; -K, K + b_m] [q; theta]
-        by_link, by_motor = np.hsplit(mobility, 2)
-        on_motor = K + bristles[:, 1]
-        square, shape = _largest_eigenvalue(
-            np.hstack([by_link * on_link - by_motor * K, by_motor * on_motor - by_link * K])
-        )
-        if (rate := float(np.sqrt(square))) > best.rate:
-            at_link, at_motor = np.split(shape, 2)
-            at_motor = np.where(elastic, at_motor, at_link)
-            strains = {
-                "spring": K * (at_motor - at_link) ** 2,
-                "link friction's bristles": bristles[:, 0] * at_link**2,
-                "motor friction's bristles": bristles[:, 1] * at_motor**2,
-            }
-            part = max(strains, key=lambda part: strains[part].max())
-            best = Limit(rate, f"the {part} of {names[int(strains[part].argmax())]!r}")
-    return best
-
-
-def fastest_decay(robot: Robot) -> Limit:
-    """Fastest decay that a step does not take implicitly: that of the current loops."""
-    motors = {name: d.motor for name, d in robot.drives.items() if d.motor and d.motor.bandwidth is not None}
-    loops = [Limit(math.tau * motor.bandwidth, f"the current loop of {name!r}") for name, motor in motors.items()]
-    return max([Limit(0.0, "nothing that decays"), *loops])
-
-
-def fastest_reversal(robot: Robot, postures: Sequence[Posture]) -> Limit:
-    """Fastest decay by bristles that slip and are turned back within a step, whose implicit part knows none of it."""
-    names, drives = [*robot.drives], [*robot.drives.values()]
-    on_link = np.array([_unwinding(d.link_friction) for d in drives])
-    on_motor = np.array([_unwinding(d.motor_friction) for d in drives])
-    elastic = np.array([d.is_elastic for d in drives], bool)
-    on_link, on_motor = on_link + np.where(elastic, 0.0, on_motor), np.where(elastic, on_motor, 0.0)
-    rates = np.zeros(len(names))
-    for _, mobility in postures if on_link.any() or on_motor.any() else ():
-        at_link, at_motor = np.split(np.diag(mobility), 2)
-        rates = np.max([rates, on_link * at_link, on_motor * at_motor], axis=0)
-    of_each = zip(names, rates.tolist(), strict=True)
-    found = [Limit(rate, f"the damping of the bristles of {name!r}") for name, rate in of_each]
-    return max([Limit(0.0, "nothing that turns back"), *found])
-
-
-def fastest_growth(robot: Robot, postures: Sequence[Posture]) -> Limit:
-    """Fastest growth of a slip where friction falls with speed, as Stribeck's does."""
-    names, drives = [*robot.drives], [*robot.drives.values()]
-    motor = np.array([_fall(d.motor_friction) for d in drives])
-    rigid = np.array([not d.is_elastic for d in drives], bool)
-    link = np.array([_fall(d.link_friction) for d in drives]) + rigid * motor
-    falls = np.concatenate([link, motor])
-    where = [f"slipping of {name!r}" for name in names] + [f"slipping of the motor of {name!r}" for name in names]
-    best = Limit(0.0, "nothing that slips")
-    for _, mobility in postures if falls.any() else ():
-        rate, shape = _largest_eigenvalue(mobility * falls)
-        best = max(best, Limit(rate, where[int((falls * shape**2).argmax())]))
-    return best
-
-
-def fastest_stop(robot: Robot, postures: Sequence[Posture]) -> Limit:
-    """Fastest stop by friction while a spring's damping pulls as fast: in longer steps it would slide on for ever.
-
-    Either alone is followed in steps of any length.  A rate of 1 allows a step of 1 s, by STOPPED and PULLED, found on
-    one joint with friction 3 to 1e4 times, and damping 0.03 to 1e3 times, as fast as a step.
-    """
-    best = Limit(0.0, "nothing that stops")
-    names, drives = [*robot.drives], [*robot.drives.values()]
-    rubs = np.array([[_grip(d.link_friction) for d in drives], [_grip(d.motor_friction) for d in drives]])
-    damping = np.array([d.damping or 0.0 if d.is_elastic else 0.0 for d in drives])
-    stops = np.maximum(rubs - TIED * damping, 0.0)
-    for _, mobility in postures if (stops * damping).any() else ():
-        rates = np.diag(mobility).reshape(2, -1) * np.minimum(stops / STOPPED, damping / PULLED)
-        worst = int(rates.max(axis=0).argmax())
-        best = max(best, Limit(float(rates.max()), f"friction beside the damping of {names[worst]!r}"))
-    return best
-
-
-def fastest_wave(robot: Robot, speeds: Array) -> Limit:
-    """Fastest wave of torque or kinematic error, rad/s, of drives that turn with speeds (n,), rad/s at the joint."""
-    best = Limit(0.0, "nothing that waves")
-    for (name, drive), speed in zip(robot.drives.items(), speeds, strict=True):
-        waves = [*drive.kinematic_error.harmonics] if isinstance(drive.kinematic_error, KinematicError) else []
-        waves += [*drive.motor.ripple, *drive.motor.cogging] if drive.motor else []
-        order = max((wave.order for wave in waves if wave.amplitude), default=0)
-        rate = float(order * abs(drive.ratio * speed))
-        best = max(best, Limit(rate, f"waves of order {order} of the motor of {name!r}"))
-    return best
-
-
-def _largest_eigenvalue(A: Array) -> tuple[float, Array]:
-    """Its size, and its vector; A is a product of two positive semidefinite matrices.
-
-    Of a large A by 200 power iterations: from a random start these come within some 4 % of it, however dense the
-    eigenvalues lie.  Kuczynski and Wozniakowski (1992).
-    """
-    if not len(A):
-        return 0.0, np.zeros(0)
-    if len(A) <= FEW:
-        values, vectors = np.linalg.eig(A)
-        k = int(np.abs(values).argmax())
-        return float(np.abs(values[k])), np.real(vectors[:, k])
-    x, size = np.random.default_rng(0).standard_normal(len(A)), 1.0
-    for _ in range(200):
-        x = A @ (x / size)
-        if not (size := float(np.linalg.norm(x))):
-            break
-    return size, x
-
-
-def _bristles(law: Friction | None) -> float:
-    return float(law.stiffness) if isinstance(law, Presliding) else 0.0
-
-
-def _grip(law: Friction | None) -> float:
-    """How friction grows with speed at rest, N m s/rad; bristles hold instead."""
-    return float(friction_resistance(law, 0.0, strain=0.0))
-
-
-def _unwinding(law: Friction | None) -> float:
-    """What resists bristles that are turned back, N m s/rad."""
-    return float(law.damping * law.most_winding) if isinstance(law, Presliding) else 0.0
-
-
-def _fall(law: Friction | None) -> float:
-    """How steeply friction falls with speed where it does most, N m s/rad."""
-    if law is None:
-        return 0.0
-    return max(0.0, -float((np.diff(law.torque(SLIPPING)) / np.diff(SLIPPING)).min()))
