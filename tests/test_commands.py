@@ -3,6 +3,7 @@
 import errno
 import os
 import re
+import shlex
 import subprocess
 import sys
 from pathlib import Path
@@ -11,6 +12,7 @@ from unittest.mock import Mock
 
 import numpy as np
 import pytest
+import typer
 from matplotlib.figure import Figure
 from typer.testing import CliRunner
 
@@ -81,6 +83,14 @@ def test_what_rounding_leaves_of_a_torque_is_printed_as_none() -> None:
     table = [line.split("│") for line in printed("torque", "xia2019", "--q", "0,0,0,0,90,0", "--degrees").splitlines()]
     (joint5,) = [cells for cells in table if len(cells) > 1 and cells[1].strip() == "joint5"]
     assert [cell.strip() for cell in joint5[3:7]] == ["0", "0", "0", "0 arcmin"]
+
+
+@pytest.mark.parametrize("name", typer.main.get_command(app).commands)
+def test_the_example_of_a_command_has_options_that_it_takes(name: str) -> None:
+    command = typer.main.get_command(app).commands[name]
+    _, program, own, *arguments = shlex.split(command.epilog)
+    assert (program, own) == ("cutpoint", name)
+    command.make_context(name, arguments)
 
 
 def test_torques_along_a_motion_are_those_of_its_places(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:

@@ -26,7 +26,7 @@ from cutpoint.model.hand import hand_of
 Corners = tuple[float, float, float, float, float, float]
 
 
-@app.command(epilog="Example: cutpoint excite arm.urdf --drives arm.drives.yaml --seconds 60 --output excited")
+@app.command(epilog="Example: cutpoint excite xia2019 --speed 2 --travel 0.9 --seconds 60 --output excited")
 def excite(
     robot: RobotFile,
     drives: Drives = None,

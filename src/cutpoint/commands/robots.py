@@ -43,7 +43,7 @@ CHARACTERS = 25
 """That a number takes in a .csv at most, its comma included."""
 
 
-@app.command(epilog="Example: cutpoint inspect arm.urdf --drives arm.drives.yaml")
+@app.command(epilog="Example: cutpoint inspect xia2019")
 def inspect(
     robot: RobotFile,
     drives: Drives = None,
