@@ -108,14 +108,22 @@ def test_torques_along_a_motion_are_those_of_its_places(tmp_path: Path, monkeypa
     np.testing.assert_allclose(log["motor_torque"], expected.motor_torque, rtol=1e-12, atol=1e-12)
     np.testing.assert_allclose(log["theta"], expected.theta, rtol=1e-12, atol=1e-12)
     assert len(log.time) == 101 and Path("torques.png").stat().st_size > 10_000
-    assert f"{np.abs(expected.motor_torque).max(axis=0)[1]:.4g} N m" in told
+    fine = drives.elastic_inverse_dynamics(*smooth.derivatives(np.linspace(0.0, 1.0, 1001), 4))
+    assert f"{np.abs(fine.motor_torque).max(axis=0)[1]:.4g} N m" in told
+    with pytest.raises(
+        InputError, match=r"--period 1e-09 s: 1e\+09 samples are asked for, at most 1e\+06: lengthen it"
+    ):
+        CliRunner().invoke(app, ["torque", "xia2019", "move.csv", "--period", "1e-9"], catch_exceptions=False)
 
 
 @pytest.mark.parametrize(
     ("arguments", "message"),
     [
         ([], "a CSV file TRAJECTORY is needed, or --q, one place"),
-        (["move.csv", "--q", "0,0,0,0,0,0"], "trajectory 'move.csv' is a motion already: --q, --v and --a do not go"),
+        (
+            ["move.csv", "--q", "0,0,0,0,0,0"],
+            "trajectory 'move.csv' is a motion already: --q, --v, --a and --degrees do",
+        ),
         (["--q", "0,0,0,0,0,0", "--output", "torques.csv"], "--output, --plot and --bandwidth are for a CSV file"),
         (["--q", "0,0,0,0,0,0", "--bandwidth", "5"], "--output, --plot and --bandwidth are for a CSV file"),
     ],

@@ -67,12 +67,6 @@ def mass(m: Machine, q: Scalars) -> list[Scalars]:
     return mass_matrix.mass_matrix(m.system, q)
 
 
-def rotor_coupling(m: Machine, q: Scalars) -> list[Scalars]:
-    """S (nv, drives), of rotors with full coupling behind springs."""
-    found = mass_matrix.rotor_coupling(m.system, q) if m.system.has_sprung_rotors else {}
-    return transposed([found.get(d.segment, [0] * m.system.nv) for d in m.drives])
-
-
 def kinetic_energy(m: Machine, q: Scalars, v: Scalars) -> Any:
     """J, of links and rigidly geared rotors."""
     return energy.kinetic_energy(m.system, q, v)

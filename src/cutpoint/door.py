@@ -82,7 +82,7 @@ def as_numbers(function: str, name: str, value: ArrayLike, rule: str = "numbers"
 def _labels_of(value: Any) -> list[str]:
     """Names that a table's columns, or a series' numbers, have."""
     labels = getattr(value, "columns", getattr(value, "index", ())) if hasattr(value, "to_numpy") else ()
-    return [label for label in labels if isinstance(label, str)]
+    return [str(label) for label in labels if isinstance(label, str | tuple)] if isinstance(labels, Iterable) else []
 
 
 def refused(function: str, name: str, value: Any, rule: str) -> InputError:

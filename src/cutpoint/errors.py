@@ -11,6 +11,9 @@ INTERRUPTED = 130
 LONG_LIST = 24
 """Up to this many names an error lists them all; of more, those that are like the wrong one, or a cut list."""
 
+AT_A_GLANCE = 3
+"""Names among which nobody overlooks the right one."""
+
 LONGEST_MESSAGE = 20_000
 """Characters of a message, which may quote what a file holds; of a longer one the middle is left out."""
 
@@ -63,20 +66,20 @@ def unknown_name(kind: str, name: str, known: Collection[str], **kwargs: Any) ->
 
 
 def those_that_exist(name: str, known: Iterable[str]) -> str:
-    """The end of a message about an unknown name: which names there are, and which come near; of many these alone."""
+    """The end of a message about an unknown name: which names there are, and which comes near; of many those alone."""
     known = list(known)
-    if not known:
-        return "there are none"
-    near, are_many = close_to(name, known), len(known) > LONG_LIST
-    meant = f"did you mean {' or '.join(map(repr, near))}?" if near else ""
-    return meant if meant and are_many else "; ".join(filter(None, [f"there are: {listed(known)}", meant]))
+    near = close_to(name, known) if len(known) > AT_A_GLANCE else []
+    if near and len(known) > LONG_LIST:
+        return f"did you mean {' or '.join(map(repr, near))}?"
+    meant = f"; did you mean {near[0]!r}?" if near else ""
+    return f"there are: {listed(known)}{meant}" if known else "there are none"
 
 
 def close_to(name: Any, known: Iterable[str]) -> list[str]:
     """Names that a wrong one begins, or is much like, whatever its capitals; none to what is no name."""
     if not isinstance(name, str):
         return []
-    folded, asked = {one.casefold(): one for one in known}, name.casefold()[:LONGEST_GUESS]
+    folded, asked = {str(one).casefold(): one for one in known}, name.casefold()[:LONGEST_GUESS]
     begun = [one for one in folded if asked and one.startswith(asked)][:MOST_GUESSED]
     return [folded[one] for one in begun or difflib.get_close_matches(asked, folded, MOST_GUESSED)]
 

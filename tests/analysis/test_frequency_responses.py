@@ -7,8 +7,10 @@ from hypothesis import strategies as st
 from linear_oracles import fully_coupled, sprung, wheel
 from scipy import signal
 
-from cutpoint import InputError
+from cutpoint import Drive, InputError, LinearSpring, Robot, Rotor
 from cutpoint.analysis import frequency_response
+from cutpoint.model import Joint, Link
+from cutpoint.model.build import build
 from robot_library import assert_close, derivative, robot, states
 
 WHEEL = wheel(inertia=0.8)
@@ -125,3 +127,16 @@ def test_a_resonance_of_a_light_link_is_marked_though_its_zero_is_near(damping):
     locked = np.sqrt(1e4 / 1e-3) / (2 * np.pi)
     assert found.antiresonances == pytest.approx([locked], rel=1e-5)
     assert found.resonances == pytest.approx([locked * np.sqrt(1 + 1e-3 / 0.256)], rel=1e-5)
+
+
+@pytest.mark.parametrize("offset", [0.0, 2e-3])
+def test_what_another_joint_rings_with_is_no_mark_of_a_rigid_drive(offset):
+    """Two axes at right angles: they hardly move each other, and the only sharp pole is not this joint's."""
+    links = [Link("base"), *(Link(f"l{k}", 1.0, np.array([offset, 0.0, offset]), 0.05 * np.eye(3)) for k in range(2))]
+    axes = np.array([0.0, 0.0, 1.0]), np.array([1.0, 0.0, 0.0])
+    joints = [Joint(f"j{k}", "continuous", links[k].name, links[k + 1].name, axis=axis) for k, axis in enumerate(axes)]
+    arm = Robot(build("two", links, joints), {"j1": Drive(100.0, Rotor(1e-5), LinearSpring(1e4), damping=1.0)})
+    model = arm.with_gravity([0.0, 0.0, 0.0]).linearize(np.zeros(2))
+    rigid, elastic = (frequency_response(model, [1.0, 1000.0], joint) for joint in arm.joints)
+    assert not rigid.resonances.size and not rigid.antiresonances.size
+    assert len(elastic.resonances) == len(elastic.antiresonances) == 1

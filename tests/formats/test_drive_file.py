@@ -139,7 +139,7 @@ def test_a_prismatic_joint_has_drives_too() -> None:
 
 
 def test_only_joints_with_an_entry_have_one() -> None:
-    assert list(parse_drives("version: 1\ndrives: {lift: {ratio: 2}, shoulder: {ratio: 3}}", ROBOT)) == [
+    assert list(parse_drives("version: 1\ndrives: {lift: {ratio: 20}, shoulder: {ratio: 3}}", ROBOT)) == [
         "lift",
         "shoulder",
     ]
@@ -351,8 +351,12 @@ SCREW = "ratio: 1256.6, rotor: {inertia: 1.0e-5}"
 @pytest.mark.parametrize(
     ("entry", "message"),
     [
-        ("ratio: 0.005", "ratio 0.005 rad/m looks like a screw's lead: state 2 pi / lead, the lead in m"),
-        ("ratio: 1256637.0", "ratio 1256637.0 rad/m looks like turns of a lead in mm: state 2 pi"),
+        (
+            "ratio: 0.005",
+            "ratio 0.005 rad/m is a lead of 1.26e[+]03 m for a turn: it looks like another unit than 2 pi",
+        ),
+        ("ratio: 1256637.0", "ratio 1256637.0 rad/m is a lead of 5e-06 m for a turn"),
+        ("ratio: 1.2566", "ratio 1.2566 rad/m is a lead of 5 m for a turn"),
         (f"{SCREW}, compliance: {{linear: {{stiffness: 150}}}}", "stiffness 150.0 N/m looks like N/mm or N/µm"),
     ],
 )

@@ -30,7 +30,7 @@ ENTRIES = {
     "infinite": ("{ratio: .inf}", "ratio inf must be finite"),
     "unknown key": (
         "{friction: {link: {columb: 1}}}",
-        "unknown key 'columb' in friction.link; those that exist are"
+        "unknown key 'columb' in friction.link, did you mean 'coulomb'; those that exist are"
         " 'coulomb', 'static', 'viscous', 'stribeck_velocity', 'smoothing', 'asymmetry', 'presliding', 'grease'",
     ),
     "negative stiffness": (
@@ -236,7 +236,8 @@ FILES = {
     ),
     "unknown section": (
         "version: 1\ndrivers: {}\ndrives: {}",
-        "drive file: unknown key 'drivers'; those that exist are 'version', 'defaults', 'drives' (arm.yaml:2)",
+        "drive file: unknown key 'drivers', did you mean 'drives'; those that exist are 'version', 'defaults', 'drives'"
+        " (arm.yaml:2)",
     ),
     "no value": ("version: 1\ndrives:\n  elbow: {ratio: }", "drives.elbow.ratio has no value (arm.yaml:3)"),
     "a number with a comma on a line of its own": (

@@ -156,7 +156,7 @@ def test_variants_of_a_function_do_not_answer_for_each_other() -> None:
 class Labelled:
     """As a series of pandas is: numbers that have names."""
 
-    def __init__(self, names: list[Any]) -> None:
+    def __init__(self, names: Any) -> None:
         self.index = names
 
     def to_numpy(self) -> Any:
@@ -170,7 +170,10 @@ def test_numbers_with_names_are_refused_since_nothing_reads_these() -> None:
     arm = robot("xia2019")
     with pytest.raises(InputError, match=r"gravity_forces: q has labels \('joint6', .*\), which are not read: put"):
         arm.gravity_forces(Labelled([*reversed(arm.joints)]))
-    assert np.array_equal(arm.gravity_forces(Labelled([*range(6)])), arm.gravity_forces(np.ones(6)))
+    with pytest.raises(InputError, match=r"q has labels .*which are not read"):
+        arm.gravity_forces(Labelled([("q", joint) for joint in arm.joints]))
+    for plain in ([*range(6)], [*np.linspace(0.0, 1.0, 6)], lambda value: 0):  # places, times; a method of that name
+        assert np.array_equal(arm.gravity_forces(Labelled(plain)), arm.gravity_forces(np.ones(6)))
 
 
 def test_numbers_that_are_masked_are_refused() -> None:

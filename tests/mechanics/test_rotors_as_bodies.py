@@ -8,6 +8,7 @@ import pytest
 
 from cutpoint import Drive, Flexspline, InputError, LinearSpring, Robot, Rotor
 from cutpoint.model import Body, Joint, Mechanism
+from cutpoint.simulation.fastest import fastest_mode, posture
 from robot_library import derivative
 
 N = 4
@@ -294,3 +295,13 @@ def test_inertial_parameters_hold_the_rotors_that_no_link_holds(coupling: str, e
     carried = sum(d.rotor.mass for d in [*drives.values()][1:])  # the world carries the first
     mass = ours.inertial_parameters[::10].sum()
     assert mass == pytest.approx(carried + sum(body.mass for body in mechanism.bodies), rel=1e-14)
+
+
+@pytest.mark.parametrize("floating", [False, True])
+@pytest.mark.parametrize("seed", range(3))
+def test_the_fastest_mode_is_that_of_links_and_rotors_together(seed, floating):
+    """As fast as the linear model's fastest pole, which comes by derivatives of the accelerations."""
+    ours = Robot(random_arm(seed, floating), rotor_drives(seed, elastic=True)).with_gravity([0.0, 0.0, 0.0])
+    q = ours.random(seed)
+    poles = np.linalg.eigvals(ours.linearize(q).A)
+    assert fastest_mode(ours, [posture(ours, q)]).rate == pytest.approx(np.abs(poles).max(), rel=1e-9)

@@ -19,7 +19,7 @@ CANCELS = 0.005
 """Distance of a pole and a zero, relative to their frequency, below which they leave no mark on a motor's velocity."""
 
 SHOWN = 0.1
-"""Of the largest residue, what a pole has in the link's velocity if it leaves a mark there."""
+"""Residue of a pole in the link's velocity, over that of all in the motor's, from which on it leaves a mark there."""
 
 BESIDE = 1e-6
 """Distance from a pole, relative to its frequency, at which its residue is read."""
@@ -74,7 +74,7 @@ def frequency_response(model: LinearModel, frequencies: ArrayLike, joint: str) -
     _check_no_pole(f, poles)
     x = np.array([np.linalg.solve(2j * np.pi * each * np.eye(len(b)) - model.A, b) for each in f])
     swinging = _sharp(poles)
-    shown = _shown(model.A, b, model.C[link], swinging)
+    shown = _residues(model.A, b, model.C[link], swinging) > SHOWN * abs(model.C[motor] @ b)
     left = _without_pairs(swinging, _sharp(motor_locked(model.A, b, model.C[motor])), shown)
     marks = [np.sort(np.abs(s)) / (2 * np.pi) for s in left]
     marks = [each[(each >= f.min()) & (each <= f.max())] for each in marks]
@@ -98,12 +98,11 @@ def _sharp(s: ComplexArray) -> ComplexArray:
     return s[(s.imag > 0) & (np.abs(s.real) < HAS_A_PEAK * np.abs(s))]
 
 
-def _shown(A: Array, b: Array, c: Array, poles: ComplexArray) -> NDArray[np.bool_]:
-    """Whether each pole leaves a mark on c (s - A)^-1 b."""
-    steps = BESIDE * np.abs(poles)
-    unit = np.eye(len(b))
-    residues = [abs(h * (c @ np.linalg.solve((s + h) * unit - A, b))) for s, h in zip(poles, steps, strict=True)]
-    return np.array(residues) > SHOWN * max(residues, default=0.0)
+def _residues(A: Array, b: Array, c: Array, poles: ComplexArray) -> Array:
+    """Sizes of what each pole has in c (s - A)^-1 b; all together sum to c b."""
+    steps, unit = BESIDE * np.abs(poles), np.eye(len(b))
+    found = [h * (c @ np.linalg.solve((s + h) * unit - A, b)) for s, h in zip(poles, steps, strict=True)]
+    return np.abs(np.array(found, complex))
 
 
 def _without_pairs(

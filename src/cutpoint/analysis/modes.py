@@ -7,9 +7,9 @@ import numpy as np
 import scipy.linalg
 from numpy.typing import ArrayLike, NDArray
 
-from cutpoint import definitions
 from cutpoint.analysis.linear_model import LinearModel
 from cutpoint.analysis.linearize import linearize
+from cutpoint.functions.rotor_coupling import rotor_coupling
 from cutpoint.mechanics.harmonic_drive import deflection, transmission
 from cutpoint.robot import Robot
 
@@ -141,10 +141,10 @@ def _strain(robot: Robot, model: LinearModel, link: ComplexArray, motor: Complex
 
 
 def _kinetic(robot: Robot, model: LinearModel, poles: ComplexArray, link: ComplexArray, motor: ComplexArray) -> Array:
-    """Twice the energy of links and elastic drives' rotors, (N,): by [M, S; S^T, J], see `mechanics.mass_matrix`."""
+    """Twice the energy of links and elastic drives' rotors, (N,): by [M, S; S^T, J], see `functions.rotor_coupling`."""
     J = np.array([d.drive.reflected_inertia if d.drive.is_elastic else 0.0 for d in robot.machine.drives])
     q, moving = model.point.q, np.hstack([link, motor])
-    S = np.array(definitions.rotor_coupling(robot.machine, q.tolist())).reshape(robot.nv, len(J))
+    S = rotor_coupling(robot.machine, q)
     inertia = np.block([[robot.mass_matrix(q), S], [S.T, np.diag(J)]])
     return np.abs(poles) ** 2 * np.einsum("mi,ij,mj->m", moving.conj(), inertia, moving).real
 

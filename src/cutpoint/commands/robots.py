@@ -34,7 +34,7 @@ from cutpoint.commands.tables import (
     robot_table,
 )
 from cutpoint.door import check_configuration
-from cutpoint.errors import INTERRUPTED, InputError, SimulationError, listed
+from cutpoint.errors import INTERRUPTED, InputError, SimulationError
 
 MANY_SAMPLES = 100_000
 """Of a log; how large a longer one would be is looked at before it is run."""
@@ -57,7 +57,7 @@ def inspect(
     loaded = robot_of(robot, drives, mimic, lock, gravity, mend_inertia, floating_base=floating_base)
     console.print(robot_table(loaded))
     console.print(drive_table(loaded))
-    console.print(f"frames: {listed(loaded.frames)}", highlight=False)
+    console.print(f"frames: {', '.join(map(repr, loaded.frames))}", highlight=False)
 
 
 @app.command(

@@ -36,6 +36,10 @@ CHANNELS = {
 """Of a motion's log, in units of joints that turn."""
 
 
+FEWEST, MOST = 1000, 1e6
+"""Samples of a motion: that its peaks are read from, and that a log may have."""
+
+
 @app.command(epilog="Example: cutpoint torque xia2019 --q 0,30,60,0,45,0 --degrees")
 def torque(
     robot: RobotFile,
@@ -43,8 +47,9 @@ def torque(
         Path | None, typer.Argument(metavar="TRAJECTORY", help="CSV file of a motion: time, and positions by joint.")
     ] = None,
     q: Annotated[
-        str, typer.Option(help="Without a file: positions, rad (m), separated by commas, in the order of inspect.")
-    ] = "",
+        str | None,
+        typer.Option(help="Without a file: positions, rad (m), separated by commas, in the order of inspect."),
+    ] = None,
     v: Annotated[str, typer.Option(help="Speeds there, rad/s; zero if not given.")] = "",
     a: Annotated[str, typer.Option(help="Accelerations there, rad/s2; zero if not given.")] = "",
     drives: Drives = None,
@@ -68,13 +73,16 @@ def torque(
     check_targets(output, plot)
     loaded = robot_of(robot, drives, mimic, lock, gravity, mend_inertia)
     if trajectory is not None:
-        if q or v or a:
-            raise InputError(f"trajectory {str(trajectory)!r} is a motion already: --q, --v and --a do not go with it")
-        log = torques_along(loaded, motion_of(loaded, trajectory, bandwidth, ("", ""), None, degrees), period)
-        keep(log, output, plot)
-        console.print(motion_table(loaded, log))
-        return say_notes(beyond_travel(loaded, log["q"].min(axis=0), log["q"].max(axis=0)))
-    if not q:
+        if q is not None or v or a or degrees:
+            rule = "--q, --v, --a and --degrees do not go with it; its first line names the units"
+            raise InputError(f"trajectory {str(trajectory)!r} is a motion already: {rule}")
+        motion = motion_of(loaded, trajectory, bandwidth, ("", ""), None, degrees)
+        if output or plot:
+            keep(torques_along(loaded, motion, period), output, plot)
+        fine = torques_along(loaded, motion, min(period, motion.duration / FEWEST))
+        console.print(motion_table(loaded, fine))
+        return say_notes(beyond_travel(loaded, fine["q"].min(axis=0), fine["q"].max(axis=0)))
+    if q is None:
         raise InputError("torque: a CSV file TRAJECTORY is needed, or --q, one place")
     if output or plot or bandwidth is not None:
         raise InputError("torque: --output, --plot and --bandwidth are for a CSV file TRAJECTORY: leave them out")
@@ -91,6 +99,9 @@ def torques_along(
 ) -> "cutpoint.Log":
     """What the motors must do along a motion, every `period` s; full rotor coupling as `quasi_rigid` says."""
     positive("torque", "--period", period)
+    if trajectory.duration / period > MOST:
+        rule = f"{trajectory.duration / period:.3g} samples are asked for, at most {MOST:g}: lengthen it"
+        raise InputError(f"torque: --period {period:g} s: {rule}", period=period)
     times = np.linspace(0.0, trajectory.duration, max(2, int(np.ceil(trajectory.duration / period - 1e-9)) + 1))
     motion = trajectory.derivatives(times, 4)
     u = robot.elastic_inverse_dynamics(*motion, quasi_rigid=True)

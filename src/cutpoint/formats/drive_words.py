@@ -16,6 +16,7 @@ from cutpoint.mechanics.kinematic_error import KinematicError
 from cutpoint.mechanics.wave_generator import HarmonicSpring
 from cutpoint.model.drive import Compliance, Drive, Harmonic, Motor, Rotor
 from cutpoint.model.mechanism import Limits
+from cutpoint.scalars import is_of_cutpoint
 
 
 def to_entry(drive: Drive) -> dict[str, Any]:
@@ -23,10 +24,11 @@ def to_entry(drive: Drive) -> dict[str, Any]:
 
     Raises InputError for what a drive file has no words for.
     """
-    within = (getattr(law, "sliding", None) for law in (drive.link_friction, drive.motor_friction))
-    for part in (drive, *vars(drive).values(), *within):
-        if type(part).__module__.partition(".")[0] not in ("cutpoint", "builtins", "numpy"):
-            raise InputError(f"a drive file has no words for {part!r}, a law of your own", part=part)
+    frictions = drive.link_friction, drive.motor_friction
+    sliding = (getattr(law, "sliding", None) for law in frictions)
+    for law in (drive.compliance, drive.hysteresis, drive.kinematic_error, *frictions, *sliding):
+        if law is not None and not is_of_cutpoint(law):
+            raise InputError(f"a drive file has no words for {law!r}, a law of your own", law=law)
     spring = spring_of(drive.compliance)
     if isinstance(spring, HarmonicSpring) and spring.wave_generator.ratio != abs(drive.ratio):
         raise InputError("a drive file has one ratio; the wave generator's is another", ratio=drive.ratio)

@@ -31,8 +31,8 @@ STRONGEST = 5.0
 LEAST_RATIO = 0.2
 """Turns of a motor for one of the joint."""
 
-MOST_RATIO = 1e5
-"""rad/m, of the motor of a joint that slides: a screw's lead of 0.06 mm."""
+FROM_RATIO, TO_RATIO = 10.0, 1e5
+"""rad/m, of the motor of a joint that slides: leads of 0.6 m and of 0.06 mm."""
 
 SOFTEST_SLIDE = 1e3
 """N/m, of a spring behind a gear that slides: a kilogram would wind it by a centimetre."""
@@ -87,10 +87,10 @@ def doubts_of(sheet: DriveSheet, section: Section, ratio: float) -> Iterator[tup
 
 def doubts_of_sliding(sheet: DriveSheet, section: Section, ratio: float) -> Iterator[tuple[str, YamlPath]]:
     """The same of a joint that slides."""
-    if sheet.ratio is not None and not LEAST_RATIO <= abs(ratio) <= MOST_RATIO:
-        likeness = "a screw's lead" if abs(ratio) < LEAST_RATIO else "turns of a lead in mm"
+    if sheet.ratio is not None and abs(ratio) != 1.0 and not FROM_RATIO <= abs(ratio) <= TO_RATIO:
+        lead = f"a lead of {2.0 * math.pi / abs(ratio):.3g} m for a turn"
         stated = section.stated(DriveSheet, ("ratio",), sheet.ratio)
-        yield f"{stated} looks like {likeness}: state 2 pi / lead, the lead in m", ("ratio",)
+        yield f"{stated} is {lead}: it looks like another unit than 2 pi / lead, the lead in m", ("ratio",)
     spring = sheet.compliance and (sheet.compliance.linear or sheet.compliance.flexspline)
     if spring and spring.stiffness < SOFTEST_SLIDE:
         path = ("compliance", "linear" if sheet.compliance and sheet.compliance.linear else "flexspline", "stiffness")

@@ -8,6 +8,7 @@ from cutpoint import definitions
 from cutpoint.definitions import Machine
 from cutpoint.errors import ModelError, listed
 from cutpoint.functions.configurations import at_random
+from cutpoint.functions.rotor_coupling import rotor_coupling, without_rotors
 from cutpoint.mechanics.spatial import IDENTITY, ZERO, Inertia
 from cutpoint.mechanics.system import System
 from cutpoint.model import Mechanism
@@ -26,31 +27,38 @@ def check_moves_inertia(mechanism: Mechanism, machine: Machine) -> None:
     """Raises ModelError, with the joints, if they can move while nothing with inertia does, or less than nothing."""
     if not machine.system.nv or len(mechanism.bodies) > MOST:
         return
-    rng = np.random.default_rng(0)
-    idle: list[str] = []
-    for _ in range(CONFIGURATIONS):
-        idle = _idle_joints(mechanism, machine, rng)
-        if not idle:
-            return
+    for follow in (True, False) if machine.system.has_sprung_rotors else (True,):
+        rng, idle = np.random.default_rng(0), list[str]()
+        for _ in range(CONFIGURATIONS):
+            idle = _idle_joints(mechanism, machine, rng, follow)
+            if not idle:
+                break
+        if idle:
+            raise ModelError(_complaint(idle, follow), joints=idle)
+
+
+def _complaint(idle: list[str], follow: bool) -> str:
+    """follow: whether rotors turned along with their carriers."""
     which = f"joint {idle[0]!r} can move" if len(idle) == 1 else f"joints {listed(idle)} can move against each other"
-    remedy = "give a link that moves inertia (<inertial>), a drive a rotor (armature), or lock a joint"
-    if machine.system.has_sprung_rotors:
-        remedy += "; rotors with full coupling are in their links' inertia unless in_link_inertia is false"
-    complaint = f"{which} while nothing with inertia moves, so that no force decides how fast; {remedy}"
-    raise ModelError(complaint, joints=idle)
+    if follow:
+        remedy = "give a link that moves inertia (<inertial>), a drive a rotor (armature), or lock a joint"
+        return f"{which} while nothing with inertia moves, so that no force decides how fast; {remedy}"
+    found = "while less inertia than none moves: a link has less than rotors with full coupling that it is said to hold"
+    return f"{which} {found}; state in_link_inertia: false of their drives, or mend the link's <inertial>"
 
 
-def _idle_joints(mechanism: Mechanism, machine: Machine, rng: "np.random.Generator") -> list[str]:
-    """Joints that take part in the motion of least inertia at a random configuration, if that is none."""
+def _idle_joints(mechanism: Mechanism, machine: Machine, rng: "np.random.Generator", follow: bool) -> list[str]:
+    """Joints that take part in the motion of least inertia at a random configuration, if that is none.
+
+    follow: whether rotors behind springs turn along with their carriers.
+    """
     system = machine.system
     q, names = at_random(mechanism, system, rng, ()), np.empty(system.nv, object)
     for segment, body in zip(system.segments, mechanism.bodies, strict=True):
         if not segment.follower:
             names[segment.v] = body.joint.name
     M, most = (np.array(definitions.mass(Machine(x, []), q.tolist()), float) for x in (system, _spread(system)))
-    if system.has_sprung_rotors:  # they need not follow
-        S = np.array(definitions.rotor_coupling(machine, q.tolist()), float)
-        M -= S / [d.drive.reflected_inertia or np.inf for d in machine.drives] @ S.T
+    M = M if follow else without_rotors(machine, M, rotor_coupling(machine, q))
     scale = np.sqrt(np.diag(most))
     scale[scale == 0.0] = 1.0
     values, vectors = np.linalg.eigh(M / np.outer(scale, scale))

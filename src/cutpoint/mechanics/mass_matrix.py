@@ -3,7 +3,7 @@
 from collections.abc import Sequence
 
 from cutpoint.mechanics.kinematics import joint_poses, velocity_columns
-from cutpoint.mechanics.spatial import STILL, Inertia, Pose
+from cutpoint.mechanics.spatial import Inertia, Pose
 from cutpoint.mechanics.system import System
 from cutpoint.model.mechanism import WORLD
 from cutpoint.scalars import Scalar
@@ -25,19 +25,6 @@ def mass_matrix(system: System, q: Scalars) -> list[list[Scalar]]:
     if any(not spin.elastic for spin in system.spins):
         _add_spins(system, X, M)
     return M
-
-
-def rotor_coupling(system: System, q: Scalars) -> dict[int, list[Scalar]]:
-    """S(q): what the acceleration of each rotor behind a spring asks of all joints (nv), kg m2; by the joint it drives.
-
-    The mass matrix of links and rotors together is [M, S; S^T, J], all at the joints' side: De Luca and Tomei (1996).
-    """
-    columns = velocity_columns(system, joint_poses(system, q))
-    return {
-        spin.joint: [spin.along(columns[spin.carrier].get(j, STILL).angular) for j in range(system.nv)]
-        for spin in system.spins
-        if spin.elastic
-    }
 
 
 def _add_spins(system: System, X: list[Pose], M: list[list[Scalar]]) -> None:

@@ -7,12 +7,12 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from cutpoint import definitions
 from cutpoint.functions.idle_joints import check_moves_inertia
+from cutpoint.functions.rotor_coupling import rotor_coupling, rotor_mobility, without_rotors
 from cutpoint.mechanics.harmonic_drive import friction_resistance
 from cutpoint.mechanics.kinematic_error import KinematicError
-from cutpoint.mechanics.presliding import Presliding
-from cutpoint.model.drive import Friction
+from cutpoint.mechanics.presliding import Presliding, sliding_of
+from cutpoint.model.drive import Drive, Friction
 from cutpoint.model.limits import efforts_in_force
 from cutpoint.robot import Robot
 from cutpoint.simulation.spring_slopes import stiffest
@@ -51,20 +51,16 @@ class Posture(NamedTuple):
 
 
 def posture(robot: Robot, q: Array) -> Posture:
-    """By [M, S; S^T, J]^-1, see `mechanics.mass_matrix`.  Raises ModelError: a joint moves no inertia."""
-    driven, J_inverse = [d.v for d in robot.machine.drives], _rotor_mobility(robot)
-    S = np.array(definitions.rotor_coupling(robot.machine, [*q]), np.float64).reshape(robot.nv, len(driven))
-    free = robot.mass_matrix(q) - S * J_inverse @ S.T  # what links resist while no rotor follows
+    """By [M, S; S^T, J]^-1, see `functions.rotor_coupling`.  Raises ModelError: a joint moves no inertia."""
+    driven, J_inverse = [d.v for d in robot.machine.drives], rotor_mobility(robot.machine)
+    S = rotor_coupling(robot.machine, q)
+    free = without_rotors(robot.machine, robot.mass_matrix(q), S)
     if free.size and (sizes := np.linalg.eigvalsh(free))[0] * SINGULAR < sizes[-1]:
         check_moves_inertia(robot.mechanism, robot.machine)
     link = np.linalg.inv(free)
     cross = -link @ S * J_inverse
     rotor = np.diag(J_inverse) - (S * J_inverse).T @ cross
     return Posture(q, np.block([[link[np.ix_(driven, driven)], cross[driven]], [cross[driven].T, rotor]]))
-
-
-def _rotor_mobility(robot: Robot) -> Array:
-    return np.array([1 / d.reflected_inertia if d.is_elastic else 0.0 for d in robot.drives.values()], np.float64)
 
 
 def fastest_mode(robot: Robot, postures: Sequence[Posture], deflections: Array | None = None) -> Limit:
@@ -139,21 +135,22 @@ def fastest_growth(robot: Robot, postures: Sequence[Posture]) -> Limit:
     return best
 
 
-def fastest_stop(robot: Robot, postures: Sequence[Posture]) -> Limit:
-    """Fastest stop by friction while a spring's damping pulls as fast: in longer steps it would slide on for ever.
+def fastest_stop(robot: Robot, postures: Sequence[Posture], slip: float) -> Limit:
+    """Fastest stop of a motor by friction while its spring's damping pulls as fast: in longer steps it would slide on.
+
+    slip: rad, how far its spring must give way to dry friction, for so far it would be off.
 
     Either alone is followed in steps of any length.  A rate of 1 allows a step of 1 s, by STOPPED and PULLED, found on
     one joint with friction 3 to 1e4 times, and damping 0.03 to 1e3 times, as fast as a step.
     """
     best = Limit(0.0, "nothing that stops")
-    names, drives = [*robot.drives], [*robot.drives.values()]
-    rubs = np.array([[_grip(d.link_friction) for d in drives], [_grip(d.motor_friction) for d in drives]])
-    damping = np.array([d.damping or 0.0 if d.is_elastic else 0.0 for d in drives])
-    stops = np.maximum(rubs - TIED * damping, 0.0)
-    for _, mobility in postures if (stops * damping).any() else ():
-        rates = np.diag(mobility).reshape(2, -1) * np.minimum(stops / STOPPED, damping / PULLED)
-        worst = int(rates.max(axis=0).argmax())
-        best = max(best, Limit(float(rates.max()), f"friction beside the damping of {names[worst]!r}"))
+    soft = [d.is_elastic and bool(d.damping) and _wound_by(d) > slip for d in robot.drives.values()]
+    damping = np.array([d.damping or 0.0 for d in robot.drives.values()]) * soft
+    stops = np.maximum([_grip(d.motor_friction) for d in robot.drives.values()] - TIED * damping, 0.0) * soft
+    for _, mobility in postures if any(soft) else ():
+        rates = np.diag(mobility)[len(soft) :] * np.minimum(stops / STOPPED, damping / PULLED)
+        which = f"friction beside the damping of {[*robot.drives][int(rates.argmax())]!r}"
+        best = max(best, Limit(float(rates.max()), which))
     return best
 
 
@@ -196,6 +193,12 @@ def _bristles(law: Friction | None) -> float:
 def _grip(law: Friction | None) -> float:
     """How friction grows with speed at rest, N m s/rad; bristles hold instead."""
     return float(friction_resistance(law, 0.0, strain=0.0))
+
+
+def _wound_by(drive: Drive) -> float:
+    """How far a drive's spring gives way to its motor's dry friction, rad."""
+    law, spring = sliding_of(drive.motor_friction), drive.compliance
+    return 0.0 if law is None or spring is None else float(spring.deflection(law.plateau(0.0)))
 
 
 def _unwinding(law: Friction | None) -> float:

@@ -26,7 +26,8 @@ class Longest(NamedTuple):
     mode: of the fastest drive mode, rad.  decay: of the fastest decay that is not taken implicitly.  reversal: of that
     by bristles that turn back; of 6 they never do.  growth: of the fastest growth where friction falls with speed.
     wave: of the fastest wave of ripple, cogging or kinematic error, rad; a step of 2 pi would not see it at all.
-    stop: of the fastest stop by friction, see `fastest.fastest_stop`.  turn: of the fastest free turning, rad.
+    stop: of the fastest stop by friction where it winds a spring by `slip`, rad, see `fastest.fastest_stop`.
+    turn: of the fastest free turning, rad.
     """
 
     mode: float
@@ -35,13 +36,18 @@ class Longest(NamedTuple):
     growth: float
     wave: float
     stop: float
+    slip: float
     turn: float
     seconds: float
 
 
 SETTINGS = {
-    "standard": Longest(mode=1.0, decay=2.0, reversal=2.0, growth=2.0, wave=2.0, stop=1.0, turn=0.15, seconds=2.5e-4),
-    "fine": Longest(mode=0.2, decay=0.25, reversal=1.0, growth=0.5, wave=1.0, stop=0.5, turn=0.05, seconds=6.25e-5),
+    "standard": Longest(
+        mode=1.0, decay=2.0, reversal=2.0, growth=2.0, wave=2.0, stop=1.0, slip=5e-4, turn=0.15, seconds=2.5e-4
+    ),
+    "fine": Longest(
+        mode=0.2, decay=0.25, reversal=1.0, growth=0.5, wave=1.0, stop=0.5, slip=5e-6, turn=0.05, seconds=6.25e-5
+    ),
 }
 """By accuracy."""
 
@@ -73,14 +79,14 @@ def substeps_for(robot: Robot, accuracy: str, period: float, poses: Array, speed
         (longest.decay, fastest_decay(robot)),
         (longest.reversal, fastest_reversal(robot, postures)),
         (longest.growth, fastest_growth(robot, postures)),
-        (longest.stop, fastest_stop(robot, postures)),
+        (longest.stop, fastest_stop(robot, postures, longest.slip)),
         (longest.wave, fastest_wave(robot, np.zeros(len(robot.drives)) if speeds is None else speeds)),
     ]
     steps = [(share / max(limit.rate, 1e-9), limit.cause) for share, limit in bounds]
     step, cause = min([(longest.seconds, LONGEST_STEP), *steps])
     wanted = int(np.ceil(period / step - 1e-9))
     if wanted > MOST_SUBSTEPS:
-        parts = "distance, stiffness, bandwidth, Stribeck velocity, order of a wave"
+        parts = "distance, stiffness, bandwidth, Stribeck velocity, smoothing, order of a wave"
         remedy = "Shorten the control_period" if cause == LONGEST_STEP else f"Soften it ({parts})"
         told = f"{cause} would take {wanted:.6g} integration steps a control period"
         fastest = f"(the drives' fastest mode is {mode.rate / 2 / np.pi:.4g} Hz)"

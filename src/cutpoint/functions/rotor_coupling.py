@@ -1,0 +1,47 @@
+"""Rotors behind springs, with the links that carry them: the mass matrix [M, S; S^T, J].  De Luca and Tomei (1996)."""
+
+import numpy as np
+from numpy.typing import NDArray
+
+from cutpoint.definitions import Machine
+from cutpoint.mechanics.kinematics import joint_poses
+from cutpoint.model.mechanism import WORLD
+
+Array = NDArray[np.float64]
+
+
+def rotor_coupling(machine: Machine, q: Array) -> Array:
+    """S(q), (nv, drives): what a rotor's acceleration asks of the joints that turn its carrier, kg m2 at the joint.
+
+    Zero but for rotors with full coupling behind springs: of each the spin along what turns its carrier.
+    """
+    system = machine.system
+    S = np.zeros((system.nv, len(machine.drives)))
+    if not system.has_sprung_rotors:
+        return S
+    turns: list[Array] = []
+    axes, moved_by = np.zeros((system.nv, 3)), np.zeros((len(system.segments), system.nv), bool)
+    # outward: each body's axes in the world's, and which speeds turn it
+    for i, (body, X) in enumerate(zip(system.segments, joint_poses(system, q.tolist()), strict=True)):
+        own = np.array([[*row] for row in X.rotation], np.float64)
+        turns.append(own if body.parent == WORLD else turns[body.parent] @ own)
+        moved_by[i] = moved_by[body.parent] if body.parent != WORLD else False
+        for k, z in body.columns():
+            axes[k], moved_by[i, k] = turns[i] @ [*z.angular], True
+    drive_of = {d.segment: k for k, d in enumerate(machine.drives)}
+    for spin in system.spins:
+        if spin.elastic:
+            along = axes @ (turns[spin.carrier] @ [*spin.axis])
+            S[:, drive_of[spin.joint]] = spin.geared * along * moved_by[spin.carrier]
+    return S
+
+
+def rotor_mobility(machine: Machine) -> Array:
+    """1 / J (drives,), 1/(kg m2); zero where a drive does not bend, whose rotor is armature."""
+    drives = [d.drive for d in machine.drives]
+    return np.array([1.0 / drive.reflected_inertia if drive.is_elastic else 0.0 for drive in drives], np.float64)
+
+
+def without_rotors(machine: Machine, M: Array, S: Array) -> Array:
+    """M - S J^-1 S^T, (nv, nv): what links resist while no rotor behind a spring follows its carrier."""
+    return M - S * rotor_mobility(machine) @ S.T
