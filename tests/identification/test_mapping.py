@@ -131,7 +131,10 @@ def test_a_unit_that_is_no_time_is_refused():
         ("{}", r"is not allowed|YAML cannot be read"),
         ("joints: [a]", r"mapping: names no quantity; those that exist are q, theta, v"),
         ("p: x", r"mapping: unknown key 'p'; those that exist are 'version', 'joints', 'ratio', 'time', 'q'"),
-        ("q: {channels: x, units: deg}", r"unknown key 'units' in q; those that exist are 'channels', 'unit', 'gain'"),
+        (
+            "q: {channels: x, units: deg}",
+            r"unknown key 'units' in q, did you mean 'unit'; those that exist are 'channels', 'unit',",
+        ),
         ("q: {unit: deg}", r"'channels' is missing in q: .* \(map.yaml:2\)"),
         ("q: {channels: []}", r"q.channels \[\] must have at least 1 entries \(map.yaml:2\)"),
         ("q: {channels: x, unit: grad}", r"q.unit 'grad' is not known; there are 'rad', 'mrad', 'deg'"),

@@ -77,7 +77,7 @@ GOOD = "0,1\n1,2\n2,3\n3,4\n"
 @pytest.mark.parametrize(
     ("text", "message"),
     [
-        ("", r"first line '' must name the columns, as in 't, shoulder, elbow' \(.*motion.csv:1\)"),
+        ("", r"first line '' must name the columns, as in 't, shoulder, elbow': time first, .*motion.csv:1\)"),
         (GOOD, r"first line '0, 1' must name the columns"),
         ("elbow,t\n" + GOOD, r"first line 'elbow, t' must name the columns"),
         ("x,elb\x1bow\x9b\n", r"first line 'x, elb\\x1bow\\x9b' must name the columns"),
