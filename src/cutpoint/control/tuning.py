@@ -123,11 +123,11 @@ def tune(
     """A law whose joints, each alone, move with this bandwidth (Hz), those of PD as second-order systems.
 
     Gains come from the inertia of links and rotors at q (neutral if not given).  damping: ratio, of PD and
-    ComputedTorque; PID's integral takes a little of it, at 0.7 it is 0.64.  FullStateFeedback is as stiff as PD, and
-    with inertia left of whole it is faster by sqrt(whole / left), and damped less by as much.  Laws built on v_r = v_d
-    + Lambda (q_d - q) are critically damped, with Lambda = 2 pi bandwidth; what they learn has poles of its own, which
-    may ring.  ElasticComputedTorque has four equal poles at twice that, of springs without damping and in the limit of
-    short periods.  options go to the law.
+    ComputedTorque; PID's integral takes some of it, 0.64 is left at 0.7, and above 1 more gives less.
+    FullStateFeedback is as stiff as PD; with inertia left of whole it is faster by sqrt(whole / left), and damped less
+    by as much.  Laws built on v_r = v_d + Lambda (q_d - q) are critically damped, with Lambda = 2 pi bandwidth; what
+    they learn has poles of its own, which may ring.  ElasticComputedTorque has four equal poles at twice that, of
+    springs without damping and in the limit of short periods.  options go to the law.
     sensors: their delay and differenced speeds count in whether gains hold, not in the gains; perfect if not given.
 
     Raises:

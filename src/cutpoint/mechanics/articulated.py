@@ -13,7 +13,7 @@ UNIT_AXES: list[Axis] = [X, Y, Z, TURN_X, TURN_Y, TURN_Z]
 
 @dataclass(slots=True, eq=False)
 class FeltRotor:
-    """A rigidly geared rotor as its joint feels it, kg m2 at the joint.
+    """A rotor as its joint feels it, kg m2 at the joint: one geared rigidly, or what a damped spring makes of another.
 
     armature: resists the joint's own acceleration.  coupling: ties it to the carrying body's acceleration about z.
     """
@@ -78,7 +78,7 @@ class Articulated:
     ) -> tuple["Articulated", Wrench, list[Yield]]:
         """Let the joint move, axis by axis: what is left of inertia and bias wrench, and how each axis gave way.
 
-        Featherstone (2008) eqs. (7.38)-(7.44) for one axis at a time; each axis may spin a rigidly geared rotor.
+        Featherstone (2008) eqs. (7.38)-(7.44) for one axis at a time; each axis may feel a rotor.
         """
         rows, p, steps = [[*row] for row in self.rows], [*P], []
         for z, effort, rotor in zip(axes, tau, rotors, strict=True):

@@ -138,8 +138,7 @@ def fastest_growth(robot: Robot, postures: Sequence[Posture]) -> Limit:
 def fastest_stop(robot: Robot, postures: Sequence[Posture], slip: float) -> Limit:
     """Fastest stop of a motor by friction while its spring's damping pulls as fast: in longer steps it would slide on.
 
-    slip: rad, how far its spring must give way to dry friction, for so far it would be off.
-
+    slip: rad, by which dry friction must wind the spring for it to matter: so far the motor would be off.
     Either alone is followed in steps of any length.  A rate of 1 allows a step of 1 s, by STOPPED and PULLED, found on
     one joint with friction 3 to 1e4 times, and damping 0.03 to 1e3 times, as fast as a step.
     """
