@@ -7,7 +7,7 @@ import shlex
 import subprocess
 import sys
 from pathlib import Path
-from typing import Any
+from typing import Any, get_args
 from unittest.mock import Mock
 
 import numpy as np
@@ -17,8 +17,10 @@ from matplotlib.figure import Figure
 from typer.testing import CliRunner
 
 import cutpoint
-from cutpoint import InputError, Log, ModelError, robots
-from cutpoint.commands import app, shared
+from cutpoint import InputError, Log, ModelError, control, robots
+from cutpoint.commands import app, laws, shared
+from cutpoint.control import tuning
+from cutpoint.export import export_controller
 from cutpoint.reporting.folder import write
 from cutpoint.reporting.html import Heading
 from cutpoint.simulation import runner
@@ -124,13 +126,72 @@ def test_torques_along_a_motion_are_those_of_its_places(tmp_path: Path, monkeypa
             ["move.csv", "--q", "0,0,0,0,0,0"],
             "trajectory 'move.csv' is a motion already: --q, --v, --a and --degrees do",
         ),
-        (["--q", "0,0,0,0,0,0", "--output", "torques.csv"], "--output, --plot and --bandwidth are for a CSV file"),
-        (["--q", "0,0,0,0,0,0", "--bandwidth", "5"], "--output, --plot and --bandwidth are for a CSV file"),
+        (["--q", "0,0,0,0,0,0", "--output", "torques.csv"], "--output, --plot and --smoothing are for a CSV file"),
+        (["--q", "0,0,0,0,0,0", "--smoothing", "5"], "--output, --plot and --smoothing are for a CSV file"),
     ],
 )
 def test_torques_are_of_one_place_or_of_a_motion(arguments: list[str], message: str) -> None:
     with pytest.raises(InputError, match=message):
         CliRunner().invoke(app, ["torque", "xia2019", *arguments], catch_exceptions=False)
+
+
+def test_every_law_that_can_be_tuned_has_its_name_at_the_command_line() -> None:
+    assert get_args(laws.Name) == tuple(law.__name__ for law in tuning.RECIPES)
+
+
+@pytest.mark.parametrize("name", ["VDC", "vdc"])
+def test_a_law_is_simulated_by_its_name_along_the_motion_of_a_file(
+    name: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    arm = robots.xia2019()
+    times = np.linspace(0, 0.5, 101)
+    q = cutpoint.trajectories.cycloid(end=np.full(6, 0.5), duration=0.5).derivatives(times, 0)[0]
+    head = ",".join(["t", *(f"{joint} [rad]" for joint in arm.joints)])
+    np.savetxt("move.csv", np.c_[times, q], delimiter=",", header=head, comments="")
+    printed("simulate", "xia2019", "move.csv", "--law", name, "--bandwidth", "4", "--output", "run.npz")
+    motion = cutpoint.trajectories.from_csv("move.csv", arm.joints)
+    expected = cutpoint.simulate(arm, control.tune(arm, 4.0, control.VDC), motion)
+    np.testing.assert_array_equal(Log.load("run.npz")["q"], expected["q"])
+
+
+@pytest.mark.parametrize(("options", "guarded"), [(["--law", "PD"], False), (["--law", "VDC", "--guard"], True)])
+def test_a_law_leaves_as_c_by_its_name(options: list[str], guarded: bool, tmp_path: Path) -> None:
+    arm, period = robots.xia2019(), 5e-4
+    printed("export", "xia2019", str(tmp_path / "found"), *options, "--bandwidth", "4", "--period", str(period))
+    if guarded:
+        law: Any = control.Guard(control.tune(arm, 4.0, control.VDC, control_period=period), arm)
+    else:
+        law = control.tune(arm, 4.0, control_period=period) + control.Feedforward(arm, "elastic")
+    export_controller(arm, law, tmp_path / "expected", period=period)
+    for path in (tmp_path / "expected").iterdir():
+        assert (tmp_path / "found" / path.name).read_bytes() == path.read_bytes()
+
+
+@pytest.mark.parametrize(
+    ("arguments", "message"),
+    [
+        (["simulate", "xia2019"], "a motion is needed: a CSV file TRAJECTORY, or --to with --duration"),
+        (
+            ["simulate", "xia2019", "--to", "1,1,1,1,1,1", "--duration", "1", "--law", "VDC", "--feedforward", "rigid"],
+            "--feedforward rigid: VDC has the robot's model in it; leave it out, or take --law PD or PID",
+        ),
+        (["export", "xia2019", "out"], "a --function or a --law, and not both"),
+        (
+            ["export", "xia2019", "out", "--law", "PD", "--function", "jacobian"],
+            "a --function or a --law, and not both",
+        ),
+        (["export", "xia2019", "out", "--law", "PD", "--frame", "link6"], "--frame is for a --function: leave it out"),
+        (["export", "xia2019", "out", "--law", "PD", "--to", "cuda"], "--to cuda is for a --function: leave it out"),
+        (["export", "xia2019", "out", "--function", "jacobian", "--guard"], "--guard is for a --law: leave it out"),
+    ],
+)
+def test_options_of_laws_that_contradict_each_other_are_refused(
+    arguments: list[str], message: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    with pytest.raises(InputError, match=re.escape(message)):
+        CliRunner().invoke(app, arguments, catch_exceptions=False)
 
 
 def test_limits_that_a_motion_meets_are_said(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:

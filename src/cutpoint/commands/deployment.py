@@ -1,10 +1,11 @@
 """Code for other machines."""
 
 from pathlib import Path
-from typing import Annotated, Literal
+from typing import Annotated, Any, Literal
 
 import typer
 
+from cutpoint.commands.laws import Bandwidth, Feed, Name, Period, law_of
 from cutpoint.commands.shared import (
     Drives,
     FloatingBase,
@@ -17,19 +18,34 @@ from cutpoint.commands.shared import (
     robot_of,
     say_path,
 )
+from cutpoint.errors import InputError
 from cutpoint.functions.exported import RESULTS
 from cutpoint.mechanics.kinematics import ExpressedIn
 
-HELP = f"""Write a robot's function as code for machines without Python: C99, with a check of its bits, or CUDA C.
+HELP = f"""Write a robot's function, or a control law's step, as code for machines without Python.
 
-Functions: {", ".join(RESULTS)}."""
+C99 comes with a check of its bits; functions leave as CUDA C, too.  Functions: {", ".join(RESULTS)}."""
 
 
 @app.command(help=HELP, epilog="Example: cutpoint export xia2019 --function elastic_inverse_dynamics --to c deployed")
 def export(
     robot: RobotFile,
     folder: Annotated[Path, typer.Argument(metavar="DIR", help="Folder for the files; made if it is not there.")],
-    function: Annotated[str, typer.Option(help="Which of those above: a method of Robot, or its derivatives.")],
+    function: Annotated[
+        str | None, typer.Option(help="Which of those above: a method of Robot, or its derivatives.")
+    ] = None,
+    law: Annotated[
+        Name | None,
+        typer.Option(
+            "--law", case_sensitive=False, help="Instead: a law of cutpoint.control, with gains as in simulate."
+        ),
+    ] = None,
+    bandwidth: Bandwidth = 5.0,
+    feedforward: Feed = None,
+    period: Period = 1e-3,
+    guard: Annotated[
+        bool, typer.Option("--guard", metavar="", help="The law within limits of robot and drives, and its faults.")
+    ] = False,
     to: Annotated[
         Literal["c", "cuda"],
         typer.Option(help="What to write: c, a package of C99 with a header for C++17, or cuda, CUDA C."),
@@ -50,12 +66,36 @@ def export(
         bool, typer.Option("--force", metavar="", help="Overwrite files that cutpoint has not written.")
     ] = False,
 ) -> None:
-    from cutpoint.export import export_function
+    from cutpoint.control import Guard
+    from cutpoint.export import export_controller, export_function
 
-    given = {"frame": frame, "expressed_in": expressed_in}
-    options = {key: value for key, value in given.items() if value is not None}
+    _check_choice(
+        function,
+        law,
+        {"--feedforward": feedforward, "--guard": guard or None},
+        {"--frame": frame, "--expressed-in": expressed_in, "--to cuda": to if to == "cuda" else None},
+    )
     loaded = robot_of(robot, drives, mimic, lock, gravity, mend_inertia, floating_base=floating_base)
-    for path in export_function(
-        loaded, function, folder, to=to, precision=precision, name=name, force=force, **options
-    ):
+    if law is not None:
+        step = law_of(loaded, law, bandwidth, feedforward, period)
+        step = Guard(step, loaded) if guard else step
+        paths = export_controller(
+            loaded, step, folder, period=period, precision=precision, name=name or "control_step", force=force
+        )
+    else:
+        options = {"frame": frame, "expressed_in": expressed_in}
+        options = {key: value for key, value in options.items() if value is not None}
+        paths = export_function(
+            loaded, function or "", folder, to=to, precision=precision, name=name, force=force, **options
+        )
+    for path in paths:
         say_path(to, path)
+
+
+def _check_choice(function: str | None, law: str | None, of_laws: dict[str, Any], of_functions: dict[str, Any]) -> None:
+    """Raises InputError unless either a function or a law is named, with no option of the other."""
+    if (function is None) == (law is None):
+        raise InputError("export: say what shall leave, a --function or a --law, and not both")
+    strange, kind = (of_laws, "law") if law is None else (of_functions, "function")
+    for option in [key for key, value in strange.items() if value is not None]:
+        raise InputError(f"export: {option} is for a --{kind}: leave it out")

@@ -14,6 +14,7 @@ from cutpoint.commands.shared import (
     MendInertia,
     Mimics,
     RobotFile,
+    Smoothing,
     app,
     check_target,
     check_targets,
@@ -41,9 +42,7 @@ def check(
     lock: Locks = None,
     gravity: Gravity = None,
     mend_inertia: MendInertia = False,
-    bandwidth: Annotated[
-        float | None, typer.Option(help="To which a file's positions are smoothed, Hz; 10, or as samples allow.")
-    ] = None,
+    smoothing: Smoothing = None,
     dwell: Annotated[float, typer.Option(help="Pause after the motion, s, in its last position.")] = 0.0,
     period: Annotated[float, typer.Option(help="Longest time between samples, s.")] = 1e-3,
     life: Annotated[float | None, typer.Option(help="Hours asked of the gears.")] = None,
@@ -62,7 +61,7 @@ def check(
     check_targets(None, plot)
     check_target("json", json, (".json",))
     loaded = robot_of(robot, drives, mimic, lock, gravity, mend_inertia)
-    cycle = motion_of(loaded, trajectory, bandwidth, (start, to), duration, degrees)
+    cycle = motion_of(loaded, trajectory, smoothing, (start, to), duration, degrees)
     found = sizing(loaded, cycle, dwell=dwell, period=period, life=life)
     if json:
         found.save(json)

@@ -7,6 +7,7 @@ import numpy as np
 import typer
 
 import cutpoint
+from cutpoint.commands.laws import Bandwidth, Feed, Law, Period, law_of
 from cutpoint.commands.shared import (
     Degrees,
     Drives,
@@ -16,12 +17,13 @@ from cutpoint.commands.shared import (
     MendInertia,
     Mimics,
     RobotFile,
-    Rung,
+    Smoothing,
     app,
     check_targets,
     console,
     keep,
     keep_picture,
+    motion_of,
     numbers_of,
     robot_of,
     say_notes,
@@ -61,40 +63,42 @@ def inspect(
 
 
 @app.command(
-    epilog="Example: cutpoint simulate xia2019 --to 90,60,60,90,60,90 --degrees --duration 10 --output run.npz"
+    epilog="Example: cutpoint simulate xia2019 --to 90,60,60,90,60,90 --degrees --duration 2 --law VDC --output run.npz"
 )
 def simulate(
     robot: RobotFile,
-    to: Annotated[str, typer.Option(help="Final positions, rad (m), separated by commas, in the order of inspect.")],
-    duration: Annotated[float, typer.Option(help="Duration of the motion, s.")],
-    start: Annotated[str, typer.Option("--from", help="Initial positions; zero if not given.")] = "",
+    trajectory: Annotated[
+        Path | None, typer.Argument(metavar="TRAJECTORY", help="CSV file of a motion: time, and positions by joint.")
+    ] = None,
+    to: Annotated[
+        str, typer.Option(help="Without a file: final positions of a cycloid, rad (m), in the order of inspect.")
+    ] = "",
+    duration: Annotated[float | None, typer.Option(help="Of the cycloid, s.")] = None,
+    start: Annotated[str, typer.Option("--from", help="Of the cycloid: initial positions; zero if not given.")] = "",
     drives: Drives = None,
     degrees: Degrees = False,
     mimic: Mimics = "independent",
     lock: Locks = None,
     gravity: Gravity = None,
     mend_inertia: MendInertia = False,
-    bandwidth: Annotated[float, typer.Option(help="Bandwidth of the PD on the motors, Hz.")] = 5.0,
-    feedforward: Annotated[Rung, typer.Option(help="How much of the model is fed forward.")] = "elastic",
-    period: Annotated[float, typer.Option("--period", "--control-period", help="Control period, s.")] = 1e-3,
+    law: Law = "PD",
+    bandwidth: Bandwidth = 5.0,
+    feedforward: Feed = None,
+    period: Period = 1e-3,
+    smoothing: Smoothing = None,
     output: Annotated[Path | None, typer.Option(metavar="FILE", help="Save the log: .npz or .csv.")] = None,
     plot: Annotated[
         Path | None, typer.Option(metavar="FILE", help="Save a picture of the run: .png, .pdf or .svg.")
     ] = None,
 ) -> None:
-    """Move a robot from rest to rest along a cycloid, under PD on its motors and feedforward, and report the errors."""
-    from cutpoint.control import Feedforward, tune
-
+    """Move a robot under a control law, along a file's motion or a cycloid from rest to rest; report the errors."""
     check_targets(output, plot)
     loaded = robot_of(robot, drives, mimic, lock, gravity, mend_inertia)
-    ends = {"end": numbers_of(loaded, "to", to, degrees), "start": numbers_of(loaded, "from", start, degrees)}
-    trajectory = cutpoint.trajectories.cycloid(duration=duration, **ends)
-    controller: Any = tune(loaded, bandwidth, control_period=period)
-    if feedforward != "none":
-        controller = controller + Feedforward(loaded, feedforward)
+    motion = motion_of(loaded, trajectory, smoothing, (start, to), duration, degrees)
+    controller = law_of(loaded, law, bandwidth, feedforward, period)
     try:
-        _check_log_fits(output, loaded, controller, trajectory, period)
-        log = cutpoint.simulate(loaded, controller, trajectory, control_period=period)
+        _check_log_fits(output, loaded, controller, motion, period)
+        log = cutpoint.simulate(loaded, controller, motion, control_period=period)
     except SimulationError as error:
         if error.log is not None:
             keep(error.log, output, plot)

@@ -85,6 +85,10 @@ MendInertia = Annotated[
     bool,
     typer.Option("--mend-inertia", metavar="", help="Add to inertias of a URDF that no mass can have what they lack."),
 ]
+Smoothing = Annotated[
+    float | None,
+    typer.Option("--smoothing", help="Hz, to which a file's positions are smoothed; 10, or as samples allow."),
+]
 Rung = Literal["none", "gravity", "rigid", "rotor", "friction", "elastic"]
 
 
@@ -150,7 +154,7 @@ def numbers_of(robot: cutpoint.Robot, option: str, text: str, degrees: bool) -> 
 def motion_of(
     robot: cutpoint.Robot,
     file: Path | None,
-    bandwidth: float | None,
+    smoothing: float | None,
     ends: tuple[str, str],
     duration: float | None,
     degrees: bool,
@@ -162,11 +166,11 @@ def motion_of(
             rule = "--to, --from, --duration and --degrees do not go with it; its first line names the units"
             raise InputError(f"trajectory {str(file)!r} is a motion already: {rule}", path=file)
         sliding = robot.mechanism.sliding
-        smoothed = cutpoint.trajectories.from_csv(file, robot.joints, bandwidth=bandwidth, sliding=sliding)
+        smoothed = cutpoint.trajectories.from_csv(file, robot.joints, bandwidth=smoothing, sliding=sliding)
         console.print(str(smoothed), soft_wrap=True, highlight=False)
         return smoothed
-    if bandwidth is not None:
-        raise InputError("--bandwidth smooths the positions of a CSV file TRAJECTORY: leave it out")
+    if smoothing is not None:
+        raise InputError("--smoothing is of the positions of a CSV file TRAJECTORY: leave it out")
     if not end or duration is None:
         raise InputError("a motion is needed: a CSV file TRAJECTORY, or --to with --duration")
     places = {"start": numbers_of(robot, "from", start, degrees), "end": numbers_of(robot, "to", end, degrees)}

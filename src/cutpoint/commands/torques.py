@@ -15,6 +15,7 @@ from cutpoint.commands.shared import (
     MendInertia,
     Mimics,
     RobotFile,
+    Smoothing,
     app,
     check_targets,
     console,
@@ -58,9 +59,7 @@ def torque(
     lock: Locks = None,
     gravity: Gravity = None,
     mend_inertia: MendInertia = False,
-    bandwidth: Annotated[
-        float | None, typer.Option(help="To which a file's positions are smoothed, Hz; 10, or as samples allow.")
-    ] = None,
+    smoothing: Smoothing = None,
     period: Annotated[float, typer.Option(help="Between samples along a file's motion, s.")] = 1e-3,
     output: Annotated[
         Path | None, typer.Option(metavar="FILE", help="Save a motion's torques, with motors' motion: .npz or .csv.")
@@ -76,7 +75,7 @@ def torque(
         if q is not None or v or a or degrees:
             rule = "--q, --v, --a and --degrees do not go with it; its first line names the units"
             raise InputError(f"trajectory {str(trajectory)!r} is a motion already: {rule}")
-        motion = motion_of(loaded, trajectory, bandwidth, ("", ""), None, degrees)
+        motion = motion_of(loaded, trajectory, smoothing, ("", ""), None, degrees)
         if output or plot:
             keep(torques_along(loaded, motion, period), output, plot)
         fine = torques_along(loaded, motion, min(period, motion.duration / FEWEST))
@@ -84,8 +83,8 @@ def torque(
         return say_notes(beyond_travel(loaded, fine["q"].min(axis=0), fine["q"].max(axis=0)))
     if q is None:
         raise InputError("torque: a CSV file TRAJECTORY is needed, or --q, one place")
-    if output or plot or bandwidth is not None:
-        raise InputError("torque: --output, --plot and --bandwidth are for a CSV file TRAJECTORY: leave them out")
+    if output or plot or smoothing is not None:
+        raise InputError("torque: --output, --plot and --smoothing are for a CSV file TRAJECTORY: leave them out")
     position, speed, acceleration = (numbers_of(loaded, *given, degrees) for given in (("q", q), ("v", v), ("a", a)))
     check_configuration(loaded.mechanism, position.tolist())
     still = np.zeros(len(loaded.joints))

@@ -1,0 +1,48 @@
+"""Control laws by name, with gains by bandwidth."""
+
+from typing import Annotated, Any, Literal
+
+import typer
+
+import cutpoint
+from cutpoint.commands.shared import Rung
+from cutpoint.errors import InputError
+
+Name = Literal[
+    "PD",
+    "PID",
+    "ComputedTorque",
+    "ElasticComputedTorque",
+    "FullStateFeedback",
+    "VDC",
+    "AdaptiveVDC",
+    "SlotineLi",
+    "Robust",
+    "SuperTwisting",
+]
+Law = Annotated[
+    Name, typer.Option("--law", case_sensitive=False, help="Which of cutpoint.control: see docs/which-controller.md.")
+]
+Bandwidth = Annotated[float, typer.Option("--bandwidth", help="Of the law, Hz: its gains come from it.")]
+Feed = Annotated[
+    Rung | None,
+    typer.Option("--feedforward", help="How much of the model PD or PID have fed forward; elastic if not given."),
+]
+Period = Annotated[float, typer.Option("--period", "--control-period", help="Control period, s.")]
+
+WITHOUT_MODEL = ("PD", "PID")
+"""Laws that know nothing of the robot but their gains."""
+
+
+def law_of(robot: cutpoint.Robot, law: Name, bandwidth: float, feedforward: Rung | None, period: float) -> Any:
+    """The law with its gains, after the feedforward that it lacks.  Raises InputError."""
+    from cutpoint import control
+
+    has_model = law not in WITHOUT_MODEL
+    if has_model and feedforward is not None:
+        rule = f"{law} has the robot's model in it; leave it out, or take --law {' or '.join(WITHOUT_MODEL)}"
+        raise InputError(f"--feedforward {feedforward}: {rule}", law=law)
+    tuned = control.tune(robot, bandwidth, getattr(control, law), control_period=period)
+    if has_model or feedforward == "none":
+        return tuned
+    return tuned + control.Feedforward(robot, feedforward or "elastic")
