@@ -23,7 +23,7 @@ from cutpoint.control import tuning
 from cutpoint.export import export_controller
 from cutpoint.reporting.folder import write
 from cutpoint.reporting.html import Heading
-from cutpoint.simulation import runner
+from cutpoint.simulation import log_plot, runner
 
 ONE_JOINT = """<robot name="[/]arm:eyes:"><link name="base"/><link name="a[red]"><inertial><origin xyz="0.1 0 0"/>
 <mass value="1"/><inertia ixx="0.1" ixy="0" ixz="0" iyy="0.1" iyz="0" izz="0.1"/></inertial></link>
@@ -153,6 +153,26 @@ def test_a_law_is_simulated_by_its_name_along_the_motion_of_a_file(
     motion = cutpoint.trajectories.from_csv("move.csv", arm.joints)
     expected = cutpoint.simulate(arm, control.tune(arm, 4.0, control.VDC), motion)
     np.testing.assert_array_equal(Log.load("run.npz")["q"], expected["q"])
+
+
+def test_saved_logs_are_drawn_beside_each_other(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(tmp_path)
+    robot = cutpoint.robots.xia2019()
+    run = cutpoint.simulate(robot, None, None, 0.01)
+    for folder in ("a", "b"):
+        Path(folder).mkdir()
+        run.save(f"{folder}/run.npz")
+    drawn = Mock(side_effect=log_plot.picture)
+    monkeypatch.setattr(log_plot, "picture", drawn)
+    printed("plot", "a/run.npz", "--channel", "q", "--output", "one.png")
+    printed("plot", "a/run.npz", "b/run.npz", "--output", "both.png")
+    assert all(Path(name).stat().st_size > 10_000 for name in ("one.png", "both.png"))
+    (one, both), (of_one, of_both) = zip(*(call.args for call in drawn.call_args_list), strict=True)
+    assert ([*one], of_one) == ([""], ["q"])
+    assert ([*both], of_both) == (["a/run.npz", "b/run.npz"], ["q", "position_error", "motor_torque"])
+    Log([0.0], {"x": [0.0]}, {"x": ""}, ()).save("other.npz")
+    with pytest.raises(InputError, match=r"none of q, position_error, motor_torque is in every log.*there are: x"):
+        CliRunner().invoke(app, ["plot", "other.npz"], catch_exceptions=False)
 
 
 @pytest.mark.parametrize(("options", "guarded"), [(["--law", "PD"], False), (["--law", "VDC", "--guard"], True)])

@@ -211,6 +211,32 @@ def test_a_plot_of_named_channels_has_an_axis_for_each_joint_and_unit():
     assert [text.get_text() for text in figure.legends[0].get_texts()] == ["q", "torque", "q_d", "power"]
 
 
+def test_a_plot_has_the_named_channels_of_other_logs_over_their_own_times():
+    log = example()
+    longer = Log([0.0, 9.0], {"q": np.ones((2, 3))}, {"q": log.units["q"]}, log.joints)
+    figure = log.plot("q", beside={"longer": longer})
+    names = [text.get_text() for text in figure.legends[0].get_texts()]
+    assert names == ["q", "longer: q"] and len(figure.axes) == 3
+    own, other = figure.axes[0].lines
+    assert own.get_xdata()[-1] == log.time[-1] and other.get_xdata()[-1] == 9.0
+    assert own.get_color() != other.get_color()
+
+
+@pytest.mark.parametrize(
+    ("names", "beside", "message"),
+    [
+        ((), {"other": example()}, "of logs side by side say which channels"),
+        (("q",), example(), "beside must be logs by name, such as"),
+        (("q",), {"other": 3}, r"beside\['other'\] must be a log, got 3"),
+        (("q",), {1: example()}, "each name in beside must be a text for the legend, got 1"),
+        (("q_d",), {"other": Log([0.0], {}, {}, ("joint",))}, "no channel is named 'q_d'"),
+    ],
+)
+def test_what_cannot_be_drawn_beside_a_log_is_refused(names: tuple[str, ...], beside: Any, message: str):
+    with pytest.raises(InputError, match=message):
+        example().plot(*names, beside=beside)
+
+
 def test_channels_of_one_kind_stand_in_rows_of_their_own():
     joints = ("a", "b", "c", "d")
     q, torque = np.zeros((2, 4)), np.ones((2, 4))

@@ -132,14 +132,18 @@ class Log:
             raise InputError("end: only a log that was simulated here, with all channels and to its end, has its state")
         return self.run.end
 
-    def plot(self, *names: str) -> "Figure":
+    def plot(self, *names: str, beside: "Mapping[str, Log] | None" = None) -> "Figure":
         """A picture, angles in degrees: `log.plot("q", "reference_q").savefig("run.png")`.
 
         With names, channels of the same unit share one small axis per joint.  Without, each channel has one axis.
+        beside: other logs by name, whose named channels are drawn too: `log.plot("position_error", beside={"VDC": b})`.
+        Raises InputError for a channel that a log lacks, or logs beside without names of channels.
         """
-        from cutpoint.simulation.log_plot import picture
+        from cutpoint.simulation.log_plot import check_beside, picture
 
-        return picture(self, names)
+        others: Mapping[str, Log] = beside or {}
+        check_beside(others, names)
+        return picture({"": self, **others}, names)
 
     def certificate(self) -> "Certificate":
         """The power-flow certificate of a run under `control.VDC`: see `analysis.certificate.Certificate`.

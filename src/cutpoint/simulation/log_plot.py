@@ -1,6 +1,6 @@
 """A log as a picture."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 
 import numpy as np
 from matplotlib import colormaps
@@ -10,6 +10,7 @@ from matplotlib.figure import Figure
 from matplotlib.legend import Legend
 from matplotlib.lines import Line2D
 
+from cutpoint.door import check_kind
 from cutpoint.errors import InputError
 from cutpoint.simulation.log import Array, Log
 
@@ -31,23 +32,26 @@ STYLES = ("-", "--", "-.", ":")
 MOST_COLUMNS, COLUMN_GAP = 6, 0.2
 """Of the legend; inches between two of them."""
 
-Line = tuple[str, Array]
-"""A label and its values (N,), in a unit for people."""
+Line = tuple[str, Array, Array]
+"""A label, times and values (N,), these in a unit for people."""
 
 
-def picture(log: Log, names: Sequence[str]) -> Figure:
-    """One axis per unit and joint for the named channels; without names, one axis per channel."""
-    axes = _axes(log, names)
+def picture(logs: Mapping[str, Log], names: Sequence[str]) -> Figure:
+    """One axis per unit and joint for the named channels of all logs; without names, one per channel of the only log.
+
+    logs: by the name that stands before their channels; "" for none.
+    """
+    axes = _axes(logs, names)
     if not axes:
         raise InputError("the log has no channels to plot, or nothing but NaN in them")
     across, cells = _cells(axes, apart=bool(names))
     down = cells[-1] // across + 1
     figure = Figure(figsize=(0.6 + AXIS_WIDTH * across, 0.3 + AXIS_HEIGHT * down), layout="constrained")
-    looks = _looks(names or log.joints)
+    looks = _looks([_label(name, run) for run in logs for name in names] or next(iter(logs.values())).joints)
     drawn: dict[str, Line2D] = {}
     for cell, ((unit, title), lines) in zip(cells, axes.items(), strict=True):
         axis = figure.add_subplot(down, across, cell + 1)
-        drawn = _draw(axis, log.time, lines, looks, later="--" if names else None) | drawn
+        drawn = _draw(axis, lines, looks, later="--" if names else None) | drawn
         axis.set_title(f"{title} [{unit}]" if unit else title, loc="left", fontsize="medium", parse_math=False)
         if cell + across not in cells:
             axis.set_xlabel("time [s]")
@@ -55,12 +59,26 @@ def picture(log: Log, names: Sequence[str]) -> Figure:
     return figure
 
 
+def check_beside(beside: Mapping[str, Log], names: Sequence[str]) -> None:
+    """Raises InputError for what are no logs by name, and for no channels to draw of them."""
+    check_kind("plot", "beside", beside, Mapping, "logs by name, such as {'VDC': log}")
+    for run, other in beside.items():
+        check_kind("plot", "each name in beside", run, str, "a text for the legend")
+        check_kind("plot", f"beside[{run!r}]", other, Log, "a log")
+    if beside and not names:
+        raise InputError("plot: of logs side by side say which channels: log.plot('position_error', beside={...})")
+
+
+def _label(channel: str, run: str) -> str:
+    return f"{run}: {channel}" if run else channel
+
+
 def _cells(axes: dict[tuple[str, str], list[Line]], apart: bool) -> tuple[int, list[int]]:
     """How many axes stand side by side, and the cell of each, row by row.
 
     apart: axes of other channels than those before them begin a row.
     """
-    shown = [tuple(label for label, _ in lines) if apart else () for lines in axes.values()]
+    shown = [tuple(label for label, *_ in lines) if apart else () for lines in axes.values()]
     most = max(map(shown.count, shown))
     across = -(-most // -(-most // ACROSS))
     cells: list[int] = []
@@ -76,17 +94,18 @@ def _looks(labels: Sequence[str]) -> dict[str, tuple[str, str]]:
     return {label: (colours[k % len(colours)], STYLES[k // len(colours) % 4]) for k, label in enumerate(labels)}
 
 
-def _axes(log: Log, names: Sequence[str]) -> dict[tuple[str, str], list[Line]]:
+def _axes(logs: Mapping[str, Log], names: Sequence[str]) -> dict[tuple[str, str], list[Line]]:
     """The lines of each axis, by its unit and title, in the order of their first line; none where all is NaN."""
     axes: dict[tuple[str, str], list[Line]] = {}
-    are_short = _are_short(log, names or [*log.channels])
-    for name in names or log.channels:
-        values = log[name].reshape(log.time.size, -1)
-        for column, (joint, unit) in enumerate(log.columns(name)):
-            shown, factor = ("mm", 1e3) if unit == "m" and are_short else _for_people(unit)
-            title, label = (joint or name, name) if names else (name, joint)
-            axes.setdefault((shown, title), []).append((label, factor * values[:, column]))
-    return {key: lines for key, lines in axes.items() if not all(np.isnan(line).all() for _, line in lines)}
+    are_short = all(_are_short(log, names or [*log.channels]) for log in logs.values())
+    for run, log in logs.items():
+        for name in names or log.channels:
+            values = log[name].reshape(log.time.size, -1)
+            for column, (joint, unit) in enumerate(log.columns(name)):
+                shown, factor = ("mm", 1e3) if unit == "m" and are_short else _for_people(unit)
+                title, label = (joint or name, _label(name, run)) if names else (name, joint)
+                axes.setdefault((shown, title), []).append((label, log.time, factor * values[:, column]))
+    return {key: lines for key, lines in axes.items() if not all(np.isnan(line).all() for *_, line in lines)}
 
 
 def _are_short(log: Log, names: Sequence[str]) -> bool:
@@ -106,13 +125,11 @@ def _for_people(unit: str) -> tuple[str, float]:
     return unit, 1.0
 
 
-def _draw(
-    axis: Axes, time: Array, lines: Sequence[Line], looks: dict[str, tuple[str, str]], later: str | None
-) -> dict[str, Line2D]:
+def _draw(axis: Axes, lines: Sequence[Line], looks: dict[str, tuple[str, str]], later: str | None) -> dict[str, Line2D]:
     """Draws the lines in their colours and styles, or those after the first in the style `later`; a channel without
     joints is grey among joints."""
     drawn: dict[str, Line2D] = {}
-    for index, (label, values) in enumerate(lines):
+    for index, (label, time, values) in enumerate(lines):
         colour, style = looks.get(label, ("0.2", "-"))
         style = later if later and index else style
         (drawn[label],) = axis.plot(time, values, style, color=colour, linewidth=1.0)
