@@ -36,6 +36,19 @@ NAN = np.array([0.0, 0.0, 0.0, np.nan, 0.0, 0.0])
 DRY, WAVE = Coulomb(1.0, 0.5, 0.1), Harmonic(6, 0.6)
 
 
+class HalfASpring:
+    """A law of the user's own that is not complete."""
+
+    def torque(self, deflection: Any) -> Any:
+        return deflection
+
+    def tangent(self, deflection: Any) -> Any:
+        return 1 + 0 * deflection
+
+    def __repr__(self) -> str:
+        return "a spring"
+
+
 def elastic(**parts: Any) -> Drive:
     return Drive(**{"ratio": 100.0, "rotor": Rotor(1e-5), "compliance": LinearSpring(1e4), **parts})
 
@@ -113,6 +126,7 @@ def test_arguments_are_refused(backend, call, message):
             Drive(compliance=cast("Any", 1e4)),
             "joint 'joint2': compliance must be a Compliance, such as LinearSpring or Flexspline, got 10000.0",
         ),
+        (elastic(compliance=HalfASpring()), "got a spring, which lacks deflection, energy"),
         (Drive(link_friction=Coulomb("1", 0.0, 0.1)), "joint 'joint2': coulomb must be a number, got '1'"),
         (cast("Any", 100.0), "joint 'joint2': its drive must be a Drive, got 100.0"),
         (elastic(damping=-5.0), "damping -5.0 must not be negative"),

@@ -60,7 +60,9 @@ def _of_kinds(drive: Drive) -> Iterator[Complaint]:
     for what, kind in KINDS.items():
         part = getattr(drive, what)
         if not isinstance(part, kind) and (part is not None or what == "limits"):
-            yield Complaint(what, f"{what} must be a {kind.__name__}{OFFERED.get(kind, '')}, got {part!r}")
+            yield Complaint(
+                what, f"{what} must be a {kind.__name__}{OFFERED.get(kind, '')}, got {part!r}{_lacks(kind, part)}"
+            )
     if is_number(drive.ratio) and drive.ratio == 0:
         yield Complaint("ratio", "must not be zero: motor turns per joint turn, signed", 0)
     inertia: Any = getattr(drive.rotor, "inertia", None)
@@ -68,6 +70,13 @@ def _of_kinds(drive: Drive) -> Iterator[Complaint]:
         yield Complaint("rotor", "an elastic drive needs a rotor with a positive inertia, kg m2")
     if any(np.isnan(bound) for bound in leaves(drive.limits)):
         yield Complaint("limits", f"limits {drive.limits} hold nan; infinite is no limit")
+
+
+def _lacks(kind: type, part: Any) -> str:
+    """What keeps a law of the user's own, which has some of its kind's methods, from being of that kind."""
+    methods = [name for name in vars(kind) if not name.startswith("_")] if kind in OFFERED else []
+    missing = [name for name in methods if not hasattr(part, name)]
+    return f", which lacks {', '.join(missing)}" if 0 < len(missing) < len(methods) else ""
 
 
 def _of_numbers(record: Any, rules: dict[str, Rule], part: str) -> Iterator[Complaint]:
