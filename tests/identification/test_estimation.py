@@ -66,7 +66,7 @@ def truly(robot: Robot, file: Robot, recording: Recording) -> np.ndarray:
     rotors = np.array([float(drive.reflected_inertia) for drive in robot.drives.values()])
     laws = stated_laws(robot, motion)
     still, on_motor = np.zeros(len(laws)), slide_with_motors(file)
-    return RigidModel(robot.inertial_parameters, rotors, still, laws, {}, on_motor).torque(file, motion)
+    return RigidModel(robot.inertial_parameters, rotors, still, laws, {}, on_motor, {}).torque(file, motion)
 
 
 @pytest.mark.parametrize("seed", [2, 5, 8])
@@ -291,7 +291,7 @@ def test_friction_of_links_is_load_of_their_drives(seed: int, stated: bool):
 def test_a_rotor_that_weighs_nothing_is_not_the_files():
     file = known_arm(0).file
     laws = {joint: Coulomb(1.0, 0.5, 0.05) for joint in file.joints}
-    model = RigidModel(file.inertial_parameters, np.zeros(3), np.zeros(3), laws, {}, slide_with_motors(file))
+    model = RigidModel(file.inertial_parameters, np.zeros(3), np.zeros(3), laws, {}, slide_with_motors(file), {})
     assert [float(drive.reflected_inertia) for drive in model.robot(file).drives.values()] == [0.0] * 3
 
 

@@ -23,13 +23,14 @@ DEAD = 5e-5
 class Motion(NamedTuple):
     """How joints moved, each (N, n), a column for each joint of the robot; NaN where nothing is known.
 
-    q, v, a of the links; w, w_dot: speed and acceleration of the motors over ratio; rad, rad/s, rad/s2 (m ...).
+    q, v, a of the links; theta, w, w_dot: those of the motors over ratio; rad, rad/s, rad/s2 (m ...).
     period: s between samples.  cutoff: Hz, of the positions.
     """
 
     q: Array
     v: Array
     a: Array
+    theta: Array
     w: Array
     w_dot: Array
     period: float
@@ -60,7 +61,7 @@ def motion_of(robot: Robot, recording: Recording, cutoff: float | None = None) -
     smooth = {name: _without_noise_at_rest(low_pass(x, period, cutoff)) for name, x in sides.items()}
     q, theta = (smooth.get(name, next(iter(smooth.values()))) for name in ("q", "theta"))
     v, a, w, w_dot = (derivative(x, period, order) for x in (q, theta) for order in (1, 2))
-    return Motion(q, v, a, w, w_dot, period, cutoff)
+    return Motion(q, v, a, theta, w, w_dot, period, cutoff)
 
 
 def still_joints(robot: Robot, motion: Motion) -> list[str]:

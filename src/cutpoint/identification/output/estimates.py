@@ -37,7 +37,7 @@ def estimates(
     how: Mapping[str, Any],
     say: Steps,
 ) -> Estimates:
-    """Links first, then springs by these, then links again by the rotors that the motors' sides tell.
+    """Links first, then springs by these, then links again by rotors and kinematic errors that the motors' sides tell.
 
     fitted: torques where they act.  stamped: as they are stamped, of which springs want to know how they were held
     until then; None where no springs are sought.  resolution: rad, see `encoder_steps`.
@@ -58,10 +58,13 @@ def estimates(
         return Estimates(rigid, None, remarks=(f"springs were not identified: {why}",))
     found, remarks = drives.joints.items(), (*_coarse(drives), *_late(drives, torque_delay), *drives.remarks)
     apart = tuple(joint for joint, each in found if each.apart and "rotor inertia" not in each.unidentifiable)
-    if not apart:
+    errors = {joint: each.spring.kinematic_error for joint, each in found if not each.clocks}
+    errors = {joint: error for joint, error in errors.items() if error is not None}
+    if not apart and not errors:
         return Estimates(rigid, drives, (), remarks)
-    say("links again, by the rotors that the motors tell")
-    again = _with_rotors(before, drives, apart, fitted, friction=rigid.friction or friction, **how)
+    say("links again, by what the motors tell")
+    how = {**how, "friction": rigid.friction or friction, "kinematic_errors": errors}
+    again = _with_rotors(before, drives, apart, fitted, **how)
     return Estimates(again, drives, apart, remarks)
 
 

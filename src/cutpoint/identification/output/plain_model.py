@@ -31,7 +31,7 @@ def plain_model(robot: Robot, motion: Motion, torque: Array, fitted: NDArray[np.
     inertial, rotors = _single(base, values)
     others = dict(zip(found.names[base.independent.size :], values[base.independent.size :].tolist(), strict=True))
     offsets = np.array([others[f"offset.{joint}"] for joint in robot.joints])
-    return RigidModel(inertial, rotors, offsets, laws_with(laws, others), {}, slide_with_motors(robot))
+    return RigidModel(inertial, rotors, offsets, laws_with(laws, others), {}, slide_with_motors(robot), {})
 
 
 def _single(base: BaseParameters, values: Array) -> tuple[Array, Array]:

@@ -26,6 +26,7 @@ from cutpoint.identification.rigid.physical_fit import fit_of
 from cutpoint.identification.rigid.regression import Regression, regression
 from cutpoint.identification.rigid.rigid_estimate import Fitted, Log, RigidEstimate, estimate_of, sizes_of_others
 from cutpoint.identification.rigid.rigid_robot import (
+    error_slopes,
     friction_of_links,
     is_stated,
     laws_with,
@@ -36,7 +37,7 @@ from cutpoint.identification.rigid.rigid_robot import (
 from cutpoint.identification.rigid.uncertainty import are_told
 from cutpoint.mechanics.friction import Sliding
 from cutpoint.mechanics.presliding import Presliding
-from cutpoint.model.drive import Friction
+from cutpoint.model.drive import Friction, KinematicError
 from cutpoint.robot import Robot, check_robot
 
 Array = NDArray[np.float64]
@@ -74,6 +75,7 @@ def identify_rigid(
     torque_constants: Mapping[str, float] | None = None,
     rotor_errors: Mapping[str, float] | None = None,
     link_friction: Mapping[str, Friction] | None = None,
+    kinematic_errors: Mapping[str, KinematicError] | None = None,
 ) -> RigidEstimate:
     """Inertias of all bodies, rotors, friction and offsets that explain a recording's torques.
 
@@ -92,6 +94,8 @@ def identify_rigid(
     rotor_errors: standard deviations, kg m2 at the joint, of the inertias of rotors that are not sought, by joint.
     link_friction: by joint, what of its friction is the link's: the drive bears it, and rubs the more where its own
         grows with load; by default the share that the drive states.
+    kinematic_errors: by joint, as the recording's motors show them, of which the motors bear the reaction; none by
+        default, as what files state rarely knows the phase.
     Intervals know that shapes of friction were sought, and that rotors are known to their errors.
 
     A commanded torque that is held over a control period acts half a period later: align it before.
@@ -102,21 +106,22 @@ def identify_rigid(
     _check(method, instruments, level, prior_spread)
     check_solver(solver)
     check_friction("identify_rigid", robot)
-    known = _checked_friction(link_friction, robot)
+    known, errors = _checked_friction(link_friction, robot), _checked_errors(kinematic_errors, robot)
     base = base_parameters(robot, rotors=rotors)
     _check_errors(rotor_errors, robot, [robot.joints[j] for j in base.rotors])
-    log = _log(robot, recording, base.rotors, cutoff, bandwidth, torque_constants)
+    log = _log(robot, recording, base.rotors, cutoff, bandwidth, torque_constants, errors)
     of_links = friction_of_links(robot, stated_laws(robot, log.motion), known)
     loads = transmitted(robot, log.motion, link_torques(robot, log.motion, robot.inertial_parameters), of_links)
-    choices = _choices(base, log, loads, offsets) if friction == "choose" else ()
+    relieved = log.without_errors(loads)
+    choices = _choices(base, relieved, loads, offsets) if friction == "choose" else ()
     if isinstance(friction, tuple):
-        choices = _shaped(friction, base, log, loads, offsets)
+        choices = _shaped(friction, base, relieved, loads, offsets)
     laws = _laws(robot, log.motion, friction, choices)
     asked = None if instruments is None else _asked(robot, recording, instruments, log.motion.cutoff)
     shaped = [choice.joint for choice in choices]
-    how = _How(method, asked, offsets, shaped, rotor_errors or {}, known, prior_spread, solver)
+    how = _How(method, asked, offsets, shaped, rotor_errors or {}, known, errors, prior_spread, solver)
     fitted = _fitted(base, laws, log, loads, how)
-    is_loaded = any(law.per_load is not None for law in laws.values())
+    is_loaded = bool(errors) or any(law.per_load is not None for law in laws.values())
     for _ in range(LOADED_ROUNDS - 1 if is_loaded else 0):
         model = fitted.model
         links = link_torques(robot, log.motion, model.inertial)
@@ -137,12 +142,17 @@ class _How(NamedTuple):
     shaped: Sequence[str]
     rotor_errors: Mapping[str, float]
     link_friction: Mapping[str, Friction]
+    kinematic_errors: Mapping[str, KinematicError]
     prior_spread: float
     solver: Solver
 
 
 def _fitted(base: BaseParameters, laws: Mapping[str, Sliding], log: Log, loads: Array, how: _How) -> Fitted:
-    """What explains the torques, and bodies that can exist.  loads: (N, n), N m, by which friction may grow."""
+    """What explains the torques, and bodies that can exist.
+
+    loads: (N, n), N m, by which friction may grow, and of which kinematic errors take a share.
+    """
+    log = log.without_errors(loads)
     of = partial(regression, base, laws, torque=log.torque, means=log.means, offsets=how.offsets, loads=loads)
     found, instead = of(log.motion), None if how.asked is None else of(how.asked).columns
     values = _estimate(found, how.method, instead).values.tolist()
@@ -151,7 +161,7 @@ def _fitted(base: BaseParameters, laws: Mapping[str, Sliding], log: Log, loads: 
     sizes = sizes_of_others(base, log, found.names[base.independent.size :])
     told = are_told(estimate, base.independent.size, sizes)
     bodies = physical(fit_of(base, found.names, estimate.R, estimate.z, sizes, told, how.prior_spread), how.solver)
-    return Fitted(base, laws, how.link_friction, log, found, estimate, bodies)
+    return Fitted(base, laws, how.link_friction, how.kinematic_errors, log, found, estimate, bodies)
 
 
 def explained(motion: Motion, bandwidth: float | None) -> float:
@@ -187,6 +197,16 @@ def _checked_friction(of_links: Mapping[str, Friction] | None, robot: Robot) -> 
     return of_links or {}
 
 
+def _checked_errors(errors: Mapping[str, KinematicError] | None, robot: Robot) -> Mapping[str, KinematicError]:
+    """What is known of them, by joint."""
+    rule = "a KinematicError for each of some joints, by name"
+    check_kind("identify_rigid", "kinematic_errors", errors, (Mapping, NoneType), rule)
+    for joint, error in (errors or {}).items():
+        checked_name("driven joint", joint, robot.joints)
+        check_kind("identify_rigid", f"kinematic_errors[{joint!r}]", error, KinematicError, "a KinematicError")
+    return errors or {}
+
+
 def _check_errors(errors: Mapping[str, float] | None, robot: Robot, sought: Sequence[str]) -> None:
     """Of rotors.  sought: joints of those that are."""
     rule = "a standard deviation, kg m2, for each of some joints, by name"
@@ -208,6 +228,7 @@ def _log(
     cutoff: float | None,
     bandwidth: float | None,
     torque_constants: Mapping[str, float] | None,
+    errors: Mapping[str, KinematicError],
 ) -> Log:
     motion, torque = motion_of(robot, recording, cutoff), torques_of(robot, recording, torque_constants)
     stated = np.array([float(drive.reflected_inertia) for drive in robot.drives.values()])
@@ -215,7 +236,8 @@ def _log(
     torque = torque - stated * motion.w_dot
     width = explained(motion, bandwidth)
     known = motion.known() & np.isfinite(torque).all(axis=1)
-    return Log(motion, torque, decimation(known, motion.period, width), stated, width, float(recording.time[0]))
+    means, slopes = decimation(known, motion.period, width), error_slopes(robot, motion, errors)
+    return Log(motion, torque, means, stated, width, float(recording.time[0]), slopes)
 
 
 def _estimate(found: Regression, method: Method, instruments: Array | None, *beside: Array) -> Estimate:

@@ -33,7 +33,7 @@ from cutpoint.identification.rigid.uncertainty import (
     untold,
 )
 from cutpoint.mechanics.friction import Sliding
-from cutpoint.model.drive import Friction
+from cutpoint.model.drive import Friction, KinematicError
 from cutpoint.robot import Robot
 
 Array = NDArray[np.float64]
@@ -87,7 +87,7 @@ class Log(NamedTuple):
     """A recording as it is used: all samples, and what makes means of them.
 
     stated: reflected inertias (n,), kg m2, of rotors that are not sought, 0 of others.  width: Hz, of the means.
-    start: s, of the first sample.
+    start: s, of the first sample.  slopes: (N, n), as `error_slopes` has them.
     """
 
     motion: Motion
@@ -96,14 +96,20 @@ class Log(NamedTuple):
     stated: Array
     width: float
     start: float
+    slopes: Array
+
+    def without_errors(self, loads: Array) -> "Log":
+        """With torques as drives without kinematic errors ask for them.  loads: (N, n) N m that the drives transmit."""
+        return self._replace(torque=self.torque + self.slopes * loads)
 
 
 class Fitted(NamedTuple):
-    """What was fitted to what.  link_friction: by joint, what was known of it."""
+    """What was fitted to what.  link_friction, errors: by joint, what was known of friction and of kinematic errors."""
 
     base: BaseParameters
     laws: Mapping[str, Sliding]
     link_friction: Mapping[str, Friction]
+    errors: Mapping[str, KinematicError]
     log: Log
     regression: Regression
     estimate: Estimate
@@ -119,7 +125,7 @@ class Fitted(NamedTuple):
         rotors[[*self.base.rotors]] = self.bodies.rotors
         laws = laws_with(self.laws, others)
         of_links = friction_of_links(robot, laws, self.link_friction)
-        return RigidModel(self.bodies.inertial, rotors, offsets, laws, of_links, slide_with_motors(robot))
+        return RigidModel(self.bodies.inertial, rotors, offsets, laws, of_links, slide_with_motors(robot), self.errors)
 
 
 def estimate_of(
@@ -156,7 +162,7 @@ def _late(fitted: Fitted) -> list[str]:
 
 
 def _table(fitted: Fitted, level: float) -> tuple[Parameter, ...]:
-    base, _, _, log, found, estimate, bodies = fitted
+    base, log, found, estimate, bodies = fitted.base, fitted.log, fitted.regression, fitted.estimate, fitted.bodies
     b = base.independent.size
     sizes = np.concatenate([base_sizes(base), sizes_of_others(base, log, found.names[b:])])
     stated = np.array([stated_coefficient(base.robot, name) for name in found.names[b:]])

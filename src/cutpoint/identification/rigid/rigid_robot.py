@@ -12,7 +12,7 @@ from cutpoint.identification.rigid.bodies import with_parameters
 from cutpoint.identification.rigid.regression import CHUNK
 from cutpoint.mechanics.friction import Coulomb, Sliding
 from cutpoint.mechanics.presliding import sliding_of
-from cutpoint.model.drive import Drive, Friction, Rotor
+from cutpoint.model.drive import Drive, Friction, KinematicError, Rotor
 from cutpoint.robot import Robot
 
 Array = NDArray[np.float64]
@@ -26,11 +26,12 @@ LEAST = 1e-6
 
 @dataclass(frozen=True, eq=False)
 class RigidModel:
-    """torque = Y(q, v, a) inertial + rotors w_dot + friction(v) + offsets, for all joints of a robot.
+    """torque = Y(q, v, a) inertial + rotors w_dot + friction(v) + offsets - e'(theta) load, for all joints of a robot.
 
     inertial (10 bodies,); rotors (n,) kg m2 at the joint; offsets (n,) N m; laws by joint, of both sides together.
     of_links: by joint, what of its law is the link's, which the drive transmits.
     on_motor (n,): whose friction goes by the motor's speed, others' by the link's.
+    errors: by joint, kinematic errors that make the motor bear less of the load, or more, from tooth to tooth.
     """
 
     inertial: Array
@@ -39,12 +40,13 @@ class RigidModel:
     laws: Mapping[str, Sliding]
     of_links: Mapping[str, Friction]
     on_motor: NDArray[np.bool_]
+    errors: Mapping[str, KinematicError]
 
     def torque(self, robot: Robot, motion: Motion) -> Array:
         """(N, n), NaN where the motion is not known."""
         links = link_torques(robot, motion, self.inertial)
-        found = links + self.rotors * motion.w_dot + self.offsets
         loads = transmitted(robot, motion, links, self.of_links)
+        found = links + self.rotors * motion.w_dot + self.offsets - error_slopes(robot, motion, self.errors) * loads
         speeds = np.where(self.on_motor, motion.w, motion.v)
         for j, joint in enumerate(robot.joints):
             found[:, j] += self.laws[joint].torque(speeds[:, j], loads[:, j])
@@ -79,6 +81,18 @@ def transmitted(robot: Robot, motion: Motion, links: Array, of_links: Mapping[st
     for joint, law in of_links.items():
         j = robot.joints.index(joint)
         found[:, j] += law.torque(motion.v[:, j])
+    return found
+
+
+def error_slopes(robot: Robot, motion: Motion, errors: Mapping[str, KinematicError]) -> Array:
+    """(N, n): e'(theta), the share of what it bears by which each drive relieves its motor; 0 without an error.
+
+    Xia (2019) eqs. (22), (27).
+    """
+    found = np.zeros_like(motion.theta)
+    for joint, error in errors.items():
+        j = robot.joints.index(joint)
+        found[:, j] = error.slope(motion.theta[:, j], robot.drives[joint].ratio)
     return found
 
 
