@@ -11,7 +11,7 @@ from drive_benches import PERIOD, RATIO, STEP, measured, supposed_arm, true_arm
 import cutpoint
 from cutpoint.errors import InputError
 from cutpoint.identification import Recording
-from cutpoint.identification.drives import DriveEstimates, identify_drives
+from cutpoint.identification.drives import DriveEstimates, identify_drives, spring_estimate
 from cutpoint.identification.output.drive_numbers import drive_numbers
 from cutpoint.model.drive import Hysteresis
 
@@ -84,7 +84,9 @@ def test_kinematic_errors_are_found_within_five_percent_at_their_orders_and_phas
 
 def test_only_what_the_encoders_do_not_resolve_is_declared_unidentifiable(arm: Case):
     declared = {(name, thing) for name, each in arm.found.joints.items() for thing in each.unidentifiable}
-    assert {name for name, thing in declared if thing == "stiffness"} == {"joint6"}
+    # joint 6 is wound by 19 steps beside hysteresis, without by 29
+    is_seen = arm.true.drives["joint6"].hysteresis is None
+    assert {name for name, thing in declared if thing == "stiffness"} == (set() if is_seen else {"joint6"})
     assert not {thing for _, thing in declared} & {"kinematic_error", "rotor inertia", "motor friction", "damping"}
     # elements open the loops by 2 (0.08 1e-4 + 0.04 3e-4) = 4e-5 rad at best, less where the deflection is small
     slipping = arm.true.drives["joint1"].hysteresis is not None
@@ -101,7 +103,11 @@ def test_drives_change_in_nothing_but_what_was_told(arm: Case):
         assert after.limits == before.limits
         assert after.rotor.in_link_inertia == before.rotor.in_link_inertia
         assert after.rotor.inertia == arm.found.joints[name].rotor.inertia
-    assert arm.found.robot.drives["joint6"].compliance == supposed.drives["joint6"].compliance
+    spring = arm.found.robot.drives["joint6"].compliance
+    if "stiffness" in arm.found.joints["joint6"].unidentifiable:
+        assert spring == supposed.drives["joint6"].compliance
+    else:
+        assert spring.stiffness == pytest.approx(arm.true.drives["joint6"].compliance.stiffness, rel=0.02)
 
 
 def test_motor_friction_is_found(arm: Case):
@@ -136,7 +142,8 @@ def test_numbers_stand_beside_those_of_the_files(arm: Case):
             assert prior["hysteresis loss"] == pytest.approx(wide)
 
 
-def test_a_loop_beside_a_spring_that_is_not_told_is_as_wide_as_it_was_found(arm: Case):
+def test_a_loop_beside_a_spring_that_is_not_told_is_as_wide_as_it_was_found(arm: Case, monkeypatch: pytest.MonkeyPatch):
+    monkeypatch.setattr(spring_estimate, "COUNTS", 50.0)  # of a spring that is wound by less, loops are rarely told
     supposed, name = supposed_arm(arm.true), "joint4"
     others = {joint: replace(supposed.drives[joint], compliance=None) for joint in NAMES if joint != name}
     found = identify_drives(supposed.with_drives(others), arm.recording, 2.0 * STEP, torque_delay=PERIOD / 2.0)

@@ -239,10 +239,13 @@ def test_waves_that_a_filter_weakens_come_out_at_their_size(band: float):
 
 
 def test_a_spring_that_torque_hardly_winds_is_declared_unidentifiable():
-    for scale, told in ((2.0, False), (10.0, True)):
+    for scale, told in ((0.7, False), (2.0, True), (10.0, True)):
         found = two_encoders(*channels(SPRINGS["linear"], 0, scale), PERIOD, RATIO, laws=["linear"], resolution=STEP)
         assert ("stiffness" not in found.unidentifiable) == told
-        assert (found.counts > 50.0) == told
+        assert (found.counts > 20.0) == told
+    few = two_encoders(*channels(SPRINGS["linear"], 0, 2.0), PERIOD, RATIO, laws=["linear"], resolution=STEP)
+    assert few["stiffness"] == pytest.approx(12e3, abs=2.0 * few.deviations["stiffness"])
+    assert few.deviations["stiffness"] > 0.5 / few.counts * 12e3
 
 
 def test_a_spring_whose_deflection_is_all_noise_is_declared_unidentifiable():

@@ -182,7 +182,7 @@ def test_the_drive_file_and_the_numbers_say_the_same_intervals(found: Identifica
 
 def test_results_are_overwritten_on_request_only(found: Identification, tmp_path: Path):
     (tmp_path / "robot.urdf").write_text("mine")
-    with pytest.raises(InputError, match=r"already holds robot.urdf; name another, or force it"):
+    with pytest.raises(InputError, match=r"already holds robot.urdf; name another, or say --force"):
         found.save(tmp_path)
     assert [path.name for path in tmp_path.iterdir()] == ["robot.urdf"]
     found.save(tmp_path, force=True)

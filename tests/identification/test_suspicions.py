@@ -1,6 +1,7 @@
 """What looks wrong in a log is said by name; what is surely wrong is refused."""
 
 import math
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -13,7 +14,7 @@ from cutpoint import Robot
 from cutpoint.errors import InputError
 from cutpoint.formats import parse_urdf
 from cutpoint.identification import Channel, Recording, Table, parse_mapping, recording_of
-from cutpoint.identification.logs.suspicions import refuse_degrees, suspicions
+from cutpoint.identification.logs.suspicions import refuse_other_units, suspicions
 from robot_library import load
 
 T = times(3000)
@@ -117,10 +118,26 @@ def test_motion_across_a_gap_is_no_disagreement():
     assert not [note for note in notes if "times the rate" in note]
 
 
+def test_motors_that_all_move_as_many_times_as_far_as_links_are_refused():
+    arm = Robot(parse_urdf(urdf_text()))
+    log = Recording(T, ("shoulder", "elbow"), q=GOOD["q"] / 60.0, theta=np.degrees(GOOD["q"]) / 60.0)
+    with pytest.raises(InputError, match=r"theta of all joints is 57.3 times q: degrees for radians\?  Then state"):
+        refuse_other_units(log, arm)
+    refuse_other_units(replace(log, theta=np.column_stack([log["theta"][:, 0], log["q"][:, 1]])), arm)
+
+
+def test_a_clock_in_another_unit_is_refused_by_the_speed_that_it_makes():
+    arm = Robot(parse_urdf(urdf_text()))
+    with pytest.raises(
+        InputError, match=r"q of 'shoulder' moves at .* rad/s .* on average over 0.003 s: are the times"
+    ):
+        refuse_other_units(Recording(1e-3 * T, ("shoulder", "elbow"), q=GOOD["q"]), arm)
+
+
 def test_millimetres_of_a_joint_that_slides_are_refused_with_the_units_of_all():
     arm = Robot(parse_urdf(urdf_text().replace('name="elbow" type="revolute"', 'name="elbow" type="prismatic"')))
     q = np.column_stack([GOOD["q"][:, 0], 500.0 + 300.0 * np.sin(T)])
     with pytest.raises(
         InputError, match=r"q of joint 'elbow' runs from .* to 800 m, .* like mm: .* unit: \[rad, mm\]}"
     ):
-        refuse_degrees(Recording(T, ("shoulder", "elbow"), q=q), arm)
+        refuse_other_units(Recording(T, ("shoulder", "elbow"), q=q), arm)

@@ -54,6 +54,7 @@ class DriveEstimate:
     clocks: what shows that the encoders' clocks differ, if anything does.
     remarks: on which side friction is, where it is not as the drive had it, a sentence each.
     delay: s by which the motor's torque acts later than it is stamped; None where the spring does not tell.
+    period: s between samples.
     """
 
     drive: Drive
@@ -64,6 +65,7 @@ class DriveEstimate:
     clocks: str = ""
     remarks: tuple[str, ...] = ()
     delay: Delay | None = None
+    period: float = 0.0
 
 
 @dataclass(frozen=True, eq=False)
@@ -116,7 +118,7 @@ def drive_of(joint: Channels, drive: Drive, resolution: float, cutoff: float) ->
         sliding = np.column_stack([np.tanh(speed / smoothing_of(drive, rotor.smoothing)), speed])
         link = link_friction(left - joint.link_torque, sliding, period, cutoff)
     delay = None if not apart or "stiffness" in spring.unidentifiable else _delay(joint, ratio, spring, cutoff)
-    return replace(_estimate(drive, spring, rotor, apart, link, shows_play), delay=delay)
+    return replace(_estimate(drive, spring, rotor, apart, link, shows_play), delay=delay, period=period)
 
 
 def _delay(joint: Channels, ratio: float, spring: SpringEstimate, cutoff: float) -> Delay:

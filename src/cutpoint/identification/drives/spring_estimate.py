@@ -15,8 +15,15 @@ from cutpoint.model.drive import Compliance, Hysteresis, KinematicError
 
 Array = NDArray[np.float64]
 
-COUNTS = 50.0
+COUNTS = 20.0
 """Of the encoders' resolution: springs that torque winds by less, half of the range, are declared unidentifiable."""
+
+FEW, UNEVEN = 50.0, 0.5
+"""Of so few steps the uneven sizes count: by half a step over half of the deflection's range, one standard deviation.
+"""
+
+WITH_DEFLECTION = ("stiffness", "k1", "k2", "k3")
+"""Constants of spring laws that are less where the deflection is more."""
 
 OPEN = 2.0
 """Times the encoders' resolution: loops that open by less are declared unidentifiable."""
@@ -90,6 +97,9 @@ def estimate_of(
     hidden = attenuation(data, fit)
     fit, spread = without_attenuation(data, fit), spread + np.outer(hidden, hidden)
     counts = 0.5 * float(np.ptp(fit.law.deflection(fit.constants, data.torque))) / (data.resolution or np.nan)
+    if 0.0 < counts < FEW:
+        uneven = np.array([UNEVEN / counts * (name in WITH_DEFLECTION) for name in names]) * fit.values
+        spread = spread + np.outer(uneven, uneven)
     weak = _weak(data, fit, spread, counts)
     sentences = {
         "stiffness": weak,

@@ -12,7 +12,7 @@ from cutpoint.identification.logs.mapping import ChannelMap, load_mapping, obvio
 from cutpoint.identification.logs.quantity import Columns, check_kinds, columns_of, in_si, picked, stated_ratio
 from cutpoint.identification.logs.reading import read_table
 from cutpoint.identification.logs.recording import Recording
-from cutpoint.identification.logs.suspicions import refuse_degrees, suspicions
+from cutpoint.identification.logs.suspicions import refuse_other_units, suspicions
 from cutpoint.identification.logs.table import Table
 from cutpoint.robot import Robot
 
@@ -56,7 +56,7 @@ def recording_of(table: Table, mapping: ChannelMap, robot: Robot | None = None) 
         raise InputError(str(error), place=table.file, **error.evidence) from error
     recording = Recording(time, joints, **channels, notes=(*table.notes, *notes))
     if robot:
-        refuse_degrees(recording, robot, table.file)
+        refuse_other_units(recording, robot, table.file)
     return recording.with_notes(suspicions(recording))
 
 

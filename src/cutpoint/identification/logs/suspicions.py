@@ -29,6 +29,9 @@ APART = 0.02
 FITS = 0.1
 """By how much a factor that should be 1 may differ: noise and deflection make it differ by less."""
 
+FASTEST = 100.0
+"""rad/s (m/s) on average over a log: no joint moves like that."""
+
 EXPLANATIONS = {
     -1.0: "the sign of one is wrong",
     180.0 / math.pi: "degrees for radians",
@@ -38,9 +41,10 @@ EXPLANATIONS = {
 }
 
 
-def refuse_degrees(recording: Recording, robot: Robot, file: str = "") -> None:
+def refuse_other_units(recording: Recording, robot: Robot, file: str = "") -> None:
     """Raises InputError for positions far beyond a joint's limits, as those of degrees or counts as radians are, and of
-    mm as metres."""
+    mm as metres; for motors that all move so many times as far as links; for a clock that runs in another unit."""
+    _refuse_one_factor(recording, robot, file)
     drives = list(robot.drives)
     for name in ("q", "theta"):
         for joint, x in _columns(recording, name):
@@ -59,6 +63,32 @@ def refuse_degrees(recording: Recording, robot: Robot, file: str = "") -> None:
                     if name == "theta" and ratio == 1.0:
                         told += "; or it is a rotor's, whose gear's ratio is missing: give its drive file"
                     raise InputError(told, place=file or None, **error.evidence) from error
+    _refuse_haste(recording, file)
+
+
+def _refuse_one_factor(recording: Recording, robot: Robot, file: str) -> None:
+    pairs = [*zip(_columns(recording, "theta"), _columns(recording, "q"), strict=False)]
+    ratios = [robot.drives[joint].ratio for (joint, _), _ in pairs if joint in robot.drives]
+    all_of = (_factor(theta, q, recording.time) for (_, theta), (_, q) in pairs)
+    factors = [factor for factor in all_of if factor is not None]
+    if any(abs(factor / ratio - 1.0) < FITS for factor in factors for ratio in ratios):
+        return  # rotors before their gears
+    for value, words in EXPLANATIONS.items():
+        if value > 0.0 and factors and all(abs(factor / value - 1.0) < FITS for factor in factors):
+            told = f"theta of all joints is {factors[0]:.4g} times q: {words}?"
+            remedy = "state the unit of either in a mapping, as in 'theta: {channels: ..., unit: ...}'"
+            raise InputError(f"{told}  Then {remedy}", place=file or None, factor=factors[0])
+
+
+def _refuse_haste(recording: Recording, file: str) -> None:
+    span = float(np.ptp(recording.time))
+    for name in ("q", "theta"):
+        for joint, x in _columns(recording, name):
+            speed = float(np.nansum(np.abs(np.diff(x)))) / span if span else 0.0
+            if speed > FASTEST:
+                told = f"{name} of {joint!r} moves at {speed:.3g} rad/s (m/s) on average over {span:.3g} s"
+                remedy = "are the times in a longer unit?  State 'time: {channel: ..., unit: ...}' in a mapping"
+                raise InputError(f"{told}: {remedy}", place=file or None, speed=speed)
 
 
 def _are_rotors(recording: Recording, joint: str, ratio: float) -> bool:

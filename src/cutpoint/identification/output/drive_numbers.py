@@ -31,6 +31,9 @@ UNITS: Mapping[str, str] = {
     "rotor inertia": "kg m2",
 }
 
+LATENESS = 0.02
+"""Of a period: by which torques may act otherwise than supposed, one standard deviation; it looks like damping."""
+
 NOT_APART = "its spring, which would tell it from the link, is not seen; what torques tell of it is with the links"
 
 BY_COULOMB = "by Coulomb's law, whatever was chosen with the links, so that its interval knows of scatter alone"
@@ -78,6 +81,8 @@ def drive_numbers(joint: str, before: Drive, found: DriveEstimate, rotors: bool)
     ]
     damping = _found(spring, "damping")
     if damping:
+        late = LATENESS * found.period * float(spring.compliance.tangent(0.0))
+        damping = damping[0], float(np.hypot(damping[1], late))
         own.append(rows.row("damping", damping, ("damping",), _stated(before, "damping"), "damping"))
     loops = _loops(rows, spring, loss(before))
     waves = _waves(rows, spring, {wave.order: float(wave.amplitude) for wave in _stated_waves(before)})

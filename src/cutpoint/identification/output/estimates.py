@@ -18,6 +18,10 @@ FINE = 200.0
 """Steps of the encoders in half of a deflection's range: with fewer, what turning points tell is biased."""
 
 
+ZEROS = 2e-3
+"""rad (m), by which encoders' zeros differ before that is said: weight is by as much of another place."""
+
+
 class Estimates(NamedTuple):
     """drives: None if not sought, or not found, as remarks say.  apart: joints whose rotors come from there."""
 
@@ -56,14 +60,17 @@ def estimates(
     except (CutpointError, KeyboardInterrupt) as error:  # what was found of the links is worth having without
         why = error if isinstance(error, CutpointError) else "Ctrl-C was pressed while they were sought"
         return Estimates(rigid, None, remarks=(f"springs were not identified: {why}",))
-    found, remarks = drives.joints.items(), (*_coarse(drives), *_late(drives, torque_delay), *drives.remarks)
+    found = drives.joints.items()
+    remarks = (*_coarse(drives), *_late(drives, torque_delay), *_zeros(drives), *drives.remarks)
     apart = tuple(joint for joint, each in found if each.apart and "rotor inertia" not in each.unidentifiable)
     errors = {joint: each.spring.kinematic_error for joint, each in found if not each.clocks}
     errors = {joint: error for joint, error in errors.items() if error is not None}
     if not apart and not errors:
         return Estimates(rigid, drives, (), remarks)
     say("links again, by what the motors tell")
-    how = {**how, "friction": rigid.friction or friction, "kinematic_errors": errors}
+    # a law that was chosen while waves shook the torques is chosen again without them
+    chosen = friction if errors else rigid.friction or friction
+    how = {**how, "friction": chosen, "kinematic_errors": errors}
     again = _with_rotors(before, drives, apart, fitted, **how)
     return Estimates(again, drives, apart, remarks)
 
@@ -85,6 +92,18 @@ def _coarse(drives: DriveEstimates) -> tuple[str, ...]:
     few = f"half of a deflection's range is few steps of the encoders ({told})"
     then = "rotors came out up to 5 % off and damping up to twice too large, both further off than intervals say"
     return (f"{few}: below {FINE:g}, {then}",)
+
+
+def _zeros(drives: DriveEstimates) -> tuple[str, ...]:
+    """A sentence if encoders of motors and links have not one zero."""
+    found = {joint: each.spring.offset for joint, each in drives.joints.items() if abs(each.spring.offset) > ZEROS}
+    if not found:
+        return ()
+    told = ", ".join(f"{joint} {offset:.3g} rad (m)" for joint, offset in found.items())
+    then = "weights are told by the links' encoders, and are as wrong as their zeros are"
+    return (
+        f"motors' encoders are ahead of the links' where springs bear nothing ({told}): have both one zero?  {then}",
+    )
 
 
 def _late(drives: DriveEstimates, supposed: float) -> tuple[str, ...]:

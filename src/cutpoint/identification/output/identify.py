@@ -19,7 +19,7 @@ from cutpoint.identification.drives.identify_drives import DriveEstimates, encod
 from cutpoint.identification.joint_units import at_joints, words_at
 from cutpoint.identification.logs.read_recording import read_recording
 from cutpoint.identification.logs.recording import EFFORTS, UNEVEN, Array, Recording
-from cutpoint.identification.logs.suspicions import refuse_degrees, suspicions
+from cutpoint.identification.logs.suspicions import refuse_other_units, suspicions
 from cutpoint.identification.one_thread import by_one_thread
 from cutpoint.identification.output.drive_numbers import drive_numbers
 from cutpoint.identification.output.error_warnings import warnings_of
@@ -189,7 +189,7 @@ def _untold(found: Estimates) -> tuple[str, ...]:
 
 def _suspected(recording: Recording, robot: Robot) -> Recording:
     """With the notes that a log file would get, where it has them not from there.  InputError as for a file."""
-    refuse_degrees(recording, robot)
+    refuse_other_units(recording, robot)
     return recording.with_notes([words for words in suspicions(recording) if words not in recording.notes])
 
 

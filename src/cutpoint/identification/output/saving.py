@@ -30,7 +30,9 @@ def check_folder(folder: Path, force: bool) -> None:
     there = [name for name in FILES if (folder / name).exists()]
     if there and not force:
         names = ", ".join(there)
-        raise InputError(f"output {str(folder)!r} already holds {names}; name another, or force it", output=folder)
+        raise InputError(
+            f"output {str(folder)!r} already holds {names}; name another, or say --force, force=True", output=folder
+        )
 
 
 def file_notes(found: Identification) -> list[str]:

@@ -203,6 +203,9 @@ def _tried(trial: _Trial, size: float, expected: Sliding | None) -> dict[str, li
         found[f"{family}, asymmetric"] = _refined(trial, trial.all([_with(law, asymmetry=x) for x in ASYMMETRIES]))
         if trial.load is not None and np.nanmax(np.abs(trial.load)) > 0.0:
             found[f"{family}, with load"] = _refined(trial, trial.all([_with(law, per_load=0.0)]))
+        # what only a longer search for the shape has found is no merit of the richer law
+        richer = [trial.best(tried) for name, tried in found.items() if name.startswith(f"{family}, ")]
+        found[family] += trial.all([_with(law, per_load=None, asymmetry=None) for law in richer])
     return found
 
 

@@ -110,22 +110,23 @@ def identify_rigid(
     base = base_parameters(robot, rotors=rotors)
     _check_errors(rotor_errors, robot, [robot.joints[j] for j in base.rotors])
     log = _log(robot, recording, base.rotors, cutoff, bandwidth, torque_constants, errors)
-    of_links = friction_of_links(robot, stated_laws(robot, log.motion), known)
+    laws = stated_laws(robot, log.motion)
+    of_links = friction_of_links(robot, laws, known)
     loads = transmitted(robot, log.motion, link_torques(robot, log.motion, robot.inertial_parameters), of_links)
+    asked = None if instruments is None else _asked(robot, recording, instruments, log.motion.cutoff)
+    how = _How(method, asked, offsets, (), rotor_errors or {}, known, errors, prior_spread, solver)
+    if errors:  # whose reaction goes with the load
+        loads = _loads(_fitted(base, laws, log, loads, how))
     relieved = log.without_errors(loads)
     choices = _choices(base, relieved, loads, offsets) if friction == "choose" else ()
     if isinstance(friction, tuple):
         choices = _shaped(friction, base, relieved, loads, offsets)
     laws = _laws(robot, log.motion, friction, choices)
-    asked = None if instruments is None else _asked(robot, recording, instruments, log.motion.cutoff)
-    shaped = [choice.joint for choice in choices]
-    how = _How(method, asked, offsets, shaped, rotor_errors or {}, known, errors, prior_spread, solver)
+    how = how._replace(shaped=[choice.joint for choice in choices])
     fitted = _fitted(base, laws, log, loads, how)
     is_loaded = bool(errors) or any(law.per_load is not None for law in laws.values())
     for _ in range(LOADED_ROUNDS - 1 if is_loaded else 0):
-        model = fitted.model
-        links = link_torques(robot, log.motion, model.inertial)
-        fitted = _fitted(base, laws, log, transmitted(robot, log.motion, links, model.of_links), how)
+        fitted = _fitted(base, laws, log, _loads(fitted), how)
     result = estimate_of(fitted, level, choices, recording.notes)
     return _with_remark_on_lags(result) if method == "instrumental" and instruments is None else result
 
@@ -162,6 +163,12 @@ def _fitted(base: BaseParameters, laws: Mapping[str, Sliding], log: Log, loads: 
     told = are_told(estimate, base.independent.size, sizes)
     bodies = physical(fit_of(base, found.names, estimate.R, estimate.z, sizes, told, how.prior_spread), how.solver)
     return Fitted(base, laws, how.link_friction, how.kinematic_errors, log, found, estimate, bodies)
+
+
+def _loads(fitted: Fitted) -> Array:
+    """(N, n), N m: what drives transmit, as a fit has it."""
+    robot, motion, model = fitted.base.robot, fitted.log.motion, fitted.model
+    return transmitted(robot, motion, link_torques(robot, motion, model.inertial), model.of_links)
 
 
 def explained(motion: Motion, bandwidth: float | None) -> float:
