@@ -8,7 +8,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cutpoint.control import adaptation, command_filter
-from cutpoint.control.gains import gains
 from cutpoint.control.interface import Command, Measurement, Reference
 from cutpoint.control.joint_law import JointGains, RequiredTorque, joint_command
 from cutpoint.control.joint_parameters import JointPower, adapted, nominal, with_numbers
@@ -69,8 +68,7 @@ class AdaptiveVDC(VDC):
             raise InputError(f"AdaptiveVDC: update {self.update!r} must be 'projection' or 'natural'")
         if self.derivatives != "filter":
             raise InputError("AdaptiveVDC: derivatives must be 'filter': a model that is being learnt gives no jerk")
-        for name in ("body_rate", "joint_rate", "uncertainty"):
-            self._set(**{name: gains("AdaptiveVDC", name, getattr(self, name), 1)})
+        self._keep_gains("body_rate", "joint_rate", "uncertainty", size=1)
         if self.uncertainty.dtype != object and self.uncertainty[0] >= 1:
             rule = "must be below 1, so that masses, stiffness and friction stay positive"
             raise InputError(f"AdaptiveVDC: uncertainty {self.uncertainty[0]} {rule}")

@@ -5,7 +5,6 @@ from typing import Any
 
 import numpy as np
 
-from cutpoint.control.gains import gains
 from cutpoint.control.interface import Command, Measurement, Reference
 from cutpoint.control.rigid_law import RigidLaw
 from cutpoint.mechanics.inverse_dynamics import inverse_dynamics
@@ -23,8 +22,7 @@ class ComputedTorque(RigidLaw):
 
     def __post_init__(self) -> None:
         super().__post_init__()
-        for name in ("kp", "kd"):
-            self._set(**{name: gains("ComputedTorque", name, getattr(self, name), self.size)})
+        self._keep_gains("kp", "kd", size=self.size)
 
     def step(self, memory: Any, measurement: Measurement, reference: Reference) -> tuple[Any, Command]:
         q, v, q_d, v_d = self.seen(measurement, reference)

@@ -5,7 +5,6 @@ from typing import Any
 
 import numpy as np
 
-from cutpoint.control.gains import gains
 from cutpoint.control.interface import SENSED, Command, Measurement, Reference
 from cutpoint.control.model_law import ModelLaw, check_no_full_coupling
 from cutpoint.errors import InputError
@@ -35,7 +34,7 @@ class ElasticComputedTorque(ModelLaw):
             remedy = "give it a compliance and a rotor, or take ComputedTorque"
             raise InputError(f"ElasticComputedTorque: the drive of {rigid[0]!r} is rigid; {remedy}")
         check_no_full_coupling("ElasticComputedTorque", self.robot, "coupling 'reduced'")
-        self._set(bandwidth=gains("ElasticComputedTorque", "bandwidth", self.bandwidth, self.size, positive=True))
+        self._keep_gains("bandwidth", size=self.size, positive=("bandwidth",))
 
     def step(self, memory: Any, measurement: Measurement, reference: Reference) -> tuple[Any, Command]:
         machine, m, r, w = self.model, measurement, reference, self.bandwidth

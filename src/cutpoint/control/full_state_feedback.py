@@ -6,7 +6,6 @@ from typing import Any
 import numpy as np
 
 from cutpoint.control.feedforward import Feedforward
-from cutpoint.control.gains import gains
 from cutpoint.control.interface import SENSED, Command, Measurement, Reference
 from cutpoint.control.model_law import ModelLaw, states_by_drive
 from cutpoint.errors import InputError
@@ -39,8 +38,7 @@ class FullStateFeedback(ModelLaw):
 
     def __post_init__(self) -> None:
         super().__post_init__()
-        for name in ("kp", "kd", "shaping", "lead"):
-            self._set(**{name: gains("FullStateFeedback", name, getattr(self, name), self.size, name == "shaping")})
+        self._keep_gains("kp", "kd", "shaping", "lead", size=self.size, positive=("shaping",))
         if self.shaping.dtype != object and (self.shaping > 1).any():
             raise InputError(f"FullStateFeedback: shaping {self.shaping} must be at most 1: it makes rotors lighter")
 

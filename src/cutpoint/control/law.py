@@ -6,6 +6,7 @@ from functools import reduce
 from inspect import signature
 from typing import Any
 
+from cutpoint.control.gains import gains
 from cutpoint.control.interface import (
     SENSED,
     Command,
@@ -44,6 +45,11 @@ class Law:
         """Fields as they are kept, once they are checked."""
         for name, value in values.items():
             object.__setattr__(self, name, value)
+
+    def _keep_gains(self, *names: str, size: int | None = None, positive: tuple[str, ...] = ()) -> None:
+        """Fields as arrays, one entry a drive: see `gains`.  positive: those of them that must not be zero."""
+        for name in names:
+            self._set(**{name: gains(type(self).__name__, name, getattr(self, name), size, name in positive)})
 
     def __add__(self, other: Controller) -> "Sum":
         return Sum((*parts_of(self), *parts_of(as_law(other))))

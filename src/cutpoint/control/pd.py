@@ -3,7 +3,6 @@
 from dataclasses import dataclass
 from typing import Any
 
-from cutpoint.control.gains import gains
 from cutpoint.control.interface import Command, Measurement, Reference
 from cutpoint.control.side import Side, SidedLaw
 from cutpoint.errors import InputError
@@ -23,7 +22,7 @@ class PD(SidedLaw):
     side: Side = "motor"
 
     def __post_init__(self) -> None:
-        self._set(kp=gains("PD", "kp", self.kp), kd=gains("PD", "kd", self.kd))
+        self._keep_gains("kp", "kd")
         if self.kp.shape != self.kd.shape:
             raise InputError(f"PD: kp has shape {self.kp.shape}, kd {self.kd.shape}; give one of each for every drive")
         self.check_side()

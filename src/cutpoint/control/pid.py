@@ -3,7 +3,6 @@
 from dataclasses import dataclass
 from typing import Any
 
-from cutpoint.control.gains import gains
 from cutpoint.control.interface import Command, Measurement, Reference
 from cutpoint.control.side import Side, SidedLaw
 from cutpoint.scalars import clip, where
@@ -26,9 +25,8 @@ class PID(SidedLaw):
 
     def __post_init__(self) -> None:
         self.check_side()
-        self._set(kp=gains("PID", "kp", self.kp))
-        for name in ("ki", "kd", "limit"):
-            self._set(**{name: gains("PID", name, getattr(self, name), self.size, name == "limit")})
+        self._keep_gains("kp")
+        self._keep_gains("ki", "kd", "limit", size=self.size, positive=("limit",))
 
     @property
     def size(self) -> int:

@@ -8,7 +8,6 @@ from typing import Any
 
 import numpy as np
 
-from cutpoint.control.gains import gains
 from cutpoint.control.interface import Command, Measurement, Reference
 from cutpoint.control.rigid_law import RigidLaw
 from cutpoint.scalars import absolute
@@ -29,8 +28,7 @@ class Robust(RigidLaw):
 
     def __post_init__(self) -> None:
         super().__post_init__()
-        for name in ("position_gain", "speed_gain", "bound", "width"):
-            self._set(**{name: gains("Robust", name, getattr(self, name), self.size, name == "width")})
+        self._keep_gains("position_gain", "speed_gain", "bound", "width", size=self.size, positive=("width",))
 
     def step(self, memory: Any, measurement: Measurement, reference: Reference) -> tuple[Any, Command]:
         s, tau = self.required_effort(self.position_gain, measurement, reference)

@@ -5,7 +5,6 @@ from typing import Any
 
 import numpy as np
 
-from cutpoint.control.gains import gains
 from cutpoint.control.interface import Command, Measurement, Reference
 from cutpoint.control.rigid_law import RigidLaw
 from cutpoint.mechanics.pseudo_inertia import nominal_sizes
@@ -28,9 +27,8 @@ class SlotineLi(RigidLaw):
 
     def __post_init__(self) -> None:
         super().__post_init__()
-        for name in ("position_gain", "speed_gain"):
-            self._set(**{name: gains("SlotineLi", name, getattr(self, name), self.size)})
-        self._set(rate=gains("SlotineLi", "rate", self.rate, 1))
+        self._keep_gains("position_gain", "speed_gain", size=self.size)
+        self._keep_gains("rate", size=1)
 
     def start(self) -> Any:
         """The model's inertial parameters, ten a body."""

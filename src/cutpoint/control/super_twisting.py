@@ -8,7 +8,6 @@ from typing import Any
 
 import numpy as np
 
-from cutpoint.control.gains import gains
 from cutpoint.control.interface import Command, Measurement, Reference
 from cutpoint.control.rigid_law import RigidLaw
 from cutpoint.scalars import absolute, sqrt, where
@@ -29,8 +28,7 @@ class SuperTwisting(RigidLaw):
 
     def __post_init__(self) -> None:
         super().__post_init__()
-        for name in ("position_gain", "speed_gain", "root_gain", "twist"):
-            self._set(**{name: gains("SuperTwisting", name, getattr(self, name), self.size)})
+        self._keep_gains("position_gain", "speed_gain", "root_gain", "twist", size=self.size)
 
     def start(self) -> Any:
         """w, N m."""

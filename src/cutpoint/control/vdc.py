@@ -11,7 +11,7 @@ from typing import Any, Literal
 import numpy as np
 
 from cutpoint.control import command_filter
-from cutpoint.control.gains import gain_matrices, gains
+from cutpoint.control.gains import gain_matrices
 from cutpoint.control.interface import SENSED, Command, Measurement, Reference
 from cutpoint.control.joint_law import JointGains, RequiredTorque, joint_command
 from cutpoint.control.model_law import ModelLaw, check_no_full_coupling, states_by_drive
@@ -62,14 +62,13 @@ class VDC(ModelLaw):
     def __post_init__(self) -> None:
         super().__post_init__()
         law = type(self).__name__
-        for name in ("position_gain", "speed_gain", "motor_gain", "spring_gain"):
-            value = gains(law, name, getattr(self, name), self.size, positive=name == "position_gain")
-            self._set(**{name: value})
+        names = ("position_gain", "speed_gain", "motor_gain", "spring_gain")
+        self._keep_gains(*names, size=self.size, positive=("position_gain",))
         if self.body_gain is not None:
             bodies = len(self.robot.mechanism.bodies)
             self._set(body_gain=gain_matrices(law, "body_gain", self.body_gain, bodies))
         self._check_derivatives(law)
-        self._set(filter_bandwidth=gains(law, "filter_bandwidth", self.filter_bandwidth, 1, True))
+        self._keep_gains("filter_bandwidth", size=1, positive=("filter_bandwidth",))
 
     def _check_derivatives(self, law: str) -> None:
         drives = [*self.robot.drives.items()]
