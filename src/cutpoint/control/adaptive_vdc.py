@@ -9,23 +9,13 @@ from numpy.typing import NDArray
 
 from cutpoint.control import adaptation, command_filter
 from cutpoint.control.interface import Command, Measurement, Reference
-from cutpoint.control.joint_law import JointGains, RequiredTorque, joint_command
+from cutpoint.control.joint_law import JointGains, RequiredTorque, joint_command, required_drive_torque
 from cutpoint.control.joint_parameters import JointPower, adapted, nominal, with_numbers
 from cutpoint.control.model_law import states_by_drive
 from cutpoint.control.vdc import VDC, required_velocity
 from cutpoint.definitions import Machine
 from cutpoint.errors import InputError
-from cutpoint.mechanics.harmonic_drive import friction_torque
-from cutpoint.mechanics.inverse_dynamics import (
-    BodyMotion,
-    bear,
-    joint_efforts,
-    net_wrenches,
-    pull,
-    quasi_rigid,
-    required_motions,
-    rotor_efforts,
-)
+from cutpoint.mechanics.inverse_dynamics import BodyMotion, efforts_between, quasi_rigid, required_motions
 from cutpoint.mechanics.pseudo_inertia import nominal_sizes
 from cutpoint.mechanics.rigid_body import body_regressor, inertia_of, parameters_of
 from cutpoint.mechanics.spatial import ZERO, Pose
@@ -88,10 +78,11 @@ class AdaptiveVDC(VDC):
 
     def step(self, memory: Any, measurement: Measurement, reference: Reference) -> tuple[Any, Command]:
         v_r = required_velocity(self.position_gain, reference[:3], (measurement.q, measurement.v))
-        tau, rotors, bodies = self._bodies(memory.bodies, measurement, v_r)
         drives = self.machine.drives
         believed = [with_numbers(d.drive, x) for d, x in zip(drives, memory.joints, strict=True)]
-        tau_r = [self._borne(k, drive, tau[k], v_r[k], measurement.v[k]) for k, drive in enumerate(believed)]
+        tau, rotors, bodies = self._bodies(memory.bodies, believed, measurement, v_r)
+        asked = zip(believed, tau, (x.derivative(0) for x in v_r), measurement.v, self.speed_gain, strict=True)
+        tau_r = [required_drive_torque(*each) for each in asked]
         omega = math.tau * self.filter_bandwidth[0]
         filters, filtered = command_filter.step(memory.filters, tau_r, omega, measurement.period)
         m, told, joints = measurement, [], []
@@ -107,23 +98,23 @@ class AdaptiveVDC(VDC):
         torque, theta, theta_dot, _ = (np.array(x) for x in zip(*told, strict=True))
         return Estimates(bodies, joints, filters), Command(torque, 0, theta, theta_dot)
 
-    def _bodies(self, estimates: Any, m: Measurement, v_r: list[Jet]) -> tuple[list[Scalar], list[Scalar], list[Any]]:
-        """Torques on the links, what rotors add by their coupling, and what each body has learnt."""
-        system = quasi_rigid(replace(self.machine.system, armature=(0,) * self.size))
+    def _bodies(
+        self, estimates: Any, drives: list[Drive], m: Measurement, v_r: list[Jet]
+    ) -> tuple[list[Scalar], list[Scalar], list[Any]]:
+        """Torques on the links, what rotors add, both N m, and what each body has learnt; drives: as believed."""
+        armature = tuple(0 if drive.is_elastic else drive.reflected_inertia for drive in drives)
+        system = quasi_rigid(replace(self.machine.system, armature=armature))
         nominal = system.segments
         believed = [inertia_of(self._inertial(x)) for x in estimates]
         segments = tuple(replace(own, inertia=M) for own, M in zip(nominal, believed, strict=True))
         system = replace(system, segments=segments)
         speeds, accelerations = zip(*(x.derivatives for x in v_r), strict=True)
         actual, required = required_motions(system, [*m.q], [*m.v], speeds, accelerations)
-        # each body: what its required motion costs by the numbers it believes in, and what it learns from that
-        F_r, learnt = net_wrenches(system, required, speeds, accelerations, actual), []
-        for k, (segment, own, wanted) in enumerate(zip(segments, actual, required, strict=True)):
-            if self.body_gain is not None:
-                F_r[k] = F_r[k] + pull(segment, self.body_gain[k], wanted.V, own.V)
-            learnt.append(self._learnt(nominal[k], estimates[k], body_powers(own, wanted), m.period))
-        F_r = bear(system, [x.X for x in actual], F_r, {})
-        return joint_efforts(system, F_r), rotor_efforts(system, required, accelerations, actual), learnt
+        # what the required motion costs by the numbers that bodies believe in, and what they learn from it
+        tau, rotors = efforts_between(system, actual, required, speeds, accelerations, self.body_gain)
+        powers = map(body_powers, actual, required)
+        bodies = zip(nominal, estimates, powers, strict=True)
+        return tau, rotors, [self._learnt(body, estimate, s, m.period) for body, estimate, s in bodies]
 
     def inertial_parameters(self, memory: Estimates) -> NDArray[np.float64]:
         """(10 n,): what the law believes of all bodies, as `Robot.inertial_parameters` has them."""
@@ -147,12 +138,6 @@ class AdaptiveVDC(VDC):
             adaptation.projected(p, s_k, rate * size * size, p_0 - share * size, p_0 + share * size, period)
             for p, s_k, p_0, size in numbers
         ]
-
-    def _borne(self, k: int, drive: Drive, tau: Scalar, v_r: Jet, v: Scalar) -> Scalar:
-        """tau_r of Xia (2019) eq. (26): what a drive exerts, link friction and a rigidly geared rotor included."""
-        speed, acceleration = v_r.derivatives
-        spun = 0 if drive.is_elastic else drive.reflected_inertia * acceleration
-        return tau + spun + friction_torque(drive.link_friction, speed) + self.speed_gain[k] * (speed - v)
 
 
 def body_powers(own: BodyMotion, wanted: BodyMotion) -> list[Scalar]:

@@ -46,6 +46,14 @@ class JointCommand(NamedTuple):
     theta_ddot: Any
 
 
+def required_drive_torque(drive: Drive, tau: Scalar, v_r: Scalar, v: Scalar, speed_gain: Scalar) -> Scalar:
+    """tau_r: torque on the link, friction at the required speed and feedback of the speed, N m.  Xia (2019) eq. (26).
+
+    tau: what the required motion of all links asks of this one.  Friction enters by value.
+    """
+    return tau + speed_gain * (v_r - v) + friction_torque(drive.link_friction, value_of(v_r))
+
+
 def joint_command(
     drive: Drive, at: DriveState, q_d: Scalar, v_r: Jet, required: RequiredTorque, gain: JointGains
 ) -> JointCommand:

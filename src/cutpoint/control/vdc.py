@@ -13,11 +13,10 @@ import numpy as np
 from cutpoint.control import command_filter
 from cutpoint.control.gains import gain_matrices
 from cutpoint.control.interface import SENSED, Command, Measurement, Reference
-from cutpoint.control.joint_law import JointGains, RequiredTorque, joint_command
+from cutpoint.control.joint_law import JointGains, RequiredTorque, joint_command, required_drive_torque
 from cutpoint.control.model_law import ModelLaw, check_no_full_coupling, states_by_drive
 from cutpoint.definitions import Machine
 from cutpoint.errors import InputError
-from cutpoint.mechanics.harmonic_drive import friction_torque
 from cutpoint.mechanics.inverse_dynamics import quasi_rigid, required_efforts
 from cutpoint.mechanics.link_motion import link_motion, torques_on_links
 from cutpoint.scalars import Jet, value_of
@@ -133,15 +132,13 @@ class VDC(ModelLaw):
         return memory, v_r, [RequiredTorque(Jet(x, *z.derivatives[1:]), rotor) for (x, rotor), z in pairs]
 
     def _required_torque(self, machine: Machine, q: list[Any], v: list[Any], v_r: list[Jet]) -> list[Any]:
-        """tau_r = z^T F_qr + friction + k_vq (v_r - v), with derivatives as the actual motion has; and of rotors."""
+        """tau_r of each drive, with as many derivatives as the actual motion has, and torques of rotors."""
         speeds, accelerations = _with_orders_of(q[0], v_r)
         system = quasi_rigid(machine.system)
         tau, rotors = required_efforts(system, q, v, speeds, accelerations, self.body_gain)
-        drives = [d.drive for d in machine.drives]
-        lags = [k * (x_r - x) for k, x_r, x in zip(self.speed_gain, speeds, v, strict=True)]
-        frictions = [friction_torque(drive.link_friction, value_of(x)) for drive, x in zip(drives, speeds, strict=True)]
-        totals = [t + lag + xi for t, lag, xi in zip(tau, lags, frictions, strict=True)]
-        return [RequiredTorque(t, value_of(rotor)) for t, rotor in zip(totals, rotors, strict=True)]
+        asked = zip([d.drive for d in machine.drives], tau, speeds, v, self.speed_gain, strict=True)
+        tau_r = [required_drive_torque(*each) for each in asked]
+        return [RequiredTorque(t, value_of(rotor)) for t, rotor in zip(tau_r, rotors, strict=True)]
 
 
 def _with_orders_of(q: Any, v_r: list[Jet]) -> tuple[list[Any], list[Any]]:

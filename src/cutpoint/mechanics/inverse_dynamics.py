@@ -194,12 +194,23 @@ def required_inverse_dynamics(system: System, q: Scalars, v: Scalars, v_r: Scala
 def required_efforts(
     system: System, q: Scalars, v: Scalars, v_r: Scalars, a_r: Scalars, gains: Sequence[Gain] | None = None
 ) -> tuple[list[Scalar], list[Scalar]]:
-    """What a required motion asks for: torques on the links, and of rigidly geared rotors beside.
+    """What a required motion asks of a robot that moves with v: see `efforts_between`."""
+    return efforts_between(system, *required_motions(system, q, v, v_r, a_r), v_r, a_r, gains)
+
+
+def efforts_between(
+    system: System,
+    actual: Sequence[BodyMotion],
+    required: Sequence[BodyMotion],
+    v_r: Scalars,
+    a_r: Scalars,
+    gains: Sequence[Gain] | None = None,
+) -> tuple[list[Scalar], list[Scalar]]:
+    """Torques on the links, N m (N), and of rigidly geared rotors beside, that a required motion asks for.
 
     Xia (2019) eqs. (15)-(20), (48)-(53).  gains: K of each body, 6 x 6 in its own axes, by which it pulls towards its
     required velocity.
     """
-    actual, required = required_motions(system, q, v, v_r, a_r)
     F_r = net_wrenches(system, required, v_r, a_r, actual)
     if gains is not None:
         bodies = zip(system.segments, F_r, gains, required, actual, strict=True)
