@@ -163,8 +163,8 @@ MUTANTS = {
     ),
     "kappa_r = q_r": Mutant(
         elastic.motor_motion,
-        "passed = link + wound",
-        "passed = link + 0 * wound",
+        "link + wound)",
+        "link + 0 * wound)",
         elastic_laws.test_forward_dynamics_returns_the_motion_that_inverse_dynamics_was_given,
         {"name": "flexspline", "backend": "numpy", "friction_rates": False},
     ),

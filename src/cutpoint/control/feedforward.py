@@ -11,7 +11,7 @@ from cutpoint.definitions import Machine
 from cutpoint.errors import InputError
 from cutpoint.mechanics import strains
 from cutpoint.mechanics.elastic import Options, elastic_inverse_dynamics
-from cutpoint.mechanics.harmonic_drive import DriveState, friction_torque
+from cutpoint.mechanics.harmonic_drive import DriveState, friction_of_both_sides
 from cutpoint.mechanics.inverse_dynamics import inverse_dynamics
 from cutpoint.mechanics.motor import torque_for
 
@@ -80,13 +80,10 @@ class Feedforward(ModelLaw):
         height = RUNGS.index(self.rung)
         with_rotors, with_friction = (height >= RUNGS.index(rung) for rung in ("rotor", "friction"))
         for k, d in enumerate(machine.drives):
-            if with_friction:
-                tau[k] = tau[k] + friction_torque(d.drive.link_friction, v[k])
-            load = tau[k]
+            friction = friction_of_both_sides(d.drive, v[k], tau[k]) if with_friction else 0
             if with_rotors and d.drive.is_elastic:  # a rigid drive's rotor is armature already
                 tau[k] = tau[k] + d.drive.reflected_inertia * a[k]
-            if with_friction:
-                tau[k] = tau[k] + friction_torque(d.drive.motor_friction, v[k], load)
+            tau[k] = tau[k] + friction
         return np.array(tau)
 
 

@@ -9,9 +9,9 @@ from cutpoint.control.feedforward import Feedforward
 from cutpoint.control.interface import SENSED, Command, Measurement, Reference
 from cutpoint.control.model_law import ModelLaw, states_by_drive
 from cutpoint.errors import InputError
-from cutpoint.mechanics.harmonic_drive import DriveState, deflection, spring_torque
+from cutpoint.mechanics.harmonic_drive import DriveState, spring_torque_and_rate
 from cutpoint.model.drive import Drive
-from cutpoint.scalars import Jet, Scalar
+from cutpoint.scalars import Scalar
 
 
 @dataclass(frozen=True, eq=False)
@@ -74,6 +74,5 @@ def _led(drive: Drive, at: DriveState, lead: Scalar) -> Scalar:
     """A spring's torque and `lead` times its rate, N m."""
     if drive.compliance is None:
         return 0
-    wound = deflection(drive, Jet(at.theta, at.theta_dot), Jet(at.q, at.v))
-    rate = drive.compliance.torque(wound).derivative(1)
-    return spring_torque(drive, at.theta, at.q, at.theta_dot, at.v) + lead * rate
+    tau_f = spring_torque_and_rate(drive, at)
+    return tau_f.derivative(0) + lead * tau_f.derivative(1)

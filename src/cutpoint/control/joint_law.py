@@ -8,6 +8,7 @@ from typing import Any, NamedTuple
 
 from cutpoint.mechanics.harmonic_drive import (
     DriveState,
+    beside_damping,
     deflection,
     friction_torque,
     load_on_motor,
@@ -68,10 +69,7 @@ def joint_command(
         torque = load + friction_torque(drive.motor_friction, speed, load) + gain.motor * (speed - at.v)
         return JointCommand(torque, q_d, speed, v_r.derivative(1))
     # how the spring shall be wound, and how far it is from it
-    wound = drive.compliance.deflection(tau_r)
-    if drive.damping is not None:  # which bears its share; its own rates are left out
-        borne = tau_r.derivative(0) - drive.damping * wound.derivative(1)
-        wound = Jet(drive.compliance.deflection(borne), *wound.derivatives[1:])
+    wound = beside_damping(drive, drive.compliance.deflection(tau_r), tau_r.derivative(0))
     turns = transmission(drive, Jet(at.theta, at.theta_dot))
     lag = wound - Jet(deflection(drive, at.theta, at.q), value_of(turns) * at.theta_dot - at.v)
     kappa_r = (v_r + wound.rate() + gain.spring * lag) / turns

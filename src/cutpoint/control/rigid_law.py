@@ -9,7 +9,7 @@ from cutpoint.control.interface import Measurement, Reference
 from cutpoint.control.model_law import ModelLaw, without_springs
 from cutpoint.control.side import Side, SidedLaw
 from cutpoint.errors import InputError
-from cutpoint.mechanics.harmonic_drive import friction_torque, rigidly_transmitted
+from cutpoint.mechanics.harmonic_drive import friction_of_both_sides, friction_torque, rigidly_transmitted
 from cutpoint.mechanics.inverse_dynamics import required_inverse_dynamics
 from cutpoint.robot import check_robot
 
@@ -51,11 +51,8 @@ class RigidLaw(SidedLaw, ModelLaw):
 
     def friction(self, speeds: Any, torques: Any) -> list[Any]:
         """What friction on both sides of rigid drives takes, N m; torques: what moves the links and the rotors."""
-        found = []
-        for d, v, torque in zip(self.model.drives, speeds, torques, strict=True):
-            on_link = friction_torque(d.drive.link_friction, v)
-            found.append(on_link + friction_torque(d.drive.motor_friction, v, torque + on_link))
-        return found
+        drives = [d.drive for d in self.model.drives]
+        return [friction_of_both_sides(*each) for each in zip(drives, speeds, torques, strict=True)]
 
     def passed_on(self, speeds: Any, torques: Any) -> list[Any]:
         """What friction on both sides of rigid drives leaves of motor torques for the links, N m."""

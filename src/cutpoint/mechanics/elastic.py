@@ -10,6 +10,7 @@ from dataclasses import dataclass
 from typing import Any, NamedTuple
 
 from cutpoint.mechanics.harmonic_drive import (
+    beside_damping,
     deflection,
     friction_torque,
     load_on_motor,
@@ -162,11 +163,8 @@ def motor_motion(driven: Driven, tau: Jet, q: Scalar, v: Jet, options: Options, 
     tau_f = tau + xi
     on_spring = tau_f - slipping_torque(drive, strains.spring)
     wound = _stiffened(drive, drive.compliance.deflection(on_spring), strains)
-    passed = link + wound
-    if drive.damping is not None:
-        wound_by = drive.compliance.deflection(on_spring.derivative(0) - drive.damping * wound.derivative(1))
-        passed = Jet(q + wound_by, *passed.derivatives[1:])
-    return _Motor(motor_position(drive, passed), tau_f.derivative(0))
+    wound = beside_damping(drive, wound, on_spring.derivative(0))
+    return _Motor(motor_position(drive, link + wound), tau_f.derivative(0))
 
 
 def _stiffened(drive: Drive, wound: Jet, strains: Strains) -> Jet:

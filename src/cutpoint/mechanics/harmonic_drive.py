@@ -7,7 +7,7 @@ from typing import Any, NamedTuple
 
 from cutpoint.mechanics.presliding import Presliding
 from cutpoint.model.drive import Drive, Friction
-from cutpoint.scalars import Scalar, where
+from cutpoint.scalars import Jet, Scalar, where
 
 
 class DriveState(NamedTuple):
@@ -57,6 +57,24 @@ def spring_torque(drive: Drive, theta: Scalar, q: Scalar, theta_dot: Scalar = 0,
     return tau_f + drive.damping * (transmission(drive, theta) * theta_dot - v)
 
 
+def spring_torque_and_rate(drive: Drive, at: DriveState) -> Jet:
+    """tau_f with its time derivative, N m and N m/s, by the speeds on both sides; damping enters by value."""
+    assert drive.compliance is not None, "a rigid drive has no deflection to read a torque from"
+    wound = deflection(drive, Jet(at.theta, at.theta_dot), Jet(at.q, at.v))
+    tau_f = drive.compliance.torque(wound)
+    return tau_f if drive.damping is None else tau_f + drive.damping * wound.derivative(1)
+
+
+def beside_damping(drive: Drive, wound: Jet, tau_f: Scalar) -> Jet:
+    """The deflection, rad, under a torque of spring and damping together; wound: under that of the spring alone.
+
+    Its rates stay those of the undamped law.
+    """
+    if drive.compliance is None or drive.damping is None:
+        return wound
+    return Jet(drive.compliance.deflection(tau_f - drive.damping * wound.derivative(1)), *wound.derivatives[1:])
+
+
 def slipping_torque(drive: Drive, strains: tuple[Scalar, ...] | None) -> Scalar:
     """What the elements beside the spring add to its torque, N m; nothing where their strains are not known."""
     return drive.hysteresis.torque(strains) if drive.hysteresis and strains is not None else 0
@@ -74,6 +92,12 @@ def friction_torque(law: Friction | None, speed: Scalar, load: Scalar = 0, strai
     if strain is None or not isinstance(law, Presliding):
         return law.torque(speed, load)
     return law.strained_torque(strain, speed, load)
+
+
+def friction_of_both_sides(drive: Drive, speed: Scalar, torque: Scalar) -> Scalar:
+    """What friction takes where motor and link have one speed, N m; torque: what passes the gear without friction."""
+    on_link = friction_torque(drive.link_friction, speed)
+    return on_link + friction_torque(drive.motor_friction, speed, torque + on_link)
 
 
 def friction_resistance(law: Friction | None, speed: Scalar, load: Scalar = 0, strain: Scalar | None = None) -> Scalar:

@@ -3,8 +3,8 @@
 from collections.abc import Sequence
 
 from cutpoint.mechanics.elastic import Driven
-from cutpoint.mechanics.forward_dynamics import solve_symmetric
-from cutpoint.mechanics.harmonic_drive import deflection, friction_torque
+from cutpoint.mechanics.forward_dynamics import factors_of, solve
+from cutpoint.mechanics.harmonic_drive import DriveState, friction_torque, spring_torque_and_rate
 from cutpoint.mechanics.inverse_dynamics import inverse_dynamics
 from cutpoint.mechanics.mass_matrix import mass_matrix
 from cutpoint.mechanics.system import System
@@ -18,13 +18,13 @@ def link_motion(system: System, q: Scalars, v: Scalars, tau: Sequence[Jet]) -> t
 
     Two solutions with one mass matrix.  De Luca and Book (2016) section 11.1.4.
     """
-    M = mass_matrix(system, q)
+    M = factors_of(mass_matrix(system, q))
     bias = inverse_dynamics(system, q, v, [0] * system.nv)
-    a = solve_symmetric(M, [t.derivative(0) - b for t, b in zip(tau, bias, strict=True)])
+    a = solve(M, [t.derivative(0) - b for t, b in zip(tau, bias, strict=True)])
     # the torques' rates if accelerations stayed as they are
     q_moving, v_moving = ([Jet(*x) for x in zip(*pair, strict=True)] for pair in ((q, v), (v, a)))
     held = inverse_dynamics(system, q_moving, v_moving, [Jet(x, 0) for x in a])
-    return a, solve_symmetric(M, [t.derivative(1) - h.derivative(1) for t, h in zip(tau, held, strict=True)])
+    return a, solve(M, [t.derivative(1) - h.derivative(1) for t, h in zip(tau, held, strict=True)])
 
 
 def torques_on_links(
@@ -43,8 +43,6 @@ def torques_on_links(
     """
     tau = [Jet(0, 0)] * system.nv
     for d, x, w, slid in zip(drives, theta, theta_dot, sliding, strict=True):
-        assert d.drive.compliance is not None, "a rigid drive has no deflection to read a torque from"
-        wound = deflection(d.drive, Jet(x, w), Jet(q[d.q], v[d.v]))
-        damping = 0 if d.drive.damping is None else d.drive.damping * wound.derivative(1)
-        tau[d.v] = d.drive.compliance.torque(wound) + (damping - friction_torque(d.drive.link_friction, slid))
+        tau_f = spring_torque_and_rate(d.drive, DriveState(q[d.q], v[d.v], x, w))
+        tau[d.v] = tau_f - friction_torque(d.drive.link_friction, slid)
     return tau
