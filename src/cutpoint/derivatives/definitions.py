@@ -15,7 +15,7 @@ from cutpoint.kernels import jacobian_of
 from cutpoint.mechanics import kinematics, torque_derivatives
 from cutpoint.mechanics.elastic import Options
 from cutpoint.mechanics.elastic_forward import drive_effort, drive_states
-from cutpoint.mechanics.forward_dynamics import solve_symmetric
+from cutpoint.mechanics.forward_dynamics import Factors, factors_of, solve
 from cutpoint.mechanics.joints import dot
 from cutpoint.mechanics.strains import UNKNOWN
 from cutpoint.mechanics.torque_derivatives import along_motion
@@ -63,8 +63,8 @@ def forward_dynamics(m: Machine, q: Scalars, v: Scalars, tau: Scalars) -> Forwar
     That takes three fifths of the operations of the derived recursion on the paper's arm, four fifths on UR10, and half
     on Panda.
     """
-    M, bias = definitions.mass(m, q), definitions.bias_forces(m, q, v)
-    a = solve_symmetric(M, [t - b for t, b in zip(tau, bias, strict=True)])
+    M, bias = factors_of(definitions.mass(m, q)), definitions.bias_forces(m, q, v)
+    a = solve(M, [t - b for t, b in zip(tau, bias, strict=True)])
     d_q, d_v, _ = inverse_dynamics(m, q, v, a)
     unit = _unit(m.system.nv)
     return ForwardDynamicsDerivatives(_solved(M, _negated(d_q)), _solved(M, _negated(d_v)), _solved(M, unit))
@@ -119,10 +119,10 @@ def elastic_forward_dynamics(m: Machine, **state: Scalars) -> Any:
 def _through_drives(m: Machine, *state: Scalars) -> list[Matrix]:
     """d a / d (q, v, theta, theta_dot, motor_torque), then those of theta_ddot."""
     (q, v, *motors), nv, n, links = state, m.system.nv, len(m.drives), [d.v for d in m.drives]
-    M, tau = definitions.mass(m, q), [0 - b for b in definitions.bias_forces(m, q, v)]
+    M, tau = factors_of(definitions.mass(m, q)), [0 - b for b in definitions.bias_forces(m, q, v)]
     for d, at, torque in zip(m.drives, drive_states(m.drives, q, v, *motors[:2]), motors[2], strict=True):
         tau[d.v] = tau[d.v] + drive_effort(d.drive, at, torque, UNKNOWN).on_link
-    d_q, d_v, _ = inverse_dynamics(m, q, v, solve_symmetric(M, tau))
+    d_q, d_v, _ = inverse_dynamics(m, q, v, solve(M, tau))
     # where each drive's q, v, theta, theta_dot and motor_torque stand, and among how many
     columns = [(links, nv)] * 2 + [([*range(n)], n)] * 3
     forces = [_negated(d_q), _negated(d_v), *([[0] * n for _ in range(nv)] for _ in range(3))]
@@ -160,9 +160,9 @@ def _with_tangents(m: Machine, q: Scalars, found: Any) -> Any:
     return found._replace(**{name: _along_tangents(m, q, getattr(found, name)) for name in names})
 
 
-def _solved(M: Matrix, rows: Matrix) -> Matrix:
+def _solved(M: Factors, rows: Matrix) -> Matrix:
     """X with M X = rows, which may be empty."""
-    return transposed([solve_symmetric(M, column) for column in transposed(rows)]) or rows
+    return transposed([solve(M, column) for column in transposed(rows)]) or rows
 
 
 def _row(x: Scalar, at: int, length: int) -> Scalars:

@@ -151,7 +151,7 @@ def through_mass_matrix(
 ) -> list[Scalar]:
     """M a = tau - bias, solved as it stands: also where coordinates that follow others tie distant joints together."""
     bias = inverse_dynamics(system, q, v, [0] * system.nv, contact)
-    return solve_symmetric(mass_matrix(system, q), [t - b for t, b in zip(tau, bias, strict=True)])
+    return solve(factors_of(mass_matrix(system, q)), [t - b for t, b in zip(tau, bias, strict=True)])
 
 
 class Factors(NamedTuple):
@@ -188,8 +188,3 @@ def solve(factors: Factors, b: Scalars) -> list[Scalar]:
     for k in range(n):
         x[k] = x[k] * inverse[k] - sum((L[k][i] * x[i] for i in range(k)), 0)
     return x
-
-
-def solve_symmetric(M: list[list[Scalar]], b: Scalars) -> list[Scalar]:
-    """x with M x = b for a symmetric positive definite M."""
-    return solve(factors_of(M), b)
