@@ -1,4 +1,4 @@
-"""cutpoint: dynamics, simulation and control of robots whose joints bend.
+"""cutpoint: dynamics, simulation, control and identification of robots with flexible joints.
 
 robot = cutpoint.load("arm.urdf", drives="arm.drives.yaml")
 torque = robot.inverse_dynamics(q, v, a)

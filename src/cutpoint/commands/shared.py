@@ -34,7 +34,7 @@ class Commands(TyperGroup):
 
 app = typer.Typer(
     cls=Commands,
-    help="Dynamics, simulation and control of robots whose joints bend.",
+    help="Dynamics, simulation and control of robots with flexible joints.",
     no_args_is_help=True,
     add_completion=False,
     pretty_exceptions_enable=False,
