@@ -144,9 +144,9 @@ class Robot:
     # others like it
 
     def with_drives(self, drives: Mapping[str, Drive]) -> "Robot":
-        """The same robot, driven otherwise: these joints get these drives, the others keep theirs.
+        """The same robot with these joints' drives replaced; the others keep theirs.
 
-        Where drives differ in numbers alone, both have their compiled functions in common.
+        If the drives differ in numbers only, both robots share their compiled functions.
         """
         door.check_kind("with_drives", "drives", drives, Mapping, door.DRIVES)
         other = Robot(self.mechanism, {**self.drives, **drives}, backend=self.backend)
@@ -154,14 +154,14 @@ class Robot:
         return other
 
     def with_payload(self, mass: float, com: ArrayLike, inertia: ArrayLike, frame: str) -> "Robot":
-        """With a piece fixed to a frame: there, mass (kg), com (3,) (m), inertia about the com (3, 3) (kg m2).
+        """The same robot with a payload fixed to a frame: mass (kg), com (3,) (m), inertia about it (3, 3) (kg m2).
 
         Raises ModelError for numbers that no body can have.
         """
         return Robot(changes.with_payload(self.mechanism, mass, com, inertia, frame), self.drives, backend=self.backend)
 
     def with_gravity(self, gravity: ArrayLike) -> "Robot":
-        """In another field of gravity: acceleration of free fall (3,) in the world's frame, m/s2.
+        """The same robot under another gravity: acceleration of free fall (3,) in the world's frame, m/s2.
 
         Raises ModelError for more than a robot file may state.
         """
@@ -172,7 +172,7 @@ class Robot:
         return Robot(self.mechanism.with_gravity(fall), self.drives, backend=self.backend)
 
     def with_base(self, placement: ArrayLike) -> "Robot":
-        """Mounted elsewhere: placement (4, 4) of the base in the world.
+        """The same robot mounted elsewhere: placement (4, 4) of its base in the world.
 
         Raises ModelError for a matrix that is no placement.
         """
@@ -208,11 +208,11 @@ class Robot:
         return self._functions["mass_matrix"](q)
 
     def bias_forces(self, q: ArrayLike, v: ArrayLike) -> Array:
-        """Torques (..., nv) of a motion without acceleration: Coriolis, centrifugal and gravity."""
+        """Joint torques (..., nv) at zero acceleration: Coriolis, centrifugal and gravity."""
         return self._functions["bias_forces"](q, v)
 
     def gravity_forces(self, q: ArrayLike) -> Array:
-        """Torques (..., nv) that hold the robot still."""
+        """Joint torques (..., nv) that hold the robot at rest against gravity."""
         return self._functions["gravity_forces"](q)
 
     def coriolis_matrix(self, q: ArrayLike, v: ArrayLike) -> Array:
@@ -305,7 +305,7 @@ class Robot:
         """(..., nq): time derivative of q; v itself but for quaternions and planar joints."""
         return self._functions["coordinate_rates"](q, v)
 
-    # the robot whose joints bend
+    # elastic joints
 
     def elastic_inverse_dynamics(
         self,
@@ -319,7 +319,7 @@ class Robot:
         quasi_rigid: bool = False,
         strains: ArrayLike | None = None,
     ) -> ElasticTorques:
-        """What the motors must do for a motion, exact in its derivatives.  Xia (2019) eqs. (2), (4)-(11), (21)-(28).
+        """Motor torques and motor motion of a motion of the links, exact.  Xia (2019) eqs. (2), (4)-(11), (21)-(28).
 
         It takes as many derivatives of the position as `derivatives_needed` says: four, and more where bending joints
         carry rotors with full coupling.  quasi_rigid does with four always: rotors act on what carries them as if their
@@ -410,11 +410,11 @@ class Robot:
         return self._functions["drive_torque"](theta, q)
 
     def static_deflection(self, q: ArrayLike) -> Array:
-        """(..., drives) rad: how far each motor leads its link when gravity is all there is."""
+        """(..., drives) rad: how far each motor leads its link at rest under gravity."""
         return self._functions["static_deflection"](q)
 
     def friction_torques(self, v: ArrayLike) -> Array:
-        """(..., nv) N m: what friction on the links' side takes, the motors' not included.  Xia (2019) eq. (54)."""
+        """(..., nv) N m: link-side friction; motor-side friction is not included.  Xia (2019) eq. (54)."""
         return self._functions["friction_torques"](v)
 
     def drive_regressor(
@@ -455,18 +455,18 @@ class Robot:
         return modes(self, q, friction=friction)
 
     def to_rotor(self, *, angle: ArrayLike | None = None, torque: ArrayLike | None = None) -> Array:
-        """Joint-side angles (or speeds) or torques (..., drives) as they are at the rotor."""
+        """Joint-side angles (or speeds) or torques (..., drives), converted to the rotor's side."""
         return self._across_gear("to_rotor", angle, torque, 1.0)
 
     def from_rotor(self, *, angle: ArrayLike | None = None, torque: ArrayLike | None = None) -> Array:
-        """Angles (or speeds) or torques (..., drives) at the rotor as they are at the joint's side."""
+        """Rotor-side angles (or speeds) or torques (..., drives), converted to the joint's side."""
         return self._across_gear("from_rotor", angle, torque, -1.0)
 
     # how
 
     @property
     def machine(self) -> definitions.Machine:
-        """The robot as the equations want it, for laws that are traced with it."""
+        """The robot in the form that the equations take, for control laws that are traced with it."""
         return self._compiled.machine
 
     def machine_with(self, parameters: Sequence[Any], *, lean: bool = False) -> definitions.Machine:
@@ -488,7 +488,7 @@ class Robot:
         return self._compiled.parameters
 
     def kernel(self, name: str) -> Kernel:
-        """The compiled kernel behind a function that has been called, for its operations, its graph, its speed.
+        """The compiled kernel behind a function that has been called: its operations and its graph.
 
         Where drives count, its last input is `parameters`: `drive_parameters`.
         """

@@ -15,7 +15,7 @@ from cutpoint.scalars import clip, where
 
 @dataclass(frozen=True, eq=False)
 class DisturbanceObserver(RigidLaw, Wrapper):
-    """A law whose torque is corrected by d, what the rigid model's forward dynamics leave unexplained.
+    """A law whose torque is corrected by d, an estimate of the disturbance that the rigid model does not explain.
 
     d = z + Y v and z' = -Y (the model's acceleration under torque and d), so that d' = Y M^-1 (disturbance - d), Y
     being the gain, N m s/rad; Mohammadi et al. (2013) with p(v) = Y v.  As d is taken off the law's torque u, what

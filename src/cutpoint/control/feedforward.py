@@ -21,11 +21,11 @@ RUNGS: tuple[Rung, ...] = ("gravity", "rigid", "rotor", "friction", "elastic")
 
 @dataclass(frozen=True, eq=False)
 class Feedforward(ModelLaw):
-    """Motor torque of the desired motion, as truly as the rung says; each rung adds to the one before.
+    """Motor torque of the desired motion; each rung (level of detail) includes those before it.
 
-    gravity: what holds the links.  rigid: and moves them, (29)-(31), (44)-(47).  rotor: and spins the rotors (56).
-    friction: and overcomes friction (54)-(55).  elastic: all of it through the bending drives, with the motor's own
-    reference, q_d plus the deflection (2), in which nearly all of the elastic gain lies; with kinematic error,
+    gravity: gravity torques.  rigid: plus the links' dynamics, (29)-(31), (44)-(47).  rotor: plus rotor inertia (56).
+    friction: plus friction (54)-(55).  elastic: all of these through the elastic drives, with a reference for the
+    motor, q_d plus the deflection (2), from which nearly all of the improvement comes; with kinematic error,
     hysteresis, presliding, ripple and cogging as far as the drives have them.  Rotors with full coupling act on what
     carries them as if their drives did not bend, which asks for no more than four derivatives.
     """

@@ -16,10 +16,10 @@ from cutpoint.scalars import Scalar
 
 @dataclass(frozen=True, eq=False)
 class FullStateFeedback(ModelLaw):
-    """A motor-side PD on rotors that a feedback of joint torque makes lighter, around an elastic feedforward.
+    """Motor-side PD with joint torque feedback, which reduces the apparent rotor inertia, plus elastic feedforward.
 
     Albu-Schaeffer, Ott and Hirzinger (2007) eqs. (8)-(11): torque feedback gives the rotor the inertia
-    `shaping` * J as seen by the PD, so that kp (N m/rad) and kd (N m s/rad) act on a joint with less between them and
+    `shaping` * J as seen by the PD, so that kp (N m/rad) and kd (N m s/rad) act through less inertia on
     the link.  The spring's torque and its rate come from the encoders on both sides.
     shaping: share of the rotor's inertia that is left, above 0 and at most 1; 1 is the plain PD, which drives that do
     not bend always have.

@@ -1,4 +1,4 @@
-"""Safety around a law: what it may not do, what it may not be told, and what happens then."""
+"""Safety around a law: limits on its torque, checks of its measurements, and the reaction to faults."""
 
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, field
@@ -62,7 +62,7 @@ class Watch(NamedTuple):
 
 @dataclass(frozen=True, eq=False)
 class Guard(Wrapper):
-    """A law within limits, and a stated reaction to each fault: once one is found, it is latched.
+    """Keeps a law within limits, with a stated reaction to each fault; faults are latched.
 
     "hold" keeps the last safe torque; "ramp" takes it to zero within ramp_time (s); "stop" drops it at once.  None of
     them brakes, and a ramp goes on to push where the last torque did: take "stop" where that made a joint too fast.  A

@@ -19,7 +19,7 @@ NOT_THE_USER = ("cutpoint", "numpy")
 
 
 class Measurement(NamedTuple):
-    """What the sensors tell: time and control period (s); link q, v and motor theta, theta_dot (rad, rad/s)."""
+    """Sensor readings: time and control period (s); link q, v and motor theta, theta_dot (rad, rad/s)."""
 
     time: Any
     period: Any
@@ -34,7 +34,7 @@ SENSED = Measurement._fields[2:]
 
 
 class Reference(NamedTuple):
-    """What the links shall do, with four derivatives, and the motors: theta is q until a feedforward says better."""
+    """Desired motion of the links, with four derivatives, and of the motors: theta equals q unless a law changes it."""
 
     q: Any
     v: Any

@@ -1,4 +1,4 @@
-"""How far the loops of a law are from ringing: gain, phase and delay margins, joint by joint."""
+"""Gain, phase and delay margins of a control law, joint by joint."""
 
 from collections.abc import Callable
 from typing import Any, NamedTuple

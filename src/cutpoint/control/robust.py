@@ -1,4 +1,4 @@
-"""A robust law: a model, and a bounded term for all that it misses.  Corless and Leitmann (1981); Spong (1992).
+"""Robust control: a nominal model plus a bounded term for its errors.  Corless and Leitmann (1981); Spong (1992).
 
 Of the kind of Xia (2019) reference [7], on the rigid robot.
 """

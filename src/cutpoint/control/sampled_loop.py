@@ -1,4 +1,4 @@
-"""Whether a law holds a robot whose joints bend, near a pose, when it acts only once a period."""
+"""Stability of a sampled control law on a robot with elastic joints, linearised at a pose."""
 
 import math
 from dataclasses import fields, is_dataclass, replace

@@ -1,4 +1,4 @@
-"""What the controller gets to see of the plant: encoders on both sides, with resolution, noise and delay."""
+"""Encoders on both sides of the drives, with resolution, noise and delay."""
 
 import math
 from collections.abc import Sequence

@@ -1,4 +1,4 @@
-"""Adaptive control of the whole rigid robot at once, the classical rival.  Slotine and Li (1987)."""
+"""Adaptive control of the whole rigid robot, the classical baseline.  Slotine and Li (1987)."""
 
 from dataclasses import dataclass
 from typing import Any

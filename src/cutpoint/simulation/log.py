@@ -1,4 +1,4 @@
-"""What a run recorded: named channels with units over time."""
+"""The log of a run: named channels with units over time."""
 
 import json
 from collections.abc import Iterable, Mapping
@@ -123,9 +123,9 @@ class Log:
 
     @property
     def end(self) -> "State":
-        """The plant's state at the last sample, to go on from: `simulate(..., initial=log.end)`.
+        """The plant's state at the last sample, to continue from: `simulate(..., initial=log.end)`.
 
-        Law and sensors begin anew, and so does the reference; a command that is on its way is not in it.
+        Law, sensors and reference start afresh; commands still delayed in a motor are not included.
         Raises InputError for a log that was not simulated here with all channels, or without its last sample.
         """
         if self.run is None or self.run.end is None:

@@ -77,18 +77,19 @@ def simulate(
     trajectory: the links' reference; None holds the initial configuration.
     duration: s; the trajectory's own by default; rounded to the nearest whole number of control periods.
     control_period: s; the command is held between samples.
-    initial: State(q, v, theta, theta_dot, current, strains); what is left None is where the reference starts, with each
-        motor leading its link by what gravity bends the drive, theta = q + delta(g(q)), and as fast as its link; with
-        currents equal to the links' torques under gravity, none without a controller, and no strains.
+    initial: State(q, v, theta, theta_dot, current, strains).  Parts left None start at the reference, with each motor
+        leading its link by the static deflection, theta = q + delta(g(q)), at the link's speed; currents carry the
+        gravity torques (zero without a controller), and strains are zero.
     sensors: encoders; perfect by default.
     disturbances: a function of the sample times (N,) that gives torques on the links' coordinates, (N, nv), N m, held
         over each period.
     accuracy: "standard", Runge-Kutta steps fit for 1e-4 rad in well-posed cases; "fine", for 1e-6; "reference",
-        adaptive DOP853 at rtol 1e-12, slow.  substeps: integration steps a control period, instead of fit ones, of
-        which a StiffnessWarning says where a run asks for more.
-    hold: False lets the controller act at every instant, as proofs in continuous time have it, for laws, sensors and
-        drives without memory; it is integrated as "reference" is, and logged each control period.
-    channels: names of those that the log is to have, which saves time and memory; all by default.
+        adaptive DOP853 at rtol 1e-12, slow.
+    substeps: integration steps per control period; chosen automatically by default, and a StiffnessWarning then says if
+        a run needed more.
+    hold: False lets the controller act in continuous time, as stability proofs assume, for laws, sensors and drives
+        without memory; it is integrated as "reference" is, and logged each control period.
+    channels: names of the channels to record, which saves time and memory; all by default.
     Returns a Log with one sample each control period, time 0 and the end, as rounded, included.
     Raises InputError for wrong arguments, SimulationError (with the log so far) on divergence, on a command that is not
     a number, or on Ctrl-C.
