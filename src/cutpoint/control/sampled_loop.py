@@ -65,10 +65,10 @@ def slowest_pole(robot: Robot, law: Any, q: ArrayLike, period: float, *, sensors
     """The pole that decays slowest, or grows, of the robot at rest at q under a law with this period (s).
 
     The robot is linear about q and moves exactly between samples, its motors' current loops and delays included; the
-    law is differenced about rest.  Neither has friction, whose slope at rest is that of its smoothing, nor the motor's
-    ripple and cogging, whose slope is another within each wave.  Laws that jump at rest have no slope, and this says
-    nothing of them.  Memory counts where motion changes it and the command follows it; clocks and latched faults do
-    not.
+    law is differenced about rest.  Neither has friction, whose slope at rest is that of its smoothing, nor kinematic
+    error, ripple and cogging, whose slopes change within each wave.  Laws that jump at rest have no slope, and this
+    says nothing of them.  Memory counts where motion changes it and the command follows it; clocks and latched faults
+    do not.
 
     The law is asked for what makes it bear the robot's load there.
     sensors: what it is told, late and with differenced speeds as they say; by default all at once and as it is.  Their
@@ -93,7 +93,7 @@ def sampled_loop(
     function: str, robot: Robot, law: Any, q: ArrayLike, period: float, sensors: Sensors | None
 ) -> SampledLoop:
     """See `slowest_pole`; function: whose name errors say."""
-    q, law = _checked(function, robot, law, q)
+    robot, q, law = _checked(function, robot, law, q)
     check_kind(function, "sensors", sensors, (Sensors, NoneType), "Sensors, or None")
     period = positive(function, "period", period, "s")
     check_all_driven(function, robot)
@@ -190,7 +190,7 @@ def small_signal(robot: Robot, law: Any, q: ArrayLike, period: float) -> SmallSi
     stiffness_i = -(du_i/dq_i + du_i/dtheta_i), damping_i the same of speeds, while the law's memory stands still.  The
     law is differenced without friction, as in `slowest_pole`; one that jumps at rest has no slope.
     """
-    q, law = _checked("small_signal", robot, law, q)
+    robot, q, law = _checked("small_signal", robot, law, q)
     rest = LawAtRest(robot, law, robot.linearize(q).point, period)
     n = len(robot.drives)
     together = np.vstack([np.eye(2 * n)] * 2)  # of link and motor, positions and then speeds
@@ -198,25 +198,28 @@ def small_signal(robot: Robot, law: Any, q: ArrayLike, period: float) -> SmallSi
     return SmallSignal(-np.diag(slopes[:, :n]), -np.diag(slopes[:, n:]))
 
 
-def _checked(function: str, robot: Robot, law: Any, q: ArrayLike) -> tuple[Array, Any]:
-    """The pose, and the law without friction."""
+def _checked(function: str, robot: Robot, law: Any, q: ArrayLike) -> tuple[Robot, Array, Any]:
+    """The robot without kinematic errors, the pose, and the law as it is looked at."""
     check_robot(function, robot)
     law = as_law(law)
     check_drives(law, len(robot.drives))
-    return checked_array(function, "q", q, robot.nq), without_friction(law)
+    wavy = {name: drive for name, drive in robot.drives.items() if drive.kinematic_error is not None}
+    even = robot.with_drives({name: replace(drive, kinematic_error=None) for name, drive in wavy.items()})
+    return even if wavy else robot, checked_array(function, "q", q, robot.nq), on_bare_drives(law)
 
 
-def without_friction(law: Any) -> Any:
-    """The same law on models whose drives have no friction."""
+def on_bare_drives(law: Any) -> Any:
+    """The same law on models whose drives have neither friction nor kinematic error."""
     if isinstance(law, tuple):
-        return tuple(without_friction(part) for part in law)
+        return tuple(on_bare_drives(part) for part in law)
     if not isinstance(law, Law) or not is_dataclass(law):
         return law
     found = {f.name: getattr(law, f.name) for f in fields(law)}
-    changed: dict[str, Any] = {name: without_friction(x) for name, x in found.items() if name in ("law", "parts")}
+    changed: dict[str, Any] = {name: on_bare_drives(x) for name, x in found.items() if name in ("law", "parts")}
     if isinstance(law, ModelLaw):
         drives = rebuild([*law.robot.drives.values()], iter([*law.parameters]))
-        bare = [replace(drive, link_friction=None, motor_friction=None) for drive in drives]
+        nothing: dict[str, Any] = dict.fromkeys(("link_friction", "motor_friction", "kinematic_error"))
+        bare = [replace(drive, **nothing) for drive in drives]
         changed["robot"] = law.robot.with_drives(dict(zip(law.robot.drives, bare, strict=True)))
         changed["parameters"] = None
     return replace(law, **changed) if changed else law

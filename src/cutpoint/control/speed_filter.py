@@ -21,8 +21,8 @@ class SpeedFilter(Wrapper):
 
     z'' = w^2 (x - z) - 2 w z' with x the encoder's position, held between samples, where the step is exact; the speed
     is the difference of z over a period.  bandwidth: w / (2 pi), Hz; there the speed has half its size.  Its delay,
-    well below that, is 2 / w, at the default 0.8 ms, and a period more for holding and differencing.  Noise of sigma
-    rad in each sample makes about sigma w^1.5 sqrt(period) / 2 rad/s, as long as w is well below 1 / period.
+    well below that, is 2 / w, at the default 0.8 ms.  Noise of sigma rad in each sample makes about
+    sigma w^1.5 sqrt(period) / 2 rad/s as long as w is well below 1 / period; at 400 Hz and 1 kHz half of that.
     """
 
     law: Any
