@@ -5,11 +5,12 @@ they keep: bounds of single numbers, or bodies that could exist.
 """
 
 from collections.abc import Sequence
+from typing import Any
 
 import numpy as np
 
 from cutpoint.mechanics.pseudo_inertia import parameters_of_pseudo_inertia, pseudo_inertia
-from cutpoint.scalars import Scalar, clip, maximum, sqrt
+from cutpoint.scalars import Scalar, absolute, clip, maximum, sqrt, where
 
 Matrix = list[list[Scalar]]
 
@@ -20,6 +21,21 @@ _LONGEST = 2.0
 def projected(p: Scalar, s: Scalar, rate: Scalar, low: Scalar, high: Scalar, period: Scalar) -> Scalar:
     """p' = rate s, stopped at its bounds.  Zhu (2010) section 2.10, the projection function P, sampled."""
     return clip(p + period * rate * s, low, high)
+
+
+def unless_saturated(learnt: Any, before: Any, torque: Sequence[Scalar], limits: Sequence[Scalar]) -> Any:
+    """What was learnt in a period, number by number; or what was known before it, if any motor was asked for more than
+    it has: what goes wrong then is no fault of the model."""
+    within: Scalar = 1
+    for u, most in zip(torque, limits, strict=True):
+        within = where(absolute(u) > most, 0, within)
+    return _chosen(within, learnt, before)
+
+
+def _chosen(condition: Scalar, first: Any, second: Any) -> Any:
+    if isinstance(first, list):
+        return [_chosen(condition, *pair) for pair in zip(first, second, strict=True)]
+    return where(condition > 0, first, second)
 
 
 def factor(p: Sequence[float]) -> Matrix:
@@ -39,7 +55,7 @@ def natural(C: Matrix, s: Sequence[Scalar], rate: Scalar, period: Scalar) -> Mat
     A step of the exponential map, L exp(X) with X = period rate C^T S C, its root taken as (1 + (1 + X/2)^2) / 2, which
     is positive definite for every X, and falls where X does down to X = -2: a longer step is shortened to that size.
     """
-    X = _product(_transposed(C), _product(_power_matrix(s), C))
+    X = _product(_transposed(C), _product(power_matrix(s), C))
     size = sqrt(sum(x * x for row in X for x in row)) * (period * rate)
     step = period * rate * (_LONGEST / maximum(size, _LONGEST))
     half = [[step / 2 * x + int(i == j) for j, x in enumerate(row)] for i, row in enumerate(X)]
@@ -47,7 +63,7 @@ def natural(C: Matrix, s: Sequence[Scalar], rate: Scalar, period: Scalar) -> Mat
     return _product(C, [[(x + int(i == j)) / 2 for j, x in enumerate(row)] for i, row in enumerate(square)])
 
 
-def _power_matrix(s: Sequence[Scalar]) -> Matrix:
+def power_matrix(s: Sequence[Scalar]) -> Matrix:
     """S, symmetric, with tr(S L) = s^T p."""
     m, hx, hy, hz, xx, xy, xz, yy, yz, zz = s
     return [

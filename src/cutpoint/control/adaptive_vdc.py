@@ -41,8 +41,10 @@ class AdaptiveVDC(VDC):
     and joints, of mass * radius for first moments, of mass * radius**2 for all six of an inertia, with the radius of
     gyration about the joint's frame.  A slender body's small inertia may so be learnt below zero.  "natural" keeps
     bodies physical and has no bounds on them, Lee, Kwon and Park (2018); joints' numbers are projected in both.
-    body_rate and joint_rate: how fast shares of nominal sizes change, 1/J.  `tune` checks the loop with these numbers
-    held: rates so high that a control period changes them much let estimate and motion shake each other up.
+    body_rate and joint_rate: how fast shares of nominal sizes change, 1/J.  `tune` finds rates that leave the loop its
+    damping; much higher ones let estimate and motion shake each other up.
+    torque_limit (n,): N m at the joint, what the motors can do; by default what robot and drives state.  While a motor
+    is asked for more, nothing is learnt.
     Compliance is learnt as 1/K, of linear springs; other springs stay as the model has them.
     """
 
@@ -50,6 +52,7 @@ class AdaptiveVDC(VDC):
     body_rate: Any = 1.0
     joint_rate: Any = 1.0
     uncertainty: Any = 0.5
+    torque_limit: Any = None
     derivatives: Literal["filter"] = "filter"
 
     def __post_init__(self) -> None:
@@ -59,6 +62,7 @@ class AdaptiveVDC(VDC):
         if self.derivatives != "filter":
             raise InputError("AdaptiveVDC: derivatives must be 'filter': a model that is being learnt gives no jerk")
         self._keep_gains("body_rate", "joint_rate", "uncertainty", size=1)
+        self._keep_torque_limit()
         if self.uncertainty.dtype != object and self.uncertainty[0] >= 1:
             rule = "must be below 1, so that masses, stiffness and friction stay positive"
             raise InputError(f"AdaptiveVDC: uncertainty {self.uncertainty[0]} {rule}")
@@ -96,6 +100,8 @@ class AdaptiveVDC(VDC):
             rule = (self.joint_rate[0], self.uncertainty[0], measurement.period)
             joints.append(adapted(drives[k].drive, memory.joints[k], power, *rule))
         torque, theta, theta_dot, _ = (np.array(x) for x in zip(*told, strict=True))
+        learnt, before = [bodies, joints], [memory.bodies, memory.joints]
+        bodies, joints = adaptation.unless_saturated(learnt, before, torque, self.torque_limit)
         return Estimates(bodies, joints, filters), Command(torque, 0, theta, theta_dot)
 
     def _bodies(

@@ -5,7 +5,6 @@ from typing import Any
 
 import numpy as np
 
-from cutpoint.control.gains import motor_limits
 from cutpoint.control.interface import Command, Measurement, Reference
 from cutpoint.control.law import Wrapper, as_law, check_drives, needs_of
 from cutpoint.control.rigid_law import RigidLaw
@@ -33,9 +32,8 @@ class DisturbanceObserver(RigidLaw, Wrapper):
     def __post_init__(self) -> None:
         super().__post_init__()
         self._set(law=as_law(self.law))
-        if self.torque_limit is None:
-            self._set(torque_limit=motor_limits(self.robot))
-        self._keep_gains("gain", "torque_limit", size=self.size, positive=("torque_limit",))
+        self._keep_gains("gain", size=self.size)
+        self._keep_torque_limit()
         check_drives(self.law, self.size)
 
     @property

@@ -3,6 +3,7 @@
 from dataclasses import dataclass, field, replace
 from typing import Any
 
+from cutpoint.control.gains import motor_limits
 from cutpoint.control.law import Law
 from cutpoint.definitions import Machine
 from cutpoint.errors import InputError
@@ -25,6 +26,12 @@ class ModelLaw(Law):
         check_all_driven(type(self).__name__, self.robot)
         if self.parameters is None:
             self._set(parameters=self.robot.drive_parameters)
+
+    def _keep_torque_limit(self) -> None:
+        """The field torque_limit, by default what robot and drives state that motors can do."""
+        limit: Any = getattr(self, "torque_limit", None)
+        self._set(torque_limit=motor_limits(self.robot) if limit is None else limit)
+        self._keep_gains("torque_limit", size=self.size, positive=("torque_limit",))
 
     @property
     def size(self) -> int:

@@ -5,6 +5,7 @@ from typing import Any
 
 import numpy as np
 
+from cutpoint.control.adaptation import unless_saturated
 from cutpoint.control.interface import Command, Measurement, Reference
 from cutpoint.control.rigid_law import RigidLaw
 from cutpoint.mechanics.pseudo_inertia import nominal_sizes
@@ -19,16 +20,20 @@ class SlotineLi(RigidLaw):
     position_gain: Lambda, 1/s.  speed_gain: K, N m s/rad.  rate: how fast shares of the bodies' nominal sizes change,
     1/J.  It learns inertial parameters, without bounds; friction and what rotors' spin costs, which Y p does not hold
     (see `Robot.regressor`), are those of the model.
+    torque_limit (n,): N m at the joint, what the motors can do; by default what robot and drives state.  While a motor
+    is asked for more, nothing is learnt.
     """
 
     position_gain: Any
     speed_gain: Any
     rate: Any = 1.0
+    torque_limit: Any = None
 
     def __post_init__(self) -> None:
         super().__post_init__()
         self._keep_gains("position_gain", "speed_gain", size=self.size)
         self._keep_gains("rate", size=1)
+        self._keep_torque_limit()
 
     def start(self) -> Any:
         """The model's inertial parameters, ten a body."""
@@ -43,5 +48,6 @@ class SlotineLi(RigidLaw):
         torque = np.array(tau) + np.array(self.friction(v_r, tau)) + self.speed_gain * s
         power = [sum((y * x for y, x in zip(column, s, strict=True)), 0) for column in zip(*Y, strict=True)]
         sizes = [x for body in system.segments for x in nominal_sizes(parameters_of(body.inertia))]
-        learnt = zip(memory, power, sizes, strict=True)
-        return [p + measurement.period * self.rate[0] * size * size * x for p, x, size in learnt], Command(torque)
+        step = measurement.period * self.rate[0]
+        learnt = [p + step * size * size * x for p, x, size in zip(memory, power, sizes, strict=True)]
+        return unless_saturated(learnt, memory, torque, self.torque_limit), Command(torque)

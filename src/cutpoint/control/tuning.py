@@ -13,6 +13,7 @@ from cutpoint.control.computed_torque import ComputedTorque
 from cutpoint.control.elastic_computed_torque import ElasticComputedTorque
 from cutpoint.control.full_state_feedback import FullStateFeedback
 from cutpoint.control.gains import motor_limits
+from cutpoint.control.learning_rates import STROKE, SWING, body_rate, joint_rate
 from cutpoint.control.model_law import check_all_driven
 from cutpoint.control.pd import PD
 from cutpoint.control.pid import PID
@@ -31,9 +32,8 @@ from cutpoint.robot import Robot, check_robot
 Array = NDArray[np.float64]
 
 
-SWING, STROKE = 1.0, 0.1
-"""rad, m: of a motion as fast as the bandwidth, for the friction that it meets."""
-
+INTEGRAL = 0.25
+"""Of the natural frequency of PID's pair of poles: where its third pole lies."""
 
 STOPPED = 1.0
 """Nepers a second: what grows more slowly is stopped by friction, which the linear plant lacks."""
@@ -48,7 +48,7 @@ SHORTER = 4
 OTHERS = (0.7, 0.5, 0.35, 0.25, 0.18, 0.12, 1.4, 2.0)
 """Of the bandwidth: others that are looked at to see whether they would hold."""
 
-CHANGES = {"width": "wider", "body_rate": "lower", "joint_rate": "lower"}
+CHANGES = {"width": "wider", "rate": "lower", "body_rate": "lower", "joint_rate": "lower", "shaping": "nearer to 1"}
 """What may help of what only some laws have."""
 
 LIGHT = 0.05
@@ -56,10 +56,11 @@ LIGHT = 0.05
 
 
 class Wanted(NamedTuple):
-    """What gains are made from: the robot; inertia of links and of elastic drives' rotors at each joint, kg m2; the
-    torque that gravity asks, N m; bandwidth omega, rad/s; damping ratio; control period, s."""
+    """What gains are made from: the robot; its pose q; inertia of links and of elastic drives' rotors at each joint,
+    kg m2; the torque that gravity asks, N m; bandwidth omega, rad/s; damping ratio; control period, s."""
 
     robot: Robot
+    q: Array
     link: Array
     rotor: Array
     weight: Array
@@ -75,9 +76,16 @@ class Wanted(NamedTuple):
     def stiffness(self) -> Array:
         return self.whole * self.omega**2
 
-    @property
-    def drag(self) -> Array:
-        return 2 * self.damping * self.omega * self.whole
+
+def _pd(w: Wanted, **options: Any) -> PD:
+    return PD(w.stiffness, 2 * w.damping * w.omega * w.whole, **options)
+
+
+def _pid(w: Wanted, **options: Any) -> PID:
+    """Poles of (s^2 + 2 zeta u s + u^2) (s + INTEGRAL u), with u so much below omega that kp is that of PD."""
+    u = w.omega / np.sqrt(1 + 2 * w.damping * INTEGRAL)
+    ki, kd = INTEGRAL * u**3 * w.whole, (2 * w.damping + INTEGRAL) * u * w.whole
+    return PID(w.stiffness, ki, kd, **{"limit": motor_limits(w.robot), **options})
 
 
 def _vdc(w: Wanted, law: Any, **options: Any) -> Any:
@@ -87,22 +95,43 @@ def _vdc(w: Wanted, law: Any, **options: Any) -> Any:
     return law(w.robot, w.omega, w.omega * w.link, motor, (8 if filtered else 4) * w.omega, **options)
 
 
+def _adaptive_vdc(w: Wanted, **options: Any) -> AdaptiveVDC:
+    rates = {
+        "body_rate": body_rate(w.robot, w.q, w.whole, w.omega, natural=options.get("update") == "natural"),
+        "joint_rate": joint_rate(w.robot, w.q, w.whole, w.omega, 8 * w.omega),
+    }
+    return _vdc(w, AdaptiveVDC, **{**rates, **options})
+
+
+def _slotine_li(w: Wanted, **options: Any) -> SlotineLi:
+    rate = body_rate(w.robot, w.q, w.whole, w.omega)
+    return SlotineLi(w.robot, w.omega, w.omega * w.whole, **{"rate": rate, **options})
+
+
+def _robust(w: Wanted, **options: Any) -> Robust:
+    """Within its width the bounded term damps by bound / width, here no more than the speed gain does."""
+    bound, speed_gain = options.get("bound", _missed(w)), w.omega * w.whole
+    width = np.maximum(0.05, bound / speed_gain)
+    return Robust(w.robot, w.omega, speed_gain, **{"bound": bound, "width": width, **options})
+
+
 def _full_state(w: Wanted, **options: Any) -> FullStateFeedback:
-    shaping = np.where(w.rotor > 0.0, options.get("shaping", 0.5), 1.0)
-    given = {"lead": w.period, **options}
-    return FullStateFeedback(w.robot, w.stiffness, 2 * w.damping * w.omega * (w.link + shaping * w.rotor), **given)
+    """Damping of the inertia that is left, which the same stiffness moves faster."""
+    left = w.link + np.where(w.rotor > 0.0, options.get("shaping", 0.5), 1.0) * w.rotor
+    damping = 2 * w.damping * w.omega * np.sqrt(w.whole * left)
+    return FullStateFeedback(w.robot, w.stiffness, damping, **{"lead": w.period, **options})
 
 
 RECIPES: dict[Any, Callable[..., Any]] = {
-    PD: lambda w, **o: PD(w.stiffness, w.drag, **o),
-    PID: lambda w, **o: PID(w.stiffness, w.stiffness * w.omega / 4, w.drag, **{"limit": motor_limits(w.robot), **o}),
+    PD: _pd,
+    PID: _pid,
     ComputedTorque: lambda w, **o: ComputedTorque(w.robot, w.omega**2, 2 * w.damping * w.omega, **o),
     ElasticComputedTorque: lambda w, **o: ElasticComputedTorque(w.robot, 2 * w.omega, **o),
     FullStateFeedback: _full_state,
     VDC: lambda w, **o: _vdc(w, VDC, **o),
-    AdaptiveVDC: lambda w, **o: _vdc(w, AdaptiveVDC, **o),
-    SlotineLi: lambda w, **o: SlotineLi(w.robot, w.omega, w.omega * w.whole, **o),
-    Robust: lambda w, **o: Robust(w.robot, w.omega, w.omega * w.whole, **{"bound": _missed(w), **o}),
+    AdaptiveVDC: _adaptive_vdc,
+    SlotineLi: _slotine_li,
+    Robust: _robust,
     SuperTwisting: lambda w, **o: SuperTwisting(
         w.robot, w.omega, w.omega * w.whole, **{"root_gain": _missed(w), "twist": w.omega * _missed(w), **o}
     ),
@@ -122,11 +151,11 @@ def tune(
 ) -> Any:
     """A law whose joints, each alone, move with this bandwidth (Hz), those of PD as second-order systems.
 
-    Gains come from the inertia of links and rotors at q (neutral if not given).  damping: ratio, of PD and
-    ComputedTorque; PID's integral takes some of it, 0.64 is left at 0.7, and above 1 more gives less.
-    FullStateFeedback is as stiff as PD; with inertia left of whole it is faster by sqrt(whole / left), and damped less
-    by as much.  Laws built on v_r = v_d + Lambda (q_d - q) are critically damped, with Lambda = 2 pi bandwidth; what
-    they learn has poles of its own, which may ring.  ElasticComputedTorque has four equal poles at twice that, of
+    Gains come from the inertia of links and rotors at q (neutral if not given).  damping: ratio, of PD, PID,
+    ComputedTorque and FullStateFeedback, each joint alone; arms whose joints push each other have less.
+    FullStateFeedback is as stiff as PD; with inertia left of whole it is faster by sqrt(whole / left).  Laws built on
+    v_r = v_d + Lambda (q_d - q) are critically damped, with Lambda = 2 pi bandwidth; rates at which they learn leave
+    them a damping of 0.5, see `control.learning_rates`.  ElasticComputedTorque has four equal poles at twice that, of
     springs without damping and in the limit of short periods.  options go to the law.
     sensors: their delay and differenced speeds count in whether gains hold, not in the gains; perfect if not given.
 
@@ -231,7 +260,7 @@ def wanted(robot: Robot, q: Array, omega: float, damping: float, period: float) 
     M, weight = robot.mass_matrix(q), robot.gravity_forces(q)
     link = np.array([M[d.v, d.v] for d in driven])
     rotor = np.array([d.drive.reflected_inertia if d.drive.is_elastic else 0.0 for d in driven])
-    return Wanted(robot, link, rotor, np.array([weight[d.v] for d in driven]), omega, damping, period)
+    return Wanted(robot, q, link, rotor, np.array([weight[d.v] for d in driven]), omega, damping, period)
 
 
 def _missed(w: Wanted) -> Array:

@@ -1,0 +1,121 @@
+"""Rates of learning that leave the loop its damping, from the robot's inertia, its load and the loop's bandwidth.
+
+With s = v_r - v, a model that learns p by p' = Gamma Y^T s adds G = Y Gamma Y^T (N m/rad) to the loop
+
+    (M + J) s' + K s + G (integral of s) = 0,   K >= omega D,   D = diag(M + J).
+
+A mode of shape x has the damping x'Kx / (2 sqrt(x'(M + J)x x'Gx)) >= omega / (2 sqrt(mu g)), mu and g being the largest
+eigenvalues of D^-1/2 (M + J) D^-1/2 and D^-1/2 G D^-1/2: so g = omega^2 / (4 zeta^2 mu) leaves zeta to all modes.
+A spring's compliance c, learnt by rate c^2 K tau (lag - motor_lag), decays as y' = -gamma beta y with gamma = rate
+tau^2 c and beta the spring's gain; the proof of stability needs gamma < 1.
+"""
+
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from cutpoint.control.adaptation import power_matrix
+from cutpoint.mechanics.compliance import LinearSpring
+from cutpoint.mechanics.presliding import sliding_of
+from cutpoint.mechanics.pseudo_inertia import nominal_sizes, pseudo_inertia
+from cutpoint.model.drive import Drive
+from cutpoint.model.limits import efforts_in_force, limits_in_force
+from cutpoint.robot import Robot
+
+Array = NDArray[np.float64]
+
+DAMPING = 0.5
+"""That is left to modes of learning: half of g is for bodies, half for joints."""
+
+SLOWER = 0.25
+"""Of the bandwidth: how fast a compliance is learnt."""
+
+SWING, STROKE = 1.0, 0.1
+"""rad, m: of a motion as fast as the bandwidth."""
+
+PERIODS = 4.0
+"""Of the bandwidth, that such a motion takes while the law learns."""
+
+
+class Motion(NamedTuple):
+    """At the peak of a cycloid, each joint alone: speeds and accelerations (n,), rad/s and rad/s2 (m/s, m/s2)."""
+
+    speed: Array
+    acceleration: Array
+
+
+def body_rate(robot: Robot, q: Array, inertia: Array, omega: float, *, natural: bool = False) -> float:
+    """1/J, at a pose.  inertia: (n,) kg m2, of links and rotors at each joint.  omega: rad/s.
+
+    natural: for `AdaptiveVDC(update="natural")`; the other rule, Slotine and Li's too, learns shares of nominal sizes.
+    """
+    Y, p = _regressors(robot, q, _motion(robot, inertia, omega)), robot.inertial_parameters
+    scale = 1.0 / np.sqrt(inertia)
+    g = max(float(np.linalg.eigvalsh(scale[:, None] * _gain(each, p, natural) * scale)[-1]) for each in Y)
+    return _most(robot, q, inertia, omega) / g if g > 0.0 else 1.0
+
+
+def joint_rate(robot: Robot, q: Array, inertia: Array, omega: float, spring_gain: float) -> float:
+    """1/J, at a pose: as `body_rate` has them.  spring_gain: beta, rad/s."""
+    motion, most = _motion(robot, inertia, omega), _most(robot, q, inertia, omega)
+    torque = np.abs(_regressors(robot, q, motion) @ robot.inertial_parameters).max(axis=0)
+    found: list[float] = []
+    for k, drive in enumerate(robot.drives.values()):
+        fed = sum(x * x for x in _learnt_torques(drive, motion.speed[k], motion.acceleration[k]))
+        found += [most * inertia[k] / fed] if fed > 0.0 else []
+        if isinstance(drive.compliance, LinearSpring) and torque[k] > 0.0:
+            found.append(SLOWER * omega / spring_gain * float(drive.compliance.stiffness) / torque[k] ** 2)
+    return min(found, default=1.0)
+
+
+def _most(robot: Robot, q: Array, inertia: Array, omega: float) -> float:
+    """g of bodies, or of joints, 1/s2."""
+    at, scale = [d.v for d in robot.machine.drives], 1.0 / np.sqrt(inertia)
+    M = robot.mass_matrix(q)[np.ix_(at, at)]
+    M = M + np.diag(inertia - np.diag(M))
+    mu = float(np.linalg.eigvalsh(scale[:, None] * M * scale)[-1])
+    return omega**2 / (4.0 * DAMPING**2 * mu) / 2.0
+
+
+def _motion(robot: Robot, inertia: Array, omega: float) -> Motion:
+    """As fast as drives and robot allow."""
+    sliding, frequency = robot.mechanism.sliding, omega / (2.0 * np.pi * PERIODS)
+    size = np.where([name in sliding for name in robot.drives], STROKE, SWING)
+    fastest = np.array([limits.velocity for limits in limits_in_force(robot.mechanism, robot.drives).values()])
+    strongest = efforts_in_force(robot.mechanism, robot.drives) / inertia
+    speed, acceleration = 2.0 * size * frequency, 2.0 * np.pi * size * frequency**2
+    return Motion(np.minimum(speed, fastest), np.minimum(acceleration, strongest))
+
+
+def _regressors(robot: Robot, q: Array, motion: Motion) -> Array:
+    """(2 n + 1, n, 10 bodies): at rest, and as each joint sets out or stops."""
+    at = [d.v for d in robot.machine.drives]
+    a = np.zeros((2 * len(at) + 1, robot.nv))
+    a[1:, at] = np.concatenate([np.diag(motion.acceleration), -np.diag(motion.acceleration)])
+    return robot.regressor(q, np.zeros(robot.nv), a)[:, at]
+
+
+def _gain(Y: Array, p: Array, natural: bool) -> Array:
+    """G at a rate of one, (n, n)."""
+    bodies = p.reshape(-1, 10)
+    if not natural:
+        sizes = np.concatenate([np.array(nominal_sizes([*own]), float) for own in bodies])
+        return (Y * sizes**2) @ Y.T
+    G = np.zeros((len(Y), len(Y)))
+    for own, columns in zip(bodies, np.split(Y, len(bodies), axis=1), strict=True):
+        L = np.array(pseudo_inertia([*own]), float)
+        fed = np.array([np.array(power_matrix([*row]), float) @ L for row in columns])
+        G += np.einsum("iab,jba->ij", fed, fed)
+    return G
+
+
+def _learnt_torques(drive: Drive, speed: float, acceleration: float) -> list[float]:
+    """What each number of friction and rotor asks for, N m."""
+    laws = [law for law in (sliding_of(drive.link_friction), sliding_of(drive.motor_friction)) if law is not None]
+    found = [
+        float(getattr(law, name) * x)
+        for law in laws
+        for name, x in zip(law.coefficients, law.columns(speed), strict=True)
+    ]
+    return [*found, float(drive.reflected_inertia * acceleration)]
