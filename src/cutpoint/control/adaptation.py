@@ -23,7 +23,7 @@ def projected(p: Scalar, s: Scalar, rate: Scalar, low: Scalar, high: Scalar, per
     return clip(p + period * rate * s, low, high)
 
 
-def unless_saturated(learnt: Any, before: Any, torque: Sequence[Scalar], limits: Sequence[Scalar]) -> Any:
+def unless_saturated(learnt: Any, before: Any, torque: Any, limits: Any) -> Any:
     """What was learnt in a period, number by number; or what was known before it, if any motor was asked for more than
     it has: what goes wrong then is no fault of the model."""
     within: Scalar = 1
