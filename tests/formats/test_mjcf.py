@@ -396,6 +396,22 @@ def test_armature_of_what_is_left_out_is_told() -> None:
         parse_mjcf(text)
 
 
+@pytest.mark.parametrize("tag", ["motor", "tendon"])
+def test_armature_of_what_is_left_out_is_told_where_a_default_states_it(tag: str) -> None:
+    section = '<actuator><motor joint="hip"/></actuator>' if tag == "motor" else "<tendon><fixed name='t'/></tendon>"
+    default = f'<default><{tag} armature="0.3"/></default>'
+    text = mjcf_text.ARM.replace("</mujoco>", f"{default}{section}</mujoco>")
+    section = "actuator" if tag == "motor" else "tendon"
+    with pytest.warns(NotCarriedOver, match=rf"<{section}> armature, in the mass matrix \(1\)"):
+        parse_mjcf(text)
+
+
+def test_an_infinite_place_is_refused_where_it_stands() -> None:
+    text = mjcf_text.ARM.replace("</worldbody>", '<body pos="inf 0 0"/></worldbody>')
+    with pytest.raises(ModelError, match=r"<body> pos 'inf 0 0' must be finite \(<string>:\d+\)"):
+        parse_mjcf(text)
+
+
 def test_efforts_that_are_not_alike_to_both_sides_are_told() -> None:
     text = mjcf_text.one_body("").replace('<joint name="elbow"/>', '<joint name="elbow" actuatorfrcrange="{}"/>')
     for ends, effort in (("0 5", 0.0), ("-3 5", 3.0)):

@@ -69,7 +69,14 @@ REFUSED = {
         "<include> 'common/options.xml': the file is part of the model already; name it once ({0}/arm.xml:1)",
     ),
     "a long name": ({"arm": ARM.format("x" * 5000)}, f"<include> '{'x' * 80}' cannot be read: .* ({{0}}/arm.xml:1)"),
-    "a folder": ({"arm": ARM.format("common")}, "'{0}/common' is a directory; give the path of a file"),
+    "a folder": (
+        {"arm": ARM.format("common")},
+        "<include> 'common': '{0}/common' is a directory; give the path of a file ({0}/arm.xml:1)",
+    ),
+    "another format": (
+        {"forearm": "<robot/>"},
+        "<include> 'forearm.xml' is of another format, its root must be <mujocoinclude>, got <robot> ({0}/arm.xml:3)",
+    ),
     "no XML": ({"forearm": "\n<mujoco"}, "XML is not well formed: unclosed token ({0}/forearm.xml:2)"),
     "entities": (
         {"forearm": '<!DOCTYPE m [<!ENTITY a "b">]><mujoco>&a;</mujoco>'},

@@ -11,7 +11,7 @@ from urdf_text import ARM, joint, link, robot
 
 from cutpoint import Drive, Robot
 from cutpoint.errors import InputError, ModelError
-from cutpoint.formats import DegreesWarning, MimicWarning, load_urdf, parse_urdf
+from cutpoint.formats import DegreesWarning, MimicWarning, NotCarriedOver, load_urdf, parse_urdf
 from cutpoint.model import WORLD, Limits, Mechanism
 
 XACRO = 'xmlns:xacro="http://www.ros.org/wiki/xacro"'
@@ -112,6 +112,30 @@ def test_an_origin_may_be_stated_by_a_quaternion(scale: float) -> None:
     np.testing.assert_allclose(by_quaternion, by_angles, atol=1e-15)
 
 
+@pytest.mark.parametrize(
+    "stated",
+    [
+        ('<dynamics armature="0.1"/>', ""),
+        ("", '<transmission><joint name="elbow"/><actuator><d:rotor_inertia value="1e-4"/></actuator></transmission>'),
+    ],
+)
+def test_inertia_of_rotors_that_a_urdf_states_is_not_lost_in_silence(stated: tuple[str, str]) -> None:
+    inside, beside = stated
+    text = robot(link("base"), link("arm"), joint("elbow", "base", "arm", "revolute", inside), beside)
+    text = text.replace("<robot", '<robot xmlns:d="http://drake.mit.edu"', 1)
+    with pytest.warns(NotCarriedOver, match="inertia of rotors of joints 'elbow': state rotor and ratio in a drive"):
+        parse_urdf(text)
+    parse_urdf(text.replace("0.1", "0.0").replace("1e-4", "0"))
+
+
+def test_a_mimic_of_a_joint_that_is_fixed_is_free_or_an_error() -> None:
+    fixed = gripper().replace('name="left" type="revolute"', 'name="left" type="fixed"')
+    with pytest.warns(MimicWarning, match="mimic joints 'right' are read as coordinates of their own"):
+        assert [body.joint.name for body in parse_urdf(fixed).bodies] == ["right"]
+    with pytest.raises(ModelError, match=r"'left', which is fixed; .* can be locked, or load with independent mimics"):
+        parse_urdf(fixed, mimic="coupled")
+
+
 def test_only_two_ways_to_read_a_mimic_exist() -> None:
     with pytest.raises(InputError, match="mimic 'both' must be 'independent' or 'coupled'"):
         parse_urdf(gripper(), mimic="both")  # pyright: ignore[reportArgumentType]
@@ -133,7 +157,7 @@ def test_wide_limits_in_radians_pass(bound: float) -> None:
 
 def test_a_robot_without_name_has_that_of_its_file(tmp_path: Path) -> None:
     path = tmp_path / "nameless.urdf"
-    path.write_text(one_joint().replace(' name="arm">', ">", 1))
+    path.write_text(one_joint().replace(' name="arm"', "", 1))
     assert load_urdf(path).name == "nameless"
 
 

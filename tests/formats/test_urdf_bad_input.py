@@ -33,7 +33,7 @@ LINKS = {
         link("arm", "1_0"),
         "link 'arm': <mass> value '1_0' must be a finite number (arm.urdf:3)",
     ),
-    "no mass value": (link("arm", ""), "link 'arm': <mass> needs the attribute 'value' (arm.urdf:3)"),
+    "no mass value": (link("arm", ""), "link 'arm': <mass> has nothing in the attribute 'value' (arm.urdf:3)"),
     "triangle inequality": (
         link("arm", 1.0, (1.0, 0.1, 0.1)),
         "link 'arm': principal moments of inertia 0.1, 0.1, 1 kg m2: the largest exceeds the sum of the others by"
@@ -78,10 +78,15 @@ JOINTS = {
     "short axis": ('<axis xyz="0 1"/>', "joint 'elbow': <axis> xyz '0 1' must be three finite numbers"),
     "swapped limits": (
         '<limit lower="1" upper="-1"/>',
-        "joint 'elbow': lower limit 1.0 must not exceed upper limit -1.0 rad",
+        "joint 'elbow': lower limit 1.0 must not exceed upper limit -1.0 rad; leave both out where there is no limit",
     ),
-    "nan limit": ('<limit upper="nan"/>', "joint 'elbow': <limit> upper 'nan' must be a finite number"),
-    "negative effort": ('<limit effort="-5"/>', "joint 'elbow': effort limit -5.0 N m must not be negative"),
+    "nan limit": ('<limit upper="nan"/>', "joint 'elbow': <limit> upper 'nan' must be a number, inf or -inf"),
+    "empty limit": ('<limit velocity=" "/>', "joint 'elbow': <limit> has nothing in the attribute 'velocity'"),
+    "negative effort": (
+        '<limit effort="-5"/>',
+        "joint 'elbow': effort limit -5.0 N m must not be negative; leave it out, or state inf, where"
+        " there is no limit",
+    ),
     "negative damping": ('<dynamics damping="-1"/>', "joint 'elbow': damping -1.0 N m s/rad must not be negative"),
     "angle in degrees": (
         '<origin rpy="0 90 0"/>',
@@ -159,11 +164,30 @@ DOCUMENTS = {
         "joint 'j': <joint> needs a <child> (arm.urdf:3)",
     ),
     "another format": ("<mujoco/>", "the root element of a URDF is <robot>, got <mujoco> (an MJCF file) (arm.urdf:1)"),
-    "open element": ("<robot>\n<link>\n</robot>", "XML is not well formed: mismatched tag (arm.urdf:3)"),
+    "open element": (
+        "<robot>\n<link>\n</robot>",
+        "XML is not well formed: mismatched tag, at column 3: close each element before the one that"
+        " holds it (arm.urdf:3)",
+    ),
     "no XML": ("hello", "XML is not well formed: syntax error (arm.urdf:1)"),
     "bytes that are no UTF-8": (
         b"<robot>\xff</robot>",
-        "XML is not well formed: not well-formed (invalid token) (arm.urdf:1)",
+        "XML is not well formed: not well-formed (invalid token), at column 8: write & as &amp; and < as &lt;, no -- in"
+        " comments, and save the file as UTF-8 (arm.urdf:1)",
+    ),
+    "a declaration that is not first": (
+        '\n<?xml version="1.0"?>\n<robot/>',
+        "XML is not well formed: XML or text declaration not at start of entity, at column 1: take out what"
+        " stands before <?xml ...?>, blank lines and comments too (arm.urdf:2)",
+    ),
+    "a prefix that is not declared": (
+        "<robot>\n<sensor:camera/></robot>",
+        "XML is not well formed: unbound prefix, at column 1: declare the prefix in the root element, xmlns:"
+        'prefix="...", or take it out (arm.urdf:2)',
+    ),
+    "quaternions in a file without them": (
+        arm(link("arm"), '<origin quat_xyzw="0 0 0 1"/>').replace("1.2", "1.0"),
+        '<origin> quat_xyzw is for files of version 1.2: state version="1.2" in <robot>, or rpy here (arm.urdf:4)',
     ),
     "billion laughs": (
         '<!DOCTYPE r [<!ENTITY a "ha"><!ENTITY b "&a;&a;">]>\n<robot>&b;</robot>',

@@ -17,7 +17,7 @@ def joint(name: str, parent: str, child: str, kind: str = "revolute", inside: st
 
 def robot(*elements: str) -> str:
     """The first element stands on line 2."""
-    return "\n".join(['<robot name="arm">', *elements, "</robot>"])
+    return "\n".join(['<robot name="arm" version="1.2">', *elements, "</robot>"])
 
 
 ARM = robot(

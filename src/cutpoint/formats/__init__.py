@@ -3,13 +3,14 @@
 from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
+from cutpoint.formats.not_carried_over import NotCarriedOver
 from cutpoint.formats.plain_drive import drive_of
 from cutpoint.formats.urdf import DegreesWarning, MimicWarning, load_urdf, parse_urdf
 
 if TYPE_CHECKING:
     from cutpoint.formats.catalogue import catalogue_drive, catalogue_gear, catalogue_names, entry_of
     from cutpoint.formats.drives import dump_drives, load_drives, parse_drives, save_drives
-    from cutpoint.formats.mjcf import MjcfRobot, NotCarriedOver, load_mjcf, parse_mjcf
+    from cutpoint.formats.mjcf import MjcfRobot, load_mjcf, parse_mjcf
     from cutpoint.formats.unlikely_units import UnitsWarning
 
 __all__ = [
@@ -37,7 +38,7 @@ _ELSEWHERE = {
     **dict.fromkeys(("catalogue_drive", "catalogue_gear", "catalogue_names", "entry_of"), "catalogue"),
     **dict.fromkeys(("dump_drives", "load_drives", "parse_drives", "save_drives"), "drives"),
     "UnitsWarning": "unlikely_units",
-    **dict.fromkeys(("MjcfRobot", "NotCarriedOver", "load_mjcf", "parse_mjcf"), "mjcf"),
+    **dict.fromkeys(("MjcfRobot", "load_mjcf", "parse_mjcf"), "mjcf"),
 }
 """The modules of names that are imported at their first use: with SciPy, YAML and what checks sheets they cost more
 than all else here."""

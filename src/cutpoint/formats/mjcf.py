@@ -19,7 +19,7 @@ from cutpoint.callers import warn
 from cutpoint.door import check_kind
 from cutpoint.errors import ModelError
 from cutpoint.formats.mjcf_includes import include_files
-from cutpoint.formats.mjcf_losses import NotCarriedOver, losses
+from cutpoint.formats.mjcf_losses import losses
 from cutpoint.formats.mjcf_meshes import MeshFile, mesh_files, read_meshes
 from cutpoint.formats.mjcf_model import (
     BALL,
@@ -33,6 +33,7 @@ from cutpoint.formats.mjcf_model import (
     package,
 )
 from cutpoint.formats.mjcf_text import excerpt_of
+from cutpoint.formats.not_carried_over import NotCarriedOver
 from cutpoint.formats.plain_drive import drive_of
 from cutpoint.formats.reading import read_bytes
 from cutpoint.formats.safe_xml import Element, parse_xml

@@ -65,9 +65,16 @@ class _Includes:
             complaint = f"more than {MAXIMUM_FILES} files are included, the most that are read; {_SAVED}"
             raise self._wrong(include, complaint)
         self._read.add(target)
-        content = read_bytes(path, self._left)
+        try:
+            content = read_bytes(path, self._left)
+        except ModelError as problem:
+            raise self._wrong(include, f"<include> {name!r}: {problem}") from problem
         self._left -= len(content)
-        return parse_xml(content, str(path), file=str(path), at=include.at or include.line)
+        root = parse_xml(content, str(path), file=str(path), at=include.at or include.line)
+        if root.tag in ("robot", "sdf"):
+            rule = "is of another format, its root must be <mujocoinclude>"
+            raise self._wrong(include, f"<include> {name!r} {rule}, got <{root.tag}>")
+        return root
 
     def _wrong(self, element: Element, complaint: str) -> ModelError:
         return ModelError(complaint, place=element.where(self._place))

@@ -1,21 +1,12 @@
-"""What an MJCF file says and a `Mechanism` has no place for, in one warning."""
+"""What an MJCF file says and a `Mechanism` has no place for."""
 
 from collections import Counter
-from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
 
 from cutpoint.errors import listed
 from cutpoint.formats.mjcf_model import BALL, FREE, names_of
-
-
-class NotCarriedOver(UserWarning):
-    """Parts of a file have no counterpart here; `things` lists them."""
-
-    def __init__(self, things: Sequence[str], place: str) -> None:
-        super().__init__(f"not carried over: {'; '.join(things)} ({place})")
-        self.things = tuple(things)
 
 
 def losses(model: Any, left_out: Counter[str]) -> list[str]:

@@ -8,7 +8,7 @@ of bodies by bringing in other text is refused.
 
 import re
 from collections import Counter
-from collections.abc import Mapping
+from collections.abc import Collection, Mapping
 from dataclasses import dataclass, field
 from xml.sax.saxutils import quoteattr
 
@@ -22,6 +22,13 @@ MAXIMUM_PIECES = 40_000
 
 NOT_A_NUMBER = re.compile(r"(?i)(?<!\S)[+-]?nan(?!\w)")
 """MuJoCo would only warn of it, in a file of its own."""
+
+INFINITE = re.compile(r"(?i)(?<!\S)[+-]?inf(inity)?(?!\w)")
+FINITE = {
+    *("pos", "quat", "axisangle", "xyaxes", "zaxis", "euler", "axis", "fromto", "size", "ref"),
+    *("mass", "diaginertia", "fullinertia", "density", "damping", "armature", "frictionloss", "stiffness"),
+}
+"""Attributes of which MuJoCo would make numbers that are none, elsewhere."""
 
 IN_BODY = ("body", "frame", "inertial", "joint", "freejoint", "geom", "site")
 
@@ -117,6 +124,7 @@ def _refuse_other_text(element: Element, place: str) -> None:
 def _copy(root: Element, place: str, meshes: Mapping[str, MeshFile]) -> Excerpt:
     """All that is kept, tag by tag."""
     excerpt, waiting = Excerpt(), list[Element | str]([root])
+    armoured = _sections_with_armature(root)
     while waiting:
         item = waiting.pop()
         if isinstance(item, str):  # a closing tag
@@ -131,7 +139,7 @@ def _copy(root: Element, place: str, meshes: Mapping[str, MeshFile]) -> Excerpt:
                 kept.append(child)
             else:
                 _refuse_misspelled(child, item, place)
-                _count(child, item, excerpt.left_out)
+                _count(child, item, excerpt.left_out, armoured)
         excerpt.open(item, _kept_attributes(item, meshes, place), holds=bool(kept))
         waiting += [f"</{item.tag}>" if kept else "/>", *reversed(kept)]
     return excerpt
@@ -146,6 +154,8 @@ def _kept_attributes(element: Element, meshes: Mapping[str, MeshFile], place: st
     for name, value in kept.items():
         if NOT_A_NUMBER.search(value):
             raise ModelError(f"<{element.tag}> {name} {value!r} must not hold nan", place=element.where(place))
+        if name in FINITE and INFINITE.search(value):
+            raise ModelError(f"<{element.tag}> {name} {value!r} must be finite", place=element.where(place))
     if element.tag == "mesh" and (mesh := meshes.get(name_of(element))):
         kept |= {"name": name_of(element), "file": mesh.alias}
     return kept
@@ -164,8 +174,20 @@ def _refuse_misspelled(child: Element, parent: Element, place: str) -> None:
         raise ModelError(complaint, place=child.where(place), tag=child.tag)
 
 
-def _count(child: Element, parent: Element, left_out: Counter[str]) -> None:
-    """Of a section with elements, these; what has no effect, and defaults of what is left out, do not count."""
+def _count(child: Element, parent: Element, left_out: Counter[str], armoured: Collection[str]) -> None:
+    """Of a section with elements, these; what has no effect, and defaults of what is left out, do not count.
+
+    armoured: sections whose elements may have armature from a default, and count as if they had.
+    """
     if child.tag not in WITHOUT_EFFECT and parent.tag not in ("default", "asset"):
         left_out[child.tag] += max(len(child.children), 1)
-        left_out[f"{child.tag} armature, in the mass matrix"] += sum("armature" in x.attributes for x in child.children)
+        with_armature = [x for x in child.children if child.tag in armoured or "armature" in x.attributes]
+        left_out[f"{child.tag} armature, in the mass matrix"] += len(with_armature)
+
+
+def _sections_with_armature(root: Element) -> set[str]:
+    """ "tendon" and "actuator", as far as a default states armature for what they hold."""
+    stated = {
+        x.tag for each in root.walk() if each.tag == "default" for x in each.children if "armature" in x.attributes
+    }
+    return {"tendon" if tag == "tendon" else "actuator" for tag in stated - {"joint"}}

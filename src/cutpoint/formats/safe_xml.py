@@ -8,6 +8,16 @@ from dataclasses import dataclass, field
 from typing import Any, cast
 from xml.etree.ElementTree import ParseError
 from xml.parsers.expat import ErrorString
+from xml.parsers.expat.errors import (
+    XML_ERROR_DUPLICATE_ATTRIBUTE,
+    XML_ERROR_INVALID_TOKEN,
+    XML_ERROR_JUNK_AFTER_DOC_ELEMENT,
+    XML_ERROR_MISPLACED_XML_PI,
+    XML_ERROR_TAG_MISMATCH,
+    XML_ERROR_UNBOUND_PREFIX,
+    XML_ERROR_UNDEFINED_ENTITY,
+    XML_ERROR_XML_DECL,
+)
 
 from defusedxml import DefusedXmlException, DTDForbidden
 from defusedxml.ElementTree import DefusedXMLParser
@@ -55,6 +65,19 @@ class Element:
             element = waiting.pop()
             yield element
             waiting.extend(reversed(element.children))
+
+
+REMEDIES = {
+    XML_ERROR_MISPLACED_XML_PI: "take out what stands before <?xml ...?>, blank lines and comments too",
+    XML_ERROR_UNBOUND_PREFIX: 'declare the prefix in the root element, xmlns:prefix="...", or take it out',
+    XML_ERROR_INVALID_TOKEN: "write & as &amp; and < as &lt;, no -- in comments, and save the file as UTF-8",
+    XML_ERROR_TAG_MISMATCH: "close each element before the one that holds it",
+    XML_ERROR_XML_DECL: 'write <?xml version="1.0"?>',
+    XML_ERROR_UNDEFINED_ENTITY: "write the character itself",
+    XML_ERROR_DUPLICATE_ATTRIBUTE: "state it once",
+    XML_ERROR_JUNK_AFTER_DOC_ELEMENT: "take out what stands behind the root element",
+}
+"""By what expat calls the slip."""
 
 
 class _Builder:
@@ -116,10 +139,10 @@ def parse_xml(content: bytes | str, place: str, *, file: str = "", at: int = 0) 
         parser.close()
         return cast(Element, builder.root)  # a document without a root is not well formed
     except ParseError as problem:
-        line = problem.position[0]
-        raise ModelError(
-            f"XML is not well formed: {ErrorString(problem.code)}", place=f"{place}:{line}", line=line
-        ) from problem
+        line, column = problem.position
+        told = ErrorString(problem.code)
+        remedy = f", at column {column + 1}: {REMEDIES[told]}" if told in REMEDIES else ""
+        raise ModelError(f"XML is not well formed: {told}{remedy}", place=f"{place}:{line}", line=line) from problem
     except DefusedXmlException as problem:
         what = "a document type (<!DOCTYPE>)" if isinstance(problem, DTDForbidden) else "entities"
         line = builder.expat.CurrentLineNumber

@@ -1,7 +1,7 @@
 """URDF and xacro files to a `Mechanism`.
 
 Read: links' inertials; joints' origins, axes, limits, dynamics and mimics.  Everything else (visuals, collisions,
-transmissions, extensions) is passed over; meshes are never opened.
+transmissions, extensions) is passed over, inertia of rotors with a warning; meshes are never opened.
 """
 
 from collections.abc import Collection, Mapping, Sequence
@@ -14,7 +14,8 @@ from numpy.typing import ArrayLike
 from cutpoint.callers import warn
 from cutpoint.door import check_kind
 from cutpoint.errors import InputError, ModelError, listed
-from cutpoint.formats.reading import read_bytes
+from cutpoint.formats.not_carried_over import NotCarriedOver
+from cutpoint.formats.reading import parse_number, read_bytes
 from cutpoint.formats.safe_xml import MAXIMUM_BYTES, Element, parse_xml
 from cutpoint.formats.slips import meant
 from cutpoint.formats.urdf_elements import Reader
@@ -101,6 +102,7 @@ def parse_urdf(
     robot = parse_xml(content, place)
     _check_is_urdf(robot, place)
     _check_names(robot, place)
+    _check_quaternions(robot, place)
     joints = [_joint(element, place) for element in robot.all("joint")]
     mechanism = build(
         robot.attributes.get("name") or Path(place).stem,
@@ -116,7 +118,28 @@ def parse_urdf(
     moving = {body.joint.name for body in mechanism.bodies}
     names = {joint.name for joint in joints}
     _warn([joint for joint in joints if joint.name in moving], names, mechanism.coupled, place)
+    if lost := _lost_rotors(robot, moving):
+        told = f"inertia of rotors of joints {listed(lost)}: state rotor and ratio in a drive file"
+        warn(NotCarriedOver([told], place))
     return mechanism
+
+
+def _lost_rotors(robot: Element, moving: Collection[str]) -> list[str]:
+    """Moving joints whose rotors count in other programs: by armature, or by a transmission's rotor inertia."""
+    found = [
+        joint.attributes.get("name", "").strip()
+        for joint in robot.all("joint")
+        for dynamics in joint.all("dynamics")
+        if _is_stated(dynamics, "armature")
+    ]
+    for transmission in robot.all("transmission"):
+        if any(x.tag.endswith("rotor_inertia") and _is_stated(x, "value") for x in transmission.walk()):
+            found += [joint.attributes.get("name", "").strip() for joint in transmission.all("joint")]
+    return [name for name in dict.fromkeys(found) if name in moving]
+
+
+def _is_stated(element: Element, attribute: str) -> bool:
+    return parse_number(element.attributes.get(attribute, "0").strip()) != 0.0
 
 
 def _check_is_urdf(robot: Element, place: str) -> None:
@@ -146,6 +169,18 @@ def _check_names(element: Element, place: str) -> None:
         if right := meant(name, ATTRIBUTES.get(element.tag, ())):
             complaint = f"<{element.tag}> has the attribute {name!r}, which URDF does not have; did you mean {right!r}?"
             raise ModelError(complaint, place=f"{place}:{element.line}", attribute=name)
+
+
+def _check_quaternions(robot: Element, place: str) -> None:
+    """Raises ModelError for quaternions in a file of a version that has none: other readers pass them over."""
+    version = robot.attributes.get("version", "1.0").strip()
+    if (parse_number(version) or 0.0) >= 1.2:
+        return
+    for part in (*robot.all("joint"), *(x for link in robot.all("link") for x in link.all("inertial"))):
+        for origin in part.all("origin"):
+            if "quat_xyzw" in origin.attributes:
+                rule = 'is for files of version 1.2: state version="1.2" in <robot>, or rpy here'
+                raise ModelError(f"<origin> quat_xyzw {rule}", place=f"{place}:{origin.line}", version=version)
 
 
 def _label(element: Element) -> str:

@@ -42,23 +42,24 @@ class Reader:
         """An attribute that must be there and not be empty, without surrounding blanks."""
         value = self.element.attributes.get(attribute, "").strip()
         if not value:
-            raise self.error(f"<{self.element.tag}> needs the attribute {attribute!r}")
+            what = "has nothing in" if attribute in self.element.attributes else "needs"
+            raise self.error(f"<{self.element.tag}> {what} the attribute {attribute!r}")
         return value
 
-    def number(self, attribute: str, default: float | None = None) -> float:
+    def number(self, attribute: str, default: float | None = None, rule: str = "a finite number") -> float:
         if default is not None and attribute not in self.element.attributes:
             return default
         text = self.text(attribute)
         value = parse_number(text)
         if value is None:
-            raise self._not_numbers(attribute, text, "a finite number")
+            raise self._not_numbers(attribute, text, rule)
         return value
 
     def bound(self, attribute: str, default: float) -> float:
         """A number that may also be `inf` or `-inf`: no bound."""
         text = self.element.attributes.get(attribute, "").strip().lower()
         unbounded = {"inf": math.inf, "+inf": math.inf, "-inf": -math.inf}
-        return unbounded[text] if text in unbounded else self.number(attribute, default)
+        return unbounded[text] if text in unbounded else self.number(attribute, default, "a number, inf or -inf")
 
     def vector(self, attribute: str, default: tuple[float, float, float]) -> Array:
         """(3,) numbers separated by blanks."""

@@ -64,7 +64,8 @@ class _Holder:
         end, multiplier, offset, passed = joint, 1.0, 0.0, {joint.name}
         while end.mimic is not None and end.name not in self.lock:
             step = end.mimic
-            if step.joint not in self.by_name and not self.coupled:
+            leader = self.by_name.get(step.joint)
+            if not self.coupled and (leader is None or leader.kind == "fixed"):
                 return None
             self.check_step(joint, step, passed)
             multiplier, offset = multiplier * step.multiplier, multiplier * step.offset + offset
@@ -88,7 +89,9 @@ class _Holder:
             raise self.places.error(thing, complaint)
         kind = self.by_name[step.joint].kind
         if kind not in ONE_COORDINATE:
-            complaint = f"mimics joint {step.joint!r}, which is {kind}; a leader is one of {', '.join(ONE_COORDINATE)}"
+            leaders = f"a leader is one of {', '.join(ONE_COORDINATE)}"
+            remedy = ", which can be locked, or load with independent mimics" if kind == "fixed" else ""
+            complaint = f"mimics joint {step.joint!r}, which is {kind}; {leaders}{remedy}"
             raise self.places.error(thing, complaint)
 
     def check_lock(self, name: str, value: float) -> None:

@@ -123,12 +123,14 @@ def check_limits(thing: str, limits: Limits, unit: Mapping[str, str], places: Pl
         if np.isnan(getattr(limits, what)):
             raise places.error(thing, f"limit {what} must be a number, got nan", limits=limits)
     if limits.lower > limits.upper:
-        complaint = f"lower limit {limits.lower!r} must not exceed upper limit {limits.upper!r} {unit['position']}"
+        found = f"lower limit {limits.lower!r} must not exceed upper limit {limits.upper!r} {unit['position']}"
+        complaint = f"{found}; leave both out where there is no limit"
         raise places.error(thing, complaint, limits=limits)
     for what in ("velocity", "effort"):
         bound = getattr(limits, what)
         if bound < 0.0:
-            raise places.error(thing, f"{what} limit {bound!r} {unit[what]} must not be negative", limits=limits)
+            rule = "must not be negative; leave it out, or state inf, where there is no limit"
+            raise places.error(thing, f"{what} limit {bound!r} {unit[what]} {rule}", limits=limits)
 
 
 def check_gravity(gravity: Array, places: Places) -> None:
