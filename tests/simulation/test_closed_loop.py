@@ -102,6 +102,9 @@ def test_torque_limits_act_after_all_laws_are_added():
     assert np.array_equal(log["motor_torque"], np.clip(log["command_torque"], -12.0, 12.0))
     assert (np.abs(log["command_torque"]) > 12.0).any()
     assert (np.abs(log["feedforward_torque"]) > 12.0).any()
+    shares = (np.abs(log["command_torque"]) > 12.0).mean(axis=0)
+    assert log.meta["over_limit"] == {joint: share for joint, share in zip(log.joints, shares, strict=True) if share}
+    assert 0 < len(log.meta["over_limit"]) < 6
 
 
 def test_the_smaller_of_the_drives_and_the_joints_limit_counts():

@@ -154,12 +154,10 @@ def beyond_travel(robot: Robot, low: Array, high: Array) -> Iterator[str]:
 def limits_met(robot: Robot, log: "Log") -> Iterator[str]:
     """A sentence for each limit that a run met."""
     yield from beyond_travel(robot, log["q"].min(axis=0), log["q"].max(axis=0))
-    most = efforts_in_force(robot.mechanism, robot.drives)
-    share = (np.abs(log["command_torque"]) > most).mean(axis=0)
-    for name, part, torque, slides in zip(robot.joints, share, most, _slides(robot), strict=True):
-        unit = "N" if slides else "N m"
-        if part > 0:
-            yield f"{name} is asked for more than its {torque:.4g} {unit} in {part:.1%} of the samples"
+    most = dict(zip(robot.joints, efforts_in_force(robot.mechanism, robot.drives).tolist(), strict=True))
+    for name, share in log.meta.get("over_limit", {}).items():
+        unit = "N" if name in robot.mechanism.sliding else "N m"
+        yield f"{name} is asked for more than its {most[name]:.4g} {unit} in {share:.1%} of the samples"
     yield from _beyond_ratings(robot, np.abs(log["joint_torque"]).max(axis=0))
 
 

@@ -1,10 +1,13 @@
 """From recorded rows to a log of named channels with units."""
 
+from collections.abc import Mapping
+
 import numpy as np
 from numpy.typing import NDArray
 
 from cutpoint.mechanics.harmonic_drive import slipping_torque
 from cutpoint.mechanics.strains import count, dealt, taken
+from cutpoint.model.limits import efforts_in_force
 from cutpoint.simulation.channels import BASE_COORDINATES, BASE_SPEEDS, DIFFERENCES, MEMORY, base_of
 from cutpoint.simulation.log import Log, Run
 from cutpoint.simulation.loop import ClosedLoop
@@ -30,10 +33,20 @@ def log_of(
     differences = {name: pair for name, pair in DIFFERENCES.items() if _is_wanted(loop, name)}
     channels |= {name: channels[whole] - channels[part] for name, (whole, part) in differences.items()}
     channels, units = {name: _read_only(x) for name, x in channels.items() if _is_wanted(loop, name)}, _units(loop)
-    about = {"robot": loop.robot.name, "control_period": loop.period, **meta}
+    about = {"robot": loop.robot.name, "control_period": loop.period, **meta, **_over_limit(loop, channels)}
     units = {name: units[name] for name in channels}
     run = Run(loop.robot, loop.controller, reference[:, : len(record)], _end_of(loop, record))
     return Log(_read_only(times)[: len(record)], channels, units, tuple(loop.robot.drives), about, run)
+
+
+def _over_limit(loop: ClosedLoop, channels: Mapping[str, Array]) -> dict[str, dict[str, float]]:
+    """By joint, the share of samples in which its motor is asked for more than its limits of torque allow, if any."""
+    asked, robot = channels.get("command_torque"), loop.robot
+    if asked is None:
+        return {}
+    shares = (np.abs(asked) > efforts_in_force(robot.mechanism, robot.drives)).mean(axis=0).tolist()
+    found = {joint: share for joint, share in zip(robot.drives, shares, strict=True) if share > 0.0}
+    return {"over_limit": found} if found else {}
 
 
 def _end_of(loop: ClosedLoop, record: Array) -> State | None:
