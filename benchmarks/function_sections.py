@@ -8,7 +8,7 @@ _RATIO = "quickest peer / cutpoint"
 
 _ONE_CALL = """## One call, without Python
 
-A row after another by a loop of machine code or C: cutpoint's machine code; the C that it exports, compiled by gcc.
+One row after another in a loop of machine code or C: cutpoint's machine code; the C that it exports, compiled by gcc.
 Jacobian: of the flange, along the world's axes.  Derivatives: of inverse dynamics with respect to q, v and a; forward
 derivatives: of forward dynamics with respect to q, v and torques.  Regressor: of joint torques.
 
@@ -17,37 +17,37 @@ derivatives: of forward dynamics with respect to q, v and torques.  Regressor: o
 _BATCH = """
 ## Many in one call
 
-As many as 1 MB holds, inputs and outputs together: arrays of rows, as NumPy has them; lanes, blocks that the caller
-keeps as they are.  Shares are of lanes: of the multiply-adds that one core can do, with sines and cosines counted as
-the operations that they are made of; of what it can store.
+As many configurations as fit in 1 MB, inputs and outputs together.  Rows are NumPy arrays of rows; lanes are blocks
+that the caller keeps in that layout.  Shares are for lanes: of the multiply-adds that one core can do, where sines and
+cosines count as the operations that they are made of, and of what it can store.
 
 """
 
 _ELASTIC = """## Elastic inverse dynamics
 
-Motor torques of a motion with four derivatives, linear springs, rotors felt by their own spin; cutpoint reads the
-drives' numbers as an input, CasADi has them folded in.  No peer has this ready-made.  From Pinocchio, torque'' comes by
-finite differences along the motion, the cheapest that keep motor torques to {accuracy};
-CasADi differentiates the same recursion as above.
+Motor torques for a motion with four derivatives, linear springs, reduced rotor coupling; cutpoint reads the drives'
+parameters as an input, CasADi has them compiled in as constants.  No peer offers this directly.  For Pinocchio,
+torque'' is computed by finite differences along the motion, the cheapest ones that keep motor torques to
+{accuracy}; CasADi differentiates the same recursion as above.
 
 """
 
 _PARAMETERS = """## Inertial parameters as inputs
 
-Inverse dynamics with all ten parameters of each body as an input, in the bodies' own frames, beside the kernel that has
-them folded in, frames and parameters where they cost least.
+Inverse dynamics with all ten parameters of each body as an input, in the bodies' own frames, compared with the kernel
+that has them compiled in as constants ("folded"), with frames and parameters chosen where they cost least.
 
 """
 
 _JAX = """## In JAX
 
-`kernel.to_jax()` under `jit` and `vmap`, on the processor, from JAX's arrays to JAX's, beside rows of NumPy's.
+`kernel.to_jax()` under `jit` and `vmap`, on the CPU, from JAX arrays to JAX arrays, compared with rows of NumPy arrays.
 
 """
 
 _MEMORY = """## A million configurations
 
-Inverse dynamics, from and to memory; a share of what copying as many bytes takes.
+Inverse dynamics, from and to memory; the share is the time for copying as many bytes, divided by the time taken.
 
 """
 

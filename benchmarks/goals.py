@@ -26,36 +26,40 @@ WANTED: dict[tuple[str, str, str], tuple[float, float]] = {
 }  # fmt: skip
 """By task, way of calling and peer: how many times as quick, on either robot.  single: one call, without Python."""
 
-_HEAD = """## What was wanted, and what was reached
+_HEAD = """## Goals and results
 
 {kept}
 
-Ratios are of the least times, UR10 / Panda; CasADi is its code from the robot as the file has it.  The sections below
-show the times of the first; where a goal was missed, what stands under this table says where they go.
+Ratios are of the minimum times, UR10 / Panda; CasADi is its code from the robot as the file describes it.  The sections
+below show the times of the first processor; the notes below this table explain where the time goes for goals that were
+missed.
 
 """
 
 WHERE = """
-* Inverse and forward dynamics, beside Pinocchio: the wheel's library takes {wheel} times as long as the quickest of its
-  builds here, which counts.
-* Lanes: Intel's processors do additions by the two units that do multiply-adds; AMD's have two more for them, of which
-  those of Zen 4 take half of a vector of 512 bits at a time.
-* Inverse dynamics, lanes, on Zen 4: nearly every cycle begins a multiply-add, see their share; it would take fewer.
-* Regressor: its matrices leave number by number; rows of {regressor} numbers fill the memory's stores before the
-  arithmetic is done.
-* Elastic inverse dynamics, one call: each number comes with two derivatives; much of what waits between the recursions
-  outward and inward leaves the registers for memory, and comes back.
-* Chains: each body waits for the one before it: to turn a vector takes three operations one after another; forward
-  dynamics goes through inertias of 27 numbers by threes, in some 190 operations a joint of which a quarter only move
-  numbers within registers, and from joint to joint through a quadratic form, a division and two operations more.
-* One call from Python, general: NumPy looks at types, shapes and strides of each argument for the gufunc; the shortcut
-  that plain arrays take does not.
-* Closed loop: steps are {steps} times as quick as CasADi's, and fewer; checks, arrays of references and the log are the
-  rest.
-* The paper's arm: the fewest steps count with which all of 384 scores are right to 1e-4 rad.  With one a period the
-  worst is off by 0.91e-4 or 1.01e-4, as rounding has it where joints stick and slip.
-* Of the memory's: where inverse dynamics in lanes takes longer than copying, arithmetic is what is waited for.
-* Of the multiply-adds: additions and products that have no partner count for one of the two that a core can do.
+* Inverse and forward dynamics, beside Pinocchio: the library in the wheel takes {wheel} times as long as the fastest
+  of its builds here, which is the one that counts.
+* Lanes: Intel's processors do additions in the same two units as multiply-adds; AMD's have two more units for
+  additions, which in Zen 4 take half of a vector of 512 bits at a time.
+* Inverse dynamics, lanes, on Zen 4: nearly every cycle starts a multiply-add (see their share); only fewer of them
+  would take less time.
+* Regressor: its matrices are stored number by number; rows of {regressor} numbers saturate the memory's stores before
+  the arithmetic is done.
+* Elastic inverse dynamics, one call: each number comes with two derivatives; much of what must be kept between the
+  outward and inward recursions is moved from registers to memory and back.
+* Chains: each body waits for the one before it.  Rotating a vector takes three operations one after another; forward
+  dynamics processes inertias of 27 numbers three at a time, in some 190 operations per joint, a quarter of which only
+  move numbers between registers, and the path from joint to joint is a quadratic form, a division and two more
+  operations.
+* One call from Python, general: NumPy checks types, shapes and strides of each argument for the gufunc; the shortcut
+  for plain arrays does not.
+* Closed loop: steps are {steps} times as fast as CasADi's, and there are fewer of them; checks, arrays of
+  references and the log are the rest.
+* The paper's arm: what counts is the smallest number of steps with which all 384 scores are right to 1e-4 rad.  With
+  one step per period the worst score is off by 0.91e-4 or 1.01e-4, depending on rounding where joints stick and slip.
+* Share of the memory's: where inverse dynamics in lanes takes longer than copying, arithmetic is the bottleneck.
+* Share of the multiply-adds: additions and products without a partner count as one of the two operations that a core
+  can do.
 """
 
 

@@ -6,82 +6,84 @@ from tables import NONE, Row, cells, plain, ratio, table, times_as_quick
 
 _CHAINS = """## Long chains
 
-192 revolute joints, no parameter zero; cutpoint as loops over bodies, called from Python, that call included; Pinocchio
-C++ in loops of its own.
+192 revolute joints, no parameter zero; cutpoint uses loops over bodies and is called from Python, that call included;
+Pinocchio C++ runs in loops of its own.
 
 """
 
 _JOINTS = """
-Nanoseconds a joint, cutpoint from Python: one configuration a call, and 64.
+Nanoseconds per joint, cutpoint from Python: one configuration per call, and 64.
 
 """
 
 _LARGE = """## Large robots
 
-Unitree's G1 (29 joints) and PAL's Talos (44), pelvis fixed, from the package example-robot-data, and the chain of 192
-above; cutpoint from Python, that call and its checks included, by code without loops or with them as it chooses itself;
-Pinocchio C++ in loops of its own.  Derivatives: d inverse dynamics / d (q, v, a); forward: d forward dynamics /
-d (q, v, tau).
+Unitree's G1 (29 joints) and PAL's Talos (44), with fixed pelvis, from the package example-robot-data, and the chain of
+192 above.  cutpoint is called from Python, that call and its checks included, and chooses by itself between code with
+and without loops; Pinocchio C++ runs in loops of its own.  Derivatives: d inverse dynamics / d (q, v, a); forward: d
+forward dynamics / d (q, v, tau).
 
 """
 
 _PYTHON = """## One call from Python
 
-`robot.inverse_dynamics(...)` and its like, which check what they are given; the kernel behind it,
+`robot.inverse_dynamics(...)` and similar methods, which check their arguments; the kernel behind it,
 `robot.kernel("inverse_dynamics").call`; the same for arrays of any shape, `.general`; Pinocchio's and MuJoCo's Python
-bindings, the latter's `mj_inverse` and `mj_forward`.  Over 256 random states, a new one each call.
+bindings, for MuJoCo `mj_inverse` and `mj_forward`.  Over 256 random states, a new one in each call.
 
 """
 
 _LOOP = """## Closed loop with elastic joints
 
-Simulated seconds a second, medians, best in brackets: drives of 1e4 N m/rad with rotors of 1 kg m2 at the joint,
-without friction, motors' PD at 1 kHz on sines of 0.5 rad, in the longest steps that keep every link within 1e-4 rad.
-All take steps of fourth order and four stages, the peers Runge's and Kutta's, cutpoint its own, which keep the phase of
-springs; in short ones they are {apart:.0e} rad apart.  The sines are known before.  cutpoint by `simulate`, its checks
-and its log of positions included; CasADi's forward dynamics in a loop of C, which logs positions; MuJoCo with two
-hinges a joint, in a loop of C.
+Simulated seconds per second, medians, best in brackets: drives of 1e4 N m/rad with rotors of 1 kg m2 at the joint,
+without friction, a PD on the motors at 1 kHz that tracks sines of 0.5 rad, with the longest steps that keep every link
+within 1e-4 rad.  All contenders use fourth-order steps of four stages, the peers Runge-Kutta and cutpoint its own,
+which preserve the phase of springs; with short steps their results are {apart:.0e} rad apart.  The sines are known
+beforehand.  cutpoint runs in `simulate`, including its checks and its log of positions; CasADi's forward dynamics runs
+in a loop of C, which logs positions; MuJoCo runs with two hinges per joint, in a loop of C.
 
 """
 
 _OWN_ARM = """
-The paper's arm with flexspline and friction, PD and elastic feedforward, simulated seconds a second by `simulate` and
-by `simulate_many`, runs that differ in friction and noise, of which the RMS error is kept.  Under stick-slip two runs
-drift apart whatever the integrator does, their scores do not: how far the worst is off, beside 200 steps a period.
+The paper's arm with flexspline and friction, PD and elastic feedforward, simulated seconds per second by `simulate`,
+and by `simulate_many` for runs that differ in friction and noise and keep only the RMS error.  With stick-slip two runs
+drift apart whatever the integrator does, but their scores do not: the last column is the error of the worst score,
+compared with 200 steps per period.
 
 """
 
 _LAWS = """## One step of a control law
 
-On the paper's arm, with flexspline and friction: machine code called once, and many in one call; operations with
-elementary functions counted as one.  Many are blocks of lanes, each with parameters of its own.  The curves of springs
-and friction take about half the time of a law that inverts them.
+On the paper's arm, with flexspline and friction: machine code for one call, and for many in one call; elementary
+functions count as one operation.  Many are blocks of lanes, each with parameters of its own.  The curves of springs and
+friction take about half the time of a law that inverts them.
 
 """
 
 _STEPS = """## One integration step of an arm with drives
 
-The paper's six joints on drives of its catalogue sizes, each effect alone on linear elastic drives and then all at
-once: a step of four stages of the closed loop, links, motors and what drives remember.  From runs of many
-steps a control period less runs of few, so that the controller and the call cancel.  States: numbers of the plant.
+The paper's six joints with drives of its catalogue sizes, first each effect alone on linear elastic drives, then all
+together: a step of four stages of the closed loop, with links, motors and the internal states of the drives.  Times are
+the difference between runs with many and with few steps per control period, so that the controller and the call cancel.
+States: numbers in the state of the plant.
 
 """
 
 _STARTS = """## Starting
 
-Seconds from nothing to a first result, each in a process of its own, Python's own start included: of the first start,
-which has machine code to make; of later ones, which find it on disk; and what these take beyond importing NumPy, by the
-least of each.  `cutpoint torque`, inverse dynamics: of a UR10; simulation: of the paper's arm under PD and feedforward.
-Of what `cutpoint torque` took beyond NumPy on Zen 3 two thirds were imports of what reads the command line, prints
-tables and makes code: typer, rich and llvmlite.
+Seconds from the start of a process to its first result, each in a process of its own, Python's own start included: for
+the first start, which has to compile machine code; for later starts, which find it on disk; and how much longer later
+starts take than importing NumPy, by the minimum of each.  `cutpoint torque`, inverse dynamics: of a UR10; simulation:
+of the paper's arm under PD and feedforward.  Two thirds of the time of `cutpoint torque` beyond NumPy on Zen 3 were
+imports of the packages that read the command line, print tables and generate code: typer, rich and llvmlite.
 
 """
 
 _LATENCY = """## Exported C, call by call
 
 `{function}` of the paper's arm as C99 by {compiler}:
-{calls:.0e} calls, each timed by itself less what reading the clock takes; allocations counted by wrapping the
-allocator, stack by painting it.
+{calls:.0e} calls, each timed individually, minus the time of reading the clock; allocations are counted by wrapping the
+allocator, stack use by painting the stack.
 
 """
 
