@@ -1,4 +1,4 @@
-"""Control laws as pure step functions, one file each; what goes around them; gains."""
+"""Control laws as pure step functions, one file each; wrappers around laws; gains."""
 
 from cutpoint.control.adaptive_vdc import AdaptiveVDC
 from cutpoint.control.computed_torque import ComputedTorque

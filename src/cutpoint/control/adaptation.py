@@ -1,7 +1,7 @@
-"""Update laws of estimated parameters, a period at a time.  s is the power that a unit of a parameter misses, W.
+"""Update laws for estimated parameters, one period at a time.  s is the power error per unit of a parameter, W.
 
-Both make log-like or quadratic distances to the true parameters shrink by what the law feeds on; they differ in what
-they keep: bounds of single numbers, or bodies that could exist.
+Both make a quadratic or log-like distance to the true parameters shrink; they differ in the constraints they enforce:
+bounds on single numbers, or physically consistent bodies.
 """
 
 from collections.abc import Sequence
@@ -24,8 +24,8 @@ def projected(p: Scalar, s: Scalar, rate: Scalar, low: Scalar, high: Scalar, per
 
 
 def unless_saturated(learnt: Any, before: Any, torque: Any, limits: Any) -> Any:
-    """What was learnt in a period, number by number; or what was known before it, if any motor was asked for more than
-    it has: what goes wrong then is no fault of the model."""
+    """The parameters learnt in a period, or those before it if any motor's command exceeded its limit: tracking errors
+    are then no evidence against the model."""
     within: Scalar = 1
     for u, most in zip(torque, limits, strict=True):
         within = where(absolute(u) > most, 0, within)
@@ -39,13 +39,13 @@ def _chosen(condition: Scalar, first: Any, second: Any) -> Any:
 
 
 def factor(p: Sequence[float]) -> Matrix:
-    """C with L = C C^T, of a body that exists: of a point or a rod L is singular, and stays so."""
+    """C with L = C C^T, for a physical body; for a point or a rod L is singular, and stays so."""
     values, vectors = np.linalg.eigh(np.array(pseudo_inertia(p), float))
     return (vectors * np.sqrt(np.maximum(values, 0.0))).tolist()
 
 
 def inertial_of_factor(C: Matrix) -> list[Scalar]:
-    """The ten parameters of L = C C^T: those of a body that could exist, whatever C is."""
+    """The ten parameters of L = C C^T, physically consistent for any C."""
     return parameters_of_pseudo_inertia(_product(C, _transposed(C)))
 
 

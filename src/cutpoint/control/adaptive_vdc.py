@@ -25,7 +25,7 @@ from cutpoint.scalars import Jet, Scalar
 
 
 class Estimates(NamedTuple):
-    """What the law has learnt: ten numbers or a factor of the pseudo-inertia for each body, numbers of each drive."""
+    """Current estimates: ten numbers or a factor of the pseudo-inertia for each body, and each drive's parameters."""
 
     bodies: Any
     joints: Any
@@ -39,12 +39,12 @@ class AdaptiveVDC(VDC):
     The gains are those of `VDC`; required torques are differentiated by its command filter.
     update: "projection" keeps every number within `uncertainty` of the model's, Zhu (2010): a share of it for masses
     and joints, of mass * radius for first moments, of mass * radius**2 for all six of an inertia, with the radius of
-    gyration about the joint's frame.  A slender body's small inertia may so be learnt below zero.  "natural" keeps
-    bodies physical and has no bounds on them, Lee, Kwon and Park (2018); joints' numbers are projected in both.
-    body_rate and joint_rate: how fast shares of nominal sizes change, 1/J.  `tune` finds rates that leave the loop its
-    damping; much higher ones let estimate and motion shake each other up.
-    torque_limit (n,): N m at the joint, what the motors can do; by default what robot and drives state.  While a motor
-    is asked for more, nothing is learnt.
+    gyration about the joint's frame.  A slender body's small inertia may thus be estimated below zero.  "natural" keeps
+    bodies physical, without bounds on them, Lee, Kwon and Park (2018); joint parameters are projected in both.
+    body_rate and joint_rate: adaptation gains relative to nominal sizes, 1/J.  `tune` finds rates that preserve the
+    loop's damping; much higher ones make estimates and motion oscillate.
+    torque_limit (n,): motor limits in N m at the joint, by default those that robot and drives state.  Nothing is
+    learnt while a motor's command exceeds its limit.
     Compliance is learnt as 1/K, of linear springs; other springs stay as the model has them.
     """
 
@@ -90,7 +90,7 @@ class AdaptiveVDC(VDC):
         omega = math.tau * self.filter_bandwidth[0]
         filters, filtered = command_filter.step(memory.filters, tau_r, omega, measurement.period)
         m, told, joints = measurement, [], []
-        # each joint: what its motor must do for that, and what it learns
+        # each joint: its motor command, and its parameter update
         for k, (drive, at) in enumerate(zip(believed, states_by_drive(m.q, m.v, m.theta, m.theta_dot), strict=True)):
             gain = JointGains(self.speed_gain[k], self.motor_gain[k], self.spring_gain[k])
             torque = RequiredTorque(Jet(tau_r[k], *filtered[k].derivatives[1:]), rotors[k])
@@ -107,7 +107,7 @@ class AdaptiveVDC(VDC):
     def _bodies(
         self, estimates: Any, drives: list[Drive], m: Measurement, v_r: list[Jet]
     ) -> tuple[list[Scalar], list[Scalar], list[Any]]:
-        """Torques on the links, what rotors add, both N m, and what each body has learnt; drives: as believed."""
+        """Torques on the links, rotor torques, both N m, and each body's new estimate; drives: as estimated."""
         armature = tuple(0 if drive.is_elastic else drive.reflected_inertia for drive in drives)
         system = quasi_rigid(replace(self.machine.system, armature=armature))
         nominal = system.segments
@@ -116,14 +116,14 @@ class AdaptiveVDC(VDC):
         system = replace(system, segments=segments)
         speeds, accelerations = zip(*(x.derivatives for x in v_r), strict=True)
         actual, required = required_motions(system, [*m.q], [*m.v], speeds, accelerations)
-        # what the required motion costs by the numbers that bodies believe in, and what they learn from it
+        # torques of the required motion with each body's estimated parameters, and their update
         tau, rotors = efforts_between(system, actual, required, speeds, accelerations, self.body_gain)
         powers = map(body_powers, actual, required)
         bodies = zip(nominal, estimates, powers, strict=True)
         return tau, rotors, [self._learnt(body, estimate, s, m.period) for body, estimate, s in bodies]
 
     def inertial_parameters(self, memory: Estimates) -> NDArray[np.float64]:
-        """(10 n,): what the law believes of all bodies, as `Robot.inertial_parameters` has them."""
+        """(10 n,): the current estimates for all bodies, in the order of `Robot.inertial_parameters`."""
         found: list[float] = []
         for segment, estimate in zip(self.machine.system.segments, memory.bodies, strict=True):
             own = inertia_of(self._inertial(estimate))
@@ -131,7 +131,7 @@ class AdaptiveVDC(VDC):
         return np.array(found, float)
 
     def _inertial(self, estimate: Any) -> list[Scalar]:
-        """A body's ten parameters, in the machine's own frame, from what the law remembers of it."""
+        """A body's ten parameters, in the machine's own frame, from its estimate in memory."""
         return adaptation.inertial_of_factor(estimate) if self.update == "natural" else [*estimate]
 
     def _learnt(self, body: Segment, estimate: Any, s: list[Scalar], period: Scalar) -> Any:
@@ -147,6 +147,6 @@ class AdaptiveVDC(VDC):
 
 
 def body_powers(own: BodyMotion, wanted: BodyMotion) -> list[Scalar]:
-    """The power that a unit of each of a body's ten parameters misses, W: W^T (V_r - V).  Zhu (2010) eq. (3.49)."""
+    """Power error per unit of each of a body's ten parameters, W: W^T (V_r - V).  Zhu (2010) eq. (3.49)."""
     lag = wanted.V - own.V
     return [lag.power(Y) for Y in body_regressor(wanted.A, own.V.angular, wanted.V.angular)]

@@ -1,4 +1,4 @@
-"""Derivatives of a command by a filter, where no model gives them.
+"""Derivatives of a command by a filter, for when no model gives them.
 
 The filter z'' = w^2 (u - z) - 2 w z' is critically damped; between samples u is held and the step is exact, so no
 bandwidth makes it unstable.  z lags u by 2 / w.  Farrell, Polycarpou, Sharma and Dong (2009).

@@ -14,7 +14,7 @@ from cutpoint.mechanics.inverse_dynamics import inverse_dynamics
 class ComputedTorque(RigidLaw):
     """tau = M(q) (a_d + kd (v_d - v) + kp (q_d - q)) + bias(q, v) + friction(v_d).
 
-    kp in 1/s2, kd in 1/s: each joint's error then moves as e'' + kd e' + kp e = 0, were the robot rigid.
+    kp in 1/s2, kd in 1/s: on a rigid robot each joint's error then obeys e'' + kd e' + kp e = 0.
     """
 
     kp: Any

@@ -17,12 +17,13 @@ class DisturbanceObserver(RigidLaw, Wrapper):
     """A law whose torque is corrected by d, an estimate of the disturbance that the rigid model does not explain.
 
     d = z + Y v and z' = -Y (the model's acceleration under torque and d), so that d' = Y M^-1 (disturbance - d), Y
-    being the gain, N m s/rad; Mohammadi et al. (2013) with p(v) = Y v.  As d is taken off the law's torque u, what
-    accelerates the model is u itself: d is Y times how far the speed is ahead of the model's.
-    gain / inertia is the bandwidth, rad/s, at which a joint's disturbance is followed.  Sampled, the observer diverges
-    once the largest eigenvalue of Y M^-1 is 2 / control period: of a joint alone its bandwidth, of several joints less.
-    torque_limit (n,): N m at the joint, what the motors can do; by default what robot and drives state.  The model gets
-    what is left of u - d within it, and so d does not wind up while the motors give all they have.
+    being the gain, N m s/rad; Mohammadi et al. (2013) with p(v) = Y v.  Since d is subtracted from the law's torque
+    u, the model accelerates under u itself: d is Y times the lead of the measured speed over the model's.
+    gain / inertia is the bandwidth, rad/s, with which a joint's disturbance is tracked.  Sampled, the observer diverges
+    once the largest eigenvalue of Y M^-1 reaches 2 / control period: for one joint that is its bandwidth, for several
+    coupled joints the bandwidths must stay lower.
+    torque_limit (n,): motor limits in N m at the joint, by default those that robot and drives state.  The model gets
+    u - d clipped to them, so that d does not wind up while the motors saturate.
     """
 
     law: Any
@@ -41,7 +42,7 @@ class DisturbanceObserver(RigidLaw, Wrapper):
         return tuple(dict.fromkeys((*super().needs, *needs_of(self.law))))
 
     def start(self) -> Any:
-        """z / Y, rad/s, whether it has begun, and the law's memory."""
+        """z / Y, rad/s, whether the first step is done, and the law's memory."""
         return [0.0] * self.size, 0.0, self.inner_start()
 
     def step(self, memory: Any, measurement: Measurement, reference: Reference) -> tuple[Any, Command]:

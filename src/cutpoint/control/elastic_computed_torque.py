@@ -1,4 +1,4 @@
-"""Computed torque of a robot whose joints bend: feedback linearisation by elastic inverse dynamics.  De Luca (1988)."""
+"""Computed torque for elastic joints: feedback linearisation by elastic inverse dynamics.  De Luca (1988)."""
 
 from dataclasses import dataclass, replace
 from typing import Any
@@ -17,10 +17,10 @@ from cutpoint.mechanics.link_motion import link_motion, torques_on_links
 class ElasticComputedTorque(ModelLaw):
     """Motor torques that give the links the snap s_d + sum of k_i e^(i), e = q_d - q and three of its derivatives.
 
-    De Luca (1988); De Luca and Book (2016) section 11.1.4.  bandwidth: rad/s, where all four poles of each joint's
-    error lie; one number or one for each drive.  Acceleration and jerk of the links come from the springs' deflection
-    and the model.  It cancels all it knows of the robot, so it is as good as the model and the sensors are; only the
-    links' friction it takes at the desired speeds.
+    De Luca (1988); De Luca and Book (2016) section 11.1.4.  bandwidth: rad/s, the place of all four poles of each
+    joint's error; one number or one for each drive.  Acceleration and jerk of the links come from the springs'
+    deflection and the model.  It cancels the full model, so it is only as good as the model and the sensors; link
+    friction alone is evaluated at the desired speeds.
     """
 
     bandwidth: Any
@@ -50,7 +50,7 @@ class ElasticComputedTorque(ModelLaw):
 
 @dataclass(frozen=True)
 class _Held:
-    """Friction of a fixed value, whatever the speed, N m."""
+    """Friction of a fixed value, N m, at any speed."""
 
     value: Any
 
@@ -65,6 +65,6 @@ class _Held:
 
 
 def _held(driven: Driven, speed: Any) -> Driven:
-    """A drive whose link's friction is that of a speed, however the link moves."""
+    """The drive with its link's friction held at its value for this speed."""
     friction = _Held(friction_torque(driven.drive.link_friction, speed))
     return replace(driven, drive=replace(driven.drive, link_friction=friction))

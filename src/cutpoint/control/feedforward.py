@@ -26,8 +26,8 @@ class Feedforward(ModelLaw):
     gravity: gravity torques.  rigid: plus the links' dynamics, (29)-(31), (44)-(47).  rotor: plus rotor inertia (56).
     friction: plus friction (54)-(55).  elastic: all of these through the elastic drives, with a reference for the
     motor, q_d plus the deflection (2), from which nearly all of the improvement comes; with kinematic error,
-    hysteresis, presliding, ripple and cogging as far as the drives have them.  Rotors with full coupling act on what
-    carries them as if their drives did not bend, which asks for no more than four derivatives.
+    hysteresis, presliding, ripple and cogging where the drives have them.  Rotors with full coupling act on their
+    carriers as if their drives were rigid, so that four derivatives suffice.
     """
 
     rung: Rung = "elastic"
@@ -42,7 +42,7 @@ class Feedforward(ModelLaw):
         return self.rung == "elastic"
 
     def start(self) -> Any:
-        """The drives' strains along the desired motion, none at its start."""
+        """The drives' strains along the desired motion, zero at its start."""
         return [0.0] * len(self.robot.strain_names) if self.rung == "elastic" else ()
 
     def step(self, memory: Any, measurement: Measurement, reference: Reference) -> tuple[Any, Command]:
@@ -55,7 +55,7 @@ class Feedforward(ModelLaw):
     def _elastic(
         self, machine: Machine, memory: Any, measurement: Measurement, reference: Reference
     ) -> tuple[Any, Command]:
-        """Strains follow the desired motion, a period behind it."""
+        """Feedforward through elastic drives, with strains that follow the desired motion one period behind."""
         drives = [d.drive for d in machine.drives]
         held = strains.drive_by_drive(drives, memory)
         q, *rates = ([*x] for x in reference[:5])
@@ -88,5 +88,5 @@ class Feedforward(ModelLaw):
 
 
 def _a_period_ago(now: DriveState, period: Any) -> DriveState:
-    """Where a drive was, had it kept its speeds."""
+    """The drive's state a period ago, extrapolated backwards at constant speeds."""
     return now._replace(q=now.q - period * now.v, theta=now.theta - period * now.theta_dot)

@@ -21,11 +21,11 @@ class FullStateFeedback(ModelLaw):
     Albu-Schaeffer, Ott and Hirzinger (2007) eqs. (8)-(11): torque feedback gives the rotor the inertia
     `shaping` * J as seen by the PD, so that kp (N m/rad) and kd (N m s/rad) act through less inertia on
     the link.  The spring's torque and its rate come from the encoders on both sides.
-    shaping: share of the rotor's inertia that is left, above 0 and at most 1; 1 is the plain PD, which drives that do
-    not bend always have.
-    lead: s, by which the torque's rate anticipates it; about a control period keeps springs without damping from being
-    driven by the hold.
-    For a resting reference the closed loop is passive at the links' port, whatever the environment is.
+    shaping: remaining share of the rotor's inertia, above 0 and at most 1; 1 is a plain PD, which rigid drives always
+    get.
+    lead: s, by which the torque is extrapolated with its rate; about a control period keeps the sample-and-hold from
+    exciting undamped springs.
+    For a constant reference the closed loop is passive at the links' port, whatever the environment.
     """
 
     kp: Any
@@ -52,16 +52,16 @@ class FullStateFeedback(ModelLaw):
         now = states_by_drive(m.q, m.v, m.theta, m.theta_dot)
         then = states_by_drive(r.q, r.v, wanted.theta, wanted.theta_dot)
         drives = zip([d.drive for d in self.model.drives], now, then, self.lead, strict=True)
-        # what the spring bears beyond what it shall
+        # excess of the spring's torque over the desired one
         excess = [_led(drive, at, lead) - _led(drive, wish, lead) for drive, at, wish, lead in drives]
-        # of the feedback, a rotor of 1 / share times the inertia needs that many times as much
+        # the feedback is scaled by 1 / share, since the true rotor has that many times the shaped inertia
         share = self._share
         torque = wanted.torque + feedback / share + (1 - 1 / share) * np.array(excess)
         return memory, Command(torque, wanted.feedforward, wanted.theta, wanted.theta_dot)
 
     @property
     def _share(self) -> Any:
-        """Of each rotor's inertia that is left, (n,): a rigid drive's is the link's own."""
+        """The remaining share of each rotor's inertia, (n,); 1 for rigid drives, whose rotors move with their links."""
         pairs = zip(self.model.drives, self.shaping, strict=True)
         return np.array([share if d.drive.is_elastic else 1.0 for d, share in pairs])
 
@@ -71,7 +71,7 @@ class FullStateFeedback(ModelLaw):
 
 
 def _led(drive: Drive, at: DriveState, lead: Scalar) -> Scalar:
-    """A spring's torque and `lead` times its rate, N m."""
+    """A spring's torque plus `lead` times its rate, N m."""
     if drive.compliance is None:
         return 0
     tau_f = spring_torque_and_rate(drive, at)

@@ -1,4 +1,4 @@
-"""Gains as laws keep them: arrays with one entry a drive, checked where a user gives them."""
+"""Gains as laws store them: arrays with one entry per drive, validated when a user gives them."""
 
 from typing import Any
 
@@ -14,10 +14,10 @@ BOUNDLESS = 1e9
 
 
 def gains(law: str, name: str, value: Any, size: int | None = None, positive: bool = False) -> Any:
-    """The gains as an array (n,), finite and not negative; gains of a law that is being traced pass as they are.
+    """The gains as an array (n,), finite and not negative; gains of a law that is being traced pass unchecked.
 
-    size: n, where it is known; one number then stands for all.  positive: whether zero is refused, too.
-    Raises InputError for others.
+    size: n, if known; a single number is then used for all.  positive: whether zero is refused as well.
+    Raises InputError for invalid gains.
     """
     array = np.atleast_1d(np.asarray(value))
     if is_traced(array):
@@ -34,12 +34,12 @@ def gains(law: str, name: str, value: Any, size: int | None = None, positive: bo
 
 
 def motor_limits(robot: Robot) -> Any:
-    """(n,) N m at the joint: what robot and drives state that motors can do, BOUNDLESS where they state nothing."""
+    """(n,) N m at the joint: motor torque limits that robot and drives state, BOUNDLESS where they state none."""
     return np.minimum(efforts_in_force(robot.mechanism, robot.drives), BOUNDLESS)
 
 
 def gain_matrices(law: str, name: str, value: Any, size: int) -> Any:
-    """One symmetric positive definite matrix (6, 6) for each of `size` bodies: from a number, (6,), (6, 6) or all.
+    """One symmetric positive definite matrix (6, 6) per body, from a number, (6,), (6, 6) or (size, 6, 6).
 
     Raises InputError where one is not positive definite, with its least eigenvalue.
     """

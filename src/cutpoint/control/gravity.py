@@ -15,8 +15,8 @@ from cutpoint.definitions import gravity_forces
 class GravityCompensation(SidedLaw, ModelLaw):
     """Torque that holds the links where they are measured to be.  Takegaki and Arimoto (1981); Tomei (1991).
 
-    side: the encoder whose position is taken for the links'; the motor's is off by the deflection, but cannot excite
-    the spring.
+    side: the encoder whose position is used as the links'; the motor's is off by the deflection, but does not feed
+    spring oscillations back.
     """
 
     side: Side = "link"
@@ -27,7 +27,7 @@ class GravityCompensation(SidedLaw, ModelLaw):
 
     @property
     def needs(self) -> tuple[str, ...]:
-        """What it must be told by sensors."""
+        """Measurement fields that the law reads."""
         return super().needs[:1]
 
     def step(self, memory: Any, measurement: Measurement, reference: Reference) -> tuple[Any, Command]:

@@ -25,7 +25,7 @@ BEYOND_MEASURE = 1e12
 
 
 class Fault(IntEnum):
-    """What was found first; the log's channel `fault` holds its number."""
+    """The first fault found; the log's channel `fault` holds its number."""
 
     NONE = 0
     MEASUREMENT = 1
@@ -46,8 +46,8 @@ finite."""
 
 
 class Watch(NamedTuple):
-    """The guard's memory: last time stamp (s), last finite measurement, the fault told first, how severe reactions
-    have become, what is left of the torque, the last safe command, and the law's own memory."""
+    """The guard's memory: last time stamp (s), last finite measurement, first fault, severity of the reaction so far,
+    remaining share of the torque, last safe command, and the law's own memory."""
 
     time: Any
     seen: Any
@@ -65,12 +65,12 @@ class Guard(Wrapper):
     """Keeps a law within limits, with a stated reaction to each fault; faults are latched.
 
     "hold" keeps the last safe torque; "ramp" takes it to zero within ramp_time (s); "stop" drops it at once.  None of
-    them brakes, and a ramp goes on to push where the last torque did: take "stop" where that made a joint too fast.  A
-    later fault can only make the reaction more severe.  `reactions` replaces some of REACTIONS.  Torques are clipped to
-    torque_limit, which is no fault.  Limits are those of the robot's joints and drives unless given, one for each drive
-    or one for all: torque_limit (N m), speed_limit (rad/s), lower and upper (rad).
-    A fault is a number in the log, see `Fault`; after it the law's memory stands still.  Where the law is guarded
-    itself, its fault is told if it came first, and left to that guard.
+    them brakes, and a ramp keeps pushing in the direction of the last torque: choose "stop" where that torque caused an
+    overspeed.  A later fault can only make the reaction more severe.  `reactions` overrides entries of REACTIONS.
+    Torques are clipped to torque_limit, which is no fault.  Limits default to those of the robot's joints and drives;
+    given ones are one per drive or one for all: torque_limit (N m), speed_limit (rad/s), lower and upper (rad).
+    A fault is a number in the log, see `Fault`; after it the law's memory is frozen.  If the law has a guard of its
+    own, its fault is reported if it came first, and the reaction is left to that guard.
     """
 
     law: Any
@@ -113,13 +113,13 @@ class Guard(Wrapper):
         told, odd = self._last_finite(memory, measurement)
         inner, command = self.inner_step(memory.inner, told, reference)
         *parts, reported = completed(command, reference, self.size)
-        # a link without encoder is where its motor is
+        # a link without an encoder is taken to be where its motor is
         pairs = zip(measurement.q, told.q, told.theta, strict=True)
         places = [where(_is_odd(raw) > 0, theta, q) for raw, q, theta in pairs]
         found, severity = self._found(memory, told, odd, places, parts)
         fault = where(memory.fault > 0, memory.fault, where(found > 0, found, reported))
         severity = maximum(memory.severity, severity)
-        # what is left of the last safe torque
+        # remaining share of the last safe torque
         ramped = maximum(memory.share - measurement.period / self.ramp_time, 0)
         share = where(severity > 2, 0.0, where(severity > 1, ramped, memory.share))
         safe = [clip(u, -limit, limit) for u, limit in zip(parts[0], self.torque_limit, strict=True)]
@@ -133,7 +133,7 @@ class Guard(Wrapper):
         return after, Command(told_torque, np.array(feedforward), np.array(theta), np.array(theta_dot), fault)
 
     def _last_finite(self, memory: Watch, m: Measurement) -> tuple[Measurement, Scalar]:
-        """The measurement, its odd numbers as they last were finite; and whether the law needs one of these."""
+        """The measurement, non-finite numbers replaced by their last finite ones; whether the law reads any of them."""
         n, odd = self.size, _is_odd(m.time)
         is_silent = not self.needs or any(not hasattr(part, "needs") for part in own_parts(self.law))
         needed = SENSED if is_silent else self.needs
@@ -148,7 +148,7 @@ class Guard(Wrapper):
     def _found(
         self, memory: Watch, m: Measurement, odd: Scalar, places: list[Scalar], commanded: list[list[Scalar]]
     ) -> tuple[Scalar, Scalar]:
-        """The first fault of this sample, and how severe the reactions to all of them are."""
+        """The first fault of this sample, and the severest reaction to any of its faults."""
         late = m.time - memory.time
         speeds, limits = [*m.v, *m.theta_dot], [*self.speed_limit] * 2
         happened = {

@@ -1,4 +1,4 @@
-"""What a guard keeps joints within: limits of the robot's file and drives, or others that a user gives."""
+"""Limits that a guard enforces: those of the robot's file and drives, or others that a user gives."""
 
 from typing import Any
 
@@ -13,7 +13,7 @@ LIMITS = ("torque_limit", "speed_limit", "lower", "upper")
 
 
 def limits_of(robot: Robot, given: dict[str, Any]) -> dict[str, Any]:
-    """Limits (n,) by name, those of the robot where none is given; traced ones pass as they are.
+    """Limits (n,) by name, the robot's where none are given; traced ones pass unchecked.
 
     Raises InputError for a torque or speed limit that is not positive, an upper limit below the lower one, NaN, or a
     wrong size.

@@ -1,7 +1,7 @@
-"""What a law holds that can change, noted down, compared and put back: attributes, closures, globals, what is in them.
+"""Mutable state of a law, saved, compared and restored: attributes, closures, globals and their contents.
 
-Modules are left out, and so is what is of NumPy, of this package and no law, or of Python's own library, but for what
-moves on by itself.
+Modules are left out, and so are objects of NumPy, of this package (except laws) and of the standard library (except
+those with state that advances by itself).
 """
 
 import random
@@ -24,14 +24,14 @@ _PLAIN = (bool, int, float, complex, str, bytes, np.generic)
 
 
 class _Kind(NamedTuple):
-    """How what a thing holds is read, and written where it can be."""
+    """How to read the contents of an object, and how to write them if possible."""
 
     read: Callable[[Any], Any]
     write: Callable[[Any, Any], object] = lambda thing, content: None
 
 
 class Held(NamedTuple):
-    """A thing, the name under which it was found, and what it held."""
+    """An object, the name under which it was found, and its contents."""
 
     thing: Any
     name: str
@@ -40,7 +40,7 @@ class Held(NamedTuple):
 
 
 def held_by(law: Any) -> dict[int, Held]:
-    """Everything that a law holds, by identity."""
+    """Everything reachable from a law, by identity."""
     found: dict[int, Held] = {}
     law = law.function if isinstance(law, FunctionLaw) else law
     waiting: list[tuple[str, Any]] = [("", law), ("", getattr(type(law), "step", None))]
@@ -59,7 +59,7 @@ def held_by(law: Any) -> dict[int, Held]:
 
 
 def changed(before: dict[int, Held], after: dict[int, Held]) -> list[str]:
-    """Names of what is not as it was."""
+    """Names of the objects that have changed."""
     names: list[str] = []
     for key, then in before.items():
         was, now = then.content, after.get(key, then).content
@@ -70,7 +70,7 @@ def changed(before: dict[int, Held], after: dict[int, Held]) -> list[str]:
 
 
 def put_back(before: dict[int, Held]) -> None:
-    """Everything as it was; what has not changed is not touched."""
+    """Restores everything that has changed; the rest is not touched."""
     for thing, _, kind, content in before.values():
         if not _alike(content, kind.read(thing)):
             kind.write(thing, content)
@@ -78,7 +78,7 @@ def put_back(before: dict[int, Held]) -> None:
 
 @contextmanager
 def as_it_was(law: Any) -> Generator[None, None, None]:
-    """Whatever the block does to a law, it holds afterwards what it held before."""
+    """Restores the law's state at the end of the block."""
     before = held_by(law)
     try:
         yield
@@ -87,7 +87,7 @@ def as_it_was(law: Any) -> Generator[None, None, None]:
 
 
 def _kind_of(thing: Any) -> _Kind | None:
-    """How to read a thing; None if things of its kind are left out."""
+    """How to read an object; None if its kind is left out."""
     is_function = isinstance(thing, FunctionType)
     for base in () if is_function else type(thing).__mro__[:-1]:
         if base in _KINDS:
@@ -103,7 +103,7 @@ def _kind_of(thing: Any) -> _Kind | None:
 
 
 def _alike(one: Any, other: Any) -> bool:
-    """Whether contents are equal; objects within must be the same ones."""
+    """Whether contents are equal; objects in them are compared by identity."""
     if one is other or type(one) is not type(other):
         return one is other
     if isinstance(one, np.ndarray) and one.dtype != object:
@@ -133,7 +133,7 @@ def _set_attributes(thing: Any, attributes: dict[str, Any]) -> None:
 
 
 def _class_attributes(kind: type) -> dict[str, Any]:
-    """All but methods, properties and what is Python's own."""
+    """Class attributes without methods, properties and Python's own."""
     return {k: x for k, x in vars(kind).items() if not k.startswith("__") and not hasattr(type(x), "__get__")}
 
 
@@ -145,7 +145,7 @@ def _set_class_attributes(kind: type, attributes: dict[str, Any]) -> None:
 
 
 def _variables(function: FunctionType) -> dict[str, Any]:
-    """What a function's names stand for outside of it; its own attributes."""
+    """A function's closure and global variables, and its own attributes."""
     there = {name: function.__globals__[name] for name in _names(function.__code__) if name in function.__globals__}
     cells = dict(zip(function.__code__.co_freevars, function.__closure__ or (), strict=True))
     return {**there, **cells, "__dict__": function.__dict__, "__defaults__": function.__defaults__}
@@ -166,7 +166,7 @@ def _names(code: CodeType) -> Iterator[str]:
 def _cell(cell: CellType) -> list[Any]:
     try:
         return [cell.cell_contents]
-    except ValueError:  # nothing in it yet
+    except ValueError:  # an empty cell
         return []
 
 

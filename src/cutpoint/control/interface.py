@@ -1,6 +1,6 @@
 """What a controller is: a pure step from memory, measurement and reference to memory and command.
 
-One entry a drive, in the order of `robot.joints`, all at the joint's side.  In a compiled loop the entries are traced
+One entry per drive, in the order of `robot.joints`, all at the joint's side.  In a compiled loop the entries are traced
 numbers in NumPy object arrays, so a law is written with array arithmetic; in a callback they are plain float arrays.
 """
 
@@ -46,9 +46,9 @@ class Reference(NamedTuple):
 
 
 class Command(NamedTuple):
-    """Motor torque (N m), of which `feedforward` needed no measurement; a motor reference, where the law makes one.
+    """Motor torque (N m), its part `feedforward` that needs no measurement, and a motor reference if the law makes one.
 
-    fault: what a guard has found, see `control.Fault`; 0 is nothing.
+    fault: a guard's finding, see `control.Fault`; 0 is none.
     """
 
     torque: Any
@@ -59,9 +59,9 @@ class Command(NamedTuple):
 
 
 class Controller(Protocol):
-    """A law.  Numbers in a dataclass's fields are inputs of the compiled loop.
+    """A control law.  Numbers in a dataclass's fields are inputs of the compiled loop.
 
-    One that remembers has `start()`, too, which gives the memory before the first step: any record of numbers.
+    A law with memory also has `start()`, which gives the memory before the first step: any record of numbers.
     """
 
     def step(self, memory: Any, measurement: Measurement, reference: Reference) -> tuple[Any, Any]:
@@ -77,9 +77,9 @@ def stepped(law: Controller, memory: Any, measurement: Measurement, reference: R
     """Memory and command after a law's step.
 
     Raises:
-        InputError: the step returns anything but (memory, command), or a command that is not one number a drive, or
+        InputError: the step returns anything but (memory, command), or a command that is not one number per drive, or
             one for all.
-        TraceError: a user's law cannot do its step with traced numbers.
+        TraceError: a user's law cannot run its step on traced numbers.
     """
     result: Any = _returned(law, memory, measurement, reference)
     if not isinstance(result, (tuple, list)) or len(result) != 2:
@@ -99,7 +99,7 @@ def stepped(law: Controller, memory: Any, measurement: Measurement, reference: R
 
 
 def completed(command: Command, reference: Reference, n: int) -> Command:
-    """A command with a list of n numbers in each part; where it has no motor reference, the reference's."""
+    """The command with a list of n numbers in each part; a missing motor reference is taken from the reference."""
     theta = reference.theta if command.theta is None else command.theta
     theta_dot = reference.theta_dot if command.theta_dot is None else command.theta_dot
     parts = [[*np.broadcast_to(x, n)] for x in (command.torque, command.feedforward, theta, theta_dot)]
@@ -107,9 +107,9 @@ def completed(command: Command, reference: Reference, n: int) -> Command:
 
 
 def start_of(law: Any) -> Any:
-    """A law's memory before its first step; () of one that has no `start`.
+    """A law's memory before its first step; () if it has no `start`.
 
-    Raises InputError for a `start` that wants arguments, or gives what is no number.
+    Raises InputError for a `start` that takes arguments, or returns anything but numbers.
     """
     if not hasattr(law, "start"):
         return ()
@@ -140,13 +140,13 @@ def is_own(law: Any) -> bool:
 
 
 def name_of(law: Any) -> str:
-    """A law's class, or the name of the function that it is."""
+    """The name of a law's class, or of its function."""
     function = getattr(law, "function", law) if is_of_cutpoint(law) else law
     return getattr(function, "__name__", type(function).__name__)
 
 
 def _returned(law: Controller, memory: Any, measurement: Measurement, reference: Reference) -> Any:
-    """What a step returns; what goes wrong in it is told with what it was given."""
+    """What a step returns; an error in it is reported together with the step's arguments."""
     try:
         return law.step(memory, measurement, reference)
     except TraceError:
@@ -162,7 +162,7 @@ def _returned(law: Controller, memory: Any, measurement: Measurement, reference:
 
 
 def _refuse_traced(law: Controller, error: Exception) -> NoReturn:
-    """Raises TraceError that says where a step failed, and what it could do instead."""
+    """Raises a TraceError that says where a step failed, and what to write instead."""
     told = f"step of {name_of(law)} fails with traced numbers, {type(error).__name__}: {error}"
     if isinstance(error, InputError):
         told += "; functions of a Robot take numbers only, those of cutpoint.definitions with robot.machine take these"
@@ -172,18 +172,18 @@ def _refuse_traced(law: Controller, error: Exception) -> NoReturn:
 
 
 def is_traced(array: Any) -> bool:
-    """Whether an array holds numbers of other kinds than NumPy's, traced ones for instance, and no texts or None."""
+    """Whether an array holds numbers that are not NumPy's, such as traced ones, and neither text nor None."""
     return array.dtype == object and all(hasattr(type(x), "__neg__") for x in array.flat)
 
 
 def _is_one_each(part: Any, n: int) -> bool:
-    """Whether it is one number for all drives, or one each; numbers may be traced."""
+    """Whether a part is one number for all drives, or one for each; numbers may be traced."""
     array = np.asarray(part)
     return (is_traced(array) or array.dtype.kind in "biuf") and array.shape in ((), (n,))
 
 
 def described(thing: Any) -> str:
-    """A thing in a few words, for errors."""
+    """A short description of an object, for error messages."""
     if isinstance(thing, (tuple, list)):
         return f"a {type(thing).__name__} of {len(thing)}"
     array = np.asarray(thing)

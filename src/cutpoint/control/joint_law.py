@@ -1,4 +1,4 @@
-"""The joint subsystem of virtual decomposition control: what its motor must do for its link.
+"""The joint subsystem of virtual decomposition control: motor torque and motion that its link requires.
 
 Xia (2019) eqs. (13), (22), (27)-(28), in the corrected reading; Zhu and De Schutter (1999), Adaptive control of mixed
 rigid/flexible joint robot manipulators based on virtual decomposition.  All at the joint's side.
@@ -28,7 +28,7 @@ class JointGains(NamedTuple):
 
 
 class RequiredTorque(NamedTuple):
-    """What a joint asks of its drive.
+    """Torque required of a drive.
 
     tau_r: torque of the drive on its link, N m, with derivatives.  rotor: torque for the rotor's motion with its
     carrier, N m.
@@ -39,7 +39,7 @@ class RequiredTorque(NamedTuple):
 
 
 class JointCommand(NamedTuple):
-    """What a joint subsystem asks of its motor: torque, N m; and how it shall move, rad, rad/s, rad/s2."""
+    """Command to a joint's motor: torque, N m, and required motion, rad, rad/s, rad/s2."""
 
     torque: Any
     theta: Any
@@ -50,7 +50,7 @@ class JointCommand(NamedTuple):
 def required_drive_torque(drive: Drive, tau: Scalar, v_r: Scalar, v: Scalar, speed_gain: Scalar) -> Scalar:
     """tau_r: torque on the link, friction at the required speed and feedback of the speed, N m.  Xia (2019) eq. (26).
 
-    tau: what the required motion of all links asks of this one.  Friction enters by value.
+    tau: this joint's torque for the required motion of all links.  Friction enters by value, without derivatives.
     """
     return tau + speed_gain * (v_r - v) + friction_torque(drive.link_friction, value_of(v_r))
 
@@ -58,17 +58,17 @@ def required_drive_torque(drive: Drive, tau: Scalar, v_r: Scalar, v: Scalar, spe
 def joint_command(
     drive: Drive, at: DriveState, q_d: Scalar, v_r: Jet, required: RequiredTorque, gain: JointGains
 ) -> JointCommand:
-    """The joint's law, from the required motion and torque of its link.  Xia (2019) eqs. (13), (22), (27)-(28).
+    """The joint's control law, from the required motion and torque of its link.  Xia (2019) eqs. (13), (22), (27)-(28).
 
-    kappa_r' = v_r + d delta_r/dt + beta (delta_r - delta): beside what bends the drive as tau_r asks, the motor makes
-    up for a spring that is not wound as required.  With v_r for kappa_r' a rigid drive's law is the same.
+    kappa_r' = v_r + d delta_r/dt + beta (delta_r - delta): the motor follows the deflection that tau_r requires, and
+    corrects the spring's deflection error.  A rigid drive has the same law with kappa_r' = v_r.
     """
     tau_r, rotor = required
     if drive.compliance is None:
         speed, load = v_r.derivative(0), tau_r.derivative(0) + rotor
         torque = load + friction_torque(drive.motor_friction, speed, load) + gain.motor * (speed - at.v)
         return JointCommand(torque, q_d, speed, v_r.derivative(1))
-    # how the spring shall be wound, and how far it is from it
+    # the required deflection, and the deflection error
     wound = beside_damping(drive, drive.compliance.deflection(tau_r), tau_r.derivative(0))
     turns = transmission(drive, Jet(at.theta, at.theta_dot))
     lag = wound - Jet(deflection(drive, at.theta, at.q), value_of(turns) * at.theta_dot - at.v)

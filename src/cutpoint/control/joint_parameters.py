@@ -1,7 +1,7 @@
-"""What a joint subsystem can learn: its friction, its rotor's inertia and its spring's compliance.
+"""Parameters that a joint subsystem learns: friction, rotor inertia and spring compliance.
 
-A drive's numbers stand in this order: coefficients of the link's friction, reflected inertia (kg m2), compliance of a
-linear spring (rad/(N m)), coefficients of the motor's friction; those that the drive has.
+A drive's parameters, those that it has, in this order: coefficients of the link's friction, reflected inertia (kg m2),
+compliance of a linear spring (rad/(N m)), coefficients of the motor's friction.
 """
 
 from collections.abc import Iterator
@@ -19,7 +19,7 @@ Scalars = list[Scalar]
 
 
 class JointPower(NamedTuple):
-    """What feeds a joint's learning: where it is, what its link is required to do, and what its motor."""
+    """Inputs of a joint's parameter update: its state, and the required motions of its link and motor."""
 
     at: DriveState
     speed: Any
@@ -30,7 +30,7 @@ class JointPower(NamedTuple):
 
 
 def nominal(drive: Drive) -> Scalars:
-    """The numbers as the model has them."""
+    """The model's values of the parameters."""
     numbers = _coefficients(drive.link_friction)
     if drive.rotor is not None:
         numbers.append(drive.reflected_inertia)
@@ -40,7 +40,7 @@ def nominal(drive: Drive) -> Scalars:
 
 
 def with_numbers(drive: Drive, numbers: Scalars) -> Drive:
-    """The drive as it is believed to be."""
+    """The drive with estimated parameters."""
     rest = iter(numbers)
     drive = replace(drive, link_friction=_with(drive.link_friction, rest))
     if drive.rotor is not None:
@@ -52,9 +52,9 @@ def with_numbers(drive: Drive, numbers: Scalars) -> Drive:
 
 
 def powers(drive: Drive, p: JointPower) -> Scalars:
-    """The power that a unit of each number misses, W.
+    """The power error per unit of each parameter, W.
 
-    The compliance's is per its true stiffness, a constant, for which the nominal one stands: it enters the energy of
+    The compliance's is scaled by the nominal stiffness in place of the true one, a constant: it enters the energy of
     the spring's error, K (delta_r - delta)^2 / 2, and the required deflection is compliance * tau_r.
     """
     lag, motor_lag = p.speed - p.at.v, p.motor_speed - p.at.theta_dot
@@ -71,7 +71,7 @@ def powers(drive: Drive, p: JointPower) -> Scalars:
 def adapted(
     drive: Drive, numbers: Scalars, power: JointPower, rate: Scalar, uncertainty: Scalar, period: Scalar
 ) -> Scalars:
-    """The numbers a period later, each within its share of the nominal drive's."""
+    """The parameters a period later, each within `uncertainty` times its nominal value."""
     return [
         projected(x, s, rate * x_0 * x_0, x_0 * (1 - uncertainty), x_0 * (1 + uncertainty), period)
         for x, x_0, s in zip(numbers, nominal(drive), powers(drive, power), strict=True)

@@ -1,4 +1,4 @@
-"""Laws that add up: torques add, and the one motor reference among them is what all the others track."""
+"""Laws that can be added: torques add up, and all track the one motor reference among them."""
 
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -27,7 +27,7 @@ class Law:
     """A law of this package: without memory unless it says so, and added to others with +.
 
     makes_motor_reference: whether its command holds the motors' reference.
-    reports_faults: whether its command says what is wrong.
+    reports_faults: whether its command reports faults.
     """
 
     makes_motor_reference = False
@@ -42,12 +42,12 @@ class Law:
         raise TypeError(f"{type(self).__name__} must define step(memory, measurement, reference)")
 
     def _set(self, **values: Any) -> None:
-        """Fields as they are kept, once they are checked."""
+        """Stores the fields, after checks."""
         for name, value in values.items():
             object.__setattr__(self, name, value)
 
     def _keep_gains(self, *names: str, size: int | None = None, positive: tuple[str, ...] = ()) -> None:
-        """Fields as arrays, one entry a drive: see `gains`.  positive: those of them that must not be zero."""
+        """Stores fields as arrays, one entry per drive: see `gains`.  positive: those that must not be zero."""
         for name in names:
             self._set(**{name: gains(type(self).__name__, name, getattr(self, name), size, name in positive)})
 
@@ -55,7 +55,7 @@ class Law:
         return Sum((*parts_of(self), *parts_of(as_law(other))))
 
     def __radd__(self, other: Any) -> Any:
-        if isinstance(other, int) and other == 0:  # where sum() begins
+        if isinstance(other, int) and other == 0:  # sum() starts from 0
             return self
         return Sum((*parts_of(as_law(other)), *parts_of(self)))
 
@@ -72,7 +72,7 @@ class FunctionLaw(Law):
 
 @dataclass(frozen=True)
 class Sum(Law):
-    """Torques of all parts, and the fault that came first.
+    """The sum of all parts' torques; reports the fault that came first.
 
     Raises InputError when two parts make a motor reference.
     """
@@ -99,13 +99,13 @@ class Sum(Law):
         return sum(getattr(part, "reports_faults", False) for part in self.parts)
 
     def start(self) -> Any:
-        """The parts' memories; behind them, where several report faults, the first."""
+        """The parts' memories, followed by the first fault if several parts report faults."""
         return (*map(start_of, self.parts), *([0.0] if self._reporters > 1 else []))
 
     def step(self, memory: Any, measurement: Measurement, reference: Reference) -> tuple[Any, Command]:
         memories, commands = [*memory], []
         made = Command(0)
-        # the maker of the motors' reference first, so that the others see it
+        # the law that makes the motors' reference goes first, so that the others see it
         for k in sorted(range(len(self.parts)), key=lambda k: not makes_reference(self.parts[k])):
             memories[k], told = stepped(self.parts[k], memory[k], measurement, reference)
             commands.append(told)
@@ -122,7 +122,7 @@ class Sum(Law):
 
 
 class Wrapper(Law):
-    """A law around another one, `law`: it changes what that is told, or what it tells."""
+    """A wrapper around another law, `law`, that changes its inputs or its command."""
 
     law: Any
 
@@ -136,7 +136,7 @@ class Wrapper(Law):
 
     @property
     def needs(self) -> tuple[str, ...]:
-        """What the law must be told by sensors."""
+        """Measurement fields that the law reads."""
         return needs_of(self.law)
 
     @property
@@ -155,9 +155,9 @@ class Wrapper(Law):
 
 
 def as_law(controller: Any) -> Any:
-    """A controller, or the function that it is, as a law.
+    """A controller, or a step function, as a law.
 
-    Raises InputError for a class, for what has no step, and for a step that takes something else.
+    Raises InputError for a class, for an object without a step, and for a step with other arguments.
     """
     if isinstance(controller, type):
         name = controller.__name__
@@ -172,7 +172,7 @@ def as_law(controller: Any) -> Any:
 
 
 def needs_of(law: Controller) -> tuple[str, ...]:
-    """Fields of a Measurement that a law reads, as far as it says; one that says nothing may read all."""
+    """Fields of a Measurement that a law declares to read; a law that declares nothing may read all."""
     return tuple(dict.fromkeys(name for part in parts_of(law) for name in getattr(part, "needs", ())))
 
 
@@ -182,7 +182,7 @@ def parts_of(law: Controller) -> tuple[Any, ...]:
 
 
 def check_drives(law: Controller, drives: int) -> None:
-    """Raises InputError if a law, or one that it is made of, is for another number of drives."""
+    """Raises InputError if a law, or one of its parts, is for another number of drives."""
     inner = law.parts if isinstance(law, Sum) else (law.law,) if isinstance(law, Wrapper) else ()
     for part in inner:
         check_drives(part, drives)
@@ -192,9 +192,9 @@ def check_drives(law: Controller, drives: int) -> None:
 
 
 def _check_announced(law: Any) -> None:
-    """Raises InputError for a user's law that makes a motor reference without saying so.
+    """Raises InputError for a user's law that makes a motor reference without declaring it.
 
-    Laws around others pass theirs on, and guards hold what was commanded last.
+    Wrappers pass references on, and guards hold the last command.
     """
     if is_own(law) and not isinstance(law, Wrapper) and not makes_reference(law):
         rule = "in a sum a law that commands theta must say makes_motor_reference = True"
@@ -208,7 +208,7 @@ def _first(fault: Scalar, later: Scalar) -> Scalar:
 def _check_parameters(name: str, step: Callable[..., Any]) -> None:
     try:
         parameters = signature(step)
-    except ValueError:  # of a function without a signature nothing is known
+    except ValueError:  # no signature to check
         return
     try:
         parameters.bind(None, None, None)

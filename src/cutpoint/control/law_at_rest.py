@@ -1,4 +1,4 @@
-"""A law that holds a robot at rest, and how its torque and memory follow what it is told there."""
+"""A law that holds a robot at rest, and the response of its torque and memory to small motions there."""
 
 from typing import Any, NamedTuple
 
@@ -31,9 +31,9 @@ class _Step(NamedTuple):
 
 
 class LawAtRest:
-    """A law that holds the robot at rest, bearing its load: what it is asked for, and its memory, stand still.
+    """A law in equilibrium: it holds the robot at rest under its load, with constant reference and memory.
 
-    Asked for the pose itself it would lack that load, and what integrates would wind up until it is cut off.
+    With the pose itself as reference it would not carry the load, and integrators would wind up to their limits.
     point: an `analysis.OperatingPoint`, at rest.  period: s.
 
     Raises:
@@ -54,7 +54,7 @@ class LawAtRest:
         for k in range(1, SETTLING + 1):
             self.memory = self.told(0 * self._seen, self.memory)[1]
             self._time += period
-            if k.bit_count() == 1:  # at first often, since what a law does with its first samples changes it most
+            if k.bit_count() == 1:  # often at first, since a law changes most during its first samples
                 self._balance(point.motor_torque, self._matters())
         fault = self._answer(0 * self._seen, self.memory, self._shift)[2]
         if fault > 0:
@@ -62,7 +62,7 @@ class LawAtRest:
             raise InputError(f"{name_of(law)} {rule}: judge it at a pose within its limits", q=point.q)
 
     def told(self, moved: Array, memory: Array) -> tuple[Array, Array]:
-        """Torque and memory after, with q, v, theta and theta_dot moved (4, n) from rest."""
+        """Torque and next memory, with q, v, theta and theta_dot moved by (4, n) from rest."""
         return self._answer(moved, memory, self._shift)[:2]
 
     def _answer(self, moved: Array, memory: Array, shift: Array) -> tuple[Array, Array, float]:
@@ -70,15 +70,15 @@ class LawAtRest:
         return self._step(*(self._seen + moved), *asked, self._time, memory, self._numbers)
 
     def _matters(self) -> NDArray[np.bool_]:
-        """Which numbers of memory are between motion and torque."""
+        """Which numbers of memory depend on motion and affect torque."""
         at_rest = 0 * self._seen
         of_state = differences(lambda x: self.told(x.reshape(at_rest.shape), self.memory), at_rest.ravel())
         of_memory = differences(lambda m: self.told(at_rest, m), self.memory)
         return between(of_state[1], of_memory[1], of_memory[0])
 
     def _balance(self, load: Array, free: NDArray[np.bool_]) -> None:
-        """The smallest change of what is asked for, and of the free memory, by which torque is the load, N m, and that
-        memory stays: Newton's steps."""
+        """The smallest change of reference and free memory for which torque equals the load, N m, and that memory stays
+        constant; Newton's method."""
         n, at_rest = len(load), 0 * self._seen
 
         def answer(x: Array) -> tuple[Array, Array]:
@@ -97,7 +97,7 @@ class LawAtRest:
 
 
 def _step_kernel(robot: Robot, law: Any, start: Any) -> Any:
-    """A law's step as a kernel: q, v, theta, theta_dot, where to rest, time, memory, own numbers with the period."""
+    """A law's step as a kernel: q, v, theta, theta_dot, reference pose, time, memory, own numbers with the period."""
     n = len(robot.drives)
 
     def step(
@@ -117,7 +117,7 @@ def _step_kernel(robot: Robot, law: Any, start: Any) -> Any:
 
 
 def differences(function: Any, at: Array) -> tuple[Array, Array]:
-    """Central differences of both results with respect to each number of `at`, a column each."""
+    """Central differences of both results with respect to each number of `at`, one column each."""
     columns: list[tuple[Array, Array]] = []
     for k in range(len(at)):
         move = np.zeros(len(at))
@@ -131,9 +131,9 @@ def differences(function: Any, at: Array) -> tuple[Array, Array]:
 
 
 def between(of_state: Array, of_memory: Array, on_torque: Array) -> NDArray[np.bool_]:
-    """Which numbers of memory motion changes and torque follows, each of both by way of others, too.
+    """Which numbers of memory are both changed by motion and felt in torque, directly or through other numbers.
 
-    of_state (m, x), of_memory (m, m): what they follow.  on_torque (n, m): what follows them.
+    of_state (m, x), of_memory (m, m): their dependence on state and memory.  on_torque (n, m): torque's on them.
     """
     moved, felt = (of_state != 0).any(axis=1), (on_torque != 0).any(axis=0)
     for _ in range(len(of_memory)):

@@ -1,11 +1,12 @@
-"""Rates of learning that leave the loop its damping, from the robot's inertia, its load and the loop's bandwidth.
+"""Adaptation rates that preserve the loop's damping, from the robot's inertia, its load and the loop's bandwidth.
 
 With s = v_r - v, a model that learns p by p' = Gamma Y^T s adds G = Y Gamma Y^T (N m/rad) to the loop
 
     (M + J) s' + K s + G (integral of s) = 0,   K >= omega D,   D = diag(M + J).
 
 A mode of shape x has the damping x'Kx / (2 sqrt(x'(M + J)x x'Gx)) >= omega / (2 sqrt(mu g)), mu and g being the largest
-eigenvalues of D^-1/2 (M + J) D^-1/2 and D^-1/2 G D^-1/2: so g = omega^2 / (4 zeta^2 mu) leaves zeta to all modes.
+eigenvalues of D^-1/2 (M + J) D^-1/2 and D^-1/2 G D^-1/2: so g = omega^2 / (4 zeta^2 mu) leaves zeta to all
+modes, at least.
 A spring's compliance c, learnt by rate c^2 K tau (lag - motor_lag), decays as y' = -gamma beta y with gamma = rate
 tau^2 c and beta the spring's gain; the proof of stability needs gamma < 1.
 """
@@ -39,7 +40,7 @@ PERIODS = 4.0
 
 
 class Motion(NamedTuple):
-    """At the peak of a cycloid, each joint alone: speeds and accelerations (n,), rad/s and rad/s2 (m/s, m/s2)."""
+    """Peak speeds and accelerations of a cycloid of each joint alone (n,), rad/s and rad/s2 (m/s, m/s2)."""
 
     speed: Array
     acceleration: Array
@@ -48,7 +49,7 @@ class Motion(NamedTuple):
 def body_rate(robot: Robot, q: Array, inertia: Array, omega: float, *, natural: bool = False) -> float:
     """1/J, at a pose.  inertia: (n,) kg m2, of links and rotors at each joint.  omega: rad/s.
 
-    natural: for `AdaptiveVDC(update="natural")`; the other rule, Slotine and Li's too, learns shares of nominal sizes.
+    natural: for `AdaptiveVDC(update="natural")`; otherwise for rates relative to nominal sizes, as in `SlotineLi`.
     """
     Y, p = _regressors(robot, q, _motion(robot, inertia, omega)), robot.inertial_parameters
     scale = 1.0 / np.sqrt(inertia)
@@ -57,7 +58,7 @@ def body_rate(robot: Robot, q: Array, inertia: Array, omega: float, *, natural: 
 
 
 def joint_rate(robot: Robot, q: Array, inertia: Array, omega: float, spring_gain: float) -> float:
-    """1/J, at a pose: as `body_rate` has them.  spring_gain: beta, rad/s."""
+    """1/J, at a pose; arguments as in `body_rate`.  spring_gain: beta, rad/s."""
     motion, most = _motion(robot, inertia, omega), _most(robot, q, inertia, omega)
     torque = np.abs(_regressors(robot, q, motion) @ robot.inertial_parameters).max(axis=0)
     found: list[float] = []
@@ -70,7 +71,7 @@ def joint_rate(robot: Robot, q: Array, inertia: Array, omega: float, spring_gain
 
 
 def _most(robot: Robot, q: Array, inertia: Array, omega: float) -> float:
-    """g of bodies, or of joints, 1/s2."""
+    """The largest g that bodies, or joints, may add, 1/s2: half of the total each."""
     at, scale = [d.v for d in robot.machine.drives], 1.0 / np.sqrt(inertia)
     M = robot.mass_matrix(q)[np.ix_(at, at)]
     M = M + np.diag(inertia - np.diag(M))
@@ -79,7 +80,7 @@ def _most(robot: Robot, q: Array, inertia: Array, omega: float) -> float:
 
 
 def _motion(robot: Robot, inertia: Array, omega: float) -> Motion:
-    """As fast as drives and robot allow."""
+    """The fastest motion that drives and robot allow."""
     sliding, frequency = robot.mechanism.sliding, omega / (2.0 * np.pi * PERIODS)
     size = np.where([name in sliding for name in robot.drives], STROKE, SWING)
     fastest = np.array([limits.velocity for limits in limits_in_force(robot.mechanism, robot.drives).values()])
@@ -89,7 +90,7 @@ def _motion(robot: Robot, inertia: Array, omega: float) -> Motion:
 
 
 def _regressors(robot: Robot, q: Array, motion: Motion) -> Array:
-    """(2 n + 1, n, 10 bodies): at rest, and as each joint sets out or stops."""
+    """(2 n + 1, n, 10 bodies): at rest, and while each joint accelerates or brakes."""
     at = [d.v for d in robot.machine.drives]
     a = np.zeros((2 * len(at) + 1, robot.nv))
     a[1:, at] = np.concatenate([np.diag(motion.acceleration), -np.diag(motion.acceleration)])
@@ -97,7 +98,7 @@ def _regressors(robot: Robot, q: Array, motion: Motion) -> Array:
 
 
 def _gain(Y: Array, p: Array, natural: bool) -> Array:
-    """G at a rate of one, (n, n)."""
+    """G at unit rate, (n, n)."""
     bodies = p.reshape(-1, 10)
     if not natural:
         sizes = np.concatenate([np.array(nominal_sizes([*own]), float) for own in bodies])
@@ -111,7 +112,7 @@ def _gain(Y: Array, p: Array, natural: bool) -> Array:
 
 
 def _learnt_torques(drive: Drive, speed: float, acceleration: float) -> list[float]:
-    """What each number of friction and rotor asks for, N m."""
+    """Torque due to each friction and rotor parameter, N m."""
     laws = [law for law in (sliding_of(drive.link_friction), sliding_of(drive.motor_friction)) if law is not None]
     found = [
         float(getattr(law, name) * x)

@@ -44,11 +44,11 @@ MOST_STATES = 300
 
 
 class Margins(NamedTuple):
-    """Of each joint (n,): its own loop is cut at its motor's command, the others stay closed.
+    """Margins of each joint (n,), its loop cut at the motor's command and the others closed.
 
     gain: largest factor on the command that stays stable; inf if any does.  least_gain: the smallest; 0 if the loop may
-    be opened.  phase: how far the command may lag, deg; delay: how late it may come, s; both inf if without bound.
-    sensitivity: max |1 / (1 + L)|, by how much the loop makes what disturbs it larger where it does so most.
+    be opened.  phase: admissible phase lag of the command, deg; delay: admissible delay, s; both inf if unbounded.
+    sensitivity: max |1 / (1 + L)|, the largest amplification of disturbances by the loop.
     """
 
     gain: Array
@@ -59,20 +59,20 @@ class Margins(NamedTuple):
 
 
 def margins(robot: Robot, law: Any, q: ArrayLike, period: float, *, sensors: Sensors | None = None) -> Margins:
-    """How much the loops of a law with this period (s) may change before the robot at rest at q rings.
+    """Stability margins of the loops of a law with this period (s), for the robot at rest at q.
 
     Astrom and Murray (2021), Feedback Systems, section 10.3, of the sampled loop that `slowest_pole` judges, with the
-    same arguments and errors.  A delay turns L by its share of a period at each frequency, as whole periods do.
+    same arguments and errors.  A fractional delay turns the phase of L in proportion to frequency.
 
     Raises:
-        InputError: also where the law does not hold the robot as it is, or there are too many states.
+        InputError: also if the loop is not stable to begin with, or has too many states.
     """
     loop = sampled_loop("margins", robot, law, q, period, sensors)
     if (count := len(loop.alone)) > MOST_STATES:
         rule = f"robot, law and sensors have {count} states, at most {MOST_STATES}; take shorter delays"
         raise InputError(f"margins: {rule}", states=count)
     size = float(np.abs(np.linalg.eigvals(loop.closed)).max())
-    if not size <= 1 + 1e-9:  # what a law has yet to learn of a robot at rest stays as it is
+    if not size <= 1 + 1e-9:  # poles of an adaptive law's parameters stay at 1 at rest
         told = "margins: the law does not hold the robot there, whose friction is left out"
         growth = f"what is moved grows by {size - 1:.2g} of itself in a sample; damping of the springs helps"
         raise InputError(f"{told}: {growth}, or other gains", size=size)
@@ -81,9 +81,9 @@ def margins(robot: Robot, law: Any, q: ArrayLike, period: float, *, sensors: Sen
 
 
 class _Cut:
-    """One loop cut at its command: L(z) = c (z - A)^-1 b, with z = exp(i turn), rings where it is -1.
+    """One loop cut at its command: L(z) = c (z - A)^-1 b, with z = exp(i turn); marginally stable where L = -1.
 
-    turns: frequencies at which it has been looked at, rad a sample; L: what it was there.
+    turns: frequencies at which L has been evaluated, rad per sample; L: its values there.
     """
 
     def __init__(self, closed: Array, b: Array, c: Array) -> None:
@@ -102,7 +102,7 @@ class _Cut:
         self.L = self.at(self.turns)
 
     def at(self, turns: Array) -> Complex:
-        """Of a triangular A: from the last state to the first, for all turns at once."""
+        """L at all turns at once, by back substitution with a triangular A."""
         z, x = np.exp(1j * turns), np.zeros((len(self._b), len(turns)), complex)
         with np.errstate(divide="ignore", invalid="ignore"):  # at a pole itself
             for k in reversed(range(len(x))):
@@ -110,7 +110,7 @@ class _Cut:
             return self._c @ x
 
     def crossings(self, height: Callable[[Complex], Any]) -> Array:
-        """Turns where this of L passes zero, by halves."""
+        """Turns where this function of L changes sign, by bisection."""
         with np.errstate(invalid="ignore", over="ignore"):
             heights = height(self.L)
             (before,) = np.nonzero(heights[:-1] * heights[1:] < 0)
@@ -122,7 +122,7 @@ class _Cut:
         return (low + high) / 2
 
     def nearest(self) -> float:
-        """The least distance of L from -1 at any turn, by thirds about the least that have been looked at."""
+        """The least distance of L from -1 at any turn, by ternary search around the smallest values on the grid."""
         with np.errstate(invalid="ignore"):
             distances = np.nan_to_num(np.abs(1 + self.L), nan=np.inf)
             k = np.clip(np.argsort(distances)[:NEAREST], 1, len(distances) - 2)
@@ -135,7 +135,7 @@ class _Cut:
 
 
 def _crossings(A: Array, b: Array, c: Array) -> Array:
-    """About where L is real, and where it is of size 1, in order, with both ends: turns.
+    """Approximate turns where L is real or |L| = 1, in order, both ends included.
 
     On the unit circle the conjugate of L(z) is L(1/z), so these are zeros of L(z) - L(1/z) and of 1 - L(z) L(1/z).
     """
@@ -157,7 +157,7 @@ def _crossings(A: Array, b: Array, c: Array) -> Array:
 
 def _of_joint(cut: _Cut, period: float) -> tuple[float, ...]:
     """As in Margins."""
-    real = cut.at(np.append(cut.crossings(np.imag), np.pi)).real  # at half of sampling's frequency all of L is
+    real = cut.at(np.append(cut.crossings(np.imag), np.pi)).real  # at the Nyquist frequency L is real
     rest, beside = cut.at(AT_REST)
     if np.abs(rest - beside) < 0.1 * np.abs(beside):
         real = np.append(real, rest.real)

@@ -1,4 +1,4 @@
-"""What laws that know their robot share."""
+"""Base class of laws with a model of the robot."""
 
 from dataclasses import dataclass, field, replace
 from typing import Any
@@ -28,7 +28,7 @@ class ModelLaw(Law):
             self._set(parameters=self.robot.drive_parameters)
 
     def _keep_torque_limit(self) -> None:
-        """The field torque_limit, by default what robot and drives state that motors can do."""
+        """Stores torque_limit, by default the motor limits that robot and drives state."""
         limit: Any = getattr(self, "torque_limit", None)
         self._set(torque_limit=motor_limits(self.robot) if limit is None else limit)
         self._keep_gains("torque_limit", size=self.size, positive=("torque_limit",))
@@ -40,14 +40,14 @@ class ModelLaw(Law):
 
     @property
     def model(self) -> Machine:
-        """The machine with this law's numbers, for quantities of joints."""
+        """The machine with this law's drive parameters, for quantities per joint."""
         return self.robot.machine_with(self.parameters, lean=True)
 
 
 def check_all_driven(name: str, robot: Robot) -> None:
-    """Raises InputError for what is no robot, and if a joint has no drive: laws are told nothing of it.
+    """Raises InputError for anything but a robot, and if a joint has no drive: laws get no measurements of it.
 
-    name: who asks.
+    name: the caller.
     """
     check_robot(name, robot)
     driven = {d.v for d in robot.machine.drives}
@@ -59,7 +59,7 @@ def check_all_driven(name: str, robot: Robot) -> None:
 
 
 def check_no_full_coupling(law: str, robot: Robot, remedy: str) -> None:
-    """Raises InputError if a bending drive's rotor has full coupling.  law: who asks; remedy: what to take."""
+    """Raises InputError if a bending drive's rotor has full coupling.  law: the caller; remedy: what to use instead."""
     for name, drive in robot.drives.items():
         if drive.is_elastic and drive.is_coupled:
             why = f"the rotor of {name!r} has full coupling, so links feel more than their springs"
@@ -67,12 +67,12 @@ def check_no_full_coupling(law: str, robot: Robot, remedy: str) -> None:
 
 
 def states_by_drive(q: Any, v: Any, theta: Any, theta_dot: Any) -> list[DriveState]:
-    """The state of each drive, from (n,) each of its link and its motor."""
+    """The state of each drive, from link and motor coordinates and speeds, (n,) each."""
     return [DriveState(*x) for x in zip(q, v, theta, theta_dot, strict=True)]
 
 
 def without_springs(robot: Robot) -> Robot:
-    """The same robot as laws for rigid robots see it: drives that do not bend, rotors as armature."""
+    """The same robot as laws for rigid robots see it: rigid drives, rotors as armature."""
     rigid = {
         name: replace(drive, compliance=None, damping=None, hysteresis=None, kinematic_error=None)
         for name, drive in robot.drives.items()

@@ -1,4 +1,4 @@
-"""Laws that users write: whether one is a pure step that can be compiled, and what its compiled step depends on."""
+"""User-written laws: whether one is a pure step that can be compiled, and what its compiled step depends on."""
 
 from collections.abc import Hashable
 from typing import Any, NamedTuple, NoReturn
@@ -30,10 +30,10 @@ SEEN = (*SENSED, *(f"reference_{name}" for name in Reference._fields))
 
 
 class Found(NamedTuple):
-    """What tracing a user's law has found.
+    """Result of tracing a user's law.
 
-    key: equal for laws that one compiled loop serves.  reads: fields of a Measurement that the step depends on.
-    refusal: why it cannot be compiled, if it cannot.
+    key: equal for laws that share one compiled loop.  reads: fields of a Measurement that the step depends on.
+    refusal: the reason if it cannot be compiled.
     """
 
     key: Hashable
@@ -42,7 +42,7 @@ class Found(NamedTuple):
 
 
 def own_parts(law: Any) -> list[Any]:
-    """A user's own laws, alone or within sums and laws around them.  Raises InputError for one without a step."""
+    """A user's own laws, alone or inside sums and wrappers.  Raises InputError for one without a step."""
     if is_own(law):
         if not hasattr(law, "step"):
             raise InputError(f"controller {name_of(law)} has no step(memory, measurement, reference)")
@@ -52,17 +52,17 @@ def own_parts(law: Any) -> list[Any]:
 
 
 def check_pure(law: Any, drives: int) -> None:
-    """Raises TraceError for a law whose parts of a user's own cannot be compiled."""
+    """Raises TraceError if a user-written part of the law cannot be compiled."""
     for part in own_parts(law):
         if refusal := traced(part, drives).refusal:
             raise refusal
 
 
 def traced(law: Any, drives: int) -> Found:
-    """A user's law looked at anew: its numbers may have changed since it was looked at last.
+    """A user's law, traced anew: its numbers may have changed since the last time.
 
-    Its step is done twice with the same traced numbers.  What it returns must be the same, and what it holds must stay
-    as it is; if not, that is put back.  Steps in numbers must then give what was traced.
+    Its step runs twice on the same traced numbers.  Both runs must return the same, and leave the law's state
+    unchanged; if not, the state is restored.  Numeric steps must then reproduce the traced result.
     """
     step = _Step(law, drives)
     try:
@@ -80,7 +80,7 @@ class _Step:
 
     Attributes:
         inputs: sizes, by name.
-        shape: how many numbers the law has, and which parts of its command it leaves out; known once it was called.
+        shape: how many numbers the law has, and which parts of its command it leaves out; known after the first call.
     """
 
     def __init__(self, law: Any, drives: int) -> None:
@@ -111,9 +111,9 @@ class _Step:
         return first
 
     def check(self, graph: Graph) -> None:
-        """Raises TraceError for a law whose steps in numbers, one after another, are not what was traced.
+        """Raises TraceError if consecutive numeric steps of the law differ from the traced step.
 
-        Such laws ask what kind of number they are given, or catch a refusal: what they do otherwise is not compiled.
+        Such laws branch on the type of their numbers, or catch a TraceError: the other branch is not compiled.
         """
         given, expected = self._in_numbers()
         if not given:
@@ -130,19 +130,19 @@ class _Step:
                 _refuse(self._law, f"{told}: isinstance, try, np.nan_to_num or state kept elsewhere do that")
 
     def _in_numbers(self) -> tuple[list[list[float]], list[list[float]]]:
-        """What steps in a row are given and what they return, as far as they go without an error of their own."""
+        """Inputs and results of consecutive numeric steps, up to the first error of the law's own."""
         rng, period = np.random.default_rng(0), 1e-3
         memory, numbers = [float(x) for x in leaves(self._start)], [float(x) for x in leaves(self._law)]
         given, expected = list[list[float]](), list[list[float]]()
         for k in range(STEPS_TRIED):
-            # about one motion in all it is told, from no error at all to large ones
+            # measurements around one motion, from zero error to large ones
             motion, error = rng.uniform(-1, 1, self._drives), 10.0 ** rng.uniform(-6, 0.5) if k else 0.0
             seen = {name: motion + error * rng.uniform(-1, 1, self._drives) for name in SEEN}
             time = np.float64(k * period)
             try:
                 found, _ = self._once(self._law, time=time, period=np.float64(period), memory=memory, **seen)
                 results = [float(x) for x in found]
-            except Exception:  # a user's own; a run has its own numbers, and tells of what goes wrong with them
+            except Exception:  # the user's code may fail on these numbers only; a run reports errors on its own
                 break
             given.append([time, period, *memory, *numbers, *(x for name in SEEN for x in seen[name])])
             expected.append(results)
@@ -150,7 +150,7 @@ class _Step:
         return given, expected
 
     def _once(self, own: Any, *, time: Any, period: Any, memory: Any, **seen: Any) -> tuple[list[Any], tuple[Any, ...]]:
-        """What it returns, flat, and its shape."""
+        """The result of one step, flattened, and its shape."""
         arrays = [np.array(seen[name]) for name in SEEN]
         asked = Measurement(time, period, *arrays[:4]), Reference(*arrays[4:])
         after, command = stepped(own, rebuild(self._start, iter(memory)), *asked)
@@ -160,7 +160,7 @@ class _Step:
 
 
 def _check_memory(law: Any, start: Any, after: Any) -> None:
-    """Raises TraceError for memory that a compiled loop does not carry on."""
+    """Raises TraceError for memory that a compiled loop cannot carry."""
     if keys_of(start) != keys_of(after):
         _refuse(law, "returns memory with other keys than start() gives")
     pairs = zip(was := constants(start), now := constants(with_float_leaves(after)), strict=False)
@@ -174,5 +174,5 @@ def _refuse(law: Any, told: str) -> NoReturn:
 
 
 def _reads(graph: Graph) -> tuple[str, ...]:
-    """Measurements among the inputs that the results need."""
+    """Measurement fields among the inputs that the results depend on."""
     return tuple(name for name in SENSED if name in graph.inputs_read)

@@ -13,8 +13,8 @@ class PD(SidedLaw):
     """tau_e = K_p (position error) + K_v (speed error), on the motor's or on the link's encoder.  Xia (2019) eq. (58).
 
     kp in N m/rad and kd in N m s/rad, both at the joint's side, one for each drive.  Side "motor" tracks the motor's
-    reference, which a feedforward may shift by the deflection; side "link" tracks the link's, and on a joint that bends
-    it feeds back around the spring: only small gains are stable.
+    reference, which a feedforward may shift by the deflection; side "link" tracks the link's.  On an elastic joint the
+    latter is non-collocated feedback, with the spring in the loop: only small gains are stable.
     """
 
     kp: Any

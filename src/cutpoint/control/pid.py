@@ -1,4 +1,4 @@
-"""Proportional-integral-derivative control that does not wind up."""
+"""Proportional-integral-derivative control with anti-windup."""
 
 from dataclasses import dataclass
 from typing import Any

@@ -1,4 +1,4 @@
-"""What laws for rigid robots share: a model whose drives do not bend, and one side that they look at."""
+"""Base class of laws for rigid robots: a model with rigid drives, and one side whose encoders they use."""
 
 from dataclasses import dataclass, field
 from typing import Any
@@ -16,10 +16,10 @@ from cutpoint.robot import check_robot
 
 @dataclass(frozen=True, eq=False)
 class RigidLaw(SidedLaw, ModelLaw):
-    """A law that takes the robot for rigid: its drives' springs are left out of the model, rotors are armature.
+    """A law that treats the robot as rigid: the model has no springs, and rotors are armature.
 
-    side: the encoders whose positions and speeds it takes for the links'.  The motors' is the default: on joints that
-    bend, feedback of the links' excites the spring.
+    side: the encoders whose positions and speeds are used as the links'.  The motors' is the default: on elastic
+    joints, feedback of the links' excites the spring.
     """
 
     side: Side = field(default="motor", kw_only=True)
@@ -44,18 +44,18 @@ class RigidLaw(SidedLaw, ModelLaw):
         return q, v, v_r, reference.a + position_gain * (v_d - v), v_r - v
 
     def required_effort(self, position_gain: Any, measurement: Measurement, reference: Reference) -> tuple[Any, Any]:
-        """s, and what the rigid model asks for the required motion, friction included, N m; (n,) each."""
+        """s, and the rigid model's torques for the required motion, friction included, N m; (n,) each."""
         q, v, v_r, a_r, s = self.required_motion(position_gain, measurement, reference)
         tau = required_inverse_dynamics(self.model.system, [*q], [*v], [*v_r], [*a_r])
         return s, np.array(tau) + np.array(self.friction(v_r, tau))
 
     def friction(self, speeds: Any, torques: Any) -> list[Any]:
-        """What friction on both sides of rigid drives takes, N m; torques: what moves the links and the rotors."""
+        """Friction on both sides of rigid drives, N m; torques: those that move links and rotors."""
         drives = [d.drive for d in self.model.drives]
         return [friction_of_both_sides(*each) for each in zip(drives, speeds, torques, strict=True)]
 
     def passed_on(self, speeds: Any, torques: Any) -> list[Any]:
-        """What friction on both sides of rigid drives leaves of motor torques for the links, N m."""
+        """Motor torques less friction on both sides of rigid drives, N m."""
         drives = [d.drive for d in self.model.drives]
         return [
             rigidly_transmitted(drive, u, v) - friction_torque(drive.link_friction, v)

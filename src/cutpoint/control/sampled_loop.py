@@ -29,7 +29,7 @@ MOST_REMEMBERED = 1500
 
 
 class SampledPole(NamedTuple):
-    """The pole farthest out of the sampled loop: its size (below 1 it decays), Hz, and the joint that moves most."""
+    """The sampled loop's largest pole: magnitude (below 1 decays), frequency in Hz, and the joint that moves most."""
 
     size: float
     frequency: float
@@ -37,9 +37,9 @@ class SampledPole(NamedTuple):
 
 
 class SampledLoop(NamedTuple):
-    """Near rest a state x is after a period alone @ x + into @ u, under the law's command u = command @ x, N m.
+    """Linearised at rest, x becomes alone @ x + into @ u after a period, with the law's command u = command @ x, N m.
 
-    x: the linear robot's states, currents, commands on their way, and what law and sensors remember.
+    x: the linear robot's states, currents, delayed commands, and the memory of law and sensors.
     robot: the linear robot, whose states are the first.
     """
 
@@ -50,29 +50,28 @@ class SampledLoop(NamedTuple):
 
     @property
     def closed(self) -> Array:
-        """x after a period is closed @ x."""
+        """Closed loop: x becomes closed @ x after a period."""
         return self.alone + self.into @ self.command
 
 
 class SmallSignal(NamedTuple):
-    """What a law answers with near rest, by joint (n,): stiffness, N m/rad, and damping, N m s/rad."""
+    """A law's response near rest, by joint (n,): stiffness, N m/rad, and damping, N m s/rad."""
 
     stiffness: Array
     damping: Array
 
 
 def slowest_pole(robot: Robot, law: Any, q: ArrayLike, period: float, *, sensors: Sensors | None = None) -> SampledPole:
-    """The pole that decays slowest, or grows, of the robot at rest at q under a law with this period (s).
+    """The slowest-decaying (or growing) pole of the robot at rest at q under a law with this period (s).
 
-    The robot is linear about q and moves exactly between samples, its motors' current loops and delays included; the
-    law is differenced about rest.  Neither has friction, whose slope at rest is that of its smoothing, nor kinematic
-    error, ripple and cogging, whose slopes change within each wave.  Laws that jump at rest have no slope, and this
-    says nothing of them.  Memory counts where motion changes it and the command follows it; clocks and latched faults
-    do not.
+    The robot is linearised at q and discretised exactly, its motors' current loops and delays included; the law is
+    differenced about rest.  Neither includes friction, whose slope at rest is that of its smoothing, nor kinematic
+    error, ripple and cogging, whose slopes change within each wave.  Laws that are discontinuous at rest have no slope,
+    and the result does not apply to them.  Memory counts where motion changes it and the command depends on it; clocks
+    and latched faults do not.
 
-    The law is asked for what makes it bear the robot's load there.
-    sensors: what it is told, late and with differenced speeds as they say; by default all at once and as it is.  Their
-    noise and steps do not count.
+    The law's reference is chosen so that it carries the robot's load there.
+    sensors: their delay and differenced speeds count, their noise and resolution do not; perfect by default.
 
     Raises:
         InputError: a joint has no motor; the period is not positive, or shorter than a motor's delay; sensors delay for
@@ -92,7 +91,7 @@ def slowest_pole(robot: Robot, law: Any, q: ArrayLike, period: float, *, sensors
 def sampled_loop(
     function: str, robot: Robot, law: Any, q: ArrayLike, period: float, sensors: Sensors | None
 ) -> SampledLoop:
-    """See `slowest_pole`; function: whose name errors say."""
+    """See `slowest_pole`; function: the name for error messages."""
     robot, q, law = _checked(function, robot, law, q)
     check_kind(function, "sensors", sensors, (Sensors, NoneType), "Sensors, or None")
     period = positive(function, "period", period, "s")
@@ -101,10 +100,10 @@ def sampled_loop(
     model = robot.linearize(q)
     encoded = _encoded(function, encoders_of(sensors or Sensors(), len(robot.drives), period), period)
     answer, plant = _slopes(function, robot, law, model, period), _sampled(robot, model, period)
-    # of all states, a row each: the plant's, commands of the sample before, the law's memory and the sensors'
+    # one row per state: the plant's, the previous sample's commands, the law's memory and the sensors'
     sizes = len(plant.ahead), len(robot.drives), len(answer.kept), len(encoded.kept)
     state, before, memory, line = np.split(np.eye(sum(sizes)), np.cumsum(sizes)[:-1])
-    sample = model.C @ state[: len(model.states)]  # of currents no law hears
+    sample = model.C @ state[: len(model.states)]  # laws do not measure currents
     seen = encoded.at_once @ sample + encoded.from_memory @ line
     alone = [
         plant.ahead @ state + plant.before @ before,
@@ -126,8 +125,7 @@ def check_delays(function: str, robot: Robot, period: float) -> None:
 
 
 class _Slopes(NamedTuple):
-    """What comes out is at_once @ (what goes in) + from_memory @ memory, and memory after it is into_memory @ (what
-    goes in) + kept @ memory."""
+    """output = at_once @ input + from_memory @ memory, next memory = into_memory @ input + kept @ memory."""
 
     at_once: Array
     from_memory: Array
@@ -136,7 +134,7 @@ class _Slopes(NamedTuple):
 
 
 def _encoded(function: str, encoders: Encoders, period: float) -> _Slopes:
-    """What is measured of q, v, theta and theta_dot (4 n,), in that order, without noise and rounding."""
+    """Measured q, v, theta and theta_dot (4 n,), in that order, without noise and rounding."""
     quiet, n = replace(encoders, resolution=(None, None), noise=(None, None), sides="both"), encoders.size
     kept = len(quiet.memory(*[[0.0] * n] * 4))
     if kept > MOST_REMEMBERED:
@@ -153,7 +151,7 @@ def _encoded(function: str, encoders: Encoders, period: float) -> _Slopes:
 
 
 class _Plant(NamedTuple):
-    """x after a period is ahead @ x + now @ command + before @ (command of the sample before); x ends in currents."""
+    """x becomes ahead @ x + now @ command + before @ (the previous command) after a period; x ends in currents."""
 
     ahead: Array
     now: Array
@@ -161,14 +159,14 @@ class _Plant(NamedTuple):
 
 
 def _sampled(robot: Robot, model: "LinearModel", period: float) -> _Plant:
-    """The linear plant between samples, exactly, with its motors' current loops and delays."""
+    """The linear plant, discretised exactly, with its motors' current loops and delays."""
     motors = [drive.motor for drive in robot.drives.values()]
     lags = {k: math.tau * x.bandwidth for k, x in enumerate(motors) if x is not None and x.bandwidth is not None}
     delays = [0.0 if x is None or x.delay is None else float(x.delay) for x in motors]
     count, n, lagging = len(model.states), len(motors), [*lags]
     A, B = np.zeros((count + len(lags),) * 2), np.zeros((count + len(lags), n))
     A[:count, :count], B[:count] = model.A, model.B
-    # a current is what turns its motor, and follows the command
+    # currents drive the motors, and follow the commands
     A[:count, count:], B[:count, lagging] = model.B[:, lagging], 0.0
     rates = np.array([*lags.values()], float)
     A[count:, count:], B[range(count, len(A)), lagging] = -np.diag(rates), rates
@@ -185,7 +183,7 @@ def _sampled(robot: Robot, model: "LinearModel", period: float) -> _Plant:
 
 
 def small_signal(robot: Robot, law: Any, q: ArrayLike, period: float) -> SmallSignal:
-    """How a law resists a joint that is moved, link and motor together, from rest at q, and that moves: its own torque.
+    """A law's own stiffness and damping of each joint at rest at q, with link and motor displaced together.
 
     stiffness_i = -(du_i/dq_i + du_i/dtheta_i), damping_i the same of speeds, while the law's memory stands still.  The
     law is differenced without friction, as in `slowest_pole`; one that jumps at rest has no slope.
@@ -199,7 +197,7 @@ def small_signal(robot: Robot, law: Any, q: ArrayLike, period: float) -> SmallSi
 
 
 def _checked(function: str, robot: Robot, law: Any, q: ArrayLike) -> tuple[Robot, Array, Any]:
-    """The robot without kinematic errors, the pose, and the law as it is looked at."""
+    """The robot without kinematic errors, the pose, and the law on bare drives."""
     check_robot(function, robot)
     law = as_law(law)
     check_drives(law, len(robot.drives))
@@ -226,7 +224,7 @@ def on_bare_drives(law: Any) -> Any:
 
 
 def _slopes(function: str, robot: Robot, law: Any, model: Any, period: float) -> _Slopes:
-    """How a law's torque and memory follow q, v, theta and theta_dot (4 n,) as it sees them, as far as it matters."""
+    """Slopes of a law's torque and memory with respect to measured q, v, theta and theta_dot (4 n,)."""
     at = LawAtRest(robot, law, model.point, period)
     rest = np.zeros((4, len(robot.drives)))
     of_seen = differences(lambda x: at.told(x.reshape(rest.shape), at.memory), rest.ravel())

@@ -28,9 +28,9 @@ class Sensors:
     link_noise, motor_noise: standard deviation, rad at the joint's side, from a generator with this seed.
     Each is one number for all drives or one for each; None is a perfect encoder.
     delay: s, a whole number of control periods, at most 6000 over the number of drives.
-    speeds: "true", or "differenced" from positions as measured, over one control period.  Before the first sample the
-        robot is taken to have rested, and encoders to have been quiet: what is late is that at first.
-    sides: where there are encoders; a controller is told NaN of the other side.
+    speeds: "true", or "differenced" from positions as measured, over one control period.  The robot is taken to
+        have been at rest before the first sample, without noise: delayed readings start from that.
+    sides: where there are encoders; a controller gets NaN for the other side.
     """
 
     link_resolution: ArrayLike | None = None
@@ -61,13 +61,13 @@ class Encoders:
         return sum(self.size for x in self.noise if x is not None)
 
     def memory(self, q: Numbers, v: Numbers, theta: Numbers, theta_dot: Numbers) -> list[float]:
-        """Memory at rest in a state: samples still on their way, and the positions measured last; without noise."""
+        """Memory at rest in a state: delayed samples, and the last measured positions; without noise."""
         n = 2 * self.size
         seen = [*map(_encode, [*q, *theta], [None] * n, self._spread(self.resolution), [0] * n)]
         return [*seen, *v, *theta_dot] * self.delay + (seen if self.differenced else [])
 
     def measure(self, sample: list[Scalar], memory: list[Scalar], noise: list[Scalar], period: Scalar) -> Any:
-        """What is measured, and the memory after: sample and measurement are q, theta, v, theta_dot, n each."""
+        """The measurement, and the next memory: sample and measurement are q, theta, v, theta_dot, n each."""
         n = 2 * self.size
         noises, steps = self._spread(self.noise), self._spread(self.resolution)
         normals = iter(noise)
@@ -82,7 +82,7 @@ class Encoders:
         return self._told([*measured[:n], *speeds]), [*line, *measured[:n]]
 
     def _told(self, measured: list[Scalar]) -> list[Scalar]:
-        """NaN for the side that has no encoder; quantities alternate, the link's first."""
+        """Sets NaN for the side without encoders; quantities alternate, the link's first."""
         missing = {"both": None, "link": 1, "motor": 0}[self.sides]
         return [math.nan if k // self.size % 2 == missing else x for k, x in enumerate(measured)]
 
@@ -92,7 +92,7 @@ class Encoders:
 
 
 def encoders_of(sensors: Sensors, size: int, period: float) -> Encoders:
-    """Raises InputError for sizes, signs, and a delay that is no whole number of periods."""
+    """The sensors, checked.  Raises InputError for sizes, signs, or a delay that is no whole number of periods."""
     steps = number("sensors", "delay", sensors.delay, "s") / period
     if not (np.isfinite(steps) and steps >= 0 and abs(steps - round(steps)) < 1e-6):
         rule = f"must be a whole number of control periods of {period} s"

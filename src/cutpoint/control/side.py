@@ -1,4 +1,4 @@
-"""Laws that look at one side of the joints: the motors' encoders, or the links'."""
+"""Laws that use one side's encoders: the motors' or the links'."""
 
 from typing import Any, Literal
 
@@ -10,7 +10,7 @@ Side = Literal["motor", "link"]
 
 
 class SidedLaw(Law):
-    """A law whose `side` says which encoders it looks at."""
+    """A law whose `side` says which encoders it uses."""
 
     side: Side
 
@@ -21,11 +21,11 @@ class SidedLaw(Law):
 
     @property
     def needs(self) -> tuple[str, ...]:
-        """What it must be told by sensors."""
+        """Measurement fields that the law reads."""
         return ("theta", "theta_dot") if self.side == "motor" else ("q", "v")
 
     def seen(self, measurement: Measurement, reference: Reference) -> tuple[Any, Any, Any, Any]:
-        """Positions and speeds of its side, as they are and as they shall be; rad, rad/s, (n,) each."""
+        """Measured and desired positions and speeds of its side; rad, rad/s, (n,) each."""
         m, r = measurement, reference
         if self.side == "motor":
             return m.theta, m.theta_dot, r.theta, r.theta_dot

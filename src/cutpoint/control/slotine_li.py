@@ -17,11 +17,11 @@ from cutpoint.mechanics.rigid_body import parameters_of
 class SlotineLi(RigidLaw):
     """tau = Y(q, v, v_r, a_r) p + K s + friction(v_r), p' = Gamma Y^T s; s = v_r - v, v_r = v_d + Lambda (q_d - q).
 
-    position_gain: Lambda, 1/s.  speed_gain: K, N m s/rad.  rate: how fast shares of the bodies' nominal sizes change,
-    1/J.  It learns inertial parameters, without bounds; friction and what rotors' spin costs, which Y p does not hold
-    (see `Robot.regressor`), are those of the model.
-    torque_limit (n,): N m at the joint, what the motors can do; by default what robot and drives state.  While a motor
-    is asked for more, nothing is learnt.
+    position_gain: Lambda, 1/s.  speed_gain: K, N m s/rad.  rate: adaptation gain relative to the bodies' nominal
+    sizes, 1/J.  It learns inertial parameters, without bounds; friction and the torques due to rotors' spin, which Y p
+    leaves out (see `Robot.regressor`), are the model's.
+    torque_limit (n,): motor limits in N m at the joint, by default those that robot and drives state.  Nothing is
+    learnt while a motor's command exceeds its limit.
     """
 
     position_gain: Any
@@ -36,7 +36,7 @@ class SlotineLi(RigidLaw):
         self._keep_torque_limit()
 
     def start(self) -> Any:
-        """The model's inertial parameters, ten a body."""
+        """The model's inertial parameters, ten per body."""
         return [*self.robot.inertial_parameters]
 
     def step(self, memory: Any, measurement: Measurement, reference: Reference) -> tuple[Any, Command]:

@@ -1,4 +1,4 @@
-"""Speeds from encoders, for laws that want them smooth."""
+"""Smooth speeds from encoder positions."""
 
 from dataclasses import dataclass
 from typing import Any
@@ -17,11 +17,11 @@ DIFFERENCED = {"v": "q", "theta_dot": "theta"}
 
 @dataclass(frozen=True, eq=False)
 class SpeedFilter(Wrapper):
-    """A law that is told speeds of a critically damped tracking filter, on links and motors, for the sensors' own.
+    """A wrapper that replaces measured speeds of links and motors by those of a critically damped tracking filter.
 
     z'' = w^2 (x - z) - 2 w z' with x the encoder's position, held between samples, where the step is exact; the speed
-    is the difference of z over a period.  bandwidth: w / (2 pi), Hz; there the speed has half its size.  Its delay,
-    well below that, is 2 / w, at the default 0.8 ms.  Noise of sigma rad in each sample makes about
+    is the difference of z over a period.  bandwidth: w / (2 pi), Hz, where the gain is one half.  Its delay, well
+    below that, is 2 / w, at the default 0.8 ms.  Noise of sigma rad in each sample makes about
     sigma w^1.5 sqrt(period) / 2 rad/s as long as w is well below 1 / period; at 400 Hz and 1 kHz half of that.
     """
 
@@ -35,12 +35,12 @@ class SpeedFilter(Wrapper):
 
     @property
     def needs(self) -> tuple[str, ...]:
-        """What the law must be told by sensors: positions for speeds."""
+        """Measurement fields that the law reads, with positions in place of speeds."""
         return tuple(dict.fromkeys(DIFFERENCED.get(name, name) for name in super().needs))
 
     @property
     def delay(self) -> float:
-        """s, of slow changes of speed."""
+        """Delay of slow changes of speed, s."""
         return 1 / (np.pi * self.bandwidth)
 
     def start(self) -> Any:

@@ -18,7 +18,7 @@ class SuperTwisting(RigidLaw):
     """tau = M a_r + C v_r + g + friction(v_r) + K s + k_1 |s|^(1/2) sgn(s) + w, w' = k_2 sgn(s).
 
     s = v_r - v, v_r = v_d + Lambda (q_d - q).  position_gain: Lambda, 1/s.  speed_gain: K, N m s/rad.
-    root_gain: k_1, N m (s/rad)^(1/2).  twist: k_2, N m/s: how fast the torque that the model misses may change.
+    root_gain: k_1, N m (s/rad)^(1/2).  twist: k_2, N m/s: bound on the rate of the model's torque error.
     """
 
     position_gain: Any

@@ -1,4 +1,4 @@
-"""Gains from what an engineer asks for: bandwidth and damping, at a pose, on the plant as it is sampled."""
+"""Gains from bandwidth and damping, at a pose, checked on the sampled plant."""
 
 from collections.abc import Callable, Iterable
 from functools import partial
@@ -56,8 +56,8 @@ LIGHT = 0.05
 
 
 class Wanted(NamedTuple):
-    """What gains are made from: the robot; its pose q; inertia of links and of elastic drives' rotors at each joint,
-    kg m2; the torque that gravity asks, N m; bandwidth omega, rad/s; damping ratio; control period, s."""
+    """Inputs of gain design: the robot; its pose q; inertia of links and of elastic drives' rotors at each joint,
+    kg m2; gravity torques, N m; bandwidth omega, rad/s; damping ratio; control period, s."""
 
     robot: Robot
     q: Array
@@ -82,14 +82,14 @@ def _pd(w: Wanted, **options: Any) -> PD:
 
 
 def _pid(w: Wanted, **options: Any) -> PID:
-    """Poles of (s^2 + 2 zeta u s + u^2) (s + INTEGRAL u), with u so much below omega that kp is that of PD."""
+    """Poles of (s^2 + 2 zeta u s + u^2) (s + INTEGRAL u), with u below omega such that kp equals that of PD."""
     u = w.omega / np.sqrt(1 + 2 * w.damping * INTEGRAL)
     ki, kd = INTEGRAL * u**3 * w.whole, (2 * w.damping + INTEGRAL) * u * w.whole
     return PID(w.stiffness, ki, kd, **{"limit": motor_limits(w.robot), **options})
 
 
 def _vdc(w: Wanted, law: Any, **options: Any) -> Any:
-    """The spring's gain above the position's, by more where a filter differentiates: the link's speed then damps."""
+    """A spring gain above the position gain, by more if a filter differentiates, so that link speed feedback damps."""
     filtered = law is AdaptiveVDC or options.get("derivatives") == "filter"
     motor = np.where(w.rotor > 0, 2 * w.omega * w.rotor, 0.0)
     return law(w.robot, w.omega, w.omega * w.link, motor, (8 if filtered else 4) * w.omega, **options)
@@ -109,14 +109,14 @@ def _slotine_li(w: Wanted, **options: Any) -> SlotineLi:
 
 
 def _robust(w: Wanted, **options: Any) -> Robust:
-    """Within its width the bounded term damps by bound / width, here no more than the speed gain does."""
+    """Within its width the bounded term adds the damping bound / width, here at most the speed gain."""
     bound, speed_gain = options.get("bound", _missed(w)), w.omega * w.whole
     width = np.maximum(0.05, bound / speed_gain)
     return Robust(w.robot, w.omega, speed_gain, **{"bound": bound, "width": width, **options})
 
 
 def _full_state(w: Wanted, **options: Any) -> FullStateFeedback:
-    """Damping of the inertia that is left, which the same stiffness moves faster."""
+    """Damping for the reduced inertia, which the same stiffness accelerates faster."""
     left = w.link + np.where(w.rotor > 0.0, options.get("shaping", 0.5), 1.0) * w.rotor
     damping = 2 * w.damping * w.omega * np.sqrt(w.whole * left)
     return FullStateFeedback(w.robot, w.stiffness, damping, **{"lead": w.period, **options})
@@ -149,20 +149,20 @@ def tune(
     sensors: Sensors | None = None,
     **options: Any,
 ) -> Any:
-    """A law whose joints, each alone, move with this bandwidth (Hz), those of PD as second-order systems.
+    """A law that gives each joint, taken alone, this bandwidth (Hz); a second-order response for PD.
 
-    Gains come from the inertia of links and rotors at q (neutral if not given).  damping: ratio, of PD, PID,
-    ComputedTorque and FullStateFeedback, each joint alone; arms whose joints push each other have less.
-    FullStateFeedback is as stiff as PD; with inertia left of whole it is faster by sqrt(whole / left).  Laws built on
-    v_r = v_d + Lambda (q_d - q) are critically damped, with Lambda = 2 pi bandwidth; rates at which they learn leave
-    them a damping of 0.5, see `control.learning_rates`.  ElasticComputedTorque has four equal poles at twice that, of
-    springs without damping and in the limit of short periods.  options go to the law.
-    sensors: their delay and differenced speeds count in whether gains hold, not in the gains; perfect if not given.
+    Gains come from the inertia of links and rotors at q (neutral if not given).  damping: ratio, for PD, PID,
+    ComputedTorque and FullStateFeedback, each joint alone; coupling between an arm's joints reduces it.
+    FullStateFeedback is as stiff as PD; shaping the inertia makes it faster by sqrt(whole / reduced inertia).  Laws
+    with v_r = v_d + Lambda (q_d - q) are critically damped, with Lambda = 2 pi bandwidth; adaptation rates leave them
+    a damping of 0.5, see `control.learning_rates`.  ElasticComputedTorque has four equal poles at twice that, for
+    undamped springs and in the limit of short periods.  options go to the law.
+    sensors: their delay and differenced speeds count in the stability check, not in the gains; perfect if not given.
 
     Raises:
-        InputError: the gains do not hold at q: the linear plant with all its springs and motors, sampled every
-            control_period (s), has a pole that grows; it says which joint swings, and how fast, and what would help.  A
-            law that jumps at rest is not tested.  Or a joint, such as a floating base, has no motor.
+        InputError: the gains are unstable at q: the linear plant with all its springs and motors, sampled every
+            control_period (s), has a growing pole; the message names the joint, its frequency and remedies.  A law
+            that is discontinuous at rest is not tested.  Or a joint, such as a floating base, has no motor.
     """
     names = [x.__name__ for x in RECIPES]
     check_robot("tune", robot)
@@ -210,8 +210,8 @@ def check_holds(
 ) -> None:
     """Raises InputError if the law cannot hold the robot at q when it acts every period (s): see `slowest_pole`.
 
-    Where all drives have friction, it may leave what grows more slowly than STOPPED to that.
-    others: bandwidths, Hz, and what makes a law of each, to be looked at for a remedy.
+    If all drives have friction, poles that grow more slowly than STOPPED are left to it.
+    others: bandwidths, Hz, and a function that makes a law of each, to search for a remedy.
     """
     worst = slowest_pole(robot, law, q, period, sensors=sensors)
     if _is_held(robot, worst, period):
@@ -220,7 +220,7 @@ def check_holds(
     def would_hold(law: Any, period: float) -> bool:
         try:
             return _is_held(robot, slowest_pole(robot, law, q, period, sensors=sensors), period)
-        except InputError:  # its motors answer later than that
+        except InputError:  # the period is shorter than a motor's delay
             return False
 
     growth = np.log(worst.size) / period
@@ -239,7 +239,7 @@ def check_holds(
 
 
 def _light_rotor(robot: Robot, q: Array, joint: str) -> list[str]:
-    """A remedy where the joint's rotor is next to nothing, as a gear's without its motor."""
+    """A remedy if the joint's rotor inertia is nearly zero, like that of a gear without its motor."""
     k = robot.joints.index(joint)
     found = wanted(robot, q, 1.0, 1.0, 1.0)
     if not 0 < found.rotor[k] < LIGHT * found.link[k]:
@@ -255,7 +255,7 @@ def _is_held(robot: Robot, pole: SampledPole, period: float) -> bool:
 
 
 def wanted(robot: Robot, q: Array, omega: float, damping: float, period: float) -> Wanted:
-    """What gains are made from: omega, rad/s; damping, a ratio; period, s."""
+    """Inputs of gain design: omega, rad/s; damping, a ratio; period, s."""
     driven = robot.machine.drives
     M, weight = robot.mass_matrix(q), robot.gravity_forces(q)
     link = np.array([M[d.v, d.v] for d in driven])
@@ -264,7 +264,7 @@ def wanted(robot: Robot, q: Array, omega: float, damping: float, period: float) 
 
 
 def _missed(w: Wanted) -> Array:
-    """N m that a model may miss: a tenth of what gravity asks of joints of a kind, and half of what friction takes."""
+    """Assumed model error, N m: a tenth of the gravity torque of joints of a kind, and half of the friction."""
     sliding = w.robot.mechanism.sliding
     slides = np.array([name in sliding for name in w.robot.drives], bool)
     weight: Array = np.zeros(len(w.whole))
@@ -277,6 +277,6 @@ def _missed(w: Wanted) -> Array:
 
 
 def _friction(drive: Drive, speed: float) -> float:
-    """N m at the joint, on both sides."""
+    """Friction on both sides, N m at the joint."""
     laws = [law for law in (drive.link_friction, drive.motor_friction) if law is not None]
     return sum(abs(float(law.torque(speed))) for law in laws)

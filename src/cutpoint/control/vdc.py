@@ -37,15 +37,15 @@ class VDC(ModelLaw):
 
     position_gain: Lambda, 1/s.  speed_gain: k_vq, of the link's speed, N m s/rad.  motor_gain: k_vkappa, of the motor's
     speed, N m s/rad.  spring_gain: beta, of the spring's deflection, 1/s.  Each is one number or one for each drive.
-    body_gain: K_B, K_T of each body, on (v, omega) in its own axes: a number, (6,), (6, 6) or one (6, 6) a body;
-    None is none, which k_vq makes up for.
-    derivatives: where a bending drive's kappa_r needs the required torque's derivatives, they are "model", from link
-    acceleration and jerk that the spring's deflection and the model say, or "filter", from a critically damped command
-    filter of filter_bandwidth (Hz).  No encoder is differenced for them.  The filter must stay well below the drives'
-    own modes: its lag there feeds them, which only a spring_gain well above position_gain damps; see `tune`.
-    Friction is compensated at required speeds, by value: a friction that grows with speed then only adds damping.
-    Rotors with full coupling act on what carries them as if their drives did not bend; where these do, derivatives must
-    be "filter".
+    body_gain: K_B, K_T of each body, on (v, omega) in its own axes: a number, (6,), (6, 6) or one (6, 6) per body;
+    None omits it and relies on k_vq.
+    derivatives: source of the required torque's derivatives, which an elastic drive's kappa_r needs: "model", from link
+    acceleration and jerk according to the spring's deflection and the model, or "filter", from a critically damped
+    command filter of filter_bandwidth (Hz).  Neither differences encoders.  The filter must stay well below the drives'
+    own modes: its lag excites them there, and only a spring_gain well above position_gain damps them; see `tune`.
+    Friction is compensated at required speeds, by value: friction that grows with speed then only adds damping.
+    Rotors with full coupling act on their carriers as if their drives were rigid; if these are elastic, derivatives
+    must be "filter".
     """
 
     position_gain: Any
@@ -82,7 +82,7 @@ class VDC(ModelLaw):
 
     @property
     def needs(self) -> tuple[str, ...]:
-        """What it must be told by sensors."""
+        """Measurement fields that the law reads."""
         return SENSED if self._bends else ("q", "v")
 
     @property
@@ -91,7 +91,7 @@ class VDC(ModelLaw):
 
     @property
     def machine(self) -> Machine:
-        """The model; with gains of bodies, as their own frames have it."""
+        """The model; with body gains, in the bodies' own frames."""
         return self.robot.machine_with(self.parameters, lean=self.body_gain is None)
 
     def start(self) -> Any:
@@ -110,7 +110,7 @@ class VDC(ModelLaw):
     def required(
         self, memory: Any, measurement: Measurement, reference: Reference
     ) -> tuple[Any, list[Jet], list[RequiredTorque]]:
-        """Memory after, required velocity of each joint, and the torque that its drive must exert.
+        """Next memory, required velocity of each joint, and the torque that its drive must exert.
 
         Xia (2019) eqs. (12), (14)-(20), (26).
         """
@@ -142,7 +142,7 @@ class VDC(ModelLaw):
 
 
 def _with_orders_of(q: Any, v_r: list[Jet]) -> tuple[list[Any], list[Any]]:
-    """Required speeds and accelerations: as jets where positions are jets, else as numbers."""
+    """Required speeds and accelerations: jets where positions are jets, otherwise numbers."""
     if isinstance(q, Jet):
         return [Jet(*x.derivatives[:-1]) for x in v_r], [x.rate() for x in v_r]
     return [x.derivative(0) for x in v_r], [x.derivative(1) for x in v_r]
