@@ -1,1 +1,1 @@
-"""The equations, on scalars of any kind.  Begin with `inverse_dynamics`; each function cites the equation it is."""
+"""The equations, on scalars of any kind.  Begin with `inverse_dynamics`; each function cites its equations."""

@@ -1,4 +1,4 @@
-"""Articulated inertia: the symmetric 6 x 6 matrix by which a body resists, with all that hangs on it free to move."""
+"""Articulated-body inertia: the symmetric 6 x 6 apparent inertia of a body whose subtree is free to move."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -13,7 +13,7 @@ UNIT_AXES: list[Axis] = [X, Y, Z, TURN_X, TURN_Y, TURN_Z]
 
 @dataclass(slots=True, eq=False)
 class FeltRotor:
-    """A rotor as its joint feels it, kg m2 at the joint: one geared rigidly, or what a damped spring makes of another.
+    """Apparent inertia of a rotor at its joint, kg m2: rigidly geared, or coupled through a damped spring.
 
     armature: resists the joint's own acceleration.  coupling: ties it to the carrying body's acceleration about z.
     """
@@ -27,7 +27,7 @@ NO_ROTOR = FeltRotor(0, 0)
 
 @dataclass(slots=True, eq=False)
 class Yield:
-    """How one axis gives way: its own acceleration, and the share it takes of each component of its body's."""
+    """How one axis gives way: its own acceleration, and its response to each component of its body's acceleration."""
 
     axis: Axis
     own: Scalar
@@ -51,13 +51,13 @@ class Articulated:
 
     @staticmethod
     def about(axis: Vec3, inertia: Scalar) -> "Articulated":
-        """Resistance to turning about an axis through the origin alone."""
+        """Rotational inertia about one axis through the origin only."""
         turning = [[inertia * a * b for b in axis] for a in axis]
         return Articulated([[0] * 6] * 3 + [[0, 0, 0, *row] for row in turning])
 
     @staticmethod
     def of_blocks(linear: Mat3, coupling: Mat3, angular: Mat3) -> "Articulated":
-        """What acceleration takes: linear, of force, kg; coupling, of moment, kg m; angular, of moment, kg m2."""
+        """From blocks: force per linear acceleration, kg; moment per linear, kg m; moment per angular, kg m2."""
         upper = [[*a, *b] for a, b in zip(linear, coupling.T, strict=True)]
         return Articulated(upper + [[*a, *b] for a, b in zip(coupling, angular, strict=True)])
 
@@ -70,15 +70,15 @@ class Articulated:
         return Wrench(Vec3(*f[:3]), Vec3(*f[3:]))
 
     def along(self, z: Axis) -> Scalar:
-        """z^T M z: what resists acceleration along an axis.  By products of z: recursions have these before M."""
+        """z^T M z: the inertia along an axis.  Starts from products of z, which recursions have before M."""
         return sum(dot([a * b for b in z], row) for a, row in zip(z, self.rows, strict=True))
 
     def give_way(
         self, axes: Sequence[Axis], P: Wrench, tau: Sequence[Scalar], rotors: Sequence[FeltRotor]
     ) -> tuple["Articulated", Wrench, list[Yield]]:
-        """Let the joint move, axis by axis: what is left of inertia and bias wrench, and how each axis gave way.
+        """Frees the joint, axis by axis: remaining inertia and bias wrench, and how each axis gives way.
 
-        Featherstone (2008) eqs. (7.38)-(7.44) for one axis at a time; each axis may feel a rotor.
+        Featherstone (2008) eqs. (7.38)-(7.44) for one axis at a time; each axis may carry a rotor.
         """
         rows, p, steps = [[*row] for row in self.rows], [*P], []
         for z, effort, rotor in zip(axes, tau, rotors, strict=True):
@@ -100,16 +100,16 @@ class Articulated:
         return Articulated(rows), Wrench(Vec3(*p[:3]), Vec3(*p[3:])), steps
 
     def seen_from_parent(self, pose: Pose) -> "Articulated":
-        """The same resistance, felt at the parent's frame: U M U^T."""
+        """The same inertia in the parent's frame: U M U^T."""
         R, p_x = pose.rotation, pose.position.skew()
         M, H, J = map(R.congruence, (self.linear, self.coupling, self.angular))
         H_p = H + p_x @ M
         return Articulated.of_blocks(M, H_p, J + p_x @ H.T - H_p @ p_x).symmetrised()
 
     def carried_along(self, p: Vec3) -> "Articulated":
-        """The same resistance, felt at a frame along the same axes from which this one is at p: U M U^T.
+        """The same inertia in a parallel frame, from which this one is at p: U M U^T.
 
-        The symmetric blocks number by number: equal ones only if those of this one are, and then but for rounding.
+        Diagonal blocks are computed entry by entry: they are symmetric if this one's are, up to rounding.
         """
         p_x, H = p.skew(), self.coupling
         H_p = H + p_x @ self.linear
@@ -117,12 +117,12 @@ class Articulated:
         return Articulated.of_blocks(self.linear, H_p, self.angular + p_x @ H.T + minus_H_p_p_x)
 
     def symmetrised(self) -> "Articulated":
-        """With the numbers above the diagonal below it, too, which are equal but for rounding."""
+        """The upper triangle mirrored below the diagonal, where entries differ by rounding only."""
         return Articulated([[self.rows[min(i, j)][max(i, j)] for j in range(6)] for i in range(6)])
 
     @property
     def T(self) -> "Articulated":
-        """The same, since it is symmetric: of two numbers that are equal but for rounding, the other."""
+        """The transpose: equal, up to rounding, by symmetry."""
         return Articulated([[*column] for column in zip(*self.rows, strict=True)])
 
     @property
@@ -142,7 +142,7 @@ class Articulated:
 
 
 def accelerations(steps: list[Yield], A: Motion) -> list[Scalar]:
-    """A joint's accelerations along its axes; with those zero, its body would accelerate with A (less its bias)."""
+    """A joint's accelerations along its axes; were they zero, its body would accelerate with A (less its bias)."""
     a, found = [*A], []
     for step in reversed(steps):
         own = step.own - dot(step.share, a)

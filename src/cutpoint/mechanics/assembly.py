@@ -1,4 +1,4 @@
-"""From a mechanism and its drives to the system that the recursions want.
+"""Builds the system on which the recursions work, from a mechanism and its drives.
 
 Each body's frame is turned so that its joint's axis is z; frames, inertias and rotors follow.
 """
@@ -30,7 +30,7 @@ KINDS: dict[str, JointKind] = {
 def system_of(
     mechanism: Mechanism, drives: Mapping[str, Drive] | None = None, framing: Framing | None = None
 ) -> System:
-    """The mechanism with every joint along z, and with what its drives' rotors add to it; drives by joint name.
+    """The mechanism with every joint along z, and its drives' rotors added; drives by joint name.
 
     framing: frames and inertias to take instead of the bodies' own, see `lean_framing`.
     """
@@ -75,7 +75,7 @@ def _as_given(mechanism: Mechanism, turns: list[Array]) -> Framing:
 
 
 def _coordinates(mechanism: Mechanism) -> tuple[dict[str, tuple[slice, slice]], int, int]:
-    """Where each joint that is no follower has its coordinates and speeds, and how many there are of both."""
+    """Slices of coordinates and speeds of each joint that is not a follower, and the total number of both."""
     places: dict[str, tuple[slice, slice]] = {}
     nq = nv = 0
     for body in mechanism.bodies:
@@ -89,9 +89,9 @@ def _coordinates(mechanism: Mechanism) -> tuple[dict[str, tuple[slice, slice]], 
 def _with_rotors(
     system: System, joints: Mapping[str, Segment], seats: Mapping[str, Pose], drives: Mapping[str, Drive]
 ) -> System:
-    """Armature of rigid drives, spins of fully coupled ones, and the mass of rotors that no link holds yet.
+    """Armature of rigid drives, spins of fully coupled ones, and the mass of rotors that no link includes yet.
 
-    seats: the joints' frames where there is a rotor, as the user knows them with z along the axis, in their carriers'.
+    seats: frames of joints with rotors, as the user knows them with z along the axis, in their carriers' frames.
     """
     segments, armature, spins = [*system.segments], [*system.armature], []
     indices = {name: i for i, name in enumerate(joints)}
@@ -115,7 +115,7 @@ def _kind_of(joint: Joint) -> JointKind:
 
 
 def _seen(framing: Framing, body: int, placement: Array) -> Array:
-    """A placement on a body (or the world), in the frame that it has in this framing."""
+    """A placement on a body (or the world), expressed in its frame of this framing."""
     frame = framing.world if body == WORLD else framing.frames[body]
     return joined(inverse(frame), placement)
 
@@ -151,7 +151,7 @@ def _inertia_of(body: Body, turn: Array) -> Inertia:
 def _inertia_from(P: Array) -> Inertia:
     """From the pseudo-inertia."""
     S, h, m = P[:3, :3], P[:3, 3], P[3, 3]
-    x, y, z = np.diag(S)  # summed so that a second moment of 0 is found again as 0, not as what rounding leaves
+    x, y, z = np.diag(S)  # summed so that a second moment of 0 stays exactly 0
     return Inertia(number(m), vec3(h), mat3(np.diag([y + z, z + x, x + y]) - S + np.diag([x, y, z])))
 
 

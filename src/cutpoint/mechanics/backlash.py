@@ -1,4 +1,4 @@
-"""Backlash: play in a gear before its spring is loaded.  Harmonic drives have none; the gears before or after may."""
+"""Backlash: play in a gear before its spring is loaded.  Harmonic drives have none; gears before or after them may."""
 
 from dataclasses import dataclass
 
@@ -18,9 +18,9 @@ EDGE = 0.1
 class Backlash:
     """A spring behind a play of `gap` (rad from flank to flank, at the joint's side).
 
-    The spring is wound by w(deflection), which nearly stands still within the play and follows the deflection beyond
-    it; the torque is spring.torque(w) w', so that the spring's energy is the drive's.  A little of the deflection
-    passes within the play too, or a torque would not say where in the play the drive is.
+    The spring is wound by w(deflection), which is nearly constant within the play and follows the deflection beyond
+    it; the torque is spring.torque(w) w', so that the spring's energy is the drive's.  w has a small slope within the
+    play too; otherwise the torque would not determine the deflection there.
     """
 
     spring: Compliance
@@ -48,7 +48,7 @@ class Backlash:
         return self.spring.energy(self._wound(deflection)[0])
 
     def _wound(self, deflection: Scalar) -> tuple[Scalar, Scalar]:
-        """w and w': from slope SLACK to slope 1 as a cubic through the edge, odd."""
+        """w and w', an odd function: a cubic blends slope SLACK into slope 1 at the edge."""
         size, edge = absolute(deflection), self._edge
         wound = SLACK * size + (1 - SLACK) * edge.ramp(size)
         return where(deflection < 0, -wound, wound), SLACK + (1 - SLACK) * edge.slope(size)
@@ -61,7 +61,7 @@ class Backlash:
 
     @property
     def _edge(self) -> SmoothCorner:
-        """Where the play ends."""
+        """The deflection where the play ends."""
         width = self.gap * EDGE
         return SmoothCorner(self.gap / 2 - width / 2, width)
 

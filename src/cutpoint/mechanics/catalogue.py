@@ -1,4 +1,4 @@
-"""The stiffness curve of a drive's catalogue: K1 up to T1, K2 up to T2, K3 beyond, with its corners rounded."""
+"""A drive's stiffness curve from its catalogue: K1 up to T1, K2 up to T2, K3 beyond, with rounded corners."""
 
 from collections.abc import Iterator
 from dataclasses import dataclass
@@ -15,8 +15,8 @@ BLEND = 0.25
 class CatalogueSpring:
     """Stiffness k1, k2, k3 in N m/rad (N/m) in the torque ranges below t1, up to t2 and beyond, in N m (N).
 
-    The straight segments are the catalogue's; around their corners the stiffness goes from one to the other as a cubic,
-    so that the torque has two continuous derivatives.  Harmonic Drive, engineering data, section "torsional stiffness".
+    The straight segments are the catalogue's; around their corners a cubic blends the stiffnesses, so that the torque
+    has two continuous derivatives.  Harmonic Drive, engineering data, section "torsional stiffness".
     """
 
     k1: Scalar
@@ -33,11 +33,11 @@ class CatalogueSpring:
         return where(deflection < 0, -torque, torque)
 
     def deflection(self, torque: Scalar) -> Scalar:
-        """The inverse law: from the catalogue's segments, in five Newton steps; to 1e-13 where corners are 15-fold."""
+        """The inverse law: five Newton steps from the straight segments; to 1e-13 for stiffness ratios up to 15."""
         return increasing_root(self.torque, self.tangent, torque, self.straight_deflection(torque), steps=5)
 
     def straight_deflection(self, torque: Scalar) -> Scalar:
-        """By the catalogue's straight segments, rad (m)."""
+        """Deflection by the catalogue's straight segments, rad (m)."""
         deflection = torque / self.k1
         for t, stiffness, before in ((self.t1, self.k2, self.k1), (self.t2, self.k3, self.k2)):
             deflection = deflection + (torque - clip(torque, -t, t)) * (1 / stiffness - 1 / before)
@@ -45,7 +45,7 @@ class CatalogueSpring:
 
     @property
     def steepest_corner(self) -> float:
-        """The largest factor between the stiffnesses of neighbouring segments."""
+        """The largest stiffness ratio of neighbouring segments."""
         return float(max(self.k1 / self.k2, self.k2 / self.k1, self.k2 / self.k3, self.k3 / self.k2))
 
     def tangent(self, deflection: Scalar) -> Scalar:
@@ -73,7 +73,7 @@ class CatalogueSpring:
         return maximum(gaps[0], gaps[1])
 
     def _corners(self) -> Iterator[tuple[Scalar, SmoothCorner]]:
-        """For each corner the change of stiffness, and how it is rounded over deflections, rad."""
+        """The change of stiffness at each corner, and its rounding over deflections, rad."""
         first, second = self.t1 / self.k1, (self.t2 - self.t1) / self.k2
         half = BLEND * where(first < second, first, second)
         yield self.k2 - self.k1, SmoothCorner(first - half, 2 * half)

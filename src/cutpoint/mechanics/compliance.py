@@ -1,7 +1,7 @@
-"""Spring laws between motor and link, both at the joint's side: torque of a deflection and its inverse.
+"""Spring laws between motor and link, at the joint's side: torque as a function of deflection, and its inverse.
 
-Deflection in rad (m), torque in N m (N).  Every law is odd and strictly increasing, and its inverse is exact.  Where a
-number of the drive divides in either, its inverse is a factor, which is found once.
+Deflection in rad (m), torque in N m (N).  Every law is odd and strictly increasing, and its inverse is exact.
+Divisions by a drive's numbers are written as factors, whose reciprocals are computed once.
 """
 
 from dataclasses import dataclass
@@ -21,11 +21,11 @@ class LinearSpring:
     stiffness: Scalar
 
     def torque(self, deflection: Scalar) -> Scalar:
-        """N m, of a deflection in rad."""
+        """Torque, N m, at a deflection in rad."""
         return self.stiffness * deflection
 
     def deflection(self, torque: Scalar) -> Scalar:
-        """rad, of a torque in N m."""
+        """Deflection, rad, at a torque in N m."""
         return torque * (1 / self.stiffness)
 
     def tangent(self, deflection: Scalar) -> Scalar:
@@ -42,7 +42,7 @@ class Flexspline:
     """Hardening flexspline, tau_f = tan(deflection c_f K_f0) / c_f.  Xia (2019) eq. (2).
 
     stiffness is K_f0 (N m/rad, at rest), hardening is c_f (1/(N m)): how fast it stiffens with load.
-    Beyond POLE_GUARD the law goes on along its tangent: at 200 times the rest stiffness no drive is left, and a
+    Beyond POLE_GUARD the law continues along its tangent: 200 times the rest stiffness is beyond any real drive, and a
     simulation that strays there stays finite.
     """
 

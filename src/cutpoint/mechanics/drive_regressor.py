@@ -1,8 +1,8 @@
-"""What drives do as a linear function of their coefficients: stiffness, damping, rotor inertia, friction.
+"""Drive torques as a linear function of the drives' coefficients: stiffness, damping, rotor inertia, friction.
 
 The coefficients c of a drive, those that it has, in this order, at the joint's side: inertia of the rotor (kg m2),
 stiffness of the spring at rest and damping (N m/rad, N m s/rad), coefficients of the link's friction, then of the
-motor's.  A spring law that hardens is linear in one number once the shape of its curve is held: it stiffens as a whole.
+motor's.  A hardening spring law is linear in one coefficient, its scale, when the shape of its curve is held fixed.
 """
 
 from collections.abc import Sequence
@@ -18,9 +18,9 @@ from cutpoint.scalars import Scalar
 class DriveRegressor(NamedTuple):
     """Torques on the links, link @ c, and motor torques, motor @ c, one row a drive: N m for each unit of c.
 
-    A bending drive's rows hold all it does but hysteresis, friction's share of the load, and what a rotor with full
-    coupling feels of its carrier.  A rigid one's motor row lacks the torque on its link, which no deflection tells, and
-    its link row is empty.
+    An elastic drive's rows include everything but hysteresis, load-dependent friction, and the effect of the carrier's
+    motion on a fully coupled rotor.  A rigid drive's motor row lacks the torque on its link, which has no deflection to
+    tell it, and its link row is empty.
     """
 
     link: Any
@@ -28,7 +28,7 @@ class DriveRegressor(NamedTuple):
 
 
 class Column(NamedTuple):
-    """One coefficient: its name, its value, and what a unit of it does on either side, N m."""
+    """One coefficient: its name, its value, and the torque per unit of it on either side, N m."""
 
     name: str
     value: Scalar

@@ -1,4 +1,4 @@
-"""Robots whose joints bend: motor torques of a motion.  The other way is in `elastic_forward`.
+"""Inverse dynamics of robots with elastic joints: motor torques of a motion.  Forward dynamics is in `elastic_forward`.
 
 Reduced coupling (Spong 1987): a rotor's kinetic energy is that of its own spin.  Full coupling: it is a body, see
 `rotors`.  Xia (2019) eqs. (4)-(11), (21)-(28), (56), with the motor torque read as tau_m = I_m theta'' + tau_f + xi,
@@ -31,7 +31,7 @@ Scalars = Sequence[Scalar]
 
 @dataclass(frozen=True)
 class Driven:
-    """A drive, and which segment, coordinate and speed it drives: their indices."""
+    """A drive, and the indices of the segment, coordinate and speed that it drives."""
 
     drive: Drive
     segment: int
@@ -41,11 +41,11 @@ class Driven:
 
 @dataclass(frozen=True)
 class Options:
-    """How an elastic inverse dynamics treats what has no smooth answer, or a costly one.
+    """How elastic inverse dynamics treats non-smooth or costly terms.
 
-    friction_rates: let friction's derivatives through the spring, not its value alone (they spike where it is smoothed
-    sharply).  quasi_rigid: let rotors with full coupling act on their carriers as if their drives did not bend, which
-    takes four derivatives however many there are.
+    friction_rates: include friction's derivatives in the spring's motion, not its value only (they spike where it is
+    smoothed sharply).  quasi_rigid: rotors with full coupling act on their carriers as if their drives were rigid,
+    which takes four derivatives for any number of them.
     """
 
     friction_rates: bool = False
@@ -56,7 +56,7 @@ DEFAULT = Options()
 
 
 class ElasticMotion(NamedTuple):
-    """What motors must do for a motion, one entry a drive; joint_torque has one for each speed.
+    """Motor torques and motor motion, one entry per drive; joint_torque has one per speed.
 
     motor_torque (N m), theta (rad), theta_dot (rad/s), theta_ddot (rad/s2), joint_torque (N m): at the joint's side.
     """
@@ -82,22 +82,22 @@ def elastic_inverse_dynamics(
     `derivatives_needed` says.  Every coordinate carries its derivatives through the recursion as a time jet, so joint
     torques come out with theirs.  A damped spring's rate of deflection is that of the undamped law: the result then
     still makes `elastic_forward_dynamics` return a and theta_ddot exactly, but theta_dot is off d theta/dt by the order
-    of damping.  strains: of the drives; what they exert enters by value, as friction does.
+    of damping.  strains: of the drives; their torques enter by value, as friction does.
     """
-    # springs alone ask how torques change
+    # only springs need the torques' derivatives
     needed = rates if any(d.drive.is_elastic for d in drives) else rates[:2]
     v = [Jet(*x) for x in zip(*needed, strict=True)]
     a = [x.rate() for x in v]
     moved = motions(system, coordinate_jets(system, q, v), v, None)
     F = net_wrenches(system, moved, v, a)
-    # a leader's torque is whole once the innermost of its followers has added its share
+    # a leader's torque is complete once its innermost follower has added its share
     innermost = {s.v.start: i for i, s in reversed([*enumerate(system.segments)])}
     whole_at = {innermost[d.v]: d for d in drives}
     found: dict[int, _Motor] = {}
     spins = {spin.joint: spin for spin in system.spins if spin.elastic}
     strained = {d.segment: s for d, s in zip(drives, strains or [UNKNOWN] * len(drives), strict=True)}
     tau: list[Jet] = [_as_jet(x) for x in rotor_efforts(system, moved, a)]
-    # inward: each joint's torque, the motor motion it takes, and what rotor and body cost the carrier
+    # inward: each joint's torque, its motor's motion, and the wrenches of rotor and body on the carrier
     for i, segment in reversed([*enumerate(system.segments)]):
         for k, effort in enumerate(segment.joint.effort(F[i]), segment.v.start):
             tau[k] = tau[k] + segment.gain * effort
@@ -122,7 +122,7 @@ def derivatives_needed(system: System, drives: Sequence[Driven]) -> int:
     depth = [0] * len(system.segments)
     elastic = {d.segment for d in drives if d.drive.is_elastic}
     carried = {spin.joint: spin.carrier for spin in system.spins if spin.elastic}
-    # inward: how many rates of a body's wrench are lost to the motors beyond it
+    # inward: how many derivatives of a body's wrench the motors beyond it use up
     for i, segment in reversed([*enumerate(system.segments)]):
         if i in carried:
             depth[carried[i]] = max(depth[carried[i]], depth[i] + 2)
@@ -147,14 +147,14 @@ def coordinate_jets(system: System, q: Scalars, v: Sequence[Jet]) -> list[Jet]:
 
 @dataclass(frozen=True)
 class _Motor:
-    """A motor's motion with its derivatives, and the torque that its drive passes on, N m."""
+    """A motor's motion with its derivatives, and the torque that its drive transmits, N m."""
 
     theta: Jet
     passed: Scalar
 
 
 def motor_motion(driven: Driven, tau: Jet, q: Scalar, v: Jet, options: Options, strains: Strains) -> _Motor:
-    """How a motor moves so that its drive exerts the joint torque tau on the link."""
+    """The motor motion for which its drive exerts the joint torque tau on the link."""
     drive, tau_0, v_0 = driven.drive, tau.derivative(0), v.derivative(0)
     link = Jet(q, *v.derivatives)
     if drive.compliance is None:
@@ -168,7 +168,7 @@ def motor_motion(driven: Driven, tau: Jet, q: Scalar, v: Jet, options: Options, 
 
 
 def _stiffened(drive: Drive, wound: Jet, strains: Strains) -> Jet:
-    """A spring's deflection whose rates are those of spring and sticking elements of hysteresis together."""
+    """A spring's deflection, its rates those of the spring with all sticking hysteresis elements."""
     if drive.compliance is None or drive.hysteresis is None or strains.spring is None:
         return wound
     direction = where(wound.derivative(1) < 0, -1, 1)
@@ -180,7 +180,7 @@ def _stiffened(drive: Drive, wound: Jet, strains: Strains) -> Jet:
 def motor_torque(
     driven: Driven, motor: _Motor, spin: Spin | None, moved: Sequence[BodyMotion], strain: Scalar | None
 ) -> Scalar:
-    """What the motor exerts on its drive, against friction and on its rotor.  Xia (2019) eqs. (22), (27), (56)."""
+    """The motor's torque: on its drive, against friction, and on its rotor.  Xia (2019) eqs. (22), (27), (56)."""
     drive, theta = driven.drive, motor.theta
     torque = load_on_motor(drive, motor.passed, theta.derivative(0), theta.derivative(1), strain)
     if drive.compliance is not None:
@@ -193,7 +193,7 @@ def motor_torque(
 def _spin_wrench(
     spin: Spin, moved: Sequence[BodyMotion], motor: _Motor, v: Any, a: Any, system: System, options: Options
 ) -> Wrench:
-    """What an elastic drive's rotor costs its carrier, with as many derivatives as there are."""
+    """Wrench of an elastic drive's rotor on its carrier, with as many derivatives as available."""
     own = system.segments[spin.joint]
     speed, acceleration = own.speeds(v)[0], own.speeds(a)[0]
     if not options.quasi_rigid:
@@ -203,7 +203,7 @@ def _spin_wrench(
 
 
 def _as_jet(x: Any) -> Jet:
-    """A torque that no motion enters (a joint without mass beyond it) comes out as a plain number."""
+    """The torque as a jet; one that does not depend on motion (no mass beyond the joint) comes as a plain number."""
     return x if isinstance(x, Jet) else Jet(x, 0, 0)
 
 
@@ -214,7 +214,7 @@ def elastic_energy(
     theta_dot: Scalars,
     strains: Sequence[Strains] | None = None,
 ) -> Scalar:
-    """Energy in springs and spinning rotors of the elastic drives, and in all that is strained, J."""
+    """Energy in springs and spinning rotors of the elastic drives, and in all strained elements, J."""
     total: Scalar = 0
     held = strains or [UNKNOWN] * len(drives)
     for d, theta_k, theta_dot_k, s in zip(drives, theta, theta_dot, held, strict=True):

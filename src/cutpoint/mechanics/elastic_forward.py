@@ -1,4 +1,4 @@
-"""Robots whose joints bend, the other way: accelerations under motor torques, each drive a step of its own.
+"""Forward dynamics of robots with elastic joints: accelerations under motor torques, one step per drive.
 
 All quantities at the joint's side.  Spong (1987); Xia (2019) eqs. (4)-(11), (21)-(22).
 """
@@ -30,20 +30,19 @@ Scalars = Sequence[Scalar]
 
 
 class ElasticAccelerations(NamedTuple):
-    """Accelerations of the links' coordinates (one a speed) and of the motors (one a drive)."""
+    """Accelerations of the links' coordinates (one per speed) and of the motors (one per drive)."""
 
     a: list[Any]
     theta_ddot: list[Any]
 
 
 class DriveEffort(NamedTuple):
-    """What one drive does: to its link, and to its own rotor.
+    """Torques of one drive on its link and on its rotor.
 
-    on_link: N m that its link gets, friction deducted; transmitted: N m through the drive, before the link's friction.
-    left: N m left of the motor's torque to turn an elastic drive's rotor; mobility: what each of them adds to its
-    acceleration, 1/(kg m2).
-    inertia: kg m2 that resist the link's acceleration beside its own.  follows: how much of it an elastic drive's rotor
-    takes on.
+    on_link: N m on its link, friction deducted; transmitted: N m through the drive, before the link's friction.
+    left: net torque on an elastic drive's rotor, N m; mobility: the rotor's acceleration per unit of it, 1/(kg m2).
+    inertia: kg m2, added to the link's own.  follows: the share of the link's acceleration that an elastic drive's
+    rotor takes on.
     """
 
     on_link: Any
@@ -55,12 +54,12 @@ class DriveEffort(NamedTuple):
 
     @property
     def alpha(self) -> Any:
-        """The acceleration of a rotor whose carrier and link do not accelerate, rad/s2."""
+        """The rotor's acceleration while carrier and link do not accelerate, rad/s2."""
         return self.left * self.mobility
 
 
 def drive_effort(drive: Drive, at: DriveState, motor_torque: Scalar, strains: Strains) -> DriveEffort:
-    """The joint's step: what motor and friction do to link and rotor.  Xia (2019) eqs. (21)-(22), (54)-(55)."""
+    """The joint's step: torques of motor and friction on link and rotor.  Xia (2019) eqs. (21)-(22), (54)-(55)."""
     xi = friction_torque(drive.link_friction, at.v, strain=strains.link)
     if not drive.is_elastic:
         tau = rigidly_transmitted(drive, motor_torque, at.v, strains.motor)
@@ -73,7 +72,7 @@ def drive_effort(drive: Drive, at: DriveState, motor_torque: Scalar, strains: St
 def drive_states(
     drives: Sequence[Driven], q: Scalars, v: Scalars, theta: Scalars, theta_dot: Scalars
 ) -> list[DriveState]:
-    """Of each drive, from the robot's q and v and the motors' theta and theta_dot."""
+    """The state of each drive, from the robot's q and v and the motors' theta and theta_dot."""
     return [DriveState(q[d.q], v[d.v], x, w) for d, x, w in zip(drives, theta, theta_dot, strict=True)]
 
 
@@ -87,7 +86,7 @@ def elastic_forward_dynamics(
     motor_torque: Scalars,
     strains: Sequence[Strains] | None = None,
 ) -> ElasticAccelerations:
-    """Accelerations of links and motors under motor torques: of long trees in time proportional to their bodies.
+    """Accelerations of links and motors under motor torques; for long trees in time linear in the number of bodies.
 
     Spong (1987); Xia (2019) eqs. (4)-(11), (21)-(22).  A rigid drive's motor moves with its link: its theta and
     theta_dot are not read.  strains: of the drives; where they are not known, friction is as in steady sliding and
@@ -108,13 +107,13 @@ def driven_accelerations(
     efforts: Sequence[DriveEffort],
     disturbance: Scalars | None = None,
 ) -> ElasticAccelerations:
-    """Accelerations of links and motors under what their drives do.  disturbance: N m on the links, one a speed."""
+    """Accelerations of links and motors under their drives' torques.  disturbance: N m on the links, one per speed."""
     tau = [*disturbance] if disturbance is not None else [0] * system.nv
     inertia = [*system.armature]
     for d, effort in zip(drives, efforts, strict=True):
         tau[d.v], inertia[d.v] = tau[d.v] + effort.on_link, inertia[d.v] + effort.inertia
     system = replace(system, armature=tuple(inertia))
-    # undriven joints: the recursion keeps symmetries to the last bit, as linear models need
+    # undriven joints: the recursion preserves symmetries exactly, as linear models need
     solves = system.has_followers or (system.nv == len(drives) and is_shallow(system))
     motors = zip(drives, efforts, theta_dot, strict=True)
     rotors = {d.segment: FreeRotor(w, e.alpha, e.mobility, e.follows) for d, e, w in motors if d.drive.is_elastic}

@@ -26,7 +26,7 @@ def kinetic_energy(system: System, q: Scalars, v: Scalars) -> Scalar:
 
 
 def potential_energy(system: System, q: Scalars) -> Scalar:
-    """Potential energy of the weight, J; zero with every centre of mass at the world's origin."""
+    """Gravitational potential energy, J; zero with every centre of mass at the world's origin."""
     total: Scalar = 0
     for body, X in zip(system.segments, world_poses(system, q), strict=True):
         weighed = X.position * body.inertia.mass + X.rotation @ body.inertia.first_moment
@@ -35,7 +35,7 @@ def potential_energy(system: System, q: Scalars) -> Scalar:
 
 
 def carried_energy(system: System, q: Scalars, v: Scalars, rotors: Mapping[int, Scalar]) -> Scalar:
-    """Energy that elastic drives' rotors with full coupling have because they spin on carriers that turn, J.
+    """Kinetic energy due to the spin of elastic drives' fully coupled rotors on turning carriers, J.
 
     rotors: their speeds over ratio, by the segment that they drive.
     """

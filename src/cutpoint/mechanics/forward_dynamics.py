@@ -1,6 +1,6 @@
 """Joint accelerations under joint torques, in time proportional to the number of bodies.
 
-Featherstone (2008) chapter 7.  Where few joints carry a body, as on most arms, solving with the mass matrix takes fewer
+Featherstone (2008) chapter 7.  Where few joints carry a body, as in most arms, solving with the mass matrix takes fewer
 operations, chapter 6.
 """
 
@@ -34,10 +34,10 @@ takes fewer.  Of UR10 and the paper's arm the recursion takes 4 % fewer operatio
 
 
 class FreeRotor(NamedTuple):
-    """A rotor behind a spring as its carrier feels it, at the joint's side.
+    """A rotor behind a spring, as it acts on its carrier, at the joint's side.
 
     speed: its own, rad/s.  alpha: the acceleration that it would have if neither carrier nor joint accelerated, rad/s2.
-    mobility: what each N m on it adds to that, 1/(kg m2).  follows: how much of the joint's acceleration it takes on.
+    mobility: acceleration per N m on it, 1/(kg m2).  follows: the share of the joint's acceleration that it takes on.
     """
 
     speed: Scalar
@@ -47,8 +47,8 @@ class FreeRotor(NamedTuple):
 
 
 def coasting(body: Segment, omega_p: Vec3, A_p: Motion, v: Scalars) -> tuple[Vec3, Motion]:
-    """How a body along its parent's axes, which turn with omega_p and accelerate with A_p, turns, and accelerates while
-    its joint keeps its speed.
+    """Angular velocity and acceleration of a body whose joint keeps its speed, along its parent's axes, which turn with
+    omega_p and accelerate with A_p.
 
     As `motions`, Xia (2019) eq. (31), in cross products: each is one operation on three numbers.
     """
@@ -87,13 +87,13 @@ def articulated_accelerations(
 ) -> tuple[list[Scalar], list[Motion]]:
     """Accelerations of the coordinates and of the bodies, by the articulated-body recursion.
 
-    While all joints keep their speeds the robot coasts, and inverse dynamics knows what that takes.  What is left of
-    the torques finds a robot that neither moves nor weighs anything: Featherstone (2008) section 7.3 with v = 0.
+    Inverse dynamics at constant joint speeds (coasting) gives the torques that these take.  The remaining torques act
+    on a robot at rest without gravity: Featherstone (2008) section 7.3 with v = 0.
 
     rotors: of each segment with an elastic drive and full coupling.
     """
     still = [0] * system.nv
-    # outward: how the bodies coast, and what that takes of bodies and joints
+    # outward: motion of the coasting bodies, and the wrenches and torques that this takes
     coast = motions(system, q, v, still)
     P = net_wrenches(system, coast, v, still)
     for i, F_e in handed_on(system, contact):
@@ -106,7 +106,7 @@ def articulated_accelerations(
             freed = replace(spin, inertia=spin.geared * spin.geared * rotor.mobility)
             M[i], P[i] = let_spin(freed, M[i], P[i], coast[i].V.angular, coast[i].A, rotor.speed, rotor.alpha)
             left[k] = left[k] - rotor.follows * spin.along(coast[i].A.angular)
-    # inward: what a body and all it carries still resist once its joint gives way
+    # inward: inertia of a body with all it carries, once its joint gives way
     gave: list[list[Yield]] = []
     felt = felt_rotors(system, rotors)
     for i, body in reversed([*enumerate(system.segments)]):
@@ -115,7 +115,7 @@ def articulated_accelerations(
         if body.parent != WORLD:
             M[body.parent] = M[body.parent] + M_i.seen_from_parent(coast[i].X)
             P[body.parent] = P[body.parent] + coast[i].X.inward(P_i)
-    # outward: each joint gives way to what its parent's added acceleration leaves it
+    # outward: each joint's acceleration from its parent's
     added: list[Motion] = []
     found: list[Scalar] = [0] * system.nv
     for own, body, steps in zip(coast, system.segments, reversed(gave), strict=True):
@@ -126,7 +126,7 @@ def articulated_accelerations(
 
 
 def felt_rotors(system: System, rotors: Mapping[int, FreeRotor]) -> list[list[FeltRotor]]:
-    """Rotors as each segment's axes feel them: those geared rigidly, and others as far as they follow their joint."""
+    """Rotors as they act on each segment's axes: those rigidly geared, and others as far as they follow their joint."""
     shares = {spin.joint: rotors[spin.joint].follows if spin.elastic else 1 for spin in system.spins}
     couplings = {spin.joint: spin.geared * shares[spin.joint] for spin in system.spins}
     return [
@@ -138,7 +138,7 @@ def felt_rotors(system: System, rotors: Mapping[int, FreeRotor]) -> list[list[Fe
 def let_spin(
     spin: Spin, M: Articulated, P: Wrench, omega: Vec3, A: Motion, speed: Scalar, alpha: Scalar
 ) -> tuple[Articulated, Wrench]:
-    """How the carrier of an elastic drive's rotor resists, which does not follow it about its axis.
+    """Inertia and bias of the carrier of an elastic drive's rotor, which does not follow the carrier about its axis.
 
     Xia (2019) eqs. (4), (7), (11).  M, P: as if it did.  omega, A: the carrier's.  speed, alpha: as of a `FreeRotor`.
     """
@@ -149,15 +149,15 @@ def let_spin(
 def through_mass_matrix(
     system: System, q: Scalars, v: Scalars, tau: Scalars, contact: Mapping[str, Wrench] | None = None
 ) -> list[Scalar]:
-    """M a = tau - bias, solved as it stands: also where coordinates that follow others tie distant joints together."""
+    """Solves M a = tau - bias directly; also valid where followers couple distant joints."""
     bias = inverse_dynamics(system, q, v, [0] * system.nv, contact)
     return solve(factors_of(mass_matrix(system, q)), [t - b for t, b in zip(tau, bias, strict=True)])
 
 
 class Factors(NamedTuple):
-    """L^T D L of a symmetric positive definite matrix, from its last row up; zeros of a tree stay zeros.
+    """L^T D L of a symmetric positive definite matrix, from its last row up; the sparsity of a tree is preserved.
 
-    L: its rows, of which only what stands left of the diagonal counts.  inverse: of D, since a division costs as much
+    L: its rows, of which only the part left of the diagonal counts.  inverse: of D, since a division costs as much
     as ten products.
     """
 

@@ -1,7 +1,8 @@
-"""Sliding friction laws: the torque that opposes a speed, at the joint's side.
+"""Sliding friction laws: torque that opposes motion, at the joint's side.
 
-sgn is smoothed to tanh(speed / smoothing): it creeps below that speed and never holds; a larger value is gentler on
-integrators, a smaller one truer.  What holds at rest is in `presliding`.  Speeds in rad/s (m/s), torques in N m (N).
+sgn is smoothed to tanh(speed / smoothing): the joint creeps below that speed and never sticks; a larger value is easier
+on integrators, a smaller one more accurate.  Laws with sticking are in `presliding`.  Speeds in rad/s (m/s), torques in
+N m (N).
 """
 
 from abc import ABC, abstractmethod
@@ -27,11 +28,11 @@ SMOOTHING = 0.01
 
 
 class Sliding(ABC):
-    """What sliding laws share: dry friction along the direction of motion, and viscous friction.
+    """Base class of sliding laws: dry friction along the direction of motion, and viscous friction.
 
-    viscous in N m s/rad.  smoothing: rad/s over which dry friction changes sign.  asymmetry: dry friction is 1 + that
-    much of itself forwards, 1 - backwards.  per_load: N m of dry friction for each N m that the drive transmits.
-    grease: how viscous friction follows temperature.
+    viscous in N m s/rad.  smoothing: rad/s over which dry friction changes sign.  asymmetry: scales dry friction by
+    1 + asymmetry forwards, 1 - asymmetry backwards.  per_load: N m of dry friction per N m that the drive transmits.
+    grease: temperature dependence of viscous friction.
     """
 
     viscous: Scalar
@@ -45,14 +46,14 @@ class Sliding(ABC):
 
     @abstractmethod
     def plateau(self, speed: Scalar) -> Scalar:
-        """Dry friction without load, both directions alike, N m."""
+        """Dry friction without load and asymmetry, N m."""
 
     def direction(self, speed: Scalar) -> Scalar:
         """sgn of the speed, smoothed: -1 to 1."""
         return tanh(speed * (1 / self.smoothing))
 
     def dry(self, speed: Scalar, load: Scalar, direction: Scalar) -> Scalar:
-        """How large dry friction is in a direction, N m."""
+        """Magnitude of dry friction in a direction, N m."""
         size = self.plateau(speed)
         if self.per_load is not None:
             size = size + self.per_load * absolute(load)
@@ -66,12 +67,12 @@ class Sliding(ABC):
         return self.viscous * exp(self.grease.thinning * (STATED_AT - self.grease.temperature))
 
     def torque(self, speed: Scalar, load: Scalar = 0) -> Scalar:
-        """xi of a speed, while the drive transmits a load, N m."""
+        """xi at a speed, while the drive transmits a load, N m."""
         direction = self.direction(speed)
         return self.dry(speed, load, direction) * direction + self.viscosity * speed
 
     def columns(self, speed: Scalar) -> list[Scalar]:
-        """The torque without load of each coefficient at one, so that their products with coefficients sum to it."""
+        """Torque without load per unit of each coefficient; their products with the coefficients sum to the torque."""
         nothing = dict.fromkeys(self.coefficients, 0)
         return [replace(cast(Any, self), **{**nothing, name: 1}).torque(speed) for name in self.coefficients]
 
@@ -79,17 +80,17 @@ class Sliding(ABC):
         return replace(cast(Any, self), **dict(zip(self.coefficients, values, strict=True)))
 
     def resistance(self, speed: Scalar, load: Scalar = 0) -> Scalar:
-        """How xi resists a change of speed, N m s/rad, never less than 0: about xi / speed.
+        """Secant resistance of xi to a change of speed, N m s/rad, never below 0: about xi / speed.
 
-        Not the slope, which is next to nothing once it slides: a braking step would leap over rest, one at breakaway
-        go too early.  1 / sqrt(1 + x^2) is tanh(x) / x but for 8 %, without a tanh.
+        Not the slope, which nearly vanishes in sliding: a braking step would overshoot rest, and one at breakaway would
+        break away too early.  1 / sqrt(1 + x^2) approximates tanh(x) / x within 8 %, without a tanh.
         """
         x = speed * (1 / self.smoothing)
         size = self.dry(speed, load, 0 if self.asymmetry is None else self.direction(speed))
         return size * (1 / (sqrt(1 + x * x) * self.smoothing)) + self.viscosity
 
     def share_of_load(self, speed: Scalar) -> Scalar:
-        """What of the load's size friction takes at a speed."""
+        """Friction per unit of load at a speed."""
         direction = self.direction(speed)
         share = 0 if self.per_load is None else self.per_load * direction
         return share if self.asymmetry is None else share * (1 + self.asymmetry * direction)

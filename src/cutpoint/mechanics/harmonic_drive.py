@@ -1,4 +1,4 @@
-"""A joint with a harmonic drive: what motor and link exert on each other.  Xia (2019) section II.
+"""A joint with a harmonic drive: torques between motor and link.  Xia (2019) section II.
 
 All quantities at the joint's side: theta is the rotor's angle divided by ratio, motor_torque the shaft torque times it.
 """
@@ -11,7 +11,7 @@ from cutpoint.scalars import Jet, Scalar, where
 
 
 class DriveState(NamedTuple):
-    """Where one drive's link and motor are and how fast, at the joint's side; rad, rad/s."""
+    """Positions and speeds of one drive's link and motor, at the joint's side; rad, rad/s."""
 
     q: Any
     v: Any
@@ -20,18 +20,18 @@ class DriveState(NamedTuple):
 
 
 def deflection(drive: Drive, theta: Scalar, q: Scalar) -> Scalar:
-    """How far the spring is wound up, rad (m): the motor's lead, less the kinematic error.  Xia (2019) eq. (3)."""
+    """Deflection of the spring, rad (m): the motor's lead, less the kinematic error.  Xia (2019) eq. (3)."""
     lead = theta - q
     return lead if drive.kinematic_error is None else lead - drive.kinematic_error.value(theta, drive.ratio)
 
 
 def motor_position(drive: Drive, output: Scalar) -> Scalar:
-    """Where the motor stands when the spring's near end is at `output`, q plus deflection.  Xia (2019) eq. (3)."""
+    """Motor position when the spring's motor-side end is at `output`, q plus deflection.  Xia (2019) eq. (3)."""
     return output if drive.kinematic_error is None else drive.kinematic_error.motor_position(output, drive.ratio)
 
 
 def static_lead(drive: Drive, q: Scalar, load: Scalar) -> Scalar:
-    """How far the motor leads its link at rest, rad (m), where the spring bears a load, N m (N); 0 of a rigid drive.
+    """Lead of the motor over its link at rest, rad (m), with a load on the spring, N m (N); 0 for a rigid drive.
 
     Xia (2019) eqs. (2)-(3).
     """
@@ -41,12 +41,12 @@ def static_lead(drive: Drive, q: Scalar, load: Scalar) -> Scalar:
 
 
 def transmission(drive: Drive, theta: Scalar) -> Scalar:
-    """1 - e'(theta): output turns for each of theta, and so what of the spring's torque the motor bears."""
+    """1 - e'(theta): output speed over motor speed, and so the share of the spring's torque that acts on the motor."""
     return 1 if drive.kinematic_error is None else 1 - drive.kinematic_error.slope(theta, drive.ratio)
 
 
 def spring_torque(drive: Drive, theta: Scalar, q: Scalar, theta_dot: Scalar = 0, v: Scalar = 0) -> Scalar:
-    """tau_f: what the drive exerts on the link, from an encoder on either side, N m.  Xia (2019) eqs. (1)-(3).
+    """tau_f: the drive's torque on the link, from encoders on both sides, N m.  Xia (2019) eqs. (1)-(3).
 
     The spring's own damping needs the speeds on both sides; without them it is left out.
     """
@@ -58,7 +58,7 @@ def spring_torque(drive: Drive, theta: Scalar, q: Scalar, theta_dot: Scalar = 0,
 
 
 def spring_torque_and_rate(drive: Drive, at: DriveState) -> Jet:
-    """tau_f with its time derivative, N m and N m/s, by the speeds on both sides; damping enters by value."""
+    """tau_f with its time derivative, N m and N m/s, from the speeds on both sides; damping enters by value."""
     assert drive.compliance is not None, "a rigid drive has no deflection to read a torque from"
     wound = deflection(drive, Jet(at.theta, at.theta_dot), Jet(at.q, at.v))
     tau_f = drive.compliance.torque(wound)
@@ -66,7 +66,7 @@ def spring_torque_and_rate(drive: Drive, at: DriveState) -> Jet:
 
 
 def beside_damping(drive: Drive, wound: Jet, tau_f: Scalar) -> Jet:
-    """The deflection, rad, under a torque of spring and damping together; wound: under that of the spring alone.
+    """Deflection, rad, at which spring and damping together give tau_f; wound: at which the spring alone does.
 
     Its rates stay those of the undamped law.
     """
@@ -76,17 +76,17 @@ def beside_damping(drive: Drive, wound: Jet, tau_f: Scalar) -> Jet:
 
 
 def slipping_torque(drive: Drive, strains: tuple[Scalar, ...] | None) -> Scalar:
-    """What the elements beside the spring add to its torque, N m; nothing where their strains are not known."""
+    """Torque of the hysteresis elements parallel to the spring, N m; zero if their strains are not known."""
     return drive.hysteresis.torque(strains) if drive.hysteresis and strains is not None else 0
 
 
 def transmitted_torque(drive: Drive, at: DriveState, strains: tuple[Scalar, ...] | None) -> Scalar:
-    """What an elastic drive exerts on its link, N m: its spring, and the elements beside it, of these strains."""
+    """Torque of an elastic drive on its link, N m: of its spring, and of the hysteresis elements with these strains."""
     return spring_torque(drive, at.theta, at.q, at.theta_dot, at.v) + slipping_torque(drive, strains)
 
 
 def friction_torque(law: Friction | None, speed: Scalar, load: Scalar = 0, strain: Scalar | None = None) -> Scalar:
-    """xi: what friction takes, N m; as in steady sliding where a strain is not known.  Xia (2019) eqs. (54)-(55)."""
+    """xi: friction torque, N m; that of steady sliding if the strain is not known.  Xia (2019) eqs. (54)-(55)."""
     if law is None:
         return 0
     if strain is None or not isinstance(law, Presliding):
@@ -95,13 +95,13 @@ def friction_torque(law: Friction | None, speed: Scalar, load: Scalar = 0, strai
 
 
 def friction_of_both_sides(drive: Drive, speed: Scalar, torque: Scalar) -> Scalar:
-    """What friction takes where motor and link have one speed, N m; torque: what passes the gear without friction."""
+    """Friction of both sides at one common speed, N m; torque: transmitted by the gear without friction."""
     on_link = friction_torque(drive.link_friction, speed)
     return on_link + friction_torque(drive.motor_friction, speed, torque + on_link)
 
 
 def friction_resistance(law: Friction | None, speed: Scalar, load: Scalar = 0, strain: Scalar | None = None) -> Scalar:
-    """How friction grows with speed, N m s/rad, never less than 0."""
+    """Resistance of friction to a change of speed, N m s/rad, never below 0."""
     if law is None:
         return 0
     if strain is None or not isinstance(law, Presliding):
@@ -112,7 +112,7 @@ def friction_resistance(law: Friction | None, speed: Scalar, load: Scalar = 0, s
 def load_on_motor(
     drive: Drive, tau_f: Scalar, theta: Scalar, theta_dot: Scalar, strain: Scalar | None = None
 ) -> Scalar:
-    """What the motor must exert beside accelerating its rotor, N m: on the spring, and against friction.
+    """Motor torque apart from accelerating its rotor, N m: for the spring, and against friction.
 
     Xia (2019) eqs. (22), (27).
     """
@@ -120,7 +120,7 @@ def load_on_motor(
 
 
 def rigidly_transmitted(drive: Drive, motor_torque: Scalar, speed: Scalar, strain: Scalar | None = None) -> Scalar:
-    """What a rigid drive exerts on its link, N m: the motor's torque less friction, of which a share is its own."""
+    """Torque of a rigid drive on its link, N m: the motor's torque less friction, which may depend on it."""
     law = drive.motor_friction
     left = motor_torque - friction_torque(law, speed, 0, strain)
     if law is None:

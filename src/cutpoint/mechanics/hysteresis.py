@@ -1,7 +1,7 @@
-"""Hysteresis of a drive's spring: elements that stretch with its deflection and slip, in parallel to it.
+"""Hysteresis of a drive's spring: slipping elastic elements in parallel to it.
 
-Rate-independent: the torque depends on the path of the deflection, not on its speed.  Minor loops close, and what an
-element gives back is never more than what wound it up.  Strains in rad (m), torques in N m (N), at the joint's side.
+Rate-independent: the torque depends on the path of the deflection, not on its speed.  Minor loops close, and an element
+never returns more energy than was put in.  Strains in rad (m), torques in N m (N), at the joint's side.
 """
 
 from dataclasses import dataclass
@@ -16,8 +16,8 @@ from cutpoint.scalars import Scalar, clip, where
 class MaxwellSlip:
     """Elements of `stiffness` (N m/rad) that slip beyond a strain of `reach` (rad).  Iwan (1966).
 
-    In parallel to a spring K they open its loop by `loss` = 2 sum(stiffness reach) / K at zero torque, if both ends of
-    the loop are beyond all reaches: what catalogues call hysteresis loss.
+    In parallel to a spring K they give its loop the width `loss` = 2 sum(stiffness reach) / K at zero torque, if both
+    ends of the loop are beyond all reaches: the hysteresis loss of catalogues.
     """
 
     stiffness: tuple[Scalar, ...]
@@ -27,7 +27,7 @@ class MaxwellSlip:
     def smooth(cls, torque: float, reach: float, elements: int = 4) -> "MaxwellSlip":
         """Elements whose torque grows as W (2 x - x^2), x = strain / reach, to W = `torque` (N m) at `reach` (rad).
 
-        Its chords between the elements' reaches: the last element is half as stiff as the others.
+        Approximated by chords between the elements' reaches: the last element is half as stiff as the others.
         Raises InputError for a reach that is not positive, or a number of elements that is not whole or below 1.
         """
         if not (reach > 0 and elements >= 1 and elements % 1 == 0):
@@ -43,11 +43,11 @@ class MaxwellSlip:
         return tuple(clip(s + displacement, -r, r) for s, r in zip(before, self.reach, strict=True))
 
     def torque(self, strains: tuple[Scalar, ...]) -> Scalar:
-        """What the elements add to the spring's torque, N m."""
+        """Torque of the elements, added to the spring's, N m."""
         return _sum([k * s for k, s in zip(self.stiffness, strains, strict=True)])
 
     def sticking(self, strains: tuple[Scalar, ...], direction: Scalar) -> Scalar:
-        """Stiffness of the elements that do not slip when the deflection goes on in a direction, 1 or -1; N m/rad."""
+        """Stiffness of the elements that stick while the deflection moves in a direction, 1 or -1; N m/rad."""
         parts = zip(self.stiffness, self.reach, strains, strict=True)
         return _sum([where(direction * s < r, k, 0) for k, r, s in parts])
 
@@ -62,7 +62,7 @@ class MaxwellSlip:
 
 
 def loss_of(law: Hysteresis, spring: Compliance) -> Scalar:
-    """How wide the loops of a spring are at zero torque, rad, if both ends are beyond all reaches."""
+    """Width of a spring's loops at zero torque, rad, if both ends are beyond all reaches."""
     return 2 * spring.deflection(law.torque(law.reach))
 
 

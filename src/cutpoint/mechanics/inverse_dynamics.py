@@ -1,7 +1,7 @@
 """The virtual-decomposition recursion: joint torques of a motion.  Xia (2019) eqs. (29)-(31), (44)-(53).
 
-A segment offers its steps: how it moves given how its parent moves, and what its joint and its parent must bear.  The
-recursion calls them outward and inward, and nothing else.
+A segment provides two steps: its motion from its parent's, and the load on its joint and its parent.  The recursion
+only calls them, outward and inward.
 """
 
 from collections.abc import Iterator, Mapping, Sequence
@@ -19,7 +19,7 @@ Gain = Sequence[Sequence[Scalar]]
 
 @dataclass(slots=True, eq=False)
 class BodyMotion:
-    """Where a body is in its parent and how it moves, in its own frame.
+    """A body's pose in its parent, and its motion in its own frame.
 
     V = [v; omega].  A: acceleration of the frame's origin, gravity included, and angular acceleration; it is the
     derivative V' of the paper plus [omega x v; 0].  U: gradient of acceleration, see `rigid_body`.
@@ -52,13 +52,13 @@ def move(X: Pose, omega: Vec3, zv: Motion, parent: BodyMotion, zv_r: Motion, za_
 def turn(X: Pose, axis: Vec3, zv: Motion, parent: BodyMotion, za: Motion | None) -> BodyMotion:
     """The motion of a body that turns about its z axis, `axis` in its parent.  Xia (2019) eqs. (5), (31).
 
-    It is what `move` gives, by fewer operations where the axis is one of the parent's frame.  Points of the axis belong
-    to both bodies and accelerate alike: U z is the parent's U times `axis`.
+    The result of `move`, in fewer operations where the axis is one of the parent's frame.  Points on the axis belong to
+    both bodies and have the same acceleration: U z is the parent's U times `axis`.
     """
     carried, along = X.outward(parent.V), parent.U @ axis
     V = carried + zv
     omega = V.angular
-    # U from its last column; alpha from U, but for what the joint adds
+    # U from its last column; alpha from U, apart from the joint's own contribution
     if za is None:
         own, angular = zv.linear.rate(), omega.rate()
         U = acceleration_gradient(angular, omega, omega, axis.dot(along))
@@ -71,7 +71,7 @@ def turn(X: Pose, axis: Vec3, zv: Motion, parent: BodyMotion, za: Motion | None)
 
 
 def _origin(X: Pose, parent: BodyMotion) -> Vec3:
-    """How the parent's point at the body's origin accelerates, along the body's axes."""
+    """Acceleration of the parent's point at the body's origin, along the body's axes."""
     return X.rotation.T @ (parent.A.linear + parent.U @ X.position)
 
 
@@ -94,19 +94,19 @@ def motions(system: System, q: Scalars, v: Scalars, a: Scalars | None) -> list[B
 
 
 def at_rest(system: System) -> BodyMotion:
-    """The world: at rest, and accelerating upward so that every body bears its weight."""
+    """The world: at rest, and accelerating upward to account for gravity."""
     return BodyMotion(AT_ORIGIN, STILL, system.base_acceleration, NO_GRADIENT)
 
 
 def bear(system: System, X: Sequence[Pose], F: Sequence[Wrench], contact: Mapping[str, Wrench]) -> list[Wrench]:
-    """The wrench that each body receives through its joint, from net wrenches F*.
+    """The wrench on each body through its joint, from net wrenches F*.
 
     Xia (2019) eqs. (9), (11), (44)-(46), (51)-(53).
     """
     F = [*F]
     for i, F_e in handed_on(system, contact):
         F[i] = F[i] + F_e
-    # inward: each body also bears its children
+    # inward: each body also carries its children's wrenches
     for i, body in reversed([*enumerate(system.segments)]):
         if body.parent != WORLD:
             F[body.parent] = F[body.parent] + X[i].inward(F[i])
@@ -114,9 +114,9 @@ def bear(system: System, X: Sequence[Pose], F: Sequence[Wrench], contact: Mappin
 
 
 def handed_on(system: System, contact: Mapping[str, Wrench]) -> Iterator[tuple[int, Wrench]]:
-    """What each body hands on to the environment, and so must receive: the body's index, the wrench in its frame.
+    """Wrenches of the bodies on the environment: the body's index, the wrench in its frame.
 
-    contact: in N and N m, of which the system keeps N m.
+    contact: in N and N m; in the system's unit of length N m keep their value.
     """
     for name, F_e in contact.items():
         place = system.frames[name]
@@ -127,7 +127,7 @@ def handed_on(system: System, contact: Mapping[str, Wrench]) -> Iterator[tuple[i
 def net_wrenches(
     system: System, moved: Sequence[BodyMotion], v: Scalars, a: Scalars, actual: Sequence[BodyMotion] | None = None
 ) -> list[Wrench]:
-    """What each body's motion costs it, rigidly geared rotors that it carries included.  Xia (2019) eqs. (47), (50).
+    """Net wrench of each body's motion, with the rigidly geared rotors that it carries.  Xia (2019) eqs. (47), (50).
 
     actual: how the bodies do move, where `moved` is a required motion.
     """
@@ -151,7 +151,7 @@ def joint_efforts(system: System, F: Sequence[Wrench]) -> list[Scalar]:
 def rotor_efforts(
     system: System, moved: Sequence[BodyMotion], a: Scalars, actual: Sequence[BodyMotion] | None = None
 ) -> list[Scalar]:
-    """What rigidly geared rotors add at each joint.  Xia (2019) eqs. (4), (56).
+    """Torques of rigidly geared rotors at each joint.  Xia (2019) eqs. (4), (56).
 
     actual: how the bodies do move, where `moved` is a required motion; its axes turn with them.
     """
@@ -167,7 +167,7 @@ def rotor_efforts(
 
 
 def quasi_rigid(system: System) -> System:
-    """The system whose elastic drives' rotors act on what carries them as if their drives did not bend."""
+    """The system whose elastic drives' rotors act on their carriers as if their drives were rigid."""
     return replace(system, spins=tuple(replace(spin, elastic=False) for spin in system.spins))
 
 
@@ -184,7 +184,7 @@ def inverse_dynamics(
 
 
 def required_inverse_dynamics(system: System, q: Scalars, v: Scalars, v_r: Scalars, a_r: Scalars) -> list[Scalar]:
-    """Joint torques that a required motion asks of a robot that moves with v: M a_r + C(q, v) v_r + g.
+    """Joint torques for a required motion of a robot that moves with v: M a_r + C(q, v) v_r + g.
 
     Xia (2019) eqs. (48)-(53) without their gains K; C is the sum of the bodies' C(omega), eq. (61).
     """
@@ -194,7 +194,7 @@ def required_inverse_dynamics(system: System, q: Scalars, v: Scalars, v_r: Scala
 def required_efforts(
     system: System, q: Scalars, v: Scalars, v_r: Scalars, a_r: Scalars, gains: Sequence[Gain] | None = None
 ) -> tuple[list[Scalar], list[Scalar]]:
-    """What a required motion asks of a robot that moves with v: see `efforts_between`."""
+    """Torques for a required motion of a robot that moves with v: see `efforts_between`."""
     return efforts_between(system, *required_motions(system, q, v, v_r, a_r), v_r, a_r, gains)
 
 
@@ -206,10 +206,9 @@ def efforts_between(
     a_r: Scalars,
     gains: Sequence[Gain] | None = None,
 ) -> tuple[list[Scalar], list[Scalar]]:
-    """Torques on the links, N m (N), and of rigidly geared rotors beside, that a required motion asks for.
+    """Torques for a required motion, N m (N): on the links, and separately for rigidly geared rotors.
 
-    Xia (2019) eqs. (15)-(20), (48)-(53).  gains: K of each body, 6 x 6 in its own axes, by which it pulls towards its
-    required velocity.
+    Xia (2019) eqs. (15)-(20), (48)-(53).  gains: K of each body, 6 x 6 in its own axes, for velocity feedback.
     """
     F_r = net_wrenches(system, required, v_r, a_r, actual)
     if gains is not None:

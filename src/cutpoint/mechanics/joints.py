@@ -1,7 +1,7 @@
 """Joint kinds.  Each says along which axes of its own frame it is free, and which pose its coordinates give.
 
-Axes are columns z of a motion, linear then angular, in the moved frame, so that a joint's velocity is z v and what it
-must bear of a wrench is z^T F.  Their entries are mostly 0 and 1 and vanish when traced.  Every kind offers the same
+Axes are columns z of a motion, linear then angular, in the moved frame, so that a joint's velocity is z v and its
+torque under a wrench is z^T F.  Their entries are mostly 0 and 1 and vanish when traced.  Every kind offers the same
 names in the same order: axes, coordinates, neutral, pose, rates, integrated, difference, motion, effort.
 """
 
@@ -30,19 +30,19 @@ X, Y, Z, TURN_X, TURN_Y, TURN_Z = (tuple(int(j == k) for j in range(6)) for k in
 
 @dataclass(frozen=True)
 class JointKind:
-    """What every kind offers; the defaults are for coordinates that are integrals of the speeds."""
+    """Interface of all kinds; the defaults are for coordinates that are integrals of the speeds."""
 
     coordinates: ClassVar[int] = 1
     fixed_axes: ClassVar[tuple[Axis, ...]] = ()
 
     @property
     def axes(self) -> tuple[Axis, ...]:
-        """The columns z, one a speed."""
+        """The columns z, one per speed."""
         return self.fixed_axes
 
     @property
     def turns_about_z(self) -> bool:
-        """Whether it turns, and about z alone."""
+        """Whether the joint only turns about z."""
         return [axis[3:] for axis in self.axes if any(axis[3:])] == [TURN_Z[3:]]
 
     @property
@@ -63,7 +63,7 @@ class JointKind:
         return [x + dx for x, dx in zip(q, step, strict=True)]
 
     def of_unit_length(self, q: Scalars) -> list[Scalar]:
-        """The same place, by a quaternion of unit length where there is one: integrators shorten it."""
+        """The same pose with quaternions normalised: integration changes their length."""
         return [*q]
 
     def difference(self, q: Scalars, other: Scalars) -> list[Scalar]:
@@ -76,7 +76,7 @@ class JointKind:
         return Motion(Vec3(*six[:3]), Vec3(*six[3:]))
 
     def effort(self, F: Wrench) -> list[Scalar]:
-        """z^T F: what of a wrench the joint itself must bear.  Xia (2019) eq. (21)."""
+        """z^T F: the joint torque under a wrench.  Xia (2019) eq. (21)."""
         return [dot(axis, [*F]) for axis in self.axes]
 
 
@@ -199,6 +199,6 @@ class Floating(JointKind):
 
 
 def dot(a: Scalars, b: Scalars) -> Scalar:
-    """Sum of products; a factor that is a plain 0 leaves no trace of the other, whatever it is."""
+    """Sum of products; terms with a plain 0 factor are dropped, whatever the other factor is."""
     terms = [x * y for x, y in zip(a, b, strict=True) if not is_plain_zero(x)]
     return sum(terms[1:], terms[0]) if terms else 0

@@ -1,7 +1,7 @@
 """Kinematic error: how far a drive's unloaded output lags ratio-true rotation, harmonics of the wave generator.
 
 Its reaction on the motor follows from power: the spring's torque works on the deflection theta - q - e(theta), so the
-motor bears tau_f (1 - e'(theta)).  Tuttle and Seering (1996); theta_err in Xia (2019) eq. (3).
+motor's load is tau_f (1 - e'(theta)).  Tuttle and Seering (1996); theta_err in Xia (2019) eq. (3).
 """
 
 from dataclasses import dataclass
@@ -14,7 +14,7 @@ from cutpoint.scalars import Scalar
 
 @dataclass(frozen=True)
 class KinematicError:
-    """e(theta) in rad at the joint's side.  Two waves a turn of the wave generator dominate in harmonic drives.
+    """e(theta) in rad at the joint's side.  Two waves per turn of the wave generator dominate in harmonic drives.
 
     The harmonics' amplitudes are in rad at the joint's side.
     """
@@ -30,7 +30,7 @@ class KinematicError:
         return ratio * series_slope(self.harmonics, ratio * theta)
 
     def steepest(self, ratio: float) -> float:
-        """A bound of |e'|: at 1 the output could stand still while the motor turns."""
+        """An upper bound of |e'|: at 1 the output could stand still while the motor turns."""
         return sum(abs(h.order * ratio * h.amplitude) for h in self.harmonics)
 
     def motor_position(self, output: Scalar, ratio: Scalar) -> Scalar:

@@ -30,12 +30,12 @@ def jacobian(system: System, q: Scalars, frame: str, expressed_in: ExpressedIn =
     """Columns of the frame's Jacobian, one for each speed: J_q = [U_O^T z ...].  Xia (2019) eqs. (37)-(38).
 
     "local": the velocity of the frame in its own axes.  "local_world_aligned": the same along the world's axes.
-    "world": the velocity, along the world's axes, of the point of the frame's body that passes the world's origin.
+    "world": the velocity, along the world's axes, of the body-fixed point that coincides with the world's origin.
     """
     place = system.frames[frame]
     columns = [STILL] * system.nv
     X, poses = place.pose, joint_poses(system, q)
-    # inward: what each joint's own motion means at the frame
+    # inward: the frame's velocity at unit speed of each joint
     for i in reversed(system.chain_to(place.body)):
         for v, z in system.segments[i].columns():
             columns[v] = columns[v] + X.outward(z)
@@ -99,7 +99,7 @@ def coordinate_rates(system: System, q: Scalars, v: Scalars) -> list[Scalar]:
 
 
 def of_unit_length(system: System, q: Scalars) -> list[Scalar]:
-    """The same configuration, its quaternions of unit length."""
+    """The same configuration with normalised quaternions."""
     same = [*q]
     for segment in system.segments:
         if not segment.follower:
@@ -117,7 +117,7 @@ def integrate(system: System, q: Scalars, step: Scalars) -> list[Scalar]:
 
 
 def difference(system: System, q: Scalars, other: Scalars) -> list[Scalar]:
-    """The step that `integrate` needs to come from q to the other coordinates."""
+    """The step with which `integrate` goes from q to the other coordinates."""
     step: list[Scalar] = [0] * system.nv
     for segment in system.segments:
         if not segment.follower:

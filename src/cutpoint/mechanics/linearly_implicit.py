@@ -1,8 +1,8 @@
-"""A drive in a step of a linearly implicit integrator: what resists motion acts on the acceleration that is sought.
+"""A drive in a step of a linearly implicit integrator: resistances act on the unknown acceleration.
 
-Friction and the spring's damping change with speed by D (N m s/rad), which may be faster than any step.  A stage of a
-step h asks for the acceleration k of  J k = effort - D (gamma h k + what earlier stages add to the speed): D adds to
-inertia, and is found once, where the step starts; see `simulation.step`.  All quantities at the joint's side.
+Friction and the spring's damping change with speed by D (N m s/rad), which may make the drive arbitrarily stiff.  A
+stage of a step h solves  J k = effort - D (gamma h k + earlier stages' added speed)  for the acceleration k: D adds to
+inertia, and is computed once, at the start of the step; see `simulation.step`.  All quantities at the joint's side.
 """
 
 from typing import Any, NamedTuple
@@ -15,11 +15,11 @@ from cutpoint.scalars import Scalar
 
 
 class Resistance(NamedTuple):
-    """What resists a drive's motion over a step.
+    """Resistance to a drive's motion over a step.
 
-    link, motor: D of friction on either side, N m s/rad.  transmission: of the motor's speed to the spring's end.
-    mobility: of the rotor with what resists it, 1/(kg m2).  inertia: what the link's acceleration must overcome beside
-    its own, kg m2.  follows: how much of that acceleration the spring's damping hands on to the rotor.
+    link, motor: D of friction on either side, N m s/rad.  transmission: from the motor's speed to the spring end's.
+    mobility: of the rotor, its resistance included, 1/(kg m2).  inertia: added to the link's own by resistance, kg m2.
+    follows: share of the link's acceleration that the spring's damping passes on to the rotor.
     """
 
     link: Any = 0
@@ -31,12 +31,12 @@ class Resistance(NamedTuple):
 
 
 def is_resisted(drive: Drive) -> bool:
-    """Whether anything in a drive resists its motion."""
+    """Whether a drive has friction or damping."""
     return not all(x is None for x in (drive.link_friction, drive.motor_friction, drive.damping))
 
 
 def resistance(drive: Drive, at: DriveState, strains: Strains, span: Scalar, load: Scalar = 0) -> Resistance:
-    """What resists a drive over a step from here.  span: gamma h, s.  load: what a rigid one transmits, N m."""
+    """Resistance of a drive over a step from here.  span: gamma h, s.  load: torque that a rigid one transmits, N m."""
     link, damping = friction_resistance(drive.link_friction, at.v, 0, strains.link), drive.damping
     if not drive.is_elastic:
         link = link + friction_resistance(drive.motor_friction, at.v, load, strains.motor)
@@ -52,7 +52,7 @@ def resistance(drive: Drive, at: DriveState, strains: Strains, span: Scalar, loa
 
 
 def from_memory(drive: Drive, numbers: tuple[Scalar, ...]) -> Resistance:
-    """A resistance out of its numbers; what this drive cannot have is left out of the equations."""
+    """A resistance from its numbers; terms that this drive cannot have are left out of the equations."""
     found = Resistance(*numbers)
     if not is_resisted(drive):
         return Resistance(mobility=found.mobility)
@@ -63,9 +63,9 @@ def from_memory(drive: Drive, numbers: tuple[Scalar, ...]) -> Resistance:
 
 
 def resisted(drive: Drive, effort: DriveEffort, resists: Resistance, earlier: tuple[Scalar, Scalar]) -> DriveEffort:
-    """An effort in a stage: what it is while the link does not accelerate, and what resists that.
+    """The effort in a stage while the link does not accelerate, and the implicit resistance terms.
 
-    earlier: what earlier stages add to the speeds of link and motor, rad/s.
+    earlier: speeds of link and motor added by earlier stages, rad/s.
     """
     if not is_resisted(drive):
         return effort

@@ -1,4 +1,4 @@
-"""How links move, from what their drives do to them: acceleration and jerk without differencing any encoder."""
+"""Acceleration and jerk of the links from their drives' torques, without differencing any encoder."""
 
 from collections.abc import Sequence
 
@@ -21,7 +21,7 @@ def link_motion(system: System, q: Scalars, v: Scalars, tau: Sequence[Jet]) -> t
     M = factors_of(mass_matrix(system, q))
     bias = inverse_dynamics(system, q, v, [0] * system.nv)
     a = solve(M, [t.derivative(0) - b for t, b in zip(tau, bias, strict=True)])
-    # the torques' rates if accelerations stayed as they are
+    # the torques' rates at constant accelerations
     q_moving, v_moving = ([Jet(*x) for x in zip(*pair, strict=True)] for pair in ((q, v), (v, a)))
     held = inverse_dynamics(system, q_moving, v_moving, [Jet(x, 0) for x in a])
     return a, solve(M, [t.derivative(1) - h.derivative(1) for t, h in zip(tau, held, strict=True)])
@@ -36,10 +36,10 @@ def torques_on_links(
     theta_dot: Scalars,
     sliding: Scalars,
 ) -> list[Jet]:
-    """What bending drives exert on their links, with its rate, N m and N m/s; friction and damping enter by value.
+    """Elastic drives' torques on their links, with rates, N m and N m/s; friction and damping enter by value.
 
-    Xia (2019) eqs. (2)-(3), (21).  sliding: speeds at which friction is taken, of each drive.  Those of a smooth motion
-    serve better than v: near rest friction's sign hangs on the last digit that a sensor tells.
+    Xia (2019) eqs. (2)-(3), (21).  sliding: each drive's speed for evaluating friction.  Speeds of a smooth motion are
+    better than v: near rest the sign of measured friction depends on the sensor's last digit.
     """
     tau = [Jet(0, 0)] * system.nv
     for d, x, w, slid in zip(drives, theta, theta_dot, sliding, strict=True):

@@ -15,7 +15,7 @@ def mass_matrix(system: System, q: Scalars) -> list[list[Scalar]]:
     """M(q), nv x nv, with rigidly geared rotors as armature.  Featherstone (2008) section 6.2."""
     X = joint_poses(system, q)
     M = [[I_m if j == k else 0 for k in range(system.nv)] for j, I_m in enumerate(system.armature)]
-    # inward: each body as it would be with all it carries frozen to it
+    # inward: composite inertias
     composite: list[Inertia] = [body.inertia for body in system.segments]
     for i, body in reversed([*enumerate(system.segments)]):
         if body.parent != WORLD:
@@ -28,7 +28,7 @@ def mass_matrix(system: System, q: Scalars) -> list[list[Scalar]]:
 
 
 def _add_spins(system: System, X: list[Pose], M: list[list[Scalar]]) -> None:
-    """What a rigidly geared rotor's acceleration asks of each joint that turns its carrier, and the other way round."""
+    """Adds the inertial coupling between rigidly geared rotors and the joints that turn their carriers."""
     columns = velocity_columns(system, X)
     for spin in system.spins:
         if spin.elastic:
@@ -40,7 +40,7 @@ def _add_spins(system: System, X: list[Pose], M: list[list[Scalar]]) -> None:
 
 
 def _add_row(system: System, X: list[Pose], composite: Inertia, i: int, M: list[list[Scalar]]) -> None:
-    """What accelerating joint i alone costs it and every joint that carries it."""
+    """Torques at joint i, and at every joint that carries it, when joint i alone accelerates."""
     body = system.segments[i]
     for v, z in body.columns():
         F, carrier = composite * z, i

@@ -20,7 +20,7 @@ def within_limits(drive: Drive, command: Scalar, theta_dot: Scalar) -> Scalar:
     motor = drive.motor
     if motor is None or (motor.current_limit is None and motor.voltage_limit is None):
         return command
-    gain = motor.torque_constant * drive.ratio  # N m at the joint for each ampere
+    gain = motor.torque_constant * drive.ratio  # N m at the joint per ampere
     current = command / gain
     if motor.voltage_limit is not None:
         assert motor.resistance is not None, "a voltage limit needs the resistance"
@@ -38,13 +38,13 @@ def lag_rate(motor: Motor, command: Scalar, torque: Scalar) -> Scalar:
 
 
 def shaft_torque(drive: Drive, torque: Scalar, theta: Scalar) -> Scalar:
-    """What reaches the rotor of an electromagnetic torque, N m: with ripple, and with cogging."""
+    """Torque on the rotor from an electromagnetic torque, N m, with ripple and cogging."""
     ripple, cogging = ripple_and_cogging(drive, theta)
     return torque * (1 + ripple) + cogging
 
 
 def torque_for(drive: Drive, shaft: Scalar, theta: Scalar) -> Scalar:
-    """The electromagnetic torque that brings this much to the rotor, N m: the inverse of `shaft_torque`."""
+    """Electromagnetic torque for a torque on the rotor, N m: the inverse of `shaft_torque`."""
     ripple, cogging = ripple_and_cogging(drive, theta)
     return (shaft - cogging) / (1 + ripple)
 

@@ -1,4 +1,4 @@
-"""About how many operations the numbers of a model take in inverse dynamics: what a choice of frames is judged by.
+"""Estimated operation counts of a model's numbers in inverse dynamics: the criterion for choosing frames.
 
 Entries that are 0 cost nothing, and those of a rotation that are 1 or -1 half.  A rotation is multiplied with three
 vectors outward and two inward: two operations each for an entry, or 20 where it turns two numbers.  A position enters
@@ -23,7 +23,7 @@ def inertia_cost(P: Array) -> float:
 
 
 def rotation_cost(T: Array, turning: bool) -> float:
-    """Of a placement's rotation: the joint's turn about z comes on top of it, or none."""
+    """Of a placement's rotation, with or without the joint's turn about z after it."""
     R, total = T[:3, :3].tolist(), 0.0
     for a, b, c in R:
         if turning and (a or b):
@@ -31,7 +31,7 @@ def rotation_cost(T: Array, turning: bool) -> float:
         elif not turning:
             total += sum(5 if abs(x) == 1.0 else 10 for x in (a, b) if x)
         total += (5 if abs(c) == 1.0 else 10) if c else 0
-    return total + 0.1 * sum(x < 0.0 for row in R for x in row)  # of two that cost the same, the one with fewer signs
+    return total + 0.1 * sum(x < 0.0 for row in R for x in row)  # fewer minus signs decide between equal costs
 
 
 def position_cost(T: Array) -> float:
@@ -39,7 +39,7 @@ def position_cost(T: Array) -> float:
 
 
 def least_position_cost(T: Array) -> float:
-    """Of what is left of a position when both frames are shifted along their z axes to the common normal."""
+    """Of the position that remains when both frames are shifted along their z axes to the common normal."""
     (x, y, _), p = T[:3, 2], T[:3, 3]
     across = hypot(x, y)
     if across <= NEGLIGIBLE:
@@ -50,7 +50,7 @@ def least_position_cost(T: Array) -> float:
 
 
 def cheapest_zero(T: Array, kind: str) -> tuple[Array, float]:
-    """A placement, and an angle beside the joint's coordinate (rad), that together are the same and cost least."""
+    """The cheapest equivalent of a placement: another placement, and an offset of the joint's coordinate (rad)."""
     best, least = (T, 0.0), rotation_cost(T, True)
     for a, b, _ in T[:3, :3].tolist() if kind in TURNING else ():
         if a and b:
@@ -63,5 +63,5 @@ def cheapest_zero(T: Array, kind: str) -> tuple[Array, float]:
 
 
 def within_quarter(angle: float) -> float:
-    """The angle less the nearest quarter turns: these only rename axes."""
+    """The angle modulo quarter turns, which only rename axes."""
     return angle - round(angle / (pi / 2)) * pi / 2

@@ -1,4 +1,4 @@
-"""Numeric poses (4, 4), child to parent, without what only rounding has left in them."""
+"""Numeric poses (4, 4), child to parent, cleaned of rounding errors."""
 
 from math import cos, sin
 
@@ -37,7 +37,7 @@ def inverse(T: Array) -> Array:
 
 
 def joined(*factors: Array) -> Array:
-    """The product, with 0, 1 and -1 where rounding hides them."""
+    """The product, with exact 0, 1 and -1 where only rounding differs from them."""
     product, reach = factors[0].copy(), np.abs(factors[0][:3, 3]).max()
     for T in factors[1:]:
         product, reach = product @ T, reach + np.abs(T[:3, 3]).max()

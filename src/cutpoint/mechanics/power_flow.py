@@ -15,7 +15,7 @@ Scalars = Sequence[Scalar]
 def power_flows(system: System, q: Scalars, v: Scalars, a: Scalars) -> list[Scalar]:
     """Power that passes outward through each cutting point, in the order of the robot's cuts, W.
 
-    At a cut both sides have one velocity V and one wrench F: what leaves one subsystem, V^T F, enters the next.
+    At a cut both sides have the same velocity V and wrench F: the power V^T F leaves one subsystem and enters the next.
     """
     moved = motions(system, q, v, a)
     F = bear(system, [m.X for m in moved], net_wrenches(system, moved, v, a), {})

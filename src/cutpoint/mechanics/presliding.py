@@ -1,9 +1,9 @@
-"""Friction before it slides: contacts wind up like bristles, hold below breakaway and slide above it.
+"""Presliding friction: contacts deflect like bristles, stick below breakaway and slide above it.
 
-A bristle's strain follows the joint's displacement, not time: from the strain before a displacement the strain after
-comes in closed form, however fast the motion, so these laws put no bound on integration steps but for the frequency of
-a mass on the bristles' stiffness, and for its decay by their damping once they turn back.  The differential equations
-that they solve are cited at each class.
+A bristle's strain follows the joint's displacement, not time: the strain after a displacement follows from that before
+it in closed form, at any speed.  So these laws limit integration steps only through the frequency of a mass on the
+bristles' stiffness, and through its decay by their damping after a reversal.  The differential equations that they
+solve are cited at each class.
 Strains in rad (m), torques in N m (N), all at the joint's side.
 """
 
@@ -23,9 +23,9 @@ SMALLEST = 1e-30
 
 
 class Presliding(ABC):
-    """What bristle laws share.
+    """Base class of bristle laws.
 
-    sliding: friction once it slides.  distance: strain at which it does, starting from rest without load, rad.
+    sliding: the law of steady sliding.  distance: strain at breakaway, from rest without load, rad.
     damping: of the bristles while they wind up, N m s/rad.
     """
 
@@ -38,7 +38,7 @@ class Presliding(ABC):
 
     @property
     def stiffness(self) -> Scalar:
-        """Of the bristles, N m/rad."""
+        """Stiffness of the bristles, N m/rad."""
         return self.sliding.plateau(0) / self.distance
 
     @property
@@ -47,22 +47,22 @@ class Presliding(ABC):
         return self.distance / self.sliding.plateau(0)
 
     def torque(self, speed: Scalar, load: Scalar = 0) -> Scalar:
-        """xi in steady sliding, N m: all that can be said without the strain."""
+        """xi in steady sliding, N m, for use without a strain."""
         return self.sliding.torque(speed, load)
 
     def resistance(self, speed: Scalar, load: Scalar = 0) -> Scalar:
-        """In steady sliding, N m s/rad."""
+        """Resistance in steady sliding, N m s/rad."""
         return self.sliding.resistance(speed, load)
 
     def share_of_load(self, speed: Scalar) -> Scalar:
         return self.sliding.share_of_load(speed)
 
     def strained_torque(self, strain: Scalar, speed: Scalar, load: Scalar = 0) -> Scalar:
-        """xi of strained bristles, N m.  Their damping acts only while they wind up: it never pushes."""
+        """xi of strained bristles, N m.  Their damping acts only while they wind up, so it never drives the motion."""
         return self.stiffness * strain + self.strained_resistance(strain, speed, load) * speed
 
     def strained_resistance(self, strain: Scalar, speed: Scalar, load: Scalar = 0) -> Scalar:
-        """What of xi goes with speed, N m s/rad."""
+        """The part of xi that is proportional to speed, N m s/rad."""
         return self.damping * maximum(self.winding(strain, speed, load), 0) + self.sliding.viscosity
 
     @abstractmethod
@@ -71,22 +71,22 @@ class Presliding(ABC):
     ) -> Scalar:
         """Strain after a displacement in one direction, rad.
 
-        speed, load: at its end.  halfway: as at its end by default; the strain at which it slides goes on evenly
+        speed, load: at its end.  halfway: by default as at its end; the breakaway strain is interpolated linearly
         through both.
         """
 
     @abstractmethod
     def winding(self, strain: Scalar, speed: Scalar, load: Scalar = 0) -> Scalar:
-        """d strain / d displacement at a strain: 1 where all motion winds bristles up, 0 where all of it slides, and up
-        to 2 where LuGre's unwind, which damp twice as much then."""
+        """d strain / d displacement at a strain: 1 where all motion winds bristles up, 0 in full sliding, and up to 2
+        where LuGre's bristles unwind, which doubles their damping."""
 
     def _ends(self, speed: Scalar, load: Scalar, halfway: Halfway | None, forwards: Scalar) -> tuple[Scalar, Scalar]:
-        """Strains at which it slides where a displacement begins and where it ends, rad."""
+        """Breakaway strains at the beginning and the end of a displacement, rad."""
         end = self._breakaway(speed, load, forwards)
         return end if halfway is None else 2 * self._breakaway(*halfway, forwards) - end, end
 
     def _breakaway(self, speed: Scalar, load: Scalar, forwards: Scalar) -> Scalar:
-        """Strain at which it slides, rad."""
+        """Breakaway strain, rad."""
         return self.sliding.dry(speed, load, forwards) * self.compliance
 
 
@@ -94,7 +94,7 @@ class Presliding(ABC):
 class LuGre(Presliding):
     """ds/dt = speed - |speed| s / s_b, s_b = dry friction / stiffness.  Canudas de Wit et al. (1995).
 
-    Slides a little at any load: under a vibrating load it drifts where a real contact holds.
+    Slides a little at any load: under a vibrating load it drifts where a real contact sticks.
     """
 
     sliding: Stribeck | Coulomb
@@ -117,11 +117,10 @@ class LuGre(Presliding):
 
 @dataclass(frozen=True)
 class ElastoPlastic(Presliding):
-    """Elastic up to a share of the breakaway strain, then more and more sliding.  Dupont et al. (2002).
+    """Elastic up to a share of the breakaway strain, then gradually sliding.  Dupont et al. (2002).
 
-    Within Dupont's family, ds/dt = speed (1 - alpha sgn(speed) s / s_b), alpha is such that sliding sets in in
-    proportion to the strain beyond elastic * s_b, which has a closed form.  Loads below that share are held without
-    creep.
+    Within Dupont's family, ds/dt = speed (1 - alpha sgn(speed) s / s_b), alpha makes sliding grow in proportion
+    to the strain beyond elastic * s_b, which has a closed form.  Loads below that share are held without creep.
     elastic: the share, at least 0 and below 1.
     """
 
@@ -135,8 +134,8 @@ class ElastoPlastic(Presliding):
     ) -> Scalar:
         forwards = where(displacement < 0, -1, 1)
         start, end = self._ends(speed, load, halfway, forwards)
-        before, travel, share = forwards * before, absolute(displacement), self.elastic  # seen along the motion
-        # it slides from where its strain meets that share of a limit that moves
+        before, travel, share = forwards * before, absolute(displacement), self.elastic  # in the direction of motion
+        # sliding starts where the strain meets that share of the changing limit
         short, moved = share * start - before, share * (end - start)
         onset = clip(travel * short / maximum(travel - moved, SMALLEST), 0, travel)
         limit = start + (end - start) * onset / maximum(travel, SMALLEST)
@@ -153,12 +152,12 @@ class ElastoPlastic(Presliding):
 
 
 def _followed(before: Scalar, start: Scalar, end: Scalar, way: Scalar, scale: Scalar) -> Scalar:
-    """s after a way along which ds/dx = (limit - s) / scale, the limit going evenly from start to end."""
+    """s after a distance with ds/dx = (limit - s) / scale, the limit varying linearly from start to end."""
     x = maximum(way / scale, SMALLEST)
     gone = saturation(x)
     return end + (before - start) * (1 - gone) - (end - start) * (gone / x)
 
 
 def sliding_of(law: Any) -> Sliding | None:
-    """A law of friction as it slides: the bristles' sliding law, or the law itself."""
+    """The sliding law of a friction law: the bristles' one, or the law itself."""
     return law.sliding if isinstance(law, Presliding) else law

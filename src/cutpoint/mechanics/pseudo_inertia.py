@@ -44,7 +44,7 @@ def parameters_of_pseudo_inertia(L: Matrix) -> list[Scalar]:
 
 
 def nominal_sizes(p: Sequence[Scalar]) -> list[Scalar]:
-    """How large ten inertial parameters are: mass, that times radius of gyration, that times its square."""
+    """Nominal sizes of ten inertial parameters: mass, mass times radius of gyration, mass times its square."""
     m, *_, xx, _, _, yy, _, zz = p
     radius = sqrt((xx + yy + zz) / (2 * where(m > 0, m, 1)))
     return [m] + [m * radius] * 3 + [m * radius * radius] * 6

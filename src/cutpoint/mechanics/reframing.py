@@ -1,10 +1,10 @@
-"""Where the bodies' frames sit best: on their joints' axes, so that most numbers between them are 0 or 1.
+"""The best choice of body frames: on their joints' axes, so that most numbers between them are 0 or 1.
 
 A joint's motion is the same in every frame that is turned about its axis or shifted along it (for a prismatic joint:
 shifted anywhere).  Frames with x along the common normal of a joint's axis and the next leave a turn about x and two
-numbers of position between bodies, Khalil and Dombre (2002) section 3.2; what is left of a turn about the joint's own
-axis is an angle beside its coordinate, one addition.  Where one body bears several, or none, and between equal ends,
-operations decide, see `operation_costs`.
+numbers of position between bodies, Khalil and Dombre (2002) section 3.2; a remaining turn about the joint's own axis is
+an offset of its coordinate, one addition.  For bodies with several children or none, and between equivalent choices,
+operation counts decide, see `operation_costs`.
 """
 
 from collections.abc import Callable, Sequence
@@ -41,11 +41,11 @@ meet anywhere, and a robot may be mounted far from the world's origin."""
 
 @dataclass(frozen=True, eq=False)
 class Framing:
-    """A frame for each body, and what the equations need in it.
+    """A frame for each body, and the equations' data in it.
 
     world (4, 4): a turn of the world's frame.  frames (4, 4): in the bodies' own frames.  placements (4, 4): in their
-    carriers'.  zeros: rad, what to add to a coordinate.  inertias (4, 4): pseudo-inertias, regrouped.  length: the unit
-    of length that the equations are best written in, m; all here is in m and kg.
+    carriers'.  zeros: rad, to be added to coordinates.  inertias (4, 4): pseudo-inertias, regrouped.  length: the best
+    unit of length for the equations, m; everything here is in m and kg.
     """
 
     world: Array
@@ -93,7 +93,7 @@ class _Tree:
 
     moves (4, 4): where each body's frame sits in the one it had at first.  edges (4, 4): placements of those.
     own, inertias (4, 4): pseudo-inertias there, before and after regrouping.
-    reach: the longest way from a body to one that it carries, or to its own outskirts, m.
+    reach: the longest distance from a body to one that it carries, or to its own extent, m.
     """
 
     def __init__(self, bodies: Sequence[Body], turns: Sequence[Array]) -> None:
@@ -116,7 +116,7 @@ class _Tree:
         return joined(inverse(self.world if parent == WORLD else self.moves[parent]), self.edges[i], self.moves[i])
 
     def placed(self, i: int) -> tuple[Array, float]:
-        """The same, with the angle beside the coordinate that makes it cheapest."""
+        """The same, with the coordinate offset that makes it cheapest."""
         return cheapest_zero(self.edge(i), self.bodies[i].joint.kind)
 
     def settle(self, i: int, candidates: Sequence[Array], position: Callable[[Array], float]) -> None:
@@ -128,7 +128,7 @@ class _Tree:
         self.moves[i] = candidates[int(np.argmin(costs))]
 
     def _cost(self, i: int, position: Callable[[Array], float]) -> float:
-        """Of the body, the placements that it bears, and its own, unless it stands on the world, which may turn."""
+        """Cost of the body, its children's placements and its own, unless it stands on the world, which may turn."""
         P = transformed(inverse(self.moves[i]), self.inertias[i])
         borne = self.bodies[i].parent != WORLD
         total = inertia_cost(without_unmoved(P, self.bodies[i].joint.kind) if borne else P)
@@ -146,7 +146,7 @@ def _turned(tree: _Tree, i: int) -> list[Array]:
         angles.append(atan2(-x, y) if hypot(x, y) > NEGLIGIBLE else atan2(p[1], p[0]))
     angles.append(atan2(P[1, 3], P[0, 3]))
     angles.append(atan2(2 * P[0, 1], P[0, 0] - P[1, 1]) / 2)
-    if tree.bodies[i].joint.kind not in TURNING:  # these have no angle beside their coordinate
+    if tree.bodies[i].joint.kind not in TURNING:  # these have no coordinate offset
         angles += [-atan2(b, a) for a, b, _ in tree.edge(i)[:3, :3].tolist()]
     return [about_z(angle) for angle in dict.fromkeys(within_quarter(x) for x in angles)]
 
@@ -154,7 +154,7 @@ def _turned(tree: _Tree, i: int) -> list[Array]:
 def _shifted(tree: _Tree, i: int) -> list[Array]:
     """Candidates for a shift along z: to the feet of common normals, level with neighbours, none.
 
-    A prismatic joint's frame may go to its neighbours' origins and to the centre of mass too.
+    A prismatic joint's frame may also move to its neighbours' origins and to the centre of mass.
     """
     turn = tree.moves[i].copy()
     turn[:3, 3] = 0.0

@@ -13,9 +13,9 @@ Scalars = Sequence[Scalar]
 
 
 def torque_regressor(system: System, q: Scalars, v: Scalars, a: Scalars) -> list[list[Scalar]]:
-    """Y(q, v, a), nv x 10 n, with tau = Y p: ten columns a body, in the order of `body_regressor`.
+    """Y(q, v, a), nv x 10 n, with tau = Y p: ten columns per body, in the order of `body_regressor`.
 
-    p is expressed in the bodies' own frames, as a file gives them; what rotors' spin costs is no part of it.
+    p is expressed in the bodies' own frames, as a file gives them; torques due to rotors' spin are not included.
     """
     moved = motions(system, q, v, a)
     return _of_bodies(system, moved, moved)
@@ -28,9 +28,9 @@ def required_torque_regressor(system: System, q: Scalars, v: Scalars, v_r: Scala
 
 
 def required_rotor_torques(system: System, q: Scalars, v: Scalars, v_r: Scalars, a_r: Scalars) -> list[Scalar]:
-    """What `required_torque_regressor` leaves out: armature, and with full coupling what spins exchange with carriers.
+    """Torques that `required_torque_regressor` leaves out: armature, and with full coupling those of rotors' spins.
 
-    It is the torque of the system whose bodies weigh nothing.
+    These are the torques of the system with massless bodies.
     """
     nothing = inertia_of([0] * 10)
     weightless = tuple(replace(segment, inertia=nothing) for segment in system.segments)
@@ -43,7 +43,7 @@ def _of_bodies(system: System, actual: list[BodyMotion], required: list[BodyMoti
     for i, (segment, m, m_r) in enumerate(zip(system.segments, actual, required, strict=True)):
         omega, omega_r = (segment.turn @ x.V.angular for x in (m, m_r))
         wrenches = body_regressor(segment.in_own_axes(m_r.A), omega, omega_r)
-        # a joint bears of a wrench what power it takes at unit speed
+        # joint torque = power of the wrench at unit speed
         for j, column in columns[i].items():
             own = segment.in_own_axes(column)
             for k, F in enumerate(wrenches):

@@ -1,10 +1,10 @@
-"""Base inertial parameters: what of a body's mass the joints cannot tell from its carrier's goes to the carrier.
+"""Base inertial parameters: mass that the joints cannot tell from their carrier's is moved to the carrier.
 
 Gautier and Khalil (1990); Khalil and Dombre (2002) section 9.4.  A body is its `pseudo_inertia` here, the (4, 4) sum
 of x x^T dm over its points x = (r, 1).  A pose T takes it to T P T^T.  A part of P made of vectors that the joint's
-motion leaves where they are, T x = x, is the same wherever the joint stands and takes no part in its motion, T' x = 0:
-both bodies carry it equally well.  For a revolute joint these vectors are its axis' direction and origin.  Nothing asks
-for positive mass.  Torques, energies, momentum and mass matrix stay what they are; so do all pivots and columns of the
+motion leaves unchanged, T x = x, is the same at every joint position and takes no part in the motion, T' x = 0: it can
+be assigned to either body.  For a revolute joint these vectors are its axis' direction and origin.  Masses need not be
+positive.  Torques, energies, momentum and mass matrix stay what they are; so do all pivots and columns of the
 articulated-body recursion, whose inertias differ by these parts alone.
 """
 
@@ -23,10 +23,10 @@ UNMOVED: dict[str, tuple[int, ...]] = {
 
 
 def regrouped(bodies: Sequence[Body], own: Sequence[Array], placements: Sequence[Array]) -> list[Array]:
-    """Pseudo-inertias (4, 4) after each body has handed on to its carrier what its joint cannot tell from it.
+    """Pseudo-inertias (4, 4) after moving to each body's carrier the part that its joint cannot tell from it.
 
     own: in the frames of the bodies; placements (4, 4) of these frames in their carriers', with joints anywhere.
-    What would go to the world stays: it costs nothing, and potential energy keeps its zero.
+    Parts that would go to the world stay: they cost nothing, and potential energy keeps its zero.
     """
     P, sizes = [*own], [_size(M) for M in own]
     for i, body in reversed([*enumerate(bodies)]):
@@ -39,7 +39,7 @@ def regrouped(bodies: Sequence[Body], own: Sequence[Array], placements: Sequence
 
 
 def without_unmoved(P: Array, kind: str) -> Array:
-    """What is left of a pseudo-inertia without all that a joint of this kind leaves where it is."""
+    """A pseudo-inertia without the part that a joint of this kind leaves unchanged."""
     left = P.copy()
     left[np.ix_(UNMOVED[kind], UNMOVED[kind])] = 0.0
     return left
@@ -51,13 +51,13 @@ def transformed(T: Array, P: Array) -> Array:
 
 
 def extent(P: Array) -> float:
-    """How far from the frame a body's mass lies in the mean of squares, m; 0 without mass."""
+    """Root-mean-square distance of a body's mass from the frame's origin, m; 0 without mass."""
     trace, mass = _size(P)
     return float(np.sqrt(trace / mass)) if mass else 0.0
 
 
 def _snapped(P: Array, size: Array) -> Array:
-    """Symmetric, and zero where an entry is nothing beside a body of this size."""
+    """P made symmetric, with entries set to zero that are negligible for a body of this size."""
     P = (P + P.T) / 2
     sigma = np.sqrt([size[0], size[0], size[0], size[1]])
     return np.where(np.abs(P) <= NEGLIGIBLE * np.outer(sigma, sigma), 0.0, P)

@@ -1,4 +1,4 @@
-"""What a motion costs one rigid body, and the same as a linear function of its ten inertial parameters.
+"""Net wrench of a rigid body's motion, and the same as a linear function of its ten inertial parameters.
 
 A body is a cloud of mass: its point at r accelerates with a + U r, where a is the acceleration of the frame's origin
 and U = (alpha x) + (omega x)(omega x) the gradient of acceleration.  Every sum over the cloud follows from that.
@@ -48,8 +48,8 @@ def net_wrench(M: Inertia, A: Motion, U: Mat3) -> Wrench:
 
 
 def net_wrench_in_crosses(M: Inertia, A: Motion, omega: Vec3) -> Wrench:
-    """F* as `net_wrench` has it, of a body that turns with omega (rad/s), in cross products: each is one operation on
-    three numbers.
+    """`net_wrench` of a body that turns with omega (rad/s), in cross products: each is one operation on three
+    numbers.
 
     Xia (2019) eqs. (47), (59)-(62).
     """

@@ -97,7 +97,7 @@ def exponential(omega: Vec3) -> Exponential:
 def logarithm(quaternion: Scalars) -> Vec3:
     """The angular velocity, at most pi, that turns by a quaternion in a unit of time."""
     x, y, z, w = with_unit_length(quaternion)
-    nearer = where(w < 0, -1, 1)  # of q and -q, the one that turns less
+    nearer = where(w < 0, -1, 1)  # picks the shorter turn of q and -q
     vector, cosine = Vec3(x, y, z) * nearer, w * nearer
     square = vector.dot(vector)
     tiny = square < _SMALL * _SMALL

@@ -1,7 +1,7 @@
 """Rotors as bodies: balanced, axisymmetric, carried by the link that carries the joint.
 
-A rotor turns about the joint's axis with ratio * theta_dot beside what its carrier turns.  Its carrier's inertia holds
-it as if it stood still; what is left is the angular momentum J ratio theta_dot of its own spin, along the axis.
+A rotor turns about the joint's axis with ratio * theta_dot relative to its carrier.  The carrier's inertia includes the
+rotor at rest; what remains is the angular momentum J ratio theta_dot of its spin, along the axis.
 Xia (2019) eqs. (4), (7), (10).
 """
 
@@ -29,7 +29,7 @@ class Spin:
     elastic: bool
 
     def reaction(self, omega: Vec3, speed: Scalar, acceleration: Scalar) -> Wrench:
-        """What the carrier, turning with omega, exerts so that the rotor's spin changes.  Xia (2019) eqs. (7), (11).
+        """Wrench of the carrier, turning with omega, on the rotor for its change of spin.  Xia (2019) eqs. (7), (11).
 
         speed and acceleration are the rotor's over ratio.
         """
@@ -37,9 +37,9 @@ class Spin:
         return Wrench(ZERO, self.axis * (self.geared * acceleration) + omega.cross(momentum))
 
     def along(self, omega: Vec3) -> Scalar:
-        """J ratio times what the carrier turns along the axis: angular momentum of the rotor, at the joint's side.
+        """J ratio times omega along the axis: angular momentum of the rotor due to its carrier, at the joint's side.
 
-        Of an angular acceleration, what it asks of the motor, N m.  Xia (2019) eq. (4).
+        With an angular acceleration: the motor torque that it takes, N m.  Xia (2019) eq. (4).
         """
         return self.geared * self.axis.dot(omega)
 
@@ -50,7 +50,7 @@ def axis_of(placement: Pose) -> Vec3:
 
 
 def standing_still(rotor: Rotor, placement: Pose) -> Inertia:
-    """A rotor that its carrier's inertia does not hold yet, at rest in the joint's frame, as its carrier feels it."""
+    """Inertia in the carrier's frame of a rotor at rest, for a carrier whose inertia does not include it yet."""
     h, J = Vec3(0, 0, rotor.mass * rotor.position), rotor.transverse + rotor.mass * rotor.position * rotor.position
     rotational = Mat3(Vec3(J, 0, 0), Vec3(0, J, 0), Vec3(0, 0, rotor.inertia))
     return Inertia(rotor.mass, h, rotational).seen_from_parent(placement)

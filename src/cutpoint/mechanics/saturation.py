@@ -1,4 +1,4 @@
-"""The share of a way to its end that what decays exponentially has gone."""
+"""The completed fraction of an exponential approach."""
 
 from cutpoint.scalars import Scalar, tanh
 

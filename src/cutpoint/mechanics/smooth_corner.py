@@ -1,4 +1,4 @@
-"""A slope that goes from 0 to 1 over a corner as a cubic, so that what it is the slope of has two derivatives more."""
+"""A slope that rises from 0 to 1 over a corner as a cubic, so that its integral has two continuous derivatives."""
 
 from dataclasses import dataclass
 
@@ -7,7 +7,7 @@ from cutpoint.scalars import Scalar, clip, maximum
 
 @dataclass(frozen=True)
 class SmoothCorner:
-    """start: the deflection where the slope begins to rise, rad (m).  width: over which it does, rad (m)."""
+    """start: the deflection where the slope begins to rise, rad (m).  width: of the rise, rad (m)."""
 
     start: Scalar
     width: Scalar
@@ -22,6 +22,6 @@ class SmoothCorner:
         return u * u * (3 - 2 * u)
 
     def ramp(self, x: Scalar) -> Scalar:
-        """The slope's integral, which goes on with slope 1."""
+        """The slope's integral, which continues with slope 1."""
         u = self.progress(x)
         return self.width * (u * u * u) * (1 - u / 2) + maximum(x - self.start - self.width, 0)

@@ -15,7 +15,7 @@ class Vec3:
     """Three scalars along the axes of a frame."""
 
     __slots__ = ("x", "y", "z")
-    __array_ufunc__ = None  # so that array * Vec3 comes here
+    __array_ufunc__ = None  # so that array * Vec3 calls __rmul__
 
     def __init__(self, x: Scalar, y: Scalar, z: Scalar) -> None:
         self.x, self.y, self.z = x, y, z
@@ -33,7 +33,7 @@ class Vec3:
         return Vec3(self.y * b.z - self.z * b.y, self.z * b.x - self.x * b.z, self.x * b.y - self.y * b.x)
 
     def rate(self) -> "Vec3":
-        """Of time jets their derivatives, one order shorter."""
+        """Time derivatives of jets, one order shorter."""
         return Vec3(rate_of(self.x), rate_of(self.y), rate_of(self.z))
 
     def skew(self) -> "Mat3":
@@ -71,7 +71,7 @@ class Mat3:
         return Vec3(*(row.dot(b) for row in self.rows))
 
     def congruence(self, S: "Mat3") -> "Mat3":
-        """R S R^T: the tensor S of a turned frame, along the axes of the unturned."""
+        """R S R^T: the tensor S of the turned frame, expressed in the unturned frame."""
         return self @ S @ self.T
 
 
@@ -102,7 +102,7 @@ class Motion:
         return Wrench(self.angular.cross(F.force), moment)
 
     def seen_from_parent(self, X: "Pose") -> "Motion":
-        """The child's motion as the parent frame has it, of the point at its origin, along its axes: U^-T V."""
+        """The child's motion in the parent frame: that of the point at its origin, along its axes, U^-T V."""
         angular = X.rotation @ self.angular
         return Motion(X.rotation @ self.linear + X.position.cross(angular), angular)
 
@@ -138,12 +138,12 @@ class Pose:
         return Pose(self.rotation @ Y.rotation, self.position + self.rotation @ Y.position)
 
     def outward(self, V: Motion) -> Motion:
-        """The parent's motion as the child frame has it, U^T V.  Xia (2019) eqs. (30), (32)."""
+        """The parent's motion in the child frame, U^T V.  Xia (2019) eqs. (30), (32)."""
         R_T = self.rotation.T
         return Motion(R_T @ (V.linear + V.angular.cross(self.position)), R_T @ V.angular)
 
     def inward(self, F: Wrench) -> Wrench:
-        """The child's wrench as the parent frame has it, U F.  Xia (2019) eqs. (32), (45)."""
+        """The child's wrench in the parent frame, U F.  Xia (2019) eqs. (32), (45)."""
         force = self.rotation @ F.force
         return Wrench(force, self.rotation @ F.moment + self.position.cross(force))
 
@@ -170,7 +170,7 @@ class Inertia:
 
     @property
     def second_moment(self) -> Mat3:
-        """The sum of r r^T dm over the body, kg m2: half the trace of the rotational inertia, less itself."""
+        """The sum of r r^T dm over the body, kg m2: half the trace of the rotational inertia, less that inertia."""
         (xx, xy, xz), (_, yy, yz), (_, _, zz) = self.rotational
         return Mat3(
             Vec3((yy + zz - xx) / 2, -xy, -xz), Vec3(-xy, (xx + zz - yy) / 2, -yz), Vec3(-xz, -yz, (xx + yy - zz) / 2)

@@ -1,7 +1,7 @@
-"""What drives remember: the strains of bristles that rub and of hysteresis elements, and how motion changes them.
+"""Internal states of drives: strains of friction bristles and hysteresis elements, and their update by motion.
 
-Strains follow displacements.  Over a short motion from one state to another they are functions of both ends, with what
-they were at the first: an integrator takes them along without a derivative.
+Strains follow displacements.  Over a short motion between two states they are functions of both ends and of the strains
+at the first: an integrator updates them without a derivative.
 """
 
 from collections.abc import Iterator, Sequence
@@ -14,7 +14,7 @@ from cutpoint.scalars import Scalar
 
 
 class Strains(NamedTuple):
-    """Of one drive, rad (m): of link-side and motor-side friction, and of the spring's elements; None if not known."""
+    """Strains of one drive, rad (m): link-side and motor-side friction, and the spring's elements; None if unknown."""
 
     link: Any = None
     motor: Any = None
@@ -31,14 +31,14 @@ def count(drive: Drive) -> int:
 
 
 def names(drive: Drive) -> list[str]:
-    """What they are, in their order."""
+    """Names of a drive's strains, in order."""
     sides = (("link friction", drive.link_friction), ("motor friction", drive.motor_friction))
     found = [side for side, law in sides if isinstance(law, Presliding)]
     return found + [f"hysteresis {k + 1}" for k in range(len(drive.hysteresis.reach) if drive.hysteresis else 0)]
 
 
 def taken(drive: Drive, numbers: Iterator[Scalar]) -> Strains:
-    """A drive's strains off a flat list."""
+    """A drive's strains from a flat list."""
     laws = drive.link_friction, drive.motor_friction
     link, motor = (next(numbers) if isinstance(law, Presliding) else None for law in laws)
     spring = tuple(next(numbers) for _ in drive.hysteresis.reach) if drive.hysteresis else None
@@ -51,10 +51,10 @@ def flat(strains: Strains) -> list[Scalar]:
 
 
 def moved(drive: Drive, before: Strains, start: DriveState, end: DriveState) -> Strains:
-    """Strains after a motion that does not turn back on its way.
+    """Strains after a motion without reversal.
 
-    Exact for elements of hysteresis; of bristles, if the strain at which they slide goes evenly along the way: to
-    second order in its length.
+    Exact for elements of hysteresis; for bristles exact if the breakaway strain varies linearly along the motion, and
+    otherwise to second order in its length.
     """
     spring = before.spring
     if drive.hysteresis and spring is not None:
@@ -74,7 +74,7 @@ def moved(drive: Drive, before: Strains, start: DriveState, end: DriveState) -> 
 
 
 def rates(drive: Drive, strains: Strains, at: DriveState, load: Scalar) -> list[Scalar]:
-    """d strain / dt of the bristles, rad/s; 0 for elements of hysteresis, which `moved` takes along exactly."""
+    """d strain / dt of the bristles, rad/s; 0 for elements of hysteresis, which `moved` updates exactly."""
     found: list[Scalar] = []
     if isinstance(drive.link_friction, Presliding):
         found.append(drive.link_friction.winding(strains.link, at.v) * at.v)
@@ -84,7 +84,7 @@ def rates(drive: Drive, strains: Strains, at: DriveState, load: Scalar) -> list[
 
 
 def strain_energy(drive: Drive, strains: Strains) -> Scalar:
-    """Energy that bristles and elements of hysteresis hold, J."""
+    """Energy stored in bristles and elements of hysteresis, J."""
     total: Scalar = 0
     for law, strain in ((drive.link_friction, strains.link), (drive.motor_friction, strains.motor)):
         if isinstance(law, Presliding) and strain is not None:

@@ -1,6 +1,6 @@
-"""A robot as the recursions want it: every joint along its own z axis, every number a scalar.
+"""A robot in the form that the recursions take: every joint along its own z axis, every number a scalar.
 
-`assembly.system_of` makes it; no recursion sees an axis again.
+`assembly.system_of` makes it, so that no recursion deals with other axes.
 """
 
 from collections.abc import Iterator, Mapping, Sequence
@@ -43,16 +43,16 @@ class Segment:
 
     @property
     def gain(self) -> Scalar:
-        """Of its own speeds over the robot's: 1 unless it follows a leader."""
+        """Ratio of its own speeds to the robot's: 1 unless it follows a leader."""
         return self.follower.multiplier if self.follower else 1
 
     def coordinates(self, q: Sequence[Scalar]) -> list[Scalar]:
-        """Its own coordinates out of the robot's."""
+        """Its own coordinates, from the robot's."""
         own = [*q[self.q]]
         return [self.follower.multiplier * own[0] + self.follower.offset] if self.follower else own
 
     def speeds(self, v: Sequence[Scalar]) -> list[Scalar]:
-        """Its own speeds (or accelerations) out of the robot's."""
+        """Its own speeds (or accelerations), from the robot's."""
         own = [*v[self.v]]
         return [self.follower.multiplier * own[0]] if self.follower else own
 
@@ -61,14 +61,14 @@ class Segment:
         return self.placement @ self.joint.pose(self.coordinates(q))
 
     def motion(self, v: Sequence[Scalar]) -> Motion:
-        """Its joint's own velocity z v, or acceleration, of the robot's speeds or accelerations.
+        """Its joint's own velocity z v, or acceleration, from the robot's speeds or accelerations.
 
         Xia (2019) eqs. (29)-(31).
         """
         return self.joint.motion(self.speeds(v))
 
     def columns(self) -> Iterator[tuple[int, Motion]]:
-        """Its joint's motion at unit speed of each of the robot's speeds that drive it, with that speed's place."""
+        """Its joint's motion per unit of each of the robot's speeds that drive it, with that speed's index."""
         axes = range(len(self.joint.axes))
         for k in axes:
             yield self.v.start + k, self.joint.motion([self.gain * int(j == k) for j in axes])
@@ -105,7 +105,7 @@ class System:
 
     @property
     def base_acceleration(self) -> Motion:
-        """Gravity as the world's acceleration upward: every body's weight comes by itself.  Xia (2019) eq. (62)."""
+        """Gravity as an upward acceleration of the world, which gives every body its weight.  Xia (2019) eq. (62)."""
         return Motion(-self.gravity, ZERO)
 
     @property
@@ -120,7 +120,7 @@ class System:
 
     @property
     def depths(self) -> list[int]:
-        """For each body how many speeds move it, those of its own joint among them."""
+        """For each body, the number of speeds that move it, its own joint's included."""
         depths: list[int] = []
         for body in self.segments:
             depths.append(len(body.joint.axes) + (0 if body.parent == WORLD else depths[body.parent]))

@@ -1,9 +1,9 @@
-"""How the torques of a motion change with it, by rules of mechanics, for joints of one axis each.
+"""Derivatives of the torques of a motion with respect to it, in closed form, for joints of one axis each.
 
-The results are those of Carpentier and Mansard (2018), RSS; here a body is a cloud of mass, as in `rigid_body`.  Let a
-frame's origin accelerate otherwise by delta a, its angular velocity be other by delta omega, and all that it carries
-move relative to it as before.  Then a point at r that has the velocity u, both relative to the origin, accelerates
-otherwise by
+The results are those of Carpentier and Mansard (2018), RSS; here a body is a cloud of mass, as in `rigid_body`.  Let
+the acceleration of a frame's origin change by delta a, its angular velocity by delta omega, and let everything that it
+carries move relative to it as before.  Then the acceleration of a point at r with the velocity u, both relative to the
+origin, changes by
 
     delta a + beta x r + 2 delta omega x u,    beta = delta alpha + omega x delta omega.
 """
@@ -24,7 +24,7 @@ Matrix = list[list[Scalar]]
 
 
 class Change(NamedTuple):
-    """Of a frame's motion: delta a and beta, as above, then delta omega."""
+    """Change of a frame's motion: delta a and beta, as above, then delta omega."""
 
     A: Motion
     omega: Vec3
@@ -32,7 +32,7 @@ class Change(NamedTuple):
 
 @dataclass(slots=True, eq=False)
 class Cloud:
-    """What a body and all that it carries ask of its joint when its frame's motion changes, in its axes.
+    """A body with all that it carries: the change of its wrench with its frame's motion, in its axes.
 
     twice_momentum: the sum of 2 u dm.  drift: that of 2 u r^T dm.
     """
@@ -51,20 +51,20 @@ class Cloud:
         return Cloud(self.inertia + other.inertia, self.twice_momentum + other.twice_momentum, self.drift + other.drift)
 
     def seen_from_parent(self, X: Pose, u: Vec3) -> "Cloud":
-        """The same, felt at the parent's frame, in which this one's origin has the velocity u."""
+        """The same in the parent's frame, in which this one's origin has the velocity u."""
         R, r, inertia, twice = X.rotation, X.position, self.inertia.seen_from_parent(X), u * 2
         momentum = R @ self.twice_momentum
         drift = R.congruence(self.drift) + _outer(twice, inertia.first_moment) + _outer(momentum, r)
         return Cloud(inertia, momentum + twice * inertia.mass, drift)
 
     def wrench(self, change: Change) -> Wrench:
-        """What it takes."""
+        """Change of the wrench."""
         inert, omega = self.inertia * change.A, change.omega
         moment = omega * _trace(self.drift) - self.drift @ omega
         return inert + Wrench(omega.cross(self.twice_momentum), moment)
 
     def effort(self, S: Motion) -> "Effort":
-        """What a change takes along S."""
+        """Change of the wrench along S."""
         turning = S.angular * _trace(self.drift) - self.drift.T @ S.angular
         return Effort(self.inertia * S, self.twice_momentum.cross(S.linear) + turning)
 
@@ -79,7 +79,7 @@ class Effort(NamedTuple):
         return change.A.power(self.F) + change.omega.dot(self.moment)
 
     def seen_from_parent(self, X: Pose, u: Vec3) -> "Effort":
-        """The same number, of a change of the parent's motion."""
+        """The same number, for a change of the parent's motion."""
         F = X.inward(self.F)
         return Effort(F, X.rotation @ self.moment + (u * 2).cross(F.force))
 
@@ -97,7 +97,7 @@ def torque_derivatives(system: System, q: Scalars, v: Scalars, a: Scalars) -> tu
     by_q, by_v = ([rule(m, s) for m, s in zip(moved, S, strict=True)] for rule in (_by_position, _by_speed))
     d_q, d_v, d_a = ([[0] * n for _ in range(n)] for _ in range(3))
     for i, cloud in enumerate(clouds):
-        # a change at a joint further in, as it is felt here, and one here, as it is felt further in
+        # effect here of changes at inner joints, and effect there of a change here
         effort = cloud.effort(S[i])
         felt_q, felt_v = cloud.wrench(by_q[i]) + S[i].cross_wrench(F[i]), cloud.wrench(by_v[i])
         row, at = system.segments[i].v.start, i
@@ -115,9 +115,9 @@ def torque_derivatives(system: System, q: Scalars, v: Scalars, a: Scalars) -> tu
 
 
 def along_motion(by: Sequence[Sequence[Any]], k: int, rate: int) -> Any:
-    """How the k-th time derivative of a torque changes with a rate of the position, by Leibniz' rule.
+    """Derivative of the k-th time derivative of a torque with respect to a rate of the position, by Leibniz' rule.
 
-    by: how the torque changes with position, speed and acceleration, each with k time derivatives along the motion.
+    by: derivatives of the torque by position, speed and acceleration, each with k time derivatives along the motion.
     rate: 0 is the position, 1 the speed and so on.
     """
     lags = (rate - p for p in range(len(by)))
@@ -132,7 +132,7 @@ def suits(system: System) -> bool:
 
 
 def _by_position(m: BodyMotion, S: Motion) -> Change:
-    """What carries the joint turns and shifts against it."""
+    """Change of a motion by its joint's position: the carrier turns and shifts relative to the joint."""
     linear = m.A.linear.cross(S.angular) + m.U @ S.linear
     return Change(Motion(linear, m.U @ S.angular), m.V.angular.cross(S.angular))
 
@@ -143,7 +143,7 @@ def _by_speed(m: BodyMotion, S: Motion) -> Change:
 
 
 def _origin_velocities(system: System, moved: Sequence[BodyMotion], v: Scalars) -> list[Vec3]:
-    """Of each body's origin relative to its parent's, along the parent's axes."""
+    """Velocity of each body's origin relative to its parent's, along the parent's axes."""
     found: list[Vec3] = []
     for body, m in zip(system.segments, moved, strict=True):
         omega = ZERO if body.parent == WORLD else moved[body.parent].V.angular
@@ -153,7 +153,7 @@ def _origin_velocities(system: System, moved: Sequence[BodyMotion], v: Scalars) 
 
 
 def _clouds(system: System, moved: Sequence[BodyMotion], u: Sequence[Vec3]) -> list[Cloud]:
-    """Inward: each body with all that it carries."""
+    """Each body with all that it carries, computed inward."""
     clouds = [Cloud.of(body.inertia, m.V.angular) for body, m in zip(system.segments, moved, strict=True)]
     for i, body in reversed([*enumerate(system.segments)]):
         if body.parent != WORLD:

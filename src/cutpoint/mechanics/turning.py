@@ -1,8 +1,8 @@
 """Turns about z, by angles that may be time jets.
 
-A turn in time is R_0 E: the turn by now, and what is turned from now on, which begins as the identity.  The derivatives
-of E a are those that a has beside what its frame's spin adds, Featherstone (2008) section 2.10, so they take no sine
-and fewer products than derivatives of R's numbers would.
+A turn in time is R_0 E: the turn so far, and the turn from now on, which begins as the identity.  The derivatives of
+E a are those of a plus the terms due to its frame's spin, Featherstone (2008) section 2.10, so they take no sine and
+fewer products than derivatives of R's numbers would.
 """
 
 from typing import Any, overload
@@ -25,10 +25,9 @@ def turned(angle: Scalar, x: Scalar, y: Scalar) -> tuple[Scalar, Scalar]:
 
 
 class TurnAboutZ(Mat3):
-    """outer @ R_z, which knows that in the plane of a turn half of a tensor stays as it is.
+    """outer @ R_z, using the fact that a turn leaves half of a tensor's part in its plane unchanged.
 
-    What is the same along all axes of the plane, and what is skew, does not turn; the rest turns by twice the angle, as
-    on Mohr's circle.
+    The isotropic and the skew part do not change; the rest turns by twice the angle, as on Mohr's circle.
     """
 
     __slots__ = ("c", "outer", "s")
@@ -40,7 +39,7 @@ class TurnAboutZ(Mat3):
     def __rmatmul__(self, a: Mat3) -> Mat3: return TurnAboutZ(a @ self.outer, self.c, self.s)
 
     def congruence(self, S: Mat3) -> Mat3:
-        """R S R^T, in half as many operations in the plane as two products take."""
+        """R S R^T, in half as many operations as two products take in the plane."""
         c, s = self.c, self.s
         (xx, xy, xz), (yx, yy, yz), (zx, zy, zz) = S
         w = s * (xx - yy) + c * (xy + yx)
@@ -50,7 +49,7 @@ class TurnAboutZ(Mat3):
 
 
 class InTurn(Mat3):
-    """outer @ inner, which a vector meets one after the other."""
+    """outer @ inner, applied to a vector one after the other."""
 
     __slots__ = ("inner", "outer")
 
@@ -73,7 +72,7 @@ class InTurn(Mat3):
 
 
 class FromNowOn(Mat3):
-    """E: what a frame turns about z from now on, with this spin (rad/s)."""
+    """E: the turn of a frame about z from now on, with this spin (rad/s)."""
 
     __slots__ = ("spin",)
 

@@ -1,7 +1,7 @@
-"""A unit of length in which the length that a robot has most often is 1: products with it vanish from the equations.
+"""A unit of length in which a robot's most frequent length is 1: products with it vanish from the equations.
 
-The unit of mass goes with it, so that kg m2, N m and J stay what they are; angles and time do not change.  So joint
-torques of a robot whose joints all turn are the same numbers, from fewer operations.
+The unit of mass changes with it, so that kg m2, N m and J keep their values; angles and time do not change.  So joint
+torques of a robot with revolute joints only are the same numbers, from fewer operations.
 """
 
 from collections import defaultdict
@@ -25,7 +25,7 @@ _LEAST = 1e-3
 
 
 def unit_of_length(bodies: Sequence[Body], placements: Iterable[Array]) -> float:
-    """The length between joints that occurs most often, the first of equals, m; 1 where some joint slides."""
+    """The length between joints that occurs most often, the first of equals, m; 1 if some joint slides."""
     if any(body.joint.kind not in PURELY_TURNING for body in bodies):
         return 1.0
     pairs = zip(bodies, placements, strict=True)
@@ -59,7 +59,7 @@ def in_unit_of_length(system: System, length: float) -> System:
 
 
 def _times(x: Scalar, by: float) -> Scalar:
-    """The product, a whole number where it is 0, 1 or -1 but for rounding, so that it vanishes when traced."""
+    """The product, as a whole number where it is 0, 1 or -1 up to rounding, so that it vanishes when traced."""
     if is_plain_zero(x):
         return 0
     product = x * by

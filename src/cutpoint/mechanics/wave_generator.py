@@ -17,8 +17,8 @@ class WaveGenerator:
     """sgn(tau_w) (1 - exp(-c_w |tau_w|)) / (c_w l K_w0) at the joint's side, tau_w = tau_f / l.  Xia (2019) eq. (3).
 
     stiffness is K_w0 (N m/rad at the wave generator, at rest), hardening c_w (1/(N m)), ratio l.  The printed law has a
-    kink in its slope at zero; below `blend` (N m at the wave generator) an odd quintic that meets it with two
-    derivatives takes its place.
+    kink in its slope at zero; below `blend` (N m at the wave generator) it is replaced by an odd quintic that
+    matches its value and two derivatives.
     """
 
     stiffness: Scalar
@@ -43,7 +43,7 @@ class WaveGenerator:
         return slope / (self.ratio * self.ratio * self.stiffness)
 
     def energy(self, torque: Scalar) -> Scalar:
-        """Energy stored under a joint torque, J: the integral of torque over deflection."""
+        """Energy stored at a joint torque, J: the integral of torque over deflection."""
         _, u = self._scaled(torque)
         a, b, c = self._quintic()
         size = maximum(absolute(torque / self.ratio), self.blend)
@@ -57,7 +57,7 @@ class WaveGenerator:
         return self.hardening * self.blend
 
     def _scaled(self, torque: Scalar) -> tuple[Scalar, Scalar]:
-        """c_w tau_w, and how far into the blend that is, -1 to 1."""
+        """c_w tau_w, and its fraction of the blend, -1 to 1."""
         x = torque * (self.hardening / self.ratio)
         return x, clip(x / self._edge, -1, 1)
 
@@ -91,8 +91,9 @@ class HarmonicSpring:
     def torque(self, deflection: Scalar) -> Scalar:
         """The inverse law, in eight Newton steps from below: compliance falls with load, so they cannot overshoot.
 
-        Below are the line with the slope at rest, and what the flexspline alone bears of all that the wave generator,
-        however loaded, does not.  The steps arrive where it is no softer than a tenth of the flexspline at rest.
+        Lower bounds are the line with the slope at rest, and the flexspline's torque at the deflection less the wave
+        generator's largest one.  Eight steps suffice for a wave generator at least a tenth as stiff as the flexspline
+        at rest.
         """
         wave, size = self.wave_generator, absolute(deflection)
         most = 1 / (wave.hardening * wave.ratio * wave.stiffness)
@@ -105,7 +106,7 @@ class HarmonicSpring:
         return 1 / self._compliance(self.torque(deflection))
 
     def energy(self, deflection: Scalar) -> Scalar:
-        """Stored energy, J: of both, under the torque that they share."""
+        """Stored energy of both, J, at their common torque."""
         torque = self.torque(deflection)
         return self.flexspline.energy(self.flexspline.deflection(torque)) + self.wave_generator.energy(torque)
 
