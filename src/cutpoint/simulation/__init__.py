@@ -1,4 +1,4 @@
-"""Closed loops: plant, sensors, controller and integrator in one compiled step, and the log they leave."""
+"""Closed loops: plant, sensors, controller and integrator in one compiled step, and the resulting log."""
 
 from cutpoint.control.sensors import Sensors
 from cutpoint.simulation.log import Log

@@ -1,4 +1,4 @@
-"""Adaptive integration between two samples, as a reference for the fixed steps."""
+"""Adaptive integration between two samples, the reference for fixed steps."""
 
 from collections.abc import Callable
 from functools import cached_property
@@ -30,7 +30,7 @@ PAST_A_TURN = 1e-4
 def adaptive_step(loop: ClosedLoop) -> Callable[[dict[str, Array], Array], None]:
     """A function that advances the loop's memory by one control period: DOP853, Hairer et al. (1993) section II.5.
 
-    Bristles wind up by their differential equation; elements of hysteresis are settled wherever a drive turns back;
+    Bristles follow their differential equation; elements of hysteresis are updated at each reversal of a drive;
     commands change when they arrive.
     """
     way = _Way(loop)
@@ -40,7 +40,7 @@ def adaptive_step(loop: ClosedLoop) -> Callable[[dict[str, Array], Array], None]
     def step(memory: dict[str, Array], row: Array) -> None:
         pushed, start = np.array(loop.layout.disturbance([*row]), float), 0.0
         x = np.array(loop.lanes.dense(memory["state"]))
-        with np.errstate(all="ignore"):  # what is not finite ends the run below
+        with np.errstate(all="ignore"):  # numbers that are not finite end the run below
             for end in ends:
                 told, before = (loop.lanes.dense(memory[name]) for name in ("torque", "torque_before"))
                 commands = zip(loop.robot.machine.drives, told, before, strict=True)
@@ -54,7 +54,7 @@ def adaptive_step(loop: ClosedLoop) -> Callable[[dict[str, Array], Array], None]
 
 
 def end_period(loop: ClosedLoop, memory: dict[str, Array], x: Array) -> None:
-    """Keeps the state that a period ends in, and whether it has diverged."""
+    """Stores the state at the end of a period, and whether it has diverged."""
     memory["state"][:] = loop.lanes.padded(x)
     memory["fault"][0] = not (np.abs(memory["state"]) < BEYOND).all()
 
@@ -86,7 +86,7 @@ class _Way:
             self._speeds = kernels.compile(turning, backend=robot.backend, x=layout.state, **numbers)
 
     def go(self, x: Array, command: Array, disturbance: Array, start: float, end: float) -> None:
-        """Take the state x along, in place; where it cannot be followed it becomes NaN."""
+        """Integrates the state x in place; it becomes NaN if integration fails."""
         looks = bool(self._slipping)
         while start < end:
             origin = x.copy()
@@ -107,7 +107,7 @@ class _Way:
 
     @cached_property
     def _turning_points(self) -> list[Any]:
-        """A function of time and state for each drive with hysteresis, 0 where its spring turns back."""
+        """A function of time and state for each drive with hysteresis, 0 at reversals of its spring."""
 
         def speed(k: int) -> Any:
             def at(_: float, x: Array) -> float:
@@ -121,7 +121,7 @@ class _Way:
 
 
 def plant_rates(machine: Machine, x: Scalars, origin: Scalars, command: Scalars, disturbance: Scalars) -> Scalars:
-    """dx/dt, on a way from origin on which no spring turns back."""
+    """dx/dt, on a path from origin without reversals of springs."""
     efforts, electric, winding = [], [], []
     for d, own, past, u in zip(machine.drives, own_parts(machine, x), own_parts(machine, origin), command, strict=True):
         held = _stretched(d.drive, own, past)

@@ -1,4 +1,4 @@
-"""The state that a run starts from: what is given, and what is left to be found."""
+"""The initial state of a run: given parts, and defaults for the others."""
 
 from typing import Any
 
@@ -18,9 +18,9 @@ ROUNDING = 1e-9
 
 
 def beginning(robot: Robot, initial: State | None, reference: Array, is_held: bool) -> tuple[State, Array]:
-    """The whole state, and what motors are told until the first sample, N m.
+    """The whole state, and the motors' commands until the first sample, N m.
 
-    reference (5, N, drives); is_held: whether that holds the arm against gravity, or is nothing.
+    reference (5, N, drives); is_held: whether those commands hold the arm against gravity, or are zero.
     """
     given = initial or State()
     start = _motion(robot, given, reference)
@@ -28,13 +28,13 @@ def beginning(robot: Robot, initial: State | None, reference: Array, is_held: bo
     if is_held:
         told = robot.gravity_forces(start.q)[[d.v for d in robot.machine.drives]]
     start = _with_inner_states(robot, given, start, told)
-    if given.current is not None:  # a motor has been told what flows in it
+    if given.current is not None:  # a motor's earlier command equals its current
         told[[d.drive.has_current_lag for d in robot.machine.drives]] = start.current
     return start, told
 
 
 def _motion(robot: Robot, given: State, reference: Array) -> State:
-    """Positions and speeds: those of the reference, motors leading by what gravity bends drives, unless given."""
+    """Positions and speeds: given, or those of the reference, with motors leading by the static deflection."""
     driven = [d.q for d in robot.machine.drives]
     speeds = [d.v for d in robot.machine.drives]
     q, v = robot.neutral(), np.zeros(robot.nv)
@@ -55,9 +55,9 @@ def vector(name: str, told: Any, size: int) -> Array:
 
 
 def _of_motors(robot: Robot, name: str, told: Any, links: Array) -> Array:
-    """Positions or speeds of motors (n,); of rigid drives the links', whatever was rounded on the way.
+    """Positions or speeds of motors (n,); for rigid drives exactly the links'.
 
-    Raises InputError for a rigid drive's that is another.
+    Raises InputError if a rigid drive's differs by more than rounding.
     """
     motors = vector(name, told, len(links))
     rigid = np.array([not drive.is_elastic for drive in robot.drives.values()], bool)
@@ -70,7 +70,7 @@ def _of_motors(robot: Robot, name: str, told: Any, links: Array) -> Array:
 
 
 def _with_inner_states(robot: Robot, given: State, start: State, told: Array) -> State:
-    """Currents that hold the arm, or none at all without a controller; drives without a past."""
+    """Currents that hold the arm, or zero without a controller; strains are zero."""
     expected = sizes(robot.machine)
     lagging = [d.drive.has_current_lag for d in robot.machine.drives]
     current = told[lagging] if given.current is None else given.current
@@ -83,7 +83,7 @@ def _with_inner_states(robot: Robot, given: State, start: State, told: Array) ->
 
 
 def _farthest(robot: Robot) -> list[float]:
-    """How far each strain of hysteresis goes before it slips, in the order of `Robot.strain_names`; inf of bristles."""
+    """The strain at which each hysteresis element slips, in the order of `Robot.strain_names`; inf for bristles."""
     reaches = [drive.hysteresis.reach if drive.hysteresis else () for drive in robot.drives.values()]
     bristles = [count(drive) - len(reach) for drive, reach in zip(robot.drives.values(), reaches, strict=True)]
     return gathered([[*[np.inf] * other, *reach] for other, reach in zip(bristles, reaches, strict=True)])

@@ -1,4 +1,4 @@
-"""Compiled loops, kept for runs that differ in numbers only."""
+"""Compiled loops, reused for runs that differ in numbers only."""
 
 from collections import OrderedDict
 from collections.abc import Hashable

@@ -1,4 +1,4 @@
-"""The channels of a log: which follow from others, and what must be recorded for those that are wanted."""
+"""The channels of a log: which follow from others, and what must be recorded for the requested ones."""
 
 from collections.abc import Collection, Mapping
 
@@ -38,7 +38,7 @@ def recordable(state: Mapping[str, int], n: int, nv: int) -> dict[str, int]:
 
 
 def absent_from(robot: Robot, recorded: Mapping[str, int], *, reports: bool) -> list[str]:
-    """Channels that logs of other robots and laws have.  reports: whether the law reports faults."""
+    """Channels that this run lacks but logs of other robots and laws have.  reports: whether the law reports faults."""
     remembers, base, fault = recorded["strains"] > 0, (*BASE_COORDINATES, *BASE_SPEEDS), ("fault",)
     return [*(() if base_of(robot) else base), *(() if reports else fault), *(() if remembers else MEMORY)]
 
@@ -49,7 +49,7 @@ def base_of(robot: Robot) -> Segment | None:
 
 
 def recorded_for(wanted: Collection[str], recorded: Mapping[str, int], absent: Collection[str]) -> dict[str, int]:
-    """What must be recorded for these channels, of all that can be.  absent: those that the run does not have.
+    """Recordable quantities needed for these channels.  absent: channels that the run does not have.
 
     Raises InputError for any other.
     """

@@ -1,4 +1,4 @@
-"""A controller that acts at every instant, not once a period: what proofs in continuous time speak of."""
+"""A controller in continuous time instead of once a period, as stability proofs assume."""
 
 from collections.abc import Callable
 from typing import Any
@@ -19,7 +19,7 @@ Array = NDArray[np.float64]
 
 
 def check_continuous(loop: ClosedLoop) -> None:
-    """Raises InputError for what has no meaning between samples: memories, of law, sensors or drives.
+    """Raises InputError for memory of law, sensors or drives, which is not defined between samples.
 
     Raises TraceError for a law that cannot be compiled.
     """
@@ -71,7 +71,7 @@ def continuous_step(loop: ClosedLoop, trajectory: Trajectory | None) -> Callable
             return found[n:]
 
         x = np.array(loop.lanes.dense(memory["state"]))
-        with np.errstate(all="ignore"):  # what is not finite ends the run below
+        with np.errstate(all="ignore"):  # numbers that are not finite end the run below
             found = solve_ivp(f, (row[0], row[0] + loop.period), x, "DOP853", rtol=RTOL, atol=ATOL)
         x = found.y[:, -1] if found.success else np.full_like(x, np.nan)
         end_period(loop, memory, x)

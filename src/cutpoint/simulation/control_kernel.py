@@ -1,4 +1,4 @@
-"""A control law's step as a kernel: what the closed loop's control stage computes, for a controller cabinet."""
+"""A control law's step as a kernel: the closed loop's control stage, for use in a robot controller."""
 
 from typing import Any, NamedTuple
 
@@ -23,7 +23,7 @@ REFERENCE = ("reference_q", "reference_v", "reference_a", "reference_jerk", "ref
 
 
 class ControlStep(NamedTuple):
-    """A law's command, one number a drive, and its memory after.
+    """A law's command, one number per drive, and its next memory.
 
     torque, feedforward_torque (N m); motor_reference (rad), motor_speed_reference (rad/s): at the joint's side.
     fault: a number, see `control.Fault`.
@@ -40,7 +40,7 @@ class ControlStep(NamedTuple):
 def law_kernel(robot: Robot, law: Any, *, name: str = "control_step") -> Kernel:
     """One step of a law, equal to the compiled loop's to the last bit; torque limits are not applied.
 
-    Inputs: MEASURED and REFERENCE, one number a drive, time (s), memory, and parameters (see `law_parameters`).
+    Inputs: MEASURED and REFERENCE, one number per drive, time (s), memory, and parameters (see `law_parameters`).
     Outputs: those of ControlStep.
     Raises InputError for a law of another robot's size, TraceError for one that cannot be traced.
     """

@@ -1,4 +1,4 @@
-"""Controllers at the door: as laws that fit the robot, and looked at before they are compiled."""
+"""Validation of controllers: converted to laws that fit the robot, and examined before compilation."""
 
 from collections.abc import Hashable
 from dataclasses import dataclass
@@ -29,7 +29,7 @@ class Admitted:
     """A law that may control the robot.
 
     structure: equal for laws that one program serves.  reads: fields of a Measurement that a law needs, each with the
-    law's name.  refusal: why it cannot be compiled, as far as that is known.
+    law's name.  refusal: the reason if it is known that it cannot be compiled.
     """
 
     law: Any
@@ -39,16 +39,16 @@ class Admitted:
 
 
 def fitting(robot: Robot, controller: Any) -> Any:
-    """The controller as a law.  Raises InputError for one that is no law, or is for another number of drives."""
+    """The controller as a law.  Raises InputError if it is not a law, or is for another number of drives."""
     law = as_law(controller)
     check_drives(law, len(robot.drives))
     return law
 
 
 def admitted(robot: Robot, controller: Any) -> Admitted:
-    """The controller, None for no torque, with what must be known of it.
+    """The controller (None for no torque) and its properties.
 
-    Laws of a user's own are traced each time: what they hold beside the numbers of a dataclass may have changed.
+    User-written laws are traced each time, since state other than the numbers of a dataclass may have changed.
     """
     n = len(robot.drives)
     law = FreeResponse(n) if controller is None else fitting(robot, controller)
@@ -57,13 +57,13 @@ def admitted(robot: Robot, controller: Any) -> Admitted:
     structure = structure_of(law, {key: found.key for key, (_, found) in own.items()})
     reads = [(part, name) for part in parts_of(law) for name in getattr(part, "needs", ())]
     reads += [(part, name) for part, found in own.values() for name in found.reads if not hasattr(part, "needs")]
-    if refusal:  # what is compiled around a callback depends on how many numbers there are
+    if refusal:  # code compiled around a callback depends on the number of numbers
         structure = ("called back", name_of(law), len(leaves(law)))
     return Admitted(law, structure, tuple((name_of(part), name) for part, name in reads), refusal)
 
 
 def check_sensors(law: Admitted, sides: str) -> None:
-    """Raises InputError for a law that reads encoders which are not there."""
+    """Raises InputError for a law that reads missing encoders."""
     missing = {"both": (), "motor": ("q", "v"), "link": ("theta", "theta_dot")}[sides]
     wanted = [(reader, name) for reader, name in law.reads if name in missing]
     if wanted:

@@ -1,4 +1,4 @@
-"""The fastest things in a robot that steps of integration must follow: modes, decays, slipping, stops, waves."""
+"""The fastest dynamics of a robot that integration steps must resolve: modes, decays, slipping, stops, waves."""
 
 import math
 from collections.abc import Sequence
@@ -34,16 +34,16 @@ FEW = 256
 
 
 class Limit(NamedTuple):
-    """A rate (rad/s of a mode, 1/s of a decay) that steps must follow, and what in the robot has it."""
+    """A rate (rad/s of a mode, 1/s of a decay) that steps must resolve, and its source in the robot."""
 
     rate: float
     cause: str
 
 
 class Posture(NamedTuple):
-    """A configuration q (nq,), and what a torque on each drive's link or rotor adds to the accelerations of all there.
+    """A configuration q (nq,), and the accelerations of all links and rotors per unit torque on each of them.
 
-    mobility: (2 drives, 2 drives), 1/(kg m2); a rigid drive's rotor has none.
+    mobility: (2 drives, 2 drives), 1/(kg m2); zero for a rigid drive's rotor.
     """
 
     q: Array
@@ -64,10 +64,10 @@ def posture(robot: Robot, q: Array) -> Posture:
 
 
 def fastest_mode(robot: Robot, postures: Sequence[Posture], deflections: Array | None = None) -> Limit:
-    """Highest angular frequency of links and rotors on springs and bristles, nothing slipping yet.
+    """Highest angular frequency of links and rotors on springs and bristles, while nothing slips.
 
-    It is said to be that of the part in which most of the mode's energy is strain.
-    deflections: (m, drives), of the springs at the postures; by default what weight makes them.
+    It is attributed to the part with most of the mode's strain energy.
+    deflections: (m, drives), of the springs at the postures; by default those under gravity.
     """
     names, drives = [*robot.drives], [*robot.drives.values()]
     elastic = np.array([d.is_elastic for d in drives], bool)
@@ -98,14 +98,14 @@ def fastest_mode(robot: Robot, postures: Sequence[Posture], deflections: Array |
 
 
 def fastest_decay(robot: Robot) -> Limit:
-    """Fastest decay that a step does not take implicitly: that of the current loops."""
+    """Fastest decay that is not integrated implicitly: that of the current loops."""
     motors = {name: d.motor for name, d in robot.drives.items() if d.motor and d.motor.bandwidth is not None}
     loops = [Limit(math.tau * motor.bandwidth, f"the current loop of {name!r}") for name, motor in motors.items()]
     return max([Limit(0.0, "nothing that decays"), *loops])
 
 
 def fastest_reversal(robot: Robot, postures: Sequence[Posture]) -> Limit:
-    """Fastest decay by bristles that slip and are turned back within a step, whose implicit part knows none of it."""
+    """Fastest decay by bristles that slip and reverse within a step, which its implicit part does not include."""
     names, drives = [*robot.drives], [*robot.drives.values()]
     on_link = np.array([_unwinding(d.link_friction) for d in drives])
     on_motor = np.array([_unwinding(d.motor_friction) for d in drives])
@@ -121,7 +121,7 @@ def fastest_reversal(robot: Robot, postures: Sequence[Posture]) -> Limit:
 
 
 def fastest_growth(robot: Robot, postures: Sequence[Posture]) -> Limit:
-    """Fastest growth of a slip where friction falls with speed, as Stribeck's does."""
+    """Fastest growth of slip where friction falls with speed, as in Stribeck's law."""
     names, drives = [*robot.drives], [*robot.drives.values()]
     motor = np.array([_fall(d.motor_friction) for d in drives])
     rigid = np.array([not d.is_elastic for d in drives], bool)
@@ -136,11 +136,11 @@ def fastest_growth(robot: Robot, postures: Sequence[Posture]) -> Limit:
 
 
 def fastest_stop(robot: Robot, postures: Sequence[Posture], slip: float) -> Limit:
-    """Fastest stop of a motor by friction while its spring's damping pulls as fast: in longer steps it would slide on.
+    """Fastest stop of a motor by friction while its spring's damping pulls as fast: longer steps would let it slide on.
 
-    slip: rad, by which dry friction must wind the spring for it to matter: so far the motor would be off.
-    Either alone is followed in steps of any length.  A rate of 1 allows a step of 1 s, by STOPPED and PULLED, found on
-    one joint with friction 3 to 1e4 times, and damping 0.03 to 1e3 times, as fast as a step.
+    slip: rad, least deflection by dry friction for which it matters: the resulting error of the motor's position.
+    Either alone is stable with steps of any length.  A rate of 1 allows a step of 1 s, with STOPPED and PULLED, which
+    were fitted to one joint with friction 3 to 1e4 times, and damping 0.03 to 1e3 times, as fast as a step.
     """
     best = Limit(0.0, "nothing that stops")
     soft = [d.is_elastic and bool(d.damping) and _wound_by(d) > slip for d in robot.drives.values()]
@@ -166,7 +166,7 @@ def fastest_wave(robot: Robot, speeds: Array) -> Limit:
 
 
 def _largest_eigenvalue(A: Array) -> tuple[float, Array]:
-    """Its size, and its vector; A is a product of two positive semidefinite matrices.
+    """Its magnitude, and its vector; A is a product of two positive semidefinite matrices.
 
     Of a large A by 200 power iterations: from a random start these come within some 4 % of it, however dense the
     eigenvalues lie.  Kuczynski and Wozniakowski (1992).
@@ -190,23 +190,23 @@ def _bristles(law: Friction | None) -> float:
 
 
 def _grip(law: Friction | None) -> float:
-    """How friction grows with speed at rest, N m s/rad; bristles hold instead."""
+    """Slope of friction with speed at rest, N m s/rad; bristles stick instead."""
     return float(friction_resistance(law, 0.0, strain=0.0))
 
 
 def _wound_by(drive: Drive) -> float:
-    """How far a drive's spring gives way to its motor's dry friction, rad."""
+    """Deflection of a drive's spring under its motor's dry friction, rad."""
     law, spring = sliding_of(drive.motor_friction), drive.compliance
     return 0.0 if law is None or spring is None else float(spring.deflection(law.plateau(0.0)))
 
 
 def _unwinding(law: Friction | None) -> float:
-    """What resists bristles that are turned back, N m s/rad."""
+    """Resistance of bristles after a reversal, N m s/rad."""
     return float(law.damping * law.most_winding) if isinstance(law, Presliding) else 0.0
 
 
 def _fall(law: Friction | None) -> float:
-    """How steeply friction falls with speed where it does most, N m s/rad."""
+    """Steepest fall of friction with speed, N m s/rad."""
     if law is None:
         return 0.0
     return max(0.0, -float((np.diff(law.torque(SLIPPING)) / np.diff(SLIPPING)).min()))

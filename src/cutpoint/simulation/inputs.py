@@ -1,4 +1,4 @@
-"""What runs are given, as arrays: sample times, references, rows of periods, noise, limits."""
+"""Inputs of runs, as arrays: sample times, references, rows per period, noise, limits."""
 
 from collections.abc import Callable
 
@@ -58,15 +58,15 @@ def reference_at(robot: Robot, trajectory: Trajectory | None, initial: State | N
     if reference.shape != expected:
         rule = f"it must be {expected}: position to snap, times, joints"
         raise InputError(f"simulate: {asked} has shape {reference.shape}, {rule}", shape=reference.shape)
-    by_joint = np.ascontiguousarray(reference[0].T)  # NumPy looks through contiguous numbers ten times as fast
+    by_joint = np.ascontiguousarray(reference[0].T)  # NumPy scans contiguous numbers ten times as fast
     for extreme in (by_joint.min(axis=1), by_joint.max(axis=1)):
         check_configuration(robot.mechanism, extreme.tolist())
-    # a user's trajectory may go on with its array, and a log keeps it
+    # a user's trajectory may reuse its array, and a log keeps it
     return reference if is_of_cutpoint(trajectory) else reference.copy()
 
 
 def check_fits(function: str, trajectory: Trajectory, robot: Robot) -> None:
-    """Raises InputError for a trajectory of another number of joints, or of others by name."""
+    """Raises InputError for a trajectory with another number of joints, or other joint names."""
     n = len(robot.drives)
     if trajectory.size != n:
         raise InputError(f"{function}: the trajectory has {trajectory.size} joints, the robot has {n} drives")
@@ -77,7 +77,7 @@ def check_fits(function: str, trajectory: Trajectory, robot: Robot) -> None:
 
 
 def rows_of(loop: ClosedLoop, times: Array, reference: Array, disturbances: Disturbance | None) -> Array:
-    """What each control period is given: see `Layout.row`.  Raises InputError for disturbances that do not fit."""
+    """Inputs of each control period: see `Layout.row`.  Raises InputError for disturbances that do not fit."""
     layout = loop.layout
     rows: Array = np.zeros((len(times), layout.row))
     rows[:, 0] = times
@@ -92,7 +92,7 @@ def rows_of(loop: ClosedLoop, times: Array, reference: Array, disturbances: Dist
 
 
 def noise_of(loop: ClosedLoop, samples: int) -> Array:
-    """Standard normal numbers of a run, a row a sample."""
+    """Standard normal numbers of a run, one row per sample."""
     rows: Array = np.empty((samples, loop.layout.noise))
     Noise([loop.encoders.seed], loop.layout.noise, loop.robot.backend).fill(rows)
     return rows

@@ -1,4 +1,4 @@
-"""How numbers of like drives lie side by side: field by field, each padded to what the processor moves at once."""
+"""Layout of the numbers of uniform drives, side by side: field by field, each padded to the SIMD width."""
 
 from dataclasses import dataclass
 from typing import Any
@@ -9,7 +9,7 @@ WIDEST = 8
 
 @dataclass(frozen=True)
 class Lanes:
-    """n drives in `width` lanes.  A width of 1: drives are not alike, and nothing is padded."""
+    """n drives in `width` lanes.  A width of 1: drives are not uniform, and nothing is padded."""
 
     n: int
     width: int
@@ -27,7 +27,7 @@ class Lanes:
         return self.width > 1
 
     def size(self, count: int) -> int:
-        """How many numbers so many take, padding included."""
+        """Length of `count` fields, padding included."""
         return count // self.n * self.width if self.are_wide else count
 
     def dense(self, numbers: Any) -> list[Any]:

@@ -1,4 +1,4 @@
-"""Where things stand in a loop's rows, and numbers of any kind as arrays."""
+"""Positions of quantities in a loop's rows, and numbers of any kind as arrays."""
 
 from dataclasses import dataclass
 from typing import Any
@@ -15,7 +15,7 @@ Scalars = list[Scalar]
 
 @dataclass(frozen=True)
 class Layout:
-    """Where things stand in the regions: n drives, nv speeds; how long a state and a sample's noise are."""
+    """Positions in the memory regions: n drives, nv speeds; lengths of a state and of a sample's noise."""
 
     n: int
     nv: int
@@ -28,17 +28,17 @@ class Layout:
         return 1 + 5 * self.n + self.nv
 
     def reference(self, row: Scalars) -> Reference:
-        """The links' reference of a row; until a law makes a better one, the motors' is the same."""
+        """The links' reference of a row; the motors' is the same unless a law makes its own."""
         q, v, a, jerk, snap = (array_of(row[1 + k * self.n : 1 + (k + 1) * self.n]) for k in range(5))
         return Reference(q, v, a, jerk, snap, q, v)
 
     def seen(self, measured: Any, row: Any, period: Scalar) -> tuple[Measurement, Reference]:
-        """What a controller is given."""
+        """The measurement for a controller."""
         q, theta, v, theta_dot = (array_of(measured[k * self.n : (k + 1) * self.n]) for k in range(4))
         return Measurement(row[0], period, q, v, theta, theta_dot), self.reference(row)
 
     def command(self, command: Command, row: Any) -> Scalars:
-        """A command as it is recorded: without a motor reference of its own, the links' is the motors'."""
+        """A command as recorded: a missing motor reference is taken from the links'."""
         *parts, fault = completed(command, self.reference(row), self.n)
         return [*(x for part in parts for x in part), fault]
 

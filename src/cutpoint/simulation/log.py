@@ -26,8 +26,8 @@ RESERVED = ("time", "header")
 
 
 class Run(NamedTuple):
-    """What a log is of: robot, controller, the links' reference with four derivatives, (5, N, n), and the state at its
-    last sample, as far as all of it was recorded."""
+    """What was simulated: robot, controller, the links' reference with four derivatives, (5, N, n), and the state at
+    the last sample, if all of it was recorded."""
 
     robot: Any
     controller: Any
@@ -40,14 +40,15 @@ class Log:
     """Channels over the same times.
 
     time: (N,), s, increasing.
-    channels: by name, each (N, n) with a column per joint, or (N,); they may hold NaN, as a run that failed does.
+    channels: by name, each (N, n) with a column per joint, or (N,); they may hold NaN, as in a failed run.
     units: of every channel, or one unit per joint where they differ (`("rad", "m")`); "" where there is none.
     joints: their n names, in the order of the columns.
-    meta: anything JSON can say about the run.
-    run: what was simulated; None for a log that comes from elsewhere, as files do.
+    meta: any JSON data about the run.
+    run: what was simulated; None for a log from elsewhere, such as a file.
 
     Raises:
-        InputError: times that do not increase, shapes that do not match, a missing unit, or a meta JSON cannot say.
+        InputError: times that do not increase, shapes that do not match, a missing unit, or a meta that JSON cannot
+            represent.
     """
 
     time: Array
@@ -74,11 +75,11 @@ class Log:
         object.__setattr__(self, "meta", _as_json(self.meta))
 
     def __reduce__(self) -> tuple[Any, ...]:
-        """Made anew from its parts, so that nobody can write to a copy either."""
+        """Rebuilt from its parts, so that copies are read-only too."""
         return Log, (self.time, self.channels, self.units, self.joints, self.meta, self.run)
 
     def __getitem__(self, name: str) -> Array:
-        """A channel, (N, n) or (N,).  An unknown name is an InputError that lists those there are."""
+        """A channel, (N, n) or (N,).  Raises InputError for an unknown name, with a list of the known ones."""
         check_kind("log", "channel", name, str, "a name, such as 'q'")
         if name not in self.channels:
             raise unknown_name("channel", name, self.channels)
@@ -180,7 +181,7 @@ def column_name(channel: str, joint: str) -> str:
 
 
 def _frozen(values: Any) -> Array:
-    """A copy that nobody else can write; what nobody can write as it is needs none."""
+    """A read-only copy; an array that is read-only already is not copied."""
     found = np.asarray(values, dtype=np.float64)
     owner: Any = found if found.base is None else found.base
     if found is values and not found.flags.writeable and isinstance(owner, np.ndarray) and not owner.flags.writeable:
@@ -213,7 +214,7 @@ def _unit(name: str, units: Mapping[str, Unit], joints: int) -> Unit:
 
 
 def _as_json(meta: Mapping[str, Any]) -> dict[str, Any]:
-    """The meta as it will come back from a file: lists for tuples, strings for keys."""
+    """The meta as read back from a file: lists for tuples, strings for keys."""
     try:
         return json.loads(json.dumps(dict(meta)))
     except (TypeError, ValueError) as error:

@@ -1,7 +1,7 @@
 """Logs as files.  An .npz holds an array per channel, `time`, and a `header` of JSON; a .csv the same as text.
 
 The header is `{"cutpoint_log": 1, "joints": [...], "units": {...}, "meta": {...}}`.  In a .csv it is the first line,
-behind a `#`; the second names the columns as `q.elbow [rad]`.
+after a `#`; the second names the columns as `q.elbow [rad]`.
 """
 
 import csv
@@ -56,7 +56,7 @@ UNREADABLE = (
 
 
 def save(log: Log, path: Path) -> None:
-    """Writes the log, or leaves what was there.  Raises InputError for a path that cannot be written."""
+    """Writes the log; on failure an existing file stays unchanged.  Raises InputError if the path cannot be written."""
     write = _by_ending(path, {".npz": _write_npz, ".csv": _write_csv})
     check_target_file(path, "log")
     _check_size(sum(values.nbytes for values in log.channels.values()))
@@ -123,7 +123,7 @@ def _read_npz(path: Path) -> Log:
 
 
 def _member(archive: zipfile.ZipFile, name: str) -> NDArray[Any]:
-    """An array of the archive, whose declared size is checked against its true one before memory is asked for."""
+    """An array of the archive; its declared size is checked against the true one before memory is allocated."""
     member = archive.getinfo(f"{name}.npy")
     if member.compress_type not in (zipfile.ZIP_STORED, zipfile.ZIP_DEFLATED):
         raise ValueError(f"{name} is compressed in another way than NumPy does")
@@ -180,7 +180,7 @@ def _read_csv(path: Path) -> Log:
 
 
 def _lines(text: TextIO) -> Iterator[str]:
-    """Every line, which must have its end: without, a last number may lack digits.  Raises ValueError."""
+    """All lines; the last must end with a newline, or else its last number may be truncated.  Raises ValueError."""
     count = 0
     while line := text.readline(LONGEST_LINE):
         count += 1
@@ -190,7 +190,7 @@ def _lines(text: TextIO) -> Iterator[str]:
 
 
 def _numbers(cells: list[str], width: int, line: int) -> list[float]:
-    """A line's numbers.  Raises ValueError, with the line, for another number of cells, or a cell that holds none."""
+    """A line's numbers.  Raises ValueError, with the line, for a wrong number of cells, or a cell without a number."""
     if len(cells) != width:
         rule = "copy the file anew, or take that line out"
         raise ValueError(f"line {line} has {len(cells)} cells, and must have {width} as the line of titles; {rule}")

@@ -39,7 +39,7 @@ Line = tuple[str, Array, Array]
 def picture(logs: Mapping[str, Log], names: Sequence[str]) -> Figure:
     """One axis per unit and joint for the named channels of all logs; without names, one per channel of the only log.
 
-    logs: by the name that stands before their channels; "" for none.
+    logs: by the prefix of their channels in legends; "" for none.
     """
     axes = _axes(logs, names)
     if not axes:
@@ -60,7 +60,7 @@ def picture(logs: Mapping[str, Log], names: Sequence[str]) -> Figure:
 
 
 def check_beside(beside: Mapping[str, Log], names: Sequence[str]) -> None:
-    """Raises InputError for what are no logs by name, and for no channels to draw of them."""
+    """Raises InputError for anything but logs by name, and if no channels are named to draw of them."""
     check_kind("plot", "beside", beside, Mapping, "logs by name, such as {'VDC': log}")
     for run, other in beside.items():
         check_kind("plot", "each name in beside", run, str, "a text for the legend")
@@ -74,7 +74,7 @@ def _label(channel: str, run: str) -> str:
 
 
 def _cells(axes: dict[tuple[str, str], list[Line]], apart: bool) -> tuple[int, list[int]]:
-    """How many axes stand side by side, and the cell of each, row by row.
+    """The number of columns, and the cell of each axis, row by row.
 
     apart: axes of other channels than those before them begin a row.
     """
@@ -109,7 +109,7 @@ def _axes(logs: Mapping[str, Log], names: Sequence[str]) -> dict[tuple[str, str]
 
 
 def _are_short(log: Log, names: Sequence[str]) -> bool:
-    """Whether all ways that are shown are of less than a metre."""
+    """Whether all shown lengths are below a metre."""
     for name in names:
         values = log[name].reshape(log.time.size, -1)
         ways = values[:, [unit == "m" for _, unit in log.columns(name)]]
@@ -119,7 +119,7 @@ def _are_short(log: Log, names: Sequence[str]) -> bool:
 
 
 def _for_people(unit: str) -> tuple[str, float]:
-    """The unit to show and what values are multiplied with: degrees for angles and their time derivatives."""
+    """The unit to show and its factor: degrees for angles and their time derivatives."""
     if unit == "rad" or unit.startswith("rad/"):
         return unit.replace("rad", "deg", 1), 180.0 / np.pi
     return unit, 1.0

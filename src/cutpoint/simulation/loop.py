@@ -1,7 +1,7 @@
 """The closed loop as stages over memory: sense, control, actuate, record, integrate.
 
-What the stages read and write are flat lists of scalars; `kernels.programs` compiles them into one function that runs
-any number of control periods, or runs them as they are where nothing can be compiled.
+Stages read and write flat lists of scalars; `kernels.programs` compiles them into one function that runs any number of
+control periods, or runs them in Python if they cannot be compiled.
 """
 
 from collections.abc import Hashable
@@ -67,7 +67,7 @@ class ClosedLoop:
 
     @cached_property
     def parts(self) -> State:
-        """How long each part of the state is."""
+        """Length of each part of the state."""
         return sizes(self.robot.machine)
 
     @cached_property
@@ -80,7 +80,7 @@ class ClosedLoop:
 
     @cached_property
     def lanes(self) -> Lanes:
-        """All drives side by side where they are alike; not where runs are."""
+        """Lanes of drives, if these are uniform and runs are not side by side."""
         return Lanes.of(self.layout.n, self.runs == 1 and is_uniform(self.robot.machine))
 
     @cached_property
@@ -147,7 +147,7 @@ class ClosedLoop:
     def actuate(
         self, state: Scalars, command: Scalars, torque: Scalars, parameters: Scalars
     ) -> tuple[Scalars, Scalars]:
-        """What motors are told, within what drive, current and voltage allow, N m; and what they were told before.
+        """The motors' commands, N m, within the limits of drive, current and voltage; and their previous commands.
 
         A command that is NaN passes all limits as NaN.
         """
@@ -158,15 +158,15 @@ class ClosedLoop:
         return self.lanes.padded(told), torque
 
     def record(self, *regions: Scalars) -> Scalars:
-        """What the log keeps of a sample."""
+        """The recorded quantities of a sample."""
         numbers = iter(self.plant.record(*regions))
         found = {name: [next(numbers) for _ in range(size)] for name, size in self._recordable.items()}
         return [x for name in self.channels for x in found[name]]
 
     def watch(self, state: Scalars, command: Scalars, fault: Scalars) -> Scalars:
-        """Not zero once the state has diverged, or that or a part of the command is not finite."""
+        """Nonzero once the state has diverged, or state or command is not finite."""
         found = fault[0]
-        for x in command[self.layout.n : -1]:  # torque that is not finite takes the state with it
+        for x in command[self.layout.n : -1]:  # torque that is not finite shows in the state
             found = where(absolute(x) < np.inf, found, 1)
         for x in self.lanes.dense(state):
             found = where(x * x < BEYOND * BEYOND, found, 1)
@@ -178,7 +178,7 @@ class ClosedLoop:
         """The compiled loop, or a part of what happens each sample.
 
         sense: before the controller.  command: sense, and the controller.  after: all that follows.  output: what
-        follows, but for integration.  Raises TraceError for a whole or a command whose controller cannot be traced.
+        follows, but for integration.  Raises TraceError for the whole or a command if the controller cannot be traced.
         """
         if self.refusal and part in ("whole", "command"):
             raise self.refusal

@@ -35,10 +35,10 @@ Array = NDArray[np.float64]
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Runs(Sequence[Any]):
-    """What runs gave, in their order: logs, or what `each` made of them.
+    """Results of runs, in order: logs, or the results of `each`.
 
-    errors: by number, SimulationErrors of the runs that diverged or were interrupted, with the logs until then.  Asking
-    for such a run raises its error.
+    errors: by index, SimulationErrors of the runs that diverged or were interrupted, with the logs until then.
+    Accessing such a run raises its error.
     """
 
     results: tuple[Any, ...]
@@ -57,7 +57,7 @@ class Runs(Sequence[Any]):
 
     @property
     def finished(self) -> list[Any]:
-        """Those of runs that reached their end."""
+        """Results of the runs that reached their end."""
         return [x for k, x in enumerate(self.results) if k not in self.errors]
 
     def __repr__(self) -> str:
@@ -82,14 +82,14 @@ def simulate_many(
 ) -> Runs:
     """Simulate many closed loops that differ in numbers, four or eight at once in one compiled program; see `simulate`.
 
-    robot, controller, trajectory, initial, sensors and disturbances are one for all runs, or a list or tuple of one a
-    run.  Runs of other structures, mechanisms or laws are compiled and packed apart; a law that cannot be compiled is
-    run by run a Python callback.
-    duration: s; that of the longest trajectory by default.  substeps: by default what the run that needs most needs.
-    channels: names of those that logs are to have; logs of 10 s take 7 MB each with all.
+    robot, controller, trajectory, initial, sensors and disturbances are one for all runs, or a list or tuple with one
+    per run.  Runs with different structures, mechanisms or laws are compiled and packed separately; laws that cannot be
+    compiled run one by one as Python callbacks.
+    duration: s; that of the longest trajectory by default.  substeps: by default enough for the most demanding run.
+    channels: names of the channels to record; logs of 10 s with all channels take 7 MB each.
     each: a function of a log whose result is kept instead, as soon as its pack is done.
     Runs give what `simulate` gives with as many substeps, to the last bit.  One that diverges does not stop the others.
-    Ctrl-C ends all, and what there is until then is returned.
+    Ctrl-C ends all runs, and the results so far are returned.
     Raises InputError for wrong arguments.
     """
     given = {
@@ -120,7 +120,7 @@ def simulate_many(
 
 
 def _dealt(given: dict[str, Any]) -> dict[str, list[Any]]:
-    """One of everything for each run."""
+    """One set of arguments for each run."""
     for name, value in given.items():
         if isinstance(value, Iterator) or (name == "controller" and isinstance(value, np.ndarray)):
             kind = type(value).__name__
@@ -135,7 +135,7 @@ def _dealt(given: dict[str, Any]) -> dict[str, list[Any]]:
 
 
 def _check(runs: dict[str, list[Any]], each: object, channels: Collection[str] | None, accuracy: str) -> None:
-    """Raises InputError for an argument, of any run, that is something else than it must be."""
+    """Raises InputError for an argument, of any run, of the wrong kind."""
     if not (each is None or callable(each)):
         raise refused("simulate_many", "each", each, "a function of a log")
     for number, values in enumerate(zip(*runs.values(), strict=True)):
@@ -147,7 +147,7 @@ def _check(runs: dict[str, list[Any]], each: object, channels: Collection[str] |
 
 @contextmanager
 def _told_of(whose: str) -> Iterator[None]:
-    """What `simulate` would refuse is refused in this name."""
+    """Errors of `simulate` are raised in the name of `simulate_many`."""
     try:
         yield
     except InputError as error:
@@ -162,7 +162,7 @@ def _setups(
     substeps: int | None,
     channels: Collection[str] | None,
 ) -> tuple[list[Setup], Steps]:
-    """All runs before they start, and the integration steps they share; what runs have in common is made once."""
+    """All runs before they start, and their common number of integration steps; shared parts are made once."""
     known: dict[Any, Any] = {}
 
     def once(make: Callable[..., Any], *causes: Any, given: tuple[Any, ...]) -> Any:
@@ -193,7 +193,7 @@ def _structure(setup: Setup) -> Any:
 
 
 def _untraceable(packs: list[Pack]) -> list[Pack]:
-    """Packs whose law cannot be compiled; the others' programs are there afterwards."""
+    """Packs whose law cannot be compiled; compiles the programs of the others."""
     found: list[Pack] = []
     for pack in packs:
         try:
@@ -209,7 +209,7 @@ def _untraceable(packs: list[Pack]) -> list[Pack]:
 def _one_by_one(
     runs: dict[int, dict[str, Any]], substeps: int, settings: dict[str, object], keep: Any
 ) -> dict[int, Any]:
-    """Runs by themselves until one is interrupted: what is kept of each, or what stopped it."""
+    """Executes runs one by one until one is interrupted: each one's result, or its error."""
     found: dict[int, Any] = {}
     for number, own in runs.items():
         try:
@@ -226,7 +226,7 @@ def _one_by_one(
 
 
 def _kept(each: Callable[[Log], Any] | None, checked: bool) -> Callable[[Log], Any]:
-    """What is kept of a run's log, once its steps are checked."""
+    """A run's result from its log, after its steps are checked."""
 
     def keep(log: Log) -> Any:
         if checked and log.run:
@@ -237,7 +237,7 @@ def _kept(each: Callable[[Log], Any] | None, checked: bool) -> Callable[[Log], A
 
 
 def _run_all(packs: list[Pack], times: Array, threads: int, keep: Callable[[Log], Any]) -> dict[int, Any]:
-    """All packs on some threads, each without Python's lock; this one shows how far they are and hears Ctrl-C."""
+    """Runs all packs on threads that release the GIL; this thread shows progress and handles Ctrl-C."""
     stop, done, found = Event(), [0] * len(packs), dict[int, Any]()
     total = float(len(packs) * times[-1])
 

@@ -1,4 +1,4 @@
-"""Noise of encoders: standard normal numbers by the method of Box and Muller (1958), many at once in compiled lanes."""
+"""Encoder noise: standard normal numbers by the method of Box and Muller (1958), many at once in compiled lanes."""
 
 from collections.abc import Sequence
 from functools import cache
@@ -17,9 +17,9 @@ BLOCK = 512
 
 
 class Noise:
-    """Noise of runs side by side, sample after sample, `size` numbers a run.
+    """Noise of runs side by side, sample after sample, `size` numbers per run.
 
-    Blocks are drawn whole: what a run gets depends on its seed and size alone, and a longer run begins as a shorter.
+    Blocks are drawn whole: a run's noise depends on its seed and size only, and a longer run begins like a shorter one.
     """
 
     def __init__(self, seeds: Sequence[int], size: int, backend: str) -> None:

@@ -1,4 +1,4 @@
-"""Runs of one structure in the lanes of one program: a pack.  What each does is what it does alone, to the last bit."""
+"""Runs of one structure in the lanes of one program: a pack.  Each gives the same result as alone, to the last bit."""
 
 import time
 from collections.abc import Callable, Sequence
@@ -38,7 +38,7 @@ BUFFER = 4 * BLOCK
 class Setup:
     """A run before it starts.
 
-    number: among all runs.  told: what motors are told until the first sample, N m.  reference (5, N, drives) and rows
+    number: among all runs.  told: motor commands until the first sample, N m.  reference (5, N, drives) and rows
     (N, ...) may be shared with other runs; limits of torque, N m.
     """
 
@@ -53,7 +53,7 @@ class Setup:
 
 @dataclass(frozen=True, eq=False)
 class Pack:
-    """Setups of one structure, a lane each; lanes that are left over repeat the last.
+    """Setups of one structure, one lane each; unused lanes repeat the last.
 
     own_rows, own_laws: see `ClosedLoop`.  times (N,), s; settings go into the logs.
     """
@@ -67,11 +67,11 @@ class Pack:
     settings: dict[str, object]
 
     def program(self) -> Program:
-        """What runs the pack, compiled if it has not been.  Raises TraceError for a law that cannot be."""
+        """The pack's program, compiled at first use.  Raises TraceError for a law that cannot be compiled."""
         return self._loop(self.setups[0]).program("whole")
 
     def run(self, goes_on: Callable[[int], bool]) -> dict[int, Log | SimulationError]:
-        """All runs' logs or what stopped them; goes_on hears how many samples were done, and may end it."""
+        """All runs' logs or errors; goes_on gets the number of samples done, and may stop the pack."""
         program, memory, noise = self.program(), self._memory(), self._noise()
         beside = memory["record"].reshape(BUFFER, -1, self.lanes)
         records = [np.empty((len(self.times), beside.shape[1])) for _ in self.setups]
@@ -94,7 +94,7 @@ class Pack:
         return replace(setup.loop, runs=self.lanes, own_rows=self.own_rows, own_laws=self.own_laws)
 
     def _memory(self) -> dict[str, Array]:
-        """Regions with the runs' numbers side by side, but for rows; those with a row a sample have BUFFER of them."""
+        """Regions with the runs' numbers side by side, except rows; those with a row per sample have BUFFER rows."""
         loops = [self._loop(s) for s in self._filled]
         regions = {region.name: region.size for region in loops[0].regions()}
         own = [first_numbers(x, s.start, s.told, s.limits) for x, s in zip(loops, self._filled, strict=True)]
@@ -105,7 +105,7 @@ class Pack:
         return memory | shared_numbers(loops[0], self.steps.number)
 
     def _rows(self, first: int) -> Array:
-        """What the next BUFFER of control periods are given."""
+        """Inputs of the next BUFFER control periods."""
         rows = [s.rows[first : first + BUFFER] for s in self._filled]
         return _beside(rows) if self.own_rows else rows[0]
 
@@ -119,11 +119,11 @@ class Pack:
         return [*self.setups, *[self.setups[-1]] * (self.lanes - len(self.setups))]
 
     def _outcome(self, setup: Setup, record: Array, done: int, failed: bool) -> Log | SimulationError:
-        """The run's log, or an error that holds what there is of it."""
+        """The run's log, or an error that holds the log so far."""
         loop, cause = setup.loop, None
         if not done:
             return SimulationError("interrupted before it began", diverged=False)
-        if failed and (again := self._again(setup))[-1]:  # nothing, where it is lost after its last sample
+        if failed and (again := self._again(setup))[-1]:  # empty if the run failed after its last sample
             loop, record, done, cause = again
         elif done < len(self.times):
             cause = f"interrupted at t = {self.times[done - 1]:g} s; the log holds all until then"
@@ -133,7 +133,7 @@ class Pack:
         return SimulationError(cause, log=log, time=float(self.times[done - 1]), diverged=failed)
 
     def _again(self, setup: Setup) -> tuple[ClosedLoop, Array, int, str | None]:
-        """A run that was lost, by itself until there, with all channels: loop, record, how many samples, and why."""
+        """Repeats a failed run alone up to the failure, with all channels: loop, record, number of samples, reason."""
         loop, steps = replace(setup.loop, kept=None), self.steps.number
         noise = noise_of(loop, len(self.times))
         memory = working_memory(loop, setup.start, setup.told, setup.rows, noise, setup.limits, steps)

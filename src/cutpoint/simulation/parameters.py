@@ -1,4 +1,4 @@
-"""All numbers of a loop that runs of one structure may have otherwise: as one array, and back."""
+"""All numbers of a loop that may differ between runs of one structure: to one array, and back."""
 
 from typing import Any, NamedTuple
 
@@ -15,7 +15,7 @@ Scalars = list[Scalar]
 
 
 class Given(NamedTuple):
-    """What has parameters beside the law.  limits: of torque, N m at the joint's side; period: of control, s."""
+    """Everything with parameters except the law.  limits: of torque, N m at the joint's side; period: of control, s."""
 
     machine: Machine
     encoders: Encoders
@@ -29,7 +29,7 @@ def parameters_of(robot: Robot, encoders: Encoders, limits: Array, period: float
 
 
 def with_parameters(robot: Robot, encoders: Encoders, parameters: Scalars) -> Given:
-    """All of that with these numbers, of any kind."""
+    """Robot, encoders and the rest with these numbers, of any kind."""
     numbers = iter(parameters)
     machine = robot.machine_with([next(numbers) for _ in robot.drive_parameters], lean=True)
     encoders = rebuild(encoders, numbers)

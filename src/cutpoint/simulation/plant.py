@@ -1,6 +1,6 @@
 """The plant as an ordinary differential equation: links, motors and their currents under commands held over a period.
 
-What drives remember beside that, their strains, follows displacements: see `mechanics.strains`.
+The drives' internal strains follow displacements instead: see `mechanics.strains`.
 """
 
 from typing import Any, NamedTuple
@@ -22,8 +22,8 @@ Scalars = list[Any]
 class State(NamedTuple):
     """Links' coordinates q (nq,) and speeds v (nv,), motors' theta and theta_dot (one for each drive); rad, rad/s.
 
-    current: torque of each motor whose current loop has a bandwidth, N m at the joint's side.  strains: what drives
-    remember, rad; see `Robot.strain_names`.
+    current: torque of each motor whose current loop has a bandwidth, N m at the joint's side.  strains: internal
+    states of drives, rad; see `Robot.strain_names`.
     """
 
     q: Any = None
@@ -43,14 +43,14 @@ class Own(NamedTuple):
 
 
 def sizes(machine: Machine) -> State:
-    """How long each part of a state is."""
+    """Length of each part of a state."""
     n = len(machine.drives)
     lagging, strained = (sum(count(d.drive) for d in machine.drives) for count in (currents, memory.count))
     return State(machine.system.nq, machine.system.nv, n, n, lagging, strained)
 
 
 def currents(drive: Drive) -> int:
-    """How many currents a drive has as states."""
+    """The number of a drive's current states."""
     return int(drive.has_current_lag)
 
 
@@ -80,20 +80,20 @@ def own_of(drive: Drive, numbers: Scalars) -> Own:
 
 
 def is_uniform(machine: Machine) -> bool:
-    """Whether every coordinate has a drive and all drives are of one structure: then a state is lanes of drives."""
+    """Whether every coordinate has a drive and all drives have the same structure: then a state is lanes of drives."""
     n, system = len(machine.drives), machine.system
     in_order = n == system.nq == system.nv and all(d.q == d.v == k for k, d in enumerate(machine.drives))
     return n > 0 and in_order and len({structure_of(d.drive) for d in machine.drives}) == 1
 
 
 def drive_rates(drive: Drive, own: Own, past: Own, command: Scalar) -> tuple[DriveEffort, Scalars]:
-    """What a drive does under a command that has arrived, and d current / dt; on a way from past that does not turn."""
+    """A drive's effort under a command that has arrived, and d current / dt; on a path from past without reversals."""
     shaft, electric = motor_torque(drive, own, command)
     return drive_effort(drive, own.at, shaft, memory.moved(drive, past.strains, past.at, own.at)), electric
 
 
 def motor_torque(drive: Drive, own: Own, command: Scalar) -> tuple[Scalar, Scalars]:
-    """What the motor's shaft gives, N m at the joint's side, and d current / dt where the current loop lags."""
+    """The motor's shaft torque, N m at the joint's side, and d current / dt if the current loop lags."""
     if not own.current:
         return shaft_torque(drive, command, own.at.theta), []
     assert drive.motor is not None
@@ -102,7 +102,7 @@ def motor_torque(drive: Drive, own: Own, command: Scalar) -> tuple[Scalar, Scala
 
 
 def rigid_load(drive: Drive, own: Own, command: Scalar) -> Scalar:
-    """What a rigid drive transmits under a command, N m, where its friction grows with it; else 0."""
+    """Torque through a rigid drive under a command, N m, if its friction depends on load; otherwise 0."""
     law = sliding_of(drive.motor_friction)
     if drive.is_elastic or law is None or law.per_load is None:
         return 0
@@ -112,7 +112,7 @@ def rigid_load(drive: Drive, own: Own, command: Scalar) -> Scalar:
 def arrived(drive: Drive, command: Scalar, before: Scalar, middle: Scalar, length: Scalar) -> Scalar:
     """The command at the current loop, averaged over a time of this length (s) about `middle`, s after the sample.
 
-    It is the one before the sample's until the delay has passed.
+    The previous sample's command applies until the delay has passed.
     """
     if drive.motor is None or drive.motor.delay is None:
         return command
@@ -128,16 +128,16 @@ def own_rates(drive: Drive, numbers: Scalars, a: Scalar, alpha: Scalar, electric
 
 
 def all_rates(machine: Machine, s: State, a: Scalars, alpha: Scalars, electric: Scalars) -> Scalars:
-    """dx/dt but for the strains.  A rigid drive's motor is carried along with its link."""
+    """dx/dt without strains.  A rigid drive's motor is carried along with its link."""
     system, drives = machine
     motor_speeds = [w if d.drive.is_elastic else s.v[d.v] for d, w in zip(drives, s.theta_dot, strict=True)]
     return [*coordinate_rates(system, s.q, s.v), *a, *motor_speeds, *alpha, *electric]
 
 
 def settled(machine: Machine, x: Scalars, origin: Scalars) -> Scalars:
-    """The state at the end of a way that does not turn back, with the strains that the way has left.
+    """The state at the end of a path without reversals, with its strains updated.
 
-    Quaternions come out of unit length.
+    Quaternions are normalised.
     """
     parts = zip(machine.drives, own_parts(machine, x), own_parts(machine, origin), strict=True)
     strains = [memory.flat(memory.moved(d.drive, past.strains, past.at, own.at)) for d, own, past in parts]

@@ -23,9 +23,9 @@ SPEEDS = ("v", "theta_dot", "measured_v", "measured_theta_dot", "motor_speed_ref
 def log_of(
     loop: ClosedLoop, record: Array, times: Array, reference: Array, rows: Array, meta: dict[str, object]
 ) -> Log:
-    """Everything recorded, and what follows from it; a floating base's coordinates and speeds one channel each.
+    """All recorded and derived channels, or the requested ones; a floating base's coordinates and speeds are one each.
 
-    rows: what each control period was given.  Where only some channels are wanted, these.
+    rows: inputs of each control period.
     """
     channels = _recorded(loop, record)
     channels["reference_q"], channels["reference_v"] = reference[:2, : len(record)]
@@ -50,7 +50,7 @@ def _over_limit(loop: ClosedLoop, channels: Mapping[str, Array]) -> dict[str, di
 
 
 def _end_of(loop: ClosedLoop, record: Array) -> State | None:
-    """The state in the last row, where all of it was recorded."""
+    """The state in the last row, if all of it was recorded."""
     if loop.kept is not None:
         return None
     ends = np.cumsum([*loop.channels.values()])
@@ -63,7 +63,7 @@ def _is_wanted(loop: ClosedLoop, name: str) -> bool:
 
 
 def _recorded(loop: ClosedLoop, record: Array) -> dict[str, Array]:
-    """What was recorded, channel by channel, a column a drive."""
+    """Recorded quantities, channel by channel, one column per drive."""
     channels, start, drives = dict[str, Array](), 0, loop.robot.machine.drives
     for name, size in loop.channels.items():
         channels[name] = record[:, start : start + size]
@@ -88,7 +88,7 @@ def _columns(values: Array, which: list[int]) -> Array:
 
 
 def _read_only(values: Array) -> Array:
-    """The same numbers, never to be written again: a log takes these without copying them."""
+    """The same array, made read-only: a log takes it without a copy."""
     owner = values if values.base is None else values.base
     owner.setflags(write=False)
     values.setflags(write=False)
@@ -96,7 +96,7 @@ def _read_only(values: Array) -> Array:
 
 
 def _remembered(loop: ClosedLoop, strains: Array) -> dict[str, Array]:
-    """What drives remember, a column a drive, where any does or it was asked for: strains, torque of hysteresis."""
+    """Strains and hysteresis torque, one column per drive, if any drive has them or they are requested."""
     channels = {name: np.zeros((len(strains), loop.layout.n)) for name in MEMORY}
     drives = [d.drive for d in loop.robot.machine.drives]
     for k, (drive, columns) in enumerate(zip(drives, dealt([*map(count, drives)], [*strains.T]), strict=True)):
@@ -108,7 +108,7 @@ def _remembered(loop: ClosedLoop, strains: Array) -> dict[str, Array]:
 
 
 def _disturbance(loop: ClosedLoop, rows: Array) -> dict[str, Array]:
-    """What pushed the links, a column a drive, where anything did or it was asked for."""
+    """Disturbances of the links, one column per drive, if there are any or they are requested."""
     if not _is_wanted(loop, "disturbance_torque"):
         return {}
     pushed = loop.layout.disturbances(rows)[:, [d.v for d in loop.robot.machine.drives]]
@@ -116,7 +116,7 @@ def _disturbance(loop: ClosedLoop, rows: Array) -> dict[str, Array]:
 
 
 def _units(loop: ClosedLoop) -> dict[str, str | tuple[str, ...]]:
-    """Units of every channel, one a joint where some slide and some turn."""
+    """Units of every channel, one per joint if some slide and some turn."""
     sliding = loop.robot.mechanism.sliding
     slides = [name in sliding for name in loop.robot.drives]
     angle, speed, torque = (_one_or_each(slides, *pair) for pair in (("rad", "m"), ("rad/s", "m/s"), ("N m", "N")))

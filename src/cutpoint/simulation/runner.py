@@ -26,7 +26,7 @@ FIRST_STEPS, CHUNK_SECONDS = 500, 0.1
 
 
 class UntracedControllerWarning(UserWarning):
-    """A controller could not be compiled into the loop; it runs as a Python callback, slower, to the same result."""
+    """A controller could not be compiled into the loop; it runs as a Python callback, slower, with the same result."""
 
 
 class NoNumberError(Exception):
@@ -37,7 +37,7 @@ class NoNumberError(Exception):
 
 
 class Outcome(NamedTuple):
-    """Samples recorded, and what stopped the run early, if anything did."""
+    """The number of recorded samples, and what stopped the run early, if anything."""
 
     ticks: int
     cause: str | None = None
@@ -70,15 +70,15 @@ def first_numbers(loop: ClosedLoop, start: State, told: Array, limits: Array) ->
 
 
 def shared_numbers(loop: ClosedLoop, substeps: int) -> dict[str, Array]:
-    """Regions of the integrator's own numbers."""
+    """Regions with the integrator's own numbers."""
     middles: Array = (np.arange(substeps, dtype=np.float64) + 0.5) * (loop.period / substeps)
     return {"elapsed": middles[:, None], "tableau": TABLEAU.copy(), "steps": np.array([loop.period / substeps])}
 
 
 def run(loop: ClosedLoop, memory: dict[str, Array], substeps: int, integrate: Integrate | None) -> Outcome:
-    """Run every sample, with a progress bar when it takes long; memory holds what was reached.
+    """Runs all samples, with a progress bar if it takes long; memory holds the results so far.
 
-    integrate: takes the state from one sample to the next; None takes fixed steps.
+    integrate: advances the state from one sample to the next; None uses fixed steps.
     """
     advance = _advance(loop, memory, substeps, integrate)
     total, done, chunk = len(memory["row"]), 0, first_chunk(substeps)
@@ -89,7 +89,7 @@ def run(loop: ClosedLoop, memory: dict[str, Array], substeps: int, integrate: In
                 ticks = min(chunk, total - done)
                 reached = advance(done, ticks)
                 done += reached
-                # what follows the last sample is not asked for
+                # nothing is computed after the last sample
                 if is_no_number(loop, memory) or (memory["fault"][0] and done < total):
                     return Outcome(done, diagnosis(loop, memory, done), diverged=True)
                 chunk = next_chunk(ticks, time.perf_counter() - before)
@@ -103,12 +103,12 @@ def run(loop: ClosedLoop, memory: dict[str, Array], substeps: int, integrate: In
 
 
 def first_chunk(substeps: int) -> int:
-    """Samples until it is known how long one takes."""
+    """Length of the first chunk, which times the samples."""
     return max(1, FIRST_STEPS // max(substeps, 1))
 
 
 def next_chunk(ticks: int, seconds: float) -> int:
-    """As many samples as take about CHUNK_SECONDS, so that bars move and Ctrl-C is heard."""
+    """As many samples as take about CHUNK_SECONDS, so that progress is shown and Ctrl-C is noticed."""
     return max(1, min(16 * ticks, int(ticks * CHUNK_SECONDS / max(seconds, 1e-6))))
 
 
@@ -152,7 +152,7 @@ def _callback(loop: ClosedLoop) -> Callable[[Array, Array], list[float]]:
 
 
 def run_samples(program: Program, memory: dict[str, Array], first: int, ticks: int, substeps: int | None = None) -> int:
-    """Run these samples; without substeps, a program that does not integrate."""
+    """Runs these samples; without substeps, the program does not integrate."""
     rows = {name: memory[name][first : first + ticks] for name in ("row", "noise", "record")}
     if substeps is None:
         rest = {name: region for name, region in memory.items() if name not in INTEGRATION}
@@ -166,9 +166,9 @@ def is_no_number(loop: ClosedLoop, memory: dict[str, Array]) -> bool:
 
 
 def diagnosis(loop: ClosedLoop, memory: dict[str, Array], done: int) -> str:
-    """When the state left the finite world and what was largest then, or a sample before where it is no number.
+    """When the state diverged and its largest component then, or one sample earlier if the state is not a number.
 
-    Where the command was not finite, that is told instead.
+    If the command was not finite, that is reported instead.
     """
     command = memory["command"][:-1]
     if not np.isfinite(command).all():
@@ -201,7 +201,7 @@ def _largest(loop: ClosedLoop, state: Array) -> str:
 
 
 def _slots(loop: ClosedLoop) -> list[tuple[str, str]]:
-    """What each number of the state is, and its unit."""
+    """Name and unit of each number of the state."""
     robot = loop.robot
     lags = [name for name, drive in robot.drives.items() if drive.has_current_lag]
     sliding = robot.mechanism.sliding

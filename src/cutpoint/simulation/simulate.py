@@ -1,4 +1,4 @@
-"""`simulate`: a robot, a controller and a reference in; a log out."""
+"""`simulate`: from a robot, a controller and a reference to a log."""
 
 from collections.abc import Callable, Collection
 from types import NoneType
@@ -121,7 +121,7 @@ def simulate(
 
 
 def check_kinds(**given: Any) -> None:
-    """Raises InputError for an argument that is something else than KINDS says."""
+    """Raises InputError for an argument that is not of its kind in KINDS."""
     for name, value in given.items():
         check_kind("simulate", name, value, *KINDS[name])
     channels = given.get("channels")
@@ -141,7 +141,7 @@ def prepared(
     sensors: Sensors | None,
     channels: Collection[str] | None,
 ) -> tuple[ClosedLoop, State, Array]:
-    """The loop, the state it starts from, and what its motors are told until the first sample, N m."""
+    """The loop, its initial state, and the motors' commands until the first sample, N m."""
     check_size(robot)
     start, told = beginning(robot, initial, reference, not isinstance(law.law, FreeResponse))
     encoders = encoders_of(sensors or Sensors(), len(robot.drives), period)
@@ -153,7 +153,7 @@ def prepared(
 
 
 def check_size(robot: Robot) -> None:
-    """Raises InputError for a robot whose step cannot be compiled, before time is spent on it."""
+    """Raises InputError early for a robot too large for its step to be compiled."""
     bodies = len(robot.mechanism.bodies)
     if bodies > TOO_LARGE:
         raise InputError(
@@ -164,7 +164,7 @@ def check_size(robot: Robot) -> None:
 
 
 def _integrator(loop: ClosedLoop, trajectory: Trajectory | None, accuracy: str, hold: bool) -> Any:
-    """What goes from one sample to the next; None is fixed steps."""
+    """The integrator from one sample to the next; None for fixed steps."""
     if not hold:
         from cutpoint.simulation.continuous import check_continuous, continuous_step  # with SciPy slow to import
 
@@ -178,7 +178,7 @@ def _integrator(loop: ClosedLoop, trajectory: Trajectory | None, accuracy: str, 
 
 
 def steps_of(robot: Robot, accuracy: str, substeps: int | None, period: float, start: State, reference: Array) -> Steps:
-    """Integration steps a control period: the caller's, or what the accuracy takes."""
+    """Integration steps per control period: the caller's, or those for the accuracy."""
     if accuracy not in ("standard", "fine", "reference"):
         raise InputError(f"simulate: accuracy {accuracy!r} must be 'standard', 'fine' or 'reference'")
     check_delays("simulate", robot, period)

@@ -1,4 +1,4 @@
-"""How stiff springs get: held by weight, on the flanks of a play, and at what motors can do at most."""
+"""Largest stiffness of springs: under gravity, on the flanks of backlash, and at the motors' largest torque."""
 
 import numpy as np
 
@@ -10,7 +10,7 @@ RATTLE = 6.0
 
 
 def stiffest(drive: Drive, lead: float, most: float) -> float:
-    """N m/rad, at this lead of the motor, on the flanks of its play, or at the motor's torque, as steps must follow."""
+    """Stiffness that steps must resolve, N m/rad: at this lead, on backlash flanks, or at the largest motor torque."""
     law = drive.compliance
     if law is None:
         return 0.0

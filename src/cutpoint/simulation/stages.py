@@ -1,6 +1,6 @@
-"""What a loop does with the plant between two samples, as stages over memory.
+"""Stages over memory that record and integrate the plant between two samples.
 
-Where all drives are alike, stages of drives are seen from one of them: see `kernels.programs.stepping`.
+If all drives are uniform, stages of drives are written for one of them: see `kernels.programs.stepping`.
 """
 
 from dataclasses import dataclass
@@ -45,10 +45,10 @@ Scalars = list[Scalar]
 class PlantStages:
     """The stages of one robot; its drives' numbers come first among the parameters.
 
-    Of an integration step: origin is the state it starts from, total its result so far; torque what motors are told
-    since the sample, before what they were told until then; resistance what resists the drives all along, efforts what
-    they do at this stage; earlier the speeds that stages before add, of which the implicit part knows; elapsed the time
-    from the sample to the step's middle, s, and steps its length; tableau this stage's row.
+    Quantities of an integration step: origin is its initial state, total its result so far; torque the motors' commands
+    since the sample, before those until then; resistance the drives' resistance throughout the step, efforts their
+    torques at this stage; earlier the speeds added by earlier stages, for the implicit part; elapsed the time from the
+    sample to the step's middle, s, and steps its length; tableau this stage's row.
     """
 
     robot: Robot
@@ -58,7 +58,7 @@ class PlantStages:
     def feel(self, state: Scalars, torque: Scalars, before: Scalars, parameters: Scalars) -> Scalars:
         """Torques at the shaft, through the drive, and lost to the friction of the link and of the motor.
 
-        A command that is still on its way to the motor is not there yet.
+        A delayed command has no effect yet.
         """
         felt: list[Scalars] = []
         for d, own, u, old in zip(*self._drives(parameters, state), torque, before, strict=True):
@@ -71,7 +71,7 @@ class PlantStages:
         return _by_field(felt)
 
     def record(self, state: Scalars, measured: Scalars, command: Scalars, felt: Scalars) -> Scalars:
-        """What the log keeps of a sample."""
+        """The recorded quantities of a sample."""
         machine, felt, n = self.robot.machine, self.lanes.dense(felt), self.layout.n
         friction: Scalars = [0] * machine.system.nv
         for d, xi in zip(machine.drives, felt[2 * n : 3 * n], strict=True):
@@ -79,21 +79,21 @@ class PlantStages:
         return [*self.lanes.dense(state), *measured, *command, *felt[: 2 * n], *friction, *felt[3 * n :]]
 
     def numbers(self) -> Array:
-        """The drives' parameters lane by lane, where all drives are alike."""
+        """The drives' parameters lane by lane, if all drives are uniform."""
         if not self.lanes.are_wide:
             return np.zeros(0)
         by_field = self.robot.drive_parameters.reshape(self.layout.n, -1).T.ravel()
         return np.array(self.lanes.padded(by_field, repeat=True))
 
     def resist(self, state: Scalars, torque: Scalars, parameters: Scalars, steps: Scalars) -> Scalars:
-        """What resists the drives over a step that starts here."""
+        """The drives' resistance over a step that starts here."""
         drives = zip(*self._drives(parameters, state), torque, strict=True)
         span = GAMMA * steps[0]
         return _by_field([[*resistance(d, x.at, x.strains, span, rigid_load(d, x, u))] for d, x, u in drives])
 
     @cached_property
     def knows_turns(self) -> bool:
-        """Whether sines and cosines are found before the accelerations: all at once, where drives are alike."""
+        """Whether sines and cosines are computed before the accelerations: all at once, if drives are uniform."""
         are_alike = self.lanes.are_wide or is_uniform(self.robot.machine)
         return are_alike and not self.robot.machine.system.has_followers
 
@@ -114,7 +114,7 @@ class PlantStages:
         parameters: Scalars,
         steps: Scalars,
     ) -> Scalars:
-        """What the drives do, with what resists them."""
+        """Drive torques at this stage, including the implicit resistance terms."""
         drives, own = self._drives(parameters, state)
         _, past = self._drives(parameters, origin)
         held, added = _by_drive(resistance, len(drives)), _by_drive(earlier[: 2 * len(drives)], len(drives))
@@ -128,7 +128,7 @@ class PlantStages:
     def accelerate(
         self, state: Scalars, turns: Scalars, resistance: Scalars, efforts: Scalars, row: Scalars, parameters: Scalars
     ) -> Scalars:
-        """Accelerations of links, then of motors, under what the drives do."""
+        """Accelerations of links, then of motors, under the drives' torques."""
         machine, n = self._machine(parameters), self.layout.n
         s = split(machine, self.lanes.dense(state))
         found: list[DriveEffort] = []
@@ -151,7 +151,7 @@ class PlantStages:
         accelerations: Scalars,
         steps: Scalars,
     ) -> tuple[Scalars, Scalars, Scalars]:
-        """One stage's end: the next stage's state, the result so far, and the speeds that it adds in later ones."""
+        """End of a stage: the next stage's state, the result so far, and the speeds that it adds in later stages."""
         if self.lanes.are_wide:
             (a, alpha), drive = accelerations, self.robot.machine.drives[0].drive
             k, driven = own_rates(drive, state, a, alpha, efforts[2]), [a, alpha]
@@ -165,7 +165,7 @@ class PlantStages:
         return *stage(state, k, origin, total, tableau, h), added_speeds(driven, earlier, tableau, h)
 
     def settle(self, total: Scalars, origin: Scalars, parameters: Scalars) -> tuple[Scalars, Scalars, Scalars]:
-        """The step's result, with the strains that it has left, is the next step's start."""
+        """Makes the step's result, with updated strains, the initial state of the next step."""
         if self.lanes.are_wide:
             drive = self._alike(parameters)
             own, past = own_of(drive, total), own_of(drive, origin)
@@ -176,7 +176,7 @@ class PlantStages:
         return after, after, after
 
     def _angles(self, q: Scalars, turns: Scalars) -> Scalars:
-        """Coordinates; those of joints that only turn as sines and cosines, where these have been found."""
+        """Coordinates; those of revolute joints as sines and cosines, if these have been computed."""
         if not self.knows_turns:
             return q
         n, segments = self.layout.n, self.robot.machine.system.segments
@@ -184,7 +184,7 @@ class PlantStages:
         return [Angle(turns[k], turns[n + k]) if k in turning else x for k, x in enumerate(q)]
 
     def _drives(self, parameters: Scalars, state: Scalars) -> tuple[list[Drive], list[Own]]:
-        """The drives and their parts of a state; where they are alike, the one that is looked at."""
+        """The drives and their parts of a state; if they are uniform, the current one."""
         if self.lanes.are_wide:
             drive = self._alike(parameters)
             return [drive], [own_of(drive, state)]
@@ -195,7 +195,7 @@ class PlantStages:
         return self.robot.machine_with(parameters[: len(self.robot.drive_parameters)], lean=True)
 
     def _alike(self, numbers: Scalars) -> Drive:
-        """The one drive that is looked at, with its own numbers."""
+        """The current drive, with its own numbers."""
         return rebuild(self.robot.machine.drives[0].drive, iter(numbers))
 
 

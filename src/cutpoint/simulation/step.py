@@ -32,7 +32,7 @@ def stage(
 ) -> tuple[list[Scalar], list[Scalar]]:
     """The next stage's state, and the step's result so far, from the state's rates k.
 
-    Hairer et al. (1993) sections II.1, II.14.  Coordinates whose rate is a speed of the state go as a Nystrom method's.
+    Hairer et al. (1993) sections II.1, II.14.  Coordinates whose rate is a speed of the state use a Nystrom method.
     """
     ahead, weight, *shares = (h * x for x in (*row[:2], *row[5:]))
     y = [x + ahead * r for x, r in zip(origin, k, strict=True)]
@@ -45,6 +45,6 @@ def stage(
 
 
 def added_speeds(accelerations: list[Scalar], earlier: list[Scalar], row: list[Scalar], h: Scalar) -> list[Scalar]:
-    """Speeds that this stage and those before add in the next stages' implicit parts, stage by stage."""
+    """Speeds that this and earlier stages add in the next stages' implicit parts, stage by stage."""
     waiting = [*earlier[len(accelerations) :], *[0] * len(accelerations)]
     return [x + share * h * k for x, (share, k) in zip(waiting, product(row[2:5], accelerations), strict=True)]

@@ -1,4 +1,4 @@
-"""After a run of fixed steps: whether what it reached, unknown before, would have asked for shorter ones."""
+"""Check after a run with fixed steps: whether the states it reached would have needed shorter ones."""
 
 import numpy as np
 from numpy.typing import NDArray
@@ -27,8 +27,8 @@ by the root of how much."""
 
 
 def check_steps(robot: Robot, log: Log) -> None:
-    """Warns if, as far as the log tells, motors turned so fast that waves, bodies so fast that they themselves, or
-    springs were wound so far that modes, asked for shorter steps."""
+    """Warns if, according to the log, shorter steps were needed: for waves of fast motors, fast turning of bodies, or
+    modes of springs that stiffened."""
     taken, longest = log.meta["substeps"], SETTINGS[log.meta["accuracy"]]
     if taken >= MOST_SUBSTEPS:
         return
@@ -51,7 +51,7 @@ def _warn(what: str, limit: Limit, longest: float, allowed: float, log: Log) -> 
 
 
 def _fastest_turn(robot: Robot, log: Log) -> Limit:
-    """Fastest turning by a quaternion, rad/s: of a floating base all along, of other joints as the run ended."""
+    """Fastest turning of joints with quaternions, rad/s: of a floating base throughout, of others at the end."""
     best, base = Limit(0.0, "nothing that turns"), base_of(robot)
     if base and all(name in log for name in BASE_SPEEDS):
         omega = np.array([log[name] for name in BASE_SPEEDS[3:]])
@@ -65,8 +65,8 @@ def _fastest_turn(robot: Robot, log: Log) -> Limit:
 
 
 def _stiffest(robot: Robot, log: Log) -> tuple[Limit, float] | None:
-    """The fastest mode where a spring was wound farthest, of the spring that became stiffest beside how it began, and
-    how much; None if none became stiffer."""
+    """The fastest mode at the largest deflection of the spring that stiffened most relative to the start, and by how
+    much; None if none stiffened."""
     drives, theta, q = robot.machine.drives, log["theta"], log["q"]
     if q.shape != theta.shape or not any(d.drive.is_elastic for d in drives):
         return None
@@ -78,7 +78,7 @@ def _stiffest(robot: Robot, log: Log) -> tuple[Limit, float] | None:
     for k, drive in enumerate(d.drive for d in drives):
         law, spring = drive.compliance, spring_of(drive.compliance)
         if law is not None and spring is not None:
-            begun = max(float(law.tangent(wound(k, 0))), float(spring.tangent(0.0)))  # in a play it is next to none
+            begun = max(float(law.tangent(wound(k, 0))), float(spring.tangent(0.0)))  # nearly zero within backlash
             stiffer[k] = float(law.tangent(wound(k, farthest[k]))) / begun
     worst = int(stiffer.argmax())
     if stiffer[worst] <= STIFFER:

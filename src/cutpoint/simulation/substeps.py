@@ -1,4 +1,4 @@
-"""How many integration steps a control period takes, and what asks for as many."""
+"""Number of integration steps per control period, and what requires it."""
 
 from typing import NamedTuple
 
@@ -23,8 +23,8 @@ Array = NDArray[np.float64]
 class Longest(NamedTuple):
     """Bounds on the step of an accuracy: on the step times each kind of rate, and on the step itself, s.
 
-    mode: of the fastest drive mode, rad.  decay: of the fastest decay that is not taken implicitly.  reversal: of that
-    by bristles that turn back; of 6 they never do.  growth: of the fastest growth where friction falls with speed.
+    mode: of the fastest drive mode, rad.  decay: of the fastest decay that is not integrated implicitly.  reversal: of
+    that by reversing bristles; 6 never limits.  growth: of the fastest growth where friction falls with speed.
     wave: of the fastest wave of ripple, cogging or kinematic error, rad; a step of 2 pi would not see it at all.
     stop: of the fastest stop by friction where it winds a spring by `slip`, rad, see `fastest.fastest_stop`.
     turn: of the fastest free turning, rad.
@@ -57,20 +57,20 @@ MOST_SUBSTEPS = 400
 
 
 class StiffnessWarning(UserWarning):
-    """The fixed-step integrator cannot follow the plant's fastest part."""
+    """The fixed-step integrator cannot resolve the plant's fastest dynamics."""
 
 
 class Steps(NamedTuple):
-    """Integration steps a control period, and what asks for as many."""
+    """Integration steps per control period, and what requires them."""
 
     number: int
     cause: str
 
 
 def substeps_for(robot: Robot, accuracy: str, period: float, poses: Array, speeds: Array | None = None) -> Steps:
-    """Steps a control period so that drive modes, current loops, slipping and waves are followed.
+    """Steps per control period that resolve drive modes, current loops, slipping and waves.
 
-    poses: (m, nq), where stiffness is judged.  speeds: (n,) rad/s, how fast drives will turn at most; none by default.
+    poses: (m, nq), where stiffness is judged.  speeds: (n,) rad/s, largest speeds of the drives; zero by default.
     """
     postures = [posture(robot, q) for q in poses]
     longest, mode = SETTINGS[accuracy], fastest_mode(robot, postures)
