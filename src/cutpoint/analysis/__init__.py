@@ -1,4 +1,4 @@
-"""What engineers of elastic joints look at first: linear models, modes, frequency responses, torque from encoders."""
+"""Analysis of robots with elastic joints: linear models, modes, frequency responses, torque from encoders."""
 
 from cutpoint.analysis.encoder_torque import TorqueBound, followed_hysteresis, torque_bound
 from cutpoint.analysis.frequency_response import FrequencyResponse, frequency_response

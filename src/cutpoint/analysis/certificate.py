@@ -1,11 +1,11 @@
 """The power-flow certificate of virtual decomposition control.  Zhu (2010) sections 2.9 and 2.10, chapter 3.
 
 Every subsystem i has a storage nu_i >= 0 of the errors of its speeds, V_r - V, and of its spring's deflection.  In
-continuous time, with exact state and a true model, nu_i' = flow in - dissipation, where flows are those of virtual
-power, (V_r - V)^T (F_r - F), across its cuts; what one subsystem gives another one gets, so all of them together can
-only lose.  Of joints that bend that holds for linear springs without damping, links without friction and motors whose
-friction does not grow with load: the law leaves out how fast those change.  A log is finite and sampled, too: what it
-shows is how far each subsystem is from that.
+continuous time, with exact state and model, nu_i' = inflow - dissipation, where flows are those of virtual power,
+(V_r - V)^T (F_r - F), across its cuts; the outflow of one subsystem is the inflow of another, so their total storage
+can only decrease.  For elastic joints that holds with linear undamped springs, links without friction and motor
+friction independent of load: the law neglects the rates of these terms.  A log is finite and sampled as well: it shows
+how far each subsystem is from the ideal.
 """
 
 from dataclasses import dataclass
@@ -29,11 +29,11 @@ Array = NDArray[np.float64]
 
 @dataclass(frozen=True, eq=False)
 class Certificate:
-    """What a log shows of each subsystem's power-flow inequality, nu' <= inflow - dissipation.
+    """Each subsystem's power-flow inequality, nu' <= inflow - dissipation, evaluated on a log.
 
     subsystems: names, m of them.  time: (N,), s.  storage (J), dissipation (W), inflow (W): (N, m).
-    slack: (N - 1, m), W, by how much nu grew beyond what the inequality allows, mean over each interval; not above zero
-    where it holds.  imbalance: (N,), W, sum of all inflows: what is lost between subsystems.
+    slack: (N - 1, m), W, growth of nu beyond the inequality's bound, mean over each interval; at most zero where it
+    holds.  imbalance: (N,), W, sum of all inflows: power lost between subsystems.
     """
 
     subsystems: tuple[str, ...]
@@ -63,8 +63,8 @@ class Certificate:
 def certificate(log: Log) -> Certificate:
     """The certificate of a simulated log: see `Certificate`.
 
-    Raises InputError for a log without its run, and for a law that is not a VDC with derivatives of the model, or a
-    rigid one: others remember what the log does not hold.
+    Raises InputError for a log without its run, and for a law other than a VDC with derivatives from the model or a
+    rigid one: others have memory that is not in the log.
     """
     if log.run is None:
         raise InputError("certificate: a log that was not simulated here does not know its robot, law and reference")
@@ -91,7 +91,7 @@ def certificate(log: Log) -> Certificate:
 
 
 def _slack(time: Array, flows: Flows) -> Array:
-    """Growth of storage over each interval beyond what came in and was not dissipated, W; by cubic quadrature."""
+    """Growth of storage over each interval beyond inflow less dissipation, W; by cubic quadrature."""
     allowed = CubicSpline(time, flows.inflow - flows.dissipation).antiderivative()(time)
     return np.diff(flows.storage - allowed, axis=0) / np.diff(time)[:, None]
 

@@ -1,4 +1,4 @@
-"""Torque read from two encoders, one on either side of a drive: how far off it can be, and by what."""
+"""Torque from two encoders, one on either side of a drive: error bound and error sources."""
 
 from dataclasses import dataclass
 
@@ -20,10 +20,10 @@ COVERED = 3.2905
 
 @dataclass(frozen=True, eq=False)
 class TorqueBound:
-    """What parts can make a reading wrong by, each (..., drives), N m (N), and all together.
+    """Bounds of each source's error in a reading, each (..., drives), N m (N), and of their sum.
 
-    resolution: of both encoders, half a step each.  noise: of both, 99.9 % of it.  hysteresis: the elements beside the
-    spring, which no encoder shows.  damping: of the spring, at the fastest winding that was stated.
+    resolution: of both encoders, half a step each.  noise: of both, at 99.9 %.  hysteresis: the elements parallel to
+    the spring, which encoders do not see.  damping: of the spring, at the given winding speed.
     """
 
     resolution: Array
@@ -33,12 +33,12 @@ class TorqueBound:
 
     @property
     def total(self) -> Array:
-        """The sum: what at least 99.9 % of readings keep to."""
+        """The sum: a bound for at least 99.9 % of readings."""
         return self.resolution + self.noise + self.hysteresis + self.damping
 
     @property
     def largest_part(self) -> list[str]:
-        """For each drive the part that limits its reading most, on average; "none" where nothing does."""
+        """For each drive its largest error source, on average; "none" if there is none."""
         parts = {"none": np.zeros(self.total.shape), **vars(self)}
         sums = {name: part.reshape(-1, *part.shape[-1:]).sum(axis=0) for name, part in parts.items()}
         return [max(sums, key=lambda name: sums[name][k]) for k in range(self.total.shape[-1])]
@@ -55,20 +55,20 @@ def torque_bound(
 ) -> TorqueBound:
     """How far `Robot.drive_torque(theta, q)` can be from what the drives exert on their links.
 
-    The robot's drives must be those of the machine: what a wrong stiffness or an unknown kinematic error does is not in
-    it.  A rigid drive is not read, and its bound is 0.
+    The robot's drives must match the machine's: errors of stiffness or unknown kinematic error are not included.  A
+    rigid drive gives no reading, and its bound is 0.
 
     Args:
-        theta, q: what the encoders show, (..., drives), rad (m) at the joint's side.
-        sensors: the encoders' steps and noise; their delay does not count, both sides have it.
-        winding_speed: how fast deflections may change, either way, one number or (..., drives), rad/s (m/s); it matters
-            to damped springs.
-        record: whether the readings (N, drives) are those of one motion that began without a past: then no element of
-            hysteresis is strained further than the deflection has come so far.
+        theta, q: encoder readings, (..., drives), rad (m) at the joint's side.
+        sensors: the encoders' resolution and noise; their delay does not count, since both sides have it.
+        winding_speed: largest rate of deflection, one number or (..., drives), rad/s (m/s); it matters for damped
+            springs.
+        record: whether the readings (N, drives) are one motion that starts with unstrained elements: then no element of
+            hysteresis is strained further than the deflection has moved so far.
 
     Raises:
-        InputError: a joint with several coordinates, what is not finite, shapes that do not fit, or sensors on one side
-            alone.
+        InputError: a joint with several coordinates, numbers that are not finite, shapes that do not match, or sensors
+            on one side only.
     """
     check_robot("torque_bound", robot)
     speed = winding_speed if np.ndim(winding_speed) else np.full(len(robot.drives), winding_speed)
@@ -104,12 +104,12 @@ def _parts(
 
 
 def followed_hysteresis(robot: Robot, theta: ArrayLike, q: ArrayLike) -> Array:
-    """What the elements beside the springs add along a recorded motion (N, drives), N m, from rest without a past.
+    """Torque of the hysteresis elements along a recorded motion (N, drives), N m, unstrained at its start.
 
-    Added to `Robot.drive_torque` it takes hysteresis out of the reading, as far as its model is that of the machine.
+    Added to `Robot.drive_torque` it corrects the reading for hysteresis, as far as the model matches the machine.
 
     Raises:
-        InputError: a joint with several coordinates, what is not finite, or shapes that do not fit.
+        InputError: a joint with several coordinates, numbers that are not finite, or shapes that do not match.
     """
     check_robot("followed_hysteresis", robot)
     theta, q = _readings("followed_hysteresis", robot, theta=theta, q=q)
@@ -127,8 +127,8 @@ def followed_hysteresis(robot: Robot, theta: ArrayLike, q: ArrayLike) -> Array:
 
 
 def _steepness(drive: Drive, wound: Array, off: float) -> Array:
-    """What a spring's torque can be off for each rad of a deflection that is off by so much; it rises all along, so no
-    deflection between is farther off."""
+    """Largest error of a spring's torque per rad of its deflection's error `off`; the law is monotonic, so the ends of
+    that range are the worst."""
     assert drive.compliance is not None
     if not off:
         return np.zeros(wound.shape)
@@ -137,9 +137,9 @@ def _steepness(drive: Drive, wound: Array, off: float) -> Array:
 
 
 def _hysteresis(drive: Drive, way: Array | None, off: float) -> Array | float:
-    """What elements beside the spring can bear, given how the deflection has come from where they were not strained.
+    """Bound of the hysteresis elements' torque, given the deflection's change since they were unstrained.
 
-    Elements that cannot have slipped are strained by that way itself, of which both ends may be read wrong.
+    Elements that cannot have slipped are strained by that change itself, both ends of which have reading errors.
     """
     if drive.hysteresis is None:
         return 0.0
@@ -153,7 +153,7 @@ def _hysteresis(drive: Drive, way: Array | None, off: float) -> Array | float:
 
 
 def _readings(function: str, robot: Robot, **given: ArrayLike) -> tuple[Array, ...]:
-    """What was read, and what goes with it, broadcast together, (..., drives).  Raises InputError."""
+    """Readings and their accompanying arrays, broadcast together, (..., drives).  Raises InputError."""
     n = len(robot.drives)
     if robot.nq != n:
         raise InputError(f"{function}: every joint must have one coordinate; {n} drives have {robot.nq}", nq=robot.nq)
@@ -172,6 +172,6 @@ def _check_motion(function: str, readings: Array) -> None:
 
 
 def _of_both(sensors: Sensors, what: str, size: int) -> Array:
-    """Of the motors' encoders and the links', (2, drives); 0 where there is none of it."""
+    """A property of the motors' and links' encoders, (2, drives); 0 where it is absent."""
     found = [one_each(sensors, f"{side}_{what}", size) for side in ("motor", "link")]
     return np.array([np.zeros(size) if each is None else each for each in found])

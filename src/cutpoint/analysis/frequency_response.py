@@ -31,16 +31,16 @@ UNDAMPED = 1e-9
 
 @dataclass(frozen=True, eq=False)
 class FrequencyResponse:
-    """What a sinusoidal torque of one motor does to its own joint, all other motors' torques held.
+    """Response of a joint to a sinusoidal torque of its motor, with all other motors' torques held.
 
     Attributes:
         joint: the joint's name.
         frequencies: (F,) Hz.
         motor_velocity, link_velocity: (F,) complex, (rad/s)/(N m) at the joint's side; (m/s)/N on a prismatic joint.
-        resonances: Hz, ascending, of the robot's poles in this band that are damped little enough for a peak.
-        antiresonances: Hz, the same of the zeros of motor_velocity: what still swings when this motor is locked.
-            A pole and a zero within CANCELS of each other are a mode that this motor hardly moves: neither is listed,
-            unless the link's velocity shows it.
+        resonances: Hz, ascending, of the robot's poles in this band with damping low enough for a peak.
+        antiresonances: Hz, likewise of the zeros of motor_velocity: the modes that remain with this motor locked.
+            A pole and a zero within CANCELS of each other are a mode that this motor hardly excites: neither is listed,
+            unless it shows in the link's velocity.
     """
 
     joint: str
@@ -55,7 +55,7 @@ def frequency_response(model: LinearModel, frequencies: ArrayLike, joint: str) -
     """C (s - A)^-1 B + D from a joint's motor torque to its motor's and its link's velocity, at s = 2 pi i frequency.
 
     With one elastic joint, link inertia M, reflected rotor inertia J and stiffness K, the anti-resonance is at
-    sqrt(K / M), where the motor stands still as if locked, and the resonance at sqrt(K (1 / M + 1 / J)), rad/s.
+    sqrt(K / M), where the motor does not move, as if locked, and the resonance at sqrt(K (1 / M + 1 / J)), rad/s.
 
     Args:
         model: of `linearize`.
@@ -63,7 +63,7 @@ def frequency_response(model: LinearModel, frequencies: ArrayLike, joint: str) -
         joint: name of the driven joint.
 
     Raises:
-        InputError: an unknown joint, frequencies that are no positive numbers, or one that hits an undamped resonance.
+        InputError: an unknown joint, frequencies that are not positive numbers, or one at an undamped resonance.
     """
     check_kind("frequency_response", "model", model, LinearModel, "the linear model of a robot, as linearize gives it")
     joint = checked_name("driven joint", joint, model.joints)
@@ -99,7 +99,7 @@ def _sharp(s: ComplexArray) -> ComplexArray:
 
 
 def _residues(A: Array, b: Array, c: Array, poles: ComplexArray) -> Array:
-    """Sizes of what each pole has in c (s - A)^-1 b; all together sum to c b."""
+    """Magnitudes of the residues of c (s - A)^-1 b at each pole; the residues sum to c b."""
     steps, unit = BESIDE * np.abs(poles), np.eye(len(b))
     found = [h * (c @ np.linalg.solve((s + h) * unit - A, b)) for s, h in zip(poles, steps, strict=True)]
     return np.abs(np.array(found, complex))
@@ -108,7 +108,7 @@ def _residues(A: Array, b: Array, c: Array, poles: ComplexArray) -> Array:
 def _without_pairs(
     poles: ComplexArray, zeros: ComplexArray, shown: NDArray[np.bool_]
 ) -> tuple[ComplexArray, ComplexArray]:
-    """What is left when each zero cancels the nearest pole that is not shown, if there is one close to it."""
+    """Poles and zeros that remain after each zero cancels the nearest pole that is not shown, if one is close."""
     left, kept = [*poles[~shown]], []
     for zero in zeros:
         near = min(left, key=lambda pole: abs(pole - zero), default=np.inf)
@@ -120,7 +120,7 @@ def _without_pairs(
 
 
 def _check_no_pole(f: Array, poles: ComplexArray) -> None:
-    """Raises InputError for a frequency at which the response has no bound."""
+    """Raises InputError for a frequency at which the response is infinite."""
     s = 2j * np.pi * f[:, None]
     hit = (np.abs(s - poles) < UNDAMPED * np.abs(s)).any(axis=1)
     if hit.any():

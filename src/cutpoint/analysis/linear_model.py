@@ -1,4 +1,4 @@
-"""A robot near one state, as four matrices with names."""
+"""A robot linearised at one state: four matrices with named states, inputs and outputs."""
 
 from dataclasses import dataclass
 
@@ -27,8 +27,8 @@ class LinearModel:
     rigid drive's motor moves with its link and has no state.  Inputs: motor torques, one a drive.  Outputs: q and v of
     all links, theta and theta_dot of all motors.  rad, rad/s, N m at the joint's side; m, m/s, N on prismatic joints.
 
-    States that belong to q are tangent coordinates, nv of them: `robot.integrate(point.q, x[:nv], 1)` is the
-    configuration they stand for.  On a joint with one coordinate that is q itself less point.q.
+    States that belong to q are tangent coordinates, nv of them, of the configuration
+    `robot.integrate(point.q, x[:nv], 1)`.  On a joint with one coordinate this is q - point.q.
 
     Attributes:
         A, B, C, D: (N, N), (N, drives), (2 nv + 2 drives, N), (2 nv + 2 drives, drives).

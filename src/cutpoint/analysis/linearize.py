@@ -24,16 +24,16 @@ def linearize(
 ) -> LinearModel:
     """The linear model of a robot near a state; derivatives by first-order jets, no step size to choose.
 
-    By default the robot rests: v is zero, each motor leads its link by what gravity bends the drive, and motor torques
-    balance gravity.  With v, motors stand and move as a motion at constant speed takes.  motor_torque replaces the
-    torque only.  A joint that nothing drives (a floating base) may fall: see `LinearModel.drift`.
+    By default the robot rests: v is zero, each motor leads its link by the static deflection, and motor torques
+    balance gravity.  With v, positions and speeds of motors are those of a motion at constant speed.  motor_torque
+    replaces the torque only.  An undriven joint (a floating base) may fall: see `LinearModel.drift`.
 
     friction=False leaves friction out and shows the structure: resonances and anti-resonances, damped by the springs'
     own damping only.  friction=True takes its slope at v.  At rest that is the slope of the smoothed sgn, about
-    static / smoothing (N m s/rad), steep: it is right only for speeds well below `smoothing`, where the drive creeps.
-    A joint that swings faster sees far less damping, one that dry friction holds is locked; a linear model knows
-    neither.  Elements of hysteresis are left out, too: small motions, in which they stick, see the spring stiffer by
-    the sum of theirs.  So are the motor's ripple and cogging: torques at its shaft are the model's input.
+    static / smoothing (N m s/rad), steep: it is valid only for speeds well below `smoothing`, where the drive creeps.
+    A joint that oscillates faster has far less damping, and one that sticks is locked; a linear model represents
+    neither.  Elements of hysteresis are left out, too: in small motions they stick and add their stiffness to the
+    spring's.  So are the motor's ripple and cogging: torques at its shaft are the model's input.
 
     Args:
         q: (nq,) rad (m).  v: (nv,) rad/s (m/s).  motor_torque: (drives,) N m (N) at the joint's side.
@@ -41,7 +41,7 @@ def linearize(
     Raises:
         InputError: a wrong shape or number, a batch, v on a joint of several coordinates (its tangent frame turns), or
             a robot that cannot move.
-        ModelError: a joint can move while nothing with inertia does.
+        ModelError: a joint can move without moving any inertia.
     """
     point, plant = _operating_point(robot, q, v, motor_torque, friction)
     slopes = plant.slopes(point.q, point.v, point.theta, point.theta_dot, point.motor_torque)
@@ -101,7 +101,7 @@ def _one(name: str, value: ArrayLike, size: int) -> Array:
 
 
 def _rates(robot: Robot, point: OperatingPoint, found: Slopes) -> tuple[Array, Array]:
-    """x' of all motors, rigid ones too: for each direction of (x, motor torques), and at the point itself."""
+    """x' with all motors, rigid drives' included: for each direction of (x, motor torques), and at the point itself."""
     nv, drives = robot.nv, len(robot.drives)
     directions = np.eye(2 * nv + 3 * drives)
     v, theta_dot = directions[nv : 2 * nv], directions[2 * nv + drives : 2 * (nv + drives)]
@@ -110,13 +110,13 @@ def _rates(robot: Robot, point: OperatingPoint, found: Slopes) -> tuple[Array, A
 
 
 def _kept(robot: Robot) -> list[int]:
-    """Which of (q, v, theta, theta_dot) are states: a rigid drive's motor has none of its own."""
+    """Which of (q, v, theta, theta_dot) are states: a rigid drive's motor has no state."""
     elastic = np.array([d.is_elastic for d in robot.drives.values()], bool)
     return np.flatnonzero(np.r_[np.ones(2 * robot.nv, bool), elastic, elastic]).tolist()
 
 
 def _outputs(robot: Robot) -> Array:
-    """(q, v, theta, theta_dot) of all motors from the same of those that move on their own."""
+    """Maps (q, v, theta, theta_dot) without rigid drives' motors to the same with all motors."""
     nv, drives = robot.nv, len(robot.drives)
     C = np.eye(2 * nv + 2 * drives)
     for k, driven in enumerate(robot.machine.drives):
@@ -132,7 +132,7 @@ def _output_names(robot: Robot) -> tuple[str, ...]:
 
 
 def _coordinate_names(robot: Robot) -> list[str]:
-    """What each speed belongs to: a joint's name, with an index where it has several."""
+    """A name for each speed: its joint's, with an index if the joint has several."""
     names = [""] * robot.nv
     for body, own in zip(robot.mechanism.bodies, robot.machine.system.segments, strict=True):
         count = own.v.stop - own.v.start

@@ -1,4 +1,4 @@
-"""Modes of a robot's drives: what rings when joints bend."""
+"""Vibration modes of a robot's elastic drives."""
 
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
@@ -29,19 +29,19 @@ STANDSTILL = 1e-6
 
 @dataclass(frozen=True, eq=False)
 class Modes:
-    """The modes in which drives bend, by frequency; m of them.
+    """The vibration modes of elastic drives, by frequency; m of them.
 
-    Free turning and swinging of the whole arm is no drive mode and not listed; neither is a mode damped so much that it
-    does not oscillate.  A robot without elastic drives has none: m is 0.
+    Free turning and swinging of the whole arm are not drive modes and not listed; neither are modes with so much
+    damping that they do not oscillate.  A robot without elastic drives has none: m is 0.
 
     Attributes:
         frequencies: (m,) Hz, undamped: |pole| / 2 pi.
-        damping: (m,) damping ratios, -Re(pole) / |pole|; below zero grows.
+        damping: (m,) damping ratios, -Re(pole) / |pole|; negative if unstable.
         link, motor: (m, nv), (m, drives) complex, amplitudes on both sides, the largest of a mode is 1; rad (m).
-        participation: (m, drives): share of each drive in the energy that the mode stores in springs; a row sums to 1.
+        participation: (m, drives): share of each drive in the mode's spring energy; a row sums to 1.
         poles: (N,) all eigenvalues of model.A, 1/s.
-        model: the linear model behind them.
-        elastic: number of elastic drives; as many modes there are without damping.
+        model: the underlying linear model.
+        elastic: number of elastic drives, which is the number of modes without damping.
     """
 
     frequencies: Array
@@ -54,7 +54,7 @@ class Modes:
     elastic: int
 
     def joints_of(self, mode: int, least: float = 0.1) -> dict[str, float]:
-        """Joints whose drives take part in a mode with at least this share, the largest first."""
+        """Joints whose drives participate in a mode with at least this share, the largest first."""
         shares = self.participation[mode]
         return {self.model.joints[k]: float(shares[k]) for k in np.argsort(-shares) if shares[k] >= least}
 
@@ -66,7 +66,7 @@ class Modes:
 
     @property
     def remark(self) -> str:
-        """What the list does not show, in a sentence; empty if nothing is missing."""
+        """A sentence about modes missing from the list; empty if none are."""
         if not self.elastic:
             return "no drive bends, so there are no drive modes: state a compliance in the drive file"
         missing = self.elastic - len(self.frequencies)
@@ -84,11 +84,11 @@ class Modes:
 def modes(robot: Robot, q: ArrayLike, *, friction: bool = False) -> Modes:
     """The drives' modes at rest at q (nq,), motors balancing gravity; from the eigenvectors of `linearize`'s A.
 
-    friction: as in `linearize`; with it, its slope at rest damps, or locks, what swings.
+    friction: as in `linearize`; if included, its slope at rest damps or suppresses modes.
 
     Raises:
         InputError: q of a wrong shape, or not finite.
-        ModelError: a joint can move while nothing with inertia does.
+        ModelError: a joint can move without moving any inertia.
     """
     model = linearize(robot, q, friction=friction)
     poles, vectors = _eigen(model)
@@ -110,10 +110,10 @@ def modes(robot: Robot, q: ArrayLike, *, friction: bool = False) -> Modes:
 
 
 def _eigen(model: LinearModel) -> tuple[ComplexArray, ComplexArray]:
-    """Poles, and eigenvectors, a column each.
+    """Poles, and eigenvectors, one column each.
 
-    By Schur's form of rates in units of the fastest swing.  LAPACK's own scaling, which looks at what is there, blows
-    up the noise in columns that are zero but for rounding: a triangle it leaves as it is.
+    By the Schur form, with time in units of the fastest oscillation.  LAPACK's balancing would amplify noise in columns
+    that are zero up to rounding; it leaves a triangular matrix unchanged.
     """
     moving = np.array([name.startswith(("v.", "theta_dot.")) for name in model.states])
     swing = np.sqrt(np.abs(model.A[np.ix_(moving, ~moving)]).sum(axis=1).max(initial=0.0)) or 1.0
@@ -124,7 +124,7 @@ def _eigen(model: LinearModel) -> tuple[ComplexArray, ComplexArray]:
 
 
 def _drive_modes(poles: ComplexArray, strain: Array, kinetic: Array) -> NDArray[np.intp]:
-    """Which of the poles are drives that ring, by frequency; of each pair the one above the real axis."""
+    """Indices of the poles of drive modes, by frequency; of each pair the one above the real axis."""
     swings = poles.imag > STANDSTILL * np.abs(poles).max(initial=0.0)
     bends = swings & (strain > SPRING_SHARE * (strain + kinetic))
     return np.flatnonzero(bends)[np.argsort(np.abs(poles[bends]))]

@@ -1,4 +1,4 @@
-"""Modes as the picture that engineers of elastic joints draw first: torque of a motor to speeds on both sides."""
+"""Bode plots of drives: from motor torque to the speeds on both sides."""
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -36,7 +36,7 @@ MOTOR, LINK, INK = "C0", "C1", "0.15"
 
 
 def picture(modes: Modes) -> Figure:
-    """Magnitude and phase over frequency, a panel a joint.  Raises InputError where there are no drive modes."""
+    """Magnitude and phase over frequency, one panel per joint.  Raises InputError if there are no drive modes."""
     if not modes.frequencies.size:
         raise InputError(f"no picture of modes: {modes.remark}")
     joints = modes.model.joints
@@ -56,7 +56,7 @@ def picture(modes: Modes) -> Figure:
 
 
 def _response(modes: Modes, joint: str) -> FrequencyResponse:
-    """Over a band around all modes, with frequencies closer to each other where this joint has a peak or a dip."""
+    """The response over a band around all modes, sampled more densely at this joint's peaks and dips."""
     low, high = modes.frequencies.min() / BELOW, modes.frequencies.max() * ABOVE
     marks = frequency_response(modes.model, [low, high], joint)
     steps = np.geomspace(1e-4, 0.1, 25)

@@ -1,4 +1,4 @@
-"""A robot as linear models need it, with friction or without: by its size compiled, as loops over bodies, or swept."""
+"""A robot's functions for linear models, with friction or without: by size compiled, as loops over bodies, or swept."""
 
 from collections.abc import Callable, Hashable
 from dataclasses import dataclass, field, replace
@@ -24,10 +24,10 @@ Scalars = list[Any]
 
 
 class Plant(NamedTuple):
-    """steady(q, v): what motors do for a motion at constant speed.
+    """steady(q, v): the motors' state and torques for a motion at constant speed.
 
-    slopes(q, v, theta, theta_dot, motor_torque): [a; theta_ddot] of all motors, and how fast they change by each number
-    of the state, by those of q along the directions of the speeds.
+    slopes(q, v, theta, theta_dot, motor_torque): [a; theta_ddot] of all motors, and their derivatives by each number
+    of the state, by q along the directions of the speeds.
     """
 
     steady: Callable[[Array, Array], ElasticTorques]
@@ -87,9 +87,9 @@ class Kernels(NamedTuple):
 
 @dataclass(frozen=True)
 class _Structure:
-    """What one trace serves: equal for robots that differ in their drives' numbers only.
+    """Cache key of a trace: equal for robots that differ in their drives' numbers only.
 
-    It holds the robot, because its key names the mechanism by identity.
+    It holds the robot, because the key identifies the mechanism by object identity.
     """
 
     key: Hashable
@@ -130,7 +130,7 @@ def _made(structure: _Structure) -> Kernels:
 
 
 def steady_motion(machine: Machine, derivatives: int, q: Scalars, v: Scalars) -> ElasticMotion:
-    """What motors do for a motion at constant speed.  derivatives: of the position, that the machine takes."""
+    """The motors' state and torques for a motion at constant speed.  derivatives: number that the machine needs."""
     still = [0] * len(v)
     higher = {f"derivative_{k}": still for k in range(5, derivatives + 1)}
     return definitions.elastic_inverse_dynamics(machine, DEFAULT, q, v, still, still, still, **higher)

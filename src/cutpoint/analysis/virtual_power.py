@@ -20,7 +20,7 @@ Account = tuple[Scalar, Scalar, Scalar]
 
 
 class Flows(NamedTuple):
-    """Of each subsystem, bodies and then joints: storage (J), dissipation (W) and virtual power that flows in (W)."""
+    """Storage (J), dissipation (W) and inflow of virtual power (W) of each subsystem, bodies first, then joints."""
 
     storage: Any
     dissipation: Any
@@ -28,18 +28,18 @@ class Flows(NamedTuple):
 
 
 def virtual_power_flows(machine: Machine, state: list[Scalars], law: VDC, m: Measurement, r: Reference) -> Flows:
-    """The accounts of a plant that is at `state` (q, v, theta, theta_dot, motor torques) while its law sees m and r."""
+    """Flows of a plant at `state` (q, v, theta, theta_dot, motor torques) while its law gets m and r."""
     q, v, theta, theta_dot, _ = state
     _, v_r, required_torques = law.required((), m, r)
     speeds, accelerations = ([w.derivative(k) for w in v_r] for k in range(2))
-    # what the law requires of the bodies, by its model and by what it sees
+    # the bodies' required motions and wrenches, by the law's model and measurements
     own = replace(law.robot.machine_with(law.parameters).system, armature=(0,) * len(v))
     seen, required = required_motions(own, [*m.q], [*m.v], speeds, accelerations)
     F_r = net_wrenches(own, required, speeds, accelerations, seen)
     gains = law.body_gain if law.body_gain is not None else [None] * len(F_r)
     bodies = [*zip(own.segments, gains, required, seen, strict=True)]
     F_r = [F + _pull(*x) for F, x in zip(F_r, bodies, strict=True)]
-    # what they do
+    # their actual ones
     system = replace(machine.system, armature=own.armature)
     a = elastic_forward_dynamics(*machine, *state).a
     moved = motions(system, q, v, a)
@@ -50,7 +50,7 @@ def virtual_power_flows(machine: Machine, state: list[Scalars], law: VDC, m: Mea
         lag = wanted.V - have.V
         lost = lag.power(_pull(segment, K, wanted, have))
         accounts.append((kinetic_energy(true.inertia, lag), lost, lag.power(dF)))
-    # what joints give to the bodies between them
+    # virtual power from joints to the bodies between them
     given = joint_efforts(system, bear(system, [x.X for x in moved], excess, {}))
     joint_gains = map(JointGains, law.speed_gain, law.motor_gain, law.spring_gain)
     joints = zip(law.machine.drives, machine.drives, joint_gains, strict=True)
@@ -86,5 +86,5 @@ def _friction_excess(law: Any, wanted: Scalar, speed: Scalar) -> Scalar:
 
 
 def _pull(segment: Any, K: Any, required: Any, actual: Any) -> Wrench:
-    """K (V_r - V) of a body; nothing where it has no K."""
+    """K (V_r - V) of a body; zero without K."""
     return NO_WRENCH if K is None else pull(segment, K, required.V, actual.V)
