@@ -1,4 +1,4 @@
-"""Arrays of numbers, and what every kind of trajectory asks of them."""
+"""Arrays of numbers, with the checks that all trajectories share."""
 
 from collections.abc import Sequence
 
@@ -17,13 +17,13 @@ def joint_name(joints: Sequence[str] | None, index: int) -> str:
 
 
 def durations(time: Array) -> Array:
-    """What of the time (N,) each sample stands for, by the trapezoidal rule: half of both intervals beside it."""
+    """Trapezoidal weights of sample times (N,): half of both neighbouring intervals."""
     steps = np.diff(time)
     return (np.r_[steps, 0.0] + np.r_[0.0, steps]) / 2
 
 
 def numbers(name: str, value: ArrayLike) -> Array:
-    """A copy of the value as an array of float64.  Raises InputError for what is no array of numbers, or masked."""
+    """A copy of the value as an array of float64.  Raises InputError for anything else, and for masked ones."""
     return np.array(as_numbers("trajectory", name, value, "an array of numbers"))
 
 

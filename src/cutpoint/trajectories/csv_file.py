@@ -56,12 +56,12 @@ def from_csv(
     Args:
         path: UTF-8, comma separated.
         joints: the columns wanted, in the order wanted; by default all of them in the file's order.
-        sliding: which joints slide, such as robot.mechanism.sliding; units are held against it where it is given.
+        sliding: names of prismatic joints, such as robot.mechanism.sliding; if given, units are checked against it.
 
     Raises:
-        InputError: what `from_samples` refuses, a header that is none, an unknown unit or joint, an angle of a joint
-            that slides or a length of one that turns, a line of another length, a word that is no number, or positions
-            above two turns in a column that does not name its unit.
+        InputError: what `from_samples` refuses, an invalid header, an unknown unit or joint, an angle for a prismatic
+            joint or a length for a revolute one, a line of another length, a cell that is not a number, or positions
+            above two turns in a column without a unit.
     """
     path = path_of("from_csv", path)
     check_readable(path, LARGEST_FILE)

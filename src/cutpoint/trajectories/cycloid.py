@@ -13,7 +13,7 @@ class Cycloid(PointToPoint):
     """s(u) = u - sin(2 pi u) / (2 pi).  Xia (2019) eq. (57)."""
 
     def _profile(self, u: Array, k: int) -> Array:
-        # derivatives of sin alternate with cos, with a sign that turns every second time
+        # derivatives of sin alternate with cos, and change sign every second time
         sign = 1.0 if k % 4 < 2 else -1.0
         wave = np.cos(TURN * u) if k % 2 else np.sin(TURN * u)
         line = u if k == 0 else float(k == 1)

@@ -1,7 +1,7 @@
 """The smoothest spline near given samples: least squares with a penalty on the snap.
 
-Minimises the integral of (s - q)^2 + (d^4 s / dt^4)^2 / (2 pi f)^8.  Away from the ends this is the low-pass filter
-1 / (1 + (frequency / f)^8) without phase: the amplitude of a Butterworth filter of order 4 run forth and back.
+Minimises the integral of (s - q)^2 + (d^4 s / dt^4)^2 / (2 pi f)^8.  Away from the ends this is the zero-phase
+low-pass filter 1 / (1 + (frequency / f)^8): a Butterworth filter of order 4 run forward and backward.
 O'Sullivan (1986), A Statistical Perspective on Ill-Posed Inverse Problems, on penalised B-splines.
 """
 

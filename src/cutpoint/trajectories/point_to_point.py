@@ -1,4 +1,4 @@
-"""From one position to another, all joints along one profile of time."""
+"""Motion from one position to another, all joints with the same time profile."""
 
 from abc import abstractmethod
 from dataclasses import dataclass
@@ -43,7 +43,7 @@ class PointToPoint(Trajectory):
 
     def _inside(self, t: Array, order: int) -> Array:
         u = t / self.duration
-        duration = np.float64(self.duration)  # whose powers may be infinite
+        duration = np.float64(self.duration)  # its powers may be infinite
         profile = np.stack([self._profile(u, k) / duration**k for k in range(order + 1)])
         found = profile[..., None] * (self.end - self.start)
         found[0] += self.start

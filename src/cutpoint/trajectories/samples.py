@@ -35,7 +35,7 @@ HURRIED = 1.2
 
 @dataclass(frozen=True)
 class Deviation:
-    """How far a smoothed motion lies from its samples, per joint (n,), rad (m): largest absolute value and RMS."""
+    """Deviation of a smoothed motion from its samples, per joint (n,), rad (m): largest absolute value and RMS."""
 
     max: Array
     rms: Array
@@ -47,11 +47,11 @@ class Smoothed(Spline):
 
     Attributes:
         bandwidth: Hz.
-        joints: their names; empty where none were given.
+        joints: their names; empty if none were given.
         deviation: from the samples.
-        hurry: (n,) peak accelerations over those of a motion that need not start and end at rest; 1 for joints that
+        hurry: (n,) peak accelerations relative to a motion that need not start and end at rest; 1 for joints that
             hardly move.
-        gap: s, the longest time without samples, where that leaves the motion room for waves; None where it does not.
+        gap: s, the longest time without samples, if the motion could oscillate in it; otherwise None.
     """
 
     bandwidth: float
@@ -79,17 +79,17 @@ def from_samples(
 ) -> Smoothed:
     """A motion with six continuous derivatives near the positions q (N, n), rad (m), at the times t (N,), s.
 
-    Its text says how far it is from the samples, `.deviation` that of each joint.  A warning tells of a start and an
-    end that it has to hurry after, and of a gap among the samples in which it is a guess.
+    Printing it shows the deviation from the samples, `.deviation` gives it for each joint.  Warnings report an abrupt
+    start or end that raises accelerations, and a gap among the samples in which the motion is a guess.
 
     Args:
         t: strictly increasing, evenly spaced or not; the motion's time counts from the first.
         q: at least 4 samples.
         bandwidth: Hz.  A component of this frequency is halved, one of a quarter of it keeps all but 2e-5, and noise
             above it fades.  By default 10 Hz, or a quarter of the mean sampling rate where that is lower.
-        at_rest: whether the motion starts and ends at rest, its first four derivatives zero there.  Where samples set
-            out at once, it has to hurry after them.  Otherwise it may start and end with a jump to the standstill that
-            every trajectory holds outside its duration.
+        at_rest: whether the motion starts and ends at rest, its first four derivatives zero there.  If samples start
+            abruptly, it has to catch up with them.  Otherwise it may jump in velocity at start and end, since every
+            trajectory stands still outside its duration.
         joints: names, for messages.
 
     Raises:
@@ -124,7 +124,7 @@ def from_samples(
 
 
 def _warn_of(found: Smoothed) -> None:
-    """What the samples make the motion do, or do not tell of it."""
+    """Warns of abrupt starts and ends, and of gaps among the samples."""
     hurried = int(np.argmax(found.hurry))
     if found.hurry[hurried] > HURRIED:
         cost = f"takes {found.hurry[hurried]:.3g} times the acceleration at {joint_name(found.joints, hurried)}"
@@ -136,7 +136,7 @@ def _warn_of(found: Smoothed) -> None:
 
 
 def _check_near(deviation: Array, ranges: Array, bandwidth: float, names: Sequence[str] | None) -> None:
-    """Raises InputError where the motion is far from its samples, though no one asked for that."""
+    """Raises InputError if the motion is far from its samples at the default bandwidth."""
     far = deviation > np.maximum(FAR * ranges, max(SMALL * ranges.max(), LEAST))
     if not far.any():
         return
@@ -151,7 +151,7 @@ def _check_near(deviation: Array, ranges: Array, bandwidth: float, names: Sequen
 
 
 def _gap(times: Array, bandwidth: float) -> tuple[float, float] | None:
-    """The longest stretch without samples, s, if it is one beside others and longer than a wave of the bandwidth."""
+    """The longest time without samples, s, if it is exceptional and longer than a period of the bandwidth."""
     steps = np.diff(times)
     k = int(np.argmax(steps))
     if steps[k] <= max(HOLE * float(np.median(steps)), 1.0 / bandwidth):
@@ -160,7 +160,7 @@ def _gap(times: Array, bandwidth: float) -> tuple[float, float] | None:
 
 
 def _pause(times: Array) -> str:
-    """Where samples are farthest apart, and what to do."""
+    """Text about where samples are farthest apart, and what to do."""
     steps = np.diff(times)
     k = int(np.argmax(steps))
     found = f"between {times[k]:.6g} and {times[k + 1]:.6g} s there are none, elsewhere one in {np.median(steps):.3g} s"

@@ -21,8 +21,8 @@ LOOKS = 16
 class Spline(Trajectory):
     """A start (n,) plus a spline in the time t / unit, its coefficients (m, n); derivatives above its degree are zero.
 
-    The unit, s, keeps the numbers of the spline near one, whatever the times are; the start apart keeps a joint that
-    does not move at exactly zero velocity.
+    The unit, s, keeps the spline's numbers near one for any times; the separate start keeps a joint that does not move
+    at exactly zero velocity.
     """
 
     start: Array
@@ -35,7 +35,7 @@ class Spline(Trajectory):
 
     def _inside(self, t: Array, order: int) -> Array:
         found = np.zeros((order + 1, *t.shape, self.size))
-        unit = np.float64(self.unit)  # whose powers may be infinite
+        unit = np.float64(self.unit)  # its powers may be infinite
         for k in range(min(order, self.spline.k) + 1):
             found[k] = self.spline(t / unit, nu=k) / unit**k
         found[0] += self.start

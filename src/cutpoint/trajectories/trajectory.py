@@ -1,4 +1,4 @@
-"""What every reference offers: position and its time derivatives at any time, held still outside its duration."""
+"""Interface of all references: position and its time derivatives at any time, constant outside the duration."""
 
 from abc import ABC, abstractmethod
 from dataclasses import dataclass
@@ -24,7 +24,7 @@ class Sample(NamedTuple):
 
 @runtime_checkable
 class Moves(Protocol):
-    """What a user's own trajectory must have."""
+    """Methods that a user's own trajectory must have."""
 
     duration: float
     size: int

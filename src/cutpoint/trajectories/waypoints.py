@@ -33,7 +33,7 @@ def waypoints(times: ArrayLike, points: ArrayLike) -> Spline:
 
 
 def _knots(u: Array) -> Array:
-    """A knot at each point, and two more at each end, which its rest up to the snap needs."""
+    """A knot at each point, and two more at each end for rest up to the snap."""
     if u.size == 2:
         inner = u[0] + (u[1] - u[0]) * np.arange(1, 5) / 5.0
     else:
