@@ -1,4 +1,4 @@
-"""What a robot is: bodies, joints, frames and drives.  Immutable data, validated where it is built."""
+"""The model of a robot: bodies, joints, frames and drives.  Immutable data, validated where it is built."""
 
 from cutpoint.model.drive import Compliance, Drive, Friction, Harmonic, Hysteresis, Motor, Ratings, Rotor
 from cutpoint.model.mechanism import WORLD, Body, Frame, Joint, Limits, Link, Mechanism, Mimic

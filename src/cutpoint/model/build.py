@@ -33,7 +33,7 @@ WORLD_LINK = "world"
 
 
 class MendedWarning(UserWarning):
-    """A file has inertias that no mass can have, and they were made larger."""
+    """A file has inertias that are physically impossible, and they were increased."""
 
 
 def build(
@@ -54,11 +54,11 @@ def build(
     floating_base: whether a floating joint, "root_joint", carries the root link; otherwise it is fixed to the world.
     lock: coordinates (rad or m) at which joints are held fixed, by name.
     coupled: whether mimic joints follow their leader, or are coordinates of their own.
-    mend_inertia: add to inertias that no mass can have what they lack, and warn of it.
-    place: the file it all comes from, for messages; a `Places` also knows the lines.
+    mend_inertia: increase physically impossible inertias until they are possible, with a warning.
+    place: the file, for messages; a `Places` also knows the lines.
 
-    Fixed links are lumped into the body that carries them (into the world they lose their mass); every link, and every
-    joint whose name no link has, is a frame of the result.  Axes come out with unit length.  A universal joint becomes
+    Fixed links are lumped into the body that carries them (those on the world lose their mass); every link, and every
+    joint without a link's name, is a frame of the result.  Axes come out with unit length.  A universal joint becomes
     two revolute ones, see `universal`.
     Raises ModelError for whatever `validation`, `tree` and `holding` find wrong.
     """
@@ -83,7 +83,7 @@ def build(
 
 
 def _mended(bodies: Sequence[Body], places: Places) -> tuple[Body, ...]:
-    """The bodies, with what inertias lack that no mass can have, which is told."""
+    """The bodies with impossible inertias increased, which is reported."""
     added = {body.name: lacking(body) for body in bodies if body.mass > 0.0 and fault_of(body)}
     if added:
         told = ", ".join(f"{name!r} by {more:.4g}" for name, more in added.items())
@@ -94,9 +94,9 @@ def _mended(bodies: Sequence[Body], places: Places) -> tuple[Body, ...]:
 
 @dataclass
 class _Assembly:
-    """Bodies as they grow.
+    """Bodies during assembly.
 
-    seats: where each link sits, (index of its body, placement (4, 4) in it).
+    seats: each link's body index and placement (4, 4) in that body.
     carriers: of each body, its joint, the index of the body that carries it, and the joint's placement there.
     pieces: the links that give each body its mass.
     """
@@ -112,7 +112,7 @@ class _Assembly:
         self.pieces.append([])
 
     def add(self, link: Link) -> None:
-        """Give a seated link's mass to its body; what sits in the world loses it."""
+        """Adds a seated link's mass to its body; links on the world lose theirs."""
         (body, placement), own = self.seats[link.name], _properties(link)
         if body != WORLD and not own.is_nothing:
             self.masses[body] = lumped(self.masses[body], placed(placement, own))
@@ -125,13 +125,13 @@ class _Assembly:
         ]
 
     def frames(self, links: Sequence[str], joints: Sequence[Joint]) -> dict[str, Frame]:
-        """One frame for each link, and for each joint whose name is free: a joint's frame is its child's."""
+        """One frame for each link, and for each joint that shares no link's name: a joint's frame is its child's."""
         seats = {joint.name: self.seats[joint.child] for joint in joints} | {link: self.seats[link] for link in links}
         return {name: Frame(name, body, placement) for name, (body, placement) in seats.items()}
 
 
 def _assemble(root: str, links: Sequence[Link], joints: Sequence[Joint], floating_base: bool) -> _Assembly:
-    """Go outward over the tree: a moving joint starts a body, a fixed one adds its link to the body that carries it."""
+    """Goes outward over the tree: a moving joint starts a body, a fixed one adds its link to the carrying body."""
     by_name = {link.name: link for link in links}
     tree = _Assembly({WORLD_LINK if floating_base else root: (WORLD, np.eye(4))})
     for joint in joints:

@@ -1,4 +1,4 @@
-"""Robots made from robots: a payload in the hand, another mounting."""
+"""Modified robots: with a payload, or mounted elsewhere."""
 
 from dataclasses import replace
 from typing import Any
@@ -15,7 +15,7 @@ from cutpoint.model.validation import LARGEST_NUMBER, check_link, fault_of
 
 
 def with_payload(mechanism: Mechanism, mass: float, com: ArrayLike, inertia: ArrayLike, frame: str) -> Mechanism:
-    """The robot with a piece fixed to a frame: in it, mass (kg), com (3,) (m), inertia about the com (3, 3) (kg m2)."""
+    """The robot with a payload fixed to a frame: mass (kg), and in it com (3,) (m), inertia about the com (3, 3) (kg m2)."""
     if not isinstance(frame, str) or frame not in mechanism.frames:
         raise unknown_name("frame", frame, mechanism.frames)
     place, nowhere = mechanism.frames[frame], Places(None)
@@ -56,7 +56,7 @@ def _with_body(mechanism: Mechanism, index: int, body: Body) -> Mechanism:
 
 
 def _array(value: ArrayLike) -> NDArray[Any]:
-    """Whatever is given as an array, for checks to refuse: rows of different lengths too."""
+    """Any value as an array, left to later checks to refuse, even with rows of different lengths."""
     try:
         return np.asarray(value)
     except ValueError:

@@ -1,4 +1,4 @@
-"""What virtual decomposition cuts a robot into: link and joint subsystems, and the cutting points between them.
+"""Virtual decomposition of a robot: link and joint subsystems, and the cutting points between them.
 
 Xia (2019) sections II.B and III: every joint is a subsystem of its own, between the link that carries it and the link
 that it drives.
@@ -28,7 +28,7 @@ class Cut:
 
 
 def subsystems_of(mechanism: Mechanism) -> tuple[Subsystem, ...]:
-    """Joints and links, outward.  A floating joint is none, for it ties nothing; others do, driven or not."""
+    """Joints and links, outward.  A floating joint is not a subsystem, since it constrains nothing; all others are."""
     found = []
     for i, body in enumerate(mechanism.bodies):
         if body.joint.kind != "floating":
@@ -38,7 +38,7 @@ def subsystems_of(mechanism: Mechanism) -> tuple[Subsystem, ...]:
 
 
 def cuts_of(mechanism: Mechanism) -> tuple[Cut, ...]:
-    """Where a link hands over to a joint it carries, and a joint to the link it drives, outward."""
+    """Cuts between each link and the joints it carries, and each joint and the link it drives, outward."""
     found = []
     for body in mechanism.bodies:
         if body.joint.kind == "floating":

@@ -1,4 +1,4 @@
-"""What drives a joint: gear, rotor, compliance, friction, limits.  Data only; the laws live in `mechanics/`."""
+"""A joint's drive: gear, rotor, compliance, friction, limits.  Data only; the laws live in `mechanics/`."""
 
 from dataclasses import dataclass
 from typing import Any, Literal, Protocol, runtime_checkable
@@ -33,9 +33,9 @@ class KinematicError(Protocol):
 class Friction(Protocol):
     """A friction law: torque that opposes a velocity, N m (N) at the joint's side.
 
-    load: what the drive transmits, N m, of which friction takes `share_of_load` more than it takes without.
-    resistance: about how fast the torque rises with speed, N m s/rad, never less than 0; integration steps take it
-    implicitly.
+    load: torque that the drive transmits, N m; friction grows by `share_of_load` of it.
+    resistance: approximate slope of the torque over speed, N m s/rad, never below 0; treated implicitly in integration
+    steps.
     """
 
     def torque(self, speed: Any, load: Any = 0) -> Any: ...
@@ -72,9 +72,9 @@ class Motor:
 
     torque_constant: N m of shaft torque per ampere; K_e, V s/rad, is the same number.
     resistance: ohm, between the terminals to which torque_constant refers.  bandwidth: of the current loop, Hz; None
-    follows at once.  delay: s between command and current loop, at most a control period.
-    current_limit (A) and voltage_limit (V) bound the torque, the latter the more the faster it turns.
-    ripple: waves of the torque, amplitudes as a share of it.  cogging: waves of torque without current, in N m.
+    is an ideal loop.  delay: s between command and current loop, at most a control period.
+    current_limit (A) and voltage_limit (V) bound the torque, the latter more tightly at higher speed.
+    ripple: waves of the torque, with amplitudes as shares of it.  cogging: waves of torque without current, in N m.
     """
 
     torque_constant: Any
@@ -91,8 +91,8 @@ class Motor:
 class Rotor:
     """The motor's turning part, wave generator included.
 
-    inertia: about its own axis, on the motor's side of the gear, kg m2; felt at the joint, ratio**2 times that.
-    in_link_inertia: whether the carrying link's inertia already holds the rotor; if not, it is added, with its mass
+    inertia: about its own axis, on the motor's side of the gear, kg m2; at the joint, ratio**2 times that.
+    in_link_inertia: whether the carrying link's inertia already includes the rotor; if not, it is added, with its mass
     (kg), its inertia across the axis, `transverse` (kg m2), and its centre at `position` (m) along the joint's axis.
     coupling: "reduced" counts the kinetic energy of its own spin only (Spong 1987); "full" makes it a balanced,
     axisymmetric body that its carrier turns along, gyroscopic torques included.
@@ -108,7 +108,7 @@ class Rotor:
 
 @dataclass(frozen=True)
 class Ratings:
-    """What makers allow a gear, at the joint's side, and its motor; None where nothing is stated.
+    """The maker's ratings of a gear, at the joint's side, and its motor; None where nothing is stated.
 
     Torques in N m: rated at rated_speed, average, repeated peak (starts and stops), momentary peak (collisions).
     Speeds of the motor, rad/s.  life: h, at rated torque and rated speed.  continuous_current: A, RMS of the motor's.
@@ -130,15 +130,15 @@ class Drive:
     """A joint's drive.
 
     ratio: signed motor turns per joint turn (rad per m on a prismatic joint).
-    rotor: None where its inertia is not known or does not matter; an elastic drive needs one.
-    compliance: None is a rigid drive: link and motor are one, and the rotor acts as armature.
+    rotor: None if its inertia is unknown or negligible; an elastic drive needs one.
+    compliance: None is a rigid drive: link and motor move as one, and the rotor acts as armature.
     damping: of the spring, N m s/rad at the joint's side; None is none.
-    link_friction acts on the link's speed, motor_friction on the rotor's over ratio; both at the joint's side.
+    link_friction depends on the link's speed, motor_friction on the rotor's over ratio; both at the joint's side.
     limits: of the drive, at the joint's side.
     kinematic_error: by how much an elastic drive's unloaded output lags ratio-true rotation; None is none.
     hysteresis: slipping elements in parallel to the compliance; None is none.
-    motor: what lies between a torque command and the shaft; None is a motor that does as it is told.
-    ratings: what the maker allows; only sizing reads them.
+    motor: dynamics between torque command and shaft; None is an ideal torque source.
+    ratings: the maker's; used for sizing only.
     """
 
     ratio: float = 1.0
@@ -160,7 +160,7 @@ class Drive:
 
     @property
     def has_current_lag(self) -> bool:
-        """Whether its motor's current follows commands through a loop of stated bandwidth."""
+        """Whether its motor has a current loop with stated bandwidth."""
         return self.motor is not None and self.motor.bandwidth is not None
 
     @property
@@ -170,5 +170,5 @@ class Drive:
 
     @property
     def reflected_inertia(self) -> Any:
-        """Rotor inertia felt at the joint, ratio**2 times its own, kg m2 (kg); 0 without a rotor."""
+        """Reflected rotor inertia at the joint, ratio**2 times its own, kg m2 (kg); 0 without a rotor."""
         return self.ratio * self.ratio * self.rotor.inertia if self.rotor else 0

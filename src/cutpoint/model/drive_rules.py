@@ -1,7 +1,7 @@
-"""What a drive's parts are, and what their numbers must satisfy one by one: a table for each part.
+"""Kinds of a drive's parts, and rules for their single numbers: one table per part.
 
-Parts within a part, as the spring behind a backlash, share its table.  Laws are open: a field of a user's own law that
-bears a name of its part's table means the same.
+Parts within a part, such as the spring behind a backlash, share its table.  Laws are open: a field of a user's own law
+with a name from its part's table has the same meaning.
 """
 
 import math
@@ -18,7 +18,7 @@ from cutpoint.model.mechanism import Limits
 
 @dataclass(frozen=True)
 class Rule:
-    """words: what a message says behind a value that does not hold.  each: of every number of a tuple."""
+    """words: the message after a value that breaks the rule.  each: applies to every number of a tuple."""
 
     words: str
     holds: Callable[[Any], bool]
@@ -42,7 +42,7 @@ class Rule:
 
 
 def is_number(value: Any) -> bool:
-    """Whether it is a real number; a truth value is none."""
+    """Whether it is a real number; a bool is not."""
     return isinstance(value, Real) and not isinstance(value, bool)
 
 

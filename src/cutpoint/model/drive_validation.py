@@ -1,4 +1,4 @@
-"""The door for drives: what they must satisfy before any law sees them."""
+"""Validation of drives, before any law uses them."""
 
 from collections.abc import Iterator
 from dataclasses import fields, is_dataclass
@@ -20,9 +20,9 @@ is then within 1e-9."""
 
 
 class Complaint(NamedTuple):
-    """What is wrong in a drive, and in which field of it, such as "motor_friction.sliding.coulomb".
+    """What is wrong in a drive, and in which field, such as "motor_friction.sliding.coulomb".
 
-    number: what the field holds, where `words` only say the rest of the sentence; None where they say it all.
+    number: the field's value, if `words` only complete the sentence; None if they are the whole message.
     """
 
     field: str
@@ -43,9 +43,9 @@ def check_drive(name: str, drive: Any) -> None:
 
 
 def complaints(drive: Drive) -> Iterator[Complaint]:
-    """What breaks a rule: parts of their kinds, each number by its part's table, then what several must be together.
+    """Violations of rules: kinds of parts, single numbers by their part's table, then relations between several.
 
-    Only the first is sure: later rules take for granted that earlier ones hold.
+    Only the first is reliable: later rules assume that earlier ones hold.
     """
     yield from _of_kinds(drive)
     yield from _of_numbers(drive, RULES["drive"], "")
@@ -56,7 +56,7 @@ def complaints(drive: Drive) -> Iterator[Complaint]:
 
 
 def _of_kinds(drive: Drive) -> Iterator[Complaint]:
-    """Each part is what its field says, and a rotor is there where it swings on a spring; no ratio is zero."""
+    """Each part has its field's kind, an elastic drive has a rotor, and the ratio is not zero."""
     for what, kind in KINDS.items():
         part = getattr(drive, what)
         if not isinstance(part, kind) and (part is not None or what == "limits"):
@@ -73,7 +73,7 @@ def _of_kinds(drive: Drive) -> Iterator[Complaint]:
 
 
 def _lacks(kind: type, part: Any) -> str:
-    """What keeps a law of the user's own, which has some of its kind's methods, from being of that kind."""
+    """What a user's own law, with some of its kind's methods, lacks to be of that kind."""
     methods = [name for name in vars(kind) if not name.startswith("_")] if kind in OFFERED else []
     missing = [name for name in methods if not hasattr(part, name)]
     return f", which lacks {', '.join(missing)}" if 0 < len(missing) < len(methods) else ""
@@ -111,7 +111,7 @@ def _of_waves(waves: Any, part: str) -> Iterator[Complaint]:
 
 
 def _of_springs(drive: Drive) -> Iterator[Complaint]:
-    """What goes with a spring is there with one only; one ratio, slipping elements are whole, errors small enough."""
+    """Parts of a spring need a spring; ratios agree, slipping elements are complete, kinematic errors small enough."""
     rule = "needs an elastic drive; give it a compliance"
     for what in ("kinematic_error", "hysteresis"):
         if getattr(drive, what) and not drive.is_elastic:
@@ -138,7 +138,7 @@ def _of_springs(drive: Drive) -> Iterator[Complaint]:
 
 
 def _of_motors(drive: Drive) -> Iterator[Complaint]:
-    """A rotor that a body can be; of a motor, a voltage limit with its resistance, and ripple below 1."""
+    """A rotor is a possible body; a motor's voltage limit comes with its resistance, and ripple is below 1."""
     rotor, motor = drive.rotor, drive.motor
     if rotor and not rotor.in_link_inertia and 0 < 2 * rotor.transverse < rotor.inertia:
         rule = f"must be at least half of inertia {rotor.inertia}, as of any body that is round about its axis"
@@ -151,9 +151,9 @@ def _of_motors(drive: Drive) -> Iterator[Complaint]:
 
 
 def _of_friction(side: str, law: Any, elastic: bool) -> Iterator[Complaint]:
-    """At rest there is no less than in motion; load counts on the motor's side only; with bristles it takes a spring to
-    tell the load."""
-    sliding = getattr(law, "sliding", law)  # of bristles, what they turn into
+    """Static friction is not below that in motion; load dependence is for the motor's side only, and with bristles it
+    needs a spring to measure the load."""
+    sliding = getattr(law, "sliding", law)  # of bristles, their sliding law
     per_load, asymmetry = (getattr(sliding, name, None) for name in ("per_load", "asymmetry"))
     coulomb, static = (getattr(sliding, name, None) for name in ("coulomb", "static"))
     if coulomb is not None and static is not None and static < coulomb:

@@ -1,4 +1,4 @@
-"""Which frame tools and payloads are taken to be at, where none is named."""
+"""The default frame of tools and payloads."""
 
 from cutpoint.model.mechanism import Mechanism
 

@@ -16,12 +16,12 @@ LONGEST_CHAIN = 16
 
 
 def hold(joints: Sequence[Joint], lock: Mapping[str, float], coupled: bool, places: Places) -> list[Joint]:
-    """The joints with locked ones made fixed at their value, and every mimic pointing at the leader of its chain.
+    """The joints with locked ones fixed at their value, and every mimic pointing at the leader of its chain.
 
-    Where followers are coupled, one of a locked leader is locked too.  Where they are not, it is free, and so is one
-    whose leader does not exist.
-    Raises ModelError: unknown name, a joint that cannot be locked, a follower locked apart from its leader, a mimic in
-    a circle or of a joint that does not move, numbers that no machine has.
+    If followers are coupled, those of a locked leader are locked too.  If not, they are free, even if their leader does
+    not exist.
+    Raises ModelError: unknown name, a joint that cannot be locked, a follower locked apart from its leader, a circular
+    mimic or one of a joint that does not move, numbers beyond those of any machine.
     """
     holder = _Holder({joint.name: joint for joint in joints}, lock, coupled, places)
     for name, value in lock.items():
@@ -60,7 +60,7 @@ class _Holder:
         return fixed
 
     def leader(self, joint: Joint) -> Mimic | None:
-        """The relation of a joint to the end of its chain: a joint that leads itself, or a locked one."""
+        """A joint's relation to the end of its mimic chain: a joint that follows none, or a locked one."""
         end, multiplier, offset, passed = joint, 1.0, 0.0, {joint.name}
         while end.mimic is not None and end.name not in self.lock:
             step = end.mimic

@@ -1,4 +1,4 @@
-"""What bounds driven joints: what robot file and drives state, together."""
+"""Limits of driven joints: those of robot file and drives, combined."""
 
 from collections.abc import Mapping
 
@@ -15,14 +15,14 @@ Array = NDArray[np.float64]
 def limits_in_force(mechanism: Mechanism, drives: Mapping[str, Drive]) -> dict[str, Limits]:
     """The tighter of a joint's limits and its drive's, by joint, in the order of the drives.
 
-    Efforts and speeds that a robot file states as 0, not knowing them, count as none.
+    Efforts and speeds of 0 in a robot file, which stand for unknown ones, count as none.
     """
     told = {body.joint.name: body.joint.limits for body in mechanism.bodies}
     return {joint: _tighter(told[joint], drive.limits) for joint, drive in drives.items()}
 
 
 def look_like_degrees(limits: Limits) -> bool:
-    """Of a joint that turns: half or whole numbers up to a full circle, beyond what radians of a joint usually are."""
+    """Whether a revolute joint's limits look like degrees: half or whole numbers up to 360, large for radians."""
     bounds = np.array([limits.lower, limits.upper])
     if not np.isfinite(bounds).all():
         return False
@@ -31,7 +31,7 @@ def look_like_degrees(limits: Limits) -> bool:
 
 
 def efforts_in_force(mechanism: Mechanism, drives: Mapping[str, Drive]) -> Array:
-    """(n,) N m at the joint: what limits of effort and of current leave each drive, inf where there are none."""
+    """(n,) N m at the joint: each drive's limit by effort and current, inf if there is none."""
     stated = [each.effort for each in limits_in_force(mechanism, drives).values()]
     return np.minimum(stated, [_by_current(drive) for drive in drives.values()])
 

@@ -1,4 +1,4 @@
-"""Mass properties of pieces that are fixed to each other."""
+"""Mass properties of rigidly connected pieces."""
 
 from typing import NamedTuple
 

@@ -1,4 +1,4 @@
-"""What a robot is made of, before any equation: bodies in a tree, the joints that carry them, named frames.
+"""The structure of a robot, before any equation: a tree of bodies, the joints that carry them, named frames.
 
 Plain numbers in SI units, immutable.  `build` (see `build.py`) validates and makes them.
 """
@@ -23,8 +23,8 @@ STANDARD_GRAVITY = (0.0, 0.0, -9.81)
 
 
 class Immutable:
-    """What holds arrays and dictionaries of its own, which nobody can write to: neither through what it was made of,
-    nor in a copy, nor in what comes out of a pickle."""
+    """Holds read-only arrays and dictionaries of its own: they cannot be changed through the originals, in a copy, or
+    after unpickling."""
 
     def __post_init__(self) -> None:
         vars(self).update({name: frozen(value) for name, value in vars(self).items()})
@@ -83,7 +83,7 @@ class Joint(Immutable):
     """How a child link moves on its parent.
 
     placement (4, 4): the joint's frame, at coordinate zero, in the parent's frame; it is the child's frame too.
-    axis (3,): unit vector in the joint's frame (of no meaning for fixed and floating joints).
+    axis (3,): unit vector in the joint's frame (unused for fixed and floating joints).
     pitch: of a helical joint, m/rad.  second_axis: of a universal joint, in the frame that its first axis turned.
     damping (N m s/rad or N s/m) and friction (N m or N) as a URDF's <dynamics> states them.
     """
@@ -144,7 +144,7 @@ class Mechanism(Immutable):
 
     @property
     def sliding(self) -> frozenset[str]:
-        """Names of the joints that slide: what is rad at others is m there, N m is N."""
+        """Names of the prismatic joints, with m in place of rad, and N in place of N m."""
         return frozenset(body.joint.name for body in self.bodies if body.joint.kind == "prismatic")
 
     def with_gravity(self, gravity: Array) -> "Mechanism":

@@ -1,4 +1,4 @@
-"""Where the parts of a robot are written, so that an error can say it."""
+"""Source locations of a robot's parts, for error messages."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field

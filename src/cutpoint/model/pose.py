@@ -1,4 +1,4 @@
-"""Rigid placements as plain 4x4 matrices, child to parent coordinates: what describing a robot needs, and no more."""
+"""Rigid placements as plain 4x4 matrices, child to parent coordinates, as far as model descriptions need them."""
 
 import numpy as np
 

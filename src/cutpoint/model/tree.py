@@ -62,7 +62,7 @@ def _only_root(links: Sequence[str], carrier: dict[str, Joint], places: Places) 
 
 
 def _walk(root: str, joints: Sequence[Joint]) -> list[Joint]:
-    """Joints reached from the root, depth first, by an explicit stack: a file may hold a chain of any length."""
+    """Joints reached from the root, depth first, with an explicit stack, since chains may be of any length."""
     borne = defaultdict(list)
     for joint in joints:
         borne[joint.parent].append(joint)
@@ -75,7 +75,7 @@ def _walk(root: str, joints: Sequence[Joint]) -> list[Joint]:
 
 
 def _loop_error(carrier: dict[str, Joint], suspects: set[str], places: Places) -> ModelError:
-    """Every suspect has a parent that is a suspect: going up from any of them ends in a loop."""
+    """Error that names the loop: every suspect's parent is a suspect, so going up from any of them ends in one."""
     link, climbed = min(suspects), {}
     while link not in climbed:
         climbed[link] = len(climbed)

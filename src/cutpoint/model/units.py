@@ -1,4 +1,4 @@
-"""Units at the side of a joint that slides."""
+"""Units at the side of a prismatic joint."""
 
 SLIDING = {
     "N m": "N",

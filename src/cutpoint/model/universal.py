@@ -1,4 +1,4 @@
-"""A universal joint as what it is made of: two revolute joints, and a cross between them that weighs nothing."""
+"""A universal joint as two revolute joints with a massless cross between them."""
 
 from collections.abc import Sequence
 from dataclasses import replace

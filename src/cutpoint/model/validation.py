@@ -1,9 +1,9 @@
-"""The door: what a link, a joint and a lumped body must satisfy before any equation sees them.
+"""Validation of links, joints and lumped bodies, before any equation uses them.
 
 Links and joints are checked as the file lists them.  Inertia tensors are checked once lumped, on bodies that move:
-only their sum enters the dynamics, and files spread it over fixed pieces in ways that are wrong one by one and harmless
-together.  Tolerances on principal moments: RELATIVE of the largest one, plus what a radius of gyration of a micrometre
-would give.
+only their sum enters the dynamics, and files distribute it over fixed pieces in ways that are wrong one by one and
+harmless together.  Tolerances on principal moments: RELATIVE of the largest one, plus that of a radius of gyration of a
+micrometre.
 """
 
 import math
@@ -52,7 +52,7 @@ WITH_AXIS: tuple[JointKind, ...] = (*ONE_COORDINATE, "universal", "planar")
 
 
 def check_link(link: Link, places: Places) -> None:
-    """Shapes, finite numbers of a size that machines have, mass not negative, inertia symmetric."""
+    """Checks shapes, finite numbers of plausible size, nonnegative mass, symmetric inertia."""
     thing = f"link {link.name!r}"
     for what, value, shape in (("mass", link.mass, ()), ("com", link.com, (3,)), ("inertia", link.inertia, (3, 3))):
         _check_numbers(thing, what, value, shape, places)
@@ -66,7 +66,7 @@ def check_link(link: Link, places: Places) -> None:
 
 
 def check_joint(joint: Joint, places: Places) -> None:
-    """A known kind, shapes, finite numbers, rigid placement, axes with a direction, a pitch, limits in order."""
+    """Checks kind, shapes, finite numbers, rigid placement, nonzero axes, pitch, ordered limits."""
     thing = f"joint {joint.name!r}"
     if joint.kind not in get_args(JointKind):
         complaint = f"kind {joint.kind!r} is not supported; {those_that_exist(joint.kind, get_args(JointKind))}"
@@ -87,7 +87,7 @@ def check_joint(joint: Joint, places: Places) -> None:
 
 
 def _check_own_numbers(joint: Joint, places: Places) -> None:
-    """What some kinds need and others do not: axis, second axis, pitch; and that a follower has one coordinate."""
+    """Checks what only some kinds need: axis, second axis, pitch; and that a follower has one coordinate."""
     thing = f"joint {joint.name!r}"
     if joint.kind in WITH_AXIS:
         _checked_axis(thing, "axis", joint.axis, places)
@@ -118,7 +118,7 @@ def _checked_axis(thing: str, what: str, axis: Array | None, places: Places) -> 
 
 
 def check_limits(thing: str, limits: Limits, unit: Mapping[str, str], places: Places) -> None:
-    """No NaN, lower <= upper, speed and effort not negative; infinite is no limit."""
+    """Checks: no NaN, lower <= upper, speed and effort not negative; infinite means no limit."""
     for what in ("lower", "upper", "velocity", "effort"):
         if np.isnan(getattr(limits, what)):
             raise places.error(thing, f"limit {what} must be a number, got nan", limits=limits)
@@ -142,8 +142,8 @@ def check_gravity(gravity: Array, places: Places) -> None:
 
 
 def check_bodies(bodies: Sequence[Body], pieces: Sequence[Sequence[str]], places: Places) -> None:
-    """Lumped tensors that mass can have: none without mass, no negative principal moment, none above the sum of the
-    other two.  pieces: names of the links that each body is made of."""
+    """Checks that lumped tensors are physical: none without mass, no negative principal moment, none above the sum of
+    the other two.  pieces: names of the links that each body is made of."""
     faults = [(body, own, fault) for body, own in zip(bodies, pieces, strict=True) if (fault := fault_of(body))]
     if not faults:
         return
@@ -157,9 +157,9 @@ def check_bodies(bodies: Sequence[Body], pieces: Sequence[Sequence[str]], places
 
 
 def lacking(body: Body) -> float:
-    """What a body's inertia lacks about every axis to be one that mass can have, kg m2.
+    """What a body's inertia lacks about every axis to be physical, kg m2.
 
-    With that the largest principal moment is the sum of the others, in any frame, and a thousandth less.
+    With that added, the largest principal moment is the sum of the others, in any frame, less a thousandth.
     """
     small, middle, large = np.linalg.eigvalsh(body.inertia)
     return 1.001 * float(large - small - middle)
@@ -179,7 +179,7 @@ class Fault(NamedTuple):
 
 
 def fault_of(body: Body) -> Fault | None:
-    """What no mass can have of a body's inertia about its com; None if there is nothing."""
+    """What is physically impossible in a body's inertia about its com; None if nothing is."""
     small, middle, large = np.linalg.eigvalsh(body.inertia)
     tolerance = RELATIVE * max(large, -small) + GYRATION**2 * body.mass
     moments = f"principal moments of inertia {small:.6g}, {middle:.6g}, {large:.6g} kg m2"
@@ -197,7 +197,7 @@ def fault_of(body: Body) -> Fault | None:
 
 
 def check_all_bear_mass(bodies: Sequence[Body], places: Places) -> None:
-    """Every moving body has mass or inertia, or carries something that has: otherwise nothing resists its joint."""
+    """Checks that every moving body has or carries mass or inertia: otherwise nothing resists its joint."""
     bears = [not MassProperties(body.mass, body.com, body.inertia).is_nothing for body in bodies]
     for index in reversed(range(len(bodies))):
         if bears[index] and bodies[index].parent >= 0:
