@@ -1,1 +1,1 @@
-"""A robot's functions: made at their first use, behind a door that checks what they are given."""
+"""A robot's functions: compiled at their first use, with validated arguments."""

@@ -1,4 +1,4 @@
-"""What functions of a robot give that give several things."""
+"""Records that a robot's functions return."""
 
 from typing import NamedTuple
 
@@ -9,7 +9,7 @@ Array = NDArray[np.float64]
 
 
 class ElasticTorques(NamedTuple):
-    """What motors must do for a motion; at the joint's side, an entry for each drive (joint_torque: each speed).
+    """Motor torques and motion for a motion; at the joint's side, one entry per drive (joint_torque: per speed).
 
     motor_torque (N m), theta (rad), theta_dot (rad/s), theta_ddot (rad/s2), joint_torque (N m).
     """

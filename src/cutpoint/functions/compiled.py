@@ -1,7 +1,7 @@
 """The equations of one robot, traced and compiled at their first use.
 
-Geometry and inertias fold into the code; drive constants are inputs of every function that reads them, so that changing
-them never compiles again.
+Geometry and inertias are constants in the code; drive parameters are inputs of every function that reads them, so that
+changing them never recompiles.
 """
 
 from collections.abc import Callable, Hashable, Mapping, Sequence
@@ -58,7 +58,7 @@ DIVIDE_BY_INERTIA = frozenset(name for name in JOINT_QUANTITIES if "forward_dyna
 
 
 def machine_of(mechanism: Mechanism, drives: Mapping[str, Drive], framing: Framing | None = None) -> Machine:
-    """The robot as the equations want it: rigid drives' rotors as armature, drives with where their coordinates stand.
+    """The robot as the equations take it: rigid drives' rotors as armature, drives with indices of their coordinates.
 
     framing: frames and inertias other than the bodies' own.
     """
@@ -69,7 +69,7 @@ def machine_of(mechanism: Mechanism, drives: Mapping[str, Drive], framing: Frami
 
 
 def rotor_is_felt(drive: Drive) -> bool:
-    """Whether the links' own equations know of a drive's rotor: as armature, as a spin, or as mass."""
+    """Whether a drive's rotor enters the links' equations: as armature, as a spin, or as mass."""
     return drive.rotor is not None and not (
         drive.is_elastic and drive.rotor.in_link_inertia and drive.rotor.coupling == "reduced"
     )
@@ -80,13 +80,13 @@ compiled_of: Callable[[Any], "Compiled"] = attrgetter("_compiled")
 
 
 class Compiled:
-    """Kernels of one robot by name; each is made when first asked for.
+    """Kernels of one robot by name; each is compiled at its first use.
 
     machine: the robot with its bodies' own frames (z along the joints) and inertias, for functions of frames, single
     bodies and their parameters.  lean: the same robot, reframed, regrouped and in a unit of length of its own, for all
     others.
-    parameters: the drives' numbers, in the order of the drives and of their fields.  structure: what is left of the
-    drives without them.  functions: made so far.
+    parameters: the drives' numbers, in the order of the drives and of their fields.  structure: the drives
+    without their numbers.  functions: made so far.
     """
 
     def __init__(self, mechanism: Mechanism, drives: Mapping[str, Drive], backend: str) -> None:
@@ -116,13 +116,13 @@ class Compiled:
         return structure_of([*self._drives.items()])
 
     def share_kernels_with(self, other: "Compiled") -> None:
-        """Kernels of a robot of the same mechanism serve this one too, if their drives differ in numbers alone."""
+        """Shares kernels with a robot of the same mechanism, if their drives differ in numbers only."""
         if self.structure == other.structure:
             self._shared = other._shared
 
     @cached_property
     def quaternions(self) -> dict[str, slice]:
-        """Where they stand in q, by the joint's name."""
+        """Their positions in q, by the joint's name."""
         return quaternions_of(self._mechanism, self.machine.system)
 
     @cached_property
@@ -135,7 +135,7 @@ class Compiled:
         return loops_take(key, self.machine, self._backend)
 
     def remember_as_loops(self, name: str) -> None:
-        """That it has no kernel, for the error that asking for one raises."""
+        """Notes that a function has no kernel, for the error when one is requested."""
         self._loops[name] = None
 
     @cached_property
@@ -143,7 +143,7 @@ class Compiled:
         return machine_of(self._mechanism, self._drives, lean_framing(self._mechanism))
 
     def with_parameters(self, parameters: Sequence[Any], lean: bool = False) -> Machine:
-        """The machine, or the lean one, with these numbers in its drives."""
+        """The machine, or the lean one, with these drive parameters."""
         new = dict(zip(self._drives, rebuild([*self._drives.values()], iter(parameters)), strict=True))
         if self._rotors_are_felt:
             return machine_of(self._mechanism, new, lean_framing(self._mechanism) if lean else None)
@@ -158,11 +158,11 @@ class Compiled:
         reads_drives: bool = False,
         record: type[tuple[Any, ...]] | None = None,
     ) -> Callable[..., Any]:
-        """A definition, on a Machine and lists of scalars, as a function of arrays; made when first asked for.
+        """A definition, on a Machine and lists of scalars, as a function of arrays; compiled at its first use.
 
         Args:
             key: its name; with what the definition closes over, a tuple that begins with its name.
-            inputs: their names in order, blanks between.
+            inputs: their names in order, separated by spaces.
             reads_drives: whether the definition needs the drives.
             record: the NamedTuple that holds the outputs.
 
@@ -191,7 +191,7 @@ class Compiled:
         reads_drives: bool,
         record: type[tuple[Any, ...]] | None,
     ) -> Callable[..., Any]:
-        """A function as loops, where they take it and suit it, or as a kernel: code without loops."""
+        """A function as loops over bodies, if these support it and pay off, or as a kernel: code without loops."""
         name, loops = name_of(key), rolled(key, self.machine, self._backend, record)
         looping = loops.quick() if loops else self._joint_by_joint(key, definition, inputs, reads_drives)
         if looping:
@@ -213,7 +213,7 @@ class Compiled:
 
     @cached_property
     def solver(self) -> "Solver":
-        """For two equations at once with the mass matrix, of as many columns."""
+        """Solver for two systems with the mass matrix at once, with the same number of columns."""
         from cutpoint.rolled.equations import solver_of  # needs llvmlite
 
         return solver_of(self.machine.system, [self.machine.system.nv] * 2)
@@ -244,7 +244,7 @@ class Compiled:
         reads_drives: bool,
         record: type[tuple[Any, ...]] | None,
     ) -> RobotFunction:
-        """With the drives' numbers as an input if the definition reads drives, or if links feel some rotor."""
+        """Compiles, with the drives' parameters as an input if the definition reads drives or links feel a rotor."""
         sizes = {x: self.size_of(x) for x in inputs}
         counts = reads_drives or (self._rotors_are_felt and name not in GEOMETRIC)
         parametric = bool(self.parameters.size) and counts

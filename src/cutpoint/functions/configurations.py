@@ -1,4 +1,4 @@
-"""Configurations of a robot: the one in which nothing is moved, and any at random."""
+"""Configurations of a robot: neutral and random ones."""
 
 from collections.abc import Mapping
 from types import MappingProxyType
@@ -32,7 +32,7 @@ def at_random(
     shape: tuple[int, ...],
     limits: Mapping[str, Limits] = MappingProxyType({}),
 ) -> Array:
-    """(*shape, nq): see `Robot.random`.  limits: of joints by name, where they are others than the robot file's."""
+    """(*shape, nq): see `Robot.random`.  limits: of joints by name, if they differ from the robot file's."""
     q = np.empty((*shape, system.nq))
     for segment, body in zip(system.segments, mechanism.bodies, strict=True):
         if not segment.follower:

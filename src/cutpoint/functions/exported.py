@@ -1,4 +1,4 @@
-"""Which functions of a robot leave as code."""
+"""The functions of a robot that can be exported as code."""
 
 RESULTS = {
     "inverse_dynamics": "torque", "forward_dynamics": "a", "mass_matrix": "M", "bias_forces": "torque",

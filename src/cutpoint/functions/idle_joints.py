@@ -1,4 +1,4 @@
-"""Joints that can move while nothing with inertia does: what divides by inertia has no answer for them."""
+"""Joints that move no inertia, for which functions that divide by inertia are singular."""
 
 from dataclasses import replace
 
@@ -24,7 +24,7 @@ CONFIGURATIONS = 3
 
 
 def check_moves_inertia(mechanism: Mechanism, machine: Machine) -> None:
-    """Raises ModelError, with the joints, if they can move while nothing with inertia does, or less than nothing."""
+    """Raises ModelError, with the joints' names, if joints can move without moving positive inertia."""
     if not machine.system.nv or len(mechanism.bodies) > MOST:
         return
     for follow in (True, False) if machine.system.has_sprung_rotors else (True,):
@@ -48,7 +48,7 @@ def _complaint(idle: list[str], follow: bool) -> str:
 
 
 def _idle_joints(mechanism: Mechanism, machine: Machine, rng: "np.random.Generator", follow: bool) -> list[str]:
-    """Joints that take part in the motion of least inertia at a random configuration, if that is none.
+    """Joints that take part in the motion of least inertia at a random configuration, if that inertia is not positive.
 
     follow: whether rotors behind springs turn along with their carriers.
     """
@@ -67,7 +67,7 @@ def _idle_joints(mechanism: Mechanism, machine: Machine, rng: "np.random.Generat
 
 
 def _spread(system: System) -> System:
-    """With bodies that resist every motion of their frame, as much as theirs resist any."""
+    """The system with bodies that resist all motions of their frames, by as much as the originals resist any."""
     bodies = [replace(s, inertia=_spread_inertia(s.inertia)) for s in system.segments]
     return replace(system, segments=tuple(bodies), spins=())
 

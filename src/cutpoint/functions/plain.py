@@ -1,4 +1,4 @@
-"""Functions of a robot as they are asked for most: by name alone, without variants."""
+"""Functions of a robot in their most common form: by name only, without variants."""
 
 from collections.abc import Callable, Mapping
 from functools import partial
@@ -15,7 +15,7 @@ Function = Callable[..., Any]
 
 
 class Plain(NamedTuple):
-    """What `Compiled.function` is told of a function beside its name."""
+    """Arguments of `Compiled.function` for a function, apart from its name."""
 
     definition: Function
     inputs: str
@@ -54,12 +54,12 @@ PLAIN: Mapping[str, Plain] = MappingProxyType({
 
 
 class Functions(dict[Any, Function]):
-    """Those that have been made, by name or by a tuple that begins with it; a plain one is made when asked for."""
+    """Compiled functions, by name or by a tuple that begins with it; plain ones are made at their first use."""
 
     def __init__(self, make: Function) -> None:
         """make: a method that makes the function of a name and a `Plain`, and puts it here."""
         super().__init__()
-        self._make = WeakMethod(make)  # whose object holds these: machine code goes as soon as nobody has the robot
+        self._make = WeakMethod(make)  # weak, since its object holds these: code is freed with the robot
 
     def __missing__(self, name: str) -> Function:
         make = self._make()

@@ -1,4 +1,4 @@
-"""A kernel as a user calls it: what is given is checked, what the robot knows is added."""
+"""A kernel as a user calls it: its arguments are checked, and the robot's own inputs are added."""
 
 from collections.abc import Callable, Mapping, Sequence
 from functools import cached_property
@@ -11,9 +11,9 @@ from cutpoint.kernels import Kernel
 
 
 class RobotFunction:
-    """A kernel behind the door.
+    """A kernel with validated arguments.
 
-    sizes: of the inputs that users give, by name.  added: what the robot gives after them.  record: holds the outputs.
+    sizes: of the users' inputs, by name.  added: the robot's own inputs after them.  record: holds the outputs.
     """
 
     def __init__(
@@ -29,14 +29,14 @@ class RobotFunction:
     def __call__(self, *given: Any) -> Any:
         result = self._of_batch(given)
         if result is None:
-            if not are_plain_vectors(given):  # of the wrong length they are the kernel's to refuse
+            if not are_plain_vectors(given):  # the kernel itself refuses wrong lengths
                 pairs = zip(self.sizes.items(), given, strict=True)
                 given = tuple(checked_array(self.name, key, x, size) for (key, size), x in pairs)
             result = self.kernel.general(*given, *self.added)
         return self.record(*result) if self.record else result
 
     def _of_batch(self, given: tuple[Any, ...]) -> Any:
-        """The outputs of a batch that lies in order; None for all else, mistakes too."""
+        """The outputs of a contiguous batch; None for everything else, including mistakes."""
         first = given[0] if given else None
         if type(first) is not np.ndarray or first.ndim < 2 or self._whole is None:
             return None
@@ -44,15 +44,15 @@ class RobotFunction:
         return (found,) if self.record and type(found) is np.ndarray else found
 
     def knows(self, parameters: np.ndarray) -> bool:
-        """Whether these are the numbers of the drives that it adds, or it adds none."""
+        """Whether these are the drives' parameters that it adds, or it adds none."""
         return not self.added or self.added[0] is parameters
 
     def bound_to(self, parameters: np.ndarray) -> "RobotFunction":
-        """The same for a robot whose drives have these numbers."""
+        """The same function for a robot whose drives have these parameters."""
         return RobotFunction(self.name, self.kernel, self.sizes, [parameters], self.record)
 
     def quick(self) -> Callable[..., Any]:
-        """The same, quickest for single calls."""
+        """The same function in its fastest form for single calls."""
         return self.kernel.shortcut(self, bound=self.added, largest=LARGEST, record=self.record)
 
     @cached_property

@@ -11,9 +11,9 @@ Array = NDArray[np.float64]
 
 
 def rotor_coupling(machine: Machine, q: Array) -> Array:
-    """S(q), (nv, drives): what a rotor's acceleration asks of the joints that turn its carrier, kg m2 at the joint.
+    """S(q), (nv, drives): inertial coupling of rotors with the joints that turn their carriers, kg m2 at the joint.
 
-    Zero but for rotors with full coupling behind springs: of each the spin along what turns its carrier.
+    Nonzero only for rotors with full coupling behind springs.
     """
     system = machine.system
     S = np.zeros((system.nv, len(machine.drives)))
@@ -21,7 +21,7 @@ def rotor_coupling(machine: Machine, q: Array) -> Array:
         return S
     turns: list[Array] = []
     axes, moved_by = np.zeros((system.nv, 3)), np.zeros((len(system.segments), system.nv), bool)
-    # outward: each body's axes in the world's, and which speeds turn it
+    # outward: each body's orientation, and the speeds that turn it
     for i, (body, X) in enumerate(zip(system.segments, joint_poses(system, q.tolist()), strict=True)):
         own = np.array([[*row] for row in X.rotation], np.float64)
         turns.append(own if body.parent == WORLD else turns[body.parent] @ own)
@@ -37,11 +37,11 @@ def rotor_coupling(machine: Machine, q: Array) -> Array:
 
 
 def rotor_mobility(machine: Machine) -> Array:
-    """1 / J (drives,), 1/(kg m2); zero where a drive does not bend, whose rotor is armature."""
+    """1 / J (drives,), 1/(kg m2); zero for rigid drives, whose rotors are armature."""
     drives = [d.drive for d in machine.drives]
     return np.array([1.0 / drive.reflected_inertia if drive.is_elastic else 0.0 for drive in drives], np.float64)
 
 
 def without_rotors(machine: Machine, M: Array, S: Array) -> Array:
-    """M - S J^-1 S^T, (nv, nv): what links resist while no rotor behind a spring follows its carrier."""
+    """M - S J^-1 S^T, (nv, nv): the links' inertia while rotors behind springs do not follow their carriers."""
     return M - S * rotor_mobility(machine) @ S.T

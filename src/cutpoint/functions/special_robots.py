@@ -1,4 +1,4 @@
-"""What some robots need around their functions: those with quaternions, and those in which nothing moves."""
+"""Wrappers of functions for special robots: with quaternions, or without any moving joint."""
 
 from collections.abc import Callable, Mapping, Sequence
 from typing import Any
@@ -27,16 +27,16 @@ MATRICES = frozenset({
 
 
 def quaternions_of(mechanism: Mechanism, system: System) -> dict[str, slice]:
-    """Where the quaternions stand in q, by the joint's name."""
+    """Positions of the quaternions in q, by the joint's name."""
     pairs = zip(mechanism.bodies, system.segments, strict=True)
     kinds = (Spherical, Floating)
     return {b.joint.name: slice(s.q.stop - 4, s.q.stop) for b, s in pairs if isinstance(s.joint, kinds)}
 
 
 def check_quaternions(function: str, name: str, q: Array, quaternions: Mapping[str, slice]) -> None:
-    """Raises InputError if there is a zero quaternion in q (..., nq), which shows no direction."""
+    """Raises InputError for a zero quaternion in q (..., nq), which has no orientation."""
     for joint, own in quaternions.items():
-        if (np.abs(q[..., own.stop - 1]) > SHORTEST).all():  # mostly, and one number is quickly looked at
+        if (np.abs(q[..., own.stop - 1]) > SHORTEST).all():  # the usual case, and checking one number is fast
             continue
         zero = (np.abs(q[..., own]) <= SHORTEST).all(axis=-1)
         if zero.any():
@@ -48,13 +48,13 @@ def check_quaternions(function: str, name: str, q: Array, quaternions: Mapping[s
 def with_quaternions(
     function: Function, name: str, inputs: Sequence[str], quaternions: Mapping[str, slice], nq: int, backend: str
 ) -> Function:
-    """The function, which looks at the quaternions among its inputs, each (..., nq)."""
+    """The function with checks of the quaternions among its inputs, each (..., nq)."""
     places = {k: key for k, key in enumerate(inputs) if key in ("q", "q_next")}
     if not places:
         return function
 
     def checked(*given: Any) -> Any:
-        found = function(*given)  # has taken them: they are numbers, and as many as there must be
+        found = function(*given)  # checks them first: they are numbers of the right size
         for k, key in places.items():
             check_quaternions(name, key, np.asarray(given[k], np.float64), quaternions)
         return found
@@ -68,7 +68,7 @@ def with_quaternions(
 
 
 def with_empty_matrices(function: Function) -> Function:
-    """The function of a robot in which nothing moves, whose kernel loses the columns of matrices without rows."""
+    """The function of a robot without moving joints, whose kernel loses the columns of matrices without rows."""
 
     def shaped(*given: Any) -> Any:
         found = function(*given)

@@ -1,4 +1,4 @@
-"""Functions of a robot that come in variants: for wrenches at frames, with so many derivatives, with options."""
+"""Variants of a robot's functions: with wrenches at frames, a number of derivatives, or options."""
 
 from collections.abc import Mapping, Sequence
 from functools import cache, partial
@@ -16,7 +16,7 @@ from cutpoint.mechanics.elastic import Options
 def checked_wrenches(
     function: str, external: Mapping[str, ArrayLike], frames: Mapping[str, Any]
 ) -> Mapping[str, ArrayLike]:
-    """Wrenches (..., 6) by the names of frames that exist.  Raises InputError."""
+    """Wrenches (..., 6) by names of existing frames.  Raises InputError."""
     check_kind(function, "external", external, Mapping, "wrenches (..., 6) by the frame's name")
     for frame in external:
         checked_name("frame", frame, frames)
@@ -37,12 +37,12 @@ def on_frames(definition: Any, frames: Sequence[str]) -> Any:
 
 @cache
 def motion_names(derivatives: int) -> str:
-    """Names of a position and so many derivatives of it, blanks between."""
+    """Names of a position and this many derivatives of it, separated by spaces."""
     return " ".join(["q v a jerk snap", *(f"derivative_{k}" for k in range(5, derivatives + 1))])
 
 
 def wrong_motion(function: str, given: int, needed: int) -> InputError:
-    """An error for a motion of too few derivatives of the position, or too many."""
+    """An error for a motion with too few or too many derivatives of the position."""
     names = motion_names(max(given, needed)).split()
     if given < needed:
         missing = f"{given} are given, {', '.join(names[given + 1 :])} missing"
@@ -58,7 +58,7 @@ def with_options(friction_rates: bool, quasi_rigid: bool) -> Any:
     """An elastic inverse dynamics with these options.  Raises InputError: one is not True or False."""
     try:
         return _with_options(friction_rates, quasi_rigid)
-    except TypeError:  # of a cache, which cannot keep lists
+    except TypeError:  # from the cache, for unhashable arguments
         return _with_options.__wrapped__(friction_rates, quasi_rigid)
 
 
