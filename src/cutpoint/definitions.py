@@ -1,8 +1,8 @@
-"""What a robot can compute, as functions of its machine and of lists of scalars: the bodies of its kernels.
+"""A robot's functions, written on its machine and lists of scalars: the bodies of its kernels.
 
 q (nq), v, a (nv) and torques tau (nv) are of the joints, in the mechanism's order; theta and its rates, motor torques
-and strains are of the drives, in theirs, all at the joints' side.  Units are SI; the methods of `Robot`
-that have these bodies say what each is, and cite it.
+and strains are of the drives, in the drives' order, all at the joints' side.  Units are SI; the corresponding methods
+of `Robot` describe each function and cite its source.
 """
 
 from collections.abc import Mapping
@@ -24,7 +24,7 @@ Scalars = list[Any]
 
 
 class Machine(NamedTuple):
-    """What the equations are written on: the system, and its drives with the coordinates they drive."""
+    """Argument of all equations: the system, and its drives with the coordinates they drive."""
 
     system: System
     drives: list[Driven]
@@ -46,7 +46,7 @@ def bias_forces(m: Machine, q: Scalars, v: Scalars) -> Scalars:
 
 
 def gravity_forces(m: Machine, q: Scalars) -> Scalars:
-    """Torques that hold the robot still (nv): g."""
+    """Torques that hold the robot at rest (nv): g."""
     still = [0] * m.system.nv
     return inverse.inverse_dynamics(m.system, q, still, still)
 
@@ -63,17 +63,17 @@ def coriolis_matrix(m: Machine, q: Scalars, v: Scalars) -> list[Scalars]:
 
 
 def mass(m: Machine, q: Scalars) -> list[Scalars]:
-    """M (nv, nv), of rotors that are geared rigidly too."""
+    """M (nv, nv), with rigidly geared rotors."""
     return mass_matrix.mass_matrix(m.system, q)
 
 
 def kinetic_energy(m: Machine, q: Scalars, v: Scalars) -> Any:
-    """J, of links and rigidly geared rotors."""
+    """Kinetic energy of links and rigidly geared rotors, J."""
     return energy.kinetic_energy(m.system, q, v)
 
 
 def potential_energy(m: Machine, q: Scalars) -> Any:
-    """J, of the weight."""
+    """Gravitational potential energy, J."""
     return energy.potential_energy(m.system, q)
 
 
@@ -118,7 +118,7 @@ def elastic_inverse_dynamics(
     strains: Scalars | None = None,
     **higher: Scalars,
 ) -> ElasticMotion:
-    """What motors must do for a motion, N m (N) and rad (m): see `mechanics.elastic`.  higher: in rising order."""
+    """Motor torques and motion for a motion, N m (N) and rad (m): see `mechanics.elastic`.  higher: in rising order."""
     rates, held = (v, a, jerk, snap, *higher.values()), _held(m, strains)
     return elastic.elastic_inverse_dynamics(m.system, m.drives, q, *rates, options=options, strains=held)
 
@@ -136,13 +136,13 @@ def elastic_energy(
     strains: Scalars | None = None,
     v: Scalars | None = None,
 ) -> Any:
-    """J of springs, of rotors and, with v, of what else moves with links that carry rotors."""
+    """Energy of springs and rotors, J; with v, also that of rotors due to their carriers' motion."""
     own = elastic.elastic_energy(m.drives, q, theta, theta_dot, _held(m, strains))
     return own if v is None else own + energy.carried_energy(m.system, q, v, _rotor_speeds(m, theta_dot))
 
 
 def drive_torque(m: Machine, theta: Scalars, q: Scalars) -> Scalars:
-    """Spring torque of each elastic drive; a rigid one shows none."""
+    """Spring torque of each elastic drive; zero for a rigid one."""
     return [
         spring_torque(d.drive, theta_k, q[d.q]) if d.drive.is_elastic else 0.0
         for d, theta_k in zip(m.drives, theta, strict=True)
@@ -150,13 +150,13 @@ def drive_torque(m: Machine, theta: Scalars, q: Scalars) -> Scalars:
 
 
 def static_deflection(m: Machine, q: Scalars) -> Scalars:
-    """How far each motor leads its link when nothing moves, rad: the spring's answer to gravity."""
+    """How far each motor leads its link at rest under gravity, rad."""
     weight = gravity_forces(m, q)
     return [static_lead(d.drive, q[d.q], weight[d.v]) for d in m.drives]
 
 
 def friction_torques(m: Machine, v: Scalars) -> Scalars:
-    """What link-side friction takes at each speed, N m."""
+    """Link-side friction at each speed, N m."""
     xi: Scalars = [0] * m.system.nv
     for d in m.drives:
         xi[d.v] = friction_torque(d.drive.link_friction, v[d.v])
@@ -172,12 +172,12 @@ def drive_regressor(
 
 
 def frame_pose(m: Machine, q: Scalars, frame: str) -> list[Scalars]:
-    """Of a frame in the world (4, 4)."""
+    """Pose of a frame in the world (4, 4)."""
     return matrix_of(kinematics.frame_pose(m.system, q, frame))
 
 
 def jacobian(m: Machine, q: Scalars, frame: str, expressed_in: kinematics.ExpressedIn) -> list[Scalars]:
-    """Of a frame (6, nv), linear above angular."""
+    """Jacobian of a frame (6, nv), linear above angular."""
     return transposed([[*column] for column in kinematics.jacobian(m.system, q, frame, expressed_in)]) or [[]] * 6
 
 
@@ -188,7 +188,7 @@ def velocity_map(m: Machine, q: Scalars) -> list[Scalars]:
 
 
 def _rotor_speeds(m: Machine, theta_dot: Scalars | None) -> dict[int, Any]:
-    """Speeds of the drives' rotors over ratio, by the segment that they drive; none where they are not told."""
+    """Speeds of the drives' rotors over ratio, by the segment that they drive; empty if not given."""
     return {} if theta_dot is None else {d.segment: w for d, w in zip(m.drives, theta_dot, strict=True)}
 
 
@@ -206,5 +206,5 @@ def transposed(columns: list[Scalars]) -> list[Scalars]:
 
 
 def _contact(wrenches: Mapping[str, Scalars]) -> dict[str, Wrench]:
-    """F_e of Xia (2019) eq. (44) is what the robot exerts; users state what is exerted on it."""
+    """F_e of Xia (2019) eq. (44) is exerted by the robot; users give the wrench exerted on it."""
     return {name: Wrench(-Vec3(*F[:3]), -Vec3(*F[3:])) for name, F in wrenches.items()}

@@ -1,4 +1,4 @@
-"""What is checked once, where a user hands something in: arrays, numbers, kinds, names, drives, configurations."""
+"""Validation of user input, done once: arrays, numbers, kinds, names, drives, configurations."""
 
 from collections.abc import Collection, Iterable, Mapping, Sequence
 from operator import index
@@ -35,9 +35,9 @@ _REAL = (int, float, np.integer, np.floating)
 
 
 def are_plain_vectors(values: Iterable[Any]) -> bool:
-    """Whether all are arrays (n,) of float64, finite and none beyond LARGEST: the quick look at one call's arguments.
+    """Whether all are arrays (n,) of float64, finite and none beyond LARGEST: the fast check of one call's arguments.
 
-    A sum of squares is small only if every number is; where it is not, `checked_array` looks closer.
+    A small sum of squares implies that every number is small; otherwise `checked_array` decides.
     """
     squares = 0.0
     for x in values:
@@ -66,7 +66,7 @@ def checked_array(function: str, name: str, value: ArrayLike, size: int | tuple[
 
 
 def as_numbers(function: str, name: str, value: ArrayLike, rule: str = "numbers") -> Array:
-    """The value as float64 of any shape; NaN and infinity may be in it.  Raises InputError.  rule: what it must be."""
+    """The value as float64 of any shape; NaN and infinity are allowed.  Raises InputError.  rule: what it must be."""
     if isinstance(value, np.ma.MaskedArray) and np.ma.is_masked(value):
         remedy = "fill them in, or leave these rows out"
         raise InputError(f"{function}: {name} has masked entries, every number must be there: {remedy}", name=name)
@@ -80,7 +80,7 @@ def as_numbers(function: str, name: str, value: ArrayLike, rule: str = "numbers"
 
 
 def _labels_of(value: Any) -> list[str]:
-    """Names that a table's columns, or a series' numbers, have."""
+    """Labels of a table's columns, or of a series' numbers."""
     labels = getattr(value, "columns", getattr(value, "index", ())) if hasattr(value, "to_numpy") else ()
     return [str(label) for label in labels if isinstance(label, str | tuple)] if isinstance(labels, Iterable) else []
 
@@ -98,7 +98,7 @@ def check_kind(function: str, name: str, value: Any, kind: type | tuple[type, ..
 
 
 def path_of(function: str, value: Any, of: str = "a file") -> Path:
-    """The argument as a path.  Raises InputError for what is none.  of: what it is the path of."""
+    """The argument as a path.  Raises InputError for anything else.  of: what it is the path of."""
     check_kind(function, "path", value, (str, PathLike), f"the path of {of}")
     return Path(value)
 
@@ -139,7 +139,7 @@ def checked_name(kind: str, name: Any, known: Collection[str]) -> str:
 def checked_names(
     function: str, names: Any, name: str = "joints", rule: str = "names, such as robot.joints"
 ) -> tuple[str, ...]:
-    """The names as a tuple.  Raises InputError for anything else.  name: of the argument; rule: what it must be."""
+    """The names as a tuple.  Raises InputError for anything else.  name: the argument's; rule: what it must be."""
     try:
         found = tuple(names)
     except TypeError:
@@ -193,7 +193,7 @@ def _has_followers(mechanism: Mechanism) -> bool:
 
 
 def check_configuration(mechanism: Mechanism, q: Sequence[float]) -> None:
-    """A configuration far beyond limits, as if in degrees or mm, is an error; a little beyond is the user's affair.
+    """Raises InputError for a configuration far beyond limits, as if in degrees or mm; a little beyond is allowed.
 
     q: joint positions in the order of the driven joints, rad (m).
     """
