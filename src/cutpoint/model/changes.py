@@ -15,7 +15,7 @@ from cutpoint.model.validation import LARGEST_NUMBER, check_link, fault_of
 
 
 def with_payload(mechanism: Mechanism, mass: float, com: ArrayLike, inertia: ArrayLike, frame: str) -> Mechanism:
-    """The robot with a payload fixed to a frame: mass (kg), and in it com (3,) (m), inertia about the com (3, 3) (kg m2)."""
+    """The robot with a payload fixed to a frame: mass (kg), com (3,) (m), inertia about it (3, 3) (kg m2) there."""
     if not isinstance(frame, str) or frame not in mechanism.frames:
         raise unknown_name("frame", frame, mechanism.frames)
     place, nowhere = mechanism.frames[frame], Places(None)
