@@ -1,1 +1,1 @@
-"""Recordings made fit to compute with: clocks, filters, derivatives, fewer rows."""
+"""Conditioning of recordings: clocks, filters, derivatives, decimation."""

@@ -1,4 +1,4 @@
-"""Channels of two clocks brought to one."""
+"""Alignment of channels from two clocks."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
@@ -24,13 +24,13 @@ STANDS_OUT = 2.0
 
 
 def skews(recording: Recording) -> dict[str, Skew]:
-    """By how much a link's encoder is later than its motor's, of each joint that shows it.
+    """Delay of each link's encoder relative to its motor's, for joints that show it.
 
-    A drive's deflection under friction looks like a delay.  Where torque or current was recorded, a second fit lets it
-    bend the drive; friction on the motor's side, which bends nothing, misleads that one.  The delay is their mean, and
-    half of their difference is part of the uncertainty.
+    A drive's deflection under friction looks like a delay.  If torque or current was recorded, a second fit includes
+    the deflection due to it; that one is biased by friction on the motor's side, which causes no deflection.  The delay
+    is their mean, and half of their difference is part of the uncertainty.
 
-    Raises InputError: times that are not uniform, a channel that was not recorded, or no joint of which both move.
+    Raises InputError: times that are not uniform, a channel that was not recorded, or no joint with both sides moving.
     """
     check_recording("skews", recording)
     period, channels = recording.period, recording.channels
@@ -48,12 +48,11 @@ def skews(recording: Recording) -> dict[str, Skew]:
 def aligned(
     recording: Recording, delays: Mapping[str, Skew | float] | None = None, channels: Sequence[str] = LINK_SIDE
 ) -> Recording:
-    """Channels moved to earlier times by their joints' delays, s, positive for late ones; by default the link's to the
-    motor's, as measured.
+    """Channels shifted to earlier times by their joints' delays, s, positive for late ones; by default the link's by
+    its measured delay relative to the motor's.
 
-    Measured delays that agree are taken for one clock's, and their mean counts for all.  Joints without a delay stay as
-    they are; so do those whose delay does not stand out of its uncertainty, and a note says so.  NaN at the ends, where
-    nothing was sampled.
+    Measured delays that agree are attributed to one clock, and their mean is used for all.  Joints without a
+    significant delay are unchanged, and a note says so.  NaN at the ends, where nothing was sampled.
     Raises InputError as `skews` does, for a delay that is not finite or of a joint that was not recorded, and if none
     of the channels was recorded.
     """

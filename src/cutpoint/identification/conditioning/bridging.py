@@ -1,4 +1,4 @@
-"""Short gaps of a log, in which an arm does nothing that the samples beside them do not show."""
+"""Interpolation over gaps of a log that are short relative to an arm's motion."""
 
 from dataclasses import replace
 
@@ -18,7 +18,7 @@ def bridged(recording: Recording, even: Recording) -> Recording:
     """A recording at even times, with cubic splines over short gaps between the samples as they came; a note says how
     many it has of them.
 
-    One sample that a filter does not know costs it all of its memory before and after.
+    A single missing sample invalidates a filter's output over its whole memory before and after.
     """
     time, span = recording.time, min(LONGEST, (LOST + 1.5) * even.period)
     splines = {name: on_grid(time, x, even.time, span) for name, x in recording.channels.items()}

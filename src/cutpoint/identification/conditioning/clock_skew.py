@@ -1,4 +1,4 @@
-"""How much later one channel was sampled than another that shows the same motion."""
+"""Delay between two channels that show the same motion."""
 
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -37,8 +37,8 @@ LEAST_SAMPLES = 100
 class Skew:
     """delay: s, by which x is later than y.  uncertainty: s, one standard deviation.  residual: RMS, in x's unit.
 
-    The uncertainty is that of errors which change within a tenth of the recording.  What follows the speed throughout
-    and is not in the law, such as dry friction behind a spring, shifts the delay itself, and nothing here tells.
+    The uncertainty covers errors that vary within a tenth of the recording.  An effect that follows speed throughout
+    and is not in the law, such as dry friction behind a spring, biases the delay unnoticed.
     """
 
     delay: float
@@ -92,7 +92,7 @@ def _delayed(y: Array, period: float, law: Law, used: NDArray[np.bool_]) -> Call
 
 
 def _fit(functions: Array, x: Array) -> tuple[Array, Array]:
-    """The weights of functions that come closest to x, by least squares, and what is left of x."""
+    """The weights of functions that fit x by least squares, and the residual."""
     weights = np.linalg.lstsq(functions, x)[0].astype(np.float64)
     return weights, x - functions @ weights
 

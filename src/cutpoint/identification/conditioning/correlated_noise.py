@@ -1,4 +1,4 @@
-"""How far sums of columns times noise may be off where noise follows itself: two estimates, and the larger of both.
+"""Covariance of sums of columns times correlated noise: two estimates, and the larger of both.
 
 As found, scores need no model of the noise, but say little where few samples tell a parameter.  Taken to be alike all
 along, noise is known from all samples.  Both weigh what is so many samples apart by Bartlett's triangle: Newey and West

@@ -1,4 +1,4 @@
-"""Fewer samples of less bandwidth: one window slides over everything that an equation relates.
+"""Decimation to a lower bandwidth: the same window is applied to all quantities of an equation.
 
 What is linear in the samples stays true of their weighted means: where torque = W p holds at every sample, it holds
 between the means of torque and of W.  Gautier (1997), ICRA, calls that parallel filtering.

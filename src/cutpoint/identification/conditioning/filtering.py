@@ -53,7 +53,7 @@ HIGHEST = 0.4
 
 
 def low_pass(values: ArrayLike, period: float, cutoff: float, order: int = ORDER) -> Array:
-    """Values (N, ...) without what is faster than a cut-off, in time with the original; NaN at edges.
+    """Values (N, ...) low-passed at a cut-off without phase lag; NaN at edges.
 
     A Butterworth filter forwards and backwards: a component at the cut-off (Hz) is halved, one at frequency f keeps
     1 / (1 + (f / cutoff)^(2 order)).  A stretch between gaps that is shorter than what its edges lose is NaN.
@@ -75,10 +75,10 @@ def low_pass(values: ArrayLike, period: float, cutoff: float, order: int = ORDER
 
 
 def low_pass_together(channels: Sequence[Array], period: float, cutoff: float) -> list[Array]:
-    """Channels (N,) of one linear equation, each without what is faster than a cut-off: it still holds.
+    """Channels (N,) of one linear equation, low-passed together, so that it still holds.
 
-    What is unknown of one is left out of all, so that each begins and ends at the same samples.  Beside edges half as
-    much again is cut, for what is differentiated only then.
+    Samples unknown in one are left out of all, so that each begins and ends at the same samples.  At edges half as much
+    again is cut, for channels that are differentiated later.
     """
     columns = np.column_stack(channels)
     columns[~np.isfinite(columns).all(axis=1)] = np.nan
@@ -105,13 +105,12 @@ def derivative(values: ArrayLike, period: float, order: int = 1) -> Array:
 
 
 def noise_cutoff(values: ArrayLike, period: float, *, otherwise: float | None = None) -> float:
-    """Hz, where the motion in values (N, ...) sinks into their noise: the highest of all columns that move.
+    """Hz, where the motion in values (N, ...) falls below their noise: the highest of all moving columns.
 
-    The floor is the median power density of the upper half of the spectrum, of the longest stretch without gaps; what
-    lies ten times above is motion, up to the first gap beyond its strongest wave.  There the cut-off is, or as much
-    higher as it takes for the filter to leave alone what is clear, a thousand times above.  Motion below the floor
-    cannot be seen.
-    otherwise: Hz, where nothing stands out of the noise; None refuses that.
+    The noise floor is the median power density of the upper half of the spectrum, of the longest stretch without gaps;
+    lines ten times above it are motion, up to the first gap beyond the strongest one.  The cut-off is there, or higher
+    if needed to leave clear lines, a thousand times above the floor, unattenuated.  Motion below the floor is lost.
+    otherwise: Hz, result if nothing exceeds the noise; None raises an error instead.
 
     Raises InputError: no column moves, or none out of its noise.
     """
@@ -129,7 +128,7 @@ def noise_cutoff(values: ArrayLike, period: float, *, otherwise: float | None = 
 
 
 def low_passed(recording: Recording, cutoff: float | None = None, order: int = ORDER) -> Recording:
-    """All channels through one filter, so that what follows from another still does.
+    """All channels through one filter, so that linear relations between them still hold.
 
     cutoff: Hz; by default where the positions sink into their noise, see `noise_cutoff`.
     Raises InputError: times that are not uniform, or a cut-off that is out of bounds.

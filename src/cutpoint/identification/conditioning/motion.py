@@ -1,4 +1,4 @@
-"""A recording as the equations want it: every joint of the robot in order, with speeds, accelerations and torques."""
+"""A recording in the form that the equations take: all joints in order, with speeds, accelerations and torques."""
 
 from collections.abc import Mapping
 from typing import NamedTuple
@@ -21,7 +21,7 @@ DEAD = 5e-5
 
 
 class Motion(NamedTuple):
-    """How joints moved, each (N, n), a column for each joint of the robot; NaN where nothing is known.
+    """Motion of the joints, each (N, n), one column per joint of the robot; NaN where unknown.
 
     q, v, a of the links; theta, w, w_dot: those of the motors over ratio; rad, rad/s, rad/s2 (m ...).
     period: s between samples.  cutoff: Hz, of the positions.
@@ -42,7 +42,7 @@ class Motion(NamedTuple):
 
 
 def motion_of(robot: Robot, recording: Recording, cutoff: float | None = None) -> Motion:
-    """Positions without what is faster than a cut-off (Hz), and their derivatives.
+    """Positions low-passed at a cut-off (Hz), and their derivatives.
 
     cutoff: by default where the positions sink into their noise, see `noise_cutoff`.  Where only one side of the gear
     was measured, it stands for both.
@@ -88,13 +88,13 @@ def check_friction(function: str, robot: Robot) -> None:
 
 
 def slide_with_motors(robot: Robot) -> NDArray[np.bool_]:
-    """(n,): whether each joint's friction goes by the motor's speed, as it is stated for that alone."""
+    """(n,): whether each joint's friction depends on the motor's speed, being stated for the motor only."""
     drives = robot.drives.values()
     return np.array([drive.motor_friction is not None and drive.link_friction is None for drive in drives], np.bool_)
 
 
 def sliding_speeds(robot: Robot, motion: Motion) -> Array:
-    """(N, n): what each joint's friction goes by."""
+    """(N, n): the speed on which each joint's friction depends."""
     return np.where(slide_with_motors(robot), motion.w, motion.v)
 
 

@@ -1,4 +1,4 @@
-"""Single samples that are no measurements: a bit that fell over, a frame that was lost."""
+"""Removal of single false samples, such as flipped bits or lost frames."""
 
 from dataclasses import replace
 

@@ -1,4 +1,4 @@
-"""Where a rotor's acceleration is motion, and where it is what differences make of its encoder's noise."""
+"""The frequency band in which a rotor's differenced acceleration is motion and not encoder noise."""
 
 import numpy as np
 from numpy.typing import NDArray
@@ -21,7 +21,7 @@ the root of the integral of x^4 / (1 + x^8)^2."""
 def clear_acceleration(theta: Array, period: float, widest: float) -> tuple[float, float]:
     """The widest band, Hz, in which a rotor's acceleration is not noise, and RMS of the noise there, rad/s2.
 
-    Noise grows with frequency faster than what a deflection shows, and where it is taken for motion rotors seem light.
+    Noise grows with frequency faster than the signal, and taken for motion it makes rotor inertias seem too small.
     """
     density = (2.0 * np.pi) ** 2 * noise_density(theta, period, widest)
     narrowest = min(noise_cutoff(theta, period, otherwise=widest), widest)

@@ -8,7 +8,7 @@ Array = NDArray[np.float64]
 
 
 def bounded_weights(columns: Array, target: Array, free: int) -> Array:
-    """Least-squares weights, those after the first `free` at least 0; of columns that are nothing, 0."""
+    """Least-squares weights, those after the first `free` nonnegative; 0 for zero columns."""
     size = np.linalg.norm(columns, axis=0)
     size[size == 0.0] = 1.0
     reduced = np.asarray(np.linalg.qr(np.column_stack([columns / size, target]), mode="r"))

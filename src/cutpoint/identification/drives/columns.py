@@ -1,4 +1,4 @@
-"""What a measured deflection is made of, beside the spring: a column of samples for each unknown."""
+"""Components of a measured deflection besides the spring's: a column of samples for each unknown."""
 
 from collections.abc import Sequence
 
@@ -38,7 +38,7 @@ def waves(orders: Sequence[int], weights: Array) -> KinematicError | None:
 
 
 def amplitude_errors(weights: Array, covariance: Array) -> Array:
-    """Standard deviations (k,) of the amplitudes that k waves' weights (2 k,) with a covariance make."""
+    """Standard deviations (k,) of the amplitudes of k waves, from their weights (2 k,) and the covariance of these."""
     found = []
     for k, pair in enumerate(weights.reshape(-1, 2)):
         along = pair / max(float(np.hypot(*pair)), np.finfo(float).tiny)
@@ -47,9 +47,9 @@ def amplitude_errors(weights: Array, covariance: Array) -> Array:
 
 
 def strain_columns(deflection: Array, reaches: Array) -> Array:
-    """Strains (N, k) of elements that slip beyond reaches (k,), rad, along a deflection (N,) from no strain.
+    """Strains (N, k) of elements that slip beyond reaches (k,), rad, along a deflection (N,), initially zero.
 
-    Each is the deflection less a play operator of it.  Where the deflection is not known the strain stays.
+    Each is the deflection less a play operator of it.  Where the deflection is unknown the strain is held.
     """
     known = np.isfinite(deflection)
     path = deflection[np.flatnonzero(known)[np.maximum(np.cumsum(known) - 1, 0)]]
@@ -58,7 +58,7 @@ def strain_columns(deflection: Array, reaches: Array) -> Array:
     strains = np.zeros((starts.size, reaches.size))
     for k, way in enumerate(np.diff(path[starts]).tolist()):
         strains[k + 1] = np.minimum(np.maximum(strains[k] + way, -reaches), reaches)
-    # on a way that does not turn an element is strained by all of it, or slips
+    # between reversals an element follows the deflection, or slips
     before = np.searchsorted(starts, np.arange(path.size), side="right") - 1
     way = path - path[starts[before]]
     return np.clip(strains[before] + way[:, None], -reaches, reaches)
@@ -71,9 +71,9 @@ def reach_columns(deflection: Array, stiffness: Array, reaches: Array) -> Array:
 
 
 def paired(stiffness: Array, reaches: Array, apart: float) -> tuple[Array, Array]:
-    """Elements (k,) with those two and two as one whose reaches differ by a factor `apart` at most: as stiff as both.
+    """Elements (k,) after merging pairs whose reaches differ by at most a factor `apart`; stiffnesses add up.
 
-    One element that slips between two of the reaches that were offered comes out as these two.
+    One element that slips between two of the offered reaches is estimated as these two.
     """
     found: list[tuple[float, float]] = []
     left = [(float(k), float(r)) for k, r in zip(stiffness, reaches, strict=True) if k > 0.0]
@@ -88,6 +88,6 @@ def paired(stiffness: Array, reaches: Array, apart: float) -> tuple[Array, Array
 
 
 def slipping(stiffness: Array, reaches: Array) -> MaxwellSlip | None:
-    """Elements as the drive's model has them; None where there are none."""
+    """Elements as a hysteresis model of the drive; None if there are none."""
     used = stiffness > 0.0
     return MaxwellSlip(tuple(stiffness[used].tolist()), tuple(reaches[used].tolist())) if used.any() else None

@@ -1,7 +1,7 @@
-"""One spring law fitted to a measured deflection, together with all else that the deflection is made of.
+"""Fits one spring law to a measured deflection, together with the deflection's other components.
 
-theta - q = deflection(tau_f - slipping - damping rate) + e(theta) + offset, the law's inverse developed to first order
-in what acts beside the spring, and in what corrects the torque: both over the law's tangent.
+theta - q = deflection(tau_f - slipping - damping rate) + e(theta) + offset, with the law's inverse expanded to first
+order in the torques parallel to the spring and in torque corrections: both are divided by the law's tangent.
 """
 
 from collections.abc import Sequence
@@ -58,14 +58,14 @@ class _Free:
 def fit_deflections(
     data: Deflections, law: SpringLaw, orders: Sequence[int], offered: Sequence[int], damped: bool
 ) -> dict[int, DeflectionFit]:
-    """Fits with so many elements of hysteresis at most, 0 for none; `damped` seeks the spring's own damping."""
+    """Fits with at most these numbers of hysteresis elements, 0 for none; `damped` also fits the spring's damping."""
     free = _Free(np.column_stack([data.waves(orders), np.ones_like(data.theta)]), *data.torque_by_waves(orders))
     first = _first(data, law, free.alone)
     return {elements: _with_elements(data, first, free, elements, damped) for elements in offered}
 
 
 def _with_elements(data: Deflections, found: DeflectionFit, free: _Free, elements: int, damped: bool) -> DeflectionFit:
-    """The spring and what acts beside it, in turn."""
+    """Fits the spring and the elements parallel to it alternately."""
     reaches = _offered(data, found, elements)
     for turn in range(ROUNDS):
         found = _round(data, replace(found, reaches=reaches), free, damped)
@@ -75,7 +75,7 @@ def _with_elements(data: Deflections, found: DeflectionFit, free: _Free, element
 
 
 def _with_reaches(data: Deflections, before: DeflectionFit, free: _Free, damped: bool) -> DeflectionFit:
-    """With fewer elements, whose reaches are sought too, if that leaves less."""
+    """A fit with fewer elements but free reaches, if its residual is smaller."""
     stiffness, reaches = paired(before.stiffness, before.reaches, APART)
     found = replace(before, stiffness=stiffness, reaches=reaches, moving=True)
     for _ in range(ROUNDS):
@@ -84,7 +84,7 @@ def _with_reaches(data: Deflections, before: DeflectionFit, free: _Free, damped:
 
 
 def _first(data: Deflections, law: SpringLaw, free: Array) -> DeflectionFit:
-    """Without anything beside the spring."""
+    """A fit of the spring alone."""
     constants = _searched(law, data.torque, data.lead, free)
     spring = law.deflection(constants, data.torque)
     target = data.lead - spring
@@ -99,10 +99,10 @@ def _first(data: Deflections, law: SpringLaw, free: Array) -> DeflectionFit:
 
 
 def _round(data: Deflections, before: DeflectionFit, free: _Free, damped: bool) -> DeflectionFit:
-    """The spring again with what acted beside it, then that again with the spring."""
+    """Refits the spring given the parallel elements, then these given the spring."""
     constants = before.constants
     unbound, had = free.wound(before.tangent)
-    # with reaches that move, the step below moves the constants too
+    # with free reaches, the step below changes the constants too
     if before.beside.any() and not before.moving:
         constants = _searched(before.law, data.torque, data.lead + had - before.beside, unbound, before.constants)
     wound = data.smooth(data.lead - free.alone @ np.append(before.waves, before.offset))

@@ -1,4 +1,4 @@
-"""A joint's deflection as it was measured, and one law's fit to it with all else that a deflection is made of."""
+"""A joint's measured deflection, and the fit of one spring law and the other components to it."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
@@ -15,15 +15,15 @@ Array = NDArray[np.float64]
 
 @dataclass(frozen=True, eq=False)
 class TorqueReading:
-    """How a torque was read that is not known to the last: from the motor, say, or through a filter.
+    """How an imperfectly known torque was obtained: from the motor, for example, or through a filter.
 
-    unknowns: of what is not known of it, by name, its derivatives (N,) by it: corrections to be found.
-    shared_noise: covariance of the noise in these derivatives with that in the torque, which it makes: of an inertia
-    the acceleration's noise is in both.  What that may hide of a value counts as uncertainty.
-    transmission: (N,), of a motor's torque, 1 - e'(theta), by which it was divided: the kinematic error found is that
-    of the encoders and of what the spring bears of the motor's torque.  None for the link's.
-    noise: RMS of the encoders', rad; what a fit leaves beyond that is the torque's.  By default all is the encoders'.
-    band: Hz, the cut-off of a filter through which angles and torque went; None if there was none.
+    unknowns: derivatives (N,) of the torque by its unknown corrections, by name; these are estimated.
+    shared_noise: covariance of the noise in these derivatives with that in the torque; for an inertia, the
+    acceleration's noise is in both.  The resulting bias counts as uncertainty.
+    transmission: (N,), 1 - e'(theta), by which a motor's torque was divided: the estimated kinematic error then acts
+    both on the encoders and on the torque ratio of spring and motor.  None for the link's.
+    noise: RMS of the encoders', rad; residuals beyond it are due to the torque.  By default all is the encoders'.
+    band: Hz, cut-off of a filter applied to angles and torque; None if there was none.
     """
 
     unknowns: Mapping[str, Array] = field(default_factory=dict)
@@ -37,8 +37,8 @@ class TorqueReading:
 class Deflections:
     """A joint's measured channels, each (N,), without gaps: theta - q and theta in rad, torque in N m; period, s.
 
-    resolution: rad at the joint's side.  cutoff: Hz, of what the deflection's rate and turning points are read from.
-    reading: of the torque, its channels as these.
+    resolution: rad at the joint's side.  cutoff: Hz, of the deflection used for its rate and reversals.
+    reading: of the torque, with channels like these.
     """
 
     lead: Array
@@ -52,7 +52,7 @@ class Deflections:
 
     @property
     def corrections(self) -> Array:
-        """(N, m), derivatives of the torque by what is not known of it."""
+        """(N, m), derivatives of the torque by its unknown corrections."""
         return np.column_stack([np.empty((self.torque.size, 0)), *self.reading.unknowns.values()])
 
     @property
@@ -61,7 +61,7 @@ class Deflections:
         return np.array([self.reading.shared_noise.get(name, 0.0) for name in self.reading.unknowns])
 
     def waves(self, orders: Sequence[int]) -> Array:
-        """Sine and cosine (N, 2 k) of the motor's angle, k waves a turn, through the same filter as all else."""
+        """Sine and cosine (N, 2 k) of k waves per turn of the motor, through the same filter as the channels."""
         return self._passed(wave_columns(self.ratio * self.theta, orders))
 
     def torque_by_waves(self, orders: Sequence[int]) -> tuple[Array, Array]:
@@ -77,12 +77,12 @@ class Deflections:
         return self._passed(found), self._passed(by_slope * (1.0 - share))
 
     def _passed(self, values: Array) -> Array:
-        """Through the filter that the channels went through, the ends as they are."""
+        """Applies the channels' filter; the ends stay unfiltered."""
         band = self.reading.band
         return values if band is None else self.smooth(values, band)
 
     def smooth(self, values: Array, cutoff: float | None = None) -> Array:
-        """Low-passed, by default at `cutoff`, the ends as they are."""
+        """Low-passed, by default at `cutoff`; the ends stay unfiltered."""
         found = low_pass(values, self.period, self.cutoff if cutoff is None else cutoff)
         return np.where(np.isfinite(found), found, values)
 
@@ -101,12 +101,12 @@ def _bent(values: Array) -> Array:
 
 @dataclass(frozen=True, eq=False)
 class DeflectionFit:
-    """A law's constants, weights of waves, offset (rad), corrections, elements' stiffnesses, damping; what is left.
+    """A law's constants, weights of waves, offset (rad), corrections, elements' stiffnesses, damping; the residual.
 
     columns: the model's derivatives (N, p) by all of these, in that order.  residual: (N,), rad.
     tangent: (N,), N m/rad, of the law.
-    beside: (N,), rad, what all that acts beside the spring takes from its deflection.
-    moving: whether the elements' reaches were sought too; then columns have their derivatives before the elements'.
+    beside: (N,), rad, reduction of the spring's deflection by everything parallel to it.
+    moving: whether the elements' reaches were estimated too; then columns have their derivatives before the elements'.
     """
 
     law: SpringLaw
@@ -131,7 +131,7 @@ class DeflectionFit:
         return np.concatenate(parts)[: self.columns.shape[1]]
 
     def moved(self, step: Array, residual: Array) -> "DeflectionFit":
-        """With all unknowns a step (p,) on, and what is then left."""
+        """The fit with all unknowns changed by a step (p,), and its residual."""
         sizes = [self.constants.size, self.waves.size, 1, self.corrections.size, self.reaches.size * self.moving]
         parts = np.split(self.values + step, np.cumsum([*sizes, self.stiffness.size]))
         constants, waves, offset, corrections, reaches, stiffness, damping = parts

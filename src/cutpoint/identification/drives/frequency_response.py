@@ -1,4 +1,4 @@
-"""A drive's stiffness, damping and rotor inertia from one encoder: how the motor's position answers its torque."""
+"""A drive's stiffness, damping and rotor inertia from the frequency response of motor position to motor torque."""
 
 from dataclasses import dataclass, field
 from typing import Any
@@ -36,7 +36,7 @@ UNCERTAIN = 0.2
 
 @dataclass(frozen=True, eq=False)
 class MotorResponse:
-    """response: (F,) complex, rad/(N m), at frequencies (F,), Hz.  coherence: (F,), 0 to 1.  windows: how many.
+    """response: (F,) complex, rad/(N m), at frequencies (F,), Hz.  coherence: (F,), 0 to 1.  windows: their number.
     period: s between samples."""
 
     frequencies: Array
@@ -47,7 +47,7 @@ class MotorResponse:
 
     @property
     def deviation(self) -> Array:
-        """Standard deviation (F,) of the response's size over its size, and of its phase, rad, but for leakage.
+        """Relative standard deviation (F,) of the response's magnitude, and that of its phase, rad, without leakage.
 
         Bendat and Piersol (2010) section 9.2.
         """
@@ -56,8 +56,8 @@ class MotorResponse:
 
 @dataclass(frozen=True, eq=False)
 class ResponseFit:
-    """masses: what fits best.  deviations: standard deviations over the values themselves, by name.
-    unidentifiable: what the response does not show, each with the sentence why."""
+    """masses: the best fit.  deviations: relative standard deviations, by name.
+    unidentifiable: what the response does not determine, each with the reason as a sentence."""
 
     masses: TwoMasses
     deviations: dict[str, float]
@@ -65,11 +65,11 @@ class ResponseFit:
 
 
 def motor_response(torque: ArrayLike, theta: ArrayLike, period: float, window: float | None = None) -> MotorResponse:
-    """How theta (N,), rad, answers a motor's torque (N,), N m, by cross-spectra over Hann windows (H1).
+    """Response of theta (N,), rad, to a motor's torque (N,), N m, from cross-spectra over Hann windows (H1).
 
-    Noise of the encoder averages out; under feedback it is in the torque too and pulls the response towards the
-    inverse of the controller where the coherence is low: excite by much more than the noise.
-    window: s; by default an eighth of the recording.  Differences of samples, of both alike, keep drift out.
+    Encoder noise averages out; under feedback it is in the torque too and biases the response towards the inverse
+    of the controller where coherence is low: excite with much more than the noise.
+    window: s; by default an eighth of the recording.  Both signals are differenced to remove drift.
 
     Raises:
         InputError: shapes that differ, numbers that are not finite, a period or a window out of bounds.
@@ -95,9 +95,9 @@ def motor_response(torque: ArrayLike, theta: ArrayLike, period: float, window: f
 
 
 def fit_response(response: MotorResponse, link_inertia: float, low: float = 0.0, high: float = np.inf) -> ResponseFit:
-    """Two masses that answer alike, the link's inertia known (kg m2 at the joint, other joints as they were held).
+    """Two masses with the same response, for a known link inertia (kg m2 at the joint, other joints as they were held).
 
-    low, high: Hz, the band to be fitted: without dry friction's band below, and what other modes take part in.
+    low, high: Hz, the band to be fitted: above the range of dry friction, and below that of other modes.
 
     Raises:
         InputError: a link inertia that is not positive, or too few coherent frequencies in the band.
@@ -123,7 +123,7 @@ def fit_response(response: MotorResponse, link_inertia: float, low: float = 0.0,
 
 
 def _start(f: Array, measured: ComplexArray, link: float, antiresonance: float) -> Array:
-    """Rotor inertia from the response above a frequency, where the link stays behind; the spring from that one."""
+    """Initial rotor inertia, from the response where the link hardly moves; and spring, from the antiresonance."""
     stiffness = link * (2.0 * np.pi * antiresonance) ** 2
     above = f > min(2.0 * antiresonance, f[-f.size // 4])
     rotor = float(np.median(1.0 / (np.abs(measured[above]) * (2.0 * np.pi * f[above]) ** 2)))
@@ -132,7 +132,7 @@ def _start(f: Array, measured: ComplexArray, link: float, antiresonance: float) 
 
 
 def _judged(masses: TwoMasses, slopes: Array, left: Array) -> ResponseFit:
-    """What the response leaves uncertain; noise that is larger than its coherence tells counts as it is."""
+    """Uncertainties; noise that exceeds the coherence's estimate counts in full."""
     excess = max(1.0, float(np.mean(np.square(left)))) * NEIGHBOURS
     spread = np.sqrt(np.diag(np.linalg.pinv(slopes.T @ slopes, hermitian=True)) * excess)
     blind = np.linalg.norm(slopes, axis=0) < 1e-9

@@ -1,4 +1,4 @@
-"""All drives of a robot from one recording: what encoders on both sides and the motors' torques tell."""
+"""Identification of all drives of a robot from one recording with encoders on both sides and motor torques."""
 
 import re
 from collections.abc import Callable, Mapping
@@ -22,9 +22,9 @@ from cutpoint.robot import Robot, check_robot
 
 @dataclass(frozen=True, eq=False)
 class DriveEstimates:
-    """robot: with the drives that were found.  joints: each joint's estimate, by name, of drives that bend.
+    """robot: with the identified drives.  joints: the estimates of elastic drives, by joint name.
 
-    failed: of joints that bend and were not identified, why; their drives are as the robot had them.
+    failed: reasons for elastic joints that were not identified; their drives are unchanged.
     """
 
     robot: Robot
@@ -33,7 +33,7 @@ class DriveEstimates:
 
     @property
     def remarks(self) -> tuple[str, ...]:
-        """What is otherwise than the robot had it, and what was not found at all, a sentence each."""
+        """Differences from the robot's files, and what was not identified, one sentence each."""
         kept = "its spring was not identified and stays as it was"
         failed = (f"{joint}: {kept}: {why}" for joint, why in self.failed.items())
         if late := [joint for joint, estimate in self.joints.items() if estimate.clocks]:
@@ -49,7 +49,7 @@ class DriveEstimates:
 
     @property
     def notes(self) -> tuple[str, ...]:
-        """What could not be told, a sentence each."""
+        """What could not be determined, one sentence each."""
         return tuple(
             f"{joint}: {thing} cannot be told: {words_at(self.robot, joint, why)}"
             for joint, estimate in self.joints.items()
@@ -65,21 +65,21 @@ def identify_drives(
     torque_delay: float = 0.0,
     say: Callable[[str], object] = lambda joint: None,
 ) -> DriveEstimates:
-    """Springs, kinematic errors, hysteresis, rotors and motor friction of all drives that bend.
+    """Identifies springs, kinematic errors, hysteresis, rotors and motor friction of all elastic drives.
 
-    If no drive is stated to bend, all are assumed to: nothing was known of their springs.
+    If no drive is elastic in the robot's files, all are assumed to be: their springs were unknown.
 
-    robot: its links are taken as known, their friction too unless springs show another; its drives state ratios, and
-    what the recording cannot tell.
+    robot: its links are taken as known, and their friction unless springs show otherwise; its drives give ratios, and
+    whatever the recording cannot determine.
     recording: q, theta, and torque or current of all of its joints, on a uniform time and on one clock.
-    resolution: of both encoders together, rad at the joint's side, one or one for each joint; by default what the
-    samples show, see `encoder_steps`.
-    torque_delay: s by which torque or current acts later than it is stamped: half a period for commands that are held.
+    resolution: of both encoders together, rad at the joint's side, one or one for each joint; by default from the
+    samples, see `encoder_steps`.
+    torque_delay: s by which torque or current acts later than its time stamp: half a period for held commands.
     say: called with each joint's name when its turn comes.
 
-    The links' motion gives each joint's torque, which calibrates its spring; torques read from the springs give the
-    rotors; and the motors' torques, less what rotors and motor friction take, reach to frequencies that differentiated
-    link encoders do not: from these come the springs in the end.
+    The links' motion gives each joint's torque, which calibrates its spring; spring torques then give the rotors; and
+    motor torques, less those of rotors and motor friction, reach frequencies that differentiated link encoders do not:
+    they give the final springs.
 
     Raises:
         InputError: joints or channels that are missing, times that are not uniform, joints without drives, a resolution
@@ -109,7 +109,7 @@ def identify_drives(
         try:
             estimate = drive_of(channels[k], robot.drives[name], float(steps[k]), cutoff / NARROWER)
             robot = robot.with_drives({name: estimate.drive})
-        except CutpointError as error:  # one joint's channels say nothing of the others'
+        except CutpointError as error:  # a failure of one joint does not affect the others
             failed[name] = re.sub(r"^(two_encoders|motor_side): ", "", str(error))
         else:
             found[name] = estimate
@@ -119,7 +119,7 @@ def identify_drives(
 def encoder_steps(recording: Recording) -> Array:
     """(n,) rad, of both encoders together: the finest differences between samples.
 
-    Samples between which others were interpolated do not show them: look before a recording is resampled.
+    Interpolation hides them: call this before a recording is resampled.
     """
     pairs = zip(recording["theta"].T, recording["q"].T, strict=True)
     return np.array([np.hypot(smallest_step(theta), smallest_step(q)) for theta, q in pairs])
@@ -141,5 +141,5 @@ def _channels(robot: Robot, recording: Recording, cutoff: float, delay: float) -
 
 
 def joints_that_bend(robot: Robot) -> tuple[str, ...]:
-    """Joints whose drives bend; all of them, if none does."""
+    """Joints with elastic drives; all joints, if there are none."""
     return tuple(joint for joint, drive in robot.drives.items() if drive.is_elastic) or robot.joints

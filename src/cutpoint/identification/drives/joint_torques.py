@@ -1,4 +1,4 @@
-"""What drives exert on their links, found in three ways: from the links' motion, from encoders, from the motors."""
+"""Drive torques on links, found in three ways: from the links' motion, from encoders, from the motors."""
 
 from collections.abc import Sequence
 from dataclasses import replace
@@ -43,9 +43,9 @@ def link_torque(robot: Robot, q: Array, period: float, cutoff: float | None = No
 
 
 def beyond_coulomb(law: Friction | None, speed: Array, load: Array) -> Array:
-    """(N,) N m: what a motor's friction takes beside Coulomb's, by the law that is known of it.
+    """(N,) N m: a motor's friction in excess of Coulomb's, by its known law.
 
-    speed: (N,), rad/s.  load: (N,), N m, what the drive bears.
+    speed: (N,), rad/s.  load: (N,), N m, transmitted by the drive.
     """
     known: Any = sliding_of(law)
     if known is None:
@@ -121,7 +121,7 @@ def corrected(rotor: RotorEstimate, spring: SpringEstimate) -> RotorEstimate:
 
 
 def transmitted_share(spring: SpringEstimate | None, theta: Array, ratio: float) -> Array:
-    """1 - e'(theta), (N,): what of the spring's torque the motor bears."""
+    """1 - e'(theta), (N,): the share of the spring's torque that acts on the motor."""
     if spring is None or spring.kinematic_error is None:
         return np.ones_like(theta)
     return 1.0 - np.asarray(spring.kinematic_error.slope(theta, ratio))

@@ -1,4 +1,4 @@
-"""Which of several fits of a deflection predicts best what it was not fitted to."""
+"""Cross-validation of several fits of a deflection."""
 
 from collections.abc import Hashable, Mapping
 from typing import TypeVar
@@ -22,9 +22,9 @@ WORTH = 0.02
 
 
 def block_errors(fit: DeflectionFit) -> Array:
-    """Mean square of what each block's samples are left with by a fit to all others, (BLOCKS,), rad2.
+    """Mean square residual of each block under a fit to all others, (BLOCKS,), rad2.
 
-    The law's constants move along their tangents; what slips stays where it was found.
+    The law's constants are linearised; slipping elements stay as estimated.
     """
     used = fit.columns.any(axis=0)
     size = np.linalg.norm(fit.columns[:, used], axis=0)
@@ -40,7 +40,7 @@ def block_errors(fit: DeflectionFit) -> Array:
 
 
 def simplest(errors: Mapping[Name, Array]) -> Name:
-    """Of fits from the simplest on, the first unless a later one is surely better."""
+    """The first of fits ordered by complexity, unless a later one is significantly better."""
     best, *others = errors
     for name in others:
         gain = errors[best] - errors[name]
@@ -50,6 +50,6 @@ def simplest(errors: Mapping[Name, Array]) -> Name:
 
 
 def not_worse(errors: Mapping[Name, Array], best: Name) -> list[Name]:
-    """Other fits that do not surely predict worse than the best, by one standard error of the difference."""
+    """Other fits that do not predict significantly worse than the best, by one standard error of the difference."""
     lost = {name: each - errors[best] for name, each in errors.items() if name != best}
     return [name for name, each in lost.items() if each.mean() <= each.std(ddof=1) / np.sqrt(BLOCKS)]

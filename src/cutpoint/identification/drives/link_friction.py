@@ -1,4 +1,4 @@
-"""Friction of the link, which winds the spring as the motor's does not: how much there is, and what contradicts it."""
+"""Link friction, which deflects the spring, unlike the motor's: its size, and evidence against it."""
 
 from dataclasses import dataclass
 from typing import Literal
@@ -30,13 +30,13 @@ class LinkFriction:
     viscous: tuple[float, float]
 
     def law(self, smoothing: float) -> Coulomb | None:
-        """None where it cannot be told from zero."""
+        """The law; None if it is not significantly different from zero."""
         coulomb, viscous = (x if x > SIGNIFICANT * s else 0.0 for x, s in (self.coulomb, self.viscous))
         return Coulomb(coulomb, viscous, smoothing) if coulomb or viscous else None
 
 
 def link_friction(torque: Array, sliding: Array, period: float, cutoff: float) -> LinkFriction:
-    """Of what the drive exerts beside what the link asks for, torque (N,), N m, found from the motor.
+    """Link friction from the drive's torque in excess of the link's, (N,), N m, found from the motor.
 
     sliding: (N, 2), direction of motion, and speed, rad/s.  period: s.  cutoff: Hz, of the filter for all.
     """
@@ -50,10 +50,10 @@ def link_friction(torque: Array, sliding: Array, period: float, cutoff: float) -
 
 
 def clocks_differ(spring: SpringEstimate, rotor: RotorEstimate, link: LinkFriction | None) -> str:
-    """Why nothing that goes by speed is told, where viscous friction of one side surely drives it; or nothing.
+    """Why nothing proportional to speed is reported, if one side's viscous friction is significantly negative; else "".
 
-    An encoder of the link that is late by d adds d q_dot to the deflection: so does viscous friction of d times the
-    stiffness that is the link's instead of the motor's.
+    A delay d of the link's encoder adds d q_dot to the deflection, like a viscous friction of d times the stiffness on
+    the link's side instead of the motor's.
     """
     sides = {"link": (rotor["viscous"], rotor.deviations["viscous"])} | ({"motor": link.viscous} if link else {})
     whole = sum(value for value, _ in sides.values())
@@ -71,7 +71,7 @@ def clocks_differ(spring: SpringEstimate, rotor: RotorEstimate, link: LinkFricti
 
 
 def _late(viscous: float, spring: SpringEstimate) -> float:
-    """ms by which one encoder is late if that shows as viscous friction, N m s/rad."""
+    """Delay of one encoder, ms, that would look like this viscous friction, N m s/rad."""
     return 1e3 * viscous / spring["stiffness" if "stiffness" in spring.names else "k2"]
 
 

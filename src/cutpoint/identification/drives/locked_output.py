@@ -1,4 +1,4 @@
-"""A drive on a bench, its output locked: the loops of torque over the motor's angle."""
+"""A drive on a test bench with locked output: loops of torque over the motor's angle."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field
@@ -31,15 +31,15 @@ INNER = 0.1
 
 @dataclass(frozen=True, eq=False)
 class LockedOutput:
-    """Loops of a drive whose output stands still; angles in rad at the joint's side.
+    """Loops of a drive with locked output; angles in rad at the joint's side.
 
-    torque: (P,), N m.  rising, falling: (P,), the motor's angle on the way up and down, less their mean.
-    hysteresis_loss: how far the two ways lie apart at no torque, the play included.
-    lost_motion: how far the middle between them moves from -share to +share of the rated torque; None without one, or
-        where no sweep goes that far.
-    backlash: the play, extrapolated to no torque from where it is closed; 0 where it cannot be told from zero.
-    spring: the law and the elements of hysteresis, as of two encoders; without meaning where there is play.
-    unidentifiable: what cannot be told, each with the sentence why.
+    torque: (P,), N m.  rising, falling: (P,), the motor's angle at rising and falling torque, less their mean.
+    hysteresis_loss: distance of the two branches at zero torque, backlash included.
+    lost_motion: travel of the middle curve from -share to +share of the rated torque; None without a rated torque, or
+        if no sweep reaches that far.
+    backlash: extrapolated to zero torque from where the play is closed; 0 if not significant.
+    spring: the law and the hysteresis elements, as from `two_encoders`; meaningless with backlash.
+    unidentifiable: what cannot be determined, each with the reason as a sentence.
     """
 
     torque: Array = field(repr=False)
@@ -53,7 +53,7 @@ class LockedOutput:
 
     @property
     def middle(self) -> Array:
-        """Between the two ways, (P,), rad: the spring without its hysteresis."""
+        """Middle of the two branches, (P,), rad: the spring without its hysteresis."""
         return 0.5 * (self.rising + self.falling)
 
     @property
@@ -76,7 +76,7 @@ def locked_output(
     """Stiffness curve, hysteresis loss, lost motion and backlash from slow loops of torque to both sides.
 
     theta: the motor's angle over ratio, (N,), rad.  torque: on the locked output, (N,), N m; the motor's times ratio
-    serves too, but then its friction widens the loop.  NaN: not known.  period: s.  ratio: motor turns per joint turn.
+    works too, but then its friction widens the loop.  NaN: unknown.  period: s.  ratio: motor turns per joint turn.
     share: of the rated torque (N m), between which lost motion is read, 0.03 in makers' catalogues of cycloidal gears.
     resolution: of the encoder, rad at the joint's side; by default its smallest step.  laws: as in `two_encoders`.
 
@@ -115,7 +115,7 @@ def locked_output(
 
 
 def _mean_way(angle: Array, load: Array, at: Array, direction: float) -> Array:
-    """The angle at torques `at` on the way up (1) or down (-1), mean of all complete sweeps."""
+    """The angle at torques `at` while rising (1) or falling (-1), mean of all complete sweeps."""
     found: list[Array] = []
     for start, end in pairwise(_reversals(load)):
         x, y = direction * load[start : end + 1], angle[start : end + 1]
@@ -144,9 +144,9 @@ def _reversals(load: Array) -> list[int]:
 
 
 def _play(torque: Array, middle: Array) -> tuple[float, float]:
-    """The jump of the middle curve at no torque, rad, beside a spring that is straight and cubic, and its deviation.
+    """The jump of the middle curve at zero torque, rad, fitted with a linear and cubic spring, and its deviation.
 
-    A spring that starts softly within the inner tenth of the torque shows as play: no loop tells one from the other.
+    A spring that is soft within the inner tenth of the torque appears as backlash: loops cannot distinguish them.
     """
     used = np.abs(torque) > INNER * torque[-1]
     x, y = torque[used] / torque[-1], middle[used]

@@ -1,4 +1,4 @@
-"""One joint's drive from its own channels: spring, rotor, and the spring again by what is left of the torque."""
+"""One joint's drive from its own channels: spring, rotor, and the spring again from the remaining torque."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
@@ -47,13 +47,13 @@ NEAR = 0.5
 
 @dataclass(frozen=True, eq=False)
 class DriveEstimate:
-    """One joint's drive: as far as the recording tells, otherwise as it was.
+    """One joint's drive: as identified, otherwise unchanged.
 
-    spring, rotor: what was found, with its uncertainty.  unidentifiable: what was not, or not sought, and why.
-    apart: whether the spring told the rotor from the link; otherwise they are told apart by what was known of the link.
-    clocks: what shows that the encoders' clocks differ, if anything does.
-    remarks: on which side friction is, where it is not as the drive had it, a sentence each.
-    delay: s by which the motor's torque acts later than it is stamped; None where the spring does not tell.
+    spring, rotor: estimates with uncertainties.  unidentifiable: what was not determined or not sought, and why.
+    apart: whether the spring separated the rotor from the link; otherwise the known link did.
+    clocks: evidence that the encoders' clocks differ, if any.
+    remarks: the side of friction, if it differs from the drive's files, one sentence each.
+    delay: s by which the motor's torque acts later than its time stamp; None if the spring does not determine it.
     period: s between samples.
     """
 
@@ -92,7 +92,7 @@ def drive_of(joint: Channels, drive: Drive, resolution: float, cutoff: float) ->
     """From the links' torque to the spring, to the rotor, to the motor's torque, to the spring again.
 
     resolution: of both encoders together, rad at the joint's side.  cutoff: Hz, for the rotor.
-    Raises InputError: currents that do not tell how much torque they are, or channels that tell no drive.
+    Raises InputError: currents without a determinable torque constant, or channels that do not identify the drive.
     """
     ratio, period, kind = drive.ratio, joint.period, "current" if joint.is_current else "torque"
     joint, shows_play = _beyond_play(joint, drive, resolution)

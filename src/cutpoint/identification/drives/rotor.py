@@ -1,4 +1,4 @@
-"""A drive's rotor inertia, motor friction and torque constant from what its motor does: the equation of the rotor.
+"""A drive's rotor inertia, motor friction and torque constant, from the rotor's equation of motion.
 
 torque(t - delay) = J theta_ddot + (1 - e'(theta)) tau_f + xi(theta_dot) - offset, all at the joint's side.
 Xia (2019) eqs. (22), (27).
@@ -36,12 +36,12 @@ with all other terms."""
 
 @dataclass(frozen=True, eq=False)
 class RotorEstimate(Unknowns):
-    """What a motor's motion and torque tell.
+    """Estimates from a motor's motion and torque.
 
     names, values, covariance: of all unknowns at the joint's side, (p,), (p,), (p, p): "inertia" (kg m2), "offset"
     (N m), "viscous" (N m s/rad), "coulomb" (N m), and "gain" (N m/A), "delay" (s) where a current, no delay was given.
-    smoothing: rad/s over which dry friction changes sign; its uncertainty is not known.
-    scatter: RMS of what is left, N m.  ratio: motor turns per joint turn.
+    smoothing: rad/s over which dry friction changes sign; its uncertainty is unknown.
+    scatter: RMS of the residual, N m.  ratio: motor turns per joint turn.
     """
 
     smoothing: float
@@ -50,25 +50,25 @@ class RotorEstimate(Unknowns):
 
     @property
     def inertia(self) -> float:
-        """Of the rotor about its own axis, on the motor's side, kg m2."""
+        """Rotor inertia about its own axis, on the motor's side, kg m2."""
         return self["inertia"] / self.ratio**2
 
     @property
     def friction(self) -> Coulomb | None:
-        """At the joint's side; None where it cannot be told from zero."""
+        """Motor friction at the joint's side; None if not significant."""
         if "motor friction" in self.unidentifiable:
             return None
         return Coulomb(max(self["coulomb"], 0.0), max(self["viscous"], 0.0), self.smoothing)
 
     @property
     def torque_constant(self) -> float | None:
-        """N m of shaft torque per ampere; None where no current was given, or it cannot be told."""
+        """N m of shaft torque per ampere; None if no current was given, or it cannot be determined."""
         told = "gain" in self.names and "torque constant" not in self.unidentifiable
         return self["gain"] / self.ratio if told else None
 
     @property
     def unidentifiable(self) -> dict[str, str]:
-        """What cannot be told, "rotor inertia", "motor friction" or "torque constant", each with the sentence why."""
+        """What cannot be determined, "rotor inertia", "motor friction" or "torque constant", each with the reason."""
         found: dict[str, str] = {}
         if not self._surpasses("inertia", 1.0 / UNCERTAIN):
             found["rotor inertia"] = self._vague("inertia", "kg m2 at the joint", SHARE)
@@ -101,11 +101,11 @@ def motor_side(
 ) -> RotorEstimate:
     """Rotor inertia and motor friction from a torque, or these and the torque constant from a current; all (N,).
 
-    theta: rad.  joint_torque: what the drive exerts on the link, N m, found otherwise than from the motor.
+    theta: rad.  joint_torque: of the drive on the link, N m, found independently of the motor.
     torque: the motor's times ratio, N m; or current, A.  transmission: 1 - e'(theta), if it is known.
-    period: s.  ratio: motor turns per joint turn.  cutoff: Hz, of the low-pass through which all terms go; by default
-    where the joint torque sinks into its noise.  delay: s by which the motor's torque acts later than it is stamped,
-    half a period for commands that are held; by default it is found too.
+    period: s.  ratio: motor turns per joint turn.  cutoff: Hz, of the low-pass for all terms; by default where the
+    joint torque falls below its noise.  delay: s by which the motor's torque acts later than its time stamp, half a
+    period for held commands; by default it is estimated too.
 
     Raises:
         InputError: neither or both of torque and current, shapes, too few samples, a motor that stands still.
@@ -158,7 +158,7 @@ def _terms(angle: Array, drive: Array, period: float, *, with_delay: bool) -> di
 
 
 def _sign(passed: Array, column: int) -> float:
-    """Of the gain, by plain least squares: friction takes energy by the right one alone."""
+    """Sign of the gain, by least squares: friction dissipates energy only with the right one."""
     known = passed[np.isfinite(passed).all(axis=1)]
     return -1.0 if np.linalg.lstsq(known[:, :-1], known[:, -1])[0][column] < 0.0 else 1.0
 
@@ -167,7 +167,7 @@ def _by_gain(names: tuple[str, ...], weights: Array, spread: Array, sign: float)
     """Values and covariance of unknowns that were found over the gain's size, the delay as it is, and that as one over
     it; to first order."""
     k = names.index("gain")
-    # what is less than its own deviation is not told, however little less
+    # estimates below their own deviation are not significant
     least = float(np.sqrt(spread[k, k])) if np.isfinite(spread[k, k]) else 0.0
     gain = 1.0 / max(float(weights[k]), least, np.finfo(float).eps)
     scaled = np.array([name not in ("gain", "delay") for name in names])

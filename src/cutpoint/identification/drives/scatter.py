@@ -1,4 +1,4 @@
-"""How uncertain least-squares estimates are when neighbouring residuals depend on one another."""
+"""Uncertainty of least-squares estimates with correlated residuals."""
 
 from dataclasses import dataclass, field
 
@@ -24,7 +24,7 @@ SIGNIFICANT = 4.0
 
 @dataclass(frozen=True, eq=False)
 class Unknowns:
-    """What was found: names (p,), values (p,) and covariance (p, p), in SI; `found["inertia"]` is one value."""
+    """Estimates: names (p,), values (p,) and covariance (p, p), in SI; `found["inertia"]` is one value."""
 
     names: tuple[str, ...]
     values: Array
@@ -42,7 +42,7 @@ class Unknowns:
 def covariance(jacobian: Array, residual: Array) -> Array:
     """Covariance (p, p) of p estimates from the model's derivatives (N, p) and its residual (N,).
 
-    A column that the others make up has an infinite variance, and so has one without anything in it.
+    A column that is a combination of others has an infinite variance, and so has a zero column.
     """
     size = np.linalg.norm(jacobian, axis=0)
     shown = size > FAINT
@@ -53,15 +53,15 @@ def covariance(jacobian: Array, residual: Array) -> Array:
     found, steady = as_found(scaled * residual[:, None], length), alike(scaled, residual, length)
     spread = at_least(inverse @ found @ inverse, inverse @ steady @ inverse)
     spread = spread / np.outer(size, size) / _left(residual, int(np.count_nonzero(shown)))
-    lost = np.diag(spread) < 0.0  # rounding is all that is left of it
+    lost = np.diag(spread) < 0.0  # nothing but rounding errors
     return _without(spread, lost | _undetermined(scaled.T @ scaled))
 
 
 def _left(residual: Array, fitted: int) -> float:
-    """Share of the noise's power that a fit of so many parameters leaves in a residual (N,), at least a half.
+    """Share of the noise's power that remains in the residual (N,) of a fit of this many parameters, at least a half.
 
-    Noise of a narrow band is as many numbers as its correlation allows: N rho(0)^2 / sum rho(k)^2, here of its spectrum
-    by Parseval's theorem.
+    Narrow-band noise has the effective number of samples N rho(0)^2 / sum rho(k)^2, here from its spectrum by
+    Parseval's theorem.
     """
     power = np.abs(np.fft.rfft(residual)) ** 2
     # a periodogram's squares are, on average, twice those of the spectrum: Brockwell and Davis (1991) section 10.3
@@ -70,7 +70,7 @@ def _left(residual: Array, fitted: int) -> float:
 
 
 def _undetermined(gram: Array) -> NDArray[np.bool_]:
-    """Columns with a part in a direction that no combination of samples shows."""
+    """Columns with a component in the null space."""
     values, directions = np.linalg.eigh(gram)
     hidden = directions[:, values < gram.shape[0] * np.finfo(float).eps * max(values[-1], 1.0)]
     return np.asarray((np.abs(hidden) > 1e-3).any(axis=1))

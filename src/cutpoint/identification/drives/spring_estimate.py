@@ -1,4 +1,4 @@
-"""What two encoders tell of a drive, and which of it counts as told."""
+"""Estimates of a drive from two encoders, and which of them are significant."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
@@ -49,13 +49,13 @@ FEWEST_TURNS = 3.0
 
 @dataclass(frozen=True, eq=False)
 class SpringEstimate(Unknowns):
-    """What two encoders tell of a drive; None where it was not sought, not found, or cannot be told.
+    """Estimates of a drive from two encoders; None where not sought, not found, or not determined.
 
     compliance: of the law that predicts best, N m and rad at the joint's side.  damping: N m s/rad.
     kinematic_error, hysteresis: as a Drive takes them.  offset: rad between the encoders' zeros.
     names, values, covariance: of all unknowns, (p,), (p,), (p, p), in SI.
-    counts: half the range of the spring's deflection, in steps of the encoders.  scatter: RMS of what is left, rad.
-    prediction: for each law that was tried, RMS of what it leaves of samples that it was not fitted to, rad.
+    counts: half the range of the spring's deflection, in steps of the encoders.  scatter: RMS of the residual, rad.
+    prediction: for each law tried, RMS residual in cross-validation, rad.
     unidentifiable: "stiffness", "curve near zero torque", "kinematic_error", "hysteresis" or "damping", each with the
     sentence why.
     """
@@ -72,7 +72,7 @@ class SpringEstimate(Unknowns):
     unidentifiable: Mapping[str, str]
 
     def torque(self, theta: Array, q: Array, ratio: float) -> Array:
-        """N m, (N,), that the spring exerts where encoders show theta and q, rad; what is beside it left out."""
+        """Spring torque, N m, (N,), at encoder readings theta and q, rad, without the elements parallel to it."""
         waves = 0.0 if self.kinematic_error is None else self.kinematic_error.value(theta, ratio)
         return np.asarray(self.compliance.torque(theta - q - waves - self.offset))
 
@@ -88,10 +88,10 @@ def estimate_of(
     hysteresis: bool,
     damping: bool,
 ) -> SpringEstimate:
-    """What the rival that predicts best tells, and which of it cannot be told.
+    """Estimates of the fit that predicts best, and which of them are not significant.
 
-    rivals: fits by the elements that they were offered, the fewest or the most of which are taken; whichever do not
-    surely predict worse count as uncertainty.
+    rivals: fits by the number of elements offered; the fewest or the most are taken, and fits that do not predict
+    significantly worse count as uncertainty.
     """
     fit, names, spread = _chosen(rivals, orders, unknowns, damping)
     hidden = attenuation(data, fit)

@@ -1,6 +1,6 @@
-"""How much later motors' torques act than they are stamped: springs read what motors bear, when they bear it.
+"""Delay of motors' torques relative to their time stamps, found from springs, which measure the load without delay.
 
-Losses in a spring make what the motor bears run ahead of what is read: that looks like a torque that acts later.
+Losses in a spring make the motor's load lead the measured one: that looks like a torque that acts later.
 """
 
 from collections.abc import Collection, Mapping

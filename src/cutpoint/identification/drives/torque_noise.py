@@ -1,4 +1,4 @@
-"""A spring's fit where the torque is noisy too: fitted to it as if it were known, a spring seems stiffer than it is."""
+"""Corrects a spring's fit for noise in the torque: treating the torque as exact overestimates stiffness."""
 
 import numpy as np
 from numpy.typing import NDArray

@@ -1,4 +1,4 @@
-"""A drive's spring, kinematic error and hysteresis from encoders on both of its sides and the torque that it exerts."""
+"""A drive's spring, kinematic error and hysteresis, from encoders on both sides and the drive's torque."""
 
 from collections.abc import Sequence
 from dataclasses import replace
@@ -59,19 +59,19 @@ def two_encoders(
     reading: TorqueReading = KNOWN,
     stated: Compliance | None = None,
 ) -> SpringEstimate:
-    """A joint's spring and all that makes its encoders differ, from channels (N,) on one uniform time; NaN: not known.
+    """A joint's spring and all other sources of deflection, from channels (N,) on one uniform time; NaN: unknown.
 
-    theta, q: of the encoders on motor (over ratio) and link, rad; joint_torque: what the drive exerts on the link, N m.
-    Give all three as sampled, or all through one low-pass filter, whose cut-off the reading states.
+    theta, q: of the encoders on motor (over ratio) and link, rad; joint_torque: of the drive on the link, N m.
+    Give all three as sampled, or all through one low-pass filter with its cut-off stated in `reading`.
     period: s.  ratio: motor turns per joint turn.  resolution: of both encoders together, rad at the joint's side; by
-    default the smallest steps that the samples show.  orders: of the kinematic error, waves a turn of the motor; by
-    default those up to 8 that stand out.  laws: spring laws to choose from by cross-validation; one with more constants
-    must predict what it was not fitted to better by 1.5 standard errors of the difference, and by 2 % of the squares,
-    and each of its stiffnesses must be more than 4 of its standard deviations.
-    Elements of hysteresis start without strain at the first sample.
-    reading: how the torque was read, and what is not known of it.
-    stated: the spring of a file.  If it is of another law than the best, or a catalogue's, predicts as well and is as
-    stiff, it counts: then "stiffness" is not told.
+    default the smallest steps in the samples.  orders: of the kinematic error, waves per turn of the motor; by default
+    those up to 8 that are significant.  laws: spring laws to choose from by cross-validation; one with more constants
+    must predict held-out samples better by 1.5 standard errors of the difference, and by 2 % of the squares, and each
+    of its stiffnesses must exceed 4 of its standard deviations.
+    Elements of hysteresis are unstrained at the first sample.
+    reading: how the torque was obtained, and its unknown corrections.
+    stated: the spring of a file.  If it has another law than the best, or a catalogue's, but predicts as well and is as
+    stiff, it is kept: then "stiffness" is not reported.
 
     Raises:
         InputError: shapes, an unknown law, too few samples, or channels that do not move.
@@ -118,7 +118,7 @@ def _deflections(
 
 
 def smallest_step(values: Array) -> float:
-    """The finest difference between samples: an encoder's resolution, where nothing else was done to them; rad."""
+    """The smallest difference between samples: an encoder's resolution, if they are unprocessed; rad."""
     levels = np.unique(values[np.isfinite(values)])
     steps = np.diff(levels)
     steps = steps[steps > 1e-12 * float(np.abs(levels).max(initial=1e-288))]
@@ -141,7 +141,7 @@ def _known(*channels: ArrayLike) -> list[Array]:
 
 
 def _resolution(angle: Array, link: Array, resolution: float | None) -> float:
-    """Of both encoders together, rad: as stated, or as the samples show."""
+    """Resolution of both encoders together, rad: as stated, or from the samples."""
     step = float(np.hypot(smallest_step(angle), smallest_step(link))) if resolution is None else float(resolution)
     if not (np.isfinite(step) and step >= 0.0):
         raise InputError(f"two_encoders: resolution {resolution} rad must be a number, at least 0")

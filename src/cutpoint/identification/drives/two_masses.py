@@ -1,4 +1,4 @@
-"""The rotor and the link of one joint as two masses on a spring, seen through samples of a torque that is held."""
+"""Rotor and link of one joint as two masses on a spring, sampled, with the torque held between samples."""
 
 from typing import NamedTuple
 
@@ -23,7 +23,7 @@ class TwoMasses(NamedTuple):
 
     @property
     def antiresonance(self) -> float:
-        """Hz, undamped: where the rotor stands still."""
+        """Undamped antiresonance, Hz, at which the rotor does not move."""
         return float(np.sqrt(self.stiffness / self.link)) / (2.0 * np.pi)
 
     def position_response(self, frequencies: Array, period: float) -> ComplexArray:

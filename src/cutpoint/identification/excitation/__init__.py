@@ -1,1 +1,1 @@
-"""Motions that tell most of a robot."""
+"""Optimal excitation trajectories."""

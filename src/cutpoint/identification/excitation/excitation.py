@@ -1,4 +1,4 @@
-"""`excitation`: the motion along which torques tell most of a robot's parameters.
+"""`excitation`: the motion that is most informative about a robot's parameters.
 
 Swevers, Ganseman, Tuekel, De Schutter and Van Brussel (1997), Optimal robot excitation and identification, IEEE Trans.
 Robot. Autom. 13(5).
@@ -39,7 +39,7 @@ FEWEST, MOST = 3, 50
 
 @dataclass(frozen=True)
 class Quality:
-    """How much a motion tells: log det(W^T W / N) over N samples, and the condition number of W, of scaled columns."""
+    """Information in a motion: log det(W^T W / N) over N samples, and the condition number of W, columns scaled."""
 
     log_determinant: float
     condition: float
@@ -49,8 +49,8 @@ class Quality:
 class Excitation:
     """The best motion found: `trajectory` repeats itself `periods` times.
 
-    before: of the first random motion, made as large as the limits allow, None where they allow none there; if resumed,
-    of the file's motion, whatever limits that kept.  after: of this one.  starts: how many were made to their end.
+    before: of the first random motion, scaled up to the limits, None if they allow none there; if resumed, of the
+    file's motion, with its own limits.  after: of this one.  starts: number of completed starts.
     """
 
     robot: Robot = field(repr=False)
@@ -97,11 +97,11 @@ def excitation(
     seed: int = 0,
     resume: str | Path | None = None,
 ) -> Excitation:
-    """The finite Fourier series along which torques tell most of inertias, rotors and friction, within all limits.
+    """The finite Fourier series that is most informative about inertias, rotors and friction, within all limits.
 
-    It starts and ends at rest, speed and acceleration zero; jerk and snap too if a drive bends.  Of the regressor W of
-    base parameters, rotors' inertias and friction, rows over the joints' torque limits and columns times nominal
-    parameters, it makes det(W^T W) large or the condition number small.  Bodies may touch: nothing here knows shapes.
+    It starts and ends at rest, speed and acceleration zero; jerk and snap too if a drive is elastic.  It maximises
+    det(W^T W), or minimises the condition number, of the regressor W of base parameters, rotor inertias and friction,
+    with rows over the joints' torque limits and columns times nominal parameters.  Collisions are not checked.
 
     A progress bar shows on stderr when the search takes long.  Ctrl-C ends it, with the best motion until then.
 
@@ -110,13 +110,13 @@ def excitation(
         harmonics: of the base frequency, 3 at least.
         base_frequency: Hz; by default one period in the whole duration.
         criterion: "determinant", the largest, or "condition", the smallest.
-        position: low and high, each a number or one a joint, rad (m).  As all limits, on top of those that robot and
-            drives state; a joint without any is kept within half a turn (1 m) of zero.
-        travel: share of what position limits leave that is used, about its middle: of 1 the motion may touch stops.
+        position: low and high, each a number or one a joint, rad (m).  Like all limits, in addition to those of robot
+            and drives; a joint without any is kept within half a turn (1 m) of zero.
+        travel: share of the position range that is used, about its middle; at 1 the motion may touch the stops.
         speed: rad/s (m/s), a number or one a joint; as acceleration, rad/s2, and torque, N m, of motors at the joint.
         boxes: where frames must stay, in the world: {"tool": (low, high)}, each (3,), m, infinite where free.
-        seconds: the search's time.  starts: at most so many random starts.  seed: of the random starts.
-        resume: a JSON file, written after each improvement, and begun from where it exists.
+        seconds: the search's time.  starts: largest number of random starts.  seed: of the random starts.
+        resume: a JSON file, written after each improvement, and the search's starting point if it exists.
 
     Raises:
         InputError: an argument is wrong, a joint's speed is not limited, the file tells of another robot or series, or

@@ -1,4 +1,4 @@
-"""How much torques measured along a motion tell of a robot's parameters: the regressor, two criteria, their gradients.
+"""Information about a robot's parameters in torques along a motion: the regressor, two criteria, their gradients.
 
 Swevers et al. (1997), section III; Gautier and Khalil (1992), Int. J. Robotics Research 11(4).
 """

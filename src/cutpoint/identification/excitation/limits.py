@@ -1,4 +1,4 @@
-"""What a motion may not exceed, as functions of it: joints' bounds, motor torques, boxes around frames."""
+"""Limits as functions of a motion: joints' bounds, motor torques, boxes around frames."""
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
@@ -51,7 +51,7 @@ class Limit(NamedTuple):
 
 @dataclass(frozen=True)
 class Use:
-    """What a motion uses of a limit: least and largest value, and what is allowed; infinite where nothing is stated.
+    """A motion's use of a limit: least and largest value, and the allowed ones; infinite if not stated.
 
     kind: position, speed, acceleration, torque, or place.  name: the joint, or frame and axis.
     """

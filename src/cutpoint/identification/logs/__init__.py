@@ -1,1 +1,1 @@
-"""Logs of machines: read, named, brought into units, and looked at with suspicion."""
+"""Logs of machines: reading, mapping of channels, units, and plausibility checks."""

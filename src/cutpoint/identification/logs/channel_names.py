@@ -1,4 +1,4 @@
-"""What names of channels say: a quantity, a joint or a number, and whether it was measured or asked for."""
+"""Interpretation of channel names: quantity, joint or number, and whether it was measured or commanded."""
 
 import re
 from collections.abc import Iterable, Sequence
@@ -42,7 +42,7 @@ def time_channel(names: Iterable[str]) -> str | None:
 
 
 def is_wished(name: str) -> bool:
-    """Whether a word of a name says that it was asked for."""
+    """Whether a word of a name says that it is a command."""
     return any(WISHED.fullmatch(word) for word in re.split(r"[^A-Za-z]+", name))
 
 

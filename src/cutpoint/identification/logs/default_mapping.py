@@ -1,4 +1,4 @@
-"""Which channels are which where their names say so, as those of ROS, RTDE and our own logs do."""
+"""Mapping of channels by their names, as in logs of ROS, RTDE and this package."""
 
 from collections.abc import Iterable, Mapping, Sequence
 from typing import NamedTuple
@@ -24,10 +24,10 @@ def default_mapping(table: Table, joints: Sequence[str] = ()) -> MappingSheet:
     """The mapping that names suggest, all in SI: a matrix `q`, or columns `q1`, `q_2`, `q[3]`, `q.elbow`, `elbow_pos`.
 
     joints: of the robot, if it is known; columns that are named after them are found by their names.
-    Of columns that are named alike, as `desired/q1` and `actual/q1`, those that were asked for are left aside.
+    Of columns with similar names, such as `desired/q1` and `actual/q1`, commanded ones are ignored.
 
-    Raises InputError where no name suggests a position, where columns are named alike and nothing says which one was
-    measured, or where those of one quantity are not named as another's are.
+    Raises InputError if no name suggests a position, if nothing says which of similarly named columns was measured, or
+    if one quantity's columns are not named like another's.
     """
     groups = _groups(table, joints)
     likeliest = {quantity: _likeliest(names, groups) for quantity, names in NAMES.items()}

@@ -21,7 +21,7 @@ VERSION = 1
 
 
 class Lineless(YamlDocument):
-    """A mapping that no file holds: messages name its fields alone, and the log where the mapping was read off it."""
+    """A mapping without a file: messages name only its fields, and the log if the mapping was derived from it."""
 
     def place(self, *paths: YamlPath) -> str:
         return self.file

@@ -1,4 +1,4 @@
-"""One quantity of a recording out of a log's channels: found, and brought to SI at the joint's side."""
+"""One quantity of a recording, from a log's channels: found, and converted to SI at the joint's side."""
 
 import math
 from collections.abc import Collection, Mapping, Sequence
@@ -28,7 +28,7 @@ class Columns(NamedTuple):
 class Measured(NamedTuple):
     """A quantity in SI at the joint's side, values (N, n), and stamps (N,) where the log has its own for it.
 
-    spans: (k, n), after how much its sensor may start anew; see `wrapping.spans`.
+    spans: (k, n), after which its sensor may wrap around; see `wrapping.spans`.
     """
 
     values: Array

@@ -1,4 +1,4 @@
-"""Logs as text: a line that names the columns, with units if it likes (`q1 [deg]`), then a line for each sample."""
+"""Logs as text: a line that names the columns, optionally with units (`q1 [deg]`), then one line per sample."""
 
 import csv
 from collections.abc import Iterator
@@ -18,7 +18,7 @@ LARGEST_TEXT = 200_000_000
 def read_csv(path: Path) -> Table:
     """Columns of numbers, by the names in the first line that is no comment; columns of texts are left out.
 
-    Where cells are divided by another mark than the comma, a comma may be the decimal point.  An empty cell is NaN, and
+    If cells are separated by something other than commas, a comma may be the decimal point.  An empty cell is NaN, and
     so is a word in a column of numbers, with a note.  Date-times become seconds since the first of them.  A line below
     the names may hold the columns' units.  A last line that was cut off is left out, with a note.
 

@@ -1,4 +1,4 @@
-"""From a log file to a recording: read, mapped, put in order, and looked at with suspicion."""
+"""From a log file to a recording: read, mapped, sorted, and checked for plausibility."""
 
 from collections.abc import Mapping
 from pathlib import Path
@@ -24,12 +24,12 @@ def read_recording(
 
     Args:
         path: what `read_table` reads.
-        mapping: a mapping file, or a dict of its fields; None where the channels are named obviously, and in SI.
-        robot: of whose joints it is; gives ratios, and limits that show degrees.
+        mapping: a mapping file, or a dict of its fields; None if the channels have obvious names, and SI units.
+        robot: the robot whose joints were logged; gives ratios, and limits that reveal degrees.
 
     Raises:
-        ModelError: what is wrong in the mapping, or does not fit the log, with file and line.
-        InputError: what is wrong in the log: see `read_table` and `ordered`; or positions that are degrees.
+        ModelError: an error in the mapping, or a mismatch with the log, with file and line.
+        InputError: an error in the log: see `read_table` and `ordered`; or positions in degrees.
     """
     table = read_table(path)
     chart = obvious_mapping(table, tuple(robot.drives) if robot else ()) if mapping is None else _mapping(mapping)

@@ -1,4 +1,4 @@
-"""What sensors of a machine said over time, in the units and on the side of the joint that the models use."""
+"""Sensor data of a machine over time, in the models' units and on their side of the joint."""
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
@@ -25,10 +25,10 @@ UNEVEN = 1e-3
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Recording:
-    """Measured channels over common times, each (N, n) with a column per joint or None; NaN where nothing is known.
+    """Measured channels over common times, each (N, n) with a column per joint or None; NaN where unknown.
 
     time: (N,), s, increasing, from 0 at the first sample as read.
-    joints: their n names, each its own.
+    joints: their n names, all different.
     q, v: the link's position and speed, rad, rad/s (m, m/s).
     theta, theta_dot: the motor's over ratio, rad, rad/s (m, m/s).
     torque: the motor's times ratio, N m (N), as commanded or measured.
@@ -74,7 +74,7 @@ class Recording:
         return {name: values for name, values in found.items() if values is not None}
 
     def __getitem__(self, name: str) -> Array:
-        """A channel, (N, n).  One that was not recorded is an InputError that lists those that were."""
+        """A channel, (N, n).  Raises InputError for one that was not recorded, with a list of those that were."""
         return self.channels[checked_name("recorded channel", name, self.channels)]
 
     @property
@@ -112,11 +112,11 @@ class Recording:
         return self.with_channels(lambda values: on_grid(self.time, values, grid), time=grid).with_notes([note])
 
     def joint(self, name: str) -> "Recording":
-        """One joint's channels, (N, 1).  An unknown name is an InputError that lists those there are."""
+        """One joint's channels, (N, 1).  Raises InputError for an unknown name, with a list of the known ones."""
         return self.in_order([name])
 
     def in_order(self, names: Sequence[str]) -> "Recording":
-        """These joints' channels, (N, n), a column for each name.  An unknown name is an InputError, as for `joint`."""
+        """These joints' channels, (N, n), a column for each name.  Raises InputError for an unknown name."""
         for name in names:
             if name not in self.joints:
                 raise unknown_name("joint", name, self.joints)

@@ -1,4 +1,4 @@
-"""What looks wrong in a recording: channels that say nothing, are cut off, or are in other units than stated."""
+"""Plausibility checks of a recording: channels that are constant, clipped, or in other units than stated."""
 
 import math
 from collections.abc import Callable, Iterator, Sequence

@@ -1,4 +1,4 @@
-"""What a log file holds, before anybody says what it means: named channels, and the file's own words on them."""
+"""Contents of a log file before interpretation: named channels, with the file's own labels and units."""
 
 import re
 from collections.abc import Mapping

@@ -1,4 +1,4 @@
-"""Positions whose sensor starts anew after a turn, or its counter after 2^n counts: put together again."""
+"""Unwrapping of positions whose sensor wraps around after a turn, or its counter after 2^n counts."""
 
 from collections.abc import Sequence
 

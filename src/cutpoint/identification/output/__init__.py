@@ -1,4 +1,4 @@
-"""From a log to files: `identify`, what it found, its report."""
+"""From a log to files: `identify`, its result, its report."""
 
 from cutpoint.identification.output.identification import Identification
 from cutpoint.identification.output.identify import identify

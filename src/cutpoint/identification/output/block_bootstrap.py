@@ -1,6 +1,6 @@
-"""How sure it is that one model errs less than another, where errors know of those before them.
+"""Confidence interval for the ratio of two models' errors, with serially correlated errors.
 
-Squares of both models' errors are drawn anew together, in blocks around a circle: Politis and Romano (1992), in
+Squared errors of both models are resampled together, in blocks around a circle: Politis and Romano (1992), in
 Exploring the Limits of Bootstrap.  A block's length: Politis and White (2004), Econometric Reviews 23(1), as corrected
 by Patton, Politis and White (2009), Econometric Reviews 28(4).
 """
@@ -40,12 +40,12 @@ class Ratio(NamedTuple):
 
     @property
     def is_less(self) -> bool:
-        """Whether the first surely errs less."""
+        """Whether the first model's error is significantly smaller."""
         return self.high < 1.0
 
     @property
     def is_more(self) -> bool:
-        """Whether it surely errs more."""
+        """Whether it is significantly larger."""
         return self.low > 1.0
 
 

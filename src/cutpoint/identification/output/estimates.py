@@ -1,4 +1,4 @@
-"""Estimates of links and drives from one recording, each by the help of the other."""
+"""Estimates of links and drives from one recording, refined alternately."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import replace

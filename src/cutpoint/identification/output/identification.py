@@ -1,4 +1,4 @@
-"""What `identify` finds."""
+"""The result of `identify`."""
 
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -13,12 +13,12 @@ from cutpoint.robot import Robot
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Identification:
-    """A robot as a log tells it.
+    """An identified robot.
 
     robot: the identified one; before: as its files had it.  source: its file, None for a robot that has none.
     rigid: links, rotors, friction.  drives: springs of the drives, None unless encoders on both sides were recorded.
     numbers: all that was sought, with intervals.  errors: of torques, before and after.  recording: as used, whole.
-    untold: what this log cannot tell.  notes: what was repaired, what looks wrong, and how it was done.
+    untold: what this log cannot determine.  notes: repairs, suspicious data, and methods.
     """
 
     robot: Robot

@@ -1,4 +1,4 @@
-"""`identify`: from a log to a robot that one can trust, with what the log cannot tell, and files of both."""
+"""`identify`: from a log to an identified robot, with uncertainties, and files of both."""
 
 from collections.abc import Generator, Mapping
 from contextlib import contextmanager
@@ -65,15 +65,15 @@ def identify(
 ) -> Identification:
     """Inertias, rotors, friction and, from encoders on both sides, springs of a robot's drives, from a log.
 
-    robot: as its files have it, or its file with `drives`.  log, mapping: a recording, or what `read_recording` takes.
-    hold_out: share of the log, at its end, that is not fitted: the model's errors there tell whether it carries over.
-    springs: whether they are sought; by default where both `q` and `theta` were recorded and a drive bends.
-    rotors: whether the rotors' inertias are sought: not in torques that were measured behind the gears.
-    friction, method, solver, cutoff, bandwidth, torque_constants: as `identify_rigid` has them.
-    torque_delay: s by which torques act later than they are stamped: half a control period for commands that are held.
-    align: whether the links' encoders are brought to the motors' clock first, see `aligned`.
-    source: the file of a robot that is given as one, with joints locked for example: `save` writes it anew.
-    progress: whether to show a bar with what is done, on stderr.  Ctrl-C while springs are sought leaves those out.
+    robot: as its files have it, or its file with `drives`.  log, mapping: a recording, or as for `read_recording`.
+    hold_out: share of the log, at its end, that is not fitted: the model's errors there show whether it generalises.
+    springs: whether to identify them; by default if both `q` and `theta` were recorded and a drive is elastic.
+    rotors: whether to estimate rotor inertias: not from torques measured at the gears' output.
+    friction, method, solver, cutoff, bandwidth, torque_constants: as in `identify_rigid`.
+    torque_delay: s by which torques act later than their time stamps: half a control period for held commands.
+    align: whether the links' encoders are aligned with the motors' clock first, see `aligned`.
+    source: the file of a robot given as an object, with joints locked for example: `save` rewrites it.
+    progress: whether to show a progress bar on stderr.  Ctrl-C during the search for springs leaves those out.
 
     Raises:
         ModelError, InputError: what is wrong in a file, or does not fit another, or an argument.
@@ -163,7 +163,7 @@ def _one_sided(robot: Robot, recording: Recording) -> list[str]:
 
 
 def _fitted(recording: Recording, hold_out: float) -> tuple[Recording, float]:
-    """The part that is fitted, and the time, s, from which on samples are held out."""
+    """The fitted part, and the time, s, after which samples are held out."""
     start, end = recording.time[[0, -1]].tolist()
     held_from = end - hold_out * (end - start) if hold_out else np.inf
     return recording.between(start, held_from), held_from

@@ -1,7 +1,7 @@
-"""What anyone would fit first: rigid bodies, Coulomb and viscous friction and an offset by ordinary least squares.
+"""The baseline model: rigid bodies, Coulomb and viscous friction and an offset by ordinary least squares.
 
-The yardstick of what is identified with more care.  No body need exist, all joints' torques weigh alike, friction
-changes its sign where a joint turns back.  Gautier (1997), ICRA, for the filters that torques and columns share.
+The benchmark for the full identification.  Bodies need not be physical, all joints have equal weights, and friction
+changes its sign at reversals.  Gautier (1997), ICRA, for the filters that torques and columns share.
 """
 
 import numpy as np

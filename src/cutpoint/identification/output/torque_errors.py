@@ -1,4 +1,4 @@
-"""What motors' torques are against what models say of them, over the part of a log that was fitted and the rest."""
+"""Measured against modelled motor torques, over the fitted and the held-out part of a log."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -61,8 +61,8 @@ class TorqueErrors:
         return self._rms(self.measured - np.nanmean(self.measured[~self.held_out], axis=0), False)
 
     def likeness(self) -> Array:
-        """(n,) how measured torques go with what the robot's files ask, on the part that was fitted: 1 alike, -1 the
-        other way, 0 where either stands still."""
+        """(n,) correlation of measured torques with those of the robot's files, on the fitted part: 1 same sign, -1
+        opposite, 0 if either is constant."""
         both = [np.where(self.held_out[:, None], np.nan, x) for x in (self.measured, self.before)]
         known = np.isfinite(both[0]) & np.isfinite(both[1])
         counts = np.maximum(known.sum(axis=0), 1)

@@ -1,6 +1,6 @@
-"""Which combinations of a robot's inertial parameters its motion can tell.  Gautier (1991), J. Robotic Systems 8(4).
+"""The combinations of a robot's inertial parameters that motion identifies.  Gautier (1991), J. Robotic Systems 8(4).
 
-Torques are linear in ten parameters a body, but most of these act only together with others.  A QR of the regressor of
+Torques are linear in ten parameters per body, but most of these act only in combination.  A QR of the regressor of
 random motions with column pivoting counts the combinations that act on their own; a second one, in an order of
 preference, chooses the parameters that stand for them.
 """
@@ -40,9 +40,9 @@ class BaseParameters:
     """The combinations of a robot's parameters p that its torques determine: base = matrix @ p.
 
     parameters: names of p, (p,), as "I_zz.link3"; inertias of rotors at the joints follow, as "I_m.joint3".
-    independent: indices (b,) of the parameters that stand for the combinations; their columns of the regressor alone,
-    times the base parameters, make the torques.  matrix: (b, p).  unidentifiable: names of what no torque shows.
-    rotors: of which joints, by number, they count.
+    independent: indices (b,) of the parameters that stand for the combinations; their columns of the regressor,
+    times the base parameters, give the torques.  matrix: (b, p).  unidentifiable: names of parameters without effect.
+    rotors: indices of the joints with rotors included.
     """
 
     parameters: tuple[str, ...]
@@ -53,7 +53,7 @@ class BaseParameters:
 
     @property
     def names(self) -> tuple[str, ...]:
-        """The combinations (b,) to read, as "I_zz.link3 + 0.3 h_x.link4", coefficients to four digits."""
+        """The combinations (b,) in readable form, as "I_zz.link3 + 0.3 h_x.link4", with four-digit coefficients."""
         return tuple(self._name(row, k) for row, k in zip(self.matrix, self.independent, strict=True))
 
     @property
@@ -78,11 +78,11 @@ class BaseParameters:
 
 @by_one_thread
 def base_parameters(robot: Robot, *, rotors: bool | Collection[str] = False) -> BaseParameters:
-    """The base parameters of a robot in its field of gravity, with those of its bodies that are fixed together as one.
+    """The base parameters of a robot under its gravity, rigidly connected bodies counting as one.
 
-    rotors: count the inertia of every drive's rotor, or of these joints', felt at the joint (ratio^2 times its own, as
-    an armature), as one more parameter; behind a drive that bends this takes the motor to move as its joint does.
-    The same robot always gets the same ones: the random motions are seeded.
+    rotors: include the reflected inertia of every drive's rotor, or of these joints' (ratio^2 times its own, as an
+    armature), as one more parameter each; for an elastic drive this assumes that the motor moves as its joint does.
+    The random motions are seeded, so the result is reproducible.
 
     Raises InputError for a robot without a joint, or a joint that it does not have.
     """
@@ -103,7 +103,7 @@ def base_parameters(robot: Robot, *, rotors: bool | Collection[str] = False) -> 
 
 
 def rotor_sizes(base: BaseParameters) -> tuple[Array, NDArray[np.bool_]]:
-    """Of the rotors that are sought, kg m2 at the joint, and whether they are the file's; others are as the arm is."""
+    """Sizes of the included rotors, kg m2 at the joint, and whether they are the file's, or else the arm's."""
     robot, counted = base.robot, [*base.rotors]
     reflected = np.array([float(drive.reflected_inertia) for drive in robot.drives.values()])[counted]
     arm = np.diag(robot.mass_matrix(robot.neutral()))[counted]
@@ -111,7 +111,7 @@ def rotor_sizes(base: BaseParameters) -> tuple[Array, NDArray[np.bool_]]:
 
 
 def _counted(robot: Robot, rotors: bool | Collection[str]) -> tuple[int, ...]:
-    """Numbers of the joints whose rotors count."""
+    """Indices of the joints with rotors included."""
     if isinstance(rotors, bool):
         return tuple(range(len(robot.joints))) if rotors else ()
     rotors = checked_names("base_parameters", rotors, "rotors", "True, False, or names of joints")

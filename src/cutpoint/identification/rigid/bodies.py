@@ -1,7 +1,7 @@
-"""Ten parameters of every body as a factor of its pseudo-inertia, near those of the robot's files.
+"""Each body's ten parameters as a factor of its pseudo-inertia, relative to the robot's files.
 
-L = C X C^T with L_0 = C C^T: X is the unit matrix for the body as the file has it, and positive semidefinite for all
-bodies that can exist.  Wensing, Kim and Slotine (2018), IEEE Robot. Autom. Lett. 3(1).
+L = C X C^T with L_0 = C C^T: X is the identity for the file's body, and positive semidefinite for all
+physically consistent bodies.  Wensing, Kim and Slotine (2018), IEEE Robot. Autom. Lett. 3(1).
 """
 
 from dataclasses import dataclass, replace
@@ -51,8 +51,7 @@ class Bodies:
 
 
 def bodies_of(robot: Robot) -> Bodies:
-    """The bodies as their files have them, with the rotors that they carry; points, rods and what has no mass are given
-    a little volume."""
+    """The file's bodies with the rotors that they carry; points, rods and massless bodies are given a little volume."""
     prior = np.tensordot(robot.inertial_parameters.reshape(-1, 10), BASIS, 1)
     mass = max(MASS * float(prior[:, 3, 3].mean()), np.finfo(float).tiny)
     longest = max(float(np.linalg.norm(body.placement[:3, 3])) for body in robot.mechanism.bodies)

@@ -1,7 +1,7 @@
-"""Which friction law a joint follows, judged by torques that had no part in fitting it.
+"""Choice of each joint's friction law by cross-validation.
 
-A law that is richer always fits better; whether it also predicts better, blocks of the recording tell that are left
-out in turn.  Of laws within one standard error of the best the expected one is taken, or else the simplest.  Hastie,
+A richer law always fits better; whether it also predicts better is tested on blocks of the recording that are left out
+in turn.  Of the laws within one standard error of the best, the expected one is taken, or else the simplest.  Hastie,
 Tibshirani, Friedman (2009), The Elements of Statistical Learning, section 7.10.
 """
 
@@ -62,7 +62,7 @@ class Held(NamedTuple):
 
 @dataclass(frozen=True)
 class FrictionChoice:
-    """The law that a joint's torques speak for, and how each family did, in a unit."""
+    """The law chosen for a joint, and each family's error, in a unit."""
 
     joint: str
     family: str

@@ -1,4 +1,4 @@
-"""From a recording to a rigid model one can trust: bodies, rotors, friction, and what the log cannot tell of them."""
+"""Rigid model from a recording: bodies, rotors, friction, and what the log cannot determine of them."""
 
 from collections.abc import Collection, Mapping, Sequence
 from dataclasses import replace
@@ -77,29 +77,29 @@ def identify_rigid(
     link_friction: Mapping[str, Friction] | None = None,
     kinematic_errors: Mapping[str, KinematicError] | None = None,
 ) -> RigidEstimate:
-    """Inertias of all bodies, rotors, friction and offsets that explain a recording's torques.
+    """Estimates inertias of all bodies, rotors, friction and offsets from a recording's torques.
 
-    friction: "choose" the law of each joint, see `choose_friction`; as "stated" by the drives, or Coulomb's; or laws by
-        joint, of which the shape counts; or what another fit chose, whose shapes are sought again.
+    friction: "choose" the law of each joint, see `choose_friction`; "stated" uses those of the drives, or Coulomb's; or
+        laws by joint, as initial shapes; or another fit's choices, whose shapes are fitted again.
     method: "huber", where large residuals count linearly, such as those of a joint that shakes as it reverses;
-        "ordinary" or "weighted" least squares; "instrumental" where noise of the positions matters;
-        instruments: then, the motion that was asked for or simulated, at the same times.
-    rotors: whether the inertia of every joint's rotor is sought, or of which; others are what the drives state.
-    offsets: whether torques may be off by a constant each.
-    solver: for bodies that can exist, see `physical`.  prior_spread: their standard deviation from the file's, as a
-        share: 0.5 is half of a body's mass.  level: of the intervals.
-    cutoff: Hz, of the positions, by default where they sink into their noise.  bandwidth: Hz, of the torques that are
-        explained, by default the same, at most 10 Hz.
-    torque_constants: N m at the joint for each ampere, by joint, for recordings of currents.
-    rotor_errors: standard deviations, kg m2 at the joint, of the inertias of rotors that are not sought, by joint.
-    link_friction: by joint, what of its friction is the link's: the drive bears it, and rubs the more where its own
-        grows with load; by default the share that the drive states.
-    kinematic_errors: by joint, as the recording's motors show them, of which the motors bear the reaction; none by
-        default, as what files state rarely knows the phase.
-    Intervals know that shapes of friction were sought, and that rotors are known to their errors.
+        "ordinary" or "weighted" least squares; "instrumental" if noise of the positions matters;
+        instruments: for the latter, the desired or simulated motion at the same times.
+    rotors: whether to estimate every joint's rotor inertia, or those of which joints; others are as the drives state.
+    offsets: whether to estimate a constant torque offset for each joint.
+    solver: for physically consistent bodies, see `physical`.  prior_spread: their standard deviation from the file's,
+        as a share: 0.5 is half of a body's mass.  level: confidence level of the intervals.
+    cutoff: Hz, of the positions, by default where they fall below their noise.  bandwidth: Hz, of the fitted torques,
+        by default the same, at most 10 Hz.
+    torque_constants: N m at the joint per ampere, by joint, for recordings of currents.
+    rotor_errors: standard deviations, kg m2 at the joint, of the inertias of rotors that are not estimated, by joint.
+    link_friction: by joint, the link's part of its friction: the drive transmits it, which adds to friction that grows
+        with load; by default the share that the drive states.
+    kinematic_errors: by joint, in phase with the recording's motors, which bear their reaction; none by default, since
+        files rarely state the right phase.
+    Intervals include the uncertainty of fitted friction shapes and of known rotors.
 
-    A commanded torque that is held over a control period acts half a period later: align it before.
-    Raises InputError: arguments that do not fit each other or the recording.  CutpointError: a missing solver.
+    A commanded torque that is held over a control period acts half a period later: align it first.
+    Raises InputError: arguments that do not match each other or the recording.  CutpointError: a missing solver.
     """
     check_robot("identify_rigid", robot)
     check_recording("identify_rigid", recording)
@@ -132,9 +132,9 @@ def identify_rigid(
 
 
 class _How(NamedTuple):
-    """How a model is fitted, in the words of `identify_rigid`.
+    """Options of a fit, as in `identify_rigid`.
 
-    asked: the instruments' motion.  shaped: joints whose friction's shape was sought.
+    asked: the instruments' motion.  shaped: joints with fitted friction shapes.
     """
 
     method: Method
@@ -149,7 +149,7 @@ class _How(NamedTuple):
 
 
 def _fitted(base: BaseParameters, laws: Mapping[str, Sliding], log: Log, loads: Array, how: _How) -> Fitted:
-    """What explains the torques, and bodies that can exist.
+    """The fit of the torques, with physically consistent bodies.
 
     loads: (N, n), N m, by which friction may grow, and of which kinematic errors take a share.
     """
@@ -166,7 +166,7 @@ def _fitted(base: BaseParameters, laws: Mapping[str, Sliding], log: Log, loads: 
 
 
 def _loads(fitted: Fitted) -> Array:
-    """(N, n), N m: what drives transmit, as a fit has it."""
+    """(N, n), N m: torques through the drives, according to a fit."""
     robot, motion, model = fitted.base.robot, fitted.log.motion, fitted.model
     return transmitted(robot, motion, link_torques(robot, motion, model.inertial), model.of_links)
 
@@ -177,7 +177,7 @@ def explained(motion: Motion, bandwidth: float | None) -> float:
 
 
 def check_method(method: str) -> None:
-    """Raises InputError for a method of `identify_rigid` that there is not."""
+    """Raises InputError for an unknown method of `identify_rigid`."""
     if method not in (*METHODS, "instrumental"):
         raise unknown_name("method of identification", method, (*METHODS, "instrumental"))
 
@@ -255,9 +255,9 @@ def _estimate(found: Regression, method: Method, instruments: Array | None, *bes
 
 
 def _choices(base: BaseParameters, log: Log, loads: Array, offsets: bool) -> tuple[FrictionChoice, ...]:
-    """The law of each joint that moves, from what its links leave over.
+    """The law of each joint that moves, from its torques less those of the links.
 
-    What the links ask for is first told by a fit with the stated laws, and may be wrong by some of its deviations.
+    The links' torques come from a fit with the stated laws, and are uncertain by its deviations.
     """
     laws, b, found = stated_laws(base.robot, log.motion), base.independent.size, list[FrictionChoice]()
     first = regression(base, laws, log.motion, log.torque, log.means, offsets=offsets, loads=loads)
@@ -278,7 +278,7 @@ def _choices(base: BaseParameters, log: Log, loads: Array, offsets: bool) -> tup
 def _shaped(
     choices: tuple[FrictionChoice, ...], base: BaseParameters, log: Log, loads: Array, offsets: bool
 ) -> tuple[FrictionChoice, ...]:
-    """The same laws, with the shapes that explain the torques of all joints best, and their units."""
+    """The same laws, with the shapes that fit the torques of all joints best, and their units."""
     chosen = {each.joint: each.law for each in choices}
     shaped = best_shapes(base, stated_laws(base.robot, log.motion) | chosen, chosen, log, loads, offsets)
     units = at_joints(base.robot, "N m")
@@ -286,7 +286,7 @@ def _shaped(
 
 
 def _with_remark_on_lags(found: RigidEstimate) -> RigidEstimate:
-    """Says so if instruments of before tell little."""
+    """Adds a remark if lagged instruments are weak."""
     if found.told > LITTLE * len(found.parameters):
         return found
     before = LATER * float(np.median(np.diff(found.times)))
@@ -296,7 +296,7 @@ def _with_remark_on_lags(found: RigidEstimate) -> RigidEstimate:
 
 
 def _rotor_torques(base: BaseParameters, log: Log, errors: Mapping[str, float]) -> Array:
-    """(M, n, n): torques that each rotor would ask for more were it heavier by its error."""
+    """(M, n, n): additional torques if each rotor's inertia were larger by its error."""
     sizes = np.array([errors.get(joint, 0.0) for joint in base.robot.joints])
     return np.asarray(log.means(log.motion.w_dot * sizes)[..., None] * np.eye(sizes.size))
 

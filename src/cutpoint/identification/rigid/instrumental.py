@@ -1,8 +1,8 @@
 """Parameters by instrumental variables: noise in measured positions does not bias them.
 
-Janot, Vandanjon and Gautier (2014), IEEE Trans. Control Syst. Technol. 22(1).  Columns of a regression are made of
-noisy positions, and least squares shrink what noise multiplies.  Instruments move as the columns do and know nothing of
-their noise: columns of the motion that was asked for, of a simulated one, or, if noise is short-lived, earlier ones.
+Janot, Vandanjon and Gautier (2014), IEEE Trans. Control Syst. Technol. 22(1).  A regression's columns come from
+noisy positions, which biases least squares towards zero.  Instruments are correlated with the columns but not with
+their noise: columns of the desired motion, of a simulated one, or, if noise is short-lived, earlier ones.
 """
 
 from dataclasses import replace
@@ -24,8 +24,8 @@ LATER = 3
 def instrumental_variables(
     regression: Regression, instruments: Array | None = None, shapes: Array | None = None, known: Array | None = None
 ) -> Estimate:
-    """Two stages, weighted by each joint's noise and iterated: what instruments (M, n, c) tell of the columns takes
-    their place.  By default they are the columns of three rows before.
+    """Two stages, weighted by each joint's noise and iterated: columns are replaced by their projection on instruments
+    (M, n, c), by default the columns of three rows before.
 
     shapes, known: what the spread counts beside noise, as in `least_squares`.
     Raises InputError: instruments of another shape, or fewer rows than parameters.

@@ -1,4 +1,4 @@
-"""Whether torques come later than the motion that they belong to: what a model leaves over then follows their rate."""
+"""Detects delays of torques relative to the motion: residuals are then proportional to the torques' rate."""
 
 from collections.abc import Sequence
 from dataclasses import replace

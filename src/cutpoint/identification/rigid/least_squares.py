@@ -32,7 +32,7 @@ SETTLED = 1e-6
 
 
 class Estimate(NamedTuple):
-    """What a regression tells of its parameters.
+    """Result of a regression.
 
     values (c,).  spread: covariance and degrees of freedom.  noise (n,): standard deviation of each joint's residuals,
     by their median where large ones count by their size.
@@ -51,12 +51,12 @@ class Estimate(NamedTuple):
 def least_squares(
     regression: Regression, method: Method = "weighted", shapes: Array | None = None, known: Array | None = None
 ) -> Estimate:
-    """ordinary: all torques weigh alike.  weighted: each joint's by its noise, iterated.  huber: moreover, residuals
-    beyond 1.345 standard deviations count by their size, not by its square.  Huber (1964).
+    """ordinary: equal weights.  weighted: by each joint's noise, iterated.  huber: in addition, residuals beyond 1.345
+    standard deviations count linearly, not quadratically.  Huber (1964).
 
-    A direction that the motion does not excite stays zero, with an infinite variance.
-    What the spread counts beside noise: shapes (M, n, k), the torques' slopes by what the same torques were fitted by
-    before; known (M, n, k), N m that one standard deviation of each known thing makes.
+    Directions that the motion does not excite stay zero, with an infinite variance.
+    Further contributions to the spread: shapes (M, n, k), the torques' derivatives by parameters fitted to the same
+    torques before; known (M, n, k), N m per standard deviation of each known quantity.
     Raises InputError: an unknown method, or fewer rows than parameters.
     """
     if method not in METHODS:
@@ -112,7 +112,7 @@ def check_size(regression: Regression) -> None:
 
 
 def solved(R: Array, z: Array) -> tuple[Array, Array, NDArray[np.bool_]]:
-    """x of R x = z, (R^T R)^-1, and which parameters are seen at all, (c,); directions that are not are left out."""
+    """x of R x = z, (R^T R)^-1, and which parameters are observable, (c,); unobservable directions are left out."""
     length = np.linalg.norm(R, axis=0)
     length[length == 0.0] = 1.0
     U, s, Vt = np.linalg.svd(R / length)
@@ -129,7 +129,7 @@ def split(both: Array) -> tuple[Array, Array]:
 
 
 def huber_weights(regression: Regression) -> tuple[Array, Array]:
-    """Weights (M, n) that bound each residual's pull, and the noise (n,) of those that are no outliers."""
+    """Weights (M, n) that bound each residual's influence, and the noise (n,) without outliers."""
     noise, values = _weighted(regression)
     weights, least = np.ones_like(regression.torque), _rounding(np.linalg.norm(regression.torque, axis=0))
     for _ in range(ROUNDS):

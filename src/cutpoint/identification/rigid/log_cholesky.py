@@ -1,6 +1,6 @@
 """Physical bodies without constraints.  Rucker and Wensing (2022), IEEE Robot. Autom. Lett. 7(2), eq. (11).
 
-X = U U^T with U upper triangular, its diagonal exponentials: every ten numbers are a body that can exist.  Rotors and
+X = U U^T with U upper triangular, its diagonal exponentials: any ten numbers give a physical body.  Rotors and
 friction, which are single numbers, are bounded by zero instead.
 """
 

@@ -1,7 +1,7 @@
-"""All parameters of all bodies, of those that can exist the ones that fit a log best and lie near the file's.
+"""Physically consistent parameters of all bodies that fit a log best and stay close to the file's.
 
-Torques tell combinations of parameters only; what they leave open stays as in the file, by a distance between bodies
-that depends on no frame and no unit.  Traversaro et al. (2016), IROS; Lee, Wensing and Park (2020), IEEE Trans.
+Torques determine combinations of parameters only; undetermined ones stay close to the file's, in a distance between
+bodies independent of frame and units.  Traversaro et al. (2016), IROS; Lee, Wensing and Park (2020), IEEE Trans.
 Robot. 36(2), for the entropic distance; Rucker and Wensing (2022), IEEE Robot. Autom. Lett. 7(2), for log-Cholesky.
 """
 
@@ -21,8 +21,8 @@ SOLVERS = get_args(Solver)
 
 
 class Physical(NamedTuple):
-    """inertial: (10 bodies,), of bodies that can exist.  rotors: kg m2 at the joint, of those that are sought.
-    others: friction, not negative, and offsets, in the regression's order.  base: what follows for all its parameters.
+    """inertial: (10 bodies,), physically consistent.  rotors: kg m2 at the joint, the included ones.
+    others: friction, not negative, and offsets, in the regression's order.  base: all resulting regression parameters.
     """
 
     inertial: Array
@@ -32,12 +32,12 @@ class Physical(NamedTuple):
 
 
 def physical(fit: Fit, solver: Solver = "lmi") -> Physical:
-    """The bodies, rotors and friction that a fit asks for.  Friction at rest is no less than in motion.
+    """Bodies, rotors and friction of a fit.  Static friction is not below that in motion.
 
     solver: "lmi", with the entropic distance to the file's bodies; "lmi_trace", with its quadratic approximation, both
     by cvxpy and Clarabel; "log_cholesky", the latter without constraints, by SciPy alone.
 
-    Raises CutpointError where the search fails.
+    Raises CutpointError if the search fails.
     """
     unknowns = log_cholesky.solve(fit) if solver == "log_cholesky" else cones.solve(fit, entropic=solver == "lmi")
     X, rotors, others = fit.unpacked(unknowns)

@@ -1,4 +1,4 @@
-"""Torques as a linear function of what is sought: inertias, rotors, friction and offsets of all joints.
+"""Torques as a linear function of the unknowns: inertias, rotors, friction and offsets of all joints.
 
 torque = Y(q, v, a) p + I_m w_dot + sum of phi_k(v) c_k + offset, every term through one window (see `decimation`).
 """
@@ -26,7 +26,7 @@ CHUNK = 4096
 
 @dataclass(frozen=True, eq=False)
 class Regression:
-    """torque (M, n) = columns (M, n, c) @ parameters (c,) + what they leave over, at times (M,), s.
+    """torque (M, n) = columns (M, n, c) @ parameters (c,) + residuals, at times (M,), s.
 
     M is what decimation left of the recording's samples: 8 M n c bytes, 30 MB for 100 s of a seven-joint arm.
     """
@@ -38,7 +38,7 @@ class Regression:
 
     @cached_property
     def factors(self) -> Array:
-        """Triangles (n, c + 1, c + 1) of each joint's [columns, torque]: all that least squares want to know."""
+        """QR triangles (n, c + 1, c + 1) of each joint's [columns, torque], sufficient for least squares."""
         both = np.concatenate([self.columns, self.torque[..., None]], axis=2)
         return np.array([triangle(both[:, j]) for j in range(both.shape[1])])
 

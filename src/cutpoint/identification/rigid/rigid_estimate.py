@@ -1,4 +1,4 @@
-"""What a recording tells of a robot: a model, intervals, and what remains untold."""
+"""The result of rigid identification: a model, confidence intervals, and what could not be identified."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
@@ -41,13 +41,13 @@ Array = NDArray[np.float64]
 
 @dataclass(frozen=True, eq=False, repr=False)
 class RigidEstimate:
-    """What a recording tells of a robot.
+    """Result of rigid identification.
 
-    robot: with new inertias, rotors and friction, bodies that can exist.  model: the same as one equation of torques.
-    parameters: base parameters, friction and offsets, each with its interval and whether the log tells it.
-    residuals: (M, n) N m, what the intervals' fit leaves over, at times (M,), s; noise (n,), its size.
-    friction: how each joint's law was chosen, if it was.  untold: what this log cannot tell, in sentences.
-    notes: what was done to the recording, and how.
+    robot: with new inertias, rotors and friction, and physically consistent bodies.  model: the same as a torque model.
+    parameters: base parameters, friction and offsets, each with its interval and whether the log determines it.
+    residuals: (M, n) N m, of the fit behind the intervals, at times (M,), s; noise (n,), their size.
+    friction: how each joint's law was chosen, if it was.  untold: what this log cannot determine, in sentences.
+    notes: how the recording was processed.
     """
 
     robot: Robot
@@ -61,7 +61,7 @@ class RigidEstimate:
     friction: tuple[FrictionChoice, ...] = ()
 
     def __getitem__(self, name: str) -> Parameter:
-        """A parameter by its name.  An unknown one is an InputError that lists those there are."""
+        """A parameter by its name.  Raises InputError for an unknown one, with a list of the known ones."""
         named = {each.name: each for each in self.parameters}
         if name not in named:
             raise unknown_name("identified parameter", name, named)
@@ -72,11 +72,11 @@ class RigidEstimate:
 
     @property
     def told(self) -> int:
-        """How many parameters the log tells."""
+        """The number of parameters that the log determines."""
         return sum(each.told for each in self.parameters)
 
     def prediction(self, recording: Recording, cutoff: float | None = None) -> Array:
-        """(N, n): torques of the motors, N m at the joint, for a recording's motion; NaN where that is not known.
+        """(N, n): predicted motor torques, N m at the joint, for a recording's motion; NaN where it is unknown.
 
         cutoff: of the positions, Hz, as in `identify_rigid`.
         """

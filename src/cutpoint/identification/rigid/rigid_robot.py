@@ -1,4 +1,4 @@
-"""What an identified robot is made of, and what its motors must give for a motion."""
+"""The identified rigid model, and its motor torques for a motion."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
@@ -31,7 +31,7 @@ class RigidModel:
     inertial (10 bodies,); rotors (n,) kg m2 at the joint; offsets (n,) N m; laws by joint, of both sides together.
     of_links: by joint, what of its law is the link's, which the drive transmits.
     on_motor (n,): whose friction goes by the motor's speed, others' by the link's.
-    errors: by joint, kinematic errors that make the motor bear less of the load, or more, from tooth to tooth.
+    errors: by joint, kinematic errors, which vary the motor's share of the load.
     """
 
     inertial: Array
@@ -53,7 +53,7 @@ class RigidModel:
         return found
 
     def robot(self, robot: Robot) -> Robot:
-        """The robot with these bodies, rotors and friction; springs, limits and motors are as they were."""
+        """The robot with these bodies, rotors and friction; springs, limits and motors are unchanged."""
         arm = np.diag(robot.mass_matrix(robot.neutral()))
         drives = {
             joint: _driven(drive, self.laws[joint], float(self.rotors[j]), LEAST * float(arm[j]))
@@ -63,7 +63,7 @@ class RigidModel:
 
 
 def link_torques(robot: Robot, motion: Motion, inertial: Array) -> Array:
-    """(N, n): what the links ask of their joints, for inertial parameters (10 bodies,); NaN where nothing is known."""
+    """(N, n): the links' joint torques for inertial parameters (10 bodies,); NaN where the motion is unknown."""
     found = np.full(motion.q.shape, np.nan)
     known = np.flatnonzero(np.isfinite(np.column_stack([motion.q, motion.v, motion.a])).all(axis=1))
     for start in range(0, known.size, CHUNK):
@@ -85,7 +85,7 @@ def transmitted(robot: Robot, motion: Motion, links: Array, of_links: Mapping[st
 
 
 def error_slopes(robot: Robot, motion: Motion, errors: Mapping[str, KinematicError]) -> Array:
-    """(N, n): e'(theta), the share of what it bears by which each drive relieves its motor; 0 without an error.
+    """(N, n): e'(theta), the share of its load by which each drive relieves its motor; 0 without an error.
 
     Xia (2019) eqs. (22), (27).
     """

@@ -1,4 +1,4 @@
-"""How far estimates may be off when residuals follow each other."""
+"""Uncertainty of estimates with serially correlated residuals."""
 
 from typing import NamedTuple
 
@@ -43,7 +43,7 @@ class Spread(NamedTuple):
         return np.sqrt(np.diag(self.covariance))
 
     def margins(self, level: float) -> Array:
-        """Half the widths (c,) of intervals that hold the truth with a probability."""
+        """Half-widths (c,) of confidence intervals at a level."""
         return float(t.ppf(0.5 + 0.5 * level, self.degrees)) * self.deviations()
 
 

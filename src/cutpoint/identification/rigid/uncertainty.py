@@ -1,4 +1,4 @@
-"""What a log tells of each parameter, and what it cannot tell."""
+"""Confidence intervals of parameters, and what a log cannot determine."""
 
 from collections.abc import Sequence
 from typing import NamedTuple
@@ -27,8 +27,8 @@ FRICTION = ("coulomb", "static", "viscous", "per_load")
 class Parameter(NamedTuple):
     """A base parameter, or one of friction, or an offset, in SI units at the joint's side.
 
-    value, low, high: as the log alone tells it, with its interval.  physical: its value with bodies that can exist.
-    prior: its value in the robot's files; NaN where they have none.  told: whether this log tells it; why not, if not.
+    value, low, high: from the log alone, with its interval.  physical: its value with physically consistent bodies.
+    prior: its value in the robot's files; NaN if they have none.  told: whether this log determines it; why not, otherwise.
     """
 
     name: str
@@ -56,7 +56,7 @@ def parameters(
 
 
 def are_told(estimate: Estimate, first: int, sizes: Array) -> NDArray[np.bool_]:
-    """Which parameters from the first on a log tells, (k,), of sizes (k,) in such a robot."""
+    """Which parameters, from the first on, a log determines, (k,); sizes (k,) as in such a robot."""
     reference = np.maximum(np.abs(estimate.values[first:]), sizes)
     return np.asarray(estimate.spread.deviations()[first:] <= TOLD * reference)
 
@@ -70,7 +70,7 @@ def _why(deviation: float, reference: float) -> str:
 
 
 def untold(found: Sequence[Parameter], base: BaseParameters) -> tuple[str, ...]:
-    """Sentences on what a log leaves open."""
+    """Sentences on what a log does not determine."""
     said = [f"{each.name}: {each.why}; {_instead(each)}" for each in found if not each.told]
     if base.unidentifiable:
         some = ", ".join(base.unidentifiable[:4]) + (" ..." if len(base.unidentifiable) > 4 else "")
