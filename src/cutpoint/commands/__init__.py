@@ -1,4 +1,4 @@
-"""One thin command per job, by what they are about."""
+"""One thin command per task, grouped by topic."""
 
 from importlib import import_module
 
@@ -6,6 +6,6 @@ from cutpoint.commands.shared import app
 
 __all__ = ["app"]
 
-# as they are imported, commands register themselves, in the order of the help
+# commands register themselves on import, in the order of the help
 for room in ("robots", "torques", "logs", "drives", "deployment", "identification", "studies"):
     import_module(f"cutpoint.commands.{room}")

@@ -1,4 +1,4 @@
-"""Drives: whether they are large enough, and what one of them is."""
+"""Commands on drives: sizing checks, and data of a catalogue drive."""
 
 from pathlib import Path
 from typing import Annotated

@@ -1,4 +1,4 @@
-"""A robot: what it is, what moves it, how it moves, how it rings."""
+"""Commands on a robot: structure, drives, simulation, modes."""
 
 from pathlib import Path
 from typing import Annotated, Any

@@ -1,4 +1,4 @@
-"""What commands share: the application, options that many have, and what they do with files."""
+"""Shared by commands: the application, common options, and file handling."""
 
 import sys
 from collections.abc import Iterable
@@ -56,7 +56,7 @@ def _of_all_commands(
     """What may stand before a command's name."""
 
 
-# names of robots and files are printed as they are: brackets and colons in them are no markup
+# names of robots and files are printed verbatim: brackets and colons in them are not markup
 _wide = sys.stdout is None or not sys.stdout.isatty()
 console = Console(width=120 if _wide else None, markup=False, emoji=False)
 
@@ -138,7 +138,7 @@ def _places_of(locks: list[str]) -> dict[str, float]:
 
 
 def numbers_of(robot: cutpoint.Robot, option: str, text: str, degrees: bool) -> Any:
-    """One number a joint, in SI units.  Raises InputError for a robot with joints that take more."""
+    """One number per joint, in SI units.  Raises InputError for a robot with joints that take more."""
     for body in robot.mechanism.bodies:
         if body.joint.kind in ("floating", "spherical", "planar"):
             found = f"joint {body.joint.name!r} is {body.joint.kind}"
@@ -196,7 +196,7 @@ def _listed(option: str, text: str, count: int) -> Any:
 
 
 def check_targets(output: Path | None, plot: Path | None) -> None:
-    """Before anything is computed: files can be written where they are wanted, and their kinds are known."""
+    """Checks before any computation that output files can be written and have known types."""
     check_target("output", output, (".npz", ".csv"))
     check_target("plot", plot, (".png", ".pdf", ".svg"))
 
@@ -221,7 +221,7 @@ def say_path(word: str, path: Path, to: Console = console) -> None:
 
 
 def keep(log: "Log", output: Path | None, plot: Path | None) -> None:
-    """All is saved before anything is printed: a terminal may fail, a pipe be closed."""
+    """Saves everything before printing, which may fail at a closed pipe."""
     if output:
         log.save(output)
     if plot:

@@ -1,4 +1,4 @@
-"""What the command line prints: tables of robots, drives, torques and errors."""
+"""Tables for the command line: robots, drives, torques and errors."""
 
 from collections.abc import Iterator
 from dataclasses import is_dataclass
@@ -41,7 +41,7 @@ def robot_table(robot: Robot) -> Table:
 
 
 def drive_table(robot: Robot) -> Table:
-    """What drives each joint, at the joint's side."""
+    """Each joint's drive, at the joint's side."""
     table = _table(
         "drives, at the joint's side",
         "joint",
@@ -125,7 +125,7 @@ def _without_rounding(numbers: Array) -> Array:
 
 
 def error_table(robot: Robot, log: "Log") -> Table:
-    """How well a run tracked."""
+    """Tracking errors of a run."""
     table = _table("tracking", "joint", "RMS error", "peak error", "RMS feedback torque", "peak motor torque")
     rms, peak = log.rms("position_error"), log.max("position_error")
     feedback, torque = log.rms("feedback_torque"), log.max("motor_torque")

@@ -96,7 +96,7 @@ def torque(
 def torques_along(
     robot: cutpoint.Robot, trajectory: "cutpoint.trajectories.Trajectory", period: float
 ) -> "cutpoint.Log":
-    """What the motors must do along a motion, every `period` s; full rotor coupling as `quasi_rigid` says."""
+    """Motor torques along a motion, every `period` s; full rotor coupling as with `quasi_rigid`."""
     positive("torque", "--period", period)
     if trajectory.duration / period > MOST:
         rule = f"{trajectory.duration / period:.3g} samples are asked for, at most {MOST:g}: lengthen it"

@@ -38,7 +38,7 @@ def compile(
         inputs: name=shape of each input, in the order of the kernel's arguments.
 
     Raises:
-        TraceError: the function needs a value where there is none yet, as in `if x > 0`.
+        TraceError: the function needs a number's value while it is traced, as in `if x > 0`.
         InputError: a shape, the backend, or the function's parameters do not fit, or it is too large to compile.
     """
     if name is not None and not isinstance(name, str):
@@ -59,14 +59,14 @@ def compile(
 class Kernel:
     """A function on arrays with NumPy's gufunc semantics: leading axes are a batch and broadcast; `out=` is filled.
 
-    It never warns: overflow, and what comes of numbers that are not finite, show in the results.
+    It never warns: overflow and numbers that are not finite show in the results.
 
     Attributes:
-        name: what errors call it.
-        graph: what it computes.
+        name: used in error messages.
+        graph: the computation as a graph.
         backend: "llvm" or "numpy".
-        general: what a call does, without the shortcut for plain single arguments.
-        compile_seconds: what tracing took, and compiling or finding the code on disk, s.
+        general: the call without the fast path for plain single arguments.
+        compile_seconds: time for tracing, and for compiling or loading the code from disk, s.
     """
 
     def __init__(self, graph: Graph, name: str, backend: str, record: str | None, start: float) -> None:
@@ -84,7 +84,7 @@ class Kernel:
     def __call__(self, *arguments: Any, out: Any = None, threads: int | None = None, **named: Any) -> Any:
         """The outputs for arrays in the order of the inputs, or by name: an array, or a NamedTuple of them.
 
-        threads: how many share a long batch, this one alone if not given; no bit of the results depends on it.
+        threads: how many share a long batch, only this one if not given; results do not depend on it, to the last bit.
 
         Raises:
             InputError: an argument is missing, unknown, or of a shape or kind that does not fit.
@@ -97,8 +97,8 @@ class Kernel:
     def float32(self) -> "Kernel":
         """The same graph in single precision: constants, inputs and every operation are rounded to float32.
 
-        Compiled when first asked for.  It has all that a kernel has; what it is given in another precision, float64
-        arrays and Python's numbers too, it rounds; `out=` may hold float32 or float64.
+        Compiled at its first use.  It offers everything that a kernel does; arguments in another precision, such as
+        float64 arrays and Python's numbers, are rounded; `out=` may hold float32 or float64.
         """
         if self.graph.precision is FLOAT32:
             return self
@@ -108,12 +108,12 @@ class Kernel:
 
     @cached_property
     def blocks(self) -> Blocks:
-        """The kernel for batches kept as (blocks, *shape, width), compiled when first asked for: see `Blocks`."""
+        """The kernel for batches stored as (blocks, *shape, width), compiled at its first use: see `Blocks`."""
         return Blocks(self.name, self.graph, self._function, self._record)
 
     @cached_property
     def call(self) -> Callable[..., Any]:
-        """What calling the kernel does, as a function with less between: for single calls in a loop."""
+        """The kernel as a function with less call overhead, for single calls in a loop."""
         return self.shortcut(self.general, record=self._record)
 
     def shortcut(
@@ -124,11 +124,11 @@ class Kernel:
         largest: float | None = None,
         record: type[tuple[Any, ...]] | None = None,
     ) -> Callable[..., Any]:
-        """A built-in function that runs the kernel on plain single arguments and hands on all others: see `fastcall`.
+        """A built-in function that runs the kernel on plain single arguments and delegates all others: see `fastcall`.
 
         Args:
-            general: what takes the others; all of them where this backend, Python or NumPy knows no shortcut.
-            bound: arrays for the last inputs, which callers then do not give.
+            general: the function for other calls, or for all if this backend, Python or NumPy has no shortcut.
+            bound: arrays for the last inputs, which callers then omit.
             largest: magnitude of a number beyond which, as with NaN, `general` is called; None for any.
             record: the NamedTuple that holds the outputs.
         """
@@ -143,10 +143,10 @@ class Kernel:
         return fastcall(self._function, self.name, self.graph.inputs, self.graph.outputs, front)
 
     def whole(self, *, bound: Sequence[np.ndarray] = (), largest: float | None = None) -> Whole | None:
-        """A function that runs the kernel on batches that lie in order; None if there is no such way.
+        """A function that runs the kernel on contiguous batches; None if unavailable.
 
-        It takes a tuple of arguments and `out`, and returns an array, or a tuple of them, where there are several
-        outputs; None if the general call has to do the work.  bound, largest: as for `shortcut`.
+        It takes a tuple of arguments and `out`, and returns an array, or a tuple of them for several outputs; None if
+        the general call is needed.  bound, largest: as for `shortcut`.
         """
         if self.graph.precision is not FLOAT64:
             return None
@@ -172,7 +172,7 @@ class Kernel:
         """Writes the kernel as CUDA C, one thread a configuration; returns the files' paths.
 
         The folder gets `<name>.cu`, for nvcc and NVRTC, and `<name>.cuh`, which says what its arguments are.  It
-        computes by the operations of machine code, each rounded as IEEE 754 says.
+        performs the same operations as the machine code, each rounded as IEEE 754 says.
         force: overwrite files that cutpoint has not written.
 
         Raises:
@@ -183,10 +183,10 @@ class Kernel:
         return write_package(self.graph, self.name, folder, force=force)
 
     def on_gpu(self) -> Callable[..., Any]:
-        """The kernel as a function of CuPy arrays, called as the kernel is: what it reads and returns stays on the GPU.
+        """The kernel as a function of CuPy arrays, called like the kernel: inputs and outputs stay on the GPU.
 
-        Needs the extra `cuda`; `to_cuda` says how it computes.  PyTorch's arrays on the GPU are taken as they are.  The
-        first call compiles, and keeps that on disk for the next start.
+        Needs the extra `cuda`; `to_cuda` says how it computes.  PyTorch tensors on the GPU are accepted directly.  The
+        first call compiles, and caches the result on disk for the next start.
 
         Raises:
             InputError: CuPy is not installed, or CUDA C cannot take a name.
@@ -196,10 +196,10 @@ class Kernel:
         return gpu_function(self.graph, self.name, self._record)
 
     def to_jax(self) -> Callable[..., Any]:
-        """The kernel as a function of JAX arrays on the CPU, called as the kernel is: jit, vmap, grad, jvp take it.
+        """The kernel as a function of JAX arrays on the CPU, called like the kernel; supports jit, vmap, grad and jvp.
 
         It calls this kernel's machine code, and for derivatives machine code for its Jacobian, compiled when JAX first
-        asks.  JAX keeps the code as long as the process lives: make the function once.  Needs the extra `jax`.
+        needs it.  JAX keeps the code for the life of the process: make the function once.  Needs the extra `jax`.
 
         Raises:
             InputError: JAX or llvmlite is not installed; when called, also if JAX computes in float32 and the kernel
@@ -232,7 +232,7 @@ class Kernel:
         return (before, outputs) if steps else outputs
 
     def __reduce__(self) -> tuple[Any, ...]:
-        """What it computes: machine code stays behind, and what comes out of a pickle finds it on disk or compiles."""
+        """Pickles the graph without machine code, which is loaded from disk or compiled anew after unpickling."""
         return _of_graph, (self.graph, self.name, self.backend, self._record and self._record.__name__)
 
     def __repr__(self) -> str:

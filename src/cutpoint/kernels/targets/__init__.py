@@ -1,1 +1,1 @@
-"""What a graph becomes outside this process: C99, CUDA C, JAX, SymPy."""
+"""Export of graphs: C99, CUDA C, JAX, SymPy."""

@@ -1,7 +1,7 @@
 """C99 of a graph: straight-line code, which rounds exactly as our machine code does.
 
-Every operation is one statement, so nothing is left to contract or reassociate but by flags that break C's own rules;
-those are refused, and contraction is switched off, at the head of the file.
+Every operation is one statement, so a compiler cannot contract or reassociate without flags that violate the C
+standard; those are refused, and contraction is switched off, at the head of the file.
 """
 
 import math
@@ -48,7 +48,7 @@ static inline $real cutpoint_flip($real a, int bit, $real c) {
   return cutpoint_real(cutpoint_bits(c) ^ (cutpoint_bits(a) >> bit & 1) << $top);
 }
 """,
-    # by masks, since which side is taken cannot be predicted
+    # by masks, since branches would be unpredictable
     "pick": """\
 static inline $real cutpoint_pick($real a, int bit, $real c, $real d) {
   const $word mask = 0 - (cutpoint_bits(a) >> bit & 1);

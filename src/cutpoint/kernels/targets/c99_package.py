@@ -1,4 +1,4 @@
-"""A function as a package of C99 that whoever has a C compiler can build, check and install."""
+"""A function as a C99 package that can be built, tested and installed with any C compiler."""
 
 import re
 from collections.abc import Callable, Sequence
