@@ -28,7 +28,8 @@ class Parameter(NamedTuple):
     """A base parameter, or one of friction, or an offset, in SI units at the joint's side.
 
     value, low, high: from the log alone, with its interval.  physical: its value with physically consistent bodies.
-    prior: its value in the robot's files; NaN if they have none.  told: whether this log determines it; why not, otherwise.
+    prior: its value in the robot's files; NaN if they have none.  told: whether this log determines it.
+    why: the reason if not.
     """
 
     name: str
