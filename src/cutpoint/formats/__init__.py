@@ -1,4 +1,4 @@
-"""Files in and out: robots (URDF, xacro, MJCF) and what drives them (YAML), and the catalogue of drives."""
+"""File formats: robots (URDF, xacro, MJCF), drives (YAML), and the catalogue of drives."""
 
 from importlib import import_module
 from typing import TYPE_CHECKING, Any

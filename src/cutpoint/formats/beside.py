@@ -1,4 +1,4 @@
-"""Files that another file names: those in its folder and below, wherever links lead."""
+"""Files referenced by another file: only those in its folder and below, after resolving links."""
 
 from pathlib import Path
 
@@ -8,8 +8,8 @@ from cutpoint.errors import ModelError
 def file_within(folder: Path, name: str, otherwise: str) -> Path:
     """The path of a file that is named relative to a folder.
 
-    otherwise: what a user can do who keeps the file elsewhere.
-    Raises ModelError, without a place: it is not there, or not within the folder.
+    otherwise: advice for a file kept elsewhere.
+    Raises ModelError, without a place: the file does not exist, or is not within the folder.
     """
     path = folder / name
     try:
@@ -18,7 +18,7 @@ def file_within(folder: Path, name: str, otherwise: str) -> Path:
             raise ModelError(f"{told}; put the file there, or {otherwise}", file=name)
         if not path.exists():
             raise ModelError(f"{name!r}: there is no such file in {str(folder)!r}; put it there", file=name)
-    except (OSError, RuntimeError, ValueError) as problem:  # names that are too long, links in a circle
+    except (OSError, RuntimeError, ValueError) as problem:  # names that are too long, circular links
         if isinstance(problem, ModelError):
             raise
         told = getattr(problem, "strerror", problem)

@@ -1,6 +1,6 @@
 """The drive catalogue that comes with the package: gears and actuators by name.  `docs/catalogue.md` lists them.
 
-`catalogue_data/` holds the numbers, each group with its source; what they become in a drive is in `catalogue_entry`.
+`catalogue_data/` holds the numbers, each group with its source; `catalogue_entry` converts them to drives.
 """
 
 from collections.abc import Mapping
@@ -31,7 +31,7 @@ def catalogue_names() -> tuple[str, ...]:
 
 
 def catalogue_gear(name: str) -> CatalogueGear:
-    """What the catalogue holds of one.  Raises ModelError for a name that it does not have."""
+    """A gear's or actuator's catalogue data.  Raises ModelError for an unknown name."""
     if (gear := _gears().get(name)) is None:
         raise ModelError(unknown_gear(name), name=name)
     return gear
@@ -43,18 +43,18 @@ def catalogue_friction(name: str) -> InputFriction:
 
 
 def entry_of(name: str) -> dict[str, Any]:
-    """The drive-file entry that the catalogue gives; what its data lack is left out.  Errors as in `catalogue_gear`."""
+    """The drive-file entry from the catalogue; fields without data are left out.  Errors as in `catalogue_gear`."""
     return drive_entry(catalogue_gear(name), catalogue_friction(name))
 
 
 def catalogue_drive(name: str) -> Drive:
-    """The drive of a joint that turns, by its catalogue's name.  Errors as in `catalogue_gear`."""
+    """The drive of a revolute joint, by its catalogue name.  Errors as in `catalogue_gear`."""
     section = Section(name, YamlDocument("catalogue", {}, {}), ((),))
     return to_drive(section.read(DriveSheet, entry_of(name)), section)
 
 
 def unknown_gear(name: str) -> str:
-    """The message about a name that the catalogue does not have."""
+    """The error message for an unknown catalogue name."""
     return f"the catalogue has no {name!r}; {those_that_exist(name, catalogue_names())} (cutpoint drive lists them)"
 
 

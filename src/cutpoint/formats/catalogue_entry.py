@@ -1,4 +1,4 @@
-"""A gear of the catalogue as an entry of a drive file: from what makers print to what the laws need."""
+"""A catalogue gear as an entry of a drive file: from makers' data to the laws' parameters."""
 
 from typing import Any
 
@@ -13,7 +13,7 @@ ARC_MINUTE = np.pi / 180 / 60
 
 
 def drive_entry(gear: CatalogueGear, friction: InputFriction) -> dict[str, Any]:
-    """The fields of a drive that the catalogue knows; the circular spline is fixed, the flexspline turns the joint."""
+    """A drive's fields known from the catalogue; the circular spline is fixed, the flexspline turns the joint."""
     spring = _spring(gear)
     fields = {
         "gear": {"reduction": float(gear.ratio), "fixed": "circular_spline"},
@@ -30,7 +30,7 @@ def drive_entry(gear: CatalogueGear, friction: InputFriction) -> dict[str, Any]:
 
 
 def _rotor(gear: CatalogueGear) -> dict[str, float] | None:
-    """What turns with the motor: the wave generator, and an actuator's rotor."""
+    """The inertia on the motor's side: the wave generator, and an actuator's rotor."""
     parts = [gear.inertia and gear.inertia.wave_generator, gear.motor and gear.motor.inertia]
     inertia = sum(part for part in parts if part)
     return {"inertia": inertia} if inertia else None
@@ -47,10 +47,10 @@ def _spring(gear: CatalogueGear) -> CatalogueSpring | None:
 
 
 def _hysteresis(gear: CatalogueGear, spring: CatalogueSpring) -> dict[str, float] | None:
-    """Loss is what opens in a cycle to rated torque.
+    """Hysteresis loss is the loop's width in a cycle to rated torque.
 
-    The way back from there to zero torque must wind the elements from one side to the other, twice their reach; where
-    the default, the loss itself, is more than that, they reach less far.
+    The return from there to zero torque must strain the elements from one side to the other, twice their reach; if the
+    default reach, the loss itself, is too large for that, it is reduced.
     """
     if gear.hysteresis is None:
         return None
@@ -64,7 +64,7 @@ def _hysteresis(gear: CatalogueGear, spring: CatalogueSpring) -> dict[str, float
 
 
 def _kinematic_error(arc_minutes: float) -> dict[str, float]:
-    """Accuracy is printed peak to peak."""
+    """Catalogues state accuracy peak to peak."""
     return {"amplitude": arc_minutes * ARC_MINUTE / 2, "order": 2.0}
 
 
@@ -92,7 +92,7 @@ def _motor(gear: CatalogueGear) -> dict[str, float] | None:
 
 
 def _limits(gear: CatalogueGear) -> dict[str, float] | None:
-    """An actuator's own, or the largest speed of a gear's input; a gear's torques are ratings, not a motor's limit."""
+    """An actuator's own limits, or a gear's largest input speed; a gear's torques are ratings, not motor limits."""
     torque = gear.output.maximum_torque if gear.output else None
     rpm = gear.output.maximum_rpm if gear.output else gear.speeds and gear.speeds.maximum_rpm / gear.ratio
     found = {"torque": torque, "velocity": rpm and rpm * RPM}
@@ -119,7 +119,7 @@ def _sum(known: float | None, more: float | None) -> float | None:
 
 
 def _rounded(value: Any) -> Any:
-    """To ten digits, as a person would write them."""
+    """Rounded to ten digits, for readable files."""
     if isinstance(value, dict):
         return {name: _rounded(x) for name, x in value.items()}
     return float(f"{value:.10g}") if isinstance(value, float) else value

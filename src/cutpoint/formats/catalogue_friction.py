@@ -1,4 +1,4 @@
-"""Friction of a gear out of its data sheet: starting torque, running torque without load, efficiency."""
+"""Friction of a gear from its data sheet: starting torque, no-load running torque, efficiency."""
 
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -14,9 +14,9 @@ RPM = 2 * np.pi / 60
 
 @dataclass(frozen=True)
 class InputFriction:
-    """Torque at the input without load, N m: dry + slope w, w in rad/s; and the share that a load adds at the output.
+    """No-load torque at the input, N m: dry + slope w, w in rad/s; and the share that a load adds at the output.
 
-    None where nothing is known.  estimated: which of the three were taken over from another gear.
+    None if unknown.  estimated: which of the three were adopted from another gear.
     """
 
     dry: float | None = None
@@ -26,12 +26,12 @@ class InputFriction:
 
 
 def input_friction(gear: CatalogueGear, named: Callable[[str], CatalogueGear]) -> InputFriction:
-    """What a gear's sheet states; what it lacks is taken from the gear that it is `like`.
+    """Friction from a gear's sheet; missing data are taken from the gear that it is `like`.
 
     Starting torque is the dry part.  The slope goes through it and the running points by least squares.  The share of
-    the load is what efficiency lacks beyond that, by 1/eta - 1 = per_load + ratio (dry + slope w) / tau at an output
-    torque tau.  Where efficiency is known and running torque is not, all three follow from it, and starting torque is
-    left aside.
+    the load accounts for the remaining losses, by 1/eta - 1 = per_load + ratio (dry + slope w) / tau at an output
+    torque tau.  If efficiency is known and running torque is not, all three follow from it, and starting torque is
+    ignored.
     """
     own = _from_efficiency(gear) if gear.efficiency and not gear.running else _from_running(gear)
     if gear.friction is None:
@@ -50,7 +50,7 @@ def efficiency(friction: InputFriction, ratio: float, speed: float, torque: floa
 
 
 def times(value: float | None, factor: float) -> float | None:
-    """None, which is not known, stays that."""
+    """The product; None, for unknown, stays None."""
     return None if value is None else factor * value
 
 

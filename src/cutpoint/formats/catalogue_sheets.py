@@ -1,4 +1,4 @@
-"""What the packaged catalogue holds of a gear or an actuator: groups of numbers, each with its source."""
+"""Schema of a gear or actuator in the packaged catalogue: groups of numbers, each with its source."""
 
 from typing import Annotated, Any
 
@@ -26,7 +26,7 @@ class Group(Sheet):
 
     @property
     def status(self) -> str:
-        """What the numbers are worth, in a word or two."""
+        """Reliability of the numbers, in a word or two."""
         return "verified" if self.verified else "recalled" if self.source.key == "recalled" else "not verified"
 
 
@@ -150,7 +150,7 @@ class Encoder(Group):
 
 
 class CatalogueGear(Sheet):
-    """A gear, or an actuator with its gear; groups that no source has are None."""
+    """A gear, or an actuator with its gear; groups without a source are None."""
 
     name: str
     maker: str

@@ -1,4 +1,4 @@
-"""One entry of a drive file to a `Drive`: the rules that join several fields, and who becomes what."""
+"""Conversion of one drive-file entry to a `Drive`, with rules that involve several fields."""
 
 from dataclasses import replace
 
@@ -45,7 +45,7 @@ def to_drive(sheet: DriveSheet, section: Section) -> Drive:
         ratings=Ratings(**sheet.ratings.model_dump()) if sheet.ratings else None,
     )
     _check(drive, section)
-    if spring and sheet.hysteresis:  # last: its torque is the spring's, which by now is known to hold
+    if spring and sheet.hysteresis:  # last, since its torque derives from the spring, which is valid by now
         drive = replace(drive, hysteresis=_hysteresis(sheet.hysteresis, spring, section))
         _check(drive, section)
     return drive
@@ -85,7 +85,7 @@ def harmonic_ratio(gear: GearSheet) -> float:
 
 
 def _check_spring(sheet: DriveSheet, section: Section) -> None:
-    """What becomes a part of the spring, or is made of it, needs one before there is a drive."""
+    """Checks that parts which belong to a spring, or derive from it, have one."""
     for name in ("backlash", "hysteresis"):
         if getattr(sheet, name) and sheet.compliance is None:
             raise section.error((name,), f"{name!r} needs an elastic drive, but 'compliance' is rigid")

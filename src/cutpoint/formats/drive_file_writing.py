@@ -1,4 +1,4 @@
-"""A drive file that says how each number was found: the entries of `dump_drives`, with remarks on their lines."""
+"""A drive file that documents the origin of each number: the entries of `dump_drives`, with remarks on their lines."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
@@ -35,7 +35,7 @@ def remarked_drives(
 
 
 def worded(drive: Drive) -> tuple[Drive, tuple[str, ...]]:
-    """The nearest drive that a drive file has words for, and what was changed for them."""
+    """The nearest drive that a drive file can express, and the changes made."""
     rotor = drive.rotor
     if rotor is not None and rotor.inertia == 0 and rotor.in_link_inertia and not drive.is_elastic:
         drive, notes = worded(replace(drive, rotor=None))
@@ -48,7 +48,7 @@ def worded(drive: Drive) -> tuple[Drive, tuple[str, ...]]:
 
 
 def _smoothed(law: MaxwellSlip) -> MaxwellSlip:
-    """Loops whose ends are beyond all reaches are as wide, sum(k r), and lose as much, which sum(k r^2) decides."""
+    """Smooth elements whose full loops have the same width, sum(k r), and the same loss, determined by sum(k r^2)."""
     unit = MaxwellSlip.smooth(1.0, 1.0, ELEMENTS)
     reach = (_moment(law) / float(law.friction)) / (_moment(unit) / float(unit.friction))
     # made of its own width, as the file's reader does, so that all digits come back

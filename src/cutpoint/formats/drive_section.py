@@ -1,4 +1,4 @@
-"""A part of a drive file against its sheet: pydantic's complaints in our words, each with its field, value and line."""
+"""Validation of a part of a drive file: pydantic's errors reworded, each with its field, value and line."""
 
 import reprlib
 from dataclasses import dataclass
@@ -32,9 +32,9 @@ _BOUNDS = {
 
 @dataclass(frozen=True)
 class Section:
-    """What one sheet describes.
+    """The part of a file described by one sheet.
 
-    thing: whom messages are about; roots: where its values may stand in the file, the likelier first.
+    thing: the subject of messages; roots: where its values may be in the file, the likelier first.
     slides: whether units are those of a prismatic joint.
     """
 
@@ -71,7 +71,7 @@ class Section:
         return " ".join(filter(None, (".".join(path), shown, unit if isinstance(value, float) else "")))
 
     def unit(self, field: FieldInfo | None) -> str:
-        """Unit of a field on this joint; empty for what has none."""
+        """Unit of a field on this joint; empty if it has none."""
         unit = _extra(field, "linear_unit" if self.slides else "unit")
         return "" if unit == "1" else unit
 

@@ -1,4 +1,4 @@
-"""The drive file's fields: types, units, defaults, what each means, and the rules that one number keeps by itself.
+"""The drive file's fields: types, units, defaults, meanings, and rules for single numbers.
 
 `docs/drive-file.md` says the same in prose and is checked against this.
 """

@@ -1,4 +1,4 @@
-"""A `Drive` as an entry of a drive file, in the words that give the same drive when read back."""
+"""A `Drive` as an entry of a drive file that gives the same drive when read back."""
 
 from collections.abc import Sequence
 from typing import Any

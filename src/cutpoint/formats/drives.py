@@ -1,4 +1,4 @@
-"""Drive files (YAML, version 1): what drives each joint of a robot.  `docs/drive-file.md` describes every field."""
+"""Drive files (YAML, version 1): the drive of each joint of a robot.  `docs/drive-file.md` describes every field."""
 
 from collections.abc import Collection, Mapping
 from dataclasses import replace
@@ -37,7 +37,7 @@ OF_A_SPRING = ("damping", "backlash", "hysteresis", "kinematic_error")
 def load_drives(path: str | Path, mechanism: Mechanism, locked: Collection[str] = ()) -> dict[str, Drive]:
     """The drives that a file gives to joints of a robot, by joint.
 
-    locked: joints whose drives are passed over, since they are held fixed.
+    locked: joints whose drives are ignored, since they are held fixed.
     Warns, DegreesWarning, of position limits that look like degrees; UnitsWarning, of numbers in a data sheet's units.
     Raises ModelError, with file and line, for whatever is wrong in the file or does not fit the robot.
     """
@@ -115,9 +115,9 @@ def save_drives(path: str | Path, drives: Mapping[str, Drive]) -> None:
 
 
 def merged(base: Mapping[str, Any], over: Mapping[str, Any]) -> dict[str, Any]:
-    """`over` laid on `base`, mapping by mapping; of alternatives, those that `over` does not state are dropped.
+    """`over` merged into `base`, mapping by mapping; of alternatives, those that `over` does not state are dropped.
 
-    A wave generator's compliance goes with the flexspline's.
+    A wave generator's compliance belongs to the flexspline's.
     """
     replaced = {key for group in ALTERNATIVES if group & over.keys() for key in group - over.keys()}
     replaced |= {"wave_generator"} if "flexspline" in replaced else set()

@@ -3,7 +3,7 @@
 Read: bodies with their inertias, joints with axes, positions, ranges, damping and friction, armature, gravity; sites,
 which are frames here.
 Coordinates are MuJoCo's but for quaternions, which are (x, y, z, w) here, and a free joint's linear velocity, which is
-along the moving body's axes here.  What else acts in MuJoCo is listed in a warning.
+along the moving body's axes here.  Other effects in MuJoCo are listed in a warning.
 """
 
 from collections.abc import Mapping
@@ -59,13 +59,13 @@ def load_mjcf(
 ) -> MjcfRobot:
     """The robot of an MJCF file, and of those that it includes from its own folder and below.
 
-    Of meshes it opens, there too, those that a body has its inertia from.
+    It opens only meshes, from the same place, that define a body's inertia.
 
     gravity: acceleration of free fall in the world's frame, m/s2; None is the file's.
     lock: coordinates (rad or m) at which joints are held fixed, by name.
     Warns once, NotCarriedOver, of what has no counterpart here.  Several joints of a body become a chain of links
     without mass, named `<body>_after_<joint>`; bodies and joints without a name are `body_<n>` and `joint_<n>`.
-    Where the file has such a name itself, ours has an underscore behind it, or several.
+    If the file uses such a name itself, underscores are appended.
     Raises ModelError: the `mujoco` package is missing, or what is wrong in the file.
     """
     path = Path(path)

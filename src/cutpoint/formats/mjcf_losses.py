@@ -1,4 +1,4 @@
-"""What an MJCF file says and a `Mechanism` has no place for."""
+"""Parts of an MJCF file that a `Mechanism` cannot represent."""
 
 from collections import Counter
 from typing import Any

@@ -1,9 +1,9 @@
-"""Of an MJCF document what dynamics needs, written anew, so that MuJoCo opens no file and sees nothing else.
+"""Extracts from an MJCF document only what dynamics needs, so that MuJoCo opens no file and sees nothing else.
 
 Meshes in files are kept only where their contents come along, under names that are no paths.
 
-Elements are kept by name and place; whatever is not known by name is left out and counted.  What would change the tree
-of bodies by bringing in other text is refused.
+Elements are kept by name and place; unknown ones are left out and counted.  Elements that would change the tree of
+bodies by including other text are refused.
 """
 
 import re

@@ -1,4 +1,4 @@
-"""What a robot file says and a robot has no place for, in one warning."""
+"""One warning about parts of a robot file that a robot cannot represent."""
 
 from collections.abc import Sequence
 

@@ -1,4 +1,4 @@
-"""Bytes and numbers out of files that nobody vouches for."""
+"""Bytes and numbers from untrusted files."""
 
 import math
 import re

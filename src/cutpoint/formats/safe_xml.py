@@ -1,4 +1,4 @@
-"""XML from files that nobody vouches for, as a tree of elements that know their lines.
+"""XML from untrusted files, as a tree of elements with line numbers.
 
 No document type, no entities, no external references; size, depth and number of elements are capped.
 """

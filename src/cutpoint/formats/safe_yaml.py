@@ -1,4 +1,4 @@
-"""YAML from files that nobody vouches for, as plain values that know their lines.
+"""YAML from untrusted files, as plain values with line numbers.
 
 A small, strict YAML: mappings, lists, texts, numbers, true and false.  No tags, no anchors or aliases, no merge keys,
 no second document, no key twice, no empty values; size, depth and number of values are capped.  Every number is a

@@ -1,4 +1,4 @@
-"""Names that are nearly those of a format: slips, which readers that ignore unknown names would not notice."""
+"""Misspelled names of a format, which readers that ignore unknown names would not notice."""
 
 from collections.abc import Collection
 from difflib import get_close_matches
@@ -10,7 +10,7 @@ ALIKE = 0.84
 
 
 def meant(name: str, known: Collection[str]) -> str | None:
-    """The name that was meant, of those that are known, in small letters; None for one of them, or like none."""
+    """The known name, in small letters, of which this is a misspelling; None if it is known, or similar to none."""
     if name in known:
         return None
     own = name.casefold()[:LONGEST_GUESS]

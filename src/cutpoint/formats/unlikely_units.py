@@ -1,4 +1,4 @@
-"""Numbers of a drive file that would be usual in a data sheet's units, and are next to impossible in the file's."""
+"""Numbers of a drive file that are plausible in a data sheet's units, but nearly impossible in the file's."""
 
 import math
 from collections.abc import Iterator

@@ -48,7 +48,7 @@ X_AXIS = (1.0, 0.0, 0.0)
 
 
 class MimicWarning(UserWarning):
-    """A file has mimic joints, and they were read as coordinates of their own."""
+    """A file has mimic joints, which were read as independent coordinates."""
 
 
 class DegreesWarning(UserWarning):
@@ -157,7 +157,7 @@ def _check_is_urdf(robot: Element, place: str) -> None:
 
 
 def _check_names(element: Element, place: str) -> None:
-    """Raises ModelError for a slip of a name that is read: passed over, it would leave another robot behind."""
+    """Raises ModelError for a misspelled name, since ignoring it would change the robot."""
     parts = PARTS.get(element.tag, ())
     for child in element.children:
         if right := meant(child.tag, parts):

@@ -1,4 +1,4 @@
-"""A URDF with other inertias: of the user's own text only <inertial> elements change, every other byte stays."""
+"""A URDF with new inertias: only <inertial> elements of the user's text change, every other byte is kept."""
 
 import re
 from collections.abc import Mapping
