@@ -1,4 +1,4 @@
-"""Functions in which each joint stands for itself: a kernel for each kind of joint, run over all of the kind."""
+"""Functions that treat each joint independently: one kernel per kind of joint, run over all joints of the kind."""
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
@@ -50,7 +50,7 @@ class Kind(NamedTuple):
 def joint_by_joint(
     key: Any, definition: Callable[..., Any], sizes: Mapping[str, int | tuple[()]], machine: Machine, backend: str
 ) -> "JointByJoint | None":
-    """A function that takes each joint alone, if it does, and if the robot is large and its joints mostly alike.
+    """A joint-by-joint function, if it allows that, and if the robot is large with mostly similar joints.
 
     sizes: of the inputs.  machine: without drives, if they do not matter.
     """

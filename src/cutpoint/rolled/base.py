@@ -1,4 +1,4 @@
-"""A base that moves freely, as passes that run once: a root whose joint has several axes, before bodies of one each."""
+"""A floating base, as passes that run once: a root with several axes, before bodies with one each."""
 
 from collections.abc import Sequence
 from typing import Any
@@ -40,7 +40,7 @@ def sizes_apart(base: "Base | None", names: Sequence[str]) -> tuple[dict[str, in
 
 
 class Base:
-    """A base as passes take it.
+    """A base in the form that passes take.
 
     Names of regions that begin with "base." are its own numbers, or its row among those of the bodies.
     """
@@ -57,11 +57,11 @@ class Base:
         return System((own,), -upward, {}, self.kind.coordinates, self.axes, (0,) * self.axes)
 
     def motions(self) -> list[Motion]:
-        """At unit speed of each of its axes, in its own frame."""
+        """Its motions at unit speed of each of its axes, in its own frame."""
         return [self.kind.motion([int(j == k) for j in range(self.axes)]) for k in range(self.axes)]
 
     def moves(self, order: Order, rates: Sequence[str]) -> Pass:
-        """Its motion, and what that costs it."""
+        """Its motion, and the net wrench of that."""
         m = order.numbers
 
         def moves(row: Any, world: Any, *given: Any) -> Any:
@@ -76,7 +76,7 @@ class Base:
         return Pass("once", Stage(moves, reads, ("base.motion", "base.wrench")))
 
     def bears(self, order: Order, written: str = "tau") -> Pass:
-        """What its joint must bear of all wrenches."""
+        """The torques of its joint under all wrenches."""
 
         def bears(wrench: Any) -> Any:
             return self.kind.effort(wrench_of(wrench[:: order.numbers]))
@@ -84,7 +84,7 @@ class Base:
         return Pass("once", Stage(bears, ("base.wrench",), (f"base.{written}",)))
 
     def resists(self) -> Pass:
-        """Where it is, how fast it turns and accelerates as it coasts, and how it resists, along the world's axes."""
+        """Its pose, its angular velocity and acceleration while coasting, and its inertia, along the world's axes."""
 
         def resists(row: Any, world: Any, q: Any, v: Any) -> Any:
             own = self.segment(row)

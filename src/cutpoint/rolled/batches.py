@@ -1,4 +1,4 @@
-"""Runs of a function's loops on several configurations: side by side in machine code, what is left one by one."""
+"""Runs a function's loops on several configurations: side by side in machine code, the remainder one by one."""
 
 from collections.abc import Mapping
 from functools import cached_property

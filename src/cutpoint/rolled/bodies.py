@@ -1,7 +1,7 @@
 """Bodies as rows of numbers, and a body with its joint and its drive from such a row.
 
-Numbers that are the same whole number for all bodies (an axis's zeros, a turn by a quarter) are part of the code; all
-others it reads.  So one piece of code, of one size, serves trees of any size.
+Numbers that are the same whole number for all bodies (an axis's zeros, a quarter turn) are part of the code; all others
+are read.  So the same code, of fixed size, serves trees of any size.
 """
 
 from collections.abc import Callable, Iterable, Sequence
@@ -43,9 +43,9 @@ BASE_NUMBERS = sum(FIELDS[name] for name in ("rotation", "position", "inertia", 
 
 
 def rooted(system: System) -> System:
-    """The same trees, the first joint of each at the world's origin, where what is summed up about it loses no digits.
+    """The same trees, with the first joint of each at the world's origin, so that sums about it lose no digits.
 
-    To the joints it makes no difference.
+    The joints' results do not change.
     """
     roots = [replace(body, placement=Pose(body.placement.rotation, ZERO)) for body in system.segments]
     pairs = zip(system.segments, roots, strict=True)

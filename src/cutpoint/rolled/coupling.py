@@ -12,7 +12,7 @@ from cutpoint.rolled.passes import Order, Pass
 
 
 def carried(columns: Columns, order: Order, rates: tuple[str, ...]) -> Pass:
-    """What a rotor that moves with its joint, as if its drive did not bend, costs its carrier."""
+    """Wrench on its carrier of a rotor that moves with its joint, as if its drive were rigid."""
 
     def reacts(row: Any, carrier: Any, borne: Any, *given: Any) -> Any:
         own, omega = columns.subsystem(row), Vec3(*order.scalars(carrier)[:3])

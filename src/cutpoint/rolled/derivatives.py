@@ -1,7 +1,7 @@
-"""How the torques of a motion change with it, as passes: clouds of mass inward, then every pair of bodies.
+"""Derivatives of a motion's torques with respect to it, as passes: clouds of mass inward, then every pair of bodies.
 
-All about one place and along axes that stand still, as in `mass`: there what bodies carry is a plain sum.  Below a base
-that moves freely these are where it is at this instant.
+All quantities are about one point and along fixed axes, as in `mass`: there what bodies carry is a plain sum.  With a
+floating base these are where it is at this instant.
 """
 
 from collections.abc import Mapping, Sequence

@@ -1,4 +1,4 @@
-"""Robots whose joints bend, as passes: rigid bodies' passes, and what each drive does alone.
+"""Robots with elastic joints, as passes: rigid bodies' passes, and each drive's own step.
 
 Some joints may have rigid drives, or none.
 """
@@ -89,7 +89,7 @@ def drive_slopes(columns: Columns) -> Steps:
 
 
 def static_deflection(columns: Columns) -> Steps:
-    """How far each motor leads its link when nothing moves, rad: the spring's answer to gravity."""
+    """How far each motor leads its link at rest under gravity, rad."""
     rigid = inverse_dynamics(columns)
 
     def bends(row: Any, q: Any, tau: Any) -> Any:

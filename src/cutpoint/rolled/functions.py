@@ -1,6 +1,6 @@
 """Functions of large robots: loops over their bodies, compiled once for a tree of any size.
 
-Straight-line code is quickest for small robots; its size, and the time to compile it, grow with the robot.
+Straight-line code is fastest for small robots, but its size and compile time grow with the robot.
 """
 
 import time
@@ -70,7 +70,7 @@ def loops_take(key: Any, machine: Machine, backend: str) -> bool:
 
 
 def _is_large_for(key: Any, system: System, backend: str) -> bool:
-    """Whether a function has a recipe, and the robot is so large that loops suit it better."""
+    """Whether a function has a recipe, and the robot is large enough for loops to be better."""
     asked, frame = without_frame(key)
     recipe = RECIPES.get(asked) or RECIPES.get(name_of(key))
     if recipe is None or backends.chosen(backend) != "llvm":
@@ -79,7 +79,7 @@ def _is_large_for(key: Any, system: System, backend: str) -> bool:
 
 
 def _hindrance(key: Any, machine: Machine) -> str | None:
-    """What loops do not take, of the robot or of what a function with a recipe is asked for."""
+    """The feature of the robot, or of a function's arguments, that loops do not support."""
     asked = without_frame(key)[0]
     if asked not in RECIPES:
         return RECIPES[name_of(key)].odd
@@ -143,7 +143,7 @@ class RolledFunction:
         return self._quick(*given)
 
     def quick(self) -> Callable[..., Any]:
-        """The same, quickest for single calls."""
+        """The same function in its fastest form for single calls."""
         return self._quick
 
     def to_c(self, *outputs: str) -> "Source":
@@ -197,7 +197,7 @@ class RolledFunction:
         return spread
 
     def _of_batch(self, given: tuple[Any, ...]) -> Sequence[Array] | None:
-        """The outputs of a batch that lies in order; None for all else, mistakes too."""
+        """The outputs of a contiguous batch; None for everything else, including mistakes."""
         first = given[0] if given else None
         if self._batches is None or not self._are_all_driven or type(first) is not np.ndarray or first.ndim < 2:
             return None

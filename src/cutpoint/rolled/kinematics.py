@@ -1,4 +1,4 @@
-"""Where a frame is and how it moves with each speed, as passes.  Whose frame it is, is no part of the code."""
+"""Pose and Jacobian of a frame, as passes.  The frame's body is not part of the code."""
 
 from typing import Any
 

@@ -1,4 +1,4 @@
-"""Which of two bodies carries the other, where stages go through pairs of them."""
+"""Which of two bodies carries the other, for stages over pairs of bodies."""
 
 from collections.abc import Sequence
 from typing import NamedTuple

@@ -1,7 +1,7 @@
 """The mass matrix as passes: composite inertias inward, then every pair of bodies.
 
-All about one place and along the world's axes, where what bodies carry is a plain sum.  The first joint of each tree
-stands there, however far from the world's origin it is mounted, and a base that moves freely.
+All quantities are about one point and along the world's axes, where what bodies carry is a plain sum.  The first joint
+of each tree is there, however far from the world's origin it is mounted, and so is a floating base.
 """
 
 from typing import Any

@@ -1,4 +1,4 @@
-"""Memory that a function's loops work in, and what they need to know of their robot."""
+"""Working memory of a function's loops, and the data that they need of their robot."""
 
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager

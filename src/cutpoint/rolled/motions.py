@@ -1,4 +1,4 @@
-"""How every body moves, as passes: all about one place and along axes that stand still, as in `mass`.
+"""Motions of all bodies, as passes: about one point and along fixed axes, as in `mass`.
 
 Below a base that moves freely these are where it is at this instant.
 """

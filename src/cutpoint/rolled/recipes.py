@@ -1,4 +1,4 @@
-"""Which functions loop, and how."""
+"""Recipes of functions that run as loops."""
 
 from collections.abc import Callable, Mapping
 from functools import partial

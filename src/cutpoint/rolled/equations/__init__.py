@@ -1,4 +1,4 @@
-"""How equations with a robot's mass matrix are solved best."""
+"""The best solver for equations with a robot's mass matrix."""
 
 from collections.abc import Sequence
 

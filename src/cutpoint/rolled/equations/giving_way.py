@@ -1,4 +1,4 @@
-"""How every joint of a robot gives way, as passes over its bodies: what a unit of torque accelerates, and whom."""
+"""How every joint of a robot gives way, as passes over its bodies: accelerations per unit of torque."""
 
 from functools import reduce
 from typing import Any
