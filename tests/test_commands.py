@@ -19,7 +19,7 @@ from typer.testing import CliRunner
 import cutpoint
 from cutpoint import InputError, Log, ModelError, control, robots
 from cutpoint.commands import app, laws, shared
-from cutpoint.control import tuning
+from cutpoint.control import recipes
 from cutpoint.export import export_controller
 from cutpoint.reporting.folder import write
 from cutpoint.reporting.html import Heading
@@ -136,7 +136,7 @@ def test_torques_are_of_one_place_or_of_a_motion(arguments: list[str], message: 
 
 
 def test_every_law_that_can_be_tuned_has_its_name_at_the_command_line() -> None:
-    assert get_args(laws.Name) == tuple(law.__name__ for law in tuning.RECIPES)
+    assert get_args(laws.Name) == tuple(law.__name__ for law in recipes.RECIPES)
 
 
 @pytest.mark.parametrize("name", ["VDC", "vdc"])

@@ -20,7 +20,8 @@ from cutpoint.control import (
     SlotineLi,
     SuperTwisting,
 )
-from cutpoint.control.tuning import RECIPES, Wanted
+from cutpoint.control.design import Design
+from cutpoint.control.recipes import RECIPES
 from cutpoint.robot import Robot
 
 OURS = ("vdc", "vdc_filter", "adaptive", "natural")
@@ -40,19 +41,19 @@ class Contender(NamedTuple):
     key: str
     name: str
     needs: str
-    make: Callable[[Wanted], Any]
+    make: Callable[[Design], Any]
     smooth: Callable[[Any], Any] = lambda law: law
 
 
-def _tuned(law: Any, **options: Any) -> Callable[[Wanted], Any]:
+def _tuned(law: Any, **options: Any) -> Callable[[Design], Any]:
     return lambda w: RECIPES[law](w, **options)
 
 
-def _pd(w: Wanted) -> PD:
+def _pd(w: Design) -> PD:
     return RECIPES[PD](w)
 
 
-def _forward(w: Wanted) -> Any:
+def _forward(w: Design) -> Any:
     return _pd(w) + Feedforward(w.robot, "elastic")
 
 
@@ -79,7 +80,7 @@ CONTENDERS: tuple[Contender, ...] = (
     ),
     Contender(
         "observer", "observer on feedforward", f"{MOTOR}; elastic",
-        lambda w: DisturbanceObserver(w.robot, _forward(w), w.omega * w.whole),
+        lambda w: DisturbanceObserver(w.robot, _forward(w), w.omega * w.inertia),
     ),
     Contender("full_state", "full state feedback", f"{BOTH}; elastic", _tuned(FullStateFeedback)),
     Contender("linearised", "elastic computed torque", f"{BOTH}; elastic", _tuned(ElasticComputedTorque)),

@@ -5,8 +5,9 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from cutpoint.control.design import design_of
+from cutpoint.control.holding import check_holds
 from cutpoint.control.sampled_loop import SmallSignal, small_signal
-from cutpoint.control.tuning import check_holds, wanted
 from cutpoint.errors import InputError
 from cutpoint.studies.chain import Array
 from cutpoint.studies.compare.bench import Bench
@@ -97,7 +98,7 @@ def _held(bench: Bench, contender: Contender, bandwidth: float, pd: Array) -> Ma
 
 
 def _made(bench: Bench, contender: Contender, bandwidth: float) -> Any:
-    return contender.make(wanted(bench.robot, bench.home, 2.0 * np.pi * bandwidth, 1.0, bench.control_period))
+    return contender.make(design_of(bench.robot, bench.home, 2.0 * np.pi * bandwidth, 1.0, bench.control_period))
 
 
 def _signal(bench: Bench, law: Any) -> SmallSignal:

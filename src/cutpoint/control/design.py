@@ -1,0 +1,41 @@
+"""What gains are designed from: a robot's inertia and load at a pose, and what is asked of the closed loop."""
+
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from cutpoint.robot import Robot
+
+Array = NDArray[np.float64]
+
+
+class Design(NamedTuple):
+    """Inputs of gain design: the robot; its pose q; inertia of links and of elastic drives' rotors at each joint,
+    kg m2; gravity torques, N m; bandwidth omega, rad/s; damping ratio; control period, s."""
+
+    robot: Robot
+    q: Array
+    link: Array
+    rotor: Array
+    weight: Array
+    omega: float
+    damping: float
+    period: float
+
+    @property
+    def inertia(self) -> Array:
+        return self.link + self.rotor
+
+    @property
+    def stiffness(self) -> Array:
+        return self.inertia * self.omega**2
+
+
+def design_of(robot: Robot, q: Array, omega: float, damping: float, period: float) -> Design:
+    """Inputs of gain design: omega, rad/s; damping, a ratio; period, s."""
+    driven = robot.machine.drives
+    M, weight = robot.mass_matrix(q), robot.gravity_forces(q)
+    link = np.array([M[d.v, d.v] for d in driven])
+    rotor = np.array([d.drive.reflected_inertia if d.drive.is_elastic else 0.0 for d in driven])
+    return Design(robot, q, link, rotor, np.array([weight[d.v] for d in driven]), omega, damping, period)

@@ -1,0 +1,84 @@
+"""Whether a law holds a robot at a pose, and what would help if it does not."""
+
+from collections.abc import Callable, Iterable
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from cutpoint.control.design import design_of
+from cutpoint.control.sampled_loop import SampledPole, slowest_pole
+from cutpoint.control.sensors import Sensors
+from cutpoint.errors import InputError
+from cutpoint.robot import Robot
+
+Array = NDArray[np.float64]
+
+STOPPED = 1.0
+"""Nepers a second: what grows more slowly is stopped by friction, which the linear plant lacks."""
+
+CREEPING = 0.05
+"""Hz: what would swing more slowly does not swing."""
+
+SHORTER = 4
+"""Times that a control period is shortened to see whether that would help."""
+
+CHANGES = {"width": "wider", "rate": "lower", "body_rate": "lower", "joint_rate": "lower", "shaping": "nearer to 1"}
+"""What may help of what only some laws have."""
+
+LIGHT = 0.05
+"""Of a link's inertia at its joint: few rotors have less, with their motors."""
+
+
+def check_holds(
+    robot: Robot,
+    law: Any,
+    q: Array,
+    period: float,
+    sensors: Sensors | None = None,
+    others: Iterable[tuple[float, Callable[[], Any]]] = (),
+) -> None:
+    """Raises InputError if the law cannot hold the robot at q when it acts every period (s): see `slowest_pole`.
+
+    If all drives have friction, poles that grow more slowly than STOPPED are left to it.
+    others: bandwidths, Hz, and a function that makes a law of each, to search for a remedy.
+    """
+    worst = slowest_pole(robot, law, q, period, sensors=sensors)
+    if _is_held(robot, worst, period):
+        return
+
+    def would_hold(law: Any, period: float) -> bool:
+        try:
+            return _is_held(robot, slowest_pole(robot, law, q, period, sensors=sensors), period)
+        except InputError:  # the period is shorter than a motor's delay
+            return False
+
+    growth = np.log(worst.size) / period
+    moves = f"swing at {worst.frequency:.1f} Hz" if worst.frequency > CREEPING else "run away"
+    what = f"{worst.joint!r} would {moves} and grow by {growth:.3g} nepers a second"
+    better = next((f"{hertz:.3g} Hz" for hertz, make in others if would_hold(make(), period)), "")
+    remedies = [f"a bandwidth of {better} holds" if better else "ask for another bandwidth"]
+    if would_hold(law, period / SHORTER):
+        remedies.append(f"a control_period of {period / SHORTER:.3g} s holds")
+    if any(drive.is_elastic and not drive.damping for drive in robot.drives.values()):
+        remedies.append("give the springs damping")
+    remedies += [f"make {name}= {change}" for name, change in CHANGES.items() if hasattr(law, name)]
+    remedies += _light_rotor(robot, q, worst.joint)
+    told = "; ".join([f"{type(law).__name__} does not hold at this pose: {what}", *remedies])
+    raise InputError(told, joint=worst.joint, pole=worst)
+
+
+def _light_rotor(robot: Robot, q: Array, joint: str) -> list[str]:
+    """A remedy if the joint's rotor inertia is nearly zero, like that of a gear without its motor."""
+    k = robot.joints.index(joint)
+    found = design_of(robot, q, 1.0, 1.0, 1.0)
+    if not 0 < found.rotor[k] < LIGHT * found.link[k]:
+        return []
+    felt = f"{joint!r} has a rotor of {found.rotor[k]:.2g} kg m2 at the joint, under {found.link[k]:.2g} of the link"
+    return [f"{felt}: a catalogue gear's is without its motor, whose inertia belongs into it"]
+
+
+def _is_held(robot: Robot, pole: SampledPole, period: float) -> bool:
+    """Whether the pole decays, or grows so slowly that friction stops it."""
+    rubs = all(drive.link_friction or drive.motor_friction for drive in robot.drives.values())
+    return pole.size <= 1 + 1e-9 or np.log(pole.size) / period <= STOPPED * rubs

@@ -1,0 +1,108 @@
+"""Gains of each law from a `Design`."""
+
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from cutpoint.control.adaptive_vdc import AdaptiveVDC
+from cutpoint.control.computed_torque import ComputedTorque
+from cutpoint.control.design import Design
+from cutpoint.control.elastic_computed_torque import ElasticComputedTorque
+from cutpoint.control.full_state_feedback import FullStateFeedback
+from cutpoint.control.gains import motor_limits
+from cutpoint.control.learning_rates import STROKE, SWING, body_rate, joint_rate
+from cutpoint.control.pd import PD
+from cutpoint.control.pid import PID
+from cutpoint.control.robust import Robust
+from cutpoint.control.slotine_li import SlotineLi
+from cutpoint.control.super_twisting import SuperTwisting
+from cutpoint.control.vdc import VDC
+from cutpoint.model.drive import Drive
+from cutpoint.model.limits import limits_in_force
+
+Array = NDArray[np.float64]
+
+INTEGRAL = 0.25
+"""Of the natural frequency of PID's pair of poles: where its third pole lies."""
+
+
+def _pd(w: Design, **options: Any) -> PD:
+    return PD(w.stiffness, 2 * w.damping * w.omega * w.inertia, **options)
+
+
+def _pid(w: Design, **options: Any) -> PID:
+    """Poles of (s^2 + 2 zeta u s + u^2) (s + INTEGRAL u), with u below omega such that kp equals that of PD."""
+    u = w.omega / np.sqrt(1 + 2 * w.damping * INTEGRAL)
+    ki, kd = INTEGRAL * u**3 * w.inertia, (2 * w.damping + INTEGRAL) * u * w.inertia
+    return PID(w.stiffness, ki, kd, **{"limit": motor_limits(w.robot), **options})
+
+
+def _vdc(w: Design, law: Any, **options: Any) -> Any:
+    """A spring gain above the position gain, by more if a filter differentiates, so that link speed feedback damps."""
+    filtered = law is AdaptiveVDC or options.get("derivatives") == "filter"
+    motor = np.where(w.rotor > 0, 2 * w.omega * w.rotor, 0.0)
+    return law(w.robot, w.omega, w.omega * w.link, motor, (8 if filtered else 4) * w.omega, **options)
+
+
+def _adaptive_vdc(w: Design, **options: Any) -> AdaptiveVDC:
+    rates = {
+        "body_rate": body_rate(w.robot, w.q, w.inertia, w.omega, natural=options.get("update") == "natural"),
+        "joint_rate": joint_rate(w.robot, w.q, w.inertia, w.omega, 8 * w.omega),
+    }
+    return _vdc(w, AdaptiveVDC, **{**rates, **options})
+
+
+def _slotine_li(w: Design, **options: Any) -> SlotineLi:
+    rate = body_rate(w.robot, w.q, w.inertia, w.omega)
+    return SlotineLi(w.robot, w.omega, w.omega * w.inertia, **{"rate": rate, **options})
+
+
+def _robust(w: Design, **options: Any) -> Robust:
+    """Within its width the bounded term adds the damping bound / width, here at most the speed gain."""
+    bound, speed_gain = options.get("bound", _missed(w)), w.omega * w.inertia
+    width = np.maximum(0.05, bound / speed_gain)
+    return Robust(w.robot, w.omega, speed_gain, **{"bound": bound, "width": width, **options})
+
+
+def _full_state(w: Design, **options: Any) -> FullStateFeedback:
+    """Damping for the reduced inertia, which the same stiffness accelerates faster."""
+    left = w.link + np.where(w.rotor > 0.0, options.get("shaping", 0.5), 1.0) * w.rotor
+    damping = 2 * w.damping * w.omega * np.sqrt(w.inertia * left)
+    return FullStateFeedback(w.robot, w.stiffness, damping, **{"lead": w.period, **options})
+
+
+RECIPES: dict[Any, Callable[..., Any]] = {
+    PD: _pd,
+    PID: _pid,
+    ComputedTorque: lambda w, **o: ComputedTorque(w.robot, w.omega**2, 2 * w.damping * w.omega, **o),
+    ElasticComputedTorque: lambda w, **o: ElasticComputedTorque(w.robot, 2 * w.omega, **o),
+    FullStateFeedback: _full_state,
+    VDC: lambda w, **o: _vdc(w, VDC, **o),
+    AdaptiveVDC: _adaptive_vdc,
+    SlotineLi: _slotine_li,
+    Robust: _robust,
+    SuperTwisting: lambda w, **o: SuperTwisting(
+        w.robot, w.omega, w.omega * w.inertia, **{"root_gain": _missed(w), "twist": w.omega * _missed(w), **o}
+    ),
+}
+
+
+def _missed(w: Design) -> Array:
+    """Assumed model error, N m: a tenth of the gravity torque of joints of a kind, and half of the friction."""
+    sliding = w.robot.mechanism.sliding
+    slides = np.array([name in sliding for name in w.robot.drives], bool)
+    weight: Array = np.zeros(len(w.inertia))
+    for kind in (slides, ~slides):
+        weight[kind] = np.abs(w.weight[kind]).max(initial=0.0) * w.inertia[kind] / w.inertia[kind].max(initial=1e-12)
+    fastest = [limits.velocity for limits in limits_in_force(w.robot.mechanism, w.robot.drives).values()]
+    speeds = np.minimum(w.omega * np.where(slides, STROKE, SWING), fastest)
+    friction = [_friction(drive, v) for drive, v in zip(w.robot.drives.values(), speeds, strict=True)]
+    return 0.1 * weight + 0.5 * np.array(friction) + 1e-3
+
+
+def _friction(drive: Drive, speed: float) -> float:
+    """Friction on both sides, N m at the joint."""
+    laws = [law for law in (drive.link_friction, drive.motor_friction) if law is not None]
+    return sum(abs(float(law.torque(speed))) for law in laws)
