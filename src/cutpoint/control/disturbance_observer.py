@@ -22,6 +22,8 @@ class DisturbanceObserver(RigidLaw, Wrapper):
     gain / inertia is the bandwidth, rad/s, with which a joint's disturbance is tracked.  Sampled, the observer diverges
     once the largest eigenvalue of Y M^-1 reaches 2 / control period: for one joint that is its bandwidth, for several
     coupled joints the bandwidths must stay lower.
+    The model is rigid, so that the springs' deflection counts as a disturbance: around an accurate elastic feedforward
+    on soft drives an observer can increase the error.
     torque_limit (n,): motor limits in N m at the joint, by default those that robot and drives state.  The model gets
     u - d clipped to them, so that d does not wind up while the motors saturate.
     """
