@@ -204,6 +204,8 @@ def test_a_law_leaves_as_c_by_its_name(options: list[str], guarded: bool, tmp_pa
         (["export", "xia2019", "out", "--law", "PD", "--frame", "link6"], "--frame is for a --function: leave it out"),
         (["export", "xia2019", "out", "--law", "PD", "--to", "cuda"], "--to cuda is for a --function: leave it out"),
         (["export", "xia2019", "out", "--function", "jacobian", "--guard"], "--guard is for a --law: leave it out"),
+        (["export", "xia2019", "out", "--function", "jacobian", "--period", "1"], "--period is for a --law: leave"),
+        (["plot", "run.npz", "run.npz"], "'run.npz' is named twice; name each log once"),
     ],
 )
 def test_options_of_laws_that_contradict_each_other_are_refused(

@@ -96,6 +96,17 @@ def test_what_a_tuned_law_learns_leaves_the_loop_its_damping(kind: Any, options:
     assert np.abs(errors[0]).max() < 0.5 * np.abs(errors[1]).max()
 
 
+@pytest.mark.parametrize("bandwidth", [0.5, 2.0])
+@pytest.mark.parametrize("options", [{}, {"update": "natural"}])
+def test_rates_that_are_found_where_gravity_asks_nothing_hold_where_it_asks_most(options: Any, bandwidth: float):
+    level = np.array([np.pi / 2, 0.0])
+    laws = [tune(elbow(), bandwidth, AdaptiveVDC, q=q, **options) for q in (UPRIGHT, level)]
+    for name in ("body_rate", "joint_rate"):
+        upright, horizontal = (getattr(law, name)[0] for law in laws)
+        assert upright == pytest.approx(horizontal, rel=1.0)
+    assert slowest_pole(elbow(), laws[0], level, PERIOD).size < 1.0 + 1e-9
+
+
 @pytest.mark.parametrize(("kind", "options"), LEARNING)
 def test_nothing_is_learnt_while_a_motor_is_asked_for_more_than_it_has(kind: Any, options: dict[str, str]):
     drive = elbow().drives["shoulder"]

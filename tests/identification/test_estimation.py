@@ -2,7 +2,7 @@
 
 import re
 import sys
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -22,6 +22,7 @@ from cutpoint.identification.rigid.identify_rigid import Method, identify_rigid
 from cutpoint.identification.rigid.least_squares import least_squares
 from cutpoint.identification.rigid.regression import Regression
 from cutpoint.identification.rigid.rigid_robot import RigidModel, stated_laws
+from cutpoint.mechanics.friction import Sliding
 from cutpoint.model import Joint, Link
 from cutpoint.model.build import build
 
@@ -447,3 +448,31 @@ def test_friction_that_differs_by_direction_does_not_stand_for_an_offset():
     found = identify_rigid(lift, Recording(time, ("z",), q=q, torque=force), friction={"z": leaning})
     masses = [p for p in found.parameters if p.name.startswith(("m.", "offset"))]
     assert masses and not any(p.told for p in masses)
+
+
+@dataclass(frozen=True)
+class Churning(Sliding):
+    """A law of a user's own."""
+
+    coulomb: float
+    churning: float
+    viscous: float = 0.0
+    smoothing: float = 0.05
+    asymmetry = per_load = grease = None
+    coefficients = ("coulomb", "churning", "viscous")
+
+    def plateau(self, speed: Any) -> Any:
+        return self.coulomb + self.churning * speed * speed
+
+
+def test_friction_of_a_users_own_law_is_identified_as_stated_or_replaced_by_a_known_one():
+    arm = known_arm(1, 2)
+    own = Churning(1.0, 0.5, 0.3)
+    true = arm.robot.with_drives({n: replace(d, link_friction=own) for n, d in arm.robot.drives.items()})
+    wrong = {n: replace(d, link_friction=Churning(0.5, 0.1)) for n, d in arm.file.drives.items()}
+    file, log = arm.file.with_drives(wrong), recorded(true, 1)
+    found = identify_rigid(file, log, friction="stated", cutoff=CUTOFF)
+    for joint in file.joints:
+        assert found[f"churning.{joint}"].value == pytest.approx(0.5, abs=0.02)
+    chosen = identify_rigid(file, log, cutoff=CUTOFF)
+    assert {choice.family.partition(",")[0] for choice in chosen.friction} <= {"coulomb", "stribeck"}

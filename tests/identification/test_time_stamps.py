@@ -111,6 +111,10 @@ def test_a_period_that_is_another_units_is_refused(factor: float, unit: str):
         (np.where(np.arange(400) % 4, T, np.nan), r"q: samples without a time: 100 of 400, more than 5%: take another"),
         (np.zeros(400), r"q: time does not pass: every stamp is 0 s"),
         (np.full(400, np.nan), r"q: samples without a time: 400 of 400"),
+        (
+            1e-3 * T,
+            r"q: a period of 1e-06 s is shorter than any .*; are the times in a longer unit\?  Then state 'time",
+        ),
     ],
 )
 def test_stamps_that_nothing_can_be_made_of_are_refused(stamps: np.ndarray, message: str):

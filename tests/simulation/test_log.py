@@ -226,6 +226,7 @@ def test_a_plot_has_the_named_channels_of_other_logs_over_their_own_times():
     ("names", "beside", "message"),
     [
         ((), {"other": example()}, "of logs side by side say which channels"),
+        (("q",), {"": example()}, "a name in beside is empty"),
         (("q",), example(), "beside must be logs by name, such as"),
         (("q",), {"other": 3}, r"beside\['other'\] must be a log, got 3"),
         (("q",), {1: example()}, "each name in beside must be a text for the legend, got 1"),

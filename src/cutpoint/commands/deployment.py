@@ -5,7 +5,7 @@ from typing import Annotated, Any, Literal
 
 import typer
 
-from cutpoint.commands.laws import Bandwidth, Feed, Name, Period, law_of
+from cutpoint.commands.laws import BANDWIDTH, PERIOD, Feed, Name, law_of
 from cutpoint.commands.shared import (
     Drives,
     FloatingBase,
@@ -40,9 +40,11 @@ def export(
             "--law", case_sensitive=False, help="Instead: a law of cutpoint.control, with gains as in simulate."
         ),
     ] = None,
-    bandwidth: Bandwidth = 5.0,
+    bandwidth: Annotated[float | None, typer.Option(help="Of the law, Hz; 5 if not given.")] = None,
     feedforward: Feed = None,
-    period: Period = 1e-3,
+    period: Annotated[
+        float | None, typer.Option("--period", "--control-period", help="Control period of the law, s; 0.001.")
+    ] = None,
     guard: Annotated[
         bool, typer.Option("--guard", metavar="", help="The law within limits of robot and drives, and its faults.")
     ] = False,
@@ -72,11 +74,12 @@ def export(
     _check_choice(
         function,
         law,
-        {"--feedforward": feedforward, "--guard": guard or None},
+        {"--feedforward": feedforward, "--guard": guard or None, "--bandwidth": bandwidth, "--period": period},
         {"--frame": frame, "--expressed-in": expressed_in, "--to cuda": to if to == "cuda" else None},
     )
     loaded = robot_of(robot, drives, mimic, lock, gravity, mend_inertia, floating_base=floating_base)
     if law is not None:
+        bandwidth, period = bandwidth or BANDWIDTH, period or PERIOD
         step = law_of(loaded, law, bandwidth, feedforward, period)
         step = Guard(step, loaded) if guard else step
         paths = export_controller(

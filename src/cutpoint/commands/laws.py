@@ -30,6 +30,9 @@ Feed = Annotated[
 ]
 Period = Annotated[float, typer.Option("--period", "--control-period", help="Control period, s.")]
 
+BANDWIDTH, PERIOD = 5.0, 1e-3
+"""Hz, s: where none is given."""
+
 WITHOUT_MODEL = ("PD", "PID")
 """Laws that know nothing of the robot but their gains."""
 

@@ -23,6 +23,8 @@ def plot(
     from cutpoint.simulation.log_plot import picture
 
     check_target("output", output, (".png", ".pdf", ".svg"))
+    if twice := next((path for path in logs if logs.count(path) > 1), None):
+        raise InputError(f"{str(twice)!r} is named twice; name each log once", path=twice)
     # files of one name are told apart by their folders
     words = [path.stem for path in logs]
     names = words if len({*words}) == len(words) else [*map(str, logs)]

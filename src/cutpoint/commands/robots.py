@@ -7,7 +7,7 @@ import numpy as np
 import typer
 
 import cutpoint
-from cutpoint.commands.laws import Bandwidth, Feed, Law, Period, law_of
+from cutpoint.commands.laws import BANDWIDTH, PERIOD, Bandwidth, Feed, Law, Period, law_of
 from cutpoint.commands.shared import (
     Degrees,
     Drives,
@@ -82,9 +82,9 @@ def simulate(
     gravity: Gravity = None,
     mend_inertia: MendInertia = False,
     law: Law = "PD",
-    bandwidth: Bandwidth = 5.0,
+    bandwidth: Bandwidth = BANDWIDTH,
     feedforward: Feed = None,
-    period: Period = 1e-3,
+    period: Period = PERIOD,
     smoothing: Smoothing = None,
     output: Annotated[Path | None, typer.Option(metavar="FILE", help="Save the log: .npz or .csv.")] = None,
     plot: Annotated[

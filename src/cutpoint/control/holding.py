@@ -62,7 +62,7 @@ def check_holds(
         remedies.append(f"a control_period of {period / SHORTER:.3g} s holds")
     if any(drive.is_elastic and not drive.damping for drive in robot.drives.values()):
         remedies.append("give the springs damping")
-    remedies += [f"make {name}= {change}" for name, change in CHANGES.items() if hasattr(law, name)]
+    remedies += [f"make {name}= {change}" for name, change in CHANGES.items() if np.any(getattr(law, name, 0.0))]
     remedies += _light_rotor(robot, q, worst.joint)
     told = "; ".join([f"{type(law).__name__} does not hold at this pose: {what}", *remedies])
     raise InputError(told, joint=worst.joint, pole=worst)

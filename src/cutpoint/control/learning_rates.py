@@ -90,11 +90,25 @@ def _motion(robot: Robot, inertia: Array, omega: float) -> Motion:
 
 
 def _regressors(robot: Robot, q: Array, motion: Motion) -> Array:
-    """(2 n + 1, n, 10 bodies): at rest, and while each joint accelerates or brakes."""
+    """(m, n, 10 bodies): at rest, while each joint accelerates or brakes, and at rest with each turned away."""
     at = [d.v for d in robot.machine.drives]
     a = np.zeros((2 * len(at) + 1, robot.nv))
     a[1:, at] = np.concatenate([np.diag(motion.acceleration), -np.diag(motion.acceleration)])
-    return robot.regressor(q, np.zeros(robot.nv), a)[:, at]
+    turned = _turned(robot, q)
+    poses = np.concatenate([np.broadcast_to(q, (len(a), robot.nq)), turned])
+    a = np.pad(a, ((0, len(turned)), (0, 0)))
+    return robot.regressor(poses, np.zeros_like(a), a)[:, at]
+
+
+def _turned(robot: Robot, q: Array) -> Array:
+    """(m, nq): each joint a quarter turn away to either side, within its limits, for gravity may be least at q."""
+    limits, found = limits_in_force(robot.mechanism, robot.drives), list[Array]()
+    for driven, (name, own) in zip(robot.machine.drives, limits.items(), strict=True):
+        for turn in () if name in robot.mechanism.sliding else (-0.5 * np.pi, 0.5 * np.pi):
+            pose = np.array(q, float)
+            pose[driven.q] = min(max(pose[driven.q] + turn, own.lower), own.upper)
+            found.append(pose)
+    return np.reshape(found, (-1, robot.nq))
 
 
 def _gain(Y: Array, p: Array, natural: bool) -> Array:

@@ -14,6 +14,7 @@ from xml.sax.saxutils import quoteattr
 
 from cutpoint.errors import ModelError
 from cutpoint.formats.mjcf_meshes import MeshFile, name_of
+from cutpoint.formats.reading import parse_number
 from cutpoint.formats.safe_xml import Element
 from cutpoint.formats.slips import meant
 
@@ -181,13 +182,15 @@ def _count(child: Element, parent: Element, left_out: Counter[str], armoured: Co
     """
     if child.tag not in WITHOUT_EFFECT and parent.tag not in ("default", "asset"):
         left_out[child.tag] += max(len(child.children), 1)
-        with_armature = [x for x in child.children if child.tag in armoured or "armature" in x.attributes]
+        with_armature = [x for x in child.children if child.tag in armoured or _has_armature(x)]
         left_out[f"{child.tag} armature, in the mass matrix"] += len(with_armature)
 
 
 def _sections_with_armature(root: Element) -> set[str]:
-    """ "tendon" and "actuator", as far as a default states armature for what they hold."""
-    stated = {
-        x.tag for each in root.walk() if each.tag == "default" for x in each.children if "armature" in x.attributes
-    }
+    """Of "tendon" and "actuator", those for whose elements a default states armature."""
+    stated = {x.tag for each in root.walk() if each.tag == "default" for x in each.children if _has_armature(x)}
     return {"tendon" if tag == "tendon" else "actuator" for tag in stated - {"joint"}}
+
+
+def _has_armature(element: Element) -> bool:
+    return parse_number(element.attributes.get("armature", "0").strip()) != 0.0

@@ -116,7 +116,7 @@ def parse_urdf(
         place=Places(place, {_label(element): element.line for element in robot.children}),
     )
     moving = {body.joint.name for body in mechanism.bodies}
-    names = {joint.name for joint in joints}
+    names = {joint.name for joint in joints if joint.kind != "fixed"}
     _warn([joint for joint in joints if joint.name in moving], names, mechanism.coupled, place)
     if lost := _lost_rotors(robot, moving):
         told = f"inertia of rotors of joints {listed(lost)}: state rotor and ratio in a drive file"
@@ -139,7 +139,7 @@ def _lost_rotors(robot: Element, moving: Collection[str]) -> list[str]:
 
 
 def _is_stated(element: Element, attribute: str) -> bool:
-    return parse_number(element.attributes.get(attribute, "0").strip()) != 0.0
+    return (parse_number(element.attributes.get(attribute, "").strip()) or 0.0) != 0.0
 
 
 def _check_is_urdf(robot: Element, place: str) -> None:
@@ -244,13 +244,13 @@ def _limits(reader: Reader, kind: JointKind) -> Limits:
 
 
 def _warn(joints: Sequence[Joint], names: Collection[str], coupled: bool, place: str) -> None:
-    """Warn of what is probably not meant, once for the file.  joints: those that move; names: of all in the file."""
+    """Warn of what is probably not meant, once for the file.  joints: those that move; names: of all that can."""
     mimics = [joint.name for joint in joints if joint.mimic]
     if mimics and not coupled:
         option = "mimic='coupled' (--mimic coupled) ties them"
         text = f"mimic joints {listed(mimics)} are read as coordinates of their own; {option}"
         lost = [joint.name for joint in joints if joint.mimic and joint.mimic.joint not in names]
-        more = f", but the file has no leader of {listed(lost)}" if lost else ""
+        more = f", but the file has no movable leader of {listed(lost)}" if lost else ""
         warn(f"{text}{more} ({place})", MimicWarning)
     warn_of_degrees(joints, "URDF angles are radians", place)
 

@@ -1,6 +1,6 @@
 """A log as a picture."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping, Sequence, Set
 
 import numpy as np
 from matplotlib import colormaps
@@ -47,11 +47,12 @@ def picture(logs: Mapping[str, Log], names: Sequence[str]) -> Figure:
     across, cells = _cells(axes, apart=bool(names))
     down = cells[-1] // across + 1
     figure = Figure(figsize=(0.6 + AXIS_WIDTH * across, 0.3 + AXIS_HEIGHT * down), layout="constrained")
+    later = {label for lines in axes.values() for label, *_ in lines[1:]} if names else set[str]()
     looks = _looks([_label(name, run) for run in logs for name in names] or next(iter(logs.values())).joints)
     drawn: dict[str, Line2D] = {}
     for cell, ((unit, title), lines) in zip(cells, axes.items(), strict=True):
         axis = figure.add_subplot(down, across, cell + 1)
-        drawn = _draw(axis, lines, looks, later="--" if names else None) | drawn
+        drawn = _draw(axis, lines, looks, later) | drawn
         axis.set_title(f"{title} [{unit}]" if unit else title, loc="left", fontsize="medium", parse_math=False)
         if cell + across not in cells:
             axis.set_xlabel("time [s]")
@@ -64,6 +65,8 @@ def check_beside(beside: Mapping[str, Log], names: Sequence[str]) -> None:
     check_kind("plot", "beside", beside, Mapping, "logs by name, such as {'VDC': log}")
     for run, other in beside.items():
         check_kind("plot", "each name in beside", run, str, "a text for the legend")
+        if not run:
+            raise InputError("plot: a name in beside is empty; name each log, for the legend")
         check_kind("plot", f"beside[{run!r}]", other, Log, "a log")
     if beside and not names:
         raise InputError("plot: of logs side by side say which channels: log.plot('position_error', beside={...})")
@@ -125,13 +128,13 @@ def _for_people(unit: str) -> tuple[str, float]:
     return unit, 1.0
 
 
-def _draw(axis: Axes, lines: Sequence[Line], looks: dict[str, tuple[str, str]], later: str | None) -> dict[str, Line2D]:
-    """Draws the lines in their colours and styles, or those after the first in the style `later`; a channel without
-    joints is grey among joints."""
+def _draw(axis: Axes, lines: Sequence[Line], looks: dict[str, tuple[str, str]], later: Set[str]) -> dict[str, Line2D]:
+    """Draws the lines in their colours and styles; those labels that are `later` in some axis are dashed in all, to
+    show what they cover; a channel without joints is grey among joints."""
     drawn: dict[str, Line2D] = {}
-    for index, (label, time, values) in enumerate(lines):
+    for label, time, values in lines:
         colour, style = looks.get(label, ("0.2", "-"))
-        style = later if later and index else style
+        style = "--" if label in later else style
         (drawn[label],) = axis.plot(time, values, style, color=colour, linewidth=1.0)
     axis.margins(x=0.0)
     low, high = axis.get_ylim()

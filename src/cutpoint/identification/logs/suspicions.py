@@ -29,9 +29,6 @@ APART = 0.02
 FITS = 0.1
 """By how much a factor that should be 1 may differ: noise and deflection make it differ by less."""
 
-FASTEST = 100.0
-"""rad/s (m/s) on average over a log: no joint moves like that."""
-
 EXPLANATIONS = {
     -1.0: "the sign of one is wrong",
     180.0 / math.pi: "degrees for radians",
@@ -63,7 +60,6 @@ def refuse_other_units(recording: Recording, robot: Robot, file: str = "") -> No
                     if name == "theta" and ratio == 1.0:
                         told += "; or it is a rotor's, whose gear's ratio is missing: give its drive file"
                     raise InputError(told, place=file or None, **error.evidence) from error
-    _refuse_haste(recording, file)
 
 
 def _refuse_one_factor(recording: Recording, robot: Robot, file: str) -> None:
@@ -78,17 +74,6 @@ def _refuse_one_factor(recording: Recording, robot: Robot, file: str) -> None:
             told = f"theta of all joints is {factors[0]:.4g} times q: {words}?"
             remedy = "state the unit of either in a mapping, as in 'theta: {channels: ..., unit: ...}'"
             raise InputError(f"{told}  Then {remedy}", place=file or None, factor=factors[0])
-
-
-def _refuse_haste(recording: Recording, file: str) -> None:
-    span = float(np.ptp(recording.time))
-    for name in ("q", "theta"):
-        for joint, x in _columns(recording, name):
-            speed = float(np.nansum(np.abs(np.diff(x)))) / span if span else 0.0
-            if speed > FASTEST:
-                told = f"{name} of {joint!r} moves at {speed:.3g} rad/s (m/s) on average over {span:.3g} s"
-                remedy = "are the times in a longer unit?  State 'time: {channel: ..., unit: ...}' in a mapping"
-                raise InputError(f"{told}: {remedy}", place=file or None, speed=speed)
 
 
 def _are_rotors(recording: Recording, joint: str, ratio: float) -> bool:

@@ -23,6 +23,9 @@ CLOSE = 0.1
 SET_BACK = 10.0
 """Periods: where few steps lead back, one further than that means that a clock was set, or that two runs follow."""
 
+FAST = 2e-5
+"""s between samples: shorter ones are of times in another unit."""
+
 SLOW = 0.5
 """s: nobody logs a moving machine at a longer period, so another unit is suspected."""
 
@@ -139,6 +142,10 @@ def _remark(times: Array, name: str, notes: list[str]) -> None:
             f"{name}: {gaps.size} gaps above {longest:.3g} s; "
             f"the longest, {steps[worst]:.3g} s, is at {times[worst]:.6g} s"
         )
+    if period < FAST:
+        told = f"a period of {period:g} s is shorter than any log of a moving machine has"
+        remedy = "are the times in a longer unit?  Then state 'time: {channel: ..., unit: ...}' in a mapping"
+        raise InputError(f"{name}: {told}; {remedy}", period=period)
     if period > SLOW:
         unit = next((unit for unit, factor in TIMES.items() if factor * period <= SLOW), "ns")
         remedy = f"state 'time: {{channel: ..., unit: {unit}}}' in a mapping"

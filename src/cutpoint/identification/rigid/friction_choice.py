@@ -194,7 +194,7 @@ def _tried(trial: _Trial, size: float, expected: Sliding | None) -> dict[str, li
         "coulomb": [Coulomb(1.0, 0.0, size * x, grease=grease) for x in SMOOTHINGS],
         "stribeck": [Stribeck(1.0, 1.0, 0.0, y, x, grease=grease) for x, y in sharp],
     }
-    if expected is not None:
+    if isinstance(expected, (Coulomb, Stribeck)):  # others are a user's own
         plain[type(expected).__name__.lower()].append(_with(expected, per_load=None, asymmetry=None))
     found: dict[str, list[Tried]] = {}
     for family, laws in plain.items():
