@@ -28,7 +28,8 @@ from cutpoint.identification.output.identification import Identification
 from cutpoint.identification.output.numbers import Number, rigid_numbers
 from cutpoint.identification.output.steps import Steps
 from cutpoint.identification.output.torque_errors import TorqueErrors, torque_errors
-from cutpoint.identification.rigid.identify_rigid import FrictionWish, Method, check_method
+from cutpoint.identification.rigid.arguments import check_method
+from cutpoint.identification.rigid.identify_rigid import FrictionWish, Method
 from cutpoint.identification.rigid.physical import Solver, check_solver
 from cutpoint.loading import load
 from cutpoint.robot import Robot

@@ -3,24 +3,29 @@
 from collections.abc import Collection, Mapping, Sequence
 from dataclasses import replace
 from functools import partial
-from types import NoneType
 from typing import Literal, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
-from cutpoint.door import check_kind, checked_name, number
-from cutpoint.errors import InputError, unknown_name
+from cutpoint.door import check_kind, checked_name
+from cutpoint.errors import InputError
 from cutpoint.identification.conditioning.decimation import decimation
 from cutpoint.identification.conditioning.motion import Motion, check_friction, motion_of, sliding_speeds, torques_of
 from cutpoint.identification.joint_units import at_joints
 from cutpoint.identification.logs.recording import Recording, check_recording
 from cutpoint.identification.one_thread import by_one_thread
+from cutpoint.identification.rigid.arguments import (
+    check_numbers,
+    check_rotor_errors,
+    checked_errors,
+    checked_friction,
+)
 from cutpoint.identification.rigid.base_parameters import BaseParameters, base_parameters
 from cutpoint.identification.rigid.friction_choice import FrictionChoice, choose_friction
 from cutpoint.identification.rigid.friction_shape import best_shapes, shape_slopes
 from cutpoint.identification.rigid.instrumental import LATER, instrumental_variables
-from cutpoint.identification.rigid.least_squares import METHODS, Estimate, least_squares, solved
+from cutpoint.identification.rigid.least_squares import Estimate, least_squares, solved
 from cutpoint.identification.rigid.physical import Solver, check_solver, physical
 from cutpoint.identification.rigid.physical_fit import fit_of
 from cutpoint.identification.rigid.regression import Regression, regression
@@ -36,7 +41,6 @@ from cutpoint.identification.rigid.rigid_robot import (
 )
 from cutpoint.identification.rigid.uncertainty import are_told
 from cutpoint.mechanics.friction import Sliding
-from cutpoint.mechanics.presliding import Presliding
 from cutpoint.model.drive import Friction, KinematicError
 from cutpoint.robot import Robot, check_robot
 
@@ -103,12 +107,12 @@ def identify_rigid(
     """
     check_robot("identify_rigid", robot)
     check_recording("identify_rigid", recording)
-    _check(method, instruments, level, prior_spread)
+    check_numbers(method, instruments, level, prior_spread)
     check_solver(solver)
     check_friction("identify_rigid", robot)
-    known, errors = _checked_friction(link_friction, robot), _checked_errors(kinematic_errors, robot)
+    known, errors = checked_friction(link_friction, robot), checked_errors(kinematic_errors, robot)
     base = base_parameters(robot, rotors=rotors)
-    _check_errors(rotor_errors, robot, [robot.joints[j] for j in base.rotors])
+    check_rotor_errors(rotor_errors, robot, [robot.joints[j] for j in base.rotors])
     log = _log(robot, recording, base.rotors, cutoff, bandwidth, torque_constants, errors)
     laws = stated_laws(robot, log.motion)
     of_links = friction_of_links(robot, laws, known)
@@ -174,58 +178,6 @@ def _loads(fitted: Fitted) -> Array:
 def explained(motion: Motion, bandwidth: float | None) -> float:
     """Hz of the torques that are explained: those of what moves, at most BANDWIDTH, unless it is stated."""
     return min(motion.cutoff, BANDWIDTH) if bandwidth is None else bandwidth
-
-
-def check_method(method: str) -> None:
-    """Raises InputError for an unknown method of `identify_rigid`."""
-    if method not in (*METHODS, "instrumental"):
-        raise unknown_name("method of identification", method, (*METHODS, "instrumental"))
-
-
-def _check(method: str, instruments: Recording | None, level: float, spread: float) -> None:
-    check_method(method)
-    rule = "a Recording of the motion that was asked for, at the same times"
-    check_kind("identify_rigid", "instruments", instruments, (Recording, NoneType), rule)
-    if instruments is not None and method != "instrumental":
-        raise InputError(f"instruments go with method='instrumental', not with {method!r}", method=method)
-    if not 0.0 < number("identify_rigid", "level", level) < 1.0:
-        raise InputError(f"level {level} must lie between 0 and 1, as 0.95", level=level)
-    if not 0.0 < number("identify_rigid", "prior_spread", spread) < np.inf:
-        raise InputError(f"prior_spread {spread} must be positive, as a share: 0.5 is half of a body's mass")
-
-
-def _checked_friction(of_links: Mapping[str, Friction] | None, robot: Robot) -> Mapping[str, Friction]:
-    """What is known of it, by joint."""
-    rule = "a law for each of some joints, by name, such as {'elbow': Coulomb(2.0, 0.5)}"
-    check_kind("identify_rigid", "link_friction", of_links, (Mapping, NoneType), rule)
-    for joint, law in (of_links or {}).items():
-        checked_name("driven joint", joint, robot.joints)
-        check_kind("identify_rigid", f"link_friction[{joint!r}]", law, (Sliding, Presliding), "a law of friction")
-    return of_links or {}
-
-
-def _checked_errors(errors: Mapping[str, KinematicError] | None, robot: Robot) -> Mapping[str, KinematicError]:
-    """What is known of them, by joint."""
-    rule = "a KinematicError for each of some joints, by name"
-    check_kind("identify_rigid", "kinematic_errors", errors, (Mapping, NoneType), rule)
-    for joint, error in (errors or {}).items():
-        checked_name("driven joint", joint, robot.joints)
-        check_kind("identify_rigid", f"kinematic_errors[{joint!r}]", error, KinematicError, "a KinematicError")
-    return errors or {}
-
-
-def _check_errors(errors: Mapping[str, float] | None, robot: Robot, sought: Sequence[str]) -> None:
-    """Of rotors.  sought: joints of those that are."""
-    rule = "a standard deviation, kg m2, for each of some joints, by name"
-    check_kind("identify_rigid", "rotor_errors", errors, (Mapping, NoneType), rule)
-    for joint, error in (errors or {}).items():
-        checked_name("driven joint", joint, robot.joints)
-        if not 0.0 <= number("identify_rigid", f"rotor_errors[{joint!r}]", error, "kg m2") < np.inf:
-            rule = "must be finite, and not negative"
-            raise InputError(f"identify_rigid: rotor_errors[{joint!r}] {error} kg m2 {rule}", joint=joint)
-        if joint in sought:
-            rule = f"is of a rotor that is sought; name in rotors= the others alone, of {', '.join(sought)}"
-            raise InputError(f"identify_rigid: rotor_errors[{joint!r}] {rule}", joint=joint)
 
 
 def _log(

@@ -1,0 +1,68 @@
+"""Checks of the arguments of `identify_rigid`."""
+
+from collections.abc import Mapping, Sequence
+from types import NoneType
+
+import numpy as np
+
+from cutpoint.door import check_kind, checked_name, number
+from cutpoint.errors import InputError, unknown_name
+from cutpoint.identification.logs.recording import Recording
+from cutpoint.identification.rigid.least_squares import METHODS
+from cutpoint.mechanics.friction import Sliding
+from cutpoint.mechanics.presliding import Presliding
+from cutpoint.model.drive import Friction, KinematicError
+from cutpoint.robot import Robot
+
+
+def check_method(method: str) -> None:
+    """Raises InputError for an unknown method of `identify_rigid`."""
+    if method not in (*METHODS, "instrumental"):
+        raise unknown_name("method of identification", method, (*METHODS, "instrumental"))
+
+
+def check_numbers(method: str, instruments: Recording | None, level: float, spread: float) -> None:
+    """Raises InputError for an unknown method, for instruments that do not go with it, and for shares out of range."""
+    check_method(method)
+    rule = "a Recording of the motion that was asked for, at the same times"
+    check_kind("identify_rigid", "instruments", instruments, (Recording, NoneType), rule)
+    if instruments is not None and method != "instrumental":
+        raise InputError(f"instruments go with method='instrumental', not with {method!r}", method=method)
+    if not 0.0 < number("identify_rigid", "level", level) < 1.0:
+        raise InputError(f"level {level} must lie between 0 and 1, as 0.95", level=level)
+    if not 0.0 < number("identify_rigid", "prior_spread", spread) < np.inf:
+        raise InputError(f"prior_spread {spread} must be positive, as a share: 0.5 is half of a body's mass")
+
+
+def checked_friction(of_links: Mapping[str, Friction] | None, robot: Robot) -> Mapping[str, Friction]:
+    """The links' friction that is known, by joint.  Raises InputError for anything else."""
+    rule = "a law for each of some joints, by name, such as {'elbow': Coulomb(2.0, 0.5)}"
+    check_kind("identify_rigid", "link_friction", of_links, (Mapping, NoneType), rule)
+    for joint, law in (of_links or {}).items():
+        checked_name("driven joint", joint, robot.joints)
+        check_kind("identify_rigid", f"link_friction[{joint!r}]", law, (Sliding, Presliding), "a law of friction")
+    return of_links or {}
+
+
+def checked_errors(errors: Mapping[str, KinematicError] | None, robot: Robot) -> Mapping[str, KinematicError]:
+    """The kinematic errors that are known, by joint.  Raises InputError for anything else."""
+    rule = "a KinematicError for each of some joints, by name"
+    check_kind("identify_rigid", "kinematic_errors", errors, (Mapping, NoneType), rule)
+    for joint, error in (errors or {}).items():
+        checked_name("driven joint", joint, robot.joints)
+        check_kind("identify_rigid", f"kinematic_errors[{joint!r}]", error, KinematicError, "a KinematicError")
+    return errors or {}
+
+
+def check_rotor_errors(errors: Mapping[str, float] | None, robot: Robot, sought: Sequence[str]) -> None:
+    """Raises InputError for deviations of rotors that are no numbers, or that are identified: sought, by joint."""
+    rule = "a standard deviation, kg m2, for each of some joints, by name"
+    check_kind("identify_rigid", "rotor_errors", errors, (Mapping, NoneType), rule)
+    for joint, error in (errors or {}).items():
+        checked_name("driven joint", joint, robot.joints)
+        if not 0.0 <= number("identify_rigid", f"rotor_errors[{joint!r}]", error, "kg m2") < np.inf:
+            rule = "must be finite, and not negative"
+            raise InputError(f"identify_rigid: rotor_errors[{joint!r}] {error} kg m2 {rule}", joint=joint)
+        if joint in sought:
+            rule = f"is of a rotor that is sought; name in rotors= the others alone, of {', '.join(sought)}"
+            raise InputError(f"identify_rigid: rotor_errors[{joint!r}] {rule}", joint=joint)
