@@ -1,12 +1,12 @@
 """Derivatives of a robot's dynamics, exact to rounding, as functions compiled at their first call.
 
-They stand beside `Robot`, which offers the functions themselves, and are called like its methods: leading axes are
-batches, a wrong shape or a number that is not finite raises InputError that names it.  d_q is taken along tangent
-directions, those of `Robot.integrate`: they are q itself but for quaternions and planar joints.
+They complement `Robot`, which has the functions themselves, and are called like its methods: leading axes are batches,
+and a wrong shape or a number that is not finite raises an InputError that names it.  d_q is along the tangent directions
+of `Robot.integrate`, which equal q except for quaternions and planar joints.
 
-Of large robots those of rigid dynamics run as loops over bodies, and those of accelerations follow from them.  Where
-loops do not take a robot of more than 24 bodies or 36 speeds they are swept, one configuration after another: see
-`sweeps`.
+For large robots those of rigid dynamics run as loops over bodies, and those of accelerations follow from them.  Where
+loops do not support a robot of more than 24 bodies or 36 speeds, they are computed by sweeps, one configuration after
+another: see `sweeps`.
 """
 
 from collections.abc import Callable
@@ -90,7 +90,7 @@ class ElasticForwardDynamicsDerivatives(NamedTuple):
 
 
 def inverse_dynamics(robot: Robot, q: ArrayLike, v: ArrayLike, a: ArrayLike) -> InverseDynamicsDerivatives:
-    """Of `Robot.inverse_dynamics`, joint torques of a motion."""
+    """Derivatives of `Robot.inverse_dynamics`, the joint torques of a motion."""
     if made := compiled_of(robot).functions.get(("inverse_dynamics_derivatives", None)):
         return made(q, v, a)
     if not _is_looped(robot) and sweeps.is_swept(robot):
@@ -100,7 +100,7 @@ def inverse_dynamics(robot: Robot, q: ArrayLike, v: ArrayLike, a: ArrayLike) -> 
 
 
 def forward_dynamics(robot: Robot, q: ArrayLike, v: ArrayLike, tau: ArrayLike) -> ForwardDynamicsDerivatives:
-    """Of `Robot.forward_dynamics`, accelerations under joint torques."""
+    """Derivatives of `Robot.forward_dynamics`, the accelerations under joint torques."""
     if made := compiled_of(robot).functions.get(("forward_dynamics_derivatives", None)):
         return made(q, v, tau)
     if _is_looped(robot) or sweeps.is_swept(robot):
@@ -123,11 +123,11 @@ def elastic_inverse_dynamics(
     friction_rates: bool = False,
     quasi_rigid: bool = False,
 ) -> ElasticInverseDynamicsDerivatives:
-    """Of the motor torques of `Robot.elastic_inverse_dynamics`: see there for options and higher rates.
+    """Derivatives of the motor torques of `Robot.elastic_inverse_dynamics`: see there for options and higher rates.
 
-    Strains are not taken.
+    Strains are not supported.
     """
-    with_options(friction_rates, quasi_rigid)  # looks at them
+    with_options(friction_rates, quasi_rigid)  # checks them
     options = Options(friction_rates, quasi_rigid)
     needed = 4 if quasi_rigid else robot.derivatives_needed
     given = (q, v, a, jerk, snap, *higher)
@@ -141,7 +141,7 @@ def elastic_inverse_dynamics(
 def elastic_forward_dynamics(
     robot: Robot, q: ArrayLike, v: ArrayLike, theta: ArrayLike, theta_dot: ArrayLike, motor_torque: ArrayLike
 ) -> ElasticForwardDynamicsDerivatives:
-    """Of `Robot.elastic_forward_dynamics`, accelerations of links and motors under motor torques."""
+    """Derivatives of `Robot.elastic_forward_dynamics`, the accelerations of links and motors under motor torques."""
     if made := compiled_of(robot).functions.get(("elastic_forward_dynamics_derivatives", None)):
         return made(q, v, theta, theta_dot, motor_torque)
     name, record, inputs = "elastic_forward_dynamics", ElasticForwardDynamicsDerivatives, " ".join(STATE)
@@ -163,7 +163,7 @@ _ELASTIC_INVERSE = "elastic_inverse_dynamics_derivatives"
 
 
 def _elastic_inverse(robot: Robot, needed: int, options: Options) -> Callable[..., Any]:
-    """Those of an elastic inverse dynamics, made.  Raises InputError if the robot is too large."""
+    """The derivatives of an elastic inverse dynamics, compiled.  Raises InputError if the robot is too large."""
     bodies, compiled = len(robot.mechanism.bodies), compiled_of(robot)
     most = MOST_LOOPED if compiled.loops((_ELASTIC_INVERSE, options)) else MOST_COMPILED
     if bodies > most:
@@ -180,7 +180,7 @@ def elastic_loops(robot: Robot) -> bool:
 
 
 def _rigid_at(robot: Robot, name: str, q: ArrayLike, v: ArrayLike, a: Array) -> InverseDynamicsDerivatives:
-    """Those of inverse dynamics at the accelerations that a function of this name has found."""
+    """The derivatives of inverse dynamics at the accelerations that a function of this name computed."""
     compiled_of(robot).remember_as_loops(f"{name}_derivatives")
     try:
         return inverse_dynamics(robot, q, v, a)
@@ -193,12 +193,12 @@ def _rigid_at(robot: Robot, name: str, q: ArrayLike, v: ArrayLike, a: Array) -> 
 
 
 def _solver(robot: Robot) -> "Solver | None":
-    """For equations with the mass matrix, where derivatives run as loops."""
+    """Solver of equations with the mass matrix, where derivatives run as loops."""
     return compiled_of(robot).solver if _is_looped(robot) else None
 
 
 def _is_looped(robot: Robot) -> bool:
-    """Whether derivatives of rigid dynamics run as loops.  Raises InputError if matrices of that size are too large."""
+    """Whether derivatives of rigid dynamics run as loops.  Raises InputError if their matrices would be too large."""
     if not compiled_of(robot).derivatives_loop:
         return False
     if len(robot.mechanism.bodies) > MOST_LOOPED:

@@ -1,6 +1,6 @@
-"""Derivatives of what a robot can compute, as functions of its machine and of lists of scalars: see `definitions`.
+"""Derivatives of a robot's functions, as functions of its machine and of lists of scalars: see `definitions`.
 
-Derivatives with respect to q are taken along tangent directions, those of `Robot.integrate`.
+Derivatives with respect to q are along the tangent directions of `Robot.integrate`.
 """
 
 from collections import namedtuple
@@ -49,8 +49,8 @@ class ForwardDynamicsDerivatives(NamedTuple):
 
 
 def inverse_dynamics(m: Machine, q: Scalars, v: Scalars, a: Scalars) -> InverseDynamicsDerivatives:
-    """By the mechanics' own rules where they take the joints: in seven tenths of the derived operations on Panda, in as
-    many on UR10."""
+    """By the analytic rules of the mechanics where they support the joints: in seven tenths of the operations of
+    automatic differentiation on Panda, in as many on UR10."""
     if torque_derivatives.suits(m.system):
         return InverseDynamicsDerivatives(*torque_derivatives.torque_derivatives(m.system, q, v, a))
     d_q, d_v, d_a = jacobian_of(partial(definitions.inverse_dynamics, m))(q=q, v=v, a=a)
@@ -60,8 +60,8 @@ def inverse_dynamics(m: Machine, q: Scalars, v: Scalars, a: Scalars) -> InverseD
 def forward_dynamics(m: Machine, q: Scalars, v: Scalars, tau: Scalars) -> ForwardDynamicsDerivatives:
     """From M d_a = d_tau - d(inverse dynamics at that a).  Carpentier and Mansard (2018).
 
-    That takes three fifths of the operations of the derived recursion on the paper's arm, four fifths on UR10, and half
-    on Panda.
+    That takes three fifths of the operations of the differentiated recursion on the paper's arm, four fifths on UR10,
+    and half on Panda.
     """
     M, bias = factors_of(definitions.mass(m, q)), definitions.bias_forces(m, q, v)
     a = solve(M, [t - b for t, b in zip(tau, bias, strict=True)])
@@ -74,7 +74,8 @@ def elastic_inverse_dynamics(m: Machine, options: Options, q: Scalars, **rates: 
     """d motor_torque / d (q and each of the rates), named d_motor_torque_d_q and so on.
 
     From inverse dynamics' derivatives with their rates along the motion, on Panda in three quarters of the operations
-    of the derived recursion; by that one where joints do not suit, or rotors behind springs feel their carriers.
+    of the differentiated recursion; by the latter for unsupported joints, or where rotors behind springs feel their
+    carriers.
     """
     if torque_derivatives.suits(m.system) and not m.system.has_sprung_rotors:
         return ElasticInverseDynamicsDerivatives(*_through_springs(m, options, q, *rates.values()))
@@ -83,7 +84,7 @@ def elastic_inverse_dynamics(m: Machine, options: Options, q: Scalars, **rates: 
 
 
 def _through_springs(m: Machine, options: Options, *motion: Scalars) -> list[Matrix]:
-    """A motor answers for its joint's torque with two rates, and for its own joint's motion."""
+    """A motor's torque depends on its joint's torque with two rates, and on its own joint's motion."""
     q, v, a = ([Jet(*x) for x in zip(*motion[k : k + 3], strict=True)] for k in range(3))
     torques = [_rates(x) for x in definitions.inverse_dynamics(m, q, v, a)]
     by = [[[_rates(x) for x in row] for row in d] for d in torque_derivatives.torque_derivatives(m.system, q, v, a)]
@@ -108,8 +109,8 @@ def _rates(x: Scalar) -> Sequence[Scalar]:
 def elastic_forward_dynamics(m: Machine, **state: Scalars) -> Any:
     """d (a, theta_ddot) / d (q, v, theta, theta_dot, motor_torque), named d_a_d_q and so on.
 
-    From M d_a = d(what drives do to links) - d(inverse dynamics at that a), in three quarters of the operations of the
-    derived recursion on UR10, and half on Panda; by that one where rotors behind springs feel their carriers.
+    From M d_a = d(drives' efforts on links) - d(inverse dynamics at that a), in three quarters of the operations of the
+    differentiated recursion on UR10, and half on Panda; by the latter where rotors behind springs feel their carriers.
     """
     if m.system.has_sprung_rotors:
         return _with_tangents(m, state["q"], jacobian_of(partial(definitions.elastic_forward_dynamics, m))(**state))
@@ -123,7 +124,7 @@ def _through_drives(m: Machine, *state: Scalars) -> list[Matrix]:
     for d, at, torque in zip(m.drives, drive_states(m.drives, q, v, *motors[:2]), motors[2], strict=True):
         tau[d.v] = tau[d.v] + drive_effort(d.drive, at, torque, UNKNOWN).on_link
     d_q, d_v, _ = inverse_dynamics(m, q, v, solve(M, tau))
-    # where each drive's q, v, theta, theta_dot and motor_torque stand, and among how many
+    # columns of each drive's q, v, theta, theta_dot and motor_torque, and how many there are
     columns = [(links, nv)] * 2 + [([*range(n)], n)] * 3
     forces = [_negated(d_q), _negated(d_v), *([[0] * n for _ in range(nv)] for _ in range(3))]
     slopes = drive_slopes(m, *state)
@@ -131,7 +132,7 @@ def _through_drives(m: Machine, *state: Scalars) -> list[Matrix]:
         for link, k, x in zip(links, at, given, strict=True):
             rows[link][k] = rows[link][k] + x
     d_a = [_solved(M, rows) for rows in forces]
-    # a rotor by its own drive's state; a rigid drive's moves with its link
+    # a rotor depends on its own drive's state; a rigid drive's moves with its link
     alpha = [
         [_row(x, k, width) if d.drive.is_elastic else rows[d.v] for d, k, x in zip(m.drives, at, own, strict=True)]
         for rows, own, (at, width) in zip(d_a, slopes[5:], columns, strict=True)
@@ -142,20 +143,20 @@ def _through_drives(m: Machine, *state: Scalars) -> list[Matrix]:
 def drive_slopes(
     m: Machine, q: Scalars, v: Scalars, theta: Scalars, theta_dot: Scalars, motor_torque: Scalars
 ) -> EffortSlopes:
-    """Of what each drive does to its link, and of what it leaves its rotor, with each number of its state."""
+    """Derivatives of each drive's effort on its link, and of its rotor's acceleration, by each number of its state."""
     pairs = zip(m.drives, drive_states(m.drives, q, v, theta, theta_dot), motor_torque, strict=True)
     rows = [effort_slopes(d.drive, [*at, torque]) for d, at, torque in pairs]
     return EffortSlopes(*([row[k] for row in rows] for k in range(len(EffortSlopes._fields))))
 
 
 def _along_tangents(m: Machine, q: Scalars, rows: Matrix) -> Matrix:
-    """Derivatives with respect to the coordinates q, as derivatives along the directions of the speeds."""
+    """Derivatives with respect to the coordinates q, converted to those along the directions of the speeds."""
     directions = [kinematics.coordinate_rates(m.system, q, column) for column in _unit(m.system.nv)]
     return [[dot(direction, row) for direction in directions] for row in rows]
 
 
 def _with_tangents(m: Machine, q: Scalars, found: Any) -> Any:
-    """The same for all that ends in _d_q."""
+    """The same for all names that end in _d_q."""
     names = [name for name in found._fields if name.endswith("_d_q")]
     return found._replace(**{name: _along_tangents(m, q, getattr(found, name)) for name in names})
 
@@ -166,7 +167,7 @@ def _solved(M: Factors, rows: Matrix) -> Matrix:
 
 
 def _row(x: Scalar, at: int, length: int) -> Scalars:
-    """Zeros but for one number."""
+    """A row of zeros except for one number."""
     return [x if k == at else 0 for k in range(length)]
 
 

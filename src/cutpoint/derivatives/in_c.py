@@ -1,4 +1,4 @@
-"""Derivatives of large robots' accelerations as C: put together as `large` does it, without Python between."""
+"""Derivatives of large robots' accelerations as C: assembled as in `large`, without Python in between."""
 
 from collections.abc import Callable
 from typing import Any
@@ -16,11 +16,11 @@ Array = np.ndarray
 
 
 def forward_dynamics(robot: Robot) -> tuple[Source, Callable[..., Any]] | None:
-    """The function in C, and the same on arrays (m, n) for whatever numbers, the drives' folded in.
+    """The function in C, and the same on arrays (m, n) of any numbers, with the drives' parameters built in.
 
-    None where derivatives do not run as loops.  Accelerations come from loops, so that results differ in their last
-    digits from those of robots whose own come from code without them.
-    Raises InputError: it takes more memory than a stack holds.
+    None where derivatives do not run as loops.  Accelerations come from loops, so results differ in their last digits
+    from those of robots that compute accelerations by straight-line code.
+    Raises InputError if it takes more memory than a stack holds.
     """
     n, name = robot.nv, "forward_dynamics_derivatives"
     if not compiled_of(robot).derivatives_loop:

@@ -52,14 +52,14 @@ def elastic_forward_dynamics(
     nv, n = M.shape[-1], len(drives)
     links, motors = np.array([d.v for d in drives]), np.arange(n)
     rigid = [k for k, d in enumerate(drives) if not d.drive.is_elastic]
-    # each drive's effort acts on its own link, and changes with its own q, v, theta, theta_dot and motor_torque
+    # each drive's effort acts on its own link, and depends on its own q, v, theta, theta_dot and motor_torque
     B = d_q.copy(), d_v.copy()
     for x, slope in zip(B, slopes[:2], strict=True):
         x[..., links, links] -= slope
     *d_a, inverse = _solved(q, M, B, solver, "elastic_forward_dynamics_derivatives")
     by_effort = inverse[..., links]
     d_a += [by_effort * slope[..., None, :] for slope in slopes[2:5]]
-    # a rotor by its own drive's state; a rigid drive's moves with its link
+    # a rotor depends on its own drive's state; a rigid drive's moves with its link
     columns = [(links, nv)] * 2 + [(motors, n)] * 3
     alpha = [_entries(x, motors, at, (n, width)) for x, (at, width) in zip(slopes[5:], columns, strict=True)]
     for own, of_links in zip(alpha, d_a, strict=True) if rigid else ():
@@ -79,23 +79,23 @@ def _solved(q: Array, M: Array, B: Sequence[Array], solver: "Solver | None", ask
 def _less_products(A: Array, B: Array) -> Array:
     """-A B of matrices (..., n, n) and (..., n, width).
 
-    By the library that inverts: NumPy's own has threads too, and on few cores each would wait for those of the other.
+    By the library that inverts: NumPy's own has threads too, and on few cores the two would compete.
     """
     found = np.empty_like(B)
     for k in np.ndindex(B.shape[:-2]):
-        found[k] = _product(-1.0, B[k].T, A[k].T).T  # it takes arrays by columns
+        found[k] = _product(-1.0, B[k].T, A[k].T).T  # it takes column-major arrays
     return found
 
 
 def _entries(x: Array, rows: Numbers, columns: Numbers, shape: tuple[int, ...]) -> Array:
-    """Matrices (..., *shape) with x (..., n) at these places, and zeros elsewhere."""
+    """Matrices (..., *shape) with x (..., n) at these entries, and zeros elsewhere."""
     found = np.zeros((*x.shape[:-1], *shape))
     found[..., rows, columns] = x
     return found
 
 
 def inverse_of(M: Array, asked: str) -> Array:
-    """Of each symmetric positive definite matrix (..., n, n), by Cholesky's factors: in half of the time that LU takes.
+    """The inverse of each symmetric positive definite matrix (..., n, n), by Cholesky factors: in half the time of LU.
 
     asked: the function that users called.
 

@@ -1,7 +1,7 @@
-"""Derivatives of robots too large to compile them: one sweep through the equations, along all directions at once.
+"""Derivatives of robots too large for compiling: one sweep through the equations, along all directions at once.
 
-Straight-line code of derivatives grows with the square of the robot.  A sweep runs the same equations as they are, on
-numbers that hold their derivatives in an array, an entry a direction; nothing is compiled.
+Straight-line code of derivatives grows with the square of the robot.  A sweep runs the same equations uncompiled, on
+dual numbers that hold their derivatives in an array, one entry per direction.
 """
 
 from collections.abc import Callable, Mapping, Sequence
@@ -41,14 +41,14 @@ WIDTH = 512
 
 
 class Slopes(NamedTuple):
-    """Of a function of (q, ...): values (m,), and derivatives (m, directions), of which the first nv are q's."""
+    """A function's values (m,) at (q, ...), and derivatives (m, directions), of which the first nv are by q."""
 
     value: Any
     slope: Any
 
 
 def is_swept(robot: Robot) -> bool:
-    """Whether the robot is so large that its derivatives are swept.  Raises InputError if it is too large for that."""
+    """Whether the robot is large enough for sweeps.  Raises InputError if it is too large for them."""
     bodies = len(robot.mechanism.bodies)
     if bodies > MOST:
         raise too_large(bodies, MOST)
@@ -61,14 +61,14 @@ def too_large(bodies: int, most: int) -> InputError:
 
 
 def swept(function: Function, machine: Machine, q: Sequence[float], *others: Sequence[float]) -> Slopes:
-    """The function of (machine, q, *others) and its derivatives, those of q along the directions of the speeds."""
+    """The function of (machine, q, *others) and its derivatives, those by q along the directions of the speeds."""
     n = machine.system.nv + sum(map(len, others))
     parts = [_swept_along(function, machine, (q, *others), x) for x in np.split(np.eye(n), range(WIDTH, n, WIDTH), 1)]
     return Slopes(parts[0].value, np.hstack([x.slope for x in parts]))
 
 
 def _swept_along(function: Function, machine: Machine, state: Sequence[Sequence[float]], directions: Array) -> Slopes:
-    """directions (inputs, k): how fast q's speeds and each of the other inputs change along k of them."""
+    """directions (inputs, k): rates of q's speeds and of each other input along k directions."""
     nv, rows = machine.system.nv, [*directions]
     moving = iter([*coordinate_rates(machine.system, state[0], rows[:nv]), *rows[nv:]])
     found = function(machine, *([Jet(x, next(moving)) for x in part] for part in state))

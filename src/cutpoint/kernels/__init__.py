@@ -1,13 +1,13 @@
 """Kernels: functions of scalars, traced once, compiled for arrays and for stepping loops.  Knows nothing of robots.
 
-Its rooms, each built on those before it:
+Its subpackages, each built on those before it:
 
-graphs: a function becomes a graph of nodes; its derivatives are graphs again.
-lowering: sines and the like become arithmetic, in an order that suits a processor; every emitter takes what comes out.
+graphs: a function becomes a graph of nodes; its derivatives are graphs too.
+lowering: elementary functions become arithmetic, scheduled for a processor; every emitter takes the result.
 machine: machine code by LLVM, for one element and for batches.
-arrays: a graph called from Python on NumPy's arrays: single calls, rows, blocks, threads.
+arrays: a graph called from Python on NumPy arrays: single calls, rows, blocks, threads.
 programs: stages of traced functions in loops, which step through memory.
-targets: a graph leaves as C99, CUDA C, a function of JAX, SymPy's expressions; docs/emitters.md adds another.
+targets: export of a graph as C99, CUDA C, JAX functions or SymPy expressions; docs/emitters.md adds another.
 """
 
 import cutpoint.kernels.machine.loading_time  # noqa: F401  first: it dates what follows

@@ -1,1 +1,1 @@
-"""Graphs on NumPy's arrays: what a call may be given, and what runs it on one element, on rows and on blocks."""
+"""Graphs on NumPy arrays: arguments of calls, and their execution on one element, on rows and on blocks."""

@@ -1,4 +1,4 @@
-"""What callers hand to a kernel: put in order, and explained where it does not fit."""
+"""Arguments of a kernel: put in order, with explanations of those that do not fit."""
 
 from collections.abc import Mapping, Sequence
 from typing import Any
@@ -34,7 +34,7 @@ def in_order(kernel: str, ports: Sequence[Port], arguments: Sequence[Any], named
 
 
 def as_numbers(argument: Any, precision: Precision) -> np.ndarray:
-    """The argument as an array of this precision: other real numbers are rounded, without a warning.
+    """The argument as an array of this precision; other real numbers are rounded without a warning.
 
     Raises:
         TypeError: it holds anything but real numbers.
@@ -49,7 +49,7 @@ def as_numbers(argument: Any, precision: Precision) -> np.ndarray:
 
 
 def unmasked(kernel: str, port: Port, argument: Any) -> Any:
-    """The argument; a masked array as a plain one.
+    """The argument, converted from a masked array to a plain one.
 
     Raises:
         InputError: some of its numbers are masked.
@@ -75,13 +75,13 @@ def batch_shape(port: Port, array: np.ndarray) -> Shape:
 
 
 def common_batch(function: str, batches: Mapping[str, Shape]) -> Shape:
-    """The leading axes that arguments have together, from those of each by its name.
+    """The broadcast leading axes of arguments, from those of each by name.
 
     Raises:
         InputError: they do not broadcast.
     """
     first, *others = batches.values() or [()]
-    if all(x == first for x in others):  # looked at for its time: some microseconds less
+    if all(x == first for x in others):  # for speed: saves some microseconds
         return first
     try:
         return np.broadcast_shapes(*batches.values())
@@ -91,7 +91,7 @@ def common_batch(function: str, batches: Mapping[str, Shape]) -> Shape:
 
 
 def explained(kernel: str, graph: Graph, arguments: Sequence[Any], out: Any, error: Exception) -> InputError:
-    """Why a call failed, found by looking again at what it was given."""
+    """Why a call failed, found by examining its arguments again."""
     batches = {}
     for port, argument in zip(graph.inputs, arguments, strict=True):
         try:
@@ -99,7 +99,7 @@ def explained(kernel: str, graph: Graph, arguments: Sequence[Any], out: Any, err
         except (TypeError, ValueError, OverflowError) as problem:
             return InputError(f"{kernel}: {port.name} {phrase(argument, problem)}", name=port.name)
         kind = np.asarray(argument).dtype
-        if graph.precision is FLOAT64 and not np.can_cast(kind, np.float64):  # in single precision it is rounded
+        if graph.precision is FLOAT64 and not np.can_cast(kind, np.float64):  # in single precision results are rounded
             told = f"holds {kind}, more than float64 keeps; hand it np.asarray(..., float)"
             return InputError(f"{kernel}: {port.name} {told}", name=port.name)
     try:
@@ -110,7 +110,7 @@ def explained(kernel: str, graph: Graph, arguments: Sequence[Any], out: Any, err
 
 
 def phrase(argument: Any, problem: Exception) -> str:
-    """What is wrong with an argument that `as_numbers` does not take."""
+    """What is wrong with an argument that `as_numbers` rejects."""
     if isinstance(problem, TypeError):
         return f"holds {_content(argument)}, it must hold real numbers"
     if isinstance(problem, OverflowError):

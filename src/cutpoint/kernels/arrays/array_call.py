@@ -36,7 +36,7 @@ class ArrayCall:
             except (TypeError, ValueError, OverflowError) as error:
                 raise explained(self._name, self._graph, arguments, out, error) from None
         if self._make and isinstance(out, tuple):
-            out = tuple(out)  # NumPy wants no record, such as an earlier call's results are
+            out = tuple(out)  # NumPy accepts no record, such as an earlier call's results
         if threads is None and not named and self._are_batch(arguments) and self._whole:
             found = self._whole(arguments, out)
             if found is not None:
@@ -46,7 +46,7 @@ class ArrayCall:
         arguments = tuple(unmasked(self._name, p, x) for p, x in zip(self._graph.inputs, arguments, strict=True))
         count = 1 if threads is None else thread_count(self._name, threads)
         try:
-            if self._graph.precision is not FLOAT64:  # what NumPy itself refuses is rounded
+            if self._graph.precision is not FLOAT64:  # rounds what NumPy itself refuses
                 arguments = tuple(as_numbers(x, self._graph.precision) for x in arguments)
             result = self._run(arguments, out) if count == 1 else self._threaded(count, arguments, out)
         except (TypeError, ValueError, OverflowError) as error:
@@ -55,7 +55,7 @@ class ArrayCall:
 
     @cached_property
     def _whole(self) -> Whole | None:
-        """Made when the first batch comes."""
+        """The function for whole batches, made at the first batch."""
         return self._function.whole()
 
     def _made(self, result: Any) -> Any:
@@ -63,10 +63,10 @@ class ArrayCall:
         return self._make(result if len(self._graph.outputs) > 1 else (result,))
 
     def _are_single(self, arguments: tuple[Any, ...]) -> bool:
-        """Whether there is nothing to gain or to mend: an array for each input, none longer than single ones."""
+        """Whether there is nothing to speed up or fix: an array for each input, none longer than a single element."""
         if len(arguments) != self._count:
             return False
-        for x in arguments:  # plainly written out: all calls but plain single ones come here
+        for x in arguments:  # an explicit loop for speed: all calls but plain single ones come here
             if type(x) is _ARRAY and x.size <= self._longest:
                 continue
             return False

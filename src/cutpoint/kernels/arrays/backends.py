@@ -1,4 +1,4 @@
-"""What can run a graph on arrays: LLVM where it is installed, NumPy everywhere."""
+"""Backends that run a graph on arrays: LLVM where it is installed, NumPy everywhere."""
 
 from collections.abc import Iterable
 from functools import cache
@@ -38,7 +38,7 @@ def array_function(graph: Graph, name: str, backend: str) -> Function:
     """The graph as a function of arrays.
 
     Raises:
-        InputError: it is too long to compile, or takes and gives too many numbers.
+        InputError: it is too long to compile, or has too many inputs and outputs.
     """
     if backend == "numpy":
         return NumpyFunction(graph)
@@ -61,7 +61,7 @@ def check_length(name: str, graphs: Iterable[Graph]) -> None:
 
 
 def check_size(name: str, ports: Iterable[Port]) -> None:
-    """Raises InputError for a function that takes and gives more numbers than machine code does."""
+    """Raises InputError for a function with more inputs and outputs than machine code supports."""
     numbers = sum(p.size for p in ports)
     if numbers > MOST_NUMBERS:
         told = f"{name}: {numbers} numbers go in and out, at most {MOST_NUMBERS} compile"
@@ -69,9 +69,9 @@ def check_size(name: str, ports: Iterable[Port]) -> None:
 
 
 def numbers_at_once(backend: str) -> int:
-    """How many float64 numbers a program does best to take side by side; more would leave the processor's registers."""
+    """The best number of float64 lanes for a program; more would spill from the processor's registers."""
     if chosen(backend) != "llvm":
-        return 8  # NumPy takes any number, and its calls cost more than they compute
+        return 8  # NumPy takes any number; call overhead dominates its computation
     from cutpoint.kernels.machine.jit import vector_width
 
     return max(4, vector_width())

@@ -1,4 +1,4 @@
-"""LLVM IR that recognises the arrays of a batch, and finds or makes those for its results."""
+"""LLVM IR that recognises a batch's arrays, and finds or allocates those of its results."""
 
 from collections.abc import Sequence
 from functools import partial
@@ -20,9 +20,9 @@ of results are written in up to 27 % less time than where NumPy lets them begin.
 
 
 class BatchArrays:
-    """Arrays of a batch, by port: where the numbers of each begin, and its step from element to element, bytes.
+    """Arrays of a batch, by port: start of each, and its stride from element to element, bytes.
 
-    count: of elements; not known before the first array is.  What all elements share has step 0.
+    count: of elements; unknown before the first array.  Arrays shared by all elements have stride 0.
     """
 
     def __init__(self, precision: Precision, ports: Sequence[Port], count: str = "") -> None:
@@ -30,7 +30,7 @@ class BatchArrays:
         self.count, self.starts, self.steps = count, list[str](), list[str]()
 
     def require(self, code: Code, objects: Sequence[str], flags: int, *, may_be_shared: bool = False) -> None:
-        """Every object is an array of as many elements as the first, or a single one, of its port's shape."""
+        """Requires every object to be an array of as many elements as the first, or of one, of its port's shape."""
         for x, port in zip(objects, self._ports, strict=True):
             shared = may_be_shared and bool(self.count)
             if shared and not port.shape and self._precision is FLOAT64:
@@ -42,7 +42,7 @@ class BatchArrays:
             self.steps.append(step)
 
     def _array(self, code: Code, x: str, port: Port, flags: int, *, may_be_shared: bool) -> tuple[str, str]:
-        """Its start and its step."""
+        """Its start and its stride."""
         require_array(code, x, self._precision.dtype.name, flags)
         shape, alone = code.field(x, SHAPE), "false"
         axes = code.let(f"sub i32 {code.field(x, RANK, 'i32')}, {len(port.shape)}")
@@ -57,13 +57,13 @@ class BatchArrays:
         return code.field(x, DATA), code.let(f"mul i64 {axes}, {port.size * self._precision.item}")
 
     def numbers(self, code: Code, k: int, count: str) -> str:
-        """How many the k-th array holds for so many elements."""
+        """How many numbers the k-th array holds for so many elements."""
         one = self._ports[k].size
         alone, all_own = code.let(f"icmp eq i64 {self.steps[k]}, 0"), code.let(f"mul i64 {count}, {one}")
         return code.let(f"select i1 {alone}, i64 {one}, i64 {all_own}")
 
     def ranges(self, code: Code) -> list[tuple[str, str]]:
-        """The addresses where each array begins and ends."""
+        """The start and end addresses of each array."""
         found: list[tuple[str, str]] = []
         for k, start in enumerate(self.starts):
             size = code.let(f"mul i64 {self.numbers(code, k, self.count)}, {self._precision.item}")
@@ -73,7 +73,7 @@ class BatchArrays:
 
 
 def items(code: Code, x: str, count: int) -> list[str]:
-    """The objects in a tuple, which must be so many."""
+    """The objects in a tuple, which must have this length."""
     require(code, code.let(f"icmp eq i64 {code.field(x, LENGTH, 'i64')}, {count}"))
     return [code.field(x, ITEMS + 8 * k) for k in range(count)]
 
@@ -81,7 +81,7 @@ def items(code: Code, x: str, count: int) -> list[str]:
 def targets_of(
     code: Code, precision: Precision, outputs: Sequence[Port], sources: BatchArrays, out: str
 ) -> tuple[list[str], str]:
-    """Where the results go, and what the call returns: new arrays, or those that were given."""
+    """Where results are stored, and what the call returns: new arrays, or those given."""
     fresh, apart, together, take, end = (code.name(x) for x in ("fresh", "apart", "together", "take", "end"))
     code.branch(code.let(f"icmp eq ptr {out}, @none"), fresh, take)
     code.open(fresh)
@@ -109,7 +109,7 @@ def targets_of(
 
 
 def _apart(code: Code, precision: Precision, outputs: Sequence[Port], count: str) -> tuple[list[str], str]:
-    """New arrays as NumPy makes them."""
+    """New arrays, allocated by NumPy."""
     owner = new(code, new_tuple(len(outputs))) if len(outputs) > 1 else None
     arrays: list[str] = []
     for k, port in enumerate(outputs):
@@ -121,7 +121,7 @@ def _apart(code: Code, precision: Precision, outputs: Sequence[Port], count: str
 def _together(
     code: Code, precision: Precision, outputs: Sequence[Port], count: str, sizes: Sequence[str]
 ) -> tuple[list[str], str]:
-    """New arrays in one stretch of memory, each from the beginning of a line on.  sizes: in bytes."""
+    """New arrays in one allocation, each aligned to a cache line.  sizes: in bytes."""
     offsets = ["0"]
     for size in sizes:
         lines = code.let(f"and i64 {code.let(f'add i64 {size}, {LINE - 1}')}, {-LINE}")
@@ -154,7 +154,7 @@ def _shape(code: Code, lengths: Sequence[str | int]) -> str:
 def _taken(
     code: Code, precision: Precision, outputs: Sequence[Port], sources: BatchArrays, out: str
 ) -> tuple[list[str], str]:
-    """What is in `out`: a tuple, or an array where there is one result."""
+    """The arrays in `out`: a tuple, or an array if there is one result."""
     if len(outputs) > 1:
         require(code, code.let(f"icmp eq ptr {code.field(out, KIND)}, @tuple_type"))
     arrays = items(code, out, len(outputs)) if len(outputs) > 1 else [out]

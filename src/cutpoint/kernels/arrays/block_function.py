@@ -1,4 +1,4 @@
-"""What runs a graph on blocks: machine code for blocks, or any function of rows."""
+"""Execution of a graph on blocks: by machine code for blocks, or by any function of rows."""
 
 from collections.abc import Callable, Sequence
 from typing import Any, Protocol
@@ -22,11 +22,11 @@ class BlockFunction(Protocol):
     call: Callable[..., Any]
 
     def whole(self) -> Whole | None:
-        """Makes `call` for batches given whole, where there is such a way."""
+        """Makes `call` for whole batches, where that is supported."""
 
 
 def block_function(graph: Graph, name: str, function: Function) -> BlockFunction:
-    """function: the graph as a function of rows, which does the work where there is no machine code for packs."""
+    """function: the graph as a function of rows, the fallback where there is no machine code for packs."""
     if function.element is None:
         return RowsOfBlocks(graph, function)
     from cutpoint.kernels.arrays.packs import width_of_packs
@@ -36,7 +36,7 @@ def block_function(graph: Graph, name: str, function: Function) -> BlockFunction
 
 
 class MachineBlocks:
-    """Machine code that reads and writes blocks where they are."""
+    """Machine code that reads and writes blocks in place."""
 
     def __init__(self, graph: Graph, name: str, width: int) -> None:
         from cutpoint.kernels.arrays.loop_gufunc import LoopGufunc
@@ -92,13 +92,13 @@ def wide(ports: Sequence[Port], width: int) -> tuple[Port, ...]:
 
 
 def _tidy(port: Port, x: np.ndarray) -> np.ndarray:
-    """The array itself if its blocks are C-contiguous, or are no blocks."""
+    """The array itself if its blocks are C-contiguous, or not blocks at all; otherwise a copy."""
     one = x[(0,) * (x.ndim - len(port.shape))] if x.size and x.ndim >= len(port.shape) else x
     return x if one.flags.c_contiguous else np.ascontiguousarray(x)
 
 
 def _lane_first(port: Port, x: np.ndarray) -> np.ndarray:
-    """Blocks as a batch of rows: the last axis goes before the port's own."""
+    """Blocks as a batch of rows: the last axis moves before the port's own."""
     if x.ndim <= len(port.shape) or x.shape[-1] != _USUAL_WIDTH:
         raise ValueError(f"{port.name} has shape {x.shape}, its last axis must be {_USUAL_WIDTH}")
     return np.moveaxis(x, -1, -1 - len(port.shape))

@@ -1,4 +1,4 @@
-"""Kernels on blocks: for those who keep their batches as (blocks, *shape, width), so that nothing is turned around."""
+"""Kernels on blocks: for batches stored as (blocks, *shape, width), which need no transposition."""
 
 from dataclasses import replace
 from functools import cached_property
@@ -18,14 +18,13 @@ from cutpoint.kernels.machine.waiting import shown
 
 
 class Blocks:
-    """A kernel whose elements lie `width` side by side: an input of shape (n,) is given as (blocks, n, width).
+    """A kernel on elements interleaved `width` at a time: an input of shape (n,) is given as (blocks, n, width).
 
-    Leading axes are a batch of blocks and broadcast.  A last axis of length 1 is spread over the block, so that
-    `parameters[:, None]` is the same for all.  Results have the bits that rows would have.
+    Leading axes are a batch of blocks and broadcast.  A last axis of length 1 is broadcast over the block, so that
+    `parameters[:, None]` is the same for all.  Results equal those of rows to the last bit.
 
     Attributes:
-        width: how many elements a block holds: 8, 4 or 2, as many float64 as this processor's instructions take, or
-            twice as many float32.
+        width: elements in a block: 8, 4 or 2, this processor's vector width in float64, or twice as many float32.
     """
 
     def __init__(self, name: str, graph: Graph, function: Function, record: type[tuple[Any, ...]] | None) -> None:
@@ -41,8 +40,8 @@ class Blocks:
         """The outputs, (..., *shape, width) each; called as the kernel is.
 
         Raises:
-            InputError: an argument is missing, unknown, or of a shape or kind that does not fit; what is in `out` has
-                blocks that are not C-contiguous.
+            InputError: an argument is missing, unknown, or of a shape or kind that does not fit; blocks in `out` are
+                not C-contiguous.
         """
         if self._whole and threads is None and not named:
             found = self._whole(arguments, out)
@@ -65,10 +64,10 @@ class Blocks:
         return self._make(result if len(self._wide.outputs) > 1 else (result,))
 
     def of(self, rows: Any) -> np.ndarray:
-        """Blocks, (blocks, *shape, width), of an array of rows, (count, *shape); the last row fills the last block up.
+        """Blocks, (blocks, *shape, width), of an array of rows, (count, *shape); the last row pads the last block.
 
         Raises:
-            InputError: there are no rows, or what is no number, or masked, is among them.
+            InputError: there are no rows, or they hold masked entries or non-numbers.
         """
         array = self._numbers("rows", rows)
         if not array.ndim or not len(array):
@@ -83,13 +82,13 @@ class Blocks:
         return blocks
 
     def rows(self, blocks: Any, count: int) -> Any:
-        """So many rows, (count, *shape), out of blocks, (blocks, *shape, width): what `of` made blocks of.
+        """The first count rows, (count, *shape), of blocks, (blocks, *shape, width): the inverse of `of`.
 
-        Of a tuple of blocks, as calls return it for several outputs, a tuple of rows.
+        For a tuple of blocks, as calls with several outputs return it, a tuple of rows.
 
         Raises:
-            InputError: they are no blocks of this width, or hold fewer rows, or what is no number, or masked; the count
-                is no whole number from 0.
+            InputError: they are not blocks of this width, hold fewer rows, masked entries or non-numbers; the count is
+                no whole number from 0.
         """
         if not isinstance(count, (int, np.integer)) or count < 0:
             raise InputError(f"{self._name}: count={count!r} of rows must be a whole number from 0", count=count)
@@ -111,10 +110,10 @@ class Blocks:
             raise InputError(f"{self._name}: {what} must be an array of real numbers: {error}") from None
 
     def _spread(self, x: Any) -> Any:
-        """Numbers that are one for all of a block, with as many as the block holds."""
+        """Numbers shared by a whole block, broadcast to its width."""
         try:
             array = np.atleast_1d(x)
-        except ValueError:  # told where it is explained
+        except ValueError:  # explained elsewhere
             return x
         return np.repeat(array, self.width, axis=-1) if array.shape[-1] == 1 else x
 
@@ -126,7 +125,7 @@ class Blocks:
 
 
 def _aligned(shape: tuple[int, ...], precision: Precision) -> np.ndarray:
-    """An array that begins where a line of the cache does: vectors across two lines take longer."""
+    """An array aligned to a cache line: vectors that straddle two lines take longer."""
     size = int(np.prod(shape)) * precision.item
     memory = np.empty(size + LINE, np.uint8)
     start = -memory.ctypes.data % LINE

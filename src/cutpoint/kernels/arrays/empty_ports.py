@@ -1,4 +1,4 @@
-"""Inputs and outputs without numbers, which NumPy's generalised ufuncs and machine code do without."""
+"""Inputs and outputs of size 0, which NumPy's generalised ufuncs and machine code do not handle."""
 
 from collections.abc import Callable, Sequence
 from typing import Any
@@ -13,7 +13,7 @@ from cutpoint.kernels.graphs.precision import Precision
 def around_empty_ports(
     ufunc: Callable[..., Any], precision: Precision, inputs: Sequence[Port], outputs: Sequence[Port]
 ) -> Callable[..., Any]:
-    """A ufunc of those with numbers as one of all ports."""
+    """A ufunc of the ports of nonzero size, as one of all ports."""
     if all(port.size for port in (*inputs, *outputs)):
         return ufunc
     return _AroundEmptyPorts(ufunc, precision, inputs, outputs)
@@ -30,7 +30,7 @@ class _AroundEmptyPorts:
         batch = np.broadcast_shapes(*(batch_shape(p, a) for p, a in pairs))
         targets = self._targets(batch, out)
         (port, first), *others = [(p, a) for p, a in pairs if p.size]
-        # the batch's axes may be those of an empty input alone
+        # the batch's axes may come from an empty input alone
         given = [np.broadcast_to(first, (*batch, *port.shape)), *(a for _, a in others)]
         self._ufunc(*given, out=tuple(t for p, t in zip(self._outputs, targets, strict=True) if p.size))
         results = targets if out is not None else [t if t.ndim else t[()] for t in targets]

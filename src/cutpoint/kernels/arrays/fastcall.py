@@ -1,9 +1,9 @@
-"""A kernel as a built-in function of Python, in machine code: for single calls, which then cost little but the work.
+"""A kernel as a built-in function of Python, in machine code: single calls with hardly any overhead.
 
-It takes what is cheap to recognise: plain arrays of float64, tidy in memory and of exactly the inputs' shapes, and
-floats for scalars.  It makes new outputs and runs the kernel's code on their memory.  Anything else - batches, lists,
-views, keywords, numbers that are too large or none where that matters, mistakes - it hands on as it came to a general
-function, which converts, broadcasts and explains.
+It takes what is cheap to recognise: plain float64 arrays, contiguous and of exactly the inputs' shapes, and floats for
+scalars.  It allocates outputs and runs the kernel's code on their memory.  Anything else - batches, lists, views,
+keywords, numbers that are too large or NaN where that matters, mistakes - it passes on unchanged to a general function,
+which converts, broadcasts and explains.
 """
 
 from collections.abc import Callable, Sequence
@@ -20,14 +20,14 @@ from cutpoint.kernels.machine.jit import OPTIMISATION, Compiled
 from cutpoint.kernels.machine.llvm_code import Code
 
 _FUNCTION = "call"
-_OPTIMISATION = 0  # compiles in a third of the time that 2 takes, and was measured to cost 2 ns a call
+_OPTIMISATION = 0  # compiles in a third of the time of 2, and was measured to cost 2 ns a call
 _MANY = 64
 """Numbers whose checks, a loop then, are worth the usual optimisation: 60 ns of an inverse dynamics of 192 joints."""
 _OBJECTS = ("array_type", "float64_type", "float64", "float_type", "new_tuple", "general", "record")
 
 
 class Front(NamedTuple):
-    """What stands before a kernel: see `Kernel.shortcut`."""
+    """Options of a kernel's built-in function: see `Kernel.shortcut`."""
 
     general: Callable[..., Any]
     bound: Sequence[np.ndarray] = ()
@@ -39,7 +39,7 @@ def fastcall(function: Element, name: str, inputs: Sequence[Port], outputs: Sequ
     """The built-in function around a function's code for one element.
 
     Raises:
-        InputError: a bound array is not what the kernel's code may read.
+        InputError: the kernel's code cannot read a bound array.
     """
     given = inputs[: len(inputs) - len(front.bound)]
     check_bound(name, inputs, front.bound)
@@ -72,7 +72,7 @@ def _ir(given: Sequence[Port], outputs: Sequence[Port], front: Front) -> str:
 
 
 def _answer(code: Code, sources: list[str], outputs: Sequence[Port], *, recorded: bool) -> None:
-    """Makes the outputs, fills them and returns them."""
+    """Allocates the outputs, fills them and returns them."""
     alone = len(outputs) == 1 and not recorded
     owner = None if alone else python_api.new(code, python_api.new_tuple(len(outputs)))
     kinds = [new_array(len(p.shape), f"@shape{k}", DOUBLE) for k, p in enumerate(outputs)]
@@ -89,7 +89,7 @@ def _answer(code: Code, sources: list[str], outputs: Sequence[Port], *, recorded
 
 
 def _recorded(code: Code, plain: str) -> str:
-    """What tuple.__new__(record, plain) makes, null if it fails."""
+    """The result of tuple.__new__(record, plain), null if it fails."""
     pair = code.let("alloca [2 x ptr]")
     code.store("@record", pair, 0, "ptr")
     code.store(plain, pair, 1, "ptr")

@@ -1,4 +1,4 @@
-"""A graph ready to run, whatever runs it."""
+"""A graph ready to run, on any backend."""
 
 from collections.abc import Callable, Sequence
 from typing import Any, Protocol
@@ -10,11 +10,11 @@ Whole = Callable[[tuple[Any, ...], Any], Any]
 
 
 class Element(Protocol):
-    """What may have machine code for one element."""
+    """A function that may have machine code for one element."""
 
     @property
     def element(self) -> int | None:
-        """Where it is, if there is some: see `cutpoint.kernels.machine.element`."""
+        """Its address, if there is any: see `cutpoint.kernels.machine.element`."""
 
 
 class Function(Element, Protocol):
@@ -24,4 +24,4 @@ class Function(Element, Protocol):
     """call(*arrays, out=None) with the semantics of a NumPy generalised ufunc."""
 
     def whole(self, bound: Sequence[np.ndarray] = (), largest: float | None = None) -> Whole | None:
-        """Makes `call` for batches given whole, where there is such a way: see `whole_batches`."""
+        """Makes `call` for whole batches, where that is supported: see `whole_batches`."""

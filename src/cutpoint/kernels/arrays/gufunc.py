@@ -1,6 +1,6 @@
-"""A NumPy generalised ufunc over a loop in machine code.
+"""A NumPy generalised ufunc around a loop in machine code.
 
-NumPy's own machinery then broadcasts, casts, walks strides, releases the GIL and writes to `out`.
+NumPy itself then broadcasts, casts, steps through strides, releases the GIL and writes to `out`.
 """
 
 import ctypes
@@ -31,7 +31,7 @@ class Gufunc:
     """
 
     def __init__(self, graph: Graph, name: str) -> None:
-        """graph: some input and some output of it has numbers.  Raises InputError for more arrays than NumPy takes."""
+        """graph: with nonempty inputs and outputs.  Raises InputError for more arrays than NumPy supports."""
         inputs, outputs = with_numbers(graph.inputs), with_numbers(graph.outputs)
         if (count := len(inputs) + len(outputs)) > MOST_OPERANDS:
             told = f"{name}: {count} inputs and outputs, at most {MOST_OPERANDS} compile"
@@ -50,5 +50,5 @@ class Gufunc:
         self._loop = ((self._code.addresses[bare(FUNCTION)], data), graph.precision, graph.inputs, graph.outputs)
 
     def whole(self, bound: Sequence[np.ndarray] = (), largest: float | None = None) -> Whole | None:
-        """The same for batches given whole, compiled now."""
+        """The same for whole batches, compiled now."""
         return whole_batches(*self._loop, (self._code, self._packs), bound, largest)

@@ -1,4 +1,4 @@
-"""A function of Python behind a look at some numbers of its arguments, in machine code: nanoseconds a call."""
+"""A Python function guarded by a check of some of its arguments' numbers, in machine code: nanoseconds a call."""
 
 from collections.abc import Callable, Sequence
 from typing import Any
@@ -22,10 +22,10 @@ def looking(
     size: int,
     smallest: float,
 ) -> Callable[..., Any]:
-    """Calls the function, or `otherwise` unless all numbers that are looked at are larger than the smallest.
+    """Calls the function if all numbers checked are larger than `smallest`, else `otherwise`.
 
-    arguments, entries: which entries of which arguments; these are plain vectors of that size, or rows of them.  What
-    is not goes to `otherwise`, which also gets all calls where Python's or NumPy's objects are not as expected.
+    arguments, entries: which entries of which arguments; these are plain vectors of that size, or rows of them.  Any
+    others go to `otherwise`, as do all calls where the layout of Python's or NumPy's objects is not as expected.
     """
     if not is_possible():
         return otherwise
@@ -60,7 +60,7 @@ def _ir(arguments: Sequence[int], entries: Sequence[int], size: int, smallest: f
 
 
 def _rows(code: Code, x: str, size: int) -> tuple[str, str]:
-    """Where the numbers of an object begin, and how many rows of that size they are, if it is a tidy array of such."""
+    """Pointer to an object's numbers, and how many rows of that size they form, if it is a contiguous array of such."""
     require_array(code, x, "float64", TIDY)
     axes = code.let(f"sub i32 {code.field(x, RANK, 'i32')}, 1")
     is_batch = code.let(f"icmp eq i32 {axes}, 1")

@@ -1,4 +1,4 @@
-"""A NumPy generalised ufunc over a loop that is one function in machine code: see `Gufunc` for the kernels' own."""
+"""A NumPy generalised ufunc around a loop that is one machine-code function: see `Gufunc` for the kernels' own."""
 
 from collections.abc import Sequence
 
@@ -16,7 +16,7 @@ class LoopGufunc:
     """Owns the code and tables that NumPy only points to.
 
     Attributes:
-        call: the generalised ufunc, also for ports without numbers, of which the loop knows nothing.
+        call: the generalised ufunc, also for ports of size 0, which the loop ignores.
     """
 
     def __init__(
@@ -30,5 +30,5 @@ class LoopGufunc:
         self._loop = ((self._code.addresses[bare(function)], None), precision, inputs, outputs)
 
     def whole(self) -> Whole | None:
-        """The same for batches given whole, compiled now."""
+        """The same for whole batches, compiled now."""
         return whole_batches(*self._loop, self._code)

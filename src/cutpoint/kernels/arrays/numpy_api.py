@@ -1,6 +1,6 @@
-"""NumPy's C API and the memory of its arrays: all that the package takes for granted about them is in this file.
+"""NumPy's C API and the layout of its arrays: everything that the package assumes about them is in this file.
 
-Places in NumPy's tables of functions are fixed by its ABI.  The fields of an array have kept their order since
+Indices in NumPy's function tables are fixed by its ABI.  The fields of an array have kept their order since
 NumPy 1.7; machine code reads them only where `arrays_are_as_expected`.
 """
 
@@ -45,9 +45,9 @@ _NO_IDENTITY = -1
 def new_gufunc(
     loop: int, data: int | None, dtype: np.dtype[Any], inputs: Sequence[Port], outputs: Sequence[Port], name: str
 ) -> tuple[Callable[..., Any], Any]:
-    """A generalised ufunc over a loop in machine code, and the tables that it points to: keep them as long as it.
+    """A generalised ufunc around a loop in machine code, and the tables that it points to, which must outlive it.
 
-    loop, data: the addresses of the loop and of what NumPy hands to it.  dtype: of all arrays.
+    loop, data: addresses of the loop and of the data that NumPy passes to it.  dtype: of all arrays.
     """
     pointer, text, number = ctypes.c_void_p, ctypes.c_char_p, ctypes.c_int
     prototype = ctypes.PYFUNCTYPE(
@@ -62,33 +62,33 @@ def new_gufunc(
 
 
 def _signature(inputs: Sequence[Port], outputs: Sequence[Port]) -> str:
-    """NumPy's text of core dimensions, all of them frozen: (6),(3,4)->()."""
+    """NumPy's gufunc signature, with all core dimensions frozen: (6),(3,4)->()."""
     left, right = (",".join(f"({','.join(map(str, p.shape))})" for p in ports) for ports in (inputs, outputs))
     return f"{left}->{right}"
 
 
 def new_array(rank: int, shape: str, kind: int, memory: str | None = None) -> str:
-    """The call that makes an array.  shape: a pointer to the lengths of its axes; kind: its type's number.
+    """The call that creates an array.  shape: a pointer to the lengths of its axes; kind: its type number.
 
-    memory: where its numbers are, if somebody else owns them: see `owned`.
+    memory: address of its data, if another object owns it: see `owned`.
     """
     given = f"ptr {memory}, i32 0, i32 {TIDY | WRITEABLE}" if memory else "ptr null, i32 0, i32 0"
     return f"PyArray_New(ptr @array_type, i32 {rank}, ptr {shape}, i32 {kind}, ptr null, {given}, ptr null)"
 
 
 def owned(array: str, owner: str) -> str:
-    """The call that makes an object, whose reference it takes, the owner of an array's numbers."""
+    """The call that makes an object, whose reference it steals, the owner of an array's data."""
     return f"i32 @PyArray_SetBaseObject(ptr {array}, ptr {owner})"
 
 
 def new_scalar(place: str) -> str:
-    """The call that makes an np.float64 of the number at a place."""
+    """The call that creates an np.float64 from the number at an address."""
     return f"PyArray_Scalar(ptr {place}, ptr @float64, ptr null)"
 
 
 @cache
 def symbols() -> dict[str, int]:
-    """Addresses, by the names that machine code calls them."""
+    """Addresses, by their names in machine code."""
     table = _table("multiarray", "_ARRAY_API")
     dtypes = {name: np.dtype(name) for name in ("float64", "float32")}
     objects = {"array_type": np.ndarray, "float64_type": np.float64} | dtypes
@@ -98,7 +98,7 @@ def symbols() -> dict[str, int]:
 
 @cache
 def arrays_are_as_expected() -> bool:
-    """Whether this NumPy's arrays lie in memory, and are made, as machine code takes for granted."""
+    """Whether this NumPy's arrays have the layout, and are created in the way, that machine code assumes."""
     if ctypes.sizeof(ctypes.c_void_p) != 8 or np.ndarray.__basicsize__ < FLAGS + 4:
         return False
     version = ctypes.CFUNCTYPE(ctypes.c_uint)(_table("multiarray", "_ARRAY_API")[_GET_VERSION])()
@@ -147,7 +147,7 @@ def _new_ones_are_right() -> bool:
 
 
 def _table(module: str, name: str) -> Any:
-    """One of the tables of functions that NumPy hands to extension modules."""
+    """One of the function tables that NumPy exports to extension modules."""
     inside = import_module(f"numpy.{'_core' if hasattr(np, '_core') else 'core'}.{module}")  # NumPy 2 or 1.26
     get = ctypes.pythonapi.PyCapsule_GetPointer
     get.restype, get.argtypes = ctypes.c_void_p, [ctypes.py_object, ctypes.c_char_p]

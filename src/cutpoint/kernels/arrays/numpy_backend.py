@@ -1,4 +1,4 @@
-"""A graph evaluated by NumPy, node by node: where LLVM is missing, and as a second opinion on it."""
+"""A graph evaluated by NumPy, node by node: where LLVM is missing, and as a cross-check of it."""
 
 import operator
 from collections.abc import Callable, Sequence
@@ -29,7 +29,7 @@ def evaluate(graph: Graph, inputs: Sequence[Any]) -> list[Any]:
     def value(x: Any) -> Any:
         if not isinstance(x, Node):
             return graph.precision.number(x)
-        uses[x.serial] -= 1  # a large batch's arrays are let go as soon as nothing needs them
+        uses[x.serial] -= 1  # frees a large batch's arrays at their last use
         return values[x.serial] if uses[x.serial] else values.pop(x.serial)
 
     with np.errstate(all="ignore"):
@@ -64,7 +64,7 @@ class NumpyFunction:
 
 
 def _gathered(port: Port, results: Any, batch: tuple[int, ...], precision: Precision) -> Any:
-    """The next results as one array, or one float."""
+    """The next results, as one array or one float."""
     array = np.empty((*batch, *port.shape), precision.dtype)
     for index in np.ndindex(port.shape):
         array[..., *index] = next(results)

@@ -1,4 +1,4 @@
-"""Packs: the machine code for long batches, compiled when the first one comes.
+"""Packs: machine code for long batches, compiled at the first one.
 
 It takes as long to compile as the loop for single elements, so callers without long batches never pay for it.
 """
@@ -30,12 +30,12 @@ _SOON = 0.05
 
 
 class Packs:
-    """Makes the loop over packs of a graph.
+    """Compiles a graph's loop over packs.
 
     Attributes:
-        width: how many elements a pack holds; None if the graph is too large for packs.
-        table: what the loop of a batch finds behind its data pointer: the loop over packs, null until it is made, and
-            the function that makes it.
+        width: elements in a pack; None if the graph is too large for packs.
+        table: the target of the batch loop's data pointer: the loop over packs, null until it is compiled, and the
+        function that compiles it.
     """
 
     def __init__(self, graph: Graph, inputs: Sequence[Port], outputs: Sequence[Port], name: str) -> None:
@@ -47,7 +47,7 @@ class Packs:
         self.table = (ctypes.c_void_p * 2)(None, ctypes.cast(self._maker, ctypes.c_void_p))
 
     def _make(self) -> None:
-        """Called from machine code, perhaps by several threads.  If it fails, single elements do the work."""
+        """Called from machine code, possibly by several threads.  If it fails, the scalar loop does the work."""
         try:
             with self._lock, shown(f"{self._name} for batches"):
                 if self._code is None and self.width is not None:
@@ -55,7 +55,7 @@ class Packs:
                     self._code = Compiled(pack_loop(lower(graph), inputs, outputs, self.width), FUNCTION)
                     self.table[0] = self._code.address
         except KeyboardInterrupt:
-            # nothing can be raised through machine code: once more, when that has returned
+            # exceptions cannot pass through machine code: raised again when that has returned
             threading.Timer(_SOON, _thread.interrupt_main).start()
         except Exception as error:
             self.width = None
@@ -63,11 +63,11 @@ class Packs:
 
 
 def width_of_packs(graph: Graph, inputs: Sequence[Port], outputs: Sequence[Port]) -> int | None:
-    """How many elements a pack of a graph holds; None if the graph is too large for packs."""
+    """Elements in a pack of a graph; None if the graph is too large for packs."""
     fits = len(graph.nodes) <= _MOST_NODES and sum(p.size for p in (*inputs, *outputs)) <= _MOST_NUMBERS
     return lanes_of(graph.precision) if fits else None
 
 
 def lanes_of(precision: Precision) -> int:
-    """How many numbers the processor takes side by side."""
+    """The processor's vector width in this precision."""
     return vector_width() * FLOAT64.item // precision.item

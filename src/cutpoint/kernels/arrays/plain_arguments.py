@@ -1,4 +1,4 @@
-"""LLVM IR that recognises plain arguments of a Python call: one test after another, the first that fails leaves."""
+"""LLVM IR that recognises plain arguments of a Python call: a chain of tests that exits at the first failure."""
 
 from collections.abc import Callable, Sequence
 
@@ -17,19 +17,19 @@ ELSEWHERE = "%general"
 
 
 def is_possible() -> bool:
-    """Whether Python's and NumPy's objects are as machine code takes for granted."""
+    """Whether Python's and NumPy's objects are as machine code assumes."""
     return python_api.objects_are_as_expected() and numpy_api.arrays_are_as_expected()
 
 
 def check_bound(name: str, ports: Sequence[Port], bound: Sequence[np.ndarray]) -> None:
-    """Raises InputError if an array for one of a kernel's last inputs is not what machine code may read."""
+    """Raises InputError if machine code cannot read an array for one of a kernel's last inputs."""
     for port, x in zip(ports[len(ports) - len(bound) :], bound, strict=True):
         if x.shape != port.shape or x.dtype != np.float64 or not (x.flags.c_contiguous and x.flags.aligned):
             raise InputError(f"{name}: what is bound to {port.name} must be a tidy float64 array of shape {port.shape}")
 
 
 def recognised(code: Code, ports: Sequence[Port], largest: float | None) -> list[str]:
-    """Pointers to the arguments' numbers; what is not recognised leaves for ELSEWHERE."""
+    """Pointers to the arguments' numbers; branches to ELSEWHERE for anything unrecognised."""
     require(code, code.let(f"icmp eq i64 %count, {len(ports)}"), code.let("icmp eq ptr %names, null"))
     objects = [code.load("%arguments", k, "ptr") for k in range(len(ports))]
     found = [(plain_array if p.shape else _scalar)(code, x, p) for x, p in zip(objects, ports, strict=True)]
@@ -39,7 +39,7 @@ def recognised(code: Code, ports: Sequence[Port], largest: float | None) -> list
 
 
 def plain_array(code: Code, x: str, port: Port) -> str:
-    """A pointer to the numbers of an object, if it is a tidy float64 array of the port's shape."""
+    """A pointer to the numbers of an object, if it is a contiguous float64 array of the port's shape."""
     require_array(code, x, "float64", TIDY)
     require(code, code.let(f"icmp eq i32 {code.field(x, RANK, 'i32')}, {len(port.shape)}"))
     if port.shape:
@@ -49,7 +49,7 @@ def plain_array(code: Code, x: str, port: Port) -> str:
 
 
 def require_array(code: Code, x: str, dtype: str, flags: int) -> None:
-    """An object is an array of this type with these flags."""
+    """Requires an object to be an array of this type with these flags."""
     require(code, code.let(f"icmp eq ptr {code.field(x, KIND)}, @array_type"))
     found = code.let(f"and i32 {code.field(x, FLAGS, 'i32')}, {flags}")
     of_type = code.let(f"icmp eq ptr {code.field(x, TYPE)}, @{dtype}")
@@ -57,7 +57,7 @@ def require_array(code: Code, x: str, dtype: str, flags: int) -> None:
 
 
 def _scalar(code: Code, x: str, port: Port) -> str:
-    """A number, or an array without axes."""
+    """A pointer to a number, or to that of a zero-dimensional array."""
     (pointer,) = number_or_array(code, x, ["ptr"], [], lambda: [plain_array(code, x, port)])
     return pointer
 
@@ -65,9 +65,9 @@ def _scalar(code: Code, x: str, port: Port) -> str:
 def number_or_array(
     code: Code, x: str, kinds: Sequence[str], with_number: Sequence[str], of_array: Callable[[], Sequence[str]]
 ) -> list[str]:
-    """Of a float, or an np.float64, whose value lies where a float's does: a pointer to it, and what goes with one.
+    """For a float, or an np.float64, which stores its value at the same offset: a pointer to it, and `with_number`.
 
-    Of any other object what is found in it as an array.  kinds: of all that, in LLVM.
+    For any other object the result of `of_array`.  kinds: the LLVM types of these values.
     """
     number, other, array, end = (code.name(x) for x in ("number", "other", "array", "end"))
     value, kind = code.at(x, VALUE, "i8"), code.field(x, KIND)
@@ -96,7 +96,7 @@ def _require_within(code: Code, arguments: list[tuple[str, int]], largest: float
 
 
 def are_within(code: Code, pointer: str, size: int, largest: float) -> str:
-    """By the squares, which are greater, or unordered, for what is beyond, infinite or no number."""
+    """Whether all are within the limit, by squares: greater, or unordered, for numbers beyond it, infinite or NaN."""
     kind = f"<{size} x double>"
     x = code.load(pointer, 0, kind, align=8)
     square = code.let(f"fmul {kind} {x}, {x}")
@@ -110,7 +110,7 @@ def splat(x: float, size: int) -> str:
 
 
 def require(code: Code, *conditions: str, otherwise: str = ELSEWHERE) -> None:
-    """All conditions hold from here on."""
+    """Branches elsewhere unless all conditions hold."""
     all_hold, then = conditions[0], code.name("then")
     for condition in conditions[1:]:
         all_hold = code.let(f"and i1 {all_hold}, {condition}")

@@ -1,4 +1,4 @@
-"""Python's C API: what machine code that is called as a built-in function needs of it, and the making of one."""
+"""Python's C API, as far as machine code called as a built-in function needs it, and the creation of one."""
 
 import ctypes
 import sys
@@ -31,9 +31,9 @@ declare void @PyEval_RestoreThread(ptr)
 
 
 def new(code: Code, expression: str, owner: str | None = None, k: int = 0, held: str | None = None) -> str:
-    """The new object that a call of the C API returns; the k-th of its owner, a tuple, if it has one.
+    """The new object that a C API call returns; the k-th item of its owner, a tuple, if it has one.
 
-    Where there is no memory for it the function fails, and leaves nothing behind, nor what else it held.
+    If out of memory the function fails, and releases all that it holds.
     """
     made, failed = code.name("made"), code.name("failed")
     x = code.let(f"call ptr @{expression}")
@@ -48,13 +48,13 @@ def new(code: Code, expression: str, owner: str | None = None, k: int = 0, held:
 
 
 def new_tuple(size: int) -> str:
-    """The call that makes a tuple, to be filled."""
+    """The call that creates a tuple, to be filled."""
     return f"PyTuple_New(i64 {size})"
 
 
 @cache
 def objects_are_as_expected() -> bool:
-    """Whether this Python's objects lie in memory as machine code takes for granted, and one thread runs at a time."""
+    """Whether this Python's objects have the layout that machine code assumes, and there is a GIL."""
     one_at_a_time = sys.implementation.name == "cpython" and not sysconfig.get_config_var("Py_GIL_DISABLED")
     if not one_at_a_time or ctypes.sizeof(ctypes.c_void_p) != 8 or float.__basicsize__ != VALUE + 8:
         return False
@@ -68,7 +68,7 @@ def objects_are_as_expected() -> bool:
 
 @cache
 def symbols() -> dict[str, int]:
-    """Addresses, by the names that machine code calls them."""
+    """Addresses, by their names in machine code."""
     functions = {name: ctypes.cast(getattr(ctypes.pythonapi, name), ctypes.c_void_p).value or 0 for name in _FUNCTIONS}
     return functions | {"float_type": id(float), "new_tuple": id(_NEW_TUPLE), "none": id(None), "tuple_type": id(tuple)}
 
@@ -76,7 +76,7 @@ def symbols() -> dict[str, int]:
 def builtin(address: int, name: str, doc: str, owner: Any) -> Callable[..., Any]:
     """The machine code at an address, PyObject *(PyObject *, PyObject **, Py_ssize_t, PyObject *), as a function.
 
-    owner: what must live as long as the function.
+    owner: an object that must live as long as the function.
     """
     definition = _Definition(name.encode(), address, _FASTCALL_WITH_KEYWORDS, doc.encode())
     make, pointer = ctypes.pythonapi.PyCMethod_New, ctypes.c_void_p

@@ -1,4 +1,4 @@
-"""What holds several outputs: a NamedTuple made for a kernel, that pickles."""
+"""The record of several outputs: a picklable NamedTuple made for a kernel."""
 
 from collections import namedtuple
 from collections.abc import Sequence
@@ -8,7 +8,7 @@ from typing import Any
 
 @cache
 def record_class(name: str, fields: tuple[str, ...]) -> Any:
-    """The same class for the same names, so that what another process sends back is of it."""
+    """The same class for the same names, so that results unpickled from another process are instances of it."""
     made = namedtuple(name, fields)
     made.__reduce__ = lambda self: (_record, (name, fields, tuple(self)))  # type: ignore[method-assign]
     return made

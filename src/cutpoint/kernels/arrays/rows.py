@@ -12,8 +12,8 @@ from cutpoint.kernels.graphs.ports import Port, Shape
 def as_reals(arrays: Any, name: str, ports: Sequence[Port], given: Sequence[Any], dtype: Any) -> list[Any]:
     """The arguments as arrays of this type.
 
-    arrays: the module that makes them, such as jax.numpy.
-    Raises InputError where one is complex, which that module would take for its real part.
+    arrays: the module that creates them, such as jax.numpy.
+    Raises InputError where one is complex, of which that module would take the real part.
     """
     made = [arrays.asarray(x) for x in given]
     for port, x in zip(ports, made, strict=True):
@@ -23,7 +23,7 @@ def as_reals(arrays: Any, name: str, ports: Sequence[Port], given: Sequence[Any]
 
 
 def batch_of(name: str, ports: Sequence[Port], given: Sequence[Any]) -> Shape:
-    """The leading axes that the arguments have together.
+    """The broadcast leading axes of the arguments.
 
     Raises InputError where an argument's last axes are not its port's, or the leading ones do not broadcast.
     """
@@ -37,9 +37,9 @@ def batch_of(name: str, ports: Sequence[Port], given: Sequence[Any]) -> Shape:
 
 
 def as_rows(arrays: Any, port: Port, x: Any, batch: Shape) -> Any:
-    """The argument as (N, *shape), N the size of the batch, or as (1, *shape) if all of the batch shares it.
+    """The argument as (N, *shape), N the size of the batch, or as (1, *shape) if the whole batch shares it.
 
-    arrays: the module that the argument is an array of, such as jax.numpy.
+    arrays: the argument's array module, such as jax.numpy.
     """
     if len(batch) == 1 and x.shape == (*batch, *port.shape):
         return x

@@ -1,7 +1,7 @@
-"""Long batches whose elements are not C-contiguous, as in Fortran's order or every second column: in packs too.
+"""Long batches of elements that are not C-contiguous (Fortran order, every second column), also in packs.
 
-The loop that every kernel has reads such elements one by one, through scratch memory.  The one made here takes any
-strides; on C-contiguous elements it is a little slower, and most callers never need it.
+The loop of every kernel reads such elements one by one, through scratch memory.  The one compiled here takes any
+strides; it is slightly slower on C-contiguous elements, and most callers never need it.
 """
 
 import sys
@@ -23,19 +23,19 @@ _ARRAY = np.ndarray
 
 
 class Strided:
-    """A graph's loop over packs of any strides, compiled when first wanted."""
+    """A graph's loop over packs with any strides, compiled at first use."""
 
     def __init__(self, graph: Graph, name: str, otherwise: Callable[..., Any]) -> None:
-        """otherwise: the ufunc that does the work where the graph is too large for packs."""
+        """otherwise: the fallback ufunc where the graph is too large for packs."""
         self._graph, self._name, self._otherwise = graph, name, otherwise
         self._inputs, self._outputs = ([_tidy(p, graph.precision) for p in x] for x in (graph.inputs, graph.outputs))
         self._item, self._lock = graph.precision.item, new_lock()
         self._made: Callable[..., Any] | None = None
-        self._owner: Any = None  # of the code that the ufunc runs
+        self._owner: Any = None  # owns the code that the ufunc runs
 
     def suits(self, arguments: Sequence[Any], out: Any) -> bool:
-        """Whether a call gains: some long argument is not C-contiguous in its elements, or is written to."""
-        # plainly written out: all calls come here but single ones and batches that lie in order
+        """Whether a call benefits: elements of some long argument are not C-contiguous, or it is written to."""
+        # an explicit loop for speed: all calls come here but single ones and contiguous batches
         for (size, own, strides), x in zip(self._inputs, arguments, strict=True):
             if type(x) is _ARRAY and x.size >= size and x.strides[own] != strides and self._is_broken(x, own, strides):
                 return True
@@ -74,12 +74,12 @@ class Strided:
         return self._owner.call
 
     def _is_broken(self, x: np.ndarray, own: slice, strides: tuple[int | None, ...]) -> bool:
-        """Whether numbers of an element are further apart, or in another order, than those of a C-contiguous one."""
+        """Whether an element's numbers are further apart, or in another order, than in a C-contiguous one."""
         return x.strides[own] != tuple(n and n * x.itemsize // self._item for n in strides)
 
 
 class _Tidy(NamedTuple):
-    """What long batches of C-contiguous elements of a port look like."""
+    """Layout of long batches of a port's C-contiguous elements."""
 
     size: int
     own: slice
@@ -87,8 +87,8 @@ class _Tidy(NamedTuple):
 
 
 def _tidy(port: Port, precision: Precision) -> _Tidy:
-    """How many numbers make a batch long, which axes are the port's own, and their strides in bytes."""
-    # NumPy tells the loop of a ufunc that the stride along an axis of length 1 is 0: none is right
+    """How many numbers make a batch long, the port's own axes, and their strides in bytes."""
+    # NumPy gives a ufunc's loop stride 0 along an axis of length 1: no strides match
     strides = (None,) * len(port.shape) if 1 in port.shape else np.empty(port.shape, precision.dtype).strides
     long = port.size * WORTH_MAKING or sys.maxsize
     return _Tidy(long, slice(-len(port.shape), None) if port.shape else slice(0), strides)

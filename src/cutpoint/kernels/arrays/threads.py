@@ -1,4 +1,4 @@
-"""Long batches on several threads: NumPy's ufuncs let other threads run while they work."""
+"""Long batches on several threads: NumPy's ufuncs release the GIL while they run."""
 
 import operator
 import os
@@ -23,7 +23,7 @@ MOST_THREADS = 256
 """More processors than that share no batch."""
 
 _CHUNKS_PER_THREAD = 4
-_ALIGNED = 16  # parts end where packs do
+_ALIGNED = 16  # parts end at pack boundaries
 
 
 class Threaded:
@@ -42,13 +42,13 @@ class Threaded:
         self._least = CHUNK // max(operations, 1)
 
     def __call__(self, threads: int, arguments: Sequence[Any], out: Any) -> Any:
-        """What one call gives, to the last bit."""
+        """The result of a single call, to the last bit."""
         try:
             arrays = [as_numbers(x, self._precision) for x in arguments]
             batches = [batch_shape(p, x) for p, x in zip(self._inputs, arrays, strict=True)]
             batch = np.broadcast_shapes(*batches)
         except (TypeError, ValueError, OverflowError):
-            return self._call(*arguments, out=out)  # which explains what is wrong
+            return self._call(*arguments, out=out)  # it explains what is wrong
         targets = self._targets(batch, out)
         ranges = _ranges(max(batch, default=1), threads, self._least)
         if len(ranges) < 2 or targets is None or _overlap(arrays, targets):
@@ -65,7 +65,7 @@ class Threaded:
         return targets[0] if len(targets) == 1 else tuple(targets)
 
     def _targets(self, batch: Shape, out: Any) -> list[Any] | None:
-        """Arrays for the results; None if those that were given do not fit."""
+        """Arrays for the results; None if the given ones do not fit."""
         shapes = [(*batch, *p.shape) for p in self._outputs]
         if out is None:
             return [np.empty(shape, self._precision.dtype) for shape in shapes]
@@ -74,7 +74,7 @@ class Threaded:
 
 
 class _Cut:
-    """An array, and how to take a part of it along an axis counted from the last; one that it lacks it repeats."""
+    """An array, and how to slice it along an axis counted from the last; an axis that it lacks is broadcast."""
 
     def __init__(self, array: np.ndarray, axis: int) -> None:
         self._array, self._axis = array, axis
@@ -87,7 +87,7 @@ class _Cut:
 
 
 def _shared(run: Callable[[slice], None], ranges: Sequence[slice], threads: int) -> None:
-    """Runs every range once, here and on other threads; who is done takes the next."""
+    """Runs every range once, here and on other threads; a thread that is done takes the next."""
     left, helpers = iter(ranges), list["Future[None]"]()
 
     def work() -> None:
@@ -98,7 +98,7 @@ def _shared(run: Callable[[slice], None], ranges: Sequence[slice], threads: int)
         for _ in range(min(threads, len(ranges), MOST_THREADS) - 1):
             helpers.append(_pool().submit(work))
         work()
-    finally:  # nobody writes to the results any more when this returns
+    finally:  # no thread writes to the results after this returns
         unfinished = [x for x in helpers if not x.cancel()]
         for helper in unfinished:
             helper.exception()
@@ -107,14 +107,14 @@ def _shared(run: Callable[[slice], None], ranges: Sequence[slice], threads: int)
 
 
 def _ranges(length: int, threads: int, least: int) -> list[slice]:
-    """Parts of an axis, about equal, a few for each thread: one that is held up leaves work to the others."""
+    """Roughly equal parts of an axis, a few per thread, so that the others take over work from a delayed one."""
     size = max(least, _ALIGNED, -(-length // (threads * _CHUNKS_PER_THREAD)))
     size += -size % _ALIGNED
     return [slice(first, min(first + size, length)) for first in range(0, length, size)]
 
 
 def _overlap(arrays: Sequence[np.ndarray], targets: Sequence[np.ndarray]) -> bool:
-    """Whether a result might overwrite what another part of the batch has still to read."""
+    """Whether a result might overwrite data that another part of the batch still has to read."""
     return any(np.may_share_memory(x, y) for x in arrays for y in targets)
 
 
@@ -135,8 +135,8 @@ def thread_count(name: str, threads: Any) -> int:
 
 @cache
 def _pool() -> "ThreadPoolExecutor":
-    """Of as many threads as were ever busy at once."""
-    from concurrent.futures import ThreadPoolExecutor  # takes 4 ms, which a start need not spend
+    """The pool, of as many threads as were ever busy at once."""
+    from concurrent.futures import ThreadPoolExecutor  # takes 4 ms, saved at startup
 
     return ThreadPoolExecutor(MOST_THREADS, thread_name_prefix="cutpoint")
 

@@ -1,7 +1,7 @@
-"""Batches given whole: one axis of elements, or none; tidy in memory, no result sharing memory with anything else.
+"""Whole batches: one axis of elements, or none; contiguous, with no result sharing memory with anything else.
 
-NumPy's machinery takes a microsecond or two to find that there is nothing to broadcast, to cast or to copy.  Machine
-code finds it in some fifty nanoseconds, and then runs the same loop.
+NumPy takes a microsecond or two to find that there is nothing to broadcast, cast or copy.  Machine code finds it in
+some fifty nanoseconds, and then runs the same loop.
 """
 
 from collections.abc import Sequence
@@ -35,10 +35,10 @@ def whole_batches(
     bound: Sequence[np.ndarray] = (),
     largest: float | None = None,
 ) -> Whole | None:
-    """The built-in function around a loop; None where Python or NumPy is not as machine code takes for granted.
+    """The built-in function around a loop; None where Python or NumPy is not as machine code assumes.
 
-    loop: addresses of the code and of what it finds behind its data pointer; owner: of both.
-    bound: arrays for the last inputs, the same for all elements, which callers then do not give.
+    loop: addresses of the code and of its data; owner: of both.
+    bound: arrays for the last inputs, shared by all elements, which callers then omit.
     largest: magnitude of a number beyond which, as with NaN, it does no work; None for any.  Only for float64.
     """
     if not is_possible():
@@ -46,13 +46,13 @@ def whole_batches(
     symbols = python_api.symbols() | numpy_api.symbols() | {"loop": loop[0], "data": loop[1] or id(None)}
     symbols |= {f"bound{k}": x.ctypes.data for k, x in enumerate(bound)}
     text = _ir(precision, inputs[: len(inputs) - len(bound)], inputs[len(inputs) - len(bound) :], outputs, largest)
-    # what looks at all numbers has to be quick; the rest is not to be seen beside a batch, and compiles soonest
+    # the check of all numbers must be fast; the rest is negligible beside a batch, so it is compiled for compile time
     code = Compiled(text, _FUNCTION, symbols=symbols, optimisation=0 if largest is None else OPTIMISATION)
     return python_api.builtin(code.address, _FUNCTION, "whole(arguments, out)", (code, owner, bound))
 
 
 class _Work:
-    """Runs of the loop: places for what it reads of its arrays."""
+    """Runs of the loop: memory for its array pointers, counts and strides."""
 
     def __init__(
         self, code: Code, precision: Precision, ports: Sequence[Port], starts: Sequence[str], steps: Sequence[str]
@@ -65,7 +65,7 @@ class _Work:
             code.store(str(step), self._strides, k, "i64")
 
     def run(self, code: Code, first: str, count: str) -> None:
-        """On so many elements."""
+        """Runs the loop on so many elements."""
         for k, (start, step) in enumerate(zip(self._starts, self._steps, strict=True)):
             code.store(code.at(start, code.let(f"mul i64 {first}, {step}"), "i8"), self._places, k, "ptr")
         code.store(count, self._count, 0, "i64")
@@ -79,7 +79,7 @@ def _ir(
     outputs: Sequence[Port],
     largest: float | None,
 ) -> str:
-    """Text of the function that is given a tuple of arguments and `out`."""
+    """Text of the function, which takes a tuple of arguments and `out`."""
     code = Code()
     given, out = (code.load("%arguments", k, "ptr") for k in range(2))
     sources = BatchArrays(precision, inputs)
@@ -88,10 +88,10 @@ def _ir(
     names = [f"bound{k}" for k in range(len(bound))]
     starts = [*sources.starts, *(f"@{name}" for name in names), *targets]
     steps = [*sources.steps, *["0"] * len(bound), *(str(precision.item * port.size) for port in outputs)]
-    # the loop knows nothing of ports without numbers
+    # the loop ignores ports of size 0
     parts = [x for x in zip((*inputs, *bound, *outputs), starts, steps, strict=True) if x[0].size]
     work = _Work(code, precision, *zip(*parts, strict=True))
-    # other threads of Python's run meanwhile
+    # without the GIL
     thread = code.let("call ptr @PyEval_SaveThread()")
     if largest is None:
         work.run(code, "0", sources.count)
@@ -113,7 +113,7 @@ def _ir(
 
 
 def _run_in_chunks(code: Code, work: _Work, sources: BatchArrays, largest: float) -> None:
-    """Some elements after the other, each time after a look at their numbers."""
+    """Runs chunks of elements in sequence, each after a check of its numbers."""
     chunks = code.let(f"udiv i64 {code.let(f'add i64 {sources.count}, {_CHUNK - 1}')}, {_CHUNK}")
     with code.loop(chunks) as loop:
         first = code.let(f"mul i64 {loop.iteration}, {_CHUNK}")

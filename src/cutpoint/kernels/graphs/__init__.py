@@ -1,1 +1,1 @@
-"""What functions of scalars compute, as graphs: ports, nodes, tracing, exact simplification, derivatives."""
+"""Functions of scalars as graphs: ports, nodes, tracing, exact simplification, derivatives."""

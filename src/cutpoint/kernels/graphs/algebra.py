@@ -1,7 +1,7 @@
-"""Exact rules of simplification: what + - * / of operands become, at least one of them a node.
+"""Exact simplification rules: the result of + - * / on operands, at least one of them a node.
 
-Zeros and ones vanish, signs move outward to where an addition takes them in, constant factors gather, and the operands
-of + and * are ordered, so that equal expressions written differently are one node.
+Zeros and ones vanish, signs move outward until an addition absorbs them, constant factors are combined, and the
+operands of + and * are put in canonical order, so that equal expressions written differently share a node.
 """
 
 from typing import Any
@@ -91,12 +91,12 @@ def _divided(x: Node, divisor: float) -> Operand:
     if divisor == 0:
         refuse("a traced number is divided by the constant zero")
     reciprocal = 1 / divisor
-    # a reciprocal that is not normal has lost digits
+    # a subnormal or infinite reciprocal has lost digits
     return mul(x, reciprocal) if _is_normal(reciprocal) else x.trace.node("div", x, divisor)
 
 
 def power(x: Node, exponent: float) -> Operand:
-    """x to a constant whole exponent, by repeated squaring, or its square root."""
+    """x to a constant integer exponent, by repeated squaring, or its square root."""
     if exponent == 0.5:
         return x.trace.node("sqrt", x)
     if not exponent.is_integer():
@@ -114,5 +114,5 @@ def _ordered(x: Node, y: Node) -> tuple[Node, Node]:
 
 
 def _is_normal(x: float) -> bool:
-    """In every precision: one graph serves them all."""
+    """Whether x is normal in every precision: one graph serves them all."""
     return _LEAST <= abs(x) <= _LARGEST

@@ -1,4 +1,4 @@
-"""Derivatives of traced functions, as functions that are traced and compiled in their turn."""
+"""Derivatives of traced functions, as functions that can themselves be traced and compiled."""
 
 import itertools
 from collections import namedtuple
@@ -32,21 +32,21 @@ def jacobian_of(
 ) -> Callable[..., Any]:
     """The derivatives of a function of scalars, exact to rounding, as a function of the same inputs.
 
-    It is traced as the function is: hand it to `compile` in the function's place, or call it, by keyword, within a
-    function that is traced.  It returns a NamedTuple of d_<output>_d_<input>, each of the output's shape followed by
-    the input's; the output of a function that returns an array is named "result".  Where a comparison switches, the
-    side chosen counts, and the other never spoils it.  Applied twice it gives second derivatives.  That of tanh is made
-    of its value: where it is all but 1, to the rounding of that.
+    It is traced like the function: pass it to `compile` in the function's place, or call it, by keyword, within a
+    traced function.  It returns a NamedTuple of d_<output>_d_<input>, each of the output's shape followed by the
+    input's; the output of a function that returns an array is named "result".  At a comparison only the chosen branch
+    counts; the other never contaminates it.  Applied twice it gives second derivatives.  That of tanh is computed from
+    its value, so where that is nearly 1 it is exact only to the rounding of the value.
 
     Args:
-        of: names of the outputs, all if not given.
-        with_respect_to: names of the inputs, all if not given.
-        orders: ways through the chain rule to try, functions of `kernels.graphs.elimination` such as `forward`; the
-            fewest operations win.
+        of: names of the outputs, default all.
+        with_respect_to: names of the inputs, default all.
+        orders: elimination orders of the chain rule to try, functions of `kernels.graphs.elimination` such as
+            `forward`; the one with the fewest operations wins.
 
     Raises:
-        InputError: names are no names, orders no functions.  When it is traced, as are the function's own errors: there
-            is no such output or input, or two derivatives would have one name.
+        InputError: names are not names, or orders not functions.  While tracing, like the function's own errors: there
+            is no such output or input, or two derivatives would have the same name.
         TraceError: it is called outside a trace.
     """
 
@@ -75,14 +75,14 @@ def jacobian_of(
 
 
 def _check_names(what: str, names: Any) -> None:
-    """Raises InputError for what is no list of names."""
+    """Raises InputError unless this is a list of names."""
     is_list = isinstance(names, Sequence) and not isinstance(names, str)
     if names is not None and not (is_list and all(isinstance(name, str) for name in names)):
         raise InputError(f"jacobian_of: {what} must be a list of names, got {names!r}")
 
 
 def _trace_of(function: Callable[..., Any], arrays: Mapping[str, Flat]) -> Trace:
-    """The trace that is going on."""
+    """The current trace."""
     for _, flat in arrays.values():
         for x in flat:
             if isinstance(x, Traced):
@@ -101,7 +101,7 @@ def _chosen(kind: str, names: Sequence[str] | None, known: Mapping[str, Any]) ->
 
 
 def _arrays(numbers: Iterator[Any], like: Mapping[str, Flat]) -> dict[str, Any]:
-    """The next numbers as arrays of these names and shapes."""
+    """The next numbers, as arrays of these names and shapes."""
     return {name: nest(numbers, shape) for name, (shape, _) in like.items()}
 
 
@@ -115,13 +115,13 @@ def _outputs(function: Callable[..., Any], inputs: Mapping[str, Any]) -> dict[st
 
 
 def _results(function: Callable[..., Any], outputs: Mapping[str, Flat], free: Sequence[Node]) -> list[Operand]:
-    """The numbers to derive; none where there is nothing to derive them by."""
+    """The numbers to differentiate; none where there is nothing to differentiate with respect to."""
     numbers = [(name, x) for name, (_, flat) in outputs.items() for x in flat] if free else []
     return [checked(function, name, x, free[0].trace) for name, x in numbers]
 
 
 def _replaced(results: Sequence[Operand], values: Mapping[int, Operand]) -> list[Operand]:
-    """Results with values in the place of nodes, by serial; what becomes of all that used them is simplified anew."""
+    """Results with nodes replaced by values, by serial; all their users are simplified again."""
     done = {**values}
 
     def new(x: Any) -> Any:
@@ -134,7 +134,7 @@ def _replaced(results: Sequence[Operand], values: Mapping[int, Operand]) -> list
 
 
 def _blocks(numbers: list[Operand], outputs: Mapping[str, Flat], inputs: Mapping[str, Flat]) -> Any:
-    """The Jacobian, row by row, cut into a block for each pair of output and input."""
+    """The Jacobian, row by row, split into a block for each pair of output and input."""
     width = sum(len(flat) for _, flat in inputs.values())
     rows = [numbers[k : k + width] for k in range(0, len(numbers), width)] if width else []
     blocks, row = {}, 0

@@ -1,8 +1,8 @@
-"""The chain rule on a graph, by eliminating what lies between inputs and results.
+"""The chain rule on a graph, by vertex elimination between inputs and results.
 
-Every edge carries the slope of a number with respect to one that enters it.  Eliminating a number joins what enters it
-to what it enters; when only inputs and results are left, the edges are the Jacobian.  Operand by operand this is
-forward mode, from the results back it is reverse mode; an edge that does not exist costs nothing.
+Every edge carries the partial derivative of a number with respect to one of its operands.  Eliminating a number joins
+its operands to its users; when only inputs and results are left, the edges are the Jacobian.  From the operands on this
+is forward mode, from the results back it is reverse mode; an edge that does not exist costs nothing.
 Griewank and Walther (2008), chapters 9 and 10.
 """
 
@@ -16,10 +16,10 @@ from cutpoint.kernels.graphs.slopes import Slope, local_slopes
 
 
 class Web:
-    """Numbers by serial, operands before users, and the slopes between them; results are -1, -2, ...
+    """Numbers by serial, operands before users, and the partial derivatives between them; results are -1, -2, ...
 
-    slopes: by number, then by what enters it.  users: by number, what it enters (in the keys).  inner: what is neither
-    an independent number nor a result.
+    slopes: by number, then by operand.  users: by number, its users (as keys).  inner: numbers that are neither
+    independent nor results.
     """
 
     def __init__(self, results: Sequence[Operand], independent: Sequence[Node]) -> None:
@@ -40,7 +40,7 @@ class Web:
                 self._join(x.serial, -1 - k, Slope(1.0))
 
     def eliminate(self, number: int) -> None:
-        """Takes a number out: what enters it now enters what it entered."""
+        """Eliminates a number: its operands become operands of its users."""
         entering = self.slopes.pop(number)
         for source in entering:
             del self.users[source][number]
@@ -50,14 +50,14 @@ class Web:
                 self._join(source, user, outer * inner)
 
     def cost(self, number: int) -> int:
-        """How many products its elimination takes at most."""
+        """Upper bound on the products that its elimination takes."""
         return len(self.slopes[number]) * len(self.users[number])
 
     def _insert(self, number: int) -> None:
         self.slopes[number], self.users[number] = {}, {}
 
     def _join(self, source: int, user: int, slope: Slope) -> None:
-        """One more way from a source to its user."""
+        """Adds a path from a source to its user."""
         known = self.slopes[user].pop(source, None)
         self.users[source].pop(user, None)
         total = slope if known is None else known + slope
@@ -80,7 +80,7 @@ def reverse(web: Web) -> Iterable[int]:
 
 
 def cheapest_first(web: Web) -> Iterator[int]:
-    """What takes the fewest products first: Markowitz' rule."""
+    """The number that takes the fewest products first: Markowitz' rule."""
     queue = [(web.cost(x), -x) for x in web.inner]
     heapq.heapify(queue)
     while queue:
@@ -94,7 +94,7 @@ def cheapest_first(web: Web) -> Iterator[int]:
 
 
 def forward_products(web: Web) -> int:
-    """About how many products `forward` takes: for each edge, the inputs that reach it."""
+    """Estimated products that `forward` takes: for each edge, the inputs that reach it."""
     reached = {x: 1 << k for k, x in enumerate(web.independent)}
     total = 0
     for x, entering in web.slopes.items():
@@ -106,7 +106,7 @@ def forward_products(web: Web) -> int:
 
 
 def reverse_products(web: Web) -> int:
-    """About how many products `reverse` takes: for each edge, the results that it reaches."""
+    """Estimated products that `reverse` takes: for each edge, the results that it reaches."""
     feeds: dict[int, int] = {}
     total = 0
     for x in reversed(web.slopes):
@@ -122,7 +122,7 @@ MANY_PRODUCTS = 30_000
 
 
 def orders_for(web: Web) -> list[Order]:
-    """The ways through the chain rule that are worth trying."""
+    """The elimination orders worth trying."""
     products = {forward: forward_products(web), reverse: reverse_products(web)}
     best = min(products, key=lambda order: products[order])
     return [best] if products[best] > MANY_PRODUCTS else [forward, reverse, cheapest_first]
@@ -131,9 +131,9 @@ def orders_for(web: Web) -> list[Order]:
 def jacobian(
     results: Sequence[Operand], independent: Sequence[Node], orders: Sequence[Order] | None = None
 ) -> list[Operand]:
-    """d result / d independent number, row by row, in the trace of both, by the order that leaves fewest operations.
+    """d result / d independent number, row by row, in the trace of both, by the order that gives fewest operations.
 
-    orders: those to try; what is worth it if not given.
+    orders: those to try, default those worth trying.
     """
     tried = orders or orders_for(Web(results, independent))
     return min((_eliminated(Web(results, independent), order) for order in tried), key=lambda found: len(reach(found)))

@@ -1,4 +1,4 @@
-"""Graph: what a traced function computes, as nodes in an order in which they can be evaluated."""
+"""Graph: what a traced function computes, as nodes in topological order."""
 
 import hashlib
 from collections import Counter
@@ -21,11 +21,11 @@ Rule = Callable[[Node, list[Operand], Callable[[Any], Operand], Trace], Operand]
 
 @dataclass(frozen=True, eq=False)
 class Graph:
-    """Named inputs and outputs and the operations between them.
+    """Named inputs and outputs, and the operations between them.
 
-    inputs: a node ("input", slot) reads slot `slot` of all inputs laid one after another, arrays in C order.
-    results: for each slot of all outputs laid one after another, a node or a float.
-    precision: what inputs, constants and every operation are rounded to where the graph runs.
+    inputs: a node ("input", slot) reads slot `slot` of all inputs concatenated, arrays in C order.
+    results: for each slot of all outputs concatenated, a node or a float.
+    precision: that to which inputs, constants and every operation are rounded where the graph runs.
     """
 
     inputs: tuple[Port, ...]
@@ -40,18 +40,18 @@ class Graph:
 
     @cached_property
     def inputs_read(self) -> frozenset[str]:
-        """Names of the inputs that some result depends on."""
+        """Names of the inputs that any result depends on."""
         names = [port.name for port in self.inputs for _ in range(port.size)]
         return frozenset(names[x.args[0]] for x in self.nodes if x.op == "input")
 
     @cached_property
     def operations(self) -> dict[str, int]:
-        """How many operations of each kind the graph holds, the most frequent first."""
+        """Number of operations of each kind in the graph, the most frequent first."""
         return dict(Counter(x.op for x in self.nodes if x.op != "input").most_common())
 
     @cached_property
     def uses(self) -> Counter[int]:
-        """How often each node is needed, by its serial: as an operand and as a result."""
+        """Number of uses of each node, by its serial: as an operand and as a result."""
         needed = chain(self.results, *(x.args for x in self.nodes))
         return Counter(x.serial for x in needed if isinstance(x, Node))
 
@@ -69,20 +69,20 @@ class Graph:
         raise unknown_name("output", name, [p.name for p in self.outputs])
 
     def fingerprint(self, *outputs: str) -> str:
-        """A text equal for graphs that compute the same by the same operations on equally named inputs.
+        """A string that is equal for graphs that compute the same by the same operations on inputs of the same names.
 
-        With names, of these outputs only: two graphs whose other outputs differ still agree here.
+        With names, of these outputs only: graphs that differ only in other outputs still agree.
         """
         chosen = [self.output(name) for name in outputs] if outputs else [self.results]
         return fingerprint([x for results in chosen for x in results], self.inputs)
 
     def digest(self) -> str:
-        """A text that only graphs share which compute the same by the same operations in the same order."""
+        """A string shared only by graphs that compute the same by the same operations in the same order."""
         *told, precision = self.__reduce__()[1]
         return hashlib.blake2b(repr((told, precision.real)).encode(), digest_size=16).hexdigest()
 
     def __reduce__(self) -> tuple[Any, ...]:
-        """Operations in a row: nodes hold each other deeper than a pickle goes."""
+        """Pickles operations as a flat list: nested nodes would exceed pickle's recursion depth."""
         places = {x.serial: k for k, x in enumerate(self.nodes)}
 
         def told(x: Any) -> Any:
@@ -95,7 +95,7 @@ class Graph:
 def _in_a_row(
     inputs: tuple[Port, ...], outputs: tuple[Port, ...], operations: list[Any], results: list[Any], precision: Precision
 ) -> Graph:
-    """The graph of operations whose operands are numbers, or in tuples the places of those before."""
+    """The graph of operations whose operands are numbers or, in tuples, the positions of earlier operations."""
     nodes: list[Node] = []
 
     def operand(x: Any) -> Operand:
@@ -108,7 +108,7 @@ def _in_a_row(
 
 
 def reach(results: Iterable[Operand]) -> list[Node]:
-    """The nodes that results need, operands before users, depth first."""
+    """The nodes that the results need, operands before users, depth first."""
     seen: dict[int, Node] = {}
     for result in results:
         stack = [(result, False)]
@@ -125,9 +125,9 @@ def reach(results: Iterable[Operand]) -> list[Node]:
 
 
 def rewrite(graph: Graph, rule: Rule) -> Graph:
-    """The graph with rule(node, its operands, new, trace) in place of each node.
+    """The graph with each node replaced by rule(node, its operands, new, trace).
 
-    The operands are already rewritten; new(x) is what any earlier operand x has become; trace takes new nodes.
+    The operands are already rewritten; new(x) is the replacement of any earlier operand x; trace takes new nodes.
     """
     with tracing() as trace:
         done: dict[int, Operand] = {}
@@ -141,7 +141,7 @@ def rewrite(graph: Graph, rule: Rule) -> Graph:
 
 
 def fingerprint(results: Iterable[Operand], inputs: tuple[Port, ...]) -> str:
-    """A text equal for equal expressions, whatever trace they come from; see Graph.fingerprint."""
+    """A string that is equal for equal expressions, whatever their trace; see Graph.fingerprint."""
     results = [*results]
     names = [f"{port.name}[{k}]" for port in inputs for k in range(port.size)]
     digests: dict[int, bytes] = {}

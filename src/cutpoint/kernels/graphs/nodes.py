@@ -1,4 +1,4 @@
-"""The graph's nodes: every operation on a trace's inputs, each written once."""
+"""The graph's nodes: every operation on a trace's inputs, common subexpressions shared (hash consing)."""
 
 import itertools
 from typing import Any
@@ -43,9 +43,9 @@ _serials = itertools.count()
 
 
 class Node:
-    """One operation.  `op` is a name of PRIMITIVES or ELEMENTARY; `args` are nodes and floats, a slot and bits ints.
+    """One operation.  `op` is a name in PRIMITIVES or ELEMENTARY; `args` are nodes and floats, a slot and bits ints.
 
-    `serial` orders all nodes by creation: operands come before what uses them.
+    `serial` orders all nodes by creation: operands come before their users.
     """
 
     __slots__ = ("args", "op", "serial", "trace")
@@ -60,12 +60,12 @@ class Node:
 
 
 def key_of(x: Any) -> Any:
-    """Of an operand, equal for equal ones: no serial is a text, and repr tells -0.0 from 0.0."""
+    """An operand's key, equal for equal operands: no serial is a string, and repr tells -0.0 from 0.0."""
     return x.serial if isinstance(x, Node) else repr(x)
 
 
 class Trace:
-    """The table of one trace: equal operations on equal operands are one node."""
+    """The value table of one trace: equal operations on equal operands are one node."""
 
     __slots__ = ("_kinds", "_table")
 
@@ -74,7 +74,7 @@ class Trace:
         self._table: dict[tuple[Any, ...], Node] = {}
 
     def node(self, op: str, *args: Any) -> Any:
-        """The node of this operation, new or as it was first written.
+        """The node of this operation, new or existing.
 
         Raises:
             TraceError: an operand belongs to another trace, or this trace has ended.
@@ -96,12 +96,12 @@ class Trace:
         return node
 
     def end(self) -> None:
-        """No more operations: what is done with a leaked number from here on is an error."""
+        """Ends the trace: any further operation on a leaked number is an error."""
         self._table = _Ended()
 
 
 class _Ended(dict[tuple[Any, ...], Node]):
-    """The table of a trace that is over."""
+    """The table of a trace that has ended."""
 
     def get(self, key: Any, default: Any = None) -> Any:
         raise TraceError("a traced number was kept and used after its function was traced; return it instead")

@@ -26,7 +26,7 @@ class Port:
 
 
 def port(name: str, shape: int | Sequence[int]) -> Port:
-    """A port from what a caller gives: an int for a vector, () for a scalar, a tuple for an array."""
+    """A port from a caller's shape: an int for a vector, () for a scalar, a tuple for an array."""
     try:
         lengths = tuple(operator.index(n) for n in ((shape,) if not isinstance(shape, Sequence) else shape))
     except TypeError:
@@ -37,12 +37,12 @@ def port(name: str, shape: int | Sequence[int]) -> Port:
 
 
 def nest(numbers: Iterator[Any], shape: Shape) -> Any:
-    """The next numbers as a scalar, a list or nested lists of a shape."""
+    """The next numbers as a scalar, a list, or nested lists of a shape."""
     return [nest(numbers, shape[1:]) for _ in range(shape[0])] if shape else next(numbers)
 
 
 def flatten(value: Any) -> tuple[Shape, list[Any]]:
-    """Shape and numbers of a nest of lists, tuples, arrays and dataclasses.
+    """Shape and numbers of nested lists, tuples, arrays and dataclasses.
 
     Raises:
         ValueError: the nest is ragged.
@@ -60,12 +60,12 @@ def flatten(value: Any) -> tuple[Shape, list[Any]]:
 
 
 def slots_of(ports: Sequence[Port], memory: Sequence[str]) -> list[tuple[str, int]]:
-    """Of every number, the memory that its port is in, and its place there."""
+    """For every number, the memory that holds its port, and its offset there."""
     return [(pointer, k) for port, pointer in zip(ports, memory, strict=True) for k in range(port.size)]
 
 
 def with_numbers(ports: Sequence[Port]) -> list[Port]:
-    """Those of a size above 0."""
+    """The ports of nonzero size."""
     return [port for port in ports if port.size]
 
 

@@ -1,4 +1,4 @@
-"""Precisions: the formats of IEEE 754 that graphs are computed in, and what each target calls them."""
+"""Precisions: the IEEE 754 formats that graphs are computed in, and their names in each target."""
 
 from collections.abc import Callable
 from typing import Any, NamedTuple
@@ -12,10 +12,10 @@ class Precision(NamedTuple):
     Attributes:
         dtype: NumPy's.
         number: a Python float in this format, rounded once.
-        fraction: how many bits of a number are behind its leading one.
+        fraction: number of fraction bits, after the leading one.
         real: its name in LLVM.
         c: its name in C.
-        suffix: what C appends to constants, and to the names of its functions of such numbers.
+        suffix: C's suffix for constants, and for the names of its functions of such numbers.
     """
 
     dtype: np.dtype[Any]
@@ -26,11 +26,11 @@ class Precision(NamedTuple):
     suffix: str
 
     def __reduce__(self) -> str:
-        return f"FLOAT{self.bits}"  # what comes out of a pickle is one of those below, not a copy
+        return f"FLOAT{self.bits}"  # unpickles to one of those below, not to a copy
 
     @property
     def item(self) -> int:
-        """Bytes of a number."""
+        """Size of a number, bytes."""
         return self.dtype.itemsize
 
     @property
@@ -39,16 +39,16 @@ class Precision(NamedTuple):
 
     @property
     def bias(self) -> int:
-        """Added to a number's exponent it gives the bits of it; 2**(1 - bias) is the least normal number."""
+        """The exponent bias: added to an exponent it gives the bits of it; 2**(1 - bias) is the least normal number."""
         return 2 ** (self.bits - self.fraction - 2) - 1
 
     @property
     def magic(self) -> float:
-        """Added to a number of at most 2**(fraction - 2) it makes it whole: the sum's lowest bits are those of it."""
+        """Added to a number of at most 2**(fraction - 2) it rounds to an integer, whose bits are the sum's lowest."""
         return 1.5 * 2.0**self.fraction
 
     def rounded(self, x: float) -> float:
-        """A constant in this format; what is beyond it is infinite, or zero."""
+        """A constant in this format; infinite on overflow, zero on underflow."""
         with np.errstate(all="ignore"):
             return float(self.number(x))
 

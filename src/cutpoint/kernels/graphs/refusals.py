@@ -1,4 +1,4 @@
-"""What a traced number cannot do, said at the user's line with what to write instead."""
+"""What a traced number cannot do, reported at the user's line with what to write instead."""
 
 import sys
 import threading
@@ -15,7 +15,7 @@ _RENAMED = {"arctan": "atan", "fabs": "absolute", "fmax": "maximum", "fmin": "mi
 
 
 class _Told(threading.local):
-    """How many refusals this thread has met, those that somebody caught too."""
+    """Number of refusals in this thread, including caught ones."""
 
     count = 0
 
@@ -24,18 +24,18 @@ _told = _Told()
 
 
 def refusals() -> int:
-    """How many refusals this thread has met until now: one more after a call that raised none was caught within it."""
+    """Number of refusals in this thread so far: if it grew during a call that raised none, one was caught within."""
     return _told.count
 
 
 def refuse(message: str) -> NoReturn:
-    """Raises TraceError that points at the user's line."""
+    """Raises a TraceError that points at the user's line."""
     _told.count += 1
     raise TraceError(message, place=user_place())
 
 
 class Refusals:
-    """Python's requests for a truth value, a float or an identity, which a traced number has not got."""
+    """Python's requests for a truth value, a float or an identity, which a traced number does not have."""
 
     __slots__ = ()
 
@@ -55,7 +55,7 @@ class Refusals:
         refuse("a traced number has no value yet, so == and != have no meaning; compare with < or <=, or use `is`")
 
     __ne__ = __eq__
-    __hash__ = object.__hash__  # by identity, so that dictionaries and sets still hold traced numbers
+    __hash__ = object.__hash__  # by identity, so that dictionaries and sets can still hold traced numbers
 
     def __mod__(self, other: object) -> NoReturn:
         refuse(
@@ -79,7 +79,7 @@ def refuse_numpy(name: str) -> NoReturn:
 
 
 def as_float(x: float | Real) -> float:
-    """Raises TraceError for a number that is too large for a float."""
+    """The number as a float.  Raises TraceError if it is too large."""
     try:
         return float(x)
     except OverflowError:
@@ -88,5 +88,5 @@ def as_float(x: float | Real) -> float:
 
 
 def refuse_operand(other: Any) -> NoReturn:
-    """Raises TraceError for an operand that is not a number."""
+    """Raises TraceError: the operand is not a number."""
     refuse(f"a traced number cannot meet a {type(other).__name__} in one operation; it meets ints, floats and its own")

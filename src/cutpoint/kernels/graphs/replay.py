@@ -1,4 +1,4 @@
-"""Replay: a graph carried out once more on other scalars, such as SymPy's or those of another trace."""
+"""Replay: a graph evaluated again on other scalars, such as SymPy's or those of another trace."""
 
 import operator
 from collections import namedtuple
@@ -28,8 +28,8 @@ def replay(
 ) -> list[Any]:
     """The graph's results for a scalar in each input slot.
 
-    constant: what a float becomes.  operators: what operations do, where Python's own will not do.
-    taken: what a node's value goes on as.
+    constant: converts a float.  operators: implementations of operations, where Python's own are unsuitable.
+    taken: converts a node's value before it is used further.
     """
     values: dict[int, Any] = {}
     apply = {**OPERATORS, **(operators or {})}
@@ -44,7 +44,7 @@ def replay(
 
 
 def as_function(graph: Graph) -> Callable[..., Any]:
-    """The graph as a function of scalars by keyword, to be traced again; it returns a NamedTuple of the outputs."""
+    """The graph as a function of scalars by keyword, which can be traced again; it returns a NamedTuple of outputs."""
     record = namedtuple("Outputs", [p.name for p in graph.outputs])
 
     def replayed(**inputs: Any) -> Any:

@@ -1,7 +1,7 @@
-"""Slopes: how a result changes with what it was computed from, exact for every operation that a function can trace.
+"""Slopes: partial derivatives of an operation by its operands, exact for every operation that can be traced.
 
-Elementary functions are differentiated by what they are, before they are lowered to arithmetic.  A comparison has no
-slope: where its sides meet, the slope of `where` is that of the side chosen.
+Elementary functions are differentiated as such, before they are lowered to arithmetic.  A comparison has no slope:
+where its sides are equal, the slope of `where` is that of the chosen branch.
 """
 
 from collections.abc import Callable, Iterable
@@ -20,9 +20,9 @@ _ALWAYS: Guard = frozenset()
 
 
 class Slope:
-    """A derivative that is `value` where its guard holds, and 0 elsewhere, even if `value` is not finite there.
+    """A derivative that is `value` where its guard holds, and 0 elsewhere, even where `value` is not finite.
 
-    `where` multiplies by no mask: what the side not chosen makes of a root of zero or a pole stays there.
+    `where` does not multiply by a mask, so a root of zero or a pole in the other branch does not spread.
     """
 
     __slots__ = ("guard", "value")
@@ -32,7 +32,7 @@ class Slope:
 
     @property
     def vanishes(self) -> bool:
-        """Whether it is known to be 0: by its value, or by a guard that contradicts itself."""
+        """Whether it is known to be 0, by its value or by a contradictory guard."""
         if isinstance(self.value, float) and self.value == 0:
             return True
         return any(condition.op == "not" and condition.args[0] in self.guard for condition in self.guard)
@@ -47,7 +47,7 @@ class Slope:
         return Slope(self.value * inner.value, self.guard | inner.guard if inner.guard else self.guard)
 
     def __add__(self, other: "Slope") -> "Slope":
-        """Of two ways from an operand to a result."""
+        """The sum over two paths from an operand to a result."""
         if self.guard == other.guard:
             return Slope(self.value + other.value, self.guard)
         common = self.guard & other.guard
@@ -61,12 +61,12 @@ class Slope:
         return Slope(self._beyond(common) + other._beyond(common), common | {here | there})
 
     def _beyond(self, guard: Guard) -> Operand:
-        """The value with 0 in place where conditions fail that are not in this guard."""
+        """The value, with 0 where conditions fail that are not in this guard."""
         return Traced.where(_all(self.guard - guard), self.value, 0.0)
 
 
 def _all(conditions: Iterable[Condition]) -> Any:
-    """Whether all conditions hold, in an order that is the same each time."""
+    """Whether all conditions hold, in a deterministic order."""
     return reduce(lambda x, y: x & y, sorted(conditions, key=lambda c: c.serial), True)
 
 

@@ -1,4 +1,4 @@
-"""From a function to its graph: called once with traced scalars, it leaves what it does."""
+"""From a function to its graph: it is called once with traced scalars, which record its operations."""
 
 import inspect
 from collections.abc import Callable
@@ -14,12 +14,12 @@ from cutpoint.kernels.graphs.tracing import Operand, Traced, tracing
 
 
 def graph_of(function: Callable[..., Any], /, **inputs: int | tuple[int, ...]) -> Graph:
-    """The graph of a function, with nothing compiled.  Inputs as in `compile`."""
+    """The graph of a function, without compiling it.  Inputs as in `compile`."""
     return traced(function, [port(name, shape) for name, shape in inputs.items()])[0]
 
 
 def traced(function: Callable[..., Any], inputs: list[Port]) -> tuple[Graph, str | None]:
-    """The graph of a function of these inputs, and the name of the record it returns, None if it returns one array."""
+    """The graph of a function of these inputs, and the name of the record that it returns; None for one array."""
     with tracing() as trace:
         slots = iter([trace.node("input", k) for k in range(sum(p.size for p in inputs))])
         arguments = _bound(function, {p.name: nest(slots, p.shape) for p in inputs})
@@ -46,7 +46,7 @@ def name_of(function: Callable[..., Any]) -> str:
 
 
 def _is_of_traced_numbers(error: Exception) -> bool:
-    """Whether NumPy or Python refuses an operation because its operands are traced."""
+    """Whether NumPy or Python rejects an operation because its operands are traced."""
     told = str(error)
     return type(error).__module__.startswith("numpy") or any(x in told for x in ("Traced", "Condition", "ufunc"))
 
@@ -63,7 +63,7 @@ def _bound(function: Callable[..., Any], arguments: dict[str, Any]) -> dict[str,
 
 
 def _check_record(function: Callable[..., Any], record: str, fields: dict[str, Any]) -> None:
-    """Raises TraceError for a record that cannot be the NamedTuple of a kernel's outputs."""
+    """Raises TraceError for a record that cannot become the NamedTuple of a kernel's outputs."""
     if not fields:
         raise TraceError(f"{name_of(function)}: the {record} that it returns has no fields; a kernel needs an output")
     for name in fields:
@@ -80,7 +80,7 @@ def _flat(function: Callable[..., Any], name: str, value: Any) -> tuple[tuple[in
 
 
 def checked(function: Callable[..., Any], name: str, x: Any, trace: Trace) -> Operand:
-    """A number that may leave a kernel."""
+    """The number, checked to be a valid output of a kernel."""
     if isinstance(x, Traced) and x.trace is trace:
         return x
     if isinstance(x, Real):

@@ -1,8 +1,8 @@
-"""Traced: a number that remembers how it came about.
+"""Traced: a number that records how it was computed.
 
 A Traced is never constant: an operation whose result is known gives a plain float, so Python itself folds constants.
-x * 0, 0 / x and x - x are 0 and x / x is 1, whatever x turns out to be, 0, infinite or no number: a robot's zeros
-vanish by that, and robots' functions check at the door that numbers are finite.
+x * 0, 0 / x and x - x are 0 and x / x is 1, whatever x is at run time, even 0, infinite or NaN: that removes a robot's
+structural zeros, and robots' functions check on entry that numbers are finite.
 """
 
 import gc
@@ -34,7 +34,7 @@ def _operator(rule: Callable[[Any, Any], Any]) -> Callable[[Any, Any], Any]:
     def apply(self: "Traced", other: Any) -> Any:
         if isinstance(other, Traced):
             return rule(self, other)
-        if isinstance(other, (float, int, Real)):  # the first two are only quicker
+        if isinstance(other, (float, int, Real)):  # the first two only for speed
             return rule(self, as_float(other))
         return _yield_to(other)
 
@@ -42,14 +42,14 @@ def _operator(rule: Callable[[Any, Any], Any]) -> Callable[[Any, Any], Any]:
 
 
 def _yield_to(other: Any) -> Any:
-    """NotImplemented to kinds that know what to do with a Traced; a refusal to all others."""
+    """NotImplemented for types that can handle a Traced; a refusal for all others."""
     if getattr(other, "level", 0) > Traced.level or isinstance(other, np.ndarray):
         return NotImplemented
     refuse_operand(other)
 
 
 class Condition(Refusals, Node):
-    """A comparison of traced numbers: true or false only when the kernel runs.  Joined by `&`, `|` and `~`."""
+    """A comparison of traced numbers, decided only when the kernel runs.  Combined by `&`, `|` and `~`."""
 
     __slots__ = ()
     __array_ufunc__ = None
@@ -88,7 +88,7 @@ class Condition(Refusals, Node):
 
 
 class Traced(Refusals, Node):
-    """A real number of a trace.  Offers + - * / **, comparisons and the elementary functions."""
+    """A real number of a trace, with + - * / **, comparisons and the elementary functions."""
 
     __slots__ = ()
     level = 1
@@ -127,7 +127,7 @@ class Traced(Refusals, Node):
     def tan(self) -> Operand: return self._odd("tan")
     def tanh(self) -> Operand: return self._odd("tanh")
     def atan(self) -> Operand: return self._odd("atan")
-    arctan = atan  # what NumPy asks elements of an array for
+    arctan = atan  # the names by which NumPy calls methods of array elements
     def cos(self) -> Operand: return self.trace.node("cos", self.args[0] if self.op == "neg" else self)
     def exp(self) -> Operand: return self.trace.node("exp", self)
     def log(self) -> Operand: return self.trace.node("log", self)
@@ -151,11 +151,11 @@ class Traced(Refusals, Node):
         return yes if same else condition.trace.node("select", condition, yes, no)
 
     def __array_ufunc__(self, ufunc: Any, method: str, *arguments: Any, **options: Any) -> Any:
-        """Arithmetic with NumPy's floats, and element by element with arrays; functions are refused."""
+        """Arithmetic with NumPy's floats, and elementwise with arrays; functions are refused."""
         if ufunc.__name__ not in _OPERATORS or method != "__call__" or options:
             refuse_numpy(ufunc.__name__)
         if any(isinstance(x, np.ndarray) for x in arguments):
-            # as objects, comparisons too: those of numbers would ask a condition for its truth
+            # as objects, comparisons too: on numeric dtypes they would ask a condition for its truth value
             return ufunc(*[_boxed(x) if isinstance(x, Traced) else _as_objects(x) for x in arguments], dtype=object)
         return _OPERATORS[ufunc.__name__](*[x if isinstance(x, Traced) else _constant(x) for x in arguments])
 
@@ -175,14 +175,14 @@ def _boxed(x: Traced) -> np.ndarray:
 
 
 def _as_objects(x: Any) -> Any:
-    """Python's numbers in an array of NumPy's: these would call NumPy again."""
+    """An array of NumPy's numbers as Python's own: NumPy's would call NumPy again."""
     real = isinstance(x, np.ndarray) and x.dtype.kind in "fiu"
     return x.astype(np.float64).astype(object) if real else x
 
 
 @contextmanager
 def tracing() -> Iterator[Trace]:
-    """A fresh trace that ends with the block.  The garbage collector rests meanwhile: a trace only grows."""
+    """A new trace that ends with the block.  The garbage collector is off meanwhile: a trace only grows."""
     trace = Trace(Traced, Condition)
     was_enabled = gc.isenabled()
     gc.disable()

@@ -1,1 +1,1 @@
-"""A graph in primitives only, in an order that suits a processor: what all emitters have in common."""
+"""A graph in primitives only, scheduled for a processor: what all emitters have in common."""

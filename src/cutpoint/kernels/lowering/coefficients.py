@@ -1,4 +1,4 @@
-"""Numbers behind the elementary functions, for each precision.
+"""Coefficients of the elementary functions, for each precision.
 
 Double precision: sin, cos and log have the coefficients of fdlibm (Sun Microsystems, 1993), atan those of the Cephes
 library (S. L. Moshier).  Single precision: sin, cos and atan have those of Cephes' sinf.c and atanf.c, log those of
@@ -13,19 +13,19 @@ from cutpoint.kernels.graphs.precision import FLOAT32, FLOAT64, Precision
 
 
 class Coefficients(NamedTuple):
-    """Polynomials stand with their highest power first.  Numbers are rounded where they are used, if they are not yet.
+    """Polynomials are given with the highest power first.  Numbers not yet rounded are rounded where they are used.
 
     Attributes:
-        half_pi: positive parts that sum to pi / 2; of a negative one, 0 times it taken from -0.0 would be 0.0.
+        half_pi: positive parts that sum to pi / 2; with a negative part, -0.0 - 0 * part would be 0.0.
         ln2: parts that sum to log(2).
-        ln2_short: the same, the first with so few digits that it times any exponent is exact.
+        ln2_short: the same, the first short enough for its product with any exponent to be exact.
         sin: (sin(r) / r - 1) / r**2 by r**2; cos: (cos(r) - 1 + r**2 / 2) / r**4 by r**2.
         exp: (exp(r) - 1 - r) / r**2.
-        exp_least, exp_most: beyond these exp is 0 and infinite.
+        exp_least, exp_most: below and above these exp is 0 and infinite.
         tanh_most: from here on tanh is 1.
-        log: by s**2, times s**2: what log((1 + s) / (1 - s)) / s is more than 2.
+        log: log((1 + s) / (1 - s)) / s - 2 by s**2, times s**2.
         atan_over, atan_under: (atan(t) / t - 1) / t**2 by t**2, as a quotient of polynomials.
-        atan_middle: up to here atan takes its argument as it is.
+        atan_middle: up to here atan uses its argument unreduced.
     """
 
     precision: Precision

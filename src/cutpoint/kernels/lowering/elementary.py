@@ -1,9 +1,9 @@
 """Elementary functions in graph arithmetic, so that every target computes the same bits.
 
-All are branch-free, and say themselves where products and sums are fused.  NaN gives NaN, infinities give the limits,
-and odd functions of -0.0 give -0.0.
-`c` is the table of coefficients of a precision.  What they say of their error holds in both precisions where it names
-none; the error in single precision was measured at every float32 of the range.
+All are branch-free, with fused multiply-adds explicit.  NaN gives NaN, infinities give the limits, and odd functions of
+-0.0 give -0.0.
+`c` is the table of coefficients of a precision.  Error bounds hold in both precisions unless they name one; errors in
+single precision were measured at every float32 of the range.
 """
 
 import math
@@ -26,23 +26,23 @@ def cos(x: Any, c: Coefficients) -> Any:
 
 def tan(x: Any, c: Coefficients) -> Any:
     """Within 4 ulp for |x| <= 1e5; NaN beyond 1.7e15.  Single: within 4.9 ulp for |x| <= 3.2e6, NaN beyond 3.3e6."""
-    sine, cosine = _sin_cos(x, c, _polynomial)  # errors of both add up, so it takes the more exact
+    sine, cosine = _sin_cos(x, c, _polynomial)  # the errors of both add up, so it uses the more accurate polynomial
     return sine / cosine
 
 
 def _sin_cos(x: Any, c: Coefficients, polynomial: Callable[[Any, tuple[float, ...]], Any]) -> tuple[Any, Any]:
     """Both at once: Cody and Waite's reduction by multiples of pi/2, a polynomial each, then the quadrant."""
     y, n, r = _reduced(x, 2 / math.pi, c.half_pi, c)
-    z = _select(_turned_with(n, n, c) < 2.0 ** (c.precision.fraction - 2), r * r, math.nan)  # beyond, n is not whole
+    z = _select(_turned_with(n, n, c) < 2.0 ** (c.precision.fraction - 2), r * r, math.nan)  # beyond, n is no integer
     node = x.trace.node
-    cube = _fma(r, z, 0.0)  # not r * z: of r = -0.0 this is 0.0, so that the sum below keeps the sign of r
+    cube = _fma(r, z, 0.0)  # not r * z: for r = -0.0 this is 0.0, so that the sum below keeps the sign of r
     sine = node("flip", y, 1, _fma(cube, polynomial(z, c.sin), r))
     cosine = node("flip", y, 1, _fma(z * z, polynomial(z, c.cos), _fma(z, -0.5, 1.0)))
     return node("pick", y, 0, cosine, sine), node("pick", y, 0, -sine, cosine)
 
 
 def exp(x: Any, c: Coefficients) -> Any:
-    """Within 1 ulp, 1.1 ulp in single precision; 0 and infinity where the result is beyond all floats."""
+    """Within 1 ulp, 1.1 ulp in single precision; 0 on underflow and infinity on overflow."""
     bounded = _select(x < c.exp_least, c.exp_least, _select(x > c.exp_most, c.exp_most, x))
     _, n, r = _reduced(bounded, 1 / c.ln2[0], c.ln2, c)
     # in two steps, since 2**n may be subnormal or infinite where the result is not
@@ -83,7 +83,7 @@ def log(x: Any, c: Coefficients) -> Any:
 def atan(x: Any, c: Coefficients) -> Any:
     """Within 1 ulp, 2.3 ulp in single precision, and odd.
 
-    Cephes' method: the argument is brought below 0.66, below 0.42 in single, by atan(a) = constant + atan(t).
+    Cephes' method: the argument is reduced below 0.66, below 0.42 in single, by atan(a) = constant + atan(t).
     """
     size = _turned_with(x, x, c)
     steep, middle = size > 2.41421356237309504880, size > c.atan_middle
@@ -99,7 +99,7 @@ def atan(x: Any, c: Coefficients) -> Any:
 
 
 def _reduced(x: Any, per_unit: float, unit: tuple[float, ...], c: Coefficients) -> tuple[Any, Any, Any]:
-    """n + magic, which shows the bits of n; n, whole; and r = x - n unit, at most half a unit (given in parts)."""
+    """n + magic, whose low bits are n; the integer n; and r = x - n unit, at most half a unit (given in parts)."""
     y = _fma(x, per_unit, c.precision.magic)
     n = y - c.precision.magic
     r = x
@@ -114,7 +114,7 @@ def _fma(x: Any, y: Any, z: Any) -> Any:
 
 
 def _polynomial(x: Any, coefficients: tuple[float, ...]) -> Any:
-    """Horner's scheme by pairs, the highest power first: for one product more half as long to wait for."""
+    """Horner's scheme by pairs, the highest power first: one product more, half the latency."""
     odd = len(coefficients) % 2
     pairs = zip(coefficients[odd::2], coefficients[odd + 1 :: 2], strict=True)
     terms = [*coefficients[:odd], *(_fma(x, high, low) for high, low in pairs)]
@@ -125,10 +125,10 @@ def _polynomial(x: Any, coefficients: tuple[float, ...]) -> Any:
 
 
 def _by_steps(x: Any, coefficients: tuple[float, ...]) -> Any:
-    """Of degree five by p <- p (x**2 + a) + b, twice: a step takes one product where Horner's scheme takes two.
+    """Degree five by p <- p (x**2 + a) + b, twice: one product a step where Horner's scheme takes two.
 
     Eve, The evaluation of polynomials (Numerische Mathematik 6, 1964): -a are the roots of the odd part.  The larger a
-    comes first: then what the steps cancel, and so lose, is least.
+    comes first: this minimises cancellation in the steps.
     """
     if len(coefficients) != 6:
         return _polynomial(x, coefficients)
@@ -142,7 +142,7 @@ def _by_steps(x: Any, coefficients: tuple[float, ...]) -> Any:
 
 
 def _polynomial_in_halves(x: Any, coefficients: tuple[float, ...]) -> Any:
-    """Estrin's scheme, the highest power first: no less exact here than Horner's, and a third as long to wait for."""
+    """Estrin's scheme, the highest power first: no less accurate here than Horner's, at a third of the latency."""
     terms = [*reversed(coefficients)]
     while len(terms) > 1:
         pairs = [_fma(x, high, low) for low, high in zip(terms[::2], terms[1::2], strict=False)]
@@ -159,5 +159,5 @@ def _pow2(n: Any) -> Any:
 
 
 def _turned_with(x: Any, y: Any, c: Coefficients) -> Any:
-    """y, its sign turned where x is negative, or -0.0: |x| of x itself."""
+    """y, with its sign flipped where x is negative or -0.0: |x| for y = x."""
     return x.trace.node("flip", x, c.precision.bits - 1, y)

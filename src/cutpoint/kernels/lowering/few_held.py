@@ -1,9 +1,9 @@
-"""Orders of a graph's operations in which few numbers are held at once.
+"""Schedules of a graph's operations with low register pressure.
 
-A graphics processor hides its waits behind other threads, and has the fewer of them the more registers each takes.  No
-order is the best for all graphs, and a compiler changes it as it likes: these are candidates, and of them the one that
-asks for least beyond the registers, then for least in all.  On ten functions of arms that foretold by which order
-CUDA's compiler would spill least, or hold fewest registers, better than the most that is held at once.
+A GPU hides latency behind other threads, and the more registers each takes, the fewer can run.  No order is best for
+all graphs, and a compiler reorders at will: of these candidates the one is taken that asks for least beyond the
+registers, then for least in total.  On ten functions of arms that predicted the order for which CUDA's compiler would
+spill least, or use fewest registers, better than the maximum of live numbers does.
 Sethi and Ullman (1970), "The generation of optimal code for arithmetic expressions".
 """
 
@@ -23,7 +23,7 @@ Uses = Callable[[Order], Iterable[tuple[int, Node]]]
 
 
 def fewest_held(graph: Graph, reads: Uses, registers: int) -> Order:
-    """The graph's operations, operands before users, in that order of the candidates that holds the fewest numbers."""
+    """The graph's operations, operands before users, in the candidate order with the fewest live numbers."""
 
     def asks(order: Order) -> tuple[int, int]:
         found = numbers_held(order, reads(order))
@@ -33,7 +33,7 @@ def fewest_held(graph: Graph, reads: Uses, registers: int) -> Order:
 
 
 def numbers_held(order: Order, reads: Iterable[tuple[int, Node]]) -> list[int]:
-    """How many numbers are held at each operation: each from its own to the last that reads it."""
+    """Number of live numbers at each operation; a live range is from its definition to its last use."""
     last = {y.serial: k for k, x in enumerate(order) for y in _operands(x)}
     for k, x in reads:
         last[x.serial] = max(k, last.get(x.serial, k))
@@ -54,7 +54,7 @@ def _candidates(graph: Graph) -> list[Order]:
 
 
 def _needs(nodes: Sequence[Node]) -> dict[int, int]:
-    """Registers for each node, were it computed alone: the most demanding operand first, its result held meanwhile."""
+    """Registers for each node if computed alone: the most demanding operand first, its result held meanwhile."""
     need: dict[int, int] = {}
     for x in nodes:
         operands = sorted((need[y.serial] for y in _operands(x)), reverse=True)
@@ -77,7 +77,7 @@ def _by_need(results: Iterable[Node], need: dict[int, int]) -> Order:
 
 
 def _forwards(nodes: Sequence[Node]) -> Order:
-    """Of what has its operands, always what lets the most numbers go; of several, what has them since the shortest."""
+    """Always the ready operation that ends the most live ranges; of several, the latest to become ready."""
     users = _users(nodes)
     unread = {key: len(x) for key, x in users.items()}
     missing = {x.serial: len(_operands(x)) for x in nodes}
@@ -91,7 +91,7 @@ def _forwards(nodes: Sequence[Node]) -> Order:
         alone = list[Node]()
         for y in _operands(x):
             unread[y.serial] -= 1
-            if unread[y.serial] == 1:  # its last user now lets it go
+            if unread[y.serial] == 1:  # its last user now ends its live range
                 alone += [user for user in users[y.serial] if user.serial not in begun]
         for user in users[x.serial]:
             missing[user.serial] -= 1
@@ -101,7 +101,7 @@ def _forwards(nodes: Sequence[Node]) -> Order:
 
 
 def _backwards(nodes: Sequence[Node]) -> Order:
-    """The same from the last operation to the first: always what needs the fewest numbers that are not held already."""
+    """The same from the last operation to the first: always the one that makes the fewest more numbers live."""
     users = _users(nodes)
     unread = {key: len(x) for key, x in users.items()}
     held = set[int]()
@@ -125,18 +125,18 @@ def _greedily(
     growth: Callable[[Node], int],
     begin: Callable[[Node], tuple[list[Node], list[Node]]],
 ) -> Order:
-    """Always what grows least of what is ready, the latest first.
+    """Always the ready operation with the least growth, the latest first.
 
-    begin: returns what is ready then, and of what else the growth may have shrunk.
+    begin: returns the operations that become ready, and others whose growth may have shrunk.
     """
     order: Order = []
-    turn = {x.serial: -k for k, x in enumerate(reversed(ready))}  # of what waits
+    turn = {x.serial: -k for k, x in enumerate(reversed(ready))}  # of the waiting operations
     waiting = [(growth(x), turn[x.serial], x.serial, x) for x in ready]
     heapq.heapify(waiting)
     turns = count(len(turn))
     while waiting:
         grows, _, key, x = heapq.heappop(waiting)
-        if key not in turn or grows != growth(x):  # it has come before, or waits with less growth
+        if key not in turn or grows != growth(x):  # already scheduled, or waiting with less growth
             continue
         del turn[key]
         order.append(x)
@@ -157,5 +157,5 @@ def _users(nodes: Sequence[Node]) -> dict[int, list[Node]]:
 
 
 def _operands(x: Node) -> list[Node]:
-    """Without repetition."""
+    """Its operands without repetition."""
     return [*{y.serial: y for y in x.args if isinstance(y, Node)}.values()]

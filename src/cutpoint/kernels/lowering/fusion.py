@@ -1,10 +1,10 @@
-"""Contraction, decided once in the graph: sums take products in as fused multiply-adds, everywhere alike.
+"""Contraction, decided once in the graph: sums absorb products as fused multiply-adds, alike in every target.
 
-Signs are moved outward first.  Products that nothing else needs join the sum that their own sum is a term of:
-t + (a x + b y) takes two operations, not three.  Those that share a factor share a product: a x + a y is a (x + y).
-What is waited for longest comes in last.
-Numbers that are no products keep their places, so that (x + y) - y is what it was; in loops, one that the iteration
-before hands on late comes after the products.
+Signs are moved outward first.  Products with no other use join the sum that their own sum is a term of:
+t + (a x + b y) takes two operations, not three.  Common factors are factored out: a x + a y is a (x + y).
+The operand with the longest latency is added last.
+Terms that are not products keep their places, so that (x + y) - y is unchanged; in loops, one that is carried late from
+the previous iteration comes after the products.
 """
 
 import math
@@ -36,7 +36,7 @@ _AT_ONCE: Mapping[int, int] = MappingProxyType({})
 
 
 class Term(NamedTuple):
-    """What a sum adds (1) or takes away (-1): a product of two factors, or one number.
+    """A term that a sum adds (1) or subtracts (-1): a product of two factors, or one number.
 
     written: the product's serial in the graph.
     """
@@ -53,7 +53,7 @@ class Term(NamedTuple):
         return self._replace(sign=sign * self.sign)
 
     def beside(self, factor: Hashable) -> Operand | None:
-        """The other factor of a product with this one."""
+        """The cofactor of this one in the product."""
         if self.is_product:
             for x, y in (self.factors, self.factors[::-1]):
                 if key_of(x) == factor:
@@ -62,22 +62,22 @@ class Term(NamedTuple):
 
 
 def fuse(graph: Graph, arrivals: Mapping[int, int] = _AT_ONCE, *, again: bool = False) -> Graph:
-    """The graph with a * b + c, a * b - c and c - a * b as one operation wherever a * b is needed nowhere else.
+    """The graph with a * b + c, a * b - c and c - a * b as one operation wherever a * b has no other use.
 
-    arrivals: cycles after which an input slot's number comes, where that is later than others: see `recurrence`.
-    again: for code that waits for results more than for room: a product that several sums need, and nothing else, is
-        made again in each, and signs stay, so that like sums stay alike; no sum comes before a product that could take
-        one; long sums go in three parts.
+    arrivals: cycles after which an input slot's number is ready, where that is later than others: see `recurrence`.
+    again: for code bound by latency rather than throughput: a product used by several sums, and by nothing else, is
+    recomputed in each, and signs stay, so that like sums stay alike; no sum comes before a product that could take
+    one; long sums are split into three parts.
     """
     signed = graph if again else with_signs_outside(graph)
     return rewrite(signed, _Fusion(signed, arrivals, again).rule)
 
 
 class _Fusion:
-    """Of one graph.
+    """State of one graph's fusion.
 
-    uses: of its numbers, by serial.  shared: products that only sums need.  products: of which a sum consists that is
-    needed once.  there: the cycle in which a new number is.
+    uses: of its numbers, by serial.  shared: products that only sums use.  products: those of a sum that is used once.
+    there: the cycle in which a new number is ready.
     """
 
     def __init__(self, graph: Graph, arrivals: Mapping[int, int], again: bool) -> None:
@@ -112,7 +112,7 @@ class _Fusion:
         return self._products.get(x.serial) or [Term(1, (x,))]
 
     def _sum(self, terms: Sequence[Term], trace: Trace) -> Operand:
-        """All terms, one after another; where that may be, many products that come late in sums beside each other."""
+        """All terms, one after another; where allowed, many late products in parallel partial sums."""
         if not self._again:
             return self._one_after_another(self._in_order(self._factored(terms, trace)), trace)
         last = max((self._ready(t.factors) for t in terms if t.is_product), default=0)
@@ -130,7 +130,7 @@ class _Fusion:
         return self._made(trace, "add" if sign > 0 else "sub", rest, total)
 
     def _one_after_another(self, terms: Sequence[Term], trace: Trace) -> Operand:
-        """All terms onto the first that is added."""
+        """All terms accumulated onto the first that is added."""
         start = next((t for t in terms if t.sign > 0), None)
         if start is None:
             return self._made(trace, "neg", self._one_after_another([t.times(-1) for t in terms], trace))
@@ -149,7 +149,7 @@ class _Fusion:
         return total
 
     def _factored(self, terms: Sequence[Term], trace: Trace) -> Sequence[Term]:
-        """Products that share a factor as one product with a sum; the factor that most of them share goes first."""
+        """Products with a common factor as one product with a sum; the most common factor goes first."""
         counts = Counter(key for t in terms if t.is_product for key in dict.fromkeys(map(key_of, t.factors)))
         common, count = next(iter(counts.most_common(1)), (None, 0))
         if count < 2:
@@ -162,7 +162,7 @@ class _Fusion:
         return self._factored([*rest, Term(sign, (factor, others))], trace)
 
     def _in_order(self, terms: Sequence[Term]) -> Sequence[Term]:
-        """A number that is no product first: products fuse with it, unless a loop hands it on after they are there."""
+        """A term that is no product first: products fuse with it, unless a loop carries it later than they come."""
         products = [self._ready(t.factors) for t in terms if t.is_product]
         late = max(products) + _ABOUT_AT_ONCE if products and self._arrivals else math.inf
 

@@ -1,4 +1,4 @@
-"""How long a processor waits for results, about: what decides the order of operations, never their values."""
+"""Approximate latencies of operations: they decide the order of operations, never their values."""
 
 from cutpoint.kernels.graphs.nodes import ELEMENTARY
 
@@ -10,5 +10,5 @@ _OTHERS = 4
 
 
 def cycles(op: str) -> int:
-    """Of one operation."""
+    """Latency of one operation."""
     return _CYCLES.get(op, _OTHERS)

@@ -1,4 +1,4 @@
-"""Lowering: the graph with primitives only, as the emitters take it."""
+"""Lowering: the graph in primitives only, as emitters take it."""
 
 from collections.abc import Callable
 from dataclasses import replace
@@ -17,12 +17,12 @@ _FUNCTIONS = {op: getattr(elementary, op) for op in ELEMENTARY}
 
 
 def lower(graph: Graph) -> Graph:
-    """Products and sums fused, elementary functions replaced by their arithmetic, constants rounded, all in order."""
+    """Products and sums fused, elementary functions replaced by their arithmetic, constants rounded, all scheduled."""
     return in_primitives(fuse(graph))
 
 
 def in_primitives(graph: Graph) -> Graph:
-    """A graph that is fused already, in primitives, rounded and in order."""
+    """A graph that is already fused, in primitives, rounded and scheduled."""
     return scheduled(with_rounded_constants(expand(graph)))
 
 
@@ -37,7 +37,7 @@ def expand(graph: Graph) -> Graph:
 
 
 def with_rounded_constants(graph: Graph) -> Graph:
-    """The graph with every constant as its precision holds it."""
+    """The graph with every constant rounded to its precision."""
     if graph.precision is FLOAT64:
         return graph
 

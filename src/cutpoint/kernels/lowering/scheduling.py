@@ -1,9 +1,9 @@
 """The order in which a graph's operations are written for a processor.
 
-Compilers keep about the order that they are given, and a processor looks only some hundred operations ahead.  List
-scheduling fills its waits: of the operations whose operands are there, the one that most has to wait for comes next;
-once the registers are full, one that sets some free.  Cooper and Torczon (2012), chapter 12.  Beside depth-first order
-it was measured to save 10 to 30 % of the time of an arm's dynamics, in lanes and one by one, by LLVM and by gcc.
+Compilers roughly keep the order that they are given, and a processor looks only some hundred operations ahead.  List
+scheduling fills its stalls: of the ready operations the one on the longest path comes next; once the registers are
+full, one that frees some.  Cooper and Torczon (2012), chapter 12.  Against depth-first order it was measured to save 10
+to 30 % of the time of an arm's dynamics, in vector lanes and scalar code, by LLVM and by gcc.
 """
 
 from bisect import insort
@@ -45,7 +45,7 @@ results' place is claimed first.
 
 @dataclass(frozen=True, eq=False)
 class Scheduled(Graph):
-    """A graph whose nodes come in the order in which they are best written."""
+    """A graph whose nodes are in the order in which they are best emitted."""
 
     @cached_property
     def nodes(self) -> tuple[Node, ...]:
@@ -58,7 +58,7 @@ class Scheduled(Graph):
 
 
 def scheduled(graph: Graph) -> Scheduled:
-    """The same graph in that order, which is found when it is asked for."""
+    """The same graph in that order, which is computed on demand."""
     return Scheduled(graph.inputs, graph.outputs, graph.results, graph.precision)
 
 
@@ -75,9 +75,9 @@ def waits_for_stores(nodes: Sequence[Node], results: Sequence[object]) -> bool:
 class _Schedule:
     """Nodes by their place in depth-first order.
 
-    operands, users: of each, without repetition.  missing: operands that have not begun.  unread: users that have not.
-    growth: how many more registers are held once it has begun.  there: cycle in which its operands are.
-    rank: the first has the longest way from its beginning to the last result that waits for it.
+    operands, users: of each, without repetition.  missing: operands not yet issued.  unread: users not yet issued.
+    growth: how many more registers are live once it is issued.  there: cycle in which its operands are ready.
+    rank: the first has the longest path from its issue to the last result that depends on it.
     """
 
     def __init__(self, nodes: Sequence[Node]) -> None:
@@ -105,7 +105,7 @@ class _Schedule:
         return ranks
 
     def order(self, ahead: int) -> list[int]:
-        """ahead: how many are looked at from the first, in depth-first order, that has not begun."""
+        """ahead: size of the window from the first operation, in depth-first order, that is not yet issued."""
         order: list[int] = []
         ready: list[int] = []
         slot = held = first = seen = 0
@@ -128,13 +128,13 @@ class _Schedule:
         return order
 
     def _join(self, ready: list[int], others: Iterable[int]) -> None:
-        """Those of them that have all their operands."""
+        """Adds those that have all their operands."""
         for k in others:
             if not self._missing[k]:
                 insort(ready, k, key=self._rank.__getitem__)
 
     def _begin(self, k: int, cycle: int) -> list[int]:
-        """What has now all its operands."""
+        """Issues k; returns the operations that now have all their operands."""
         self._begun.add(k)
         for operand in self._operands[k]:
             self._unread[operand] -= 1
@@ -145,6 +145,6 @@ class _Schedule:
         return [user for user in self._users[k] if not self._missing[user]]
 
     def _free(self, operand: int) -> None:
-        """Its register, by the last that reads it."""
+        """Notes that its only remaining user will free its register."""
         if self._unread[operand] == 1:
             self._growth[next(user for user in self._users[operand] if user not in self._begun)] -= 1

@@ -1,7 +1,7 @@
-"""Elementary functions of one call, side by side: a processor takes the sines of all joints in one vector.
+"""Elementary functions of one call, vectorised: the sines of all joints are computed in one vector.
 
-Those that do not wait for each other are groups; what is left reads their values as inputs and gives their arguments as
-results.  No bit changes: a number in a vector is computed as it would be alone.
+Mutually independent ones form groups; the rest of the graph reads their values as inputs and gives their arguments as
+results.  No bit changes: each lane computes as scalar code would.
 """
 
 from collections.abc import Callable, Iterator, Mapping
@@ -25,10 +25,10 @@ _FEWEST = 2
 
 @dataclass(frozen=True)
 class Group:
-    """The same functions of several numbers.
+    """The same functions of several arguments.
 
-    graph: the functions of one input, lowered.  arguments: results of what is left that they are functions of.
-    values: inputs of what is left that each function's values are.
+    graph: the functions of one input, lowered.  arguments: results of the rest that are their arguments.
+    values: inputs of the rest that take each function's values.
     """
 
     graph: Graph
@@ -38,14 +38,14 @@ class Group:
 
 @dataclass(frozen=True)
 class SideBySide:
-    """groups: none has an argument that needs a later one.  rest: what is left, lowered."""
+    """groups: no argument depends on a later group.  rest: the rest of the graph, lowered."""
 
     groups: tuple[Group, ...]
     rest: Graph
 
 
 def side_by_side(graph: Graph, width: int) -> SideBySide:
-    """A graph whose functions are yet to be lowered, for vectors of so many numbers."""
+    """Splits a graph, with its functions not yet lowered, for vectors of this width."""
     fused, groups = fuse(graph), []
     slot, slots = sum(p.size for p in graph.inputs), {}
     results = [*fused.results]
@@ -62,7 +62,7 @@ def side_by_side(graph: Graph, width: int) -> SideBySide:
 
 
 def _grouped(graph: Graph, width: int) -> Iterator[tuple[tuple[str, ...], list[Node]]]:
-    """Functions and their arguments, at most a vector of them; those that need others' values come after them."""
+    """Functions and their arguments, at most a vector each; those that depend on others' values come after them."""
     depth: dict[int, int] = {}
     found: dict[tuple[int, tuple[str, ...]], dict[int, Node]] = {}
     for x in graph.nodes:
@@ -78,7 +78,7 @@ def _grouped(graph: Graph, width: int) -> Iterator[tuple[tuple[str, ...], list[N
 
 
 def _without(graph: Graph, slots: Mapping[tuple[str, int], int], results: list[Operand]) -> Graph:
-    """With these results, and inputs where functions stood: slots by function and serial of its argument."""
+    """The graph with these results, and inputs in place of functions: slots by function and serial of its argument."""
     values, arguments = Port("values", (len(slots),)), Port("arguments", (len(results) - len(graph.results),))
     inputs, outputs = (*graph.inputs, values), (*graph.outputs, arguments)
 

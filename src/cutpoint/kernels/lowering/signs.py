@@ -1,4 +1,4 @@
-"""Signs moved outward, so that x - y and y - x are one operation: sums take them in, and products hand them on.
+"""Signs moved outward, so that x - y and y - x are one operation: sums absorb them, and products pass them on.
 
 Where x and y are equal, one of the two is -0.0.
 """
@@ -18,7 +18,7 @@ def with_signs_outside(graph: Graph) -> Graph:
 
 
 def _with_signs_inside(graph: Graph) -> Graph:
-    """The graph with y - x in place of -(x - y) where nothing else needs x - y, and the same of a constant factor."""
+    """The graph with y - x in place of -(x - y) where x - y has no other use; likewise for a constant factor."""
 
     def rule(x: Node, operands: list[Operand], new: Callable[[Any], Operand], trace: Trace) -> Operand:
         if x.op == "neg" and graph.uses[x.args[0].serial] == 1:
@@ -33,7 +33,7 @@ def _with_signs_inside(graph: Graph) -> Graph:
 
 
 class _Signs:
-    """Of one graph.  differences: those made so far, by the serials of their operands."""
+    """State for one graph.  differences: those made so far, by the serials of their operands."""
 
     def __init__(self) -> None:
         self._differences: dict[tuple[Any, ...], Operand] = {}
@@ -50,7 +50,7 @@ class _Signs:
         return self._sum(first, second if x.op == "add" else -second, a, b, trace)
 
     def _sum(self, first: int, second: int, x: Operand, y: Operand, trace: Trace) -> Operand:
-        """Of two numbers with these signs."""
+        """The sum of two numbers with these signs."""
         if first == second:
             return _signed(first, algebra.add(x, y))
         key, opposite = (key_of(x), key_of(y)), (key_of(y), key_of(x))
@@ -61,7 +61,7 @@ class _Signs:
 
 
 def _parted(x: Operand) -> tuple[int, Operand]:
-    """A number's sign and what is left of it."""
+    """A number split into its sign and the rest."""
     return (-1, x.args[0]) if isinstance(x, Node) and x.op == "neg" else (1, x)
 
 

@@ -1,1 +1,1 @@
-"""Machine code by LLVM: its text for one element and for batches, its making, its cache on disk."""
+"""Machine code by LLVM: its IR for one element and for batches, compilation, the cache on disk."""

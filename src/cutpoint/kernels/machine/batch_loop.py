@@ -1,8 +1,8 @@
 """LLVM IR of a graph over a batch, in the calling convention of NumPy's generalised ufuncs.
 
-The loop receives a pointer for each argument, the batch length, and strides in bytes: first each argument's step
-through the batch, then its steps through its own axes.  If one is not C-contiguous, or an output is an input, all go
-through scratch memory.  Otherwise packs take what they can of a long batch, and the loop the rest: see Packs.
+The loop receives a pointer for each argument, the batch length, and strides in bytes: first each argument's stride
+along the batch, then those along its own axes.  If one is not C-contiguous, or an output is an input, all go through
+scratch memory.  Otherwise packs take most of a long batch, and the loop the remainder: see Packs.
 """
 
 from collections.abc import Sequence
@@ -39,7 +39,7 @@ class _Argument:
         self.here = ""
 
     def is_tidy(self, code: Code) -> list[str]:
-        """Conditions that together say that the argument's own axes are C-contiguous."""
+        """Conditions whose conjunction is that the argument's own axes are C-contiguous."""
         sizes = [self._precision.item * n for n in row_lengths(self.port.shape)]
         return [code.let(f"icmp eq i64 {s}, {n}") for s, n in zip(self.strides, sizes, strict=True)]
 
@@ -47,7 +47,7 @@ class _Argument:
         self.here = code.at(self.start, code.let(f"mul i64 {self.step}, {index}"), "i8")
 
     def copy(self, code: Code, *, inward: bool) -> None:
-        """Between the argument and its scratch memory, element by element."""
+        """Copies between the argument and its scratch memory, element by element."""
         kind = self._precision.real
         with code.loop(self.port.size) as loop:
             outside = self.here
@@ -62,8 +62,7 @@ class _Argument:
 def batch_loop(graph: Graph, inputs: Sequence[Port], outputs: Sequence[Port], lanes: int, width: int | None) -> str:
     """The module's text.  The ports are the graph's own, less those of size 0.
 
-    lanes: how many numbers the processor takes side by side.  width: how many elements a pack holds; None if there are
-    no packs.  The graph has yet to be lowered.
+    lanes: the processor's vector width.  width: elements in a pack; None without packs.  The graph is not yet lowered.
     """
     code = Code()
     arguments, first_stride = [], len(inputs) + len(outputs)
@@ -85,7 +84,7 @@ def batch_loop(graph: Graph, inputs: Sequence[Port], outputs: Sequence[Port], la
 
 
 def _is_apart(code: Code, arguments: list[_Argument], inputs: int) -> list[str]:
-    """Conditions that together say that no result overwrites what is still to be read.
+    """Conditions whose conjunction is that no result overwrites data still to be read.
 
     NumPy hands over copies where memory overlaps, except where an output is an input itself.
     """
@@ -94,7 +93,7 @@ def _is_apart(code: Code, arguments: list[_Argument], inputs: int) -> list[str]:
 
 
 def _packed(code: Code, arguments: list[_Argument], count: str, tidy: str, width: int) -> str:
-    """Runs the packs, made when a batch is first worth it; how many elements they took."""
+    """Runs the packs, compiled when a batch is first worth it; returns how many elements they took."""
     names = ("check", "wanted", "make", "made", "run", "again", "rest")
     check, wanted, make, made, run, again, rest = map(code.name, names)
     pointers = code.let(f"alloca [{len(arguments)} x ptr]")
@@ -126,12 +125,12 @@ def _packed(code: Code, arguments: list[_Argument], count: str, tidy: str, width
 
 
 def _loop_over_packs(code: Code) -> str:
-    """Its address, null before it is made; another thread may be making it."""
+    """Its address, null before it is compiled; another thread may be compiling it."""
     return code.let("load atomic ptr, ptr %data acquire, align 8")
 
 
 def _one(code: Code, inputs: list[_Argument], outputs: list[_Argument], tidy: str) -> None:
-    """One element of the batch."""
+    """Runs one element of the batch."""
     gather, compute, scatter, end = (code.name(x) for x in ("gather", "compute", "scatter", "end"))
     code.branch(tidy, compute, gather)
     code.open(gather)

@@ -1,4 +1,4 @@
-"""LLVM IR of a graph over blocks: arrays that hold as many elements side by side as the processor has lanes.
+"""LLVM IR of a graph over blocks: arrays that interleave as many elements as the processor has lanes.
 
 A block is (*shape, width) in C order, so every number of a port is one vector in memory and nothing is transposed.
 """
@@ -36,7 +36,7 @@ class _Memory:
 def block_loop(graph: Graph, inputs: Sequence[Port], outputs: Sequence[Port], width: int) -> str:
     """The module's text, in the calling convention of NumPy's generalised ufuncs; blocks are C-contiguous.
 
-    The ports are the graph's own.  An output may be an input: results wait in scratch memory then.
+    The ports are the graph's own.  An output may be an input: results are then buffered in scratch memory.
     """
     code, lanes = Code(), Lanes(width, graph.precision)
     scratch = [code.let(f"alloca {lanes.real}, i64 {port.size}") for port in outputs]
@@ -63,13 +63,13 @@ def block_loop(graph: Graph, inputs: Sequence[Port], outputs: Sequence[Port], wi
         for port, source, target in zip(outputs, scratch, targets, strict=True):
             _move(code, lanes, port.size, source, target.here, streams)
         code.label(end)
-    # stores past the caches keep no order; whoever reads the results finds them
+    # non-temporal stores are weakly ordered; the fence makes them visible to readers of the results
     code.lines.append("fence seq_cst")
     return "\n".join([lanes.declarations, PREFETCH, ufunc_loop(FUNCTION, code, for_blocks(graph)), "!0 = !{i32 1}", ""])
 
 
 def _block(code: Code, graph: Graph, lanes: Lanes, read: list[tuple[str, int]], write: list[tuple[str, int]]) -> None:
-    """One block from memory to memory; constants are stored all along, since memory takes so much at a time."""
+    """One block from memory to memory; stores of constants are spread over it, since store bandwidth is limited."""
 
     def store(slot: int, value: str) -> None:
         code.store(value, *write[slot], lanes.real, align=lanes.item)  # all that NumPy promises
@@ -84,7 +84,7 @@ def _block(code: Code, graph: Graph, lanes: Lanes, read: list[tuple[str, int]], 
 
 
 def _streams(code: Code, arguments: list[_Memory], targets: list[_Memory], count: str, lanes: Lanes) -> str:
-    """Whether results go past the caches: the call is long enough, and results begin where vectors may."""
+    """Whether stores are non-temporal: the call is long enough, and results are aligned to vectors."""
     total, places = "0", "0"
     for argument in arguments:
         total = code.let(f"add i64 {total}, {argument.step}")
@@ -97,7 +97,7 @@ def _streams(code: Code, arguments: list[_Memory], targets: list[_Memory], count
 
 
 def _move(code: Code, lanes: Lanes, size: int, source: str, target: str, streams: str) -> None:
-    """Results that waited in scratch memory."""
+    """Moves results that were buffered in scratch memory."""
     past, through, end = code.name("past"), code.name("through"), code.name("end")
     code.branch(streams, past, through)
     whole = lanes.item * lanes.width

@@ -1,9 +1,9 @@
-"""Machine code on disk, so that a second start does not compile.
+"""Machine code cached on disk, so that a second start does not compile.
 
-A folder holds an entry a key: a header that names the key and the length and digest of the code, then the code.  What
-stands in the way of keeping code - no home, a full disk, a folder that others may write to - turns the cache off, never
-the work that would have used it: code is then compiled each time.  Entries appear whole under their names or not at
-all, so that processes at once, and those that are killed, leave nothing that misleads the next.
+A folder holds one entry per key: a header with the key and the length and digest of the code, then the code.  Whatever
+prevents caching - no home, a full disk, a folder that others may write to - disables the cache but never the work that
+would have used it: code is then compiled each time.  Entries are created atomically, so that concurrent processes, and
+killed ones, leave nothing that misleads the next.
 """
 
 import hashlib
@@ -34,19 +34,19 @@ _ABANDONED = 3600.0
 
 
 def key_of(*parts: str) -> bytes:
-    """A digest of everything that decides what the code is."""
+    """A digest of everything that determines the code."""
     return hashlib.sha256(b"".join(hashlib.sha256(part.encode()).digest() for part in parts)).digest()
 
 
 class Cache:
-    """Code by key, in a folder of the user's own; see `user_folder`."""
+    """Code by key, in a private folder of the user; see `user_folder`."""
 
     def __init__(self, folder: Path | None, largest: int = LARGEST_FOLDER) -> None:
-        """folder: None keeps nothing.  largest: what it may hold, in bytes."""
+        """folder: None to cache nothing.  largest: its capacity, bytes."""
         self._folder, self._largest, self._writes = folder, largest, 0
 
     def read(self, key: bytes) -> bytes | None:
-        """The code kept under a key, verified; None if there is none that can be trusted."""
+        """The code cached under a key, verified; None if there is none that can be trusted."""
         path = self._path(key)
         if path is None:
             return None
@@ -54,13 +54,13 @@ class Cache:
             content = _own_content(path)
             code = content[_HEADER.size :]
             if content[: _HEADER.size] == _header(key, code):
-                with suppress(OSError):  # a file system may be there to be read only
+                with suppress(OSError):  # the file system may be read-only
                     os.utime(path)
                 return code
         return None
 
     def write(self, key: bytes, code: bytes) -> None:
-        """Keeps code, in place of what was there, if it can be kept."""
+        """Caches code, replacing an earlier entry, if possible."""
         path = self._path(key)
         if path is None:
             return
@@ -74,7 +74,7 @@ class Cache:
         return self._folder / f"{key.hex()}{_SUFFIX}" if self._folder and _is_own_folder(self._folder) else None
 
     def _discard(self, folder: Path) -> None:
-        """Down to what the folder may hold, and without what killed processes have left."""
+        """Evicts entries down to the folder's capacity, and removes leftovers of killed processes."""
         with os.scandir(folder) as entries:
             found = [(entry.stat().st_mtime, entry.stat().st_size, entry.path) for entry in entries]
         room = self._largest
@@ -87,11 +87,11 @@ class Cache:
 
 
 def user_folder() -> Path | None:
-    """Where the user's code is kept: as the environment says, else with the user's other caches; None for nowhere."""
+    """The folder of the user's code: from the environment, else among the user's caches; None for no caching."""
     named = os.environ.get(VARIABLE)
     if named == "":
         return None
-    with suppress(OSError, RuntimeError):  # there may be no home, and no working directory
+    with suppress(OSError, RuntimeError):  # there may be no home and no working directory
         # a folder inside, to be closed to others where the one that was named is not
         return (Path(named).absolute() if named else _caches() / "cutpoint") / "kernels"
     return None
@@ -99,7 +99,7 @@ def user_folder() -> Path | None:
 
 @contextmanager
 def not_kept() -> Generator[None, None, None]:
-    """For those who time compilation: nothing is read from disk, and nothing kept."""
+    """Disables the cache, both reads and writes: for timing compilation."""
     before = os.environ.get(VARIABLE)
     os.environ[VARIABLE] = ""
     try:
@@ -111,7 +111,7 @@ def not_kept() -> Generator[None, None, None]:
 
 
 def _caches() -> Path:
-    """The folder of the user's caches, by the customs of the platform (XDG Base Directory Specification 0.8)."""
+    """The user's cache folder by the platform's conventions (XDG Base Directory Specification 0.8)."""
     if sys.platform == "win32":
         return Path(os.environ.get("LOCALAPPDATA") or Path.home() / "AppData" / "Local")
     if sys.platform == "darwin":
@@ -121,7 +121,7 @@ def _caches() -> Path:
 
 
 def _is_own_folder(folder: Path) -> bool:
-    """Whether the folder, made if it is not there, is the user's and closed to all others."""
+    """Whether the folder, created if missing, is the user's own and closed to others."""
     try:
         folder.mkdir(mode=0o700, parents=True, exist_ok=True)
         found = os.lstat(folder)
@@ -131,12 +131,12 @@ def _is_own_folder(folder: Path) -> bool:
 
 
 def _is_own(found: os.stat_result, forbidden: int) -> bool:
-    """Whether something is this user's, with none of these permissions; Windows keeps such folders by other means."""
+    """Whether this user owns it, with none of these permissions; Windows protects such folders by other means."""
     return not hasattr(os, "geteuid") or (found.st_uid == os.geteuid() and not found.st_mode & forbidden)
 
 
 def _own_content(path: Path) -> bytes:
-    """What a file of the user's own holds.
+    """The content of a file that the user owns.
 
     Raises:
         OSError: there is none.

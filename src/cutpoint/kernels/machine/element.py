@@ -18,8 +18,8 @@ FUNCTION = "element"
 def element(graph: Graph, inputs: Sequence[Port], outputs: Sequence[Port], width: int) -> str:
     """The function's text: void element(const real *input, ..., real *output, ...), each C-contiguous.
 
-    Outputs must not overlap inputs.  The ports are the graph's own, less those of size 0.  width: how many
-    numbers the processor takes side by side.  The graph has yet to be lowered.
+    Outputs must not overlap inputs.  The ports are the graph's own, less those of size 0.  width: the processor's
+    vector width.  The graph is not yet lowered.
     """
     code, count, parts = Code(), len(inputs) + len(outputs), side_by_side(graph, width)
     lanes, wide = (Lanes(x, graph.precision) for x in (1, width))
@@ -36,7 +36,7 @@ def element(graph: Graph, inputs: Sequence[Port], outputs: Sequence[Port], width
         return wide.one_of(code, *in_vectors[slot]) if slot in in_vectors else code.load(*read[slot], lanes.real)
 
     def ready(slot: int, value: str) -> None:
-        # each result leaves as soon as it is there, so that few must be held at a time
+        # each result is stored as soon as it is computed, to keep register pressure low
         if slot < len(write):
             code.store(value, *write[slot], lanes.real)
 
@@ -53,7 +53,7 @@ def element(graph: Graph, inputs: Sequence[Port], outputs: Sequence[Port], width
 
 
 def _constants(code: Code, graph: Graph, lanes: Lanes, outputs: Mapping[str, Port]) -> None:
-    """Results that are known beforehand, in the memory of the outputs; zeros in a row by as few stores as it takes."""
+    """Stores constant results to the outputs; consecutive zeros by as few stores as possible."""
     for pointer, port in outputs.items():
         slot = 0
         for is_zero, some in groupby(graph.output(port.name), _is_zero):
@@ -67,5 +67,5 @@ def _constants(code: Code, graph: Graph, lanes: Lanes, outputs: Mapping[str, Por
 
 
 def _is_zero(x: Operand) -> bool:
-    """Whether a result is zero, all bits of it."""
+    """Whether all bits of a result are zero."""
     return isinstance(x, float) and x == 0 and math.copysign(1, x) > 0

@@ -1,4 +1,4 @@
-"""Locks in a child process: fork copies those that the parent's other threads hold, and leaves nobody to open them."""
+"""Locks in a child process: fork copies those that other threads of the parent hold, and nobody releases them."""
 
 import os
 import sys
@@ -12,7 +12,7 @@ _locks: "WeakSet[threading.Lock]" = WeakSet()
 
 
 def new_lock() -> threading.Lock:
-    """A lock that a child process finds open.  What it guards must be whole, or be made anew, at any time."""
+    """A lock that is released in a child process.  What it guards must be consistent, or rebuildable, at any time."""
     lock = threading.Lock()
     _locks.add(lock)
     return lock
@@ -28,7 +28,7 @@ def _open_all() -> None:
 
 
 def _cached_properties() -> Iterator[dict[str, Any]]:
-    """What those of this package consist of."""
+    """The cached properties of this package's classes."""
     modules = [x for name, x in sys.modules.items() if name.partition(".")[0] == "cutpoint"]
     for kind in {x for module in modules for x in vars(module).values() if isinstance(x, type)}:
         yield from (vars(x) for x in vars(kind).values() if isinstance(x, cached_property))

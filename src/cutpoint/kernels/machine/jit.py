@@ -1,7 +1,7 @@
-"""Machine code in this process, by LLVM, made once and then kept on disk.
+"""In-process machine code by LLVM, compiled once and then cached on disk.
 
-The graph is simplified already: LLVM's own passes were measured to change the run time by less than 2 % and to add a
-third to the compile time, so the code generator works on the text as it stands.
+The graph is already simplified: LLVM's own passes were measured to change the run time by less than 2 % and to add a
+third to the compile time, so the code generator takes the IR unoptimised.
 """
 
 import itertools
@@ -20,7 +20,7 @@ from cutpoint.kernels.machine.forks import new_lock
 from cutpoint.kernels.machine.loading_time import LOADED_AT
 from cutpoint.kernels.machine.waiting import interruptible
 
-OPTIMISATION = 2  # of the code generator; 1 and 3 were measured to be neither quicker to compile nor to run
+OPTIMISATION = 2  # of the code generator; 1 and 3 were measured to be faster neither to compile nor to run
 _LINKS = 64
 """That one linker serves: it remembers some 9 kB of each, though the code be gone, until it goes itself."""
 
@@ -30,14 +30,14 @@ _serials = itertools.count()
 
 _llvm = getattr(binding.ffi.lib, "_lock", None)  # of llvmlite's own, held during every call
 if _llvm is not None and hasattr(os, "register_at_fork"):
-    # a fork waits until LLVM rests: what other threads have half done in it no child process could finish
+    # fork waits until LLVM is idle: a child process could not finish work of other threads in it
     os.register_at_fork(before=_llvm.__enter__, after_in_parent=_llvm.__exit__, after_in_child=_llvm.__exit__)
 
 
 class Unwritten(NamedTuple):
-    """A module's text that is not written where its code is found on disk.
+    """A module's text that need not be written if its code is in the disk cache.
 
-    by: all that decides the text, but for the modules that write it.
+    by: everything that determines the text, apart from the modules that write it.
     """
 
     by: tuple[object, ...]
@@ -45,7 +45,7 @@ class Unwritten(NamedTuple):
 
 
 class Compiled:
-    """Functions in memory; their code lives as long as this object.
+    """Functions loaded in memory; their code lives as long as this object.
 
     Attributes:
         address: of the first function.
@@ -59,7 +59,7 @@ class Compiled:
         symbols: Mapping[str, int] | None = None,
         optimisation: int = OPTIMISATION,
     ) -> None:
-        """symbols: addresses of what the text declares; what is kept on disk names them, and holds no address.
+        """symbols: addresses of the text's declarations; cached code refers to them by name, without addresses.
 
         optimisation: of the code generator, 0 to 3.
         """
@@ -76,14 +76,14 @@ class Compiled:
 
 
 def object_code(ir: str | Unwritten, optimisation: int) -> bytes:
-    """An object file of a module's text: from disk if it has been made before, by this user for this processor."""
+    """A module's object file: from disk if this user has compiled it before for this processor."""
     if not (isinstance(ir, str) or _are_as_loaded()):
         ir = ir.write()
     told = ir if isinstance(ir, str) else repr((ir.by, _writers()))
     kept, key = _cache(user_folder()), key_of(told, str(optimisation), *_surroundings())
 
     def made() -> bytes:
-        with _generator:  # another thread may just have made it
+        with _generator:  # another thread may just have compiled it
             code = kept.read(key)
             if code is None:
                 code = _emitted(ir if isinstance(ir, str) else ir.write(), optimisation)
@@ -101,7 +101,7 @@ def _emitted(ir: str, optimisation: int) -> bytes:
 
 @cache
 def _surroundings() -> tuple[str, ...]:
-    """What decides, besides its text, what a module's code is."""
+    """Everything, apart from its text, that determines a module's code."""
     from cutpoint import __version__
 
     versions = (__version__, llvmlite.__version__, str(binding.llvm_version_info))
@@ -110,9 +110,9 @@ def _surroundings() -> tuple[str, ...]:
 
 @cache
 def _writers() -> tuple[tuple[str, int, int], ...]:
-    """The files that write modules, as they are: a changed one may write another text.
+    """The current contents of the files that write modules: a changed one may write other text.
 
-    Empty where the package is bundled into one file: then the version stands for it.
+    Empty where the package is bundled into one file: then the version stands for them.
     """
     kernels = Path(__file__).parents[1]
     found = ((x.relative_to(kernels), x.stat()) for x in kernels.rglob("*.py"))
@@ -120,8 +120,8 @@ def _writers() -> tuple[tuple[str, int, int], ...]:
 
 
 def _are_as_loaded() -> bool:
-    """Whether the writers' files are those that this process has loaded, as far as their times tell: another text may
-    come of what it has in memory."""
+    """Whether the writers' files are those that this process has loaded, judging by their times: otherwise its modules
+    in memory may write other text."""
     return all(written < LOADED_AT for *_, written in _writers())
 
 
@@ -146,14 +146,14 @@ def _machine(optimisation: int) -> binding.TargetMachine:
 
 @lru_cache(maxsize=1)
 def _linker(number: int) -> binding.LLJIT:
-    """One after the other; what it has linked keeps it in memory when its turn is over."""
-    # code reaches no farther than 2 GiB for its constants: JITLink lays them beside it, whatever holes memory has; the
-    # older linker, which LLVM still prefers for Windows, does not
+    """The linkers in rotation; one stays in memory after its turn for the code that it has linked."""
+    # code addresses its constants within 2 GiB: JITLink places them next to it, however fragmented memory is; the older
+    # # linker, which LLVM still prefers on Windows, does not
     return binding.create_lljit_compiler(_machine(OPTIMISATION), use_jit_link=sys.platform != "win32")
 
 
 @cache
 def vector_width() -> int:
-    """How many float64 numbers one instruction of this processor takes."""
+    """This processor's vector width, in float64 numbers."""
     features = binding.get_host_cpu_features()
     return 8 if features.get("avx512f") else 4 if features.get("avx2") else 2

@@ -1,4 +1,4 @@
-"""LLVM IR that moves numbers of arrays with any strides to lanes in scratch memory, and back."""
+"""LLVM IR that gathers numbers of arrays with any strides into lanes in scratch memory, and scatters them back."""
 
 from collections.abc import Callable
 
@@ -9,10 +9,10 @@ from cutpoint.kernels.machine.transposition import blocks, lanes_of_rows, lanes_
 
 
 class LaneMemory:
-    """One port's array, with any strides, and lanes in scratch memory.
+    """One port's array, with any strides, and its lanes in scratch memory.
 
-    Three ways lead from one to the other: where elements are neighbours in memory their numbers are lanes already;
-    where each element is C-contiguous rows are transposed; all else, and the end of a batch, goes number by number.
+    Three paths between them: elements adjacent in memory already form lanes; C-contiguous elements are rows that are
+    transposed; everything else, and the end of a batch, goes number by number.
     """
 
     def __init__(self, code: Code, lanes: Lanes, port: Port, number: int, first_stride: int) -> None:
@@ -25,12 +25,12 @@ class LaneMemory:
         self._beside = code.let(f"icmp eq i64 {self._step}, {lanes.item}")
         self._tidy = "true"
         for stride, n, length in zip(self._strides, row_lengths(port.shape), port.shape, strict=True):
-            if length == 1:  # NumPy says 0
+            if length == 1:  # NumPy gives 0
                 continue
             self._tidy = code.let(f"and i1 {self._tidy}, {code.let(f'icmp eq i64 {stride}, {lanes.item * n}')}")
 
     def prepare(self, code: Code) -> None:
-        """Once before the batch: how many bytes each number lies behind its element's first."""
+        """Once before the batch: the byte offset of each number from its element's first."""
         with code.loop(self._port.size) as loop:
             offset = "0"
             for n, length, stride in zip(row_lengths(self._port.shape), self._port.shape, self._strides, strict=True):
@@ -39,7 +39,7 @@ class LaneMemory:
             code.store(offset, self._offsets, loop.iteration, "i64")
 
     def fetch(self, code: Code, first: str, count: str) -> None:
-        """To lanes, from the first element of a pack on; what is the same for the whole batch is fetched once."""
+        """Gathers a pack into lanes, from its first element on; numbers shared by the whole batch are fetched once."""
         fetch, end = code.name("fetch"), code.name("fetched")
         begins, moves = code.let(f"icmp eq i64 {first}, 0"), code.let(f"icmp ne i64 {self._step}, 0")
         code.branch(code.let(f"or i1 {begins}, {moves}"), fetch, end)
@@ -48,7 +48,7 @@ class LaneMemory:
         code.label(end)
 
     def deliver(self, code: Code, first: str, count: str) -> None:
-        """From lanes."""
+        """Scatters lanes to the array."""
         self._by_the_best_way(code, first, count, self._deliver_beside, self._deliver_rows, self._deliver_numbers)
 
     def _by_the_best_way(self, code: Code, first: str, count: str, *ways: Callable[[Code, list[str]], None]) -> None:
@@ -68,7 +68,7 @@ class LaneMemory:
         code.open(end)
 
     def _elements(self, code: Code, first: str, count: str) -> list[str]:
-        """Where a pack's elements begin; beyond the end of the batch its last one comes again."""
+        """Pointers to a pack's elements; past the end of the batch its last one is repeated."""
         last, found = code.let(f"sub i64 {count}, 1"), []
         for lane in range(self._lanes.width):
             index = code.let(f"add i64 {first}, {lane}")
@@ -116,7 +116,7 @@ class LaneMemory:
 
 
 def row_lengths(shape: tuple[int, ...]) -> list[int]:
-    """How many numbers apart neighbours along each axis are in a C-contiguous array."""
+    """Strides, in numbers, of a C-contiguous array."""
     lengths = [1]
     for n in reversed(shape[1:]):
         lengths.insert(0, n * lengths[0])

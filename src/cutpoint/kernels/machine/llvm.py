@@ -1,4 +1,4 @@
-"""LLVM IR of a graph: straight-line code in single static assignment, no fast-math, no contraction."""
+"""LLVM IR of a graph: straight-line code in static single assignment form, no fast-math, no contraction."""
 
 from collections.abc import Callable, Iterable, Sequence
 from typing import Any
@@ -28,11 +28,11 @@ _FORMS = {
 
 
 class Lanes:
-    """The types of so many numbers side by side; one alone is a scalar.
+    """The types of a vector of so many lanes; a single lane is a scalar.
 
     Attributes:
-        one: the type of a single number; item: its bytes.
-        real: that of all of them; whole: of their bits; truth: of what comparisons give.
+        one: the type of a single number; item: its size, bytes.
+        real: the vector's type; whole: that of its bits; truth: that of comparisons.
     """
 
     def __init__(self, width: int, precision: Precision = FLOAT64) -> None:
@@ -48,39 +48,39 @@ class Lanes:
         )
 
     def constant(self, x: float) -> str:
-        """A float in every lane."""
+        """A float constant in every lane."""
         return self._each(self.one, literal(x))
 
     def integer(self, k: int) -> str:
-        """A whole number in every lane."""
+        """An integer constant in every lane."""
         return self._each(self._bits, str(k))
 
     def spread(self, code: Code, number: str) -> str:
-        """One number in every lane."""
+        """A number broadcast to every lane."""
         first = code.let(f"insertelement {self.real} poison, {self.one} {number}, i64 0")
         everywhere = f"<{self.width} x i32> zeroinitializer"
         return code.let(f"shufflevector {self.real} {first}, {self.real} poison, {everywhere}")
 
     def joined(self, code: Code, numbers: list[str]) -> str:
-        """Numbers side by side, zeros after them."""
+        """Numbers packed into a vector, padded with zeros."""
         found = "zeroinitializer"
         for lane, number in enumerate(numbers):
             found = code.let(f"insertelement {self.real} {found}, {self.one} {number}, i64 {lane}")
         return found
 
     def turned(self, code: Code, vector: str, lanes: Sequence[int]) -> str:
-        """Chosen numbers of a vector side by side, what comes after them unspecified."""
+        """A permutation of a vector: the chosen lanes, the rest unspecified."""
         places = [f"i32 {k}" for k in lanes] + ["i32 poison"] * (self.width - len(lanes))
         kind = f"<{self.width} x i32> <{', '.join(places)}>"
         return code.let(f"shufflevector {self.real} {vector}, {self.real} poison, {kind}")
 
     def beside(self, code: Code, a: str, b: str, lanes: Sequence[int | None]) -> str:
-        """Chosen numbers of two vectors, those of the second counted on from the first's; None: unspecified."""
+        """A shuffle of two vectors, the second's lanes numbered after the first's; None: unspecified."""
         places = ", ".join(f"i32 {'poison' if k is None else k}" for k in lanes)
         return code.let(f"shufflevector {self.real} {a}, {self.real} {b}, <{len(lanes)} x i32> <{places}>")
 
     def signed(self, code: Code, vector: str, signs: Sequence[int]) -> str:
-        """A vector's numbers as they are (1), with their signs turned (-1), or zeros (0); what comes after them too."""
+        """A vector's lanes unchanged (1), negated (-1), or zero (0); the lanes after them unchanged."""
         top, bits = 1 << self.precision.bits - 1, _bits(code, self, vector)
         every = [*signs] + [1] * (self.width - len(signs))
         kept, turned = [-abs(sign) for sign in every], [top * (sign < 0) for sign in every]
@@ -93,7 +93,7 @@ class Lanes:
         return code.let(f"extractelement {self.real} {vector}, i64 {lane}")
 
     def apply(self, code: Code, op: str, *arguments: str) -> str:
-        """The name of one instruction's value."""
+        """Emits one instruction and returns its value's name."""
         return code.let(_FORMS[op].format(*arguments, **self.__dict__))
 
     def _type(self, one: str) -> str:
@@ -115,7 +115,7 @@ def straight_line(
 
 
 class StraightLine:
-    """A lowered graph's operations, written as they are asked for."""
+    """A lowered graph's operations, emitted on demand."""
 
     def __init__(
         self,
@@ -125,7 +125,7 @@ class StraightLine:
         load: Callable[[int], str],
         ready: Callable[[int, str], None],
     ) -> None:
-        """load(slot) names an input's value; ready(slot, name) hears of a result as soon as it is there."""
+        """load(slot) names an input's value; ready(slot, name) is called as soon as a result is computed."""
         self._code, self._graph, self._load, self._ready, self._lanes = code, graph, load, ready, lanes
         self._names: dict[int, str] = {}
         self._slots: dict[int, list[int]] = {}
@@ -134,7 +134,7 @@ class StraightLine:
                 self._slots.setdefault(x.serial, []).append(slot)
 
     def written(self, slots: Iterable[int]) -> list[str]:
-        """Of results, with all that they need."""
+        """The names of results, emitted with all their dependencies."""
         wanted = [self._graph.results[slot] for slot in slots]
         needed = {x.serial for x in reach(wanted)} - self._names.keys()
         for x in self._graph.nodes:
@@ -156,7 +156,7 @@ class StraightLine:
 
 
 def applied(code: Code, lanes: Lanes, op: str, *arguments: Any) -> str:
-    """The name of an operation's value."""
+    """Emits an operation and returns its value's name."""
     return lanes.apply(code, op, *arguments) if op in _FORMS else _SEQUENCES[op](code, lanes, *arguments)
 
 
@@ -170,7 +170,7 @@ def _fnma(code: Code, lanes: Lanes, a: str, b: str, c: str) -> str:
 
 def _flip(code: Code, lanes: Lanes, a: str, bit: int, c: str) -> str:
     top = lanes.precision.bits - 1
-    if bit == top:  # the sign, which need not pass through an integer's register
+    if bit == top:  # the sign, which need not go through an integer register
         sign = _bits(code, lanes, lanes.apply(code, "copysign", lanes.constant(0.0), a))
     else:
         sign = _whole(code, lanes, "and", _to_top(code, lanes, a, bit), 1 << top)
@@ -182,7 +182,7 @@ def _pick(code: Code, lanes: Lanes, a: str, bit: int, c: str, d: str) -> str:
         bits = _whole(code, lanes, "and", _bits(code, lanes, a), 1 << bit)
         chosen = code.let(f"icmp ne {lanes.whole} {bits}, {lanes.integer(0)}")
         return lanes.apply(code, "select", chosen, c, d)
-    # by masks: a select on an integer condition becomes a jump on processors without AVX-512
+    # by masks: a select on an integer condition becomes a branch on processors without AVX-512
     mask = _whole(code, lanes, "ashr", _to_top(code, lanes, a, bit), lanes.precision.bits - 1)
     yes = _whole(code, lanes, "and", _bits(code, lanes, c), mask)
     no = _whole(code, lanes, "and", _bits(code, lanes, d), _whole(code, lanes, "xor", mask, -1))

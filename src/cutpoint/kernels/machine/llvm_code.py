@@ -1,4 +1,4 @@
-"""Lines of an LLVM function under way: names, memory, counted loops."""
+"""Builder of an LLVM function's lines: names, memory, counted loops."""
 
 import struct
 from collections.abc import Iterable, Iterator
@@ -26,9 +26,9 @@ PREFETCH = "declare void @llvm.prefetch.p0(ptr, i32, i32, i32)\n"
 
 @dataclass(frozen=True)
 class Running:
-    """A counted loop: its index, and for after the loop how often it ran.
+    """A counted loop: its index and, for use after the loop, its trip count.
 
-    handed_on: what each iteration hands to the next, by the name there: its kind, what the first gets, and the value.
+    handed_on: loop-carried values, by their name inside: type, initial value, and the value for the next iteration.
     """
 
     iteration: str
@@ -37,39 +37,39 @@ class Running:
 
 
 class Code:
-    """Lines so far.  Every name is new, so pieces of code may be written one after another without care."""
+    """Lines so far.  Every name is unique, so pieces of code can be emitted in any sequence."""
 
     def __init__(self) -> None:
         self.lines: list[str] = []
         self._count = 0
 
     def name(self, stem: str = "v") -> str:
-        """A name not used before."""
+        """A fresh name."""
         self._count += 1
         return f"%{stem}{self._count}"
 
     def let(self, expression: str) -> str:
-        """A new name for the value of an expression."""
+        """Assigns an expression's value to a fresh name."""
         name = self.name()
         self.lines.append(f"{name} = {expression}")
         return name
 
     @contextmanager
     def aside(self) -> Iterator[list[str]]:
-        """Lines that are kept apart, for the caller to place."""
+        """Collects lines separately, for the caller to insert."""
         lines, self.lines = self.lines, []
         yield self.lines
         self.lines = lines
 
     def label(self, label: str) -> None:
-        """Control falls into a new block."""
+        """Starts a basic block into which control falls through."""
         self.lines += [f"br label {label}", f"{label[1:]}:"]
 
     def branch(self, condition: str, yes: str, no: str) -> None:
         self.lines.append(f"br i1 {condition}, label {yes}, label {no}")
 
     def open(self, label: str) -> None:
-        """A block that control reaches by a branch elsewhere."""
+        """Starts a basic block that is reached by a branch elsewhere."""
         self.lines.append(f"{label[1:]}:")
 
     def at(self, pointer: str, index: str | int, kind: str = "double") -> str:
@@ -77,26 +77,26 @@ class Code:
         return self.let(f"getelementptr {kind}, ptr {pointer}, i64 {index}")
 
     def load(self, pointer: str, index: str | int, kind: str = "double", align: int | None = None) -> str:
-        """The element's value; `align` in bytes where it is not the kind's own."""
+        """An element's value; `align` in bytes where it is not the type's natural one."""
         return self.let(f"load {kind}, ptr {self.at(pointer, index, kind)}{_alignment(align)}")
 
     def store(self, value: str, pointer: str, index: str | int, kind: str = "double", align: int | None = None) -> None:
         self.lines.append(f"store {kind} {value}, ptr {self.at(pointer, index, kind)}{_alignment(align)}")
 
     def field(self, pointer: str, offset: int, kind: str = "ptr") -> str:
-        """What lies so many bytes inside an object."""
+        """The field at this byte offset of an object."""
         return self.let(f"load {kind}, ptr {self.at(pointer, offset, 'i8')}")
 
     def zero(self, pointer: str, size: int) -> None:
-        """Zeros in so many bytes."""
+        """Zeroes so many bytes."""
         self.lines.append(f"call void @llvm.memset.p0.i64(ptr {pointer}, i8 0, i64 {size}, i1 false)")
 
     def ask(self, pointer: str, size: int) -> None:
-        """Asks memory for what lies AHEAD of a pointer, so many bytes: nobody waits for it yet."""
+        """Prefetches so many bytes at AHEAD from a pointer."""
         self._prefetch(pointer, range(AHEAD, AHEAD + size, LINE), to_write=False)
 
     def claim(self, pointer: str, size: int) -> None:
-        """Asks memory for so many bytes that will be written: their stores need not wait for it then."""
+        """Prefetches so many bytes for writing, so that stores to them do not stall."""
         self._prefetch(pointer, range(0, size, LINE), to_write=True)
 
     def _prefetch(self, pointer: str, offsets: Iterable[int], *, to_write: bool) -> None:
@@ -106,7 +106,7 @@ class Code:
 
     @contextmanager
     def where(self, condition: str) -> Iterator[None]:
-        """The block, if a condition holds."""
+        """Runs the block if a condition holds."""
         then, after = self.name("then"), self.name("after")
         self.branch(condition, then, after)
         self.open(then)
@@ -115,7 +115,7 @@ class Code:
 
     @contextmanager
     def loop(self, count: str | int, until: str | None = None) -> Iterator[Running]:
-        """The block, count times; after an iteration that leaves a number other than 0 at `until`, no more."""
+        """Runs the block count times, or until an iteration leaves a nonzero number at `until`."""
         before, head, body, latch, after = (self.name(x) for x in ("before", "head", "body", "latch", "after"))
         index, following, done = self.name("i"), self.name("next"), self.name("done")
         self.label(before)
@@ -138,12 +138,12 @@ class Code:
 
 
 def literal(x: float) -> str:
-    """A float by the bits that it has as a double: no decimal digits in between."""
+    """A float by its bits as a double, without conversion to decimal."""
     return f"0x{struct.unpack('<Q', struct.pack('<d', x))[0]:016x}"
 
 
 def in_turn(first: list[str], second: list[str]) -> list[str]:
-    """Two independent stretches of code as one: each has room for the other while it waits."""
+    """Two independent stretches of code interleaved, so that each fills the other's stalls."""
     order = [((k + 0.5) / len(lines), line) for lines in (first, second) for k, line in enumerate(lines)]
     return [line for _, line in sorted(order, key=lambda pair: pair[0])]
 

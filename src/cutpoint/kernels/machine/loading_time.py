@@ -1,4 +1,4 @@
-"""When this process began to load the modules that write code."""
+"""Time at which this process began to load the modules that write code."""
 
 import time
 

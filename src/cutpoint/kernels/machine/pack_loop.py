@@ -1,7 +1,7 @@
 """LLVM IR of a graph over packs: as many elements of a batch at once as the processor has lanes.
 
-A pack's inputs are turned into lanes, the straight-line code runs on lanes, and its results are turned back.  Each lane
-computes what the scalar code does, operation by operation.
+A pack's inputs are transposed into lanes, the straight-line code runs on lanes, and its results are transposed back.
+Each lane performs the scalar code's operations, one for one.
 """
 
 from collections.abc import Sequence
@@ -25,7 +25,7 @@ parameters, is mostly the same.
 
 
 class _Rows:
-    """One port's memory.  size: bytes of a pack."""
+    """One port's memory.  size: of a pack, bytes."""
 
     def __init__(self, code: Code, lanes: Lanes, port: Port, number: int) -> None:
         self._lanes, self._blocks = lanes, [*blocks(port.size, lanes.width, lanes.item)]
@@ -44,7 +44,7 @@ class _Rows:
 
 
 class _Source(_Rows):
-    """An input's."""
+    """An input's memory."""
 
     def __init__(self, code: Code, lanes: Lanes, port: Port, number: int) -> None:
         super().__init__(code, lanes, port, number)
@@ -52,7 +52,7 @@ class _Source(_Rows):
         self._vectors: list[str] = []
 
     def fetch(self, code: Code, pack: str) -> None:
-        """From rows to lanes; many numbers that are the same for the whole batch are fetched once."""
+        """From rows to lanes; inputs of many numbers that the whole batch shares are fetched once."""
         if not self._scratch:
             self._vectors = self._turned(code, pack)
             return
@@ -65,7 +65,7 @@ class _Source(_Rows):
         code.label(end)
 
     def number(self, code: Code, k: int) -> str:
-        """Lanes that have been fetched."""
+        """The lanes of a number that has been fetched."""
         return code.load(self._scratch, k, self._lanes.real) if self._scratch else self._vectors[k]
 
     def _turned(self, code: Code, pack: str) -> list[str]:
@@ -74,7 +74,7 @@ class _Source(_Rows):
 
 
 class _Target(_Rows):
-    """An output's: a block of columns is turned back as soon as all of it is there."""
+    """An output's memory: a block of columns is transposed back as soon as it is complete."""
 
     def __init__(self, code: Code, lanes: Lanes, port: Port, number: int, results: Sequence[Operand]) -> None:
         super().__init__(code, lanes, port, number)
@@ -83,18 +83,18 @@ class _Target(_Rows):
         self._here: list[str] = []
 
     def begin(self, code: Code, pack: str) -> None:
-        """A pack."""
+        """Begins a pack."""
         self._here = self._rows(code, pack)
 
     def put_constants(self, code: Code) -> None:
-        """What is known beforehand needs no lanes."""
+        """Stores constant results, which need no lanes."""
         for column, size in self._blocks:
             numbers = [x for x in self._results[column : column + size] if isinstance(x, float)]
             if len(numbers) == size:
                 constants_to_rows(code, self._lanes.precision, numbers, self._here, column)
 
     def take(self, code: Code, k: int, vector: str) -> None:
-        """The lanes of a number, computed just now."""
+        """Takes the lanes of a number just computed."""
         self._vectors[k] = vector
         column, size = self._block[k]
         vectors = [self._vectors[x] for x in range(column, column + size) if x in self._vectors]

@@ -1,4 +1,4 @@
-"""LLVM IR of a graph over a batch of any strides, in packs, in the calling convention of NumPy's generalised ufuncs."""
+"""LLVM IR of a graph over a batch with any strides, in packs, in the calling convention of NumPy's gufuncs."""
 
 from collections.abc import Sequence
 
@@ -14,7 +14,7 @@ FUNCTION = "strided_loop"
 
 
 def strided_loop(graph: Graph, inputs: Sequence[Port], outputs: Sequence[Port], width: int) -> str:
-    """The module's text.  All of a pack is read before any of it is written, so an output may be an input."""
+    """The module's text.  A pack is read completely before any of it is written, so an output may be an input."""
     code, lanes = Code(), Lanes(width, graph.precision)
     arguments, first_stride = [], len(inputs) + len(outputs)
     for number, port in enumerate((*inputs, *outputs)):

@@ -15,10 +15,10 @@ def ufunc_loop(name: str, code: Code, attributes: str = "") -> str:
     lines = [f"define void @{bare(name)}({parameters}) {attributes} {{\nentry:", *code.lines, "ret void", "}"]
     lines += ["declare i32 @feclearexcept(i32)", f"define void @{name}({parameters}) {{\nentry:"]
     lines.append(f"call void @{bare(name)}({parameters})")
-    # results, not processor flags, tell of overflow and NaN: both sides of a select are computed
+    # results, not processor flags, show overflow and NaN: both operands of a select are computed
     return "\n".join([*lines, f"call i32 @feclearexcept(i32 {_ALL_EXCEPTIONS})", "ret void", "}", ""])
 
 
 def bare(name: str) -> str:
-    """The same loop, which leaves the processor's flags as they come: clearing them takes as long as a small batch."""
+    """The same loop without clearing the processor's flags, which takes as long as a small batch."""
     return f"{name}_bare"

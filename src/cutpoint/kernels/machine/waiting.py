@@ -1,4 +1,4 @@
-"""What a user sees, and can do, while code is made that takes its time."""
+"""Progress messages, and Ctrl-C, during long compilations."""
 
 import math
 import sys
@@ -25,14 +25,14 @@ _terminal = new_lock()
 
 
 class _Wait:
-    """When the wait began that goes on, and when its last compilation ended, s."""
+    """Start of the current wait, and end of its last compilation, s."""
 
     began = ended = -math.inf
 
 
 @contextmanager
 def shown(what: str) -> Generator[None, None, None]:
-    """Says on a terminal what is compiled once a user has waited long; only the outermost of several speaks."""
+    """Reports on a terminal what is being compiled after a long wait; only the outermost of nested calls does."""
     is_mine = sys.stderr is not None and sys.stderr.isatty() and _terminal.acquire(blocking=False)
     if not is_mine:
         yield
@@ -60,7 +60,7 @@ def _bar(what: str) -> Any:
     from rich.progress import Progress, SpinnerColumn, TextColumn, TimeElapsedColumn
 
     columns = (SpinnerColumn(), TextColumn("compiling {task.description}", markup=False), TimeElapsedColumn())
-    # what a traced function prints stays where it belongs
+    # keeps a traced function's own output in place
     bar = Progress(*columns, console=Console(stderr=True), transient=True, redirect_stdout=False, redirect_stderr=False)
     bar.add_task(what, total=None)
     bar.start()
@@ -68,9 +68,9 @@ def _bar(what: str) -> Any:
 
 
 def interruptible(work: Callable[[], T]) -> T:
-    """What some work in machine code returns, or raises, done by another thread so that Ctrl-C is heard at once.
+    """The result, or error, of work in machine code, run in another thread so that Ctrl-C acts at once.
 
-    After Ctrl-C the work still runs to its end: what it returns is lost, what it does besides stays.
+    After Ctrl-C the work still runs to its end: its result is lost, its side effects remain.
     """
     found: list[T] = []
     failed: list[BaseException] = []

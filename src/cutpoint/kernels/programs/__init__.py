@@ -1,1 +1,1 @@
-"""Stepping programs: stages in loops that go through memory, as one function of machine code or interpreted."""
+"""Stepping programs: stages in loops that step through memory, as one machine-code function or interpreted."""

@@ -1,4 +1,4 @@
-"""What a run of a program is given, checked before machine code sees a pointer."""
+"""Arguments of a program's run, checked before machine code sees a pointer."""
 
 from collections.abc import Mapping, Sequence
 from math import prod
@@ -12,7 +12,7 @@ from cutpoint.kernels.programs.stepping import View, number_of
 
 
 def check_run(plan: Plan, counts: Mapping[str, int], arrays: Mapping[str, np.ndarray]) -> None:
-    """Counts and arrays are all there and nothing else; arrays fit their regions and share no memory.
+    """Checks that counts and arrays are complete, without extras, and that arrays fit their regions and don't overlap.
 
     Raises:
         InputError: naming the count or array, what was found and what it must be.
@@ -66,7 +66,7 @@ def _check_size(name: str, array: np.ndarray, plan: Plan, counts: Mapping[str, i
 
 
 def _check_rows(view: View, index: Any, rows: int, count: int) -> None:
-    """A list of rows names rows that are there."""
+    """Checks that a list of rows is within bounds."""
     name = view.index
     if not isinstance(index, np.ndarray) or index.dtype != np.int64 or not index.flags.c_contiguous or index.ndim != 1:
         raise InputError(f"list of rows {name!r} must be a contiguous array (n,) of int64", name=name)
@@ -83,7 +83,7 @@ def _most(several: Sequence[int | str], counts: Mapping[str, int]) -> int:
 
 
 def _check_apart(plan: Plan, arrays: Mapping[str, np.ndarray]) -> None:
-    """No array overlaps another, unless both are only read."""
+    """Checks that no array overlaps another, unless both are only read."""
     starts = [(a.ctypes.data, a.nbytes, name) for name, a in arrays.items() if a.nbytes]
     spans = sorted((start, start + size, name) for start, size, name in starts)
     reach, owner = 0, ""

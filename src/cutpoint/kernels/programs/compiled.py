@@ -1,4 +1,4 @@
-"""A stepping program in machine code: all its stages and loops as one function."""
+"""A stepping program as machine code: all its stages and loops in one function."""
 
 import ctypes
 from collections.abc import Callable, Mapping
@@ -32,18 +32,18 @@ class LlvmProgram:
         return self._code.address
 
     def run(self, counts: Mapping[str, int], arrays: Mapping[str, np.ndarray]) -> int:
-        """The iterations of the outermost loop; arrays must have been checked."""
+        """Runs the program on checked arrays; returns the iterations of the outermost loop."""
         return self.bound(counts, arrays)()
 
     def bound(self, counts: Mapping[str, int], arrays: Mapping[str, np.ndarray]) -> Callable[[], int]:
-        """`run` on these, again and again."""
+        """`run` on these, for repeated calls."""
         numbers = (ctypes.c_int64 * len(self._counts))(*[counts[name] for name in self._counts])
         pointers = (ctypes.c_void_p * len(self._names))(*[arrays[name].ctypes.data for name in self._names])
         return BoundProgram(self, self._call, numbers, pointers, [*arrays.values()])
 
 
 class BoundProgram(NamedTuple):
-    """A call with its arguments, and with what owns the code and the memory that they point to."""
+    """A call with its arguments, and the owners of the code and memory that they point to."""
 
     program: LlvmProgram
     call: Callable[..., int]
@@ -53,7 +53,7 @@ class BoundProgram(NamedTuple):
 
     @property
     def symbols(self) -> dict[str, int]:
-        """Where code and arguments are, for other code that calls it."""
+        """Addresses of code and arguments, for other code that calls it."""
         places = {"counts": ctypes.addressof(self.numbers), "regions": ctypes.addressof(self.pointers)}
         return {_FUNCTION: self.program.address, **places}
 
@@ -109,7 +109,7 @@ def _rows(
     starts: Mapping[str, str],
     outer: Mapping[str, str],
 ) -> dict[str, str]:
-    """Where the rows of an iteration begin, by name.  outer: where those of the iterations around it do."""
+    """Pointers to an iteration's rows, by name.  outer: those of the enclosing iterations."""
 
     def at(start: str, region: str, row: str) -> str:
         size, lanes = plan.sizes[region], plan.regions[region].lanes

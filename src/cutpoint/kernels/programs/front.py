@@ -1,6 +1,6 @@
-"""A program as a built-in function of Python: arrays in, the program's run on memory of its own, arrays out.
+"""A program as a built-in function of Python: arrays in, a run on the program's own memory, arrays out.
 
-A call keeps the GIL, so that calls from several threads do not meet in that memory.
+A call keeps the GIL, so that calls from several threads do not race in that memory.
 """
 
 from collections.abc import Callable, Mapping, Sequence
@@ -24,9 +24,9 @@ NUMBER = np.dtype(np.float64).itemsize
 def front_of(
     run: Callable[[], int], name: str, inputs: Mapping[str, np.ndarray], outputs: Mapping[str, Output], front: Front
 ) -> Any:
-    """The function; `front.general` itself where Python or NumPy knows no shortcut.
+    """The function; `front.general` itself where Python or NumPy has no shortcut.
 
-    run: a program's, bound by LLVM.  inputs: stretches of its arrays, which calls are given.
+    run: a program's, bound by LLVM.  inputs: parts of its arrays, filled from a call's arguments.
     """
     if not is_possible():
         return front.general
@@ -42,7 +42,7 @@ class ProgramElement:
         assert isinstance(run, BoundProgram), "NumPy's programs have no machine code"
         self.call: Callable[..., Any] = run
         arguments = [*inputs, *outputs]
-        self._owned = [part.own for x in arguments for part in x.parts]  # some of it the run itself does not hold
+        self._owned = [part.own for x in arguments for part in x.parts]  # some of this the run itself does not own
         symbols = {f"own{k}": own.ctypes.data for k, own in enumerate(self._owned)}
         self._code = Compiled(_ir(arguments, len(inputs)), FUNCTION, symbols=symbols | run.symbols)
 
@@ -72,13 +72,13 @@ def _ir(arguments: Sequence[Output], inputs: int) -> str:
 
 
 class _Place(NamedTuple):
-    """Where an array begins, and its strides in bytes."""
+    """Start of an array, and its strides in bytes."""
 
     pointer: str
     strides: Sequence[int]
 
     def entry(self, code: Code, k: str) -> "_Place":
-        """The k-th of the first axis."""
+        """The k-th entry along the first axis."""
         offset = code.let(f"mul i64 {k}, {self.strides[0]}")
         return _Place(code.at(self.pointer, offset, "i8"), self.strides[1:])
 

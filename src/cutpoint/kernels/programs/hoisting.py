@@ -1,4 +1,4 @@
-"""Hoisting: what a stage computes from numbers that never change, computed once before all loops."""
+"""Hoisting of loop-invariant code: what a stage computes from constant inputs alone, computed once before all loops."""
 
 from collections.abc import Callable, Container
 from dataclasses import replace
@@ -20,7 +20,7 @@ class Split(NamedTuple):
 
 
 def hoist(graph: Graph, fixed: Container[int]) -> Split:
-    """A graph cut where operations on fixed input slots alone end."""
+    """A graph split after its operations on fixed input slots alone."""
     moved = _frontier(graph, fixed)
     port, first = Port(HOISTED, (len(moved),)), sum(p.size for p in graph.inputs)
     place = {x.serial: first + k for k, x in enumerate(moved)}
@@ -33,7 +33,7 @@ def hoist(graph: Graph, fixed: Container[int]) -> Split:
 
 
 def _frontier(graph: Graph, fixed: Container[int]) -> list[Node]:
-    """Operations on fixed inputs alone that something else, or a result, reads."""
+    """Operations on fixed inputs alone that other operations, or results, use."""
     still: dict[int, Node] = {}
     for x in graph.nodes:
         operands = [y for y in x.args if isinstance(y, Node)]
@@ -42,7 +42,7 @@ def _frontier(graph: Graph, fixed: Container[int]) -> list[Node]:
     read = {x.serial for x in graph.results if isinstance(x, Node)}
     for x in reversed(graph.nodes):  # users before operands
         if x.serial in still and x.op in CONDITIONS and x.serial in read:
-            del still[x.serial]  # memory holds numbers alone: it is found again from these
+            del still[x.serial]  # memory holds only numbers: it is recomputed from these
         if x.serial not in still:
             read.update(y.serial for y in x.args if isinstance(y, Node))
     return [x for x in still.values() if x.serial in read and x.op != "input"]

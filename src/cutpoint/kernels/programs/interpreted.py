@@ -1,4 +1,4 @@
-"""A stepping program interpreted: where LLVM is missing, and as a second opinion on it."""
+"""A stepping program interpreted: where LLVM is missing, and as a cross-check of it."""
 
 from collections.abc import Callable, Iterable, Mapping
 from math import prod
@@ -18,12 +18,12 @@ class NumpyProgram:
         self._plan = plan
 
     def run(self, counts: Mapping[str, int], arrays: Mapping[str, np.ndarray]) -> int:
-        """The iterations of the outermost loop; arrays must have been checked."""
+        """Runs the program on checked arrays; returns the iterations of the outermost loop."""
         rows = {name: array.reshape(-1) for name, array in arrays.items() if name not in self._plan.streamed}
         return self._loop(self._plan.body, counts, arrays, rows)
 
     def bound(self, counts: Mapping[str, int], arrays: Mapping[str, np.ndarray]) -> Callable[[], int]:
-        """`run` on these, again and again."""
+        """`run` on these, for repeated calls."""
         return lambda: self.run(counts, arrays)
 
     def _loop(
@@ -57,26 +57,26 @@ class NumpyProgram:
     def _group(
         self, loop: Loop, name: str, arrays: Mapping[str, np.ndarray], row: int, counts: Mapping[str, int]
     ) -> np.ndarray:
-        """The rows that loops inside go through."""
+        """The rows that inner loops step through."""
         size = prod(number_of(c, counts) for c in loop.within(name))
         return arrays[name][row * size : (row + 1) * size]
 
     def _stage(self, stage: Stage, rows: Mapping[str, np.ndarray]) -> None:
         graph = self._plan.graphs[stage]
         numbers = [x for port in graph.inputs for x in self._numbers(stage, port.name, rows[port.name])]
-        # all is read before anything is written: what passes through is a piece of a region still
+        # all is read before anything is written: what is passed through is still a view of a region
         results = iter([np.array(np.broadcast_to(x, stage.lanes)) for x in evaluate(graph, numbers)])
         for port in graph.outputs:
             numbers = np.ravel([next(results) for _ in range(port.size)])
             rows[port.name][self._places(port.name, numbers.size)] = numbers
 
     def _numbers(self, stage: Stage, name: str, row: np.ndarray) -> Iterable[Any]:
-        """What a stage sees of a region: arrays of one number a lane, or plain numbers."""
+        """A stage's view of a region: arrays of one number per lane, or plain numbers."""
         if self._plan.is_laned(stage, name):
             return row.reshape(-1, stage.lanes)
         return row[self._places(name, self._plan.regions[self._plan.root(name)].size)]
 
     def _places(self, name: str, size: int) -> Any:
-        """Where a region's slots are in its row."""
+        """Positions of a region's slots in its row."""
         region = self._plan.regions[self._plan.root(name)]
         return [region.place(k) for k in range(region.size)] if region.triples else slice(size)

@@ -1,4 +1,4 @@
-"""A stage in primitives: the same for all that emit a program, so that they agree to the last bit."""
+"""A stage in primitives: the same for all emitters of a program, so that they agree to the last bit."""
 
 from cutpoint.kernels.graphs.graph import Graph
 from cutpoint.kernels.lowering.fusion import fuse
@@ -10,7 +10,7 @@ from cutpoint.kernels.programs.stepping import Stage
 
 
 def lowered(plan: Plan, stage: Stage) -> Graph:
-    """Products are fused where numbers of the iteration before, which come late, wait least."""
+    """Fuses products so that loop-carried numbers, which arrive late, are on the shortest path."""
     graph, fed, again = plan.graphs[stage], plan.fed(stage), stage.as_in_threes or plan.in_threes(stage)
     fused = fuse(graph, again=again)
     late = fuse(graph, arrivals(fused, fed), again=again) if fed else fused

@@ -1,4 +1,4 @@
-"""Where a program's inputs and outputs stand in its memory: some are put together from parts of it."""
+"""Location of a program's inputs and outputs in its memory: some are assembled from parts of it."""
 
 from collections.abc import Mapping, Sequence
 from typing import Any, NamedTuple
@@ -9,13 +9,13 @@ from cutpoint.kernels.programs.plan import Plan
 
 
 class Part(NamedTuple):
-    """Some of a program's memory, and the slices of the output where it stands, read in the order of its numbers."""
+    """Part of a program's memory, and the slices of the output that it fills, in the order of its numbers."""
 
     own: np.ndarray
     index: Any = ...
 
     def place(self, output: np.ndarray) -> np.ndarray:
-        """Where it stands, in the shape that it has in memory: a view, as slices are only ever cut finer."""
+        """Its slices of an output, in the shape that it has in memory: a view, since slices are only subdivided."""
         return output[self.index].reshape(self.own.shape)
 
 
@@ -31,15 +31,15 @@ class Output(NamedTuple):
 
 
 def whole(own: np.ndarray) -> Output:
-    """One that lies in memory as it is given."""
+    """An output that lies in memory as it is returned."""
     return Output(own.shape, [Part(own)])
 
 
 class Fixed(NamedTuple):
-    """A program with all that its runs have in common.
+    """A program with everything that its runs share.
 
-    counts: of its loops.  arrays: of regions and lists of rows, as they are before a run.  inputs, outputs: where in
-    these arrays they stand, by name.
+    counts: of its loops.  arrays: of regions and lists of rows, in their state before a run.  inputs, outputs: their
+    locations in these arrays, by name.
     """
 
     plan: Plan

@@ -1,4 +1,4 @@
-"""A program checked and traced: what its backends run."""
+"""A checked and traced program, as backends run it."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -12,14 +12,14 @@ from cutpoint.kernels.programs.walk import Advance, Walk
 
 @dataclass(frozen=True, eq=False)
 class Plan:
-    """A program that is known to be sound.
+    """A program that has passed all checks.
 
-    regions: by name.  graphs: of the stages, of one lane each.  written: regions that some stage writes.
-    streamed: of regions with rows, how they stream, for each time they do: never if they are only viewed.
+    regions: by name.  graphs: of the stages, for one lane each.  written: regions that any stage writes.
+    streamed: for regions with rows, each way in which they stream; none if they are only viewed.
     counts: the names of numbers that a run must state.  views: by name.
     single: for each stage the names of which it sees one lane.  single_views: the views that are one lane of a row.
     indices: for each list of rows, the counts of the loops it advances with.
-    advancing: for each stage the regions that go on to the next row with the loop right around it.
+    advancing: for each stage the regions that advance a row with the innermost loop around it.
     """
 
     body: Loop
@@ -36,17 +36,17 @@ class Plan:
 
     @cached_property
     def sizes(self) -> dict[str, int]:
-        """Numbers in a row of each region's array."""
+        """Row size of each region's array."""
         return {name: region.room for name, region in self.regions.items()}
 
     @property
     def names(self) -> tuple[str, ...]:
-        """Of all arrays that a run is given."""
+        """Names of all arrays of a run."""
         return (*self.regions, *self.indices)
 
     @property
     def told(self) -> tuple[object, ...]:
-        """All that decides what it does, in an order that two plans share only if they do the same."""
+        """Everything that determines its behaviour, equal for two plans only if they do the same."""
         numbers = {stage: k for k, stage in enumerate(self.graphs)}
 
         def told(item: Stage | Loop) -> tuple[object, ...]:
@@ -60,17 +60,17 @@ class Plan:
 
     @property
     def changing(self) -> frozenset[str]:
-        """Names whose numbers are not the same for the whole of a run."""
+        """Names whose numbers change during a run."""
         return self.written | self.streamed.keys() | self.views.keys()
 
     def root(self, name: str) -> str:
-        """The region that a name stands for."""
+        """The region that a name refers to."""
         return self.views[name].of if name in self.views else name
 
     def fed(self, stage: Stage) -> dict[int, int]:
-        """By input slot that reads rows which the stage writes too: the result that may be there an iteration later.
+        """By input slot of a region that the stage also writes: the result that it may read an iteration later.
 
-        What it writes under the same name is another's row: rarely the one before, and read just to be added to.
+        Inputs of the same name as an output are left out: rarely the previous iteration's row, and read only to be added to.
         """
         graph, root = self.graphs[stage], self.root
         places = [(root(port.name), k) for port in graph.outputs for k in range(port.size)]
@@ -81,16 +81,16 @@ class Plan:
         return {slot: results[place] for slot, place in fed.items() if place in results}
 
     def known_ahead(self, stage: Stage) -> frozenset[str]:
-        """Regions that a stage reads row by row, each row there before its turn and the same for all lanes."""
+        """Regions that a stage reads row by row, each row known before its iteration and the same for all lanes."""
         shared = {name for name in stage.reads if name in self.regions and self.regions[name].lanes == 1}
         return (self.advancing[stage] & shared) - self.written
 
     def in_threes(self, stage: Stage) -> bool:
-        """Whether a stage uses regions whose numbers come in threes."""
+        """Whether a stage uses regions of triples."""
         return any(self.regions[self.root(name)].triples for name in (*stage.reads, *stage.writes))
 
     def is_laned(self, stage: Stage, name: str) -> bool:
-        """Whether each lane of a stage has numbers of its own in a region."""
+        """Whether each lane of a stage has its own numbers in a region."""
         return stage.lanes > 1 and self.regions[self.root(name)].lanes == stage.lanes
 
 
@@ -98,7 +98,7 @@ def plan(body: Loop, regions: Sequence[Region]) -> Plan:
     """Checks and traces a program.
 
     Raises:
-        InputError: a region is unknown, given twice or of the wrong size, or the nest of loops makes no sense.
+        InputError: a region is unknown, given twice or of the wrong size, or the loop nest makes no sense.
         TraceError: a stage cannot be traced or returns something else than its regions.
     """
     named = {region.name: region for region in regions}

@@ -1,4 +1,4 @@
-"""Program: a nest of loops around traced stages, compiled into one function that steps through memory."""
+"""Program: a loop nest around traced stages, compiled into one function that steps through memory."""
 
 import time
 from collections.abc import Callable, Mapping, Sequence
@@ -16,13 +16,13 @@ from cutpoint.kernels.programs.stepping import Loop, Region
 def compile_program(
     body: Loop, regions: Sequence[Region], backend: str = "auto", *, name: str = "a stepping program"
 ) -> "Program":
-    """Compiles a nest of loops around stages.
+    """Compiles a loop nest around stages.
 
     Args:
         body: the outermost loop.
         regions: all memory that stages read and write.
         backend: "llvm" for machine code, "numpy", or "auto": LLVM where llvmlite is installed.
-        name: what errors call it, and those who wait for it.
+        name: used in errors and in progress messages.
 
     Raises:
         InputError: regions, stages and loops do not fit together, or they are too long to compile.
@@ -39,8 +39,8 @@ class Program:
     Attributes:
         plan: what it runs.
         backend: "llvm" or "numpy".
-        counts: names of the numbers that runs are given.
-        compile_seconds: what tracing took, and compiling or finding the code on disk, s.
+        counts: names of the loop counts that runs are given.
+        compile_seconds: time for tracing, and for compiling or loading the code from disk, s.
     """
 
     def __init__(self, plan: Plan, backend: str, name: str, start: float) -> None:
@@ -58,12 +58,12 @@ class Program:
         """Runs the program on these arrays, in place, without the GIL.
 
         Args:
-            counts: the numbers that loops name.
+            counts: loop counts that are given by name.
             arrays: for each region a C-contiguous float64 array: (size,), or (rows, size) where it streams; for each
                 list of rows an int64 array.
 
         Returns:
-            How many iterations of the outermost loop were done, the one that ended it included.
+            The iterations done of the outermost loop, including the one that ended it.
 
         Raises:
             InputError: a count or an array is missing, unknown or does not fit.
@@ -72,9 +72,9 @@ class Program:
         return self._runner.run(counts, arrays)
 
     def bound(self, counts: Mapping[str, int], /, **arrays: np.ndarray) -> Callable[[], int]:
-        """`run` with these counts and arrays, checked here and then no more: for many runs on the same memory.
+        """`run` with these counts and arrays, checked only once, here: for many runs on the same memory.
 
-        Lists of rows must stay as they are, the other arrays' numbers may change.
+        Lists of rows must not change; the other arrays' numbers may.
 
         Raises:
             InputError: as `run`.

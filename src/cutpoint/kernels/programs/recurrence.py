@@ -1,4 +1,4 @@
-"""When the numbers come that each iteration of a loop hands to the next: what a processor waits for there."""
+"""Arrival times of loop-carried numbers: the latency of a loop's recurrence."""
 
 from collections.abc import Mapping
 
@@ -11,9 +11,9 @@ _ITERATIONS = 8
 
 
 def arrivals(graph: Graph, fed: Mapping[int, int]) -> dict[int, int]:
-    """Cycles after which they come, by input slot.
+    """Cycles after which they are ready, by input slot.
 
-    graph: of an iteration, fused.  fed: by input slot, the result of the iteration before that it reads.
+    graph: of an iteration, fused.  fed: by input slot, the result of the previous iteration that it reads.
     """
     come: dict[int, int] = {}
     for _ in range(_ITERATIONS):

@@ -1,6 +1,6 @@
-"""A program's runs on rows of arrays: so many rows side by side, what is left one by one.
+"""A program's runs on rows of arrays: several rows in vector lanes, the remainder one by one.
 
-Their code has the calling convention of NumPy's generalised ufuncs; rows are tidy in memory.
+Their code has the calling convention of NumPy's generalised ufuncs; rows are contiguous.
 """
 
 import ctypes
@@ -28,7 +28,7 @@ _PROTOTYPE = ctypes.CFUNCTYPE(None, ctypes.c_void_p, ctypes.c_void_p, ctypes.c_v
 
 
 class SideBySide(NamedTuple):
-    """A run on several rows at once; inputs and outputs in its memory, whose last axis is that of the lanes."""
+    """A run on several rows at once; inputs and outputs are in its memory, whose last axis is the lanes."""
 
     run: BoundProgram
     lanes: int
@@ -41,7 +41,7 @@ class SideBySide(NamedTuple):
 
 
 class ProgramRows:
-    """Runs in memory that is one call's at a time."""
+    """Runs in memory that serves one call at a time."""
 
     def __init__(
         self,
@@ -60,7 +60,7 @@ class ProgramRows:
         self._owned = self._code, one, several
 
     def __call__(self, given: Sequence[np.ndarray], found: Sequence[np.ndarray]) -> None:
-        """One run for each row; what is found is tidy in memory."""
+        """One run for each row; results are contiguous."""
         arrays = [*map(np.ascontiguousarray, given), *found]
         places = (ctypes.c_void_p * len(arrays))(*[x.ctypes.data for x in arrays])
         steps = (ctypes.c_int64 * len(arrays))(*[FLOAT64.item * p.size for p in (*self._inputs, *self._outputs)])
@@ -68,16 +68,16 @@ class ProgramRows:
 
     @cached_property
     def whole(self) -> Whole | None:
-        """The same for arrays as users give them, where they are tidy: see `whole_batches`.
+        """The same for users' arrays, where they are contiguous: see `whole_batches`.
 
-        It does no work where a number is NaN or beyond the largest.
+        It does no work if a number is NaN or beyond the largest.
         """
         loop = self._code.address, None
         return whole_batches(loop, FLOAT64, self._inputs, self._outputs, self._owned, largest=self._largest)
 
 
 def _ir(sizes: Sequence[int], several: SideBySide | None) -> str:
-    """The module's text.  sizes: numbers in a row of each argument."""
+    """The module's text.  sizes: row size of each argument."""
     code = Code()
     starts = [code.load("%arguments", k, "ptr") for k in range(len(sizes))]
     steps = [code.load("%steps", k, "i64") for k in range(len(sizes))]
@@ -100,7 +100,7 @@ def _row(code: Code, start: str, step: str, number: str) -> str:
 
 
 def _packs(code: Code, several: SideBySide, rows: str, starts: Sequence[str], steps: Sequence[str]) -> str:
-    """As many rows as possible, several at once; how many those are."""
+    """Runs as many rows as possible, several at once; returns how many."""
     lanes, numbers = several.lanes, count()
     packs = code.let(f"udiv i64 {rows}, {lanes}")
     with code.loop(packs) as loop:
@@ -116,7 +116,7 @@ def _packs(code: Code, several: SideBySide, rows: str, starts: Sequence[str], st
 
 
 def _turn(code: Code, rows: Sequence[str], x: Output, numbers: "count[int]", lanes: int, *, inward: bool) -> None:
-    """Rows into the program's memory, or out of it."""
+    """Transposes rows into the program's memory, or out of it."""
     room = np.empty((*x.shape, lanes))
     for part in x.parts:
         there = part.place(room)
@@ -127,13 +127,13 @@ def _turn(code: Code, rows: Sequence[str], x: Output, numbers: "count[int]", lan
 
 
 class _Places(NamedTuple):
-    """Where numbers are in rows, and in the program's memory."""
+    """Pointers to numbers in rows, and in the program's memory."""
 
     rows: Sequence[str]
     own: str
 
     def after(self, code: Code, number: str | int, step: int, own_step: int) -> "_Places":
-        """So many numbers on, each a step, in bytes."""
+        """Advanced by so many numbers, with their steps in bytes."""
         offset, own_offset = (code.let(f"mul i64 {number}, {x}") for x in (step, own_step))
         return _Places([code.at(row, offset, "i8") for row in self.rows], code.at(self.own, own_offset, "i8"))
 
@@ -158,7 +158,7 @@ def _turn_axes(code: Code, places: _Places, axes: Sequence[tuple[int, int, int]]
 
 
 def _turn_block(code: Code, places: _Places, size: int, own_step: int, *, inward: bool) -> None:
-    """So many columns side by side."""
+    """Transposes a block of adjacent columns."""
     kind, item = f"<{len(places.rows)} x {FLOAT64.real}>", FLOAT64.item
     own = [code.at(places.own, k * own_step, "i8") for k in range(size)]
     if inward:

@@ -1,4 +1,4 @@
-"""A stage of a program in machine code: what of it is computed before its turn, and where its numbers are."""
+"""A stage of a program in machine code: which parts are computed ahead, and where its numbers are."""
 
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from types import MappingProxyType
@@ -32,10 +32,10 @@ _NOTHING: Mapping[Place, str] = MappingProxyType({})
 class StageCode:
     """A stage lowered.
 
-    What it computes of numbers that never change is computed here, before all loops.  What it computes of rows that no
-    stage writes is computed for AT_ONCE iterations at a time, in their lanes, where that is worth while.
+    Operations on constants alone are hoisted before all loops.  Those on rows that no stage writes are computed for AT_ONCE
+    iterations at a time, in vector lanes, where that pays off.
 
-    lanes: of the stage.  hands_on: whether an iteration may hand what it writes to the next.
+    lanes: of the stage.  hands_on: whether an iteration may pass its results to the next in registers.
     """
 
     def __init__(self, code: Code, plan: Plan, stage: Stage, regions: Mapping[str, str]) -> None:
@@ -56,15 +56,15 @@ class StageCode:
         self._rest = self._graph
 
     def _is_laned(self, slots: Iterable[int]) -> bool:
-        """Whether each lane has these numbers for itself."""
+        """Whether each lane has its own copy of these numbers."""
         return all(self._sources[slot][2] for slot in slots)
 
     def _handed_on(self, results: set[int]) -> int:
-        """Registers that these take."""
+        """Registers that these results take."""
         return len(results) * -(-self.lanes.width // AT_ONCE)
 
     def _fix(self, code: Code, regions: Mapping[str, str], lanes: Lanes) -> None:
-        """What never changes, computed here; in one lane, what all lanes of the stage have in common."""
+        """Computes loop-invariant numbers here; in one lane, those that all lanes of the stage share."""
         before, self._graph = hoist(self._graph, self._fixed(laned=lanes.width > 1))
         values = straight_line(code, before, lanes, lambda slot: self._load(code, regions, slot, lanes=lanes))
         memory = self._kept(code, lanes, len(values), laned=lanes.width > 1)
@@ -72,19 +72,19 @@ class StageCode:
             code.store(value, memory, k, lanes.real)
 
     def _fixed(self, *, laned: bool) -> set[int]:
-        """Input slots that never change; with laned, those that each lane has for itself too."""
+        """Input slots that never change; with laned, also those of which each lane has its own."""
         changing = self._plan.changing
         return {k for k, (name, _, own) in enumerate(self._sources) if name not in changing and (laned or not own)}
 
     def _kept(self, code: Code, lanes: Lanes, count: int, *, laned: bool) -> str:
-        """Memory for so many numbers of its own, which are inputs from here on; its address is its name."""
+        """Allocates memory for so many numbers, which are inputs from here on; returns its name, the pointer's."""
         memory = code.let(f"alloca {lanes.real}, i64 {count}") if count else ""
         self._sources += [(memory, k, laned) for k in range(count)]
         self._steps[memory] = lanes.width
         return memory
 
     def _cut_ahead(self, code: Code) -> tuple[Graph | None, str]:
-        """What rows say ahead, taken out of the graph, and where it is kept."""
+        """Splits off the part of the graph that can be computed ahead from rows, with memory for its results."""
         rows = {k for k, (name, *_) in enumerate(self._sources) if name in self._rows}
         before, inside = hoist(self._graph, self._fixed(laned=False) | rows)
         if sum(before.operations.values()) < _WORTH_LOOKING_AHEAD:
@@ -93,9 +93,9 @@ class StageCode:
         return before, self._kept(code, Lanes(AT_ONCE), len(before.results), laned=False)
 
     def look_ahead(self, code: Code, regions: Mapping[str, str], iteration: str, count: str | int) -> dict[str, str]:
-        """Computes for the next iterations what rows say of them, if it is time; where this one's numbers are.
+        """Computes ahead for the next iterations, if due; returns where this iteration's numbers are.
 
-        Nothing where it is not worth while.
+        Nothing where it does not pay off.
         """
         if self._ahead is None:
             return {}
@@ -114,7 +114,7 @@ class StageCode:
         return {self._ahead_at: code.at(self._ahead_at, lane)}
 
     def _rows_ahead(self, code: Code, regions: Mapping[str, str], left: str) -> dict[str, list[str]]:
-        """Where the rows of the next iterations begin; the last stands in for those after it.  left: how many come."""
+        """Pointers to the rows of the next iterations, the last repeated past the end.  left: how many remain."""
         last, rows = code.let(f"sub i64 {left}, 1"), list[str]()
         for k in range(AT_ONCE):
             is_there = code.let(f"icmp slt i64 {k}, {left}")
@@ -125,7 +125,7 @@ class StageCode:
         return code.at(regions[name], code.let(f"mul i64 {row}, {self._plan.sizes[name]}"))
 
     def begin(self, code: Code, regions: Mapping[str, str], awaited: Sequence[str]) -> None:
-        """What does not wait for some regions; `write` goes on from there, and must follow."""
+        """Emits what does not depend on the awaited regions; `write` continues from there, and must follow."""
         root = self._plan.root
         late = {k for k, (name, *_) in enumerate(self._sources) if root(name) in map(root, awaited)}
         before, self._rest = hoist(self._graph, set(range(len(self._sources))) - late)
@@ -135,21 +135,21 @@ class StageCode:
     def write(self, code: Code, regions: Mapping[str, str], at_hand: dict[Place, str]) -> None:
         """Reads, computes, then writes what has changed.
 
-        at_hand: single numbers that stages of this block have just written.  Lanes take them from there: a wide load of
-        memory that was written number by number a moment ago makes the processor wait.
+        at_hand: scalars that stages of this block have just written.  Lanes take them from registers: a vector load of
+        memory just written by scalar stores fails store forwarding and stalls.
         """
 
         width = self.lanes.width
         for (name, k), value in self._written(code, regions, lambda slot: self._load(code, regions, slot, at_hand)):
             written = {(name, k * width + lane): value for lane in range(width)}
             at_hand.update(written) if width == 1 else [at_hand.pop(place, None) for place in written]
-        if self._plan.views:  # a number may have been written under another name
+        if self._plan.views:  # a number may have been written under an alias
             at_hand.clear()
 
     def write_on(self, code: Code, regions: Mapping[str, str], running: Running) -> None:
-        """The same in a loop through bodies: a row that the iteration before wrote need not come through memory."""
+        """The same in a loop over bodies: a row that the previous iteration wrote need not go through memory."""
         root, known, written = self._plan.root, dict[int, str](), {name for name, _ in self._targets}
-        # what it writes under the same name is another's row: rarely the one before, and read just to be added to
+        # a row of the same name as an output is another one: rarely the previous one's, and read only to be added to
         names = dict.fromkeys(name for name, *_ in self._sources if name not in written)
         handed = [name for name in dict.fromkeys(map(root, names)) if name in {root(x) for x in written}]
         before = {name: code.name("before") for name in handed}
@@ -165,7 +165,7 @@ class StageCode:
     def _at_hand_or_loaded(
         self, code: Code, regions: Mapping[str, str], name: str, before: str, numbers: Mapping[Place, str]
     ) -> dict[int, str]:
-        """A region's numbers by input slot.  before, numbers: the row that the iteration before wrote, and its own."""
+        """A region's numbers by input slot.  before, numbers: the row that the previous iteration wrote, and its own."""
         slots = self._fetched(name)
         here, fetch, there = (code.name(x) for x in ("here", "fetch", "there"))
         code.label(here)
@@ -187,13 +187,13 @@ class StageCode:
         return self._load(code, regions, slot)
 
     def _kind(self, name: str) -> str:
-        """In what a region's numbers are handed on."""
+        """The type in which a region's numbers are carried to the next iteration."""
         return self.lanes.real
 
     def _written_with(
         self, code: Code, regions: Mapping[str, str], known: Mapping[int, str]
     ) -> list[tuple[Place, str]]:
-        """As `_written`.  known: what need not be fetched, by slot."""
+        """As `_written`.  known: numbers that need not be loaded, by slot."""
 
         def load(slot: int) -> str:
             return known[slot] if slot in known else self._load(code, regions, slot)
@@ -201,7 +201,7 @@ class StageCode:
         return self._written(code, regions, load)
 
     def _written(self, code: Code, regions: Mapping[str, str], load: Callable[[int], str]) -> list[tuple[Place, str]]:
-        """What has changed goes to memory; all results, with their places."""
+        """Stores changed results to memory; returns all results with their places."""
         graph, self._rest = self._rest, self._graph
         values = straight_line(code, scheduled(graph), self.lanes, load)
         for x, value, (name, k) in zip(graph.results, values, self._targets, strict=True):
@@ -210,7 +210,7 @@ class StageCode:
         return [*zip(self._targets, values, strict=True)]
 
     def _is_input(self, x: Operand, place: Place) -> bool:
-        """Whether a result is what already stands in its place."""
+        """Whether a result already is in its place."""
         slot = x.args[0] if isinstance(x, Node) and x.op == "input" else len(self._sources)
         return slot < len(self._sources) and self._sources[slot][:2] == place
 
@@ -222,7 +222,7 @@ class StageCode:
         at_hand: Mapping[Place, str] = _NOTHING,
         lanes: Lanes | None = None,
     ) -> str:
-        """An input's number in the lanes of the stage, or in others."""
+        """An input's number, in the stage's lanes or in others."""
         if slot in self._begun:
             return self._begun[slot]
         (name, k, laned), lanes = self._sources[slot], lanes or self.lanes

@@ -1,4 +1,4 @@
-"""What a stepping program is made of: regions of memory, stages that map regions to regions, loops around them."""
+"""Parts of a stepping program: regions of memory, stages that map regions to regions, loops around them."""
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
@@ -9,11 +9,11 @@ N = TypeVar("N")
 
 @dataclass(frozen=True)
 class Region:
-    """A named stretch of `size` numbers that the caller provides and that stages read and write.
+    """A named block of `size` numbers that the caller provides and that stages read and write.
 
-    lanes: how many like things its numbers belong to, side by side: number f of thing l is at f * lanes + l.
-    triples: whether every three numbers have the room of four, so that a wide register takes them at once; only in
-        regions of one lane, and only stages in a LaneLoop may use them.
+    lanes: how many like things its numbers belong to, interleaved: number f of thing l is at f * lanes + l.
+    triples: whether every three numbers are padded to four, to fit a vector register; only in regions of one lane, and
+    only stages in a LaneLoop may use them.
     """
 
     name: str
@@ -23,11 +23,11 @@ class Region:
 
     @property
     def room(self) -> int:
-        """Numbers that a row of its array has."""
+        """Size of a row of its array, with padding."""
         return self.place(self.size)
 
     def place(self, slot: int) -> int:
-        """Where a slot is in that row."""
+        """Position of a slot in that row."""
         return slot // 3 * 4 + slot % 3 if self.triples else slot
 
 
@@ -36,9 +36,9 @@ class Stage:
     """A pure function from regions to regions.
 
     function: receives a flat list of scalars for each region in `reads` and returns one for each in `writes` (the list
-    itself if there is but one).  All is read before anything is written.
-    lanes: how many like things it is computed for, all at once.  The function then sees one of them: its own numbers of
-    regions with as many lanes, and all numbers of the others, which it can only read.
+    itself if there is only one).  Everything is read before anything is written.
+    lanes: how many like things it is computed for at once.  The function then sees one of them: its own numbers of
+    regions with as many lanes, and all numbers of other regions, which it can only read.
     as_in_threes: whether each lane computes what a stage on regions of triples does, to the last bit.
     """
 
@@ -51,9 +51,9 @@ class Stage:
 
 @dataclass(frozen=True)
 class View:
-    """A row of a region, the one that a list of whole numbers says, as of a tree's parents.
+    """A row of a region, selected by a list of integers, such as a tree's parents.
 
-    name: what stages call that row.  of: the region.  index: the list, an int64 for each iteration; it goes with the
+    name: the row's name in stages.  of: the region.  index: the list, an int64 for each iteration; it advances with the
     loop's streams, backward if they do.  A stage must not write one row under both names.
     """
 
@@ -64,15 +64,15 @@ class View:
 
 @dataclass(frozen=True, eq=False)
 class Loop:
-    """Runs its body again and again.
+    """Runs its body repeatedly.
 
-    count: how often; a text names a number that each run states.
+    count: trip count; a string names a number that each run gives.
     streams: regions that advance with the loop: their arrays have a row for each iteration, and inside the loop the
-        region is the row of the iteration.  Entered again, the loop begins with the first row.  Outside there is none.
-        A region that streams in loops inside too has a row for each of their iterations, within each of this loop's.
-    until: a region of one slot; after an iteration that leaves it other than 0, the loop is left.
+    region is the row of the iteration.  On re-entry the loop begins with the first row.  Outside there is none.
+    A region that also streams in inner loops has a row for each of their iterations, within each of this loop's.
+    until: a region of one slot; after an iteration that leaves it nonzero, the loop exits.
     backward: whether streams begin with the last of each entry's rows and end with the first.
-    views: rows of regions that lists of whole numbers name, to be used inside.
+    views: rows of regions that lists of integers select, for use inside.
     """
 
     count: int | str
@@ -83,11 +83,11 @@ class Loop:
     views: Sequence[View] = ()
 
     def within(self, name: str) -> "tuple[int | str, ...]":
-        """Counts of the loops inside that a region streams in too, outermost first."""
+        """Counts of the inner loops that a region also streams in, outermost first."""
         return next(iter(self.all_within(name)), ())
 
     def all_within(self, name: str) -> "set[tuple[int | str, ...]]":
-        """The same of each path inward: they must not differ."""
+        """The same for each path inward: they must not differ."""
         found: set[tuple[int | str, ...]] = set()
         for item in self.body:
             if isinstance(item, Loop):
@@ -97,12 +97,12 @@ class Loop:
 
 
 def number_of(count: int | str, counts: Mapping[str, N]) -> int | N:
-    """How many a loop's count is, where a run states those that have a name."""
+    """A loop's count as a number; a run gives those that have a name."""
     return counts[count] if isinstance(count, str) else count
 
 
 class LaneLoop(Loop):
-    """A loop through like things one by one, whose regions hold several of them side by side.
+    """A loop over like things one by one, whose regions interleave several of them.
 
     Its streams and views advance lane by lane: inside, such a region is one lane of a row, and a row of its array
     serves as many iterations as it has lanes.  Only stages of one lane can use it there.

@@ -1,4 +1,4 @@
-"""LLVM IR of a graph whose like operations have been brought together: see `superwords`."""
+"""LLVM IR of a graph whose isomorphic operations have been packed into words: see `superwords`."""
 
 from collections.abc import Callable
 from typing import Any
@@ -16,12 +16,12 @@ ONE = Lanes(1)
 
 
 class SuperwordLine:
-    """A graph's operations, written words where there are some."""
+    """A graph's operations, emitted as words where possible."""
 
     def __init__(
         self, code: Code, superwords: Superwords, load: Callable[[int], str], load_three: Callable[[int], str]
     ) -> None:
-        """load(slot) names an input's value, load_three(first slot) those of three."""
+        """load(slot) names an input's value, load_three(first slot) that of three as a vector."""
         self._code, self._superwords, self._load, self._load_three = code, superwords, load, load_three
         self._names: dict[int, str] = {}
         self._words: dict[int, str] = {}
@@ -39,7 +39,7 @@ class SuperwordLine:
         return self._names[x.serial] if isinstance(x, Node) else ONE.constant(x) if isinstance(x, float) else x
 
     def word(self, word: Word) -> str:
-        """The name of three, as WIDE has them."""
+        """The name of a word's vector, of WIDE's type."""
         return self._words[id(word)]
 
     def _computed(self, x: Node) -> str:
@@ -59,7 +59,7 @@ class SuperwordLine:
         return applied(self._code, WIDE, word.op, *map(self.word, word.operands))
 
     def _joined(self, word: Word) -> str:
-        """Of words, where all three are in some, else of numbers.  What nobody reads stays as it is: zero."""
+        """Shuffled from words, if all three are in some, else built from scalars.  Lanes that are not read stay zero."""
         if not word.operands:
             return WIDE.joined(self._code, [*map(self.number, word.numbers)])
         (a, b, c), (i, j, k) = map(self.word, word.operands), word.lanes

@@ -1,8 +1,8 @@
-"""Like operations on the three numbers of a vector, brought together into one operation of a wide register.
+"""Superword-level parallelism: like operations on a vector's three numbers, packed into one vector operation.
 
-Larsen and Amarasinghe (2000): it begins with results that lie side by side; where they come of the same operation their
-operands are brought together too, down to inputs that lie side by side.  Each number is still computed by the graph's
-own operations, so its bits are the same.
+Larsen and Amarasinghe (2000): packing starts at adjacent results; where they come from the same operation their
+operands are packed too, down to adjacent inputs.  Each number is still computed by the graph's own operations, so its
+bits are the same.
 """
 
 from collections.abc import Callable, Sequence
@@ -27,9 +27,9 @@ Triple = tuple[Operand, ...]
 class Word:
     """Three numbers in one register.
 
-    op: one of _ALIKE, on `operands`; "read", of inputs that lie side by side, the first at `slot`; "spread", of one
-    number; "turn", numbers of another word, chosen by `lanes`; "signed", those of another word by `signs`, as they are
-    (1), turned (-1) or zero; "join", numbers that are computed one by one.
+    op: one of _ALIKE, on `operands`; "read", of adjacent inputs, the first at `slot`; "spread", a broadcast number;
+    "turn", a permutation of another word by `lanes`; "signed", another word by `signs`, unchanged (1), negated (-1) or
+    zero; "join", numbers that are computed as scalars.
     """
 
     op: str
@@ -44,36 +44,36 @@ Unit = Word | Operand
 
 
 class Superwords:
-    """What of a graph goes into words.
+    """The packing of a graph into words.
 
-    words: by the first slot of three results.  order: words and numbers that all results need, operands first.
+    words: by the first slot of three results.  order: words and scalars that all results need, operands first.
     """
 
     def __init__(self, graph: Graph, read: Sequence[int], written: Sequence[int]) -> None:
-        """read, written: the first slots of threes that lie side by side, of inputs and of results."""
+        """read, written: the first slots of adjacent threes, of inputs and of results."""
         self._read = {first + lane: (first, lane) for first in read for lane in range(3)}
         self._found: dict[tuple[Any, ...], Word] = {}
         self._places: dict[int, tuple[Word, int]] = {}
         self._needs = _needs(graph)
         threes = {first: graph.results[first : first + 3] for first in written}
-        # those last whose numbers may be in words of others, but for their signs
+        # last, those whose numbers may be in others' words up to sign
         by_signs = sorted(threes, key=lambda first: any(_sign(x) != 1 for x in threes[first]))
         self.words = {first: self._together(threes[first]) for first in by_signs}
         for three in filter(None, map(_summed, graph.nodes)):
             if not any(map(self.place, three)):
                 self._together(three)
         order = self._order(graph)
-        if order is None:  # two words wait for each other: one by one, then
+        if order is None:  # two words depend on each other: scalar code, then
             self.words, self._places = {first: Word("join", three) for first, three in threes.items()}, {}
             order = self._order(graph)
         self.order = order or []
 
     def place(self, x: Operand) -> tuple[Word, int] | None:
-        """The word and the lane where a number is."""
+        """The word and lane that hold a number."""
         return self._places.get(x.serial) if isinstance(x, Node) else None
 
     def unit(self, x: Operand) -> Unit:
-        """The word that a number is in, or itself."""
+        """The word that holds a number, or the number itself."""
         place = self.place(x)
         return place[0] if place else x
 
@@ -81,7 +81,7 @@ class Superwords:
         return _in_order([*self.words.values(), *map(self.unit, graph.results)], self._before)
 
     def _before(self, unit: Unit) -> list[Unit]:
-        """What it is computed from."""
+        """The units that it is computed from."""
         if isinstance(unit, Word):
             is_of_numbers = unit.op in ("spread", "join") and not unit.operands
             return [*map(self.unit, unit.numbers)] if is_of_numbers else [*unit.operands]
@@ -121,7 +121,7 @@ class Superwords:
         return self._found.setdefault(("read", first), Word("read", (), slot=first))
 
     def _signed(self, numbers: Triple) -> Word | None:
-        """Where zeros and turned signs are all that keeps them from being in one word already."""
+        """A "signed" word, if they are already in one word up to zeros and signs."""
         signs = [_sign(x) for x in numbers]
         bare = [x.args[0] if sign < 0 else x for x, sign in zip(numbers, signs, strict=True) if sign]
         if len(bare) == 3 and signs in ([1, 1, 1], [-1, -1, -1]):
@@ -131,7 +131,7 @@ class Superwords:
         return Word("signed", numbers, [word], signs=signs) if word and word.op in ("spread", "turn", "read") else None
 
     def _operation(self, nodes: Sequence[Node]) -> Word | None:
-        """One operation for all three, unless its operands would all have to be joined."""
+        """One vector operation for all three, unless all its operands would have to be joined from scalars."""
         op = nodes[0].op
         alike = op in _ALIKE and all(x.op == op for x in nodes)
         if not alike or len({x.serial for x in nodes}) < 3 or self._is_chain(nodes):
@@ -147,12 +147,12 @@ class Superwords:
         return None
 
     def _is_chain(self, nodes: Sequence[Node]) -> bool:
-        """Whether one of them needs another."""
+        """Whether one of them depends on another."""
         own = [1 << self._needs[x.serial].bit_length() - 1 for x in nodes]
         return any(self._needs[x.serial] & sum(own) & ~bit for x, bit in zip(nodes, own, strict=True))
 
     def _operands(self, nodes: Sequence[Node]) -> list[Triple]:
-        """By place; those that may change places where they are most like those of the first."""
+        """Operands by position; those of commutative operations where they best match the first's."""
         first, *others = [[*x.args] for x in nodes]
         for args in others if nodes[0].op in _EXCHANGEABLE else ():
             as_they_are = self._likeness(first[0], args[0]) + self._likeness(first[1], args[1])
@@ -178,7 +178,7 @@ class Superwords:
 
 
 def _summed(x: Node) -> tuple[Node, Node, Node] | None:
-    """What adds up to this number, where that is three operations of the same kind."""
+    """The terms of this number as a sum, if that is three operations of the same kind."""
     if x.op == "add" and isinstance(x.args[0], Node) and x.args[0].op == "add":
         three = (*x.args[0].args, x.args[1])
         if all(isinstance(y, Node) for y in three) and len({y.op for y in three}) == 1 and three[0].op in _ALIKE:
@@ -187,14 +187,14 @@ def _summed(x: Node) -> tuple[Node, Node, Node] | None:
 
 
 def _sign(x: Operand) -> int:
-    """-1 of a number whose sign is turned, 0 of zero, else 1."""
+    """-1 for a negated number, 0 for zero, else 1."""
     if isinstance(x, Node):
         return -1 if x.op == "neg" else 1
     return int(repr(x) != "0.0")
 
 
 def _needs(graph: Graph) -> dict[int, int]:
-    """For each node the nodes that it needs, as bits, itself the highest."""
+    """For each node the bit set of nodes that it depends on, itself the highest bit."""
     needs: dict[int, int] = {}
     for k, x in enumerate(graph.nodes):
         needs[x.serial] = 1 << k
@@ -205,7 +205,7 @@ def _needs(graph: Graph) -> dict[int, int]:
 
 
 def _in_order(wanted: Sequence[Unit], before: Callable[[Unit], list[Unit]]) -> list[Unit] | None:
-    """Units with all that they are computed from, which comes first; None where that goes in a circle."""
+    """Units in topological order with all their dependencies; None if there is a cycle."""
     done: dict[int, Unit] = {}
     under_way = set[int]()
     stack = [(unit, False) for unit in reversed(wanted)]

@@ -1,4 +1,4 @@
-"""A stage of a program whose numbers come in threes: it reads, computes and writes them in wide registers."""
+"""A stage of a program on triples of numbers: it loads, computes and stores them in vector registers."""
 
 from collections.abc import Mapping, Sequence
 from typing import Any
@@ -14,7 +14,7 @@ _NOTHING: Mapping[int, str] = {}
 
 
 class TripleStage(StageCode):
-    """The stage lowered, where regions of triples take part."""
+    """A lowered stage that uses regions of triples."""
 
     def __init__(self, code: Code, plan: Plan, stage: Stage, regions: Mapping[str, str]) -> None:
         super().__init__(code, plan, stage, regions)
@@ -29,12 +29,12 @@ class TripleStage(StageCode):
         return len({slot - k % 3 if self._triples(name) else slot for slot, (name, k) in places.items()})
 
     def _triples(self, name: str) -> Region | None:
-        """The region of that name, if it is one of triples."""
+        """The region of that name, if it holds triples."""
         region = self._plan.regions.get(self._plan.root(name))
         return region if region and region.triples else None
 
     def _threes(self, places: Sequence[tuple[Any, ...]]) -> list[int]:
-        """The first slots of threes."""
+        """The first slots of triples."""
         return [slot for slot, (name, k, *_) in enumerate(places) if self._triples(name) and k % 3 == 0]
 
     def _kind(self, name: str) -> str:

@@ -1,4 +1,4 @@
-"""A walk through a nest of loops: what is in it, and whether it fits together."""
+"""A walk through a loop nest: what is in it, and whether it is consistent."""
 
 from collections import defaultdict
 from collections.abc import Mapping, Sequence
@@ -13,14 +13,14 @@ from cutpoint.kernels.programs.stepping import LaneLoop, Loop, Region, Stage, Vi
 
 
 class Advance(NamedTuple):
-    """How a region streams: counts whose product is how often it advances, and how many such steps take one row."""
+    """How a region streams: counts whose product is the number of its steps, and how many steps take one row."""
 
     often: tuple[int | str, ...]
     steps: int
 
 
 class Walk:
-    """Collects what is in a nest of loops."""
+    """Collects the contents of a loop nest."""
 
     def __init__(self, regions: dict[str, Region]) -> None:
         self.regions = regions
@@ -42,7 +42,7 @@ class Walk:
         single: frozenset[str],
         outer: Mapping[str, tuple[int | str, ...]],
     ) -> None:
-        """outer: counts of the loops around that a region streams in, if it streams further in."""
+        """outer: counts of the enclosing loops that a region streams in, if it also streams further in."""
         self._check_loop(loop, advancing)
         if isinstance(loop.count, str):
             self.counts[loop.count] = None
@@ -80,14 +80,14 @@ class Walk:
             raise InputError(f"region {loop.until!r} ends a loop, so it must have one slot and not stream in that loop")
 
     def _check_groups(self, name: str, loop: Loop) -> None:
-        """A region that streams in several loops has as many rows in each."""
+        """Checks that a region that streams in several loops has as many rows in each."""
         inner = loop.all_within(name)
         if len(inner) > 1 or (inner and _has_lane_loop(loop, name)):
             told = f"region {name!r} streams in a loop and in others inside"
             raise InputError(f"{told}: these must have the same count, and none must be a LaneLoop, not {inner}")
 
     def _view(self, view: View, loop: Loop) -> None:
-        """A view may be had in several loops, but then it is the same."""
+        """Checks that a view that occurs in several loops is the same in each."""
         if view.of not in self.regions:
             raise unknown_name("region", view.of, self.regions)
         self.streamed.setdefault(view.of, [])
@@ -100,7 +100,7 @@ class Walk:
             raise InputError(f"view {view.name!r} by {view.index!r}: both must have names that nothing else has")
 
     def check_streams(self) -> None:
-        """A region that streams, or is viewed, has rows only inside its loop."""
+        """Checks that a region that streams, or is viewed, is used only inside its loop."""
         for name, advancing in self.uses:
             if (name in self.streamed or name in self.views) and name not in advancing:
                 raise InputError(f"region {name!r} has rows, so it can only be used inside the loop that it streams in")
@@ -140,6 +140,6 @@ class Walk:
 
 
 def _has_lane_loop(loop: Loop, name: str) -> bool:
-    """Whether a region streams in such a loop, this one or one inside."""
+    """Whether a region streams in a LaneLoop, this one or an inner one."""
     inside = any(isinstance(item, Loop) and _has_lane_loop(item, name) for item in loop.body)
     return inside or (isinstance(loop, LaneLoop) and name in loop.streams)

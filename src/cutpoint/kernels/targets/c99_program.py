@@ -1,4 +1,4 @@
-"""C99 of a program: loops around stages, on memory of the call's own; it rounds exactly as our machine code does."""
+"""C99 of a program: loops around stages, on stack memory; it rounds exactly as our machine code does."""
 
 import re
 from collections.abc import Iterator, Mapping, Sequence
@@ -27,10 +27,10 @@ _FEW = 32
 
 
 def source_of(fixed: Fixed, name: str) -> Source:
-    """The function of inputs and outputs.  All inputs are read before an output is written: they may share memory.
+    """The function of inputs and outputs.  All inputs are read before an output is written, so they may alias.
 
-    name: what errors call it.
-    Raises InputError for a program whose memory is more than a stack holds.
+    name: used in errors.
+    Raises InputError for a program whose memory exceeds a stack's.
     """
     rooms = _Rooms(fixed)
     check_stack(name, rooms.stack)
@@ -46,14 +46,14 @@ def source_of(fixed: Fixed, name: str) -> Source:
 
 
 def check_stack(name: str, stack: int) -> None:
-    """Raises InputError for so many bytes, if they are too many."""
+    """Raises InputError if this many bytes are too many."""
     if stack > MOST_STACK:
         told = f"in C it would take {stack:,} bytes of the stack, {MOST_STACK:,} at most; take a smaller model"
         raise InputError(f"{name}: {told}", bytes=stack)
 
 
 class _Room(NamedTuple):
-    """An array of C, for arrays that share memory here; it begins with what that holds."""
+    """A C array, for arrays that share memory here, initialised with its contents."""
 
     name: str
     memory: Array
@@ -61,7 +61,7 @@ class _Room(NamedTuple):
 
 
 def _room(name: str, arrays: Mapping[str, Array]) -> _Room:
-    """From the first number that arrays of these names have in common memory to the last."""
+    """The memory shared by arrays of these names, from the first number used to the last."""
     (owner, *_), starts = map(_owner, arrays.values()), [x.ctypes.data for x in arrays.values()]
     ends = [start + x.nbytes for start, x in zip(starts, arrays.values(), strict=True)]
     first, last = ((place - owner.ctypes.data) // FLOAT64.item for place in (min(starts), max(ends)))
@@ -69,7 +69,7 @@ def _room(name: str, arrays: Mapping[str, Array]) -> _Room:
 
 
 class _Rooms:
-    """The arrays of C, of which those that nobody writes are tables; only what is used is declared."""
+    """The C arrays; read-only ones are tables, and only those used are declared."""
 
     def __init__(self, fixed: Fixed) -> None:
         plan = fixed.plan
@@ -85,16 +85,16 @@ class _Rooms:
 
     @property
     def stack(self) -> int:
-        """Bytes that a call works in."""
+        """Stack memory of a call, bytes."""
         return sum(self._rooms[key].memory.nbytes for key in self._changing)
 
     def place(self, array: Array) -> tuple[str, int]:
-        """The array of C that an array here stands in, and from which number on."""
+        """The C array that holds an array, and its offset there."""
         room = self._rooms[id(_owner(array))]
         return room.name, (array.ctypes.data - room.memory.ctypes.data) // FLOAT64.item
 
     def declared(self, text: str) -> Iterator[str]:
-        """Those that a text uses."""
+        """Declarations of those that a text uses."""
         for key, (name, memory, about) in self._rooms.items():
             if f"{name}[" not in text:
                 continue
@@ -129,7 +129,7 @@ class _Loops:
                 yield from _table("int", name, [*map(str, self._fixed.arrays[index].tolist())])
 
     def loop(self, this: Loop, starts: Mapping[str, str]) -> Iterator[str]:
-        """starts: by name, from which number on the rows of regions begin that outer loops go through."""
+        """starts: by name, offsets of the rows of regions that outer loops step through."""
         often, k = self._number(this.count), f"_i{next(self._numbers)}"
         groups = {name: prod(map(self._number, this.within(name))) for name in this.streams}
         rows = {name: (name, f"{k} * {size}" if size > 1 else k) for name, size in groups.items()}
@@ -174,7 +174,7 @@ class _Loops:
         yield "}"
 
     def _slot(self, name: str, k: int, starts: Mapping[str, str], stage: Stage | None = None) -> str:
-        """A number of a region, as a stage sees it."""
+        """A number of a region, from the view of a stage."""
         region = self._plan.regions[self._plan.root(name)]
         room, first = self._rooms.place(self._fixed.arrays[region.name])
         is_laned = stage is not None and self._plan.is_laned(stage, name)
@@ -186,7 +186,7 @@ class _Loops:
 
 
 def _copied(rooms: _Rooms, name: str, argument: Output, *, inward: bool) -> Iterator[str]:
-    """An argument's numbers into memory, or out of it."""
+    """Copies an argument's numbers into memory, or out of it."""
     everything = np.empty(argument.shape)
     for part in argument.parts:
         if not part.own.size:

@@ -1,4 +1,4 @@
-"""What the files of an exported function say: templates, filled in."""
+"""Texts of an exported function's files: templates, filled in."""
 
 import re
 from collections.abc import Callable, Mapping, Sequence
@@ -21,7 +21,7 @@ FILES = {
 
 
 class Values(NamedTuple):
-    """The numbers that an argument usually has, and what each of them is."""
+    """Default numbers of an argument, and what each of them is."""
 
     numbers: np.ndarray
     labels: Sequence[str]
@@ -29,11 +29,11 @@ class Values(NamedTuple):
 
 @dataclass(frozen=True)
 class Notes:
-    """What is said of a function beyond its graph.
+    """Notes on a function beyond its graph.
 
-    about: what it is of, in a sentence.  arguments: unit and order of an argument, by its name.  values: of arguments
-    that have some; the header then holds them as <function>_<argument>.
-    carried: by an argument, the output of the step before that it takes.  series: by an argument, its numbers by those
+    about: what it is of, in a sentence.  arguments: unit and order of an argument, by name.  values: of arguments that
+    have defaults; the header then holds them as <function>_<argument>.
+    carried: by argument, the output of the previous step that it takes.  series: by argument, its numbers as a function
     of the steps.
     """
 
@@ -45,7 +45,7 @@ class Notes:
 
 
 class _Template(Template):
-    """Placeholders are @{name}: C and CMake use the dollar themselves."""
+    """Placeholders are @{name}: C and CMake themselves use the dollar sign."""
 
     delimiter = "@"
 
@@ -53,7 +53,7 @@ class _Template(Template):
 def texts(
     source: c99.Source, name: str, notes: Notes, version: str, recorded: tuple[np.ndarray, np.ndarray]
 ) -> dict[str, str]:
-    """Every file's text by its name.
+    """Every file's text by file name.
 
     recorded: inputs and outputs of the check, (cases, slots) each.
     Raises InputError for names that C cannot take.
@@ -80,12 +80,12 @@ def texts(
 
 
 def comment(text: str) -> str:
-    """A text that cannot end or upset a comment in C: other characters go by their numbers in Unicode."""
+    """A text that cannot end or break a C comment: other characters are replaced by their Unicode numbers."""
     return re.sub(r"[^A-Za-z0-9_ .,:;()\[\]=<>+'/-]|/(?=/)", lambda found: f"U+{ord(found[0]):04X}", text)
 
 
 def arguments(inputs: Sequence[Port], outputs: Sequence[Port], notes: Notes) -> str:
-    """What is said of every argument, a line each."""
+    """The notes on every argument, a line each."""
     lines = []
     for side, ports in (("in ", inputs), ("out", outputs)):
         for p in ports:
@@ -106,7 +106,7 @@ def values(name: str, notes: Notes, precision: Precision) -> str:
 
 
 def _tables(name: str, inputs: Sequence[Port], notes: Notes) -> str:
-    """The header's tables beside the first case, which was recorded with their numbers."""
+    """The header's tables against the first case, which was recorded with their numbers."""
     lines, start = list[str](), 0
     for p in inputs:
         if p.name in notes.values:
@@ -135,7 +135,7 @@ def _table(rows: np.ndarray, precision: Precision) -> str:
 
 
 def _call(inputs: Sequence[Port], outputs: Sequence[Port]) -> list[str]:
-    """The check's arguments: where each begins in the rows."""
+    """The check's arguments: offset of each in the rows."""
     call = []
     for memory, ports, by_value in (("cutpoint_in", inputs, True), ("cutpoint_out", outputs, False)):
         start = 0

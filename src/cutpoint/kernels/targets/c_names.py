@@ -1,4 +1,4 @@
-"""Names that functions and their arguments can have in C and C++, whatever headers a program includes besides ours."""
+"""Names that functions and arguments can have in C and C++, whatever other headers a program includes."""
 
 import re
 from collections.abc import Sequence
@@ -62,7 +62,7 @@ _LIBRARY = re.compile(
 
 
 def check_names(function: str, inputs: Sequence[Port], outputs: Sequence[Port]) -> None:
-    """Raises InputError for a name that C or C++ cannot take, or that two arguments share."""
+    """Raises InputError for a name that is invalid in C or C++, or that two arguments share."""
     names = [function, *(p.name for p in (*inputs, *outputs))]
     for name in names:
         is_one = re.fullmatch("(?!cutpoint_)[A-Za-z][A-Za-z0-9_]{0,127}", name)

@@ -1,6 +1,6 @@
 """CUDA C of a graph: one thread computes one configuration, in straight-line code that rounds as our machine code does.
 
-Every rounding is one of CUDA's intrinsics, __dadd_rn or __fadd_rn and their like, which compilers neither contract nor
+Every rounded operation is a CUDA intrinsic such as __dadd_rn or __fadd_rn, which compilers neither contract nor
 reassociate.
 """
 
@@ -98,13 +98,13 @@ def check_names(name: str, graph: Graph) -> None:
 
 
 def full(graph: Graph) -> tuple[list[Port], list[Port]]:
-    """Inputs and outputs that hold numbers: only these are the function's arguments."""
+    """Inputs and outputs of nonzero size: only these are the function's arguments."""
     inputs, outputs = map(with_numbers, (graph.inputs, graph.outputs))
     return inputs, outputs
 
 
 def declaration(name: str, graph: Graph, attributes: str = "") -> str:
-    """The kernel's head."""
+    """The kernel's signature."""
     (inputs, outputs), real = full(graph), graph.precision.c
     read = [f"const {real} *__restrict__ {p.name}, long long {_step(p).name}" for p in inputs]
     arguments = ["long long count", *read, *(f"{real} *__restrict__ {p.name}" for p in outputs)]
@@ -113,7 +113,7 @@ def declaration(name: str, graph: Graph, attributes: str = "") -> str:
 
 
 def code(name: str, graph: Graph) -> str:
-    """All of the code: nothing is included.
+    """The complete code, without includes.
 
     Raises InputError for names that CUDA C cannot take.
     """
@@ -128,12 +128,12 @@ def code(name: str, graph: Graph) -> str:
 
 
 def _once(what: str, text: str) -> str:
-    """A helper that several kernels of one source file share."""
+    """A helper that several kernels of one source file share, with an include guard."""
     return f"#ifndef CUTPOINT_{what}\n#define CUTPOINT_{what}\n{text}#endif\n"
 
 
 def _body(graph: Graph) -> str:
-    """The statements, in an order that needs few registers."""
+    """The statements, in an order of low register pressure."""
     names: dict[int, str] = {}
     (inputs, outputs), precision = full(graph), graph.precision
     slots = _slots(inputs)
@@ -162,10 +162,10 @@ def _body(graph: Graph) -> str:
 
 
 def _place(inputs: Sequence[Port], outputs: Sequence[Port], precision: Precision) -> list[str]:
-    """Which configuration this thread has, and where its numbers lie; with windows, where the warp's rows lie.
+    """This thread's configuration, and pointers to its numbers; with windows, to the warp's rows.
 
-    Threads of the last warp that have no configuration then compute its first once more, to the same bits: all must be
-    there for windows.
+    Threads of the last warp without a configuration then recompute its first, to the same bits: windows need all
+    threads of the warp.
     """
     lines = ["const long long cutpoint_thread = (long long)blockIdx.x * blockDim.x + threadIdx.x;"]
     windows = windows_of(outputs, precision)
@@ -196,7 +196,7 @@ def _expression(op: str, operands: list[str], precision: Precision) -> str:
 
 
 def _number(x: float, precision: Precision) -> str:
-    """A float as a constant; CUDA knows infinity and not-a-number by their bits only."""
+    """A float as a constant; CUDA can write infinity and NaN only by their bits."""
     if math.isfinite(x):
         return c99.number(x, precision)
     bits = precision.dtype.type(abs(x)).view(f"i{precision.item}")
@@ -205,7 +205,7 @@ def _number(x: float, precision: Precision) -> str:
 
 
 def _step(port: Port) -> Port:
-    """The argument that says how many numbers lie between two configurations of an input: 0 if all share it."""
+    """The argument that holds an input's stride between configurations, in numbers: 0 if all share it."""
     return Port(f"{port.name}_step", ())
 
 

@@ -49,5 +49,5 @@ def _texts(graph: Graph, name: str, notes: Notes) -> dict[str, str]:
 
 
 def _host_values(tables: str) -> str:
-    """Tables for the host's memory: NVRTC has none, and no <math.h> either."""
+    """Tables in host memory: NVRTC has none, and no <math.h> either."""
     return f"\n#ifndef __CUDACC_RTC__{tables}#endif\n" if tables else ""

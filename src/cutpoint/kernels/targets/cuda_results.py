@@ -1,8 +1,8 @@
-"""How results leave a CUDA kernel.
+"""How a CUDA kernel stores its results.
 
-Each thread has a row of its own, so a write of a warp's 32 threads goes to 32 places; where rows are long, memory then
-takes ten times as long as for the same bytes side by side.  Such rows leave by windows: the threads lay a part of their
-rows into shared memory, and write that together, neighbours next to neighbours.
+Each thread has its own row, so a store by a warp's 32 threads is scattered over 32 places; with long rows that takes
+ten times as long as coalesced stores of the same bytes.  Such rows are stored through windows: the threads stage part of
+their rows in shared memory, and write it together, coalesced.
 """
 
 from collections.abc import Sequence
@@ -38,7 +38,7 @@ static __device__ __forceinline__ void cutpoint_leave(
 
 
 class Window(NamedTuple):
-    """A part of an output's rows.  start: its first number in the row.  slot: the same among all results."""
+    """Part of an output's rows.  start: its first number in the row.  slot: the same among all results."""
 
     port: Port
     start: int
@@ -50,12 +50,12 @@ class Window(NamedTuple):
 
     @property
     def distance(self) -> int:
-        """Between rows in shared memory: odd, so that its banks are hit alike."""
+        """Row pitch in shared memory: odd, to avoid bank conflicts."""
         return self.width | 1
 
 
 class Step(NamedTuple):
-    """A statement after so many operations; its value, if it has one, goes where the braces are."""
+    """A statement after so many operations; its value, if any, replaces the braces."""
 
     after: int
     text: str
@@ -63,7 +63,7 @@ class Step(NamedTuple):
 
 
 def windows_of(outputs: Sequence[Port], precision: Precision) -> list[Window]:
-    """The windows by which results leave; what is in none is written by its thread."""
+    """The windows for results; those in none are written directly by their threads."""
     if precision.item * sum(p.size for p in outputs) <= _DIRECT:
         return []
     slots = zip(outputs, _slots(outputs), strict=True)
@@ -73,10 +73,10 @@ def windows_of(outputs: Sequence[Port], precision: Precision) -> list[Window]:
 def leaving(
     outputs: Sequence[Port], results: Sequence[Operand], order: Sequence[Node], precision: Precision
 ) -> list[Step]:
-    """The statements by which results leave, in turn.
+    """The statements that store results, in order.
 
-    Directly, a result leaves as soon as it is there.  One window is filled at a time, as soon as results are there; the
-    one that is complete first comes first.
+    Direct stores come as soon as a result is computed.  One window is filled at a time, as soon as its results are
+    computed; the one that is complete first comes first.
     """
     place = {x.serial: k for k, x in enumerate(order, 1)}
     places = [place[x.serial] if isinstance(x, Node) else 0 for x in results]
@@ -98,5 +98,5 @@ def leaving(
 
 
 def _slots(outputs: Sequence[Port]) -> list[int]:
-    """Of each output the first among all results."""
+    """The index of each output's first number among all results."""
     return [sum(p.size for p in outputs[:k]) for k in range(len(outputs))]

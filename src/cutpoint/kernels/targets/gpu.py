@@ -23,12 +23,12 @@ _OPTIONS = ("--std=c++17",)
 
 
 def gpu_function(graph: Graph, name: str, record: type[tuple[Any, ...]] | None) -> Callable[..., Any]:
-    """The graph as a function of CuPy's arrays that is called as a kernel is: see `Kernel.on_gpu`."""
+    """The graph as a function of CuPy arrays, called like a kernel: see `Kernel.on_gpu`."""
     cupy = _cupy()
     with shown(f"{name} for the GPU"):
         code = cuda.code(name, graph)
     (_, outputs), dtype = cuda.full(graph), graph.precision.dtype
-    loaded, lock = dict[int, Any](), new_lock()  # by device: a kernel is there where it was loaded
+    loaded, lock = dict[int, Any](), new_lock()  # by device: a kernel exists only on the device that loaded it
 
     def launch(device: int, *arguments: Any) -> None:
         if device not in loaded:
@@ -57,11 +57,11 @@ def gpu_function(graph: Graph, name: str, record: type[tuple[Any, ...]] | None) 
 
 
 def _there(name: str, port: Port, argument: Any, precision: Precision, device: int) -> Any:
-    """The argument, to be copied to the GPU in use if it is not there.
+    """The argument, copied to the current GPU if it is not there.
 
-    Raises InputError for what holds no numbers, and for what is on another GPU.
+    Raises InputError for anything but numbers, and for arrays on another GPU.
     """
-    if not hasattr(type(argument), "__cuda_array_interface__"):  # of an array itself it would be made anew
+    if not hasattr(type(argument), "__cuda_array_interface__"):  # on an array itself it would be computed again
         try:
             return as_numbers(unmasked(name, port, argument), precision)
         except (TypeError, ValueError, OverflowError) as problem:
@@ -74,7 +74,7 @@ def _there(name: str, port: Port, argument: Any, precision: Precision, device: i
 
 
 def _loaded(cupy: Any, code: str, name: str) -> Any:
-    """The kernel, on the GPU that is in use: from disk if it has been compiled before."""
+    """The kernel on the current GPU, from disk if it has been compiled before."""
     version, capability = cupy.cuda.nvrtc.getVersion(), cupy.cuda.Device().compute_capability
     kept, key = Cache(user_folder()), key_of("CUDA", code, capability, str(version), cupy.__version__, *_OPTIONS)
 
@@ -84,10 +84,10 @@ def _loaded(cupy: Any, code: str, name: str) -> Any:
         return module.get_function(name)
 
     if compiled := kept.read(key):
-        with suppress(Exception):  # of a driver that does not take it: it is compiled anew
+        with suppress(Exception):  # the driver rejects it: it is compiled again
             return function(compiled)
     with shown(f"{name} for the GPU"):
-        # CuPy's RawModule would flush float32 numbers to zero that are too small for full precision
+        # CuPy's RawModule would flush subnormal float32 numbers to zero
         compiled, _ = cupy.cuda.compiler.compile_using_nvrtc(code, _OPTIONS)
     found = function(compiled)
     kept.write(key, compiled)

@@ -1,7 +1,7 @@
 """A graph as a function of JAX: machine code called from XLA, differentiated by machine code for its Jacobian.
 
-JAX is given no scalar expressions: XLA compiles those too, but the dynamics of arms of two to six joints were measured
-to take it 8 to 114 times as long as our rows (JAX 0.10.2, 4096 configurations, two cores).
+JAX gets no scalar expressions: XLA can compile those, but the dynamics of arms with two to six joints were measured to
+run 8 to 114 times as long as our rows (JAX 0.10.2, 4096 configurations, two cores).
 """
 
 import ctypes
@@ -39,7 +39,7 @@ _kept: list[Any] = []
 
 
 def jax_function(graph: Graph, name: str, record: type[tuple[Any, ...]] | None) -> Callable[..., Any]:
-    """The graph as a function of JAX's arrays that is called as a kernel is: see `Kernel.to_jax`."""
+    """The graph as a function of JAX arrays, called like a kernel: see `Kernel.to_jax`."""
     rows, dtype = _differentiable(graph, name), graph.precision.dtype
 
     def call(*arguments: Any, **named: Any) -> Any:
@@ -57,7 +57,7 @@ def jax_function(graph: Graph, name: str, record: type[tuple[Any, ...]] | None) 
 
 
 def _differentiable(graph: Graph, name: str) -> Rows:
-    """The graph on rows, with its derivatives: those by the inputs that move, compiled when JAX first asks."""
+    """The graph on rows, with derivatives by the inputs that have tangents, compiled when JAX first needs them."""
     rows = jax.custom_jvp(_vectorisable(graph, name))
 
     @cache
@@ -86,7 +86,7 @@ def _times(block: Any, output: Port, port: Port, tangent: Any) -> Any:
 
 
 def _vectorisable(graph: Graph, name: str) -> Rows:
-    """The graph on rows; under vmap they become more rows."""
+    """The graph on rows; vmap gives it more rows."""
     target = _registered(graph, name) if graph.results else ""
 
     def once(*given: Any) -> tuple[Any, ...]:
@@ -109,7 +109,7 @@ def _vectorisable(graph: Graph, name: str) -> Rows:
 
 
 def _merged(x: Any, moves: bool, size: int, length: int) -> Any:
-    """Rows along a new axis and an old one as rows along one; what neither moves stays shared."""
+    """Rows along a new axis and an old one, merged into one; those that vary along neither stay shared."""
     if not moves and x.shape[0] == 1:
         return x
     own = x.shape[1 + moves :]
@@ -117,7 +117,7 @@ def _merged(x: Any, moves: bool, size: int, length: int) -> Any:
 
 
 def _registered(graph: Graph, name: str) -> str:
-    """What XLA knows the graph's machine code by."""
+    """The name under which the graph's machine code is registered with XLA."""
     inputs, outputs = map(with_numbers, (graph.inputs, graph.outputs))
     check_size(name, (*inputs, *outputs))
     check_length(name, [graph])
@@ -136,7 +136,7 @@ def _registered(graph: Graph, name: str) -> str:
 
 
 def _ways_of_floats() -> Any:
-    """How this thread rounds and treats subnormal numbers, as the C library's fenv_t."""
+    """This thread's floating-point environment (rounding, subnormals), as the C library's fenv_t."""
     floats = ctypes.create_string_buffer(xla_call.FENV_BYTES)
     ctypes.CDLL(None).fegetenv(floats)
     return floats

@@ -17,7 +17,7 @@ from cutpoint.kernels.graphs.replay import replay
 Steps = list[tuple[Any, Any]]
 """Symbols and what they stand for, in terms of inputs and of symbols before them."""
 
-# not evaluated, since SymPy would look for proofs of what holds
+# not evaluated, since SymPy would try to prove them
 _OPERATORS: dict[str, Callable[..., Any]] = {
     "lt": lambda x, y: sympy.Lt(x, y, evaluate=False), "le": lambda x, y: sympy.Le(x, y, evaluate=False),
     "and": lambda x, y: sympy.And(x, y, evaluate=False),  # pyright: ignore[reportCallIssue]
@@ -30,7 +30,7 @@ _OPERATORS: dict[str, Callable[..., Any]] = {
 def expressions(graph: Graph, name: str, in_steps: bool) -> tuple[Steps, list[Any]]:
     """Every output as an expression, a Matrix (a vector is a column), or an Array of more axes.
 
-    in_steps: in terms of symbols s_0, s_1, ... for what is used more than once, and around every choice.
+    in_steps: in terms of symbols s_0, s_1, ... for common subexpressions, and around every choice.
     Raises InputError if two numbers would have one symbol.
     """
     symbols, steps = _symbols(graph.inputs, name), []
@@ -46,7 +46,7 @@ def expressions(graph: Graph, name: str, in_steps: bool) -> tuple[Steps, list[An
 
 
 def _worth_a_name(graph: Graph) -> set[int]:
-    """What is used more than once; and, since SymPy is slow where they are nested, choices, and what is compared."""
+    """Nodes used more than once; also, since SymPy is slow on nested ones, choices and operands of comparisons."""
     pairs = [(x, y) for x in graph.nodes for y in x.args if isinstance(y, Node) and y.op not in CONDITIONS]
     uses = Counter(y.serial for _, y in pairs)
     near_a_choice = {y.serial for x, y in pairs if y.op == "select" or x.op in ("lt", "le")}
@@ -67,7 +67,7 @@ def _symbols(ports: Sequence[Port], name: str) -> list[Any]:
 
 
 def _constant(x: float) -> Any:
-    """The float, exactly; whole numbers and simple fractions as such, as one would write them."""
+    """The float, exactly; integers and simple fractions in their usual form."""
     if not np.isfinite(x):
         return sympy.nan if np.isnan(x) else sympy.oo * int(np.sign(x))
     numerator, denominator = x.as_integer_ratio()

@@ -1,8 +1,8 @@
-"""LLVM IR of a function that XLA calls: it runs a graph's batch loop on XLA's buffers, without a copy.
+"""LLVM IR of a function that XLA calls: it runs a graph's batch loop on XLA's buffers, without copying.
 
-XLA's foreign function interface hands over a call frame: a C struct, declared in xla/ffi/api/c_api.h, which jaxlib
-brings along.  Its fields are read where version 0 of the interface puts them; minor versions only add fields behind.
-XLA's threads flush subnormal numbers to zero.  While our code runs, floats behave as they do in Python.
+XLA's foreign function interface passes a call frame: a C struct, declared in xla/ffi/api/c_api.h, which ships with
+jaxlib.  Its fields are read at their offsets in version 0 of the interface; minor versions only append fields.
+XLA's threads flush subnormal numbers to zero.  While our code runs, floats behave as in Python.
 """
 
 from collections.abc import Sequence
@@ -41,13 +41,13 @@ entry:"""
 def xla_call(inputs: Sequence[Port], outputs: Sequence[Port], precision: Precision) -> str:
     """The module's text: XLA_FFI_Error *xla_call(XLA_FFI_CallFrame *).
 
-    Every buffer has a leading axis before the port's own: 1 of an input that the whole batch shares, else the batch's
-    length.  None of the ports is of size 0, and there is an output.
+    Every buffer has a leading axis before the port's own: of length 1 for an input that the whole batch shares, else
+    the batch's length.  No port has size 0, and there is an output.
     """
     code, ports = Code(), (*inputs, *outputs)
     asked, run = code.name("asked"), code.name("run")
     extension = code.field("%frame", _EXTENSION)
-    # in a frame without an extension, where an extension has its kind, there is the null pointer itself: no kind
+    # a frame without an extension has a null pointer, which itself reads as no kind
     somewhere = code.let(f"select i1 {code.let(f'icmp eq ptr {extension}, null')}, ptr %frame, ptr {extension}")
     is_metadata = code.let(f"icmp eq i32 {code.field(somewhere, _EXTENSION_KIND, 'i32')}, {_METADATA_IS_ASKED}")
     code.branch(is_metadata, asked, run)
@@ -69,7 +69,7 @@ def xla_call(inputs: Sequence[Port], outputs: Sequence[Port], precision: Precisi
 
 
 def _answer(code: Code, extension: str) -> None:
-    """Says which version of the interface this is written for."""
+    """Reports the interface version that this is written for."""
     metadata = code.field(extension, _METADATA)
     for place, value in _ANSWERS.items():
         code.lines.append(f"store i32 {value}, ptr {code.at(metadata, place, 'i8')}")
@@ -82,7 +82,7 @@ def _buffers(code: Code, inputs: Sequence[Port], outputs: Sequence[Port]) -> lis
 
 
 def _steps(code: Code, ports: Sequence[Port], lengths: str, precision: Precision) -> str:
-    """Every argument's step through the batch, in bytes, 0 if it is shared; then the steps through its own axes."""
+    """Every argument's stride along the batch, in bytes, 0 if it is shared; then the strides along its own axes."""
     own = [stride for p in ports for stride in np.empty(p.shape, precision.dtype).strides]
     steps = code.let(f"alloca i64, i64 {len(ports) + len(own)}")
     for number, port in enumerate(ports):
