@@ -9,7 +9,7 @@ _NOT_THE_USER = {"cutpoint", "numpy", "concurrent", "threading"}
 
 
 def user_place() -> str | None:
-    """File and line of the innermost frame that is the user's; None in a thread that this package started."""
+    """File and line of the user's innermost frame; None in a thread that this package started."""
     for frame in _frames():
         if not _is_ours(frame):
             return f"{frame.f_code.co_filename}:{frame.f_lineno}"
@@ -17,13 +17,13 @@ def user_place() -> str | None:
 
 
 def warn(message: Warning | str, category: type[Warning] = UserWarning) -> None:
-    """Warns at the user's line; at none where `user_place` finds none."""
+    """Warns at the user's line; at none if `user_place` finds none."""
     frames = [*map(_is_ours, _frames())]
     warnings.warn(message, category, stacklevel=1 + (frames.index(False) if False in frames else len(frames)))
 
 
 def _frames() -> Iterator[FrameType]:
-    """The caller's and those around it, the innermost first."""
+    """The caller's frame and those around it, the innermost first."""
     frame: FrameType | None = sys._getframe(1)
     while frame is not None:
         yield frame

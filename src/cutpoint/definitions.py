@@ -1,8 +1,8 @@
-"""A robot's functions, written on its machine and lists of scalars: the bodies of its kernels.
+"""A robot's functions, defined on its machine and lists of scalars: the bodies of its kernels.
 
 q (nq), v, a (nv) and torques tau (nv) are of the joints, in the mechanism's order; theta and its rates, motor torques
-and strains are of the drives, in the drives' order, all at the joints' side.  Units are SI; the corresponding methods
-of `Robot` describe each function and cite its source.
+and strains are of the drives, in the drives' order, all on the joint side.  Units are SI; the corresponding methods of
+`Robot` describe each function and cite its source.
 """
 
 from collections.abc import Mapping

@@ -1,6 +1,6 @@
-"""How what a drive does changes with its state, by the chain rule on its own laws: the drives' part of derivatives.
+"""Derivatives of a drive's effort by its state, by the chain rule on its own laws: the drives' part of derivatives.
 
-Within traces only.  Friction is as in steady sliding, and springs have no hysteresis.
+Only within traces.  Friction is that of steady sliding, and springs have no hysteresis.
 """
 
 from collections import namedtuple
@@ -28,7 +28,7 @@ MOTION = ("torque", "torque_dot", "torque_ddot", "q", "v", "a", "jerk", "snap")
 
 
 def effort_slopes(drive: Drive, state: Scalars) -> Scalars:
-    """Of on_link and alpha of `drive_effort` with its STATE, in the order of EFFORT_SLOPES."""
+    """Derivatives of on_link and alpha of `drive_effort` by its STATE, in the order of EFFORT_SLOPES."""
 
     def effort(state: Scalars) -> Scalars:
         *at, torque = state
@@ -39,7 +39,7 @@ def effort_slopes(drive: Drive, state: Scalars) -> Scalars:
 
 
 def motor_slopes(drive: Drive, motion: Scalars, options: Options) -> Scalars:
-    """Of the motor torque of an elastic inverse dynamics with its MOTION."""
+    """Derivatives of the motor torque of elastic inverse dynamics by its MOTION."""
     driven = Driven(drive, 0, 0, 0)
 
     def asked(motion: Scalars) -> Scalars:

@@ -1,4 +1,4 @@
-"""What can go wrong, said once: which thing, what was found, what was expected, where, and how to mend it."""
+"""Errors: each says which thing, what was found, what was expected, where, and how to fix it."""
 
 import difflib
 from collections.abc import Collection, Iterable
@@ -52,7 +52,7 @@ class TraceError(CutpointError, TypeError):
 
 
 class SimulationError(CutpointError, RuntimeError):
-    """A simulation stopped before its end; `log` holds what it had reached."""
+    """A simulation stopped before its end; `log` holds its results so far."""
 
     def __init__(self, message: str, *, log: Any = None, **evidence: Any) -> None:
         super().__init__(message, **evidence)
@@ -60,13 +60,13 @@ class SimulationError(CutpointError, RuntimeError):
 
 
 def unknown_name(kind: str, name: str, known: Collection[str], **kwargs: Any) -> InputError:
-    """An error for a name that does not exist: it says which do."""
+    """An error for an unknown name, which lists those that exist."""
     complaint = f"no {kind} is named {name!r}; {those_that_exist(name, known)}"
     return InputError(complaint, name=name, known=list(known), **kwargs)
 
 
 def those_that_exist(name: str, known: Iterable[str]) -> str:
-    """The end of a message about an unknown name: which names there are, and which comes near; of many those alone."""
+    """The end of a message about an unknown name: the known names and the closest one; of many, only close ones."""
     known = list(known)
     near = close_to(name, known) if len(known) > AT_A_GLANCE else []
     if near and len(known) > LONG_LIST:
@@ -76,7 +76,7 @@ def those_that_exist(name: str, known: Iterable[str]) -> str:
 
 
 def close_to(name: Any, known: Iterable[str]) -> list[str]:
-    """Names that a wrong one begins, or is much like, whatever its capitals; none to what is no name."""
+    """Names that a wrong one is a prefix of, or resembles, ignoring case; none for anything but a name."""
     if not isinstance(name, str):
         return []
     folded, asked = {str(one).casefold(): one for one in known}, name.casefold()[:LONGEST_GUESS]

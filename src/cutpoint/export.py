@@ -1,4 +1,4 @@
-"""Export: robots' functions and control laws as C99, equal to machine code to the last bit; functions as CUDA C too."""
+"""Export: robots' functions and control laws as C99, equal to machine code to the last bit; functions also as CUDA C."""
 
 import inspect
 from collections.abc import Callable, Mapping
@@ -55,7 +55,7 @@ def export_function(
     name = function if name is None else name
     _check_words(function=function, to=to, precision=precision, name=name)
     single = precision == "float32"
-    # a robot of its own has made no other variant of the kernel
+    # a fresh robot has compiled no other variant of the kernel
     fresh = Robot(robot.mechanism, robot.drives, backend=robot.backend)
     called = _called(fresh, function)
     called(*_neutral_arguments(fresh, function, called, options), **options)
@@ -150,7 +150,7 @@ def _check_bears(function: str, values: Mapping[str, Values], precision: str) ->
 
 
 def _passing(period: float, steps: np.ndarray) -> np.ndarray:
-    """Time in the check's steps, which at last stands still for one."""
+    """Time at the check's steps; it stands still in the last."""
     return period * np.minimum(steps, steps[-1] - 1)
 
 
@@ -163,7 +163,7 @@ def _as_loops(robot: Robot, function: str) -> tuple[Source, Callable[..., Any]] 
 
 
 def _called(robot: Robot, function: str) -> Callable[..., Any]:
-    """What users call in Python."""
+    """The function that users call in Python."""
     of = function.removesuffix("_derivatives")
     return getattr(robot, function) if of == function else partial(getattr(derivatives, of), robot)
 
@@ -171,9 +171,9 @@ def _called(robot: Robot, function: str) -> Callable[..., Any]:
 def _neutral_arguments(
     robot: Robot, function: str, called: Callable[..., Any], options: Mapping[str, Any]
 ) -> list[Any]:
-    """Arguments to call it with once, so that it compiles.
+    """Arguments for a first call, which compiles it.
 
-    Raises InputError for options that it lacks or does not know.
+    Raises InputError for missing or unknown options.
     """
     arguments: list[Any] = []
     known = inspect.signature(called).parameters

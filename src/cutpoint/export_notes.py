@@ -1,4 +1,4 @@
-"""What an exported function's header says of its arguments: units, the order of joints, the drives' numbers."""
+"""Notes on arguments for an exported function's header: units, the order of joints, the drives' numbers."""
 
 from collections.abc import Collection, Iterator, Mapping, Sequence
 from dataclasses import fields, is_dataclass
@@ -40,7 +40,7 @@ _AXES = {
 
 
 def result_of(robot: Robot, function: str, frame: str = "", expressed_in: str = "local", **_: Any) -> str:
-    """What a function's result holds, where its name alone does not tell: its rows and columns."""
+    """A description of a function's result, where its name alone does not suffice: its rows and columns."""
     speeds = ", ".join(_order(robot, "v", robot.nv, ()))
     bodies = ", ".join(body.name for body in robot.mechanism.bodies)
     velocity = "linear (m/s), then angular velocity (rad/s)"
@@ -63,9 +63,9 @@ def notes_of(
     result: str = "",
     per_drive: Collection[str] = PER_DRIVE,
 ) -> Notes:
-    """What is said of a function's arguments; of the values, those that it takes.
+    """The notes on a function's arguments; of the values, those that it takes.
 
-    result: of its only output.  per_drive: arguments with an entry a drive.
+    result: of its only output.  per_drive: arguments with an entry per drive.
     """
     kept = {key: value for key, value in values.items() if key in [p.name for p in function.inputs]}
     told = {p.name: _told(robot, p.name, p.shape, per_drive) for p in (*function.inputs, *function.outputs)}
@@ -111,8 +111,8 @@ def _slopes_told(robot: Robot, name: str) -> str:
 
 
 def _order(robot: Robot, name: str, size: int, per_drive: Collection[str]) -> list[str]:
-    """What the entries of a vector belong to: drives, coordinates, or speeds."""
-    # a torque has an entry a drive or, of links with a floating base, a speed
+    """What a vector's entries belong to: drives, coordinates, or speeds."""
+    # a torque has an entry per drive or, for links with a floating base, per speed
     if size == len(robot.drives) and (name in per_drive or name.startswith("reference_")):
         return list(robot.drives)
     side, count = ("q", robot.nq) if name in ("q", "q_next", "q_dot") else ("v", robot.nv)
@@ -130,7 +130,7 @@ def drive_labels(robot: Robot) -> list[str]:
 
 
 def labels_of(record: Any, path: str = "") -> Iterator[str]:
-    """What each of `scalars.leaves` of a record is: the way to it."""
+    """A label for each of `scalars.leaves` of a record: the path to it."""
     if isinstance(record, np.ndarray):
         yield from (f"{path}[{k}]" for k in range(record.size))
     elif isinstance(record, Mapping):

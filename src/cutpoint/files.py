@@ -1,4 +1,4 @@
-"""Files that users bring and files that we leave: bounded reading, all-or-nothing writing."""
+"""Users' files and our output files: bounded reading, atomic writing."""
 
 import stat
 import tempfile
@@ -25,9 +25,9 @@ def check_readable(path: Path, largest: int) -> None:
 
 
 def check_target_file(path: Path, name: str = "output") -> None:
-    """To be asked before the work whose result is to be written.
+    """Checks a target before the work whose result is to be written there.
 
-    name: what the path is called in errors.
+    name: of the path, in errors.
 
     Raises:
         InputError: the path is a folder, or no file can be written beside it.
@@ -43,10 +43,10 @@ def check_target_file(path: Path, name: str = "output") -> None:
 
 
 def check_target_folder(folder: Path, name: str = "output") -> None:
-    """The same for a folder that is there or will be made.
+    """The same for a folder that exists or will be created.
 
     Raises:
-        InputError: it is there and no folder, or cannot be made or written to.
+        InputError: it exists but is not a folder, or cannot be created or written to.
     """
     with _told(folder, name):
         there = next(path for path in (folder, *folder.absolute().parents) if path.exists())
@@ -58,7 +58,7 @@ def check_target_folder(folder: Path, name: str = "output") -> None:
 
 @contextmanager
 def _told(path: Path, name: str) -> Generator[None, None, None]:
-    """What the system refuses is told of the path that the user gave."""
+    """Reports system errors with the path that the user gave."""
     try:
         yield
     except OSError as error:
@@ -68,11 +68,11 @@ def _told(path: Path, name: str) -> Generator[None, None, None]:
 
 @contextmanager
 def replacing(path: Path) -> Generator[BinaryIO, None, None]:
-    """A file to write to that takes the path's place when all went well, and else leaves what was there.
+    """A file to write to that replaces the path on success, and otherwise leaves it unchanged.
 
-    Raises InputError where no file can be made.
+    Raises InputError if no file can be created.
     """
-    target = path.resolve()  # of a link, the file that it names
+    target = path.resolve()  # for a link, its target
     temporary = target.with_name(f".{target.name}.{token_hex(4)}")
     with _told(path, "file"):
         file = temporary.open("xb")
@@ -86,12 +86,12 @@ def replacing(path: Path) -> Generator[BinaryIO, None, None]:
         with suppress(OSError):
             temporary.unlink()
         if isinstance(error, OSError) and error.filename is None:
-            # writing, as on a full disk, does not know what is written
+            # errors while writing, as on a full disk, do not name the file
             error.filename = str(path)
         raise
 
 
 def save_figure(figure: Any, path: Path) -> None:
-    """Saves a matplotlib figure in the format that the path's suffix names, all or nothing as `replacing` does."""
+    """Saves a matplotlib figure in the format of the path's suffix, atomically as in `replacing`."""
     with replacing(path) as file:
         figure.savefig(file, format=path.suffix.removeprefix("."))

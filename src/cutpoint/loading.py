@@ -18,7 +18,7 @@ from cutpoint.robot import Backend, Robot
 
 
 class DroppedWarning(UserWarning):
-    """A drive file's entry leaves out what the robot file states of its joint, which is therefore ignored."""
+    """A drive file's entry omits data that the robot file gives for its joint, which is therefore ignored."""
 
 
 def load(
@@ -77,7 +77,7 @@ def _drives(
     given: str | Path | Mapping[str, Drive] | None,
     locked: Collection[str],
 ) -> dict[str, Drive]:
-    """For every driven joint: what is given, or what the robot file states, or its friction alone."""
+    """For every driven joint: the given drive, or the robot file's, or its friction alone."""
     joints = {body.joint.name: body.joint for body in mechanism.bodies}
     drives = {name: drive_of(joints[name]) for name in driven_joints(mechanism)} | dict(stated)
     if isinstance(given, (str, PathLike)):
@@ -90,7 +90,7 @@ def _drives(
 
 
 def _say_what_is_dropped(stated: Mapping[str, Drive], found: Mapping[str, Drive], place: str | Path) -> None:
-    """Warns of armature and friction of the robot file that entries of a drive file replace by nothing."""
+    """Warns of armature and friction in the robot file that entries of a drive file omit."""
     armature = [name for name, drive in found.items() if stated[name].rotor and not drive.rotor]
     rubbing = [name for name, drive in found.items() if not (drive.link_friction or drive.motor_friction)]
     friction = [name for name in rubbing if stated[name].link_friction]

@@ -102,11 +102,11 @@ class Places:
         return self._arrays[name].reshape(*shape, self._lanes)
 
     def _by_body(self, name: str, *shape: int) -> Array:
-        """What is kept of each, without the rows of what is no body."""
+        """Parts stored for each body, without the rows of base, world and tip."""
         return self._arrays[name][: self._task.bodies].reshape(self._task.bodies, *shape, self._lanes)
 
     def _matrix(self, name: str, k: int) -> list[Part]:
-        """Of pairs of bodies, and of what the k speeds of a base share with them."""
+        """Parts of a matrix: of pairs of bodies, and of a base's k speeds with them."""
         n = self._task.bodies
         pairs = Part(self._in_shape(name, n, n), np.s_[k:, k:])
         if not k:
@@ -121,7 +121,7 @@ class Places:
         ]
 
     def _columns_by_body(self, name: str, k: int) -> list[Part]:
-        """Of a matrix with several columns for each body, those of a base with k speeds first."""
+        """Parts of a matrix with several columns for each body, those of a base with k speeds first."""
         n, size = self._task.bodies, self._task.steps.entries[name]
         first = size * (k > 0)
         pairs = Part(self._in_shape(name, n, n, size), np.s_[k:, first:])
@@ -135,6 +135,6 @@ class Places:
         ]
 
     def _columns(self, k: int) -> list[Part]:
-        """A Jacobian's, of the k speeds of a base and of all bodies."""
+        """Parts of a Jacobian: of the k speeds of a base and of all bodies."""
         base = [Part(self._in_shape("base.columns", k, 6).swapaxes(0, 1), np.s_[:, :k])] if k else []
         return [*base, Part(self._by_body(COLUMN, 6).swapaxes(0, 1), np.s_[:, k:])]

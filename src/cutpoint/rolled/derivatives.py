@@ -52,10 +52,10 @@ def inverse_dynamics(columns: Columns) -> Steps:
 
 
 def coriolis_matrix(columns: Columns) -> Steps:
-    """C(q, v), of which M' - 2 C is skew and C(q, v) w - C(q, w) v is M times what v and w have for a bracket.
+    """C(q, v) for which M' - 2 C is skew and C(q, v) w - C(q, w) v is M times the bracket of v and w.
 
-    Of coordinates' own rates that is nothing, so that torques C v change with v by 2 C: by C, then, at half the speed.
-    A base's speeds are those of a moving frame, their bracket is V x W: with it they change a motion as joints' do.
+    For coordinate rates the bracket is zero, so the derivative of the torques C v by v is 2 C: C, then, at half the speed.
+    A base's speeds are those of a moving frame, with bracket V x W: with it they change a motion as joints' speeds do.
     Wensing, Englsberger and Slotine (2023), Coriolis factorizations and their connections to Riemannian geometry, arXiv
     2312.14425.
     """
@@ -76,9 +76,9 @@ def coriolis_matrix(columns: Columns) -> Steps:
 
 
 def elastic_inverse_dynamics(columns: Columns, options: Options = DEFAULT) -> Steps:
-    """d motor torque / d (q, v, a, jerk, snap), of trees without a base that moves freely.
+    """d motor torque / d (q, v, a, jerk, snap), of trees without a floating base.
 
-    A motor answers for its joint's torque with two rates, and for its own joint's motion.  slopes: by all of these.
+    A motor's torque depends on its joint's torque with two rates, and on its own joint's motion.  slopes: by all of these.
     """
     found, read = _changes_within(columns, WITH_RATES), WITH_RATES.scalars
 
@@ -102,7 +102,7 @@ def elastic_inverse_dynamics(columns: Columns, options: Options = DEFAULT) -> St
 
 
 def _changes_within(columns: Columns, order: Order, *, brackets: bool = False) -> Steps:
-    """How each body's joint changes what torques must do, and how that is felt: all but the pairs.
+    """How each body's joint changes torques, and how that acts further in: everything but the pairs.
 
     column: a body's motion at unit speed of its joint.  velocity, acceleration: of the point of the body that is at
     that one place, and angular.  carried: the cloud of the body and its wrench, then with those of all that it carries.
@@ -110,7 +110,7 @@ def _changes_within(columns: Columns, order: Order, *, brackets: bool = False) -
     along the joint.  felt: what the joint's own changes take, further in.  span: the body's number, the last number
     that it carries, and its armature.
 
-    brackets: whether a base's speeds change motions by their brackets with its velocity too.
+    brackets: whether a base's speeds also change motions by their brackets with its velocity.
     """
     base, read, packed, m = base_in(columns), order.scalars, order.packed, order.numbers
     placed, kept = world_poses(columns, [_moves(base, 1 + brackets)] if base else [], order)
@@ -143,17 +143,17 @@ def _changes_within(columns: Columns, order: Order, *, brackets: bool = False) -
 
 
 def _changes(S: Motion, V: Motion, A: Motion) -> tuple[Change, Change]:
-    """Of the motion of a body that moves with V and A, by the position and by the speed of its joint along S.
+    """Derivatives of the motion of a body that moves with V and A, by the position and speed of its joint along S.
 
-    Singh, Russell and Wensing (2022), arXiv 2105.05102: from the rates of S.  A joint's own speed leaves its axis where
-    it is, so that they are the same by the body's velocity as by its carrier's.
+    Singh, Russell and Wensing (2022), arXiv 2105.05102: from the rates of S.  A joint's own speed does not move its axis,
+    so the body's velocity gives the same as its carrier's.
     """
     rate = V.cross(S)
     return Change(A.cross(S) + V.cross(rate), rate.angular), Change(rate * 2, S.angular)
 
 
 def _costs(M: Inertia, V: Motion, A: Motion) -> list[Scalar]:
-    """A body's cloud, about a place that stands still, and what its motion costs."""
+    """A body's cloud about a fixed point, and the net wrench of its motion."""
     cloud = Cloud.of(M, V.angular).seen_from_parent(AT_ORIGIN, V.linear)
     F = M * A + V.cross_wrench(M * V)
     return [*parameters_of(M), *cloud.twice_momentum, *flat(cloud.drift), *F]
@@ -164,7 +164,7 @@ def _cloud(carried: Scalars) -> tuple[Cloud, Wrench]:
 
 
 def _entries(kin: Kinship, own: Sequence[Any], other: Sequence[Any]) -> list[Scalar]:
-    """Of one body's torque, by another's joint: of three matrices, if one carries the other."""
+    """Derivatives of one body's torque by another's joint: entries of three matrices, if one carries the other."""
     own_column, _, own_effort, _, own_span = own
     column, changes, their_effort, felt, span = other
     S, effort, related = motion_of(own_column), _effort(own_effort), kin.of(own_span, span)
@@ -177,7 +177,7 @@ def _entries(kin: Kinship, own: Sequence[Any], other: Sequence[Any]) -> list[Sca
 
 
 def _like(parts: Sequence[Scalars], numbers: Scalars) -> list[Scalars]:
-    """The numbers in parts as long as these."""
+    """The numbers split into parts of the same lengths as these."""
     rest = iter(numbers)
     return [[next(rest) for _ in part] for part in parts]
 
@@ -187,9 +187,9 @@ def _effort(numbers: Scalars) -> Effort:
 
 
 def _moves(base: Base, times: int) -> Pass:
-    """A base, seen from where it is: how it moves, what that costs it, and how each of its speeds changes that.
+    """A base in its current frame: its motion, the net wrench of that, and their derivatives by each of its speeds.
 
-    times: how often its velocity moves an axis on: twice where brackets count.
+    times: how often its velocity moves an axis: twice where brackets count.
     """
 
     def moves(row: Any, q: Any, v: Any, a: Any, world: Any) -> Any:
@@ -204,14 +204,14 @@ def _moves(base: Base, times: int) -> Pass:
 
 
 class Own(NamedTuple):
-    """What a base has in matrices: passes, and sizes of regions with a row for each body and of those apart."""
+    """A base's part of matrices: passes, and sizes of regions with a row for each body and of those apart."""
 
     passes: list[Pass]
     kept: Mapping[str, int]
     apart: Mapping[str, int]
 
     def with_pairs(self, steps: Steps, pairs: Pass) -> Steps:
-        """Steps, and then all of the matrices."""
+        """Steps, followed by all of the matrices."""
         kept, apart = {**steps.kept, **self.kept}, {**steps.apart, **self.apart}
         return steps._replace(passes=[*steps.passes, *self.passes, pairs], kept=kept, apart=apart)
 
@@ -220,9 +220,9 @@ NO_BASE = Own([], {}, {})
 
 
 def _couples(base: Base, names: Mapping[str, str]) -> Own:
-    """What a base's torques and speeds share with each carried body, and among themselves.
+    """Entries of a base's torques and speeds with each carried body, and among themselves.
 
-    names: of what is wanted of `MATRICES`, and what it is called.
+    names: which of `MATRICES` are wanted, and their names there.
     """
 
     def by_each(numbers: Scalars) -> list[tuple[Change, Change]]:

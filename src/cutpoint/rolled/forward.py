@@ -47,9 +47,9 @@ WORLD_ROWS: dict[str, list[Any]] = {"turned": flat(IDENTITY), "coasting": [(UPWA
 def forward_dynamics(columns: Columns) -> Steps:
     """Accelerations a under torques tau.  Featherstone (2008) section 7.3, every body along the world's axes.
 
-    There no inertia that passes from body to body is ever turned.  turned: the body's axes in the world's, and where it
-    is in its parent.  coasting: its acceleration while all joints keep their speeds.  resistance: inertia, and the
-    wrench for that acceleration, then those of all that the body carries too.  added: what joints add to it.
+    So no inertia passed from body to body is ever rotated.  turned: the body's axes in the world's, and its position in
+    its parent.  coasting: its acceleration at constant joint speeds.  resistance: inertia, and the wrench for that
+    acceleration, then including all that the body carries.  added: the acceleration that joints add.
     """
     (place, pose), base = placing(columns, PLAIN, ("q",)), base_in(columns)
 
@@ -61,7 +61,7 @@ def forward_dynamics(columns: Columns) -> Steps:
     def resists(row: Any, turned: Any, omega: Any, coasting: Any) -> Any:
         M = along(row, turned).body.inertia
         P = net_wrench_in_crosses(M, motion_of(coasting), Vec3(*omega))
-        return packed_resistance(Articulated.of(M).T, P)  # R J R^T is computed by columns, and wanted by rows
+        return packed_resistance(Articulated.of(M).T, P)  # R J R^T is computed by columns, but needed by rows
 
     def yields(row: Any, turned: Any, v: Any, tau: Any, resistance: Any, carrier: Any, carried: Any, borne: Any) -> Any:
         own, (M, P), (M_p, P_p), left = along(row, turned), resistance_of(resistance), resistance_of(borne), tau[0]
@@ -73,7 +73,7 @@ def forward_dynamics(columns: Columns) -> Steps:
 
     def follows(row: Any, turned: Any, step: Any, share: Any, led: Any) -> Any:
         body, A = along(row, turned).body, motion_of(led)
-        eased = A.power(wrench_of(share))  # what is waited for, so it comes last
+        eased = A.power(wrench_of(share))  # on the critical path, so it comes last
         kept = body.placement.outward(A) + body.joint.motion(step)
         return [step[0] - eased], [*(kept + body.joint.motion([-eased]))]
 
@@ -97,13 +97,13 @@ def forward_dynamics(columns: Columns) -> Steps:
 def give_way(
     own: Subsystem, M: Articulated, P: Wrench, tau: Scalar, M_p: Articulated, P_p: Wrench
 ) -> tuple[Articulated, Wrench, Yield]:
-    """What the parent resists with, inertia and bias wrench, once a child's joint gives way, and how the joint does.
+    """A child's contribution to its parent, inertia and bias wrench, once its joint gives way, and the joint's step.
 
-    Featherstone (2008) eqs. (7.38)-(7.44).  The update of rank one is made at the parent's place, and last: all else
-    need not wait for the division.  A rotor with full coupling ties the joint to its carrier's turning.
+    Featherstone (2008) eqs. (7.38)-(7.44).  The rank-one update is made at the parent's origin, and last, so that
+    nothing else waits for the division.  A rotor with full coupling couples the joint to its carrier's rotation.
     """
     (z,), X = own.body.joint.axes, own.body.placement
-    Mz = [dot(z, column) for column in zip(*M.rows, strict=True)]  # z^T M: rows are what lies side by side
+    Mz = [dot(z, column) for column in zip(*M.rows, strict=True)]  # z^T M: rows are contiguous
     gain = 1 / (M.along(z) + own.armature)
     a = gain * (tau - dot(z, [*P]))
     tie = own.spin.axis * own.spin.geared if own.spin else ZERO
@@ -115,5 +115,5 @@ def give_way(
 
 
 def turned_pose(above: Pose, X: Pose) -> Pose:
-    """A body's axes in the world's, and its place in its parent along the world's, from those of its parent."""
+    """A body's axes in the world's, and its position in its parent along the world's axes, from those of its parent."""
     return Pose(above.rotation @ X.rotation, above.rotation @ X.position)

@@ -1,6 +1,6 @@
 """Motions of all bodies, as passes: about one point and along fixed axes, as in `mass`.
 
-Below a base that moves freely these are where it is at this instant.
+With a floating base these are where it is at this instant.
 """
 
 from collections.abc import Sequence

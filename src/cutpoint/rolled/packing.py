@@ -1,4 +1,4 @@
-"""Records of the mechanics as lists of numbers, as regions keep them, and back."""
+"""Records of the mechanics as lists of numbers, as stored in regions, and back."""
 
 from collections.abc import Sequence
 
@@ -11,7 +11,7 @@ Scalars = Sequence[Scalar]
 
 
 def added(one: Scalars, other: Scalars) -> list[Scalar]:
-    """Number by number: what bodies carry, about one place, is a plain sum."""
+    """The elementwise sum: what bodies carry, about one point, is a plain sum."""
     return [x + y for x, y in zip(one, other, strict=True)]
 
 
@@ -32,7 +32,7 @@ def pose_of(twelve: Scalars) -> Pose:
 
 
 def by_columns(X: Pose) -> list[Scalar]:
-    """A pose in threes, the columns of its rotation one after another."""
+    """A pose as triples, its rotation in column-major order."""
     return [*flat(X.rotation.T), *X.position]
 
 
@@ -48,7 +48,7 @@ RESISTANCE = INERTIA + 6
 
 
 def packed_inertia(M: Articulated) -> list[Scalar]:
-    """In threes: the rows of its blocks."""
+    """As triples: the rows of its blocks."""
     return [x for block in (M.linear, M.coupling, M.angular) for x in flat(block)]
 
 
@@ -57,7 +57,7 @@ def articulated_of(numbers: Scalars) -> Articulated:
 
 
 def packed_resistance(M: Articulated, P: Wrench) -> list[Scalar]:
-    """In threes, the wrench last."""
+    """As triples, the wrench last."""
     return [*packed_inertia(M), *P]
 
 

@@ -1,4 +1,4 @@
-"""A function as passes over bodies, and passes as loops: for one configuration, or for several side by side."""
+"""A function as passes over bodies, and passes as loops: for one configuration, or several in vector lanes."""
 
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import replace
@@ -19,20 +19,20 @@ UPWARD = "upward acceleration"
 
 
 class Pass(NamedTuple):
-    """A step of every body: alone, outward (parents first) or inward (children first); or of every pair of bodies of
+    """A step for every body: alone, outward (parents first) or inward (children first); or for every pair of bodies of
     which one carries the other, or only the first the other.
 
-    A step may also run once, for what stands apart: rows of "base" and "world", that no body has, and of the "tip",
-    whose frame is asked for; it calls them "base.motion" and the like.  Of a pair, the stage is told the kinship, and
-    reads first what is "held" of one, which is all that it reads of the other.  What it writes of bodies that are no
-    such pair must be zero.
+    A step may also run once, for rows that belong to no body: of "base" and "world", and of the "tip", whose frame is
+    asked for; they are named "base.motion" and the like.  For a pair, the stage receives the kinship, and first reads
+    what is "held" of one body, which is all that it reads of that one.  It must write zeros for bodies that are no such
+    pair.
     """
 
     way: Literal["alone", "outward", "inward", "pairs", "carrying", "once"]
     stage: Stage
 
     def kinships(self, *, is_sure: bool) -> list[Kinship]:
-        """Of the pairs that it goes through; none if it goes through bodies."""
+        """Kinships of the pairs that it iterates over; none if it iterates over bodies."""
         every = kinships(is_sure=is_sure) if self.way in ("pairs", "carrying") else []
         return [kin for kin in every if kin.carries or self.way == "pairs"]
 
@@ -43,12 +43,12 @@ NONE: Mapping[str, int] = MappingProxyType({})
 class Steps(NamedTuple):
     """A function as passes over the bodies.
 
-    kept: sizes of regions that have a row for each body, and others for what stands apart.  numbers: names of regions
-    with one number for each body, inputs and outputs.  views: rows of a body's parent.  world: how the world's rows
-    begin; they are zero elsewhere.  apart: sizes of regions without rows, of passes that run once.  constants: of those
-    that hold the robot's numbers.  shapes: of outputs that are not a number for each body.  threes: those kept that
-    hold vectors alone and go through wide registers; passes outward and inward may use them, and no others.  entries:
-    numbers for each pair, of outputs that have more than one.
+    kept: sizes of regions that have a row for each body, and further rows for base, world and tip.  numbers: names of
+    regions with one number for each body, inputs and outputs.  views: rows of a body's parent.  world: first numbers of
+    the world's rows; the rest is zero.  apart: sizes of regions without rows, of passes that run once.  constants: sizes
+    of those that hold the robot's numbers.  shapes: of outputs that are not one number for each body.  threes: those of
+    kept that hold only vectors and use vector registers; only passes outward and inward may use them.  entries: numbers
+    for each pair, of outputs that have more than one.
     """
 
     kept: dict[str, int]
@@ -70,18 +70,18 @@ class Steps(NamedTuple):
     def matrices(self) -> tuple[str, ...]:
         """Outputs with a number for every pair of bodies.
 
-        Where a base moves freely, other regions hold its rows and its columns, by body, and its own part: "x_rows",
+        With a floating base, other regions hold its rows and its columns, by body, and its own block: "x_rows",
         "x_columns" unless x is symmetric, "base.x".
         """
         return tuple(name for p in self.passes if p.kinships(is_sure=True) for name in p.stage.writes)
 
     def kinships(self, *, is_sure: bool) -> list[Kinship]:
-        """Of the pairs that passes go through."""
+        """Kinships of the pairs that passes iterate over."""
         every = (kin for p in self.passes for kin in p.kinships(is_sure=is_sure))
         return [*dict.fromkeys(every)]
 
     def rows_of(self, p: Pass) -> tuple[View, ...]:
-        """What a pass that runs once calls by the name of its row."""
+        """Names that a pass that runs once uses for rows."""
         names = dict.fromkeys((*p.stage.reads, *p.stage.writes))
         split = {name: name.split(".") for name in names if name not in {**self.apart, **self.constants}}
         return tuple(View(name, of, row) for name, (row, of) in split.items())
@@ -95,7 +95,7 @@ class Rolled(NamedTuple):
 
 
 def side_by_side(steps: Steps, columns: Columns, lanes: int) -> Rolled:
-    """So many configurations in each step, over "bodies"."""
+    """Loops over "bodies", with one configuration in each lane."""
 
     def joined(passes: Iterable[Pass], way: str) -> list[Loop]:
         if way == "once":
@@ -120,7 +120,7 @@ def side_by_side(steps: Steps, columns: Columns, lanes: int) -> Rolled:
 
 
 def one_by_one(steps: Steps, columns: Columns, lanes: int) -> Rolled:
-    """One configuration.  What bodies do alone, so many do at once, "blocks" of them in turn."""
+    """Loops for one configuration.  Steps of bodies alone run on a block of bodies in lanes, over "blocks"."""
     sizes = {"body": columns.width, **steps.sizes}
 
     def loops(p: Pass) -> list[Loop]:
@@ -143,7 +143,7 @@ def one_by_one(steps: Steps, columns: Columns, lanes: int) -> Rolled:
 
 
 def _each_pair(p: Pass, lanes: int) -> list[Loop]:
-    """Each body with each other that it carries, or that carries it."""
+    """A loop over each body with each other that it carries, or that carries it."""
     _, *names = p.stage.reads
 
     def loop(kin: Kinship) -> Loop:
@@ -162,7 +162,7 @@ def _each_pair(p: Pass, lanes: int) -> list[Loop]:
 
 
 def _pairs(p: Pass, lanes: int) -> list[Loop]:
-    """Each body, put together, with each block of others that holds one which it carries, or which carries it."""
+    """Each body, gathered, with each block of others that holds one which it carries, or which carries it."""
     held, *names = p.stage.reads
     own = tuple(View(f"own_{name}", name, "self") for name in names)
     hold = Stage(lambda *own: [x for numbers in own for x in numbers], [view.name for view in own], (held,))
@@ -182,15 +182,15 @@ def _view(name: str, index: str) -> View:
 
 
 class Kept:
-    """A list of numbers as a region keeps it: without those that are the same for all bodies."""
+    """A list of numbers as stored in a region: without those that are the same for all bodies."""
 
     def __init__(self, function: Callable[..., Any], **sizes: int) -> None:
-        """function: makes the list from lists of these sizes."""
+        """function: computes the list from lists of these sizes."""
         self._known = [None if isinstance(x, Traced) else x for x in graph_of(function, **sizes).results]
         self.size = self._known.count(None)
 
     def some(self, numbers: Scalars) -> list[Scalar]:
-        """Those that are kept."""
+        """Those numbers that are stored."""
         return [x for x, known in zip(numbers, self._known, strict=True) if known is None]
 
     def all(self, kept: Scalars) -> list[Scalar]:
@@ -199,12 +199,12 @@ class Kept:
 
 
 class Order(NamedTuple):
-    """With how many numbers each scalar goes through the passes: 1 is the plain value, more are time jets."""
+    """How many numbers each scalar has in the passes: 1 is the plain value, more are time jets."""
 
     numbers: int
 
     def packed(self, scalars: Iterable[Scalar]) -> list[Scalar]:
-        """The numbers of scalars, one after another."""
+        """The numbers of scalars, concatenated."""
         return [x for scalar in scalars for x in self._of(scalar)]
 
     def scalars(self, numbers: Scalars) -> list[Scalar]:
@@ -212,7 +212,7 @@ class Order(NamedTuple):
         return [*numbers] if m == 1 else [Jet(*numbers[k : k + m]) for k in range(0, len(numbers), m)]
 
     def rate(self, rates: Sequence[Scalars], k: int) -> list[Scalar]:
-        """The k-th derivative of a joint's coordinates, of which all rates are given."""
+        """The k-th derivative of a joint's coordinates, from all their rates."""
         first, *others = rates[k : k + self.numbers]
         return [Jet(*numbers) for numbers in zip(first, *others, strict=True)] if others else [*first]
 

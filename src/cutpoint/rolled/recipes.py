@@ -18,16 +18,16 @@ class Recipe(NamedTuple):
     """A function as loops.
 
     inputs: those that are given; the others are zero.  above: the most bodies, of the robot or of the chain that
-    carries the frame, for which straight-line code is taken.  pairs: the most pairs of a body and a speed that moves
-    it, where the code grows with these.  reads_drives: whether drives have numbers in it.  odd: what its variants want
-    that loops do not take.  takes_coupled, takes_geared: whether it takes rotors with full coupling, behind springs
-    or geared rigidly; takes_base: also with a base that moves freely.  is_rooted: whether it takes each tree about its
-    first joint.  reads_turns: whether it knows the axes of the bodies' own frames.
+    carries the frame, for which straight-line code is used.  pairs: the most pairs of a body and a speed that moves
+    it, where the code grows with these.  reads_drives: whether it uses drives' numbers.  odd: features of its variants
+    that loops do not support.  takes_coupled, takes_geared: whether it supports rotors with full coupling, behind
+    springs or geared rigidly; takes_base: also with a floating base.  is_rooted: whether it computes each tree about
+    its first joint.  reads_turns: whether it uses the axes of the bodies' own frames.
 
     Measured on chains of 12 to 128 joints and on humanoids of 29 to 101: up to these sizes straight-line code compiles
-    in some 2 s, at most 5, takes half to all of the loops' time in batches and, but on chains, half to all of it in
-    single calls.  Derivatives are quicker as loops from some ten bodies on, with springs from seven on; those of
-    forward dynamics, which have no loops of their own, are not up to these sizes.
+    in some 2 s, at most 5, takes half to all of the loops' time in batches and, except on chains, half to all of it in
+    single calls.  Derivatives are faster as loops from some ten bodies on, with springs from seven on; those of forward
+    dynamics, which have no loops of their own, are not, up to these sizes.
     """
 
     steps: Callable[[Columns], Steps]

@@ -14,24 +14,24 @@ Array = np.ndarray
 
 
 class One:
-    """A function of one configuration: what bodies do alone, they do `lanes` at once."""
+    """A function of one configuration: steps of bodies alone run on `lanes` bodies at once."""
 
     def __init__(self, task: Task, lanes: int, name: str) -> None:
-        """name: what those who wait for its code are told."""
+        """name: used in progress messages."""
         self._task, self.lanes, self.name = task, lanes, name
         self._rolled = one_by_one(task.steps, task.columns, lanes)
         self.program = compile_program(self._rolled.body, self._rolled.regions, task.backend, name=name)
         self.spare = Spare(self.memory)
 
     def memory(self) -> "OneMemory":
-        """For calls that do not run at once."""
+        """Memory for calls that do not run concurrently."""
         arrays, vectors, counts = memory_of(self._task, self._rolled, self.lanes)
         stated = {k: counts[k] for k in self.program.counts}
         return OneMemory(self._task, self.program, stated, arrays, vectors)
 
 
 def memory_of(task: Task, rolled: Rolled, lanes: int) -> tuple[dict[str, Array], dict[str, Array], dict[str, int]]:
-    """Arrays by region or list of rows; of these, what inputs and outputs are stretches of; and counts."""
+    """Arrays by region or list of rows; those of which inputs and outputs are parts; and counts."""
     n, blocks = task.bodies, -(-task.bodies // lanes)
     rows = dict.fromkeys(("body", *task.steps.kept), blocks + 1)
     rows |= {**dict.fromkeys(task.steps.matrices, n * blocks), "held": n}
@@ -61,9 +61,9 @@ def memory_of(task: Task, rolled: Rolled, lanes: int) -> tuple[dict[str, Array],
 
 
 class OneMemory:
-    """What the loops of one call read and write.
+    """Memory that the loops of one call read and write.
 
-    inputs, outputs: by name, stretches of arrays, and what outputs are put together from.
+    inputs, outputs: by name, parts of arrays, and the parts that outputs are assembled from.
     """
 
     def __init__(
@@ -89,7 +89,7 @@ class OneMemory:
                 output.put(x[k, ...])
 
     def fixed(self, outputs: Sequence[str]) -> Fixed:
-        """All that runs have in common.  outputs: how these are called."""
+        """Everything that runs share.  outputs: their names."""
         inputs = {name: whole(own) for name, own in self.inputs.items()}
         named = dict(zip(outputs, self.outputs.values(), strict=True))
         return Fixed(self._program.plan, self._counts, self._arrays, inputs, named)
@@ -106,7 +106,7 @@ class OneMemory:
         return whole(own[: prod(shape)].reshape(shape))
 
     def _matrix(self, name: str, k: int) -> list[Part]:
-        """Of pairs of bodies without the padding, and of what the k speeds of a base share with them."""
+        """Parts of a matrix: of pairs of bodies, without padding, and of a base's k speeds with them."""
         n, arrays = self._task.bodies, self._arrays
         pairs = Part(arrays[name].reshape(n, -1)[:, :n], np.s_[k:, k:])
         if not k:
@@ -118,7 +118,7 @@ class OneMemory:
         return [pairs, own, *self._by_number(rows, k, k), *turned]
 
     def _columns_by_body(self, name: str, k: int) -> list[Part]:
-        """Of a matrix with several columns for each body, those of a base with k speeds first."""
+        """Parts of a matrix with several columns for each body, those of a base with k speeds first."""
         n, size, kept = self._task.bodies, self._task.steps.entries[name], self._arrays[name]
         lanes, first = kept.shape[1] // size, size * (k > 0)
         pairs = self._by_body(kept.reshape(n, -1, size, lanes), np.s_[k:], first)
@@ -129,7 +129,7 @@ class OneMemory:
         return [Part(own, np.s_[:k, :size]), Part(none, np.s_[k:, :size]), *rows, *pairs]
 
     def _by_body(self, kept: Array, rows: slice, first: int) -> list[Part]:
-        """What is kept as (rows, blocks, columns, lanes), from a column on: whole blocks, and the rest."""
+        """Parts stored as (rows, blocks, columns, lanes), from a column on: whole blocks, and the remainder."""
         *_, size, lanes = kept.shape
         n, by_body = self._task.bodies, kept.swapaxes(2, 3)
         whole, last = n // lanes, first + n // lanes * lanes * size
@@ -140,12 +140,12 @@ class OneMemory:
         return [part for part in parts if part.own.size]
 
     def _columns(self, k: int) -> list[Part]:
-        """A Jacobian's, of the k speeds of a base and of all bodies."""
+        """Parts of a Jacobian: of the k speeds of a base and of all bodies."""
         base = [Part(self._arrays["base.columns"].reshape(k, 6).T, np.s_[:, :k])] if k else []
         return [*base, *self._by_number(COLUMN, 6, k)]
 
     def _by_number(self, name: str, size: int, first: int) -> list[Part]:
-        """What is kept of each body, so many numbers in as many rows, from a column on: whole blocks, and the rest."""
+        """Parts stored for each body, one row per number, from a column on: whole blocks, and the remainder."""
         kept = self._arrays[name]
         by_row = kept.reshape(len(kept), size, -1).swapaxes(0, 1)
         lanes, n = by_row.shape[-1], self._task.bodies

@@ -20,8 +20,8 @@ RATES = ("q", "v", "a", "jerk", "snap")
 def inverse_dynamics(columns: Columns, order: Order = PLAIN) -> Steps:
     """Torques tau of a motion q, v, a.  Xia (2019) eqs. (29)-(31), (44)-(47).
 
-    motion: angular velocity and acceleration; linear velocities take no part.  wrench: what a body's motion costs, then
-    what it bears of its children too.  order: torques come out with their rates where motions have theirs.
+    motion: angular velocity and acceleration; linear velocities are not needed.  wrench: of a body's motion, then
+    including its children's.  order: torques have as many rates as motions have beyond the acceleration.
     """
     m, base = order.numbers, base_in(columns)
     rates = RATES[: m + 2]
@@ -64,13 +64,13 @@ def inverse_dynamics(columns: Columns, order: Order = PLAIN) -> Steps:
 
 
 def _moving(motion: Sequence[Scalar]) -> BodyMotion:
-    """A body's motion from what is kept of it."""
+    """A body's motion from its stored numbers."""
     omega, A = Vec3(*motion[:3]), motion_of(motion[3:])
     return BodyMotion(AT_ORIGIN, Motion(ZERO, omega), A, acceleration_gradient(A.angular, omega, omega))
 
 
 def placing(columns: Columns, order: Order, rates: Sequence[str]) -> tuple[Stage, Kept]:
-    """Where each body is in its parent, and how that is kept.  It waits for no other body."""
+    """Pose of each body in its parent, and its storage.  It depends on no other body."""
 
     def placed(row: Any, *given: Any) -> list[Scalar]:
         body = columns.subsystem(row).body

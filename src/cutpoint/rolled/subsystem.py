@@ -15,7 +15,7 @@ Scalars = Sequence[Scalar]
 
 @dataclass(frozen=True)
 class OneAxis(JointKind):
-    """Turns about z by turn q (rad), and slides along it by slide q (m): every joint with one coordinate."""
+    """Rotates about z by turn q (rad), and translates along it by slide q (m): every joint with one coordinate."""
 
     turn: Scalar
     slide: Scalar
@@ -30,7 +30,7 @@ class OneAxis(JointKind):
 
 @dataclass(frozen=True)
 class Along(JointKind):
-    """Such a joint along any unit vector z, where only its motion is asked for."""
+    """Such a joint along any unit vector z, where only its motion is needed."""
 
     z: Vec3
     turn: Scalar
@@ -57,7 +57,7 @@ class Subsystem:
     behind: Spin | None = None
 
     def along_the_world(self, X: Pose) -> "Subsystem":
-        """The same along the world's axes.  X: its own axes in the world's, and along those its place in its parent."""
+        """The same along the world's axes.  X: its own axes in the world's, and its position in its parent along those."""
         R, z, joint = X.rotation, axis_of(X), self.body.joint
         assert isinstance(joint, OneAxis)
         along, inertia = Along(z, joint.turn, joint.slide), self.body.inertia.seen_from_parent(Pose(R, ZERO))

@@ -1,4 +1,4 @@
-"""Which robots loops take, and which are too large for functions without loops."""
+"""Which robots loops support, and which are too large for functions without loops."""
 
 from cutpoint.definitions import Machine
 from cutpoint.errors import InputError
@@ -22,7 +22,7 @@ MOST_STRUCTURES = 6
 def unsuited(
     machine: Machine, reads_drives: bool, takes_coupled: bool, takes_geared: bool, takes_base: bool
 ) -> str | None:
-    """Why loops cannot take the machine, or None: each body but a floating base needs one coordinate of its own.
+    """Why loops do not support the machine, or None: each body but a floating base needs one coordinate of its own.
 
     reads_drives: whether drives take part; takes_coupled, takes_geared: also with rotors with full coupling, behind
     springs or geared rigidly; takes_base: also with such a base.
@@ -54,8 +54,8 @@ def _odd_drive(machine: Machine, takes_coupled: bool) -> str | None:
 
 
 def check_compiles(name: str, system: System, backend: str) -> None:
-    """Raises InputError for a function that surely takes more operations than this backend can, or more numbers, before
-    it is traced."""
+    """Raises InputError, before tracing, for a function that certainly exceeds this backend's limit of operations, or of
+    numbers."""
     most = backends.MOST_COMPILED if backends.chosen(backend) == "llvm" else nodes.MOST_TRACED
     turning: list[int] = []
     for body in system.segments:

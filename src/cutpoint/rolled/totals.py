@@ -1,4 +1,4 @@
-"""Energies and momentum as passes: what each body has, summed up inward in the world's row."""
+"""Energies and momentum as passes: each body's share, summed inward into the world's row."""
 
 from collections.abc import Callable
 from typing import Any
@@ -20,7 +20,7 @@ Share = Callable[[Subsystem, Pose, Motion, Scalars, Pose, Motion], list[Scalar]]
 
 
 def kinetic_energy(columns: Columns) -> Steps:
-    """Of links and rigidly geared rotors, J."""
+    """Kinetic energy of links and rigidly geared rotors, J."""
 
     def share(own: Subsystem, X: Pose, V: Motion, v: Scalars, above: Pose, carrier: Motion) -> list[Scalar]:
         turning = own.armature * v[0] * v[0] / 2
@@ -32,7 +32,7 @@ def kinetic_energy(columns: Columns) -> Steps:
 
 
 def potential_energy(columns: Columns) -> Steps:
-    """Of the weight, J.  What is summed up is the first moment about the world's origin."""
+    """Gravitational potential energy, J, from the sum of first moments about the world's origin."""
 
     def share(own: Subsystem, X: Pose, *_: Any) -> list[Scalar]:
         return [*(X.position * own.body.inertia.mass + X.rotation @ own.body.inertia.first_moment)]
@@ -41,7 +41,7 @@ def potential_energy(columns: Columns) -> Steps:
 
 
 def momentum(columns: Columns) -> Steps:
-    """Linear and angular, about the world's origin and along its axes, kg m/s and kg m2/s."""
+    """Linear and angular momentum, about the world's origin and along its axes, kg m/s and kg m2/s."""
 
     def share(own: Subsystem, X: Pose, V: Motion, v: Scalars, above: Pose, carrier: Motion) -> list[Scalar]:
         spun = own.spin.axis * (own.spin.geared * v[0]) if own.spin else ZERO
@@ -53,7 +53,7 @@ def momentum(columns: Columns) -> Steps:
 def _total(
     columns: Columns, share: Share, size: int, result: Callable[[Scalars, Scalars], Scalars], shape: tuple[int, ...]
 ) -> Steps:
-    """size: of a share.  result: of the sum of all shares, and of gravity."""
+    """size: of a share.  result: function of the sum of all shares, and of gravity."""
     (place, pose), base = placing(columns, PLAIN, ("q",)), base_in(columns)
 
     def outward(row: Any, at: Any, v: Any, turned: Any, velocity: Any) -> Any:

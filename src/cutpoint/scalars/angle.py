@@ -1,4 +1,4 @@
-"""An angle whose sine and cosine are at hand."""
+"""An angle with precomputed sine and cosine."""
 
 from dataclasses import dataclass
 from typing import Any
@@ -8,7 +8,7 @@ from cutpoint.scalars.functions import Scalar, cos, sin
 
 @dataclass(frozen=True, slots=True)
 class Angle:
-    """A scalar to `sin` and `cos`; other angles (rad) may be added to it, and it does nothing else."""
+    """A scalar for `sin` and `cos` only, to which other angles (rad) may be added."""
 
     sine: Any
     cosine: Any

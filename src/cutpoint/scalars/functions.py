@@ -25,7 +25,7 @@ def _apply(name: str, x: Scalar) -> Scalar:
     if isinstance(x, (int, float)):
         try:
             return getattr(math, name)(x)
-        except (ValueError, OverflowError):  # Python refuses what IEEE 754 has as infinite or no number
+        except (ValueError, OverflowError):  # Python raises where IEEE 754 gives infinity or NaN
             with np.errstate(all="ignore"):
                 return float(getattr(np, name)(x))
     if isinstance(x, (np.ndarray, np.generic)):
@@ -79,9 +79,9 @@ def sqrt(x: Scalar) -> Scalar:
 
 
 def known_truth(condition: Any) -> bool | None:
-    """Of a condition that is known before all numbers are; None for others.
+    """The truth of a condition that is already known; None for others.
 
-    Python's ~, & and | make whole numbers of its bools, with the truth in the last bit: ~True is -2.
+    Python's ~, & and | turn bools into integers, with the truth in the last bit: ~True is -2.
     """
     if isinstance(condition, (bool, np.bool_)):
         return bool(condition)
@@ -102,7 +102,7 @@ def where(condition: Any, yes: Scalar, no: Scalar) -> Scalar:
 
 
 def absolute(x: Scalar) -> Scalar:
-    """The size of x; -0.0 stays as it is."""
+    """The absolute value of x; -0.0 stays -0.0."""
     return where(x < 0, -x, x)
 
 

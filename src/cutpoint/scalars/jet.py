@@ -1,6 +1,6 @@
 """Time jets: a value with its time derivatives.  Griewank and Walther (2008), chapter 13.
 
-They hold derivatives, not the coefficients of Taylor's series that the book has: no product is spent on factorials.
+They hold derivatives, not the Taylor coefficients of the book: no product is spent on factorials.
 """
 
 import math
@@ -111,7 +111,7 @@ class Jet:
 
     @staticmethod
     def where(condition: Any, yes: Any, no: Any) -> "Jet":
-        """Chosen by value; the derivatives follow the side chosen."""
+        """Selects by value; the derivatives are those of the chosen branch."""
         some = yes if isinstance(yes, Jet) else no
         pairs = zip(some._lift(yes).derivatives, some._lift(no).derivatives, strict=True)
         return Jet(*(functions.where(condition, y, n) for y, n in pairs))
@@ -136,7 +136,7 @@ def _of_product(x: Sequence[Any], y: Sequence[Any], k: int) -> Any:
 
 
 def _of_square(x: Sequence[Any], k: int) -> Any:
-    """The same of a product with itself, whose terms come in pairs."""
+    """The same for a square, whose terms come in pairs."""
     terms = [2 * math.comb(k, j) * x[j] * x[k - j] for j in range((k + 1) // 2)]
     if k % 2 == 0:
         terms.append(_times(math.comb(k, k // 2), x[k // 2]) * x[k // 2])

@@ -1,7 +1,7 @@
-"""Records: nests of dataclasses, tuples, lists, dicts and arrays, as a flat list of their numbers and back.
+"""Records: nested dataclasses, tuples, lists, dicts and arrays, to a flat list of their numbers and back.
 
-A whole number, a truth value, a text, or any object that is no number is structure: it stays in the record.  A dict's
-numbers come in the order of its sorted keys: equal dicts have equal numbers, whatever order they were filled in.
+An integer, a bool, a string, or any object that is not a number is structure: it stays in the record.  A dict's numbers
+come in the order of its sorted keys: equal dicts have equal numbers, whatever their insertion order.
 """
 
 from collections.abc import Callable, Hashable, Iterator, Mapping, Sequence
@@ -36,7 +36,7 @@ def rebuild(record: Any, numbers: Iterator[Any]) -> Any:
 
 
 def with_float_leaves(record: Any) -> Any:
-    """The same record with its whole numbers as floats, so that they count as numbers."""
+    """The same record with its integers as floats, so that they count as numbers."""
     return map_leaves(lambda x: float(x) if isinstance(x, (int, np.integer)) else x, record, _NEVER_NUMBERS)
 
 
@@ -59,7 +59,7 @@ def map_leaves(function: Callable[[Any], Any], record: Any, structure: tuple[typ
 
 
 def constants(record: Any) -> list[Any]:
-    """What a record holds beside numbers, depth first."""
+    """The contents of a record other than numbers, depth first."""
     parts = _parts(record)
     if parts is None:
         return [] if _is_number(record) else [record]
@@ -73,15 +73,15 @@ def keys_of(record: Any) -> list[Any]:
 
 
 def is_of_cutpoint(thing: Any) -> bool:
-    """Whether a thing's class is one of this package."""
+    """Whether a thing's class is from this package."""
     return type(thing).__module__.partition(".")[0] == "cutpoint"
 
 
 def structure_of(record: Any, known: Mapping[int, Hashable] | None = None) -> Hashable:
-    """What is left of a record without its numbers: equal for records that one trace serves.
+    """The structure of a record without its numbers: equal for records that can share a trace.
 
-    An object that is no record counts by its `trace_key`, if it has one, or by its identity.
-    known: what parts count by instead, by their identity.
+    An object that is not a record counts by its `trace_key`, if it has one, or by its identity.
+    known: what parts count by instead, keyed by identity.
     """
     if type(record) is float:  # most are
         return float
@@ -103,7 +103,7 @@ def structure_of(record: Any, known: Mapping[int, Hashable] | None = None) -> Ha
 
 
 def _parts(record: Any) -> Sequence[Any] | None:
-    """What a nest holds, in order; None for what is no nest, and for an array."""
+    """The items of a nest, in order; None for anything else, and for an array."""
     if isinstance(record, (list, tuple)):
         return record
     if isinstance(record, dict):
@@ -118,7 +118,7 @@ def _keys(record: dict[Any, Any]) -> list[Any]:
 
 
 def _is_number(thing: Any) -> bool:
-    """Whether a thing that is no nest counts as a number, or as an array of them."""
+    """Whether a thing other than a nest counts as a number, or as an array of them."""
     return not isinstance(thing, _STRUCTURE) and hasattr(type(thing), "__neg__")
 
 
@@ -127,7 +127,7 @@ def _is_law_of_user(record: Any) -> bool:
 
 
 def _refilled(record: Any, parts: dict[str, Any]) -> Any:
-    """A copy with other fields, for classes whose `__init__` may take something else, or change what it is given."""
+    """A copy with other fields, for classes whose `__init__` may have other parameters, or change its arguments."""
     again = copy(record)
     for name, part in parts.items():
         object.__setattr__(again, name, part)

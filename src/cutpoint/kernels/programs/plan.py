@@ -70,7 +70,7 @@ class Plan:
     def fed(self, stage: Stage) -> dict[int, int]:
         """By input slot of a region that the stage also writes: the result that it may read an iteration later.
 
-        Inputs of the same name as an output are left out: rarely the previous iteration's row, and read only to be added to.
+        Inputs named as outputs are left out: rarely the previous iteration's row, and read only to be added to.
         """
         graph, root = self.graphs[stage], self.root
         places = [(root(port.name), k) for port in graph.outputs for k in range(port.size)]

@@ -32,8 +32,8 @@ _NOTHING: Mapping[Place, str] = MappingProxyType({})
 class StageCode:
     """A stage lowered.
 
-    Operations on constants alone are hoisted before all loops.  Those on rows that no stage writes are computed for AT_ONCE
-    iterations at a time, in vector lanes, where that pays off.
+    Operations on constants alone are hoisted before all loops.  Those on rows that no stage writes are computed for
+    AT_ONCE iterations at a time, in vector lanes, where that pays off.
 
     lanes: of the stage.  hands_on: whether an iteration may pass its results to the next in registers.
     """
@@ -165,7 +165,7 @@ class StageCode:
     def _at_hand_or_loaded(
         self, code: Code, regions: Mapping[str, str], name: str, before: str, numbers: Mapping[Place, str]
     ) -> dict[int, str]:
-        """A region's numbers by input slot.  before, numbers: the row that the previous iteration wrote, and its own."""
+        """A region's numbers by input slot.  before, numbers: the row that the last iteration wrote, and its own."""
         slots = self._fetched(name)
         here, fetch, there = (code.name(x) for x in ("here", "fetch", "there"))
         code.label(here)

@@ -59,7 +59,7 @@ class SuperwordLine:
         return applied(self._code, WIDE, word.op, *map(self.word, word.operands))
 
     def _joined(self, word: Word) -> str:
-        """Shuffled from words, if all three are in some, else built from scalars.  Lanes that are not read stay zero."""
+        """Shuffled from words if all three are in some, else built from scalars.  Lanes that nobody reads are zero."""
         if not word.operands:
             return WIDE.joined(self._code, [*map(self.number, word.numbers)])
         (a, b, c), (i, j, k) = map(self.word, word.operands), word.lanes

@@ -1,8 +1,8 @@
 """How a CUDA kernel stores its results.
 
 Each thread has its own row, so a store by a warp's 32 threads is scattered over 32 places; with long rows that takes
-ten times as long as coalesced stores of the same bytes.  Such rows are stored through windows: the threads stage part of
-their rows in shared memory, and write it together, coalesced.
+ten times as long as coalesced stores of the same bytes.  Such rows are stored through windows: the threads stage part
+of their rows in shared memory, and write it together, coalesced.
 """
 
 from collections.abc import Sequence

@@ -9,5 +9,5 @@ from cutpoint.rolled.equations.yielding import Yielding
 
 
 def solver_of(system: System, widths: Sequence[int]) -> Solver:
-    """For right-hand sides of so many columns."""
+    """The best solver for right-hand sides of so many columns."""
     return Solver(Factored(system) if is_sparse(system) else Yielding(system), widths)

@@ -1,7 +1,7 @@
 """Equations with one tree's mass matrix, solved by its factors.
 
 Where neither of two bodies carries the other the matrix is zero, and so are its factors: on trees with short branches
-little is left to compute.
+they are sparse.
 """
 
 from collections.abc import Sequence
@@ -22,7 +22,7 @@ MOST_PRODUCTS = 5000
 
 
 class Factored:
-    """By the matrix itself.  Featherstone (2008) sections 6.4 and 6.5."""
+    """Solution by factorising the matrix.  Featherstone (2008) sections 6.4 and 6.5."""
 
     reads: Literal["M", "q"] = "M"
     apart, lanes = 0, 8
@@ -41,12 +41,12 @@ class Factored:
 
 
 def is_sparse(system: System) -> bool:
-    """Whether the mass matrix has factors of so few numbers that they are worth code of their own."""
+    """Whether the mass matrix has factors sparse enough to be worth their own code."""
     return sum(k * (k + 1) // 2 for k in map(len, _related(system))) <= MOST_PRODUCTS
 
 
 def _related(system: System) -> list[list[int]]:
-    """For each speed those before it, and itself, that move the same bodies."""
+    """For each speed the earlier ones, and itself, that move the same bodies."""
     related: list[list[int]] = []
     for i, body in enumerate(system.segments):
         before = [k for j in system.chain_to(i) if j != i for k in range(system.nv)[system.segments[j].v]]
@@ -56,7 +56,7 @@ def _related(system: System) -> list[list[int]]:
 
 
 def _program(related: Sequence[Sequence[int]], lanes: int) -> Program:
-    """Factors of a matrix, then blocks of columns in turn."""
+    """Factorises a matrix, then solves for blocks of columns in turn."""
     n, count = len(related), sum(map(len, related))
 
     def factor(M: Scalars) -> Any:

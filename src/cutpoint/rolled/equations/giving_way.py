@@ -32,11 +32,11 @@ NOTHING = Wrench(ZERO, ZERO)
 
 
 def giving_way(columns: Columns) -> tuple[Steps, Kept]:
-    """How every joint gives way; and how that is kept, as "step".  Featherstone (2008) eqs. (7.38)-(7.44).
+    """How every joint gives way, and its storage as "step".  Featherstone (2008) eqs. (7.38)-(7.44).
 
-    A step: the joint's axis, the share that it takes of its carrier's acceleration, what a unit of torque accelerates,
-    and where the body is in its carrier, along the world's axes.  least: what the softest of all joints resists.
-    base.step: what units of its torques accelerate, and its axes along the world's.
+    A step: the joint's axis, its share of its carrier's acceleration, the acceleration per unit of torque, and the
+    body's position in its carrier, along the world's axes.  least: the least articulated inertia of all joints.
+    base.step: accelerations per unit of its torques, and its axes along the world's.
     """
     (place, pose), base = placing(columns, PLAIN, ("q",)), base_in(columns)
 
@@ -90,7 +90,7 @@ def _stands(base: Base) -> Pass:
 
 
 def _gives_way(base: Base) -> Pass:
-    """How a base gives way, all its axes at once."""
+    """How a base gives way, with all its axes at once."""
 
     def gives_way(turned: Any, inertia: Any, least: Any) -> Any:
         turn, M, n = Pose(pose_by_columns(turned).rotation, ZERO), articulated_of(inertia), base.axes

@@ -1,4 +1,4 @@
-"""Equations with a robot's mass matrix, in machine code: columns of their right-hand sides side by side."""
+"""Equations with a robot's mass matrix, in machine code: columns of their right-hand sides in vector lanes."""
 
 from collections.abc import Sequence
 from typing import Any, Literal, NamedTuple, Protocol
@@ -23,8 +23,8 @@ EQUATIONS = "equations with the mass matrix"
 
 
 class Room(NamedTuple):
-    """What a program works in beside columns: arrays by region, and of these what it reads first and the least number
-    by which it divides."""
+    """Working memory of a program beside columns: arrays by region, and of these the one that it reads first and the
+    least number by which it divides."""
 
     arrays: dict[str, Array]
     state: Array
@@ -34,11 +34,11 @@ class Room(NamedTuple):
 class Equations(Protocol):
     """How a program solves them, for "blocks" of columns.
 
-    It reads columns from its region "given", a block after another, in each a row for each speed, and leaves theirs in
-    "found"; those of a base, which come first, may stand in "base.given" and "base.found".
+    It reads columns from its region "given", block by block, each with a row for each speed, and writes solutions to
+    "found"; those of a base, which come first, may be in "base.given" and "base.found".
 
-    reads: what it reads first, the mass matrix or the robot's position, of this shape.  speeds: how many there are, and
-    how many of a base that stand apart.  lanes: columns of a block.
+    reads: its first input, the mass matrix or the robot's position, of this shape.  speeds: how many there are, and how
+    many separate ones of a base.  lanes: columns of a block.
     """
 
     reads: Literal["M", "q"]
@@ -49,7 +49,7 @@ class Equations(Protocol):
     program: Program
 
     def room(self) -> Room:
-        """For calls that do not run at once."""
+        """Memory for calls that do not run concurrently."""
         ...
 
     def counts(self, blocks: int) -> dict[str, int]: ...
@@ -75,26 +75,26 @@ class Solver:
         return found if exist else None
 
     def state(self, q: Array, M: Array) -> Array:
-        """What it reads of these, q with all of M's leading axes."""
+        """The one of these that it reads, q with all of M's leading axes."""
         if self.reads == "M":
             return M
         return q if q.shape[:-1] == M.shape[:-2] else np.broadcast_to(q, (*M.shape[:-2], q.shape[-1]))
 
     def solutions(self, state: Array, *given: Array) -> Sequence[Any]:
-        """The same of any M, after the least number that it divides by: that is above 0 where there is an inverse."""
+        """The same for any M, after the least number that it divides by: positive where there is an inverse."""
         return self._solve(state, *given)
 
     def to_c(self, name: str, given: Sequence[str], found: Sequence[str]) -> Source:
-        """The same in C, without the least number; with these names for each B and what is found.
+        """The same in C, without the least number; with these names for each B and each result.
 
-        name: what errors call it.
+        name: used in errors.
         """
         arrays, inputs, (_, *outputs) = self._memory()
         named = dict(zip((self.reads, *given), inputs, strict=True)), dict(zip(found, outputs, strict=True))
         return source_of(Fixed(self._equations.program.plan, self._counts, arrays, *named), name)
 
     def _shortcut(self) -> Any:
-        """For single states."""
+        """The built-in function for single states."""
         if not is_possible():
             return self._batch
         element, (inputs, outputs) = self._element(), self._ports
@@ -120,7 +120,7 @@ class Solver:
         return ProgramRows(self._element(), *self._ports)
 
     def _element(self) -> ProgramElement:
-        """With memory of its own."""
+        """Code for one element, with its own memory."""
         arrays, inputs, outputs = self._memory()
         return ProgramElement(self._equations.program.bound(self._counts, **arrays), inputs, outputs)
 

@@ -1,4 +1,4 @@
-"""Equations with a long tree's mass matrix, solved through its bodies: a column takes time as these are many."""
+"""Equations with a long tree's mass matrix, solved through its bodies: time per column is linear in their number."""
 
 from collections.abc import Sequence
 from typing import Any, Literal
@@ -30,7 +30,7 @@ BODIES_AT_ONCE = 8
 class Yielding:
     """By articulated bodies: torques inward, to which joints give way, then accelerations outward.
 
-    Featherstone (2008) section 7.3, of a robot that neither moves nor weighs anything.
+    Featherstone (2008) section 7.3, for a robot at rest without gravity.
     """
 
     reads: Literal["M", "q"] = "q"
@@ -65,9 +65,9 @@ class Yielding:
 
 
 def _with_columns(rolled: Rolled, step: Kept, lanes: int, axes: int) -> Rolled:
-    """Then blocks of columns in turn, each through all bodies inward and outward.
+    """Adds the loop over blocks of columns, each through all bodies inward and outward.
 
-    borne: wrenches of what a body carries; the first that it is handed finds there what the block before has left.
+    borne: wrenches of what a body carries; the first to be added finds there what the previous block has left.
     axes: of a base.
     """
 
