@@ -1,4 +1,4 @@
-"""Export: robots' functions and control laws as C99, equal to machine code to the last bit; functions also as CUDA C."""
+"""Export: robots' functions and control laws as C99, equal to machine code to the last bit; functions as CUDA C too."""
 
 import inspect
 from collections.abc import Callable, Mapping

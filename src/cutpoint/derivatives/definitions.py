@@ -124,7 +124,7 @@ def _through_drives(m: Machine, *state: Scalars) -> list[Matrix]:
     for d, at, torque in zip(m.drives, drive_states(m.drives, q, v, *motors[:2]), motors[2], strict=True):
         tau[d.v] = tau[d.v] + drive_effort(d.drive, at, torque, UNKNOWN).on_link
     d_q, d_v, _ = inverse_dynamics(m, q, v, solve(M, tau))
-    # columns of each drive's q, v, theta, theta_dot and motor_torque, and how many there are
+    # column of each drive's q, v, theta, theta_dot and motor_torque, and how many columns there are
     columns = [(links, nv)] * 2 + [([*range(n)], n)] * 3
     forces = [_negated(d_q), _negated(d_v), *([[0] * n for _ in range(nv)] for _ in range(3))]
     slopes = drive_slopes(m, *state)

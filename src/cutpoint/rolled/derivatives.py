@@ -54,7 +54,7 @@ def inverse_dynamics(columns: Columns) -> Steps:
 def coriolis_matrix(columns: Columns) -> Steps:
     """C(q, v) for which M' - 2 C is skew and C(q, v) w - C(q, w) v is M times the bracket of v and w.
 
-    For coordinate rates the bracket is zero, so the derivative of the torques C v by v is 2 C: C, then, at half the speed.
+    For coordinate rates it is zero, so the derivative of the torques C v by v is 2 C: C, then, at half the speed.
     A base's speeds are those of a moving frame, with bracket V x W: with it they change a motion as joints' speeds do.
     Wensing, Englsberger and Slotine (2023), Coriolis factorizations and their connections to Riemannian geometry, arXiv
     2312.14425.
@@ -78,7 +78,7 @@ def coriolis_matrix(columns: Columns) -> Steps:
 def elastic_inverse_dynamics(columns: Columns, options: Options = DEFAULT) -> Steps:
     """d motor torque / d (q, v, a, jerk, snap), of trees without a floating base.
 
-    A motor's torque depends on its joint's torque with two rates, and on its own joint's motion.  slopes: by all of these.
+    A motor's torque depends on its joint's torque with two rates, and on its own joint's motion.  slopes: by all these.
     """
     found, read = _changes_within(columns, WITH_RATES), WITH_RATES.scalars
 
@@ -145,8 +145,8 @@ def _changes_within(columns: Columns, order: Order, *, brackets: bool = False) -
 def _changes(S: Motion, V: Motion, A: Motion) -> tuple[Change, Change]:
     """Derivatives of the motion of a body that moves with V and A, by the position and speed of its joint along S.
 
-    Singh, Russell and Wensing (2022), arXiv 2105.05102: from the rates of S.  A joint's own speed does not move its axis,
-    so the body's velocity gives the same as its carrier's.
+    Singh, Russell and Wensing (2022), arXiv 2105.05102: from the rates of S.  A joint's own speed does not move its
+    axis, so the body's velocity gives the same as its carrier's.
     """
     rate = V.cross(S)
     return Change(A.cross(S) + V.cross(rate), rate.angular), Change(rate * 2, S.angular)

@@ -45,10 +45,10 @@ class Steps(NamedTuple):
 
     kept: sizes of regions that have a row for each body, and further rows for base, world and tip.  numbers: names of
     regions with one number for each body, inputs and outputs.  views: rows of a body's parent.  world: first numbers of
-    the world's rows; the rest is zero.  apart: sizes of regions without rows, of passes that run once.  constants: sizes
-    of those that hold the robot's numbers.  shapes: of outputs that are not one number for each body.  threes: those of
-    kept that hold only vectors and use vector registers; only passes outward and inward may use them.  entries: numbers
-    for each pair, of outputs that have more than one.
+    the world's rows; the rest is zero.  apart: sizes of regions without rows, of passes that run once.  constants:
+    sizes of those that hold the robot's numbers.  shapes: of outputs that are not one number for each body.  threes:
+    those of kept that hold only vectors and use vector registers; only passes outward and inward may use them.
+    entries: numbers for each pair, of outputs that have more than one.
     """
 
     kept: dict[str, int]

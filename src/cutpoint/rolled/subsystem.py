@@ -57,7 +57,7 @@ class Subsystem:
     behind: Spin | None = None
 
     def along_the_world(self, X: Pose) -> "Subsystem":
-        """The same along the world's axes.  X: its own axes in the world's, and its position in its parent along those."""
+        """The same along the world's axes.  X: its own axes in the world's, and its place in its parent along those."""
         R, z, joint = X.rotation, axis_of(X), self.body.joint
         assert isinstance(joint, OneAxis)
         along, inertia = Along(z, joint.turn, joint.slide), self.body.inertia.seen_from_parent(Pose(R, ZERO))

@@ -54,7 +54,7 @@ def _odd_drive(machine: Machine, takes_coupled: bool) -> str | None:
 
 
 def check_compiles(name: str, system: System, backend: str) -> None:
-    """Raises InputError, before tracing, for a function that certainly exceeds this backend's limit of operations, or of
+    """Raises InputError, before tracing, for a function that certainly exceeds this backend's limit of operations or
     numbers."""
     most = backends.MOST_COMPILED if backends.chosen(backend) == "llvm" else nodes.MOST_TRACED
     turning: list[int] = []

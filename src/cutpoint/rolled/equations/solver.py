@@ -130,7 +130,7 @@ class Solver:
 
     @property
     def _blocks(self) -> list[int]:
-        """Of each B, and of what has the inverse for its X."""
+        """Number of blocks of each B, and of the one whose X is the inverse."""
         return [-(-width // self._equations.lanes) for width in self._widths]
 
     def _memory(self) -> tuple[dict[str, Array], list[Output], list[Output]]:
@@ -151,7 +151,7 @@ class Solver:
             return [Output((n, width), x) for width, x in zip(self._widths, parts, strict=True)]
 
         given, found = matrices("given"), matrices("found")
-        for part in given.pop().parts:  # what has the inverse for its X
+        for part in given.pop().parts:  # the one whose X is the inverse
             part.own[...] = part.place(-np.eye(self._n))
         return arrays, [whole(room.state), *given], [whole(room.least), *found]
 
