@@ -59,7 +59,7 @@ def base_of(system: System) -> Segment | None:
 
 
 def bodies_of(system: System) -> range:
-    """All others."""
+    """All bodies but the base."""
     return range(int(base_of(system) is not None), len(system.segments))
 
 
@@ -70,13 +70,13 @@ def parents_of(system: System) -> Array:
 
 
 def place_of(system: System, frame: str) -> Place:
-    """A frame's body by its number, WORLD or BASE, and its pose there."""
+    """A frame's body, by number, WORLD or BASE, and the frame's pose in it."""
     place, first = system.frames[frame], int(base_of(system) is not None)
     return place if place.body == WORLD else Place(place.body - first if place.body >= first else BASE, place.pose)
 
 
 def base_row(system: System) -> Array:
-    """(BASE_NUMBERS,) those of the first body."""
+    """(BASE_NUMBERS,) the base's numbers."""
     X, M = system.segments[0].placement, system.segments[0].inertia
     placed = (*(x for row in X.rotation for x in row), *X.position)
     return np.array([*placed, *parameters_of(M), _last_carried(system)[0] - 1.0])
@@ -90,7 +90,7 @@ def rows_of(system: System, drives: Sequence[Driven] = ()) -> Array:
 
 
 def columns_of(system: System, drives: Sequence[Driven] = (), *, turns: bool = False) -> "Columns":
-    """turns: whether `Columns.turn` will be asked for."""
+    """turns: whether `Columns.turn` will be used."""
     base, rows = base_of(system), rows_of(system, drives)
     if turns:
         own = [[x for row in system.segments[i].turn for x in row] for i in bodies_of(system)]
@@ -99,7 +99,7 @@ def columns_of(system: System, drives: Sequence[Driven] = (), *, turns: bool = F
 
 
 def _last_carried(system: System) -> list[int]:
-    """For each body the highest number of a body that it carries, or its own: mechanisms are in depth-first order."""
+    """For each body the highest number in its subtree: mechanisms are in depth-first order."""
     last = [*range(len(system.segments))]
     for i, body in reversed([*enumerate(system.segments)]):
         if body.parent != WORLD:
@@ -124,7 +124,7 @@ def _coupling(spin: Spin | None) -> list[Scalar]:
 
 
 class Columns:
-    """Which of the bodies' numbers are code and which are read.
+    """Which of the bodies' numbers are built into the code, and which are read.
 
     stated: the first, by column.  read: (n, width), the others.  base: its joint, if there is one; base_turn: its axes
     as the user knows them along its own.  are_coupled: whether rotors with full coupling are behind springs.
@@ -156,11 +156,11 @@ class Columns:
         return Subsystem(own, armature, spin, number, last, behind)
 
     def turn(self, read: Iterable[Scalar]) -> Mat3:
-        """Of the body whose row holds these, its axes as the user knows them along its own."""
+        """The user's axes of the body whose row holds these, along its own axes."""
         return mat3(iter(self._whole(read)[-9:]))
 
     def by_drive(self, read: Iterable[Scalar], step: Callable[[Model], list[Scalar]]) -> list[Scalar]:
-        """What a step finds for the drive of the body whose row holds these."""
+        """The result of a step for the drive of the body whose row holds these."""
         kind, *row = self._whole(read)[BODY:]
         numbers, found = iter(row), list[Scalar]()
         for k, model in enumerate(self.models):

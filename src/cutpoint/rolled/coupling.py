@@ -24,7 +24,7 @@ def carried(columns: Columns, order: Order, rates: tuple[str, ...]) -> Pass:
 
 
 def pushed(columns: Columns, order: Order) -> Pass:
-    """What the motor exerts besides, as its carrier turns."""
+    """The additional torque of the motor due to its carrier's rotation."""
 
     def pushes(row: Any, carrier: Any, motor_torque: Any) -> Any:
         own, A = columns.subsystem(row), motion_of(order.scalars(carrier)[3:])
@@ -36,7 +36,7 @@ def pushed(columns: Columns, order: Order) -> Pass:
 
 
 def let_spin(columns: Columns) -> Pass:
-    """What a rotor's spin costs its carrier, which it does not follow about its axis."""
+    """Wrench on its carrier due to the spin of a rotor, which does not follow the carrier about its axis."""
 
     def spins(row: Any, turned: Any, omega: Any, carried: Any, speed: Any, alpha: Any, borne: Any) -> Any:
         own, A = columns.subsystem(row).along_the_world(pose_by_columns(turned)).behind, motion_of(carried)
@@ -49,7 +49,7 @@ def let_spin(columns: Columns) -> Pass:
 
 
 def left_behind(columns: Columns) -> Pass:
-    """What its carrier turns by, such a rotor need not turn itself."""
+    """Subtracts the carrier's rotation from the acceleration of such a rotor."""
 
     def lags(row: Any, turned: Any, coasting: Any, added: Any, theta_ddot: Any) -> Any:
         own, A = columns.subsystem(row).along_the_world(pose_by_columns(turned)).behind, motion_of(coasting)

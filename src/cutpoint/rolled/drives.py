@@ -1,4 +1,4 @@
-"""Drives as rows of numbers, whatever their structures: a row has room for one of each, and says which is its own."""
+"""Drives of any structures as rows of numbers: a row has room for one of each structure, and the number of its own."""
 
 from collections.abc import Sequence
 
@@ -23,7 +23,7 @@ def models_of(bodies: range, drives: Sequence[Driven]) -> list[Model]:
 def drive_rows(bodies: range, drives: Sequence[Driven]) -> np.ndarray:
     """(n, ...) for each body the number of its drive's model, then a drive's numbers for every model.
 
-    Where the drive has another structure they are the model's own: what all bodies share may become code.
+    Where the drive has another structure they are the model's own: numbers that all bodies share may become code.
     """
     own, models = {driven.segment: driven.drive for driven in drives}, models_of(bodies, drives)
     kinds = [structure_of(model) for model in models]

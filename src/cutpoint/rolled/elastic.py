@@ -76,7 +76,7 @@ def elastic_forward_dynamics(columns: Columns) -> Steps:
 
 
 def drive_slopes(columns: Columns) -> Steps:
-    """How what drives do to links and rotors changes with their states."""
+    """Derivatives of drives' efforts on links and rotors by their states."""
 
     def slopes(row: Any, *state: Any) -> Any:
         def of(drive: Model) -> list[Any]:
@@ -103,6 +103,6 @@ def static_deflection(columns: Columns) -> Steps:
 
 
 def _before_inward(passes: list[Pass], one: Pass) -> list[Pass]:
-    """With another one before the first that goes inward: what is borne must be whole then."""
+    """Inserts a pass before the first inward one, when the wrenches to be borne must be complete."""
     first = [p.way for p in passes].index("inward")
     return [*passes[:first], one, *passes[first:]]

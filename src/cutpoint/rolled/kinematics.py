@@ -34,8 +34,8 @@ def frame_pose(columns: Columns) -> Steps:
 def jacobian(columns: Columns, expressed_in: ExpressedIn) -> Steps:
     """A frame's Jacobian, (6, nv): the columns of the mechanics' own, every body along the world's axes.
 
-    seen: the axes along which velocities are told, and the point whose velocity it is, in the world.  column: of a body
-    that carries the frame, what its joint's unit speed means there; of all others, zeros.
+    seen: the axes along which velocities are expressed, and the point whose velocity it is, in the world.  column: for
+    a body that carries the frame, the motion there at its joint's unit speed; for all others, zeros.
     """
     base = base_in(columns)
 
@@ -59,7 +59,7 @@ def jacobian(columns: Columns, expressed_in: ExpressedIn) -> Steps:
 
 
 def world_poses(columns: Columns, first: list[Pass], order: Order = PLAIN) -> tuple[list[Pass], dict[str, int]]:
-    """Every body's pose in the world, kept as "turned", and what else is kept.  first: what places a base."""
+    """Every body's pose in the world, stored as "turned", and what else is stored.  first: passes that place a base."""
     place, pose = placing(columns, order, RATES[: order.numbers])
 
     def outward(at: Any, above: Any) -> Any:
@@ -71,7 +71,7 @@ def world_poses(columns: Columns, first: list[Pass], order: Order = PLAIN) -> tu
 
 
 def _of_base(base: Base) -> Pass:
-    """What a base's own speeds mean at a frame that it carries."""
+    """Motion of a frame that a base carries, at unit speed of each of the base's axes."""
 
     def columns(row: Any, turned: Any, seen: Any, frame: Any) -> Any:
         motions = [_seen(S, pose_of(turned), pose_of(seen)) for S in base.motions()]
@@ -81,7 +81,7 @@ def _of_base(base: Base) -> Pass:
 
 
 def _seen(V: Motion, X: Pose, frame: Pose) -> Motion:
-    """A motion of a body at X, as another frame that is fixed to the body has it."""
+    """A motion of a body at X, expressed for another frame fixed to the body."""
     to_frame = Pose(frame.rotation.T @ X.rotation, frame.rotation.T @ (X.position - frame.position))
     return V.seen_from_parent(to_frame)
 

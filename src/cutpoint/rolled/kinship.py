@@ -17,10 +17,10 @@ class Related(NamedTuple):
 
 
 class Kinship(NamedTuple):
-    """What is known of pairs before their numbers are read.
+    """What is known about pairs before their numbers are read.
 
     name: of the lists that say which pairs.  carries, is_carried: whether one may carry the other, and be carried.
-    is_sure: whether what may be is so, and nothing need be read.
+    is_sure: whether that is certain, so that nothing need be read.
     """
 
     name: str
@@ -30,7 +30,7 @@ class Kinship(NamedTuple):
 
     @property
     def lists(self) -> tuple[str, str, str]:
-        """Of bodies, of others, and of where their entries stand."""
+        """Names of the lists of bodies, of others, and of the positions of their entries."""
         return f"{self.name}.body", f"{self.name}.other", f"{self.name}.entry"
 
     def of(self, own: Scalars, other: Scalars) -> Related:
@@ -44,9 +44,9 @@ class Kinship(NamedTuple):
 
 
 def kinships(*, is_sure: bool) -> list[Kinship]:
-    """All there are; what one body takes or gives alone is left out where the other cannot have any of it.
+    """All kinships; each leaves out the contributions that are zero for its pairs.
 
-    is_sure: of two different bodies, by themselves.  A body with itself is looked at like those with a whole block of
+    is_sure: of two different bodies, one by one.  A body paired with itself is treated like one with a whole block of
     others, so that both round alike.
     """
     apart = Kinship("carrying", True, False, is_sure), Kinship("carried", False, True, is_sure)

@@ -24,7 +24,7 @@ LINE = 64
 
 
 class Task:
-    """What calls of one function need to know: its recipe, its robot, the frame it is about, and the backend."""
+    """The data of one function's calls: its recipe, robot, frame and backend."""
 
     def __init__(self, recipe: Recipe, system: System, columns: Columns, backend: str, frame: str | None) -> None:
         self.recipe, self.columns, self.backend = recipe, columns, backend
@@ -44,11 +44,11 @@ class Task:
         return self.steps.apart.get(f"base.{name}", 0)
 
     def size(self, name: str) -> int:
-        """Of an input."""
+        """Size of an input."""
         return self.of_base(name) + self.bodies
 
     def shape(self, name: str) -> tuple[int, ...]:
-        """Of an output."""
+        """Shape of an output."""
         speeds = self.bodies + (len(self.columns.base.axes) if self.columns.base else 0)
         in_parts = {**dict.fromkeys(self.steps.matrices, (speeds, speeds)), COLUMN: (6, speeds)}
         every = self.bodies + (self.columns.base is not None)
@@ -56,9 +56,9 @@ class Task:
         return {**in_parts, **self.steps.shapes}.get(name, (self.size(name),))
 
     def pairs(self, lanes: int) -> tuple[dict[str, Array], dict[str, int]]:
-        """Bodies and blocks of others, by number, where one carries the other, and where their entries stand.
+        """Bodies and blocks of others, by number, where one carries the other, and the positions of their entries.
 
-        By kinship: see `Kinship.lists`; then how many there are, by its name.
+        By kinship: see `Kinship.lists`; then their counts, by its name.
         """
         n, blocks = self.bodies, -(-self.bodies // lanes)
         carry = np.eye(n, blocks * lanes, dtype=bool)  # each body, by those that carry it, and itself
@@ -78,7 +78,7 @@ class Task:
         return lists, counts
 
     def rows(self, world: int) -> dict[str, Array]:
-        """Lists of rows, given the world's; the base's is the one after it."""
+        """Lists of rows, given the world's; the base's row follows it."""
         numbers = {"parent": self._parents, "world": np.array([WORLD]), "base": np.array([BASE]), "tip": self._tip}
         lists = {k: np.select([x == WORLD, x == BASE], [world, world + 1], x) for k, x in numbers.items()}
         views = [self.steps.views, *(self.steps.rows_of(p) for p in self.steps.passes if p.way == "once")]
@@ -87,14 +87,14 @@ class Task:
 
 
 class Spare(Generic[T]):
-    """Memory for calls: as many pieces as calls run at once."""
+    """A pool of memory for calls: as many pieces as calls run concurrently."""
 
     def __init__(self, make: Callable[[], T]) -> None:
         self._make, self._free = make, list[T]()
 
     @contextmanager
     def lent(self) -> Iterator[T]:
-        """Memory that no other call uses meanwhile."""
+        """Memory for the exclusive use of a call."""
         try:
             memory = self._free.pop()
         except IndexError:
@@ -104,7 +104,7 @@ class Spare(Generic[T]):
 
 
 def aligned(size: int, head: int = 0) -> Array:
-    """(head + size,) zeros, where those after the head begin where a line of the cache does."""
+    """(head + size,) zeros, of which those after the head are aligned to a cache line."""
     room = np.zeros(head + size + LINE // 8)
     skipped = -(room.ctypes.data + 8 * head) % LINE // 8
     return room[skipped : skipped + head + size]

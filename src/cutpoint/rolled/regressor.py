@@ -1,6 +1,6 @@
-"""The torque regressor as passes: what a unit of each parameter of a body takes, then every pair of bodies.
+"""The torque regressor as passes: wrenches per unit of each parameter of a body, then every pair of bodies.
 
-All about one place and along the world's axes, as in the mass matrix; of a base that moves freely, where that is.
+All about one point and along the world's axes, as in the mass matrix; with a floating base, about its position.
 """
 
 from collections.abc import Sequence
@@ -26,9 +26,9 @@ PARAMETERS = 10
 def torque_regressor(columns: Columns) -> Steps:
     """Y(q, v, a).  Atkeson, An and Hollerbach (1986).
 
-    column: a body's motion at unit speed of its joint.  velocity, acceleration: of the point of the body that is at
-    that one place, and angular.  wrenches: what its motion takes for a unit of each of its parameters, along the axes
-    that the user knows.  span: the body's number, and the last number that it carries.
+    column: a body's motion at unit speed of its joint.  velocity, acceleration: of the body's point at that one point,
+    and angular.  wrenches: of its motion per unit of each of its parameters, along the user's axes.  span: the body's
+    number, and the last number that it carries.
     """
     base = base_in(columns)
     placed, kept = world_poses(columns, [_moves(base, columns.base_turn)] if base else [])
@@ -54,9 +54,9 @@ def torque_regressor(columns: Columns) -> Steps:
 
 
 def _of_units(X: Pose, V: Motion, A: Motion) -> list[Wrench]:
-    """What a unit of each parameter of a body at X takes, if that moves with V and A, all about the one place.
+    """Wrenches per unit of each parameter of a body at X that moves with V and A, all about the one point.
 
-    Its origin accelerates by A and by what passes there, omega x v: Featherstone (2008) section 2.11.
+    Its origin accelerates by A and by the convective term omega x v: Featherstone (2008) section 2.11.
     """
     R_T, p, omega = X.rotation.T, X.position, V.angular
     at_origin = A.linear + A.angular.cross(p) + omega.cross(V.linear + omega.cross(p))
@@ -65,13 +65,13 @@ def _of_units(X: Pose, V: Motion, A: Motion) -> list[Wrench]:
 
 
 def _entries(kin: Kinship, held: Any, column: Any, wrenches: Any, span: Any) -> Any:
-    """What one body's joint bears of each of the other's wrenches, if it carries that."""
+    """One body's joint torques under each of the other's wrenches, if it carries that body."""
     S, carries = motion_of(held[:6]), kin.of(held[-2:], span).carries
     return [where(carries, S.power(wrench_of(wrenches[k : k + 6])), 0) for k in range(0, len(wrenches), 6)]
 
 
 def _moves(base: Base, turn: Mat3) -> Pass:
-    """A base, seen from where it is: how it moves, and what its own units take."""
+    """A base in its current frame: its motion, and the wrenches per unit of its own parameters."""
 
     def moves(row: Any, q: Any, v: Any, a: Any, world: Any) -> Any:
         V, A = base.kind.motion(v), against_gravity(base, row, q, world) + base.kind.motion(a)
@@ -83,7 +83,7 @@ def _moves(base: Base, turn: Mat3) -> Pass:
 
 
 def _couples(base: Base) -> Pass:
-    """What a base's joint bears of what it carries."""
+    """A base's joint torques under the wrenches of bodies that it carries."""
 
     def couples(row: Any, wrenches: Any, span: Any) -> Any:
         borne = _by_axis(base, [wrench_of(wrenches[k : k + 6]) for k in range(0, len(wrenches), 6)])
@@ -93,6 +93,6 @@ def _couples(base: Base) -> Pass:
 
 
 def _by_axis(base: Base, wrenches: Sequence[Wrench]) -> list[Scalar]:
-    """What each axis of a base's joint bears of each."""
+    """The torques of each axis of a base's joint under each wrench."""
     efforts = [base.kind.effort(F) for F in wrenches]
     return [effort[axis] for axis in range(base.axes) for effort in efforts]
