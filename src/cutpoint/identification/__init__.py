@@ -1,7 +1,7 @@
 """Models from logs of real machines.
 
-`identify` does it all: it reads a log, brings it into a state one can compute with, finds links, rotors, friction and
-springs with their uncertainty, and says what the log cannot tell.  `excitation` finds motions that tell most.
+`identify` does it all: it reads and conditions a log, identifies links, rotors, friction and springs with their
+uncertainty, and states what the log cannot determine.  `excitation` finds the most informative motions.
 """
 
 from cutpoint.identification.conditioning.alignment import aligned, skews

@@ -20,7 +20,7 @@ LINK_SIDE = ("q", "v")
 
 
 STANDS_OUT = 2.0
-"""Uncertainties: a measured delay that is less than that is not corrected."""
+"""Standard deviations: a smaller measured delay is not corrected."""
 
 
 def skews(recording: Recording) -> dict[str, Skew]:
@@ -84,7 +84,7 @@ def _skew(x: Array, y: Array, torques: Array | None, column: int, period: float)
 
 
 def _of_one_clock(measured: dict[str, Skew]) -> dict[str, Skew]:
-    """Their mean for all, weighted by certainty, where some delay stands out and all agree with it."""
+    """Their weighted mean for all, if some delay is significant and all agree with it."""
     delays, deviations = (np.array([getattr(x, name) for x in measured.values()]) for name in ("delay", "uncertainty"))
     weights = 1.0 / np.maximum(deviations, np.finfo(float).tiny) ** 2
     mean, deviation = float(np.average(delays, weights=weights)), float(1.0 / np.sqrt(weights.sum()))
@@ -94,7 +94,7 @@ def _of_one_clock(measured: dict[str, Skew]) -> dict[str, Skew]:
 
 
 def _delay(given: Skew | float) -> float:
-    """s to correct."""
+    """The delay to correct, s."""
     if isinstance(given, Skew):
         return given.delay if abs(given.delay) > STANDS_OUT * given.uncertainty else 0.0
     delay = number("aligned", "delay", given, "s")
@@ -109,7 +109,7 @@ def _moves(x: Array) -> bool:
 
 
 def _earlier(time: Array, values: Array, delays: Array) -> Array:
-    """Each column at the times at which it was late."""
+    """Each column, shifted to earlier times by its delay."""
     columns = [on_grid(time, x, time + tau) if tau else x for x, tau in zip(values.T, delays, strict=True)]
     return np.column_stack(columns)
 

@@ -8,10 +8,10 @@ from cutpoint.identification.logs.recording import Recording
 from cutpoint.identification.logs.resampling import on_grid
 
 LOST = 5
-"""Samples, one after the other, that are bridged at most."""
+"""Largest number of consecutive missing samples that are bridged."""
 
 LONGEST = 0.05
-"""s that a bridge spans at most: it misses waves of 2 Hz by 0.05 % of their size, such of 5 Hz by 1.7 %."""
+"""Longest bridge, s: its error is 0.05 % of the amplitude at 2 Hz, and 1.7 % at 5 Hz."""
 
 
 def bridged(recording: Recording, even: Recording) -> Recording:

@@ -16,16 +16,16 @@ from cutpoint.errors import InputError
 Array = NDArray[np.float64]
 
 Law = Callable[[Array, Array, Array], Array]
-"""What x may be composed of, (N, functions), given y (N, n) and its first two time derivatives."""
+"""Functions that may make up x, (N, functions), given y (N, n) and its first two time derivatives."""
 
 SLOWER = 10.0
-"""What is that many times slower than the motion is a slow function: drift, wind-up, warming."""
+"""Slow functions are at least this many times slower than the motion: drift, wind-up, warming."""
 
 LARGEST_SKEW = 0.05
-"""s: delays up to that are searched."""
+"""s: the largest delay that is searched."""
 
 GRID = 21
-"""Delays that are tried before the minimum is sought beside the best: 5 ms apart by default."""
+"""Delays on the coarse grid, before the minimum is refined near the best: 5 ms apart by default."""
 
 BLOCKS = 10
 """Blocks whose scatter gives the uncertainty."""
@@ -78,7 +78,7 @@ def clock_skew(
 
 
 def _delayed(y: Array, period: float, law: Law, used: NDArray[np.bool_]) -> Callable[[float], Array]:
-    """Given a delay, the law's functions of y and the slow ones, (used samples, functions)."""
+    """The law's functions of y at a given delay, and the slow functions, (used samples, functions)."""
     time = period * np.arange(len(y), dtype=np.float64)
     known = np.isfinite(y).all(axis=1)
     spline = CubicSpline(time[known], y[known])
@@ -92,7 +92,7 @@ def _delayed(y: Array, period: float, law: Law, used: NDArray[np.bool_]) -> Call
 
 
 def _fit(functions: Array, x: Array) -> tuple[Array, Array]:
-    """The weights of functions that fit x by least squares, and the residual."""
+    """Least-squares weights of the functions that fit x, and the residual."""
     weights = np.linalg.lstsq(functions, x)[0].astype(np.float64)
     return weights, x - functions @ weights
 
@@ -106,7 +106,7 @@ def _arrays(x: ArrayLike, y: ArrayLike) -> tuple[Array, Array]:
 
 
 def _usable(x: Array, y: Array, reach: int) -> NDArray[np.bool_]:
-    """Samples at which x is known, and y as far around as any delay reaches."""
+    """Samples at which x is known, and y within the largest delay around them."""
     missing = np.array(binary_dilation(~np.isfinite(y).all(axis=1), iterations=reach), dtype=np.bool_)
     missing[:reach] = missing[-reach:] = True
     return np.isfinite(x) & ~missing
@@ -121,7 +121,7 @@ def _slow_functions(time: Array, speed: Array, period: float) -> Array:
 
 
 def _best(error: Callable[[float], float], largest: float, period: float) -> float:
-    """The delay of the least error: the best on a coarse grid, then the minimum beside it."""
+    """The delay with the least error: the best on a coarse grid, then the minimum near it."""
     grid = np.linspace(-largest, largest, GRID)
     errors = [error(tau) for tau in grid]
     best = int(np.argmin(errors))
@@ -133,11 +133,11 @@ def _best(error: Callable[[float], float], largest: float, period: float) -> flo
 
 
 def _with_uncertainty(tau: float, x: Array, functions: Callable[[float], Array], period: float) -> Skew:
-    """The delay with the scatter of its score over blocks: errors within a block may depend on one another."""
+    """The delay, its uncertainty from the scatter of its score over blocks: errors within a block may be correlated."""
     weights, residual = _fit(functions(tau), x)
     step = 0.01 * period
     change = (functions(tau + step) - functions(tau - step)) @ weights / (2.0 * step)
-    # what the weights could make good is no evidence
+    # what the weights could compensate is no evidence
     change = _fit(functions(tau), change)[1]
     scores = [part.sum() for part in np.array_split(residual * change, BLOCKS)]
     scatter = np.sqrt(np.sum(np.square(scores)) * BLOCKS / (BLOCKS - 1))

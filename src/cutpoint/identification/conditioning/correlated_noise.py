@@ -1,8 +1,8 @@
-"""Covariance of sums of columns times correlated noise: two estimates, and the larger of both.
+"""Covariance of sums of columns times correlated noise: two estimates, and the larger of the two.
 
-As found, scores need no model of the noise, but say little where few samples tell a parameter.  Taken to be alike all
-along, noise is known from all samples.  Both weigh what is so many samples apart by Bartlett's triangle: Newey and West
-(1987), Econometrica 55(3).
+`as_found` needs no model of the noise, but is unreliable where few samples determine a parameter.  `alike` assumes
+stationary noise, which is estimated from all samples.  Both weight lags by Bartlett's triangle: Newey and West (1987),
+Econometrica 55(3).
 """
 
 import numpy as np
@@ -11,41 +11,41 @@ from numpy.typing import NDArray
 Array = NDArray[np.float64]
 
 FARTHEST = 3.0
-"""Standard deviations, by the median: what is farther off counts as that far where noise is taken to be alike."""
+"""Standard deviations, from the median, at which residuals are clipped where noise is assumed stationary."""
 
 NORMAL = 0.6745
 """Median of |x| of a standard normal x."""
 
 
 def as_found(scores: Array, length: int) -> Array:
-    """Covariance (p, p) of the sum of scores (N, p), each related to others less than a length away.
+    """Covariance (p, p) of the sum of scores (N, p), each correlated with others less than a length away.
 
-    From their sums over all windows of that length, each a sample after the other.
+    From their sums over all windows of that length, one starting at each sample.
     """
     N = len(scores)
     summed = np.cumsum(np.vstack([np.zeros_like(scores[:1]), scores]), axis=0)
-    # windows that begin before the first sample and end after the last count each pair as often as the others
+    # with windows that begin before the first sample and end after the last, all pairs count equally often
     ends = np.arange(1, N + length)
     windows = summed[np.minimum(ends, N)] - summed[np.maximum(ends - length, 0)]
     return np.asarray(windows.T @ windows / length)
 
 
 def alike(columns: Array, residual: Array, length: int) -> Array:
-    """The same of columns (N, p) times noise that has everywhere the autocovariance of most of a residual (N,)."""
+    """The same for columns (N, p) times stationary noise, with the autocovariance of most of a residual (N,)."""
     edge = FARTHEST * float(np.median(np.abs(residual))) / NORMAL
     residual = np.clip(residual, -edge, edge)
     N, size = residual.size, 1 << (2 * residual.size).bit_length()
     power = np.abs(np.fft.rfft(residual, size)) ** 2
     lags = np.minimum(np.arange(size), size - np.arange(size))
     tapered = np.fft.irfft(power, size) / N * np.maximum(1.0 - lags / length, 0.0)
-    spectrum = np.maximum(np.fft.rfft(tapered).real, 0.0)  # as a triangle leaves it, but for rounding
+    spectrum = np.maximum(np.fft.rfft(tapered).real, 0.0)  # nonnegative with a triangle, but for rounding
     spectrum[1:-1] *= 2.0  # the negative frequencies
     parts = np.fft.rfft(columns, size, axis=0)
     return np.asarray((parts.conj().T @ (spectrum[:, None] * parts)).real / size)
 
 
 def at_least(covariance: Array, other: Array) -> Array:
-    """A covariance (p, p) with each deviation no smaller than another one's."""
+    """A covariance (p, p), with each deviation raised to at least that of another."""
     own, least = np.diag(covariance), np.diag(other)
     larger = np.sqrt(np.maximum(least / np.where(own > 0.0, own, 1.0), 1.0))
     return covariance * np.outer(larger, larger)

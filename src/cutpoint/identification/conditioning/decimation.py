@@ -1,7 +1,7 @@
 """Decimation to a lower bandwidth: the same window is applied to all quantities of an equation.
 
-What is linear in the samples stays true of their weighted means: where torque = W p holds at every sample, it holds
-between the means of torque and of W.  Gautier (1997), ICRA, calls that parallel filtering.
+Linear equations of the samples hold for their weighted means too: if torque = W p at every sample, it also holds for
+the means of torque and of W.  Gautier (1997), ICRA, calls that parallel filtering.
 """
 
 import math
@@ -19,7 +19,7 @@ from cutpoint.errors import InputError
 Array = NDArray[np.float64]
 
 CROSSINGS = 3
-"""Zeros of the window's sinc on each side: means an interval apart share next to no noise."""
+"""Zeros of the window's sinc on each side: the noise of neighbouring means is almost uncorrelated."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -44,12 +44,12 @@ class Decimation:
         return self.period * (self.starts + self.window.size // 2).astype(np.float64)
 
     def samples(self, rows: slice) -> slice:
-        """The samples that some of the means are made of."""
+        """The samples that contribute to some of the means."""
         starts = self.starts[rows]
         return slice(int(starts[0]), int(starts[-1]) + self.window.size)
 
     def __call__(self, values: Array, rows: slice | None = None) -> Array:
-        """The means (M, ...) of values (N, ...); with rows, those means alone, of values[samples(rows)]."""
+        """The means (M, ...) of values (N, ...); with rows, only those means, from values[samples(rows)]."""
         used = values[self.samples(slice(None))] if rows is None else values
         matrix = self._matrix if rows is None else self._weights(rows)
         flat = used.reshape(used.shape[0], math.prod(used.shape[1:]))
@@ -69,7 +69,7 @@ class Decimation:
 
 
 def decimation(known: NDArray[np.bool_], period: float, bandwidth: float) -> Decimation:
-    """Means of less than a bandwidth (Hz), at twice its rate, of windows in which every sample is known (N,).
+    """Means with a bandwidth (Hz), at twice its rate, over windows in which every sample is known (N,).
 
     Raises InputError: a bandwidth that is not between 0 and half of the sampling rate, or too few known samples.
     """

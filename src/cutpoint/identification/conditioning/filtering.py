@@ -1,4 +1,4 @@
-"""Zero-phase low-pass filtering and differentiation, with a stated bandwidth, never across a gap."""
+"""Zero-phase low-pass filtering and differentiation with a stated bandwidth, never across a gap."""
 
 from collections.abc import Iterator, Sequence
 
@@ -14,51 +14,51 @@ from cutpoint.identification.logs.recording import Recording, check_recording
 Array = NDArray[np.float64]
 
 ORDER = 4
-"""Of the Butterworth filter, which runs forwards and backwards."""
+"""Order of the Butterworth filter, which runs forwards and backwards."""
 
 CUT_PERIODS = 1.5
-"""Periods of the cut-off that are cut at each end and beside each gap: there the filter does not know what came before.
-By then the response to a step has settled to 1 %, at the default order."""
+"""Periods of the cut-off that are cut at each end and beside each gap, where the filter lacks earlier samples.  After
+that, the step response has settled to 1 %, at the default order."""
 
 ABOVE_FLOOR = 10.0
-"""Times the noise floor's power: what is above that is motion."""
+"""Times the noise floor's power: lines above this are motion."""
 
 APART = 4.0
-"""Times its frequency: where nothing is above the noise as far as that, motion ends.  Its harmonics are nearer."""
+"""Motion ends where nothing exceeds the noise up to this many times the frequency.  Its harmonics are nearer."""
 
 STILL = 1e-3
-"""Of the way that the liveliest channel goes: one that goes less stands still, and has noise alone."""
+"""Share of the liveliest channel's travel: a channel that travels less stands still, and has only noise."""
 
 LITTLE = 0.01
-"""rad or m: what goes as far as that moves, however far another goes."""
+"""rad or m: a channel that travels this far moves, however far others travel."""
 
 CLEAR = 1e3
-"""Times the noise floor's power: motion that is not to be lost."""
+"""Times the noise floor's power: motion above this must not be attenuated."""
 
 LOSS = 0.1
-"""Of the power of the noise that the filter leaves: as much of what is clear it may take.  Noise averages out, a loss
-does not."""
+"""Power of clear lines that the filter may remove, as a share of the noise power that it leaves.  Noise averages out, a
+loss does not."""
 
 FINER = 2.0**0.125
-"""Ratio of cut-offs that are tried, one after the other."""
+"""Ratio of successive cut-offs that are tried."""
 
 WINDOWS = 4
-"""Windows over a recording, each half over the next, for its spectrum."""
+"""Windows over a recording for its spectrum, overlapping by half."""
 
 LOWEST_CYCLES = 4.0
-"""Cycles of the default cut-off in a recording, at least."""
+"""Least number of cycles of the default cut-off in a recording."""
 
 HIGHEST = 0.4
-"""Of the sampling rate: the largest default cut-off."""
+"""Largest default cut-off, as a share of the sampling rate."""
 
 
 def low_pass(values: ArrayLike, period: float, cutoff: float, order: int = ORDER) -> Array:
     """Values (N, ...) low-passed at a cut-off without phase lag; NaN at edges.
 
     A Butterworth filter forwards and backwards: a component at the cut-off (Hz) is halved, one at frequency f keeps
-    1 / (1 + (f / cutoff)^(2 order)).  A stretch between gaps that is shorter than what its edges lose is NaN.
+    1 / (1 + (f / cutoff)^(2 order)).  A stretch between gaps that is shorter than its edge losses is NaN.
 
-    Raises InputError: a cut-off that is not between 0 and half of the sampling rate, or other arguments without sense.
+    Raises InputError: a cut-off that is not between 0 and half of the sampling rate, or other invalid arguments.
     """
     period, cutoff = positive("low_pass", "period", period, "s"), number("low_pass", "cutoff", cutoff, "Hz")
     values, order = _samples("low_pass", values), whole("low_pass", "order", order)
@@ -77,8 +77,8 @@ def low_pass(values: ArrayLike, period: float, cutoff: float, order: int = ORDER
 def low_pass_together(channels: Sequence[Array], period: float, cutoff: float) -> list[Array]:
     """Channels (N,) of one linear equation, low-passed together, so that it still holds.
 
-    Samples unknown in one are left out of all, so that each begins and ends at the same samples.  At edges half as much
-    again is cut, for channels that are differentiated later.
+    Samples unknown in one are left out of all, so that all begin and end at the same samples.  Edges are cut by half as
+    much again, for channels that are differentiated later.
     """
     columns = np.column_stack(channels)
     columns[~np.isfinite(columns).all(axis=1)] = np.nan
@@ -90,8 +90,8 @@ def low_pass_together(channels: Sequence[Array], period: float, cutoff: float) -
 def derivative(values: ArrayLike, period: float, order: int = 1) -> Array:
     """First or second time derivative of values (N, ...) by central differences; NaN at edges.
 
-    A component of a tenth of the sampling rate comes out 0.935 of its size (0.967 for the second derivative), slower
-    ones nearer to it, and noise grows with its frequency: low-pass first.
+    A component at a tenth of the sampling rate is scaled by 0.935 (0.967 for the second derivative), slower ones by
+    nearly 1, and noise grows with its frequency: low-pass first.
     """
     if whole("derivative", "order", order) > 2:
         raise InputError(f"derivative: order {order} must be 1 or 2", order=order)
@@ -112,7 +112,7 @@ def noise_cutoff(values: ArrayLike, period: float, *, otherwise: float | None = 
     if needed to leave clear lines, a thousand times above the floor, unattenuated.  Motion below the floor is lost.
     otherwise: Hz, result if nothing exceeds the noise; None raises an error instead.
 
-    Raises InputError: no column moves, or none out of its noise.
+    Raises InputError: no column moves, or none exceeds its noise.
     """
     values, period = _samples("noise_cutoff", values), positive("noise_cutoff", "period", period, "s")
     columns = [column[_longest(column)] for column in values.reshape(len(values), -1).T]
@@ -130,7 +130,7 @@ def noise_cutoff(values: ArrayLike, period: float, *, otherwise: float | None = 
 def low_passed(recording: Recording, cutoff: float | None = None, order: int = ORDER) -> Recording:
     """All channels through one filter, so that linear relations between them still hold.
 
-    cutoff: Hz; by default where the positions sink into their noise, see `noise_cutoff`.
+    cutoff: Hz; by default where the positions fall below their noise, see `noise_cutoff`.
     Raises InputError: times that are not uniform, or a cut-off that is out of bounds.
     """
     check_recording("low_passed", recording)
@@ -155,7 +155,7 @@ def _edge(period: float, cutoff: float) -> int:
 
 
 def _cutoff(x: Array, period: float) -> float:
-    """Of one channel (N,); 0 where all is noise."""
+    """The cut-off of one channel (N,); 0 if all of it is noise."""
     window = 2 * x.size // (WINDOWS + 1)
     frequencies, power = welch(x, 1.0 / period, window="blackmanharris", nperseg=window, detrend="linear")
     floor = float(np.median(power[power.size // 2 :]))
@@ -173,14 +173,14 @@ def _cutoff(x: Array, period: float) -> float:
 
 
 def _lines(clear: NDArray[np.bool_], peak: int) -> NDArray[np.intp]:
-    """Bins of a spectrum that are clear, each less than APART times beyond another, from the peak on."""
+    """Clear bins of a spectrum from the peak on, each at less than APART times the frequency of the one before."""
     found = np.flatnonzero(clear)
     gaps = np.flatnonzero((found[1:] > APART * (found[:-1] + 1)) & (found[:-1] >= peak))
     return found[: gaps[0] + 1] if gaps.size else found
 
 
 def _lost(power: Array, ratios: Array) -> float:
-    """Of power at frequencies over the cut-off, what the filter takes."""
+    """Power above the cut-off that the filter removes."""
     return float(np.sum(power * (1.0 - 1.0 / (1.0 + ratios ** (2 * ORDER))) ** 2))
 
 
@@ -189,7 +189,7 @@ def _longest(column: Array) -> slice:
 
 
 def _stretches(values: Array, found: Array) -> Iterator[tuple[slice, Array, Array]]:
-    """Each stretch without NaN, with its column of values and of results."""
+    """Each stretch without NaN, with its columns of values and results."""
     for column, result in zip(values.reshape(len(values), -1).T, found.reshape(len(found), -1).T, strict=True):
         for part in _parts(column):
             yield part, column, result

@@ -17,13 +17,13 @@ Array = NDArray[np.float64]
 
 
 DEAD = 5e-5
-"""Of how much the liveliest joint's torque changes: one that changes less says nothing."""
+"""Share of the liveliest joint's torque variation: a torque that varies less carries no information."""
 
 
 class Motion(NamedTuple):
     """Motion of the joints, each (N, n), one column per joint of the robot; NaN where unknown.
 
-    q, v, a of the links; theta, w, w_dot: those of the motors over ratio; rad, rad/s, rad/s2 (m ...).
+    q, v, a: of the links; theta, w, w_dot: of the motors, over ratio; rad, rad/s, rad/s2 (m ...).
     period: s between samples.  cutoff: Hz, of the positions.
     """
 
@@ -44,7 +44,7 @@ class Motion(NamedTuple):
 def motion_of(robot: Robot, recording: Recording, cutoff: float | None = None) -> Motion:
     """Positions low-passed at a cut-off (Hz), and their derivatives.
 
-    cutoff: by default where the positions sink into their noise, see `noise_cutoff`.  Where only one side of the gear
+    cutoff: by default where the positions fall below their noise, see `noise_cutoff`.  Where only one side of the gear
     was measured, it stands for both.
 
     Raises InputError: joints that were not recorded, no positions, uneven times, speeds without a drive.
@@ -70,7 +70,7 @@ def still_joints(robot: Robot, motion: Motion) -> list[str]:
 
 
 def _without_noise_at_rest(positions: Array) -> Array:
-    """Positions (N, n) of joints that stand still, beside the liveliest, without what their encoders flicker."""
+    """Positions (N, n), without encoder flicker for joints that stand still compared with the liveliest."""
     known = np.isfinite(positions)
     low = np.min(positions, axis=0, where=known, initial=np.inf)
     high = np.max(positions, axis=0, where=known, initial=-np.inf)
@@ -79,7 +79,7 @@ def _without_noise_at_rest(positions: Array) -> Array:
 
 
 def check_friction(function: str, robot: Robot) -> None:
-    """Raises InputError for friction whose numbers cannot be sought."""
+    """Raises InputError for friction whose parameters cannot be identified."""
     for joint, drive in robot.drives.items():
         for law in (drive.link_friction, drive.motor_friction):
             if law is not None and not isinstance(sliding_of(law), Sliding):
@@ -101,7 +101,7 @@ def sliding_speeds(robot: Robot, motion: Motion) -> Array:
 def torques_of(robot: Robot, recording: Recording, constants: Mapping[str, float] | None = None) -> Array:
     """(N, n): torques of the motors times ratio, N m (N), as recorded, in the order of the robot's joints.
 
-    constants: N m at the joint for each ampere of its motor, by joint; then currents are taken.  They also are where no
+    constants: N m at the joint per ampere of its motor, by joint; if given, currents are used.  They also are where no
     torque was recorded, with the constants of the drives' motors.
 
     Raises InputError: joints that were not recorded, neither torques nor currents, currents without a constant.
@@ -130,7 +130,7 @@ def _channels(robot: Robot, recording: Recording) -> dict[str, Array]:
 
 
 def _refuse_empty(robot: Robot, channels: Mapping[str, Array]) -> None:
-    """Raises InputError for a joint of which a channel holds nothing."""
+    """Raises InputError for a joint with an empty channel."""
     for name, values in channels.items():
         for joint, x in zip(robot.joints, values.T, strict=True):
             if not np.isfinite(x).any():
@@ -139,7 +139,7 @@ def _refuse_empty(robot: Robot, channels: Mapping[str, Array]) -> None:
 
 
 def _telling(robot: Robot, name: str, values: Array) -> Array:
-    """Torques or currents as they are.  Raises InputError where one holds nothing, or never changes."""
+    """Torques or currents unchanged.  Raises InputError if one is empty or never changes."""
     _refuse_empty(robot, {name: values})
     changes = np.nanmax(values, axis=0) - np.nanmin(values, axis=0)
     if not changes.any():
@@ -152,7 +152,7 @@ def _telling(robot: Robot, name: str, values: Array) -> Array:
 
 
 def _constant(robot: Robot, joint: str, given: Mapping[str, float]) -> float:
-    """N m at the joint for each ampere."""
+    """N m at the joint per ampere."""
     drive = robot.drives[joint]
     if joint in given:
         if not (np.isfinite(given[joint]) and given[joint] != 0.0):

@@ -9,7 +9,7 @@ from cutpoint.identification.logs.recording import Recording
 
 
 def with_other_sides(recording: Recording) -> Recording:
-    """The recording, where q or theta of a joint holds no number with the other side's in its place, and a note.
+    """The recording, with empty q or theta of a joint replaced by the other side's, and a note.
 
     Raises:
         InputError: neither side of a joint was recorded.

@@ -12,26 +12,26 @@ from cutpoint.identification.logs.resampling import GAP
 Array = NDArray[np.float64]
 
 NEIGHBOURS = 5
-"""Samples whose median is what the middle one should be near."""
+"""Samples in the median that the middle one should be near."""
 
 EVEN = 1.0 + 34.0 / 36.0
-"""Variance of a sample's distance from the cubic through its neighbours, of noise of 1 at even times."""
+"""Variance of a sample's distance from the cubic through its neighbours, for unit noise at even times."""
 
 ROUNDS = 3
-"""Over a channel: of two spikes side by side one is found after the other."""
+"""Passes over a channel: of two adjacent spikes, one is found after the other."""
 
 MOST_ARE = 0.95
-"""Share of the samples that are as near as noise and motion have them."""
+"""Share of the samples whose distance is taken as due to noise and motion."""
 
 FAR = 10.0
-"""Times as far as most samples are."""
+"""A spike is this many times as far off as most samples."""
 
 SELDOM = 0.02
-"""Share of the samples: what happens more often is no accident."""
+"""Share of the samples: what is more frequent is not a spike."""
 
 
 def without_spikes(recording: Recording) -> Recording:
-    """Samples of any channel that stand alone, far from their neighbours, replaced by these; notes say how many."""
+    """Isolated samples of any channel, far from their neighbours, replaced by interpolation; notes say how many."""
     channels = {name: np.array(values) for name, values in recording.channels.items()}
     notes: list[str] = []
     for name, values in channels.items():
@@ -43,7 +43,7 @@ def without_spikes(recording: Recording) -> Recording:
 
 
 def _mended(time: Array, column: Array) -> int:
-    """Spikes of a channel (N,), which is changed; 0 where there are none, or more than spikes are."""
+    """Number of spikes removed from a channel (N,), in place; 0 if there are none, or too many to be spikes."""
     known = np.flatnonzero(np.isfinite(column))
     if known.size < NEIGHBOURS:
         return 0
@@ -60,15 +60,15 @@ def _mended(time: Array, column: Array) -> int:
 
 
 def _neighbours(count: int) -> NDArray[np.intp]:
-    """Of each of so many samples the nearest four, (count, 4), two on each side but at the ends."""
+    """The four nearest neighbours of each sample, (count, 4), two on each side except at the ends."""
     own = np.arange(count)[:, None]
     five = np.clip(own - 2, 0, count - NEIGHBOURS) + np.arange(NEIGHBOURS)
     return five[five != own].reshape(count, NEIGHBOURS - 1)
 
 
 def _cubics(time: Array) -> tuple[Array, Array]:
-    """Of the neighbours, (N, 4): weights in what a cubic through them has at each time (N,); and how much noisier the
-    distance to it is than at even times, (N,): without bound beside a gap, where it says nothing."""
+    """Weights of the neighbours, (N, 4), in the cubic through them at each time (N,); and how much noisier the distance
+    to it is than at even times, (N,): infinite beside a gap, where it is meaningless."""
     apart = time[_neighbours(time.size)] - time[:, None]
     others = [[1, 2, 3], [0, 2, 3], [0, 1, 3], [0, 1, 2]]
     weights = [(-apart[:, o] / (apart[:, [k]] - apart[:, o])).prod(axis=1) for k, o in enumerate(others)]
@@ -78,7 +78,7 @@ def _cubics(time: Array) -> tuple[Array, Array]:
 
 
 def _spikes(x: Array, off_curve: Array) -> NDArray[np.bool_]:
-    """Which samples are farthest of those nearby, and as far from the median: a step is near that, a turn near both."""
+    """Samples farthest off of those nearby, and as far from the median: a step is near that, a reversal near both."""
     away = np.abs(x - median_filter(x, NEIGHBOURS, mode="nearest"))
     usual = max(float(np.quantile(off_curve, MOST_ARE)), _finest_step(x))
     farthest = off_curve == maximum_filter1d(off_curve, NEIGHBOURS, mode="nearest")

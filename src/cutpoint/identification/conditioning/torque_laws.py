@@ -1,4 +1,4 @@
-"""What a joint's torque is composed of, to see how much later it was sampled than the motion: laws for `clock_skew`."""
+"""Components of a joint's torque, to find how much later it was sampled than the motion: laws for `clock_skew`."""
 
 import numpy as np
 from numpy.typing import NDArray
@@ -10,19 +10,19 @@ from cutpoint.robot import Robot, check_robot
 Array = NDArray[np.float64]
 
 CROSSING = 0.05
-"""Of the RMS speed: dry friction changes sign over that."""
+"""Smoothing of dry friction's sign change, as a share of the RMS speed."""
 
 
 def single_joint_torque(q: Array, v: Array, a: Array) -> Array:
-    """Of a joint that moves alone, q (N, 1): inertia, friction, gravity.
+    """The torque of a joint that moves alone, q (N, 1): inertia, friction, gravity.
 
-    On an arm whose other joints move too, what they exert on this one passes for a delay: take `arm_torque`.
+    On an arm whose other joints move too, their reactions on this one look like a delay: use `arm_torque`.
     """
     return np.column_stack([a, _friction(v), np.sin(q), np.cos(q)])
 
 
 def arm_torque(robot: Robot, joint: str) -> Law:
-    """Of one joint of an arm, from the motion of all its joints: rigid bodies of any inertia, rotor, friction.
+    """The torque of one joint of an arm, from the motion of all joints: rigid bodies of any inertia, rotor, friction.
 
     Raises InputError for an unknown joint.
     """
@@ -37,6 +37,6 @@ def arm_torque(robot: Robot, joint: str) -> Law:
 
 
 def _friction(v: Array) -> Array:
-    """Viscous and dry, (N, 2); of a joint at rest there is nothing to tell apart."""
+    """Viscous and dry friction, (N, 2); they cannot be separated for a joint at rest."""
     crossing = CROSSING * float(np.sqrt(np.mean(v**2)))
     return np.column_stack([v, np.tanh(v / crossing)]) if crossing else v

@@ -1,4 +1,4 @@
-"""The frequency band in which a rotor's differenced acceleration is motion and not encoder noise."""
+"""The frequency band in which a rotor's differenced acceleration is motion, not encoder noise."""
 
 import numpy as np
 from numpy.typing import NDArray
@@ -8,20 +8,20 @@ from cutpoint.identification.conditioning.filtering import derivative, low_pass,
 Array = NDArray[np.float64]
 
 SHAKEN = 1e-3
-"""Of a rotor's acceleration, by power: noise that is left in it, if its encoder shows that much of its motion."""
+"""Noise left in a rotor's acceleration, as a share of power, if its encoder resolves the motion that well."""
 
 BANDS = 12
-"""Tried for that, down to where the motion sinks into noise."""
+"""Bands that are tried, down to where the motion falls below the noise."""
 
 SECOND_DERIVATIVE = 0.4
-"""RMS of white noise's, through a filter of order 4 that runs both ways, over density omega^2 sqrt(Hz) at its cut-off:
-the root of the integral of x^4 / (1 + x^8)^2."""
+"""RMS of differentiated white noise through a filter of order 4 run both ways, over density omega^2 sqrt(Hz) at its
+cut-off: the root of the integral of x^4 / (1 + x^8)^2."""
 
 
 def clear_acceleration(theta: Array, period: float, widest: float) -> tuple[float, float]:
-    """The widest band, Hz, in which a rotor's acceleration is not noise, and RMS of the noise there, rad/s2.
+    """The widest band, Hz, in which a rotor's acceleration is not noise, and the RMS of the noise there, rad/s2.
 
-    Noise grows with frequency faster than the signal, and taken for motion it makes rotor inertias seem too small.
+    Noise grows with frequency faster than the signal; mistaken for motion, it biases rotor inertias towards zero.
     """
     density = (2.0 * np.pi) ** 2 * noise_density(theta, period, widest)
     narrowest = min(noise_cutoff(theta, period, otherwise=widest), widest)
@@ -35,6 +35,6 @@ def clear_acceleration(theta: Array, period: float, widest: float) -> tuple[floa
 
 
 def noise_density(values: Array, period: float, band: float) -> float:
-    """Of white noise in values (N,), per root Hz, from what a low-pass leaves above a frequency, Hz."""
+    """Density of white noise in values (N,), per root Hz, from what a low-pass removes above a frequency, Hz."""
     rest = values - low_pass(values, period, band)
     return float(np.nanstd(rest) / np.sqrt(0.5 / period - band))

@@ -12,11 +12,11 @@ from cutpoint.model.drive import Harmonic
 Array = NDArray[np.float64]
 
 NEARBY = 0.02
-"""Of a reach, for derivatives: what slips turns at samples, not between them."""
+"""Step for derivatives, as a share of a reach: slipping elements reverse at samples, not between them."""
 
 
 def wave_columns(motor_angle: Array, orders: Sequence[int]) -> Array:
-    """Sine and cosine (N, 2 k) of k waves a turn of the motor, at its angle (N,), rad."""
+    """Sine and cosine (N, 2 k) of k waves per turn of the motor, at its angle (N,), rad."""
     parts = [wave(order * motor_angle) for order in orders for wave in (np.sin, np.cos)]
     return np.column_stack(parts) if parts else np.empty((motor_angle.size, 0))
 
@@ -28,7 +28,7 @@ def wave_slopes(motor_angle: Array, orders: Sequence[int]) -> Array:
 
 
 def waves(orders: Sequence[int], weights: Array) -> KinematicError | None:
-    """The kinematic error of which these are the sines' and cosines' weights (2 k,), rad; None for no orders."""
+    """The kinematic error with these weights of sines and cosines (2 k,), rad; None for no orders."""
     pairs = weights.reshape(-1, 2)
     found = [
         Harmonic(order, float(np.hypot(s, c)), float(np.arctan2(c, s)))
@@ -38,7 +38,7 @@ def waves(orders: Sequence[int], weights: Array) -> KinematicError | None:
 
 
 def amplitude_errors(weights: Array, covariance: Array) -> Array:
-    """Standard deviations (k,) of the amplitudes of k waves, from their weights (2 k,) and the covariance of these."""
+    """Standard deviations (k,) of the amplitudes of k waves, from their weights (2 k,) and the weights' covariance."""
     found = []
     for k, pair in enumerate(weights.reshape(-1, 2)):
         along = pair / max(float(np.hypot(*pair)), np.finfo(float).tiny)
@@ -49,7 +49,7 @@ def amplitude_errors(weights: Array, covariance: Array) -> Array:
 def strain_columns(deflection: Array, reaches: Array) -> Array:
     """Strains (N, k) of elements that slip beyond reaches (k,), rad, along a deflection (N,), initially zero.
 
-    Each is the deflection less a play operator of it.  Where the deflection is unknown the strain is held.
+    Each is the deflection less its play operator.  Where the deflection is unknown, the strain is held.
     """
     known = np.isfinite(deflection)
     path = deflection[np.flatnonzero(known)[np.maximum(np.cumsum(known) - 1, 0)]]

@@ -18,38 +18,38 @@ from cutpoint.identification.drives.spring_laws import SpringLaw, fitted
 Array = NDArray[np.float64]
 
 ROUNDS = 4
-"""Times that the spring and what acts beside it are fitted in turn: hysteresis of a tenth of the torque settles."""
+"""Rounds that fit the spring and the parallel elements in turn: hysteresis of a tenth of the torque converges."""
 
 SEARCHED = 20_000
-"""Samples at most from which a law's constants are searched."""
+"""Largest number of samples from which a law's constants are searched."""
 
 ELEMENTS = 8
-"""Of hysteresis, offered to the first round."""
+"""Reaches of hysteresis elements offered to the first round."""
 
 RANGE = 30.0
-"""Times that the longest reach offered is as long as the shortest."""
+"""Largest ratio of the longest reach offered to the shortest."""
 
 APART = 1.01 * RANGE ** (1.0 / (ELEMENTS - 1))
-"""Times at most by which reaches that were offered next to each other differ."""
+"""Largest ratio of neighbouring reaches offered."""
 
 LARGEST_REACH = 0.6
-"""Of the largest deflection: elements that slip only beyond it are part of the spring, for all that one can see."""
+"""Share of the largest deflection: elements that slip only beyond it are indistinguishable from the spring."""
 
 BESIDE, POSITIVE = ("corrections", "reaches", "elements", "damping"), ("elements", "damping")
-"""What acts beside the spring, and what of it cannot be negative."""
+"""Components besides the spring, and which of them cannot be negative."""
 
 
 @dataclass(frozen=True, eq=False)
 class _Free:
-    """What has no bound: waves and offset (N, 2 k + 1), rad; the torque by the waves, (N, 2 k), and what it has of them
-    already, (N,), as `Deflections.torque_by_waves` has them."""
+    """Unbounded components: waves and offset (N, 2 k + 1), rad; derivatives of the torque by the waves, (N, 2 k), and
+    what it includes of them already, (N,), as in `Deflections.torque_by_waves`."""
 
     alone: Array
     torque: Array
     had: Array
 
     def wound(self, tangent: Array) -> tuple[Array, Array]:
-        """All of that over a spring's tangent (N,): the deflection's derivatives (N, 2 k + 1), what it has already."""
+        """These over a spring's tangent (N,): derivatives of the deflection (N, 2 k + 1), what it includes already."""
         columns = self.alone.copy()
         columns[:, :-1] += self.torque / tangent[:, None]
         return columns, self.had / tangent
@@ -112,7 +112,7 @@ def _round(data: Deflections, before: DeflectionFit, free: _Free, damped: bool) 
     weights = bounded_weights(columns, target, sum(blocks[name].shape[1] for name in blocks if name not in POSITIVE))
     ends = np.cumsum([block.shape[1] for block in blocks.values()])
     found = dict(zip(blocks, np.split(weights, ends[:-1]), strict=True))
-    # a step of Gauss and Newton in the constants, so that spring and elements settle between them
+    # a Gauss-Newton step in the constants, so that spring and elements converge together
     constants, reaches = np.clip(constants + found["constants"], 0.5 * constants, 2.0 * constants), before.reaches
     if before.moving:
         reaches = np.clip(reaches + found["reaches"], 0.7 * reaches, 1.4 * reaches)
@@ -147,7 +147,7 @@ def _blocks(data: Deflections, fit: DeflectionFit, free: Array, wound: Array, da
 
 
 def _offered(data: Deflections, found: DeflectionFit, elements: int) -> Array:
-    """Reaches from the encoders' resolution up to what the deflection comes to, rad."""
+    """Reaches from the encoders' resolution up to the largest deflection, rad."""
     largest = LARGEST_REACH * 0.5 * float(np.ptp(found.law.deflection(found.constants, data.torque)))
     if not elements or largest <= data.resolution:
         return np.empty(0)
@@ -155,8 +155,7 @@ def _offered(data: Deflections, found: DeflectionFit, elements: int) -> Array:
 
 
 def _searched(law: SpringLaw, torque: Array, lead: Array, others: Array, near: Array | None = None) -> Array:
-    """The law's constants from some of the samples, evenly spread: all of them refine these later.  near: as in
-    `fitted`."""
+    """The law's constants from some evenly spread samples; all samples refine them later.  near: as in `fitted`."""
     thin = slice(None, None, 1 + lead.size // SEARCHED)
     columns = others[thin]
     basis, _ = np.linalg.qr(columns / np.maximum(np.linalg.norm(columns, axis=0), np.finfo(float).tiny))

@@ -65,9 +65,9 @@ class Deflections:
         return self._passed(wave_columns(self.ratio * self.theta, orders))
 
     def torque_by_waves(self, orders: Sequence[int]) -> tuple[Array, Array]:
-        """Derivatives (N, 2 k), N m/rad, of the torque by the waves' weights, and what it has of these already, (N,).
+        """Derivatives (N, 2 k), N m/rad, of the torque by the waves' weights, and their part already in it, (N,).
 
-        Of a motor's torque the spring bears 1 / (1 - e'(theta)) times as much: waves wind it too.
+        The spring bears 1 / (1 - e'(theta)) times a motor's torque: waves wind it too.
         """
         share = self.reading.transmission
         if share is None:
@@ -87,15 +87,15 @@ class Deflections:
         return np.where(np.isfinite(found), found, values)
 
     def rate(self, values: Array) -> Array:
-        """By differences of sixth order, central ones times 1 - d^2 / 6 + d^4 / 30, d^2 a second difference: those of
-        second order are 6 % short at a tenth of the sampling rate, of fourth 0.5 %."""
+        """By sixth-order differences, central ones times 1 - d^2 / 6 + d^4 / 30, d^2 a second difference: second-order
+        ones are 6 % too small at a tenth of the sampling rate, fourth-order ones 0.5 %."""
         simple = np.gradient(values, self.period)
         bent = _bent(simple)
         return simple - bent / 6.0 + _bent(bent) / 30.0
 
 
 def _bent(values: Array) -> Array:
-    """Second differences (N,), none at the ends."""
+    """Second differences (N,), zero at the ends."""
     return np.pad(np.diff(values, 2), 1)
 
 

@@ -16,22 +16,22 @@ Array = NDArray[np.float64]
 ComplexArray = NDArray[np.complex128]
 
 WINDOWS = 8
-"""Lengths of a window in a recording, by default; windows overlap by half."""
+"""Window lengths in a recording, by default; windows overlap by half."""
 
 NEIGHBOURS = 1.5
-"""Bins over which a Hann window spreads what is at one frequency: that many share one piece of evidence."""
+"""Bins over which a Hann window spreads one frequency: that many are one independent piece of evidence."""
 
 LEAKAGE = 0.01
-"""Of a response: how far windows of a finite length may pull it, however coherent it is."""
+"""Relative error of a response due to windows of finite length, however coherent it is."""
 
 COHERENT = 0.2
-"""Of the coherence: below that a frequency tells nothing."""
+"""Coherence below which a frequency is not used."""
 
 STARTS = 40
-"""Anti-resonances over the band from which the search may start."""
+"""Antiresonances over the band from which the search may start."""
 
 UNCERTAIN = 0.2
-"""Of an estimate: with a standard deviation above that it counts as unidentifiable."""
+"""Relative standard deviation above which an estimate counts as unidentifiable."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -123,7 +123,7 @@ def fit_response(response: MotorResponse, link_inertia: float, low: float = 0.0,
 
 
 def _start(f: Array, measured: ComplexArray, link: float, antiresonance: float) -> Array:
-    """Initial rotor inertia, from the response where the link hardly moves; and spring, from the antiresonance."""
+    """Initial rotor inertia, from the response where the link hardly moves, and spring, from the antiresonance."""
     stiffness = link * (2.0 * np.pi * antiresonance) ** 2
     above = f > min(2.0 * antiresonance, f[-f.size // 4])
     rotor = float(np.median(1.0 / (np.abs(measured[above]) * (2.0 * np.pi * f[above]) ** 2)))

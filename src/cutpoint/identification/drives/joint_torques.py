@@ -18,16 +18,16 @@ from cutpoint.robot import Robot
 Array = NDArray[np.float64]
 
 AVERAGED, CENTRAL = (-1 / 12, 1 / 90, -1 / 560), (-1 / 6, 1 / 30, -1 / 140)
-"""Of differences of second, fourth and sixth order: what averages with triangular weights lack, and central
-differences.  From the series of (2 arsinh(d / 2))^2 and of its root over (1 + d^2 / 4)^(1/2)."""
+"""Coefficients of differences of second, fourth and sixth order that correct averages with triangular weights, and
+central differences.  From the series of (2 arsinh(d / 2))^2 and of its root over (1 + d^2 / 4)^(1/2)."""
 
 
 def link_torque(robot: Robot, q: Array, period: float, cutoff: float | None = None) -> tuple[Array, Array, Array]:
     """From the links' motion q (N, n), rad: inverse dynamics and link friction, (N, n) each, N m; and directions of
-    motion and speeds (N, n, 2), of which other friction of the links would be made; NaN at the ends.
+    motion and speeds (N, n, 2), the columns of any further link friction; NaN at the ends.
 
     Friction is as in steady sliding.  cutoff: Hz, of the low-pass before differentiation; by default where the
-    positions sink into their noise.
+    positions fall below their noise.
     """
     smooth = low_pass(q, period, noise_cutoff(q, period) if cutoff is None else cutoff)
     v, a = derivative(smooth, period), derivative(smooth, period, 2)
@@ -55,7 +55,7 @@ def beyond_coulomb(law: Friction | None, speed: Array, load: Array) -> Array:
 
 
 def smoothing_of(drive: Drive, otherwise: float) -> float:
-    """rad/s over which friction changes sign, as its drive states it on either side."""
+    """rad/s over which friction changes sign, as the drive states it on either side."""
     stated = sliding_of(drive.link_friction or drive.motor_friction)
     return float(stated.smoothing) if stated else max(otherwise, np.finfo(float).tiny)
 
@@ -68,14 +68,14 @@ def torque_left(
     delay: float,
     transmission: ArrayLike = 1.0,
 ) -> tuple[Array, dict[str, Array]]:
-    """From the motor's torque (N,), N m: what is left beside its rotor and its friction, (N,), NaN at the ends; and its
-    derivatives by inertia and friction of the estimate, which `corrected` takes.
+    """The motor's torque (N,), N m, less that of its rotor and friction, (N,), NaN at the ends; and its derivatives by
+    inertia and friction of the estimate, which `corrected` takes.
 
     theta: (N,), rad.  period, delay: s.  transmission: 1 - e'(theta).
     """
     angle, given = np.asarray(theta, dtype=np.float64), np.asarray(torque, dtype=np.float64)
     share = np.asarray(transmission, dtype=np.float64)
-    # differences of samples average what acts between them, torque that is held too; springs act at the samples
+    # differences of samples average what acts between them, held torque too; springs act at the samples
     part = delay / period % 1.0
     acceleration = sharpened(derivative(angle, period, 2))
     acting = sharpened(late(given, period, delay), 4.0 * part * (1.0 - part))
@@ -89,7 +89,7 @@ def torque_left(
     left = (acting + rotor["offset"]) / share
     for name, column in by.items():
         left = left + rotor[name] * column
-    # dry friction's own law is linear in its smoothing only nearby
+    # the law of dry friction is linear in its smoothing only locally
     by["smoothing"] = rotor["coulomb"] * (1.0 - direction**2) * speed / rotor.smoothing**2 / share
     return left, by
 
@@ -108,7 +108,7 @@ def sharpened(values: Array, share: float = 1.0, weights: Sequence[float] = AVER
 
 
 def corrected(rotor: RotorEstimate, spring: SpringEstimate) -> RotorEstimate:
-    """A rotor with the corrections that its spring's deflection found: see `torque_left`."""
+    """A rotor with the corrections found from its spring's deflection: see `torque_left`."""
     names = ("inertia", "viscous", "coulomb")
     own, theirs = ([each.names.index(name) for name in names] for each in (rotor, spring))
     values, spread = rotor.values.copy(), rotor.covariance.copy()

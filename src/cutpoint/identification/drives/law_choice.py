@@ -12,13 +12,13 @@ Array = NDArray[np.float64]
 Name = TypeVar("Name", bound=Hashable)
 
 BLOCKS = 10
-"""For cross-validation, one after the other."""
+"""Contiguous blocks for cross-validation."""
 
 SURE = 1.5
-"""Standard errors by which a law with more constants must predict better."""
+"""Standard errors by which a law with more constants must improve the prediction."""
 
 WORTH = 0.02
-"""Of the squares: what it must gain, for samples of a motion that repeats itself are no new ones."""
+"""Share of the squared error that it must gain: samples of a repeated motion are not independent."""
 
 
 def block_errors(fit: DeflectionFit) -> Array:

@@ -1,4 +1,4 @@
-"""Link friction, which deflects the spring, unlike the motor's: its size, and evidence against it."""
+"""Link friction, which unlike the motor's deflects the spring: its size, and evidence against it."""
 
 from dataclasses import dataclass
 from typing import Literal
@@ -16,10 +16,10 @@ from cutpoint.model.drive import Drive
 Array = NDArray[np.float64]
 
 PUSHES = 0.05
-"""Of all viscous friction: less than that is not one side's push, but what models leave out."""
+"""Share of all viscous friction: a smaller negative one is model error, not evidence."""
 
 MOST = 2.0
-"""Times the other side's: dry friction by which a drive is taken to have it on one side."""
+"""Times the other side's dry friction: beyond it, a drive is taken to have friction on one side only."""
 
 
 @dataclass(frozen=True)

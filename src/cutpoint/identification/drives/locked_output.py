@@ -17,16 +17,16 @@ from cutpoint.identification.drives.two_encoders import two_encoders
 Array = NDArray[np.float64]
 
 REACHED = 0.9
-"""Of the largest torque to both sides: what a sweep must reach to count, and where the curve ends."""
+"""Share of the largest torque in both directions: a sweep must reach it to count, and the curve ends there."""
 
 REVERSAL = 0.05
-"""Of the range of torque: a way back by less is noise, no reversal."""
+"""Share of the torque's range: a smaller decrease is noise, not a reversal."""
 
 POINTS = 181
-"""Of the curve, over the torques of both directions."""
+"""Points of the curve, over the torques of both directions."""
 
 INNER = 0.1
-"""Of the largest torque: below that a play is still being closed."""
+"""Share of the largest torque below which play is still being closed."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -153,6 +153,6 @@ def _play(torque: Array, middle: Array) -> tuple[float, float]:
     columns = np.column_stack([np.sign(x) / 2.0, x, x**3, np.ones_like(x)])
     weights, *_ = np.linalg.lstsq(columns, y)
     left = y - columns @ weights
-    # the curve is smooth: its departures from the cubic are no noise, so the largest counts in full
+    # the curve is smooth: its departures from the cubic are not noise, so the largest counts in full
     error = float(np.abs(left).max()) + float(np.std(left)) / np.sqrt(x.size)
     return float(weights[0]), error

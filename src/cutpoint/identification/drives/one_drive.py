@@ -24,7 +24,7 @@ from cutpoint.model.drive import Compliance, Drive, Motor, Rotor
 Array = NDArray[np.float64]
 
 SHAPE = ("flexspline",)
-"""The law from which springs are read until the best one is chosen: it can be straight too."""
+"""The law used for springs until the best one is chosen: it includes the linear one."""
 
 NAMES = ("link coulomb", "link viscous")
 
@@ -32,17 +32,17 @@ BETTER = 0.9
 """The stated link friction is kept unless freeing it leaves less than this share of the error."""
 
 NARROWER = 3.0
-"""Times that the band in which rotors are found is narrower than that of the links' motion: friction that changes sign
-within it is no longer what the filtered speed says."""
+"""The band for rotors is this many times narrower than that of the links' motion: when friction changes sign within it,
+the filtered speed no longer shows the friction."""
 
 WIDER = 2.0
-"""Times the frequency at which the deflection sinks into its noise: up to there springs are told."""
+"""Times the frequency at which the deflection falls below its noise: springs are identified up to there."""
 
 TURNS = 8
-"""Times at most that spring and rotor are found by each other; friction that was wrong at first takes some."""
+"""Largest number of alternations between spring and rotor; initially wrong friction takes several."""
 
 NEAR = 0.5
-"""Deviations of a rotor: with a turn that moves it by less both have settled."""
+"""Standard deviations of a rotor: after a smaller change both have converged."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -70,10 +70,10 @@ class DriveEstimate:
 
 @dataclass(frozen=True, eq=False)
 class Channels:
-    """One joint's, each (N,): theta, q in rad; effort, the motor's torque in N m, without what its friction is known to
-    take beside Coulomb's, or current in A.
+    """One joint's, each (N,): theta, q in rad; effort, the motor's torque in N m less its known friction beyond
+    Coulomb's, or current in A.
 
-    link_torque: what the link asks for, and link_friction what its friction is said to take, N m.
+    link_torque: required by the link, and link_friction: as stated, N m.
     sliding: (N, 2), the link's direction of motion, and its speed in rad/s.  period, delay: s.
     """
 
@@ -131,13 +131,13 @@ def _delay(joint: Channels, ratio: float, spring: SpringEstimate, cutoff: float)
 
 
 def _torque(joint: Channels, rotor: RotorEstimate) -> Array:
-    """The motor's, N m at the joint."""
+    """The motor's torque, N m at the joint."""
     constant = rotor.torque_constant
     return joint.effort if constant is None else joint.effort * constant * rotor.ratio
 
 
 def _beyond_play(joint: Channels, drive: Drive, resolution: float) -> tuple[Channels, bool]:
-    """Without the play that the drive states, where that leaves less of the deflection; whether it does."""
+    """Channels without the play that the drive states, if that reduces the residual; and whether it does."""
     if not isinstance(drive.compliance, Backlash):
         return joint, False
     load = joint.link_torque + joint.link_friction
@@ -154,19 +154,19 @@ def _beyond_play(joint: Channels, drive: Drive, resolution: float) -> tuple[Chan
 
 
 def _from_links(joint: Channels, ratio: float, resolution: float) -> tuple[SpringEstimate, Array, bool]:
-    """The spring by the links' torque, and that torque (N,): with the friction that was stated, or with what the spring
-    shows where that is another; whether it is as stated."""
+    """The spring from the links' torque, and that torque (N,), with the stated friction, or with that which the spring
+    shows if it differs; and whether it is as stated."""
     load = joint.link_torque + joint.link_friction
     unknowns: dict[str, Array] = dict(zip(NAMES, joint.sliding.T, strict=True))
     theta, q, period = joint.theta, joint.q, joint.period
     known = two_encoders(theta, q, load, period, ratio, resolution=resolution, laws=SHAPE)
-    # of a law that bends, all of a friction is too much to be told along its tangent
+    # for a curved law, a whole friction is too large for its tangent
     freed = two_encoders(
         theta, q, joint.link_torque, period, ratio,
         resolution=resolution, laws=["linear"], reading=TorqueReading(unknowns),
     )  # fmt: skip
     better = freed.prediction[freed.law] < BETTER * known.prediction[known.law]
-    # a spring that is not seen explains any friction
+    # an unresolved spring explains any friction
     if not (better and _is_seen(freed)):
         return known, load, True
     return freed, joint.link_torque + joint.sliding @ [freed[name] for name in NAMES], False
@@ -180,7 +180,7 @@ def _from_motor(
     resolution: float,
     stated: Compliance | None,
 ) -> tuple[SpringEstimate, RotorEstimate, bool]:
-    """The spring by the motor's torque, and the rotor by the spring; whether that told the rotor from the links.
+    """The spring from the motor's torque, and the rotor from the spring; whether that separated rotor and links.
 
     stated: the spring of the file, without play.
     """
@@ -211,17 +211,17 @@ def _from_motor(
 
 
 def _is_near(rotor: RotorEstimate, before: RotorEstimate) -> bool:
-    """Whether a turn moved it by less than its own deviations."""
+    """Whether it changed by less than NEAR of its standard deviations."""
     return bool((np.abs(rotor.values - before.values) <= NEAR * np.sqrt(np.diag(rotor.covariance))).all())
 
 
 def _is_seen(spring: SpringEstimate) -> bool:
-    """A spring that is wound by too little to be stated can still tell the rotor from the links."""
+    """Whether a spring with too small a deflection to be stated still separates the rotor from the links."""
     return spring.deviations["stiffness"] < UNCERTAIN * spring["stiffness"]
 
 
 def _of_a_deflection(clocks: str) -> dict[str, str]:
-    """What is not told where the encoders' clocks differ, each with the sentence why."""
+    """What cannot be determined if the encoders' clocks differ, each with the reason."""
     shorter = "the clocks of the encoders differ, as motor friction shows"
     others = ("rotor inertia", "damping", "stiffness", "kinematic_error", "hysteresis")
     return {"motor friction": clocks, **dict.fromkeys(others, shorter)}
@@ -235,7 +235,7 @@ def _estimate(
     link: LinkFriction | None,
     shows_play: bool,
 ) -> DriveEstimate:
-    """The drive with what was told; a drive that stays rigid has no parts that act on a deflection."""
+    """The drive with all that was determined; a drive that stays rigid has no parts that act on a deflection."""
     clocks = clocks_differ(spring, rotor, link)
     why = {**spring.unidentifiable, **rotor.unidentifiable, **(_of_a_deflection(clocks) if clocks else {})}
     words = remarks(drive, spring, rotor, link) if link and not clocks else ()

@@ -20,18 +20,18 @@ from cutpoint.mechanics.friction import Coulomb
 Array = NDArray[np.float64]
 
 UNCERTAIN = 0.1
-"""Of an estimate: with a standard deviation above that it counts as unidentifiable."""
+"""Relative standard deviation above which an estimate counts as unidentifiable."""
 
 SHARE = f"is not told to {UNCERTAIN:.0%} of it"
 
 SMOOTHEST = 0.3
-"""Of the RMS speed: dry friction changes sign over that at most, and over a hundredth of it at least."""
+"""Largest smoothing of dry friction's sign change, as a share of the RMS speed; the smallest is a hundredth of it."""
 
 LEAST_SAMPLES = 200
 
 WIDER, BELOW_HALF = 3.0, 0.45
-"""Times the band, and of the sampling rate at most: positions are differentiated as far as that, and filtered once more
-with all other terms."""
+"""Times the band, and largest share of the sampling rate: positions are differentiated up to there, and filtered once
+more with all other terms."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -120,14 +120,14 @@ def motor_side(
     borne, target = np.asarray(transmission, dtype=np.float64) * load, -drive
     if current is None:
         target = target + borne
-    else:  # the noise is the current's: all else is found over the gain, and that as one over it
+    else:  # the noise is the current's: all else is estimated over the gain, and the gain as its reciprocal
         fixed["gain"] = -borne
     passed = np.column_stack(low_pass_together([*fixed.values(), -speed, target], period, band))
     if np.isfinite(passed).all(axis=1).sum() < LEAST_SAMPLES:
         raise InputError(f"motor_side: less than {LEAST_SAMPLES} samples are left by a filter of {band:.3g} Hz")
 
     sign = 1.0 if current is None else _sign(passed, [*fixed].index("gain"))
-    passed[:, -1] *= sign  # a current that counts the other way
+    passed[:, -1] *= sign  # a current of opposite sign
     smoothing = _best_smoothing(speed, passed, len(fixed), period, band)
     columns, weights, residual = _fit(smoothing, speed, passed, len(fixed), period, band)
     spread, scatter = covariance(columns, residual), float(np.sqrt(np.mean(residual**2)))
@@ -139,7 +139,7 @@ def motor_side(
 
 
 def _checked(theta: ArrayLike, joint_torque: ArrayLike, effort: ArrayLike | None) -> tuple[Array, Array, Array]:
-    """All as float64.  Raises InputError: shapes, or a motor that stands still."""
+    """All arrays as float64.  Raises InputError: shapes, or a motor that stands still."""
     angle, load, drive = (np.asarray(x, dtype=np.float64) for x in (theta, joint_torque, effort))
     if not angle.shape == load.shape == drive.shape or angle.ndim != 1:
         shapes = f"{angle.shape}, {load.shape} and {drive.shape}"
@@ -150,7 +150,7 @@ def _checked(theta: ArrayLike, joint_torque: ArrayLike, effort: ArrayLike | None
 
 
 def _terms(angle: Array, drive: Array, period: float, *, with_delay: bool) -> dict[str, Array]:
-    """Columns (N,) of the unknowns that may be of either sign, by name."""
+    """Columns (N,) of the unknowns of either sign, by name."""
     terms = {"inertia": -derivative(angle, period, 2), "offset": np.ones_like(angle)}
     if with_delay:
         terms["delay"] = -np.gradient(drive, period)
@@ -164,8 +164,8 @@ def _sign(passed: Array, column: int) -> float:
 
 
 def _by_gain(names: tuple[str, ...], weights: Array, spread: Array, sign: float) -> tuple[Array, Array]:
-    """Values and covariance of unknowns that were found over the gain's size, the delay as it is, and that as one over
-    it; to first order."""
+    """Values and covariance, to first order, of unknowns that were estimated over the gain's size; the delay is
+    unscaled, and the gain was estimated as its reciprocal."""
     k = names.index("gain")
     # estimates below their own deviation are not significant
     least = float(np.sqrt(spread[k, k])) if np.isfinite(spread[k, k]) else 0.0
@@ -184,7 +184,7 @@ def _by_gain(names: tuple[str, ...], weights: Array, spread: Array, sign: float)
 def _fit(
     smoothing: float, speed: Array, passed: Array, free: int, period: float, band: float
 ) -> tuple[Array, Array, Array]:
-    """Columns, weights and what is left, with dry friction that changes sign over a smoothing, rad/s.
+    """Columns, weights and residual, with dry friction that changes sign over a smoothing, rad/s.
 
     passed: the columns without it, the first `free` of either sign, and the target last.
     """
@@ -207,6 +207,6 @@ def _best_smoothing(speed: Array, passed: Array, free: int, period: float, band:
 
 
 def late(values: Array, period: float, delay: float) -> Array:
-    """A channel (N,) that acts later than it is stamped, as it acts: linear between samples."""
+    """A channel (N,) that acts later than its stamps, at the times at which it acts: linear between samples."""
     time, known = period * np.arange(values.size), np.isfinite(values)
     return np.interp(time - delay, time[known], values[known]) if known.any() else values

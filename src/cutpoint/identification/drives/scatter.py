@@ -10,16 +10,16 @@ from cutpoint.identification.conditioning.correlated_noise import alike, as_foun
 Array = NDArray[np.float64]
 
 WINDOWS = 25
-"""Errors that change within a share of the recording, one part in this many, are accounted for."""
+"""Errors that change within one part in this many of the recording are accounted for."""
 
 DEGREES = 1.5 * WINDOWS
-"""Of freedom, of Student's t: how uncertain such a covariance itself is."""
+"""Degrees of freedom of Student's t: the uncertainty of such a covariance itself."""
 
 FAINT = 1e-100
-"""rad over an unknown's unit: columns no larger show nothing; those of constants that went where they do not matter."""
+"""rad over an unknown's unit: columns no larger count as zero, as for constants that drifted out of effect."""
 
 SIGNIFICANT = 4.0
-"""Standard deviations above which a value is told from none."""
+"""Standard deviations above which a value is significantly different from zero."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -53,7 +53,7 @@ def covariance(jacobian: Array, residual: Array) -> Array:
     found, steady = as_found(scaled * residual[:, None], length), alike(scaled, residual, length)
     spread = at_least(inverse @ found @ inverse, inverse @ steady @ inverse)
     spread = spread / np.outer(size, size) / _left(residual, int(np.count_nonzero(shown)))
-    lost = np.diag(spread) < 0.0  # nothing but rounding errors
+    lost = np.diag(spread) < 0.0  # only rounding errors
     return _without(spread, lost | _undetermined(scaled.T @ scaled))
 
 

@@ -16,35 +16,35 @@ from cutpoint.model.drive import Compliance, Hysteresis, KinematicError
 Array = NDArray[np.float64]
 
 COUNTS = 20.0
-"""Of the encoders' resolution: springs that torque winds by less, half of the range, are declared unidentifiable."""
+"""Times the encoders' resolution: springs with a smaller deflection, half of the range, are declared unidentifiable."""
 
 FEW, UNEVEN = 50.0, 0.5
-"""Of so few steps the uneven sizes count: by half a step over half of the deflection's range, one standard deviation.
+"""With so few steps their uneven sizes matter: half a step over half of the deflection's range, one standard deviation.
 """
 
 WITH_DEFLECTION = ("stiffness", "k1", "k2", "k3")
-"""Constants of spring laws that are less where the deflection is more."""
+"""Constants of spring laws that decrease as the deflection increases."""
 
 OPEN = 2.0
-"""Times the encoders' resolution: loops that open by less are declared unidentifiable."""
+"""Times the encoders' resolution: narrower loops are declared unidentifiable."""
 
 UNCERTAIN = 0.2
-"""Of the spring's deflection: with a standard deviation above that its stiffness counts as unidentifiable."""
+"""Relative standard deviation of the spring's deflection above which its stiffness counts as unidentifiable."""
 
 NEAR = 0.1
-"""Of the largest torque: where torque never comes so near to zero, a curve's beginning is extrapolated."""
+"""Share of the largest torque: if torque never comes this close to zero, a curve's beginning is extrapolated."""
 
 SURELY = 12.0
-"""Deviations of a damping beside a spring that is not told: what hides that spring passes for damping."""
+"""Standard deviations of a damping beside an undetermined spring: what hides that spring looks like damping."""
 
 AGAINST = -0.5
-"""Correlation of the motor's lead with the torque: no noise of a spring that is wound the right way does that."""
+"""Correlation of the motor's lead with the torque: noise on a spring of the right sign does not cause that."""
 
 TOGETHER = 0.4
-"""Correlation of waves with the spring's deflection: those of a kinematic error, over some turns, have next to none."""
+"""Correlation of waves with the spring's deflection: over several turns, a kinematic error's is near zero."""
 
 FEWEST_TURNS = 3.0
-"""Of the motor: fewer do not tell waves from the spring."""
+"""Turns of the motor: fewer do not separate waves from the spring."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -57,7 +57,7 @@ class SpringEstimate(Unknowns):
     counts: half the range of the spring's deflection, in steps of the encoders.  scatter: RMS of the residual, rad.
     prediction: for each law tried, RMS residual in cross-validation, rad.
     unidentifiable: "stiffness", "curve near zero torque", "kinematic_error", "hysteresis" or "damping", each with the
-    sentence why.
+    reason.
     """
 
     law: str
@@ -159,7 +159,7 @@ def _weak(data: Deflections, fit: DeflectionFit, spread: Array, counts: float) -
 
 
 def _likeness(x: Array, y: Array) -> float:
-    """Their correlation, 0 where either stands still."""
+    """Their correlation, 0 if either is constant."""
     x, y = x - x.mean(), y - y.mean()
     return float(x @ y / max(float(np.linalg.norm(x) * np.linalg.norm(y)), np.finfo(float).tiny))
 
@@ -190,13 +190,13 @@ def _uncertainty(data: Deflections, fit: DeflectionFit, spread: Array) -> float:
     """Standard deviation of the spring's deflection under the largest torque, over that deflection."""
     largest = np.array([np.abs(data.torque).max()])
     by = fit.law.columns(fit.constants, largest)[0]
-    counts = np.flatnonzero(by)  # a constant that this torque does not ask for may be told by none
+    counts = np.flatnonzero(by)  # a constant that does not matter at this torque may be undetermined
     own = spread[np.ix_(counts, counts)]
     return float(np.sqrt(by[counts] @ own @ by[counts]) / fit.law.deflection(fit.constants, largest)[0])
 
 
 def _names(fit: DeflectionFit, orders: Sequence[int], unknowns: Sequence[str], damping: bool) -> tuple[str, ...]:
-    """Of all unknowns, in the order of the fit's values."""
+    """Names of all unknowns, in the order of the fit's values."""
     waves_of = [f"{wave} {order}" for order in orders for wave in ("sine", "cosine")]
     elements = [f"element {k + 1}" for k in range(fit.stiffness.size)]
     reaches = [f"reach {k + 1}" for k in range(fit.stiffness.size if fit.moving else 0)]
@@ -204,13 +204,13 @@ def _names(fit: DeflectionFit, orders: Sequence[int], unknowns: Sequence[str], d
 
 
 def _apart(names: Sequence[str], values: Array, others: Sequence[str], theirs: Array) -> Array:
-    """By how much another fit's values differ, (p,); elements, which are others there, do not count."""
+    """By how much another fit's values differ, (p,); its elements are different ones and do not count."""
     known = {name: x for name, x in zip(others, theirs.tolist(), strict=True) if not name.startswith(("reach", "elem"))}
     return np.array([known.get(name, x) - x for name, x in zip(names, values.tolist(), strict=True)])
 
 
 def _not_apart(data: Deflections, fit: DeflectionFit, orders: Sequence[int]) -> str:
-    """Waves that go with the spring's deflection, or against it, are a part of that."""
+    """Waves that correlate with the spring's deflection, of either sign, cannot be separated from it."""
     waves = data.waves(orders) @ fit.waves
     share = _likeness(waves, fit.law.deflection(fit.constants, data.torque))
     if abs(share) <= TOGETHER:

@@ -1,7 +1,7 @@
 """Spring laws that a measured deflection may follow, and their constants by nonlinear least squares.
 
-Whatever else the deflection is made of is linear in its unknowns and is projected out: what is left to search are the
-law's own constants.  Golub and Pereyra (1973), SIAM J. Numer. Anal. 10(2).
+The deflection's other components are linear in their unknowns and are projected out: only the law's own constants are
+searched.  Golub and Pereyra (1973), SIAM J. Numer. Anal. 10(2).
 """
 
 from collections.abc import Callable, Sequence
@@ -23,25 +23,25 @@ Array = NDArray[np.float64]
 Projection = Callable[[Array], Array]
 
 FARTHEST = 5.0
-"""Constants are searched within exp(5) = 148 times of where the search starts."""
+"""Constants are searched within a factor of exp(5) = 148 of their start."""
 
 CORNERS = (0.1, 0.2, 0.35, 0.5, 0.7, 0.85)
-"""Of the largest torque: where a catalogue's stiffness may change, to start the search from."""
+"""Shares of the largest torque at which a catalogue's stiffness may change, to start the search from."""
 
 STARTS = 4
-"""Pairs of these from which the search starts: what is left of squares has more than one minimum over corners."""
+"""Pairs of these from which the search starts: the squared error has several minima over the corners."""
 
 LEAST = 0.01
-"""Of a catalogue's largest compliance: a smaller one is none to start the search from."""
+"""Share of a catalogue's largest compliance: smaller ones are not used as starts."""
 
 HARDENING = 0.5
-"""Times one over the largest torque: hardening to start the search from."""
+"""Hardening to start the search from, times the reciprocal of the largest torque."""
 
 
 @dataclass(frozen=True)
 class SpringLaw:
-    """constants: their names; so many of the first are stiffnesses.  make: the law of constants.  starts: constants to
-    search from, given torque (N,), the rest of the deflection (N,), a compliance (rad/(N m)), and the projection."""
+    """constants: their names, stiffnesses first.  make: the law from its constants.  starts: constants to search from,
+    given torque (N,), the rest of the deflection (N,), a compliance (rad/(N m)), and the projection."""
 
     name: str
     constants: tuple[str, ...]
@@ -64,7 +64,7 @@ class SpringLaw:
 
 @lru_cache(maxsize=8)
 def _compiled(law: SpringLaw) -> tuple[kernels.Kernel, kernels.Kernel]:
-    """Its deflection and derivatives."""
+    """The law's deflection and derivatives."""
 
     def deflection(constants: Sequence[Scalar], torque: Scalar) -> Any:
         return law.make(constants).deflection(torque)
@@ -75,8 +75,10 @@ def _compiled(law: SpringLaw) -> tuple[kernels.Kernel, kernels.Kernel]:
 
 
 def fitted(law: SpringLaw, torque: Array, rest: Array, project: Projection, near: Array | None = None) -> Array:
-    """Constants with which the law's deflection under torque (N,) comes nearest to `rest` (N,), rad, of what
-    `project` leaves.  near: constants to search from; by default from the law's own starts."""
+    """Constants with which the law's deflection under torque (N,) is closest to `rest` (N,), rad, after `project`.
+
+    near: constants to search from; by default from the law's own starts.
+    """
     target = project(rest)
     scale = float(np.linalg.norm(target)) or 1.0
     best: Any = None
@@ -84,7 +86,7 @@ def fitted(law: SpringLaw, torque: Array, rest: Array, project: Projection, near
 
         def error(logarithms: Array) -> Array:
             left = (target - project(law.deflection(np.exp(logarithms), torque))) / scale
-            # constants for which the law cannot be inverted explain nothing
+            # a law that cannot be inverted explains nothing
             return left if np.isfinite(left).all() else np.ones_like(left)
 
         def slopes(logarithms: Array) -> Array:
@@ -94,7 +96,7 @@ def fitted(law: SpringLaw, torque: Array, rest: Array, project: Projection, near
 
         origin = np.log(start)
         bounds = origin - FARTHEST, origin + FARTHEST
-        jac: Any = slopes  # SciPy's stubs know of names alone
+        jac: Any = slopes  # SciPy's stubs allow only names
         found = least_squares(error, origin, jac, bounds=bounds, x_scale=0.3, max_nfev=30)
         if best is None or found.cost < best.cost:
             best = found
@@ -102,7 +104,7 @@ def fitted(law: SpringLaw, torque: Array, rest: Array, project: Projection, near
 
 
 def _slope(torque: Array, deflection: Array) -> float:
-    """Compliance, rad/(N m); where the deflection does not follow the torque at all, a very small one."""
+    """Compliance, rad/(N m); very small if the deflection does not follow the torque at all."""
     power = float(torque @ torque)
     slope = float(torque @ deflection) / power if power else 0.0
     largest = float(np.linalg.norm(deflection)) / np.sqrt(power) if power else 1.0
@@ -119,7 +121,7 @@ def _flexspline_starts(torque: Array, rest: Array, compliance: float, project: P
 
 
 def _catalogue_starts(torque: Array, rest: Array, compliance: float, project: Projection) -> list[Array]:
-    """The best of pairs of corners, each with the straight segments' compliances, which are linear."""
+    """The best pairs of corners, each with the segments' compliances, which are linear unknowns."""
     largest, target = float(np.abs(torque).max()), project(rest)
     found: list[tuple[float, Array]] = []
     for first, second in combinations(largest * np.array(CORNERS), 2):
@@ -143,12 +145,12 @@ CATALOGUE = SpringLaw(
     stiffnesses=3,
 )
 LAWS = {law.name: law for law in (LINEAR, FLEXSPLINE, CATALOGUE)}
-"""From the one with the fewest constants on."""
+"""From the fewest constants to the most."""
 
 
 @dataclass(frozen=True)
 class _Stiffer:
-    """A curve, stiffer by a factor."""
+    """A curve that is stiffer by a factor."""
 
     curve: Any
     factor: Scalar
@@ -161,5 +163,5 @@ class _Stiffer:
 
 
 def as_stated(curve: Any) -> SpringLaw:
-    """The curve that a file states, of which one factor alone is sought."""
+    """The curve that a file states, with one unknown factor."""
     return SpringLaw("as stated", ("factor",), lambda c: _Stiffer(curve, *c), lambda *_: [np.ones(1)])

@@ -1,4 +1,4 @@
-"""What a drive states of its spring that two encoders do not tell: play, a wave generator, loops as wide as stated."""
+"""Stated properties of a spring that two encoders do not determine: play, a wave generator, the stated loop width."""
 
 from dataclasses import replace
 
@@ -9,19 +9,19 @@ from cutpoint.model.drive import Compliance, Drive, Hysteresis
 
 
 def law_of(compliance: Compliance | None) -> Compliance | None:
-    """The law whose numbers are sought: without play, and of a wave generator in series without that."""
+    """The law whose parameters are sought: without play, and without a wave generator in series."""
     spring = spring_of(compliance)
     return spring.flexspline if isinstance(spring, HarmonicSpring) else spring
 
 
 def with_spring(drive: Drive, found: Compliance) -> Drive:
-    """With another spring behind the same play, and hysteresis that opens loops as wide as before."""
+    """The drive with another spring behind the same play, and hysteresis that opens loops as wide as before."""
     compliance = replace(drive.compliance, spring=found) if isinstance(drive.compliance, Backlash) else found
     return replace(drive, compliance=compliance, hysteresis=as_wide(drive.hysteresis, drive.compliance, compliance))
 
 
 def as_wide(law: Hysteresis | None, before: Compliance | None, after: Compliance | None) -> Hysteresis | None:
-    """Elements beside one spring that open the loops of another as wide, rad: files state the width, not torques."""
+    """Elements whose loops are as wide, rad, as beside another spring: files state the width, not torques."""
     old, new = spring_of(before), spring_of(after)
     if not isinstance(law, MaxwellSlip) or not law.friction or old is None or new is None:
         return law
@@ -38,9 +38,9 @@ def loss(drive: Drive) -> float:
 
 
 def not_sought(drive: Drive, shows_play: bool) -> dict[str, str]:
-    """What the drive states beside the law that is sought, each with what becomes of it.
+    """What the drive states beyond the law that is sought, each with what becomes of it.
 
-    shows_play: whether the encoders differ as by the play.
+    shows_play: whether the encoders' difference shows the play.
     """
     found: dict[str, str] = {}
     if isinstance(drive.compliance, Backlash):

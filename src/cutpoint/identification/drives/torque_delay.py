@@ -11,25 +11,24 @@ import numpy as np
 from cutpoint.identification.drives.scatter import SIGNIFICANT
 
 WORTH = 2e-4
-"""s, from which on a delay is said: in trials 0.1 ms came from what models leave out, and 2 ms made rotors a quarter
-too light."""
+"""s: smaller delays are not reported.  In trials model errors caused 0.1 ms; 2 ms made rotors a quarter too light."""
 
 
 DAMPED = 1e-3
-"""s: dampings of springs over their stiffness that are as long are none to doubt a delay for that was stated."""
+"""s: a spring's damping over its stiffness, up to which a stated delay is not doubted."""
 
 
 class Delay(NamedTuple):
-    """s by which a torque acts later than it is stamped, if its spring loses nothing, and its standard deviation."""
+    """s by which a torque acts later than its stamp, if its spring is lossless, and its standard deviation."""
 
     value: float
     deviation: float
 
 
 def delay_remarks(delays: Mapping[str, Delay], supposed: float, damped: Collection[str]) -> tuple[str, ...]:
-    """A sentence if torques act otherwise than was supposed, s; of joints of which springs tell, by name.
+    """A sentence if torques act later or earlier than supposed, s; by name, for joints whose springs show it.
 
-    damped: joints whose damping is told: where another's is not, it is no sign of lateness either.
+    damped: joints whose damping is determined; without it, damping is no evidence of a delay.
     """
     if not delays:
         return ()

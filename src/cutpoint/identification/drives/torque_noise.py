@@ -8,17 +8,17 @@ from cutpoint.identification.drives.deflections import DeflectionFit, Deflection
 Array = NDArray[np.float64]
 
 ROUNDS = 3
-"""Each leaves a share of the step before it, which is small where the noise is."""
+"""Rounds: each leaves a share of the step before it, which is small if the noise is."""
 
 RELIABLE = 0.5
-"""Of what tells the spring apart from all else: at least as much must be no noise, or nothing is done."""
+"""Least noise-free share of the signal that separates the spring from all else; below it, nothing is done."""
 
 
 def without_attenuation(data: Deflections, fit: DeflectionFit) -> DeflectionFit:
-    """The fit with the stiffness for which what is left does not go with the torques' best estimates.
+    """The fit with the stiffness for which the residual is uncorrelated with the torques' best estimates.
 
-    What is left beyond the deflection's own noise is the torque's: the best estimate of each torque then is off the
-    measured one by that share of what is left there.  Deming (1943); Fuller (1987) section 1.3.
+    The residual beyond the deflection's own noise is the torque's: the best estimate of each torque then differs from
+    the measured one by that share of its residual.  Deming (1943); Fuller (1987) section 1.3.
     """
     share = 1.0 - data.reading.noise**2 / max(float(np.mean(fit.residual**2)), np.finfo(float).tiny)
     for _ in range(ROUNDS if share > 0.0 else 0):
@@ -27,10 +27,10 @@ def without_attenuation(data: Deflections, fit: DeflectionFit) -> DeflectionFit:
 
 
 def attenuation(data: Deflections, fit: DeflectionFit) -> Array:
-    """(p,): how far the unknowns may be off, as noise in the torque's derivatives hides what goes with them.
+    """(p,): possible bias of the unknowns due to noise in the torque's derivatives.
 
-    At the true values what is left goes with a noisy column by the noise that both share; least squares leave nothing
-    that does.  To first order in the noise's share; Fuller (1987) section 1.1.
+    At the true values the residual correlates with a noisy column through their common noise; least squares removes
+    that correlation.  To first order in the noise's share; Fuller (1987) section 1.1.
     """
     first = fit.constants.size + fit.waves.size + 1
     pull = np.zeros(fit.columns.shape[1])
@@ -42,8 +42,8 @@ def attenuation(data: Deflections, fit: DeflectionFit) -> Array:
 
 
 def _softened(data: Deflections, fit: DeflectionFit, torque: Array) -> DeflectionFit:
-    """All stiffnesses by one factor, with the deflection under other torques (N,) as instrument; what has no bound
-    moves with them."""
+    """All stiffnesses scaled by one factor, with the deflection under other torques (N,) as instrument; unbounded
+    components change with them."""
     count, first = fit.law.stiffnesses, fit.constants.size
     beside = slice(first, first + fit.waves.size + 1 + fit.corrections.size)
     columns = fit.columns[:, beside]
@@ -55,7 +55,7 @@ def _softened(data: Deflections, fit: DeflectionFit, torque: Array) -> Deflectio
     if not instrument @ alone > RELIABLE * (alone @ alone):
         return fit
     softer = float(instrument @ fit.residual / (instrument @ alone))
-    if abs(softer) > 1.0 / RELIABLE - 1.0:  # more than noise can hide: no spring is told from the rest
+    if abs(softer) > 1.0 / RELIABLE - 1.0:  # more than noise can hide: the spring cannot be separated from the rest
         return fit
     weights = np.linalg.lstsq(columns, fit.residual - softer * deflection)[0]
     step = np.zeros(fit.columns.shape[1])
@@ -65,5 +65,5 @@ def _softened(data: Deflections, fit: DeflectionFit, torque: Array) -> Deflectio
 
 
 def _beside(columns: Array, values: Array) -> Array:
-    """What of values (N,) the columns (N, k) do not explain."""
+    """The part of values (N,) that the columns (N, k) do not explain."""
     return np.asarray(values - columns @ np.linalg.lstsq(columns, values)[0])

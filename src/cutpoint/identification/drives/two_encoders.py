@@ -21,27 +21,27 @@ from cutpoint.model.drive import Compliance
 Array = NDArray[np.float64]
 
 HIGHEST_ORDER = 8
-"""Waves a turn of the motor that are looked for where no orders are stated."""
+"""Waves per turn of the motor that are tried where no orders are stated."""
 
 SMALLEST_WAVE = 0.1
-"""Of the encoders' resolution: smaller waves are left out."""
+"""Share of the encoders' resolution: smaller waves are left out."""
 
 WIDER = 4.0
-"""Times that the band in which the deflection's rate is taken is wider than what stands out of its noise: within a
-quarter of its cut-off the filter changes nothing."""
+"""The band for the deflection's rate is this many times wider than that in which it exceeds its noise: within a quarter
+of its cut-off the filter changes nothing."""
 
 LEAST_SAMPLES = 500
 
 AS_STIFF = 0.03
-"""Share by which a file's curve may be stiffer or softer than what was measured, beside what noise makes of it."""
+"""Share by which a file's curve may be stiffer or softer than measured, in addition to noise."""
 
 AS_STATED = "the curve that the files state predicts the deflection as well as any other, and is as stiff: it is kept"
 
 KNOWN = TorqueReading()
-"""Of a torque that is known."""
+"""The reading of a known torque."""
 
 OFFERED = (0, ELEMENTS // 2, ELEMENTS)
-"""Elements of hysteresis: none or all, chosen as the law is; what fewer change counts as uncertainty."""
+"""Elements of hysteresis: none or all, chosen as the law is; the effect of fewer counts as uncertainty."""
 
 
 def two_encoders(
@@ -151,7 +151,7 @@ def _resolution(angle: Array, link: Array, resolution: float | None) -> float:
 def _best_law(
     data: Deflections, laws: Sequence[str], orders: Sequence[int], elements: int, damping: bool
 ) -> tuple[DeflectionFit, dict[str, float]]:
-    """The fit with the law that predicts best; of each law RMS of what it leaves of other samples, rad."""
+    """The fit with the law that predicts best; and each law's RMS residual on held-out samples, rad."""
     unknown = [name for name in laws if name not in LAWS]
     if unknown or not laws:
         raise unknown_name("spring law", unknown[0] if unknown else "", LAWS)
@@ -163,15 +163,15 @@ def _best_law(
 
 
 def _is_apart(stated: Compliance, found: Compliance) -> bool:
-    """Whether a file's curve holds more than one that was found has: another law, or where segments meet, which only
-    torque far beyond tells surely."""
+    """Whether a file's curve has more than the one found: another law, or the corners between segments, which only far
+    larger torques determine reliably."""
     return type(stated) is not type(found) or isinstance(stated, CatalogueSpring)
 
 
 def _is_as_good(
     data: Deflections, stated: SpringLaw, best: DeflectionFit, orders: Sequence[int], elements: int, damping: bool
 ) -> bool:
-    """Whether a file's curve predicts what it was not fitted to as well as the best law's fit, and is as stiff."""
+    """Whether a file's curve predicts held-out samples as well as the best law's fit, and is as stiff."""
     fit = fit_deflections(data, stated, orders, [elements], damping)[elements]
     if simplest({"stated": block_errors(fit), "best": block_errors(best)}) != "stated":
         return False
@@ -180,7 +180,7 @@ def _is_as_good(
 
 
 def _tells_stiffness(fit: DeflectionFit) -> bool:
-    """Whether each of the law's stiffnesses can be told from zero."""
+    """Whether each of the law's stiffnesses is significantly different from zero."""
     among = slice(fit.law.stiffnesses)
     spread = np.sqrt(np.diag(covariance(fit.columns, fit.residual))[among])
     return bool((fit.constants[among] > SIGNIFICANT * spread).all())

@@ -29,7 +29,7 @@ class TwoMasses(NamedTuple):
     def position_response(self, frequencies: Array, period: float) -> ComplexArray:
         """theta over torque, (F,), rad/(N m), between samples a period (s) apart, the torque held between them.
 
-        A zero-order hold taken exactly: Franklin, Powell, Workman (1998) section 4.3.
+        An exact zero-order hold: Franklin, Powell, Workman (1998) section 4.3.
         """
         M, J, K, D, f_l, f_m = self
         A = np.zeros((5, 5))  # of q, v, theta, theta_dot, and the torque
