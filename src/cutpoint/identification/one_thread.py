@@ -1,7 +1,7 @@
-"""Linear algebra by one thread.
+"""Linear algebra in one thread.
 
-The matrices of a log are small, and threads wait for one another: a log of 12 s of the paper's arm took 18 s by one
-thread and 27 s by two; beside something else that kept one of two cores busy, 26 s and 255 s.
+The matrices of a log are small, and threads wait for one another: a log of 12 s of the paper's arm took 18 s with one
+thread and 27 s with two; with one of two cores busy, 26 s and 255 s.
 """
 
 from collections.abc import Callable
@@ -15,7 +15,7 @@ R = TypeVar("R")
 
 
 def by_one_thread(function: Callable[P, R]) -> Callable[P, R]:
-    """The function; while it runs, the whole process's BLAS takes one thread."""
+    """The function, during which the BLAS of the whole process uses one thread."""
 
     @wraps(function)
     def limited(*args: P.args, **kwargs: P.kwargs) -> R:

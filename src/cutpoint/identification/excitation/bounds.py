@@ -1,4 +1,4 @@
-"""How far joints may go: the narrower of what robot file, drives and user state."""
+"""Limits of joints: the tightest of those in the robot file, the drives and the user's."""
 
 from typing import NamedTuple
 
@@ -14,11 +14,11 @@ from cutpoint.robot import Robot
 Array = NDArray[np.float64]
 
 FREE_TURN, FREE_SLIDE = np.pi, 1.0
-"""rad and m to either side of zero: where a joint without position limits is kept."""
+"""rad and m to either side of zero: the range of a joint without position limits."""
 
 
 class Bounds(NamedTuple):
-    """Of each joint, (n,): position from low to high, rad (m); the others to both sides, infinite where not stated."""
+    """Limits of each joint, (n,): position from low to high, rad (m); the others symmetric, infinite if not stated."""
 
     low: Array
     high: Array
@@ -41,10 +41,10 @@ def bounds_of(
     torque: ArrayLike | None,
     travel: float = 1.0,
 ) -> Bounds:
-    """position: low and high; the others to both sides; each a number, or one a joint.  travel: share of the way from
+    """position: low and high; the others symmetric; each a number, or one per joint.  travel: share of the range from
     low to high, about its middle.
 
-    Raises InputError: a number that is none, a range of positions that is empty, or a joint whose speed is not limited.
+    Raises InputError: an invalid number, an empty range of positions, or a joint whose speed is not limited.
     """
     low, high = _positions(robot, position)
     spared = (1.0 - _share(travel)) * (high - low) / 2.0
@@ -80,7 +80,7 @@ def _positions(robot: Robot, position: tuple[ArrayLike, ArrayLike] | None) -> tu
     lows = [_each(robot, "position", first), [x.limits.lower for x in joints], [x.limits.lower for x in drives]]
     highs = [_each(robot, "position", last), [x.limits.upper for x in joints], [x.limits.upper for x in drives]]
     low, high = np.max(lows, axis=0), np.min(highs, axis=0)
-    # a joint free to both sides is kept about zero, one free to one side within as much of its bound
+    # a joint without limits is kept about zero, one with a single limit within the same distance of that
     low, high = (
         np.where(np.isfinite(low), low, np.where(np.isfinite(high), high - 2.0 * free, -free)),
         np.where(np.isfinite(high), high, np.where(np.isfinite(low), low + 2.0 * free, free)),
@@ -101,7 +101,7 @@ def _largest(robot: Robot, name: str, value: ArrayLike | None) -> Array:
 
 
 def _each(robot: Robot, name: str, value: ArrayLike) -> Array:
-    """One number a joint, not NaN."""
+    """One number per joint, not NaN."""
     n = len(robot.joints)
     try:
         found = np.broadcast_to(np.asarray(value, dtype=np.float64), n)

@@ -34,7 +34,7 @@ Array = NDArray[np.float64]
 CRITERIA = ("determinant", "condition")
 
 FEWEST, MOST = 3, 50
-"""Harmonics: fewer leave no motion that starts at rest up to the snap."""
+"""Harmonics: with fewer, no motion starts at rest up to the snap."""
 
 
 @dataclass(frozen=True)
@@ -47,10 +47,10 @@ class Quality:
 
 @dataclass(frozen=True, eq=False)
 class Excitation:
-    """The best motion found: `trajectory` repeats itself `periods` times.
+    """The best motion found: `trajectory` has `periods` periods.
 
-    before: of the first random motion, scaled up to the limits, None if they allow none there; if resumed, of the
-    file's motion, with its own limits.  after: of this one.  starts: number of completed starts.
+    before: quality of the first random motion, scaled up to the limits, None if they allow none there; if resumed, of
+    the file's motion, with its own limits.  after: of this one.  starts: number of completed starts.
     """
 
     robot: Robot = field(repr=False)
@@ -64,7 +64,7 @@ class Excitation:
 
     @property
     def periods(self) -> int:
-        """How often the motion repeats itself."""
+        """Number of periods."""
         return round(self.trajectory.duration * self.trajectory.base_frequency)
 
     def save_csv(self, path: str | Path, rate: float = 200.0) -> None:
@@ -72,7 +72,7 @@ class Excitation:
         write_csv(Path(path), self.robot, self.trajectory, rate)
 
     def plot(self) -> "Figure":
-        """Positions, speeds and motor torques of one period with their limits, a row a joint."""
+        """Positions, speeds and motor torques of one period with their limits, a row per joint."""
         from cutpoint.identification.excitation.picture import figure_of
 
         return figure_of(self.robot, self.trajectory, self.limits)
@@ -110,10 +110,10 @@ def excitation(
         harmonics: of the base frequency, 3 at least.
         base_frequency: Hz; by default one period in the whole duration.
         criterion: "determinant", the largest, or "condition", the smallest.
-        position: low and high, each a number or one a joint, rad (m).  Like all limits, in addition to those of robot
+        position: low and high, each a number or one per joint, rad (m).  Like all limits, in addition to those of robot
             and drives; a joint without any is kept within half a turn (1 m) of zero.
         travel: share of the position range that is used, about its middle; at 1 the motion may touch the stops.
-        speed: rad/s (m/s), a number or one a joint; as acceleration, rad/s2, and torque, N m, of motors at the joint.
+        speed: rad/s (m/s), a number or one per joint; as acceleration, rad/s2, and torque, N m, of motors at the joint.
         boxes: where frames must stay, in the world: {"tool": (low, high)}, each (3,), m, infinite where free.
         seconds: the search's time.  starts: largest number of random starts.  seed: of the random starts.
         resume: a JSON file, written after each improvement, and the search's starting point if it exists.
@@ -146,7 +146,7 @@ def excitation(
 
 
 def _result(robot: Robot, problem: Problem, duration: float, found: Found, known: Array | None) -> Excitation:
-    """known: the file's motion."""
+    """known: the motion of the resumed file."""
     assert found.z is not None
     first = found.first if known is None else known
     before = None if first is None else _quality(problem, first)

@@ -1,4 +1,4 @@
-"""Files of an excitation: the best series so far, to go on from, and positions over time, for a robot to follow."""
+"""Files of an excitation: the best series so far, to resume from, and positions over time, for a robot to follow."""
 
 import json
 from pathlib import Path
@@ -20,14 +20,14 @@ Array = NDArray[np.float64]
 VERSION = 1
 
 LEAST_STEPS = 10
-"""Of a trajectory in a file: fewer rows show no motion."""
+"""Least number of rows of a trajectory in a file."""
 
 LARGEST_FILE = 10_000_000
-"""Bytes: far more than the coefficients of a hundred joints."""
+"""Bytes: far more than the coefficients of a hundred joints need."""
 
 
 class Start(NamedTuple):
-    """A series that keeps all limits, and what it costs by a criterion: see `judged`."""
+    """A series within all limits, and its cost under a criterion: see `judged`."""
 
     series: FourierSeries
     criterion: str
@@ -35,7 +35,7 @@ class Start(NamedTuple):
 
 
 def write_start(path: Path, robot: Robot, start: Start) -> None:
-    """All of it in SI units, whole or not at all."""
+    """Writes the start in SI units, atomically."""
     series = start.series
     sheet = {
         "cutpoint_excitation": VERSION,
@@ -55,9 +55,9 @@ def write_start(path: Path, robot: Robot, start: Start) -> None:
 
 
 def read_start(path: Path, robot: Robot, base_frequency: float, harmonics: int) -> FourierSeries | None:
-    """The series of a file that `write_start` wrote; None where there is no file yet.
+    """The series in a file written by `write_start`; None if there is no file yet.
 
-    Raises InputError: it is no such file, or tells of other joints, harmonics or another base frequency.
+    Raises InputError: another kind of file, or one with other joints, harmonics or another base frequency.
     """
     if not path.exists():
         return None

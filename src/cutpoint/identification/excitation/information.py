@@ -1,4 +1,4 @@
-"""Information about a robot's parameters in torques along a motion: the regressor, two criteria, their gradients.
+"""Information about a robot's parameters in the torques of a motion: the regressor, two criteria, their gradients.
 
 Swevers et al. (1997), section III; Gautier and Khalil (1992), Int. J. Robotics Research 11(4).
 """
@@ -19,20 +19,20 @@ Array = NDArray[np.float64]
 Criterion = Literal["determinant", "condition"]
 
 CROSSING = 0.02
-"""Of the largest speed: dry friction changes sign over that."""
+"""Smoothing of dry friction's sign change, as a share of the largest speed."""
 
 FRICTION = 0.05
-"""Of the torque scale: nominal dry friction, and viscous friction at the largest speed."""
+"""Nominal dry friction, and viscous friction at the largest speed, as a share of the torque scale."""
 
 LIGHTEST, THINNEST = 0.01, 0.1
-"""Of the bodies' mean mass and of their mean radius of gyration: what counts as a body's own at least."""
+"""Least mass and radius of gyration assumed for a body, as shares of the bodies' means."""
 
 TINY = 1e-14
-"""Of the trace of W^T W: what is added to its diagonal, so that a motion that shows nothing has a criterion."""
+"""Share of the trace of W^T W added to its diagonal, so that an uninformative motion has a finite criterion."""
 
 
 class Scales(NamedTuple):
-    """torque (n,), N m (N): a joint's torque limit, or the RMS of random motions.  speed (n,): the largest, rad/s."""
+    """torque (n,), N m (N): torque limits, or the RMS of random motions.  speed (n,): the largest, rad/s."""
 
     torque: Array
     speed: Array
@@ -57,11 +57,11 @@ class Information:
 
     @property
     def parameters(self) -> int:
-        """How many are told apart."""
+        """Number of identifiable parameters."""
         return self._sizes.size
 
     def regressor(self, motion: Array) -> Array:
-        """W of a motion (5, N, n): (N, n, columns), without unit."""
+        """W of a motion (5, N, n): (N, n, columns), dimensionless."""
         _, v, _, *_ = motion
         W = np.zeros((*v.shape, self.parameters))
         b, n = self.base.independent.size, v.shape[1]
@@ -72,7 +72,7 @@ class Information:
         return W * self._sizes / self.scales.torque[:, None]
 
     def gradient(self, motion: Array, weights: Array) -> Array:
-        """(5, N, n): of the sum of weights times W, both (N, n, columns)."""
+        """(5, N, n): gradient of the sum of weights times W, both (N, n, columns)."""
         weights = weights * self._sizes / self.scales.torque[:, None]
         b, n = self.base.independent.size, motion.shape[-1]
         joints, crossing = np.arange(n), CROSSING * self.scales.speed
@@ -84,7 +84,7 @@ class Information:
 
 
 def judged(W: Array, criterion: Criterion) -> tuple[float, Array]:
-    """The cost of W (N, n, columns), to be small, and its slope.
+    """The cost of W (N, n, columns), to be minimised, and its gradient.
 
     Of A = W^T W / N: - log det A per column, or the logarithm of W's condition number.
     """
@@ -115,7 +115,7 @@ def condition_number(W: Array) -> float:
 
 
 def _gram(W: Array) -> Array:
-    """W^T W / N, sample by sample: products this small stay in one thread, and threads of a busy machine wait long."""
+    """W^T W / N, sample by sample: products this small stay in one thread; on a busy machine others are slow."""
     return (W.transpose(0, 2, 1) @ W).mean(axis=0)
 
 

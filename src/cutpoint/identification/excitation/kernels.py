@@ -1,4 +1,4 @@
-"""Gradients of whatever a motion gives, compiled: how a weighted sum of outputs changes with each derivative of q."""
+"""Compiled gradients of functions of a motion: of a weighted sum of outputs, by each derivative of q."""
 
 from collections.abc import Callable, Sequence
 from typing import Any
@@ -12,7 +12,7 @@ from cutpoint.robot import Robot
 Array = NDArray[np.float64]
 
 MOTION = ("q", "v", "a", "jerk", "snap")
-"""What functions of a motion take: the position and so many derivatives of it as they need."""
+"""Inputs of functions of a motion: the position, and as many of its derivatives as they need."""
 
 Pullback = Callable[[Array, Array], Array]
 
@@ -41,7 +41,7 @@ def pullback(robot: Robot, definition: Callable[..., Any], shape: tuple[int, ...
 
 
 def _product(weights: Any, outputs: Any) -> Any:
-    """The sum of products of two equally nested lists."""
+    """The sum of elementwise products of two equally nested lists."""
     if not isinstance(outputs, Sequence):
         return weights * outputs
     return sum((_product(w, x) for w, x in zip(weights, outputs, strict=True)), 0)

@@ -24,7 +24,7 @@ KINDS = ("position", "speed", "acceleration")
 
 
 class Limit(NamedTuple):
-    """m bounded quantities of a motion, each with its name and unit; low and high (m,), one of them finite at least.
+    """m bounded quantities of a motion, each with its name and unit; low and high (m,), at least one of them finite.
 
     values: of a motion (5, N, n), (N, m).  gradient: of the sum of weights (N, m) times values, (5, N, n).
     """
@@ -39,12 +39,12 @@ class Limit(NamedTuple):
 
     @property
     def scale(self) -> Array:
-        """(m,): half the width, or one unit where there is a bound to one side only."""
+        """(m,): half the width, or one unit where there is a bound on one side only."""
         width = self.high - self.low
         return np.where(np.isfinite(width), width / 2.0, 1.0)
 
     def slack(self, motion: Array) -> Array:
-        """(2, N, m): room to the low and to the high bound over scale; negative beyond them, infinite without one."""
+        """(2, N, m): distances to the low and high bounds over scale; negative beyond them, infinite without one."""
         x = self.values(motion)
         return np.stack([x - self.low, self.high - x]) / self.scale
 
@@ -66,9 +66,9 @@ class Use:
 
 
 def limits_of(robot: Robot, bounds: Bounds, boxes: Mapping[str, Box]) -> list[Limit]:
-    """All that is stated.  boxes: low and high (3,) of frames' positions in the world, m.
+    """All stated limits.  boxes: low and high (3,) of frames' positions in the world, m.
 
-    Raises InputError for an unknown frame or a box that is none.
+    Raises InputError for an unknown frame or an invalid box.
     """
     found = [_of_joints(robot, 0, bounds.low, bounds.high)]
     found += [_of_joints(robot, k, -most, most) for k, most in ((1, bounds.speed), (2, bounds.acceleration))]
@@ -77,7 +77,7 @@ def limits_of(robot: Robot, bounds: Bounds, boxes: Mapping[str, Box]) -> list[Li
 
 
 def _of_joints(robot: Robot, order: int, low: Array, high: Array) -> Limit:
-    """Of a derivative of the positions, in the joints where it is bounded."""
+    """Limit on a derivative of the positions, for the joints where it is bounded."""
     which = np.flatnonzero(np.isfinite(high))
     suffix = ("", "/s", "/s2")[order]
     names = tuple(robot.joints[k] for k in which)
@@ -92,7 +92,7 @@ def _of_joints(robot: Robot, order: int, low: Array, high: Array) -> Limit:
 
 
 def _torque(robot: Robot, most: Array) -> Limit:
-    """Of the motors at the joints' side, friction overcome: rigid where a drive is, elastic where it bends."""
+    """Limit on motor torques at the joints' side, friction included: rigid or elastic, as each drive is."""
     which = np.flatnonzero(np.isfinite(most))
     names = tuple(robot.joints[k] for k in which)
     units = tuple(at_joints(robot, "N m")[joint] for joint in names)

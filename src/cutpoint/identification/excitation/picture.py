@@ -1,4 +1,4 @@
-"""An excitation as a picture."""
+"""Figure of an excitation."""
 
 from collections.abc import Sequence
 
@@ -21,7 +21,7 @@ SAMPLES = 1000
 
 
 def figure_of(robot: Robot, trajectory: FourierSeries, limits: Sequence[Use]) -> Figure:
-    """Position, speed and motor torque over one period, a row a joint; limits are dashed, where they are stated."""
+    """Position, speed and motor torque over one period, a row per joint; stated limits are dashed."""
     time = np.linspace(0.0, 1.0 / trajectory.base_frequency, SAMPLES)
     motion = trajectory.derivatives(time, 4)
     torque = robot.elastic_inverse_dynamics(*motion, quasi_rigid=True).motor_torque

@@ -1,4 +1,4 @@
-"""Excitation as a function to minimise: from free coordinates of a Fourier series to information and limits."""
+"""Excitation as a minimisation problem: from free coordinates of a Fourier series to information and limits."""
 
 from collections.abc import Mapping
 from typing import NamedTuple
@@ -15,24 +15,24 @@ from cutpoint.robot import Robot
 Array = NDArray[np.float64]
 
 SAMPLES = 30
-"""In the shortest wave, while searching."""
+"""Samples per shortest wave during the search."""
 
 FINER = 32
-"""Times as many samples see whether limits hold: friction peaks where a joint turns back, for some milliseconds."""
+"""Limits are checked with this many times as many samples: friction peaks for some milliseconds as a joint reverses."""
 
 RESERVE = 0.005
-"""Of each limit: what the search leaves, since waves may pass between its samples."""
+"""Share of each limit that the search keeps in reserve, since waves may peak between its samples."""
 
 
 class Worst(NamedTuple):
-    """The tightest limit of a motion: room left over the limit's scale, and which, in words, with what it reaches."""
+    """The tightest limit of a motion: room left over the limit's scale; in words, the limit and the value reached."""
 
     room: float
     told: str
 
 
 class Problem:
-    """Free coordinates z (1 + r, n): each joint's centre, over half its range, and its waves, over what it may do."""
+    """Free coordinates z (1 + r, n): each joint's centre, over half its range, and its waves, over its limits."""
 
     def __init__(
         self,
@@ -46,7 +46,7 @@ class Problem:
         self.criterion: Criterion = criterion
         self.frequency, self.harmonics = base_frequency, harmonics
         self.information, self.limits = Information(robot, bounds), limits_of(robot, bounds, boxes)
-        # a motor behind a spring starts with a jump where the jerk does, and its torque where the snap does
+        # a motor behind a spring jumps where the jerk does, and its torque where the snap does
         rest = 4 if any(drive.is_elastic for drive in robot.drives.values()) else 2
         self._sine, self._cosine = still_waves(harmonics, rest)
         self._middle, half = (bounds.low + bounds.high) / 2.0, (bounds.high - bounds.low) / 2.0
@@ -56,11 +56,11 @@ class Problem:
 
     @property
     def shape(self) -> tuple[int, int]:
-        """Of z."""
+        """The shape of z."""
         return self._scale.shape
 
     def series(self, z: Array, duration: float) -> FourierSeries:
-        """The trajectory of z, repeated for a duration, s."""
+        """The trajectory of z, periodic over a duration, s."""
         x = z * self._scale
         sine, cosine = self._sine @ x[1:], self._cosine @ x[1:]
         return FourierSeries(duration, self.frequency, self._middle + x[0], sine, cosine)
@@ -71,7 +71,7 @@ class Problem:
         return np.vstack([series.centre - self._middle, waves]) / self._scale
 
     def barred(self, z: Array, weight: float, softness: float) -> tuple[float, Array]:
-        """The cost with a relaxed logarithmic barrier at every limit, and its gradient, shaped like z.
+        """The cost with relaxed logarithmic barriers at all limits, and its gradient, shaped like z.
 
         Hauser and Saccon (2006), A barrier function method for the optimization of trajectory functionals with
         constraints, IEEE CDC.
@@ -100,7 +100,7 @@ class Problem:
         return np.einsum("kir,kij->rj", self._coarse, gradient) * self._scale
 
     def cost(self, z: Array) -> float:
-        """Of the criterion alone."""
+        """The cost of the criterion alone."""
         return judged(self.information.regressor(self.motion(z)), self.criterion)[0]
 
     def condition(self, z: Array) -> float:
@@ -114,7 +114,7 @@ class Problem:
         return found
 
     def worst(self, z: Array) -> Worst:
-        """The limit that is nearest, or exceeded most, in a period sampled finely."""
+        """The limit that is closest, or exceeded most, over a finely sampled period."""
         motion = self.motion(z, fine=True)
         rooms = [limit.slack(motion).min(axis=(0, 1)) for limit in self.limits]
         tightest = int(np.argmin([room.min() for room in rooms]))
@@ -126,13 +126,13 @@ class Problem:
         return Worst(float(rooms[tightest].min()), told)
 
     def standing(self, centres: Array) -> Array:
-        """(m,): the least room of each of m motions that stand still at centres (m, n), scaled as z[0]."""
+        """(m,): the least room at rest at each of m centres (m, n), scaled as z[0]."""
         motion = np.zeros((5, *centres.shape))
         motion[0] = self._middle + centres * self._scale[0]
         return np.min([limit.slack(motion).min(axis=(0, 2)) for limit in self.limits], axis=0)
 
     def _basis(self, samples: int) -> Array:
-        """(5, N, 1 + r): position to snap of the motions whose coordinates are unit vectors, unscaled."""
+        """(5, N, 1 + r): position to snap of the motions of unit coordinates, unscaled."""
         count = self._sine.shape[1]
         sine, cosine = (np.column_stack([np.zeros(self.harmonics), x]) for x in (self._sine, self._cosine))
         unit = FourierSeries(1.0 / self.frequency, self.frequency, np.eye(1 + count)[0], sine, cosine)
@@ -140,7 +140,7 @@ class Problem:
 
 
 def relaxed_barrier(slack: Array, softness: float) -> tuple[Array, Array]:
-    """- log(slack) and its slope, below `softness` continued by a parabola; zero where the slack is infinite."""
+    """- log(slack) and its slope, continued by a parabola below `softness`; zero where the slack is infinite."""
     bounded = np.isfinite(slack)
     inside, bent = np.where(bounded, np.maximum(slack, softness), 1.0), (slack - 2.0 * softness) / softness
     far = slack >= softness

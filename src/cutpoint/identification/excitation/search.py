@@ -1,4 +1,4 @@
-"""The search for the best excitation: many starts, each led by barriers that harden, until time is up."""
+"""The search for the best excitation: many starts, each with increasingly hard barriers, until time is up."""
 
 import time
 from collections.abc import Callable
@@ -16,31 +16,31 @@ from cutpoint.reporting.bar import Bar
 Array = NDArray[np.float64]
 
 PHASES = ((0.3, 0.01), (0.03, 0.003), (3e-3, 1e-3), (3e-4, 1e-4))
-"""Weights of the barriers and where they turn into parabolas, one after another.
+"""Weights of the barriers and the slacks where they turn into parabolas, phase by phase.
 
-They are steep from the first: what is once far beyond a limit is seldom led back.
+They are steep from the first: a motion far beyond a limit seldom returns.
 """
 
 OPTIONS = {"maxiter": 150}
-"""Of L-BFGS: steps in each phase at most."""
+"""Options of L-BFGS: the largest number of steps in each phase."""
 
 CENTRES, SPREAD, SWING = 64, 0.5, 0.3
-"""Centres drawn for each start, the share of the range that they lie in, and the waves' standard deviation."""
+"""Number of centres drawn for each start, their share of the range, and the waves' standard deviation."""
 
 HALVINGS = 10
 
 BLIND = 1e6
-"""The condition number from which a motion, such as one that nearly stands still, does not tell all parameters."""
+"""The condition number above which a motion, such as one near rest, does not determine all parameters."""
 
 SMALL = 0.01
-"""Of the waves: where limits allow less, the centre is wrong."""
+"""Scale of the waves: if limits allow less, the centre is wrong."""
 
 
 @dataclass
 class Found:
-    """The best z that keeps all limits, and its cost; first: the random one that all began with, if it kept them.
+    """The best z within all limits, and its cost; first: the initial random one, if it was within them.
 
-    worst: the limit that motions came nearest to keeping.
+    worst: of all motions beyond a limit, the one least so: its worst limit.
     """
 
     z: Array | None = None
@@ -51,7 +51,7 @@ class Found:
 
 
 class TimeIsUpError(Exception):
-    """The search has had its seconds."""
+    """The time of the search is up."""
 
 
 def search(
@@ -62,11 +62,11 @@ def search(
     seed: int,
     keep: Callable[[Array, float], None],
 ) -> Found:
-    """The best of what was found until time is up, so many starts are made, or Ctrl-C is pressed.
+    """The best motion found until time is up, all starts are made, or Ctrl-C is pressed.
 
-    begin: where the first start is made, a random place without.  keep: told of every improvement, z and its cost.
+    begin: the first start, random if not given.  keep: called on every improvement, with z and its cost.
 
-    Raises InputError if no motion that keeps all limits was found: it names the limit and the joint.
+    Raises InputError, which names the limit and the joint, if no motion within all limits was found.
     """
     found, rng = Found(), np.random.default_rng(seed)
     with Bar("exciting", seconds) as bar:
@@ -97,7 +97,7 @@ def _nothing(found: Found, seconds: float) -> InputError:
 
 
 def _random(problem: Problem, rng: np.random.Generator) -> Array:
-    """A random motion about the centre, of many, where standing still is farthest from all limits."""
+    """A random motion about that of many centres where rest is farthest from all limits."""
     rows, joints = problem.shape
     centres = rng.uniform(-SPREAD, SPREAD, (CENTRES, joints))
     z = SWING * rng.standard_normal((rows, joints))
@@ -106,9 +106,9 @@ def _random(problem: Problem, rng: np.random.Generator) -> Array:
 
 
 def _within(problem: Problem, z: Array, clock: "_Clock") -> Array:
-    """The motion made as small as the limits ask; if they allow none there, about a centre where they leave most room.
+    """The motion scaled down to the limits; if they allow none there, about a centre where they leave most room.
 
-    A large one that starts beyond a limit is too often caught there.
+    A large motion that starts beyond a limit too often stays there.
     """
     factor = _largest_factor(problem, z)
     if factor < SMALL:
@@ -126,7 +126,7 @@ def _within(problem: Problem, z: Array, clock: "_Clock") -> Array:
 
 
 def _improve(problem: Problem, z: Array, found: Found, clock: "_Clock", keep: Callable[[Array, float], None]) -> None:
-    """From z through all phases."""
+    """Improves z through all phases."""
     for weight, softness in PHASES:
 
         def cost(x: Array, weight: float = weight, softness: float = softness) -> tuple[float, Array]:
@@ -145,7 +145,7 @@ def _improve(problem: Problem, z: Array, found: Found, clock: "_Clock", keep: Ca
 
 
 def _consider(problem: Problem, z: Array, found: Found, keep: Callable[[Array, float], None]) -> None:
-    """Keeps the motion, made smaller until it keeps all limits, if it is the best so far and tells all parameters."""
+    """Keeps the motion, scaled down to all limits, if it is the best so far and determines all parameters."""
     worst = problem.worst(z)
     if worst.room < 0.0:
         if found.worst is None or worst.room > found.worst.room:
@@ -160,7 +160,7 @@ def _consider(problem: Problem, z: Array, found: Found, keep: Callable[[Array, f
 
 
 def _largest_factor(problem: Problem, z: Array) -> float:
-    """By which the waves may be scaled so that all limits hold, by bisection; 0 where standing still breaks one."""
+    """Largest scale of the waves within all limits, by bisection; 0 if rest violates one."""
     least, most = 0.0, 1.0
     for _ in range(HALVINGS):
         middle = (least + most) / 2.0
@@ -173,14 +173,14 @@ def _scaled(z: Array, factor: float) -> Array:
 
 
 class _Clock:
-    """Raises TimeIsUpError once the seconds have passed, and shows how many have."""
+    """Raises TimeIsUpError once the time is up, and shows the progress."""
 
     def __init__(self, seconds: float, bar: Bar) -> None:
         self._seconds, self._bar, self._begin = seconds, bar, time.perf_counter()
 
     @property
     def passed(self) -> float:
-        """s."""
+        """Elapsed time, s."""
         return time.perf_counter() - self._begin
 
     def check(self) -> None:

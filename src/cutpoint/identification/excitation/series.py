@@ -1,4 +1,4 @@
-"""Motions that repeat: a finite Fourier series in every joint.  Swevers et al. (1997), IEEE Trans. Robot. Autom. 13(5).
+"""Periodic motions: a finite Fourier series for every joint.  Swevers et al. (1997), IEEE Trans. Robot. Autom. 13(5).
 
 q(t) = centre + sum over l = 1 ... L of [sine_l sin(l w t) - cosine_l cos(l w t)] / (l w),  w = 2 pi base_frequency,
 
@@ -41,7 +41,7 @@ class FourierSeries(Trajectory):
         quarters = (s, c, -s, -c)
         found = np.empty((order + 1, *t.shape, self.size))
         for k in range(order + 1):
-            # every derivative turns both waves on by a quarter
+            # every derivative advances both waves by a quarter period
             grown = rate ** (k - 1)
             found[k] = (quarters[k % 4] * grown) @ self.sine - (quarters[(k + 1) % 4] * grown) @ self.cosine
         found[0] += self.centre
@@ -49,7 +49,7 @@ class FourierSeries(Trajectory):
 
 
 def still_waves(harmonics: int, rest: int) -> tuple[Array, Array]:
-    """Sine and cosine parts (L, r) of waves whose first `rest` derivatives vanish where a period starts and ends.
+    """Sine and cosine parts (L, r) of waves whose first `rest` derivatives vanish at the start and end of a period.
 
     r = 2 L - rest; the waves have unit coefficients and are orthogonal.
     """

@@ -14,7 +14,7 @@ FILES = ("excitation.csv", "excitation.json", "excitation.png")
 
 
 def table_of(found: Excitation) -> Table:
-    """What the motion uses of every limit, and what it tells of the parameters."""
+    """The motion's use of every limit, and its information about the parameters."""
     told = f"{found.robot.name}: excitation of {found.trajectory.duration:g} s, {found.trajectory.harmonics} harmonics"
     table = Table(title=told, title_justify="left")
     for k, column in enumerate(("joint", "quantity", "range used", "limit", "used")):
@@ -36,14 +36,14 @@ def table_of(found: Excitation) -> Table:
 
 
 def save(found: Excitation, folder: Path) -> list[Path]:
-    """Writes motion and picture beside the series that the search has left there."""
+    """Writes motion and picture beside the series that the search wrote there."""
     found.save_csv(folder / FILES[0])
     save_figure(found.plot(), folder / FILES[2])
     return [folder / name for name in FILES]
 
 
 def _share(use: Use) -> str:
-    """How near it comes to the nearer bound, 100 % at it, from the middle between two."""
+    """Use of the nearer bound: 0 midway between two, 100 % at either."""
     if not np.isfinite(use.high - use.low):
         return "-"
     middle, reach = (use.high + use.low) / 2.0, (use.high - use.low) / 2.0

@@ -15,13 +15,13 @@ SCHEMA, CHANNEL, MESSAGE, CHUNK, DATA_END = 3, 4, 5, 6, 15
 """Kinds of MCAP records.  The numbers and the layouts below are from mcap.dev/spec, version 0."""
 
 MESSAGE_ITSELF = 100
-"""Bytes that a message takes beside its words and its data."""
+"""Bytes that a message takes in addition to its strings and its data."""
 
 MAGIC = b"\x89MCAP0\r\n"
 
 
 class Message(NamedTuple):
-    """Topic, type (`sensor_msgs/msg/JointState`), when it was received, ns, and its bytes (CDR)."""
+    """Topic, type (`sensor_msgs/msg/JointState`), time of reception, ns, and bytes (CDR)."""
 
     topic: str
     type: str
@@ -30,9 +30,9 @@ class Message(NamedTuple):
 
 
 def stored_messages(path: Path) -> Iterator[Message]:
-    """The messages of a .db3 or .mcap, as they stand there.
+    """The messages of a .db3 or .mcap, in the file's order.
 
-    Raises ValueError, EOFError or sqlite3.Error for a file that is none, CutpointError for a missing unpacker.
+    Raises ValueError, EOFError or sqlite3.Error for another kind of file, CutpointError for a missing unpacker.
     """
     if path.suffix.lower() == ".db3":
         yield from _from_sqlite(path)
@@ -46,11 +46,11 @@ def stored_messages(path: Path) -> Iterator[Message]:
 def _from_sqlite(path: Path) -> Iterator[Message]:
     with closing(sqlite3.connect(f"file:{pathname2url(str(path.resolve()))}?immutable=1", uri=True)) as base:
         base.execute("PRAGMA trusted_schema = OFF")
-        # a view could be any program
+        # a view could run anything
         query = "SELECT COUNT(*) FROM sqlite_master WHERE type = 'table' AND name IN ('topics', 'messages')"
         if base.execute(query).fetchone() != (2,):
             raise ValueError("it has no tables 'topics' and 'messages'")
-        # as could a column that is computed
+        # as could a computed column
         query = "SELECT COUNT(*) FROM pragma_table_xinfo('topics') AS t, pragma_table_xinfo('messages') AS m"
         if base.execute(f"{query} WHERE t.hidden OR m.hidden").fetchone() != (0,):
             raise ValueError("its tables 'topics' and 'messages' have columns that are computed")
@@ -67,7 +67,7 @@ def _from_sqlite(path: Path) -> Iterator[Message]:
 
 
 class _Mcap:
-    """What the records read so far announced, and how much more may be unpacked."""
+    """Schemas and channels of the records read so far, and how much more may be unpacked."""
 
     def __init__(self) -> None:
         self.types: dict[int, str] = {}
@@ -99,7 +99,7 @@ class _Mcap:
         return Message(topic, kind, received, record.read())
 
     def unpacked(self, chunk: BinaryIO) -> bytes:
-        """The records in a chunk, never more than announced, nor than the file may hold in all."""
+        """The records in a chunk, never more than announced, nor than the file's total limit."""
         _exactly(chunk, 16)  # its first and last time
         size = _number(chunk, 8)
         self.take(size)

@@ -6,7 +6,7 @@ from collections.abc import Iterable, Sequence
 from cutpoint.identification.logs.units import LONGEST_NAME
 
 TIME = ("time", "t", "timestamp", "timestamps", "stamp", "stamps", "timesec", "times")
-"""Names of times; only letters and digits count, below letters alone, and of a path only the end."""
+"""Names of times; only letters and digits count, for the other names only letters, and only the end of a path."""
 
 NAMES = {
     "q": (
@@ -26,28 +26,28 @@ NAMES = {
     "torque": ("motortorque", "tau", "torque", "torques", "effort", "efforts", "actualtorque", "commandtorque"),
     "current": ("current", "currents", "motorcurrent", "motorcurrents", "actualcurrent"),
 }
-"""Of each quantity, the likeliest first."""
+"""Names of each quantity, the likeliest first."""
 
 
 KNOWN = frozenset(name for names in NAMES.values() for name in names)
 
 WISHED = re.compile(r"(desired|des|target|command|commanded|cmd|reference|ref|setpoint|goal|demand)s?", re.I)
-"""Words in the names of what was asked for, beside which another column of the same name is what was measured."""
+"""Words in the names of commanded quantities; another column of the same name is then the measured one."""
 
 
 def time_channel(names: Iterable[str]) -> str | None:
-    """The first channel that is named like a time."""
+    """The first channel with a name of a time."""
     found = {re.sub(r"[^a-z0-9]", "", _end(name).lower()): name for name in reversed(list(names))}
     return next((found[name] for name in TIME if name in found), None)
 
 
 def is_wished(name: str) -> bool:
-    """Whether a word of a name says that it is a command."""
+    """Whether a word of a name marks a command."""
     return any(WISHED.fullmatch(word) for word in re.split(r"[^A-Za-z]+", name))
 
 
 def name_and_label(name: str, joints: Sequence[str]) -> tuple[str, str]:
-    """The letters of a column's name without its joint or its number, and these: `q_elbow`, `q.elbow`, `q1`."""
+    """The letters of a column's name without its joint or number, and that label: `q_elbow`, `q.elbow`, `q1`."""
     if len(name) > LONGEST_NAME:
         return "", name
     # longest first: `elbow_2` is not `elbow`
@@ -66,13 +66,13 @@ def name_and_label(name: str, joints: Sequence[str]) -> tuple[str, str]:
 
 
 def _parted(name: str, joint: str) -> tuple[str, str, str]:
-    """What stands before a joint's name, that name as a word of its own, and what stands after it."""
+    """The text before a joint's name, that name as a whole word, and the text after it."""
     found = re.search(rf"(?<![A-Za-z0-9]){re.escape(joint)}(?![A-Za-z0-9])", name)
     return (name[: found.start()], joint, name[found.end() :]) if found else (name, "", "")
 
 
 def letters(name: str) -> str:
-    """Of the end of a path, in small letters."""
+    """Letters of the end of a path, in lower case."""
     return re.sub(r"[^a-z]", "", _end(name).lower())
 
 

@@ -1,4 +1,4 @@
-"""Quantities that were sampled at times of their own, in order, without jumps, and at the times of the first."""
+"""Quantities with time stamps of their own, put in order, unwrapped, and resampled at the times of the first."""
 
 from collections.abc import Mapping, Sequence
 
@@ -21,9 +21,9 @@ Array = NDArray[np.float64]
 def at_common_times(
     table: Table, mapping: ChannelMap, joints: Sequence[str], measured: Mapping[str, Measured]
 ) -> tuple[Array, dict[str, Array], list[str]]:
-    """All quantities at the times of the first, which count from 0; and notes.
+    """All quantities at the times of the first, which start at 0; and notes.
 
-    Raises InputError: see `ordered`; quantities that never ran together.  ModelError where the log has no times.
+    Raises InputError: see `ordered`; quantities that do not overlap in time.  ModelError if the log has no times.
     """
     common: Ordered | None = None
     channels: dict[str, Array] = {}
@@ -51,7 +51,7 @@ def _ordered_together(times: Array, values: Mapping[str, Array], table: Table) -
 
 
 def _brought(name: str, values: Array, own: Ordered, common: Ordered, notes: list[str]) -> Array:
-    """Values from their own times to the common ones."""
+    """Values resampled from their own times to the common ones."""
     later = own.start - common.start
     if later > common.times[-1] or later + own.times[-1] < 0.0:
         raise InputError(f"{name} was recorded {later:g} s after the first channel: they never ran together")
@@ -60,7 +60,7 @@ def _brought(name: str, values: Array, own: Ordered, common: Ordered, notes: lis
 
 
 def _times(table: Table, mapping: ChannelMap, count: int) -> Array:
-    """Time of each sample, s.  Raises ModelError where the log has none, and the mapping does not help."""
+    """Time of each sample, s.  Raises ModelError if neither the log nor the mapping gives it."""
     sheet, section = mapping.sheet.time, mapping.section
     if sheet.period is not None:
         return sheet.period * np.arange(count, dtype=np.float64)

@@ -1,4 +1,4 @@
-"""The cells of a text: numbers, date-times, words, and those in which a logger says that it has nothing."""
+"""The cells of a text: numbers, date-times, words, and markers of missing values."""
 
 import math
 import re
@@ -10,23 +10,23 @@ import numpy as np
 from cutpoint.identification.logs.table import Channel, Table
 
 UNKNOWN = ("", "nan", "null", "none", "na", "n/a")
-"""Cells in which a logger says that it has no number."""
+"""Cells that mark a missing number."""
 
 DATE_TIME = re.compile(r"(\d{4}-\d\d-\d\d)[T ](\d\d:\d\d(?::\d\d(?:[.,]\d{1,9})?)?) ?(?:Z|UTC|([+-]\d\d):?(\d\d))?")
-"""ISO 8601, as pandas and most loggers write it."""
+"""ISO 8601 as pandas and most loggers write it."""
 
 
 def split(row: list[str], delimiter: str) -> list[str]:
-    """Cells without the blanks around them; between blanks, any number of which divides, nothing is no cell."""
+    """Cells without surrounding blanks; blanks as delimiter, any number of them, leave no empty cells."""
     cells = [cell.strip() for cell in row]
     return [cell for cell in cells if cell] if delimiter == " " else cells
 
 
 def number(cell: str, delimiter: str) -> float | None:
-    """The number in a cell, NaN for one that says it has none, None for a word."""
+    """The number in a cell, NaN for a marker of a missing one, None for a word."""
     if cell.lower() in UNKNOWN:
         return math.nan
-    if "_" in cell:  # Python's own, which no logger writes
+    if "_" in cell:  # Python's own syntax, which no logger writes
         return None
     try:
         return float(cell if delimiter == "," else cell.replace(",", "."))
@@ -35,7 +35,7 @@ def number(cell: str, delimiter: str) -> float | None:
 
 
 def nanoseconds(cell: str) -> int | None:
-    """Of a date-time, since 1970 (UTC where it states its zone), or None for what is none."""
+    """Nanoseconds of a date-time since 1970 (UTC if it states its zone), or None for anything else."""
     found = DATE_TIME.fullmatch(cell)
     if not found:
         return None
@@ -48,12 +48,12 @@ def nanoseconds(cell: str) -> int | None:
 
 
 def is_word(cell: str, delimiter: str) -> bool:
-    """Whether a cell holds neither a number nor a date-time, nor nothing."""
+    """Whether a cell is neither a number nor a date-time, nor empty."""
     return number(cell, delimiter) is None and nanoseconds(cell) is None
 
 
 class Cells:
-    """The cells of samples as numbers, NaN for a word; date-times count in s from the first of their column."""
+    """The cells of samples as numbers, NaN for a word; date-times in s since the first of their column."""
 
     def __init__(self, width: int, delimiter: str) -> None:
         self.width, self.delimiter = width, delimiter
@@ -77,11 +77,11 @@ class Cells:
 
     @property
     def count(self) -> int:
-        """Of samples."""
+        """Number of samples."""
         return len(self.numbers) // self.width
 
     def table(self, file: str, names: list[str], units: list[str], notes: list[str]) -> Table:
-        """Columns of numbers; those of words are left out, and single words among numbers are missing samples."""
+        """Columns of numbers; columns of words are left out, and single words among numbers are missing samples."""
         table = np.array(self.numbers).reshape(-1, self.width)
         channels: dict[str, Channel] = {}
         left_out: dict[str, str] = {}

@@ -1,4 +1,4 @@
-"""What a text says before its numbers: how its cells are divided, what its columns are called, and in what units."""
+"""The header of a text: the delimiter, and the names and units of its columns."""
 
 import csv
 import re
@@ -12,12 +12,12 @@ from cutpoint.identification.logs.csv_cells import is_word, number, split
 from cutpoint.identification.logs.units import known_unit, name_and_unit
 
 LONGEST_LINE = 100_000
-"""Characters of the line that names the columns."""
+"""Largest length, in characters, of the line that names the columns."""
 
 COMMENTS = ("#", "%")
 
 NO_UNIT = ("", "-", "1")
-"""Cells of a column without a unit in a line of units."""
+"""Cells for a column without a unit in a line of units."""
 
 
 class Header(NamedTuple):
@@ -33,10 +33,10 @@ class Header(NamedTuple):
 def read_header(text: TextIO, file: str) -> Header:
     """The line of names: the first that is no comment, or a comment right above numbers of as many cells.
 
-    Excel's `sep=;` before it says what divides cells.  Else it is a semicolon, a tab, a comma or blanks, the first of
-    these that the line holds.
+    Excel's `sep=;` before it states the delimiter.  Otherwise it is the first of semicolon, tab, comma and blanks that
+    the line contains.
 
-    Raises InputError: a first line without names, a name twice, a text that is not UTF-8.
+    Raises InputError: a first line without names, a repeated name, a text that is not UTF-8.
     """
     line, first, comment = 1, _line(text, file, 1), ""
     told = re.fullmatch(r'"?sep=([^\r\n])"?\s*', first)
@@ -55,7 +55,7 @@ def read_header(text: TextIO, file: str) -> Header:
 
 
 def _line(text: TextIO, file: str, number: int) -> str:
-    """The next line.  Raises InputError for one that is longer than any that names columns."""
+    """The next line.  Raises InputError for one too long to name columns."""
     found = text.readline(LONGEST_LINE)
     if len(found) == LONGEST_LINE and not found.endswith("\n"):
         raise InputError(f"line {number} is longer than {LONGEST_LINE:,} characters: shorten it", place=file)
@@ -63,12 +63,12 @@ def _line(text: TextIO, file: str, number: int) -> str:
 
 
 def units_below(cells: list[str], delimiter: str, place: str) -> list[str] | None:
-    """Units, if the line under the names states those of the columns; None if it is a sample.
+    """The columns' units, if the line below the names states them; None if it is a sample.
 
-    Raises InputError for a line of words of which one is no unit.
+    Raises InputError for a line of words that are not all units.
     """
     stated = [cell for cell in cells if cell not in NO_UNIT]
-    # dashes alone are missing samples
+    # only dashes: missing samples
     if not any(re.search(r"[^\W\d_]|[°%]", cell) for cell in stated) or not all(is_word(c, delimiter) for c in stated):
         return None
     units = ["" if cell in NO_UNIT else known_unit(cell) for cell in cells]
@@ -92,7 +92,7 @@ def _are_numbers(titles: list[str]) -> bool:
 
 
 def _named(titles: list[str], place: str) -> tuple[list[str], list[str]]:
-    """Names and units of the columns; one without a name, as pandas writes its index, is called by its place."""
+    """Names and units of the columns; an unnamed one, such as pandas' index, is named by its position."""
     if _are_numbers(titles):
         shown = ", ".join(titles[:8])
         raise InputError(f"first line '{shown}' must name the columns, as in 't, q1, q2, tau1, tau2'", place=place)

@@ -1,4 +1,4 @@
-"""Mapping of channels by their names, as in logs of ROS, RTDE and this package."""
+"""Mapping of channels by names, as in logs of ROS, RTDE and this package."""
 
 from collections.abc import Iterable, Mapping, Sequence
 from typing import NamedTuple
@@ -10,9 +10,9 @@ from cutpoint.identification.logs.table import Table
 
 
 class Group(NamedTuple):
-    """Channels of one known name, by what tells them apart: a joint, a number, or nothing.
+    """Channels of one known name, by their labels: a joint, a number, or none.
 
-    twins: of those that another one is named like, which one.  wished: whether all were asked for, not measured.
+    twins: for channels with a similarly named one, that one.  wished: whether all are commanded, not measured.
     """
 
     channels: dict[str, str]
@@ -48,7 +48,7 @@ def default_mapping(table: Table, joints: Sequence[str] = ()) -> MappingSheet:
 
 
 def _groups(table: Table, joints: Sequence[str]) -> dict[str, Group]:
-    """By known name: the matrices of that name, or all columns."""
+    """The matrices, or all columns, of each known name."""
     found: dict[str, list[tuple[str, str]]] = {}
     for name, channel in table.channels.items():
         if channel.width > 1 and letters(name) in KNOWN:
@@ -62,7 +62,7 @@ def _groups(table: Table, joints: Sequence[str]) -> dict[str, Group]:
 
 
 def _group(columns: list[tuple[str, str]], table: Table, joints: Sequence[str]) -> Group:
-    """One channel of each label: of several, those of the robot's joints, and those that were measured."""
+    """One channel per label: of several, those of the robot's joints, and the measured ones."""
     rules = (lambda name: bool(set(joints) & set(table.channels[name].labels)), lambda name: not is_wished(name))
     for is_better in rules:
         better = [column for column in columns if is_better(column[1])]
@@ -74,12 +74,12 @@ def _group(columns: list[tuple[str, str]], table: Table, joints: Sequence[str]) 
 
 
 def _likeliest(names: Sequence[str], groups: Mapping[str, Group]) -> str:
-    """The first of the names that something has, before all of what was only asked for."""
+    """The first name that occurs, measured quantities before commanded ones."""
     return min((name for name in names if name in groups), key=lambda name: groups[name].wished, default="")
 
 
 def _in_order(group: Mapping[str, str], joints: Sequence[str]) -> list[str]:
-    """The columns of a position: as the robot has its joints, by number, or as they stand in the file."""
+    """The columns of a position: in the order of the robot's joints, of their numbers, or of the file."""
     if joints and set(joints) <= set(group):
         return list(joints)
     return sorted(group, key=int) if all(label.isdecimal() for label in group) else list(group)
@@ -105,5 +105,5 @@ def _channels(first: Mapping[str, str], group: Group, labels: Sequence[str], tab
 
 
 def _are_numbers(labels: Iterable[str]) -> bool:
-    """Whether columns are told apart by numbers, or need not be."""
+    """Whether columns are labelled by numbers, or need no labels."""
     return all(label.isdecimal() or not label for label in labels)

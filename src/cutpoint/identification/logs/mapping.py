@@ -1,4 +1,4 @@
-"""Mapping files (YAML, version 1): which channels of a log are which quantity.  `mapping_sheet.py` has the fields."""
+"""Mapping files (YAML, version 1): which channels of a log are which quantity.  Fields: see `mapping_sheet.py`."""
 
 import json
 from collections.abc import Mapping, Sequence
@@ -29,20 +29,20 @@ class Lineless(YamlDocument):
 
 @dataclass(frozen=True, eq=False)
 class ChannelMap:
-    """A mapping, and where its fields stand, for messages."""
+    """A mapping, and the places of its fields, for messages."""
 
     sheet: MappingSheet
     section: Section
 
     @property
     def quantities(self) -> dict[str, ChannelSheet]:
-        """The quantities that are mapped, by name."""
+        """The mapped quantities, by name."""
         found = {name: getattr(self.sheet, name) for name in QUANTITIES}
         return {name: sheet for name, sheet in found.items() if sheet is not None}
 
 
 def load_mapping(path: str | Path) -> ChannelMap:
-    """The mapping in a file.  Raises ModelError, with file and line, for whatever is wrong in it."""
+    """The mapping in a file.  Raises ModelError, with file and line, for any error in it."""
     path = path_of("load_mapping", path, "a mapping file")
     return parse_mapping(read_bytes(path, MAXIMUM_BYTES), str(path))
 
@@ -66,7 +66,7 @@ def obvious_mapping(table: Table, joints: Sequence[str] = ()) -> ChannelMap:
 
 
 def _plain(given: Mapping[str, Any]) -> Any:
-    """A dict's values as a file has them: lists for tuples, floats for numbers.  Raises ModelError."""
+    """A dict's values in the types of a file: lists for tuples, floats for numbers.  Raises ModelError."""
     try:
         return json.loads(json.dumps(dict(given)), parse_int=float)
     except (TypeError, ValueError, RecursionError) as error:
@@ -74,7 +74,7 @@ def _plain(given: Mapping[str, Any]) -> Any:
 
 
 def _check(mapping: ChannelMap) -> None:
-    """The rules that join several fields."""
+    """Checks the rules that involve several fields."""
     sheet, section = mapping.sheet, mapping.section
     if sheet.version != VERSION:
         raise section.error(("version",), f"version {sheet.version:g} is not known; this cutpoint reads {VERSION}")
@@ -100,7 +100,7 @@ def _check_quantity(name: str, sheet: ChannelSheet, section: Section) -> None:
 
 
 def check_unit(name: str, sheet: ChannelSheet, unit: str, section: Section) -> None:
-    """Raises ModelError for a unit that the quantity cannot have, or that needs a number beside it."""
+    """Raises ModelError for a unit that the quantity cannot have, or that needs another number."""
     if unit == COUNTS.get(name):
         if sheet.counts_per_turn is None and sheet.gain is None:
             raise section.error((name, "unit"), f"{name}.unit {unit!r} needs 'counts_per_turn'")

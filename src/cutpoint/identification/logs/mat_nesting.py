@@ -1,30 +1,30 @@
-"""How deep cells and structures nest in an array of a MATLAB file, found before SciPy reads it.
+"""Nesting depth of cells and structures in an array of a MATLAB file, checked before SciPy reads it.
 
-SciPy calls itself for every level, on the stack of the process.  It reads elements one after the other, whatever size
-an array says it has, and so does this.  All numbers are from MathWorks, MAT-File Format, "Level 5 MAT-File Format".
+SciPy recurses at every level, on the stack of the process.  It reads elements in sequence, whatever size an array
+states, and so does this.  All numbers are from MathWorks, MAT-File Format, "Level 5 MAT-File Format".
 """
 
 import math
 from typing import Any, NamedTuple
 
 ARRAY = 14
-"""The tag of an element that is an array, of numbers or of further arrays."""
+"""The tag of an array element, of numbers or of further arrays."""
 
 CELL, STRUCTURE, OBJECT, FUNCTION, OPAQUE = 1, 2, 3, 16, 17
-"""Classes of arrays that hold arrays."""
+"""Classes of arrays that contain arrays."""
 
 DEEPEST = 100
-"""Arrays within arrays."""
+"""Deepest nesting of arrays."""
 
 MOST_ARRAYS = 1_000_000
-"""And elements that hold their numbers."""
+"""Largest number of arrays and of elements with their numbers."""
 
 MOST_DIMENSIONS = 32
-"""Of an array, as SciPy has it."""
+"""Largest number of an array's dimensions, as in SciPy."""
 
 
 class Element(NamedTuple):
-    """The tag of an element, its content, and where the next one begins."""
+    """The tag of an element, its content, and the start of the next one."""
 
     kind: int
     content: memoryview
@@ -32,9 +32,9 @@ class Element(NamedTuple):
 
 
 def check_nesting(array: memoryview, order: Any) -> None:
-    """Raises ValueError for an element whose arrays nest deeper than `DEEPEST`, are too many, or are not all there."""
+    """Raises ValueError for an element whose arrays nest deeper than `DEEPEST`, are too many, or are incomplete."""
     place, count = 0, 0
-    to_come = [1]  # arrays at each depth
+    to_come = [1]  # arrays left at each depth
     while to_come:
         if not to_come[-1]:
             to_come.pop()
@@ -57,7 +57,7 @@ def check_nesting(array: memoryview, order: Any) -> None:
 
 
 def _held(array: memoryview, place: int, order: Any) -> tuple[int, int]:
-    """How many arrays one holds, whose flags stand at a place, and where what follows its name begins."""
+    """How many arrays one contains, with its flags at a position, and where the data after its name begins."""
     kind = int.from_bytes(array[place + 8 : place + 12], order) & 0xFF
     place += 16
     if kind == OPAQUE:
@@ -77,7 +77,7 @@ def _held(array: memoryview, place: int, order: Any) -> tuple[int, int]:
 
 
 def _element(array: memoryview, place: int, order: Any) -> Element:
-    """The element at a place; up to four bytes stand within its tag."""
+    """The element at a position; up to four bytes are within its tag."""
     kind = int.from_bytes(array[place : place + 4], order)
     if kind >> 16:
         return Element(kind & 0xFFFF, array[place + 4 : place + 4 + min(4, kind >> 16)], place + 8)
@@ -86,5 +86,5 @@ def _element(array: memoryview, place: int, order: Any) -> Element:
 
 
 def _number(content: memoryview, order: Any) -> int:
-    """The one that it begins with."""
+    """The number at its start."""
     return int.from_bytes(content[:4], order)

@@ -7,11 +7,11 @@ from cutpoint.identification.logs.table import Channel, Table
 from cutpoint.simulation.log import Log
 
 LONGEST_START = 1000
-"""Bytes of a member within which its text begins."""
+"""Bytes of a member within which its text starts."""
 
 
 def is_own_log(path: Path) -> bool:
-    """Whether a file begins as ours do.  Raises InputError for an .npz that is no archive, or a damaged one."""
+    """Whether a file begins like ours.  Raises InputError for an .npz that is not an archive, or is damaged."""
     if path.suffix.lower() == ".npz":
         with opened_archive(path) as archive:
             if "header.npy" not in archive.namelist():
@@ -23,7 +23,7 @@ def is_own_log(path: Path) -> bool:
 
 
 def read_own_log(path: Path) -> Table:
-    """The channels of a log, with its joints and units.  Raises InputError for a file that is none."""
+    """The channels of a log, with its joints and units.  Raises InputError for any other file."""
     log = Log.load(path)
     found: dict[str, Channel] = {}
     for name, values in log.channels.items():

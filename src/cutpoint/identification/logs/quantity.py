@@ -1,4 +1,4 @@
-"""One quantity of a recording, from a log's channels: found, and converted to SI at the joint's side."""
+"""One quantity of a recording: found in a log's channels, and converted to SI at the joint's side."""
 
 import math
 from collections.abc import Collection, Mapping, Sequence
@@ -17,7 +17,7 @@ Array = NDArray[np.float64]
 
 
 class Columns(NamedTuple):
-    """Channels side by side: values (N, n), labels and units of their columns, and stamps where the log has them."""
+    """Channels side by side: values (N, n), labels and units of their columns, and stamps if the log has them."""
 
     values: Array
     labels: tuple[str, ...]
@@ -26,7 +26,7 @@ class Columns(NamedTuple):
 
 
 class Measured(NamedTuple):
-    """A quantity in SI at the joint's side, values (N, n), and stamps (N,) where the log has its own for it.
+    """A quantity in SI at the joint's side, values (N, n), and stamps (N,) if the log has separate ones for it.
 
     spans: (k, n), after which its sensor may wrap around; see `wrapping.spans`.
     """
@@ -37,7 +37,7 @@ class Measured(NamedTuple):
 
 
 def columns_of(name: str, mapping: ChannelMap, table: Table) -> Columns:
-    """A quantity's channels.  Raises ModelError for one that the log lacks, as long as no other, or taken twice."""
+    """A quantity's channels.  Raises ModelError for one that is missing, differs in length, or is used twice."""
     channels = [_channel(name, wanted, mapping, table) for wanted in mapping.quantities[name].channels]
     first = channels[0]
     for wanted, channel in zip(mapping.quantities[name].channels, channels, strict=True):
@@ -61,7 +61,7 @@ def columns_of(name: str, mapping: ChannelMap, table: Table) -> Columns:
 
 
 def picked(name: str, columns: Columns, joints: Sequence[str], mapping: ChannelMap) -> Columns:
-    """The columns of these joints: by their labels, or all where these name none.  Raises ModelError."""
+    """The columns of these joints: by their labels, or all if the labels name no joints.  Raises ModelError."""
     if set(joints) <= set(columns.labels):
         chosen = [columns.labels.index(joint) for joint in joints]
         units = tuple(columns.units[k] for k in chosen)
@@ -78,8 +78,8 @@ def picked(name: str, columns: Columns, joints: Sequence[str], mapping: ChannelM
 def check_kinds(
     name: str, columns: Columns, joints: Sequence[str], sliding: Collection[str], mapping: ChannelMap
 ) -> None:
-    """Raises ModelError for lengths of joints that turn, and for angles of those that slide (their motors may turn),
-    unless a gain says what they are worth."""
+    """Raises ModelError for lengths of revolute joints, and for angles of prismatic ones (their motors may turn),
+    unless a gain converts them."""
     sheet = mapping.quantities[name]
     if sheet.gain:
         return
@@ -99,7 +99,7 @@ def check_kinds(
 def in_si(name: str, columns: Columns, ratio: Array | None, slides: NDArray[np.bool_], mapping: ChannelMap) -> Measured:
     """Columns in the log's units as SI at the joint's side.
 
-    ratio: (n,), or None where nobody stated it.  slides: (n,), which joints are known to slide.
+    ratio: (n,), or None if not stated.  slides: (n,), which joints are known to be prismatic.
     Raises ModelError: a unit or a side that needs a number, lists of another length than there are joints.
     """
     sheet, joints = mapping.quantities[name], columns.values.shape[1]
@@ -139,7 +139,7 @@ def _channel(name: str, wanted: str, mapping: ChannelMap, table: Table) -> Chann
 
 
 def _units(name: str, columns: Columns, mapping: ChannelMap) -> list[str]:
-    """Of each column: the mapping's, the log's, or SI.  Raises ModelError where the log states those of some alone."""
+    """Units of each column: the mapping's, the log's, or SI.  Raises ModelError if the log states only some."""
     sheet, si = mapping.quantities[name], next(iter(UNITS[name]))
     given = sheet.unit or columns.units
     if len(given) not in (1, len(columns.units)):
@@ -156,7 +156,7 @@ def _units(name: str, columns: Columns, mapping: ChannelMap) -> list[str]:
 
 
 def _unit_factors(name: str, units: Sequence[str], per_turn: Array) -> Array:
-    """What the log's numbers are multiplied with, (n,), but for a gain."""
+    """Factors of the log's numbers, (n,), without a gain."""
     factors = np.array([UNITS[name].get(unit, 1.0) for unit in units])
     counted = np.array([unit == COUNTS.get(name) for unit in units]) & np.isfinite(per_turn)
     return np.where(counted, 2.0 * math.pi / per_turn, factors)

@@ -1,4 +1,4 @@
-"""Logs as ROS 2 bags: JointState and Float64MultiArray messages of a .db3, an .mcap, or a folder of them."""
+"""Logs as ROS 2 bags: JointState and Float64MultiArray messages in a .db3, an .mcap, or a folder of them."""
 
 import sqlite3
 from collections.abc import Iterator, Sequence
@@ -25,11 +25,10 @@ MOST_FILES = 1000
 def read_bag(path: Path) -> Table:
     """`/joint_states.position`, `.velocity`, `.effort` with a column per joint, and `/topic.data` of plain arrays.
 
-    A topic on which messages name other joints than before has a channel for each set of joints: `/joint_states#2.`.
-    Times are the headers', or where there are none those at which messages were received.  A folder's metadata.yaml is
-    not read.
+    A topic whose messages name different sets of joints has a channel for each set: `/joint_states#2.`.  Times are the
+    headers', or without headers those of reception.  A folder's metadata.yaml is not read.
 
-    Raises InputError: no bag, a bag without such messages; CutpointError where rosbags is missing.
+    Raises InputError: no bag, a bag without such messages; CutpointError if rosbags is missing.
     """
     files = _files(path)
     try:
@@ -45,7 +44,7 @@ def read_bag(path: Path) -> Table:
 
 
 def _files(path: Path) -> list[Path]:
-    """The bag's files of messages, in the order of their names."""
+    """The bag's message files, in order of their names."""
     found = [path]
     if path.is_dir():
         found = sorted(each for each in path.iterdir() if each.suffix.lower() in (".db3", ".mcap"))
@@ -63,7 +62,7 @@ def _files(path: Path) -> list[Path]:
 def _channels(messages: Sequence[Message]) -> dict[str, Channel]:
     series: dict[str, dict[Any, list[tuple[int, Any]]]] = {}
     for received, topic, content in _decoded(messages):
-        # joints that another publisher names, or arrays of another length, are another series
+        # other joints, as from another publisher, or arrays of another length, are another series
         kind = tuple(sorted(content.name)) if hasattr(content, "name") else len(content.data)
         series.setdefault(topic, {}).setdefault(kind, []).append((received, content))
     stamped = {
@@ -80,22 +79,22 @@ def _channels(messages: Sequence[Message]) -> dict[str, Channel]:
 
 
 def _decoded(messages: Sequence[Message]) -> Iterator[tuple[int, str, Any]]:
-    """When, on what topic, and the message itself."""
+    """Time, topic and decoded message."""
     if not messages:
         return
     typesys = optional("rosbags.typesys", "a ROS 2 bag")
-    # definitions that a bag brings along would be compiled; these two types are the same in every release
+    # a bag's own definitions would be compiled; these two types are the same in every release
     decode = typesys.get_typestore(typesys.Stores.ROS2_HUMBLE).deserialize_cdr
     for message in messages:
         try:
             content = decode(message.data, message.type)
-        except Exception as error:  # what a decoder may raise on bytes that are no message, nobody promises
+        except Exception as error:  # what a decoder raises on invalid bytes is not specified
             raise ValueError(f"a message on {message.topic!r} is not what it says: {error!r}") from error
         yield message.received, message.topic, content
 
 
 def _stamp(received: int, content: Any) -> int:
-    """ns: the header's, unless there is none or nobody set it."""
+    """ns: the header's, if there is one and it was set."""
     stamp = content.header.stamp if hasattr(content, "header") else None
     return stamp.sec * 10**9 + stamp.nanosec if stamp and (stamp.sec or stamp.nanosec) else received
 
@@ -115,7 +114,7 @@ def _columns(topic: str, stamps: NDArray[np.float64], contents: Sequence[Any]) -
 
 
 def _row(content: Any, field: str, labels: tuple[str, ...]) -> list[float]:
-    """One message's numbers in the order of the labels, NaN where it leaves the field empty."""
+    """One message's numbers in the order of the labels, NaN if it leaves the field empty."""
     found = getattr(content, field)
     given = dict(zip(content.name, found, strict=True)) if len(found) == len(content.name) else {}
     return [float(given.get(label, np.nan)) for label in labels]

@@ -22,8 +22,8 @@ def read_csv(path: Path) -> Table:
     so is a word in a column of numbers, with a note.  Date-times become seconds since the first of them.  A line below
     the names may hold the columns' units.  A last line that was cut off is left out, with a note.
 
-    Raises InputError, with the line: a first line without names, a name twice, a line of another length, words below
-    the names that are no units; a text that is not UTF-8.
+    Raises InputError, with the line: a first line without names, a repeated name, a line of another length, words
+    below the names that are not units; a text that is not UTF-8.
     """
     check_readable(path, LARGEST_TEXT)
     try:

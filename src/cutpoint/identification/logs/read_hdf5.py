@@ -8,13 +8,13 @@ from cutpoint.identification.logs.table import Channel, Table, channel, check_si
 from cutpoint.simulation.log_files import UNREADABLE
 
 REFERENCES = "#refs#"
-"""Where MATLAB keeps what cells and objects point to."""
+"""Where MATLAB stores the targets of cells and objects."""
 
 
 def read_hdf5(path: Path) -> Table:
-    """The matrices of numbers, by their path: `rec.position`.  Only this file is read, whatever links it holds.
+    """The matrices of numbers, by their path: `rec.position`.  Only this file is read, whatever links it contains.
 
-    Raises InputError: no HDF5, or arrays of more than `LARGEST` bytes; CutpointError where h5py is missing.
+    Raises InputError: no HDF5, or arrays of more than `LARGEST` bytes; CutpointError if h5py is missing.
     """
     h5py = optional("h5py", "a .mat file of version 7.3")
     channels: dict[str, Channel] = {}
@@ -22,7 +22,7 @@ def read_hdf5(path: Path) -> Table:
 
     def visit(name: str, item: Any) -> None:
         nonlocal size
-        # data outside of the file, or composed of other files, would let a log read what it likes
+        # external or virtual data would let a log read any file
         if not isinstance(item, h5py.Dataset) or name.startswith(REFERENCES) or item.is_virtual or item.external:
             return
         if item.dtype.kind in "fiub" and "MATLAB_empty" not in item.attrs:

@@ -20,10 +20,10 @@ HEADER = 128
 """Bytes before the first element of a version 5 file: MathWorks, MAT-File Format, "Level 5 MAT-File Format"."""
 
 COMPRESSED = 15
-"""The tag of an element that zlib packed: the same, table 1-1."""
+"""The tag of an element compressed by zlib: the same, table 1-1."""
 
 DEEPEST = 8
-"""Structures within structures."""
+"""Deepest nesting of structures."""
 
 
 def read_mat(path: Path) -> Table:
@@ -36,10 +36,10 @@ def read_mat(path: Path) -> Table:
     if start.startswith(b"MATLAB 7.3"):
         return read_hdf5(path)
     try:
-        if 0 not in start[:4]:  # as SciPy tells version 5 from 4, which neither packs nor nests
+        if 0 not in start[:4]:  # as SciPy distinguishes version 5 from 4, which neither compresses nor nests
             _check_elements(path, "little" if start[126:] == b"IM" else "big")
         with warnings.catch_warnings():
-            warnings.simplefilter("ignore", DeprecationWarning)  # how sparse matrices come changes: none is read
+            warnings.simplefilter("ignore", DeprecationWarning)  # on sparse matrices: none is read
             found = loadmat(path, struct_as_record=False, squeeze_me=True, chars_as_strings=False)
     except (*UNREADABLE, MatReadError, MemoryError, NotImplementedError) as error:
         raise InputError(f"file is not a MATLAB file that can be read: {error}", place=path) from error
@@ -58,7 +58,7 @@ def _leaves(prefix: str, found: dict[str, Any], depth: int) -> Iterator[tuple[st
 
 
 def _check_elements(path: Path, order: Any) -> None:
-    """Raises ValueError for what SciPy would take unasked: more than `LARGEST_FILE` bytes, or too deep a nesting."""
+    """Raises ValueError for what SciPy would not refuse: more than `LARGEST_FILE` bytes, or too deep a nesting."""
     left = LARGEST_FILE
     with path.open("rb") as file:
         file.seek(HEADER)

@@ -37,7 +37,7 @@ def read_npz(path: Path) -> Table:
 
 @contextmanager
 def opened_archive(path: Path) -> Generator[zipfile.ZipFile, None, None]:
-    """An .npz to read from.  Raises InputError for whatever is wrong in it, then and while it is read."""
+    """An .npz to read from.  Raises InputError for any error in it, when opened and while it is read."""
     try:
         with zipfile.ZipFile(path) as archive:
             packings = {member.compress_type for member in archive.infolist()}
@@ -52,7 +52,7 @@ def opened_archive(path: Path) -> Generator[zipfile.ZipFile, None, None]:
 
 
 def _array(archive: zipfile.ZipFile, name: str) -> NDArray[Any] | str:
-    """A member's numbers, or what it holds instead; ValueError for one that promises more than it holds."""
+    """A member's numbers, or what it contains instead; ValueError for one that states more than it contains."""
     member = archive.getinfo(name)
     with archive.open(member) as file:
         read = {(1, 0): np.lib.format.read_array_header_1_0, (2, 0): np.lib.format.read_array_header_2_0}

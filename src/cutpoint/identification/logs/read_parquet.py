@@ -1,4 +1,4 @@
-"""Logs as Parquet files: a column for each channel; lists of a fixed length are a column for each joint."""
+"""Logs as Parquet files: a column per channel; lists of fixed length are a column per joint."""
 
 from pathlib import Path
 from typing import Any
@@ -13,17 +13,16 @@ from cutpoint.identification.logs.table import Channel, Table, channel, check_si
 def read_parquet(path: Path) -> Table:
     """Columns of numbers by name, the fields of structures as `rec.position`; dates and durations become seconds.
 
-    Raises InputError: no Parquet file, or one that unpacks to more than is read; CutpointError where pyarrow is
-    missing.
+    Raises InputError: no Parquet file, or one that unpacks to more than is read; CutpointError if pyarrow is missing.
     """
     pyarrow = optional("pyarrow", "a Parquet file")
     parquet = optional("pyarrow.parquet", "a Parquet file")
     try:
-        # opened here, so that a path is never taken for an address
+        # opened here, so that a path is never taken for a URL
         with path.open("rb") as stream, parquet.ParquetFile(stream) as file:
             check_size(max(_sizes(file.metadata)), "table", str(path))
             columns = [file.metadata.schema.column(k) for k in range(file.metadata.num_columns)]
-            # texts are never numbers, and a single one may be packed a million times
+            # texts are never numbers, and a single one may be encoded a million times
             table = _flat(file.read([each.path for each in columns if each.physical_type != "BYTE_ARRAY"]))
             kinds = {each.name: each.type for each in _flat(file.schema_arrow.empty_table()).schema}
     except (pyarrow.ArrowException, OSError, ValueError, MemoryError) as error:
@@ -36,7 +35,7 @@ def read_parquet(path: Path) -> Table:
 
 
 def _sizes(about: Any) -> tuple[int, int]:
-    """Bytes of a table as encoded, and of its numbers decoded: equal ones may be encoded as one."""
+    """Bytes of a table as encoded, and of its decoded numbers: equal ones may be encoded as one."""
     groups = [about.row_group(k) for k in range(about.num_row_groups)]
     values = sum(group.column(k).num_values for group in groups for k in range(group.num_columns))
     rows = sum(group.num_rows for group in groups) * about.num_columns
@@ -44,7 +43,7 @@ def _sizes(about: Any) -> tuple[int, int]:
 
 
 def _flat(table: Any) -> Any:
-    """A table with a column for each field of its structures."""
+    """A table with a column per field of its structures."""
     types = optional("pyarrow.types", "a Parquet file")
     while any(types.is_struct(field.type) for field in table.schema):
         table = table.flatten()
@@ -52,7 +51,7 @@ def _flat(table: Any) -> Any:
 
 
 def _channel(column: Any) -> Channel | None:
-    """A column as a channel; None for one of texts, or of lists that are empty or differ in length."""
+    """A column as a channel; None for texts, and for lists that are empty or differ in length."""
     types, compute = (optional(f"pyarrow.{part}", "a Parquet file") for part in ("types", "compute"))
     if types.is_timestamp(column.type) or types.is_duration(column.type):
         return channel(_seconds(column), unit="s")
@@ -69,7 +68,7 @@ def _channel(column: Any) -> Channel | None:
 
 
 def _seconds(column: Any) -> NDArray[np.float64]:
-    """Since the first of them, so that no digit is lost; NaN where there is none."""
+    """Seconds since the first, so that no digit is lost; NaN for missing ones."""
     found = column.to_numpy()
     known = found[~np.isnat(found)]
     since = found - known[0] if known.size else found - found

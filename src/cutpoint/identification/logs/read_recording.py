@@ -61,7 +61,7 @@ def recording_of(table: Table, mapping: ChannelMap, robot: Robot | None = None) 
 
 
 def _slides(robot: Robot | None) -> set[str]:
-    """The joints that slide, where they are known."""
+    """The prismatic joints, where known."""
     return {*robot.mechanism.sliding} if robot else set()
 
 
@@ -70,7 +70,7 @@ def _mapping(given: str | Path | Mapping[str, Any]) -> ChannelMap:
 
 
 def _joints(first: Columns, mapping: ChannelMap, robot: Robot | None) -> tuple[str, ...]:
-    """Names of the joints: as the mapping says, or the robot, or the log, or by their place."""
+    """Names of the joints: from the mapping, the robot, the log, or else by position."""
     driven, wide = tuple(robot.drives) if robot else (), first.values.shape[1]
     named = tuple(mapping.sheet.joints or first.labels)
     if driven and not mapping.sheet.joints and (set(driven) <= set(named) or (not named and len(driven) == wide)):
@@ -86,7 +86,7 @@ def _joints(first: Columns, mapping: ChannelMap, robot: Robot | None) -> tuple[s
 
 
 def _too_many_or_few(wide: int, mapping: ChannelMap, driven: tuple[str, ...]) -> ModelError:
-    """Of columns that nothing says the joints of, and that are not as many as the robot has."""
+    """Error for columns without joint names, in another number than the robot's joints."""
     name, sheet = next(iter(mapping.quantities.items()))
     rule = f"{name} has {wide} columns, and the robot {len(driven)} driven joints, {listed(driven)}"
     if wide < len(driven):

@@ -1,4 +1,4 @@
-"""A log file, of whatever kind its ending says, as a table of channels."""
+"""A log file as a table of channels; its kind is that of its suffix."""
 
 from collections.abc import Callable
 from pathlib import Path
@@ -29,7 +29,7 @@ READERS: dict[str, Callable[[Path], Table]] = {
 def read_table(path: str | Path) -> Table:
     """The channels of a log: .csv (.tsv, .txt), .npz, .mat, .parquet, a ROS 2 bag (.db3, .mcap, folder), or our own.
 
-    Raises InputError: no such file, an ending that is not read, or a file that is not what its ending says.
+    Raises InputError: no such file, an unsupported suffix, or a file that is not what its suffix says.
     CutpointError: a format whose library is missing; pip install 'cutpoint[logs]'.
     """
     path = path_of("read_table", path, "a log")
@@ -45,7 +45,7 @@ def read_table(path: str | Path) -> Table:
 
 
 def _is_folder(path: Path) -> bool:
-    """False also for a path that the system refuses, which `check_readable` tells."""
+    """Whether a path is a folder; False also for one that the system refuses, which `check_readable` reports."""
     try:
         return path.is_dir()
     except OSError:

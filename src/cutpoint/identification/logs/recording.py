@@ -17,10 +17,10 @@ QUANTITIES = ("q", "theta", "v", "theta_dot", "torque", "current")
 """The channels that a recording may have."""
 
 EFFORTS = ("torque", "current")
-"""Those of what the motors do."""
+"""Those of the motors."""
 
 UNEVEN = 1e-3
-"""Share of the period by which steps of a uniform time may differ: what text files round away."""
+"""Share of the period by which steps of a uniform time may differ: rounding in text files."""
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -69,7 +69,7 @@ class Recording:
 
     @property
     def channels(self) -> dict[str, Array]:
-        """The channels there are, (N, n), by name."""
+        """The recorded channels, (N, n), by name."""
         found = {name: getattr(self, name) for name in QUANTITIES}
         return {name: values for name, values in found.items() if values is not None}
 
@@ -90,7 +90,7 @@ class Recording:
         return period
 
     def between(self, start: float, end: float) -> "Recording":
-        """The samples from `start` to `end` s, both included.  Raises InputError where there are less than two."""
+        """The samples from `start` to `end` s, both included.  Raises InputError if there are fewer than two."""
         start, end = number("between", "start", start, "s"), number("between", "end", end, "s")
         kept = (self.time >= start) & (self.time <= end)
         if kept.sum() < 2:
@@ -124,7 +124,7 @@ class Recording:
         return self.with_channels(lambda values: values[:, columns], joints=tuple(names))
 
     def complete(self) -> NDArray[np.bool_]:
-        """Which samples hold a number in every channel of every joint, (N,) of bool."""
+        """Which samples have a number in every channel of every joint, (N,) of bool."""
         return np.asarray(np.isfinite(np.column_stack([*self.channels.values()])).all(axis=1))
 
     def with_channels(self, change: Callable[[Array], Array], **others: Any) -> "Recording":
@@ -152,5 +152,5 @@ def _checked(name: str, values: Any, shape: tuple[int, int]) -> Array:
 
 
 def check_recording(function: str, recording: Any) -> None:
-    """Raises InputError for an argument that is no recording.  function: who asks."""
+    """Raises InputError for an argument that is not a recording.  function: the caller."""
     check_kind(function, "recording", recording, Recording, "a Recording (read_recording reads logs)")

@@ -1,4 +1,4 @@
-"""Plausibility checks of a recording: channels that are constant, clipped, or in other units than stated."""
+"""Plausibility checks of a recording: channels that are constant, clipped, or not in the stated units."""
 
 import math
 from collections.abc import Callable, Iterator, Sequence
@@ -15,19 +15,19 @@ from cutpoint.robot import Robot
 Array = NDArray[np.float64]
 
 CUT_OFF = 0.01
-"""Share of the samples: more than that at one and the same extreme is no motion."""
+"""Share of the samples: more at the same extreme are clipped, not motion."""
 
 IN_A_ROW = 5
-"""Samples at the extreme, one after the other: those of a peak are fewer."""
+"""Consecutive samples at the extreme: a peak has fewer."""
 
 TURNS = 4.0
-"""Turns: positions that span more are hardly an arm's."""
+"""Turns: positions of an arm hardly span more."""
 
 APART = 0.02
-"""rad: a spring that gave way as far at rest would not be one of a drive."""
+"""rad: no drive's spring deflects this far at rest."""
 
 FITS = 0.1
-"""By how much a factor that should be 1 may differ: noise and deflection make it differ by less."""
+"""Tolerance of a factor that should be 1: noise and deflection have a smaller effect."""
 
 EXPLANATIONS = {
     -1.0: "the sign of one is wrong",
@@ -39,8 +39,8 @@ EXPLANATIONS = {
 
 
 def refuse_other_units(recording: Recording, robot: Robot, file: str = "") -> None:
-    """Raises InputError for positions far beyond a joint's limits, as those of degrees or counts as radians are, and of
-    mm as metres; for motors that all move so many times as far as links; for a clock that runs in another unit."""
+    """Raises InputError for positions far beyond a joint's limits, such as degrees or counts taken as radians, or mm as
+    metres; for motors whose positions are all the links' times one factor; and for a clock in another unit."""
     _refuse_one_factor(recording, robot, file)
     drives = list(robot.drives)
     for name in ("q", "theta"):
@@ -77,7 +77,7 @@ def _refuse_one_factor(recording: Recording, robot: Robot, file: str) -> None:
 
 
 def _are_rotors(recording: Recording, joint: str, ratio: float) -> bool:
-    """Whether a motor's position is that of its rotor, as the link's tells."""
+    """Whether a motor's position is that of its rotor, compared with the link's."""
     if "q" not in recording.channels:
         return False
     both = np.column_stack([recording[name][:, recording.joints.index(joint)] for name in ("q", "theta")])
@@ -87,7 +87,7 @@ def _are_rotors(recording: Recording, joint: str, ratio: float) -> bool:
 
 
 def _beyond(name: str, j: int, recording: Recording, slide: Sequence[bool], *, is_rotor: bool) -> str:
-    """slide: of each joint of the recording, whether it does."""
+    """slide: whether each joint of the recording is prismatic."""
     joint, x = recording.joints[j], recording[name][:, j]
     if is_rotor:
         span = f"from {np.nanmin(x):.4g} to {np.nanmax(x):.4g} rad, the ratio times as far as q: this is the rotor"
@@ -104,7 +104,7 @@ def _beyond(name: str, j: int, recording: Recording, slide: Sequence[bool], *, i
 
 
 def suspicions(recording: Recording) -> list[str]:
-    """A note for each thing that looks wrong; the joints that it is about by name."""
+    """A note on each thing that looks wrong, naming its joints."""
     notes: list[str] = []
     for name in recording.channels:
         notes += _noted(recording, name, "holds no number", lambda x: not np.isfinite(x).any())
@@ -119,7 +119,7 @@ def suspicions(recording: Recording) -> list[str]:
 
 
 def _disagreements(recording: Recording) -> Iterator[str]:
-    """Notes on channels of which one should follow from the other."""
+    """Notes on channels that contradict each other."""
     time = recording.time
     for whole, rate in (("q", "v"), ("theta", "theta_dot")):
         for (joint, x), (_, v) in zip(_columns(recording, whole), _columns(recording, rate), strict=False):
@@ -134,13 +134,13 @@ def _disagreements(recording: Recording) -> Iterator[str]:
 
 
 def _ways(time: Array, first: Array, second: Array) -> tuple[Array, Array]:
-    """Ways (N - 1,) that steps of two kinds make, without those across a gap and those that either does not know."""
+    """Cumulated steps (N - 1,) of two channels, without those across a gap or unknown in either."""
     known = (np.diff(time) <= longest_step(time)) & np.isfinite(first) & np.isfinite(second)
     return np.cumsum(np.where(known, first, 0.0)), np.cumsum(np.where(known, second, 0.0))
 
 
 def _factor(found: Array, expected: Array, time: Array) -> float | None:
-    """f of found = f * expected + offset + drift * time, by least squares; None where nothing moves."""
+    """f of found = f * expected + offset + drift * time, by least squares; None if nothing moves."""
     known = np.isfinite(found) & np.isfinite(expected)
     if known.sum() < 4 or _is_constant(found[known]) or _is_constant(expected[known]):
         return None

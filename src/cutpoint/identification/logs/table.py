@@ -18,7 +18,7 @@ LARGEST_FILE = 1_000_000_000
 """Bytes of a log file, and of the arrays it unpacks to: as for our own logs."""
 
 SHOWN = 4
-"""Channels without numbers that a message names."""
+"""Largest number of channels without numbers that a message names."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -49,7 +49,7 @@ class Channel:
 class Table:
     """The channels of a log file, by name.
 
-    left_out: what else has a name there, and what it holds instead of numbers: `text, such as 'idle'`.
+    left_out: other named contents, and what they hold instead of numbers: `text, such as 'idle'`.
     notes: what was repaired in reading, in words for a reader.
     """
 
@@ -76,22 +76,22 @@ class Table:
         return self.find(bare) if unit else None
 
     def missing(self, name: str) -> str:
-        """What to say of a name that nothing is found under."""
+        """The message for a name that is not found."""
         if name in self.left_out:
             return f"the log's channel {name!r} holds {self.left_out[name]}: it must hold numbers"
         return f"the log has no channel {name!r}; {those_that_exist(name, self.channels)}{self.besides}"
 
     @property
     def besides(self) -> str:
-        """The end of a message about what is missing: what was left out, as it may be that."""
+        """The end of a message about a missing channel: what was left out, as it may be that."""
         found = [f"{name!r} holds {what}" for name, what in self.left_out.items()]
         return "".join(f"; {each}" for each in found[:SHOWN]) + ("; ..." if len(found) > SHOWN else "")
 
 
 def channel(values: Any, **words: Any) -> Channel | None:
-    """An array of numbers as a channel, or None for what is none: a single number, texts, three axes, no samples.
+    """An array of numbers as a channel, or None for anything else: a single number, texts, three axes, no samples.
 
-    Of a matrix the longer axis is taken for the samples, as no log has more joints than samples.
+    The longer axis of a matrix is taken for the samples, as no log has more joints than samples.
     """
     array = np.asarray(values)
     if array.dtype.kind not in "fiub" or array.size < 2 or array.ndim > 2:

@@ -12,32 +12,32 @@ from cutpoint.identification.logs.units import TIMES
 Array = NDArray[np.float64]
 
 FEWEST = 4
-"""Samples of a log that is one."""
+"""Least number of samples of a log."""
 
 BAD = 0.05
-"""Share of the samples that may be left out for their time stamps."""
+"""Share of the samples that may be left out due to their time stamps."""
 
 CLOSE = 0.1
-"""Periods: of two samples closer than that, the later is left out.  A spline through both would follow their noise."""
+"""Periods: of two samples closer than this, the later is left out.  A spline through both would follow their noise."""
 
 SET_BACK = 10.0
-"""Periods: where few steps lead back, one further than that means that a clock was set, or that two runs follow."""
+"""Periods: if few steps go back, a larger one means that a clock was set back, or that the log has two runs."""
 
 FAST = 2e-5
-"""s between samples: shorter ones are of times in another unit."""
+"""s between samples: shorter periods suggest another unit."""
 
 SLOW = 0.5
-"""s: nobody logs a moving machine at a longer period, so another unit is suspected."""
+"""s: no moving machine is logged at a longer period, so another unit is suspected."""
 
 LONGEST_GAP = 10.0
-"""s, or `LONGEST_GAP_STEPS` steps if those are longer: what is left of a gap that is longer.  A clock that leaps by an
-hour would else fill the log with samples of which nothing is known."""
+"""s, or `LONGEST_GAP_STEPS` steps if those are longer: longer gaps are shortened to this.  Otherwise a clock that jumps
+by an hour would fill the log with unknown samples."""
 
 LONGEST_GAP_STEPS = 100.0
 
 
 class Ordered(NamedTuple):
-    """times (M,), s, increasing from 0; start: the first stamp, s; rows (M,): where in the log each comes from."""
+    """times (M,), s, increasing from 0; start: the first stamp, s; rows (M,): their indices in the log."""
 
     times: Array
     start: float
@@ -46,9 +46,9 @@ class Ordered(NamedTuple):
 
 
 def ordered(stamps: Array, values: Array, name: str) -> Ordered:
-    """Stamps (N,), s, in order, each once, with a note for all that was done.
+    """Stamps (N,), s, in order, without repetitions, with a note on each repair.
 
-    values: (N, columns) at these stamps; a repeated row is left out without further ado.  name: the log, for messages.
+    values: (N, columns) at these stamps; a repeated row is left out silently.  name: the log, for messages.
 
     Raises InputError: too few samples, a clock that was set back, or more than `BAD` of them unusable.
     """
@@ -62,7 +62,7 @@ def ordered(stamps: Array, values: Array, name: str) -> Ordered:
 
 
 def without_long_gaps(times: Array, notes: list[str]) -> Array:
-    """Times (N,), s, of which those after a long gap are moved to earlier ones, with a note."""
+    """Times (N,), s, with those after a long gap shifted to earlier ones, and a note."""
     steps = np.diff(times)
     kept = max(LONGEST_GAP, LONGEST_GAP_STEPS * float(np.median(steps)))
     far = steps > kept
@@ -120,7 +120,7 @@ def _apart(stamps: Array, values: Array, rows: NDArray[np.intp], name: str, note
 
 
 def _leave_out(count: int, among: int, what: str, notes: list[str]) -> None:
-    """Notes that a few samples are left out.  Raises InputError if they are not few."""
+    """Notes that a few samples are left out.  Raises InputError if there are too many."""
     if count > BAD * among:
         raise InputError(
             f"{what}: {count} of {among}, more than {BAD:.0%}: take another time channel, "
@@ -132,7 +132,7 @@ def _leave_out(count: int, among: int, what: str, notes: list[str]) -> None:
 
 
 def _remark(times: Array, name: str, notes: list[str]) -> None:
-    """Notes on gaps.  Raises InputError for a period that is another unit's."""
+    """Notes on gaps.  Raises InputError for a period that suggests another unit."""
     steps, longest = np.diff(times), longest_step(times)
     period = float(np.median(steps))
     gaps = np.flatnonzero(steps > longest)

@@ -1,4 +1,4 @@
-"""Units that logs are written in, what their numbers are multiplied with to be SI, and how titles spell them."""
+"""Units of logs, their factors to SI, and their spellings in titles."""
 
 import math
 import re
@@ -10,24 +10,24 @@ CURRENTS = {"A": 1.0, "mA": 1e-3}
 TIMES = {"s": 1.0, "ms": 1e-3, "us": 1e-6, "ns": 1e-9}
 
 UNITS = {"q": ANGLES, "theta": ANGLES, "v": SPEEDS, "theta_dot": SPEEDS, "torque": TORQUES, "current": CURRENTS}
-"""By quantity; the first of each is SI."""
+"""Factors by quantity; the first of each is SI."""
 
 LENGTHS = ("m", "mm")
-"""Units of positions that no turn is a number of."""
+"""Units of positions in which a turn is not a fixed number."""
 
 SLIDING = (*LENGTHS, "m/s", "mm/s", "N", "kN")
-"""Units of positions, speeds and forces that only joints that slide have."""
+"""Units of positions, speeds and forces that only prismatic joints have."""
 
 TURNING = frozenset(unit for units in (ANGLES, SPEEDS, TORQUES) for unit in units) - {
     "rad", "rad/s", "N m", "Nm", *SLIDING
 }  # fmt: skip
-"""Units that only joints that turn have; what nobody stated is taken for SI, rad or m, N m or N."""
+"""Units that only revolute joints have; unstated ones are taken as SI, rad or m, N m or N."""
 
 COUNTS = {"q": "counts", "theta": "counts", "v": "counts/s", "theta_dot": "counts/s"}
-"""Of an encoder, by quantity: `counts_per_turn` says how many."""
+"""Units of an encoder, by quantity: `counts_per_turn` gives their size."""
 
 WITH_GAIN = ("A", "mA", "V", "%", "1")
-"""Units that only a gain makes a torque (or a current) of: a motor's current, an amplifier's command, a share."""
+"""Units that need a gain to become a torque (or a current): a motor's current, an amplifier's command, a share."""
 
 SPELLINGS = {
     "rad": ("radian", "radians"),
@@ -40,10 +40,10 @@ SPELLINGS = {
     "us": ("µs", "μs", "usec", "microseconds"),
     "ns": ("nsec", "nanoseconds"),
 }
-"""Of units in the titles of columns, beside the unit itself; large and small letters alike."""
+"""Other spellings of units in the titles of columns; case is ignored."""
 
 LONGEST_NAME = 200
-"""Characters of a channel's name: what is longer says nothing that is looked for."""
+"""Characters of a channel's name: longer ones are not searched for units."""
 
 KNOWN = frozenset(unit for units in (*UNITS.values(), TIMES) for unit in units) | {*COUNTS.values(), *WITH_GAIN} - {"1"}
 
@@ -51,7 +51,7 @@ _SPELT = {spelling.lower(): unit for unit, those in SPELLINGS.items() for spelli
 
 
 def known_unit(text: str) -> str | None:
-    """The unit that a text spells, `°/sec`, `N.m` or `[Nm]`, or None."""
+    """The unit spelled by a text such as `°/sec`, `N.m` or `[Nm]`, or None."""
     text = re.sub(r"^([mk]?N)[\s.·⋅*-]*m$", r"\1 m", text.strip(" []()"))
     whole, _, per = text.partition("/")
     rate = f"{_SPELT.get(whole.strip().lower(), whole.strip())}/s" if _SPELT.get(per.strip().lower()) == "s" else ""
@@ -59,7 +59,7 @@ def known_unit(text: str) -> str | None:
 
 
 def name_and_unit(title: str) -> tuple[str, str]:
-    """What a column's title says: `q1 [deg]`, `Time(ms)`; brackets may hold any unit, parentheses a known one."""
+    """Name and unit of a column's title: `q1 [deg]`, `Time(ms)`; brackets hold any unit, parentheses a known one."""
     pattern = r"(.*?)\s*(?:\[([^\[\]]*)\]|\(([^()]*)\))"
     found = re.fullmatch(pattern, title) if len(title) <= LONGEST_NAME else None
     if not found:

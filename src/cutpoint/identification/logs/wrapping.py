@@ -12,25 +12,25 @@ Array = NDArray[np.float64]
 TURN = 2.0 * np.pi
 
 COUNTERS = 2.0 ** np.arange(8, 33)
-"""Counts after which counters of 8 to 32 bits start anew."""
+"""Counts after which counters of 8 to 32 bits wrap around."""
 
 NEARBY = np.array([-3, -2, -1, 1, 2, 3])
-"""Steps beside a jump, of which the middle one is what the jump would have been."""
+"""Steps beside a jump, whose median is the step expected instead of the jump."""
 
 PRECISE = 1e-3
-"""Of a turn: by that much a jump may differ from one, beside what neighbouring steps differ by."""
+"""Share of a turn by which a jump may differ from one, in addition to the spread of neighbouring steps."""
 
 UNSURE = 0.25
-"""Of a turn: where neighbouring steps differ by more, no jump is taken for one."""
+"""Share of a turn: if neighbouring steps differ by more, no jump is taken for a wrap."""
 
 LOST = 20.0
-"""Periods: across a longer gap nobody knows whether the joint turned on."""
+"""Periods: across a longer gap it is unknown whether the joint turned further."""
 
 
 def spans(name: str, units: Sequence[str], per_turn: Array) -> Array:
-    """(k, n) in the log's units: a turn, and what counters count to; NaN where a quantity or its unit has none.
+    """(k, n) in the log's units: a turn, and the ranges of counters; NaN if a quantity or its unit has none.
 
-    per_turn: (n,), counts, NaN where nobody stated them.
+    per_turn: (n,), counts, NaN where not stated.
     """
     counted = np.array([unit == COUNTS.get(name) for unit in units])
     turns = {unit: TURN / factor for unit, factor in UNITS[name].items() if unit not in LENGTHS}
@@ -40,10 +40,10 @@ def spans(name: str, units: Sequence[str], per_turn: Array) -> Array:
 
 
 def unwrapped(name: str, times: Array, values: Array, anew: Array, joints: Sequence[str], notes: list[str]) -> Array:
-    """Positions (N, n) without jumps by what their sensors start anew after, (k, n), with a note for each joint.
+    """Positions (N, n) without jumps by their sensors' spans, (k, n), with a note for each joint.
 
-    They count on from the first sample; after whole turns of the joint, which nothing tells apart, their middle is the
-    one within half a turn of zero.
+    They continue from the first sample; if whole turns of the joint are indistinguishable, their middle is within half
+    a turn of zero.
     """
     found = values.copy()
     for joint, x, spans in zip(joints, found.T, anew.T, strict=True):
@@ -62,13 +62,13 @@ def unwrapped(name: str, times: Array, values: Array, anew: Array, joints: Seque
 
 
 def _jumps(times: Array, x: Array, span: float, is_counter: bool) -> Array:
-    """Of each step of positions (N,) without gaps: 1 where it is a jump upwards by a span, -1 downwards, 0 else."""
+    """For each step of positions (N,) without gaps: 1 for a jump upwards by a span, -1 downwards, 0 otherwise."""
     steps, passed = np.diff(x), np.diff(times)
     jumps = np.zeros(steps.size)
     within = np.ptp(x) < (1.0 + PRECISE) * span
     if steps.size < NEARBY.size or (is_counter and not within):
         return jumps
-    # of a sensor that is always within one turn, the shorter of two ways is taken for its step
+    # for a sensor that is always within one turn, the shorter of the two ways is its step
     rates = (steps - span * np.round(steps / span) if within else steps) / passed
     changes = np.abs(np.diff(rates))
     usual = float(np.median(changes[changes > 0.0])) if changes.any() else 0.0
