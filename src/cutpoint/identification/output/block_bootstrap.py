@@ -16,23 +16,23 @@ Array = NDArray[np.float64]
 DRAWS = 1000
 
 LONGER = 3.0
-"""Times the length that tells the spread best: intervals cover with longer blocks.  Of two models that err alike, their
-errors related over up to 20 of 200 or 600 samples, intervals of 95 % then hold 1 in 89 to 96 cases of 100."""
+"""Times the block length that is best for the spread: longer blocks improve coverage.  For two equally good models with
+errors correlated over up to 20 of 200 or 600 samples, 95 % intervals then contain 1 in 89 to 96 cases of 100."""
 
 FEWEST_BLOCKS = 4
 
 FEWEST = 16
-"""Samples from which on there is an interval."""
+"""Least number of samples for an interval."""
 
 QUIET = 2.0
-"""Standard deviations of white noise's correlations: what stays below is none."""
+"""Standard deviations of white noise's correlations: smaller correlations count as zero."""
 
 QUIET_LAGS = 5
-"""As many correlations that are none, one after another, end the errors' memory."""
+"""Consecutive correlations of zero that end the errors' memory."""
 
 
 class Ratio(NamedTuple):
-    """Of one model's RMS error to another's, with its interval; NaN where there are too few samples."""
+    """Ratio of one model's RMS error to another's, with its interval; NaN if there are too few samples."""
 
     value: float
     low: float
@@ -45,22 +45,22 @@ class Ratio(NamedTuple):
 
     @property
     def is_more(self) -> bool:
-        """Whether it is significantly larger."""
+        """Whether the first model's error is significantly larger."""
         return self.low > 1.0
 
 
 def error_ratio(first: Array, second: Array, level: float = 0.95, seed: int = 0) -> Ratio:
-    """Of two models' squared errors (N,) at the same times, in order; the interval holds the truth with a probability.
+    """RMS ratio of two models, from squared errors (N,) at the same ordered times, with its interval at a level.
 
-    The logarithm of the ratio is taken to be Student's, with as many degrees of freedom as there are blocks, less one.
+    The logarithm of the ratio is assumed to follow Student's t, with one degree of freedom less than there are blocks.
     """
     both = np.column_stack([first, second])
     count, (a, b) = len(both), both.sum(axis=0)
     if count < FEWEST or not min(a, b) > 0.0:
         return Ratio(*3 * [float("nan")])
-    # how the ratio moves with each sample, to first order
+    # how the ratio changes with each sample, to first order
     length = min(int(np.ceil(LONGER * block_length(first - a / b * second))), count // FEWEST_BLOCKS)
-    # means of few blocks differ from the mean of all by less than from the truth
+    # means of few blocks scatter less about the mean of all than about the truth
     spread = _spread(both, length, seed) / np.sqrt(1.0 - length / count)
     reach = float(t.ppf(0.5 + 0.5 * level, count / length - 1.0)) * spread
     value = np.sqrt(a / b)
@@ -68,7 +68,7 @@ def error_ratio(first: Array, second: Array, level: float = 0.95, seed: int = 0)
 
 
 def _spread(both: Array, length: int, seed: int) -> float:
-    """Standard deviation of the logarithm of the ratio, of squares (N, 2) that are drawn in blocks of a length."""
+    """Standard deviation of the logarithm of the ratio, for squares (N, 2) resampled in blocks of a length."""
     count = len(both)
     sums = np.cumsum(np.concatenate([np.zeros((1, 2)), both, both[:length]]), axis=0)
     blocks = sums[length:] - sums[:-length]
@@ -78,14 +78,14 @@ def _spread(both: Array, length: int, seed: int) -> float:
 
 
 def block_length(x: Array) -> float:
-    """Samples in a block with which the spread of the mean of x (N,) is told best, 1 at least."""
+    """Block length, in samples, that is best for the spread of the mean of x (N,), 1 at least."""
     count = x.size
     x = x - x.mean()
     padded = np.fft.rfft(x, 2 * count)
     R = np.fft.irfft((padded * padded.conj()).real)[:count] / count
     lags = min(2 * _memory(R), count - 1)
     k = np.arange(1, lags + 1)
-    # flat up to half of the lags, then falling to nothing
+    # flat up to half of the lags, then falling to zero
     weighted = 2.0 * np.clip(2.0 * (1.0 - k / lags), 0.0, 1.0) * R[k]
     g, G = R[0] + weighted.sum(), (k * weighted).sum()
     wanted = (1.5 * count) ** (1.0 / 3.0) * np.abs(G / g) ** (2.0 / 3.0) if g else 1.0
@@ -93,7 +93,7 @@ def block_length(x: Array) -> float:
 
 
 def _memory(R: Array) -> int:
-    """The lag, 1 at least, after which correlations of autocovariances R (N,) are none."""
+    """The lag, 1 at least, after which the correlations of autocovariances R (N,) are insignificant."""
     count = R.size
     loud = np.abs(R) >= QUIET * np.sqrt(np.log10(count) / count) * R[0]
     most = min(int(np.sqrt(count)) + QUIET_LAGS, count - QUIET_LAGS - 1)

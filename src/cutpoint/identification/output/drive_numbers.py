@@ -1,4 +1,4 @@
-"""Numbers of drives that two encoders tell: spring, hysteresis, kinematic error, rotor."""
+"""Parameters of drives that two encoders determine: spring, hysteresis, kinematic error, rotor."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
@@ -20,7 +20,7 @@ from cutpoint.model.drive import Drive, Harmonic
 NOTHING = float("nan")
 
 LEVEL = 0.95
-"""Of the intervals."""
+"""Confidence level of the intervals."""
 
 UNITS: Mapping[str, str] = {
     **dict.fromkeys(("stiffness", "k1", "k2", "k3"), "N m/rad"),
@@ -32,7 +32,7 @@ UNITS: Mapping[str, str] = {
 }
 
 LATENESS = 0.02
-"""Of a period: by which torques may act otherwise than supposed, one standard deviation; it looks like damping."""
+"""Standard deviation of an unknown delay of torques, as a share of a period; it looks like damping."""
 
 NOT_APART = "its spring, which would tell it from the link, is not seen; what torques tell of it is with the links"
 
@@ -44,7 +44,7 @@ SUMS = {"t2": ("t1", "t2 - t1")}
 
 @dataclass(frozen=True)
 class _Rows:
-    """margin: standard deviations to the interval's ends.  why: what is not told, each with the reason."""
+    """margin: standard deviations to the interval's ends.  why: what is undetermined, each with the reason."""
 
     joint: str
     margin: float
@@ -59,7 +59,7 @@ class _Rows:
         thing: str = "",
         scale: float = 1.0,
     ) -> Number:
-        """found: value and standard deviation.  thing: of `why`.  Without a path the model does without it."""
+        """found: value and standard deviation.  thing: key in `why`.  Without a path the model does not use it."""
         value, reach = found[0], self.margin * found[1]
         why = self.why.get(thing, "")
         used = (prior if why else value) if path else NOTHING
@@ -70,7 +70,7 @@ class _Rows:
 
 
 def drive_numbers(joint: str, before: Drive, found: DriveEstimate, rotors: bool) -> tuple[Number, ...]:
-    """Of one drive; before: as the files state it.  rotors: whether the model takes its rotor from here."""
+    """The numbers of one drive; before: as the files state it.  rotors: whether the model takes its rotor from here."""
     why = found.unidentifiable if rotors else {"rotor inertia": NOT_APART, **found.unidentifiable}
     rows = _Rows(joint, float(t.ppf(0.5 + 0.5 * LEVEL, DEGREES)), why)
     spring, stated, law = found.spring, float(before.reflected_inertia), law_of(before.compliance)
@@ -90,7 +90,7 @@ def drive_numbers(joint: str, before: Drive, found: DriveEstimate, rotors: bool)
 
 
 def _found(estimate: SpringEstimate | RotorEstimate, *names: str) -> tuple[float, float] | None:
-    """Value and standard deviation of a sum of unknowns; None where it was not sought."""
+    """Value and standard deviation of a sum of unknowns; None if it was not sought."""
     if not set(names) <= set(estimate.names):
         return None
     where = [estimate.names.index(name) for name in names]
@@ -99,7 +99,7 @@ def _found(estimate: SpringEstimate | RotorEstimate, *names: str) -> tuple[float
 
 
 def _of_rotor(rows: _Rows, rotor: RotorEstimate, stated: float, used: bool) -> list[Number]:
-    """Of the motor's side; its friction is a second opinion on that which is found with the links."""
+    """Numbers of the motor's side; its friction is a second opinion on that identified with the links."""
     scale, inertia = 1.0 / rotor.ratio**2, _found(rotor, "inertia")
     own: list[Number] = []
     if inertia:
@@ -113,7 +113,7 @@ def _of_rotor(rows: _Rows, rotor: RotorEstimate, stated: float, used: bool) -> l
 
 
 def _stated_waves(drive: Drive) -> tuple[Harmonic, ...]:
-    """None of a kinematic error that is a user's own law."""
+    """The stated waves; none for a user's own law of kinematic error."""
     return drive.kinematic_error.harmonics if isinstance(drive.kinematic_error, KinematicError) else ()
 
 

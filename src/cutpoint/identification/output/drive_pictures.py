@@ -1,4 +1,4 @@
-"""What encoders on both sides show of drives: loops of torque over deflection, and waves of the kinematic error."""
+"""Figures of drives with two encoders: loops of torque over deflection, and waves of the kinematic error."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
@@ -24,13 +24,13 @@ from cutpoint.robot import Robot
 Array = NDArray[np.float64]
 
 ORDERS = np.arange(0.25, 8.001, 0.05)
-"""Waves a turn of the motor that the spectrum shows."""
+"""Waves per turn of the motor in the spectrum."""
 
 
 @dataclass(frozen=True, eq=False)
 class Bending:
     """One drive, each (N,): torque on its link, N m, and deflection without kinematic error, rad, through one filter;
-    angle of the motor, rad, and what the spring leaves of the encoders' difference, rad."""
+    angle of the motor, rad, and the encoders' difference less the spring's deflection, rad."""
 
     torque: Array
     deflection: Array
@@ -41,7 +41,7 @@ class Bending:
 def bendings(
     robot: Robot, rigid: RigidEstimate, drives: DriveEstimates, recording: Recording, bandwidth: float
 ) -> Mapping[str, Bending]:
-    """Of every drive that bends; its torque is the links' motion's, by the identified inertias.
+    """Of every elastic drive; its torque is that of the links' motion, with the identified inertias.
 
     bandwidth: Hz, of the loops.
     """
@@ -64,12 +64,12 @@ def bendings(
 
 
 def loop_picture(robot: Robot, drives: DriveEstimates, found: Mapping[str, Bending]) -> Figure:
-    """Torque over deflection, a panel a joint, and the spring's law."""
+    """Torque over deflection, a panel per joint, and the spring's law."""
     figure, panels = _panels(len(found), 1.5 * ROW)
     forces, ways = at_joints(robot, "N m"), at_joints(robot, "mrad")
     for axes, (joint, each) in zip(panels, found.items(), strict=True):
         some, known = thinned(each.torque.size), each.torque[np.isfinite(each.torque)]
-        # wider and paler than the law on top of it, which may hide it else
+        # wider and paler than the law on top of it, which might otherwise hide it
         axes.plot(1e3 * each.deflection[some], each.torque[some], color=MOTOR, linewidth=2.4, alpha=0.4, label="log")
         if known.size:
             torque = np.linspace(known.min(), known.max(), 100)
@@ -83,7 +83,7 @@ def loop_picture(robot: Robot, drives: DriveEstimates, found: Mapping[str, Bendi
 
 
 def _panels(count: int, height: float) -> tuple[Figure, list[Axes]]:
-    """So many panels, two a row; height: of a row."""
+    """So many panels, two per row; height: of a row."""
     rows = -(-count // 2)
     figure = Figure(figsize=(WIDTH, 0.6 + height * rows), layout="constrained")
     panels = list(figure.subplots(rows, 2, squeeze=False).flat)
@@ -93,12 +93,12 @@ def _panels(count: int, height: float) -> tuple[Figure, list[Axes]]:
 
 
 def _law(found: DriveEstimate) -> Any:
-    """The model's; of a drive that stays rigid there, what was found."""
+    """The model's law; for a drive that stays rigid in it, the one found."""
     return found.drive.compliance or found.spring.compliance
 
 
 def wave_picture(robot: Robot, found: Mapping[str, Bending]) -> Figure:
-    """Amplitude of what the springs leave, over waves a turn of the motor."""
+    """Amplitude of the encoders' difference less the spring's deflection, over waves per turn of the motor."""
     figure, panels = _panels(len(found), ROW)
     ways = at_joints(robot, "µrad")
     for axes, (joint, each) in zip(panels, found.items(), strict=True):
@@ -111,7 +111,7 @@ def wave_picture(robot: Robot, found: Mapping[str, Bending]) -> Figure:
 def amplitudes(angle: Array, values: Array, orders: Sequence[float] | Array) -> Array:
     """(k,): of waves sin(order * angle + phase) in values (N,), each order on its own; NaN samples do not count.
 
-    All angles count alike, however long the motor stays there.
+    All angles have equal weight, however long the motor stays there.
     """
     known = np.isfinite(angle) & np.isfinite(values)
     way = np.abs(np.gradient(angle[known])) if known.sum() > 1 else np.zeros(1)

@@ -1,4 +1,4 @@
-"""What errors of torques warn of, in sentences."""
+"""Warnings from torque errors, in sentences."""
 
 from collections.abc import Mapping, Sequence
 
@@ -8,41 +8,41 @@ from cutpoint.identification.output.block_bootstrap import Ratio
 from cutpoint.identification.output.torque_errors import TorqueErrors
 
 WORSE = 2.0
-"""Times the error of the part that was fitted: above that on the rest, the model does not carry over."""
+"""Times the error on the fitted part: with a larger one on the rest, the model does not generalise."""
 
 STILL = 0.1
-"""Of the RMS speed on the part that was fitted."""
+"""Share of the RMS speed on the fitted part."""
 
 POOR = 0.5
-"""Of the torque itself: a model that leaves more was fitted to something else."""
+"""Share of the torque itself: with a larger error, the model was fitted to something else."""
 
 TURNED = -0.8
-"""Of a torque's likeness to what the files ask: below that a sign is turned; noise and wrong masses do not do it."""
+"""Correlation of a torque with the files' model: below, a sign is reversed; noise or wrong masses do not cause it."""
 
 SMALL = 0.02
-"""Of the torque itself: no more needs no words, whoever errs less."""
+"""Share of the torque itself: a smaller error is not mentioned, whichever model is better."""
 
 MORE = 1.05
-"""Times the error of the files' model: up to there both explain the torques alike."""
+"""Times the error of the files' model: up to this, both explain the torques equally well."""
 
 UNLIKE = 30.0
-"""Times what the files ask of all joints, or that part of it: no mass is so wrong."""
+"""Ratio to the torques of the files' model over all joints, or its inverse: no mass is that wrong."""
 
 DRIFTS = 1.0
-"""Times the error of the part that was fitted: friction that changed by more makes most of it."""
+"""Times the error on the fitted part: a larger change of friction causes most of it."""
 
 TINY = float(np.finfo(float).tiny)
 
 UNEVEN = 1.1
-"""Times the share of time that errors at rest have of all, if rest is to blame."""
+"""Least ratio of the share of errors at rest to the share of time at rest, if rest is the cause."""
 
 MOST = 0.5
-"""Of the squared error: what is said to make most of it."""
+"""Share of the squared error that counts as most of it."""
 
 
 def warnings_of(errors: TorqueErrors, units: Mapping[str, str]) -> list[str]:
-    """On joints whose held-out torques judge nothing, or are explained much worse than those fitted, or than by plain
-    least squares.  units: of their torques, by joint."""
+    """On joints whose held-out torques carry no information, or are explained much worse than the fitted ones, or than
+    by plain least squares.  units: of their torques, by joint."""
     notes = [*_of_all(errors), *_of_rest(errors, [*units])]
     for j, ((joint, unit), ratio) in enumerate(zip(units.items(), errors.to_plain(), strict=True)):
         notes += [f"{joint}{note}" for note in _of_joint(errors, j, ratio, unit)]
@@ -61,7 +61,7 @@ def _of_all(errors: TorqueErrors) -> list[str]:
 
 
 def _of_rest(errors: TorqueErrors, joints: Sequence[str]) -> list[str]:
-    """Joints most of whose error is of when they rest, in one sentence."""
+    """Joints with most of their error at rest, in one sentence."""
     times, squares = errors.resting()
     is_large = errors.rms("after", held_out=True) > SMALL * errors.size()
     found = [j for j in range(len(joints)) if is_large[j] and squares[j] > max(MOST, UNEVEN * times[j])]

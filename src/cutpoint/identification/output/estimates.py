@@ -15,15 +15,15 @@ from cutpoint.model.drive import Drive, Rotor
 from cutpoint.robot import Robot
 
 FINE = 200.0
-"""Steps of the encoders in half of a deflection's range: with fewer, what turning points tell is biased."""
+"""Encoder steps in half of a deflection's range: with fewer, estimates from turning points are biased."""
 
 
 ZEROS = 2e-3
-"""rad (m), by which encoders' zeros differ before that is said: weight is by as much of another place."""
+"""rad (m): a larger difference of the encoders' zeros is reported, as gravity acts at a pose off by as much."""
 
 
 class Estimates(NamedTuple):
-    """drives: None if not sought, or not found, as remarks say.  apart: joints whose rotors come from there."""
+    """drives: None if not sought, or not found, see remarks.  apart: joints whose rotors come from there."""
 
     rigid: RigidEstimate
     drives: DriveEstimates | None
@@ -41,11 +41,11 @@ def estimates(
     how: Mapping[str, Any],
     say: Steps,
 ) -> Estimates:
-    """Links first, then springs by these, then links again by rotors and kinematic errors that the motors' sides tell.
+    """Links first, then springs from these, then links again with rotors and kinematic errors from the motors' sides.
 
-    fitted: torques where they act.  stamped: as they are stamped, of which springs want to know how they were held
-    until then; None where no springs are sought.  resolution: rad, see `encoder_steps`.
-    how: further arguments of `identify_rigid`.  say: told what is done now.  Errors are those of `identify_rigid`.
+    fitted: torques at the times at which they act.  stamped: as stamped, since springs need to know how they were held
+    until then; None if no springs are sought.  resolution: rad, see `encoder_steps`.
+    how: further arguments of `identify_rigid`.  say: called with each step.  Errors are those of `identify_rigid`.
     """
     say("links, rotors and friction")
     rigid = identify_rigid(before, fitted, friction=friction, **how)
@@ -57,7 +57,7 @@ def estimates(
         drives = identify_drives(
             rigid.robot, stamped, resolution, torque_delay, lambda joint: say(f"spring of {joint}")
         )
-    except (CutpointError, KeyboardInterrupt) as error:  # what was found of the links is worth having without
+    except (CutpointError, KeyboardInterrupt) as error:  # the links' estimates are useful without springs
         why = error if isinstance(error, CutpointError) else "Ctrl-C was pressed while they were sought"
         return Estimates(rigid, None, remarks=(f"springs were not identified: {why}",))
     found = drives.joints.items()
@@ -68,7 +68,7 @@ def estimates(
     if not apart and not errors:
         return Estimates(rigid, drives, (), remarks)
     say("links again, by what the motors tell")
-    # a law that was chosen while waves shook the torques is chosen again without them
+    # friction laws chosen while waves disturbed the torques are chosen again without them
     chosen = friction if errors else rigid.friction or friction
     how = {**how, "friction": chosen, "kinematic_errors": errors}
     again = _with_rotors(before, drives, apart, fitted, **how)
@@ -76,7 +76,7 @@ def estimates(
 
 
 def _with_torques(robot: Robot, recording: Recording, constants: Mapping[str, float] | None) -> Recording:
-    """With the torques of currents, where these count: what told the links cannot tell the constants again."""
+    """With torques from currents, if used: data that identified the links cannot identify the constants again."""
     if "current" not in recording.channels or ("torque" in recording.channels and constants is None):
         return recording
     recording = recording.in_order(robot.joints)
@@ -84,7 +84,7 @@ def _with_torques(robot: Robot, recording: Recording, constants: Mapping[str, fl
 
 
 def _coarse(drives: DriveEstimates) -> tuple[str, ...]:
-    """A sentence if encoders are coarse beside what springs give way."""
+    """A sentence if encoders are coarse compared with the springs' deflections."""
     counts = {joint: each.spring.counts for joint, each in drives.joints.items() if 1.0 <= each.spring.counts < FINE}
     if not counts:
         return ()
@@ -95,7 +95,7 @@ def _coarse(drives: DriveEstimates) -> tuple[str, ...]:
 
 
 def _zeros(drives: DriveEstimates) -> tuple[str, ...]:
-    """A sentence if encoders of motors and links have not one zero."""
+    """A sentence if the encoders of motors and links have different zeros."""
     found = {joint: each.spring.offset for joint, each in drives.joints.items() if abs(each.spring.offset) > ZEROS}
     if not found:
         return ()
@@ -115,7 +115,7 @@ def _late(drives: DriveEstimates, supposed: float) -> tuple[str, ...]:
 def springs_wanted(before: Robot, recording: Recording, springs: bool | None) -> bool:
     """Whether springs are sought: by default if they can be found, and there are any.
 
-    Raises InputError where they are asked for without encoders on both sides.
+    Raises InputError if they are requested without encoders on both sides.
     """
     both = {"q", "theta"} <= set(recording.channels)
     if springs and not both:
@@ -129,7 +129,7 @@ def springs_wanted(before: Robot, recording: Recording, springs: bool | None) ->
 def _with_rotors(
     before: Robot, sprung: DriveEstimates, apart: Sequence[str], fitted: Recording, **how: Any
 ) -> RigidEstimate:
-    """Links and friction where rotors are known: torques tell sums of both, the motors' sides tell them apart."""
+    """Links and friction with known rotors: torques determine sums of both, the motors' sides separate them."""
     rotors = {joint: sprung.joints[joint].rotor for joint in apart}
     drives = {joint: _turning(before.drives[joint], rotor.inertia) for joint, rotor in rotors.items()}
     errors = {joint: rotor.deviations["inertia"] for joint, rotor in rotors.items()}

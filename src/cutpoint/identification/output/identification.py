@@ -15,7 +15,7 @@ from cutpoint.robot import Robot
 class Identification:
     """An identified robot.
 
-    robot: the identified one; before: as its files had it.  source: its file, None for a robot that has none.
+    robot: the identified one; before: as its files state it.  source: its file, None for a robot without one.
     rigid: links, rotors, friction.  drives: springs of the drives, None unless encoders on both sides were recorded.
     numbers: all that was sought, with intervals.  errors: of torques, before and after.  recording: as used, whole.
     untold: what this log cannot determine.  notes: repairs, suspicious data, and methods.
@@ -37,10 +37,10 @@ class Identification:
         return f"Identification({self.robot.name!r}: {told} of {len(self.numbers)} numbers told)"
 
     def save(self, folder: str | Path, *, force: bool = False) -> list[Path]:
-        """Writes robot.urdf, robot.drives.yaml, parameters.json and report.html, each whole or not at all.
+        """Writes robot.urdf, robot.drives.yaml, parameters.json and report.html, each atomically.
 
-        A robot that comes from no URDF gets robot.inertias.json instead of the first.
-        Raises InputError where a folder has such files, unless `force` says to overwrite them.
+        A robot without a URDF gets robot.inertias.json instead of the first.
+        Raises InputError if the folder has such files, unless `force` says to overwrite them.
         """
         from cutpoint.identification.output.saving import save
 

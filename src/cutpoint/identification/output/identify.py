@@ -35,12 +35,12 @@ from cutpoint.loading import load
 from cutpoint.robot import Robot
 
 SPRING_PARTS = ("compliance", "damping", "kinematic_error", "hysteresis", "motor")
-"""Of a drive that two encoders tell; rotors and friction come with the links."""
+"""Parts of a drive that two encoders determine; rotors and friction come with the links."""
 
 MOST_HELD = 0.9
 
 LONGEST_DELAY = 0.1
-"""s: what is longer was meant in milliseconds."""
+"""s: a longer delay was meant in milliseconds."""
 
 
 @by_one_thread
@@ -77,7 +77,7 @@ def identify(
     progress: whether to show a progress bar on stderr.  Ctrl-C during the search for springs leaves those out.
 
     Raises:
-        ModelError, InputError: what is wrong in a file, or does not fit another, or an argument.
+        ModelError, InputError: an error in a file or an argument, or files that do not match.
     """
     torque_delay = number("identify", "torque_delay", torque_delay, "s")
     if not 0.0 <= number("identify", "hold_out", hold_out) <= MOST_HELD:
@@ -104,7 +104,7 @@ def identify(
 
 @contextmanager
 def _told_of(log: Recording | str | Path) -> Generator[None, None, None]:
-    """Errors of what was read name the log's file."""
+    """Errors from read data name the log's file."""
     try:
         yield
     except InputError as error:
@@ -119,9 +119,9 @@ def _read(
     mapping: str | Path | Mapping[str, Any] | None,
     drives: str | Path | None,
 ) -> tuple[Robot, Recording, Array | None]:
-    """The robot as its files have it, and what was recorded, at uniform times, without spikes and short gaps.
+    """The robot as its files state it, and the recording at uniform times, without spikes and short gaps.
 
-    At last what encoders on both sides resolve, see `encoder_steps`, in the order of the robot's joints.
+    Last, the resolution of the encoders on both sides, see `encoder_steps`, in the order of the robot's joints.
     """
     before = robot if isinstance(robot, Robot) else load(robot, drives)
     recording = _suspected(log, before) if isinstance(log, Recording) else read_recording(log, mapping, before)
@@ -135,7 +135,7 @@ def _read(
 def _identification(
     before: Robot, source: Path | None, recording: Recording, found: Estimates, errors: TorqueErrors
 ) -> Identification:
-    """All that was found, in the numbers and words of a report."""
+    """All results, in the numbers and words of a report."""
     rigid, sprung = found.rigid, found.drives
     after, words = _joined(rigid.robot, sprung)
     words += [*warnings_of(errors, at_joints(after, "N m")), *_one_sided(before, recording)]
@@ -154,7 +154,7 @@ def _identification(
 
 
 def _one_sided(robot: Robot, recording: Recording) -> list[str]:
-    """Of encoders on one side only of drives that bend."""
+    """On encoders on only one side of elastic drives."""
     missing = {"q", "theta"} - recording.channels.keys()
     if not missing or not any(drive.is_elastic for drive in robot.drives.values()):
         return []
@@ -182,14 +182,14 @@ def _numbers(before: Robot, after: Robot, found: Estimates) -> tuple[Number, ...
 
 
 def _untold(found: Estimates) -> tuple[str, ...]:
-    """What drives' own channels do not tell, but for rotors that the torques of all joints do."""
+    """What the drives' own channels do not determine, except rotors that the torques of all joints determine."""
     rotors = {p.name.removeprefix("I_m.") for p in found.rigid.parameters if p.name.startswith("I_m.") and p.told}
     told = tuple(f"{joint}: rotor inertia " for joint in rotors)
     return tuple(words for words in found.drives.notes if not words.startswith(told)) if found.drives else ()
 
 
 def _suspected(recording: Recording, robot: Robot) -> Recording:
-    """With the notes that a log file would get, where it has them not from there.  InputError as for a file."""
+    """The recording with the notes that a log file would get, unless it has them already.  InputError as for a file."""
     refuse_other_units(recording, robot)
     return recording.with_notes([words for words in suspicions(recording) if words not in recording.notes])
 
@@ -211,14 +211,14 @@ def _acting(recording: Recording, torque_delay: float) -> Recording:
     channels = [name for name in EFFORTS if name in recording.channels]
     if not torque_delay or not channels:
         return recording
-    # what acts later than it is stamped is stamped too early
+    # a torque that acts later than its stamp is stamped too early
     moved = aligned(recording, dict.fromkeys(recording.joints, -torque_delay), channels)
     when = f"{'later' if torque_delay > 0.0 else 'earlier'} times by {1e3 * abs(torque_delay):.3f} ms"
     return replace(moved, notes=(*recording.notes, f"{', '.join(channels)} moved to {when}, of all joints alike"))
 
 
 def _joined(robot: Robot, sprung: DriveEstimates | None) -> tuple[Robot, list[str]]:
-    """The robot with the springs, in words that a drive file has; and what had to change for these."""
+    """The robot with the springs, in terms of a drive file; and what had to change for that."""
     notes: list[str] = []
     drives = {}
     for joint, drive in robot.drives.items():

@@ -1,4 +1,4 @@
-"""Numbers that were identified, each with its interval and where a drive file states it."""
+"""Identified numbers, each with its interval and its place in a drive file."""
 
 import re
 from dataclasses import dataclass
@@ -19,20 +19,20 @@ UNITS = {
     "viscous": ("N m s/rad", "N s/m"),
     "per_load": ("1", "1"),
 }
-"""By how a parameter's name begins, on a joint that turns and on one that slides; others are torques."""
+"""Units by the start of a parameter's name, for revolute and prismatic joints; others are torques."""
 
 
 OF_JOINTS = ("I_m", *FRICTION, "offset")
-"""Kinds of parameters that are of a joint; others are of links, which may be named like one."""
+"""Kinds of joint parameters; others are of links, which may have a joint's name."""
 
 
 @dataclass(frozen=True)
 class Number:
-    """value, low, high: with its interval, SI at the joint's side.  used: in the model.  prior: as the files had it.
+    """value, low, high: with its interval, SI at the joint's side.  used: in the model.  prior: as the files state it.
 
     NaN where there is no such number.
     path: of a drive file's entry that states it, () if none does, and scale: the file's number over this one.
-    told: whether the log tells it; why not, if not.
+    told: whether the log determines it; why: the reason if not.
     """
 
     joint: str
@@ -50,7 +50,7 @@ class Number:
 
     @property
     def remark(self) -> str:
-        """The interval in the file's terms, or why there is none."""
+        """The interval in the file's units, or why there is none."""
         if not self.told:
             return f"not told by the log: {self.why}"
         low, high = sorted((self.scale * self.low, self.scale * self.high))
@@ -60,7 +60,7 @@ class Number:
 
 
 def _interval(low: float, high: float, value: float) -> str:
-    """Its ends, in as many digits as show on which side of them the value is."""
+    """Its ends, in enough digits to show on which side of them the value is."""
 
     def shows(ends: list[str]) -> bool:
         first, last = map(float, ends)
@@ -78,7 +78,7 @@ def rigid_numbers(robot: Robot, rigid: RigidEstimate) -> tuple[Number, ...]:
 def _of_parameter(robot: Robot, p: Parameter) -> Number:
     kind, _, owner = p.name.partition(".")
     joint = owner if kind in OF_JOINTS and owner in robot.drives else ""
-    # of a sum, which is of no joint, links' terms tell the unit: rotors' are kg on joints that slide
+    # for a sum, which has no joint, the links' terms give the unit: rotors' are kg on prismatic joints
     terms = [term.partition(".")[0].split()[-1] for term in re.split(" [+-] ", p.name)]
     slides = joint in robot.mechanism.sliding
     kind = kind if joint else next((term for term in terms if term != "I_m"), kind)
@@ -93,6 +93,6 @@ def _place(robot: Robot, kind: str, joint: str) -> tuple[Path, float]:
     drive = robot.drives[joint]
     if kind == "I_m":
         return ("rotor", "inertia"), 1.0 / drive.ratio**2
-    # of friction on both sides a log tells the sum, which no line states
+    # a log determines the sum of friction on both sides, which no line states
     sides = [side for side, law in (("link", drive.link_friction), ("motor", drive.motor_friction)) if law]
     return (() if kind == "offset" or len(sides) != 1 else ("friction", sides[0], kind)), 1.0

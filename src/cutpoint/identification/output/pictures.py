@@ -1,4 +1,4 @@
-"""Torques as measured and as models have them, and what is left over, a row or a panel a joint."""
+"""Measured and modelled torques, and residuals, a row or a panel per joint."""
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -13,14 +13,14 @@ ROW = 1.9
 """Inches of a panel's height."""
 
 POINTS = 3000
-"""Drawn of each curve or cloud at most."""
+"""Most points drawn of each curve or cloud."""
 
 LARGEST_PART = 99.5
-"""Percent of the residuals that a panel shows: single outliers would flatten all others."""
+"""Percentage of the residuals that a panel shows: single outliers would flatten all others."""
 
 
 def torque_picture(errors: TorqueErrors, robot: Robot) -> Figure:
-    """Measured torque over time, and both models; the part held out on a grey ground."""
+    """Measured torque over time, and both models; the held-out part on a grey background."""
     joints, units = robot.joints, at_joints(robot, "N m")
     figure = Figure(figsize=(WIDTH, 0.6 + ROW * len(joints)), layout="constrained")
     panels = list(figure.subplots(len(joints), 1, sharex=True, squeeze=False).flat)
@@ -40,7 +40,7 @@ def torque_picture(errors: TorqueErrors, robot: Robot) -> Figure:
 
 
 def residual_picture(errors: TorqueErrors, robot: Robot) -> Figure:
-    """What the identified model leaves over, against speed, position and load."""
+    """Residuals of the identified model over speed, position and load."""
     joints, units = robot.joints, at_joints(robot, "N m")
     figure = Figure(figsize=(WIDTH, 0.6 + ROW * len(joints)), layout="constrained")
     grid = figure.subplots(len(joints), 3, sharey="row", squeeze=False)
@@ -71,5 +71,5 @@ def thinned(count: int) -> slice:
 
 
 def titled(axes: Axes, text: str) -> None:
-    """Names of joints are a user's: nothing in them is mathematics."""
+    """Sets a title with a user's joint name, without mathematical notation."""
     axes.set_title(text, parse_math=False)

@@ -19,7 +19,7 @@ Array = NDArray[np.float64]
 
 
 def plain_model(robot: Robot, motion: Motion, torque: Array, fitted: NDArray[np.bool_], width: float) -> RigidModel:
-    """The model of torques (N, n), N m at the joint, explained up to a width, Hz, where samples are fitted (N,).
+    """The model of torques (N, n), N m at the joint, explained up to a width, Hz, from the fitted samples (N,).
 
     Raises InputError: too few samples.
     """
@@ -35,7 +35,7 @@ def plain_model(robot: Robot, motion: Motion, torque: Array, fitted: NDArray[np.
 
 
 def _single(base: BaseParameters, values: Array) -> tuple[Array, Array]:
-    """Inertial parameters (10 bodies,) and rotors (n,) in which all but those that stand for combinations are zero."""
+    """Inertial parameters (10 bodies,) and rotors (n,), zero except those that stand for combinations."""
     found = np.zeros(len(base.parameters))
     found[base.independent] = values[: base.independent.size]
     bodies = 10 * len(base.robot.mechanism.bodies)

@@ -91,7 +91,7 @@ def digits(x: float) -> str:
 
 
 def ratio_words(ratio: Ratio) -> str:
-    """The interval and what it says, as "0.25 to 0.47: better"."""
+    """The interval and its verdict, as "0.25 to 0.47: better"."""
     if np.isnan(ratio.value):
         return "–"
     verdict = "better" if ratio.is_less else "worse" if ratio.is_more else "unsure"

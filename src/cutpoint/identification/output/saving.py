@@ -25,7 +25,7 @@ FILES = ("robot.urdf", "robot.inertias.json", "robot.drives.yaml", "parameters.j
 
 
 def check_folder(folder: Path, force: bool) -> None:
-    """Raises InputError for what is no folder, cannot be written to, or holds files that would be overwritten."""
+    """Raises InputError for a path that is not a folder, is not writable, or has files that would be overwritten."""
     check_target_folder(folder)
     there = [name for name in FILES if (folder / name).exists()]
     if there and not force:
@@ -36,12 +36,12 @@ def check_folder(folder: Path, force: bool) -> None:
 
 
 def file_notes(found: Identification) -> list[str]:
-    """What a reader of the files must know beside the identification's own notes; its report has these too."""
+    """Notes on the files, in addition to the identification's own; its report has these too."""
     return _model_files(found)[1]
 
 
 def save(found: Identification, folder: Path, force: bool) -> list[Path]:
-    """All files are made before the first is written, so that those of one run stand beside each other."""
+    """All files are made before the first is written, so that a folder has files of one run."""
     check_folder(folder, force)
     files, notes = _model_files(found)
     sheet = json.dumps(_sheet(found, notes), indent=1, ensure_ascii=False, allow_nan=False)
@@ -54,7 +54,7 @@ def save(found: Identification, folder: Path, force: bool) -> list[Path]:
 
 
 def _model_files(found: Identification) -> tuple[dict[str, bytes], list[str]]:
-    """Robot and drives; and what a reader of these must know."""
+    """Robot and drives, and notes on these."""
     files, notes = _robot_file(found)
     remarks: dict[str, dict[tuple[str, ...], str]] = {joint: {} for joint in found.robot.drives}
     for number in found.numbers:
@@ -72,7 +72,7 @@ def _model_files(found: Identification) -> tuple[dict[str, bytes], list[str]]:
 
 
 def _offset(number: Number) -> str:
-    """What of a torque no file holds, though a report's errors count with it; empty for what is no such."""
+    """A note on a torque offset, which no file holds though a report's errors include it; else empty."""
     if not (number.name.startswith("offset.") and number.told and not number.low <= 0.0 <= number.high):
         return ""
     torque = f"{number.used:.4g} {number.unit} of {number.joint}'s torque are an offset, of a sensor or a current"

@@ -1,4 +1,4 @@
-"""A bar on stderr, of steps that take their time."""
+"""A progress bar on stderr for slow steps."""
 
 from types import TracebackType
 
@@ -7,7 +7,7 @@ from rich.progress import BarColumn, MofNCompleteColumn, Progress, SpinnerColumn
 
 
 class Steps:
-    """Called with what is done now, which ends the step before."""
+    """Called with the name of a step, which ends the one before."""
 
     def __init__(self, count: int, shown: bool) -> None:
         columns = (
@@ -23,7 +23,7 @@ class Steps:
         self._count = count
 
     def expect(self, more: int) -> None:
-        """So many steps more than were known of."""
+        """Adds so many steps to the total."""
         self._count += more
         self._bar.update(self._task, total=self._count)
 

@@ -1,4 +1,4 @@
-"""An identification for a terminal."""
+"""Output of an identification to a terminal."""
 
 from rich.table import Table
 from rich.text import Text
@@ -10,7 +10,7 @@ from cutpoint.identification.output.report import error_rows
 COLUMNS = ("joint", "torque", "files", "identified", "held out", "plain", "held out over plain", "friction")
 
 SHOWN = 6
-"""Lines at most on what is not told."""
+"""Most lines on what is undetermined."""
 
 
 def table_of(found: Identification) -> Table:
@@ -31,8 +31,8 @@ def table_of(found: Identification) -> Table:
 
 
 def sentences(found: Identification) -> list[str]:
-    """What is not told, and what was done or looks wrong, a line each; the report has all of it."""
-    # hysteresis, which few logs tell, last
+    """What is undetermined, and what was done or looks wrong, a line each; the report has all of it."""
+    # hysteresis, which few logs determine, last
     untold = [f"not told: {words}" for words in sorted(found.untold, key=lambda words: "hysteresis" in words)]
     if len(untold) > SHOWN:
         untold[SHOWN - 1 :] = [f"not told: {len(untold) - SHOWN + 1} more numbers, see the report"]

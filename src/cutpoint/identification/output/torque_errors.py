@@ -19,16 +19,16 @@ from cutpoint.robot import Robot
 Array = NDArray[np.float64]
 
 RESTS = 0.05
-"""Of the RMS speed on the part that was fitted: a joint that is slower may stick."""
+"""Share of the RMS speed on the fitted part: a slower joint may stick."""
 
 
 @dataclass(frozen=True, eq=False)
 class TorqueErrors:
-    """Torques of the motors, each (N, n), N m at the joint, all through one filter; NaN where something is not known.
+    """Motor torques, each (N, n), N m at the joint, all through one filter; NaN where anything is unknown.
 
-    measured: as recorded.  before, after: as the robot's files say, and as the identified model does, for the motion
-    q, v.  plain: as plain least squares do, see `plain_model`.  load: what the links ask, as identified.
-    held_out: (N,), samples that had no part in the fit.
+    measured: as recorded.  before, after: by the robot's files and by the identified model, for the motion q, v.
+    plain: by plain least squares, see `plain_model`.  load: of the links, as identified.
+    held_out: (N,), samples that were not fitted.
     bandwidth: Hz, of the torques.
     """
 
@@ -48,16 +48,16 @@ class TorqueErrors:
         return self._rms(self.measured - getattr(self, model), held_out)
 
     def to_plain(self) -> tuple[Ratio, ...]:
-        """Of each joint, on what was held out: RMS error of the model "after" to that of "plain", and its interval."""
+        """For each joint, on the held-out part: RMS error of "after" over that of "plain", and its interval."""
         errors = [(self.measured - model)[self.held_out] for model in (self.after, self.plain)]
         known = np.isfinite(np.hstack(errors)).all(axis=1)
-        # what is faster was filtered out: samples that are closer tell the same
+        # higher frequencies were filtered out: closer samples carry the same information
         width = max(1, round(0.5 / (self.bandwidth * float(np.median(np.diff(self.time))))))
         first, second = (_thinned(error[known] ** 2, width) for error in errors)
         return tuple(error_ratio(a, b) for a, b in zip(first.T, second.T, strict=True))
 
     def size(self) -> Array:
-        """(n,) N m: RMS of the measured torques about their mean, on the part that was fitted."""
+        """(n,) N m: RMS of the measured torques about their mean, on the fitted part."""
         return self._rms(self.measured - np.nanmean(self.measured[~self.held_out], axis=0), False)
 
     def likeness(self) -> Array:
@@ -75,14 +75,14 @@ class TorqueErrors:
         return self._rms(self.v, held_out)
 
     def resting(self) -> tuple[Array, Array]:
-        """Shares (n,) of what was held out while each joint rests: of time, and of squared error of "after"."""
+        """Shares (n,) of the held-out part while each joint rests: of time, and of the squared error of "after"."""
         held, squares = self.held_out, np.square(self.measured - self.after)[self.held_out]
         rests = np.abs(self.v[held]) < RESTS * self.speed()
         return rests.sum(axis=0) / max(held.sum(), 1), _share(np.where(rests, squares, 0.0), squares)
 
     def drift(self) -> Array:
-        """(n,) N m: by how much more each joint's dry friction takes in the last third of the log than in the first, as
-        errors of "after" show while it moves."""
+        """(n,) N m: increase of each joint's dry friction from the first to the last third of the log, from errors of
+        "after" while it moves."""
         ways = np.where(np.abs(self.v) < RESTS * self.speed(), 0.0, np.sign(self.v))
         along, third = (self.measured - self.after) * ways, len(self.time) // 3
         first, last = (_share(along[rows], np.abs(ways[rows])) for rows in (slice(third), slice(-third, None)))
@@ -103,7 +103,7 @@ def torque_errors(
     cutoff: float | None = None,
     bandwidth: float | None = None,
 ) -> TorqueErrors:
-    """Before and after, along a whole recording; samples from `held_from` s on count as held out."""
+    """Torques before and after, along a whole recording; samples from `held_from` s on count as held out."""
     motion = motion_of(robot, recording, cutoff)
     width = explained(motion, bandwidth)
     recorded, held = torques_of(robot, recording, constants), recording.time >= held_from
@@ -119,19 +119,19 @@ def torque_errors(
 
 
 def _share(part: Array, whole: Array) -> Array:
-    """Of sums over rows, what is not known left out; 0 of nothing."""
+    """Ratio of sums over rows, without unknown values; 0 if there are none."""
     total = np.nansum(whole, axis=0)
     return np.nansum(part, axis=0) / np.where(total > 0.0, total, 1.0)
 
 
 def _thinned(values: Array, width: int) -> Array:
-    """Means over as many rows; what is left at the end counts for nothing."""
+    """Means over so many rows; a remainder at the end is dropped."""
     rows = len(values) // width
     return values[: rows * width].reshape(rows, width, values.shape[1]).mean(axis=1)
 
 
 def stated_torque(robot: Robot, motion: Motion) -> Array:
-    """(N, n): what the motors need by what the robot's files say, its drives' springs taken to be stiff."""
+    """(N, n): motor torques by the robot's files, with its drives' springs taken as rigid."""
     found = link_torques(robot, motion, robot.inertial_parameters)
     for j, drive in enumerate(robot.drives.values()):
         load = found[:, j] + friction_torque(drive.link_friction, motion.v[:, j])

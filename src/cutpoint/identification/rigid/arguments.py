@@ -22,7 +22,7 @@ def check_method(method: str) -> None:
 
 
 def check_numbers(method: str, instruments: Recording | None, level: float, spread: float) -> None:
-    """Raises InputError for an unknown method, for instruments that do not go with it, and for shares out of range."""
+    """Raises InputError for an unknown method, for instruments that do not match it, and for shares out of range."""
     check_method(method)
     rule = "a Recording of the motion that was asked for, at the same times"
     check_kind("identify_rigid", "instruments", instruments, (Recording, NoneType), rule)
@@ -35,7 +35,7 @@ def check_numbers(method: str, instruments: Recording | None, level: float, spre
 
 
 def checked_friction(of_links: Mapping[str, Friction] | None, robot: Robot) -> Mapping[str, Friction]:
-    """The links' friction that is known, by joint.  Raises InputError for anything else."""
+    """Known link friction, by joint.  Raises InputError for anything else."""
     rule = "a law for each of some joints, by name, such as {'elbow': Coulomb(2.0, 0.5)}"
     check_kind("identify_rigid", "link_friction", of_links, (Mapping, NoneType), rule)
     for joint, law in (of_links or {}).items():
@@ -45,7 +45,7 @@ def checked_friction(of_links: Mapping[str, Friction] | None, robot: Robot) -> M
 
 
 def checked_errors(errors: Mapping[str, KinematicError] | None, robot: Robot) -> Mapping[str, KinematicError]:
-    """The kinematic errors that are known, by joint.  Raises InputError for anything else."""
+    """Known kinematic errors, by joint.  Raises InputError for anything else."""
     rule = "a KinematicError for each of some joints, by name"
     check_kind("identify_rigid", "kinematic_errors", errors, (Mapping, NoneType), rule)
     for joint, error in (errors or {}).items():
@@ -55,7 +55,7 @@ def checked_errors(errors: Mapping[str, KinematicError] | None, robot: Robot) ->
 
 
 def check_rotor_errors(errors: Mapping[str, float] | None, robot: Robot, sought: Sequence[str]) -> None:
-    """Raises InputError for deviations of rotors that are no numbers, or that are identified: sought, by joint."""
+    """Raises InputError for deviations that are not numbers, or of rotors that are identified (sought, by joint)."""
     rule = "a standard deviation, kg m2, for each of some joints, by name"
     check_kind("identify_rigid", "rotor_errors", errors, (Mapping, NoneType), rule)
     for joint, error in (errors or {}).items():

@@ -25,11 +25,11 @@ SYMBOLS = ("m", "h_x", "h_y", "h_z", "I_xx", "I_xy", "I_xz", "I_yy", "I_yz", "I_
 """Mass, first moment and inertia about the frame's origin of a body: the order of `Robot.inertial_parameters`."""
 
 TOLERANCE = 1e-5
-"""Of a column's length: what of a dependent column the others may leave unexplained.  Robot files round angles: what
-axes tell that are parallel but for that, no log shows."""
+"""Share of a dependent column's length that the others may leave unexplained.  Robot files round angles: what axes that
+are parallel but for rounding would reveal, no log shows."""
 
 NOTHING = 1e-6
-"""Of a column's length: a share below is such rounding, and is set to zero."""
+"""Share of a column's length below which it is such rounding, and is set to zero."""
 
 ROWS = 4
 """Rows of the regressor of random motions for each of its columns."""
@@ -130,18 +130,18 @@ def _observed(robot: Robot, rotors: Sequence[int]) -> Array:
 
 
 def _independent(W: Array, preferred: Indices) -> Indices:
-    """Indices of as many columns as are independent, those early in the order of preference first; sorted."""
+    """Indices of a maximal set of independent columns, preferred ones first; sorted."""
     revealed = np.abs(np.diag(qr(W, mode="r", pivoting=True)[0]))
     rank = int((revealed > TOLERANCE * revealed[0]).sum())
-    # without pivoting, the diagonal tells how far each column leaves the span of those before it
+    # without pivoting, the diagonal is each column's distance from the span of those before it
     new = np.abs(np.diag(qr(W[:, preferred], mode="r")[0]))
     return np.sort(preferred[np.argsort(-new, kind="stable")[:rank]]) if rank else preferred[:0]
 
 
 def _preferred(robot: Robot, columns: int) -> Indices:
-    """First what turns about the joint's axis shows, then rotors, last what a carrying body can take on.
+    """First parameters that rotation about the joint's axis shows, then rotors, last those that the parent can absorb.
 
-    Of a revolute joint's body these last are its mass, its moment along the axis, and one inertia across it: Khalil
+    For a revolute joint's body these last are its mass, its moment along the axis, and one inertia across it: Khalil
     and Dombre (2002), Modeling, Identification and Control of Robots, section 9.4.
     """
     bodies = robot.mechanism.bodies

@@ -16,20 +16,20 @@ from cutpoint.robot import Robot
 Array = NDArray[np.float64]
 
 BASIS = np.array([pseudo_inertia([float(j == k) for j in range(10)]) for k in range(10)], dtype=np.float64)
-"""Pseudo-inertia of each of ten parameters at one, (10, 4, 4)."""
+"""Pseudo-inertia of each of the ten parameters at one, (10, 4, 4)."""
 
 MASS = 1e-3
-"""Of the mean body: the least mass that a body is taken to have, where the file states less."""
+"""Least mass assumed for a body, as a share of the mean body's, if the file states less."""
 
 RADIUS = 0.03
-"""The least radius of gyration in any direction, of the robot's longest distance between joints, as of a thin rod; of a
-body that is smaller its largest one."""
+"""Least radius of gyration in any direction, as a share of the robot's longest distance between joints, as for a thin
+rod; for a smaller body, as a share of its own largest one."""
 
 POINT = 0.01
-"""Of that radius: a body that is smaller is a point."""
+"""Share of that radius: a smaller body is a point."""
 
 THINNEST = 1e-7
-"""Least eigenvalue of X that is kept: a body flatter than that is rounding's."""
+"""Least eigenvalue of X that is kept: a flatter body is due to rounding."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -44,27 +44,27 @@ class Bodies:
         return len(self.roots)
 
     def parameters(self, X: Array) -> Array:
-        """(10 bodies,), of X (bodies, 4, 4) brought to the nearest that is positive."""
+        """(10 bodies,), of X (bodies, 4, 4) projected on the nearest positive definite matrices."""
         values, vectors = np.linalg.eigh(0.5 * (X + X.transpose(0, 2, 1)))
         positive = np.einsum("bik,bk,bjk->bij", vectors, np.maximum(values, THINNEST), vectors)
         return np.einsum("bpk,bk->bp", self.maps, positive.reshape(-1, 16)).ravel()
 
 
 def bodies_of(robot: Robot) -> Bodies:
-    """The file's bodies with the rotors that they carry; points, rods and massless bodies are given a little volume."""
+    """The file's bodies with the rotors that they carry; points, rods and massless bodies get a small volume."""
     prior = np.tensordot(robot.inertial_parameters.reshape(-1, 10), BASIS, 1)
     mass = max(MASS * float(prior[:, 3, 3].mean()), np.finfo(float).tiny)
     longest = max(float(np.linalg.norm(body.placement[:3, 3])) for body in robot.mechanism.bodies)
     grown = [_with_volume(L, mass, longest) for L in prior]
     roots = np.linalg.cholesky(np.array(grown, dtype=np.float64)).astype(np.float64)
-    # L = C X C^T, and p of L by the inverse of the basis
+    # L = C X C^T, and p from L by the inverse of the basis
     to_parameters = np.linalg.pinv(BASIS.reshape(10, 16).T)
     maps = np.array([to_parameters @ np.kron(C, C) for C in roots])
     return Bodies(roots, maps)
 
 
 def with_parameters(mechanism: Mechanism, p: Array) -> Mechanism:
-    """The mechanism with other ten parameters (10 bodies,) of its bodies."""
+    """The mechanism with other inertial parameters (10 bodies,) of its bodies."""
     new = [_with(body, own) for body, own in zip(mechanism.bodies, p.reshape(-1, 10), strict=True)]
     return replace(mechanism, bodies=tuple(new))
 
@@ -77,7 +77,7 @@ def _with(body: Body, p: Array) -> Body:
 
 
 def _with_volume(L: Array, mass: float, longest: float) -> Array:
-    """Heavy and thick enough, about the same centre.  longest: m, of the robot's distances between joints."""
+    """The body, heavy and thick enough, about the same centre.  longest: m, largest distance between the joints."""
     m = max(float(L[3, 3]), mass)
     com = L[:3, 3] / m
     values, vectors = np.linalg.eigh(L[:3, :3] - m * np.outer(com, com))

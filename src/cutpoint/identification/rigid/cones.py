@@ -14,7 +14,7 @@ from cutpoint.identification.rigid.physical_fit import Fit
 Array = NDArray[np.float64]
 
 BLUNTER = (1.0, 0.1, 1e-2, 1e-3)
-"""Times these, in turn, where Clarabel gives up: of torques that no body makes, as those of turned sign."""
+"""Factors tried in turn if Clarabel gives up: on torques that no body causes, such as those of reversed sign."""
 
 
 def solve(fit: Fit, entropic: bool) -> Array:
@@ -36,7 +36,7 @@ def solve(fit: Fit, entropic: bool) -> Array:
     problem = cp.Problem(cp.Minimize(sharp * misfit + distance), bounds)
     for blunt in BLUNTER:
         sharp.value = blunt**2
-        # of a solution within reduced tolerances, which is good enough here
+        # about a solution within reduced tolerances, which is good enough here
         with warnings.catch_warnings(), suppress(cp.error.SolverError):
             warnings.filterwarnings("ignore", r"Solution may be inaccurate", UserWarning)
             problem.solve(solver=cp.CLARABEL)
@@ -48,12 +48,12 @@ def solve(fit: Fit, entropic: bool) -> Array:
 
 
 def _distance(cp: Any, X: Any, entropic: bool) -> Any:
-    """Between a body and the file's, which is the unit matrix."""
+    """Distance between a body and the file's, which is the unit matrix."""
     return (cp.trace(X) - cp.log_det(X) - 4) / 2 if entropic else cp.sum_squares(X - np.eye(4)) / 4
 
 
 def cvxpy() -> Any:
-    """Raises CutpointError where it or Clarabel is not installed."""
+    """Returns cvxpy.  Raises CutpointError if it or Clarabel is not installed."""
     try:
         import_module("clarabel")
         return import_module("cvxpy")

@@ -1,6 +1,6 @@
 """Choice of each joint's friction law by cross-validation.
 
-A richer law always fits better; whether it also predicts better is tested on blocks of the recording that are left out
+A richer law always fits better; whether it also predicts better is tested on blocks of the recording that are held out
 in turn.  Of the laws within one standard error of the best, the expected one is taken, or else the simplest.  Hastie,
 Tibshirani, Friedman (2009), The Elements of Statistical Learning, section 7.10.
 """
@@ -22,25 +22,25 @@ from cutpoint.mechanics.friction import Coulomb, Sliding, Stribeck
 Array = NDArray[np.float64]
 Means = Callable[[Array], Array]
 Tried = tuple[Sliding, Array]
-"""A law, and the products of its columns with all else, see `_Trial.gram`."""
+"""A law, and the products of its columns with all others, see `_Trial.gram`."""
 
 BLOCKS = 8
-"""Contiguous blocks that are left out in turn."""
+"""Contiguous blocks that are held out in turn."""
 
 SMOOTHINGS = np.geomspace(0.005, 0.5, 5)
 STRIBECKS = np.geomspace(0.02, 2.0, 5)
-"""Shapes that are tried, in RMS speeds of the joint."""
+"""Speeds that are tried, in RMS speeds of the joint."""
 
 ASYMMETRIES = (-0.3, -0.1, 0.1, 0.3)
 
 NEAR = 0.3
-"""How far the search for the best shape first steps, in logarithms."""
+"""First step of the search for the best shape, in logarithms."""
 
 TRIALS = 20
-"""Shapes that it tries."""
+"""Number of shapes that it tries."""
 
 RIDGE = 1e-12
-"""Of a column's square in all blocks: what keeps columns that one block alone excites from being told by the others."""
+"""Regularisation, as a share of a column's square over all blocks, for columns that are excited in only one block."""
 
 RICHNESS = (
     "coulomb",
@@ -54,7 +54,7 @@ RICHNESS = (
 
 
 class Held(NamedTuple):
-    """error: RMS of torques that were left out, N m.  deviation: its standard error over the blocks."""
+    """error: RMS error on held-out torques, N m.  deviation: its standard error over the blocks."""
 
     error: float
     deviation: float
@@ -62,7 +62,7 @@ class Held(NamedTuple):
 
 @dataclass(frozen=True)
 class FrictionChoice:
-    """The law chosen for a joint, and each family's error, in a unit."""
+    """The law chosen for a joint, and each family's error, with its unit."""
 
     joint: str
     family: str
@@ -88,12 +88,12 @@ def choose_friction(
 ) -> FrictionChoice:
     """Coulomb or Stribeck, each symmetric, asymmetric, or growing with load, and the shape that fits best.
 
-    torque (M,): friction of a joint, after means, and what may be wrong in what else was subtracted: others (M, k),
-    each at one standard deviation, in torques of a noise, N m.  speed, load: (N,), before means.
-    offset: whether the torque may be off by a constant; where friction is asymmetric that stands for it.
-    expected: a law with the shape that the drive's file states; nothing where it states none.
-    Of the shapes that were tried on the way to the best for all blocks, each block is judged by the one that fits the
-    others best.  Every law takes energy: none of its parts pushes.
+    torque (M,): friction of a joint, decimated, and possible errors of all that was subtracted from it: others (M, k),
+    one standard deviation each, N m; noise: of the torques, N m.  speed, load: (N,), before decimation.
+    offset: whether the torque may have a constant offset; with asymmetric friction, the asymmetry stands for it.
+    expected: a law with the shape that the drive's file states; none if it states none.
+    Of the shapes tried in the search for the best over all blocks, each block is judged by the one that fits the others
+    best.  Every law dissipates energy: none of its coefficients is negative.
     """
     trial = _Trial(torque, others, noise, speed, means, load, offset)
     tried = _tried(trial, float(np.sqrt(np.nanmean(speed**2))), expected)
@@ -121,10 +121,10 @@ class _Trial:
     offset: bool
 
     def gram(self, law: Sliding) -> Array:
-        """Products of [others, friction, torque] with themselves, of each block, (BLOCKS, c, c)."""
+        """Products of [others, friction, torque] with themselves, for each block, (BLOCKS, c, c)."""
         columns = friction_columns(law, self.speed, self.load)[1]
         if isinstance(law, Stribeck):
-            # a drive file knows no friction that is less at rest than in motion: the second is what it is more there
+            # a drive file has no friction that is smaller at rest than in motion: the second is the excess at rest
             columns[:, 0] += columns[:, 1]
         columns = self.means(columns)
         ones = np.ones((len(self.torque), int(self.offset and law.asymmetry is None)))
@@ -149,7 +149,7 @@ class _Trial:
         return min(tried, key=self.misfit)[0]
 
     def misfit(self, tried: Tried) -> float:
-        """Squares that a law leaves over in all blocks."""
+        """Sum of squared residuals of a law over all blocks."""
         law, gram = tried
         return self.fit(law, gram.sum(axis=0), gram.sum(axis=0))[1]
 
@@ -157,7 +157,7 @@ class _Trial:
         """Squared error of each block under the shape and parameters that fit the others best, (BLOCKS,)."""
         errors = np.empty(BLOCKS)
         for block in range(BLOCKS):
-            # summed, not subtracted from the sum of all, which rounding may leave without a root
+            # summed, not subtracted from the total, which rounding may leave without a root
             rest = np.arange(BLOCKS) != block
             fits = [(self.fit(law, gram[rest].sum(axis=0), gram.sum(axis=0)), gram[block]) for law, gram in tried]
             (values, _), own = min(fits, key=lambda each: each[0][1])
@@ -166,15 +166,15 @@ class _Trial:
         return errors
 
     def fit(self, law: Sliding, gram: Array, whole: Array) -> tuple[Array, float]:
-        """Least squares of the last column by the others, of products (c, c), friction never negative: values, and
-        squares left over.  whole: of all blocks, whose size says what of these is next to nothing."""
+        """Least squares of the last column on the others, from products (c, c), with friction nonnegative: values, and
+        the sum of squared residuals.  whole: products over all blocks, relative to which small ones count as zero."""
         A, b, others = gram[:-1, :-1].copy(), gram[:-1, -1], self.others.shape[1]
         A[range(others), range(others)] += self.noise**2
         size = np.sqrt(np.maximum(np.diag(A + whole[:-1, :-1] - gram[:-1, :-1]), np.finfo(float).tiny))
         R = cholesky(A / np.outer(size, size) + RIDGE * np.eye(size.size))
         y = solve_triangular(R, b / size, trans=1)
         free = others + int(self.offset and law.asymmetry is None)
-        # the triangle's last rows hold friction alone
+        # the triangle's last rows have only friction
         friction, _ = nnls(R[free:, free:], y[free:])
         rest = solve_triangular(R[:free, :free], y[:free] - R[:free, free:] @ friction)
         values = np.append(rest, friction) / size
@@ -194,7 +194,7 @@ def _tried(trial: _Trial, size: float, expected: Sliding | None) -> dict[str, li
         "coulomb": [Coulomb(1.0, 0.0, size * x, grease=grease) for x in SMOOTHINGS],
         "stribeck": [Stribeck(1.0, 1.0, 0.0, y, x, grease=grease) for x, y in sharp],
     }
-    if isinstance(expected, (Coulomb, Stribeck)):  # others are a user's own
+    if isinstance(expected, (Coulomb, Stribeck)):  # others are user-defined
         plain[type(expected).__name__.lower()].append(_with(expected, per_load=None, asymmetry=None))
     found: dict[str, list[Tried]] = {}
     for family, laws in plain.items():
@@ -203,14 +203,14 @@ def _tried(trial: _Trial, size: float, expected: Sliding | None) -> dict[str, li
         found[f"{family}, asymmetric"] = _refined(trial, trial.all([_with(law, asymmetry=x) for x in ASYMMETRIES]))
         if trial.load is not None and np.nanmax(np.abs(trial.load)) > 0.0:
             found[f"{family}, with load"] = _refined(trial, trial.all([_with(law, per_load=0.0)]))
-        # what only a longer search for the shape has found is no merit of the richer law
+        # an improvement from a longer search for the shape is not due to the richer law
         richer = [trial.best(tried) for name, tried in found.items() if name.startswith(f"{family}, ")]
         found[family] += trial.all([_with(law, per_load=None, asymmetry=None) for law in richer])
     return found
 
 
 def _refined(trial: _Trial, tried: list[Tried]) -> list[Tried]:
-    """With what is tried on the way to the best shape near these, by variable projection.  Golub and Pereyra (1973)."""
+    """Adds all laws tried in the search for the best shape nearby, by variable projection.  Golub and Pereyra (1973)."""
     law = trial.best(tried)
     names, found = shape_of(law), [*tried]
 

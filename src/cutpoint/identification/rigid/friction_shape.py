@@ -1,7 +1,7 @@
-"""How sharply friction changes with speed, fitted together with all that is linear, and robust to outliers.
+"""Shapes of friction laws over speed, fitted together with all linear unknowns, and robust to outliers.
 
-Where a joint turns back or shakes, filtered speeds tell little of friction, and a few torques are far off.  By their
-squares these alone would decide over the shape: Huber's weights bound them, and steps are those of Gauss and Newton.
+Where a joint reverses or shakes, filtered speeds carry little information about friction, and a few torques are far
+off.  Squared, these alone would determine the shape: Huber's weights bound them, in Gauss-Newton steps.
 """
 
 from collections.abc import Collection, Mapping
@@ -22,27 +22,27 @@ from cutpoint.mechanics.friction import Sliding
 Array = NDArray[np.float64]
 Laws = Mapping[str, Sliding]
 Shape = tuple[str, str]
-"""A joint, and the name of what shapes its law."""
+"""A joint, and the name of a shape parameter of its law."""
 
 STEPS = 12
 LONGEST = 0.3
-"""Step, in the logarithm of a speed."""
+"""Longest step, in the logarithm of a speed."""
 
 SETTLED = 1e-3
 NEARLY = 0.05
-"""Of a last step: a law that still moves by more is left as it was, for nothing tells its shape."""
+"""Largest last step: a law that still changes by more is left as it was, as its shape is undetermined."""
 
 CHANGE = 1e-4
-"""In the logarithm of a speed, for derivatives."""
+"""Step for derivatives, in the logarithm of a speed."""
 
 
 def best_shapes(
     base: BaseParameters, laws: Laws, joints: Collection[str], log: Log, loads: Array, offsets: bool
 ) -> dict[str, Sliding]:
-    """The laws, those of some joints with the shapes that explain the torques best.  loads: (N, n), N m.
+    """The laws, with the shapes that explain the torques best for some joints.  loads: (N, n), N m.
 
-    offsets: whether torques may be off by a constant each; such a one and an asymmetry are the same but for the moments
-    of rest, so that each could undo what the other does: asymmetries then stay as they are.
+    offsets: whether each torque may have a constant offset; this and an asymmetry differ only at rest, so that each
+    could cancel the other: asymmetries then stay as they are.
     """
     inertial = inertial_columns(base, log.motion, log.means)
     found, steps = dict(laws), dict[Shape, float]()
@@ -68,7 +68,7 @@ def _steps(
     linear: Regression,
     offsets: bool,
 ) -> dict[Shape, float]:
-    """Of each shape, from here to where the torques are explained best as far as one sees from here."""
+    """Gauss-Newton step of each shape."""
     weights, _ = huber_weights(linear)
     values = solved(*split(triangle(weighted_rows(linear, weights))))[0]
     told = laws_with(laws, dict(zip(linear.names, values.tolist(), strict=True)))
@@ -83,7 +83,7 @@ def _steps(
 def shape_slopes(
     base: BaseParameters, laws: Laws, joints: Collection[str], log: Log, loads: Array
 ) -> tuple[list[Shape], Array]:
-    """Shapes of some joints' laws, k in all, and derivatives (M, n, k) of the torques by them."""
+    """The k shape parameters of some joints' laws, and derivatives (M, n, k) of the torques by them."""
     shapes = [(joint, name) for joint in joints for name in shape_of(laws[joint])]
     order, speeds = base.robot.joints, sliding_speeds(base.robot, log.motion)
     found: list[Array] = [np.empty((log.means.size, len(order), 0))]

@@ -49,16 +49,16 @@ Method = Literal["ordinary", "weighted", "huber", "instrumental"]
 FrictionWish = Literal["choose", "stated"] | Mapping[str, Sliding] | tuple[FrictionChoice, ...]
 
 BANDWIDTH = 10.0
-"""Hz of torques that are explained, at most, by default: arms are excited below, drives resonate above."""
+"""Largest default bandwidth of the fitted torques, Hz: arms are excited below, drives resonate above."""
 
 WRONG = 3.0
-"""Standard deviations by which links may be wrong while friction laws are compared."""
+"""Standard deviations by which links may be off while friction laws are compared."""
 
 LITTLE = 0.5
-"""Share of the numbers that are told: below, it is said why."""
+"""Share of the numbers that are determined, below which the reason is given."""
 
 LOADED_ROUNDS = 3
-"""Rounds in which friction that grows with load learns the load."""
+"""Rounds in which the load of load-dependent friction is updated."""
 
 
 @by_one_thread
@@ -119,7 +119,7 @@ def identify_rigid(
     loads = transmitted(robot, log.motion, link_torques(robot, log.motion, robot.inertial_parameters), of_links)
     asked = None if instruments is None else _asked(robot, recording, instruments, log.motion.cutoff)
     how = _How(method, asked, offsets, (), rotor_errors or {}, known, errors, prior_spread, solver)
-    if errors:  # whose reaction goes with the load
+    if errors:  # whose reaction depends on the load
         loads = _loads(_fitted(base, laws, log, loads, how))
     relieved = log.without_errors(loads)
     choices = _choices(base, relieved, loads, offsets) if friction == "choose" else ()
@@ -155,7 +155,7 @@ class _How(NamedTuple):
 def _fitted(base: BaseParameters, laws: Mapping[str, Sliding], log: Log, loads: Array, how: _How) -> Fitted:
     """The fit of the torques, with physically consistent bodies.
 
-    loads: (N, n), N m, by which friction may grow, and of which kinematic errors take a share.
+    loads: (N, n), N m, on which friction may depend, and of which kinematic errors take a share.
     """
     log = log.without_errors(loads)
     of = partial(regression, base, laws, torque=log.torque, means=log.means, offsets=how.offsets, loads=loads)
@@ -176,7 +176,7 @@ def _loads(fitted: Fitted) -> Array:
 
 
 def explained(motion: Motion, bandwidth: float | None) -> float:
-    """Hz of the torques that are explained: those of what moves, at most BANDWIDTH, unless it is stated."""
+    """Bandwidth of the fitted torques, Hz: that of the motion, at most BANDWIDTH, unless stated."""
     return min(motion.cutoff, BANDWIDTH) if bandwidth is None else bandwidth
 
 
@@ -200,14 +200,14 @@ def _log(
 
 
 def _estimate(found: Regression, method: Method, instruments: Array | None, *beside: Array) -> Estimate:
-    """beside: shapes and known, which the spread counts."""
+    """beside: shapes and known, which the spread includes."""
     if method == "instrumental":
         return instrumental_variables(found, instruments, *beside)
     return least_squares(found, method, *beside)
 
 
 def _choices(base: BaseParameters, log: Log, loads: Array, offsets: bool) -> tuple[FrictionChoice, ...]:
-    """The law of each joint that moves, from its torques less those of the links.
+    """The law of each moving joint, from its torques less those of the links.
 
     The links' torques come from a fit with the stated laws, and are uncertain by its deviations.
     """
@@ -230,7 +230,7 @@ def _choices(base: BaseParameters, log: Log, loads: Array, offsets: bool) -> tup
 def _shaped(
     choices: tuple[FrictionChoice, ...], base: BaseParameters, log: Log, loads: Array, offsets: bool
 ) -> tuple[FrictionChoice, ...]:
-    """The same laws, with the shapes that fit the torques of all joints best, and their units."""
+    """The same laws with the shapes that fit the torques of all joints best, and their units."""
     chosen = {each.joint: each.law for each in choices}
     shaped = best_shapes(base, stated_laws(base.robot, log.motion) | chosen, chosen, log, loads, offsets)
     units = at_joints(base.robot, "N m")

@@ -18,7 +18,7 @@ from cutpoint.identification.rigid.sandwich import Spread, spread
 Array = NDArray[np.float64]
 
 LATER = 3
-"""Rows after which windows of a decimation share no sample worth mentioning."""
+"""Rows after which windows of a decimation share practically no samples."""
 
 
 def instrumental_variables(
@@ -27,7 +27,7 @@ def instrumental_variables(
     """Two stages, weighted by each joint's noise and iterated: columns are replaced by their projection on instruments
     (M, n, c), by default the columns of three rows before.
 
-    shapes, known: what the spread counts beside noise, as in `least_squares`.
+    shapes, known: further contributions to the spread, as in `least_squares`.
     Raises InputError: instruments of another shape, or fewer rows than parameters.
     """
     nothing = np.empty((*regression.torque.shape, 0))
@@ -56,7 +56,7 @@ def instrumental_variables(
 
 
 def lagged(times: Array, rows: int) -> tuple[NDArray[np.intp], NDArray[np.intp]]:
-    """The rows at times (M,) that have another so many rows before them, with no gap in between; and those others."""
+    """The rows at times (M,) that have another so many rows earlier, without a gap in between; and those others."""
     step = float(np.median(np.diff(times)))
     if len(times) <= rows:
         raise InputError(f"{len(times)} rows are too few for instruments of {rows} rows before: record a longer motion")
@@ -76,7 +76,7 @@ def _spread(
 
 
 def _second_stage(regression: Regression, instruments: Array, noise: Array) -> tuple[Array, Array, Array]:
-    """Weighted columns as far as the instruments tell them (M, n, c), and R x = z of the estimate."""
+    """Weighted columns projected on the instruments (M, n, c), and R x = z of the estimate."""
     shape, weights = instruments.shape, 1.0 / noise[:, None]
     Z, W = ((weights * x).reshape(-1, shape[2]) for x in (instruments, regression.columns))
     y = (regression.torque / noise).reshape(-1)

@@ -14,32 +14,32 @@ from cutpoint.identification.rigid.regression import Regression
 Array = NDArray[np.float64]
 
 GAP = 1.5
-"""Times the usual step: rows farther apart tell no rate."""
+"""Times the usual step: rows farther apart give no rate."""
 
 CERTAIN = 4.0
-"""Standard deviations from which on a delay is said."""
+"""Standard deviations above which a delay is reported."""
 
 UNLIKE = 0.5
-"""Of the delay of most joints: friction that seems to change more slowly than it does hides some of one's own."""
+"""Share of most joints' delay by which another's must differ: friction fitted too smooth hides part of a delay."""
 
 WORTH, WORTH_BENT = 1.5e-3, 2.5e-3
-"""s, from which on it is said, and where drives bend: springs, dampers and dry friction that were not modelled make
+"""s: least delay that is reported, without and with elastic drives: unmodelled springs, dampers and dry friction make
 torques early or late by less."""
 
 UNMODELLED_BENT = 1e-3
-"""s by which they do where drives bend, a standard deviation in trials; it is told beside what noise leaves open."""
+"""s: standard deviation of that effect with elastic drives, in trials; it adds to the uncertainty due to noise."""
 
 LESS = 0.8
-"""Of what delays leave over: where something else leaves less than that, it is no delay.  In trials it was 0.9 to 1.1
-where torques were late, and 0.1 to 0.6 where friction was on both sides, but for one joint of six: hence their mean."""
+"""Share of the residual with delays: if another cause leaves less, it is not a delay.  In trials it was 0.9 to 1.1 with
+late torques, and 0.1 to 0.6 with friction on both sides, except for one joint of six: hence the mean."""
 
 
 def lateness_notes(found: Regression, values: Array, beside: Array, joints: Sequence[str], bend: bool) -> list[str]:
-    """A sentence if torques are clearly late or early against the motion, all alike, and one for each joint whose
-    torques are so too, but unlike the others.
+    """A sentence if torques of all joints are significantly late or early by the same delay, and one for each joint
+    whose torques are too, but by another.
 
-    values: the parameters (c,).  beside: columns (M, n, k) of what else may be in the torques, earlier or later than
-    what was sought, such as friction on the drives' other sides.  bend: whether drives do.
+    values: the parameters (c,).  beside: columns (M, n, k) of other possible torques, earlier or later than the
+    identified ones, such as friction on the drives' other sides.  bend: whether drives are elastic.
     """
     delays, covariance = lateness(found, values, beside)
     worth, unmodelled = (WORTH_BENT, UNMODELLED_BENT) if bend else (WORTH, 0.0)
@@ -77,8 +77,8 @@ def _late(torques: str, delay: float, variance: float) -> str:
 
 
 def lateness(found: Regression, values: Array, beside: Array) -> tuple[Array, Array]:
-    """s by which each joint's torques are late, (n,), and their covariance (n, n), s2: sought beside all else, to first
-    order; NaN of joints whose torques, or those of most joints, `beside` explains better."""
+    """Delay of each joint's torques, s, (n,), and its covariance (n, n), s2, estimated with all else, to first order;
+    NaN for joints whose torques, or those of most joints, `beside` explains better."""
     times, told = found.times, found.columns @ values
     rate = np.asarray(CubicSpline(times, told).derivative()(times))
     far = np.diff(times) > GAP * float(np.median(np.diff(times)))
@@ -94,7 +94,7 @@ def lateness(found: Regression, values: Array, beside: Array) -> tuple[Array, Ar
 
 
 def _with(found: Regression, columns: Array) -> tuple[Estimate, Array]:
-    """A fit with further columns (M, n, k), and what it leaves over of each joint's torques, (n,), in the mean."""
+    """A fit with further columns (M, n, k), and its mean absolute residual for each joint, (n,)."""
     names = (*found.names, *(f"further.{k}" for k in range(columns.shape[2])))
     more = replace(found, names=names, columns=np.concatenate([found.columns, columns], axis=2))
     estimate = least_squares(more, "huber")

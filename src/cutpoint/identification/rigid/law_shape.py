@@ -1,4 +1,4 @@
-"""What shapes a law of friction beside its size, and steps from one shape to another."""
+"""Shape parameters of friction laws, besides their sizes, and steps from one shape to another."""
 
 from collections.abc import Mapping
 from dataclasses import replace
@@ -10,13 +10,13 @@ from cutpoint.mechanics.friction import Sliding
 
 
 def shape_of(law: Sliding) -> tuple[str, ...]:
-    """Names of what shapes a law."""
+    """Names of a law's shape parameters."""
     speeds = tuple(name for name in ("smoothing", "stribeck_velocity") if hasattr(law, name))
     return speeds if law.asymmetry is None else (*speeds, "asymmetry")
 
 
 def moved(law: Any, steps: Mapping[str, float]) -> Sliding:
-    """Speeds by steps in their logarithms, an asymmetry by one in its inverse hyperbolic tangent."""
+    """A law after steps: of speeds in their logarithms, of an asymmetry in its inverse hyperbolic tangent."""
     new = {name: _moved(name, float(getattr(law, name)), step) for name, step in steps.items()}
     return replace(law, **new)
 
@@ -26,6 +26,6 @@ def _moved(name: str, value: float, step: float) -> float:
 
 
 def is_sharp(law: Any) -> bool:
-    """Whether friction has changed its sign by Stribeck's speed: else a peak of any height between is as good as none,
-    for means over the moments in which a joint turns back."""
+    """Whether friction's sign change is complete below the Stribeck speed: otherwise a peak of any height has no effect
+    on means over reversals."""
     return law.smoothing < getattr(law, "stribeck_velocity", np.inf)

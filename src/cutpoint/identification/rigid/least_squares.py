@@ -18,17 +18,17 @@ Method = Literal["ordinary", "weighted", "huber"]
 METHODS = get_args(Method)
 
 UNSEEN = 1e-9
-"""Of the largest singular value of columns of unit length: directions below that are not excited at all."""
+"""Share of the largest singular value of unit-length columns: directions below it are not excited at all."""
 
 EDGE = 1.345
 """Standard deviations beyond which Huber's weight falls: 95 % as efficient as least squares on normal noise."""
 
 NEARBY = 11
-"""Rows over which residuals are alike in size."""
+"""Rows over which residuals have similar sizes."""
 
 ROUNDS = 50
 SETTLED = 1e-6
-"""Reweighting ends when no joint's noise changes by more than that of itself."""
+"""Reweighting ends when no joint's noise changes by more than this share of itself."""
 
 
 class Estimate(NamedTuple):
@@ -78,9 +78,9 @@ def least_squares(
 
 
 def _slope(residuals: Array, noise: Array) -> Array:
-    """(M, n): of Huber's bounded residuals, over the noise.
+    """(M, n): slope of Huber's bounded residuals, over the noise.
 
-    It is 1 inside the edge and 0 beyond; of residuals that are as large as those nearby, so many lie inside on average.
+    It is 1 inside the edge and 0 beyond; here, the expected share inside for residuals as large as those nearby.
     """
     size = np.sqrt(uniform_filter1d(residuals**2, NEARBY, axis=0))
     share = erf(EDGE * noise / np.maximum(size, np.finfo(float).tiny) / np.sqrt(2.0))
@@ -90,7 +90,7 @@ def _slope(residuals: Array, noise: Array) -> Array:
 def _spread(
     regression: Regression, residuals: Array, weights: Array, slope: Array, beside: tuple[Array | None, Array | None]
 ) -> Spread:
-    """slope (M, n): of the weighted residuals by the torques.  beside: shapes and known, as above."""
+    """slope (M, n): derivative of the weighted residuals by the torques.  beside: shapes and known, as above."""
     nothing = np.empty((*residuals.shape, 0))
     shapes, known = (nothing if x is None else x for x in beside)
     both = replace(regression, columns=np.concatenate([regression.columns, shapes], axis=2))
@@ -150,7 +150,7 @@ def weighted_rows(regression: Regression, weights: Array) -> Array:
 
 
 def _weighted(regression: Regression) -> tuple[Array, Array]:
-    """Each joint's noise (n,) and the parameters, from the joints' triangles alone."""
+    """Each joint's noise (n,) and the parameters, from only the joints' triangles."""
     factors, rows = regression.factors, len(regression.times)
     noise, values = np.ones(len(factors)), np.zeros(factors.shape[2] - 1)
     for _ in range(ROUNDS):
@@ -163,5 +163,5 @@ def _weighted(regression: Regression) -> tuple[Array, Array]:
 
 
 def _rounding(norms: Array) -> Array:
-    """The least noise (n,) that torques of these norms have; any, where there is none."""
+    """The least noise (n,) of torques of these norms, due to rounding; arbitrary for zero torques."""
     return np.where(norms > 0.0, np.finfo(float).eps * norms, 1.0)

@@ -24,26 +24,26 @@ ENDS = 1e-6
 STEPS = 1000
 
 CLEAR = 1e-6
-"""How far from its bound the search starts."""
+"""Distance from the bound at which the search starts."""
 
 
 def solve(fit: Fit) -> Array:
-    """The unknowns of a fit, from the file's bodies on.  Raises CutpointError where the search does not end."""
+    """The unknowns of a fit, starting from the file's bodies.  Raises CutpointError if the search does not converge."""
     whole = _unknowns(fit, np.zeros(10 * fit.bodies.count + fit.scale.size + fit.positive.size))
-    # rotors start at the file's, friction at what least squares say where all else is the file's
+    # rotors start at the file's, friction at least squares with all else as in the file
     whole[fit.first_rotor : fit.first_other] = 1.0
     free = np.linalg.lstsq(fit.data[:, fit.first_other :], fit.z - fit.data @ whole)[0]
     start = np.concatenate([np.zeros(10 * fit.bodies.count), np.ones(fit.scale.size), free])
     low = np.full(start.size, -np.inf)
     low[10 * fit.bodies.count :] = [*np.zeros(fit.scale.size), *np.where(fit.positive, 0.0, -np.inf)]
     slopes: Any = lambda x: _slopes(fit, x)  # noqa: E731
-    with np.errstate(over="ignore", invalid="ignore"):  # a step that is too long is taken back
+    with np.errstate(over="ignore", invalid="ignore"):  # a step that is too long is rejected
         found = least_squares(
             lambda x: _residuals(fit, x),
             np.maximum(start, low + CLEAR),
             slopes,
             (low, np.inf),
-            method="dogbox",  # numbers at their bounds do not keep the others from going on
+            method="dogbox",  # numbers at their bounds do not stop the others
             ftol=ENDS,
             xtol=ENDS,
             gtol=ENDS,
@@ -77,7 +77,7 @@ def _residuals(fit: Fit, x: Array) -> Array:
 
 
 def _slopes(fit: Fit, x: Array) -> Array:
-    """Of the residuals, by the chain rule over each body's U."""
+    """Derivatives of the residuals, by the chain rule over each body's U."""
     count, first = fit.bodies.count, 10 * fit.bodies.count
     U = _factors(fit, x)
     slope = np.zeros((16 * count + x.size - first, x.size))

@@ -48,7 +48,7 @@ def physical(fit: Fit, solver: Solver = "lmi") -> Physical:
 
 
 def check_solver(solver: str) -> None:
-    """Raises InputError for one that is unknown, CutpointError for one that is not installed."""
+    """Raises InputError for an unknown solver, CutpointError for one that is not installed."""
     if solver not in SOLVERS:
         raise unknown_name("solver", solver, SOLVERS)
     if solver != "log_cholesky":

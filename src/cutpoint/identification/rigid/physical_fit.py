@@ -1,4 +1,4 @@
-"""What is sought of bodies, rotors and friction, and how far each may be from what a file states."""
+"""Unknowns of bodies, rotors and friction, and how far each may be from the file's."""
 
 from collections.abc import Sequence
 from typing import NamedTuple
@@ -13,26 +13,26 @@ from cutpoint.identification.rigid.rigid_robot import stated_coefficient
 Array = NDArray[np.float64]
 
 LOOSE = 20.0
-"""Times its usual size: how far friction or an offset may be from the file's.  Told, they hardly feel it."""
+"""Spread of friction or an offset about the file's, times its usual size.  It hardly affects determined ones."""
 
 NEAR = 0.2
-"""The same where the file states it and the log does not tell it, but may tell its sum with others; of what the file
-states where that is less."""
+"""The same if the file states it and the log does not determine it, but possibly its sum with others; times the file's
+value if that is less."""
 
 LEAST = 1e-3
-"""Times its usual size: nothing is nearer than that, for the solvers' sake."""
+"""Least spread, times the usual size, for the solvers' sake."""
 
 SHARPEST = 1e7
-"""Torques over their noise, all together: of logs that are more exact a solver would not see bodies beside them."""
+"""Largest norm of all torques over their noise: in more exact logs a solver would not resolve the bodies' distances."""
 
 
 class Fit(NamedTuple):
     """Minimise |data @ unknowns - z|^2 + sum of distances / spread^2 over [X.ravel() of bodies, rotors, others].
 
-    The distance of a body that is (1 + e) times the file's is e^2, nearly, and so is a rotor's; others are spread over
+    The distance of a body that is (1 + e) times the file's is nearly e^2, and so is a rotor's; others are spread over
     `loose` sizes.  Friction and offsets are sums (others, others) times their unknowns, see `_sums`.
-    scale (rotors,): their size in the file, or in the arm where the file has none.  stated: whether it has.
-    sizes (others,): what they are shares of.  prior: the file's, as shares.  positive: which must not be negative.
+    scale (rotors,): their size in the file, or in the arm if the file has none.  stated: whether it has.
+    sizes (others,): units of their shares.  prior: the file's, as shares.  positive: which must not be negative.
     """
 
     base: BaseParameters
@@ -71,11 +71,11 @@ def fit_of(
     told: NDArray[np.bool_],
     spread: float,
 ) -> Fit:
-    """Of R x = z: base parameters first, then friction and offsets, by names; in units of their noise.
+    """The fit of R x = z, in units of noise: base parameters first, then friction and offsets, by names.
 
-    sizes: of friction and offsets, as they usually are in such a robot.  told: which of these the log tells; others
-    stay near what the file states.  spread: standard deviation of the bodies from the file's, as a share: 0.5 is half
-    of a body's mass.
+    sizes: usual ones of friction and offsets in such a robot.  told: which of these the log determines; others stay
+    near the file's.  spread: standard deviation of the bodies from the file's, as a share: 0.5 is half of a body's
+    mass.
     """
     blunt = min(1.0, SHARPEST / max(float(np.linalg.norm(z)), 1.0))
     R, z = blunt * R, blunt * z
@@ -86,7 +86,7 @@ def fit_of(
     stated, sums = np.array([stated_coefficient(base.robot, name) for name in names[b:]]), _sums(names[b:])
     more = sums - np.eye(sizes.size)
     prior = np.nan_to_num(stated - more @ np.nan_to_num(stated)) / sizes
-    # a file without friction at rest means that of motion
+    # a file without static friction means that it equals the friction in motion
     near = NEAR * np.where(prior == 0.0, 1.0, np.clip(np.abs(prior), LEAST, 1.0))
     loose = np.where(told | np.isnan(stated) & ~more.any(axis=1), LOOSE, near)
     positive = np.array([not name.startswith("offset.") for name in names[b:]], dtype=bool)
@@ -103,8 +103,8 @@ def _base_of(base: BaseParameters, bodies: Bodies, scale: Array) -> Array:
 
 
 def _sums(names: Sequence[str]) -> Array:
-    """Friction and offsets (k,) are these (k, k) times the unknowns, all of which may be zero: friction at rest is that
-    in motion and what it is more."""
+    """Friction and offsets (k,) are these (k, k) times the unknowns, all of which may be zero: static friction is that
+    in motion plus an excess."""
     found = np.eye(len(names))
     for k, name in enumerate(names):
         if name.startswith("static."):

@@ -21,14 +21,14 @@ from cutpoint.mechanics.friction import Sliding
 Array = NDArray[np.float64]
 
 CHUNK = 4096
-"""Samples whose regressor is in memory at once."""
+"""Number of samples whose regressor is in memory at once."""
 
 
 @dataclass(frozen=True, eq=False)
 class Regression:
     """torque (M, n) = columns (M, n, c) @ parameters (c,) + residuals, at times (M,), s.
 
-    M is what decimation left of the recording's samples: 8 M n c bytes, 30 MB for 100 s of a seven-joint arm.
+    M is the number of samples after decimation: 8 M n c bytes, 30 MB for 100 s of a seven-joint arm.
     """
 
     names: tuple[str, ...]
@@ -43,7 +43,7 @@ class Regression:
         return np.array([triangle(both[:, j]) for j in range(both.shape[1])])
 
     def residuals(self, values: Array) -> Array:
-        """(M, n): torques that parameters (c,) do not explain."""
+        """(M, n): residual torques of parameters (c,)."""
         return self.torque - self.columns @ values
 
     def part(self, rows: NDArray[np.bool_ | np.intp] | slice) -> "Regression":
@@ -62,10 +62,10 @@ def regression(
     loads: Array | None = None,
     inertial: Array | None = None,
 ) -> Regression:
-    """Of a motion and its torques (N, n): base parameters, then each joint's friction, then offsets, by name.
+    """The regression of a motion and torques (N, n): base parameters, then each joint's friction, then offsets, by name.
 
     laws: a friction law for each joint, whose own coefficients do not matter.  loads: (N, n) N m that the drives
-    transmit, for laws in which friction grows with it.  inertial: as `inertial_columns` has them, where they are known.
+    transmit, for load-dependent laws.  inertial: those of `inertial_columns`, if known already.
     """
     inertial = inertial_columns(base, motion, means) if inertial is None else inertial
     joints, speeds = base.robot.joints, sliding_speeds(base.robot, motion)
@@ -85,7 +85,7 @@ def regression(
 def inertial_columns(base: BaseParameters, motion: Motion, means: Decimation) -> Array:
     """(M, n, b): columns of the base parameters, with the motors' own acceleration at their rotors.
 
-    A rotor that counts with its link, as the first joint's does, is taken to move with it.
+    A rotor that is lumped with its link, as the first joint's is, is assumed to move with it.
     """
     bodies, n = 10 * len(base.robot.mechanism.bodies), len(base.robot.joints)
     links = base.independent[base.independent < bodies]
@@ -111,9 +111,9 @@ def friction_columns(law: Sliding, speed: Array, load: Array | None = None) -> t
 
 
 def other_side_columns(laws: Mapping[str, Sliding], motion: Motion, means: Decimation) -> Array:
-    """(M, n, k): what the same friction on the other side of the drives would change; none where one side is known.
+    """(M, n, k): change due to the same friction on the other side of the drives; none if only one side is known.
 
-    Motors reverse before their links do, which passes for torques that are early.
+    Motors reverse before their links do, which looks like early torques.
     """
     n = motion.v.shape[1]
     if np.array_equal(motion.v, motion.w, equal_nan=True):
@@ -132,7 +132,7 @@ def triangle(rows: Array) -> Array:
 
 
 def of_joint(columns: Array, joint: int, joints: int) -> Array:
-    """Columns (M, k) as those of all joints' torques, (M, n, k)."""
+    """Columns (M, k) of one joint as columns of all joints' torques, (M, n, k)."""
     found = np.zeros((columns.shape[0], joints, columns.shape[1]))
     found[:, joint] = columns
     return found

@@ -84,10 +84,10 @@ class RigidEstimate:
 
 
 class Log(NamedTuple):
-    """A recording as it is used: all samples, and what makes means of them.
+    """A recording as used: all samples, and their decimation.
 
-    stated: reflected inertias (n,), kg m2, of rotors that are not sought, 0 of others.  width: Hz, of the means.
-    start: s, of the first sample.  slopes: (N, n), as `error_slopes` has them.
+    stated: reflected inertias (n,), kg m2, of rotors that are not sought, 0 for others.  width: Hz, of the means.
+    start: s, of the first sample.  slopes: (N, n), as in `error_slopes`.
     """
 
     motion: Motion
@@ -99,12 +99,12 @@ class Log(NamedTuple):
     slopes: Array
 
     def without_errors(self, loads: Array) -> "Log":
-        """With torques as drives without kinematic errors ask for them.  loads: (N, n) N m that the drives transmit."""
+        """With the torques of drives without kinematic errors.  loads: (N, n) N m that the drives transmit."""
         return self._replace(torque=self.torque + self.slopes * loads)
 
 
 class Fitted(NamedTuple):
-    """What was fitted to what.  link_friction, errors: by joint, what was known of friction and of kinematic errors."""
+    """Data and results of a fit.  link_friction, errors: by joint, known friction and kinematic errors."""
 
     base: BaseParameters
     laws: Mapping[str, Sliding]
@@ -117,7 +117,7 @@ class Fitted(NamedTuple):
 
     @property
     def model(self) -> RigidModel:
-        """Of the bodies that can exist."""
+        """The model with physically consistent bodies."""
         robot, b = self.base.robot, self.base.independent.size
         others = dict(zip(self.regression.names[b:], self.bodies.others.tolist(), strict=True))
         offsets = np.array([others.get(f"offset.{joint}", 0.0) for joint in robot.joints])
@@ -131,7 +131,7 @@ class Fitted(NamedTuple):
 def estimate_of(
     fitted: Fitted, level: float, choices: tuple[FrictionChoice, ...], notes: tuple[str, ...]
 ) -> RigidEstimate:
-    """All that is told of a fit, with intervals at a level."""
+    """The estimate of a fit, with intervals at a level."""
     base, log, found, estimate, model = fitted.base, fitted.log, fitted.regression, fitted.estimate, fitted.model
     robot, table = base.robot, _table(fitted, level)
     return RigidEstimate(
@@ -171,7 +171,7 @@ def _table(fitted: Fitted, level: float) -> tuple[Parameter, ...]:
 
 
 def sizes_of_others(base: BaseParameters, log: Log, names: Sequence[str]) -> Array:
-    """How large friction and offsets (k,) are in a robot that moves and works as in this log."""
+    """Usual sizes of friction and offsets (k,) in a robot that moves and works as in this log."""
     channels = log.torque, sliding_speeds(base.robot, log.motion)
     torque, speed = (np.sqrt(np.mean(log.means(x) ** 2, axis=0)) for x in channels)
     return friction_sizes(names, base.robot.joints, torque, speed)
@@ -183,7 +183,7 @@ def _standing(robot: Robot, log: Log) -> list[str]:
 
 
 def _simplified(model: RigidModel, robot: Robot) -> list[str]:
-    """Sentences on what a drive states and the model has not."""
+    """Sentences on what a drive states but the model lacks."""
     coupled = [joint for joint, drive in robot.drives.items() if drive.is_coupled and drive.reflected_inertia]
     moved = [
         joint

@@ -18,10 +18,10 @@ from cutpoint.robot import Robot
 Array = NDArray[np.float64]
 
 AT_REST = 0.02
-"""Of the RMS speed: where a drive states no friction, its sign changes over that."""
+"""Smoothing of friction's sign change, as a share of the RMS speed, if a drive states no friction."""
 
 LEAST = 1e-6
-"""Of the inertia at a joint: a rotor behind a spring has at least that."""
+"""Least inertia of a rotor behind a spring, as a share of the inertia at the joint."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -29,8 +29,8 @@ class RigidModel:
     """torque = Y(q, v, a) inertial + rotors w_dot + friction(v) + offsets - e'(theta) load, for all joints of a robot.
 
     inertial (10 bodies,); rotors (n,) kg m2 at the joint; offsets (n,) N m; laws by joint, of both sides together.
-    of_links: by joint, what of its law is the link's, which the drive transmits.
-    on_motor (n,): whose friction goes by the motor's speed, others' by the link's.
+    of_links: by joint, the link's part of its law, which the drive transmits.
+    on_motor (n,): joints whose friction depends on the motor's speed, others' on the link's.
     errors: by joint, kinematic errors, which vary the motor's share of the load.
     """
 
@@ -43,7 +43,7 @@ class RigidModel:
     errors: Mapping[str, KinematicError]
 
     def torque(self, robot: Robot, motion: Motion) -> Array:
-        """(N, n), NaN where the motion is not known."""
+        """(N, n), NaN where the motion is unknown."""
         links = link_torques(robot, motion, self.inertial)
         loads = transmitted(robot, motion, links, self.of_links)
         found = links + self.rotors * motion.w_dot + self.offsets - error_slopes(robot, motion, self.errors) * loads
@@ -73,7 +73,7 @@ def link_torques(robot: Robot, motion: Motion, inertial: Array) -> Array:
 
 
 def transmitted(robot: Robot, motion: Motion, links: Array, of_links: Mapping[str, Friction]) -> Array:
-    """(N, n) N m: what drives bear, by which their friction grows: what the links ask for, (N, n), and their friction.
+    """(N, n) N m: the drives' loads, on which their friction depends: the links' torques, (N, n), and their friction.
 
     of_links: by joint.
     """
@@ -99,14 +99,14 @@ def error_slopes(robot: Robot, motion: Motion, errors: Mapping[str, KinematicErr
 def friction_of_links(
     robot: Robot, laws: Mapping[str, Sliding], known: Mapping[str, Friction] | None = None
 ) -> dict[str, Friction]:
-    """By joint, what is known of the link's friction, or the share of its law by which a drive states both sides."""
+    """By joint, known link friction, or the link's share of its law in a drive that states both sides."""
     drives = ((joint, robot.drives[joint], law) for joint, law in laws.items())
     stated = {joint: _shared(drive, law)["link_friction"] for joint, drive, law in drives if _states_both(drive)}
     return stated | dict(known or {})
 
 
 def stated_laws(robot: Robot, motion: Motion) -> dict[str, Sliding]:
-    """The sliding law of each joint's drive, of two the one that knows more; Coulomb's where it states none."""
+    """The sliding law of each joint's drive, of two the one with more effects; Coulomb's if it states none."""
     found = coulomb_laws(robot, sliding_speeds(robot, motion))
     for joint, drive in robot.drives.items():
         sides = sliding_of(drive.link_friction), sliding_of(drive.motor_friction)
@@ -116,13 +116,13 @@ def stated_laws(robot: Robot, motion: Motion) -> dict[str, Sliding]:
 
 
 def coulomb_laws(robot: Robot, speeds: Array) -> dict[str, Sliding]:
-    """By joint, where nothing is stated: for speeds (N, n), rad/s."""
+    """Default laws by joint, for speeds (N, n), rad/s."""
     smoothings = np.maximum(AT_REST * np.sqrt(np.nanmean(speeds**2, axis=0)), 1e-9).tolist()
     return {joint: Coulomb(1.0, 0.0, smoothing) for joint, smoothing in zip(robot.joints, smoothings, strict=True)}
 
 
 def _effects(law: Sliding) -> int:
-    """How much a law knows of."""
+    """The number of effects in a law."""
     return len(law.coefficients) + (law.per_load is not None) + (law.asymmetry is not None)
 
 
@@ -133,15 +133,14 @@ def is_stated(robot: Robot, joint: str) -> bool:
 
 
 def stated_coefficient(robot: Robot, name: str) -> float:
-    """What the robot's drive states of `coulomb.joint1`, both sides together; NaN where it states no such thing, 0 for
-    an offset."""
+    """The drive's stated value of `coulomb.joint1`, both sides together; NaN if it states none, 0 for an offset."""
     kind, _, joint = name.partition(".")
     sides = _sides(robot.drives[joint], kind)
     return 0.0 if kind == "offset" else sum(sides.values()) if sides else float("nan")
 
 
 def _sides(drive: Drive, coefficient: str) -> dict[str, float]:
-    """What either side of a drive states of a coefficient of friction; Coulomb's holds at rest too."""
+    """A friction coefficient as stated on each side of a drive; Coulomb's holds at rest too."""
     found: dict[str, float] = {}
     for side in ("link_friction", "motor_friction"):
         law: Any = getattr(drive, side)
@@ -153,7 +152,7 @@ def _sides(drive: Drive, coefficient: str) -> dict[str, float]:
 
 
 def laws_with(laws: Mapping[str, Sliding], told: Mapping[str, float]) -> dict[str, Sliding]:
-    """The laws with the coefficients that a regression calls `coulomb.joint1`."""
+    """The laws with a regression's coefficients, such as `coulomb.joint1`."""
     found: dict[str, Sliding] = {}
     for joint, law in laws.items():
         law = law.with_coefficients([told[f"{name}.{joint}"] for name in law.coefficients])
@@ -164,7 +163,7 @@ def laws_with(laws: Mapping[str, Sliding], told: Mapping[str, float]) -> dict[st
 
 def _driven(drive: Drive, law: Sliding, reflected: float, least: float) -> Drive:
     """The drive with an identified rotor, whose mass is in the links', and its friction on the sides that state it: in
-    the shares that they state, all of what grows with load on the motor's; on the link's if none does."""
+    their stated shares, with all load-dependent friction on the motor's; on the link's if none states it."""
     inertia = max(reflected, least if drive.is_elastic else 0.0) / drive.ratio**2
     rotor = drive.rotor or (Rotor(0.0) if inertia else None)
     rotor = rotor and replace(rotor, inertia=inertia, in_link_inertia=True)
@@ -181,7 +180,7 @@ def _states_both(drive: Drive) -> bool:
 
 
 def _shared(drive: Drive, law: Any) -> dict[str, Any]:
-    """A law as those of two sides which add up to it, by the shares that the drive states."""
+    """A law split into those of two sides, by the shares that the drive states."""
     own = {name: _share_of_motor(drive, name) * float(getattr(law, name)) for name in law.coefficients}
     if "static" in own:
         own["static"] = own["coulomb"] + _share_of_motor(drive, "static") * float(law.static - law.coulomb)
@@ -191,8 +190,8 @@ def _shared(drive: Drive, law: Any) -> dict[str, Any]:
 
 
 def _share_of_motor(drive: Drive, coefficient: str) -> float:
-    """Of what both sides state, a half where they state nothing; at rest of what they state more than in motion, so
-    that neither side's is less."""
+    """The motor's share of what both sides state, a half if they state nothing; at rest, of the excess over motion, so
+    that neither side's friction is less at rest."""
     sides = _sides(drive, coefficient)
     if coefficient == "static":
         sides = {side: x - _sides(drive, "coulomb")[side] for side, x in sides.items()}
@@ -201,6 +200,6 @@ def _share_of_motor(drive: Drive, coefficient: str) -> float:
 
 
 def _as_stated(stated: Any, law: Sliding | None) -> Any:
-    """The law as what slides in bristles that were stated."""
+    """The law as the sliding part of stated bristles."""
     keeps = law is not None and hasattr(stated, "sliding") and getattr(law, "coulomb", 0.0) > 0
     return replace(stated, sliding=law) if keeps else law

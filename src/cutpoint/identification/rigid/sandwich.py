@@ -11,21 +11,21 @@ from cutpoint.identification.conditioning.correlated_noise import alike, as_foun
 Array = NDArray[np.float64]
 
 TIMES = 5.0
-"""Correlation times of the residuals up to which lags count.  Sokal (1997)."""
+"""Largest lag, in correlation times of the residuals.  Sokal (1997)."""
 
 LONGEST = 0.1
-"""Share of a recording beyond which no lag counts."""
+"""Largest lag, as a share of a recording."""
 
 
 LEAST = 0.1
-"""Of a residual that a row alone decides: what is taken to be left of it, at least."""
+"""Least share assumed to remain of a residual whose row alone determines a parameter."""
 
 
 class Spread(NamedTuple):
-    """covariance (c, c), infinite where nothing was seen.  degrees: of freedom, of Student's t.
+    """covariance (c, c), infinite for unobservable parameters.  degrees: of freedom, of Student's t.
 
-    lag: rows over which residuals were taken to be related, of the joint of which it is longest.  correlation: how many
-    rows weigh as much as one would if they were not.
+    lag: rows over which residuals were taken as correlated, the longest of all joints.  correlation: number of rows
+    that carry as much information as one uncorrelated row.
     """
 
     covariance: Array
@@ -34,7 +34,7 @@ class Spread(NamedTuple):
     correlation: float
 
     def first(self, count: int, known: Array) -> "Spread":
-        """Of the first parameters alone.  known (c, k): how far what was taken as known may pull each, k at a time."""
+        """That of the first parameters.  known (c, k): effects on each of k errors in known quantities."""
         pulled = self.covariance + known @ known.T
         return self._replace(covariance=pulled[:count, :count])
 
@@ -50,17 +50,17 @@ class Spread(NamedTuple):
 def spread(design: Array, residuals: Array, P: Array, seen: NDArray[np.bool_]) -> Spread:
     """The spread of P @ sum of design (M, n, c) times residuals (M, n), both weighted.
 
-    Each residual is brought to what it would be had its row not been fitted: MacKinnon and White (1985).  As found, a
+    Each residual is scaled to what it would be had its row not been fitted: MacKinnon and White (1985).  As found, a
     covariance is as uncertain as that of 3/2 M / lag samples.
     """
     M, n, c = design.shape
     lags, correlations = zip(*map(_memory, residuals.T), strict=True)
     lag, correlation = max(lags), float(np.mean(correlations))
-    # P goes in before sums are squared: of what is hardly seen, rounding would else leave negative variances
+    # P comes before squaring: otherwise rounding would leave negative variances of hardly observable parameters
     pull = design @ P
     left = residuals / np.maximum(1.0 - np.einsum("mjc,mjc->mj", pull, design), LEAST)
     found = as_found(np.einsum("mjc,mj->mc", pull, left), lag + 1)
-    # noise of one joint is taken to know nothing of another's
+    # noise of different joints is taken as independent
     steady = sum(alike(pull[:, j], left[:, j], lags[j] + 1) for j in range(n))
     covariance = at_least(found, np.asarray(steady))
     covariance[~seen] = covariance[:, ~seen] = 0.0
@@ -70,8 +70,7 @@ def spread(design: Array, residuals: Array, P: Array, seen: NDArray[np.bool_]) -
 
 
 def _memory(residual: Array) -> tuple[int, float]:
-    """The lag after which a joint's residuals (M,) know nothing of each other, and their correlation time, both in
-    rows."""
+    """The lag after which a joint's residuals (M,) are uncorrelated, and their correlation time, both in rows."""
     M = residual.size
     padded = np.fft.rfft(residual, 2 * M)
     rho = np.fft.irfft((padded * padded.conj()).real)[: max(2, int(LONGEST * M))]

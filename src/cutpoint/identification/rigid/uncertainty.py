@@ -13,15 +13,15 @@ from cutpoint.mechanics.pseudo_inertia import nominal_sizes
 Array = NDArray[np.float64]
 
 TOLD = 0.3
-"""A parameter is told if its standard deviation is at most that much of its size, here or in the file."""
+"""A parameter is determined if its standard deviation is at most this share of its size, here or in the file."""
 
 
 STRAINED = 2.0
-"""Half widths of an interval from its middle: farther off, a model's number is not what the log tells."""
+"""Half widths of an interval from its middle: a model's number farther off contradicts the log."""
 
 
 FRICTION = ("coulomb", "static", "viscous", "per_load")
-"""How names of friction's numbers begin."""
+"""Prefixes of friction parameters' names."""
 
 
 class Parameter(NamedTuple):
@@ -45,7 +45,7 @@ class Parameter(NamedTuple):
 def parameters(
     names: Sequence[str], estimate: Estimate, physical: Array, prior: Array, sizes: Array, level: float
 ) -> tuple[Parameter, ...]:
-    """All parameters with their intervals at a level, as 0.95.  sizes (c,): how large each is in such a robot."""
+    """All parameters with their intervals at a level, as 0.95.  sizes (c,): usual ones in such a robot."""
     values, deviations, margins = estimate.values, estimate.spread.deviations(), estimate.spread.margins(level)
     reference = np.maximum(np.abs(values), sizes)
     found: list[Parameter] = []
@@ -57,7 +57,7 @@ def parameters(
 
 
 def are_told(estimate: Estimate, first: int, sizes: Array) -> NDArray[np.bool_]:
-    """Which parameters, from the first on, a log determines, (k,); sizes (k,) as in such a robot."""
+    """Which of the first k parameters a log determines, (k,); sizes (k,): usual ones in such a robot."""
     reference = np.maximum(np.abs(estimate.values[first:]), sizes)
     return np.asarray(estimate.spread.deviations()[first:] <= TOLD * reference)
 
@@ -80,7 +80,7 @@ def untold(found: Sequence[Parameter], base: BaseParameters) -> tuple[str, ...]:
 
 
 def _instead(found: Parameter) -> str:
-    """What the robot has of a parameter that no log tells."""
+    """What the robot has for a parameter that the log does not determine."""
     if np.isfinite(found.prior):
         return "the robot stays near what its file says"
     kind, _, joint = found.name.partition(".")
@@ -90,7 +90,7 @@ def _instead(found: Parameter) -> str:
 
 
 def strained(found: Sequence[Parameter]) -> list[str]:
-    """Sentences if bodies that can exist, near the file's, or friction could not take on what the log tells."""
+    """Sentences if physically consistent bodies, near the file's, or friction could not match the log."""
     if turned := _turned(found):
         reason = "is the sign of the torque, or of the position, turned?"
         return [f"friction or inertia of {turned} comes out negative: {reason}"]
@@ -108,7 +108,7 @@ def strained(found: Sequence[Parameter]) -> list[str]:
 
 
 def _turned(found: Sequence[Parameter]) -> str:
-    """Joints of which all friction that is told is surely negative, or the rotor where none is."""
+    """Joints with significantly negative friction, in all parameters that are determined, or rotor if none is."""
     signs: dict[str, list[bool]] = {}
     for kinds in (FRICTION, ("I_m",)):
         own: dict[str, list[bool]] = {}
@@ -125,8 +125,8 @@ def _some(names: Sequence[str]) -> str:
 
 
 def base_sizes(base: BaseParameters) -> Array:
-    """How large base parameters (b,) are in a robot like this: as their leading one is in a body like its own, or the
-    whole is in the file, the larger."""
+    """Usual sizes of base parameters (b,) in a robot like this: that of the leading parameter in a body like its own,
+    or of the whole in the file, whichever is larger."""
     robot = base.robot
     natural = [x for p in robot.inertial_parameters.reshape(-1, 10) for x in nominal_sizes(p.tolist())]
     natural += rotor_sizes(base)[0].tolist()
@@ -134,9 +134,9 @@ def base_sizes(base: BaseParameters) -> Array:
 
 
 def friction_sizes(names: Sequence[str], joints: Sequence[str], torque: Array, speed: Array) -> Array:
-    """Of friction and offsets, (k,): a tenth of the joint's RMS torque (n,), at its RMS speed (n,) if viscous.
+    """Usual sizes of friction, offsets, (k,): a tenth of the joint's RMS torque (n,), at its RMS speed (n,) if viscous.
 
-    Where that is nothing, 1 N m and 1 rad/s stand for it.
+    Where these are zero, 1 N m and 1 rad/s replace them.
     """
     torque, speed = (np.where(x > 0.0, x, 1.0) for x in (torque, speed))
     found: list[float] = []
