@@ -31,14 +31,14 @@ Feed = Annotated[
 Period = Annotated[float, typer.Option("--period", "--control-period", help="Control period, s.")]
 
 BANDWIDTH, PERIOD = 5.0, 1e-3
-"""Hz, s: where none is given."""
+"""Hz, s: defaults."""
 
 WITHOUT_MODEL = ("PD", "PID")
-"""Laws that know nothing of the robot but their gains."""
+"""Laws without a model of the robot, only gains."""
 
 
 def law_of(robot: cutpoint.Robot, law: Name, bandwidth: float, feedforward: Rung | None, period: float) -> Any:
-    """The law with its gains, after the feedforward that it lacks.  Raises InputError."""
+    """The law with its gains, with feedforward added if it has none.  Raises InputError."""
     from cutpoint import control
 
     has_model = law not in WITHOUT_MODEL

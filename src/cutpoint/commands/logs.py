@@ -25,7 +25,7 @@ def plot(
     check_target("output", output, (".png", ".pdf", ".svg"))
     if twice := next((path for path in logs if logs.count(path) > 1), None):
         raise InputError(f"{str(twice)!r} is named twice; name each log once", path=twice)
-    # files of one name are told apart by their folders
+    # files of the same name are distinguished by their folders
     words = [path.stem for path in logs]
     names = words if len({*words}) == len(words) else [*map(str, logs)]
     found = {name: cutpoint.Log.load(path) for name, path in zip(names, logs, strict=True)}

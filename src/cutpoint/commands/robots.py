@@ -42,7 +42,7 @@ MANY_SAMPLES = 100_000
 """Of a log; how large a longer one would be is looked at before it is run."""
 
 CHARACTERS = 25
-"""That a number takes in a .csv at most, its comma included."""
+"""Most bytes of a number in a .csv, with its comma."""
 
 
 @app.command(epilog="Example: cutpoint inspect xia2019")

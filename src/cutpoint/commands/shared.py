@@ -53,7 +53,7 @@ def _of_all_commands(
         bool, typer.Option("--version", metavar="", callback=_say_version, is_eager=True, help="Show the version.")
     ] = False,
 ) -> None:
-    """What may stand before a command's name."""
+    """Options before a command's name."""
 
 
 # names of robots and files are printed verbatim: brackets and colons in them are not markup
@@ -76,7 +76,7 @@ Gravity = Annotated[
     tuple[float, float, float] | None,
     typer.Option(metavar="X Y Z", help="Free fall in the world's frame, m/s2; 0 0 -9.81, or as an MJCF file states."),
 ]
-# metavar: an option that takes no value would be shown with one
+# metavar: otherwise an option without a value would be shown with one
 Degrees = Annotated[bool, typer.Option("--degrees", metavar="", help="Angles, and their rates, are given in degrees.")]
 FloatingBase = Annotated[
     bool, typer.Option("--floating-base", metavar="", help="Carry the root link of a URDF on a free joint.")
@@ -93,7 +93,7 @@ Rung = Literal["none", "gravity", "rigid", "rotor", "friction", "elastic"]
 
 
 OF_A_RUN = ("q", "position_error", "motor_torque")
-"""Channels that tell most of a run."""
+"""The most informative channels of a run."""
 
 
 def robot_of(
@@ -138,7 +138,7 @@ def _places_of(locks: list[str]) -> dict[str, float]:
 
 
 def numbers_of(robot: cutpoint.Robot, option: str, text: str, degrees: bool) -> Any:
-    """One number per joint, in SI units.  Raises InputError for a robot with joints that take more."""
+    """One number per joint, in SI units.  Raises InputError for a robot with joints of several coordinates."""
     for body in robot.mechanism.bodies:
         if body.joint.kind in ("floating", "spherical", "planar"):
             found = f"joint {body.joint.name!r} is {body.joint.kind}"
@@ -210,13 +210,13 @@ def check_target(option: str, path: Path | None, kinds: tuple[str, ...]) -> None
 
 
 def say_notes(notes: Iterable[str]) -> None:
-    """What users should know of a result, a line each."""
+    """Prints notes on a result, a line each."""
     for words in notes:
         console.print(f"note: {words}", highlight=False)
 
 
 def say_path(word: str, path: Path, to: Console = console) -> None:
-    """In one line, however long it is: people and programs copy it."""
+    """Prints a path on one line, however long it is: people and programs copy it."""
     to.print(f"{word}: {path}", soft_wrap=True, highlight=False)
 
 

@@ -21,7 +21,7 @@ from cutpoint.errors import INTERRUPTED, InputError
 
 @contextmanager
 def _whole_report() -> Generator[None, None, None]:
-    """Reports are written at the end: where Ctrl-C comes through, there is none."""
+    """Reports are written at the end: after Ctrl-C there is none."""
     try:
         yield
     except KeyboardInterrupt:

@@ -21,11 +21,11 @@ if TYPE_CHECKING:
 Array = NDArray[np.float64]
 
 ROUNDING = 1e-6
-"""rad (m), by which a joint that starts or ends at its limits may be beyond them untold."""
+"""rad (m), by which a joint that starts or ends at its limits may exceed them without a note."""
 
 
 def robot_table(robot: Robot) -> Table:
-    """Bodies with their joints, masses and limits; of the robot file's effort and the drive's, what is smaller."""
+    """Bodies with their joints, masses and limits; the smaller of the robot file's effort and the drive's."""
     title = f"{robot.name}: {len(robot.subsystems)} subsystems, {len(robot.cuts)} cutting points"
     table = _table(title, "joint", "kind", "carries", "carried by", "mass / kg", "position limits", "effort limit")
     in_force = limits_in_force(robot.mechanism, robot.drives)
@@ -62,7 +62,7 @@ def drive_table(robot: Robot) -> Table:
 
 
 def _limits(drive: Drive, slides: bool) -> list[str]:
-    """What the drive states beside the robot file."""
+    """Limits that the drive states in addition to the robot file's."""
     limits, (torque, length) = drive.limits, ("N", "m") if slides else ("N m", "rad")
     parts = [f"limit {limits.effort:.4g} {torque}"] if limits.effort < np.inf else []
     parts += [f"limit {limits.velocity:.4g} {length}/s"] if limits.velocity < np.inf else []
@@ -71,7 +71,7 @@ def _limits(drive: Drive, slides: bool) -> list[str]:
 
 
 def _also(drive: Drive, slides: bool) -> list[str]:
-    """What else a drive has."""
+    """Further properties of a drive."""
     parts, (torque, length) = list[str](), ("N", "m") if slides else ("N m", "rad")
     if drive.damping:
         parts.append(f"damping {drive.damping:.4g} {torque} s/{length}")
@@ -88,7 +88,7 @@ def _also(drive: Drive, slides: bool) -> list[str]:
 
 
 def torque_table(robot: Robot, q: Array, v: Array, a: Array, u: ElasticTorques) -> Table:
-    """Torques of a motion, and how far each motor leads."""
+    """Torques of a motion, and each motor's lead."""
     title = "torques at the joint's side (N m; N on prismatic joints)"
     names = ["joint", "position", "gravity", "joint torque", "motor torque", "motor leads by"]
     table = _table(title, *names)
@@ -120,7 +120,7 @@ def motion_table(robot: Robot, log: "Log") -> Table:
 
 
 def _without_rounding(numbers: Array) -> Array:
-    """N m (N) or rad (m): zero where no more is left than rounding leaves beside the largest, or below 1e-14."""
+    """N m (N) or rad (m): zero where only rounding errors of the largest are left, or below 1e-14."""
     return np.where(np.abs(numbers) > max(1e-13 * np.abs(numbers).max(initial=0.0), 1e-14), numbers, 0.0)
 
 
@@ -142,7 +142,7 @@ def error_table(robot: Robot, log: "Log") -> Table:
 
 
 def beyond_travel(robot: Robot, low: Array, high: Array) -> Iterator[str]:
-    """A sentence for each joint that goes, from `low` to `high` (n,), farther than files allow."""
+    """A sentence for each joint that moves, from `low` to `high` (n,), farther than files allow."""
     limits = limits_in_force(robot.mechanism, robot.drives).values()
     for name, slides, own, least, most in zip(robot.joints, _slides(robot), limits, low, high, strict=True):
         if least < own.lower - ROUNDING or most > own.upper + ROUNDING:
@@ -162,7 +162,7 @@ def limits_met(robot: Robot, log: "Log") -> Iterator[str]:
 
 
 def _beyond_ratings(robot: Robot, peaks: Any) -> Iterator[str]:
-    """A sentence for each gear that transmits more than it may at all; peaks: (n,) N m."""
+    """A sentence for each gear loaded beyond its highest rating; peaks: (n,) N m."""
     for (name, drive), peak, slides in zip(robot.drives.items(), peaks, _slides(robot), strict=True):
         allowed = drive.ratings.momentary_peak_torque if drive.ratings else None
         if allowed is not None and peak > allowed:
@@ -171,7 +171,7 @@ def _beyond_ratings(robot: Robot, peaks: Any) -> Iterator[str]:
 
 
 def modes_table(robot: Robot, found: "Modes") -> Table:
-    """Frequencies, dampings, and the drives that bend."""
+    """Frequencies, dampings, and the drives that deflect."""
     friction = "friction by its slope at rest" if found.model.friction else "friction left out"
     table = _table(f"{robot.name}: modes of the drives, {friction}", "mode", "Hz", "damping ratio", "drives that bend")
     for k, (f, zeta) in enumerate(zip(found.frequencies, found.damping, strict=True)):
@@ -202,7 +202,7 @@ def _range(lower: float, upper: float, factor: float, unit: str) -> str:
 
 
 def _law(law: object) -> str:
-    """A law by its name and its numbers, one a line."""
+    """A law's name and its numbers, one per line."""
     if law is None:
         return ""
     lines = [type(law).__name__]

@@ -34,11 +34,11 @@ CHANNELS = {
     "q": "rad", "v": "rad/s", "a": "rad/s2", "joint_torque": "N m", "motor_torque": "N m", "theta": "rad",
     "theta_dot": "rad/s",
 }  # fmt: skip
-"""Of a motion's log, in units of joints that turn."""
+"""Channels of a motion's log, in units of revolute joints."""
 
 
 FEWEST, MOST = 1000, 1e6
-"""Samples of a motion: that its peaks are read from, and that a log may have."""
+"""Samples of a motion: those for its peaks, and the most that a log may have."""
 
 
 @app.command(epilog="Example: cutpoint torque xia2019 --q 0,30,60,0,45,0 --degrees")

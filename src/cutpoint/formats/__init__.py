@@ -40,8 +40,8 @@ _ELSEWHERE = {
     "UnitsWarning": "unlikely_units",
     **dict.fromkeys(("MjcfRobot", "load_mjcf", "parse_mjcf"), "mjcf"),
 }
-"""The modules of names that are imported at their first use: with SciPy, YAML and what checks sheets they cost more
-than all else here."""
+"""Modules of names that are imported on first use: with SciPy, YAML and the validation of sheets they cost more than
+all else here."""
 
 
 def __getattr__(name: str) -> Any:

@@ -22,7 +22,7 @@ from cutpoint.model.drive import Drive
 _FOLDER = Path(__file__).parents[1] / "catalogue_data"
 
 _NOT_THE_ACTUATORS = ("maker", "series", "size", "ratio", "inertia", "mass")
-"""What of a gear does not pass to an actuator that names it."""
+"""Fields of a gear that an actuator with it does not inherit."""
 
 
 def catalogue_names() -> tuple[str, ...]:

@@ -74,7 +74,7 @@ def _share(gear: CatalogueGear, unloaded: InputFriction) -> float | None:
 
 
 def _from_efficiency(gear: CatalogueGear) -> InputFriction:
-    """Weights make the residuals those of the efficiency itself: d eta = -eta^2 d(1/eta)."""
+    """Weights turn the residuals into those of the efficiency itself: d eta = -eta^2 d(1/eta)."""
     assert gear.efficiency is not None
     rpm, tau, eta = np.array(gear.efficiency.points).T
     factors = np.column_stack([gear.ratio / tau, gear.ratio * rpm * RPM / tau, np.ones_like(tau)])

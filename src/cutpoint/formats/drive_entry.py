@@ -45,7 +45,7 @@ def to_drive(sheet: DriveSheet, section: Section) -> Drive:
         ratings=Ratings(**sheet.ratings.model_dump()) if sheet.ratings else None,
     )
     _check(drive, section)
-    if spring and sheet.hysteresis:  # last, since its torque derives from the spring, which is valid by now
+    if spring and sheet.hysteresis:  # last, since its torque depends on the spring, which has been checked by now
         drive = replace(drive, hysteresis=_hysteresis(sheet.hysteresis, spring, section))
         _check(drive, section)
     return drive
@@ -57,7 +57,7 @@ _KEYS = {
     "compliance.spring": "compliance",
     "compliance.t2": "compliance.catalogue.t2",
 }
-"""Where a file has what a drive has by other names, each to be replaced in turn."""
+"""A drive's names that a file spells differently, each to be replaced in turn."""
 
 
 def _check(drive: Drive, section: Section) -> None:
@@ -119,7 +119,7 @@ def _compliance(sheet: ComplianceSheet, ratio: float, section: Section) -> Compl
 
 
 def _hysteresis(sheet: HysteresisSheet, spring: Compliance, section: Section) -> MaxwellSlip:
-    """Elements whose slipping torque bends the spring by half of the loss."""
+    """Elements whose slipping torque deflects the spring by half of the loss."""
     path = ("hysteresis", "elements")
     torque = float(spring.torque(sheet.loss / 2))
     elements = _whole(sheet.elements, path, "elements", section)

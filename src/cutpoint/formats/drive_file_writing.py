@@ -12,7 +12,7 @@ from cutpoint.mechanics.hysteresis import MaxwellSlip
 from cutpoint.model.drive import Drive
 
 ELEMENTS = 4
-"""Of hysteresis, where what was found has no words of its own."""
+"""Remark on hysteresis that a drive file cannot express directly."""
 
 
 def remarked_drives(
@@ -22,7 +22,7 @@ def remarked_drives(
 
     remarks: by joint and path within its entry, as ("compliance", "linear", "stiffness"); a path that the entry does
     not state is left out.  heading: lines above.
-    Raises InputError for what a drive file has no words for: see `worded`.
+    Raises InputError for anything a drive file cannot express: see `worded`.
     """
     lines = dump_drives(drives).splitlines()
     places = parse_yaml("\n".join(lines).encode(), "<drive file>").lines

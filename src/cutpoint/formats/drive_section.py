@@ -118,7 +118,7 @@ class Section:
 
 
 def _extra(field: FieldInfo | None, name: str) -> str:
-    """What a sheet says of a field beside its type and rules; empty for what it does not."""
+    """A sheet's metadata on a field besides its type and rules; empty if there is none."""
     extra = field.json_schema_extra if field else None
     return str(extra.get(name, "")) if isinstance(extra, dict) else ""
 

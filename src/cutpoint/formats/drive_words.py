@@ -22,7 +22,7 @@ from cutpoint.scalars import is_of_cutpoint
 def to_entry(drive: Drive) -> dict[str, Any]:
     """The fields that give the same drive when read back, defaults left out.
 
-    Raises InputError for what a drive file has no words for.
+    Raises InputError for anything a drive file cannot express.
     """
     frictions = drive.link_friction, drive.motor_friction
     sliding = (getattr(law, "sliding", None) for law in frictions)
@@ -65,7 +65,7 @@ def _spring_entry(law: Compliance | None) -> dict[str, Any] | None:
 
 
 def _hysteresis_entry(law: Any, spring: Compliance | None) -> dict[str, Any] | None:
-    """Only elements that follow `MaxwellSlip.smooth` have words."""
+    """Only elements that follow `MaxwellSlip.smooth` can be expressed."""
     if law is None:
         return None
     if isinstance(law, MaxwellSlip) and spring is not None and len(law.reach) <= MOST_ELEMENTS and is_smooth(law):
@@ -102,7 +102,7 @@ def _motor_entry(motor: Motor) -> dict[str, Any]:
 
 
 def _rotor_entry(rotor: Rotor) -> dict[str, Any]:
-    """Its own mass only where the link does not hold it: elsewhere it means nothing, and reading would refuse it."""
+    """Its own mass only if the link does not include it: otherwise it has no meaning, and reading would refuse it."""
     if rotor.inertia == 0:
         raise InputError(f"a drive file has no words for {rotor!r}; a rotor without inertia is none", rotor=rotor)
     own = () if rotor.in_link_inertia else ("mass", "transverse", "position")
@@ -119,7 +119,7 @@ def _limits_entry(limits: Limits) -> dict[str, Any]:
 
 
 def _number(value: float | None) -> float | None:
-    """A number that a file states: None where there is none, or no bound."""
+    """A number as a file states it: None if there is none, or no bound."""
     return float(value) if value is not None and np.isfinite(value) else None
 
 

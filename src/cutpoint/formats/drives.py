@@ -28,10 +28,10 @@ from cutpoint.model.validation import DRIVEN_KINDS
 VERSION = 1
 
 ALTERNATIVES = (frozenset({"ratio", "gear"}), frozenset({"linear", "flexspline", "catalogue"}))
-"""Fields of which a drive has one: stating it drops the other from the defaults."""
+"""Alternative fields: stating one drops the other from the defaults."""
 
 OF_A_SPRING = ("damping", "backlash", "hysteresis", "kinematic_error")
-"""What goes with a spring: of a drive that is stated to be rigid, defaults and catalogue do not say it."""
+"""Fields that belong to a spring: defaults and catalogue do not apply them to a drive that is stated to be rigid."""
 
 
 def load_drives(path: str | Path, mechanism: Mechanism, locked: Collection[str] = ()) -> dict[str, Drive]:
@@ -129,7 +129,7 @@ def merged(base: Mapping[str, Any], over: Mapping[str, Any]) -> dict[str, Any]:
 
 
 def _laid_over(defaults: Mapping[str, Any], entry: Mapping[str, Any], section: Section) -> dict[str, Any]:
-    """An entry on its defaults, and between or below them the catalogue's drive that either names."""
+    """An entry merged over its defaults, with the catalogue's drive that either names between or below them."""
     if entry.get("compliance") == "rigid":
         defaults = {key: value for key, value in defaults.items() if key not in OF_A_SPRING}
     layers = [defaults, entry]
@@ -143,7 +143,7 @@ def _laid_over(defaults: Mapping[str, Any], entry: Mapping[str, Any], section: S
 
 
 def _from_catalogue(name: str, section: Section, rigid: bool) -> dict[str, Any]:
-    # slow to import, and most files name no drive of it
+    # slow to import, and most files name no catalogue drive
     from cutpoint.formats.catalogue import catalogue_names, entry_of, unknown_gear
 
     if name not in catalogue_names():
@@ -156,7 +156,7 @@ def _from_catalogue(name: str, section: Section, rigid: bool) -> dict[str, Any]:
 
 
 def _driven(name: str, joints: Mapping[str, Joint], mechanism: Mechanism, section: Section) -> Joint:
-    """The joint of an entry, if a drive can move it."""
+    """The joint of an entry.  Refused if no drive can move it."""
     joint = joints.get(name)
     if joint is None and name in mechanism.frames:
         raise section.error((), "it is fixed (or a link), and a drive needs a joint that moves")

@@ -88,7 +88,7 @@ def parse_mjcf(
 
 
 def _meshes(root: Element, path: Path) -> dict[str, MeshFile]:
-    """What the file's own folder has of the meshes that inertias come from; most robots need none."""
+    """Meshes for inertias, from the file's own folder; most robots need none."""
     files = mesh_files(root)
     wanted = meshes_of_inertias(excerpt_of(root, str(path), {}).text, str(path)) if files else set[str]()
     return read_meshes([file for file in files if file.name in wanted], path)
@@ -126,7 +126,7 @@ def _gravity(model: Any, place: str) -> Array:
 
 
 def _drives(mechanism: Mechanism, armature: Mapping[str, float], place: str) -> dict[str, Drive]:
-    """Of every joint with armature: MuJoCo states what its rotor adds at the joint, so its ratio is 1."""
+    """Drives of all joints with armature, which MuJoCo states at the joint, so the ratio is 1."""
     for name, inertia in armature.items():
         if inertia < 0.0:
             complaint = f"joint {name!r}: armature {inertia:g} kg m2 must not be negative"
@@ -141,9 +141,9 @@ def _drives(mechanism: Mechanism, armature: Mapping[str, float], place: str) -> 
 
 @dataclass
 class _Tree:
-    """Links and joints as they are read off a compiled model; armature of hinges and slides by joint.
+    """Links and joints as read from a compiled model; armature of hinges and slides by joint.
 
-    Names that are made here keep clear of those of its bodies, and of its joints.
+    Generated names avoid those of its bodies and joints.
     """
 
     model: Any
@@ -156,7 +156,7 @@ class _Tree:
         self.taken_by_links, self.taken_by_joints = set(self.body_names), set(self.joint_names)
 
     def add_body(self, b: int) -> None:
-        """A body, and the joints that lead to it one after the other from the body that carries it."""
+        """Adds a body, and the chain of joints to it from its parent."""
         model, name = self.model, self.body_names[b]
         carrier = self.body_names[model.body_parentid[b]]
         at = _placement(name, model.body_pos[b], model.body_quat[b])
@@ -176,7 +176,7 @@ class _Tree:
         self.links.append(Link(name, float(model.body_mass[b]), np.array(model.body_ipos[b]), inertia))
 
     def add_site(self, s: int) -> None:
-        """A frame with its name, if it has one."""
+        """Adds a frame for a site, if it has a name."""
         stated = self.model.site(s).name
         if not stated:
             return
@@ -203,7 +203,7 @@ class _Tree:
 
 
 def _limits(model: Any, j: int) -> Limits:
-    """Position, and the lesser of the efforts that actuators may exert either way."""
+    """Position limits, and the smaller of the efforts that actuators may exert in either direction."""
     lower, upper = map(float, model.jnt_range[j]) if model.jnt_limited[j] else (-np.inf, np.inf)
     effort = float(np.min(np.abs(model.jnt_actfrcrange[j]))) if model.jnt_actfrclimited[j] else np.inf
     return Limits(lower, upper, effort=effort)

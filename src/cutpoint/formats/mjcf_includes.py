@@ -1,4 +1,4 @@
-"""MJCF's <include>: what another file holds, in place of the element that names it."""
+"""MJCF's <include>: replaced by the contents of the file that it names."""
 
 from collections.abc import Iterator
 from pathlib import Path
@@ -14,7 +14,7 @@ _SAVED = "load the model in MuJoCo and save it with mujoco.mj_saveLastXML"
 
 
 def include_files(root: Element, path: Path, limit: int) -> None:
-    """Puts into a file's document what it includes.  limit: bytes of all included files together.
+    """Inserts into a file's document what it includes.  limit: bytes of all included files together.
 
     As in MuJoCo, names are relative to the folder of the first file, and a file is included once.
     Raises ModelError: a file is missing, outside that folder, named twice, no XML, or too large; too many files.
@@ -23,7 +23,7 @@ def include_files(root: Element, path: Path, limit: int) -> None:
 
 
 class _Includes:
-    """What is included so far."""
+    """The files included so far."""
 
     def __init__(self, path: Path, limit: int) -> None:
         self._folder, self._place, self._left = path.parent, str(path), limit

@@ -10,7 +10,7 @@ from cutpoint.formats.mjcf_model import BALL, FREE, names_of
 
 
 def losses(model: Any, left_out: Counter[str]) -> list[str]:
-    """What is lost of a compiled model (mujoco.MjModel), after the elements that were left out before."""
+    """Parts of a compiled model (mujoco.MjModel) that are lost, after the elements that were left out before."""
     found = ["<{}>{}{} ({})".format(*what.partition(" "), count) for what, count in sorted(left_out.items()) if count]
     colliding = int(np.count_nonzero((model.geom_contype != 0) | (model.geom_conaffinity != 0)))
     if colliding:
@@ -25,7 +25,7 @@ def losses(model: Any, left_out: Counter[str]) -> list[str]:
 
 
 def _of_joints(model: Any) -> list[str]:
-    """Springs, laws that are not linear, and numbers of joints that no drive can move or limit."""
+    """Springs, nonlinear laws, and numbers of joints that no drive can move or limit."""
     undriven = np.isin(model.jnt_type, (FREE, BALL))
     by_dof = undriven[model.dof_jntid]
     lost = {
@@ -43,12 +43,12 @@ def _of_joints(model: Any) -> list[str]:
 
 
 def _uneven_efforts(model: Any) -> Any:
-    """Joints whose actuators may do more one way than the other."""
+    """Joints whose actuators may exert more in one direction than in the other."""
     return (model.jnt_actfrclimited != 0) & (model.jnt_actfrcrange[:, 0] != -model.jnt_actfrcrange[:, 1])
 
 
 def _any(model: Any, what: str) -> Any:
-    """Rows of an array that later versions of MuJoCo have, where any entry is not zero."""
+    """Rows with a nonzero entry, of an array that only later versions of MuJoCo have."""
     rows = getattr(model, what, None)
     return np.False_ if rows is None else np.any(rows != 0.0, axis=tuple(range(1, rows.ndim)))
 

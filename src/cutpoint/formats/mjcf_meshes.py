@@ -10,7 +10,7 @@ from cutpoint.formats.reading import read_bytes
 from cutpoint.formats.safe_xml import Element
 
 MAXIMUM_BYTES = 256 * 2**20
-"""Of all meshes of a robot together."""
+"""Bytes of all meshes of a robot together."""
 
 ENDINGS = (".stl", ".obj", ".msh")
 
@@ -18,7 +18,7 @@ INERTIAL = "an <inertial>; MuJoCo writes one where its MjSpec.compiler.saveinert
 
 
 class MeshFile(NamedTuple):
-    """A mesh's points as MuJoCo gets them: under a name of ours, which is no path; file: the user's."""
+    """A mesh's points as MuJoCo gets them: under a generated name, which is not a path; file: the user's."""
 
     alias: str
     file: str
@@ -26,7 +26,7 @@ class MeshFile(NamedTuple):
 
 
 class MeshElement(NamedTuple):
-    """A <mesh> of a file: what geoms call it, and the file's path from the document's folder."""
+    """A <mesh> with a file: its name for geoms, and the file's path relative to the document's folder."""
 
     name: str
     file: str
@@ -34,7 +34,7 @@ class MeshElement(NamedTuple):
 
 
 def name_of(mesh: Element) -> str:
-    """What geoms call a <mesh>: its file's name where it has none of its own."""
+    """The name by which geoms refer to a <mesh>: its file's if it has none of its own."""
     return mesh.attributes.get("name") or PurePosixPath(_file_of(mesh)).stem
 
 

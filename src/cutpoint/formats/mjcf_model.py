@@ -1,4 +1,4 @@
-"""MJCF text to MuJoCo's compiled model, by the `mujoco` package where it is installed; no file is opened.
+"""MJCF text to MuJoCo's compiled model, by the `mujoco` package if it is installed; no file is opened.
 
 Compiling resolves defaults, angles and orientations, and finds inertias from geoms.  Geoms whose shape is not given
 (height fields, meshes that no inertia needs) are made massless; a body that needs one for its inertia is refused.
@@ -18,7 +18,7 @@ FREE, BALL, SLIDE, HINGE = range(4)
 
 
 def meshes_of_inertias(text: str, place: str) -> set[str]:
-    """Names of the meshes that moving bodies have their inertia from and whose points are not in the text.
+    """Names of the meshes that define inertias of moving bodies and whose points are not in the text.
 
     Raises as `compiled` does.
     """
@@ -30,7 +30,7 @@ def meshes_of_inertias(text: str, place: str) -> set[str]:
 
 
 def compiled(text: str, place: str, meshes: Collection[MeshFile]) -> tuple[Any, list[str]]:
-    """The mujoco.MjModel of a document, and what MuJoCo remarks on it; meshes: those that it names by their aliases.
+    """The mujoco.MjModel of a document, and MuJoCo's remarks on it; meshes: those that it names by their aliases.
 
     Raises ModelError: the package is missing, or it cannot compile the text.
     """
@@ -49,14 +49,14 @@ def compiled(text: str, place: str, meshes: Collection[MeshFile]) -> tuple[Any, 
 
 
 def names_of(model: Any, kind: str) -> list[str]:
-    """Of the bodies or joints of a compiled model: `joint_3` where the file gives none."""
+    """Names of the bodies or joints of a compiled model: `joint_3` if the file gives none."""
     stated = [getattr(model, kind)(k).name for k in range(model.nbody if kind == "body" else model.njnt)]
     taken = set(stated)
     return [name or free(f"{kind}_{k}", taken) for k, name in enumerate(stated)]
 
 
 def free(name: str, taken: set[str]) -> str:
-    """The name, with underscores behind it as long as it is taken; it is taken then."""
+    """The name, with underscores appended until it is unused; it then counts as used."""
     while name in taken:
         name += "_"
     taken.add(name)
@@ -77,12 +77,12 @@ def _parsed(mujoco: Any, text: str, place: str) -> Any:
     """The mujoco.MjSpec of a document."""
     try:
         return mujoco.MjSpec.from_string(text)
-    except Exception as problem:  # which class it raises changed with its versions
+    except Exception as problem:  # the class that it raises depends on its version
         raise _refused(problem, place) from problem
 
 
 def _without_shape(mujoco: Any, spec: Any) -> list[tuple[Any, Any, bool]]:
-    """Geoms whose shape is not here: the body of each, it, and whether the inertia of a moving body comes from it."""
+    """Geoms without shape data: the body of each, the geom, and whether a moving body's inertia depends on it."""
     present = {mesh.name for mesh in spec.meshes}
     shapeless = (mujoco.mjtGeom.mjGEOM_HFIELD, mujoco.mjtGeom.mjGEOM_SDF)
 
@@ -94,13 +94,13 @@ def _without_shape(mujoco: Any, spec: Any) -> list[tuple[Any, Any, bool]]:
         for geom in body.geoms:
             if (geom.meshname and geom.meshname not in present) or geom.type in shapeless:
                 found.append((body, geom, moves and _gives_inertia(mujoco, spec, body, geom)))
-        # by `settotalmass` the mass of each scales all others
+        # with `settotalmass` the mass of each scales all others
         waiting += [(child, moves or spec.compiler.settotalmass > 0.0) for child in reversed([*body.bodies])]
     return found
 
 
 def _leave_out_shapes(mujoco: Any, spec: Any, place: str) -> None:
-    """Make geoms whose shape is not here massless spheres."""
+    """Replaces geoms without shape data by massless spheres."""
     for body, geom, gives_inertia in _without_shape(mujoco, spec):
         if gives_inertia:
             told = f"body {body.name!r}" if body.name else "a body without a name"
@@ -112,19 +112,19 @@ def _leave_out_shapes(mujoco: Any, spec: Any, place: str) -> None:
 
 
 def _switch_off(mujoco: Any, model: Any) -> None:
-    """Losses and springs that the file's <flag> disables."""
+    """Removes losses and springs that the file's <flag> disables."""
     arrays = {
         "DAMPER": ("dof_damping", "dof_dampingpoly"), "FRICTIONLOSS": ("dof_frictionloss",),
         "SPRING": ("jnt_stiffness", "jnt_stiffnesspoly"),
     }  # fmt: skip
     for flag, names in arrays.items():
         if model.opt.disableflags & getattr(mujoco.mjtDisableBit, f"mjDSBL_{flag}", 0):
-            for name in names:  # not every version of MuJoCo has all of them
+            for name in names:  # not all versions of MuJoCo have all of them
                 getattr(model, name, np.zeros(0))[:] = 0.0
 
 
 def _gives_inertia(mujoco: Any, spec: Any, body: Any, geom: Any) -> bool:
-    """Whether MuJoCo's compiler would count a geom's mass: as `inertiafromgeom` and `inertiagrouprange` have it."""
+    """Whether MuJoCo's compiler would use a geom's mass, by `inertiafromgeom` and `inertiagrouprange`."""
     always = spec.compiler.inertiafromgeom == mujoco.mjtInertiaFromGeom.mjINERTIAFROMGEOM_TRUE
     never = spec.compiler.inertiafromgeom == mujoco.mjtInertiaFromGeom.mjINERTIAFROMGEOM_FALSE
     first, last = spec.compiler.inertiagrouprange
@@ -138,7 +138,7 @@ def _refused(problem: Exception, place: str, meshes: Collection[MeshFile] = ()) 
 
 
 def _in_a_line(said: Any, meshes: Collection[MeshFile]) -> str:
-    """What MuJoCo says, with the user's names of files."""
+    """MuJoCo's message on one line, with the user's file names."""
     words = " ".join(str(said).split())
     for mesh in meshes:
         words = words.replace(f"'{mesh.alias}'", f"'{mesh.file}'")

@@ -1,8 +1,8 @@
 """Extracts from an MJCF document only what dynamics needs, so that MuJoCo opens no file and sees nothing else.
 
-Meshes in files are kept only where their contents come along, under names that are no paths.
+Meshes in files are kept only if their contents are supplied, under names that are not paths.
 
-Elements are kept by name and place; unknown ones are left out and counted.  Elements that would change the tree of
+Elements are kept by name and parent; unknown ones are left out and counted.  Elements that would change the tree of
 bodies by including other text are refused.
 """
 
@@ -19,17 +19,17 @@ from cutpoint.formats.safe_xml import Element
 from cutpoint.formats.slips import meant
 
 MAXIMUM_PIECES = 40_000
-"""Opening and closing tags that are kept: the work of compiling them grows faster than their number."""
+"""Largest number of tags that are kept, opening and closing: compile time grows faster than their number."""
 
 NOT_A_NUMBER = re.compile(r"(?i)(?<!\S)[+-]?nan(?!\w)")
-"""MuJoCo would only warn of it, in a file of its own."""
+"""MuJoCo would only warn, in a log file of its own."""
 
 INFINITE = re.compile(r"(?i)(?<!\S)[+-]?inf(inity)?(?!\w)")
 FINITE = {
     *("pos", "quat", "axisangle", "xyaxes", "zaxis", "euler", "axis", "fromto", "size", "ref"),
     *("mass", "diaginertia", "fullinertia", "density", "damping", "armature", "frictionloss", "stiffness"),
 }
-"""Attributes of which MuJoCo would make numbers that are none, elsewhere."""
+"""Attributes from which MuJoCo would compute invalid numbers elsewhere."""
 
 IN_BODY = ("body", "frame", "inertial", "joint", "freejoint", "geom", "site")
 
@@ -49,23 +49,23 @@ LEFT_OUT = {
     "geom": {"material", "hfield"},
     "site": {"material"},
 }
-"""Attributes that name or choose what is left out anyway; fused bodies would lose their names."""
+"""Attributes on parts that are left out anyway; fused bodies would lose their names."""
 
 OF_A_MESH = {"name", "class", "vertex", "face", "scale", "refpos", "refquat", "inertia", "maxhullvert"}
-"""Others make MuJoCo build shapes by itself, of any size."""
+"""Others make MuJoCo build shapes itself, of any size."""
 
 WITHOUT_EFFECT = {
     *("visual", "statistic", "size", "custom", "sensor", "keyframe"),
     *("camera", "light", "texture", "material", "hfield", "skin"),
 }
-"""Elements that bodies and joints move the same without."""
+"""Elements without effect on the motion of bodies and joints."""
 
 OTHER_TEXT = ("attach", "composite", "flexcomp", "replicate")
 
 
 @dataclass
 class Excerpt:
-    """The kept document, each element on its line, and how many elements of which kind were left out."""
+    """The kept document, each element on its original line, and the number of elements left out, by kind."""
 
     pieces: list[str] = field(default_factory=list[str])
     left_out: Counter[str] = field(default_factory=Counter[str])
@@ -76,9 +76,9 @@ class Excerpt:
         return "".join(self.pieces)
 
     def open(self, element: Element, attributes: dict[str, str], *, holds: bool) -> None:
-        """A tag, on the line where the file has it; of an included file, where that is named.
+        """Writes a tag on its line in the file; for an included file, on the line that names it.
 
-        holds: whether there is anything in the element; else "/>" closes it, for MuJoCo counts a place inside as depth.
+        holds: whether the element has contents; otherwise "/>" closes it, as MuJoCo counts an inside as depth.
         """
         lines = max((element.at or element.line) - self.line, 0)
         self.line += lines
@@ -89,7 +89,7 @@ class Excerpt:
 def excerpt_of(root: Element, place: str, meshes: Mapping[str, MeshFile]) -> Excerpt:
     """meshes: those whose files were read, by name.
 
-    Raises ModelError: no MJCF, elements that bring in other text, too many elements.
+    Raises ModelError: no MJCF, elements that include other text, too many elements.
     """
     if root.tag != "mujoco":
         other = {
@@ -123,7 +123,7 @@ def _refuse_other_text(element: Element, place: str) -> None:
 
 
 def _copy(root: Element, place: str, meshes: Mapping[str, MeshFile]) -> Excerpt:
-    """All that is kept, tag by tag."""
+    """Copies all that is kept, tag by tag."""
     excerpt, waiting = Excerpt(), list[Element | str]([root])
     armoured = _sections_with_armature(root)
     while waiting:
@@ -147,7 +147,7 @@ def _copy(root: Element, place: str, meshes: Mapping[str, MeshFile]) -> Excerpt:
 
 
 def _kept_attributes(element: Element, meshes: Mapping[str, MeshFile], place: str) -> dict[str, str]:
-    """Raises ModelError for a number that is none."""
+    """The attributes that are kept.  Raises ModelError for an invalid number."""
     dropped = LEFT_OUT.get(element.tag, set())
     if element.tag == "mesh":
         dropped = element.attributes.keys() - OF_A_MESH
@@ -163,13 +163,13 @@ def _kept_attributes(element: Element, meshes: Mapping[str, MeshFile], place: st
 
 
 def _is_kept(child: Element, parent: Element, meshes: Mapping[str, MeshFile]) -> bool:
-    """A mesh only if its points stand in the document, or come along."""
+    """A mesh is kept only if its points are in the document or supplied."""
     shape_is_elsewhere = parent.tag == "asset" and "vertex" not in child.attributes and name_of(child) not in meshes
     return child.tag in KEPT.get(parent.tag, ()) and not shape_is_elsewhere
 
 
 def _refuse_misspelled(child: Element, parent: Element, place: str) -> None:
-    """Raises ModelError for the name of an element that is nearly one of those that are kept."""
+    """Raises ModelError for a misspelled name of an element that would be kept."""
     if right := meant(child.tag, KEPT.get(parent.tag, ())):
         complaint = f"<{parent.tag}> holds <{child.tag}>, which MJCF does not have; did you mean <{right}>?"
         raise ModelError(complaint, place=child.where(place), tag=child.tag)

@@ -26,14 +26,14 @@ from cutpoint.errors import ModelError
 
 MAXIMUM_BYTES = 64 * 2**20
 MAXIMUM_DEPTH = 499
-"""Elements within each other: what MuJoCo reads.  No reader here may call itself for each."""
+"""Deepest nesting of elements: MuJoCo's.  Readers here must not recurse for each."""
 
 MAXIMUM_ELEMENTS = 200_000
 MAXIMUM_ATTRIBUTES = 1000
 """Of an element."""
 
 MAXIMUM_ATTRIBUTE = 1_000_000
-"""Characters of an attribute's value."""
+"""Largest length, in characters, of an attribute's value."""
 
 
 @dataclass(frozen=True)
@@ -59,7 +59,7 @@ class Element:
         return (child for child in self.children if child.tag == tag)
 
     def walk(self) -> Iterator["Element"]:
-        """It and all that it holds, in the order of the document."""
+        """The element and all its descendants, in the order of the document."""
         waiting: list[Element] = [self]
         while waiting:
             element = waiting.pop()
@@ -77,11 +77,11 @@ REMEDIES = {
     XML_ERROR_DUPLICATE_ATTRIBUTE: "state it once",
     XML_ERROR_JUNK_AFTER_DOC_ELEMENT: "take out what stands behind the root element",
 }
-"""By what expat calls the slip."""
+"""Remedies by expat's error."""
 
 
 class _Builder:
-    """What the parser calls; it keeps the caps."""
+    """Callbacks of the parser, with the caps."""
 
     def __init__(self, place: str, file: str, at: int) -> None:
         self.place, self.file, self.at = place, file, at

@@ -77,7 +77,7 @@ def parse_yaml(content: bytes, file: str) -> YamlDocument:
 
 @dataclass
 class _Composer:
-    """Values out of the parser's events."""
+    """Builds values from the parser's events."""
 
     file: str
     events: Iterator[Any]

@@ -6,7 +6,7 @@ from difflib import get_close_matches
 from cutpoint.errors import LONGEST_GUESS
 
 ALIKE = 0.84
-"""How like two names are, of 1, for one to be a slip: `dampning` and `bdy` are, `frictionloss` and `geometry` not."""
+"""Similarity, at most 1, above which a name is a slip: `dampning` and `bdy` are, `frictionloss` and `geometry` not."""
 
 
 def meant(name: str, known: Collection[str]) -> str | None:
@@ -19,5 +19,5 @@ def meant(name: str, known: Collection[str]) -> str | None:
 
 
 def _is_a_letter_off(name: str, right: str) -> bool:
-    """Whether one letter stands for another, as in `axes`."""
+    """Whether one letter is replaced, as in `axes`."""
     return len(name) == len(right) and sum(x != y for x, y in zip(name, right, strict=True)) == 1

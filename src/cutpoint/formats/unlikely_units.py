@@ -17,28 +17,28 @@ FASTEST = 1600.0
 """rad/s, of motors: 15 000 turns a minute."""
 
 WIDEST = 0.05
-"""rad, three degrees, by which gears are loose, lose motion, or wind up to the first corner of their curve."""
+"""rad, three degrees: backlash, lost motion, or deflection at the first corner of a gear's curve."""
 
 HEAVIEST, GEARED = 0.05, 10.0
-"""kg m2, of a rotor before a gear of such a ratio: at the joint it weighs 5 kg m2 at least."""
+"""kg m2, of a rotor before a gear of such a ratio: at the joint, at least 5 kg m2."""
 
 SOFTEST = 5.0
-"""N m/rad, of a spring behind such a gear: a kilogram at half a metre would wind it by a radian."""
+"""N m/rad, of a spring behind such a gear: a kilogram at half a metre would deflect it by a radian."""
 
 STRONGEST = 5.0
 """N m/A, of a motor before such a gear."""
 
 LEAST_RATIO = 0.2
-"""Turns of a motor for one of the joint."""
+"""Motor turns per joint turn."""
 
 FROM_RATIO, TO_RATIO = 10.0, 1e5
-"""rad/m, of the motor of a joint that slides: leads of 0.6 m and of 0.06 mm."""
+"""rad/m, of the motor of a prismatic joint: leads of 0.6 m and of 0.06 mm."""
 
 SOFTEST_SLIDE = 1e3
-"""N/m, of a spring behind a gear that slides: a kilogram would wind it by a centimetre."""
+"""N/m, of the spring of a prismatic joint: a kilogram would deflect it by a centimetre."""
 
 LATEST = 0.05
-"""s, after which a command reaches a motor's current loop."""
+"""s, delay of commands to a motor's current loop."""
 
 RPM, ARCMIN = "turns a minute, of which one is 0.1047 rad/s", "arc minutes, of which one is 2.909e-4 rad"
 
@@ -49,7 +49,7 @@ LARGEST: dict[YamlPath, tuple[float, str]] = {
     ("hysteresis", "reach"): (WIDEST, ARCMIN),
     ("motor", "delay"): (LATEST, "ms, of which one is 1e-3 s"),
 }
-"""Of drives of joints that turn: beyond which a number is doubted, and what it looks like."""
+"""For drives of revolute joints: the limit beyond which a number is doubted, and what it looks like."""
 
 BEFORE_A_GEAR: dict[YamlPath, tuple[float, str]] = {
     ("rotor", "inertia"): (HEAVIEST, "kg cm2, of which one is 1e-4 kg m2, or like the inertia at the joint"),
@@ -58,7 +58,7 @@ BEFORE_A_GEAR: dict[YamlPath, tuple[float, str]] = {
 
 
 def doubts_of(sheet: DriveSheet, section: Section, ratio: float) -> Iterator[tuple[str, YamlPath]]:
-    """What looks like another unit in the drive of a joint that turns, in words, and where its entry states it."""
+    """Numbers that look like another unit in the drive of a revolute joint, in words, and their paths in its entry."""
     geared = abs(ratio) >= GEARED
     for path, (most, likeness) in (LARGEST | (BEFORE_A_GEAR if geared else {})).items():
         value = _at(sheet, path)
@@ -86,7 +86,7 @@ def doubts_of(sheet: DriveSheet, section: Section, ratio: float) -> Iterator[tup
 
 
 def doubts_of_sliding(sheet: DriveSheet, section: Section, ratio: float) -> Iterator[tuple[str, YamlPath]]:
-    """The same of a joint that slides."""
+    """The same for a prismatic joint."""
     if sheet.ratio is not None and abs(ratio) != 1.0 and not FROM_RATIO <= abs(ratio) <= TO_RATIO:
         lead = f"a lead of {2.0 * math.pi / abs(ratio):.3g} m for a turn"
         stated = section.stated(DriveSheet, ("ratio",), sheet.ratio)
@@ -98,7 +98,7 @@ def doubts_of_sliding(sheet: DriveSheet, section: Section, ratio: float) -> Iter
 
 
 def _at(sheet: Any, path: YamlPath) -> float | None:
-    """The number at a path; None where a part on the way is not stated."""
+    """The number at a path; None if a part of the path is not stated."""
     for key in path:
         sheet = getattr(sheet, key, None)
     return sheet

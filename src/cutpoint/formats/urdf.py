@@ -1,7 +1,7 @@
 """URDF and xacro files to a `Mechanism`.
 
 Read: links' inertials; joints' origins, axes, limits, dynamics and mimics.  Everything else (visuals, collisions,
-transmissions, extensions) is passed over, inertia of rotors with a warning; meshes are never opened.
+transmissions, extensions) is ignored, rotor inertias with a warning; meshes are never opened.
 """
 
 from collections.abc import Collection, Mapping, Sequence
@@ -32,7 +32,7 @@ PARTS = {
     "inertial": ("origin", "mass", "inertia"),
     "joint": ("parent", "child", "origin", "axis", "limit", "dynamics", "mimic"),
 }
-"""Elements that are read, by what holds them."""
+"""Elements that are read, by parent."""
 
 ATTRIBUTES = {
     "origin": ("xyz", "rpy", "quat_xyzw"),
@@ -41,10 +41,10 @@ ATTRIBUTES = {
     "dynamics": ("damping", "friction"),
     "mimic": ("joint", "multiplier", "offset"),
 }
-"""Of which some may be missing."""
+"""Those of which some may be missing."""
 
 X_AXIS = (1.0, 0.0, 0.0)
-"""Axis of a joint that states none."""
+"""Default axis of a joint."""
 
 
 class MimicWarning(UserWarning):
@@ -172,7 +172,7 @@ def _check_names(element: Element, place: str) -> None:
 
 
 def _check_quaternions(robot: Element, place: str) -> None:
-    """Raises ModelError for quaternions in a file of a version that has none: other readers pass them over."""
+    """Raises ModelError for quaternions in a file of a version without them: other readers ignore them."""
     version = robot.attributes.get("version", "1.0").strip()
     if (parse_number(version) or 0.0) >= 1.2:
         return
@@ -184,7 +184,7 @@ def _check_quaternions(robot: Element, place: str) -> None:
 
 
 def _label(element: Element) -> str:
-    """How messages name a link or a joint."""
+    """The name of a link or a joint in messages."""
     return f"{element.tag} {element.attributes.get('name', '').strip()!r}"
 
 
@@ -233,7 +233,7 @@ def _kind(reader: Reader) -> JointKind:
 
 
 def _limits(reader: Reader, kind: JointKind) -> Limits:
-    """As URDF has it: some kinds have no position limits, and of two bounds one that is not stated is zero."""
+    """As in URDF: some kinds have no position limits, and of two bounds an unstated one is zero."""
     limit = reader.child("limit")
     if limit is None:
         return Limits()
@@ -244,7 +244,7 @@ def _limits(reader: Reader, kind: JointKind) -> Limits:
 
 
 def _warn(joints: Sequence[Joint], names: Collection[str], coupled: bool, place: str) -> None:
-    """Warn of what is probably not meant, once for the file.  joints: those that move; names: of all that can."""
+    """Warns of probable mistakes, once for the file.  joints: those that move; names: of all that can."""
     mimics = [joint.name for joint in joints if joint.mimic]
     if mimics and not coupled:
         option = "mimic='coupled' (--mimic coupled) ties them"
@@ -256,7 +256,7 @@ def _warn(joints: Sequence[Joint], names: Collection[str], coupled: bool, place:
 
 
 def warn_of_degrees(joints: Sequence[Joint], rule: str, place: str) -> None:
-    """Once for the file, at the line that asked for the robot.  rule: what its angles are in."""
+    """Warns once for the file, at the line that loads the robot.  rule: the unit of its angles."""
     degrees = [joint.name for joint in joints if joint.kind == "revolute" and look_like_degrees(joint.limits)]
     if degrees:
         text = f"limits of joints {listed(degrees)} look like degrees; {rule} ({place})"

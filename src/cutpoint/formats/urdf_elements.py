@@ -93,7 +93,7 @@ class Reader:
         quaternion = [x for part in text.split() if (x := parse_number(part)) is not None]
         if len(quaternion) != 4 or len(text.split()) != 4 or not any(quaternion):
             raise self._not_numbers("quat_xyzw", text, "four finite numbers, not all zero")
-        largest = max(map(abs, quaternion))  # any length may be stated, whose square may be no number
+        largest = max(map(abs, quaternion))  # any length may be stated, and its square may overflow
         return np.array([[*row] for row in rotation_of([x / largest for x in quaternion])], dtype=np.float64)
 
     def _not_numbers(self, attribute: str, text: str, rule: str) -> ModelError:

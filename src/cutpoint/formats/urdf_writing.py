@@ -14,11 +14,11 @@ from cutpoint.model.mechanism import WORLD, Body, Mechanism
 _TAG = re.compile(rb"""<[^\s/>]+(?:\s+[^\s=]+\s*=\s*(?:"[^"]*"|'[^']*'))*\s*/?>""")
 
 MOVED = b"<!-- mass and inertia are counted in the link that carries this one -->"
-"""Where an <inertial> was whose link is fixed to another."""
+"""Replaces the <inertial> of a link that is fixed to another."""
 
 
 class _Place(NamedTuple):
-    """Bytes of a link and of its <inertial>, from and to; the latter None where there is none."""
+    """Byte ranges of a link and of its <inertial>; the latter None if there is none."""
 
     link: tuple[int, int]
     inertial: tuple[int, int] | None
@@ -57,7 +57,7 @@ def _is_same(a: Body, b: Body) -> bool:
 
 
 def _carried(mechanism: Mechanism, index: int, places: Mapping[str, _Place]) -> list[str]:
-    """Links with inertia that sit on a body and do not give it its name."""
+    """Links with inertia that are fixed to a body and do not name it."""
     frames, own = mechanism.frames, mechanism.bodies[index].name
     return [
         name
@@ -67,7 +67,7 @@ def _carried(mechanism: Mechanism, index: int, places: Mapping[str, _Place]) -> 
 
 
 def _locked(mechanism: Mechanism, index: int, root: Element) -> list[str]:
-    """Joints that the file lets move, and that hold a link fixed to a body."""
+    """Movable joints of the file that are locked and fix a link to a body."""
     frames, own = mechanism.frames, mechanism.bodies[index].name
     found: list[str] = []
     for joint in root.all("joint"):
@@ -78,7 +78,7 @@ def _locked(mechanism: Mechanism, index: int, root: Element) -> list[str]:
 
 
 def _edit(content: bytes, at: _Place, body: Body) -> tuple[tuple[int, int], bytes]:
-    """The bytes to replace, and what takes their place."""
+    """The bytes to replace, and their replacement."""
     end = b"\r\n" if b"\r\n" in content else b"\n"
     start = at.inertial[0] if at.inertial else at.link[0]
     indent = content[content.rfind(b"\n", 0, start) + 1 : start]
@@ -111,7 +111,7 @@ def _edited(content: bytes, edits: Mapping[tuple[int, int], bytes]) -> bytes:
 
 
 class _Spans:
-    """What the parser calls; places of links, by name."""
+    """Callbacks of the parser; places of links, by name."""
 
     def __init__(self, content: bytes) -> None:
         self.content = content
@@ -126,7 +126,7 @@ class _Spans:
     def end(self, tag: str) -> None:
         depth, (_, name, start) = len(self.open), self.open.pop()
         here = self._here
-        # of an element that closes itself the parser is past the end already
+        # for a self-closing element the parser is past the end already
         closes = self.content.startswith(b"</" + tag.encode(), here)
         stop = self.content.index(b">", here) + 1 if closes else here
         if depth == 3 and tag == "inertial" and self.open[-1][0] == "link":

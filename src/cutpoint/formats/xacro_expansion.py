@@ -20,7 +20,7 @@ def expand(path: Path) -> str:
         complaint = 'a .xacro file needs the xacro package: pip install "cutpoint[xacro]"'
         raise ModelError(complaint, place=path) from problem
     try:
-        document: Any = xacro.process_file(str(path))  # the package says a file, but it is a DOM document
+        document: Any = xacro.process_file(str(path))  # typed as a file by the package, but it is a DOM document
         return document.toprettyxml(indent="  ")
     except Exception as problem:  # expressions in the file may raise anything
         told, remedy, urdf = " ".join(str(problem).split()), "", f"{path.name.split('.')[0]}.urdf"

@@ -19,7 +19,7 @@ class Bar:
         self._task: TaskID
 
     def show(self, done: float) -> None:
-        """How far the work is; may be told as often as one likes."""
+        """Shows the progress; may be called as often as desired."""
         now = time.perf_counter()
         if now < self._next:
             return

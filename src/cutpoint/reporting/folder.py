@@ -1,4 +1,4 @@
-"""A report on disk: index.html, figures/*.png and the results as JSON, each whole or not at all."""
+"""A report on disk: index.html, figures/*.png and the results as JSON, each written atomically."""
 
 import json
 import platform
@@ -33,7 +33,7 @@ def checked_folder(output: Path, name: str, study: str) -> Path:
 
 
 def _is_of(study: str, path: Path) -> bool:
-    """Whether a JSON file is one that `write` left of this study."""
+    """Whether a JSON file was written by `write` for this study."""
     try:
         found = json.loads(path.read_bytes())
         return found["study"] == study and "cutpoint" in found["versions"]
@@ -44,7 +44,7 @@ def _is_of(study: str, path: Path) -> bool:
 def write(
     output: Path, heading: Heading, pages: Sequence[Page], settings: Mapping[str, Any], name: str, study: str
 ) -> Any:
-    """Writes output/index.html, output/figures/*.png and output/`name`, each whole or not at all.
+    """Writes output/index.html, output/figures/*.png and output/`name`, each atomically.
 
     Returns what the JSON file holds: the study's name, versions, settings, and results by table and figure.
     """
@@ -53,7 +53,7 @@ def write(
     text = json.dumps(results, indent=1, ensure_ascii=False, allow_nan=False, default=lambda x: x.tolist())
     folder = output / "figures"
     folder.mkdir(parents=True, exist_ok=True)
-    # the pictures first and the report last: a report that is there is complete
+    # figures first and the report last: an existing report is complete
     files = {folder / f"{key}.png": image for key, image in images.items()}
     files |= {output / name: text.encode(), output / "index.html": html(heading, pages, images, versions()).encode()}
     for path, content in files.items():
@@ -75,7 +75,7 @@ def _results(pages: Sequence[Page]) -> dict[str, Any]:
 
 
 def versions() -> dict[str, str]:
-    """Of what computes; what is not installed is left out."""
+    """Versions of the numerical packages that are installed."""
     found = {"cutpoint": cutpoint.__version__, "Python": platform.python_version()}
     for name in ("numpy", "scipy", "llvmlite", "matplotlib"):
         with suppress(PackageNotFoundError):

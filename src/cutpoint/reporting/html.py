@@ -15,7 +15,7 @@ _TEMPLATE = Template((Path(__file__).parent / "template.html").read_text(encodin
 
 @dataclass(frozen=True)
 class Heading:
-    """What stands above the pages: a title, what it is about, and paragraphs."""
+    """The head of a report: a title, its subject, and paragraphs."""
 
     title: str
     source: str
@@ -68,6 +68,6 @@ def _table(table: Table) -> str:
 
 
 def _text(words: str) -> str:
-    """Escaped, with the marks for subscripts and superscripts turned into tags."""
+    """Escaped text, with the marks for subscripts and superscripts turned into tags."""
     tags = {"_": "sub", "^": "sup"}
     return re.sub(r"([_^])\{([^}]*)\}", lambda m: f"<{tags[m[1]]}>{m[2]}</{tags[m[1]]}>", escape(words))

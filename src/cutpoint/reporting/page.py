@@ -1,4 +1,4 @@
-"""What a page of the report is made of: prose, tables and pictures, and the numbers behind them."""
+"""Parts of a report page: prose, tables and pictures, and the numbers behind them."""
 
 import re
 from collections.abc import Iterable, Mapping
@@ -59,7 +59,7 @@ class Page:
 
 
 def row(name: str, values: ArrayLike, digits: int) -> tuple[str, ...]:
-    """A name and numbers with this many decimals; what would read as zero, and is not, gets two digits."""
+    """A name and numbers with this many decimals; a nonzero number that would read as zero gets two digits."""
     return (name, *(number(x, digits) for x in np.ravel(values)))
 
 
@@ -71,7 +71,7 @@ def number(x: float, digits: int) -> str:
 
 
 def plain(text: str) -> str:
-    """Text without marks, for where there are no subscripts and superscripts."""
+    """Text without marks, for output without subscripts and superscripts."""
     text = re.sub(r"·10\^\{([^}]*)\}", r"e\1", text)
     return re.sub(r"\^\{([^}]*)\}", r"^\1", re.sub(r"_\{([^}]*)\}", r"\1", text))
 

@@ -1,4 +1,4 @@
-"""How every figure of a report looks: type, colours, sizes.  One place, so that a reader learns them once."""
+"""Common style of all figures of a report: type, colours, sizes."""
 
 from io import BytesIO
 from typing import Any
@@ -15,10 +15,10 @@ BASE, BASE_FILL = "#5b6270", "#e6e8ec"
 SPRING, SPRING_FILL = "#2a7f4f", "#d3ecdd"
 FORCE = "#b01e3c"
 JOINTS = ("#1f5fa8", "#c2571a", "#2a7f4f", "#8a4fa3", "#b8860b", "#4a4f57")
-"""One colour a joint, the same in every figure, dark enough to read on white."""
+"""One colour per joint, the same in every figure, dark enough to read on white."""
 
 WIDTH = 9.0
-"""Width of a full figure in inches; text of 11 points is then as large as that of the page around it."""
+"""Width of a full figure in inches; text of 11 points then has the size of the page's text."""
 
 STYLE: Any = {
     "font.family": ["STIXGeneral", "DejaVu Sans"],
@@ -49,12 +49,12 @@ STYLE: Any = {
 
 
 def styled() -> Any:
-    """A context in which figures are made and saved in this style, and after which matplotlib is as it was."""
+    """A context for making and saving figures in this style; matplotlib's settings are restored afterwards."""
     return rc_context(STYLE)
 
 
 def png(figure: Figure) -> bytes:
-    """The figure as a PNG, without a date or a version in it: the same drawing gives the same bytes."""
+    """The figure as a PNG without date or version: the same drawing gives the same bytes."""
     buffer = BytesIO()
     figure.savefig(buffer, format="png", metadata={"Software": None}, facecolor="white")
     return buffer.getvalue()

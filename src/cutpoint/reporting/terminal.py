@@ -10,7 +10,7 @@ from rich.text import Text
 from cutpoint.reporting.page import Page, Table, plain
 
 _NARROWEST = 108
-"""Columns; where there are fewer the lines wrap, and no number is cut."""
+"""Columns; on a narrower terminal lines wrap, and no number is cut."""
 
 
 def show(pages: Sequence[Page]) -> None:

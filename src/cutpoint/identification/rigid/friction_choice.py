@@ -210,7 +210,7 @@ def _tried(trial: _Trial, size: float, expected: Sliding | None) -> dict[str, li
 
 
 def _refined(trial: _Trial, tried: list[Tried]) -> list[Tried]:
-    """Adds all laws tried in the search for the best shape nearby, by variable projection.  Golub and Pereyra (1973)."""
+    """Adds all laws tried in the search for the best shape near, by variable projection.  Golub and Pereyra (1973)."""
     law = trial.best(tried)
     names, found = shape_of(law), [*tried]
 

@@ -62,7 +62,7 @@ def regression(
     loads: Array | None = None,
     inertial: Array | None = None,
 ) -> Regression:
-    """The regression of a motion and torques (N, n): base parameters, then each joint's friction, then offsets, by name.
+    """The regression of a motion and torques (N, n): base parameters, each joint's friction, then offsets, by name.
 
     laws: a friction law for each joint, whose own coefficients do not matter.  loads: (N, n) N m that the drives
     transmit, for load-dependent laws.  inertial: those of `inertial_columns`, if known already.
