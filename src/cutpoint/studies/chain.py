@@ -11,7 +11,7 @@ from cutpoint.model.mechanism import Body, Mechanism
 
 Array = NDArray[np.float64]
 Numbers = NDArray[Any]
-"""Real numbers, or complex ones where a derivative is taken by a complex step."""
+"""Real numbers, or complex ones for complex-step derivatives."""
 Kind = Literal["revolute", "prismatic"]
 
 
@@ -37,7 +37,7 @@ class Chain:
 
 @dataclass(frozen=True, eq=False)
 class Places:
-    """Where everything is, in the world, for samples (...): along each body's index i = 0 ... n - 1.
+    """Poses of all bodies in the world, for samples (...), with body indices i = 0 ... n - 1.
 
     rotations (..., n, 3, 3): body axes to world axes.  origins, centroids, axes (..., n, 3).
     """
@@ -52,7 +52,7 @@ def chain_of(mechanism: Mechanism) -> Chain:
     """The mechanism's bodies as arrays.
 
     Raises:
-        ModelError: where a body is not carried by a revolute or prismatic joint of its own coordinate.
+        ModelError: a body without a revolute or prismatic joint of its own coordinate.
     """
     bodies = mechanism.bodies
     return Chain(

@@ -19,10 +19,10 @@ STIFFNESS, ERROR, HYSTERESIS, FRICTION = "stiffness curve", "kinematic error", "
 PRESLIDING, LAG, RIPPLE = "presliding", "current loop and delay", "torque ripple and cogging"
 ASYMMETRY, COLD = "asymmetric friction", "cold grease"
 EFFECTS = (STIFFNESS, ERROR, HYSTERESIS, FRICTION, PRESLIDING, LAG, RIPPLE, ASYMMETRY, COLD)
-"""In the order in which they are switched on."""
+"""Effects in the order in which they are switched on."""
 
 NEEDS = {PRESLIDING: FRICTION, ASYMMETRY: FRICTION, COLD: FRICTION}
-"""What an effect changes, and so cannot be without."""
+"""Effects that another one modifies and so requires."""
 
 DISTANCE, BRISTLE_DAMPING, ELASTIC = 5e-4, 3.0, 0.7
 """Of presliding: rad at the joint (a twentieth of a radian of the motor), N m s/rad, share.  Ours."""
@@ -50,7 +50,7 @@ def with_effects(arm: Robot, on: Collection[str], rubs: float = 1.0) -> Robot:
     """The arm on drives with these effects and what they need; with none, on linear springs alone.
 
     All have the same laws, as far as numbers can switch one off, so that few loops need compiling.
-    rubs: times as much as the gears do.
+    rubs: factor on the gears' friction.
     """
     named = {*on, *(NEEDS[effect] for effect in on if effect in NEEDS)}
     drives = arm.drives.items()

@@ -1,4 +1,4 @@
-"""What every law is tried on: an arm, where it starts and goes, what it may carry."""
+"""The bench for all laws: an arm, its move and its payload."""
 
 from dataclasses import dataclass
 from typing import Any
@@ -20,16 +20,16 @@ from cutpoint.studies.sizing.margins import travel_of
 from cutpoint.trajectories import Trajectory, cycloid
 
 USUAL, SLOW, FAST = 3.0, 10.0, 1.0
-"""Time of a move from home to goal, s, and as much back."""
+"""Time of a move from home to goal, s, and of the way back."""
 
 STROKE, SHARE = 1.0, 0.25
-"""How far a joint goes from home: rad, at most this share of its range."""
+"""Travel of a joint from home: rad, at most this share of its range."""
 
 CSG = ("CSG-14-100", "CSG-17-100", "CSG-20-100", "CSG-25-100", "CSG-32-100")
 """Gears of one series by size."""
 
 RADIUS = 0.05
-"""Of a payload, a ball, m."""
+"""Radius of a payload, a ball, m."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -51,7 +51,7 @@ class Bench:
         return ThereAndBack(cycloid(self.goal, duration, self.home))
 
     def loaded(self, share: float) -> Robot:
-        """The arm with this share of the rated payload in its hand."""
+        """The arm holding this share of the rated payload."""
         mass = share * self.payload
         return self.robot.with_payload(mass, np.zeros(3), 0.4 * mass * RADIUS**2 * np.eye(3), self.frame)
 
@@ -64,7 +64,7 @@ def bench_of(
     payload: float | None = None,
     frame: str | None = None,
 ) -> Bench:
-    """A bench for any arm of turning joints with elastic drives.
+    """A bench for any arm of revolute joints with elastic drives.
 
     The paper's arm, with all its joints, makes the paper's move; others go from the middle of their joints' travel, see
     `travel_of`, by STROKE rad, at most SHARE of the travel, every second joint backwards.
@@ -101,7 +101,7 @@ def _check(robot: Robot) -> None:
 
 def _ends(robot: Robot) -> tuple[Array, Array]:
     limits = limits_in_force(robot.mechanism, robot.drives).values()
-    # nothing is known of where it works: a joint without one of its limits goes about 0, if the other leaves it that
+    # its workspace is unknown: a joint without one of its limits moves about 0, if the other allows that
     home, half = np.array([travel_of(each, np.zeros(1)) for each in limits]).T
     return home, home + np.minimum(STROKE, SHARE * 2 * half) * (-1.0) ** np.arange(len(home))
 
@@ -114,19 +114,19 @@ def gears_for(robot: Robot, home: Array, goal: Array) -> tuple[str, ...]:
 
 
 def overtaxed(bench: Bench) -> tuple[str, ...]:
-    """Joints that may need more than their gears may repeat."""
+    """Joints that may need more than their gears' repeated peak torque."""
     needed = zip(bench.robot.joints, bench.gears, _needed(bench.robot, bench.home, bench.goal), strict=True)
     return tuple(joint for joint, gear, torque in needed if _peak(gear) < torque)
 
 
 def _peak(gear: str) -> float:
-    """N m, that it may repeat."""
+    """Repeated peak torque, N m."""
     ratings = catalogue_drive(gear).ratings
     return ratings.repeated_peak_torque or 0.0 if ratings else 0.0
 
 
 def _needed(robot: Robot, home: Array, goal: Array) -> Any:
-    """N m, each joint."""
+    """Torque that each joint may need, N m."""
     move = cycloid(goal, FAST, home)(np.linspace(0, FAST, 101))
     torque = np.abs(robot.inverse_dynamics(move.q, move.v, move.a)).max(axis=0)
     effort = np.array([limits.effort for limits in limits_in_force(robot.mechanism, robot.drives).values()])

@@ -1,4 +1,4 @@
-"""The laws that are compared: each a name, what it needs, and how it is made from a model, gains and a period."""
+"""The compared laws: each with a name, its requirements, and a constructor from model, gains and period."""
 
 from collections.abc import Callable, Mapping
 from dataclasses import fields, replace
@@ -28,7 +28,7 @@ OURS = ("vdc", "vdc_filter", "adaptive", "natural")
 """Keys of the laws that are virtual decomposition control."""
 
 RATE, NATURAL_RATE, WHOLE_RATE = 30.0, 5.0, 10.0
-"""How fast laws learn, 1/J: AdaptiveVDC by projection, bodies and joints alike; its bodies by the natural update;
+"""Adaptation rates, 1/J: AdaptiveVDC by projection, bodies and joints alike; its bodies by the natural update;
 Slotine-Li.  Chosen once, on the paper's arm, in the middle of what was tried: 10 to 100, 3 to 10, 1 to 30."""
 
 
@@ -98,7 +98,7 @@ CONTENDERS: tuple[Contender, ...] = (
 
 
 def believing(law: Any, model: Robot) -> Any:
-    """The same law, gains and all, with another model in it."""
+    """The same law and gains with another model."""
     if not isinstance(law, Law):
         return law
     found: Mapping[str, Any] = {f.name: getattr(law, f.name) for f in fields(law)}  # type: ignore[arg-type]

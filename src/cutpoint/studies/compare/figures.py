@@ -1,4 +1,4 @@
-"""The comparison as pictures: errors of all laws in all scenarios, some of them as bars, and what a step takes."""
+"""The comparison as figures: errors of all laws in all scenarios, some as bars, and times of a step."""
 
 from typing import Any
 
@@ -13,7 +13,7 @@ from cutpoint.studies.compare.scenarios import SCENARIOS
 from cutpoint.studies.compare.tables import law_name
 
 WORST = 100.0
-"""Times the best of a column: what is as bad, or worse, has the darkest shade."""
+"""Times the best of a column, from which on the shade is darkest."""
 
 IN_BARS = ("nominal", "friction", "sensors", "payload_1", "fast", "drives")
 
@@ -55,7 +55,7 @@ def _entry(results: Results, scenario: str, key: str) -> str:
 
 
 def bars(results: Results) -> Figure:
-    """A panel a scenario; ours in another colour."""
+    """A panel per scenario; ours in another colour."""
     chosen = [s for s in SCENARIOS if s.key in results.outcomes and s.key in IN_BARS]
     down = max(1, -(-len(chosen) // 3))
     figure = Figure(figsize=(WIDTH, 0.6 + down * (0.9 + 0.2 * len(results.matches))), layout="constrained")
@@ -97,5 +97,5 @@ def _bars(axes: Axes, results: Results, values: dict[str, float]) -> None:
 
 
 def _short(x: float) -> str:
-    """Three digits, no more."""
+    """Three digits."""
     return f"{float(f'{x:.3g}'):g}"

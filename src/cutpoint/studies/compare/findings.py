@@ -1,4 +1,4 @@
-"""What the numbers say, in sentences that are made of nothing else."""
+"""Findings in sentences, made only from the numbers."""
 
 from collections.abc import Iterable, Mapping, Sequence
 
@@ -12,7 +12,7 @@ from cutpoint.studies.compare.scenarios import SCENARIOS
 NAMES = {contender.key: contender.name for contender in CONTENDERS}
 COLUMNS = {scenario.key: scenario.name for scenario in SCENARIOS}
 FIXED = ("vdc", "vdc_filter")
-"""Ours that do not learn."""
+"""Our laws without adaptation."""
 
 
 def findings(results: Results) -> tuple[str, ...]:
@@ -27,7 +27,7 @@ def findings(results: Results) -> tuple[str, ...]:
 
 
 def leaders(results: Results) -> str:
-    """Who is best where."""
+    """The best law of each scenario."""
     columns: dict[str, list[str]] = {}
     for scenario in results.outcomes:
         if (best := results.best(scenario)) is not None:
@@ -51,7 +51,7 @@ def ours(results: Results, keys: Sequence[str], what: str) -> str:
         if ratio <= 1:
             by = f"{number(1 / ratio, 2)} times less" if ratio else "no other gets through"
             won[f"{COLUMNS[scenario]} ({by})"] = ratio
-        elif ratio > 1:  # not where nobody gets through
+        elif ratio > 1:  # not where all diverge
             rival = NAMES[results.best(scenario, others) or ""]
             by = f"{number(ratio, 2)} times the error" if np.isfinite(ratio) else "none gets through"
             lost[f"{COLUMNS[scenario]} ({by}; ahead is {rival})"] = ratio
@@ -86,7 +86,7 @@ def against_feedforward(results: Results) -> str:
 
 
 def divergences(results: Results) -> str:
-    """Who diverged where; apart from where all did."""
+    """Which laws diverged where, except where all did."""
     ran = [key for key, match in results.matches.items() if match.law is not None]
     fell = {
         scenario: [key for key, outcome in laws.items() if outcome.diverged]
@@ -105,7 +105,7 @@ def divergences(results: Results) -> str:
 
 
 def sensors(results: Results) -> str:
-    """Whose errors grow most where sensors are real."""
+    """The laws whose errors grow most with real sensors."""
     if not {"nominal", "sensors"} <= results.outcomes.keys():
         return ""
     growth: Mapping[str, float] = {
@@ -124,7 +124,7 @@ def sensors(results: Results) -> str:
 
 
 def times(results: Results) -> str:
-    """What steps take."""
+    """Times of a step."""
     took = results.nanoseconds
     if not took:
         return ""

@@ -1,4 +1,4 @@
-"""Equal stiffness: the bandwidth at which each law resists as the PD does, and whether it holds the arm there."""
+"""Equal stiffness: the bandwidth at which each law is as stiff as the PD, and whether it is stable there."""
 
 from collections.abc import Callable
 from typing import Any, NamedTuple
@@ -87,7 +87,7 @@ def equal_bandwidth(share: Callable[[float], float], guess: float) -> float:
 
 
 def _held(bench: Bench, contender: Contender, bandwidth: float, pd: Array) -> Match:
-    """Raises InputError where the sampled plant does not hold still under it, or does not make its move."""
+    """Raises InputError if the sampled plant does not hold still under the law, or does not complete its move."""
     law = _made(bench, contender, bandwidth)
     smooth = contender.smooth(law)
     check_holds(bench.robot, smooth, bench.home, bench.control_period)
@@ -110,5 +110,5 @@ def _share(bench: Bench, contender: Contender, bandwidth: float, pd: Array) -> f
 
 
 def _mean(shares: Array) -> float:
-    """Geometric; next to none if one is not positive, for logarithms to be finite."""
+    """Geometric mean; tiny if one is not positive, to keep logarithms finite."""
     return float(np.exp(np.mean(np.log(shares)))) if (shares > 0).all() else 1e-12

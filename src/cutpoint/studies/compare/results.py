@@ -1,4 +1,4 @@
-"""What the study has found so far."""
+"""Results of the study so far."""
 
 from collections.abc import Iterable
 from dataclasses import dataclass, field

@@ -1,4 +1,4 @@
-"""Every law in every scenario: what each run scored, and the worst of a scenario's."""
+"""Every law in every scenario: the score of each run, and the worst of a scenario."""
 
 import warnings
 from collections.abc import Callable, Iterable
@@ -37,7 +37,7 @@ class Outcome(NamedTuple):
 
     @property
     def diverged(self) -> int:
-        """How many runs did."""
+        """The number of runs that diverged."""
         return self.scores.count(DIVERGED)
 
 
@@ -51,10 +51,10 @@ def outcome(bench: Bench, law: Any, cases: Iterable[Case], heard: Callable[[], A
 
 
 def score(bench: Bench, law: Any, case: Case) -> Score:
-    """Raises KeyboardInterrupt where the run was interrupted."""
+    """Raises KeyboardInterrupt if the run was interrupted."""
     told = believing(law, case.model)
     try:
-        with warnings.catch_warnings():  # what winds springs as far as that has lost anyway
+        with warnings.catch_warnings():  # a law that deflects springs this far has failed anyway
             warnings.simplefilter("ignore", StiffnessWarning)
             log = simulate(case.plant, told, case.move, control_period=bench.control_period, sensors=case.sensors)
     except SimulationError as stopped:

@@ -1,4 +1,4 @@
-"""Departures from the model, one at a time: what the plant is, what the law believes, what it sees, how it moves."""
+"""Departures from the model, one at a time: the plant, the law's model, its sensors, the motion."""
 
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import fields, is_dataclass, replace
@@ -36,7 +36,7 @@ RUBS = ("coulomb", "static", "viscous", "per_load")
 
 KNOWN = (STIFFNESS, FRICTION)
 WHOLE = (*KNOWN, ERROR, HYSTERESIS, PRESLIDING, LAG, RIPPLE)
-"""Of whole drives: what the model knows, and what there is."""
+"""Whole drives: the effects in the model, and those in the plant."""
 
 
 class Case(NamedTuple):
@@ -73,7 +73,7 @@ def _once(duration: float, bench: Bench, seeds: int) -> Iterator[Case]:
 
 
 def _masses(size: float, bench: Bench, seeds: int) -> Iterator[Case]:
-    """All too light, all too heavy, and in turns both ways."""
+    """All too light, all too heavy, and alternating."""
     case, count = as_modelled(bench), len(bench.robot.mechanism.bodies)
     for even, odd in ((-1, -1), (1, 1), (1, -1), (-1, 1)):
         factors = [1 + size * (odd if k % 2 else even) for k in range(count)]
@@ -81,7 +81,7 @@ def _masses(size: float, bench: Bench, seeds: int) -> Iterator[Case]:
 
 
 def with_masses(robot: Robot, factors: Sequence[float]) -> Robot:
-    """Each body, moments of inertia included, this many times as heavy."""
+    """Mass and moments of inertia of each body, scaled by these factors."""
     bodies = [
         replace(body, mass=body.mass * x, inertia=body.inertia * x)
         for body, x in zip(robot.mechanism.bodies, factors, strict=True)
@@ -90,7 +90,7 @@ def with_masses(robot: Robot, factors: Sequence[float]) -> Robot:
 
 
 def _numbers(names: tuple[str, ...], size: float, bench: Bench, seeds: int) -> Iterator[Case]:
-    """Numbers of each drive wrong by a share that a seed draws."""
+    """Numbers of each drive, wrong by a random share that depends on the seed."""
     case = as_modelled(bench)
     for seed in range(seeds):
         factors = 1 + size * np.random.default_rng(seed).uniform(-1, 1, len(bench.robot.drives))
@@ -100,7 +100,7 @@ def _numbers(names: tuple[str, ...], size: float, bench: Bench, seeds: int) -> I
 
 
 def scaled(record: Any, names: tuple[str, ...], factor: float) -> Any:
-    """A drive, or a law in it, with the numbers of these names so many times as large."""
+    """A drive, or a law in it, with the numbers of these names scaled."""
     changed: dict[str, Any] = {}
     for field in fields(record):
         value = getattr(record, field.name)
@@ -137,7 +137,7 @@ def _payload(share: float, bench: Bench, seeds: int) -> Iterator[Case]:
 
 
 def _whole_drives(bench: Bench, seeds: int) -> Iterator[Case]:
-    """Waves stand at phases that a seed draws."""
+    """Phases of waves are random and depend on the seed."""
     case, whole = as_modelled(bench, plant=bench.robot.with_drives(_gears(bench, KNOWN))), _gears(bench, WHOLE)
     for seed in range(seeds):
         rng = np.random.default_rng(seed)
@@ -151,7 +151,7 @@ def _gears(bench: Bench, on: tuple[str, ...]) -> dict[str, Drive]:
 
 
 def with_phases(drive: Drive, rng: np.random.Generator) -> Drive:
-    """The drive with its kinematic error, torque ripple and cogging at phases of chance."""
+    """The drive with its kinematic error, torque ripple and cogging at random phases."""
 
     def turned(waves: Sequence[Harmonic]) -> tuple[Harmonic, ...]:
         return tuple(replace(wave, phase=float(rng.uniform(0, TURN))) for wave in waves)

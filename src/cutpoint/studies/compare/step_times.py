@@ -1,4 +1,4 @@
-"""What a step of each law takes, called from Python one at a time."""
+"""Time of a step of each law, called from Python one at a time."""
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
@@ -17,7 +17,7 @@ from cutpoint.studies.cost.timing import in_turns
 
 
 def step_times(bench: Bench, matches: Mapping[str, Match]) -> dict[str, float]:
-    """Nanoseconds by contender, laws in turns on one core: the least round, which other work disturbs least."""
+    """Nanoseconds by contender, laws in turns on one core: the fastest round, which other work disturbs least."""
     calls = {key: _call(bench, match) for key, match in matches.items() if match.law is not None}
     return {key: timing.least for key, timing in in_turns(calls).items()}
 
@@ -35,7 +35,7 @@ def _call(bench: Bench, match: Match) -> Callable[[], object]:
 
 @dataclass(frozen=True, eq=False)
 class _Remembering(Wrapper):
-    """A law with one number more in its memory: only calls without empty arrays are quick."""
+    """A law with one more number in its state: only calls without empty arrays are fast."""
 
     law: Any
 

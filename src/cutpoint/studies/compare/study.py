@@ -75,7 +75,7 @@ def run(
 def compare(
     bench: Bench, results: Results, laws: Sequence[Contender], scenarios: Sequence[Scenario], seeds: int, bar: Progress
 ) -> None:
-    """Fills the results, so that an interruption leaves what there is."""
+    """Fills the results, so that an interruption keeps those so far."""
     task = bar.add_task("", total=len(laws) * (1 + len(scenarios)))
     for contender in laws:
         bar.update(task, description=f"tuning {contender.name}")

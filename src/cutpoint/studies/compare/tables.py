@@ -114,7 +114,7 @@ def _refusal(match: Match) -> str:
 
 
 def numbers(results: Results) -> dict[str, Any]:
-    """All there is, for the results file; what diverged, or is not known, is null."""
+    """All numbers for the results file; null for divergences and unknown ones."""
     return {
         "laws": {key: _law(match, results.nanoseconds.get(key)) for key, match in results.matches.items()},
         "scenarios": {s.key: _scenario(s, results) for s in SCENARIOS if s.key in results.outcomes},

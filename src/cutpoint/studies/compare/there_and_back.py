@@ -25,6 +25,6 @@ class ThereAndBack(Trajectory):
     def _inside(self, t: Array, order: int) -> Array:
         half, back = self.way.duration, t > self.way.duration
         found = self.way.derivatives(np.where(back, 2 * half - t, t), order)
-        # time runs backwards: every odd derivative changes its sign
+        # time runs backwards: odd derivatives change sign
         found[1::2, back] *= -1
         return found

@@ -1,4 +1,4 @@
-"""A segment as the classical formulations want it: mass, centroid, and inertia about the centroid."""
+"""A segment in the form of the classical formulations: mass, centroid, and inertia about the centroid."""
 
 from dataclasses import dataclass
 
@@ -29,7 +29,7 @@ def links(system: System, q: list[Scalar]) -> list[Link]:
 
 
 def _about_centroid(M: Inertia) -> tuple[Vec3, Mat3]:
-    """Centroid and inertia about it, by the theorem of parallel axes."""
+    """Centroid and inertia about it, by the parallel axis theorem."""
     c = M.first_moment * (1 / M.mass)
     across = IDENTITY * c.dot(c) - Mat3(*(c * c_i for c_i in c))
     return c, M.rotational - across * M.mass

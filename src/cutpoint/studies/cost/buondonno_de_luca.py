@@ -41,7 +41,7 @@ def _torques(system: System, q: Scalars, rates: list[tuple[Scalar, ...]]) -> lis
     omega: Rates = [ZERO] * 4
     a: Rates = [-system.gravity, ZERO, ZERO]
     moved: list[tuple[Rates, Rates, Rates]] = []
-    # outward: how each link moves, and what that costs it
+    # outward: each link's motion, and its net force and moment
     for link, rate in zip(chain, rates, strict=True):
         R_T = link.placement.rotation.T
         at_joint = turned_with(omega, link.placement.position)[2:]

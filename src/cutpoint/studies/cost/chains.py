@@ -1,4 +1,4 @@
-"""Chains to count and to time on: revolute joints one after another, every parameter drawn, so that none is zero."""
+"""Chains for counting and timing: revolute joints in series, with all parameters random, so that none is zero."""
 
 import numpy as np
 
@@ -22,7 +22,7 @@ def random_machine(n: int) -> Machine:
 
 
 def _mass_properties(rng: np.random.Generator) -> tuple[float, Array, Array]:
-    """Mass, centroid and inertia about it of ten points of equal mass: a tensor that mass can have."""
+    """Mass, centroid and inertia about it of ten points of equal mass: a physically consistent tensor."""
     points, mass = rng.normal(0.0, 0.2, (10, 3)), rng.uniform(0.5, 3.0)
     com = points.mean(axis=0)
     r = points - com

@@ -1,4 +1,4 @@
-"""Who is compared: one inverse dynamics each, on any scalar, all through one emitter."""
+"""The compared formulations: one inverse dynamics each, on any scalar, all through one emitter."""
 
 from collections.abc import Callable
 from dataclasses import dataclass

@@ -43,7 +43,7 @@ class Cost:
     seconds: dict[int, float] = field(default_factory=dict[int, float])
 
     def least_times(self) -> dict[int, float]:
-        """Of one in a batch, ns: what other work on the machine disturbs least."""
+        """Least times of one in a batch, ns, which other work on the machine disturbs least."""
         return {n: timing.least for n, timing in self.batched.items()}
 
     def may_compile(self, operations: int) -> bool:
@@ -91,7 +91,7 @@ def check_agreement(kernels: dict[Contender, Kernel], motions: Array) -> None:
 
 
 def _reference(contender: Contender) -> Contender:
-    """Whose torques a contender must give."""
+    """The contender with the reference torques."""
     return JETS if contender.elastic else VD
 
 

@@ -1,4 +1,4 @@
-"""Calls timed in turns, so that what else the machine does falls on all of them alike."""
+"""Calls timed in turns, so that other work on the machine affects all equally."""
 
 import time
 from collections.abc import Callable, Mapping
@@ -22,7 +22,7 @@ class Timing:
 def in_turns(calls: Mapping[str, Callable[[], object]], items: int = 1) -> dict[str, Timing]:
     """Time for one of the items that each call works through.
 
-    Each turn begins with a call that is not timed: the turns of others have emptied the caches.
+    Each turn begins with an untimed call: other turns have emptied the caches.
     """
     repeats = {key: max(1, round(_BLOCK / max(_seconds(call, 3), 1e-7))) for key, call in calls.items()}
     found: dict[str, list[float]] = {key: [] for key in calls}
@@ -34,7 +34,7 @@ def in_turns(calls: Mapping[str, Callable[[], object]], items: int = 1) -> dict[
 
 
 def _seconds(call: Callable[[], object], repeats: int) -> float:
-    """For one call, of so many."""
+    """Mean time of one of so many calls, s."""
     start = time.perf_counter()
     for _ in range(repeats):
         call()

@@ -57,7 +57,7 @@ def _elastic(costs: Mapping[str, Cost]) -> str:
 
 
 def _a_joint(cost: Cost) -> str:
-    """Operations that one more joint takes."""
+    """Operations per additional joint."""
     coefficients = polynomial(cost.operations)
     return "an unknown number" if coefficients is None else number(coefficients[-2], 0)
 

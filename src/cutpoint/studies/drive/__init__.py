@@ -1,4 +1,4 @@
-"""One drive of the catalogue: what its maker prints, what the laws make of it, and a picture of both."""
+"""One drive of the catalogue: the maker's data, the laws' results, and a figure of both."""
 
 from cutpoint.studies.drive.figure import save_picture
 from cutpoint.studies.drive.tables import catalogue_table, print_drive

@@ -11,7 +11,7 @@ from cutpoint.studies.drive.loop import Loop
 from cutpoint.studies.drive.measured import Specimen, arc_minutes
 
 _ORDERS = 8
-"""Waves a turn to which the spectrum goes."""
+"""Highest order of the spectrum, waves per turn."""
 
 
 def stiffness(axes: Axes, specimen: Specimen) -> None:
@@ -29,7 +29,7 @@ def stiffness(axes: Axes, specimen: Specimen) -> None:
 
 
 def _segments(axes: Axes, spring: CatalogueSpring, peak: float) -> None:
-    """What the catalogue draws, with its corners and slopes."""
+    """The catalogue's curve, with its corners and slopes."""
     corners = np.array([t for t in (float(spring.t1), float(spring.t2)) if t < peak])
     line = np.concatenate([[-peak], -corners[::-1], [0.0], corners, [peak]])
     torsion = spring.straight_deflection(line) / ARC_MINUTE

@@ -1,4 +1,4 @@
-"""Torque over deflection with the wave generator blocked: a drive's spring and its hysteresis, moved to and fro."""
+"""Torque over deflection with the wave generator blocked: a drive's spring and hysteresis in a cycle."""
 
 from typing import Any, NamedTuple
 
@@ -10,7 +10,7 @@ from cutpoint.studies.chain import Array
 
 
 class Wound(NamedTuple):
-    """How far a spring is wound up, rad, and the strains of the elements beside it, rad."""
+    """Deflection of a spring, rad, and the strains of the parallel elements, rad."""
 
     deflection: float
     strains: tuple[float, ...]

@@ -1,4 +1,4 @@
-"""Panels on what a drive loses: running torque over speed, and efficiency over load."""
+"""Panels on a drive's losses: running torque over speed, and efficiency over load."""
 
 from collections.abc import Iterator
 
@@ -73,7 +73,7 @@ def _fastest(specimen: Specimen) -> float:
 
 
 def _doubt(axes: Axes, specimen: Specimen, parts: tuple[str, ...]) -> None:
-    """A word in the title where it rests on another gear's numbers."""
+    """A remark in the title if it relies on another gear's numbers."""
     if {*parts} & {*specimen.friction.estimated}:
         axes.set_title("estimate", loc="right", color=FORCE, fontstyle="italic", fontsize=11)
     elif specimen.is_fitted:

@@ -1,4 +1,4 @@
-"""What the laws of a catalogue's drive give back, measured as its maker measures a gear."""
+"""Results of the laws of a catalogue drive, measured as its maker measures a gear."""
 
 from functools import cached_property
 from typing import NamedTuple

@@ -1,4 +1,4 @@
-"""A drive of the catalogue in lines: what its maker prints, and what the laws give back beside it."""
+"""A drive of the catalogue in lines: the maker's data beside the laws' results."""
 
 from collections.abc import Iterator
 from typing import Any, NamedTuple
@@ -13,7 +13,7 @@ _NOT_SHOWN = ("source", "verified", "points")
 
 
 class Printed(NamedTuple):
-    """A number of the sheet, with where it was read and what it is worth."""
+    """A number of the sheet, with its source and reliability."""
 
     group: str
     quantity: str
@@ -24,7 +24,7 @@ class Printed(NamedTuple):
 
 
 class Derived(NamedTuple):
-    """What a law gives, and the sheet's number beside it where there is one."""
+    """A law's result, and the sheet's number if there is one."""
 
     quantity: str
     value: str
@@ -40,7 +40,7 @@ def printed(specimen: Specimen) -> Iterator[Printed]:
 
 
 def derived(specimen: Specimen) -> Iterator[Derived]:
-    """What follows from the laws, as far as the sheet goes."""
+    """Results of the laws, for the data in the sheet."""
     yield from _stiffness(specimen)
     yield from _angles(specimen)
     yield from _losses(specimen)

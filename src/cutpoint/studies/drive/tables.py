@@ -1,4 +1,4 @@
-"""What `cutpoint drive` prints."""
+"""Output of `cutpoint drive`."""
 
 from itertools import groupby
 

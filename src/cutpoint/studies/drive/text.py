@@ -21,7 +21,7 @@ def entry_text(name: str) -> str:
 
 
 def _doubts(name: str) -> list[str]:
-    """What is estimated, and what was not read on a page of the maker's."""
+    """Notes on estimates and on numbers that were not read on a page of the maker's."""
     gear, friction = catalogue_gear(name), catalogue_friction(name)
     lines = [estimate_note(name)] if friction.estimated else []
     unverified = [key for key, group in gear.groups.items() if not group.verified and key != "friction"]
@@ -29,7 +29,7 @@ def _doubts(name: str) -> list[str]:
 
 
 def estimate_note(name: str) -> str:
-    """What of the friction is an estimate, and where it comes from; empty if nothing is."""
+    """Which parts of the friction are estimates, and their source; empty if none is."""
     gear, friction = catalogue_gear(name), catalogue_friction(name)
     if gear.friction is None or not friction.estimated:
         return ""

@@ -1,4 +1,4 @@
-"""The effects of a real drive, switched on one by one: what each costs, and what feedforward takes back."""
+"""The effects of a real drive, switched on one by one: the cost of each, and how much feedforward recovers."""
 
 from collections.abc import Mapping
 
@@ -17,7 +17,7 @@ from cutpoint.studies.paper.effects_tables import NAMES, results, tables
 from cutpoint.studies.paper.printed import DURATION
 
 NEGLIGIBLE = 0.01
-"""Of the largest share: what costs less is not worth compensation."""
+"""Share of the largest cost: smaller ones are not worth compensation."""
 
 MOSTLY = 0.95
 """Of an effect's cost: recovered all but wholly."""
@@ -95,7 +95,7 @@ def _thicker() -> float:
 
 
 def readings(found: Shares) -> tuple[str, ...]:
-    """What the numbers say."""
+    """Findings from the numbers."""
     ranked = sorted(found.added, key=lambda effect: -found.added[effect].costs[0])
     first, second = (found.added[effect].costs[0] for effect in ranked[:2])
     small = [effect for effect in ranked if found.added[effect].costs[0] < NEGLIGIBLE * first]
@@ -115,7 +115,7 @@ def readings(found: Shares) -> tuple[str, ...]:
 
 
 def _what_comes_back(added: Mapping[str, Share]) -> str:
-    """Sorted by how much of each the feedforward recovers."""
+    """Effects sorted by how much of each the feedforward recovers."""
     groups: dict[str, list[str]] = {"all but wholly": [], "in part": [], "not": []}
     for effect, share in added.items():
         groups[_how(share)].append(f"{effect} {100 * share.recovered:.0f} %")

@@ -1,4 +1,4 @@
-"""What a drive's effects look like, as a textbook draws them: here what rubs, in `effects_waves` what repeats."""
+"""Textbook figures of a drive's effects: friction here, periodic ones in `effects_waves`."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import replace

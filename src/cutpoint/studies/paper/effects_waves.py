@@ -1,4 +1,4 @@
-"""What of a drive repeats with the rotor: kinematic error, torque ripple, cogging, and their spectra."""
+"""Effects periodic in the rotor's angle: kinematic error, torque ripple, cogging, and their spectra."""
 
 from collections.abc import Mapping
 
@@ -92,5 +92,5 @@ def rated(drive: Drive) -> float:
 
 
 def delivered(drive: Drive, angle: Array, torque: float) -> Array:
-    """What reaches the shaft of an electromagnetic torque, N m."""
+    """Shaft torque of an electromagnetic torque, N m."""
     return np.asarray(shaft_torque(drive, torque * drive.ratio, angle / drive.ratio)) / drive.ratio

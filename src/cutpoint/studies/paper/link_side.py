@@ -12,7 +12,7 @@ from cutpoint.studies.paper.bench import Bench, pd
 from cutpoint.studies.paper.printed import DURATION
 from cutpoint.studies.paper.stability import growth_rates
 
-_SHOWN = 1  # joint 2, which bears the most
+_SHOWN = 1  # joint 2, which has the largest load
 
 
 class Loop(NamedTuple):
@@ -25,12 +25,12 @@ class Loop(NamedTuple):
 
     @property
     def held(self) -> bool:
-        """Whether it got to the end."""
+        """Whether it completed the run."""
         return bool(self.log.time[-1] > DURATION - 1e-6)
 
     @property
     def swing(self) -> float:
-        """How fast the spring that swings most does, RMS over the second half, rad/s."""
+        """Rate of the spring that oscillates most, RMS over the second half, rad/s."""
         late = self.log.time >= self.log.time[-1] / 2
         winding = (self.log["theta_dot"] - self.log["v"])[late]
         return float(np.sqrt(np.mean(winding**2, axis=0)).max())

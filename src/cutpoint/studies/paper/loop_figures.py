@@ -13,7 +13,7 @@ from cutpoint.studies.paper.printed import JOINTS, TABLE_4_POSITION, TABLE_4_TOR
 
 
 def position_rms(log: Log) -> Array:
-    """Degrees, by joint."""
+    """RMS position errors by joint, degrees."""
     return np.rad2deg(log.rms("position_error"))
 
 

@@ -1,4 +1,4 @@
-"""Six panels over time, one a joint, as the paper draws its arm."""
+"""Six panels over time, one per joint, as in the paper."""
 
 from matplotlib.axes import Axes
 from matplotlib.figure import FigureBase

@@ -45,7 +45,7 @@ class Run(NamedTuple):
 
     @property
     def control(self) -> Array:
-        """What the controller asks of the motors, N m."""
+        """Motor torques commanded by the controller, N m."""
         return self.feedforward + self.feedback
 
     @property
@@ -74,7 +74,7 @@ class StandIn:
         self.time: Array = np.arange(round(DURATION_5 / bench.PERIOD) + 1, dtype=np.float64) * bench.PERIOD
 
     def run(self, sizes: Imperfections, seed: int) -> Run:
-        """The loop with imperfections of these sizes, as the seed deals them."""
+        """The loop with imperfections of these sizes, drawn by seed."""
         chance = Chance.of(seed)
         drives = self.model.drives.items()
         plant = self.model.with_drives(
@@ -123,7 +123,7 @@ class StandIn:
 
 
 def _held(drive: Drive, theta: float, torque: float) -> float:
-    """Where a drive holds its link while its motor stands at theta, rad."""
+    """The link's angle at rest with the motor at theta, rad."""
     assert drive.compliance is not None and drive.kinematic_error is not None
     return theta - drive.kinematic_error.value(theta, drive.ratio) - drive.compliance.deflection(torque)
 

@@ -1,4 +1,4 @@
-"""Whether drives are large enough for a motion: what it asks of each, what is allowed, and how long gears last."""
+"""Whether drives are large enough for a motion: demands on each, limits, and the life of gears."""
 
 from cutpoint.studies.sizing.demand import Demand, Peak
 from cutpoint.studies.sizing.drive_sizing import DriveSizing

@@ -1,4 +1,4 @@
-"""What a cycle asks of one drive: its worst instants and its averages."""
+"""Demands of a cycle on one drive: its worst instants and its averages."""
 
 from dataclasses import dataclass
 
@@ -67,7 +67,7 @@ def demand_of(load: Load, k: int, middle: float) -> Demand:
         current=_peak(load, current) if has_motor else None,
         current_rms=duty.rms(span, current) if has_motor else None,
         voltage=_peak(load, voltage) if has_winding else None,
-        # what goes in at the terminals and does not come out at the shaft
+        # electrical input power less mechanical output power
         heat=duty.mean(span, voltage * current - motor * speed) if has_winding else None,
     )
 

@@ -1,4 +1,4 @@
-"""The torque-speed plane of every drive: where the motion goes, and how far gear and motor let it go."""
+"""The torque-speed plane of every drive: the motion, and the limits of gear and motor."""
 
 from collections.abc import Sequence
 from typing import Any
@@ -19,10 +19,10 @@ from cutpoint.studies.sizing.load import Load
 Array = NDArray[np.float64]
 
 ACROSS = 3
-"""Drives side by side at most."""
+"""Most drives side by side."""
 
 PANEL = (3.6, 3.1)
-"""Inches of one."""
+"""Inches of one panel."""
 
 START_STOP = "#f2f3f6"
 """Fill of the zone up to the repeated peak torque, paler than that of the averages."""
@@ -53,7 +53,7 @@ SAMPLES: dict[str, dict[str, Any]] = {
     MOTOR_LIMIT: {"color": MOTOR, "lw": 1, "ls": "--"},
     BEYOND: {"mfc": "none", "mec": FORCE, "mew": 1.6, "ms": 11, "marker": "o", "ls": ""},
 }
-"""How each thing is drawn, in the order of the legend."""
+"""Styles of all items, in the order of the legend."""
 
 
 def figure_of(drives: Sequence[DriveSizing], load: Load) -> Figure:
@@ -70,7 +70,7 @@ def figure_of(drives: Sequence[DriveSizing], load: Load) -> Figure:
             if k >= len(drives) - across:
                 axes.set_xlabel("motor speed [rpm]")
         _explain(figure, across)
-        # what is laid out lazily takes the style of the moment
+        # what is laid out later takes the style of that moment
         figure.canvas.draw()
         return figure
 
@@ -101,7 +101,7 @@ def _panel(axes: Axes, load: Load, drive: DriveSizing, k: int) -> None:
 
 
 def _window(axes: Axes, drive: DriveSizing, torques: Array, fastest: float) -> None:
-    """What of the plane is shown: all of the motion, and the gear's zones."""
+    """The visible part of the plane: all of the motion, and the gear's zones."""
     maximum, peak = _allowed(drive, "maximum speed"), _allowed(drive, "repeated peak torque")
     highest = max(float(torques.max()), *(x for x in (peak, _allowed(drive, "average torque")) if x < np.inf), 1e-9)
     momentary = _allowed(drive, "momentary peak torque")
@@ -145,7 +145,7 @@ def _label(axes: Axes, text: str, at: tuple[float, float], offset: tuple[float, 
 
 
 def _motor_limit(axes: Axes, drive: DriveSizing) -> None:
-    """How far the motor's current, its voltage and the torque limits let it push and brake, over speed."""
+    """Driving and braking torque within the motor's current, its voltage and the torque limits, over speed."""
     speeds, (low, high) = np.linspace(0, axes.get_xlim()[1], 4000), axes.get_ylim()
     bound, at_joint = min(_allowed(drive, "motor torque"), ENDLESS), speeds / TO_RPM / abs(drive.drive.ratio)
     for sign in (1.0, -1.0):
@@ -163,7 +163,7 @@ def _title(axes: Axes, drive: DriveSizing) -> None:
 
 
 def _explain(figure: Figure, across: int) -> None:
-    """A legend of what is in the picture."""
+    """Adds a legend of the items in the figure."""
     drawn = {label for axes in figure.axes for label in axes.get_legend_handles_labels()[1]}
     shown = {label: look for label, look in SAMPLES.items() if label in drawn}
     samples = [Patch(**look) if "facecolor" in look else Line2D([], [], **look) for look in shown.values()]
@@ -172,5 +172,5 @@ def _explain(figure: Figure, across: int) -> None:
 
 
 def _allowed(drive: DriveSizing, limit: str) -> float:
-    """Infinite where it is not stated."""
+    """The limit; infinite if not stated."""
     return next((margin.allowed for margin in drive.margins if margin.limit == limit), np.inf)

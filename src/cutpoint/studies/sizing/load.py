@@ -1,4 +1,4 @@
-"""What a motion asks of every drive, sample by sample."""
+"""Demands of a motion on every drive, sample by sample."""
 
 from typing import NamedTuple
 

@@ -1,4 +1,4 @@
-"""What is allowed, beside what is asked: a margin for every limit that is stated, a name for every one that is not."""
+"""Limits against demands: a margin for every stated limit, a name for every one that is not stated."""
 
 from collections.abc import Iterator
 from dataclasses import dataclass

@@ -23,7 +23,7 @@ _WHOLE = (0, 6, 7, 9)
 
 
 def table_of(found: Sizing) -> Table:
-    """Asked of allowed, at the gear's output and the motor's speed."""
+    """Demanded and allowed, at the gear's output and the motor's speed."""
     pause = f" and a pause of {found.dwell:g} s" if found.dwell else ""
     title = f"{found.robot}: what drives do in a motion of {found.duration:g} s{pause}, and may do"
     table = Table(title=title, title_justify="left", title_style="bold", box=SIMPLE_HEAD, pad_edge=False)
@@ -59,7 +59,7 @@ def _rated(found: Sizing, joint: str, margin: Margin) -> Iterator[str]:
 
 
 def _missing(found: Sizing) -> Iterator[str]:
-    """One sentence for all drives that lack the same."""
+    """One sentence for all drives that lack the same ratings."""
     lacking: dict[tuple[str, ...], list[str]] = {}
     for joint, drive in found.drives.items():
         if drive.missing:
@@ -93,7 +93,7 @@ def _of(asked: Peak | float, found: DriveSizing, limit: str, factor: float = 1.0
 
 
 def _told(margin: Margin) -> str:
-    """What is asked of what is allowed, and when and where."""
+    """Demand and limit, and when and where."""
     is_speed = margin.limit.startswith(("average speed", "maximum speed"))
     factor, unit = (TO_RPM, "rpm") if is_speed else (1.0, margin.unit)
     if margin.limit == "life":
