@@ -1,4 +1,4 @@
-"""What packs gain on batches of rows: ns an element, packs beside single elements, in alternation.
+"""Speedup of packs on batches of rows: ns per element, packs against single elements, in alternation.
 
 python benchmarks/batches.py      (needs the package example-robot-data)
 
@@ -26,7 +26,7 @@ BYTES = 1_000_000
 FUNCTIONS = {
     "inverse_dynamics": 3, "forward_dynamics": 3, "mass_matrix": 1, "elastic_inverse_dynamics": 5,
 }  # fmt: skip
-"""Public functions of a robot, and how many vectors they take."""
+"""Public functions of a robot, and their numbers of input vectors."""
 
 
 def robots() -> dict[str, cutpoint.Robot]:

@@ -18,10 +18,10 @@ from symbolic_models import SX, Chain
 import cutpoint
 
 Model = Callable[[SX], Chain]
-"""A robot at any q."""
+"""A robot at an arbitrary q."""
 
 NOT_LEAN = ("Jacobian", "regressor")
-"""Tasks that speak of single bodies or frames, which no other frames and parameters serve."""
+"""Tasks on single bodies or frames, for which others' frames and parameters cannot be used."""
 
 
 def filed(robot: cutpoint.Robot) -> Model:

@@ -1,4 +1,4 @@
-"""Robots and tasks that are measured, and what every contender gives: a call of many rows, and its results."""
+"""Measured robots and tasks, and the interface of every contender: a call on many rows, and its results."""
 
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -11,7 +11,7 @@ import pinocchio as pin
 import cutpoint
 
 BYTES = 1_000_000
-"""Of inputs and outputs of a batch together."""
+"""Bytes of a batch's inputs and outputs together."""
 
 ROBOTS = {"UR10": ("ur10_robot.urdf", ()), "Panda": ("panda.urdf", ("panda_finger_joint1", "panda_finger_joint2"))}
 """Files of the package example-robot-data, and joints held at zero."""

@@ -1,4 +1,4 @@
-"""Long chains of revolute joints: of 192 beside Pinocchio, and what a joint costs in chains of 6 to 10,000."""
+"""Long chains of revolute joints: 192 joints against Pinocchio, and the cost per joint in chains of 6 to 10,000."""
 
 import sys
 from collections.abc import Callable

@@ -1,4 +1,4 @@
-"""Elastic joints under control, without friction: simulated seconds a second, each in the steps that it needs.
+"""Elastic joints under control, without friction: simulated seconds per second, each with the steps that it needs.
 
 All integrate the same plant by steps of fourth order and four stages: motors' PD at 1 kHz, held between samples.
 """
@@ -32,11 +32,11 @@ DURATION, PERIOD, KP, KD = 10.0, 1e-3, 4000.0, 200.0
 PERIODS = round(DURATION / PERIOD)
 
 ACCURACY = 1e-4
-"""rad, that no link may be off at any sample."""
+"""rad: largest error of any link at any sample."""
 
 SUBSTEPS = (1, 2, 3, 4, 5, 6, 8, 10, 12, 16, 20, 24, 32, 40, 64)
 EXACT, AGREEMENT = 400, 1e-9
-"""Steps a period that count as exact, and how far the contenders may then be apart, rad."""
+"""Steps per period that count as exact, and the largest difference of the contenders with these, rad."""
 
 Simulation = Callable[[int], np.ndarray]
 """With so many steps a period, the links' q at each sample but the last, (periods, n)."""

@@ -1,4 +1,4 @@
-"""Elastic inverse dynamics, reduced: what motors must do for a motion, which takes two time derivatives of the torque.
+"""Elastic inverse dynamics, reduced: motor torques of a motion, which need two time derivatives of the joint torque.
 
 No peer offers it ready-made.  From Pinocchio it comes by finite differences of inverse dynamics along the motion, from
 CasADi by its own differentiation of the same recursion as elsewhere.
@@ -31,7 +31,7 @@ STIFFNESS, INERTIA, RATIO = 1e4, 1.0, 100.0
 
 MOTION = ("q", "v", "a", "jerk", "snap")
 ACCURACY = 1e-8
-"""Of finite differences, as a share of the largest motor torque."""
+"""Tolerance of finite differences, as a share of the largest motor torque."""
 
 WAYS = [(points, h) for points in (3, 5) for h in np.geomspace(1e-1, 1e-4, 31)]
 """Inverse dynamics that a second difference takes, s between them; the cheapest first."""

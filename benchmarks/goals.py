@@ -1,4 +1,4 @@
-"""What each row is to reach beside a peer, and what it did: the first table of docs/benchmarks.md."""
+"""Goals of each row against a peer, and results: the first table of docs/benchmarks.md."""
 
 from collections.abc import Iterator, Mapping, Sequence
 from typing import Any, NamedTuple
@@ -24,7 +24,7 @@ WANTED: dict[tuple[str, str, str], tuple[float, float]] = {
     ("elastic inverse dynamics", "single", PINOCCHIO): (12, 8),
     ("elastic inverse dynamics", "single", CASADI): (2, 1.6), ("elastic inverse dynamics", "lanes", CASADI): (10, 7),
 }  # fmt: skip
-"""By task, way of calling and peer: how many times as quick, on either robot.  single: one call, without Python."""
+"""Speedups by task, way of calling and peer, on either robot.  single: one call, without Python."""
 
 _HEAD = """## Goals and results
 

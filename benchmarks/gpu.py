@@ -1,4 +1,4 @@
-"""Kernels on a GPU: the bits of machine code first, then times beside the copy of as many bytes.
+"""Kernels on a GPU: first equality of bits with machine code, then times against a copy of as many bytes.
 
 python benchmarks/gpu.py      (needs the extra cuda, a GPU, and the package example-robot-data)
 """

@@ -1,4 +1,4 @@
-"""Whether `identify` keeps its promises on arms of which the truth is known.
+"""Whether `identify` keeps its promises on arms with known parameters.
 
 OPENBLAS_NUM_THREADS=1 PYTHONPATH=tests:tests/identification python benchmarks/identification_truth.py --arms 100
 

@@ -1,4 +1,4 @@
-"""Kernels inside JAX, jitted and batched by vmap, beside the same kernels on rows of NumPy's."""
+"""Kernels inside JAX, jitted and batched by vmap, against the same kernels on rows of NumPy arrays."""
 
 import sys
 from dataclasses import asdict

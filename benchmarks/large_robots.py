@@ -1,4 +1,4 @@
-"""Humanoids and a long chain beside Pinocchio: single calls and batches of their dynamics, from Python.
+"""Humanoids and a long chain against Pinocchio: single calls and batches of their dynamics, from Python.
 
 Beyond some size cutpoint's functions run as loops over bodies; which do differs from robot to robot.
 """

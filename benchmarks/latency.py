@@ -1,4 +1,4 @@
-"""How long a call of an exported function takes, the longest of very many, alone and beside a busy core.
+"""Latency of an exported function: the longest of very many calls, alone and with another core busy.
 
 python benchmarks/latency.py --function elastic_inverse_dynamics --calls 1e8
 

@@ -1,4 +1,4 @@
-"""What a step of each control law takes on the paper's arm: called once, and in lanes.
+"""Time of a step of each control law on the paper's arm: called once, and in lanes.
 
 python benchmarks/laws.py      prints them
 """

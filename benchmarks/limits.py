@@ -1,4 +1,4 @@
-"""What one core can do at most: multiply-adds a second, and bytes stored and copied a second.
+"""Limits of one core: multiply-adds per second, and bytes stored and copied per second.
 
 python benchmarks/limits.py      prints them
 """

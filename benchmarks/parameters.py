@@ -1,4 +1,4 @@
-"""Inverse dynamics with the bodies' inertial parameters as inputs, beside the one that has them folded in."""
+"""Inverse dynamics with the bodies' inertial parameters as inputs, against that with them as constants."""
 
 import sys
 from collections.abc import Sequence

@@ -1,4 +1,4 @@
-"""What a start takes: processes from nothing to their first result, in turns.
+"""Start-up times: processes from launch to their first result, in turns.
 
 python benchmarks/starts.py      prints its table alone
 """

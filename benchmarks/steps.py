@@ -1,4 +1,4 @@
-"""What each effect of a drive costs an integration step: ns a step of the closed loop, beside linear elastic drives.
+"""Cost of each drive effect in an integration step: ns per step of the closed loop, against linear elastic drives.
 
 python benchmarks/steps.py      prints its table alone
 

@@ -1,4 +1,4 @@
-"""What follows from the classical algorithms, in CasADi's symbols: by its own differentiation where that is best."""
+"""Tasks derived from the classical algorithms, in CasADi's symbols: by its own differentiation where that is best."""
 
 import casadi as ca
 from symbolic import inverse_dynamics

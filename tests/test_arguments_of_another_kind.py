@@ -1,4 +1,4 @@
-"""What is no robot, recording, motion, path or number at all is refused by name, wherever it is handed in."""
+"""Arguments that are not a robot, recording, motion, path or number are refused by name, wherever they are passed."""
 
 from collections.abc import Callable
 from typing import Any

@@ -1,4 +1,4 @@
-"""What every command does with names, and with places for its files."""
+"""Common behaviour of commands: names, and places for their files."""
 
 import errno
 import os

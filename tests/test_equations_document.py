@@ -1,4 +1,4 @@
-"""docs/equations.md tells the truth about where the paper's equations are."""
+"""docs/equations.md is correct about where the paper's equations are."""
 
 import pytest
 

@@ -1,4 +1,4 @@
-"""What linear models are held against: differences of the plant, and one joint with everything known."""
+"""References for linear models: finite differences of the plant, and one joint with everything known."""
 
 from dataclasses import replace
 from typing import Any

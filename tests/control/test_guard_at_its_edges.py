@@ -1,4 +1,4 @@
-"""What a guard lets in and out in single samples, which sensors it watches, and what it refuses."""
+"""Inputs and outputs that a guard passes in single samples, the sensors that it watches, and what it refuses."""
 
 import math
 from dataclasses import replace

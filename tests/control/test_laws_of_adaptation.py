@@ -1,4 +1,4 @@
-"""What adaptation keeps, whatever it is fed, and what it makes smaller."""
+"""Invariants of adaptation for any input, and quantities that it decreases."""
 
 from typing import Any
 

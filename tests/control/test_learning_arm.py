@@ -1,4 +1,4 @@
-"""What adaptive VDC promises: an arm whose model is wrong learns, from encoders as they are."""
+"""Promises of adaptive VDC: an arm with a wrong model adapts, with realistic encoders."""
 
 from dataclasses import replace
 from functools import cache

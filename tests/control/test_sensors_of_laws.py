@@ -1,4 +1,4 @@
-"""Laws say what they must be told, are refused where it is not there, and read nothing else."""
+"""Laws state the sensors that they need, are refused without them, and read nothing else."""
 
 import numpy as np
 import pytest

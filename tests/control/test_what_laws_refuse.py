@@ -1,4 +1,4 @@
-"""What makes no sense is refused where it is given: thing, value, rule, remedy."""
+"""Invalid arguments are refused where they are given: thing, value, rule, remedy."""
 
 from dataclasses import replace
 from typing import Any

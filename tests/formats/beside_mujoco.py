@@ -1,4 +1,4 @@
-"""An MJCF file as it is read here, and as MuJoCo reads it."""
+"""An MJCF file as read here, and as read by MuJoCo."""
 
 import warnings
 from pathlib import Path

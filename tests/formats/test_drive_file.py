@@ -1,4 +1,4 @@
-"""What a drive file means: ratios, springs, friction, limits, defaults; and that writing one undoes reading it."""
+"""Meaning of a drive file: ratios, springs, friction, limits, defaults; and that writing one inverts reading it."""
 
 import math
 import warnings

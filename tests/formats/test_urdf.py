@@ -1,4 +1,4 @@
-"""What a URDF document means, where Pinocchio has no say: order, defaults, options, warnings, xacro."""
+"""Meaning of a URDF document beyond comparison with Pinocchio: order, defaults, options, warnings, xacro."""
 
 import sys
 import warnings

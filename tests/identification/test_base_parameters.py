@@ -1,4 +1,4 @@
-"""Base parameters: as many as motion tells apart, and enough for every torque."""
+"""Base parameters: as many as motion can identify, and enough for every torque."""
 
 import numpy as np
 import pytest

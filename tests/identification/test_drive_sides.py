@@ -1,4 +1,4 @@
-"""What of a drive is the motor's and what the link's: waves of its gear, friction on both sides, clocks that differ."""
+"""Motor side and link side of a drive: waves of its gear, friction on both sides, clocks that differ."""
 
 import re
 from dataclasses import replace

@@ -1,4 +1,4 @@
-"""What is said of torque errors on the part of a log that was held out."""
+"""Warnings on torque errors in the held-out part of a log."""
 
 import re
 

@@ -1,4 +1,4 @@
-"""What `identify` says of logs that are not good, and what it does not take."""
+"""Notes of `identify` on poor logs, and logs that it refuses."""
 
 import re
 from pathlib import Path

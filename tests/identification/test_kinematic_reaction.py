@@ -1,4 +1,4 @@
-"""A kinematic error makes the motor bear more of the load, or less, from tooth to tooth: links are told without it."""
+"""A kinematic error varies the motor's share of the load from tooth to tooth: links are identified without it."""
 
 from dataclasses import replace
 

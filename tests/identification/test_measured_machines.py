@@ -1,4 +1,4 @@
-"""Logs of real machines, beside the repository; `conftest.py` says so where they are not."""
+"""Logs of real machines, stored beside the repository; `conftest.py` reports if they are missing."""
 
 from pathlib import Path
 

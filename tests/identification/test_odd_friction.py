@@ -1,4 +1,4 @@
-"""Friction of which no law is known, or which a log hardly tells: what is judged is what is saved, and can exist."""
+"""Friction without a known law, or hardly determined by a log: the judged model is the saved one, and is physical."""
 
 import re
 from pathlib import Path

@@ -1,4 +1,4 @@
-"""What looks wrong in a log is said by name; what is surely wrong is refused."""
+"""Suspicious data in a log are reported by name; certain errors are refused."""
 
 import math
 from dataclasses import replace

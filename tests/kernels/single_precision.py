@@ -1,4 +1,4 @@
-"""What the tests of single precision compute: robots' functions, and a function of every kind of output."""
+"""Functions for the tests of single precision: robots' functions, and one for every kind of output."""
 
 from typing import Any
 

@@ -1,4 +1,4 @@
-"""Machine code goes with its owner, and only then."""
+"""Machine code is freed with its owner, and only then."""
 
 import gc
 import resource

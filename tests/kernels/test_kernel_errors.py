@@ -1,4 +1,4 @@
-"""What is said to those who call a kernel, or compile one, with the wrong thing."""
+"""Error messages for wrong arguments in calling or compiling a kernel."""
 
 from collections.abc import Callable
 from typing import Any, NamedTuple

@@ -1,4 +1,4 @@
-"""What happens to numbers while a function is traced."""
+"""Treatment of numbers while a function is traced."""
 
 import gc
 import math

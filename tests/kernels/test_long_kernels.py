@@ -1,4 +1,4 @@
-"""Functions so long that compiling them would take many minutes are refused, and told what to do."""
+"""Functions so long that compiling them would take many minutes are refused, with a remedy."""
 
 from typing import Any
 

@@ -1,4 +1,4 @@
-"""What a stage computes of rows that nobody writes is computed for several of them at once: no bit may change."""
+"""A stage's computations on rows that nobody writes are done for several rows at once: no bit may change."""
 
 import ctypes
 import mmap

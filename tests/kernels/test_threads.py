@@ -1,4 +1,4 @@
-"""Threads: no bit of the results tells how many have worked."""
+"""Threads: results are bitwise independent of their number."""
 
 import threading
 import time

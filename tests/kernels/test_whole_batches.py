@@ -1,4 +1,4 @@
-"""Batches given whole go without NumPy's machinery, and nobody sees it; all others go with it."""
+"""Contiguous batches bypass NumPy's machinery without a visible difference; all others use it."""
 
 import sys
 import tracemalloc

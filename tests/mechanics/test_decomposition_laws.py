@@ -1,4 +1,4 @@
-"""What virtual decomposition cuts, what passes through the cuts, and that subsystems do not know of each other."""
+"""The cuts of virtual decomposition, what passes through them, and independence of the subsystems."""
 
 from collections import namedtuple
 from itertools import pairwise

@@ -1,4 +1,4 @@
-"""What elastic inverse dynamics promises: it undoes the forward dynamics, and its rates are the rates of its values."""
+"""Promises of elastic inverse dynamics: it inverts the forward dynamics, and its rates are those of its values."""
 
 from dataclasses import replace
 

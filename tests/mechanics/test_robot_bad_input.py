@@ -1,4 +1,4 @@
-"""What the public face of a robot refuses: each with one error that names thing, value and rule."""
+"""Input that a robot's public interface refuses: each with one error that names thing, value and rule."""
 
 from dataclasses import replace
 from typing import Any, cast

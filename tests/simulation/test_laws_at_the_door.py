@@ -1,4 +1,4 @@
-"""Laws that cannot be run are refused before they run, and told why."""
+"""Laws that cannot run are refused before they run, with the reason."""
 
 import warnings
 from dataclasses import dataclass

@@ -1,4 +1,4 @@
-"""What the controller sees: resolution, noise, delay, and speeds from positions."""
+"""The controller's sensors: resolution, noise, delay, and speeds from positions."""
 
 from typing import Any
 

@@ -1,4 +1,4 @@
-"""What asks for short steps beside modes at rest: waves of the motor, springs that stiffen, play."""
+"""Causes of short steps besides modes at rest: waves of the motor, hardening springs, play."""
 
 import warnings
 from dataclasses import replace

@@ -1,4 +1,4 @@
-"""The comparison of control laws: equal stiffness, worst of the runs, refusals told, and a report that reloads."""
+"""The comparison of control laws: equal stiffness, the worst run, reported refusals, and a report that reloads."""
 
 import json
 from dataclasses import replace

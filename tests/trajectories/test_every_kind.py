@@ -1,4 +1,4 @@
-"""What holds for every kind of trajectory."""
+"""Properties of every kind of trajectory."""
 
 import pickle
 from typing import Any
