@@ -63,7 +63,7 @@ def document(results: dict, others: Sequence[dict] = ()) -> str:
 
 
 def _worst(results: dict) -> float:
-    """The largest difference there was, of all that is measured as a share of the largest result."""
+    """The largest difference of all, as a share of the largest result."""
     measured = [
         *results["tasks"],
         *results["elastic"],

@@ -38,7 +38,7 @@ WAYS = [(points, h) for points in (3, 5) for h in np.geomspace(1e-1, 1e-4, 31)]
 
 
 def elastic(given: Case) -> cutpoint.Robot:
-    """With the same drive in every joint."""
+    """The robot with the same drive in every joint."""
     drive = Drive(RATIO, Rotor(INERTIA / RATIO**2), LinearSpring(STIFFNESS))
     bodies = [replace(b, joint=replace(b.joint, limits=cutpoint.model.Limits())) for b in given.robot.mechanism.bodies]
     mechanism = replace(given.robot.mechanism, bodies=tuple(bodies))

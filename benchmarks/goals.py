@@ -76,7 +76,7 @@ class Goal(NamedTuple):
 
 
 def goals(results: dict[str, Any], others: Sequence[dict[str, Any]]) -> str:
-    """Of this run, beside what runs on other processors reached."""
+    """Goals of this run, beside results on other processors."""
     machines = [x["machine"] for x in (results, *others)]
     runs = [_goals(x) for x in (results, *others)]
     rows = [

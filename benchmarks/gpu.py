@@ -29,7 +29,7 @@ FUNCTIONS = {
     "regressor": 3,
     "elastic_inverse_dynamics": 5,
 }
-"""Of a robot, and how many vectors they take."""
+"""Functions of a robot, and their numbers of input vectors."""
 
 
 def robots() -> dict[str, cutpoint.Robot]:
@@ -55,7 +55,7 @@ def kernels(robot: cutpoint.Robot, is_elastic: bool) -> dict[str, Kernel]:
 
 
 def differing(kernel: Kernel, robot: cutpoint.Robot) -> int:
-    """Numbers that are not those of machine code to the last bit."""
+    """Number of results that are not bitwise those of machine code."""
     rows, wrong = inputs(kernel, robot, 4099), 0
     for ours, theirs in zip(_parts(kernel.on_gpu()(*rows)), _parts(kernel(*map(cupy.asnumpy, rows))), strict=True):
         bits = f"u{theirs.itemsize}"

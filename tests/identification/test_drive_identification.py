@@ -43,7 +43,7 @@ def test_stiffness_is_found_within_two_percent_wherever_the_encoders_resolve_it(
     for name in SEEN:
         spring, true = arm.found.joints[name].spring, arm.true.drives[name]
         assert spring.counts > 50.0
-        # small motions do not tell a spring from elements that hardly slip: what holds them is the sum of both
+        # small motions do not separate a spring from elements that hardly slip: only their sum is determined
         found = float(spring.compliance.tangent(0.0)) + sticking(spring.hysteresis)
         assert found == pytest.approx(true.compliance.stiffness + sticking(true.hysteresis), rel=0.02)
 

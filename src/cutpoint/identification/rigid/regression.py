@@ -74,8 +74,8 @@ def regression(
         own, columns = friction_columns(laws[joint], speeds[:, j], None if loads is None else loads[:, j])
         names += [f"{name}.{joint}" for name in own]
         friction.append(of_joint(means(columns), j, len(joints)))
-    # beside dry friction that differs by direction, too, which is one but for the moments of rest: without it these
-    # alone would tell a joint's weight, where that is constant
+    # also beside dry friction that differs by direction, which equals an offset except at rest: without it, rest alone
+    # would determine a joint's gravity torque where that is constant
     for j, joint in enumerate(joints if offsets else ()):
         names.append(f"offset.{joint}")
         friction.append(of_joint(np.ones((means.size, 1)), j, len(joints)))
