@@ -22,7 +22,7 @@ EFFECTS = (STIFFNESS, ERROR, HYSTERESIS, FRICTION, PRESLIDING, LAG, RIPPLE, ASYM
 """Effects in the order in which they are switched on."""
 
 NEEDS = {PRESLIDING: FRICTION, ASYMMETRY: FRICTION, COLD: FRICTION}
-"""Effects that another one modifies and so requires."""
+"""The effect that each of these modifies, and therefore requires."""
 
 DISTANCE, BRISTLE_DAMPING, ELASTIC = 5e-4, 3.0, 0.7
 """Of presliding: rad at the joint (a twentieth of a radian of the motor), N m s/rad, share.  Ours."""
