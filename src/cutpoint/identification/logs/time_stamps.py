@@ -144,8 +144,9 @@ def _remark(times: Array, name: str, notes: list[str]) -> None:
         )
     if period < FAST:
         told = f"a period of {period:g} s is shorter than any log of a moving machine has"
-        remedy = "are the times in a longer unit?  Then state 'time: {channel: ..., unit: ...}' in a mapping"
-        raise InputError(f"{name}: {told}; {remedy}", period=period)
+        notes.append(
+            f"{name}: {told}: are the times in a longer unit?  Then state it in a mapping, 'time: {{unit: ...}}'"
+        )
     if period > SLOW:
         unit = next((unit for unit, factor in TIMES.items() if factor * period <= SLOW), "ns")
         remedy = f"state 'time: {{channel: ..., unit: {unit}}}' in a mapping"
