@@ -203,6 +203,8 @@ def test_a_law_leaves_as_c_by_its_name(options: list[str], guarded: bool, tmp_pa
         ),
         (["export", "xia2019", "out", "--law", "PD", "--frame", "link6"], "--frame is for a --function: leave it out"),
         (["export", "xia2019", "out", "--law", "PD", "--to", "cuda"], "--to cuda is for a --function: leave it out"),
+        (["export", "xia2019", "out", "--law", "PD", "--bandwidth", "0"], "bandwidth 0.0 Hz must be positive"),
+        (["export", "xia2019", "out", "--law", "PD", "--period", "0"], "control_period 0.0 s must be positive"),
         (["export", "xia2019", "out", "--function", "jacobian", "--guard"], "--guard is for a --law: leave it out"),
         (["export", "xia2019", "out", "--function", "jacobian", "--period", "1"], "--period is for a --law: leave"),
         (["plot", "run.npz", "run.npz"], "'run.npz' is named twice; name each log once"),

@@ -79,7 +79,8 @@ def export(
     )
     loaded = robot_of(robot, drives, mimic, lock, gravity, mend_inertia, floating_base=floating_base)
     if law is not None:
-        bandwidth, period = bandwidth or BANDWIDTH, period or PERIOD
+        bandwidth = BANDWIDTH if bandwidth is None else bandwidth
+        period = PERIOD if period is None else period
         step = law_of(loaded, law, bandwidth, feedforward, period)
         step = Guard(step, loaded) if guard else step
         paths = export_controller(
