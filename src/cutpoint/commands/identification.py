@@ -95,11 +95,14 @@ def _boxes(robot: cutpoint.Robot, box: Corners | None, frame: str | None) -> dic
 @app.command(epilog="Example: cutpoint identify arm.urdf log.csv --drives arm.drives.yaml --mapping map.yaml")
 def identify(
     robot: RobotFile,
-    log: Annotated[Path, typer.Argument(metavar="LOG", help="CSV, NPZ, MAT, Parquet, a ROS 2 bag, or a log of ours.")],
+    logs: Annotated[
+        list[Path],
+        typer.Argument(metavar="LOG", help="CSV, NPZ, MAT, Parquet, a ROS 2 bag, or a log of ours; one or several."),
+    ],
     mapping: Annotated[
         Path | None,
         typer.Option(
-            metavar="FILE", help="Which channels of the log are what (YAML); found by their names if not given."
+            metavar="FILE", help="Which channels of the logs are what (YAML); found by their names if not given."
         ),
     ] = None,
     drives: Drives = None,
@@ -112,7 +115,7 @@ def identify(
         typer.Option(metavar="DIR", help="Folder for robot.urdf, robot.drives.yaml, parameters.json, report.html."),
     ] = Path("identified"),
     hold_out: Annotated[
-        float, typer.Option(help="Share of the log, at its end, that judges the model and is not fitted.")
+        float, typer.Option(help="Share of the logs, at their end, that judges the model and is not fitted.")
     ] = 0.3,
     method: Annotated[
         Literal["ordinary", "weighted", "huber", "instrumental"],
@@ -151,7 +154,7 @@ def identify(
     ] = False,
     force: Annotated[bool, typer.Option("--force", metavar="", help="Overwrite the files of an earlier run.")] = False,
 ) -> None:
-    """Identify masses, inertias, friction and drives from a log, with intervals, and what the log cannot tell.
+    """Identify masses, inertias, friction and drives from logs, with intervals, and what the logs cannot tell.
 
     First let the machine follow a motion of cutpoint excite, and record positions, of motor and link if there are
     encoders on both, and torques or currents.  What the log has in degrees, counts or percent, or at the motor's shaft,
@@ -165,7 +168,7 @@ def identify(
     loaded = robot_of(robot, drives, mimic, lock, gravity, mend_inertia)
     file = cutpoint.robots.XIA2019_URDF if str(robot) == "xia2019" else robot
     found = identified(
-        loaded, log, mapping, hold_out=hold_out, springs=springs, rotors=rotors, friction=friction, method=method,
+        loaded, logs, mapping, hold_out=hold_out, springs=springs, rotors=rotors, friction=friction, method=method,
         solver=solver, cutoff=cutoff, bandwidth=bandwidth, torque_delay=delay, align=align, source=file, progress=True,
     )  # fmt: skip
     saved = found.save(output, force=force)

@@ -10,6 +10,7 @@ from cutpoint.identification.conditioning.filtering import derivative, low_pass,
 from cutpoint.identification.conditioning.torque_laws import arm_torque, single_joint_torque
 from cutpoint.identification.drives.identify_drives import DriveEstimates, identify_drives
 from cutpoint.identification.excitation.excitation import Excitation, excitation
+from cutpoint.identification.logs.joining import joined
 from cutpoint.identification.logs.mapping import load_mapping, parse_mapping
 from cutpoint.identification.logs.read_recording import read_recording, recording_of
 from cutpoint.identification.logs.reading import read_table
@@ -38,6 +39,7 @@ __all__ = [
     "identify",
     "identify_drives",
     "identify_rigid",
+    "joined",
     "load_mapping",
     "low_pass",
     "low_passed",

@@ -1,6 +1,6 @@
 """`identify`: from a log to an identified robot, with uncertainties, and files of both."""
 
-from collections.abc import Generator, Mapping
+from collections.abc import Generator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import replace
 from pathlib import Path
@@ -17,6 +17,7 @@ from cutpoint.identification.conditioning.other_sides import with_other_sides
 from cutpoint.identification.conditioning.spikes import without_spikes
 from cutpoint.identification.drives.identify_drives import DriveEstimates, encoder_steps
 from cutpoint.identification.joint_units import at_joints, words_at
+from cutpoint.identification.logs.joining import joined
 from cutpoint.identification.logs.read_recording import read_recording
 from cutpoint.identification.logs.recording import EFFORTS, UNEVEN, Array, Recording
 from cutpoint.identification.logs.suspicions import refuse_other_units, suspicions
@@ -42,11 +43,13 @@ MOST_HELD = 0.9
 LONGEST_DELAY = 0.1
 """s: a longer delay was meant in milliseconds."""
 
+OneLog = Recording | str | Path
+
 
 @by_one_thread
 def identify(
     robot: Robot | str | Path,
-    log: Recording | str | Path,
+    log: OneLog | Sequence[OneLog],
     mapping: str | Path | Mapping[str, Any] | None = None,
     drives: str | Path | None = None,
     *,
@@ -66,7 +69,8 @@ def identify(
 ) -> Identification:
     """Inertias, rotors, friction and, from encoders on both sides, springs of a robot's drives, from a log.
 
-    robot: as its files have it, or its file with `drives`.  log, mapping: a recording, or as for `read_recording`.
+    robot: as its files have it, or its file with `drives`.
+    log, mapping: a recording, or as for `read_recording`; of several logs all are used, see `joined`.
     hold_out: share of the log, at its end, that is not fitted: the model's errors there show whether it generalises.
     springs: whether to identify them; by default if both `q` and `theta` were recorded and a drive is elastic.
     rotors: whether to estimate rotor inertias: not from torques measured at the gears' output.
@@ -89,8 +93,9 @@ def identify(
     how: dict[str, Any] = of_rigid | filters
     with Steps(3, progress) as say:
         say("reading the log")
-        before, stamped, resolution = _read(robot, log, mapping, drives)
-        with _told_of(log):
+        logs = [log] if isinstance(log, (Recording, str, Path)) else [*log]
+        before, stamped, resolution = _read(robot, logs, mapping, drives)
+        with _told_of(logs):
             stamped = aligned(stamped) if align else stamped
             recording = _acting(stamped, torque_delay)
             fitted, held_from = _fitted(recording, hold_out)
@@ -103,19 +108,20 @@ def identify(
 
 
 @contextmanager
-def _told_of(log: Recording | str | Path) -> Generator[None, None, None]:
-    """Errors from read data name the log's file."""
+def _told_of(logs: Sequence[OneLog]) -> Generator[None, None, None]:
+    """Errors from read data name the logs' files."""
     try:
         yield
     except InputError as error:
-        if error.place or isinstance(log, Recording):
+        files = [str(log) for log in logs if not isinstance(log, Recording)]
+        if error.place or not files:
             raise
-        raise InputError(str(error), place=log, **error.evidence) from error
+        raise InputError(str(error), place=", ".join(files), **error.evidence) from error
 
 
 def _read(
     robot: Robot | str | Path,
-    log: Recording | str | Path,
+    logs: Sequence[OneLog],
     mapping: str | Path | Mapping[str, Any] | None,
     drives: str | Path | None,
 ) -> tuple[Robot, Recording, Array | None]:
@@ -124,12 +130,25 @@ def _read(
     Last, the resolution of the encoders on both sides, see `encoder_steps`, in the order of the robot's joints.
     """
     before = robot if isinstance(robot, Robot) else load(robot, drives)
-    recording = _suspected(log, before) if isinstance(log, Recording) else read_recording(log, mapping, before)
-    recording = with_other_sides(recording)
+    recordings = [_recorded(log, mapping, before) for log in logs]
+    with _told_of(logs):
+        recording = recordings[0] if len(recordings) == 1 else joined([*map(_named, logs, recordings)])
+        recording = with_other_sides(recording)
     are_both = {"q", "theta"} <= recording.channels.keys() and {*before.joints} <= {*recording.joints}
     resolution = encoder_steps(recording.in_order(before.joints)) if are_both else None
     clean = without_spikes(recording)
     return before, bridged(clean, _at_uniform_times(clean)), resolution
+
+
+def _recorded(log: OneLog, mapping: str | Path | Mapping[str, Any] | None, robot: Robot) -> Recording:
+    return _suspected(log, robot) if isinstance(log, Recording) else read_recording(log, mapping, robot)
+
+
+def _named(log: OneLog, recording: Recording) -> Recording:
+    """The recording, whose notes name its file."""
+    if isinstance(log, Recording):
+        return recording
+    return replace(recording, notes=tuple(f"{Path(log).name}: {note}" for note in recording.notes))
 
 
 def _identification(
