@@ -1,6 +1,7 @@
 """Common behaviour of commands: names, and places for their files."""
 
 import errno
+import itertools
 import os
 import re
 import shlex
@@ -461,3 +462,14 @@ def test_a_joint_is_locked_at_one_place() -> None:
 def test_a_lock_without_joint_or_place_is_refused(lock: str) -> None:
     with pytest.raises(InputError, match=r"must be JOINT=PLACE, such as finger_joint=0.02, in rad \(m\)"):
         CliRunner().invoke(app, ["inspect", "xia2019", "--lock", lock], catch_exceptions=False)
+
+
+@pytest.mark.parametrize("command", [own.name or own.callback.__name__ for own in app.registered_commands])
+def test_paragraphs_of_help_fill_their_lines(command: str):
+    """Whatever the line breaks of the docstring."""
+    words = CliRunner().invoke(app, [command, "--help"], env={"COLUMNS": "80"}).output
+    text = words.split("╭")[0].splitlines()
+    for line, following in itertools.pairwise(text):
+        if line.strip() and following.strip():
+            first = following.split()[0]
+            assert len(f"{line.rstrip()} {first}") >= 79, line
