@@ -209,6 +209,7 @@ def test_a_law_leaves_as_c_by_its_name(options: list[str], guarded: bool, tmp_pa
         (["export", "xia2019", "out", "--function", "jacobian", "--guard"], "--guard is for a --law: leave it out"),
         (["export", "xia2019", "out", "--function", "jacobian", "--period", "1"], "--period is for a --law: leave"),
         (["plot", "run.npz", "run.npz"], "'run.npz' is named twice; name each log once"),
+        (["export", "xia2019", "out", "--law", "slotineli", "--to", "cuda"], "--to cuda is for a --function"),
     ],
 )
 def test_options_of_laws_that_contradict_each_other_are_refused(
@@ -217,6 +218,12 @@ def test_options_of_laws_that_contradict_each_other_are_refused(
     monkeypatch.chdir(tmp_path)
     with pytest.raises(InputError, match=re.escape(message)):
         CliRunner().invoke(app, arguments, catch_exceptions=False)
+
+
+def test_a_law_that_does_not_exist_is_told_those_that_do() -> None:
+    words = CliRunner().invoke(app, ["simulate", "xia2019", "--law", "VCD"], env={"COLUMNS": "300"}).output
+    assert "no law is named 'VCD'; there are: 'PD', 'PID', 'ComputedTorque'" in words
+    assert "did you mean 'VDC'?" in words
 
 
 def test_limits_that_a_motion_meets_are_said(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:

@@ -5,7 +5,7 @@ from typing import Annotated, Any, Literal
 
 import typer
 
-from cutpoint.commands.laws import BANDWIDTH, PERIOD, Feed, Name, law_of
+from cutpoint.commands.laws import BANDWIDTH, NAMES, PERIOD, Feed, Name, by_name, law_of
 from cutpoint.commands.shared import (
     Drives,
     FloatingBase,
@@ -37,7 +37,10 @@ def export(
     law: Annotated[
         Name | None,
         typer.Option(
-            "--law", case_sensitive=False, help="Instead: a law of cutpoint.control, with gains as in simulate."
+            "--law",
+            parser=by_name,
+            metavar=NAMES,
+            help="Instead: a law of cutpoint.control, with gains as in simulate.",
         ),
     ] = None,
     bandwidth: Annotated[float | None, typer.Option(help="Of the law, Hz; 5 if not given.")] = None,

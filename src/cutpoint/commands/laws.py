@@ -1,12 +1,12 @@
 """Control laws by name, with gains by bandwidth."""
 
-from typing import Annotated, Any, Literal
+from typing import Annotated, Any, Literal, get_args
 
 import typer
 
 import cutpoint
 from cutpoint.commands.shared import Rung
-from cutpoint.errors import InputError
+from cutpoint.errors import InputError, unknown_name
 
 Name = Literal[
     "PD",
@@ -20,8 +20,23 @@ Name = Literal[
     "Robust",
     "SuperTwisting",
 ]
+
+
+def by_name(text: str) -> str:
+    """The law's name, whose case does not matter."""
+    names = get_args(Name)
+    found = [name for name in names if name.casefold() == text.casefold()]
+    if not found:
+        raise typer.BadParameter(str(unknown_name("law", text, names)))
+    return found[0]
+
+
+NAMES = f"<{'|'.join(get_args(Name))}>"
 Law = Annotated[
-    Name, typer.Option("--law", case_sensitive=False, help="Which of cutpoint.control: see docs/which-controller.md.")
+    Name,
+    typer.Option(
+        "--law", parser=by_name, metavar=NAMES, help="Of cutpoint.control; which-controller.md in docs compares them."
+    ),
 ]
 Bandwidth = Annotated[float, typer.Option("--bandwidth", help="Of the law, Hz: its gains come from it.")]
 Feed = Annotated[

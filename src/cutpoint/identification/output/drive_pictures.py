@@ -83,10 +83,11 @@ def loop_picture(robot: Robot, drives: DriveEstimates, found: Mapping[str, Bendi
 
 
 def _panels(count: int, height: float) -> tuple[Figure, list[Axes]]:
-    """So many panels, two per row; height: of a row."""
-    rows = -(-count // 2)
+    """So many panels, at most two per row; height: of a row."""
+    columns = min(max(count, 1), 2)
+    rows = -(-count // columns)
     figure = Figure(figsize=(WIDTH, 0.6 + height * rows), layout="constrained")
-    panels = list(figure.subplots(rows, 2, squeeze=False).flat)
+    panels = list(figure.subplots(rows, columns, squeeze=False).flat)
     for axes in panels[count:]:
         axes.set_visible(False)
     return figure, panels[:count]
